@@ -677,12 +677,13 @@ fn states_that_cannot_be_are_refused() {
     assert!(matches!(make(1.0, 0.0, &far), StructureStateError::OutsideGap { .. }));
 }
 
-/// Losses from plastic to none, contacts that share coordinates, loads that press: what must hold whatever happens.
-#[test]
-fn random_structures_under_pressure_stay_between_their_stops_and_lose_what_they_lose() {
+/// Losses from plastic to none, damping of any kind, contacts that share coordinates and loads that press: contacts stay inside, their own
+/// place is that of the coordinates, barriers push and never pull, and the balance of energy closes. Of so many made structures those of
+/// which `is_run` says so are run.
+fn under_pressure(made: usize, is_run: impl Fn(usize) -> bool) -> (u64, u64, usize) {
     let mut random = Random(11);
-    let (mut sticks, mut releases, mut sequences) = (0, 0, 0);
-    for round in 0..60 {
+    let (mut sticks, mut releases, mut runs) = (0, 0, 0);
+    for round in 0..made {
         let made = random.structure();
         let n = made.size();
         let contacts: Vec<(DVector<f64>, Contact)> = (made.contacts.iter())
@@ -693,7 +694,9 @@ fn random_structures_under_pressure_stay_between_their_stops_and_lose_what_they_
                 (w.clone(), Contact { lower, upper: Some(limits.1), restitution })
             })
             .collect();
-        let damping = &made.stiffness * random.log(1e-4, 0.3);
+        let is_proportional = random.chance(0.5);
+        let damping =
+            if is_proportional { &made.stiffness * random.log(1e-4, 0.3) } else { made.damping.clone() * 0.1 };
         let load = DVector::from_fn(n, |_, _| Complex::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0)));
         let structure = Structure {
             mass: made.mass.clone(),
@@ -705,32 +708,46 @@ fn random_structures_under_pressure_stay_between_their_stops_and_lose_what_they_
         };
         let omega = random.between(0.2, 1.0);
         let v = DVector::from_fn(n, |_, _| random.between(-0.5, 0.5));
+        if !is_run(round) {
+            continue;
+        }
+        let form = structure.energy_form(&structure.modal().unwrap());
         let simulation = started(&structure, omega, 0.0, &DVector::zeros(n), &v);
-        let mut simulation = balanced(simulation.in_sequence());
-        let start = energy(&simulation);
+        let mut simulation = simulation.in_sequence().with_balance(form.clone());
+        let start = form.energy(&simulation.state().modes);
         for part in 1..=100 {
             let report = simulation.run(&until(&simulation, 0, 0.2 * f64::from(part)), |_| {});
             assert_eq!(report.outcome, StructureOutcome::TimeReached, "{round} {part}");
             let state = simulation.state();
             for (contact, (w, limits)) in state.contacts.iter().zip(&structure.contacts) {
-                let place = w.dot(&DVector::from_column_slice(&state.place));
-                assert!(
-                    limits.room(place) > -1e-13 && (place - contact.place).abs() < 1e-13,
-                    "{round} {part} {contact:?} {place} {limits:?}"
-                );
-                let velocity = w.dot(&DVector::from_column_slice(&state.velocity));
-                assert!((velocity - contact.velocity).abs() < 1e-12, "{round} {part} {contact:?} {velocity}");
-                if let Some(barrier) = contact.resting {
-                    assert!(-barrier.sign() * contact.force > -1e-10, "{round} {part} {contact:?}");
-                }
+                let [place, velocity] = [&state.place, &state.velocity].map(|q| w.dot(&DVector::from_column_slice(q)));
+                let case = format!("{round} {part} {contact:?} {place} {velocity} {limits:?}");
+                assert!(limits.room(place) > -1e-11 && (place - contact.place).abs() < 1e-11, "{case}");
+                assert!((velocity - contact.velocity).abs() < 1e-10, "{case}");
+                assert!(contact.resting.is_none_or(|barrier| barrier.sign() * contact.force < 1e-10), "{case}");
             }
         }
         let (balance, work) = (simulation.balance().unwrap(), simulation.work());
-        let missing = energy(&simulation) - start - (balance.work - balance.dashpots - balance.impacts);
-        let size = balance.dashpots + balance.impacts + start;
-        assert!(missing.abs() < 1e-12 * size, "{round}: {missing:e} of {size}");
-        (sticks, releases) = (sticks + work.sticks, releases + work.releases);
-        sequences += usize::from(structure.contacts.len() > 1);
+        let change = form.energy(&simulation.state().modes) - start;
+        let missing = change - (balance.work - balance.dashpots - balance.impacts);
+        // Of modes of complex shape that nearly meet some digits are lost.
+        let size = (balance.dashpots + balance.impacts + start) * if is_proportional { 1e-12 } else { 1e-10 };
+        assert!(missing.abs() < size, "{round}: {missing:e} of {size}");
+        (sticks, releases, runs) = (sticks + work.sticks, releases + work.releases, runs + 1);
     }
-    assert!(sticks > 300 && releases > 300 && sequences > 20, "{sticks} {releases} {sequences}");
+    (sticks, releases, runs)
+}
+
+#[test]
+fn random_structures_under_pressure_stay_between_their_stops_and_lose_what_they_lose() {
+    // The last ones have contacts that take each other's load over at an instant.
+    let (sticks, releases, runs) = under_pressure(918, |round| round < 60 || [311, 654, 661, 917].contains(&round));
+    assert!(sticks > 300 && releases > 300 && runs == 64, "{sticks} {releases} {runs}");
+}
+
+#[test]
+#[ignore = "a thousand structures take a minute"]
+fn slow_a_thousand_structures_under_pressure() {
+    let (sticks, releases, runs) = under_pressure(1000, |_| true);
+    assert!(sticks > 10_000 && releases > 10_000 && runs == 1000, "{sticks} {releases} {runs}");
 }

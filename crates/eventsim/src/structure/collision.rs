@@ -17,6 +17,7 @@ use super::series::Series;
 use crate::collision::CHATTER_TIME;
 use crate::event::EventKind;
 use crate::ring::Contact;
+use crate::units::MAX_ORDER;
 use vibrochain_lattice::Barrier;
 
 /// In a sequence, velocity relative to the first one's that is none.
@@ -284,19 +285,32 @@ impl Motion {
         }
     }
 
-    /// Releases contacts at rest that their barriers would have to pull, the strongest pull first.
+    /// Lets the forces of all contacts on their barriers agree: releases those at rest that their barriers would have to pull, the strongest
+    /// pull first, and puts at rest those that were about to leave and are pressed now that others rest.
     pub(crate) fn let_go(&mut self, changes: &mut Vec<Change>) {
-        for _ in 0..self.places.len() {
-            if self.resting().is_empty() {
+        for _ in 0..4 * self.places.len() {
+            let is_soft = |place: &Place| matches!(place.touch, Contact::Resting(_) | Contact::Leaving(_, 2..));
+            if !self.places.iter().any(is_soft) {
                 return;
             }
             let series = Series::tendencies(&self.system, &self.flight, &self.places);
-            let pulled = series
-                .forces
-                .iter()
-                .filter(|(contact, _, force)| force[0] < -series.force_doubt(&self.system, *contact));
-            let Some(&(contact, barrier, _)) = pulled.min_by(|a, b| a.2[0].total_cmp(&b.2[0])) else { return };
-            self.release(contact, barrier, 2, Some(2), changes);
+            let is_pulled = |(contact, _, force): &&(usize, Barrier, [f64; MAX_ORDER + 1])| {
+                force[0] < -series.force_doubt(&self.system, *contact)
+            };
+            let pulled = series.forces.iter().filter(is_pulled).min_by(|a, b| a.2[0].total_cmp(&b.2[0]));
+            if let Some(&(contact, barrier, _)) = pulled {
+                self.release(contact, barrier, 2, Some(2), changes);
+                continue;
+            }
+            let pressed = self.places.iter().enumerate().find_map(|(contact, place)| match place.touch {
+                Contact::Leaving(barrier, 2..) => {
+                    let tendency = series.tendency(contact, barrier, 2)?;
+                    tendency.1.then_some((contact, barrier))
+                }
+                _ => None,
+            });
+            let Some((contact, barrier)) = pressed else { return };
+            self.rest(contact, barrier, 0.0, changes);
         }
     }
 }

@@ -112,7 +112,7 @@ impl StructureSimulation {
         if !psi.is_finite() {
             return range("psi", psi, "a finite number");
         }
-        if let Some(value) = modes.iter().flatten().find(|value| !(value.abs() <= LARGEST)) {
+        if let Some(value) = modes.iter().flatten().find(|value| !is_sound(value)) {
             return range("the state of a mode", *value, "numbers between -1e100 and 1e100");
         }
         let psi = psi.rem_euclid(std::f64::consts::TAU / omega);
@@ -263,7 +263,7 @@ impl StructureSimulation {
             if self.motion.work.windows >= flights {
                 return StructureOutcome::WorkLimit;
             }
-            if let Some(mode) = self.motion.flight.xi.iter().flatten().position(|xi| !(xi.abs() <= LARGEST)) {
+            if let Some(mode) = self.motion.flight.xi.iter().flatten().position(|xi| !is_sound(xi)) {
                 return StructureOutcome::Diverged { mode: mode / 2 };
             }
             let target =
@@ -366,4 +366,9 @@ impl StructureSimulation {
         let (periods, offset) = self.motion.clock.after(s);
         Time::from_parts(periods, offset, self.motion.system.period())
     }
+}
+
+/// Neither infinite nor as good as that, nor not a number.
+fn is_sound(value: &f64) -> bool {
+    value.abs() <= LARGEST
 }
