@@ -295,6 +295,10 @@ fn contacts_at_rest_move_as_their_constraint_says_and_leave_when_their_force_van
         loads: harmonic(&DVector::from_vec(vec![0.6, -0.2, 0.2])),
     };
     let (omega, psi) = (0.7, 0.2);
+    // Contact 0 comes back and pushes the other one, which rests, into its barrier: without a word about the order that is the end.
+    let mut alone = started(&structure, omega, psi, &DVector::zeros(n), &DVector::zeros(n));
+    let report = alone.run(&until(&alone, 1, 0.0), |_| {});
+    assert_eq!(report.outcome, StructureOutcome::Simultaneous { first: 0, second: 1 });
     // At rest with both contacts on their barriers.
     let mut simulation = started(&structure, omega, psi, &DVector::zeros(n), &DVector::zeros(n)).in_sequence();
     let (report, events) = simulation.collect(&until(&simulation, 1, 0.0));
@@ -435,6 +439,36 @@ fn a_ball_on_a_shaken_table_follows_its_parabolas() {
             assert!((part - (TAU - (1.0 / shake).acos())).abs() < 1e-13, "{release:?}");
         }
     }
+}
+
+#[test]
+fn a_run_is_the_same_to_the_bit_however_often_it_is_looked_at() {
+    let (q, v) = (DVector::from_vec(vec![0.1, 0.2, -0.1]), DVector::from_vec(vec![0.5, -0.2, 0.4]));
+    let mut whole = started(&pressed(), 0.6, 0.3, &q, &v);
+    let mut parts = whole.clone();
+    let (_, expected) = whole.collect(&until(&whole, 5, 0.0));
+    let mut events = Vec::new();
+    for part in 1..=500 {
+        parts.run(&until(&parts, 0, 0.01 * f64::from(part)), |event| events.push(*event));
+        let _ = parts.state();
+    }
+    assert!(expected.len() > 20 && events == expected, "{} {}", events.len(), expected.len());
+    assert_eq!(whole.state().modes, parts.state().modes);
+}
+
+#[test]
+fn without_a_loss_a_contact_that_is_pressed_bounces_for_ever() {
+    let shape = ModeShape { contacts: vec![1.0], coordinates: vec![1.0], still: -1.0 };
+    let table = Contact { lower: Some(0.0), upper: None, restitution: 1.0 };
+    let ball = ModalStructure::new(vec![table], vec![], vec![LinearMode::oscillator(0.0, 0.0, &shape, &[])]).unwrap();
+    let mut simulation = StructureSimulation::new(ball, 1.0, 0.0, &[[0.0, 1e-7]]).unwrap();
+    let report = simulation.run(&until(&simulation, 1, 0.0), |_| {});
+    let cascade = StructureOutcome::Cascade { contact: 0, barrier: Barrier::Lower, bounces: 100_000 };
+    assert_eq!(report.outcome, cascade);
+    assert!((report.time.to_f64() - 100_000.0 * 2e-7).abs() < 1e-12, "{report:?}");
+    // It goes on where it is asked to.
+    let report = simulation.run(&Limits { impacts: 10, ..until(&simulation, 1, 0.0) }, |_| {});
+    assert_eq!(report.outcome, StructureOutcome::ImpactsReached);
 }
 
 #[test]
