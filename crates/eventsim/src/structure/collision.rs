@@ -57,8 +57,10 @@ enum Role {
     Rests,
 }
 
-fn barrier_sign(party: &Party) -> f64 {
-    party.barrier.sign()
+impl Party {
+    fn sign(&self) -> f64 {
+        self.barrier.sign()
+    }
 }
 
 impl Change {
@@ -73,15 +75,15 @@ impl Motion {
         let parties = self.parties();
         let forces = Series::tendencies(&self.system, &self.flight, &self.places);
         for (i, party) in parties.iter().enumerate().filter(|(_, party)| party.role == Role::Hits) {
-            let impulse = -barrier_sign(party) / self.system.mobility(party.contact, party.contact);
+            let impulse = -party.sign() / self.system.mobility(party.contact, party.contact);
             let is_met = |(j, other): &(usize, &Party)| {
                 let shared = self.system.mobility(other.contact, party.contact);
                 let loss = 1.0 + self.system.structure.contacts()[party.contact].restitution;
                 let kick = shared * impulse * loss * self.outward(party.contact, party.barrier);
                 match other.role {
                     Role::Hits => *j > i && shared != 0.0,
-                    Role::Touches => barrier_sign(other) * kick + self.outward(other.contact, other.barrier) > 0.0,
-                    Role::Rests => barrier_sign(other) * kick > self.holds(&forces, other.contact),
+                    Role::Touches => other.sign() * kick + self.outward(other.contact, other.barrier) > 0.0,
+                    Role::Rests => other.sign() * kick > self.holds(&forces, other.contact),
                 }
             };
             if let Some((_, other)) = parties.iter().enumerate().find(is_met) {
@@ -151,11 +153,8 @@ impl Motion {
             return Ok(());
         }
         for party in parties {
-            let v = if party.role == Role::Rests {
-                0.0
-            } else {
-                barrier_sign(party) * self.outward(party.contact, party.barrier)
-            };
+            let v =
+                if party.role == Role::Rests { 0.0 } else { party.sign() * self.outward(party.contact, party.barrier) };
             let touch = self.places[party.contact].touch;
             self.places[party.contact] = Place { reference: Some(party.barrier), x: 0.0, v: Some(v), touch };
         }
@@ -191,7 +190,7 @@ impl Motion {
             if -speed > none(self, party) {
                 self.places[party.contact].touch = Contact::Leaving(party.barrier, 1);
                 self.work.releases += 1;
-                let after = barrier_sign(party) * speed;
+                let after = party.sign() * speed;
                 let still = Change::still(party.contact, party.barrier, EventKind::Release, 0.0);
                 changes.push(Change { after, ..still });
             }
