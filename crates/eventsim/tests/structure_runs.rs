@@ -456,6 +456,37 @@ fn a_run_is_the_same_to_the_bit_however_often_it_is_looked_at() {
     assert_eq!(whole.state().modes, parts.state().modes);
 }
 
+/// A structure of micrometres and tenths of milliseconds does what one of metres and seconds does: to the bit, as units are powers of two,
+/// and that of time one of four, whose root is in complex shapes.
+#[test]
+fn units_do_not_matter() {
+    let (length, time) = (2f64.powi(-20), 2f64.powi(-14));
+    let large = pressed();
+    let mut small = large.clone();
+    small.stiffness /= time * time;
+    small.damping /= time;
+    small.static_load *= length / (time * time);
+    small.loads.iter_mut().for_each(|(_, load)| *load *= Complex::new(length / (time * time), 0.0));
+    for (_, contact) in &mut small.contacts {
+        contact.lower = contact.lower.map(|lower| lower * length);
+        contact.upper = contact.upper.map(|upper| upper * length);
+    }
+    let (q, v) = (DVector::from_vec(vec![0.1, 0.2, -0.1]), DVector::from_vec(vec![0.5, -0.2, 0.4]));
+    let run = |structure: &Structure, length: f64, time: f64| {
+        let mut simulation = started(structure, 0.6 / time, 0.3 * time, &(&q * length), &(&v * (length / time)));
+        simulation.collect(&until(&simulation, 4, 0.0)).1
+    };
+    let (large, small) = (run(&large, 1.0, 1.0), run(&small, length, time));
+    assert!(large.len() > 20);
+    let told = |events: &[ContactEvent], length: f64, time: f64| {
+        let of = |event: &ContactEvent| {
+            (event.kind, event.contact, event.time.offset() / time, event.velocity_before * time / length)
+        };
+        events.iter().map(of).collect::<Vec<_>>()
+    };
+    assert_eq!(told(&large, 1.0, 1.0), told(&small, length, time));
+}
+
 #[test]
 fn without_a_loss_a_contact_that_is_pressed_bounces_for_ever() {
     let shape = ModeShape { contacts: vec![1.0], coordinates: vec![1.0], still: -1.0 };
@@ -775,8 +806,8 @@ fn under_pressure(made: usize, is_run: impl Fn(usize) -> bool) -> (u64, u64, usi
 #[test]
 fn random_structures_under_pressure_stay_between_their_stops_and_lose_what_they_lose() {
     // The last ones have contacts that take each other's load over at an instant.
-    let (sticks, releases, runs) = under_pressure(918, |round| round < 60 || [311, 654, 661, 917].contains(&round));
-    assert!(sticks > 300 && releases > 300 && runs == 64, "{sticks} {releases} {runs}");
+    let (sticks, releases, runs) = under_pressure(918, |round| round < 20 || [311, 654, 661, 917].contains(&round));
+    assert!(sticks > 100 && releases > 100 && runs == 24, "{sticks} {releases} {runs}");
 }
 
 #[test]

@@ -238,7 +238,7 @@ impl Motion {
             let jerk = 6.0 * c[3].abs() / (h * h * h);
             if pressing > 0.0 {
                 let left = 2.0 * outward.abs() / (pressing * loss);
-                if left * (1.0 + jerk / pressing) * self.system.fastest < CHATTER_TIME {
+                if left * (self.system.fastest + jerk / pressing) < CHATTER_TIME {
                     self.rest(contact, barrier, left, changes);
                 }
             }

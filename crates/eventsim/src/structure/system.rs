@@ -6,7 +6,7 @@ use vibrochain_lattice::{Barrier, Complex, LinearMode, ModalStructure};
 
 type C = Complex<f64>;
 
-/// Mobility of two contacts below this part of their own is rounding: they share no coordinate.
+/// Mobility of two contacts below this part of its terms is rounding: they share no coordinate.
 const ROUNDING: f64 = 1e-13;
 
 /// Units of the fastest rate in a window: so many certified steps at most pass between two looks at limits, some milliseconds.
@@ -66,7 +66,12 @@ impl System {
             (0..contacts * contacts).map(|at| structure.mobility(at / contacts, at % contacts)).collect();
         for at in 0..contacts * contacts {
             let (i, j) = (at / contacts, at % contacts);
-            if mobility[at].abs() <= ROUNDING * (mobility[i * (contacts + 1)] * mobility[j * (contacts + 1)]).sqrt() {
+            // Of complex shapes that nearly meet the terms are larger than the sum.
+            let size = modes.iter().map(|mode| {
+                let given = mode.turn.act(mode.generator(), mode.columns[j]);
+                (mode.rows[i][0] * given[0]).abs() + (mode.rows[i][1] * given[1]).abs()
+            });
+            if mobility[at].abs() <= ROUNDING * size.sum::<f64>() {
                 mobility[at] = 0.0;
             }
         }

@@ -1,7 +1,8 @@
 //! Mass, damping and stiffness: from full matrices to modes.
 //!
 //! Φ with ΦᵀMΦ = 1, ΦᵀKΦ = Ω² first. Where ΦᵀCΦ is diagonal the modes are oscillators of real shape; otherwise the poles of
-//! λ² + λD + Ω² are eigenvalues of the state matrix [[0, 1], [−Ω², −D]], and its triangular form has their shapes.
+//! λ² + λD + Ω² are eigenvalues of the state matrix [[0, Ω], [−Ω, −D]] of (Ωy, y′), and its triangular form has their shapes. (With 1 and
+//! Ω² in it instead, digits would depend on the unit of time.)
 
 use nalgebra::{Cholesky, DMatrix, DVector, Schur};
 use rustfft::num_complex::Complex;
@@ -335,14 +336,14 @@ fn finite(what: &str, mut values: impl Iterator<Item = f64>) -> Result<(), Struc
     }
 }
 
-/// Eigenvalues λ of [[0, 1], [−Ω², −D]] and the upper halves of their vectors; complex ones in exact pairs, real ones exactly real.
+/// Eigenvalues λ of [[0, Ω], [−Ω, −D]] and y of their vectors (Ωy, λy); complex ones in exact pairs, real ones exactly real.
 fn eigen(squares: &[f64], damping: &DMatrix<f64>) -> Result<(Vec<C>, Vec<DVector<C>>), StructureError> {
     let m = squares.len();
     let state = DMatrix::from_fn(2 * m, 2 * m, |i, j| match (i < m, j < m) {
-        (true, _) => f64::from(u8::from(j == i + m)),
-        (false, true) if i == j + m => -squares[j],
-        (false, true) => 0.0,
+        (true, _) if j == i + m => squares[i].sqrt(),
+        (false, true) if i == j + m => -squares[j].sqrt(),
         (false, false) => -damping[(i - m, j - m)],
+        _ => 0.0,
     });
     let schur = Schur::try_new(state.map(|x| C::new(x, 0.0)), f64::EPSILON, SWEEPS * 2 * m);
     let (unitary, triangle) = schur.ok_or(StructureError::NotConverged)?.unpack();
@@ -365,7 +366,7 @@ fn eigen(squares: &[f64], damping: &DMatrix<f64>) -> Result<(Vec<C>, Vec<DVector
         // Of real matrices: what is as good as real is.
         let is_real = value.im.abs() <= 1e-9 * norm * f64::EPSILON.sqrt();
         values.push(if is_real { C::new(value.re, 0.0) } else { value });
-        let half = whole.rows(0, m).clone_owned();
+        let half = DVector::from_fn(m, |i, _| whole[i] / squares[i].sqrt());
         let length = half.iter().map(|x| x.norm_sqr()).sum::<f64>().sqrt();
         vectors.push(half / C::new(length, 0.0));
     }
