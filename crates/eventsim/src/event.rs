@@ -161,9 +161,9 @@ pub struct Work {
 /// The end of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct Report {
+pub struct Report<O = Outcome> {
     /// Why it ended.
-    pub outcome: Outcome,
+    pub outcome: O,
     /// When.
     pub time: Time,
     /// Work since the simulation was created.

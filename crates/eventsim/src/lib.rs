@@ -50,6 +50,7 @@
 //! | [`Tangents`] | small perturbations of a run, to first order |
 //! | [`Growth`] | from what they have grown to an exponent and its error |
 //! | [`Simulation`] | the event loop |
+//! | [`StructureSimulation`] | the same of any linear structure with stops, in its modes |
 //!
 //! With the feature `serde` values are written by the names of `mapgen`'s tables; those without a [`Time`] are read, too.
 //!
@@ -74,6 +75,7 @@
 //! ```
 
 mod bound;
+mod cascade;
 mod collision;
 mod engine;
 mod error;
@@ -84,6 +86,7 @@ mod restart;
 mod ring;
 mod series;
 mod simulation;
+mod structure;
 mod tangent;
 mod time;
 mod units;
@@ -95,5 +98,9 @@ pub use error::StateError;
 pub use event::{BOUNCE_TIME, Event, EventKind, Limits, MAX_BOUNCES, MAX_FLIGHTS, Outcome, Report, Work};
 pub use growth::{Exponent, Growth};
 pub use simulation::{Simulation, State};
+pub use structure::{
+    ContactEvent, ContactState, EnergyBalance, StructureOutcome, StructureReport, StructureSimulation, StructureState,
+    StructureStateError,
+};
 pub use tangent::{TangentError, Tangents};
 pub use time::Time;

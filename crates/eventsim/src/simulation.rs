@@ -1,5 +1,6 @@
 //! The event loop and its public face.
 
+use crate::cascade::{Cascades, Pending};
 use crate::collision::Change;
 use crate::engine::Engine;
 use crate::error::StateError;
@@ -18,23 +19,6 @@ const OVERSHOOT: f64 = 4.0 * f64::EPSILON;
 
 /// Events in a row without any effect before the run gives up; a mass whose force touches zero makes one or two.
 const STALLS: u32 = 1000;
-
-/// A mass's latest impacts on one barrier.
-#[derive(Debug, Clone, Copy)]
-struct Bounces {
-    barrier: Barrier,
-    count: u32,
-    periods: u64,
-    offset: f64,
-}
-
-/// A rest whose event is not due yet.
-#[derive(Debug, Clone, Copy)]
-struct Pending {
-    site: usize,
-    barrier: Barrier,
-    at: f64,
-}
 
 /// State of a chain: displacements and velocities of all masses, phase of the force, and time.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,8 +61,7 @@ pub struct Simulation {
     now: f64,
     /// Time of the latest event since the base; no later one is told with an earlier time.
     told: f64,
-    pending: Vec<Pending>,
-    bounces: Vec<Option<Bounces>>,
+    cascades: Cascades,
     changes: Vec<Change>,
     stalls: u32,
 }
@@ -131,8 +114,7 @@ impl Simulation {
             engine,
             now: 0.0,
             told: 0.0,
-            pending: Vec::new(),
-            bounces: vec![None; displacement.len()],
+            cascades: Cascades::new(displacement.len()),
             changes: Vec::new(),
             stalls: 0,
         };
@@ -159,7 +141,7 @@ impl Simulation {
                     _ => {
                         engine.ring.rest(site, barrier);
                         engine.work.sticks += 1;
-                        self.pending.push(Pending { site, barrier, at: 0.0 });
+                        self.cascades.rest_at(site, barrier, 0.0);
                     }
                 }
             }
@@ -304,7 +286,7 @@ impl Simulation {
                 None => f64::INFINITY,
             };
             let horizon = self.engine.horizon;
-            let pending = self.pending.iter().map(|p| p.at).fold(f64::INFINITY, f64::min);
+            let pending = self.cascades.next_rest();
             let limit = target.min(horizon).min(pending);
             if let Some(first) = self.engine.next_contacts(limit) {
                 if let Some(outcome) = self.event(first, limits, observer, company) {
@@ -313,7 +295,8 @@ impl Simulation {
             } else if pending <= limit {
                 self.now = self.now.max(pending);
                 self.told = pending;
-                self.tell_pending(pending, observer);
+                let rested = self.cascades.rested_by(pending);
+                self.tell_rests(&rested, observer);
             } else if target <= horizon {
                 self.now = self.now.max(target);
                 return Outcome::TimeReached;
@@ -332,9 +315,7 @@ impl Simulation {
     /// What is kept here moves with the base.
     fn rebased(&mut self, by: f64) {
         (self.now, self.told) = (0.0, 0.0);
-        for pending in &mut self.pending {
-            pending.at = (pending.at - by).max(0.0);
-        }
+        self.cascades.rebased(by);
     }
 
     /// The contacts that are due at `first`.
@@ -371,12 +352,13 @@ impl Simulation {
         for change in changes {
             let &Change { site, barrier, before, after, kind, delay, .. } = change;
             if kind == EventKind::Stick && delay > 0.0 {
-                self.pending.push(Pending { site, barrier, at: self.now + delay });
+                self.cascades.rest_at(site, barrier, self.now + delay);
                 continue;
             }
             if kind == EventKind::Release {
                 // A release before the end of its own cascade: then that end is now.
-                self.tell_site(site, observer);
+                let rested = self.cascades.cut_short(site);
+                self.tell_rests(&rested, observer);
             }
             let event = Event {
                 time: self.time(),
@@ -387,61 +369,29 @@ impl Simulation {
                 kind,
             };
             observer(&event);
-            if kind == EventKind::Impact && self.count_bounce(site, barrier) >= limits.bounces {
-                let bounces = self.bounces[site].map_or(0, |b| b.count);
-                self.bounces[site] = None;
-                outcome = outcome.or(Some(Outcome::Cascade { site, barrier, bounces }));
+            if kind == EventKind::Impact {
+                let wait = BOUNCE_TIME / self.engine.units.rate;
+                let bounces = self.cascades.count(site, barrier, &self.engine.clock, self.now, wait);
+                if bounces >= limits.bounces {
+                    self.cascades.forget(site);
+                    outcome = outcome.or(Some(Outcome::Cascade { site, barrier, bounces }));
+                }
             }
         }
         outcome
     }
 
-    fn count_bounce(&mut self, site: usize, barrier: Barrier) -> u32 {
-        let (periods, offset) = self.engine.clock.after(self.now);
-        let count = match self.bounces[site] {
-            Some(last)
-                if last.barrier == barrier
-                    && self.now - self.engine.clock.until(last.periods, last.offset)
-                        < BOUNCE_TIME / self.engine.units.rate =>
-            {
-                last.count.saturating_add(1)
-            }
-            _ => 1,
-        };
-        self.bounces[site] = Some(Bounces { barrier, count, periods, offset });
-        count
-    }
-
-    fn tell_pending(&mut self, at: f64, observer: &mut impl FnMut(&Event)) {
-        let time = self.time_at(at);
-        self.pending.retain(|pending| {
-            let due = pending.at <= at;
-            if due {
-                observer(&rest_event(time, pending));
-            }
-            !due
-        });
-    }
-
-    fn tell_site(&mut self, site: usize, observer: &mut impl FnMut(&Event)) {
-        let time = self.time();
-        self.pending.retain(|pending| {
-            if pending.site == site {
-                observer(&rest_event(time, pending));
-            }
-            pending.site != site
-        });
+    fn tell_rests(&self, rested: &[Pending], observer: &mut impl FnMut(&Event)) {
+        let (time, kind) = (self.time(), EventKind::Stick);
+        for &Pending { site, barrier, .. } in rested {
+            observer(&Event { time, site, barrier, velocity_before: 0.0, velocity_after: 0.0, kind });
+        }
     }
 
     fn time_at(&self, s: f64) -> Time {
         let (periods, offset) = self.engine.clock.after(s);
         Time::from_parts(periods, offset / self.engine.units.scale, self.model.period())
     }
-}
-
-fn rest_event(time: Time, pending: &Pending) -> Event {
-    let &Pending { site, barrier, .. } = pending;
-    Event { time, site, barrier, velocity_before: 0.0, velocity_after: 0.0, kind: EventKind::Stick }
 }
 
 /// Puts a mass at `u`, measured from a barrier if it is near one.

@@ -28,12 +28,16 @@ impl Time {
     /// `periods` whole periods of `model` and the `part` of one more (0 ≤ `part` < 1; anything else is brought
     /// there by whole periods, a time before the start becomes the start).
     pub fn new(model: &Model, periods: u64, part: f64) -> Self {
+        Self::of_period(model.period(), periods, part)
+    }
+
+    /// The same of any `period`: that of the loads of a structure.
+    pub fn of_period(period: f64, periods: u64, part: f64) -> Self {
         let part = if part.is_finite() { part } else { 0.0 };
         let whole = part.floor();
         // Casts saturate: a part beyond every count of periods stays at the last one.
         let shifted =
             if whole < 0.0 { periods.checked_sub((-whole) as u64) } else { Some(periods.saturating_add(whole as u64)) };
-        let period = model.period();
         match shifted {
             Some(periods) => Self { periods, offset: (part - whole) * period, period },
             None => Self { periods: 0, offset: 0.0, period },

@@ -25,7 +25,7 @@ use crate::units::MAX_ORDER;
 use vibrochain_lattice::Barrier;
 
 /// Rounding of a series relative to its terms, and of a step relative to the time: see the module's text.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
+pub(crate) const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Steps after which the bound of the second derivative is taken over twice the time gone by instead of the whole window, and
 /// no step is longer than that time: a mass that leaves its barrier with next to no acceleration and is pressed back at
@@ -81,12 +81,12 @@ pub(crate) enum Step {
 }
 
 /// One side of a step.
-enum Side {
+pub(crate) enum Side {
     Ahead(f64),
     Contact(f64),
 }
 
-fn side(f: f64, slope: f64, bend: f64, margin: f64, tau: f64) -> Side {
+pub(crate) fn side(f: f64, slope: f64, bend: f64, margin: f64, tau: f64) -> Side {
     let step = safe_step(f, slope, bend);
     if slope < 0.0 && (f <= margin || step <= ROUNDING * tau) {
         // Newton's last step, of either sign, is below the rounding margin of the approach.

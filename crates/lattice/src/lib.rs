@@ -78,6 +78,7 @@ pub use rustfft::num_complex::Complex;
 pub use simd::small::{sinc, sine_over};
 pub use stop::{Stop, Stopped};
 pub use structure::contact::Contact;
+pub use structure::energy::{Block, EnergyForm};
 pub use structure::error::StructureError;
 pub use structure::linear_mode::{LinearMode, ModeShape};
 #[cfg(feature = "matrices")]

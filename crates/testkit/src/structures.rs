@@ -30,6 +30,8 @@ pub struct Structure {
     pub stiffness: DMatrix<f64>,
     /// w of each contact.
     pub contacts: Vec<DVector<f64>>,
+    /// Lower stop, upper stop and restitution of each contact of the table; of random ones each impact has its own.
+    pub limits: Vec<(Option<f64>, Option<f64>, f64)>,
     pub load: DVector<f64>,
     pub static_load: DVector<f64>,
     pub omega: f64,
@@ -39,6 +41,8 @@ pub struct Structure {
     pub impacts: Vec<StructureImpact>,
     /// Those of the table, of largest modulus.
     pub multipliers: Vec<Complex<f64>>,
+    /// Whether every contact of the table stays between its stops.
+    pub physical: bool,
 }
 
 /// What the state is just before an impact.
@@ -86,6 +90,9 @@ fn structure(value: &Value) -> Structure {
         damping: matrix(&value["damping"]),
         stiffness: matrix(&value["stiffness"]),
         contacts: contacts.iter().map(|contact| vector(&contact["weights"])).collect(),
+        limits: (contacts.iter())
+            .map(|contact| (contact["lower"].as_f64(), contact["upper"].as_f64(), number(&contact["restitution"])))
+            .collect(),
         load: vector(&value["load"]),
         static_load: vector(&value["static_load"]),
         omega,
@@ -95,6 +102,7 @@ fn structure(value: &Value) -> Structure {
         multipliers: (value["multipliers"].as_array().unwrap().iter())
             .map(|pair| Complex::new(number(&pair[0]), number(&pair[1])))
             .collect(),
+        physical: value["physical"].as_bool().unwrap(),
     }
 }
 
@@ -138,6 +146,7 @@ impl Random {
             damping,
             stiffness,
             contacts,
+            limits: Vec::new(),
             load: DVector::from_fn(size, |_, _| self.between(-2.0, 2.0)),
             static_load: DVector::from_fn(size, |_, _| self.between(-0.2, 0.2)),
             omega,
@@ -145,6 +154,7 @@ impl Random {
             period,
             impacts,
             multipliers: Vec::new(),
+            physical: false,
         };
         // Newton's law is linear in the impulses.
         let velocities =
@@ -212,7 +222,8 @@ impl Structure {
     }
 
     /// The orbit's state q, q′ just before each impact, by exponentials of the state matrix.
-    fn states(&self) -> Vec<DVector<f64>> {
+    #[must_use]
+    pub fn states(&self) -> Vec<DVector<f64>> {
         let (n, state, inverse) = (self.size(), self.state(), self.inverse());
         let kick = |impact: &StructureImpact| {
             let velocity = &inverse * &self.contacts[impact.contact] * impact.impulse;

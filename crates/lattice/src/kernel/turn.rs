@@ -71,6 +71,30 @@ impl Turn {
         }
         Turned { even: decayed * even, odd: decayed * odd }
     }
+
+    /// e^{(−δ + κJ)t} − 1, which keeps its digits however short t is.
+    pub fn increment(self, decay: f64, rate: f64, t: f64) -> Turned {
+        let fall = (-decay * t).exp_m1();
+        match self {
+            Self::Circular => {
+                let (sin, cos) = (0.5 * rate * t).sin_cos();
+                Turned { even: fall * (1.0 - 2.0 * sin * sin) - 2.0 * sin * sin, odd: (1.0 + fall) * 2.0 * sin * cos }
+            }
+            Self::Hyperbolic => {
+                let [slow, fast] = [rate - decay, -rate - decay].map(|rate| (rate * t).exp_m1());
+                Turned { even: 0.5 * (slow + fast), odd: self.flight(decay, rate, t).odd }
+            }
+            Self::Parabolic => Turned { even: fall, odd: (1.0 + fall) * rate * t },
+        }
+    }
+
+    /// (a + bJ)·column
+    pub fn act<T>(self, by: Turned<T>, column: [T; 2]) -> [T; 2]
+    where
+        T: Copy + Mul<Output = T> + Add<Output = T> + Mul<f64, Output = T>,
+    {
+        [by.even * column[0] + by.odd * column[1], by.even * column[1] + by.odd * column[0] * -self.sign()]
+    }
 }
 
 /// A number a + bJ.

@@ -123,6 +123,11 @@ impl LinearMode {
         self.turn.flight(self.decay, self.rate, t)
     }
 
+    /// e^{At} − 1, which keeps its digits however short t is.
+    pub fn increment(&self, t: f64) -> Turned {
+        self.turn.increment(self.decay, self.rate, t)
+    }
+
     /// A
     pub fn generator(&self) -> Turned {
         Turned { even: -self.decay, odd: self.rate }
@@ -169,7 +174,6 @@ impl LinearMode {
     /// The coordinates, complex, under a load `given`·e^{iwt}: (iw − A)⁻¹·given. Not finite at a resonance.
     pub fn steady(&self, w: f64, given: [C; 2]) -> [C; 2] {
         let by = self.generator().resolvent(self.turn, C::new(0.0, w));
-        // (a + bJ)·column
-        [by.even * given[0] + by.odd * given[1], by.even * given[1] - by.odd * given[0] * self.turn.sign()]
+        self.turn.act(by, given)
     }
 }

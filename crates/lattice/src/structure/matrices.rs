@@ -1,15 +1,18 @@
 //! Mass, damping and stiffness: from full matrices to modes.
 //!
 //! Φ with ΦᵀMΦ = 1, ΦᵀKΦ = Ω² first. Where ΦᵀCΦ is diagonal the modes are oscillators of real shape; otherwise the poles of
-//! λ² + λD + Ω² are eigenvalues of the state matrix [[0, 1], [−Ω², −D]], and its triangular form has their shapes.
+//! λ² + λD + Ω² are eigenvalues of the state matrix [[0, Ω], [−Ω, −D]] of (Ωy, y′), and its triangular form has their shapes. (With 1 and
+//! Ω² in it instead, digits would depend on the unit of time.)
 
 use nalgebra::{Cholesky, DMatrix, DVector, Schur};
 use rustfft::num_complex::Complex;
 
 use super::contact::Contact;
+use super::energy::{Block, EnergyForm};
 use super::error::StructureError;
 use super::linear_mode::{LinearMode, ModeShape};
 use super::modal::ModalStructure;
+use crate::kernel::turn::Turn;
 
 type C = Complex<f64>;
 
@@ -100,6 +103,86 @@ impl Structure {
         };
         let contacts = self.contacts.iter().map(|(_, contact)| *contact).collect();
         ModalStructure::new(contacts, self.loads.iter().map(|(number, _)| *number).collect(), modes)
+    }
+
+    /// Coordinates ξ of all modes of a state (q, q′); `modal` is what [`Structure::modal`] made of it.
+    ///
+    /// # Errors
+    /// [`StructureError::Size`] where `place` or `velocity` has not one number a coordinate.
+    pub fn project(
+        &self,
+        modal: &ModalStructure,
+        place: &DVector<f64>,
+        velocity: &DVector<f64>,
+    ) -> Result<Vec<[f64; 2]>, StructureError> {
+        let n = self.mass.nrows();
+        for (what, given) in [("the place", place.len()), ("the velocity", velocity.len())] {
+            if given != n {
+                return Err(StructureError::Size { what: what.to_owned(), given, wanted: n });
+            }
+        }
+        let (weight, momentum) = (&self.mass * place, &self.mass * velocity);
+        let damped = if self.damping.is_empty() { DVector::zeros(n) } else { &self.damping * place };
+        // A pole λ has the amplitude φᵀ(λMq + Mq′ + Cq), the shape as a list of numbers.
+        let dot = |shape: &[C], vector: &DVector<f64>| shape.iter().zip(vector).map(|(s, x)| s * *x).sum::<C>();
+        let amplitude = |rate: C, shape: &[C]| rate * dot(shape, &weight) + dot(shape, &momentum) + dot(shape, &damped);
+        let of_mode = |mode: &LinearMode| {
+            let shape = |turn: &dyn Fn(&[f64; 2]) -> C| mode.coordinates.iter().map(turn).collect::<Vec<C>>();
+            if mode.is_real {
+                let shape = shape(&|row| C::new(row[0], 0.0));
+                let (at, moving) = (dot(&shape, &weight).re, dot(&shape, &momentum).re);
+                return [at, (moving + mode.decay * at) / mode.rate];
+            }
+            let [first, second] = mode.rates();
+            if mode.turn == Turn::Circular {
+                let amplitude = amplitude(first, &shape(&|row| C::new(0.5 * row[0], 0.5 * row[1])));
+                return [amplitude.re, -amplitude.im];
+            }
+            let root = 0.5f64.sqrt();
+            let [a, b] = [(first, 1.0), (second, -1.0)].map(|(rate, sign)| {
+                let shape = shape(&|row| C::new((row[0] + sign * row[1]) * root, 0.0));
+                let vector = DVector::from_iterator(n, shape.iter().map(|x| x.re));
+                let residue = vector.dot(&(&self.mass * &vector * (2.0 * rate.re) + &self.damping * &vector));
+                amplitude(rate, &shape).re * residue.signum()
+            });
+            [(a + b) * root, (a - b) * root]
+        };
+        Ok(modal.modes().iter().map(of_mode).collect())
+    }
+
+    /// Energies ½q′ᵀMq′ + ½qᵀKq, q′ᵀCq′ and powers of the loads, in the modes that [`Structure::modal`] made.
+    pub fn energy_form(&self, modal: &ModalStructure) -> EnergyForm {
+        let n = self.mass.nrows();
+        let modes = modal.modes();
+        // q and q′ of a unit of each coordinate ξ.
+        let place = DMatrix::from_fn(n, 2 * modes.len(), |i, at| modes[at / 2].coordinates[i][at % 2]);
+        let velocity = DMatrix::from_fn(n, 2 * modes.len(), |i, at| {
+            let (mode, mut unit) = (&modes[at / 2], [0.0; 2]);
+            unit[at % 2] = 1.0;
+            let rise = mode.turn.act(mode.generator(), unit);
+            mode.coordinates[i][0] * rise[0] + mode.coordinates[i][1] * rise[1]
+        });
+        let blocks = |form: DMatrix<f64>| {
+            let block = |first: usize, second: usize| {
+                let at = |i: usize, j: usize| form[(2 * first + i, 2 * second + j)];
+                Block { first, second, form: [[at(0, 0), at(0, 1)], [at(1, 0), at(1, 1)]] }
+            };
+            (0..modes.len()).flat_map(|i| (0..modes.len()).map(move |j| (i, j))).map(|(i, j)| block(i, j)).collect()
+        };
+        let energy = velocity.transpose() * &self.mass * &velocity + place.transpose() * &self.stiffness * &place;
+        let dissipation =
+            if self.damping.is_empty() { Vec::new() } else { blocks(velocity.transpose() * &self.damping * &velocity) };
+        let power = |load: &DVector<C>, k: usize| {
+            [0, 1].map(|i| load.iter().zip(&velocity.column(2 * k + i)).map(|(f, v)| f * *v).sum())
+        };
+        let still = if self.static_load.is_empty() { DVector::zeros(n) } else { self.static_load.clone() };
+        let still = velocity.transpose() * still;
+        EnergyForm {
+            energy: blocks(energy),
+            dissipation,
+            still: (0..modes.len()).map(|k| [still[2 * k], still[2 * k + 1]]).collect(),
+            loads: (0..modes.len()).map(|k| self.loads.iter().map(|(_, load)| power(load, k)).collect()).collect(),
+        }
     }
 
     fn check(&self) -> Result<(), StructureError> {
@@ -253,14 +336,14 @@ fn finite(what: &str, mut values: impl Iterator<Item = f64>) -> Result<(), Struc
     }
 }
 
-/// Eigenvalues λ of [[0, 1], [−Ω², −D]] and the upper halves of their vectors; complex ones in exact pairs, real ones exactly real.
+/// Eigenvalues λ of [[0, Ω], [−Ω, −D]] and y of their vectors (Ωy, λy); complex ones in exact pairs, real ones exactly real.
 fn eigen(squares: &[f64], damping: &DMatrix<f64>) -> Result<(Vec<C>, Vec<DVector<C>>), StructureError> {
     let m = squares.len();
     let state = DMatrix::from_fn(2 * m, 2 * m, |i, j| match (i < m, j < m) {
-        (true, _) => f64::from(u8::from(j == i + m)),
-        (false, true) if i == j + m => -squares[j],
-        (false, true) => 0.0,
+        (true, _) if j == i + m => squares[i].sqrt(),
+        (false, true) if i == j + m => -squares[j].sqrt(),
         (false, false) => -damping[(i - m, j - m)],
+        _ => 0.0,
     });
     let schur = Schur::try_new(state.map(|x| C::new(x, 0.0)), f64::EPSILON, SWEEPS * 2 * m);
     let (unitary, triangle) = schur.ok_or(StructureError::NotConverged)?.unpack();
@@ -283,7 +366,7 @@ fn eigen(squares: &[f64], damping: &DMatrix<f64>) -> Result<(Vec<C>, Vec<DVector
         // Of real matrices: what is as good as real is.
         let is_real = value.im.abs() <= 1e-9 * norm * f64::EPSILON.sqrt();
         values.push(if is_real { C::new(value.re, 0.0) } else { value });
-        let half = whole.rows(0, m).clone_owned();
+        let half = DVector::from_fn(m, |i, _| whole[i] / squares[i].sqrt());
         let length = half.iter().map(|x| x.norm_sqr()).sum::<f64>().sqrt();
         vectors.push(half / C::new(length, 0.0));
     }

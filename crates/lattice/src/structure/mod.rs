@@ -6,9 +6,11 @@
 //! | `linear_mode` | [`LinearMode`]: two coordinates that move together, what contacts see of them, what impulses and loads give to them |
 //! | `modal` | [`ModalStructure`]: modes and contacts, from which kernels and steady motions are made |
 //! | `matrices` | [`Structure`]: mass, damping and stiffness, from which modes are made (feature `matrices`) |
+//! | `energy` | [`EnergyForm`]: energy and powers in the coordinates of the modes |
 //! | `error` | [`StructureError`] |
 
 pub(crate) mod contact;
+pub(crate) mod energy;
 pub(crate) mod error;
 pub(crate) mod linear_mode;
 #[cfg(feature = "matrices")]

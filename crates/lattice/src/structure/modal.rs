@@ -238,6 +238,6 @@ impl ModalStructure {
 
 /// row·(a + bJ)·column
 fn seen(mode: &LinearMode, row: [f64; 2], by: Turned, column: [f64; 2]) -> f64 {
-    by.even * (row[0] * column[0] + row[1] * column[1])
-        + by.odd * (row[0] * column[1] - mode.turn.sign() * row[1] * column[0])
+    let given = mode.turn.act(by, column);
+    row[0] * given[0] + row[1] * given[1]
 }

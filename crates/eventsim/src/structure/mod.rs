@@ -1,0 +1,33 @@
+//! Event-driven simulation of any linear structure with stops.
+//!
+//! Between impacts a structure moves in its modes: ξ flies by e^{At} of each mode, whatever the ratio of their rates, and a contact is
+//! a sum of damped sines, of which bounds are known. Where a contact rests on its barrier, or leaves it so slowly that only its own
+//! distance tells it from resting, the motion is a Taylor series with the forces of resting contacts in it.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `loads` | what static and harmonic loads add to each mode, at resonances and to rigid modes, too |
+//! | `system` | the structure and what stays the same during a run |
+//! | `flight` | exact flight in modes |
+//! | `approach` | a certified step towards the first contact |
+//! | `series` | Taylor series with resting contacts |
+//! | `balance` | work of the loads, what dashpots and impacts take |
+//! | `motion` | the state between events: modes, contacts, clock |
+//! | `collision` | impacts, in sequence where contacts share coordinates; chatter, rest and release |
+//! | `event` | what a run reports |
+//! | `simulation` | the event loop and its public face |
+
+mod approach;
+mod balance;
+mod collision;
+mod event;
+mod flight;
+mod loads;
+mod motion;
+mod series;
+mod simulation;
+mod system;
+
+pub use balance::EnergyBalance;
+pub use event::{ContactEvent, StructureOutcome, StructureReport, StructureStateError};
+pub use simulation::{ContactState, StructureSimulation, StructureState};

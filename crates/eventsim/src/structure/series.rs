@@ -1,0 +1,174 @@
+//! Taylor series of a structure with contacts at rest.
+//!
+//! With σ = s/h the coefficients of ξ follow from dξ/dσ = h(Aξ + b + Σ columns·λ), order by order. A contact at rest has no acceleration,
+//! so the coefficient λ_n of the forces solves w_iᵀM⁻¹w_j λ_n = −row·A(Aξ_n + b_n): a system of the size of what rests. Contacts beside a
+//! barrier start from the distance and the velocity that are carried for them.
+
+use super::approach::Place;
+use super::flight::Flight;
+use super::loads::add;
+use super::system::System;
+use crate::ring::Contact;
+use crate::units::{MAX_ORDER, inverse_factorials};
+use vibrochain_lattice::Barrier;
+
+/// Highest order that decides where a contact goes from rest.
+pub(crate) const LOW: usize = 5;
+
+/// h times the fastest rate: z^24/24! is below rounding.
+const REACH: f64 = 1.9;
+
+/// What the last two terms may add, relative to the largest.
+const REMAINDER: f64 = f64::EPSILON / 8.0;
+
+/// Halvings of a window until its series is short; damping that couples modes takes one or two.
+const HALVINGS: u32 = 64;
+
+type Coefficients = [f64; MAX_ORDER + 1];
+
+/// A window of flight with forces at contacts.
+#[derive(Debug, Clone)]
+pub(crate) struct Series {
+    /// h
+    pub(crate) length: f64,
+    xi: Vec<[[f64; 2]; MAX_ORDER + 1]>,
+    /// Of x of each contact, in σ; 0 at rest.
+    pub(crate) contacts: Vec<Coefficients>,
+    /// Their rounding, of low orders.
+    pub(crate) doubts: Vec<[f64; LOW + 1]>,
+    /// Contacts at rest and the forces on them, positive while the barrier pushes.
+    pub(crate) forces: Vec<(usize, Barrier, Coefficients)>,
+    is_short: bool,
+}
+
+impl Series {
+    /// Of full order, as long as that allows.
+    pub(crate) fn window(system: &System, flight: &Flight, places: &[Place]) -> Self {
+        let mut series = Self::new(system, flight, places, MAX_ORDER, REACH / system.fastest);
+        for _ in 0..HALVINGS {
+            if series.is_short {
+                break;
+            }
+            series = Self::new(system, flight, places, MAX_ORDER, 0.5 * series.length);
+        }
+        series
+    }
+
+    /// Of low order: where contacts tend to.
+    pub(crate) fn tendencies(system: &System, flight: &Flight, places: &[Place]) -> Self {
+        Self::new(system, flight, places, LOW, REACH / system.fastest)
+    }
+
+    fn new(system: &System, flight: &Flight, places: &[Place], order: usize, h: f64) -> Self {
+        let inverse = inverse_factorials();
+        let resting: Vec<(usize, Barrier)> = (places.iter().enumerate())
+            .filter_map(|(contact, place)| match place.touch {
+                Contact::Resting(barrier) => Some((contact, barrier)),
+                _ => None,
+            })
+            .collect();
+        let held: Vec<usize> = resting.iter().map(|(contact, _)| *contact).collect();
+        let modes = system.structure.modes();
+        let mut xi = vec![[[0.0; 2]; MAX_ORDER + 1]; modes.len()];
+        let mut doubt = vec![0.0; modes.len()];
+        let mut forces = vec![[0.0; MAX_ORDER + 1]; held.len()];
+        let mut contacts = vec![[0.0; MAX_ORDER + 1]; places.len()];
+        let mut doubts = vec![[0.0; LOW + 1]; places.len()];
+        let mut sizes = vec![[0.0; MAX_ORDER + 1]; places.len()];
+        let norm = |y: [f64; 2]| y[0].abs() + y[1].abs();
+        let mut rises = vec![[0.0; 2]; modes.len()];
+        for n in 0..=order {
+            for (k, mode) in modes.iter().enumerate() {
+                if n == 0 {
+                    (xi[k][0], doubt[k]) = (flight.xi[k], f64::EPSILON * norm(flight.xi[k]));
+                }
+                let now = xi[k][n];
+                for (contact, row) in mode.rows.iter().enumerate() {
+                    let seen = row[0] * now[0] + row[1] * now[1];
+                    contacts[contact][n] += seen;
+                    sizes[contact][n] += seen.abs();
+                    if n <= LOW {
+                        doubts[contact][n] += norm(*row) * doubt[k];
+                    }
+                }
+                let given = system.loads.coefficient(k, &flight.turned, h, n, inverse[n]);
+                rises[k] = add(mode.turn.act(mode.generator(), now), given).map(|rise| rise * h);
+                let rate = h * (mode.decay.abs() + mode.rate);
+                doubt[k] = (rate * doubt[k] + f64::EPSILON * (rate * norm(now) + h * norm(given))) / (n + 1) as f64;
+            }
+            let pulls = held.iter().map(|&contact| {
+                let pull = system.seen_by(contact).map(|(k, mode, row)| {
+                    let rise = mode.turn.act(mode.generator(), rises[k]);
+                    row[0] * rise[0] + row[1] * rise[1]
+                });
+                -pull.sum::<f64>() / h
+            });
+            let pushes = system.impulses(&held, &pulls.collect::<Vec<_>>());
+            for (i, push) in pushes.iter().enumerate() {
+                forces[i][n] = *push;
+                for (rise, mode) in rises.iter_mut().zip(modes) {
+                    *rise = add(*rise, mode.columns[held[i]].map(|column| h * column * push));
+                }
+            }
+            if n < order {
+                let next = (n + 1) as f64;
+                xi.iter_mut().zip(&rises).for_each(|(xi, rise)| xi[n + 1] = rise.map(|rise| rise / next));
+            }
+        }
+        for ((c, place), doubts) in contacts.iter_mut().zip(places).zip(&mut doubts) {
+            c[0] = place.x;
+            if let Some(v) = place.v {
+                (c[1], doubts[1]) = (v * h, 0.0);
+            }
+            match place.touch {
+                Contact::Resting(_) => *c = [0.0; MAX_ORDER + 1],
+                Contact::Leaving(_, m) => c[1..usize::from(m)].fill(0.0),
+                Contact::Free => {}
+            }
+        }
+        let is_short = sizes.iter().all(|size| {
+            let most = size.iter().fold(0.0, |most: f64, size| most.max(*size));
+            size[order - 1] + size[order] <= REMAINDER * most
+        });
+        let pressing = |((contact, barrier), c): ((usize, Barrier), Coefficients)| {
+            (contact, barrier, c.map(|c| -barrier.sign() * c))
+        };
+        let forces = resting.into_iter().zip(forces).map(pressing).collect();
+        Self { length: h, xi, contacts, doubts, forces, is_short }
+    }
+
+    /// ξ of mode `k` at σ.
+    pub(crate) fn mode(&self, k: usize, sigma: f64) -> [f64; 2] {
+        self.xi[k].iter().rev().fold([0.0; 2], |sum, c| [c[0] + sum[0] * sigma, c[1] + sum[1] * sigma])
+    }
+
+    /// x and v of a contact at σ.
+    pub(crate) fn contact(&self, contact: usize, sigma: f64) -> (f64, f64) {
+        let (mut x, mut v) = (0.0, 0.0);
+        for c in self.contacts[contact].iter().rev() {
+            v = v * sigma + x;
+            x = x * sigma + c;
+        }
+        (x, v / self.length)
+    }
+
+    /// The force on a contact at rest, positive towards larger g.
+    pub(crate) fn force(&self, contact: usize, sigma: f64) -> f64 {
+        let own = self.forces.iter().find(|(other, ..)| *other == contact);
+        own.map_or(0.0, |(_, barrier, c)| -barrier.sign() * c.iter().rev().fold(0.0, |sum, c| c + sum * sigma))
+    }
+
+    /// Rounding of the force on a contact at rest.
+    pub(crate) fn force_doubt(&self, system: &System, contact: usize) -> f64 {
+        8.0 * self.doubts[contact][2] / (self.length * self.length * system.mobility(contact, contact))
+    }
+
+    /// The order, from `from` on, of the first derivative that takes a contact off its barrier or presses it against it, and whether it
+    /// presses. `None`: no force that rounding could tell.
+    pub(crate) fn tendency(&self, contact: usize, barrier: Barrier, from: usize) -> Option<(u8, bool)> {
+        (from..=LOW).find_map(|k| {
+            let outward = barrier.sign() * self.contacts[contact][k];
+            (outward.abs() > 4.0 * self.doubts[contact][k]).then_some((k as u8, outward > 0.0))
+        })
+    }
+}

@@ -1,0 +1,374 @@
+//! The event loop of a structure and its public face.
+
+use super::approach::Place;
+use super::balance::{EnergyBalance, Ledger};
+use super::collision::Change;
+use super::event::{ContactEvent, StructureOutcome, StructureReport, StructureStateError};
+use super::motion::Motion;
+use super::series::Series;
+use super::system::System;
+use crate::cascade::{Cascades, Pending};
+use crate::event::{BOUNCE_TIME, EventKind, Limits, Work};
+use crate::ring::Contact;
+use crate::time::Time;
+use vibrochain_lattice::{Barrier, EnergyForm, ModalStructure};
+
+/// How far behind a barrier a contact may start, relative to the terms it is made of: it is put on it.
+const OVERSHOOT: f64 = 1e-12;
+
+/// Rounding of a place, relative to the same: a contact so close to its barrier is on it.
+const ON: f64 = 16.0 * f64::EPSILON;
+
+/// Coordinates of modes beyond this are as good as infinite.
+const LARGEST: f64 = 1e100;
+
+/// Events in a row without any effect before the run gives up.
+const STALLS: u32 = 1000;
+
+/// What a contact does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct ContactState {
+    /// g
+    pub place: f64,
+    /// g′; at an event, just after it.
+    pub velocity: f64,
+    /// The barrier on which it rests.
+    pub resting: Option<Barrier>,
+    /// The force of that barrier on the contact, positive towards larger g; 0 in flight.
+    pub force: f64,
+}
+
+/// State of a structure.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct StructureState {
+    /// q, as far as the modes know the coordinates.
+    pub place: Vec<f64>,
+    /// q′; at an event, just after it.
+    pub velocity: Vec<f64>,
+    /// Coordinates ξ of all modes ([`vibrochain_lattice::LinearMode`]).
+    pub modes: Vec<[f64; 2]>,
+    /// The contacts.
+    pub contacts: Vec<ContactState>,
+    /// The time t.
+    pub time: Time,
+}
+
+/// An event-driven simulation of a linear structure with stops: exact flight in its modes between certified events. Units are those of the
+/// structure; loads are at t + ψ, the start is t = 0.
+///
+/// ```
+/// use vibrochain_eventsim::{Limits, StructureOutcome, StructureSimulation};
+/// use vibrochain_lattice::{Contact, LinearMode, ModalStructure, ModeShape};
+/// // A ball that falls with g = 9.81 from 1 onto a table at 0, e = 0.5.
+/// let shape = ModeShape { contacts: vec![1.0], coordinates: vec![1.0], still: -9.81 };
+/// let table = Contact { lower: Some(0.0), upper: None, restitution: 0.5 };
+/// let ball = ModalStructure::new(vec![table], vec![], vec![LinearMode::oscillator(0.0, 0.0, &shape, &[])])?;
+/// let mut simulation = StructureSimulation::new(ball, 1.0, 0.0, &[[1.0, 0.0]])?;
+/// let (report, events) = simulation.collect(&Limits { until: Some(simulation.time_of(1, 0.0)), ..Limits::default() });
+/// assert_eq!(report.outcome, StructureOutcome::TimeReached);
+/// // It falls for √(2/g), and bounces for twice that.
+/// let rest = events.last().ok_or("no event")?.time.to_f64();
+/// assert!((rest - 3.0 * (2.0 / 9.81f64).sqrt()).abs() < 1e-14);
+/// assert!((simulation.contact(0).ok_or("no contact")?.force - 9.81).abs() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct StructureSimulation {
+    motion: Motion,
+    /// Present time since the base.
+    now: f64,
+    in_sequence: bool,
+    cascades: Cascades,
+    stalls: u32,
+    /// Events of the start, which the first run tells.
+    untold: Vec<Change>,
+}
+
+impl StructureSimulation {
+    /// A simulation from coordinates ξ of all modes ([`ModalStructure::still`] is rest under the static load;
+    /// `vibrochain_lattice::Structure::project` makes them of q and q′), under loads of frequency `omega` and phase `psi`. Without
+    /// loads `omega` is the unit in which time is told.
+    ///
+    /// A contact may start on a barrier. With a velocity outward its impact is the first event; with none it leaves or rests.
+    ///
+    /// # Errors
+    /// A [`StructureStateError`]: not two finite numbers a mode, a frequency that is not positive, a contact beyond its barrier.
+    pub fn new(
+        structure: ModalStructure,
+        omega: f64,
+        psi: f64,
+        modes: &[[f64; 2]],
+    ) -> Result<Self, StructureStateError> {
+        let wanted = structure.modes().len();
+        if modes.len() != wanted {
+            return Err(StructureStateError::Length { given: modes.len(), wanted });
+        }
+        let range = |what, value, requirement| Err(StructureStateError::Range { what, value, requirement });
+        if !(omega.is_finite() && omega > 0.0) {
+            return range("omega", omega, "a frequency above 0");
+        }
+        if !psi.is_finite() {
+            return range("psi", psi, "a finite number");
+        }
+        if let Some(value) = modes.iter().flatten().find(|value| !is_sound(value)) {
+            return range("the state of a mode", *value, "numbers between -1e100 and 1e100");
+        }
+        let psi = psi.rem_euclid(std::f64::consts::TAU / omega);
+        let mut motion = Motion::new(System::new(structure, omega, psi), modes.to_vec());
+        let mut touching = Vec::new();
+        for contact in 0..motion.places.len() {
+            let value = motion.places[contact].x;
+            for barrier in [Barrier::Lower, Barrier::Upper] {
+                let Some(place) = motion.system.barrier(contact, barrier) else { continue };
+                let excess = barrier.sign() * (value - place);
+                let size = motion.flight.size(&motion.system, contact) + place.abs();
+                if excess > OVERSHOOT * size {
+                    return Err(StructureStateError::OutsideGap { contact, barrier, value, place, excess });
+                }
+                if excess >= -ON * size {
+                    motion.places[contact] = Place { reference: Some(barrier), x: 0.0, v: None, touch: Contact::Free };
+                    touching.push((contact, barrier));
+                }
+            }
+        }
+        let mut untold = Vec::new();
+        let series = Series::tendencies(&motion.system, &motion.flight, &motion.places);
+        for (contact, barrier) in touching {
+            let outward = barrier.sign() * series.contacts[contact][1];
+            if outward.abs() <= 4.0 * series.doubts[contact][1] {
+                motion.settle(contact, barrier, &mut untold);
+            } else if outward < 0.0 {
+                let v = Some(barrier.sign() * outward / series.length);
+                motion.places[contact] = Place { v, touch: Contact::Leaving(barrier, 1), ..motion.places[contact] };
+            }
+        }
+        motion.let_go(&mut untold);
+        let cascades = Cascades::new(motion.places.len());
+        motion.begin();
+        Ok(Self { motion, now: 0.0, in_sequence: false, cascades, stalls: 0, untold })
+    }
+
+    /// Contacts that share coordinates and hit at one instant do so in the order of their numbers, again until none moves into its barrier,
+    /// where a run ends with [`StructureOutcome::Simultaneous`] otherwise.
+    #[must_use]
+    pub fn in_sequence(mut self) -> Self {
+        self.in_sequence = true;
+        self
+    }
+
+    /// Keeps account of the energy from now on, which takes ten evaluations of all modes in two units of the fastest rate. `form`:
+    /// [`ModalStructure::energy_form`], or of modes of complex shape `vibrochain_lattice::Structure::energy_form`.
+    #[must_use]
+    pub fn with_balance(mut self, form: EnergyForm) -> Self {
+        self.motion.ledger = None;
+        self.bring_to_now();
+        self.motion.ledger = Some(Ledger::new(form));
+        self
+    }
+
+    /// The structure.
+    pub fn structure(&self) -> &ModalStructure {
+        &self.motion.system.structure
+    }
+
+    /// `periods` periods of the loads and the `part` of one more, as a limit.
+    pub fn time_of(&self, periods: u64, part: f64) -> Time {
+        Time::of_period(self.motion.system.period(), periods, part)
+    }
+
+    /// Present time.
+    pub fn time(&self) -> Time {
+        self.time_at(self.now)
+    }
+
+    /// Work since the start.
+    pub fn work(&self) -> Work {
+        self.motion.work
+    }
+
+    /// What contact number `contact` does now; `None`: there is no such contact.
+    pub fn contact(&self, contact: usize) -> Option<ContactState> {
+        let place = self.motion.places.get(contact)?;
+        let reference = place.reference.and_then(|barrier| self.motion.system.barrier(contact, barrier)).unwrap_or(0.0);
+        let (x, velocity) = self.motion.contact_at(contact, self.now);
+        let limits = self.structure().contacts()[contact];
+        let inside =
+            (reference + x).clamp(limits.lower.unwrap_or(f64::NEG_INFINITY), limits.upper.unwrap_or(f64::INFINITY));
+        let Contact::Resting(barrier) = place.touch else {
+            return Some(ContactState { place: inside, velocity, resting: None, force: 0.0 });
+        };
+        let series = self.motion.series.as_deref();
+        let of = |series: &Series| series.force(contact, self.now / series.length);
+        Some(ContactState { place: inside, velocity: 0.0, resting: Some(barrier), force: series.map_or(0.0, of) })
+    }
+
+    /// The exact state now. Looking changes nothing.
+    pub fn state(&self) -> StructureState {
+        let modes = self.motion.modes_at(self.now);
+        let turned = self.motion.system.loads.later(&self.motion.flight.turned, self.now);
+        let coordinates = self.structure().coordinates();
+        let (mut place, mut velocity) = (vec![0.0; coordinates], vec![0.0; coordinates]);
+        for (k, (mode, xi)) in self.structure().modes().iter().zip(&modes).enumerate() {
+            let given = self.motion.system.loads.given(k, &turned);
+            let rise = mode.turn.act(mode.generator(), *xi);
+            for (i, row) in mode.coordinates.iter().enumerate() {
+                place[i] += row[0] * xi[0] + row[1] * xi[1];
+                velocity[i] += row[0] * (rise[0] + given[0]) + row[1] * (rise[1] + given[1]);
+            }
+        }
+        let contacts = (0..self.motion.places.len()).filter_map(|contact| self.contact(contact)).collect();
+        StructureState { place, velocity, modes, contacts, time: self.time() }
+    }
+
+    /// Work and losses since [`StructureSimulation::with_balance`]: E(t) − E(0) = work − dashpots − impacts. `None` where none is kept.
+    /// It is brought to the present time.
+    pub fn balance(&mut self) -> Option<EnergyBalance> {
+        self.bring_to_now();
+        self.motion.ledger.as_ref().map(Ledger::balance)
+    }
+
+    fn bring_to_now(&mut self) {
+        if self.now > 0.0 {
+            self.move_on(self.now);
+            self.motion.begin();
+        }
+    }
+
+    /// Runs until the first of `limits` is met; every event is shown to `observer`, in the order of time.
+    ///
+    /// A run can be continued by another; its limits on impacts and work count anew.
+    pub fn run(&mut self, limits: &Limits, mut observer: impl FnMut(&ContactEvent)) -> StructureReport {
+        let outcome = self.advance(limits, &mut observer);
+        StructureReport { outcome, time: self.time(), work: self.motion.work }
+    }
+
+    /// The events of a run, collected.
+    pub fn collect(&mut self, limits: &Limits) -> (StructureReport, Vec<ContactEvent>) {
+        let mut events = Vec::new();
+        let report = self.run(limits, |event| events.push(*event));
+        (report, events)
+    }
+
+    fn advance(&mut self, limits: &Limits, observer: &mut impl FnMut(&ContactEvent)) -> StructureOutcome {
+        let impacts = self.motion.work.impacts.saturating_add(limits.impacts);
+        let flights = self.motion.work.windows.saturating_add(limits.flights);
+        let untold = std::mem::take(&mut self.untold);
+        let _ = self.tell(&untold, limits, observer);
+        loop {
+            if self.motion.work.impacts >= impacts {
+                return StructureOutcome::ImpactsReached;
+            }
+            if self.motion.work.windows >= flights {
+                return StructureOutcome::WorkLimit;
+            }
+            if let Some(mode) = self.motion.flight.xi.iter().flatten().position(|xi| !is_sound(xi)) {
+                return StructureOutcome::Diverged { mode: mode / 2 };
+            }
+            let target =
+                limits.until.map_or(f64::INFINITY, |time| self.motion.clock.until(time.periods(), time.offset()));
+            let horizon = self.motion.horizon;
+            let pending = self.cascades.next_rest();
+            let limit = target.min(horizon).min(pending);
+            if let Some(first) = self.motion.next(limit) {
+                if let Some(outcome) = self.event(first, limits, observer) {
+                    return outcome;
+                }
+            } else if pending <= limit {
+                self.now = self.now.max(pending);
+                let rested = self.cascades.rested_by(pending);
+                self.tell_rests(&rested, observer);
+            } else if target <= horizon {
+                self.now = self.now.max(target);
+                return StructureOutcome::TimeReached;
+            } else {
+                self.move_on(horizon);
+                self.motion.begin();
+            }
+        }
+    }
+
+    /// Moves the base, and what is kept here with it.
+    fn move_on(&mut self, by: f64) {
+        self.motion.rebase(by);
+        self.now = 0.0;
+        self.cascades.rebased(by);
+    }
+
+    fn event(
+        &mut self,
+        first: f64,
+        limits: &Limits,
+        observer: &mut impl FnMut(&ContactEvent),
+    ) -> Option<StructureOutcome> {
+        self.move_on(first);
+        if !self.in_sequence
+            && let Some((first, second)) = self.motion.conflict()
+        {
+            // The same events are due once more at the base.
+            self.motion.stand();
+            return Some(StructureOutcome::Simultaneous { first, second });
+        }
+        let mut changes = Vec::new();
+        let result = self.motion.collide(&mut changes);
+        let outcome = self.tell(&changes, limits, observer);
+        self.motion.begin();
+        self.stalls = if changes.is_empty() { self.stalls + 1 } else { 0 };
+        let stalled = if self.stalls > STALLS { self.motion.due.first().copied() } else { result.err() };
+        let cascade =
+            stalled.map(|due| StructureOutcome::Cascade { contact: due.contact, barrier: due.barrier, bounces: 0 });
+        cascade.or(outcome)
+    }
+
+    /// Reports `changes` at the base and counts bounces.
+    fn tell(
+        &mut self,
+        changes: &[Change],
+        limits: &Limits,
+        observer: &mut impl FnMut(&ContactEvent),
+    ) -> Option<StructureOutcome> {
+        let mut outcome = None;
+        for change in changes {
+            let &Change { contact, barrier, before, after, impulse, kind, delay } = change;
+            if kind == EventKind::Stick && delay > 0.0 {
+                self.cascades.rest_at(contact, barrier, self.now + delay);
+                continue;
+            }
+            if kind == EventKind::Release {
+                // A release before the end of its own cascade: then that end is now.
+                let rested = self.cascades.cut_short(contact);
+                self.tell_rests(&rested, observer);
+            }
+            let (time, velocity_before, velocity_after) = (self.time(), before, after);
+            observer(&ContactEvent { time, contact, barrier, velocity_before, velocity_after, impulse, kind });
+            if kind == EventKind::Impact {
+                let wait = BOUNCE_TIME / self.motion.system.fastest;
+                let bounces = self.cascades.count(contact, barrier, &self.motion.clock, self.now, wait);
+                if bounces >= limits.bounces {
+                    self.cascades.forget(contact);
+                    outcome = outcome.or(Some(StructureOutcome::Cascade { contact, barrier, bounces }));
+                }
+            }
+        }
+        outcome
+    }
+
+    fn tell_rests(&self, rested: &[Pending], observer: &mut impl FnMut(&ContactEvent)) {
+        let (time, kind) = (self.time(), EventKind::Stick);
+        for &Pending { site: contact, barrier, .. } in rested {
+            let (velocity_before, velocity_after, impulse) = (0.0, 0.0, 0.0);
+            observer(&ContactEvent { time, contact, barrier, velocity_before, velocity_after, impulse, kind });
+        }
+    }
+
+    fn time_at(&self, s: f64) -> Time {
+        let (periods, offset) = self.motion.clock.after(s);
+        Time::from_parts(periods, offset, self.motion.system.period())
+    }
+}
+
+/// Neither infinite nor as good as that, nor not a number.
+fn is_sound(value: &f64) -> bool {
+    value.abs() <= LARGEST
+}

@@ -1,0 +1,160 @@
+//! A structure under its loads: what stays the same during a run.
+
+use super::loads::{Answer, Loads};
+use crate::time::two_sum;
+use vibrochain_lattice::{Barrier, Complex, LinearMode, ModalStructure};
+
+type C = Complex<f64>;
+
+/// Mobility of two contacts below this part of its terms is rounding: they share no coordinate.
+const ROUNDING: f64 = 1e-13;
+
+/// Units of the fastest rate in a window: so many certified steps at most pass between two looks at limits, some milliseconds.
+const LONGEST: f64 = 1e5;
+
+/// One damped sine or one sine that contacts are made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Term {
+    /// A mode, with the loads that it answers from rest.
+    Mode(usize),
+    /// The steady motion under a load.
+    Load(usize),
+}
+
+/// The structure and what follows from it.
+#[derive(Debug, Clone)]
+pub(crate) struct System {
+    pub(crate) structure: ModalStructure,
+    pub(crate) omega: f64,
+    pub(crate) loads: Loads,
+    /// All terms, slow ones first.
+    pub(crate) terms: Vec<Term>,
+    /// Steady motion of each contact under each load.
+    pub(crate) swings: Vec<Vec<C>>,
+    mobility: Vec<f64>,
+    /// What rounding took from each contact's own, relative to it: the same at every impact, it would add up.
+    lost: Vec<f64>,
+    /// Largest rate of a mode or of a load.
+    pub(crate) fastest: f64,
+    /// Longest flight between two bases: a period, the time in which a self-excited mode grows by e, or [`LONGEST`].
+    pub(crate) longest: f64,
+}
+
+impl System {
+    pub(crate) fn new(structure: ModalStructure, omega: f64, psi: f64) -> Self {
+        let loads = Loads::new(&structure, omega, psi);
+        let (modes, contacts) = (structure.modes(), structure.contacts().len());
+        let rate = |mode: &LinearMode| mode.rates().map(|rate| rate.norm()).into_iter().fold(0.0, f64::max);
+        let rate_of = |term: &Term| match *term {
+            Term::Mode(k) => rate(&modes[k]),
+            Term::Load(j) => loads.rates[j],
+        };
+        let mut terms: Vec<Term> = (0..modes.len()).map(Term::Mode).collect();
+        terms.extend((1..loads.rates.len()).map(Term::Load));
+        terms.sort_by(|a, b| rate_of(a).total_cmp(&rate_of(b)));
+        let fastest = terms.iter().map(rate_of).fold(0.25 * omega, f64::max);
+        let growth = modes.iter().flat_map(|mode| mode.rates().map(|rate| rate.re)).fold(0.0, f64::max);
+        let swing = |contact: usize, j: usize| {
+            let of_mode = |(mode, answers): (&LinearMode, &Vec<Answer>)| match answers[j] {
+                Answer::Steady(xi) => xi[0] * mode.rows[contact][0] + xi[1] * mode.rows[contact][1],
+                _ => C::default(),
+            };
+            modes.iter().zip(&loads.answers).map(of_mode).sum::<C>()
+        };
+        let swings = (0..contacts).map(|i| (0..loads.rates.len()).map(|j| swing(i, j)).collect()).collect();
+        let mut mobility: Vec<f64> =
+            (0..contacts * contacts).map(|at| structure.mobility(at / contacts, at % contacts)).collect();
+        for at in 0..contacts * contacts {
+            let (i, j) = (at / contacts, at % contacts);
+            // Of complex shapes that nearly meet the terms are larger than the sum.
+            let size = modes.iter().map(|mode| {
+                let given = mode.turn.act(mode.generator(), mode.columns[j]);
+                (mode.rows[i][0] * given[0]).abs() + (mode.rows[i][1] * given[1]).abs()
+            });
+            if mobility[at].abs() <= ROUNDING * size.sum::<f64>() {
+                mobility[at] = 0.0;
+            }
+        }
+        let lost = (0..contacts).map(|contact| lost(&structure, contact)).collect();
+        let longest = (std::f64::consts::TAU / omega).min(1.0 / growth).min(LONGEST / fastest);
+        Self { terms, swings, mobility, lost, fastest, longest, omega, loads, structure }
+    }
+
+    pub(crate) fn period(&self) -> f64 {
+        std::f64::consts::TAU / self.omega
+    }
+
+    pub(crate) fn contacts(&self) -> usize {
+        self.structure.contacts().len()
+    }
+
+    pub(crate) fn barrier(&self, contact: usize, barrier: Barrier) -> Option<f64> {
+        self.structure.contacts()[contact].barrier(barrier)
+    }
+
+    /// w_iᵀM⁻¹w_j; 0 where they share no coordinate.
+    pub(crate) fn mobility(&self, to: usize, from: usize) -> f64 {
+        self.mobility[to * self.contacts() + from]
+    }
+
+    /// The impulse that changes the velocity of a contact.
+    pub(crate) fn impulse(&self, contact: usize, change: f64) -> f64 {
+        let mobility = self.mobility(contact, contact);
+        let impulse = change / mobility;
+        // Both corrections at once: each alone is below half a unit in the last place.
+        impulse + (impulse.mul_add(-mobility, change) / mobility - impulse * self.lost[contact])
+    }
+
+    /// Modes and what each sees of contact `contact`.
+    pub(crate) fn seen_by(&self, contact: usize) -> impl Iterator<Item = (usize, &LinearMode, [f64; 2])> {
+        self.structure.modes().iter().enumerate().map(move |(k, mode)| (k, mode, mode.rows[contact]))
+    }
+
+    /// Impulses at contacts that change their velocities by `changes`, all together. Contacts of which one follows from others get 0.
+    pub(crate) fn impulses(&self, contacts: &[usize], changes: &[f64]) -> Vec<f64> {
+        let r = contacts.len();
+        let mut rows: Vec<Vec<f64>> = (0..r)
+            .map(|i| (0..r).map(|j| self.mobility(contacts[i], contacts[j])).chain([changes[i]]).collect())
+            .collect();
+        let mut is_used = vec![false; r];
+        let mut pivots = Vec::with_capacity(r);
+        for _ in 0..r {
+            // Mobility is symmetric and not negative: the largest diagonal entry is the pivot.
+            let best = (0..r).filter(|&i| !is_used[i]).max_by(|&i, &j| rows[i][i].total_cmp(&rows[j][j]));
+            let Some(p) = best else { break };
+            is_used[p] = true;
+            if rows[p][p] <= ROUNDING * self.mobility(contacts[p], contacts[p]) {
+                continue;
+            }
+            pivots.push(p);
+            let pivot = rows[p].clone();
+            for i in (0..r).filter(|&i| i != p) {
+                let factor = rows[i][p] / pivot[p];
+                rows[i].iter_mut().zip(&pivot).for_each(|(entry, above)| *entry -= factor * above);
+            }
+        }
+        let mut impulses = vec![0.0; r];
+        pivots.iter().for_each(|&p| impulses[p] = rows[p][r] / rows[p][p]);
+        impulses
+    }
+}
+
+/// wᵀM⁻¹w of a contact in two words: what the first is short of, relative to it.
+fn lost(structure: &ModalStructure, contact: usize) -> f64 {
+    let mobility = structure.mobility(contact, contact);
+    let (mut high, mut low) = (-mobility, 0.0);
+    for mode in structure.modes() {
+        let ([r, s], [a, b], by) = (mode.rows[contact], mode.columns[contact], mode.generator());
+        // row·(even + odd J)·column; of real shape, and as impulses are given, row².
+        let terms = [(by.even, r, a), (by.odd, r, b), (by.even, s, b), (-mode.turn.sign() * by.odd, s, a)];
+        let terms = if mode.is_real { [(1.0, r, r), (0.0, r, a), (0.0, s, b), (0.0, s, a)] } else { terms };
+        for (x, y, z) in terms {
+            let product = x * z;
+            let whole = y * product;
+            let rest = y.mul_add(product, -whole) + y * x.mul_add(z, -product);
+            let (sum, error) = two_sum(high, whole);
+            (high, low) = (sum, low + error + rest);
+        }
+    }
+    (high + low) / mobility
+}
