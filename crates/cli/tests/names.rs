@@ -60,6 +60,7 @@ fn keys() -> [Names; 2] {
     for name in [
         "orbit",
         "structure",
+        "structure-run",
         "locate",
         "branch",
         "curve",

@@ -290,3 +290,53 @@ fn scenes_of_structures_have_orbits() {
     }
     assert!(read >= 1, "{read}");
 }
+
+/// A run that begins on a stable orbit repeats it; one from rest settles on it, and what it has settled on leads `orbit` there.
+#[test]
+fn runs_repeat_orbits_and_settle_on_them() {
+    let desk = Desk::with_scene(&TWO.replace("omega = 0.9", "omega = 0.6").replace("upper = 1.3", "upper = 0.6"));
+    let orbit = written(&desk.run("orbit --scene scene.toml --json").with(0, &[]).out);
+    let solutions = orbit["solutions"].as_array().unwrap();
+    let physical = solutions.iter().find(|solution| solution["physical"] == true).unwrap();
+    let ran =
+        written(&desk.run("simulate --scene scene.toml --periods 40 --impacts impacts.csv --json").with(0, &[]).out);
+    assert_eq!(ran["outcome"], "time-reached");
+    let impulse = |value: &Value| number(&value["impacts"][0]["impulse"]);
+    if physical["stability"]["stable"] == true {
+        assert_eq!(ran["impacts"], 40);
+        assert_eq!(ran["repeats"]["word"], "0+");
+        assert!((impulse(&ran["repeats"]) - impulse(physical)).abs() < 1e-9);
+    }
+    let rows = String::from_utf8(desk.read("impacts.csv")).unwrap();
+    assert_eq!(rows.lines().next().unwrap(), "time,contact,barrier,velocity_before,velocity_after,impulse,kind");
+    // From rest, where no word is named.
+    let unnamed =
+        TWO.replace("word = \"0+\"\n", "").replace("omega = 0.9", "omega = 1.3").replace("upper = 1.3", "upper = 0.6");
+    fs::write(desk.path("other.toml"), unnamed).unwrap();
+    let settled = desk.run("simulate --scene other.toml --periods 4000 --json").with(0, &[]).out;
+    let settled = written(&settled);
+    let word = settled["repeats"]["word"].as_str().unwrap().to_owned();
+    fs::write(desk.path("run.json"), settled.to_string()).unwrap();
+    let near = written(&desk.run("orbit --scene other.toml --near run.json --json").with(0, &[]).out);
+    let (found, told) = (&near["solutions"][0], &settled["repeats"]);
+    assert_eq!(found["word"], word.as_str());
+    assert!(found["physical"] == true && found["stability"]["stable"] == true);
+    assert!((impulse(found) - impulse(told)).abs() < 1e-5 * impulse(told).abs());
+    // A state, and what is wrong with one.
+    fs::write(desk.path("state.json"), "{\"displacement\": [0.1, 0.2], \"velocity\": [0, 1]}").unwrap();
+    desk.run("simulate --scene scene.toml --state state.json --periods 3").with(0, &[]);
+    fs::write(desk.path("state.json"), "{\"displacement\": [0.1, 0.9], \"velocity\": [0, 1]}").unwrap();
+    desk.run("simulate --scene scene.toml --state state.json").with(2, &["beyond"]);
+    fs::write(desk.path("state.json"), "{\"displacement\": [0.1], \"velocity\": [0]}").unwrap();
+    desk.run("simulate --scene scene.toml --state state.json").with(2, &["needs 2"]);
+    desk.run("simulate --scene scene.toml --plot a.png").with(2, &["--plot is of chains"]);
+}
+
+/// A damped chain from flags: its run on a stable orbit is that orbit.
+#[test]
+fn a_damped_chain_runs_on_its_orbit() {
+    let desk = Desk::new();
+    let flags = "--family double-sided --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --restitution .9 --damping .02";
+    let ran = written(&desk.run(&format!("simulate {flags} --solution 2 --periods 100 --json")).with(0, &[]).out);
+    assert_eq!((&ran["impacts"], &ran["repeats"]["word"]), (&200.into(), &"0+,0-".into()));
+}

@@ -105,6 +105,37 @@ impl<'a> StructureMotion<'a> {
         Ok((0..structure.coordinates()).map(of).collect())
     }
 
+    /// Coordinates ξ of all modes there, loads and rigid modes included: where a simulation may begin.
+    ///
+    /// # Errors
+    /// [`StructureOrbitError::Structure`] at a resonance.
+    pub fn modes(&self, i: usize, s: f64) -> Result<Vec<[f64; 2]>, StructureOrbitError> {
+        let structure = self.structure();
+        let omega = self.orbit.model().omega();
+        let t = self.orbit.impacts()[i].time + s + self.orbit.psi().unwrap_or(0.0);
+        let mut all = structure.still();
+        for (place, harmonic) in structure.harmonics().iter().enumerate() {
+            let turn = C::from_polar(1.0, f64::from(*harmonic) * omega * t);
+            for (sum, swing) in all.iter_mut().zip(structure.steady(place, omega)?) {
+                (0..2).for_each(|n| sum[n] += (swing[n] * turn).re);
+            }
+        }
+        let mut rigid = 0;
+        for (k, (mode, sum)) in structure.modes().iter().zip(&mut all).enumerate() {
+            let own = if self.equations.kernel.sum(k).is_none() {
+                let [place, velocity, _] = self.rigid(mode, i, s);
+                let place = place + self.orbit.offsets()[rigid];
+                rigid += 1;
+                [place, (velocity + mode.decay * place) / mode.rate]
+            } else {
+                let flight = mode.flight(s);
+                turned(mode.turn, [flight.even, flight.odd], self.states[i][k])
+            };
+            (0..2).for_each(|n| sum[n] += own[n]);
+        }
+        Ok(all)
+    }
+
     /// Adds what impacts do.
     fn add(&self, i: usize, s: f64, row: impl Fn(&LinearMode) -> [f64; 2], sums: &mut [f64; 3]) {
         let mut rigid = 0;

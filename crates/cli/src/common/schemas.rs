@@ -25,9 +25,10 @@ pub(crate) const TABLE: &str = "urn:vibrochain:table:1";
 pub(crate) const STATE: &str = "urn:vibrochain:state:1";
 
 /// Names, and the files.
-const SCHEMAS: [(&str, &str); 15] = [
+const SCHEMAS: [(&str, &str); 16] = [
     ("orbit", include_str!("../../schemas/orbit.json")),
     ("structure", include_str!("../../schemas/structure.json")),
+    ("structure-run", include_str!("../../schemas/structure-run.json")),
     ("locate", include_str!("../../schemas/locate.json")),
     ("branch", include_str!("../../schemas/branch.json")),
     ("curve", include_str!("../../schemas/curve.json")),

@@ -28,6 +28,7 @@ use crate::simulate::pace::Pace;
 use crate::simulate::recording::{ImpactTable, Plot, Trajectory, orbit_time};
 use crate::simulate::section::Section;
 use crate::simulate::start::{Start, leading_mode_at};
+use crate::structures;
 use vibrochain_maps::files::distinct;
 use vibrochain_maps::numbers::Number;
 
@@ -42,6 +43,9 @@ const MAX_WINDOWS: f64 = 1e15;
 /// # Errors
 /// [`CliError`].
 pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    if let Some(scene) = structures::asked(&args.model)? {
+        return structures::simulate::run(args, &scene, console);
+    }
     let chosen = chosen(&args.model, console)?;
     let model = chosen.model;
     if args.samples == 0 || args.samples > 1_000_000 {

@@ -2,6 +2,7 @@
 
 pub(crate) mod answer;
 pub(crate) mod orbit;
+pub(crate) mod simulate;
 pub(crate) mod sweep;
 
 use vibrochain_lattice::{Contact, Ends, Parameter};

@@ -14,7 +14,7 @@ use vibrochain_maps::structure::{Answered, StructureScene};
 use vibrochain_maps::text::read_text;
 
 use super::answer::text;
-use crate::args::OrbitArgs;
+use crate::args::{OrbitArgs, WhichArgs};
 use crate::common::console::Console;
 use crate::common::error::CliError;
 
@@ -34,7 +34,7 @@ pub(crate) fn run(args: &OrbitArgs, scene: &StructureScene, console: &mut Consol
     }
     let model = scene.model().map_err(CliError::Request)?;
     let tolerance = args.threshold.map_or(Ok(scene.tolerance), tolerance_from).map_err(CliError::Request)?;
-    let (found, word, periods) = found(args, scene, &model)?;
+    let (found, word, periods) = found(&args.which, scene, &model)?;
     let answered = found
         .orbits
         .iter()
@@ -56,12 +56,12 @@ pub(crate) fn run(args: &OrbitArgs, scene: &StructureScene, console: &mut Consol
 }
 
 /// The orbits that flags or the scene ask for, with their word and its periods of the load.
-fn found(
-    args: &OrbitArgs,
+pub(crate) fn found(
+    which: &WhichArgs,
     scene: &StructureScene,
     model: &StructureModel,
 ) -> Result<(StructureFound, String, u32), CliError> {
-    if let Some(path) = &args.which.near {
+    if let Some(path) = &which.near {
         let orbit = near(path, model)?;
         let (word, periods) = (orbit.word(), orbit.force_periods());
         return Ok((
@@ -70,11 +70,10 @@ fn found(
             periods,
         ));
     }
-    let of_family = args
-        .which
+    let of_family = which
         .family
         .and_then(|family| Some((Word::of_family(family)?, if family == Family::PeriodDoubled { 2 } else { 1 })));
-    let (word, periods) = match (&args.which.word, of_family, &scene.word, &scene.words[..]) {
+    let (word, periods) = match (&which.word, of_family, &scene.word, &scene.words[..]) {
         (Some(word), ..) => (word.clone(), scene.force_periods),
         (None, Some(named), ..) => named,
         (None, None, Some(word), _) => (word.clone(), scene.force_periods),
@@ -85,7 +84,7 @@ fn found(
             ));
         }
     };
-    let periods = args.which.force_periods.unwrap_or(periods);
+    let periods = which.force_periods.unwrap_or(periods);
     Ok((structure_orbits(model, &word, periods)?, word.to_string(), periods))
 }
 
@@ -113,6 +112,10 @@ fn near(path: &Path, model: &StructureModel) -> Result<StructureOrbit, CliError>
     let text = read_text("the orbit", path, MOST_BYTES)?;
     let wrong = |what: &dyn std::fmt::Display| CliError::Request(format!("{}: {what}", path.display()));
     let mut value: serde_json::Value = serde_json::from_str(&text).map_err(|error| wrong(&error))?;
+    // What a run has settled on.
+    if let Some(repeated) = value.get_mut("repeats").filter(|repeated| repeated.is_object()) {
+        value = repeated.take();
+    }
     if let Some(first) = value.get_mut("solutions").and_then(|list| list.get_mut(0)) {
         value = first.take();
     }

@@ -76,7 +76,8 @@ pub fn json(
 }
 
 /// The structure as it was asked about.
-fn structure(scene: &StructureScene, model: &StructureModel) -> Value {
+#[must_use]
+pub fn structure(scene: &StructureScene, model: &StructureModel) -> Value {
     let structure = model.structure();
     let contacts = structure.contacts().iter().enumerate().map(|(number, contact)| {
         value!({

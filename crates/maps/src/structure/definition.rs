@@ -325,6 +325,23 @@ impl Definition {
         }
     }
 
+    /// ξ of a state of the coordinates; a modal model has none.
+    pub(super) fn project(
+        &self,
+        modal: &ModalStructure,
+        place: &[f64],
+        velocity: &[f64],
+        damping: f64,
+    ) -> Result<Vec<[f64; 2]>, String> {
+        let structure = match self {
+            Self::Modes(_) => return Err("a modal model has no coordinates: start on an orbit, or at rest".to_owned()),
+            Self::Matrices(structure) => Structure { damping: &structure.damping * damping, ..structure.clone() },
+            Self::Chain { structure, .. } => (**structure).clone(),
+        };
+        let [place, velocity] = [place, velocity].map(DVector::from_row_slice);
+        structure.project(modal, &place, &velocity).map_err(|error| error.to_string())
+    }
+
     /// The contacts as they were given.
     pub(super) fn contacts(&self) -> Vec<Contact> {
         match self {

@@ -361,4 +361,12 @@ impl StructureScene {
         let omega = self.omega.ok_or("omega is missing: give omega = … in the scene, or --omega")?;
         StructureModel::new(self.structure()?, omega).map_err(|error| error.to_string())
     }
+
+    /// Coordinates ξ of all modes of displacements and velocities of the coordinates.
+    ///
+    /// # Errors
+    /// Lists that are too long or too short; a modal model, which has no coordinates.
+    pub fn modes_of(&self, displacement: &[f64], velocity: &[f64]) -> Result<Vec<[f64; 2]>, String> {
+        self.definition.project(&self.modal, displacement, velocity, self.damping)
+    }
 }

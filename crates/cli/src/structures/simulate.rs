@@ -1,0 +1,344 @@
+//! `mapgen simulate` of a structure: every impact from a state or an orbit on, and what the run settles on.
+
+use std::fmt::Write as _;
+
+use serde::Deserialize;
+use serde_json::{Value, json};
+use vibrochain_breather::{StructureModel, StructureMotion, StructureOrbit, structure_admissibility};
+use vibrochain_eventsim::{
+    ContactEvent, EventKind, Limits, StructureOutcome, StructureReport, StructureSimulation, Time,
+};
+use vibrochain_lattice::{Barrier, Short, Stop};
+use vibrochain_maps::files::{Output, distinct, promises};
+use vibrochain_maps::numbers::Number;
+use vibrochain_maps::structure::StructureScene;
+use vibrochain_maps::structure::answer::structure;
+use vibrochain_maps::text::read_text;
+
+use super::orbit::found;
+use crate::args::SimulateArgs;
+use crate::common::console::{Console, nothing_else};
+use crate::common::error::CliError;
+
+/// What the answer names in its first key.
+const SCHEMA: &str = "urn:vibrochain:structure-run:1";
+
+/// The most bytes of a state.
+const MOST_BYTES: u64 = 16 << 20;
+
+/// Periods of the load that one of what a run repeats may have.
+const MOST_PERIODS: u64 = 32;
+
+/// By how much impacts that repeat may differ: times in periods of the load, impulses as a part of themselves.
+const ALIKE: f64 = 1e-6;
+
+/// Flights between two looks at a request to stop.
+const FLIGHTS: u64 = 20_000;
+
+/// Runs the subcommand for a structure.
+///
+/// # Errors
+/// [`CliError`].
+pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Console<'_>) -> Result<(), CliError> {
+    let others = [
+        ("trajectory", args.trajectory.is_some()),
+        ("section", args.section.is_some()),
+        ("plot", args.plot.is_some()),
+        ("animate", args.animate.is_some()),
+        ("perturb", args.perturb.is_some()),
+    ];
+    if let Some((flag, _)) = others.iter().find(|(_, given)| *given) {
+        let message = format!("--{flag} is of chains without dashpots: a structure's run has --impacts and --json");
+        return Err(CliError::Request(message));
+    }
+    let periods = args.periods;
+    if !(periods >= 0.0 && periods < 1e15) {
+        return Err(CliError::Request(format!("--periods {periods} is out of range: give a number from 0 to 1e15")));
+    }
+    let taken = distinct(
+        &[
+            ("--scene", args.model.scene.as_deref()),
+            ("--state", args.state.as_deref()),
+            ("--near", args.which.near.as_deref()),
+        ],
+        &[("--impacts", args.impacts.as_deref())],
+    )?;
+    nothing_else(args.json, taken)?;
+    args.impacts.as_deref().map(|path| promises("--impacts", path, "a table", &["csv"])).transpose()?;
+    let model = scene.model().map_err(CliError::Request)?;
+    let (psi, modes, from) = start(args, scene, &model)?;
+    let structure = (**model.structure()).clone();
+    let simulation = StructureSimulation::new(structure, model.omega(), psi, &modes);
+    let mut simulation = simulation.map_err(|error| CliError::Request(error.to_string()))?;
+    let stop = (console.interrupt)()?;
+    let table = args.impacts.as_deref().map(Output::create).transpose()?;
+    let until = simulation.time_of(periods as u64, periods.fract() * model.period());
+    let (report, events) = events(&mut simulation, until, args.max_impacts, &stop)?;
+    if let Some(mut table) = table {
+        let text = rows(&events)?;
+        std::io::Write::write_all(&mut table, &text).map_err(|error| table.unwritten(&error))?;
+        table.commit()?;
+    }
+    let settled = settled(&model, psi, &events, report.time);
+    let told = if args.json {
+        let value = answer(scene, &model, psi, &report, &events, settled.as_ref());
+        format!("{value:#}\n")
+    } else {
+        text(&model, &from, &report, &events, settled.as_ref())
+    };
+    console.answer(&told, args.json, taken)
+}
+
+/// ψ, the modes' coordinates, and from where the run begins.
+fn start(
+    args: &SimulateArgs,
+    scene: &StructureScene,
+    model: &StructureModel,
+) -> Result<(f64, Vec<[f64; 2]>, String), CliError> {
+    if let Some(path) = &args.state {
+        #[derive(Deserialize)]
+        struct State {
+            displacement: Vec<f64>,
+            velocity: Vec<f64>,
+            #[serde(default)]
+            psi: f64,
+        }
+        let text = read_text("the state", path, MOST_BYTES)?;
+        let state: State =
+            serde_json::from_str(&text).map_err(|error| CliError::Request(format!("{}: {error}", path.display())))?;
+        let modes = scene.modes_of(&state.displacement, &state.velocity);
+        let modes = modes.map_err(|why| CliError::Request(format!("{}: {why}", path.display())))?;
+        return Ok((args.psi.unwrap_or(state.psi), modes, format!("the state of {}", path.display())));
+    }
+    let named = args.which.family.is_some() || args.which.word.is_some() || args.which.near.is_some();
+    if !named && scene.word.is_none() {
+        return Ok((args.psi.unwrap_or(0.0), model.structure().still(), "rest under the static load".to_owned()));
+    }
+    let (found, word, _) = found(&args.which, scene, model)?;
+    let orbit = match args.solution {
+        Some(number) => found.orbits.get(number.wrapping_sub(1)).ok_or_else(|| {
+            CliError::Request(format!("--solution {number} does not exist: {word} has {} here", found.orbits.len()))
+        })?,
+        None => {
+            let physical =
+                |orbit: &&StructureOrbit| structure_admissibility(orbit).is_ok_and(|answer| answer.is_physical());
+            let first = found.orbits.iter().find(physical);
+            first.ok_or_else(|| CliError::IllPosed(format!("{word} has no physical orbit here to start on")))?
+        }
+    };
+    // In the flight before the first impact.
+    let motion = StructureMotion::new(orbit)?;
+    let last = orbit.impacts().len() - 1;
+    let lapse = 0.5 * motion.until_next(last);
+    let psi = orbit.psi().unwrap_or(0.0) + orbit.impacts()[last].time + lapse;
+    Ok((psi, motion.modes(last, lapse)?, format!("the orbit {word}")))
+}
+
+/// The run, looked at for a request to stop.
+fn events(
+    simulation: &mut StructureSimulation,
+    until: Time,
+    most: Option<u64>,
+    stop: &Stop,
+) -> Result<(StructureReport, Vec<ContactEvent>), CliError> {
+    let (mut events, mut impacts) = (Vec::new(), 0);
+    loop {
+        let left = most.map_or(u64::MAX, |most| most.saturating_sub(impacts));
+        let limits = Limits { until: Some(until), impacts: left, flights: FLIGHTS, ..Limits::default() };
+        let report = simulation.run(&limits, |event| {
+            impacts += u64::from(event.kind == EventKind::Impact);
+            events.push(*event);
+        });
+        if stop.is_raised() {
+            return Err(CliError::Interrupted);
+        }
+        if report.outcome != StructureOutcome::WorkLimit {
+            return Ok((report, events));
+        }
+    }
+}
+
+fn rows(events: &[ContactEvent]) -> Result<Vec<u8>, CliError> {
+    let failed = |error: csv::Error| CliError::Computation(error.to_string());
+    let mut table = csv::Writer::from_writer(Vec::new());
+    let names = ["time", "contact", "barrier", "velocity_before", "velocity_after", "impulse", "kind"];
+    table.write_record(names).map_err(failed)?;
+    for event in events {
+        let number = |x: f64| Number(x).to_string();
+        let row = [
+            number(event.time.to_f64()),
+            event.contact.to_string(),
+            event.barrier.name().to_owned(),
+            number(event.velocity_before),
+            number(event.velocity_after),
+            number(event.impulse),
+            event.kind.name().to_owned(),
+        ];
+        table.write_record(row).map_err(failed)?;
+    }
+    table.into_inner().map_err(|error| CliError::Computation(error.to_string()))
+}
+
+/// What the impacts at the end of a run repeat.
+struct Settled {
+    force_periods: u64,
+    psi: f64,
+    impacts: Vec<(usize, Barrier, f64, f64)>,
+}
+
+impl Settled {
+    fn word(&self) -> String {
+        let letter = |(contact, barrier, ..): &(usize, Barrier, f64, f64)| {
+            format!("{contact}{}", if *barrier == Barrier::Upper { '+' } else { '-' })
+        };
+        self.impacts.iter().map(letter).collect::<Vec<_>>().join(",")
+    }
+}
+
+/// The shortest pattern that the last impacts repeat three times; `None` of rests, and of what does not repeat.
+fn settled(model: &StructureModel, psi: f64, events: &[ContactEvent], end: Time) -> Option<Settled> {
+    let period = model.period();
+    let since = |event: &ContactEvent| {
+        (end.periods() as f64 - event.time.periods() as f64) + (end.offset() - event.time.offset()) / period
+    };
+    for count in 1..=MOST_PERIODS {
+        let window = |number: u64| -> Vec<(&ContactEvent, f64)> {
+            let (from, to) = ((number + 1) as f64 * count as f64, number as f64 * count as f64);
+            let inside = |event: &&ContactEvent| (to..from).contains(&since(event));
+            events.iter().filter(inside).map(|event| (event, since(event) - to)).collect()
+        };
+        let (last, before, first) = (window(0), window(1), window(2));
+        if last.is_empty() || events.first().is_none_or(|event| since(event) < 3.0 * count as f64) {
+            continue;
+        }
+        let same = |a: &[(&ContactEvent, f64)], b: &[(&ContactEvent, f64)]| {
+            a.len() == b.len()
+                && a.iter().zip(b).all(|((a, from), (b, to))| {
+                    a.kind == EventKind::Impact
+                        && b.kind == EventKind::Impact
+                        && (a.contact, a.barrier) == (b.contact, b.barrier)
+                        && (from - to).abs() < ALIKE
+                        && (a.impulse - b.impulse).abs() < ALIKE * a.impulse.abs()
+                })
+        };
+        if same(&last, &before) && same(&before, &first) {
+            let begin = last[0].0.time;
+            let impacts = last.iter().map(|(event, _)| {
+                let lapse = (event.time.periods() as f64 - begin.periods() as f64) * period
+                    + (event.time.offset() - begin.offset());
+                (event.contact, event.barrier, lapse, event.impulse)
+            });
+            return Some(Settled {
+                force_periods: count,
+                psi: (psi + begin.offset()).rem_euclid(period),
+                impacts: impacts.collect(),
+            });
+        }
+    }
+    None
+}
+
+fn outcome(outcome: &StructureOutcome) -> String {
+    match outcome {
+        StructureOutcome::TimeReached => "the time asked for was reached".to_owned(),
+        StructureOutcome::ImpactsReached => "the impacts asked for were reached".to_owned(),
+        StructureOutcome::Simultaneous { first, second } => {
+            format!(
+                "contacts {first} and {second} share a coordinate and hit at one instant: what comes of it depends on their order"
+            )
+        }
+        StructureOutcome::Cascade { contact, barrier, bounces } => {
+            format!(
+                "contact {contact} has hit its {barrier} barrier {bounces} times in a cascade that could not be resolved"
+            )
+        }
+        StructureOutcome::Diverged { mode } => format!("mode {mode} grows without bound"),
+        StructureOutcome::WorkLimit => "the limit of work was reached".to_owned(),
+    }
+}
+
+fn name(outcome: &StructureOutcome) -> &'static str {
+    match outcome {
+        StructureOutcome::TimeReached => "time-reached",
+        StructureOutcome::ImpactsReached => "impacts-reached",
+        StructureOutcome::Simultaneous { .. } => "simultaneous",
+        StructureOutcome::Cascade { .. } => "cascade",
+        StructureOutcome::Diverged { .. } => "diverged",
+        StructureOutcome::WorkLimit => "work-limit",
+    }
+}
+
+fn counts(events: &[ContactEvent]) -> [usize; 3] {
+    [EventKind::Impact, EventKind::Stick, EventKind::Release]
+        .map(|kind| events.iter().filter(|event| event.kind == kind).count())
+}
+
+fn text(
+    model: &StructureModel,
+    from: &str,
+    report: &StructureReport,
+    events: &[ContactEvent],
+    settled: Option<&Settled>,
+) -> String {
+    let mut out = String::new();
+    let [impacts, sticks, releases] = counts(events);
+    // Writing to a String cannot fail.
+    let _ = writeln!(out, "from {from}, omega = {}", Short(model.omega()));
+    let _ = writeln!(
+        out,
+        "{impacts} impacts, {sticks} sticks, {releases} releases up to t = {}",
+        Number(report.time.to_f64())
+    );
+    if report.outcome != StructureOutcome::TimeReached {
+        let _ = writeln!(out, "ended: {}", outcome(&report.outcome));
+    }
+    match settled {
+        Some(settled) => {
+            let plural = if settled.force_periods == 1 { "" } else { "s" };
+            let _ = writeln!(
+                out,
+                "it repeats {} every {} period{plural} of the load",
+                settled.word(),
+                settled.force_periods
+            );
+        }
+        None if impacts > 0 => {
+            let _ = writeln!(out, "its last impacts do not repeat three times within {MOST_PERIODS} periods each");
+        }
+        None => {}
+    }
+    out
+}
+
+fn answer(
+    scene: &StructureScene,
+    model: &StructureModel,
+    psi: f64,
+    report: &StructureReport,
+    events: &[ContactEvent],
+    settled: Option<&Settled>,
+) -> Value {
+    let [impacts, sticks, releases] = counts(events);
+    let repeated = settled.map(|settled| {
+        let impacts = settled.impacts.iter().map(|(contact, barrier, time, impulse)| {
+            json!({ "contact": contact, "barrier": barrier.name(), "time": time, "impulse": impulse })
+        });
+        json!({
+            "word": settled.word(),
+            "period": settled.force_periods as f64 * model.period(),
+            "psi": settled.psi,
+            "impacts": impacts.collect::<Vec<_>>(),
+        })
+    });
+    json!({
+        "schema": SCHEMA,
+        "structure": structure(scene, model),
+        "psi": psi,
+        "outcome": name(&report.outcome),
+        "time": report.time.to_f64(),
+        "impacts": impacts,
+        "sticks": sticks,
+        "releases": releases,
+        "repeats": repeated,
+    })
+}
