@@ -1,5 +1,4 @@
-//! What a branch and a surface of orbits share: the orbit's equations F in its unknowns x and the free parameters, their derivatives,
-//! and Newton's method from near an orbit onto it.
+//! The orbit's equations F in its unknowns x and the free parameters, their derivatives, and Newton's method from near an orbit onto it.
 
 use smallvec::SmallVec;
 use vibrochain_lattice::Parameter;
@@ -185,7 +184,7 @@ impl Continuation {
     }
 
     /// ∂F/∂z at `z` above as many rows as parameters are free.
-    pub(crate) fn bordered(&mut self, z: &[f64], here: &Evaluation, rows: &[&[f64]]) -> Result<Matrix, BranchError> {
+    pub(crate) fn bordered(&mut self, z: &[f64], here: &Evaluation, rows: &[Vector]) -> Result<Matrix, BranchError> {
         let (mut matrix, m) = (here.matrix.clone(), self.reduction.size());
         for (which, row) in rows.iter().enumerate() {
             let mut column = self.parameter_column(z, &here.rows, which)?;
@@ -200,7 +199,7 @@ impl Continuation {
     pub(crate) fn newton(
         &mut self,
         predicted: &[f64],
-        rows: &[&[f64]],
+        rows: &[Vector],
         reach: f64,
         known: bool,
     ) -> Result<Vector, BranchError> {

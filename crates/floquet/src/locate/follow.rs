@@ -269,7 +269,7 @@ impl Follower {
             let at_fold = self.look(&fold)?;
             self.all_between((point, seen), (&fold, &at_fold))?;
         }
-        Ok((fold.value(), End::Fold { error: fold.parameter_error() }))
+        Ok((fold.value(), End::Fold { error: self.branch.parameter_error(&fold) }))
     }
 
     /// As [`Follower::turn`], and on round the fold to `next`. A pitchfork that is this near to it is not told from it.
@@ -308,17 +308,24 @@ impl Follower {
         Ok(Some((value, End::Pitchfork)))
     }
 
-    /// The value at which the branch turns back between two points; that of the second where the equations fail next to it.
+    /// The value at which the branch turns back between two points. Right there the equations may fail: the orbit that came nearest
+    /// tells it to the square of its distance.
     fn turning(&mut self, point: &BranchPoint, next: &BranchPoint) -> f64 {
         let length = self.branch.length_between(point, next);
-        let branch = &mut self.branch;
-        let heading = |s: f64| branch.step(point, s).map(|there| there.heading());
-        let place = zero((0.0, point.heading()), (length, next.heading()), length, heading);
-        place.and_then(|s| self.branch.step(point, s)).map_or(next.value(), |there| there.value())
+        let mut nearest = (next.heading().abs(), next.value());
+        let heading = |s: f64| -> Result<f64, BranchError> {
+            let there = self.branch.step(point, s)?;
+            if there.heading().abs() < nearest.0 {
+                nearest = (there.heading().abs(), there.value());
+            }
+            Ok(there.heading())
+        };
+        let _ = zero((0.0, point.heading()), (length, next.heading()), length, heading);
+        nearest.1
     }
 
     fn describe_fold(&mut self, fold: &BranchPoint, evidence: Evidence) -> Result<(), LocateError> {
-        let error = fold.parameter_error() + 2.0 * f64::EPSILON * fold.value().abs();
+        let error = self.branch.parameter_error(fold) + 2.0 * f64::EPSILON * fold.value().abs();
         let found = self.describe(Event::Fold, fold, error, evidence)?;
         self.passed.push(Passed::Event(found));
         Ok(())

@@ -163,7 +163,7 @@ fn follow_in(
         }
         if next.is_err() {
             // A word with a symmetry passes points where others branch off that lack it.
-            let over = OVER.iter().find_map(|&length| along.step_over(&point, length).ok());
+            let over = OVER.iter().find_map(|&length| along.step_along(&point, [length]).ok());
             next = over.filter(|next| next.value() < target).ok_or(BranchError::NoConvergence);
             step = OVER[0];
         }
