@@ -70,7 +70,9 @@ pub use orbit::{Family, Hit, Impact, Orbit};
 pub use search::completeness::{Completeness, Proof};
 pub use search::finder::{Finder, Found, Prepared, Wanted, breathers, condition};
 pub use search::words::ended::{End, Ended};
+pub use tracer::line;
 pub use tracer::manifold::{Manifold, ManifoldPoint};
+pub use tracer::pace::Pace;
 /// What orbits are asked of, so that this crate can be used alone.
 pub use vibrochain_lattice::{Chain, Model};
 pub use word::{Letter, MAX_IMPACTS, Word, WordError};

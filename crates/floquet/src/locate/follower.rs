@@ -8,9 +8,6 @@ use vibrochain_lattice::{Parameter, Stop};
 use super::answer::{Event, Located, Unresolved};
 use crate::analyser::Analyser;
 
-/// The longest step, in units: the range is one unit, and so is a change of order 1 of the orbit.
-pub(super) const LONGEST: f64 = 0.02;
-
 /// The branch, what is watched along it, and work space.
 pub(super) struct Follower {
     pub(super) branch: Branch,
