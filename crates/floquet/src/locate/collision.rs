@@ -88,7 +88,8 @@ impl Follower {
         let length = self.branch.length_between(point, next);
         let first = self.place(0.0, point.orbit(), &seen.values)?;
         let last = self.place(length, next.orbit(), &next_seen.values)?;
-        self.untold += usize::from(first.order.is_none() || last.order.is_none());
+        let told = |place: &Place, seen: &Observation| place.order.is_some() || seen.order.is_some();
+        self.untold += usize::from(!told(&first, seen) || !told(&last, next_seen));
         let (mut parts, mut edges) = (vec![(first, last, 0)], Vec::<Edge>::new());
         while let Some((from, to, depth)) = parts.pop() {
             let event = match from.off_circle().abs_diff(to.off_circle()) {
@@ -167,6 +168,25 @@ impl Follower {
         // Where other events change the numbers, halves that are free of them can tell.
         let comparable = (before.0, before.1, before.2) == (behind.0, behind.1, behind.2);
         Ok(if comparable { before.3 != behind.3 } else { depth < ASIDE })
+    }
+
+    /// Whether a stripe lies between two points of orbits of several sites, which is none of the events that change what is off the circle:
+    /// the order of signatures tells, which changes otherwise only where a pair drifts past one that is off the circle.
+    pub(super) fn hides_stripe(&self, from: &Observation, to: &Observation, depth: u32) -> bool {
+        let (Some(before), Some(behind)) = (from.order, to.order) else { return false };
+        let off = |seen: &Observation| {
+            let beyond =
+                [-1.0, 1.0].map(|end| seen.values.iter().filter(|nu| nu.im == 0.0 && nu.re * end >= 1.0).count());
+            (seen.openings.len(), beyond)
+        };
+        let most = if off(from) != off(to) {
+            ASIDE
+        } else if from.openings.is_empty() {
+            u32::MAX
+        } else {
+            APART
+        };
+        before != behind && depth < most
     }
 
     /// A place on the side of `end` so near to an edge as the order can be told.
