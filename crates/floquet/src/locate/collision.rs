@@ -170,23 +170,18 @@ impl Follower {
         Ok(if comparable { before.3 != behind.3 } else { depth < ASIDE })
     }
 
-    /// Whether a stripe lies between two points of orbits of several sites, which is none of the events that change what is off the circle:
-    /// the order of signatures tells, which changes otherwise only where a pair drifts past one that is off the circle.
+    /// Whether a stripe lies between two points of orbits of several sites, besides what changes the number off the circle: the order of
+    /// signatures tells. Off the circle it changes, too, where one drifts past another.
     pub(super) fn hides_stripe(&self, from: &Observation, to: &Observation, depth: u32) -> bool {
         let (Some(before), Some(behind)) = (from.order, to.order) else { return false };
         let off = |seen: &Observation| {
-            let beyond =
-                [-1.0, 1.0].map(|end| seen.values.iter().filter(|nu| nu.im == 0.0 && nu.re * end >= 1.0).count());
-            (seen.openings.len(), beyond)
+            let beyond = |end: f64| seen.values.iter().filter(|nu| nu.im == 0.0 && nu.re * end >= 1.0).count();
+            (seen.openings.len(), beyond(-1.0), beyond(1.0))
         };
-        let most = if off(from) != off(to) {
-            ASIDE
-        } else if from.openings.is_empty() {
-            u32::MAX
-        } else {
-            APART
-        };
-        before != behind && depth < most
+        if off(from) != off(to) {
+            return before != behind && depth < ASIDE;
+        }
+        !before.is_alike_on_circle(behind) || before != behind && depth < APART
     }
 
     /// A place on the side of `end` so near to an edge as the order can be told.
