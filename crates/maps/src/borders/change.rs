@@ -11,7 +11,7 @@ const FINE: f64 = 1e-14;
 /// What is not known on the border may be this wide.
 const DARK: f64 = 1e-6;
 
-/// The first step, and how short one need not be to look to the sides.
+/// The first step and the shortest: nearer to where borders meet, other classes are on both sides.
 const FIRST: f64 = 1e-3;
 const SHORTEST: f64 = 1e-6;
 
@@ -160,6 +160,9 @@ impl<C: Copy + PartialEq, F: FnMut([f64; 2]) -> Option<C>> Line for Way<'_, C, F
         let (last, side) = (&passed[passed.len() - 1], self.heading.1);
         let (ahead, direction) = self.expected(passed, length);
         let left = [-side * direction[1], side * direction[0]];
+        if length < SHORTEST {
+            return None;
+        }
         if is_inside(ahead) {
             let beside = |by: f64| [0, 1].map(|i| ahead[i] + by * length * left[i]);
             return self.between(last, [beside(ASIDE), beside(-ASIDE)]).map(Step::On);

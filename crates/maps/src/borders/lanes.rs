@@ -6,6 +6,9 @@ use vibrochain_floquet::{Stripe, StripeEnd, StripeFinder, StripeLine};
 
 use super::part::{Eye, Part};
 
+/// The shortest step: a stripe that is not found over it is not found over a shorter one.
+const SHORTEST: f64 = 2e-7;
+
 const EDGE: &str = "at the edge of the window";
 
 /// How far from where it was expected a stripe may be, as a part of the step, or of its width.
@@ -140,6 +143,9 @@ impl Line for Way<'_, '_, '_> {
         let y = (last.y + self.way * length).clamp(0.0, 1.0);
         if y == last.y {
             return Some(Step::Out(None, EDGE));
+        }
+        if length < SHORTEST {
+            return None;
         }
         let expected = foreseen(passed.iter().map(|point| (point.y, point.edges)), y);
         let value = self.liner.eye.window.point([0.5 * (expected[0] + expected[1]), y])[0];
