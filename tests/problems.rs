@@ -109,6 +109,10 @@ fn every_scene_of_structures_is_on_the_page() {
     for entry in fs::read_dir(root().join("scenes/structures")).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();
         let own = scene(&name);
+        // A map of a chain is told of elsewhere.
+        if own.word.is_none() {
+            continue;
+        }
         assert!(!physical(&orbits(&own, None)).is_empty(), "{name}");
         assert!(name == "two-masses.toml" || page.contains(&format!("scenes/structures/{name})")), "{name}");
         count += 1;
@@ -300,8 +304,7 @@ fn at_the_rest_position_low_frequencies_have_several_impacts_a_period() {
         own.set(Setting::Omega, omega).unwrap();
         let found = orbits(&own, Some(word));
         let stable: Vec<_> = physical(&found).into_iter().filter(|orbit| radius(orbit) < 1.0).collect();
-        // Once from each of its impacts.
-        assert_eq!(stable.len(), count, "{omega}: {found:?}");
+        assert_eq!(stable.len(), 1, "{omega}: {found:?}");
         let settled = settles(omega, 0.8);
         assert!(settled.len() >= 2 * count - 1, "{settled:?}");
         for orbit in stable {
@@ -315,7 +318,7 @@ fn at_the_rest_position_low_frequencies_have_several_impacts_a_period() {
     own.set(Setting::Omega, 0.9).unwrap();
     own.set(Setting::Upper(0), 1e-7).unwrap();
     let shifted = orbits(&own, Some("0+,0+"));
-    assert_eq!(physical(&shifted).len(), 2);
+    assert_eq!(physical(&shifted).len(), 1);
     // An undamped mode whose period fits into that of the impacts has no periodic answer.
     for omega in [0.5, 1.0 / 3.0] {
         own.set(Setting::Omega, omega).unwrap();

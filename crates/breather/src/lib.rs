@@ -77,6 +77,9 @@ pub use structures::flight::StructureMotion;
 pub use structures::model::StructureModel;
 pub use structures::orbit::{StructureImpact, StructureOrbit};
 pub use structures::search::{StructureFound, StructureSearch, structure_orbits};
+pub use tracer::line;
+pub use tracer::manifold::{Manifold, ManifoldPoint};
+pub use tracer::pace::Pace;
 /// What orbits are asked of, so that this crate can be used alone.
 pub use vibrochain_lattice::{Chain, Model};
 pub use word::{Letter, MAX_IMPACTS, Word, WordError};

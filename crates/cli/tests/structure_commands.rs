@@ -280,6 +280,9 @@ fn scenes_of_structures_have_orbits() {
         if path.extension().is_none_or(|kind| kind != "toml") {
             continue;
         }
+        if !fs::read_to_string(&path).unwrap().contains("\nword = ") {
+            continue;
+        }
         let answer = written(&desk.run(&format!("orbit --json --scene {}", path.display())).with(0, &[]).out);
         assert!(
             answer["solutions"].as_array().unwrap().iter().any(|solution| solution["physical"] == true),
@@ -310,8 +313,7 @@ fn runs_repeat_orbits_and_settle_on_them() {
     let rows = String::from_utf8(desk.read("impacts.csv")).unwrap();
     assert_eq!(rows.lines().next().unwrap(), "time,contact,barrier,velocity_before,velocity_after,impulse,kind");
     // From rest, where no word is named.
-    let unnamed =
-        TWO.replace("word = \"0+\"\n", "").replace("omega = 0.9", "omega = 1.3").replace("upper = 1.3", "upper = 0.6");
+    let unnamed = TWO.replace("word = \"0+\"\n", "");
     fs::write(desk.path("other.toml"), unnamed).unwrap();
     let settled = desk.run("simulate --scene other.toml --periods 4000 --json").with(0, &[]).out;
     let settled = written(&settled);

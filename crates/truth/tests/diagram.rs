@@ -114,6 +114,9 @@ fn no_stripe_of_instability_hides_between_events() {
         (ring(0.005), "0+,0-", 0.9, 1.0, 40),
         (row, "3+,3-", 0.95, 1.3, 30),
         (layers, "0+,0-", 1.0, 1.2, 20),
+        // Two sites that are mirror images, of which two kinds of multipliers pass each other, and two that are none.
+        (Chain::new(10, 0.2, 0.05).unwrap(), "0+3+,0-3-", 1.0, 1.6, 30),
+        (Chain::new(7, 0.2, 0.05).unwrap().with_ends(Ends::Free), "2+3+,2-3-", 1.0, 1.6, 20),
     ];
     for (chain, word, from, to, least) in cases {
         let model = Model::conservative(chain, 0.5 * (from + to), 0.4).unwrap();

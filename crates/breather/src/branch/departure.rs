@@ -17,11 +17,12 @@
 use vibrochain_lattice::Parameter;
 
 use crate::branch::{Branch, BranchPoint};
-use crate::equations::linear::{Vector, dot, unit};
+use crate::equations::linear::{Vector, unit};
 use crate::equations::unknowns::{Unknowns, static_displacement};
 use crate::error::BranchError;
 use crate::orbit::{Draft, Family, Hit, Orbit, SIMULTANEOUS};
 use crate::search::finder::Finder;
+use crate::tracer::manifold::normed;
 use crate::tracer::reduction::Reduction;
 
 /// A border that is not orthogonal to n in any symmetry: no two of its entries are alike, none is small.
@@ -77,18 +78,26 @@ impl Branch {
             }
         };
         let unknowns = Unknowns::free(&origin);
-        let mut branch = Self::with(&origin, (free, unit_length), unknowns, Reduction::none(&unknowns))?;
+        let mut branch = Self::with(&origin, [(free, unit_length)], unknowns, Reduction::none(&unknowns))?;
         let coordinates = branch.origin_coordinates()?;
         // (∂F/∂x b; cᵀ 0)(n; g) = (0; 1), regular where ∂F/∂x is singular.
         let size = unknowns.size();
         let border = border(size);
         let mut last_row = border.clone();
         last_row.push(0.0);
-        let bordered = branch.equations.evaluate(&coordinates)?.matrix.bordered(&border, &last_row);
+        let here = branch.equations.evaluate(&coordinates)?;
+        let bordered = here.matrix.bordered(&border, &last_row);
         let mut direction = bordered.solve(&unit(size + 1, size)).ok_or(BranchError::NoConvergence)?;
         direction[size] = 0.0;
-        let norm = dot(&direction, &direction).sqrt();
-        let point = branch.point(&coordinates, direction.iter().map(|x| x / norm).collect())?;
+        let point = BranchPoint {
+            orbit: here.orbit,
+            coordinates,
+            tangents: [normed(direction)],
+            determinant: here.full_determinant,
+            fold_determinant: 0.0,
+            // A branch point: its neighbours have either sign.
+            orientation: 0.0,
+        };
         Ok((branch, point))
     }
 

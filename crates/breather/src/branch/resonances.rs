@@ -47,7 +47,7 @@ impl Branch {
         }
         let periods = f64::from(self.equations.origin.force_periods());
         let of = |model: &Model| (Spectrum::new(*model.chain()), model.omega() / periods);
-        let model = |value: f64| self.equations.origin.model().with(self.free(), value).ok();
+        let model = |value: f64| self.equations.model(&[value]).ok();
         let ((first, omega), (last, last_omega)) = (of(&model(from)?), of(&model(to)?));
         let mut nearest: Option<(f64, Resonance)> = None;
         for (mode, (start, end)) in first.frequencies().iter().zip(last.frequencies()).enumerate() {

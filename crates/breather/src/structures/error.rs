@@ -41,7 +41,8 @@ pub enum StructureOrbitError {
     AtOnce,
     /// Losses and nothing that restores them.
     #[error(
-        "impacts or dashpots take energy and no load that changes restores it: give a load, or neither losses nor dashpots"
+        "without a load that changes only a structure without losses has orbits of a given frequency: give a load, or restitution 1 and no \
+         dashpots"
     )]
     LossWithoutLoad,
     /// Impulses cannot balance the load on a rigid motion.

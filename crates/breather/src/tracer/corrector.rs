@@ -1,8 +1,7 @@
-//! What a branch and a surface of orbits share: the orbit's equations F in its unknowns x and the free parameters, their derivatives,
-//! and Newton's method from near an orbit onto it.
+//! The orbit's equations F in its unknowns x and the free parameters, their derivatives, and Newton's method from near an orbit onto it.
 
 use smallvec::SmallVec;
-use vibrochain_lattice::Parameter;
+use vibrochain_lattice::{Model, Parameter};
 
 use crate::equations::linear::{Matrix, Vector, dot, zeros};
 use crate::equations::unknowns::{Template, Unknowns};
@@ -32,6 +31,8 @@ pub(crate) struct Continuation {
     pub(crate) origin: Orbit,
     /// One along a branch, two on a surface.
     pub(crate) free: SmallVec<[Parameter; 2]>,
+    /// Another parameter, and its ratio to the first of these, which it keeps.
+    pub(crate) tied: Option<(Parameter, f64)>,
     /// The origin's word, and its times in periods.
     template: Template,
     fractions: Vector,
@@ -86,7 +87,20 @@ impl Continuation {
         let fractions = orbit.impacts().iter().map(|impact| fraction(impact.time)).collect();
         let (origin, template) = (orbit.clone(), Template::of(orbit));
         let free = free.iter().map(|(parameter, _)| *parameter).collect();
-        Ok(Self { finder, origin, free, template, fractions, unknowns, reduction, full_units, units, evaluations: 0 })
+        let tied = None;
+        Ok(Self {
+            finder,
+            origin,
+            free,
+            tied,
+            template,
+            fractions,
+            unknowns,
+            reduction,
+            full_units,
+            units,
+            evaluations: 0,
+        })
     }
 
     /// Measures impulses, and what they hold up, by those of `orbit` from here on.
@@ -113,12 +127,17 @@ impl Continuation {
         to.iter().zip(from).zip(&self.units).map(|((to, from), unit)| (to - from) / unit).collect()
     }
 
+    /// The model with these values of the free parameters.
+    pub(crate) fn model(&self, values: &[f64]) -> Result<Model, BreatherError> {
+        let tied = self.tied.map(|(parameter, ratio)| (parameter, ratio * values[0]));
+        let all = self.free.iter().copied().zip(values.iter().copied()).chain(tied);
+        let set = |model: Model, (parameter, value)| model.with(parameter, value);
+        Ok(all.into_iter().try_fold(*self.origin.model(), set)?)
+    }
+
     /// The orbit with these coordinates, whatever its residual, and its impulse response in the finder.
     fn assemble(&mut self, z: &[f64]) -> Result<(Orbit, Places), BranchError> {
-        let mut model = *self.origin.model();
-        for (&parameter, &value) in self.free.iter().zip(&z[self.reduction.size()..]) {
-            model = model.with(parameter, value).map_err(BreatherError::from)?;
-        }
+        let model = self.model(&z[self.reduction.size()..])?;
         self.evaluations += 1;
         self.finder.prepare(&model, model.omega() / f64::from(self.template.force_periods()))?;
         let (response, motion) = (&self.finder.response, &mut self.finder.motion);
@@ -185,7 +204,7 @@ impl Continuation {
     }
 
     /// ∂F/∂z at `z` above as many rows as parameters are free.
-    pub(crate) fn bordered(&mut self, z: &[f64], here: &Evaluation, rows: &[&[f64]]) -> Result<Matrix, BranchError> {
+    pub(crate) fn bordered(&mut self, z: &[f64], here: &Evaluation, rows: &[Vector]) -> Result<Matrix, BranchError> {
         let (mut matrix, m) = (here.matrix.clone(), self.reduction.size());
         for (which, row) in rows.iter().enumerate() {
             let mut column = self.parameter_column(z, &here.rows, which)?;
@@ -200,7 +219,7 @@ impl Continuation {
     pub(crate) fn newton(
         &mut self,
         predicted: &[f64],
-        rows: &[&[f64]],
+        rows: &[Vector],
         reach: f64,
         known: bool,
     ) -> Result<Vector, BranchError> {

@@ -1,4 +1,15 @@
-//! Newton's method on an orbit's equations with free parameters: what branches and surfaces share.
+//! The one predictor–corrector: orbits over one free parameter, a branch, or over two, a surface; and lines through a window of two.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `corrector` | the equations of orbits with free parameters, and Newton's method |
+//! | `line` | lines through a window of two parameters, point by point |
+//! | `manifold` | steps along tangents, and the points they lead to |
+//! | `pace` | how long steps are |
+//! | `reduction` | orbits of a symmetry among themselves |
 
 pub(crate) mod corrector;
+pub mod line;
+pub(crate) mod manifold;
+pub(crate) mod pace;
 pub(crate) mod reduction;

@@ -5,27 +5,14 @@ use vibrochain_lattice::Parameter;
 
 use super::signal::Blind;
 use super::walker::{Foot, Walker};
+use crate::bracket::{DATA_ROUNDING, SAFETY, SAMPLE_STEP, spread};
 
 /// The error is worked out at every so many points; between two it is no more than this times the larger of theirs.
 const EVERY: usize = 16;
 const BETWEEN: f64 = 2.0;
 
-/// Points and distance at which rounding is sampled across the curve: far enough for it to be another one, near enough for the signal
-/// to be a straight line.
+/// Points to each side across the curve at which rounding is sampled.
 const SAMPLES: i32 = 3;
-const SAMPLE_STEP: f64 = 1e-9;
-
-/// Worst case over what a few samples show.
-const SAFETY: f64 = 4.0;
-
-/// Rounding of the data.
-const DATA_ROUNDING: f64 = 2.0 * f64::EPSILON;
-
-/// The largest distance of some values from their mean.
-fn spread(values: &[f64]) -> f64 {
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    values.iter().map(|value| (value - mean).abs()).fold(0.0, f64::max)
-}
 
 impl Walker {
     /// The error at each of the feet, as a part of the window's sides.
@@ -58,8 +45,8 @@ impl Walker {
             first.push(parts[0] - across[0] * s);
             second.push(parts[1] - across[1] * s);
         }
-        let place = spread(&first).hypot(spread(&second));
-        let along = SAFETY * spread(&values) / slope * across[0].hypot(across[1]);
+        let place = spread(first.into_iter()).hypot(spread(second.into_iter()));
+        let along = SAFETY * spread(values.into_iter()) / slope * across[0].hypot(across[1]);
         Ok(along + SAFETY * place + DATA_ROUNDING * self.sensitivity(feet, i))
     }
 

@@ -5,7 +5,7 @@ use vibrochain_breather::{Obstruction, SurfacePoint};
 use super::answer::Special;
 use super::signal::{Blind, Signal, TOUCHES};
 use super::walker::{Aspects, Foot, Walker};
-use crate::bracket::zero;
+use crate::bracket::{JUMP, SAFETY, zero};
 use crate::locate::Event;
 use crate::locate::spectrum_events::upper_half;
 
@@ -15,12 +15,8 @@ const GROWTH: f64 = 1e-12;
 /// So many factors of a determinant are multiplied as they are: of more the product may have no place among numbers.
 const MOST_FACTORS: f64 = 256.0;
 
-/// A function at its zero, over its values on both sides: otherwise it jumped.
-const JUMP: f64 = 1e-3;
-
-/// How far beside a zero its function is looked at once more, as a part of the step, and the worst case over what that shows.
+/// How far beside a zero its function is looked at once more, as a part of the step.
 const BESIDE: f64 = 1e-4;
-const SAFETY: f64 = 4.0;
 
 impl Walker {
     pub(super) fn aspects(&mut self, point: &SurfacePoint, mark: f64) -> Aspects {

@@ -1,5 +1,6 @@
 //! Steps along a curve.
 
+use vibrochain_breather::line::{Line, Step, chord_error, foreseen, joined, side_ahead, trace};
 use vibrochain_breather::{BranchError, Orbit, Surface, SurfacePoint};
 use vibrochain_lattice::{Parameter, Resonance, Spectrum};
 
@@ -8,16 +9,8 @@ use super::signal::{Blind, Sight, Signal, Value};
 use super::walker::{Foot, Walker};
 use crate::locate::{Event, Evidence};
 
-/// The first step, the longest and the shortest, in units: a side of the window is one unit, and so is a change of order 1 of the orbit.
-const FIRST: f64 = 1e-3;
-const LONGEST: f64 = 0.03;
-const SHORTEST: f64 = 1e-9;
-
 /// Steps by which the gradient of the signal is taken: error and rounding balance.
 const GRADIENT: f64 = 1e-6;
-
-/// Points through which the next one is extrapolated.
-const THROUGH: usize = 4;
 
 /// Secants at most to one point. One that leaves as little as `SETTLED` is the last; from `NOISE` on so is one that shrinks no more, which
 /// is rounding.
@@ -28,10 +21,6 @@ const SETTLED: f64 = 4.0 * f64::EPSILON;
 /// Points as near as this are one.
 const SAME: f64 = 1e-14;
 
-/// So many steps in a row that are as short as this lead nowhere.
-const CRAWL: f64 = 1e-6;
-const MOST_CRAWLING: usize = 64;
-
 /// The curve may be this part of a step away from where it was expected.
 const ASTRAY: f64 = 0.1;
 
@@ -40,16 +29,6 @@ const STRAIGHT: f64 = 0.9;
 
 /// From a start that was located to its error the curve is no farther than this.
 const START: f64 = 1e-3;
-
-/// The straight line between two points may err by this part of the tolerance: what is foreseen is not quite what comes.
-const ROOM: f64 = 0.6;
-
-/// Longer and shorter steps, at most.
-const GROW: f64 = 1.5;
-const SHRINK: f64 = 0.4;
-
-/// Points of a curve at most.
-const MOST_POINTS: usize = 50_000;
 
 /// Impulses this much larger or smaller than at the start, or than those of a tenth of the forcing's own speed, are on their way to
 /// infinity or to 0.
@@ -60,8 +39,21 @@ const OWN_SPEED: f64 = 0.1;
 /// A curve that is lost this near to a resonance, as a part of ω, ends there.
 const NEAR: f64 = 1e-3;
 
-/// A way from a start.
-struct Way {
+/// One way along the curve from its start.
+struct Way<'a> {
+    walker: &'a mut Walker,
+    until: &'a dyn Fn([f64; 2], Option<bool>) -> bool,
+    /// Along the curve at the start.
+    direction: [f64; 2],
+    special: Vec<(usize, Special, f64)>,
+    /// How many of these were known before the last step.
+    told: usize,
+    /// Why the last step failed.
+    why: Blind,
+}
+
+/// What a way has passed.
+struct Passed {
     feet: Vec<Foot>,
     special: Vec<(usize, Special, f64)>,
     end: CurveEnd,
@@ -121,7 +113,7 @@ pub fn curve_along(orbit: &Orbit, event: Event, evidence: Evidence, walk: &Walk<
     let turned = Foot { slope: -start.slope, ..start.clone() };
     let behind = walker.follow(&turned, direction.map(|x| -x), until);
     let ahead = match behind.end {
-        CurveEnd::Closed => Way { feet: vec![start.clone()], special: Vec::new(), end: CurveEnd::Closed },
+        CurveEnd::Closed => Passed { feet: vec![start.clone()], special: Vec::new(), end: CurveEnd::Closed },
         _ => walker.follow(&start, direction, until),
     };
     let curve = walker.joined(evidence, behind, ahead);
@@ -162,19 +154,6 @@ fn plus([x, y]: [f64; 2], [u, v]: [f64; 2], factor: f64) -> [f64; 2] {
 
 fn length([x, y]: [f64; 2]) -> f64 {
     x.hypot(y)
-}
-
-/// What a straight line between the last two of three places errs by, if the curve is a parabola through them: (1/8) of the second
-/// difference across it, for steps of these lengths.
-fn chord_error([a, b, c]: [[f64; 2]; 3], [before, last]: [f64; 2]) -> f64 {
-    let rate = |to: [f64; 2], from: [f64; 2], step: f64| plus(to, from, -1.0).map(|x| x / step);
-    let (first, second) = (rate(b, a, before), rate(c, b, last));
-    let bend = plus(second, first, -1.0).map(|x| 2.0 * x / (before + last));
-    let chord = plus(c, b, -1.0);
-    let norm = length(chord);
-    // Where the curve stands still in the plane all of the bend counts.
-    let bend = if norm > 0.0 { (bend[0] * chord[1] - bend[1] * chord[0]).abs() / norm } else { length(bend) };
-    bend * last * last / 8.0
 }
 
 impl Walker {
@@ -291,18 +270,15 @@ impl Walker {
     /// alone, along `direction`.
     fn ahead(&self, feet: &[Foot], direction: [f64; 2], h: f64) -> ([f64; 2], f64) {
         let Some(last) = feet.last() else { return ([0.0; 2], 0.0) };
-        let through = &feet[feet.len().saturating_sub(THROUGH)..];
-        if through.len() == 1 {
+        if feet.len() == 1 {
             return (direction.map(|x| h * x), last.mark);
         }
-        let (mut place, mut mark) = ([0.0; 2], 0.0);
-        for (i, foot) in through.iter().enumerate() {
-            let others = through.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| other.at);
-            let weight: f64 = others.map(|other| (last.at + h - other) / (foot.at - other)).product();
-            place = plus(place, self.surface.between(&last.point, &foot.point), weight);
-            mark += weight * foot.mark;
-        }
-        (place, mark)
+        let places = feet.iter().map(|foot| {
+            let [x, y] = self.surface.between(&last.point, &foot.point);
+            (foot.at, [x, y, foot.mark])
+        });
+        let [x, y, mark] = foreseen(places, last.at + h);
+        ([x, y], mark)
     }
 
     /// The next foot, a length ahead of the last.
@@ -325,16 +301,9 @@ impl Walker {
     /// The foot at which the curve leaves the window: one parameter at the end of its range.
     fn edge(&mut self, feet: &[Foot], direction: [f64; 2], longest: f64) -> Option<(Foot, CurveEnd)> {
         let last = feet.last()?;
-        let (from, sides) = (self.plane(&last.point), self.window.sides());
         let (far, mark) = self.ahead(feet, direction, longest);
-        let heading = last.point.heading(far);
-        // The side that is met first, and when.
-        let met = |i: usize| {
-            let goal = if heading[i] > 0.0 { 1.0 } else { 0.0 };
-            (i, goal, (goal - from[i]) / heading[i])
-        };
-        let (which, goal, share) =
-            (0..2).map(met).filter(|(_, _, share)| (0.0..=4.0).contains(share)).min_by(|a, b| a.2.total_cmp(&b.2))?;
+        let side = side_ahead(self.plane(&last.point), last.point.heading(far));
+        let (which, goal, share) = side.filter(|(_, _, share)| *share <= 4.0)?;
         let value = if goal > 0.0 { self.window.to[which] } else { self.window.from[which] };
         let (base, _) = self.ahead(feet, direction, longest * share.min(1.0));
         let normal = across(far.map(|x| x / length(far)));
@@ -356,7 +325,6 @@ impl Walker {
         let end = if uncoupled { CurveEnd::Uncoupled } else { CurveEnd::Edge };
         let at = last.at + self.surface.distance(&last.point, &point);
         let aspects = self.aspects(&point, value.mark);
-        debug_assert!(sides.iter().all(|side| *side > 0.0));
         inside.then_some((Foot { point, at, mark: value.mark, slope: last.slope, aspects }, end))
     }
 
@@ -367,126 +335,11 @@ impl Walker {
     }
 
     /// Follows the curve in one direction to its end.
-    fn follow(&mut self, start: &Foot, direction: [f64; 2], until: &dyn Fn([f64; 2], Option<bool>) -> bool) -> Way {
-        let mut feet = vec![start.clone()];
-        let (mut h, mut special) = (FIRST, Vec::new());
-        // On a curve along which all impulses vanish, the first point's impulses are rounding and set no scale.
-        let first = start.point.orbit().strength();
-        let scale = first.max(OWN_SPEED * start.point.orbit().model().omega());
-        let vanish = first < FAINT * scale;
-        let (mut why, mut crawling) = (Blind::Other, 0);
-        let end = loop {
-            if feet.len() > MOST_POINTS {
-                break CurveEnd::Long;
-            }
-            let Some(last) = feet.last() else { break CurveEnd::Closed };
-            if h < SHORTEST || crawling > MOST_CRAWLING {
-                break self.given_up(last, why);
-            }
-            let outside = {
-                let (far, _) = self.ahead(&feet, direction, h);
-                !self.is_inside(plus(self.plane(&last.point), last.point.heading(far), 1.0))
-            };
-            let step = if outside { Err(Blind::Other) } else { self.advance(&feet, direction, h) };
-            let next = match step {
-                Ok(next) if self.is_inside(self.plane(&next.point)) => next,
-                Err(blind) if !outside => {
-                    (h, why) = (SHRINK * h, blind);
-                    continue;
-                }
-                _ => {
-                    // On its way out of the window.
-                    if let Some((foot, end)) = self.edge(&feet, direction, h) {
-                        let length = foot.at - feet.last().map_or(0.0, |last| last.at);
-                        if length > SAME {
-                            self.mark_special(&mut feet, &mut special, direction, foot);
-                        }
-                        break end;
-                    }
-                    (h, why) = (SHRINK * h, Blind::Other);
-                    continue;
-                }
-            };
-            let error = match feet.len() {
-                1 => 0.0,
-                n => {
-                    let (a, b) = (&feet[n - 2], &feet[n - 1]);
-                    let places = [&a.point, &b.point, &next.point].map(|point| self.plane(point));
-                    chord_error(places, [b.at - a.at, next.at - b.at])
-                }
-            };
-            let taken = next.at - feet[feet.len() - 1].at;
-            crawling = if taken < CRAWL { crawling + 1 } else { 0 };
-            if error > self.tolerance && taken > SHORTEST.sqrt() {
-                h = taken * (ROOM * self.tolerance / error).sqrt().max(0.1);
-                continue;
-            }
-            let closed = feet.len() > 3 && self.passes(start, &feet[feet.len() - 1], &next);
-            let next = if closed { Foot { at: feet[feet.len() - 1].at + taken, ..start.clone() } } else { next };
-            let ends = next.aspects.ends;
-            let strength = next.point.orbit().strength() / scale;
-            let (told, mark) = (special.len(), next.mark);
-            self.mark_special(&mut feet, &mut special, direction, next);
-            if closed {
-                break CurveEnd::Closed;
-            }
-            if ends {
-                let real = |(_, one, _): &&(usize, Special, f64)| matches!(one, Special::OneToOne | Special::OneToTwo);
-                let passed = special[told..].iter().rfind(real).map(|&(place, special, _)| (place, special));
-                // Where rounding hides the place itself the curve ends beside it.
-                let other = if mark > 0.0 { Special::OneToOne } else { Special::OneToTwo };
-                let (place, kind) = passed.unwrap_or((feet.len().saturating_sub(2), other));
-                feet.truncate(place + 1);
-                special.retain(|(other, ..)| *other <= place);
-                break CurveEnd::Special(kind);
-            }
-            if feet.last().is_some_and(|last| until(last.point.values(), last.aspects.physical)) {
-                break CurveEnd::Halted;
-            }
-            if strength > UNBOUNDED {
-                break CurveEnd::Unbounded;
-            }
-            if strength < FAINT && !vanish {
-                break CurveEnd::ImpulsesVanish;
-            }
-            let wanted = if error > 0.0 { (ROOM * self.tolerance / error).sqrt() } else { GROW };
-            h = (h.max(taken) * wanted.clamp(SHRINK, GROW)).min(LONGEST);
-        };
-        Way { feet, special, end }
-    }
-
-    /// Adds a foot, after what is special between it and the last one.
-    fn mark_special(
-        &mut self,
-        feet: &mut Vec<Foot>,
-        special: &mut Vec<(usize, Special, f64)>,
-        direction: [f64; 2],
-        next: Foot,
-    ) {
-        let found = self.between(feet, direction, &next);
-        for (kind, foot, error) in found {
-            // Those at one place are all told of that place.
-            if feet.last().is_some_and(|last| foot.at - last.at > SAME) {
-                feet.push(foot);
-            }
-            special.push((feet.len() - 1, kind, error));
-        }
-        if feet.last().is_some_and(|last| next.at - last.at > SAME) {
-            feet.push(next);
-        }
-    }
-
-    /// Why a curve goes no farther.
-    fn given_up(&self, last: &Foot, why: Blind) -> CurveEnd {
-        if let Some(resonance) = resonance(last.point.orbit()) {
-            return CurveEnd::Resonance(resonance);
-        }
-        match why {
-            Blind::Other if last.point.orbit().model().loss() == 0.0 && self.signal.is_spectral() => CurveEnd::Thin,
-            Blind::Lost(error) => CurveEnd::Lost(error),
-            Blind::Unwatched(error) => CurveEnd::Unwatched(error),
-            Blind::Other => CurveEnd::Lost(BranchError::NoConvergence),
-        }
+    fn follow(&mut self, start: &Foot, direction: [f64; 2], until: &dyn Fn([f64; 2], Option<bool>) -> bool) -> Passed {
+        let tolerance = self.tolerance;
+        let mut way = Way { walker: self, until, direction, special: Vec::new(), told: 0, why: Blind::Other };
+        let (feet, end) = trace(&mut way, start.clone(), tolerance);
+        Passed { feet, special: way.special, end }
     }
 
     /// Whether the curve is back where it began, between two feet.
@@ -501,15 +354,13 @@ impl Walker {
     }
 
     /// One curve of two ways from its start.
-    fn joined(mut self, evidence: Evidence, behind: Way, ahead: Way) -> EventCurve {
+    fn joined(mut self, evidence: Evidence, behind: Passed, ahead: Passed) -> EventCurve {
         let closed = behind.end == CurveEnd::Closed;
         let count = behind.feet.len();
         let turned = |(place, kind, error): (usize, Special, f64)| (count - 1 - place, kind, error);
         let mut special: Vec<(usize, Special, f64)> = behind.special.into_iter().rev().map(turned).collect();
         special.extend(ahead.special.into_iter().map(|(place, kind, error)| (count - 1 + place, kind, error)));
-        let mut feet: Vec<Foot> = behind.feet.into_iter().rev().collect();
-        feet.pop();
-        feet.extend(ahead.feet);
+        let feet = joined(behind.feet, ahead.feet);
         let errors = self.errors(&feet);
         let points = feet.iter().zip(&errors).map(|(foot, error)| self.described(foot, *error)).collect();
         let special =
@@ -523,6 +374,93 @@ impl Walker {
         let angle = self.signal.has_angle().then(|| foot.mark.clamp(-1.0, 1.0).acos() / std::f64::consts::PI);
         let (values, orbit) = (foot.point.values(), foot.point.orbit().clone());
         CurvePoint { values, error, orbit, angle, physical: foot.aspects.physical }
+    }
+}
+
+impl Line for Way<'_> {
+    type Point = Foot;
+    type End = CurveEnd;
+    const CLOSED: CurveEnd = CurveEnd::Closed;
+    const LONG: CurveEnd = CurveEnd::Long;
+
+    fn ahead(&mut self, feet: &[Foot], length: f64) -> Option<Step<Foot, CurveEnd>> {
+        let (walker, direction, last) = (&mut *self.walker, self.direction, feet.last()?);
+        let (far, _) = walker.ahead(feet, direction, length);
+        self.why = Blind::Other;
+        if walker.is_inside(plus(walker.plane(&last.point), last.point.heading(far), 1.0)) {
+            match walker.advance(feet, direction, length) {
+                Ok(next) if walker.is_inside(walker.plane(&next.point)) => return Some(Step::On(next)),
+                Ok(_) => {}
+                Err(blind) => {
+                    self.why = blind;
+                    return None;
+                }
+            }
+        }
+        walker.edge(feet, direction, length).map(|(foot, end)| Step::Out(Some(foot), end))
+    }
+
+    fn bend(&self, feet: [&Foot; 3]) -> f64 {
+        let [a, b, c] = feet.map(|foot| foot.at);
+        chord_error(feet.map(|foot| self.walker.plane(&foot.point)), [b - a, c - b])
+    }
+
+    fn closed(&mut self, feet: &[Foot], next: &Foot) -> Option<Foot> {
+        let closed = feet.len() > 3 && self.walker.passes(&feet[0], &feet[feet.len() - 1], next);
+        closed.then(|| Foot { at: next.at, ..feet[0].clone() })
+    }
+
+    fn pass(&mut self, feet: &mut Vec<Foot>, next: Foot) {
+        self.told = self.special.len();
+        for (kind, foot, error) in self.walker.between(feet, self.direction, &next) {
+            // Those at one place are all told of that place.
+            if feet.last().is_some_and(|last| foot.at - last.at > SAME) {
+                feet.push(foot);
+            }
+            self.special.push((feet.len() - 1, kind, error));
+        }
+        if feet.last().is_some_and(|last| next.at - last.at > SAME) {
+            feet.push(next);
+        }
+    }
+
+    fn ended(&mut self, feet: &mut Vec<Foot>) -> Option<CurveEnd> {
+        let last = feet.last()?;
+        if last.aspects.ends {
+            let real = |(_, one, _): &&(usize, Special, f64)| matches!(one, Special::OneToOne | Special::OneToTwo);
+            let passed = self.special[self.told..].iter().rfind(real).map(|&(place, special, _)| (place, special));
+            // Where rounding hides the place itself the curve ends beside it.
+            let other = if last.mark > 0.0 { Special::OneToOne } else { Special::OneToTwo };
+            let (place, kind) = passed.unwrap_or((feet.len().saturating_sub(2), other));
+            feet.truncate(place + 1);
+            self.special.retain(|(other, ..)| *other <= place);
+            return Some(CurveEnd::Special(kind));
+        }
+        if (self.until)(last.point.values(), last.aspects.physical) {
+            return Some(CurveEnd::Halted);
+        }
+        let first = feet[0].point.orbit();
+        let scale = first.strength().max(OWN_SPEED * first.model().omega());
+        // On a curve along which all impulses vanish, the first point's are rounding.
+        let vanish = first.strength() < FAINT * scale;
+        match last.point.orbit().strength() / scale {
+            UNBOUNDED.. => Some(CurveEnd::Unbounded),
+            ..FAINT if !vanish => Some(CurveEnd::ImpulsesVanish),
+            _ => None,
+        }
+    }
+
+    fn lost(&self, feet: &[Foot]) -> CurveEnd {
+        let orbit = feet[feet.len() - 1].point.orbit();
+        if let Some(resonance) = resonance(orbit) {
+            return CurveEnd::Resonance(resonance);
+        }
+        match self.why.clone() {
+            Blind::Other if orbit.model().loss() == 0.0 && self.walker.signal.is_spectral() => CurveEnd::Thin,
+            Blind::Lost(error) => CurveEnd::Lost(error),
+            Blind::Unwatched(error) => CurveEnd::Unwatched(error),
+            Blind::Other => CurveEnd::Lost(BranchError::NoConvergence),
+        }
     }
 }
 
@@ -542,21 +480,4 @@ fn resonance(orbit: &Orbit) -> Option<Resonance> {
     };
     let all = spectrum.frequencies().iter().enumerate().filter_map(near);
     all.min_by(|a, b| a.distance.abs().total_cmp(&b.distance.abs()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn chords_of_a_circle_err_by_their_sagitta() {
-        // Three points of a circle of radius 1, uneven steps.
-        let at = |t: f64| [t.cos(), t.sin()];
-        for (before, last) in [(0.02_f64, 0.03_f64), (0.03, 0.01)] {
-            let error = chord_error([at(0.0), at(before), at(before + last)], [before, last]);
-            let sagitta = 1.0 - (0.5 * last).cos();
-            assert!((error / sagitta - 1.0).abs() < 0.01, "{error} {sagitta}");
-        }
-        assert!(chord_error([[0.0, 0.0], [1.0, 1.0], [3.0, 3.0]], [1.0, 2.0]) < 1e-15);
-    }
 }

@@ -6,7 +6,7 @@
 
 use vibrochain_breather::BranchPoint;
 
-use super::answer::{Event, LocateError};
+use super::answer::{Event, LocateError, Unresolved};
 use super::follower::{Follower, Observation, Passed};
 use super::spectrum_events::upper_half;
 
@@ -58,7 +58,12 @@ impl Follower {
             if part == 1 {
                 self.passed.push(Passed::Point(middle.clone()));
             }
-            if clear && (depth >= THINNEST || !self.hides_doubling(from, to, depth)?) {
+            let hidden = self.hides_stripe(from.1, to.1, depth);
+            if depth >= THINNEST && hidden {
+                let (low, high) = (from.0.value().min(to.0.value()), from.0.value().max(to.0.value()));
+                self.unresolved.push(Unresolved { from: low, to: high });
+            }
+            if clear && (depth >= THINNEST || !hidden && !self.hides_doubling(from, to, depth)?) {
                 self.all_between(from, to)?;
             } else {
                 self.halved(from, to, depth + 1)?;

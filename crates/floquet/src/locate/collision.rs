@@ -88,7 +88,8 @@ impl Follower {
         let length = self.branch.length_between(point, next);
         let first = self.place(0.0, point.orbit(), &seen.values)?;
         let last = self.place(length, next.orbit(), &next_seen.values)?;
-        self.untold += usize::from(first.order.is_none() || last.order.is_none());
+        let told = |place: &Place, seen: &Observation| place.order.is_some() || seen.order.is_some();
+        self.untold += usize::from(!told(&first, seen) || !told(&last, next_seen));
         let (mut parts, mut edges) = (vec![(first, last, 0)], Vec::<Edge>::new());
         while let Some((from, to, depth)) = parts.pop() {
             let event = match from.off_circle().abs_diff(to.off_circle()) {
@@ -167,6 +168,20 @@ impl Follower {
         // Where other events change the numbers, halves that are free of them can tell.
         let comparable = (before.0, before.1, before.2) == (behind.0, behind.1, behind.2);
         Ok(if comparable { before.3 != behind.3 } else { depth < ASIDE })
+    }
+
+    /// Whether a stripe lies between two points of orbits of several sites, besides what changes the number off the circle: the order of
+    /// signatures tells. Off the circle it changes, too, where one drifts past another.
+    pub(super) fn hides_stripe(&self, from: &Observation, to: &Observation, depth: u32) -> bool {
+        let (Some(before), Some(behind)) = (from.order, to.order) else { return false };
+        let off = |seen: &Observation| {
+            let beyond = |end: f64| seen.values.iter().filter(|nu| nu.im == 0.0 && nu.re * end >= 1.0).count();
+            (seen.openings.len(), beyond(-1.0), beyond(1.0))
+        };
+        if off(from) != off(to) {
+            return before != behind && depth < ASIDE;
+        }
+        !before.is_alike_on_circle(behind) || before != behind && depth < APART
     }
 
     /// A place on the side of `end` so near to an edge as the order can be told.

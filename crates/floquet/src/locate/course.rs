@@ -112,8 +112,8 @@ pub struct FollowedBranch {
     pub stations: Vec<Station>,
     /// Where there may be more events, hidden by rounding.
     pub unresolved: Vec<Unresolved>,
-    /// Steps, without loss, in which Krein signatures do not tell whether a thin stripe hides: all of them for impacts at several
-    /// sites, and some next to places where pairs meet.
+    /// Steps, without loss, in which Krein signatures do not tell whether a thin stripe hides: some next to places where pairs meet, and all
+    /// of them for impacts at several sites of orbits that are not their own mirror images in time.
     pub untold: usize,
     /// Where and how the way ends at the first and behind the last station. One that leaves another has its origin first.
     pub ends: Vec<(f64, End)>,

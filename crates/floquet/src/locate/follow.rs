@@ -1,15 +1,12 @@
 //! Along the branch, both ways: steps, folds, and what ends the way.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Branch, BranchError, BranchPoint, BreatherError, Found, Orbit};
+use vibrochain_breather::{Branch, BranchError, BranchPoint, BreatherError, Found, Orbit, Pace};
 use vibrochain_lattice::{Parameter, Stop};
 
 use super::answer::{Answer, End, Event, Evidence, LocateError, Located, Search};
-use super::follower::{Follower, LONGEST, Observation, Passed, shift_of};
+use super::follower::{Follower, Observation, Passed, shift_of};
 use crate::bracket::zero;
-
-/// The shortest step: where even this one fails, the branch is lost.
-const SHORTEST: f64 = 1e-9;
 
 /// Steps as short as this next to a resonance lead nowhere but to it.
 const CRAWL: f64 = 1e-6;
@@ -117,23 +114,23 @@ impl Follower {
             return Ok((point.value(), End::Range));
         }
         let mut seen = self.look(&point)?;
-        let mut length = 0.25 * LONGEST;
+        let mut pace = Pace::new(0.25 * Pace::LONGEST);
         let first = point.orbit().strength().max(f64::MIN_POSITIVE);
         for step in 0..MOST_STEPS {
             self.stop().heard()?;
-            let (next, last) = match self.advance(&point, length) {
+            let (next, last) = match self.advance(&point, pace.length()) {
                 Ok(next) => next,
                 Err(error) => {
-                    length *= 0.25;
-                    if length < CRAWL
+                    let shorter = pace.shorten();
+                    if pace.length() < CRAWL
                         && let Some(end) = self.resonance_ahead(&point)
                     {
                         return Ok(end);
                     }
-                    if length < SHORTEST {
-                        return Ok(self.given_up(&point, first, End::Lost(error)));
+                    if shorter {
+                        continue;
                     }
-                    continue;
+                    return Ok(self.given_up(&point, first, End::Lost(error)));
                 }
             };
             if let Some((value, resonance)) = self.branch.resonance_within(&point, next.value()) {
@@ -142,9 +139,6 @@ impl Follower {
             let closed = self.whole && step > 0 && self.passes(&start, &point, &next);
             let next = if closed { start.clone() } else { next };
             let (turns, from) = (next.heading() * point.heading() <= 0.0, (&point, &seen));
-            if turns && !self.whole {
-                return self.turn(from, &next).or_else(|error| self.stopped(&point, first, error));
-            }
             let watched = if turns { self.round(from, &next) } else { self.watch(from, &next).map(Round::On) };
             let next_seen = match watched {
                 Ok(Round::On(next_seen)) => next_seen,
@@ -163,8 +157,8 @@ impl Follower {
                 return Ok((point.value(), End::Unbounded));
             }
             // Impulses that grow without bound set a longer scale, as long as the parameter does not move far.
-            let longest = LONGEST * growth.clamp(1.0, 1.0 / point.heading().abs());
-            length = (1.5 * length).min(longest);
+            let longest = Pace::LONGEST * growth.clamp(1.0, 1.0 / point.heading().abs());
+            pace.lengthen(f64::INFINITY, longest);
         }
         let lost = || self.given_up(&point, first, End::Lost(BranchError::NoConvergence));
         Ok(self.resonance_ahead(&point).unwrap_or_else(lost))
@@ -250,29 +244,8 @@ impl Follower {
         })
     }
 
-    /// The branch turns back between two points: a fold, or the end of asymmetric orbits on the symmetric one.
-    fn turn(
-        &mut self,
-        (point, seen): (&BranchPoint, &Observation),
-        next: &BranchPoint,
-    ) -> Result<(f64, End), LocateError> {
-        if let Some(end) = self.mirrored(point, next)? {
-            return Ok(end);
-        }
-        let Some((fold, evidence)) = self.fold(point, next)? else {
-            return Ok((next.value(), End::Lost(BranchError::NoConvergence)));
-        };
-        if self.watches(Event::Fold) {
-            self.describe_fold(&fold, evidence)?;
-        } else if !self.watches(Event::Pitchfork) || shift_of(Event::Pitchfork, point.orbit()).is_some() {
-            // An event may lie before it; not a pitchfork of the equations, whose determinant vanishes at the fold itself.
-            let at_fold = self.look(&fold)?;
-            self.all_between((point, seen), (&fold, &at_fold))?;
-        }
-        Ok((fold.value(), End::Fold { error: fold.parameter_error() }))
-    }
-
-    /// As [`Follower::turn`], and on round the fold to `next`. A pitchfork that is this near to it is not told from it.
+    /// The branch turns back between two points: at the end of asymmetric orbits on the symmetric one, or at a fold, round which the whole
+    /// branch goes on to `next`.
     fn round(&mut self, (point, seen): (&BranchPoint, &Observation), next: &BranchPoint) -> Result<Round, LocateError> {
         if let Some((value, end)) = self.mirrored(point, next)? {
             return Ok(Round::Ends(value, end));
@@ -280,20 +253,25 @@ impl Follower {
         let Some((fold, evidence)) = self.fold(point, next)? else {
             return Ok(Round::Ends(next.value(), End::Lost(BranchError::NoConvergence)));
         };
-        let watched = self.events.clone();
-        self.events.retain(|event| *event != Event::Pitchfork);
+        let (watched, whole) = (self.events.clone(), self.whole);
+        // A pitchfork this near to it is not told from it: the determinant of the equations vanishes at the fold itself.
+        let told = |event: &Event| !whole && shift_of(*event, point.orbit()).is_some();
+        self.events.retain(|event| *event != Event::Pitchfork || told(event));
         let around = |follower: &mut Self| {
             let at_fold = follower.look(&fold)?;
             follower.all_between((point, seen), (&fold, &at_fold))?;
             if watched.contains(&Event::Fold) {
                 follower.describe_fold(&fold, evidence)?;
             }
-            follower.watch((&fold, &at_fold), next)
+            if whole { follower.watch((&fold, &at_fold), next).map(drop) } else { Ok(()) }
         };
-        let seen = around(self);
+        let passed = around(self);
         self.events = watched;
-        seen?;
-        Ok(Round::On(self.look(next)?))
+        passed?;
+        if whole {
+            return Ok(Round::On(self.look(next)?));
+        }
+        Ok(Round::Ends(fold.value(), End::Fold { error: self.branch.parameter_error(&fold) }))
     }
 
     /// Where asymmetric orbits end on the symmetric one between two points and go on as their own mirror images: there the equations
@@ -308,17 +286,24 @@ impl Follower {
         Ok(Some((value, End::Pitchfork)))
     }
 
-    /// The value at which the branch turns back between two points; that of the second where the equations fail next to it.
+    /// The value at which the branch turns back between two points. Right there the equations may fail: the orbit that came nearest
+    /// tells it to the square of its distance.
     fn turning(&mut self, point: &BranchPoint, next: &BranchPoint) -> f64 {
         let length = self.branch.length_between(point, next);
-        let branch = &mut self.branch;
-        let heading = |s: f64| branch.step(point, s).map(|there| there.heading());
-        let place = zero((0.0, point.heading()), (length, next.heading()), length, heading);
-        place.and_then(|s| self.branch.step(point, s)).map_or(next.value(), |there| there.value())
+        let mut nearest = (next.heading().abs(), next.value());
+        let heading = |s: f64| -> Result<f64, BranchError> {
+            let there = self.branch.step(point, s)?;
+            if there.heading().abs() < nearest.0 {
+                nearest = (there.heading().abs(), there.value());
+            }
+            Ok(there.heading())
+        };
+        let _ = zero((0.0, point.heading()), (length, next.heading()), length, heading);
+        nearest.1
     }
 
     fn describe_fold(&mut self, fold: &BranchPoint, evidence: Evidence) -> Result<(), LocateError> {
-        let error = fold.parameter_error() + 2.0 * f64::EPSILON * fold.value().abs();
+        let error = self.branch.parameter_error(fold) + 2.0 * f64::EPSILON * fold.value().abs();
         let found = self.describe(Event::Fold, fold, error, evidence)?;
         self.passed.push(Passed::Event(found));
         Ok(())

@@ -7,9 +7,7 @@ use vibrochain_lattice::{Parameter, Stop};
 
 use super::answer::{Event, Located, Unresolved};
 use crate::analyser::Analyser;
-
-/// The longest step, in units: the range is one unit, and so is a change of order 1 of the orbit.
-pub(super) const LONGEST: f64 = 0.02;
+use crate::stripes::{OrderFinder, SignatureOrder};
 
 /// The branch, what is watched along it, and work space.
 pub(super) struct Follower {
@@ -23,6 +21,7 @@ pub(super) struct Follower {
     pub(super) whole: bool,
     pub(super) analyser: Analyser,
     pub(super) finder: Finder,
+    pub(super) orders: OrderFinder,
     pub(super) passed: Vec<Passed>,
     pub(super) unresolved: Vec<Unresolved>,
     /// Steps without loss at an end of which Krein signatures could not be told.
@@ -61,6 +60,8 @@ pub(super) struct Observation {
     pub(super) values: Vec<Complex<f64>>,
     /// Without loss, (Im ν)² of the pairs off the circle, by Re ν.
     pub(super) openings: Vec<f64>,
+    /// Of impacts at several sites, the order of Krein signatures along the circle.
+    pub(super) order: Option<SignatureOrder>,
 }
 
 impl Observation {
@@ -85,6 +86,7 @@ impl Follower {
             whole: false,
             analyser,
             finder,
+            orders: OrderFinder::default(),
             passed,
             unresolved,
             untold: 0,

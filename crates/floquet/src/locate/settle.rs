@@ -1,22 +1,21 @@
 //! From a zero to an answer: whether it is an event, its error, and what there is to say about it.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Branch, BranchPoint};
+use vibrochain_breather::{Branch, BranchPoint, Pace};
 use vibrochain_lattice::Parameter;
 
 use super::answer::{Event, Evidence, LocateError, Located, Unresolved};
-use super::follower::{Follower, LONGEST};
+use super::follower::Follower;
 use super::watch::Test;
+use crate::bracket::{DATA_ROUNDING, JUMP, SAFETY, SAMPLE_STEP, spread};
 use crate::verdict::{Tolerance, Verdict};
 use crate::zeros::Nu;
 
 /// A multiplier farther than this from where it should be is not the zero of the function but a pole.
 const POLE: f64 = 1e-4;
 
-/// Points and distance at which the function's rounding is sampled next to its zero: far enough for rounding to be another
-/// one, near enough for the function to be a straight line.
+/// Points to each side at which the function's rounding is sampled.
 const SAMPLES: i32 = 4;
-const SAMPLE_STEP: f64 = 1e-9;
 
 /// A loss that damps pairs by no more than a thousand roundings of a multiplier, of matrices whose norm is as large as a million.
 const LEAST_LOSS: f64 = 1e-9;
@@ -24,14 +23,7 @@ const LEAST_LOSS: f64 = 1e-9;
 /// Where both sides of a zero have one sign, they are looked at this much closer.
 const CLOSER: f64 = 0.03;
 
-/// The function at its zero, over its values on both sides.
-const JUMP: f64 = 1e-3;
-
-/// Worst case over what a few samples show.
-const SAFETY: f64 = 4.0;
-
-/// Rounding of the data, and the relative step by which its effect is seen.
-const DATA_ROUNDING: f64 = 2.0 * f64::EPSILON;
+/// The relative step by which the effect of rounding of the data is seen.
 const DATA_STEP: f64 = 1e-7;
 
 /// A small step away from an event, as a part of the parameter.
@@ -45,13 +37,6 @@ pub(super) enum Known {
     NoZero,
     /// It changes its sign, but rounding hides where.
     NotResolved,
-}
-
-/// The largest distance of some values from their mean.
-fn spread(values: impl Iterator<Item = f64>) -> f64 {
-    let values: Vec<f64> = values.collect();
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    values.iter().map(|value| (value - mean).abs()).fold(0.0, f64::max)
 }
 
 impl Follower {
@@ -257,7 +242,7 @@ impl Follower {
         let mut verdicts = Vec::new();
         for sign in [-1.0, 1.0] {
             // Along the curve: at a fold both sides lie on one side in the parameter.
-            let Ok(side) = self.branch.step(there, sign * 1e-2 * LONGEST) else { continue };
+            let Ok(side) = self.branch.step(there, sign * 1e-2 * Pace::LONGEST) else { continue };
             if let Ok(verdict) = self.analyser.verdict(side.orbit(), &mut self.finder, Tolerance::Rounding) {
                 verdicts.push((side.value(), verdict));
             }

@@ -72,6 +72,10 @@ impl Follower {
                 let mut off: Vec<Complex<f64>> = upper_half(&half_sums(&seen.values, orbit.is_reversible()));
                 off.sort_by(|a, b| a.re.total_cmp(&b.re));
                 seen.openings = off.iter().map(|nu| nu.im * nu.im).collect();
+                // At one site signatures are those of each pair. The matrix of others does not see multipliers turn real as ν does.
+                if self.whole && orbit.impact_site().is_none() && orbit.is_reversible() {
+                    seen.order = self.orders.of(orbit).ok().flatten();
+                }
             }
         } else if !shifts.is_empty() {
             self.spectrum(orbit)?;

@@ -36,7 +36,30 @@ const ON_CIRCLE: f64 = 1e-6;
 
 /// The order of the signatures of all multipliers along the upper half of the unit circle: a number that is the same for equal orders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct SignatureOrder(u64);
+pub struct SignatureOrder {
+    all: u64,
+    /// Of those on the circle alone, wherever others are.
+    circle: u64,
+}
+
+impl SignatureOrder {
+    /// Of the signs of each part, 0 off the circle.
+    fn of(parts: &mut [Vec<i8>]) -> Self {
+        let number = |parts: &[Vec<i8>]| {
+            let mut hasher = DefaultHasher::new();
+            parts.hash(&mut hasher);
+            hasher.finish()
+        };
+        let all = number(parts);
+        parts.iter_mut().for_each(|signs| signs.retain(|sign| *sign != 0));
+        Self { all, circle: number(parts) }
+    }
+
+    /// Whether the signatures on the circle are in the same order. They stay so where a pair drifts past one that is off the circle.
+    pub(crate) fn is_alike_on_circle(self, other: Self) -> bool {
+        self.circle == other.circle
+    }
+}
 
 /// Finds orders; keeps what the next orbit of the same lattice needs again.
 #[derive(Debug, Clone, Default)]
@@ -76,10 +99,8 @@ impl OrderFinder {
         if chain.is_uncoupled() {
             return Ok(None);
         }
-        let mut hasher = DefaultHasher::new();
         if !orbit.is_reversible() {
-            by_monodromy(orbit)?.hash(&mut hasher);
-            return Ok(Some(SignatureOrder(hasher.finish())));
+            return Ok(Some(SignatureOrder::of(&mut [by_monodromy(orbit)?])));
         }
         let spectrum = match self.spectrum.take() {
             Some(spectrum) if spectrum.chain() == chain => spectrum,
@@ -88,11 +109,9 @@ impl OrderFinder {
         let hits: Vec<Saltation> = saltations(orbit)?.collect();
         let pencil = Pencil::of(&spectrum, orbit.period(), &hits);
         self.spectrum = Some(spectrum);
-        for (i, part) in pencil.parts(&mirrors(orbit)).into_iter().enumerate() {
-            // The orbit itself swings in the first part: the trivial pair is there.
-            (i, part.signs(i == 0)?).hash(&mut hasher);
-        }
-        Ok(Some(SignatureOrder(hasher.finish())))
+        // The orbit itself swings in the first part: the trivial pair is there.
+        let parts = pencil.parts(&mirrors(orbit)).into_iter().enumerate().map(|(i, part)| part.signs(i == 0));
+        Ok(Some(SignatureOrder::of(&mut parts.collect::<Result<Vec<_>, _>>()?)))
     }
 }
 

@@ -1,6 +1,8 @@
 //! The border between two classes by the classes themselves, where no event tells it: along a resonance, where impulses grow without
 //! bound, and where events are too close to be told apart.
 
+use vibrochain_breather::line::{Line, Step, chord_error, foreseen, joined, side_ahead, trace as trace_line};
+
 use super::meet::enclose;
 
 /// How near the two sides are at a point, as a part of the window.
@@ -9,9 +11,8 @@ const FINE: f64 = 1e-14;
 /// What is not known on the border may be this wide.
 const DARK: f64 = 1e-6;
 
-/// The first step, the longest and the shortest.
+/// The first step and the shortest: nearer to where borders meet, other classes are on both sides.
 const FIRST: f64 = 1e-3;
-const LONGEST: f64 = 0.02;
 const SHORTEST: f64 = 1e-6;
 
 /// How far to the sides both classes are looked for, as a part of the step.
@@ -20,36 +21,14 @@ const ASIDE: f64 = 0.2;
 /// Directions in which the border is looked for at its start.
 const DIRECTIONS: usize = 32;
 
-/// The straight line between two points may err by this part of the tolerance: what is foreseen is not quite what comes.
-const ROOM: f64 = 0.6;
-
 /// Cosine of the angle between the directions in which a closed border leaves its start and comes back.
 const ALONG: f64 = 0.5;
-
-/// Points at most, one way.
-const MOST_POINTS: usize = 20_000;
 
 /// A border that was traced, in parts of the window's sides.
 #[derive(Debug, Clone)]
 pub(super) struct Traced {
     pub(super) points: Vec<([f64; 2], f64)>,
     pub(super) ends: [&'static str; 2],
-}
-
-/// What a straight line between the last two of three places errs by, if a parabola goes through them.
-pub(super) fn sagitta([a, b, c]: [[f64; 2]; 3]) -> f64 {
-    let minus = |to: [f64; 2], from: [f64; 2]| [to[0] - from[0], to[1] - from[1]];
-    let (before, last) = (minus(b, a), minus(c, b));
-    let lengths = [before[0].hypot(before[1]), last[0].hypot(last[1])];
-    let turn = (before[0] * last[1] - before[1] * last[0]) / (lengths[0] * lengths[1]);
-    let error = turn.abs() * lengths[1] * lengths[1] / (4.0 * (lengths[0] + lengths[1]));
-    if error.is_finite() { error } else { 0.0 }
-}
-
-/// How long the next step should be, behind one of this length that erred by so much.
-pub(super) fn next_step(step: f64, error: f64, tolerance: f64) -> f64 {
-    let wanted = if error > 0.0 { (ROOM * tolerance / error).sqrt() } else { f64::INFINITY };
-    step * wanted.clamp(0.4, 1.5)
 }
 
 /// Follows the border between two places both ways. `class` says what lives at a place, if that is known; `until` is told each place
@@ -63,14 +42,14 @@ pub(super) fn trace<C: Copy + PartialEq>(
     let (ends, classes) = enclose(class, ends, FINE)?;
     let start = middle(ends);
     let headings = headings(class, start, classes);
-    let mut tracer = Tracer { class, classes, tolerance, until };
-    let ways: Vec<_> = headings.into_iter().map(|heading| tracer.follow(start, heading)).collect();
-    let mut ways = ways.into_iter();
+    let first = Place { at: 0.0, place: start, error: 0.5 * distance(ends[0], ends[1]) };
+    let mut ways = headings.into_iter().map(|heading| {
+        let mut way = Way { class: &mut *class, classes, until, heading };
+        trace_line(&mut way, first, tolerance)
+    });
     let (ahead, end) = ways.next()?;
-    let (behind, begin) = ways.next().unwrap_or((Vec::new(), OTHER));
-    let mut points: Vec<([f64; 2], f64)> = if end == CLOSED { Vec::new() } else { behind.into_iter().rev().collect() };
-    points.push((start, 0.5 * distance(ends[0], ends[1])));
-    points.extend(ahead);
+    let (behind, begin) = ways.next().filter(|_| end != CLOSED).unwrap_or((vec![first], OTHER));
+    let points: Vec<_> = joined(behind, ahead).into_iter().map(|place| (place.place, place.error)).collect();
     (points.len() > 1).then(|| Traced { points, ends: if end == CLOSED { [CLOSED; 2] } else { [begin, end] } })
 }
 
@@ -78,7 +57,6 @@ const CLOSED: &str = "where it began: it is closed";
 const EDGE: &str = "at the edge of the window";
 const OTHER: &str = "where something else begins";
 const KNOWN: &str = "where it is known";
-const LONG: &str = "unfinished: it is too long";
 
 fn middle([a, b]: [[f64; 2]; 2]) -> [f64; 2] {
     [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
@@ -128,133 +106,104 @@ fn headings<C: Copy + PartialEq>(
     headings
 }
 
-struct Tracer<'a, C, F> {
-    class: &'a mut F,
-    classes: [C; 2],
-    tolerance: f64,
-    until: &'a dyn Fn([f64; 2]) -> bool,
+/// A point of the border, and the length up to it.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    at: f64,
+    place: [f64; 2],
+    error: f64,
 }
 
-impl<C: Copy + PartialEq, F: FnMut([f64; 2]) -> Option<C>> Tracer<'_, C, F> {
+/// One way along the border.
+struct Way<'a, C, F> {
+    class: &'a mut F,
+    classes: [C; 2],
+    until: &'a dyn Fn([f64; 2]) -> bool,
+    heading: Heading,
+}
+
+impl<C: Copy + PartialEq, F: FnMut([f64; 2]) -> Option<C>> Way<'_, C, F> {
     /// Where the border passes between two places, the first class living at the first.
-    fn between(&mut self, ends: [[f64; 2]; 2]) -> Option<([f64; 2], f64)> {
+    fn between(&mut self, last: &Place, ends: [[f64; 2]; 2]) -> Option<Place> {
         let inside = ends.map(|[x, y]| [x.clamp(0.0, 1.0), y.clamp(0.0, 1.0)]);
         if inside.map(|place| (self.class)(place)) != self.classes.map(Some) {
             return None;
         }
         let (found, classes) = enclose(self.class, inside, FINE)?;
-        let error = 0.5 * distance(found[0], found[1]);
-        (classes == self.classes && error <= DARK).then(|| (middle(found), error))
+        let (place, error) = (middle(found), 0.5 * distance(found[0], found[1]));
+        let at = last.at + distance(last.place, place);
+        (classes == self.classes && error <= DARK).then_some(Place { at, place, error })
     }
 
-    fn follow(&mut self, start: [f64; 2], (heading, side): Heading) -> (Vec<([f64; 2], f64)>, &'static str) {
-        let mut places = vec![start];
-        let mut points = Vec::new();
-        let mut h = FIRST;
-        loop {
-            if h < SHORTEST {
-                return (points, OTHER);
-            }
-            if points.len() > MOST_POINTS {
-                return (points, LONG);
-            }
-            let last = places[places.len() - 1];
-            let ahead = extrapolated(&places, heading, h);
-            let length = distance(last, ahead);
-            let direction = [(ahead[0] - last[0]) / length, (ahead[1] - last[1]) / length];
-            if !is_inside(ahead) {
-                // On its way out: the border meets the edge between two places of it.
-                let (axis, goal) = met_first(last, direction);
-                let share = (goal - last[axis]) / direction[axis];
-                if share <= h {
-                    let mut base = [last[0] + share * direction[0], last[1] + share * direction[1]];
-                    base[axis] = goal;
-                    let aside = (ASIDE * h).max(SHORTEST);
-                    let left = [-direction[1], direction[0]];
-                    let mut ends = [base; 2];
-                    let other = 1 - axis;
-                    let way = if left[other] * side > 0.0 { aside } else { -aside };
-                    ends[0][other] += way;
-                    ends[1][other] -= way;
-                    if share <= 1e-12 {
-                        return (points, EDGE);
-                    }
-                    if let Some(point) = self.between(ends) {
-                        points.push(point);
-                        return (points, EDGE);
-                    }
-                    h *= 0.5;
-                    continue;
-                }
-            }
-            let aside = [-direction[1] * side * ASIDE * h, direction[0] * side * ASIDE * h];
-            let ends = [[ahead[0] + aside[0], ahead[1] + aside[1]], [ahead[0] - aside[0], ahead[1] - aside[1]]];
-            let Some((place, error)) = self.between(ends) else {
-                h *= 0.5;
-                continue;
-            };
-            let bend = match places.len() {
-                1 => 0.0,
-                n => sagitta([places[n - 2], places[n - 1], place]),
-            };
-            if bend > self.tolerance && h > 10.0 * SHORTEST {
-                h *= (ROOM * self.tolerance / bend).sqrt().max(0.2);
-                continue;
-            }
-            let closed = places.len() > 3
-                && distance(place, start) < h
-                // Not back on the other side of a finger.
-                && direction[0] * heading[0] + direction[1] * heading[1] > ALONG
-                && (start[0] - last[0]) * direction[0] + (start[1] - last[1]) * direction[1] > 0.0;
-            if closed {
-                points.push((start, error));
-                return (points, CLOSED);
-            }
-            h = next_step(h, bend, self.tolerance).min(LONGEST);
-            places.push(place);
-            points.push((place, error));
-            if (self.until)(place) {
-                return (points, KNOWN);
-            }
+    /// Where the border is expected, and the direction there.
+    fn expected(&self, passed: &[Place], length: f64) -> ([f64; 2], [f64; 2]) {
+        let (last, heading) = (&passed[passed.len() - 1], self.heading.0);
+        let ahead = match passed.len() {
+            1 => [0, 1].map(|i| last.place[i] + length * heading[i]),
+            _ => foreseen(passed.iter().map(|place| (place.at, place.place)), last.at + length),
+        };
+        let far = distance(last.place, ahead);
+        (ahead, [0, 1].map(|i| (ahead[i] - last.place[i]) / far))
+    }
+}
+
+impl<C: Copy + PartialEq, F: FnMut([f64; 2]) -> Option<C>> Line for Way<'_, C, F> {
+    type Point = Place;
+    type End = &'static str;
+    const FIRST: f64 = FIRST;
+    /// Borders of two kinds may be side by side, and a chord is not to be taken for the other.
+    const LONGEST: f64 = 0.02;
+    const CLOSED: &'static str = CLOSED;
+    const LONG: &'static str = "unfinished: it is too long";
+
+    fn ahead(&mut self, passed: &[Place], length: f64) -> Option<Step<Place, &'static str>> {
+        let (last, side) = (&passed[passed.len() - 1], self.heading.1);
+        let (ahead, direction) = self.expected(passed, length);
+        let left = [-side * direction[1], side * direction[0]];
+        if length < SHORTEST {
+            return None;
         }
-    }
-}
-
-/// Through the last places, at most four, a step ahead.
-fn extrapolated(places: &[[f64; 2]], heading: [f64; 2], h: f64) -> [f64; 2] {
-    let through = &places[places.len().saturating_sub(4)..];
-    let last = places[places.len() - 1];
-    if through.len() == 1 {
-        return [last[0] + h * heading[0], last[1] + h * heading[1]];
-    }
-    let mut at = vec![0.0];
-    for pair in through.windows(2) {
-        at.push(at[at.len() - 1] + distance(pair[0], pair[1]));
-    }
-    lagrange(&at, through, at[at.len() - 1] + h)
-}
-
-/// The curve through places at these lengths, at another length.
-pub(super) fn lagrange<const N: usize>(at: &[f64], places: &[[f64; N]], wanted: f64) -> [f64; N] {
-    let mut sum = [0.0; N];
-    for (i, place) in places.iter().enumerate() {
-        let others =
-            at.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| (wanted - other) / (at[i] - other));
-        let weight: f64 = others.product();
-        for (sum, one) in sum.iter_mut().zip(place) {
-            *sum += weight * one;
+        if is_inside(ahead) {
+            let beside = |by: f64| [0, 1].map(|i| ahead[i] + by * length * left[i]);
+            return self.between(last, [beside(ASIDE), beside(-ASIDE)]).map(Step::On);
         }
+        // On its way out: the border meets the edge between two places of it.
+        let (axis, goal, share) = side_ahead(last.place, direction)?;
+        if share <= 1e-12 {
+            return Some(Step::Out(None, EDGE));
+        }
+        let mut base = [0, 1].map(|i| last.place[i] + share * direction[i]);
+        base[axis] = goal;
+        let (mut ends, other) = ([base; 2], 1 - axis);
+        let aside = (ASIDE * length).max(SHORTEST).copysign(left[other]);
+        ends[0][other] += aside;
+        ends[1][other] -= aside;
+        let met = self.between(last, ends).filter(|_| share <= length)?;
+        Some(Step::Out(Some(met), EDGE))
     }
-    sum
-}
 
-/// The side of the window that is met first in a direction.
-fn met_first(from: [f64; 2], direction: [f64; 2]) -> (usize, f64) {
-    let met = |axis: usize| {
-        let goal = if direction[axis] > 0.0 { 1.0 } else { 0.0 };
-        let share = (goal - from[axis]) / direction[axis];
-        (axis, goal, if share.is_nan() || share < 0.0 { f64::INFINITY } else { share })
-    };
-    let [one, other] = [met(0), met(1)];
-    if one.2 <= other.2 { (one.0, one.1) } else { (other.0, other.1) }
+    fn bend(&self, through: [&Place; 3]) -> f64 {
+        let [a, b, c] = through.map(|place| place.at);
+        chord_error(through.map(|place| place.place), [b - a, c - b])
+    }
+
+    fn closed(&mut self, passed: &[Place], next: &Place) -> Option<Place> {
+        let (last, length) = (&passed[passed.len() - 1], next.at - passed[passed.len() - 1].at);
+        let direction = [0, 1].map(|i| next.place[i] - last.place[i]);
+        let along = |other: [f64; 2]| direction[0] * other[0] + direction[1] * other[1];
+        let closed = passed.len() > 3
+            && distance(next.place, passed[0].place) < length
+            // Not back on the other side of a finger.
+            && along(self.heading.0) > ALONG * length
+            && along([0, 1].map(|i| passed[0].place[i] - last.place[i])) > 0.0;
+        closed.then_some(Place { place: passed[0].place, ..*next })
+    }
+
+    fn ended(&mut self, passed: &mut Vec<Place>) -> Option<&'static str> {
+        (self.until)(passed[passed.len() - 1].place).then_some(KNOWN)
+    }
+
+    fn lost(&self, _: &[Place]) -> &'static str {
+        OTHER
+    }
 }

@@ -1,15 +1,15 @@
 //! Stripes of conservative breathers: each followed along y, edge by edge, from rows in which it was found.
 
 use vibrochain_breather::Family;
+use vibrochain_breather::line::{Line, Step, chord_error, foreseen, joined, trace};
 use vibrochain_floquet::{Stripe, StripeEnd, StripeFinder, StripeLine};
 
-use super::change::{lagrange, next_step, sagitta};
 use super::part::{Eye, Part};
 
-/// The first step along y, short against the distance of two stripes, the longest and the shortest, as parts of the window's side.
-const FIRST: f64 = 2e-6;
-const LONGEST: f64 = 0.05;
+/// The shortest step: a stripe that is not found over it is not found over a shorter one.
 const SHORTEST: f64 = 2e-7;
+
+const EDGE: &str = "at the edge of the window";
 
 /// How far from where it was expected a stripe may be, as a part of the step, or of its width.
 const ASTRAY: f64 = 0.05;
@@ -111,73 +111,72 @@ impl Liner<'_, '_> {
         // As the way will see it.
         let stripe = self.finder.outline(&line, modes, harmonic, stripe.centre).ok()?;
         let start = self.point(y, &stripe);
-        let (down, begin) = self.follow((modes, harmonic), start, -1.0);
-        let (up, end) = self.follow((modes, harmonic), start, 1.0);
-        let mut points: Vec<LanePoint> = down.into_iter().rev().collect();
-        points.push(start);
-        points.extend(up);
+        let tolerance = self.tolerance;
+        let [(down, begin), (up, end)] =
+            [-1.0, 1.0].map(|way| trace(&mut Way { liner: self, modes, harmonic, way }, start, tolerance));
+        let points = joined(down, up);
         (points.len() > 1).then_some(Lane { modes, harmonic, points, ends: [begin, end] })
     }
+}
 
-    fn follow(
-        &mut self,
-        (modes, harmonic): ((usize, usize), usize),
-        start: LanePoint,
-        way: f64,
-    ) -> (Vec<LanePoint>, &'static str) {
-        let mut points = vec![start];
-        let mut h = FIRST;
-        let end = loop {
-            let last = points[points.len() - 1];
-            if last.y <= 0.0 && way < 0.0 || last.y >= 1.0 && way > 0.0 {
-                break "at the edge of the window";
-            }
-            if h < SHORTEST {
-                break "where it is no stripe of two modes alone any more";
-            }
-            let y = (last.y + way * h).clamp(0.0, 1.0);
-            let through = &points[points.len().saturating_sub(4)..];
-            let at: Vec<f64> = through.iter().map(|point| point.y).collect();
-            let edges: Vec<[f64; 2]> = through.iter().map(|point| point.edges).collect();
-            let expected = lagrange(&at, &edges, y);
-            let centre = 0.5 * (expected[0] + expected[1]);
-            let value = self.eye.window.point([centre, y])[0];
-            let step = (y - last.y).abs();
-            let found = self.line(y).and_then(|line| self.finder.outline(&line, modes, harmonic, value).ok());
-            let Some(next) = found.map(|stripe| self.point(y, &stripe)) else {
-                h = 0.5 * step;
-                continue;
-            };
-            let moved = (0..2).map(|i| (next.edges[i] - expected[i]).abs()).fold(0.0, f64::max);
-            let width = next.edges[1] - next.edges[0];
-            let reach = if points.len() == 1 { FLATTEST * step } else { ASTRAY * (step + width) };
-            if moved > reach {
-                h = 0.5 * step;
-                continue;
-            }
-            let bend = match points.len() {
-                1 => 0.0,
-                n => {
-                    let edge = |i: usize| {
-                        sagitta([&points[n - 2], &points[n - 1], &next].map(|point| [point.edges[i], point.y]))
-                    };
-                    edge(0).max(edge(1))
-                }
-            };
-            if bend > self.tolerance && step > 10.0 * SHORTEST {
-                h = next_step(step, bend, self.tolerance);
-                continue;
-            }
-            points.push(next);
-            if !self.is_physical(&next) {
-                break "where its breathers are not physical";
-            }
-            if next.edges[1] < 0.0 || next.edges[0] > 1.0 {
-                break "at the edge of the window";
-            }
-            h = next_step(step, bend, self.tolerance).min(LONGEST);
+/// One way along a stripe.
+struct Way<'a, 'b, 'c> {
+    liner: &'a mut Liner<'b, 'c>,
+    modes: (usize, usize),
+    harmonic: usize,
+    /// Up or down along y.
+    way: f64,
+}
+
+impl Line for Way<'_, '_, '_> {
+    type Point = LanePoint;
+    type End = &'static str;
+    /// Short against the distance of two stripes.
+    const FIRST: f64 = 2e-6;
+    /// Longer than the stretch in which another stripe crosses, and no name fits.
+    const LONGEST: f64 = 0.05;
+    const CLOSED: &'static str = "where it began: it is closed";
+    const LONG: &'static str = "unfinished: it is too long";
+
+    fn ahead(&mut self, passed: &[LanePoint], length: f64) -> Option<Step<LanePoint, &'static str>> {
+        let last = passed[passed.len() - 1];
+        let y = (last.y + self.way * length).clamp(0.0, 1.0);
+        if y == last.y {
+            return Some(Step::Out(None, EDGE));
+        }
+        if length < SHORTEST {
+            return None;
+        }
+        let expected = foreseen(passed.iter().map(|point| (point.y, point.edges)), y);
+        let value = self.liner.eye.window.point([0.5 * (expected[0] + expected[1]), y])[0];
+        let line = self.liner.line(y)?;
+        let stripe = self.liner.finder.outline(&line, self.modes, self.harmonic, value).ok()?;
+        let next = self.liner.point(y, &stripe);
+        let moved = (0..2).map(|i| (next.edges[i] - expected[i]).abs()).fold(0.0, f64::max);
+        let (step, width) = ((y - last.y).abs(), next.edges[1] - next.edges[0]);
+        let reach = if passed.len() == 1 { FLATTEST * step } else { ASTRAY * (step + width) };
+        (moved <= reach).then_some(Step::On(next))
+    }
+
+    /// Of either edge.
+    fn bend(&self, through: [&LanePoint; 3]) -> f64 {
+        let of = |edge: usize| {
+            let places = through.map(|point| [point.edges[edge], point.y]);
+            let apart = |i: usize| (places[i + 1][0] - places[i][0]).hypot(places[i + 1][1] - places[i][1]);
+            chord_error(places, [apart(0), apart(1)])
         };
-        points.remove(0);
-        (points, end)
+        of(0).max(of(1))
+    }
+
+    fn ended(&mut self, passed: &mut Vec<LanePoint>) -> Option<&'static str> {
+        let last = passed[passed.len() - 1];
+        if !self.liner.is_physical(&last) {
+            return Some("where its breathers are not physical");
+        }
+        (last.edges[1] < 0.0 || last.edges[0] > 1.0).then_some(EDGE)
+    }
+
+    fn lost(&self, _: &[LanePoint]) -> &'static str {
+        "where it is no stripe of two modes alone any more"
     }
 }

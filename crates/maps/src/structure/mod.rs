@@ -2,7 +2,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `scene` | [`StructureScene`]: the file, checked |
+//! | `scene`, `file` | [`StructureScene`]: what a file asks, checked |
 //! | `damped_chain` | scenes of chains with dashpots and stops of their own |
 //! | `setting` | [`Setting`]: each number of it by name, to be varied |
 //! | `definition` | matrices, modes or a chain, from which the structure is made |
@@ -13,6 +13,7 @@
 pub mod answer;
 mod damped_chain;
 mod definition;
+mod file;
 pub mod map;
 mod matrix_market;
 pub mod scene;

@@ -1,5 +1,5 @@
-//! A branch of a word, followed in the coupling from where it is weak or none to the model's: in γ₂ and, where there are layers, then in
-//! γ₃, until there or the event that ends it.
+//! A branch of a word, followed in the coupling from where it is weak or none to the model's: in γ₂ and, where there are layers, in γ₃,
+//! until there or the event that ends it.
 
 use vibrochain_lattice::{Model, Parameter, Stop};
 
@@ -7,23 +7,20 @@ use crate::branch::{Branch, BranchPoint};
 use crate::error::{BranchError, BreatherError};
 use crate::orbit::{Hit, Orbit};
 use crate::search::words::ended::{End, Ended};
+use crate::tracer::pace::Pace;
 
 /// What couples masses, in the order in which it is raised.
 const COUPLINGS: [Parameter; 2] = [Parameter::Gamma2, Parameter::Gamma3];
 
-/// The longest and the shortest step, where 1 is a change of coupling as large as that asked for or of the orbit of order 1.
+/// The longest step, where 1 is a change of coupling as large as that asked for or of the orbit of order 1.
 const LONGEST: f64 = 0.1;
-const SHORTEST: f64 = 1e-7;
 
 /// Steps over a branch point, and how near an event must be to be what ended a branch.
 const OVER: [f64; 3] = [1e-4, 1e-3, 1e-2];
 const NEAR: f64 = 1e-3;
 
-/// How far an orbit may be from where it is looked for, in units of its branch: of masses that are put side by side, and of one that
-/// is followed without a tangent. The shortest of such steps, of the coupling.
+/// How far an orbit may be from masses that are put side by side, in units of its branch.
 const ASIDE: f64 = 0.3;
-const AHEAD: f64 = 0.1;
-const FINE: f64 = 1e-5;
 
 /// Impulses so many times those at the start grow without bound: beyond, rounding of the kernels, so many times as large, hides the
 /// small sum of them that is left. With e < 1 they stay below some 2/(1 − e) times those at the start, so that a branch is followed
@@ -74,48 +71,28 @@ pub(crate) fn follow_from(
     model: &Model,
     effort: &mut Effort,
 ) -> Result<Result<Orbit, Ended>, BreatherError> {
-    let both = COUPLINGS.iter().all(|&coupling| model.get(coupling) > 0.0);
-    let coupling = COUPLINGS.into_iter().find(|&coupling| model.get(coupling) > 0.0).unwrap_or(Parameter::Gamma2);
-    let ended = |part: f64, by: End| Ok(Err(Ended { coupling, value: part * model.get(coupling), by }));
-    let near = |orbit: &Orbit, part: f64, reach: f64, effort: &mut Effort| -> Result<Option<Orbit>, BreatherError> {
-        effort.stop.heard()?;
-        let model = with_part(model, part)?;
-        let hits: Vec<Hit> = orbit.impacts().iter().map(Hit::from).collect();
-        // What is in the way of one step is none for a shorter one.
-        let Ok(rough) = Orbit::from_impulses(&model, 1, 0.0, &hits) else { return Ok(None) };
-        let Ok(mut branch) = Branch::of_symmetric(&rough, coupling, model.get(coupling)) else { return Ok(None) };
-        let there = branch.nearby(reach).ok();
-        effort.pay(branch.evaluations(), orbit);
-        Ok(there)
-    };
-    let Some(mut orbit) = near(rough, part, ASIDE, effort)? else { return ended(part, End::Lost) };
-    if !both {
-        return follow(&orbit, model, effort);
+    effort.stop.heard()?;
+    let hits: Vec<Hit> = rough.impacts().iter().map(Hit::from).collect();
+    let weak = with_part(model, part)?;
+    let mut raised = COUPLINGS.into_iter().filter(|&coupling| model.get(coupling) > 0.0);
+    let (coupling, other) = (raised.next().unwrap_or(Parameter::Gamma2), raised.next());
+    let target = model.get(coupling);
+    let branch = Orbit::from_impulses(&weak, 1, 0.0, &hits).ok();
+    let mut branch = branch.and_then(|rough| Branch::of_symmetric(&rough, coupling, target).ok());
+    let orbit = branch.as_mut().and_then(|branch| branch.nearby(ASIDE).ok());
+    effort.pay(branch.map_or(0, |branch| branch.evaluations()), rough);
+    let tied = other.map(|other| (other, model.get(other) / target));
+    match orbit {
+        Some(orbit) => follow_in(&orbit, (coupling, tied), target, effort),
+        None => Ok(Err(Ended { coupling, value: part * target, by: End::Lost })),
     }
-    let (first, mut part, mut step) = (orbit.strength(), part, LONGEST);
-    while part < 1.0 {
-        let next = (part + step).min(1.0);
-        let there = near(&orbit, next, AHEAD, effort)?;
-        let turned = there.as_ref().and_then(outward);
-        match (there, turned) {
-            (Some(there), None) => (orbit, part, step) = (there, next, (1.5 * step).min(LONGEST)),
-            _ if effort.is_spent() => return ended(part, End::Unfinished),
-            _ if step > FINE => step *= 0.5,
-            (_, Some(site)) => return ended(part, End::Grazing { site }),
-            (None, None) => return ended(part, End::Lost),
-        }
-        if orbit.strength() > UNBOUNDED * first {
-            return ended(part, End::Unbounded);
-        }
-    }
-    Ok(Ok(orbit))
 }
 
 /// Follows an orbit of weaker coupling to the model's.
 pub(crate) fn follow(start: &Orbit, model: &Model, effort: &mut Effort) -> Result<Result<Orbit, Ended>, BreatherError> {
     let mut orbit = start.clone();
     for coupling in COUPLINGS {
-        match follow_in(&orbit, coupling, model.get(coupling), effort)? {
+        match follow_in(&orbit, (coupling, None), model.get(coupling), effort)? {
             Ok(there) => orbit = there,
             ended => return Ok(ended),
         }
@@ -123,10 +100,10 @@ pub(crate) fn follow(start: &Orbit, model: &Model, effort: &mut Effort) -> Resul
     Ok(Ok(orbit))
 }
 
-/// Follows an orbit in one coupling, from its own to `target`.
+/// Follows an orbit in one coupling, from its own to `target`; another one may be tied to it by their ratio.
 fn follow_in(
     start: &Orbit,
-    coupling: Parameter,
+    (coupling, tied): (Parameter, Option<(Parameter, f64)>),
     target: f64,
     effort: &mut Effort,
 ) -> Result<Result<Orbit, Ended>, BreatherError> {
@@ -142,11 +119,12 @@ fn follow_in(
         Ok(along) => along.until(&effort.stop),
         Err(error) => return branch(error),
     };
+    along.equations.tied = tied;
     let mut point = match along.start() {
         Ok(point) => point,
         Err(error) => return branch(error),
     };
-    let (first, mut unit, mut step, mut paid) = (start.strength(), start.strength(), LONGEST, 0);
+    let (first, mut unit, mut pace, mut paid) = (start.strength(), start.strength(), Pace::new(LONGEST), 0);
     loop {
         effort.pay(along.evaluations() - paid, start);
         paid = along.evaluations();
@@ -154,18 +132,17 @@ fn follow_in(
             return ended(point.value(), End::Unfinished);
         }
         let left = (target - point.value()) / target;
-        let there = left <= step * point.heading();
-        let mut next = if there { along.at(&point, target) } else { along.step(&point, step) };
+        let there = left <= pace.length() * point.heading();
+        let mut next = if there { along.at(&point, target) } else { along.step(&point, pace.length()) };
         effort.stop.heard()?;
-        if next.is_err() && step >= SHORTEST {
-            step *= 0.5;
+        if next.is_err() && pace.shorten() {
             continue;
         }
         if next.is_err() {
             // A word with a symmetry passes points where others branch off that lack it.
-            let over = OVER.iter().find_map(|&length| along.step_over(&point, length).ok());
+            let over = OVER.iter().find_map(|&length| along.step_along(&point, [length]).ok());
             next = over.filter(|next| next.value() < target).ok_or(BranchError::NoConvergence);
-            step = OVER[0];
+            pace = Pace::new(OVER[0]);
         }
         let Ok(next) = next else {
             let here = point.value();
@@ -199,7 +176,7 @@ fn follow_in(
         if !(unit / RESCALED..=unit * RESCALED).contains(&strength) {
             (point, unit) = (along.rescaled(point), strength);
         }
-        step = (1.5 * step).min(LONGEST);
+        pace.lengthen(f64::INFINITY, LONGEST);
     }
 }
 
@@ -210,12 +187,8 @@ fn pole(from: &BranchPoint, to: &BranchPoint) -> f64 {
 }
 
 /// The mass whose impact has lost its velocity.
-fn outward(orbit: &Orbit) -> Option<usize> {
-    orbit.impacts().iter().find(|impact| !impact.is_right_signed()).map(|impact| impact.site)
-}
-
 fn grazing(point: &BranchPoint) -> Option<usize> {
-    outward(point.orbit())
+    point.orbit().impacts().iter().find(|impact| !impact.is_right_signed()).map(|impact| impact.site)
 }
 
 /// The coupling between the two points where an impact loses its velocity.

@@ -1,0 +1,167 @@
+//! Lines through a window of two parameters, from point to point: curves of events, edges of stripes, borders between classes.
+//!
+//! The next point is foreseen through the last four and found by what the line is a line of. A step is as long as the straight line
+//! between its ends may be, which is told by the second difference of the last three points.
+
+use crate::tracer::pace::Pace;
+
+/// A step as short as this may bend: a corner is no curve.
+const SHORT: f64 = 3e-5;
+
+/// So many steps in a row that are as short as this lead nowhere.
+const CRAWL: f64 = 1e-6;
+const MOST_CRAWLING: usize = 64;
+
+/// The straight line between two points may err by this part of the tolerance: what is foreseen is not quite what comes. One that errs
+/// by more than all of it is drawn again, no shorter than by the second factor.
+const ROOM: f64 = 0.6;
+const LEAST: f64 = 0.1;
+
+/// Points of a line at most, one way.
+const MOST_POINTS: usize = 50_000;
+
+/// Points through which the next one is foreseen.
+const THROUGH: usize = 4;
+
+/// A step along a line.
+#[derive(Debug)]
+pub enum Step<P, E> {
+    /// To this point.
+    On(P),
+    /// Out of the window, where the line ends: at this point, or at the last.
+    Out(Option<P>, E),
+}
+
+/// A line that is traced, one way.
+pub trait Line {
+    /// A point of it.
+    type Point;
+    /// Why it goes no farther.
+    type End;
+
+    /// The first step, where a side of the window is one unit, and so is a change of order 1 of the orbit.
+    const FIRST: f64 = 1e-3;
+    /// The longest.
+    const LONGEST: f64 = 0.03;
+    /// It is back where it began.
+    const CLOSED: Self::End;
+    /// It has more points than are ever followed.
+    const LONG: Self::End;
+
+    /// The step to a point about a length ahead of the last; `None` where a shorter one may succeed.
+    fn ahead(&mut self, passed: &[Self::Point], length: f64) -> Option<Step<Self::Point, Self::End>>;
+
+    /// By what the straight line between the last two of three points errs, as a part of the window's sides.
+    fn bend(&self, through: [&Self::Point; 3]) -> f64;
+
+    /// The first point once more, if the line is back there on its way to `next`.
+    fn closed(&mut self, _passed: &[Self::Point], _next: &Self::Point) -> Option<Self::Point> {
+        None
+    }
+
+    /// Adds a point that was reached, after what lies before it.
+    fn pass(&mut self, passed: &mut Vec<Self::Point>, next: Self::Point) {
+        passed.push(next);
+    }
+
+    /// What ends the line at the last point.
+    fn ended(&mut self, passed: &mut Vec<Self::Point>) -> Option<Self::End>;
+
+    /// What ends it behind the last point, where none was found, however near.
+    fn lost(&self, passed: &[Self::Point]) -> Self::End;
+}
+
+/// Follows a line from a point of it, which is the first of all that are handed over. A straight line between two neighbours errs by
+/// `tolerance` at most, as a part of the window's sides.
+pub fn trace<L: Line>(line: &mut L, start: L::Point, tolerance: f64) -> (Vec<L::Point>, L::End) {
+    let mut passed = vec![start];
+    let (mut pace, mut crawling) = (Pace::new(L::FIRST), 0);
+    while crawling < MOST_CRAWLING {
+        let (length, count) = (pace.length(), passed.len());
+        let next = match line.ahead(&passed, length) {
+            Some(Step::On(next)) => next,
+            Some(Step::Out(last, end)) => {
+                last.into_iter().for_each(|last| line.pass(&mut passed, last));
+                return (passed, end);
+            }
+            None if pace.shorten() => continue,
+            None => break,
+        };
+        let bend = if count == 1 { 0.0 } else { line.bend([&passed[count - 2], &passed[count - 1], &next]) };
+        let wanted = if bend > 0.0 { (ROOM * tolerance / bend).sqrt() } else { f64::INFINITY };
+        if bend > tolerance && length > SHORT {
+            pace = Pace::new(length * wanted.max(LEAST));
+            continue;
+        }
+        if let Some(first) = line.closed(&passed, &next) {
+            line.pass(&mut passed, first);
+            return (passed, L::CLOSED);
+        }
+        line.pass(&mut passed, next);
+        if let Some(end) = line.ended(&mut passed) {
+            return (passed, end);
+        }
+        if passed.len() > MOST_POINTS {
+            return (passed, L::LONG);
+        }
+        crawling = if length < CRAWL { crawling + 1 } else { 0 };
+        pace.lengthen(wanted, L::LONGEST);
+    }
+    let end = line.lost(&passed);
+    (passed, end)
+}
+
+/// The points of one line that was followed both ways from its start, the first of both.
+pub fn joined<P>(behind: Vec<P>, ahead: Vec<P>) -> Vec<P> {
+    behind.into_iter().rev().chain(ahead.into_iter().skip(1)).collect()
+}
+
+/// What a straight line between the last two of three places errs by, if the curve is a parabola through them: (1/8) of the second
+/// difference across it, for steps of these lengths.
+pub fn chord_error([a, b, c]: [[f64; 2]; 3], [before, last]: [f64; 2]) -> f64 {
+    let chord = [c[0] - b[0], c[1] - b[1]];
+    let bend = [0, 1].map(|i| 2.0 * (chord[i] / last - (b[i] - a[i]) / before) / (before + last));
+    let norm = chord[0].hypot(chord[1]);
+    // Where the curve stands still in the plane all of the bend counts.
+    let bend = if norm > 0.0 { (bend[0] * chord[1] - bend[1] * chord[0]).abs() / norm } else { bend[0].hypot(bend[1]) };
+    bend * last * last / 8.0
+}
+
+/// The curve through the last of some places, at these lengths, at another length.
+pub fn foreseen<const N: usize>(places: impl DoubleEndedIterator<Item = (f64, [f64; N])>, wanted: f64) -> [f64; N] {
+    let through: Vec<(f64, [f64; N])> = places.rev().take(THROUGH).collect();
+    let mut sum = [0.0; N];
+    for (i, (at, place)) in through.iter().enumerate() {
+        let others = through.iter().enumerate().filter(|(j, _)| *j != i);
+        let weight: f64 = others.map(|(_, (other, _))| (wanted - other) / (at - other)).product();
+        sum.iter_mut().zip(place).for_each(|(sum, x)| *sum += weight * x);
+    }
+    sum
+}
+
+/// The side of the window, whose sides are 1, that is met first in a direction: which parameter, its value there, and after how many
+/// times the direction.
+pub fn side_ahead(from: [f64; 2], direction: [f64; 2]) -> Option<(usize, f64, f64)> {
+    let met = |i: usize| {
+        let goal = if direction[i] > 0.0 { 1.0 } else { 0.0 };
+        (i, goal, (goal - from[i]) / direction[i])
+    };
+    (0..2).map(met).filter(|(_, _, share)| *share >= 0.0).min_by(|a, b| a.2.total_cmp(&b.2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chords_of_a_circle_err_by_their_sagitta() {
+        // Three points of a circle of radius 1, uneven steps.
+        let at = |t: f64| [t.cos(), t.sin()];
+        for (before, last) in [(0.02_f64, 0.03_f64), (0.03, 0.01)] {
+            let error = chord_error([at(0.0), at(before), at(before + last)], [before, last]);
+            let sagitta = 1.0 - (0.5 * last).cos();
+            assert!((error / sagitta - 1.0).abs() < 0.01, "{error} {sagitta}");
+        }
+        assert!(chord_error([[0.0, 0.0], [1.0, 1.0], [3.0, 3.0]], [1.0, 2.0]) < 1e-15);
+    }
+}
