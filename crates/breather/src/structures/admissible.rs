@@ -365,6 +365,6 @@ mod tests {
                 }
             }
         }
-        assert!(physical > 40 && crossing > 100 && first > 20, "{physical} {crossing} {first}");
+        assert!(physical > 20 && crossing > 100 && first > 20, "{physical} {crossing} {first}");
     }
 }
