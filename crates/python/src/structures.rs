@@ -31,7 +31,6 @@ impl From<StructureOrbitError> for Failure {
 /// Orbits of a word, or the one near given impacts (contact, barrier, time, impulse), of the structure in `scene`.
 #[pyfunction]
 #[pyo3(signature = (scene, word, force_periods, threshold, near, psi))]
-#[expect(clippy::needless_pass_by_value, reason = "Python hands values over")]
 pub(crate) fn _structure(
     py: Python<'_>,
     scene: String,

@@ -127,7 +127,7 @@ pub struct StructureArgs {
     /// Where the upper barrier is [default: asymmetry + 1; with --lower alone there is none].
     #[arg(long, help_heading = DAMPED, value_name = "g", value_parser = real, allow_negative_numbers = true)]
     pub upper: Option<f64>,
-    /// Another number of a scene's [structure]: omega, load, static, damping, contact.N.lower, contact.N.upper or contact.N.restitution.
+    /// Another number of a scene's structure: omega, load, static, damping, contact.N.lower, contact.N.upper or contact.N.restitution.
     #[arg(long, help_heading = DAMPED, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
 }

@@ -52,7 +52,7 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
         return Err(CliError::Request(message));
     }
     let periods = args.periods;
-    if !(periods >= 0.0 && periods < 1e15) {
+    if !(0.0..1e15).contains(&periods) {
         return Err(CliError::Request(format!("--periods {periods} is out of range: give a number from 0 to 1e15")));
     }
     let taken = distinct(

@@ -47,7 +47,7 @@ impl EnergyForm {
         sum(&self.dissipation, xi)
     }
 
-    /// The power that loads give where harmonic number `place` of them is `turned`[place] = e^{ijω(t+ψ)}.
+    /// The power that loads give where harmonic number `place` of them is entry `place` of `turned` = e^{ijω(t+ψ)}.
     pub fn power(&self, xi: &[[f64; 2]], turned: &[C]) -> f64 {
         let of_mode = |(k, xi): (usize, &[f64; 2])| {
             let load = self.loads[k].iter().zip(turned).fold(self.still[k], |sum, (load, turned)| {
