@@ -56,10 +56,11 @@ pub fn structure_stability(orbit: &StructureOrbit, tolerance: Tolerance) -> Resu
     for pair in spared {
         let both = pair.map(|rate| (rate * orbit.period()).exp());
         multipliers.extend(both);
-        // Of a structure without losses these are on the circle, and decide nothing.
+        // Of a mode without a dashpot they are on the circle, and decide nothing.
         let leading = if both[0].norm() > both[1].norm() { both[0] } else { both[1] };
-        if !conservative && excess(leading) > verdict.growth() {
-            verdict = Verdict::of_growth(leading, excess(leading), 8.0 * f64::EPSILON * leading.norm(), tolerance);
+        if pair.iter().any(|rate| rate.re != 0.0) {
+            let error = 8.0 * f64::EPSILON * leading.norm();
+            verdict = verdict.or_worse(Verdict::of_growth(leading, excess(leading), error, tolerance));
         }
     }
     if conservative {

@@ -139,6 +139,15 @@ impl<T: Number> Dual<Enclosure<T>> {
     }
 }
 
+impl<T: Number> Dual<Enclosure<T>> {
+    /// The same with as much more doubt about function and derivative.
+    pub(crate) fn widened(mut self, [function, derivative]: [f64; 2]) -> Self {
+        self.function.rest = self.function.rest + T::of(function);
+        self.derivative.rest = self.derivative.rest + T::of(derivative);
+        self
+    }
+}
+
 impl Dual {
     /// Function and derivative at the centre.
     pub(crate) fn at_centre(&self) -> (f64, f64) {

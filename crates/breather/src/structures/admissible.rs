@@ -60,7 +60,7 @@ fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, Structur
         }
         match Windows::new(&motion, i) {
             Some(windows) => search.by_windows(windows, i),
-            None => search.by_steps(i),
+            None => search.by_steps(i)?,
         }
     }
     let closest = search.closest;
@@ -179,7 +179,7 @@ impl Search<'_> {
     }
 
     /// By bounds alone, step by step.
-    fn by_steps(&mut self, i: usize) {
+    fn by_steps(&mut self, i: usize) -> Result<(), StructureOrbitError> {
         let begins = self.orbit.impacts()[i].time;
         let structure = self.orbit.model().structure().clone();
         let length = self.motion.until_next(i);
@@ -194,11 +194,12 @@ impl Search<'_> {
                 let watch = Watch { motion: self.motion, contact, barrier, stop, i, length, touch };
                 let (leaves, arrives) =
                     (self.is_hit(contact, barrier, begins), self.is_hit(contact, barrier, begins + length));
-                if let Some((least, s)) = watch.least(leaves, arrives) {
+                if let Some((least, s)) = watch.least(leaves, arrives)? {
                     self.note(least, (contact, barrier), begins + s);
                 }
             }
         }
+        Ok(())
     }
 }
 
@@ -223,7 +224,7 @@ impl Watch<'_> {
 
     /// The least distance at a turning point or end of the flight, and where; `None` if it only goes. `leaves`, `arrives`: it is on the
     /// barrier at the ends.
-    fn least(&self, leaves: bool, arrives: bool) -> Option<(f64, f64)> {
+    fn least(&self, leaves: bool, arrives: bool) -> Result<Option<(f64, f64)>, StructureOrbitError> {
         let bend = |s: f64| self.motion.most_acceleration(self.contact, self.i, s, self.length) * (1.0 + 1e-12);
         let whole = bend(0.0);
         let (first, last) = (self.distance(0.0), self.distance(self.length));
@@ -253,17 +254,17 @@ impl Watch<'_> {
                 // Beyond, or as good as there: how far it goes.
                 let turn = self.deepest(s);
                 keep(self.distance(turn)[0].min(0.0), turn);
-                return least;
+                return Ok(least);
             }
             if s >= end {
-                break;
+                return Ok(least);
             }
             let bend = bend(s).max(f64::MIN_POSITIVE);
             let step = (slope + (slope * slope + 2.0 * bend * d).sqrt()) / bend;
             before = Some((s, slope));
             s = (s + step.max(1e-9 * self.length)).min(end);
         }
-        least
+        Err(StructureOrbitError::TooStiff { contact: self.contact, steps: MOST_STEPS })
     }
 
     /// Where the distance turns between two places.
@@ -338,7 +339,7 @@ mod tests {
                 let motion = StructureMotion::new(orbit).unwrap();
                 let mut search =
                     Search { orbit, motion: &motion, closest: None, pending: Vec::new(), depth: Depth::Worst };
-                (0..orbit.impacts().len()).for_each(|i| search.by_steps(i));
+                (0..orbit.impacts().len()).for_each(|i| search.by_steps(i).unwrap());
                 let Some((stepped, _)) = search.closest else {
                     assert!(margin > 0.0);
                     continue;

@@ -52,6 +52,7 @@ pub(super) struct Equations<'a> {
     swings: Vec<(f64, Vec<C>)>,
     /// g⁰
     still: Vec<f64>,
+    /// Rigid modes that a contact of the orbit feels.
     pub(super) rigid: Vec<&'a LinearMode>,
     pub(super) forced: bool,
 }
@@ -69,7 +70,12 @@ pub(super) struct System {
 }
 
 impl<'a> Equations<'a> {
-    pub(super) fn new(model: &'a StructureModel, force_periods: u32) -> Result<Self, StructureOrbitError> {
+    /// Those of impacts at the contacts `hit`.
+    pub(super) fn new(
+        model: &'a StructureModel,
+        force_periods: u32,
+        hit: impl Iterator<Item = usize> + Clone,
+    ) -> Result<Self, StructureOrbitError> {
         if force_periods == 0 {
             return Err(StructureOrbitError::Periods);
         }
@@ -79,7 +85,12 @@ impl<'a> Equations<'a> {
         for (place, harmonic) in structure.harmonics().iter().enumerate() {
             swings.push((f64::from(*harmonic) * model.omega(), structure.steady_at(place, model.omega())?));
         }
-        let rigid: Vec<_> = kernel.rigid().collect();
+        let felt = |mode: &&LinearMode| hit.clone().any(|contact| Self::shape(mode, contact) != 0.0);
+        let (rigid, unfelt): (Vec<_>, Vec<_>) = kernel.rigid().partition(felt);
+        // What nothing holds and nothing hits must not be pushed.
+        if unfelt.into_iter().any(|mode| Self::push(mode) != 0.0) {
+            return Err(StructureOrbitError::Unbalanced);
+        }
         let resting = structure.still();
         let still = (0..structure.contacts().len()).map(|contact| {
             let terms = structure.modes().iter().zip(&resting).map(|(mode, xi)| {
@@ -147,6 +158,16 @@ impl<'a> Equations<'a> {
     /// Numbers of unknowns: impulses, times but the first, ψ if there is a load, offsets.
     pub(super) fn unknowns(&self, impacts: usize) -> usize {
         2 * impacts - 1 + usize::from(self.forced) + self.rigid.len()
+    }
+
+    /// Offsets of all rigid modes, 0 of those that no contact of the orbit feels.
+    pub(super) fn all_offsets(&self, felt: &[f64]) -> SmallVec<[f64; 1]> {
+        let mut own = felt.iter();
+        let of = |mode: &LinearMode| {
+            let is_felt = self.rigid.iter().any(|one| std::ptr::eq(*one, mode));
+            if is_felt { own.next().copied().unwrap_or(0.0) } else { 0.0 }
+        };
+        self.kernel.rigid().map(of).collect()
     }
 
     /// φ of a rigid mode at a contact.

@@ -45,6 +45,31 @@ pub enum StructureOrbitError {
          dashpots"
     )]
     LossWithoutLoad,
+    /// The load moves none of the contacts that are to be hit.
+    #[error(
+        "the load moves none of the contacts of this word: nothing tells its phase; leave the load away, or give another word"
+    )]
+    Unfelt,
+    /// Impacts that are not in the order of time within one period.
+    #[error("the impacts are not in order of time within one period of the orbit{}", if *found { ", where Newton's method has led" } else { "" })]
+    OutOfOrder {
+        /// Newton's method has led there.
+        found: bool,
+    },
+    /// More impacts than are solved for.
+    #[error("{impacts} impacts are too many: an orbit has at most {}", crate::word::MAX_IMPACTS)]
+    TooManyImpacts {
+        /// How many were given.
+        impacts: usize,
+    },
+    /// Whether it is physical could not be decided.
+    #[error("too stiff to be checked: contact {contact} would need more than {steps} steps in one flight")]
+    TooStiff {
+        /// The contact.
+        contact: usize,
+        /// Steps that were taken.
+        steps: usize,
+    },
     /// Impulses cannot balance the load on a rigid motion.
     #[error(
         "a rigid motion is pushed by a static load that no impact of this word balances, or by impacts that no load balances"

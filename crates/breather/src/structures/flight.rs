@@ -24,7 +24,8 @@ impl<'a> StructureMotion<'a> {
     /// # Errors
     /// [`StructureOrbitError::Structure`] at a resonance.
     pub fn new(orbit: &'a StructureOrbit) -> Result<Self, StructureOrbitError> {
-        let equations = Equations::new(orbit.model(), orbit.force_periods())?;
+        let equations =
+            Equations::new(orbit.model(), orbit.force_periods(), orbit.impacts().iter().map(|impact| impact.contact))?;
         let modes = orbit.model().structure().modes();
         let (impacts, period) = (orbit.impacts(), orbit.period());
         let mut states = vec![vec![[0.0; 2]; modes.len()]; impacts.len()];
@@ -175,7 +176,7 @@ impl<'a> StructureMotion<'a> {
 
     /// A bound of how far a contact may be from where it is still, after impact `i`; none of a structure with rigid modes.
     pub(super) fn most_excursion(&self, contact: usize, i: usize) -> f64 {
-        if !self.equations.rigid.is_empty() {
+        if self.equations.kernel.rigid().next().is_some() {
             return f64::INFINITY;
         }
         self.most(contact, i, 0.0, self.until_next(i), 0)
@@ -249,7 +250,7 @@ const REFRESH: usize = 32;
 impl<'m, 'a> Windows<'m, 'a> {
     /// `None` where there would be too many, or a rigid mode is no part of the modes' flight.
     pub(super) fn new(motion: &'m StructureMotion<'a>, i: usize) -> Option<Self> {
-        if !motion.equations.rigid.is_empty() {
+        if motion.equations.kernel.rigid().next().is_some() {
             return None;
         }
         let modes = motion.structure().modes();

@@ -1,7 +1,5 @@
 //! A periodic orbit of a structure, and how far it can be trusted.
 
-use std::f64::consts::TAU;
-
 use smallvec::SmallVec;
 use vibrochain_lattice::{Barrier, BlochKernel};
 
@@ -10,6 +8,7 @@ use super::error::StructureOrbitError;
 use super::model::StructureModel;
 use crate::equations::linear::Factors;
 use crate::equations::{BlochEquations, LinearImpact};
+use crate::word::MAX_IMPACTS;
 
 /// One impact of a structure's orbit, in units of the user's, with estimated errors of what has been solved for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,7 +95,7 @@ impl StructureOrbit {
             model: equations.model.clone(),
             force_periods,
             psi: equations.forced.then(|| point.psi.rem_euclid(period)),
-            offsets: point.offsets,
+            offsets: equations.all_offsets(&point.offsets),
             impacts,
             violation,
         })
@@ -112,8 +111,15 @@ impl StructureOrbit {
         psi: f64,
         impacts: &[(usize, Barrier, f64, f64)],
     ) -> Result<Self, StructureOrbitError> {
-        let equations = Equations::new(model, force_periods)?;
-        let first = impacts.first().map_or(0.0, |impact| impact.2);
+        if impacts.len() > MAX_IMPACTS {
+            return Err(StructureOrbitError::TooManyImpacts { impacts: impacts.len() });
+        }
+        let (first, period) =
+            (impacts.first().map_or(0.0, |impact| impact.2), model.period() * f64::from(force_periods));
+        if !in_order(impacts.iter().map(|impact| impact.2 - first), period) {
+            return Err(StructureOrbitError::OutOfOrder { found: false });
+        }
+        let equations = Equations::new(model, force_periods, impacts.iter().map(|impact| impact.0))?;
         let strikes = impacts.iter().map(|&(contact, barrier, time, impulse)| Strike {
             contact,
             barrier,
@@ -127,6 +133,9 @@ impl StructureOrbit {
         };
         let point = equations.with_offsets(point)?;
         let solved = equations.solve(point)?;
+        if !in_order(solved.0.strikes.iter().map(|strike| strike.time), period) {
+            return Err(StructureOrbitError::OutOfOrder { found: true });
+        }
         let contacts: Vec<usize> = impacts.iter().map(|impact| impact.0).collect();
         equations.off_resonance(&contacts)?;
         Self::new(&equations, force_periods, solved)
@@ -205,11 +214,18 @@ impl StructureOrbit {
             spared,
         )
     }
+}
 
-    /// ω of the orbit itself.
-    pub fn frequency(&self) -> f64 {
-        TAU / self.period()
+/// Whether times rise, or stay, within a period from 0 on.
+fn in_order(times: impl Iterator<Item = f64>, period: f64) -> bool {
+    let mut last = 0.0;
+    for time in times {
+        if !(last..period).contains(&time) {
+            return false;
+        }
+        last = time;
     }
+    true
 }
 
 /// The transposed Jacobian, by which gradients are carried from unknowns to rows.

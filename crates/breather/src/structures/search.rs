@@ -39,6 +39,8 @@ const SAME: f64 = 1e-7;
 pub enum StructureSearch {
     /// Closed form: the list is complete.
     ClosedForm,
+    /// Closed form of instants half a period apart, without loads: others are not looked for.
+    HalfPeriod,
     /// Enclosures of a function of one variable show on intervals where it has no zero and that each one found is alone: the list is complete
     /// but for impacts of one contact closer than 1e-4 of the period, and for so many places where two may have merged.
     Enclosures {
@@ -79,11 +81,16 @@ pub fn structure_orbits(
     word: &Word,
     force_periods: u32,
 ) -> Result<StructureFound, StructureOrbitError> {
-    let equations = Equations::new(model, force_periods)?;
     let mut letters: SmallVec<[(usize, Barrier); 4]> = SmallVec::new();
     for letter in word.letters() {
         model.barrier(letter.site, letter.barrier)?;
         letters.push((letter.site, letter.barrier));
+    }
+    let equations = Equations::new(model, force_periods, letters.iter().map(|(contact, _)| *contact))?;
+    if equations.forced
+        && letters.iter().all(|&(contact, _)| equations.swings(contact).all(|(_, swing)| swing.norm() == 0.0))
+    {
+        return Err(StructureOrbitError::Unfelt);
     }
     if letters.len() > word.instants().len() && (equations.forced || word.instants().len() > 2) {
         return Err(StructureOrbitError::AtOnce);
@@ -270,7 +277,8 @@ impl Search<'_> {
             .flat_map(|(number, instant)| instant.iter().map(move |_| 0.5 * period * number as f64))
             .collect();
         let found = self.linear(&times)?.solve().map(|x| self.point(&times, &x));
-        Ok((found.into_iter().collect(), StructureSearch::ClosedForm))
+        let search = if word.instants().len() == 1 { StructureSearch::ClosedForm } else { StructureSearch::HalfPeriod };
+        Ok((found.into_iter().collect(), search))
     }
 
     /// Both phases where the equations leave a line of (c, s), which meets the circle: of one impact; and of two half a period apart where
@@ -326,16 +334,21 @@ impl Search<'_> {
         }
         let half = 0.5 * self.equations.period();
         let unresolved = zeros.unresolved.iter().filter(|phi| (*phi - half).abs() > SAME * half).count();
-        let search = StructureSearch::Enclosures { intervals: zeros.intervals, unresolved };
-        let points = || -> Result<Vec<Point>, StructureOrbitError> {
+        let mut unresolved = unresolved;
+        let mut points = || -> Result<Vec<Point>, StructureOrbitError> {
             // A structure that is its own mirror image has a double zero there.
             let mut points = self.on_a_line(&[0.0, half])?;
             for phi in &zeros.simple {
-                if function.is_homogeneous() {
-                    points.extend(self.on_a_line(&[0.0, *phi])?);
-                } else if let Some(x) = self.linear(&[0.0, *phi])?.solve() {
-                    points.push(self.point(&[0.0, *phi], &x));
+                let here = if function.is_homogeneous() {
+                    self.on_a_line(&[0.0, *phi])?
+                } else {
+                    self.linear(&[0.0, *phi])?.solve().map(|x| self.point(&[0.0, *phi], &x)).into_iter().collect()
+                };
+                // A zero whose orbit is not reached is told, not dropped.
+                if here.is_empty() || here.iter().any(|point| self.equations.solve(point.clone()).is_err()) {
+                    unresolved += 1;
                 }
+                points.extend(here);
             }
             for phi in &zeros.unresolved {
                 points.extend(self.on_a_line(&[0.0, *phi])?);
@@ -343,7 +356,9 @@ impl Search<'_> {
             }
             Ok(points)
         };
-        Some(points().map(|points| (points, search)))
+        let found = points();
+        let search = StructureSearch::Enclosures { intervals: zeros.intervals, unresolved };
+        Some(found.map(|points| (points, search)))
     }
 
     /// Zeros of the function of the time between two impacts, by its values in many places.

@@ -14,7 +14,7 @@ use crate::roots::interval::{Clearance, Enclosed, Zeros, one_by_one};
 type C = Complex<f64>;
 
 /// Of the period at both ends, within which two impacts of one contact cannot be told from one.
-pub(super) const COINCIDENT: f64 = 1e-4;
+const COINCIDENT: f64 = 1e-4;
 
 /// Intervals are not halved below this part of the period.
 const RESOLUTION: f64 = 1e-11;
@@ -73,7 +73,8 @@ impl<'a> Function<'a> {
         let period = self.equations.period();
         let fastest = self.equations.model.structure().modes().iter().map(|mode| mode.rate).fold(self.rate, f64::max);
         let pieces = ((fastest * period) as usize).clamp(16, 4000);
-        zeros.find(self, COINCIDENT * period, (1.0 - COINCIDENT) * period, pieces, |_| RESOLUTION * period);
+        let cut = if self.contacts[0] == self.contacts[1] { COINCIDENT } else { RESOLUTION };
+        zeros.find(self, cut * period, (1.0 - cut) * period, pieces, |_| RESOLUTION * period);
         zeros
     }
 
@@ -124,7 +125,13 @@ impl<'a> Function<'a> {
             let flip = |order: i32| if order % 2 == 0 { 1.0 } else { sign };
             let place = [jet[0], flip(1) * jet[1], jet[2], flip(1) * jet[3]];
             let slope = [jet[1], flip(1) * jet[2], jet[3], flip(1) * jet[4]];
-            [Dual::from_jet(place, bounds[4], radius), Dual::from_jet(slope, bounds[5], radius)]
+            // What rounding makes of the terms, far more than of their sum next to a resonance.
+            let (_, sizes) = equations.kernel.jet(self.contacts[to], self.contacts[from], lapse);
+            let doubt = sizes.map(|size| 4.0 * f64::EPSILON * size);
+            [
+                Dual::from_jet(place, bounds[4], radius).widened([doubt[0], doubt[1]]),
+                Dual::from_jet(slope, bounds[5], radius).widened([doubt[1], doubt[2]]),
+            ]
         };
         let k12 = of_kernel(-phi, 0, 1, &self.bounds[0], -1.0);
         let k21 = of_kernel(phi, 1, 0, &self.bounds[1], 1.0);

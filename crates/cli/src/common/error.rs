@@ -122,10 +122,12 @@ impl From<StructureOrbitError> for CliError {
         match error {
             StructureOrbitError::Structure(StructureError::Resonance { .. })
             | StructureOrbitError::LossWithoutLoad
+            | StructureOrbitError::Unfelt
             | StructureOrbitError::Unbalanced => Self::IllPosed(error.to_string()),
-            StructureOrbitError::NotConverged { .. } | StructureOrbitError::Structure(StructureError::NotConverged) => {
-                Self::Computation(error.to_string())
-            }
+            StructureOrbitError::NotConverged { .. }
+            | StructureOrbitError::OutOfOrder { found: true }
+            | StructureOrbitError::TooStiff { .. }
+            | StructureOrbitError::Structure(StructureError::NotConverged) => Self::Computation(error.to_string()),
             _ => Self::Request(error.to_string()),
         }
     }

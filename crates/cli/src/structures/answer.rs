@@ -11,6 +11,9 @@ use vibrochain_maps::structure::answer::told;
 fn how(search: StructureSearch) -> String {
     match search {
         StructureSearch::ClosedForm => "complete: closed form".to_owned(),
+        StructureSearch::HalfPeriod => {
+            "not complete: instants half a period apart alone, where reversal of time has them".to_owned()
+        }
         StructureSearch::Enclosures { intervals, unresolved: 0 } => {
             format!("complete: enclosures on {intervals} intervals")
         }
@@ -44,7 +47,10 @@ pub(crate) fn text(model: &StructureModel, heading: &str, found: &StructureFound
     let physical = answered.iter().filter(|one| one.admissibility.is_physical()).count();
     let none = matches!(found.search, StructureSearch::ClosedForm | StructureSearch::Enclosures { unresolved: 0, .. });
     let _ = match (answered.len(), none) {
-        (0, true) => writeln!(out, "none: no phase of the load meets the conditions at the impacts"),
+        (0, true) if model.structure().is_forced() => {
+            writeln!(out, "none: no phase of the load meets the conditions at the impacts")
+        }
+        (0, true) => writeln!(out, "none: the conditions at the impacts have no solution"),
         (0, false) => writeln!(out, "none was found"),
         (count, _) => writeln!(out, "{count} solution{}, {physical} physical", plural(count)),
     };

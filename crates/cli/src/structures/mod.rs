@@ -6,7 +6,7 @@ pub(crate) mod simulate;
 pub(crate) mod sweep;
 
 use vibrochain_lattice::{Contact, Ends, Parameter};
-use vibrochain_maps::structure::{ChainTable, Setting, StructureScene};
+use vibrochain_maps::structure::{ChainTable, MOST_MASSES, Setting, StructureScene};
 
 use crate::args::ModelArgs;
 use crate::common::error::CliError;
@@ -85,6 +85,12 @@ fn chain(args: &ModelArgs) -> Result<StructureScene, CliError> {
     let sites = args.sites.ok_or_else(|| missing("sites"))?;
     let sites = usize::try_from(sites)
         .map_err(|_| CliError::Request(format!("sites = {sites} is out of range: give a whole number from 1")))?;
+    if !(1..=MOST_MASSES).contains(&sites) {
+        let message = format!(
+            "sites = {sites} is out of range: with dashpots or stops of its own a chain has 1 to {MOST_MASSES} masses"
+        );
+        return Err(CliError::Request(message));
+    }
     let asymmetry = value(Parameter::Asymmetry)?;
     let by = |own: Option<f64>, side: f64| own.or_else(|| asymmetry.map(|a| a + side));
     let (lower, upper) = (by(extra.lower, -1.0), by(extra.upper, 1.0));
@@ -113,6 +119,6 @@ fn chain(args: &ModelArgs) -> Result<StructureScene, CliError> {
         damping: extra.damping.unwrap_or(0.0),
         coupling_damping: extra.coupling_damping.unwrap_or(0.0),
     };
-    let contacts = (0..sites.min(1 << 20)).map(contact).collect();
+    let contacts = (0..sites).map(contact).collect();
     StructureScene::of_chain(table, contacts, amplitude, extra.static_force.unwrap_or(0.0)).map_err(CliError::Request)
 }

@@ -73,18 +73,15 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
     let stop = (console.interrupt)()?;
     let table = args.impacts.as_deref().map(Output::create).transpose()?;
     let until = simulation.time_of(periods as u64, periods.fract() * model.period());
-    let (report, events) = events(&mut simulation, until, args.max_impacts, &stop)?;
-    if let Some(mut table) = table {
-        let text = rows(&events)?;
-        std::io::Write::write_all(&mut table, &text).map_err(|error| table.unwritten(&error))?;
-        table.commit()?;
-    }
-    let settled = settled(&model, psi, &events, report.time);
+    let mut kept = Kept::new(table)?;
+    let report = follow(&mut simulation, until, args.max_impacts, &stop, &mut kept)?;
+    kept.finish()?;
+    let settled = settled(&model, psi, &kept.events, report.time);
     let told = if args.json {
-        let value = answer(scene, &model, psi, &report, &events, settled.as_ref());
+        let value = answer(scene, &model, psi, &report, kept.counts, settled.as_ref());
         format!("{value:#}\n")
     } else {
-        text(&model, &from, &report, &events, settled.as_ref())
+        text(&model, &from, &report, kept.counts, settled.as_ref())
     };
     console.answer(&told, args.json, taken)
 }
@@ -134,49 +131,95 @@ fn start(
     Ok((psi, motion.modes(last, lapse)?, format!("the orbit {word}")))
 }
 
+/// What is kept of a run: the table's rows as they come, counts, and the events of as many periods as may repeat.
+struct Kept {
+    table: Option<csv::Writer<Output>>,
+    counts: [usize; 3],
+    events: Vec<ContactEvent>,
+}
+
+/// Events are thinned out once there are this many.
+const MANY: usize = 1 << 16;
+
+impl Kept {
+    fn new(table: Option<Output>) -> Result<Self, CliError> {
+        let mut table = table.map(csv::Writer::from_writer);
+        if let Some(table) = &mut table {
+            let names = ["time", "contact", "barrier", "velocity_before", "velocity_after", "impulse", "kind"];
+            table.write_record(names).map_err(unwritten)?;
+        }
+        Ok(Self { table, counts: [0; 3], events: Vec::new() })
+    }
+
+    fn take(&mut self, event: &ContactEvent) -> Result<(), CliError> {
+        let place = match event.kind {
+            EventKind::Impact => 0,
+            EventKind::Stick => 1,
+            EventKind::Release => 2,
+        };
+        self.counts[place] += 1;
+        if let Some(table) = &mut self.table {
+            let number = |x: f64| Number(x).to_string();
+            let row = [
+                number(event.time.to_f64()),
+                event.contact.to_string(),
+                event.barrier.name().to_owned(),
+                number(event.velocity_before),
+                number(event.velocity_after),
+                number(event.impulse),
+                event.kind.name().to_owned(),
+            ];
+            table.write_record(row).map_err(unwritten)?;
+        }
+        if self.events.len() >= MANY {
+            // Three times the longest pattern, and the period under way.
+            let from = event.time.periods().saturating_sub(3 * MOST_PERIODS + 1);
+            self.events.retain(|event| event.time.periods() >= from);
+            if self.events.len() >= MANY {
+                // So many impacts a period repeat nothing that is worth a word.
+                self.events.drain(..MANY / 2);
+            }
+        }
+        self.events.push(*event);
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<(), CliError> {
+        let Some(table) = self.table.take() else { return Ok(()) };
+        let file = table.into_inner().map_err(|error| CliError::Computation(error.to_string()))?;
+        Ok(file.commit()?)
+    }
+}
+
+fn unwritten(error: csv::Error) -> CliError {
+    CliError::Computation(error.to_string())
+}
+
 /// The run, looked at for a request to stop.
-fn events(
+fn follow(
     simulation: &mut StructureSimulation,
     until: Time,
     most: Option<u64>,
     stop: &Stop,
-) -> Result<(StructureReport, Vec<ContactEvent>), CliError> {
-    let (mut events, mut impacts) = (Vec::new(), 0);
+    kept: &mut Kept,
+) -> Result<StructureReport, CliError> {
     loop {
-        let left = most.map_or(u64::MAX, |most| most.saturating_sub(impacts));
+        let left = most.map_or(u64::MAX, |most| most.saturating_sub(kept.counts[0] as u64));
         let limits = Limits { until: Some(until), impacts: left, flights: FLIGHTS, ..Limits::default() };
+        let mut failed = Ok(());
         let report = simulation.run(&limits, |event| {
-            impacts += u64::from(event.kind == EventKind::Impact);
-            events.push(*event);
+            if failed.is_ok() {
+                failed = kept.take(event);
+            }
         });
+        failed?;
         if stop.is_raised() {
             return Err(CliError::Interrupted);
         }
         if report.outcome != StructureOutcome::WorkLimit {
-            return Ok((report, events));
+            return Ok(report);
         }
     }
-}
-
-fn rows(events: &[ContactEvent]) -> Result<Vec<u8>, CliError> {
-    let failed = |error: csv::Error| CliError::Computation(error.to_string());
-    let mut table = csv::Writer::from_writer(Vec::new());
-    let names = ["time", "contact", "barrier", "velocity_before", "velocity_after", "impulse", "kind"];
-    table.write_record(names).map_err(failed)?;
-    for event in events {
-        let number = |x: f64| Number(x).to_string();
-        let row = [
-            number(event.time.to_f64()),
-            event.contact.to_string(),
-            event.barrier.name().to_owned(),
-            number(event.velocity_before),
-            number(event.velocity_after),
-            number(event.impulse),
-            event.kind.name().to_owned(),
-        ];
-        table.write_record(row).map_err(failed)?;
-    }
-    table.into_inner().map_err(|error| CliError::Computation(error.to_string()))
 }
 
 /// What the impacts at the end of a run repeat.
@@ -268,20 +311,14 @@ fn name(outcome: &StructureOutcome) -> &'static str {
     }
 }
 
-fn counts(events: &[ContactEvent]) -> [usize; 3] {
-    [EventKind::Impact, EventKind::Stick, EventKind::Release]
-        .map(|kind| events.iter().filter(|event| event.kind == kind).count())
-}
-
 fn text(
     model: &StructureModel,
     from: &str,
     report: &StructureReport,
-    events: &[ContactEvent],
+    [impacts, sticks, releases]: [usize; 3],
     settled: Option<&Settled>,
 ) -> String {
     let mut out = String::new();
-    let [impacts, sticks, releases] = counts(events);
     // Writing to a String cannot fail.
     let _ = writeln!(out, "from {from}, omega = {}", Short(model.omega()));
     let _ = writeln!(
@@ -315,10 +352,9 @@ fn answer(
     model: &StructureModel,
     psi: f64,
     report: &StructureReport,
-    events: &[ContactEvent],
+    [impacts, sticks, releases]: [usize; 3],
     settled: Option<&Settled>,
 ) -> Value {
-    let [impacts, sticks, releases] = counts(events);
     let repeated = settled.map(|settled| {
         let impacts = settled.impacts.iter().map(|(contact, barrier, time, impulse)| {
             json!({ "contact": contact, "barrier": barrier.name(), "time": time, "impulse": impulse })

@@ -34,7 +34,7 @@ pub(crate) fn run(args: &SweepArgs, scene: &StructureScene, console: &mut Consol
     let stop = (console.interrupt)()?;
     let pool = threads(console.threads)?;
     let mut file = Output::create(out)?;
-    let mut table = csv::Writer::from_writer(Vec::new());
+    let mut table = csv::Writer::from_writer(&mut file);
     let names = scene.axes.iter().map(|axis| axis.setting.to_string());
     let columns = ["class", "word", "mechanism", "spectral_radius", "margin", "solutions", "trouble"];
     let failed = |error: csv::Error| CliError::Computation(error.to_string());
@@ -48,8 +48,8 @@ pub(crate) fn run(args: &SweepArgs, scene: &StructureScene, console: &mut Consol
             table.write_record(record(&cell)).map_err(failed)?;
         }
     }
-    let text = table.into_inner().map_err(|error| CliError::Computation(error.to_string()))?;
-    std::io::Write::write_all(&mut file, &text).map_err(|error| file.unwritten(&error))?;
+    table.flush().map_err(|error| CliError::Computation(error.to_string()))?;
+    drop(table);
     file.commit()?;
     if out != Path::new("-") {
         console.summary(&format!(

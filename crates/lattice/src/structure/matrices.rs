@@ -46,7 +46,7 @@ const COINCIDENT: f64 = 1e-7;
 pub struct Structure {
     /// M, symmetric and positive.
     pub mass: DMatrix<f64>,
-    /// C, symmetric or not; without rows: none.
+    /// C, symmetric; without rows: none.
     pub damping: DMatrix<f64>,
     /// K, symmetric, without negative eigenvalues.
     pub stiffness: DMatrix<f64>,
@@ -190,6 +190,9 @@ impl Structure {
         let size = |what: &str, given: usize, wanted: usize| {
             if given == wanted { Ok(()) } else { Err(StructureError::Size { what: what.to_owned(), given, wanted }) }
         };
+        if n == 0 {
+            return Err(StructureError::Size { what: "the mass matrix".to_owned(), given: 0, wanted: 1 });
+        }
         size("the mass matrix", self.mass.ncols(), n)?;
         for (what, matrix) in [("the stiffness matrix", &self.stiffness), ("the damping matrix", &self.damping)] {
             if !(what == "the damping matrix" && matrix.is_empty()) {
@@ -197,7 +200,12 @@ impl Structure {
                 size(what, matrix.ncols(), n)?;
             }
         }
-        for (what, matrix) in [("the mass matrix", &self.mass), ("the stiffness matrix", &self.stiffness)] {
+        let symmetric = [
+            ("the mass matrix", &self.mass),
+            ("the stiffness matrix", &self.stiffness),
+            ("the damping matrix", &self.damping),
+        ];
+        for (what, matrix) in symmetric.into_iter().filter(|(_, matrix)| !matrix.is_empty()) {
             let largest = matrix.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()));
             for row in 0..n {
                 for column in 0..row {

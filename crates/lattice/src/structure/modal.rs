@@ -156,7 +156,14 @@ impl ModalStructure {
                 continue;
             }
             if !mode.is_real {
-                kernel.push_linear(mode, pick(&mode.rows), pick(&mode.columns));
+                let size = |list: &[[f64; 2]]| list.iter().flatten().map(|x| x * x).fold(0.0, f64::max);
+                let (rows, columns) = (pick(&mode.rows), pick(&mode.columns));
+                let felt = size(&rows) > SPARED * size(&mode.rows) && size(&columns) > SPARED * size(&mode.columns);
+                if felt {
+                    kernel.push_linear(mode, rows, columns);
+                } else {
+                    spared.push(mode.rates());
+                }
                 continue;
             }
             // Products of the shapes of all that are alike.

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use vibrochain_lattice::Contact;
 
-use super::definition::ChainTable;
+use super::definition::{ChainTable, MOST_MASSES};
 use super::scene::{ComputeTable, StructureScene, SweepTable};
 use super::setting::Setting;
 
@@ -97,6 +97,9 @@ pub(super) fn read(text: &str) -> Result<StructureScene, String> {
     if lower.is_none() && upper.is_none() {
         return Err("nothing stops the masses: give asymmetry, lower or upper in [model]".to_owned());
     }
+    if !(1..=MOST_MASSES).contains(&model.sites) {
+        return Err(format!("sites = {} is out of range: give a whole number from 1 to {MOST_MASSES}", model.sites));
+    }
     if let Some(stop) = model.stops.iter().find(|stop| **stop >= model.sites) {
         return Err(format!(
             "stops: site {stop} does not exist: this chain has the sites 0 to {}",
@@ -116,7 +119,7 @@ pub(super) fn read(text: &str) -> Result<StructureScene, String> {
         damping: model.damping,
         coupling_damping: model.coupling_damping,
     };
-    let contacts = (0..model.sites.min(1 << 20)).map(contact).collect();
+    let contacts = (0..model.sites).map(contact).collect();
     let mut scene = StructureScene::of_chain(chain, contacts, amplitude.unwrap_or(0.0), model.static_force)?;
     scene.title = title;
     if let Some(omega) = model.omega {

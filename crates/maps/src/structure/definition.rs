@@ -14,8 +14,11 @@ type C = Complex<f64>;
 /// The most bytes of a file of a matrix or of modes.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// The most masses of a chain that is made a structure.
-const MOST_MASSES: usize = 1000;
+/// The most masses of a chain that is made a structure, and the most contacts.
+pub const MOST_MASSES: usize = 1000;
+
+/// The most coordinates: structures are dense.
+const MOST_COORDINATES: usize = 2000;
 
 /// Rows, or the file that has them.
 #[derive(Debug, Clone, Deserialize)]
@@ -121,6 +124,15 @@ impl Definition {
         let free = |contact: &ContactTable| contact.lower.is_none() && contact.upper.is_none();
         if let Some(number) = contacts.iter().position(free) {
             return Err(format!("contact {number} has no barrier: give lower, upper or both"));
+        }
+        let sites = table.chain.as_ref().map_or(0, |chain| chain.sites);
+        let counts = [
+            ("sites", sites, MOST_MASSES),
+            ("masses", table.masses.as_ref().map_or(0, Vec::len), MOST_COORDINATES),
+            ("contacts", contacts.len(), MOST_MASSES),
+        ];
+        if let Some((what, count, most)) = counts.iter().find(|(_, count, most)| count > most) {
+            return Err(format!("{what}: {count} are too many: give at most {most}"));
         }
         let kinds = [
             ("mass", table.mass.is_some() || table.masses.is_some()),

@@ -21,10 +21,11 @@ pub struct StructureCell {
 }
 
 impl StructureCell {
-    /// `none`, or `stable`, `marginal`, `unstable`, `physical` with the word behind it.
+    /// `none`, `unknown` where something could not be worked out, or `stable`, `marginal`, `unstable`, `physical` with the word behind it.
     #[must_use]
     pub fn class(&self) -> String {
         match &self.best {
+            None if self.trouble.is_some() => "unknown".to_owned(),
             None => "none".to_owned(),
             Some((word, verdict, _)) => {
                 let how = match verdict {
@@ -134,7 +135,7 @@ fn cell(mut scene: StructureScene, column: usize, slow: Option<f64>) -> Structur
                     Ok(stability) => Some(stability.verdict),
                     Err(error) => {
                         cell.trouble = Some(error.to_string());
-                        continue;
+                        None
                     }
                 }
             } else {

@@ -20,7 +20,7 @@ pub mod scene;
 pub mod setting;
 
 pub use answer::Answered;
-pub use definition::ChainTable;
+pub use definition::{ChainTable, MOST_MASSES};
 pub use map::StructureMap;
 pub use scene::StructureScene;
 pub use setting::Setting;

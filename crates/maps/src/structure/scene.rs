@@ -13,6 +13,9 @@ use super::definition::{ChainTable, ContactTable, Definition, ForceTable, Struct
 use super::setting::Setting;
 use crate::scene::tolerance_from;
 
+/// The most points of a map.
+const MOST_CELLS: u64 = 100_000_000;
+
 /// The most points of an axis.
 const MOST_POINTS: usize = 100_000;
 
@@ -171,6 +174,10 @@ impl StructureScene {
             Ok(StructureAxis { setting: parameter.parse()?, from: *from, to: *to, points: *points })
         };
         let axes = sweep.map(axis).collect::<Result<Vec<_>, _>>()?;
+        let points = axes.iter().map(|axis| axis.points as u64).product::<u64>();
+        if points > MOST_CELLS {
+            return Err(format!("the map has {points} points: give at most {MOST_CELLS}"));
+        }
         self.words = words;
         self.tolerance = tolerance.unwrap_or(Tolerance::Rounding);
         self.stability = compute.is_none_or(|compute| compute.stability);

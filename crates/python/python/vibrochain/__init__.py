@@ -13,7 +13,7 @@ from ._borders import curves
 from ._fate import Fates, fate
 from ._map import Map, read_scene, sweep
 from ._run import Run, simulate
-from ._structure import Contact, Structure, StructureOrbit
+from ._structure import Contact, Structure, StructureOrbit, StructureOrbits
 from ._vibrochain import (
     Admissibility,
     Border,
@@ -74,6 +74,7 @@ __all__ = [
     "Stability",
     "Structure",
     "StructureOrbit",
+    "StructureOrbits",
     "TooLargeError",
     "Verdict",
     "VibrochainError",

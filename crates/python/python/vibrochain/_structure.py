@@ -120,6 +120,26 @@ class StructureOrbit:
         return cls(**{key: parts[key] for key in kept}, stability=stability, multipliers=multipliers)
 
 
+class StructureOrbits(list):  # type: ignore[type-arg]
+    """Orbits of a word, with what is known of the list.
+
+    Attributes
+    ----------
+    search : dict
+        by: "closed-form" and "enclosures" (with unresolved = 0) are complete, "half-period", "scan" and "starts" need not be.
+
+    Examples
+    --------
+    >>> import vibrochain as vc
+    >>> stop = vc.Contact(at=0, lower=-0.5, upper=0.5, restitution=0.8)
+    >>> one = vc.Structure([1.0], [1.0], damping=[0.05], contacts=[stop], load=[1.0])
+    >>> one.orbits("0+,0-", omega=1.5).search["by"]
+    'enclosures'
+    """
+
+    search: dict[str, Any]
+
+
 class Structure:
     """A linear structure with stops, from its matrices.
 
@@ -222,13 +242,16 @@ class Structure:
 
     def _answer(
         self, omega: float, word: str | None, force_periods: int, threshold: float, near: list[Any], psi: float
-    ) -> list[StructureOrbit]:
+    ) -> StructureOrbits:
         scene = {"omega": float(omega), "structure": self._structure, "contact": self._contacts, "force": self._force}
         told = _vibrochain._structure(json.dumps(scene), word, force_periods, threshold, near, psi)
-        return [StructureOrbit._of(parts) for parts in json.loads(told)["solutions"]]
+        answer = json.loads(told)
+        found = StructureOrbits(StructureOrbit._of(parts) for parts in answer["solutions"])
+        found.search = answer["search"]
+        return found
 
-    def orbits(self, word: str, omega: float, *, force_periods: int = 1, threshold: float = 0.0) -> list[StructureOrbit]:
-        """All orbits of a word that are found: of one impact in closed form, of two with proof that none is missed.
+    def orbits(self, word: str, omega: float, *, force_periods: int = 1, threshold: float = 0.0) -> StructureOrbits:
+        """Orbits of a word: of one impact all, of two all where `search` says so, of more what starts lead to.
 
         Parameters
         ----------
@@ -243,8 +266,8 @@ class Structure:
 
         Returns
         -------
-        list of StructureOrbit
-            Physical or not.
+        StructureOrbits
+            A list of StructureOrbit, physical or not, and how they were sought.
 
         Raises
         ------
