@@ -223,6 +223,8 @@ fn what_is_wrong_is_told() {
         ("stiffness = [[1, -0.3], [-0.3, 0.8]]", "stiffness = [[1, -0.3], [0.3, 0.8]]", "not symmetric"),
         ("stiffness = [[1, -0.3], [-0.3, 0.8]]", "stiffness = [[1]]", "has 1 entries where the structure needs 2"),
         ("stiffness = [[1, -0.3], [-0.3, 0.8]]", "stiffness = \"none.mtx\"", "none.mtx"),
+        ("damping = [[0.02, 0], [0, 0.02]]", "damping = [[0.02, 0.01], [0, 0.02]]", "damping matrix is not symmetric"),
+        ("mass = [[1, 0], [0, 1.4]]", "mass = []", "mass matrix has 0 entries"),
         ("at = 1", "at = 2", "the structure has 0 to 1"),
         ("at = 1", "weights = [0, 0]", "has no weight"),
         ("lower = -0.7\nupper = 1.3\n", "", "has no barrier"),
@@ -341,4 +343,52 @@ fn a_damped_chain_runs_on_its_orbit() {
     let flags = "--family double-sided --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --restitution .9 --damping .02";
     let ran = written(&desk.run(&format!("simulate {flags} --solution 2 --periods 100 --json")).with(0, &[]).out);
     assert_eq!((&ran["impacts"], &ran["repeats"]["word"]), (&200.into(), &"0+,0-".into()));
+}
+
+/// What no impact feels does not decide: a free motion of the whole beside a distance, and modes with a node at the contact.
+#[test]
+fn what_impacts_do_not_feel_is_left_out() {
+    let desk = Desk::new();
+    let tail = "upper = 0.1\nrestitution = 0.8\n[force]\n";
+    // Two free masses that meet, and their distance alone: half the mass, the same load on it.
+    let two = format!(
+        "[structure]\nmasses = [1, 1]\nstiffness = [[1, -1], [-1, 1]]\n[[contact]]\nbetween = [0, 1]\n{tail}load = [1, -1]\n"
+    );
+    let one = format!("[structure]\nmasses = [0.5]\nstiffness = [[1]]\n[[contact]]\nat = 0\n{tail}load = [1]\n");
+    let told = [two, one].map(|scene| {
+        fs::write(desk.path("scene.toml"), format!("omega = 2.4\nword = \"0+\"\n{scene}")).unwrap();
+        let answer = written(&desk.run("orbit --scene scene.toml --json").with(0, &[]).out);
+        let mut impulses: Vec<f64> =
+            answer["solutions"].as_array().unwrap().iter().map(|one| number(&one["impacts"][0]["impulse"])).collect();
+        impulses.sort_by(f64::total_cmp);
+        impulses
+    });
+    assert!(told[0].len() == 2 && told[0].iter().zip(&told[1]).all(|(a, b)| (a - b).abs() < 1e-12), "{told:?}");
+    // A middle mass between two alike, dashpots that are not proportional: the modes against each other are not felt.
+    let three = "[structure]\nmasses = [1, 1, 1]\nstiffness = [[1.3, -0.3, 0], [-0.3, 1.6, -0.3], [0, -0.3, 1.3]]\n\
+        damping = [[0.2, 0, 0], [0, 0.01, 0], [0, 0, 0.2]]\n[[contact]]\nat = 1\n";
+    fs::write(desk.path("scene.toml"), format!("omega = 2.6\nword = \"0+\"\n{three}{tail}load = [0, 1, 0]\n")).unwrap();
+    let answer = written(&desk.run("orbit --scene scene.toml --json").with(0, &[]).out);
+    for solution in answer["solutions"].as_array().unwrap() {
+        assert_eq!(solution["stability"]["multipliers"].as_array().unwrap().len(), 6);
+    }
+    // Without dashpots they are on the circle, and the verdict is that of the rest, as a plain chain's is.
+    let flags = "--family single-sided --sites 3 --gamma1 1 --gamma2 .1 --omega 2.4 --asymmetry .9 --amplitude .5 --restitution .8 --json";
+    let plain = written(&desk.run(&format!("orbit {flags}")).with(0, &[]).out);
+    let structure = written(&desk.run(&format!("orbit {flags} --static-force 0")).with(0, &[]).out);
+    let stable = |answer: &Value| {
+        let mut all: Vec<(i64, bool)> = (answer["solutions"].as_array().unwrap().iter())
+            .filter(|solution| solution["physical"] == true)
+            .map(|solution| {
+                (
+                    (1e9 * number(&solution["impacts"][0]["impulse"])).round() as i64,
+                    solution["stability"]["stable"] == true,
+                )
+            })
+            .collect();
+        all.sort_unstable();
+        all
+    };
+    assert!(!stable(&plain).is_empty());
+    assert_eq!(stable(&plain), stable(&structure));
 }

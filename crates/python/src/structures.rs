@@ -19,9 +19,10 @@ impl From<StructureOrbitError> for Failure {
         let message = error.to_string();
         match error {
             StructureOrbitError::Structure(StructureError::Resonance { .. }) => Self::IllConditioned(message),
-            StructureOrbitError::LossWithoutLoad | StructureOrbitError::Unbalanced | StructureOrbitError::Unfelt => {
-                Self::NoBreather(message)
-            }
+            StructureOrbitError::LossWithoutLoad
+            | StructureOrbitError::Unbalanced
+            | StructureOrbitError::Unfelt
+            | StructureOrbitError::Singular => Self::NoBreather(message),
             StructureOrbitError::NotConverged { .. } | StructureOrbitError::Structure(StructureError::NotConverged) => {
                 Self::NotConverged(message)
             }

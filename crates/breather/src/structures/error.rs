@@ -45,6 +45,11 @@ pub enum StructureOrbitError {
          dashpots"
     )]
     LossWithoutLoad,
+    /// The conditions at the impacts do not determine the impulses.
+    #[error(
+        "the conditions at the impacts are singular here: orbits of any size, or none; move omega or a barrier a little"
+    )]
+    Singular,
     /// The load moves none of the contacts that are to be hit.
     #[error(
         "the load moves none of the contacts of this word: nothing tells its phase; leave the load away, or give another word"

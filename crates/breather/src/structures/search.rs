@@ -194,8 +194,8 @@ impl Search<'_> {
         match (n, self.equations.forced) {
             (1, true) if single => Ok((self.on_a_line(&[0.0])?, StructureSearch::ClosedForm)),
             (1, false) => {
-                let free = self.linear(&[0.0])?;
-                Ok((free.solve().map(|x| self.point(&[0.0], &x)).into_iter().collect(), StructureSearch::ClosedForm))
+                let x = self.linear(&[0.0])?.solve().ok_or(StructureOrbitError::Singular)?;
+                Ok((vec![self.point(&[0.0], &x)], StructureSearch::ClosedForm))
             }
             (2, true) if single => self.proved().unwrap_or_else(|| self.scan()),
             (2, false) => self.scan(),
@@ -276,9 +276,9 @@ impl Search<'_> {
         let times: Vec<f64> = (word.instants().iter().enumerate())
             .flat_map(|(number, instant)| instant.iter().map(move |_| 0.5 * period * number as f64))
             .collect();
-        let found = self.linear(&times)?.solve().map(|x| self.point(&times, &x));
+        let x = self.linear(&times)?.solve().ok_or(StructureOrbitError::Singular)?;
         let search = if word.instants().len() == 1 { StructureSearch::ClosedForm } else { StructureSearch::HalfPeriod };
-        Ok((found.into_iter().collect(), search))
+        Ok((vec![self.point(&times, &x)], search))
     }
 
     /// Both phases where the equations leave a line of (c, s), which meets the circle: of one impact; and of two half a period apart where

@@ -37,11 +37,13 @@ pub(super) struct Function<'a> {
 }
 
 impl<'a> Function<'a> {
-    /// `None` of rigid modes, of modes that grow, and without a single harmonic.
+    /// `None` of rigid modes, of modes that grow, without a single harmonic, and of a contact that the load does not move.
     pub(super) fn new(equations: &'a Equations<'a>, contacts: [usize; 2], places: [f64; 2]) -> Option<Self> {
         let (rate, swing) = equations.single()?;
         let modes = equations.model.structure().modes();
-        if !equations.rigid.is_empty() || modes.iter().any(|mode| !is_held(mode)) {
+        // Where the load does not move one of them, F may vanish altogether.
+        let moved = contacts.iter().all(|&contact| swing[contact].norm() > 0.0);
+        if !moved || !equations.rigid.is_empty() || modes.iter().any(|mode| !is_held(mode)) {
             return None;
         }
         let own = contacts.map(|contact| {

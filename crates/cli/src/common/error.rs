@@ -123,6 +123,7 @@ impl From<StructureOrbitError> for CliError {
             StructureOrbitError::Structure(StructureError::Resonance { .. })
             | StructureOrbitError::LossWithoutLoad
             | StructureOrbitError::Unfelt
+            | StructureOrbitError::Singular
             | StructureOrbitError::Unbalanced => Self::IllPosed(error.to_string()),
             StructureOrbitError::NotConverged { .. }
             | StructureOrbitError::OutOfOrder { found: true }
