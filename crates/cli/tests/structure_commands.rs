@@ -224,7 +224,7 @@ fn what_is_wrong_is_told() {
         ("stiffness = [[1, -0.3], [-0.3, 0.8]]", "stiffness = [[1]]", "has 1 entries where the structure needs 2"),
         ("stiffness = [[1, -0.3], [-0.3, 0.8]]", "stiffness = \"none.mtx\"", "none.mtx"),
         ("damping = [[0.02, 0], [0, 0.02]]", "damping = [[0.02, 0.01], [0, 0.02]]", "damping matrix is not symmetric"),
-        ("mass = [[1, 0], [0, 1.4]]", "mass = []", "mass matrix has 0 entries"),
+        ("mass = [[1, 0], [0, 1.4]]", "mass = []", "mass is empty"),
         ("at = 1", "at = 2", "the structure has 0 to 1"),
         ("at = 1", "weights = [0, 0]", "has no weight"),
         ("lower = -0.7\nupper = 1.3\n", "", "has no barrier"),
@@ -378,7 +378,6 @@ fn what_impacts_do_not_feel_is_left_out() {
     let structure = written(&desk.run(&format!("orbit {flags} --static-force 0")).with(0, &[]).out);
     let stable = |answer: &Value| {
         let mut all: Vec<(i64, bool)> = (answer["solutions"].as_array().unwrap().iter())
-            .filter(|solution| solution["physical"] == true)
             .map(|solution| {
                 (
                     (1e9 * number(&solution["impacts"][0]["impulse"])).round() as i64,

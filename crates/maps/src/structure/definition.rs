@@ -366,6 +366,7 @@ impl Definition {
 
 fn matrix(name: &str, given: &MatrixGiven, folder: &Path) -> Result<DMatrix<f64>, String> {
     match given {
+        MatrixGiven::Rows(rows) if rows.is_empty() => Err(format!("{name} is empty: give a row for each coordinate")),
         MatrixGiven::Rows(rows) => {
             let columns = rows.first().map_or(0, Vec::len);
             if let Some(row) = rows.iter().position(|row| row.len() != columns) {
