@@ -49,7 +49,11 @@ def values():
         orbit.stability().verdict, beyond, beyond.obstruction, events, events.points[0], events.ends[0], diagram, diagram.branches[1],
         diagram.branches[0].points[0], curve, borders, borders.borders[0], vc.sweep(scene), vc.fate(scene, starts=2, periods=50),
         vc.simulate(orbit, periods=3, samples=4),
-    ]  # fmt: skip
+    ]
+    stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
+    oscillator = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])
+    hits = oscillator.orbits("0+", omega=2.325)
+    listed += [stop, oscillator, hits, hits[0]]  # fmt: skip
     return {type(value).__name__: value for value in listed}
 
 

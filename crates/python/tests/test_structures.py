@@ -75,7 +75,7 @@ def test_forms_of_matrices_are_one():
 
 
 def test_multipliers_and_copies():
-    orbit = both().orbits("0+", omega=0.6)[1]
+    orbit = both().orbits("0+", omega=0.6)[0]
     assert orbit.multipliers.shape == (4,)
     assert abs(abs(orbit.multipliers[0]) - orbit.stability["spectral_radius"]) < 1e-12
     # Liouville: the product of all is e² times what dashpots take.
@@ -83,7 +83,7 @@ def test_multipliers_and_copies():
     assert abs(np.prod(orbit.multipliers) - 0.8**2 * np.exp(-trace * orbit.period)) < 1e-12
     for again in (copy.deepcopy(orbit), pickle.loads(pickle.dumps(orbit))):
         assert again == orbit
-    assert pickle.loads(pickle.dumps(both())).orbits("0+", omega=0.6)[1] == orbit
+    assert pickle.loads(pickle.dumps(both())).orbits("0+", omega=0.6)[0] == orbit
     assert repr(both()) == "Structure(2 coordinates, 1 contacts)"
 
 

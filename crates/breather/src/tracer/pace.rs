@@ -5,7 +5,7 @@ const SHORTEST: f64 = 1e-9;
 
 /// A step that was made lets the next be longer by the first factor at most, one that failed is tried again shorter by the second.
 const GROW: f64 = 1.5;
-const SHRINK: f64 = 0.5;
+const SHRINK: f64 = 0.4;
 
 /// The length of the next step, in units of what is traced.
 #[derive(Debug, Clone, Copy)]
