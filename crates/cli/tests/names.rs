@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use clap::CommandFactory;
 use serde_json::Value;
 use vibrochain_cli::args::Cli;
+use vibrochain_cli::common::schemas;
 use vibrochain_testkit::{Desk, Schema};
 
 type Names = BTreeSet<String>;
@@ -57,23 +58,7 @@ fn properties(schema: &Value, keys: &mut Names) {
 fn keys() -> [Names; 2] {
     let (mut scene, mut rest) = (Names::new(), Names::new());
     properties(Schema::named("scene").value(), &mut scene);
-    for name in [
-        "orbit",
-        "structure",
-        "structure-run",
-        "locate",
-        "branch",
-        "curve",
-        "curves",
-        "words",
-        "simulate",
-        "fate",
-        "manifest",
-        "table",
-        "state",
-        "near",
-        "plan",
-    ] {
+    for name in schemas::names().into_iter().filter(|name| *name != "scene") {
         properties(Schema::named(name).value(), &mut rest);
     }
     [scene, rest]
