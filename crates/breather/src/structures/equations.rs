@@ -23,7 +23,7 @@ pub(super) struct Strike {
     pub(super) impulse: f64,
 }
 
-/// Impacts, the force's phase and the offsets of rigid modes.
+/// What is solved for: the impacts, the phase of the loads, and where rigid modes are.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Point {
     pub(super) strikes: SmallVec<[Strike; 4]>,

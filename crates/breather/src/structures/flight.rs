@@ -1,6 +1,6 @@
 //! Every contact of an orbit at any time: exact flight of the modes from impact to impact, the motion under the loads on top.
 
-use vibrochain_lattice::{Complex, LinearMode, ModalStructure, Turn};
+use vibrochain_lattice::{Complex, LinearMode, ModalStructure, Turn, Turned};
 
 use super::equations::Equations;
 use super::error::StructureOrbitError;
@@ -37,14 +37,14 @@ impl<'a> StructureMotion<'a> {
                     let past = if impact.time > other.time || i == j {
                         impact.time - other.time
                     } else if impact.time == other.time {
-                        // Of one instant: the earlier ones in the list have happened.
+                        // Of impacts at one instant, those earlier in the list have happened.
                         if j < i { 0.0 } else { period }
                     } else {
                         impact.time - other.time + period
                     };
                     let by = mode.turn.product(mode.flight(past), sum);
                     let column = mode.columns[other.contact].map(|x| x * other.impulse);
-                    let given = turned(mode.turn, [by.even, by.odd], column);
+                    let given = mode.turn.act(by, column);
                     states[i][k][0] += given[0];
                     states[i][k][1] += given[1];
                 }
@@ -130,7 +130,7 @@ impl<'a> StructureMotion<'a> {
                 [place, (velocity + mode.decay * place) / mode.rate]
             } else {
                 let flight = mode.flight(s);
-                turned(mode.turn, [flight.even, flight.odd], self.states[i][k])
+                mode.turn.act(flight, self.states[i][k])
             };
             (0..2).for_each(|n| sum[n] += own[n]);
         }
@@ -154,10 +154,10 @@ impl<'a> StructureMotion<'a> {
                 continue;
             }
             let flight = mode.flight(s);
-            let mut xi = turned(mode.turn, [flight.even, flight.odd], self.states[i][k]);
+            let mut xi = mode.turn.act(flight, self.states[i][k]);
             for sum in sums.iter_mut() {
                 *sum += row[0] * xi[0] + row[1] * xi[1];
-                xi = turned(mode.turn, [-mode.decay, mode.rate], xi);
+                xi = mode.turn.act(mode.generator(), xi);
             }
         }
     }
@@ -207,9 +207,9 @@ impl<'a> StructureMotion<'a> {
                 continue;
             }
             let flight = mode.flight(s);
-            let mut bend = turned(mode.turn, [flight.even, flight.odd], self.states[i][k]);
+            let mut bend = mode.turn.act(flight, self.states[i][k]);
             for _ in 0..order {
-                bend = turned(mode.turn, [-mode.decay, mode.rate], bend);
+                bend = mode.turn.act(mode.generator(), bend);
             }
             let left = end - s;
             let dying = (-mode.decay * left).exp().max(1.0);
@@ -237,7 +237,7 @@ pub(super) struct Windows<'m, 'a> {
     i: usize,
     /// ξ of each mode at the window's start, what a window turns it by, and its derivatives over factorials: [order][mode].
     states: Vec<[f64; 2]>,
-    steps: Vec<[f64; 2]>,
+    steps: Vec<Turned>,
     derivatives: Vec<[f64; 2]>,
 }
 
@@ -261,7 +261,7 @@ impl<'m, 'a> Windows<'m, 'a> {
             return None;
         }
         let length = whole / windows;
-        let steps = modes.iter().map(|mode| mode.flight(length)).map(|by| [by.even, by.odd]).collect();
+        let steps = modes.iter().map(|mode| mode.flight(length)).collect();
         let mut all = Self {
             motion,
             length,
@@ -292,11 +292,11 @@ impl<'m, 'a> Windows<'m, 'a> {
             let at = self.start();
             for (k, mode) in modes.iter().enumerate() {
                 let by = mode.flight(at);
-                self.states[k] = turned(mode.turn, [by.even, by.odd], self.motion.states[self.i][k]);
+                self.states[k] = mode.turn.act(by, self.motion.states[self.i][k]);
             }
         } else {
             for ((mode, state), step) in modes.iter().zip(&mut self.states).zip(&self.steps) {
-                *state = turned(mode.turn, *step, *state);
+                *state = mode.turn.act(*step, *state);
             }
         }
         self.derive();
@@ -310,7 +310,7 @@ impl<'m, 'a> Windows<'m, 'a> {
             for order in 0..ORDER {
                 self.derivatives[order * modes.len() + k] = xi;
                 let by = 1.0 / (order + 1) as f64;
-                xi = turned(mode.turn, [-mode.decay * by, mode.rate * by], xi);
+                xi = mode.turn.act(Turned { even: -mode.decay * by, odd: mode.rate * by }, xi);
             }
         }
     }
@@ -339,9 +339,4 @@ impl<'m, 'a> Windows<'m, 'a> {
         }
         Polynomial { coefficients }
     }
-}
-
-/// (a + bJ)·ξ
-fn turned(turn: Turn, [even, odd]: [f64; 2], xi: [f64; 2]) -> [f64; 2] {
-    [even * xi[0] + odd * xi[1], even * xi[1] - turn.sign() * odd * xi[0]]
 }

@@ -141,7 +141,7 @@ impl<'a> Function<'a> {
         let size = self.swings[1].norm();
         let turned = self.swings[1] * C::from_polar(1.0, self.rate * phi);
         let wave = |value: C, size: f64| {
-            // Re and −Im: cosines of the phase, and of the phase a quarter later.
+            // Re and −Im of the swing are cosines of φ, a quarter of a turn apart.
             let real = Dual::wave(value.re, value.im, self.rate, size, radius);
             let imaginary = Dual::wave(-value.im, value.re, self.rate, size, radius);
             [real, imaginary]
