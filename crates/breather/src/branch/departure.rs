@@ -24,6 +24,7 @@ use crate::orbit::{Draft, Family, Hit, Orbit, SIMULTANEOUS};
 use crate::search::finder::Finder;
 use crate::tracer::manifold::normed;
 use crate::tracer::reduction::Reduction;
+use crate::tracer::system::System;
 
 /// A border that is not orthogonal to n in any symmetry: no two of its entries are alike, none is small.
 fn border(size: usize) -> Vector {

@@ -20,7 +20,7 @@ pub(crate) mod departure;
 pub(crate) mod resonances;
 pub(crate) mod surface;
 
-use vibrochain_lattice::Parameter;
+use vibrochain_lattice::{Parameter, Stop};
 
 use crate::equations::linear::{Vector, unit};
 use crate::equations::unknowns::Unknowns;
@@ -29,6 +29,7 @@ use crate::orbit::Orbit;
 use crate::tracer::corrector::Continuation;
 use crate::tracer::manifold::{Manifold, ManifoldPoint, NEAR, normed};
 use crate::tracer::reduction::Reduction;
+use crate::tracer::system::System;
 
 /// Step of the difference quotients of a determinant, in units.
 const DIFFERENCE: f64 = 1e-6;
@@ -37,9 +38,9 @@ const DIFFERENCE: f64 = 1e-6;
 const STEPS_TO_FOLD: usize = 48;
 
 /// A point of a branch.
-pub type BranchPoint = ManifoldPoint<1>;
+pub type BranchPoint = ManifoldPoint<Orbit, 1>;
 
-impl BranchPoint {
+impl<O: Clone> ManifoldPoint<O, 1> {
     /// Value of the free parameter.
     pub fn value(&self) -> f64 {
         self.coordinates[self.coordinates.len() - 1]
@@ -75,7 +76,38 @@ impl BranchPoint {
 /// assert!((fold.value() - 0.157927457266535).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub type Branch = Manifold<1>;
+pub type Branch = Manifold<Continuation, 1>;
+
+impl<const N: usize> Manifold<Continuation, N> {
+    /// Through an orbit. With each parameter stands its unit, the length along it that counts like a change of order 1 of the orbit.
+    pub(crate) fn of_free(orbit: &Orbit, free: [(Parameter, f64); N]) -> Result<Self, BranchError> {
+        let unknowns = Unknowns::of(orbit);
+        Self::with(orbit, free, unknowns, Reduction::of(orbit, &free.map(|(parameter, _)| parameter), &unknowns))
+    }
+
+    /// In these unknowns.
+    pub(crate) fn with(
+        orbit: &Orbit,
+        free: [(Parameter, f64); N],
+        unknowns: Unknowns,
+        reduction: Reduction,
+    ) -> Result<Self, BranchError> {
+        Ok(Self { equations: Continuation::new(orbit, &free, unknowns, reduction)? })
+    }
+
+    /// The same, along which no step is made once `stop` is raised.
+    #[must_use]
+    pub fn until(mut self, stop: &Stop) -> Self {
+        self.equations.finder = self.equations.finder.until(stop);
+        self
+    }
+
+    /// Where the orbit stands that all this was laid through.
+    pub(crate) fn origin_coordinates(&mut self) -> Result<Vector, BranchError> {
+        let origin = self.equations.origin.clone();
+        self.equations.coordinates(&origin)
+    }
+}
 
 impl Branch {
     /// The branch of `free` through an orbit of any word. `unit` is the length along the parameter that counts like a change
@@ -126,39 +158,42 @@ impl Branch {
         Ok(self.equations.evaluate(&z)?.orbit)
     }
 
+    /// Number of masses.
+    pub fn sites(&self) -> usize {
+        self.equations.origin.model().chain().sites()
+    }
+}
+
+type Point<S> = ManifoldPoint<<S as System>::Orbit, 1>;
+
+impl<S: System> Manifold<S, 1> {
     /// The point `length` along the tangent at `from`; negative lengths go back.
     ///
     /// # Errors
     /// [`BranchError`]; a shorter step may succeed.
-    pub fn step(&mut self, from: &BranchPoint, length: f64) -> Result<BranchPoint, BranchError> {
+    pub fn step(&mut self, from: &Point<S>, length: f64) -> Result<Point<S>, BranchError> {
         let next = self.step_along(from, [length])?;
         self.continued(from, next)
     }
 
     /// `next` if no branch point lies between it and `from`, as far as the two can tell.
-    fn continued(&self, from: &BranchPoint, next: BranchPoint) -> Result<BranchPoint, BranchError> {
-        // Asymmetric orbits pass the symmetric one, a branch point, on their way to their own mirror images.
-        let side = |point: &BranchPoint| point.orbit.phi().map_or(0.0, |phi| phi - 0.5 * point.orbit.period());
-        let mirrored = side(from) * side(&next) < 0.0;
+    fn continued(&self, from: &Point<S>, next: Point<S>) -> Result<Point<S>, BranchError> {
         let turned = from.orientation * next.orientation < 0.0;
-        if !turned || mirrored || self.has_pole_between(from.value(), next.value()) {
-            Ok(next)
-        } else {
-            Err(BranchError::NoConvergence)
-        }
+        let places = ((&from.orbit, from.value()), (&next.orbit, next.value()));
+        if !turned || self.equations.may_turn(places.0, places.1) { Ok(next) } else { Err(BranchError::NoConvergence) }
     }
 
     /// The point of the curve with the given parameter, near `from`, heading on as there.
     ///
     /// # Errors
     /// [`BranchError`].
-    pub fn at(&mut self, from: &BranchPoint, value: f64) -> Result<BranchPoint, BranchError> {
+    pub fn at(&mut self, from: &Point<S>, value: f64) -> Result<Point<S>, BranchError> {
         let (heading, last) = (from.heading(), from.coordinates.len() - 1);
         if heading == 0.0 {
             return Err(BranchError::NoConvergence);
         }
         // Along the tangent to the parameter asked for, and from there at that parameter.
-        let mut z = self.ahead(from, [(value - from.value()) / self.equations.units[last] / heading]);
+        let mut z = self.ahead(from, [(value - from.value()) / self.equations.units()[last] / heading]);
         z[last] = value;
         let mut direction = unit(z.len(), last);
         direction[last] = heading.signum();
@@ -171,8 +206,8 @@ impl Branch {
     ///
     /// # Errors
     /// [`BranchError`].
-    pub fn fold(&mut self, near: &BranchPoint) -> Result<BranchPoint, BranchError> {
-        let (m, mut z) = (self.equations.reduction.size(), near.coordinates.clone());
+    pub fn fold(&mut self, near: &Point<S>) -> Result<Point<S>, BranchError> {
+        let (m, mut z) = (self.equations.size(), near.coordinates.clone());
         let mut last = f64::INFINITY;
         for _ in 0..STEPS_TO_FOLD {
             let here = self.equations.evaluate(&z)?;
@@ -181,7 +216,7 @@ impl Branch {
             for j in 0..=m {
                 let mut side = |sign: f64| -> Result<f64, BranchError> {
                     let mut moved = z.clone();
-                    moved[j] += sign * DIFFERENCE * self.equations.units[j];
+                    moved[j] += sign * DIFFERENCE * self.equations.units()[j];
                     Ok(self.equations.evaluate(&moved)?.matrix.determinant())
                 };
                 gradient.push((side(1.0)? - side(-1.0)?) / (2.0 * DIFFERENCE));
@@ -194,7 +229,7 @@ impl Branch {
             // Damped while far away.
             let damping = (0.1 / size).min(1.0);
             for i in 0..=m {
-                z[i] += damping * change[i] * self.equations.units[i];
+                z[i] += damping * change[i] * self.equations.units()[i];
             }
             if size <= 4.0 * f64::EPSILON || size < 1e-10 && size >= 0.5 * last {
                 return self.finish(z, &near.tangents);
@@ -205,9 +240,9 @@ impl Branch {
     }
 
     /// Estimated error of the parameter at a fold: what rounding of the equations does to the curve along the parameter.
-    pub fn parameter_error(&mut self, fold: &BranchPoint) -> f64 {
+    pub fn parameter_error(&mut self, fold: &Point<S>) -> f64 {
         let (z, last) = (&fold.coordinates, fold.coordinates.len() - 1);
-        let row = |equations: &mut Continuation| {
+        let row = |equations: &mut S| {
             let here = equations.evaluate(z)?;
             let errors = equations.row_errors(&here);
             // The parameter's row of the inverse, bordered by the tangent itself.
@@ -216,16 +251,11 @@ impl Branch {
             Ok(row.iter().zip(&errors).map(|(row, error)| row.abs() * error).sum::<f64>())
         };
         let error: Result<f64, BranchError> = row(&mut self.equations);
-        error.unwrap_or(f64::INFINITY) * self.equations.units[last]
-    }
-
-    /// Number of masses.
-    pub fn sites(&self) -> usize {
-        self.equations.origin.model().chain().sites()
+        error.unwrap_or(f64::INFINITY) * self.equations.units()[last]
     }
 
     /// The length at which `to` lies from `from`, along the tangent there.
-    pub fn length_between(&self, from: &BranchPoint, to: &BranchPoint) -> f64 {
+    pub fn length_between(&self, from: &Point<S>, to: &Point<S>) -> f64 {
         self.between(from, to)[0]
     }
 }

@@ -6,6 +6,7 @@ use vibrochain_lattice::{Model, Parameter, Resonance, Shapes, Spectrum};
 
 use crate::branch::{Branch, BranchPoint};
 use crate::orbit::{Impact, Orbit};
+use crate::tracer::corrector::Continuation;
 
 /// A harmonic of which symmetry leaves no more than this part moves no mode: some roundings of its terms. Next to a resonance that
 /// does move its mode the impulses, too, conspire against it, but by the square of the distance.
@@ -30,24 +31,26 @@ impl Branch {
     pub fn resonance_within(&self, point: &BranchPoint, to: f64) -> Option<(f64, Resonance)> {
         // Of a lattice that is the same all along the branch but for its stiffness; most steps meet none.
         let shapes = OnceCell::new();
-        self.meeting(point.value(), to, |mode, harmonic| {
+        self.equations.meeting(point.value(), to, |mode, harmonic| {
             let shapes = shapes.get_or_init(|| Shapes::new(self.equations.origin.model().chain()));
             pushes(point.orbit(), shapes, mode, harmonic)
         })
     }
+}
 
+impl Continuation {
     /// Whether some harmonic meets some mode between two values, be it pushed or not: there the equations have a pole.
     pub(crate) fn has_pole_between(&self, from: f64, to: f64) -> bool {
         self.meeting(from, to, |_, _| true).is_some()
     }
 
     fn meeting(&self, from: f64, to: f64, counts: impl Fn(usize, f64) -> bool) -> Option<(f64, Resonance)> {
-        if !matches!(self.free(), Parameter::Gamma1 | Parameter::Gamma2 | Parameter::Gamma3 | Parameter::Omega) {
+        if !matches!(self.free[0], Parameter::Gamma1 | Parameter::Gamma2 | Parameter::Gamma3 | Parameter::Omega) {
             return None;
         }
-        let periods = f64::from(self.equations.origin.force_periods());
+        let periods = f64::from(self.origin.force_periods());
         let of = |model: &Model| (Spectrum::new(*model.chain()), model.omega() / periods);
-        let model = |value: f64| self.equations.model(&[value]).ok();
+        let model = |value: f64| self.model(&[value]).ok();
         let ((first, omega), (last, last_omega)) = (of(&model(from)?), of(&model(to)?));
         let mut nearest: Option<(f64, Resonance)> = None;
         for (mode, (start, end)) in first.frequencies().iter().zip(last.frequencies()).enumerate() {

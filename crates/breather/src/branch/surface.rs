@@ -5,10 +5,12 @@ use vibrochain_lattice::Parameter;
 use crate::equations::linear::{Vector, unit, zeros};
 use crate::error::BranchError;
 use crate::orbit::Orbit;
+use crate::tracer::corrector::Continuation;
 use crate::tracer::manifold::{Manifold, ManifoldPoint, NEAR, reach};
+use crate::tracer::system::System;
 
 /// A point of a surface.
-pub type SurfacePoint = ManifoldPoint<2>;
+pub type SurfacePoint = ManifoldPoint<Orbit, 2>;
 
 impl SurfacePoint {
     /// How both parameters change along a direction of the tangents' plane, in their units.
@@ -33,7 +35,7 @@ impl SurfacePoint {
 /// assert!((surface.between(&start, &there)[0] - 0.01).abs() < 1e-12 && there.orbit().residual() < 1e-10);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub type Surface = Manifold<2>;
+pub type Surface = Manifold<Continuation, 2>;
 
 impl Surface {
     /// The surface of two parameters through an orbit of any word. With each stands its unit, the length along it that counts like a

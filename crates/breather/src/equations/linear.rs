@@ -9,7 +9,7 @@ use smallvec::{SmallVec, smallvec};
 pub(crate) const USUAL: usize = 6;
 
 /// Numbers by row or by unknown.
-pub(crate) type Vector = SmallVec<[f64; USUAL]>;
+pub type Vector = SmallVec<[f64; USUAL]>;
 
 /// A vector of `size` zeros.
 pub(crate) fn zeros(size: usize) -> Vector {
@@ -28,7 +28,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// A square matrix by rows.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Matrix {
+pub struct Matrix {
     size: usize,
     entries: SmallVec<[f64; USUAL * USUAL]>,
 }

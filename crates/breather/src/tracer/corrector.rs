@@ -1,9 +1,9 @@
-//! The orbit's equations F in its unknowns x and the free parameters, their derivatives, and Newton's method from near an orbit onto it.
+//! The equations of a chain's orbits as a [`System`]: in the orbit's unknowns and the parameters that are free.
 
 use smallvec::SmallVec;
 use vibrochain_lattice::{Model, Parameter};
 
-use crate::equations::linear::{Matrix, Vector, dot, zeros};
+use crate::equations::linear::{Vector, zeros};
 use crate::equations::unknowns::{Template, Unknowns};
 use crate::equations::{Equations, Errors};
 use crate::error::BranchError;
@@ -11,22 +11,11 @@ use crate::error::BreatherError;
 use crate::orbit::Orbit;
 use crate::search::finder::Finder;
 use crate::tracer::reduction::{Reduction, SYMMETRIC};
-
-/// Step of difference quotients in the parameters, relative: error and rounding balance. Newton's method needs no more
-/// digits than that.
-const DIFFERENCE: f64 = 1e-6;
-
-/// Newton steps at most for one point; five are usual.
-const STEPS: usize = 12;
-
-/// Newton steps from one smaller than this on that shrink no more are rounding, if the equations hold to this many times the
-/// bound of their rounding. Where they do not, as next to a resonance, the orbit itself changes over so little.
-const NOISE: f64 = 1e-7;
-const ROUNDING: f64 = 8.0;
+use crate::tracer::system::{Evaluation, System};
 
 /// The equations of an orbit, in its unknowns and the parameters that are free.
 #[derive(Debug, Clone)]
-pub(crate) struct Continuation {
+pub struct Continuation {
     pub(crate) finder: Finder,
     pub(crate) origin: Orbit,
     /// One along a branch, two on a surface.
@@ -47,16 +36,6 @@ pub(crate) struct Continuation {
 /// What changes of impulses are compared to: an impact that grazes leaves the others, or what a mass of the ring's own speed would have.
 fn impulse_unit(orbit: &Orbit) -> f64 {
     orbit.strength().max(0.1 * orbit.model().omega())
-}
-
-/// The equations and their derivatives at a point.
-pub(crate) struct Evaluation {
-    pub(crate) orbit: Orbit,
-    places: Places,
-    pub(crate) rows: Vector,
-    /// ∂F/∂x, columns in units.
-    pub(crate) matrix: Matrix,
-    pub(crate) full_determinant: f64,
 }
 
 /// Which impact of the orbit each of the word's is.
@@ -122,11 +101,6 @@ impl Continuation {
         Ok(z)
     }
 
-    /// `to` − `from`, in units of the coordinates.
-    pub(crate) fn chord(&self, from: &[f64], to: &[f64]) -> Vector {
-        to.iter().zip(from).zip(&self.units).map(|((to, from), unit)| (to - from) / unit).collect()
-    }
-
     /// The model with these values of the free parameters.
     pub(crate) fn model(&self, values: &[f64]) -> Result<Model, BreatherError> {
         let tied = self.tied.map(|(parameter, ratio)| (parameter, ratio * values[0]));
@@ -163,17 +137,29 @@ impl Continuation {
     fn equations<'a>(&'a self, orbit: &'a Orbit, places: &Places) -> Equations<'a> {
         Equations::ordered(orbit, &self.finder.response, self.unknowns, places.clone())
     }
+}
 
-    /// F at `z`.
+impl System for Continuation {
+    type Orbit = Orbit;
+    type Kept = Places;
+
+    fn size(&self) -> usize {
+        self.reduction.size()
+    }
+
+    fn units(&self) -> &[f64] {
+        &self.units
+    }
+
     fn rows(&mut self, z: &[f64]) -> Result<Vector, BranchError> {
         let (orbit, places) = self.assemble(z)?;
         Ok(self.reduction.rows(&self.equations(&orbit, &places).residuals()))
     }
 
-    /// F and its derivatives at `z`; the finder is left with that orbit's impulse response.
-    pub(crate) fn evaluate(&mut self, z: &[f64]) -> Result<Evaluation, BranchError> {
-        let (orbit, places) = self.assemble(z)?;
-        let equations = self.equations(&orbit, &places);
+    /// The finder is left with that orbit's impulse response.
+    fn evaluate(&mut self, z: &[f64]) -> Result<Evaluation<Orbit, Places>, BranchError> {
+        let (orbit, kept) = self.assemble(z)?;
+        let equations = self.equations(&orbit, &kept);
         let rows = self.reduction.rows(&equations.residuals());
         let mut full = equations.jacobian();
         for i in 0..full.size() {
@@ -181,80 +167,20 @@ impl Continuation {
         }
         let matrix = self.reduction.matrix(&full);
         let full_determinant = full.determinant();
-        Ok(Evaluation { orbit, places, rows, matrix, full_determinant })
+        Ok(Evaluation { orbit, rows, matrix, full_determinant, kept })
     }
 
-    /// ∂F/∂λ in units, one of the free parameters, by differences; one-sided at the end of the parameter's range.
-    pub(crate) fn parameter_column(&mut self, z: &[f64], here: &[f64], which: usize) -> Result<Vector, BranchError> {
-        let m = self.reduction.size() + which;
-        let step = DIFFERENCE * z[m].abs().max(1e-2 * self.units[m]);
-        let mut side = |sign: f64| {
-            let mut moved = Vector::from(z);
-            moved[m] += sign * step;
-            self.rows(&moved).ok().map(|rows| (rows, moved[m]))
-        };
-        let (high, low) = (side(1.0), side(-1.0));
-        if high.is_none() && low.is_none() {
-            return Err(BranchError::NoConvergence);
-        }
-        let centre = || (Vector::from(here), z[m]);
-        let ((high, top), (low, bottom)) = (high.unwrap_or_else(centre), low.unwrap_or_else(centre));
-        let scale = self.units[m] / (top - bottom);
-        Ok(high.iter().zip(&low).map(|(high, low)| (high - low) * scale).collect())
+    fn row_errors(&self, here: &Evaluation<Orbit, Places>) -> Vector {
+        self.reduction.rows(&self.equations(&here.orbit, &here.kept).row_errors(Errors::Evaluated))
     }
 
-    /// ∂F/∂z at `z` above as many rows as parameters are free.
-    pub(crate) fn bordered(&mut self, z: &[f64], here: &Evaluation, rows: &[Vector]) -> Result<Matrix, BranchError> {
-        let (mut matrix, m) = (here.matrix.clone(), self.reduction.size());
-        for (which, row) in rows.iter().enumerate() {
-            let mut column = self.parameter_column(z, &here.rows, which)?;
-            column.extend(rows[..which].iter().map(|above| above[m + which]));
-            matrix = matrix.bordered(&column, row);
-        }
-        Ok(matrix)
+    fn evaluations(&self) -> usize {
+        self.evaluations
     }
 
-    /// Newton's method for F(z) = 0, ρ·(z − z₀) = 0 for each of the rows ρ, in units, from z₀ = `predicted`; the orbit is no farther than
-    /// `reach` from there. `known` says that z₀ itself is an orbit.
-    pub(crate) fn newton(
-        &mut self,
-        predicted: &[f64],
-        rows: &[Vector],
-        reach: f64,
-        known: bool,
-    ) -> Result<Vector, BranchError> {
-        let mut z = Vector::from(predicted);
-        let mut last = f64::INFINITY;
-        for _ in 0..STEPS {
-            let here = self.evaluate(&z)?;
-            let exact = last < NOISE && self.holds(&here);
-            let bordered = self.bordered(&z, &here, rows)?;
-            let mut right: Vector = here.rows.iter().map(|x| -x).collect();
-            let moved = self.chord(predicted, &z);
-            right.extend(rows.iter().map(|row| -dot(row, &moved)));
-            let change = bordered.solve(&right).ok_or(BranchError::NoConvergence)?;
-            let size = change.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
-            z.iter_mut().zip(&change).zip(&self.units).for_each(|((z, change), unit)| *z += change * unit);
-            let moved = self.chord(predicted, &z).iter().map(|x| x.abs()).fold(0.0, f64::max);
-            if moved.is_nan() || moved > reach {
-                return Err(BranchError::NoConvergence);
-            }
-            // Far from rounding a step is the square of the last one; next to a bifurcation rounding is as large as this.
-            if size <= 4.0 * f64::EPSILON || size >= 0.25 * last && exact || known && size < 1e-9 {
-                return Ok(z);
-            }
-            last = size;
-        }
-        Err(BranchError::NoConvergence)
-    }
-
-    /// Rounding of F; right after the orbit was worked out.
-    pub(crate) fn row_errors(&self, here: &Evaluation) -> Vector {
-        self.reduction.rows(&self.equations(&here.orbit, &here.places).row_errors(Errors::Evaluated))
-    }
-
-    /// Whether the equations hold but for rounding; right after they were worked out.
-    fn holds(&self, here: &Evaluation) -> bool {
-        here.rows.iter().zip(self.row_errors(here)).all(|(row, error)| row.abs() <= ROUNDING * error)
+    /// Asymmetric orbits pass the symmetric one, a branch point, on their way to their own mirror images; and a resonance is a pole.
+    fn may_turn(&self, (from, start): (&Orbit, f64), (to, end): (&Orbit, f64)) -> bool {
+        let side = |orbit: &Orbit| orbit.phi().map_or(0.0, |phi| phi - 0.5 * orbit.period());
+        side(from) * side(to) < 0.0 || self.has_pole_between(start, end)
     }
 }

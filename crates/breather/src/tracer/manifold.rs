@@ -11,14 +11,9 @@
 
 use std::array::from_fn;
 
-use vibrochain_lattice::{Parameter, Stop};
-
 use crate::equations::linear::{Vector, dot, unit};
-use crate::equations::unknowns::Unknowns;
 use crate::error::BranchError;
-use crate::orbit::Orbit;
-use crate::tracer::corrector::Continuation;
-use crate::tracer::reduction::Reduction;
+use crate::tracer::system::System;
 
 /// A chord may depart from the mean of the tangents at its ends by this part of its length: that of an arc of a fifth of a radian. One
 /// that leads to other orbits does not fit the tangents.
@@ -35,8 +30,8 @@ pub(crate) const NEAR: f64 = 1e-2;
 
 /// An orbit, and how others lie about it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ManifoldPoint<const N: usize> {
-    pub(crate) orbit: Orbit,
+pub struct ManifoldPoint<O, const N: usize> {
+    pub(crate) orbit: O,
     /// The free unknowns, then the parameters.
     pub(crate) coordinates: Vector,
     /// Orthogonal, of unit length, in units of the coordinates.
@@ -48,9 +43,9 @@ pub struct ManifoldPoint<const N: usize> {
     pub(crate) orientation: f64,
 }
 
-impl<const N: usize> ManifoldPoint<N> {
+impl<O, const N: usize> ManifoldPoint<O, N> {
     /// The orbit.
-    pub fn orbit(&self) -> &Orbit {
+    pub fn orbit(&self) -> &O {
         &self.orbit
     }
 
@@ -72,73 +67,43 @@ impl<const N: usize> ManifoldPoint<N> {
     }
 }
 
-/// The orbits of one word over N parameters, to be followed step by step: a [`Branch`](crate::Branch) or a [`Surface`](crate::Surface).
+/// The solutions of one system over N parameters, to be followed step by step: a [`Branch`](crate::Branch), a
+/// [`Surface`](crate::Surface), or a [`StructureBranch`](crate::StructureBranch).
 #[derive(Debug, Clone)]
-pub struct Manifold<const N: usize> {
-    pub(crate) equations: Continuation,
+pub struct Manifold<S, const N: usize> {
+    pub(crate) equations: S,
 }
 
-impl<const N: usize> Manifold<N> {
-    /// Through an orbit. With each parameter stands its unit, the length along it that counts like a change of order 1 of the orbit.
-    pub(crate) fn of_free(orbit: &Orbit, free: [(Parameter, f64); N]) -> Result<Self, BranchError> {
-        let unknowns = Unknowns::of(orbit);
-        Self::with(orbit, free, unknowns, Reduction::of(orbit, &free.map(|(parameter, _)| parameter), &unknowns))
-    }
+type Point<S, const N: usize> = ManifoldPoint<<S as System>::Orbit, N>;
 
-    /// In these unknowns.
-    pub(crate) fn with(
-        orbit: &Orbit,
-        free: [(Parameter, f64); N],
-        unknowns: Unknowns,
-        reduction: Reduction,
-    ) -> Result<Self, BranchError> {
-        Ok(Self { equations: Continuation::new(orbit, &free, unknowns, reduction)? })
-    }
-
-    /// The same, along which no step is made once `stop` is raised.
-    #[must_use]
-    pub fn until(mut self, stop: &Stop) -> Self {
-        self.equations.finder = self.equations.finder.until(stop);
-        self
-    }
-
+impl<S: System, const N: usize> Manifold<S, N> {
     /// Orbits assembled so far: the cost.
     pub fn evaluations(&self) -> usize {
-        self.equations.evaluations
-    }
-
-    /// Where the orbit stands that all this was laid through.
-    pub(crate) fn origin_coordinates(&mut self) -> Result<Vector, BranchError> {
-        let origin = self.equations.origin.clone();
-        self.equations.coordinates(&origin)
+        self.equations.evaluations()
     }
 
     /// How far apart two points are, in units of the coordinates.
-    pub fn distance(&self, from: &ManifoldPoint<N>, to: &ManifoldPoint<N>) -> f64 {
+    pub fn distance(&self, from: &Point<S, N>, to: &Point<S, N>) -> f64 {
         norm(&self.equations.chord(&from.coordinates, &to.coordinates))
     }
 
     /// Where `to` lies from `from`: lengths along the tangents there.
-    pub fn between(&self, from: &ManifoldPoint<N>, to: &ManifoldPoint<N>) -> [f64; N] {
+    pub fn between(&self, from: &Point<S, N>, to: &Point<S, N>) -> [f64; N] {
         let chord = self.equations.chord(&from.coordinates, &to.coordinates);
         from_fn(|k| dot(&from.tangents[k], &chord))
     }
 
     /// These lengths along the tangents at a point.
-    pub(crate) fn ahead(&self, from: &ManifoldPoint<N>, along: [f64; N]) -> Vector {
+    pub(crate) fn ahead(&self, from: &Point<S, N>, along: [f64; N]) -> Vector {
         let mut z = from.coordinates.clone();
         for (tangent, length) in from.tangents.iter().zip(along) {
-            z.iter_mut().zip(tangent).zip(&self.equations.units).for_each(|((z, x), unit)| *z += length * x * unit);
+            z.iter_mut().zip(tangent).zip(self.equations.units()).for_each(|((z, x), unit)| *z += length * x * unit);
         }
         z
     }
 
     /// The point at these lengths along the tangents. It is on the sheet of `from` as far as the two can tell.
-    pub(crate) fn step_along(
-        &mut self,
-        from: &ManifoldPoint<N>,
-        along: [f64; N],
-    ) -> Result<ManifoldPoint<N>, BranchError> {
+    pub(crate) fn step_along(&mut self, from: &Point<S, N>, along: [f64; N]) -> Result<Point<S, N>, BranchError> {
         let next = self.correct(&self.ahead(from, along), &from.tangents, reach(along), false)?;
         self.fitting(from, next)
     }
@@ -150,13 +115,13 @@ impl<const N: usize> Manifold<N> {
         directions: &[Vector; N],
         reach: f64,
         known: bool,
-    ) -> Result<ManifoldPoint<N>, BranchError> {
+    ) -> Result<Point<S, N>, BranchError> {
         let z = self.equations.newton(predicted, directions, reach, known)?;
         self.finish(z, directions)
     }
 
     /// The point at `z`, with tangents that go the way these directions do.
-    pub(crate) fn finish(&mut self, z: Vector, directions: &[Vector; N]) -> Result<ManifoldPoint<N>, BranchError> {
+    pub(crate) fn finish(&mut self, z: Vector, directions: &[Vector; N]) -> Result<Point<S, N>, BranchError> {
         let here = self.equations.evaluate(&z)?;
         let mut bordered = self.equations.bordered(&z, &here, directions)?;
         let mut tangents: [Vector; N] = from_fn(|_| Vector::new());
@@ -183,11 +148,7 @@ impl<const N: usize> Manifold<N> {
     }
 
     /// `next` if the chord that leads there lies in the mean of the tangents' planes at both ends.
-    pub(crate) fn fitting(
-        &self,
-        from: &ManifoldPoint<N>,
-        next: ManifoldPoint<N>,
-    ) -> Result<ManifoldPoint<N>, BranchError> {
+    pub(crate) fn fitting(&self, from: &Point<S, N>, next: Point<S, N>) -> Result<Point<S, N>, BranchError> {
         let chord = self.equations.chord(&from.coordinates, &next.coordinates);
         let mut apart = chord.clone();
         for tangent in from.tangents.iter().chain(&next.tangents) {
