@@ -5,6 +5,7 @@ use std::fmt;
 use thiserror::Error;
 use vibrochain_lattice::{ParameterError, Resonance, Short, Stopped};
 
+use crate::structures::error::StructureOrbitError;
 use crate::word::WordError;
 
 /// Why a request could not be computed. "There is no such breather" is not among these: it is an answer, see
@@ -178,6 +179,12 @@ pub enum BranchError {
     /// No orbit there: a parameter out of range, a resonance.
     #[error(transparent)]
     Breather(#[from] BreatherError),
+    /// No orbit of a structure there.
+    #[error(transparent)]
+    Structure(#[from] StructureOrbitError),
+    /// The structure has no such value.
+    #[error("{0}")]
+    Model(String),
     /// Newton's method found no orbit near enough.
     #[error("Newton's method found no orbit of the branch")]
     NoConvergence,

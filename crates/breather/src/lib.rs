@@ -72,6 +72,7 @@ pub use search::completeness::{Completeness, Proof};
 pub use search::finder::{Finder, Found, Prepared, Wanted, breathers, condition};
 pub use search::words::ended::{End, Ended};
 pub use structures::admissible::{structure_admissibility, structure_is_physical};
+pub use structures::continuation::{StructureBranch, StructureBranchPoint, StructureContinuation, StructureFamily};
 pub use structures::error::StructureOrbitError;
 pub use structures::flight::StructureMotion;
 pub use structures::model::StructureModel;
@@ -80,6 +81,8 @@ pub use structures::search::{StructureFound, StructureSearch, structure_orbits};
 pub use tracer::line;
 pub use tracer::manifold::{Manifold, ManifoldPoint};
 pub use tracer::pace::Pace;
+#[doc(hidden)]
+pub use tracer::system;
 /// What orbits are asked of, so that this crate can be used alone.
 pub use vibrochain_lattice::{Chain, Model};
 pub use word::{Letter, MAX_IMPACTS, Word, WordError};

@@ -43,6 +43,7 @@ mod aside;
 mod bracket;
 mod curve;
 mod eigenvectors;
+mod elimination;
 mod error;
 mod locate;
 mod map_paths;
@@ -87,6 +88,8 @@ pub use stripes::{
     Collision, DressedModes, NoStripe, OrderFinder, OwnMode, Passing, Signature, SignatureOrder, Stripe, StripeEnd,
     StripeFinder, StripeLine, StripeRow, bare_signature, passings, signature,
 };
-pub use structures::structure_stability;
+pub use structures::{
+    StructureCourse, StructureCurve, StructureWindow, structure_branch, structure_curve, structure_stability,
+};
 pub use verdict::{Mechanism, Method, Tolerance, Verdict};
 pub use zeros::SecularError;

@@ -80,7 +80,7 @@ impl Branch {
         };
         let unknowns = Unknowns::free(&origin);
         let mut branch = Self::with(&origin, [(free, unit_length)], unknowns, Reduction::none(&unknowns))?;
-        let coordinates = branch.origin_coordinates()?;
+        let coordinates = branch.equations.origin()?;
         // (∂F/∂x b; cᵀ 0)(n; g) = (0; 1), regular where ∂F/∂x is singular.
         let size = unknowns.size();
         let border = border(size);

@@ -22,7 +22,7 @@ pub(crate) mod surface;
 
 use vibrochain_lattice::{Parameter, Stop};
 
-use crate::equations::linear::{Vector, unit};
+use crate::equations::linear::{Vector, dot, unit};
 use crate::equations::unknowns::Unknowns;
 use crate::error::BranchError;
 use crate::orbit::Orbit;
@@ -101,12 +101,6 @@ impl<const N: usize> Manifold<Continuation, N> {
         self.equations.finder = self.equations.finder.until(stop);
         self
     }
-
-    /// Where the orbit stands that all this was laid through.
-    pub(crate) fn origin_coordinates(&mut self) -> Result<Vector, BranchError> {
-        let origin = self.equations.origin.clone();
-        self.equations.coordinates(&origin)
-    }
 }
 
 impl Branch {
@@ -122,15 +116,6 @@ impl Branch {
     /// The free parameter.
     pub fn free(&self) -> Parameter {
         self.equations.free[0]
-    }
-
-    /// The orbit that the branch was started from, heading towards larger parameters.
-    ///
-    /// # Errors
-    /// [`BranchError`].
-    pub fn start(&mut self) -> Result<BranchPoint, BranchError> {
-        let z = self.origin_coordinates()?;
-        self.correct(&z, &[unit(z.len(), z.len() - 1)], NEAR, true)
     }
 
     /// The branch of a word among orbits with all the symmetry that the impacts of `orbit` have: it passes the points where others
@@ -152,7 +137,7 @@ impl Branch {
 
     /// The orbit of the branch at the parameter of the one it was made with, which is only near it.
     pub(crate) fn nearby(&mut self, reach: f64) -> Result<Orbit, BranchError> {
-        let z = self.origin_coordinates()?;
+        let z = self.equations.origin()?;
         let fixed = unit(z.len(), z.len() - 1);
         let z = self.equations.newton(&z, &[fixed], reach, false)?;
         Ok(self.equations.evaluate(&z)?.orbit)
@@ -167,6 +152,15 @@ impl Branch {
 type Point<S> = ManifoldPoint<<S as System>::Orbit, 1>;
 
 impl<S: System> Manifold<S, 1> {
+    /// The orbit that the branch was started from, heading towards larger parameters.
+    ///
+    /// # Errors
+    /// [`BranchError`].
+    pub fn start(&mut self) -> Result<Point<S>, BranchError> {
+        let z = self.equations.origin()?;
+        self.correct(&z, &[unit(z.len(), z.len() - 1)], NEAR, true)
+    }
+
     /// The point `length` along the tangent at `from`; negative lengths go back.
     ///
     /// # Errors
@@ -257,5 +251,10 @@ impl<S: System> Manifold<S, 1> {
     /// The length at which `to` lies from `from`, along the tangent there.
     pub fn length_between(&self, from: &Point<S>, to: &Point<S>) -> f64 {
         self.between(from, to)[0]
+    }
+
+    /// The length of a chord along the tangent at `from`.
+    pub fn along(&self, from: &Point<S>, chord: &[f64]) -> f64 {
+        dot(&from.tangents[0], chord)
     }
 }

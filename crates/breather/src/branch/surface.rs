@@ -52,7 +52,7 @@ impl Surface {
     /// # Errors
     /// [`BranchError`].
     pub fn start(&mut self) -> Result<SurfacePoint, BranchError> {
-        let z = self.origin_coordinates()?;
+        let z = self.equations.origin()?;
         // Rows along no axis: at a fold, too, the tangents have components along both.
         let row = |ratio: f64| -> Vector { (0..z.len()).map(|i| 0.5 + (ratio * (i + 1) as f64).fract()).collect() };
         let tangents = self.finish(z.clone(), &[row(0.618), row(0.414)])?.tangents;

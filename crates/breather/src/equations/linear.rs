@@ -12,12 +12,12 @@ pub(crate) const USUAL: usize = 6;
 pub type Vector = SmallVec<[f64; USUAL]>;
 
 /// A vector of `size` zeros.
-pub(crate) fn zeros(size: usize) -> Vector {
+pub fn zeros(size: usize) -> Vector {
     smallvec![0.0; size]
 }
 
 /// The vector of `size` entries whose entry `place` is 1 and whose others are 0.
-pub(crate) fn unit(size: usize, place: usize) -> Vector {
+pub fn unit(size: usize, place: usize) -> Vector {
     (0..size).map(|i| if i == place { 1.0 } else { 0.0 }).collect()
 }
 
@@ -34,11 +34,13 @@ pub struct Matrix {
 }
 
 impl Matrix {
-    pub(crate) fn zeros(size: usize) -> Self {
+    /// Of zeros.
+    pub fn zeros(size: usize) -> Self {
         Self { size, entries: smallvec![0.0; size * size] }
     }
 
-    pub(crate) fn from_fn(size: usize, mut entry: impl FnMut(usize, usize) -> f64) -> Self {
+    /// By its entries.
+    pub fn from_fn(size: usize, mut entry: impl FnMut(usize, usize) -> f64) -> Self {
         let mut matrix = Self::zeros(size);
         for i in 0..size {
             matrix.row_mut(i).iter_mut().enumerate().for_each(|(j, place)| *place = entry(i, j));
@@ -46,24 +48,28 @@ impl Matrix {
         matrix
     }
 
-    pub(crate) fn size(&self) -> usize {
+    /// Rows, and columns.
+    pub fn size(&self) -> usize {
         self.size
     }
 
-    pub(crate) fn row(&self, i: usize) -> &[f64] {
+    /// A row.
+    pub fn row(&self, i: usize) -> &[f64] {
         &self.entries[i * self.size..(i + 1) * self.size]
     }
 
-    pub(crate) fn row_mut(&mut self, i: usize) -> &mut [f64] {
+    /// A row, to be written.
+    pub fn row_mut(&mut self, i: usize) -> &mut [f64] {
         &mut self.entries[i * self.size..(i + 1) * self.size]
     }
 
-    pub(crate) fn transposed(&self) -> Self {
+    /// Rows as columns.
+    pub fn transposed(&self) -> Self {
         Self::from_fn(self.size, |i, j| self[(j, i)])
     }
 
     /// (A b; cᵀ d) with the column (b; d) and the row c.
-    pub(crate) fn bordered(&self, column: &[f64], row: &[f64]) -> Self {
+    pub fn bordered(&self, column: &[f64], row: &[f64]) -> Self {
         let n = self.size;
         Self::from_fn(n + 1, |i, j| match (i < n, j < n) {
             (true, true) => self[(i, j)],
@@ -73,13 +79,13 @@ impl Matrix {
     }
 
     /// The solution of A x = `right`; `None` for a singular matrix.
-    pub(crate) fn solve(&self, right: &[f64]) -> Option<Vector> {
+    pub fn solve(&self, right: &[f64]) -> Option<Vector> {
         let solution = Factors::new(self.clone())?.solve(right);
         solution.iter().all(|x| x.is_finite()).then_some(solution)
     }
 
     /// The determinant with rows scaled to length 1.
-    pub(crate) fn determinant(&self) -> f64 {
+    pub fn determinant(&self) -> f64 {
         Factors::new(self.clone()).map_or(0.0, |factors| factors.determinant)
     }
 }

@@ -55,6 +55,8 @@ pub(super) struct Equations<'a> {
     /// Rigid modes that a contact of the orbit feels.
     pub(super) rigid: Vec<&'a LinearMode>,
     pub(super) forced: bool,
+    /// Without loads one of Newton's laws follows from the others: that of this impact, which must not lose its impulse.
+    pub(super) left_out: usize,
 }
 
 /// The rows that are to vanish, their derivatives, and what is made of them on the way.
@@ -100,7 +102,7 @@ impl<'a> Equations<'a> {
             terms.sum()
         });
         let still = still.collect();
-        Ok(Self { model, kernel, swings, still, rigid, forced: structure.is_forced() })
+        Ok(Self { model, kernel, swings, still, rigid, forced: structure.is_forced(), left_out: 0 })
     }
 
     /// Refuses impacts of `contacts` where the period is a whole number of that of a mode which they drive and nothing damps.
@@ -170,6 +172,12 @@ impl<'a> Equations<'a> {
         self.kernel.rigid().map(of).collect()
     }
 
+    /// Of the offsets of all rigid modes those that a contact of the orbit feels.
+    pub(super) fn felt_offsets(&self, all: &[f64]) -> SmallVec<[f64; 1]> {
+        let is_felt = |mode: &LinearMode| self.rigid.iter().any(|one| std::ptr::eq(*one, mode));
+        self.kernel.rigid().zip(all).filter(|(mode, _)| is_felt(mode)).map(|(_, offset)| *offset).collect()
+    }
+
     /// φ of a rigid mode at a contact.
     pub(super) fn shape(mode: &LinearMode, contact: usize) -> f64 {
         mode.rows[contact][0]
@@ -180,7 +188,7 @@ impl<'a> Equations<'a> {
         mode.still[1] * mode.rate
     }
 
-    /// All of it at a point. Without loads one of Newton's laws follows from the others, and the first is left out.
+    /// All of it at a point.
     pub(super) fn system(&self, point: &Point) -> Result<System, StructureOrbitError> {
         let (n, offsets) = (point.strikes.len(), self.rigid.len());
         let size = self.unknowns(n);
@@ -240,8 +248,9 @@ impl<'a> Equations<'a> {
             system.sizes[i] = sizes[0];
             system.jacobian.row_mut(i).copy_from_slice(&of_place);
             let weight = 1.0 + self.restitution(strike.contact);
-            if i >= laws_left_out {
-                let (row, mobility) = (n + i - laws_left_out, self.mobility(strike.contact));
+            if self.forced || i != self.left_out {
+                let above = usize::from(!self.forced && i > self.left_out);
+                let (row, mobility) = (n + i - above, self.mobility(strike.contact));
                 system.rows[row] = strike.impulse * mobility + weight * sums[1];
                 system.sizes[row] = strike.impulse.abs() * mobility + weight * sizes[1];
                 let line = system.jacobian.row_mut(row);

@@ -18,8 +18,10 @@
 //! | `two_impacts` | the proof that no two impacts are missing |
 //! | `flight` | [`StructureMotion`]: every contact at any time |
 //! | `admissible` | physical or what is in the way |
+//! | `continuation` | [`StructureBranch`]: the equations with numbers of the structure free |
 
 pub(crate) mod admissible;
+pub(crate) mod continuation;
 mod equations;
 pub(crate) mod error;
 pub(crate) mod flight;

@@ -151,6 +151,11 @@ impl System for Continuation {
         &self.units
     }
 
+    fn origin(&mut self) -> Result<Vector, BranchError> {
+        let origin = self.origin.clone();
+        self.coordinates(&origin)
+    }
+
     fn rows(&mut self, z: &[f64]) -> Result<Vector, BranchError> {
         let (orbit, places) = self.assemble(z)?;
         Ok(self.reduction.rows(&self.equations(&orbit, &places).residuals()))

@@ -49,6 +49,16 @@ impl<O, const N: usize> ManifoldPoint<O, N> {
         &self.orbit
     }
 
+    /// The unknowns, then the parameters.
+    pub fn coordinates(&self) -> &[f64] {
+        &self.coordinates
+    }
+
+    /// Along the curve or surface, orthogonal and of unit length, in units of the coordinates.
+    pub fn tangents(&self) -> &[Vector; N] {
+        &self.tangents
+    }
+
     /// Values of the free parameters.
     pub fn values(&self) -> [f64; N] {
         let size = self.coordinates.len();
@@ -77,6 +87,16 @@ pub struct Manifold<S, const N: usize> {
 type Point<S, const N: usize> = ManifoldPoint<<S as System>::Orbit, N>;
 
 impl<S: System, const N: usize> Manifold<S, N> {
+    /// The solutions of a system.
+    pub fn of(equations: S) -> Self {
+        Self { equations }
+    }
+
+    /// The system.
+    pub fn system(&mut self) -> &mut S {
+        &mut self.equations
+    }
+
     /// Orbits assembled so far: the cost.
     pub fn evaluations(&self) -> usize {
         self.equations.evaluations()
@@ -93,8 +113,13 @@ impl<S: System, const N: usize> Manifold<S, N> {
         from_fn(|k| dot(&from.tangents[k], &chord))
     }
 
+    /// From a point to other coordinates, in units.
+    pub fn chord_to(&self, from: &Point<S, N>, to: &[f64]) -> Vector {
+        self.equations.chord(&from.coordinates, to)
+    }
+
     /// These lengths along the tangents at a point.
-    pub(crate) fn ahead(&self, from: &Point<S, N>, along: [f64; N]) -> Vector {
+    pub fn ahead(&self, from: &Point<S, N>, along: [f64; N]) -> Vector {
         let mut z = from.coordinates.clone();
         for (tangent, length) in from.tangents.iter().zip(along) {
             z.iter_mut().zip(tangent).zip(self.equations.units()).for_each(|((z, x), unit)| *z += length * x * unit);
@@ -109,7 +134,10 @@ impl<S: System, const N: usize> Manifold<S, N> {
     }
 
     /// The point near `predicted`, across these directions. `known` says that this is an orbit itself.
-    pub(crate) fn correct(
+    ///
+    /// # Errors
+    /// [`BranchError`].
+    pub fn correct(
         &mut self,
         predicted: &[f64],
         directions: &[Vector; N],

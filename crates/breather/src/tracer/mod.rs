@@ -14,4 +14,4 @@ pub mod line;
 pub(crate) mod manifold;
 pub(crate) mod pace;
 pub(crate) mod reduction;
-pub(crate) mod system;
+pub mod system;

@@ -77,13 +77,13 @@ impl fmt::Debug for Walk<'_> {
 /// A point of a curve.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct CurvePoint {
+pub struct CurvePoint<O = Orbit> {
     /// Values of both parameters.
     pub values: [f64; 2],
     /// Estimated error: how far the curve may pass from it, as a part of the window's sides.
     pub error: f64,
     /// The orbit there.
-    pub orbit: Orbit,
+    pub orbit: O,
     /// The angle, over π, of the pair of multipliers that meets the circle, at a Neimark–Sacker point.
     pub angle: Option<f64>,
     /// Whether the orbit is physical, touches of the event itself aside; `None` where that cannot be told.
@@ -194,13 +194,13 @@ impl fmt::Display for CurveEnd {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[must_use]
-pub struct EventCurve {
+pub struct EventCurve<O = Orbit> {
     /// Which event.
     pub event: Event,
     /// What showed it where the curve was taken up.
     pub evidence: Evidence,
     /// Points in their order; a closed curve has its first one once more at the end.
-    pub points: Vec<CurvePoint>,
+    pub points: Vec<CurvePoint<O>>,
     /// Points of codimension two among them, in their order.
     pub special: Vec<SpecialPoint>,
     /// How it ends before the first and behind the last point.

@@ -101,9 +101,9 @@ pub enum Evidence {
 /// An orbit that branches off.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct BranchedOrbit {
+pub struct BranchedOrbit<O = Orbit> {
     /// The orbit.
-    pub orbit: Orbit,
+    pub orbit: O,
     /// Whether it is physical there; `None` where that cannot be told.
     pub physical: Option<bool>,
     /// Its stability, where it can be judged.
@@ -114,19 +114,19 @@ pub struct BranchedOrbit {
 /// The orbits that branch off, at one value of the parameter.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct Branching {
+pub struct Branching<O = Orbit> {
     /// The value, a small step from the bifurcation.
     pub value: f64,
     /// They exist for larger values (otherwise for smaller ones).
     pub above: bool,
     /// The doubled orbit, or the asymmetric pair.
-    pub orbits: Vec<BranchedOrbit>,
+    pub orbits: Vec<BranchedOrbit<O>>,
 }
 
 /// An event that was found.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct Located {
+pub struct Located<O = Orbit> {
     /// Which event.
     pub event: Event,
     /// Value of the free parameter.
@@ -134,7 +134,7 @@ pub struct Located {
     /// Its estimated error.
     pub error: f64,
     /// The orbit there.
-    pub orbit: Orbit,
+    pub orbit: O,
     /// What shows the event.
     pub evidence: Evidence,
     /// Whether the orbit there is physical, where that can be told; at grazing a matter of rounding.
@@ -143,7 +143,7 @@ pub struct Located {
     #[cfg_attr(feature = "serde", serde(rename = "sides"))]
     pub verdicts: Vec<(f64, Verdict)>,
     /// The orbits that branch off, at a period doubling or pitchfork.
-    pub branching: Option<Branching>,
+    pub branching: Option<Branching<O>>,
     /// Orbits assembled between the start and this answer.
     pub evaluations: usize,
 }

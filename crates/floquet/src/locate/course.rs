@@ -40,11 +40,11 @@ impl Course {
 /// A point of a diagram.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct DiagramPoint {
+pub struct DiagramPoint<O = Orbit> {
     /// Value of the free parameter.
     pub value: f64,
     /// The orbit.
-    pub orbit: Orbit,
+    pub orbit: O,
     /// Smallest distance of any mass to a barrier, where all impacts are right-signed.
     pub margin: Option<f64>,
     /// Whether it is physical, where that can be told.
@@ -56,11 +56,11 @@ pub struct DiagramPoint {
 /// What a branch passes.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "kebab-case"))]
-pub enum Station {
+pub enum Station<O = Orbit> {
     /// A point.
-    Point(DiagramPoint),
+    Point(DiagramPoint<O>),
     /// An event.
-    Event(Located),
+    Event(Located<O>),
 }
 
 impl Station {
@@ -103,13 +103,13 @@ pub struct Origin {
 /// A branch of a diagram.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct FollowedBranch {
+pub struct FollowedBranch<O = Orbit> {
     /// Where it leaves another; `None` for the orbit's own.
     pub origin: Option<Origin>,
     /// How many branches lie between it and the orbit's own.
     pub generation: u32,
     /// Points and events in the order of the way, from one end to the other.
-    pub stations: Vec<Station>,
+    pub stations: Vec<Station<O>>,
     /// Where there may be more events, hidden by rounding.
     pub unresolved: Vec<Unresolved>,
     /// Steps, without loss, in which Krein signatures do not tell whether a thin stripe hides: some next to places where pairs meet, and all
@@ -119,9 +119,9 @@ pub struct FollowedBranch {
     pub ends: Vec<(f64, End)>,
 }
 
-impl FollowedBranch {
+impl<O> FollowedBranch<O> {
     /// Its points.
-    pub fn points(&self) -> impl Iterator<Item = &DiagramPoint> {
+    pub fn points(&self) -> impl Iterator<Item = &DiagramPoint<O>> {
         self.stations.iter().filter_map(|station| match station {
             Station::Point(point) => Some(point),
             Station::Event(_) => None,
@@ -129,7 +129,7 @@ impl FollowedBranch {
     }
 
     /// Its events.
-    pub fn events(&self) -> impl Iterator<Item = &Located> {
+    pub fn events(&self) -> impl Iterator<Item = &Located<O>> {
         self.stations.iter().filter_map(|station| match station {
             Station::Event(located) => Some(located),
             Station::Point(_) => None,
@@ -144,7 +144,9 @@ impl FollowedBranch {
             Station::Event(located) => (Some(located.event), located.physical),
         })
     }
+}
 
+impl FollowedBranch {
     /// Whether an orbit is one of it, or the mirror image of one.
     pub(super) fn holds(&self, value: f64, orbit: &Orbit) -> bool {
         let passed: Vec<(f64, Vec<Trait>)> = self

@@ -34,8 +34,8 @@ use smallvec::SmallVec;
 use vibrochain_breather::{Impact, Prepared};
 use vibrochain_lattice::Shapes;
 
+use crate::elimination::determinant;
 use crate::map_paths::modes::{Mode, Modes};
-use crate::map_paths::one_contact::linear::determinant;
 use crate::saltation::Saltation;
 
 type C = Complex<f64>;

@@ -17,8 +17,8 @@
 use nalgebra::Complex;
 use smallvec::{SmallVec, smallvec};
 
+use crate::elimination::{Factors, Pivots, eliminate};
 use crate::map_paths::one_contact::impact_matrix::{FeltMode, ImpactMatrix};
-use crate::map_paths::one_contact::linear::{Factors, Pivots, eliminate};
 use crate::zeros::modulus;
 
 type C = Complex<f64>;

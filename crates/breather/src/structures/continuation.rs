@@ -1,0 +1,235 @@
+//! The equations of a structure's orbits as a [`System`]: impulses, times, phase and offsets, and numbers of the structure that are free.
+
+use std::fmt;
+use std::sync::Arc;
+
+use vibrochain_lattice::{Barrier, Stop, Turn};
+
+use super::equations::{Equations, Point, Strike, System as Rows};
+use super::error::StructureOrbitError;
+use super::model::StructureModel;
+use super::orbit::{StructureImpact, StructureOrbit};
+use crate::equations::linear::Vector;
+use crate::error::{BranchError, BreatherError};
+use crate::tracer::manifold::{Manifold, ManifoldPoint};
+use crate::tracer::system::{Evaluation, System};
+
+/// Impulses are measured by the strongest, and by this part of what a barrier as far as the contact's own would take.
+const FAINT: f64 = 0.1;
+
+/// Times and impulses that agree to this part are images of each other.
+const IMAGE: f64 = 1e-8;
+
+/// Models by the values of the numbers that are free; what is wrong with values that have none.
+pub type StructureFamily = Arc<dyn Fn(&[f64]) -> Result<StructureModel, String> + Send + Sync>;
+
+/// A point of a structure's branch.
+pub type StructureBranchPoint = ManifoldPoint<StructureOrbit, 1>;
+
+/// The orbits of one word of a structure as one number of it varies.
+pub type StructureBranch = Manifold<StructureContinuation, 1>;
+
+/// The equations of a word's orbits, with as many numbers of the structure free as units are given.
+#[derive(Clone)]
+pub struct StructureContinuation {
+    family: StructureFamily,
+    contacts: Vec<(usize, Barrier)>,
+    force_periods: u32,
+    /// Unknowns: impulses, times but the first, ψ if there is a load, offsets of rigid modes.
+    size: usize,
+    forced: bool,
+    /// The strongest impact where this begins.
+    strongest: usize,
+    units: Vector,
+    origin: Vector,
+    stop: Stop,
+    evaluations: usize,
+}
+
+impl fmt::Debug for StructureContinuation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("StructureContinuation").field("contacts", &self.contacts).field("origin", &self.origin).finish()
+    }
+}
+
+impl StructureContinuation {
+    /// Through an orbit of the model at `values`; `units` are lengths along the numbers that count like a change of order 1 of the orbit.
+    ///
+    /// # Errors
+    /// [`BranchError::Model`] where there is no such model.
+    pub fn through(
+        orbit: &StructureOrbit,
+        family: StructureFamily,
+        values: &[f64],
+        units: &[f64],
+        stop: &Stop,
+    ) -> Result<Self, BranchError> {
+        let model = orbit.model();
+        let hits = || orbit.impacts().iter().map(|impact| impact.contact);
+        let equations = Equations::new(model, orbit.force_periods(), hits())?;
+        let felt = equations.felt_offsets(orbit.offsets());
+        let contacts = orbit.impacts().iter().map(|impact| (impact.contact, impact.barrier)).collect();
+        let size = |i: &usize| orbit.impacts()[*i].impulse.abs();
+        let strongest = (0..orbit.impacts().len()).max_by(|i, j| size(i).total_cmp(&size(j))).unwrap_or(0);
+        let most = size(&strongest);
+        let impulse_unit = |contact: usize, barrier: Barrier| {
+            let place = model.barrier(contact, barrier).unwrap_or(0.0);
+            most.max(FAINT * model.omega() * place.abs() / equations.mobility(contact)).max(f64::MIN_POSITIVE)
+        };
+        let mut own: Vector = orbit.impacts().iter().map(|one| impulse_unit(one.contact, one.barrier)).collect();
+        let times = orbit.impacts().len() - 1 + usize::from(equations.forced);
+        own.extend(std::iter::repeat_n(1.0 / model.omega(), times));
+        let reach = own[0] * equations.mobility(orbit.impacts()[0].contact) / model.omega();
+        own.extend(std::iter::repeat_n(reach, felt.len()));
+        let size = own.len();
+        own.extend(units.iter().map(|unit| unit.abs().max(f64::MIN_POSITIVE)));
+        let mut origin: Vector = orbit.impacts().iter().map(|impact| impact.impulse).collect();
+        origin.extend(orbit.impacts().iter().skip(1).map(|impact| impact.time));
+        origin.extend(orbit.psi());
+        origin.extend(felt);
+        origin.extend_from_slice(values);
+        let (force_periods, forced) = (orbit.force_periods(), equations.forced);
+        Ok(Self {
+            family,
+            contacts,
+            force_periods,
+            size,
+            forced,
+            strongest,
+            units: own,
+            origin,
+            stop: stop.clone(),
+            evaluations: 0,
+        })
+    }
+
+    /// The model at `z`.
+    fn model(&mut self, z: &[f64]) -> Result<StructureModel, BranchError> {
+        self.stop.heard().map_err(|stopped| BranchError::Breather(BreatherError::from(stopped)))?;
+        self.evaluations += 1;
+        (self.family)(&z[self.size..]).map_err(BranchError::Model)
+    }
+
+    fn point(&self, z: &[f64], period: f64) -> Result<Point, BranchError> {
+        let n = self.contacts.len();
+        let mut last = 0.0;
+        let mut strikes = smallvec::SmallVec::new();
+        for (i, &(contact, barrier)) in self.contacts.iter().enumerate() {
+            let time = if i == 0 { 0.0 } else { z[n + i - 1] };
+            // Also where two impacts are at one instant, as of two contacts they may be.
+            if !(last..period).contains(&time) {
+                return Err(BranchError::NoConvergence);
+            }
+            last = time;
+            strikes.push(Strike { contact, barrier, time, impulse: z[i] });
+        }
+        let psi = if self.forced { z[2 * n - 1] } else { 0.0 };
+        let first = 2 * n - 1 + usize::from(self.forced);
+        Ok(Point { strikes, psi, offsets: z[first..self.size].iter().copied().collect() })
+    }
+
+    fn assembled<T>(
+        &mut self,
+        z: &[f64],
+        make: impl FnOnce(&Equations<'_>, Point, Rows) -> Result<T, StructureOrbitError>,
+    ) -> Result<T, BranchError> {
+        let model = self.model(z)?;
+        let mut equations = Equations::new(&model, self.force_periods, self.contacts.iter().map(|one| one.0))?;
+        equations.left_out = self.strongest;
+        let point = self.point(z, equations.period())?;
+        let rows = equations.system(&point)?;
+        if rows.rows.iter().all(|row| row.is_finite()) && rows.rows.len() == self.size {
+            Ok(make(&equations, point, rows)?)
+        } else {
+            Err(BranchError::NoConvergence)
+        }
+    }
+}
+
+impl System for StructureContinuation {
+    type Orbit = StructureOrbit;
+    /// Sizes of the rows' terms.
+    type Kept = Vector;
+
+    fn size(&self) -> usize {
+        self.size
+    }
+
+    fn units(&self) -> &[f64] {
+        &self.units
+    }
+
+    fn origin(&mut self) -> Result<Vector, BranchError> {
+        Ok(self.origin.clone())
+    }
+
+    fn rows(&mut self, z: &[f64]) -> Result<Vector, BranchError> {
+        self.assembled(z, |_, _, rows| Ok(rows.rows))
+    }
+
+    fn evaluate(&mut self, z: &[f64]) -> Result<Evaluation<StructureOrbit, Vector>, BranchError> {
+        let (units, periods) = (self.units.clone(), self.force_periods);
+        self.assembled(z, |equations, point, here| {
+            let (rows, kept, mut matrix) = (here.rows.clone(), here.sizes.clone(), here.jacobian.clone());
+            for i in 0..matrix.size() {
+                matrix.row_mut(i).iter_mut().zip(&units).for_each(|(entry, unit)| *entry *= unit);
+            }
+            let orbit = StructureOrbit::new(equations, periods, (point, here))?;
+            Ok(Evaluation { orbit, rows, full_determinant: matrix.determinant(), matrix, kept })
+        })
+    }
+
+    fn row_errors(&self, here: &Evaluation<StructureOrbit, Vector>) -> Vector {
+        here.kept.iter().map(|size| 4.0 * f64::EPSILON * size).collect()
+    }
+
+    fn evaluations(&self) -> usize {
+        self.evaluations
+    }
+
+    /// At the resonance of a mode that nothing damps the equations have a pole; where an orbit is its own mirror image others branch off.
+    fn may_turn(&self, (from, _): (&StructureOrbit, f64), (to, _): (&StructureOrbit, f64)) -> bool {
+        let turns = |orbit: &StructureOrbit| -> Vec<f64> {
+            let period = orbit.period() / std::f64::consts::TAU;
+            let free = orbit.model().structure().modes().iter();
+            let free = free.filter(|mode| mode.decay == 0.0 && mode.turn == Turn::Circular);
+            free.map(|mode| (mode.rate * period).floor()).collect()
+        };
+        turns(from) != turns(to) || is_own_image(from) && is_own_image(to)
+    }
+}
+
+impl StructureBranch {
+    /// The branch through an orbit, as the one number of `family` goes on from `value`; a length of `unit` along it counts like a change of
+    /// order 1 of the orbit.
+    ///
+    /// # Errors
+    /// [`BranchError::Model`] where there is no such model.
+    pub fn of_structure(
+        orbit: &StructureOrbit,
+        family: StructureFamily,
+        value: f64,
+        unit: f64,
+        stop: &Stop,
+    ) -> Result<Self, BranchError> {
+        Ok(Self { equations: StructureContinuation::through(orbit, family, &[value], &[unit], stop)? })
+    }
+}
+
+/// Whether half a period later an orbit does the same at the other barriers; or, where time may run backwards, the same.
+fn is_own_image(orbit: &StructureOrbit) -> bool {
+    let (impacts, period) = (orbit.impacts(), orbit.period());
+    let alike = |one: &StructureImpact, other: &StructureImpact, sign: f64, time: f64| {
+        let apart = (other.time - time).rem_euclid(period);
+        one.contact == other.contact
+            && (one.barrier == other.barrier) == (sign > 0.0)
+            && apart.min(period - apart) <= IMAGE * period
+            && (one.impulse - sign * other.impulse).abs() <= IMAGE * one.impulse.abs()
+    };
+    let holds = |sign: f64, of: &dyn Fn(f64) -> f64| {
+        impacts.iter().all(|one| impacts.iter().any(|other| alike(one, other, sign, of(one.time))))
+    };
+    let reversible = orbit.is_conservative() && orbit.model().structure().is_lossless();
+    holds(-1.0, &|time| time + 0.5 * period)
+        || reversible && impacts.iter().any(|about| holds(1.0, &|time| about.time - time))
+}

@@ -1,0 +1,505 @@
+//! A branch of orbits of a structure, followed both ways as one number of it varies, with the events on it.
+//!
+//! Between two points a test function that changes its sign, or another number of multipliers outside of the circle, tells of an event. The
+//! step is halved until Newton's method, for the orbit's equations with the test function, leads to a point inside of it.
+
+use nalgebra::Complex;
+use vibrochain_breather::{
+    Approach, BranchError, Pace, StructureBranch, StructureBranchPoint, StructureFamily, StructureOrbit,
+    structure_admissibility, structure_is_physical,
+};
+use vibrochain_lattice::{Resonance, Stop, Turn};
+
+use super::event::{Solved, solve};
+use super::stability::structure_stability;
+use super::test_function::{Test, minus_one, speed};
+use crate::analyser::Stability;
+use crate::bracket::{JUMP, SAFETY, zero};
+use crate::locate::{DiagramPoint, End, Event, Evidence, FollowedBranch, LocateError, Located, Station, Unresolved};
+use crate::verdict::{Tolerance, Verdict};
+
+type C = Complex<f64>;
+
+/// A multiplier farther from the circle than this is off it: without losses rounding moves double ones by less, and with them growth as slow as
+/// this is none.
+const OFF_LOSSLESS: f64 = 1e-6;
+const OFF: f64 = 1e-10;
+
+/// A multiplier farther than this from where it should be, relative, is not the zero of the function.
+const POLE: f64 = 1e-4;
+
+/// Pairs of multipliers that may be the one that meets the circle.
+const MOST_GUESSES: usize = 6;
+
+/// How often a step is halved until Newton's method finds the event in it.
+const HALVINGS: usize = 8;
+
+/// Steps at most in one direction.
+const MOST_STEPS: usize = 20_000;
+
+/// An orbit whose impulses have grown by this factor is on its way to infinity, one whose impulses are this small on its way to none.
+const UNBOUNDED: f64 = 1e4;
+const FAINT: f64 = 1e-9;
+
+/// A branch that is lost this near to the resonance of a mode, as a part of its frequency, ends there.
+const NEAR: f64 = 1e-3;
+
+/// A contact no farther beyond a barrier than this part of what it moves by touches it.
+pub(super) const TOUCHES: f64 = 1e-9;
+
+/// Lengths as short as this are rounding.
+const SETTLED: f64 = 1e-6;
+
+/// Rounding of a test function, which is of order 1.
+const ROUNDING: f64 = 1e-13;
+
+/// What is asked of a branch of a structure.
+#[derive(Debug, Clone, PartialEq)]
+#[must_use]
+pub struct StructureCourse {
+    /// Least value of the number that varies.
+    pub from: f64,
+    /// Largest value.
+    pub to: f64,
+    /// The events that are looked for.
+    pub events: Vec<Event>,
+    /// What counts as stable.
+    pub tolerance: Tolerance,
+}
+
+/// What is seen at a point.
+struct Seen {
+    margin: Option<f64>,
+    closest: Option<Approach>,
+    physical: Option<bool>,
+    stability: Option<Stability>,
+    /// Of each impact towards its barrier.
+    velocities: Vec<f64>,
+    minus_one: f64,
+    /// Multipliers off the circle, or of those off it without losses that are not real.
+    outside: Option<usize>,
+}
+
+type At<'a> = (&'a StructureBranchPoint, &'a Seen);
+
+struct Follower<'a> {
+    branch: StructureBranch,
+    course: &'a StructureCourse,
+    stop: &'a Stop,
+    unresolved: Vec<Unresolved>,
+}
+
+/// The branch of an orbit as a number of `family` goes on from `value` both ways, through folds, to the ends of the range or of the branch, with
+/// all events that are asked for. Two that cancel within one step, a fiftieth of the range at most, are not seen. Without losses, multipliers
+/// +1 that are not of the equations themselves (where the energy is extreme) are not looked for; nor is what branches off.
+///
+/// # Errors
+/// [`LocateError`]: no such range, no such model, stopped.
+pub fn structure_branch(
+    orbit: &StructureOrbit,
+    family: &StructureFamily,
+    value: f64,
+    course: &StructureCourse,
+    stop: &Stop,
+) -> Result<FollowedBranch<StructureOrbit>, LocateError> {
+    let StructureCourse { from, to, .. } = *course;
+    if !(from <= value && value <= to && from < to) {
+        let message =
+            format!("{value} is not in a range from {from} to {to}: give one with from < to around the start");
+        return Err(BranchError::Model(message).into());
+    }
+    let mut branch = StructureBranch::of_structure(orbit, family.clone(), value, to - from, stop)?;
+    let up = branch.start()?;
+    let up = if up.heading() < 0.0 { up.reversed() } else { up };
+    let mut follower = Follower { branch, course, stop, unresolved: Vec::new() };
+    let (mut stations, first_end) = follower.follow(up.reversed())?;
+    let mut ends = vec![first_end];
+    stations.reverse();
+    if ends[0].1 != End::Closed {
+        let (ahead, end) = follower.follow(up)?;
+        stations.extend(ahead.into_iter().skip(1));
+        ends.push(end);
+    }
+    Ok(FollowedBranch { origin: None, generation: 0, stations, unresolved: follower.unresolved, untold: 0, ends })
+}
+
+impl Follower<'_> {
+    /// One way, from the start on: the start, then all that is passed.
+    fn follow(
+        &mut self,
+        start: StructureBranchPoint,
+    ) -> Result<(Vec<Station<StructureOrbit>>, (f64, End)), LocateError> {
+        let mut seen = self.look(&start)?;
+        let mut stations = vec![Station::Point(described(&start, &seen))];
+        let mut point = start.clone();
+        if point.value() == self.limit(&point) {
+            return Ok((stations, (point.value(), End::Range)));
+        }
+        let mut pace = Pace::new(0.25 * Pace::LONGEST);
+        let first = strength(point.orbit());
+        for step in 0..MOST_STEPS {
+            self.stop.heard()?;
+            let (next, last) = match self.advance(&point, pace.length()) {
+                Ok(next) => next,
+                Err(error) => {
+                    self.stop.heard()?;
+                    if pace.shorten() {
+                        continue;
+                    }
+                    let end = resonance_at(point.orbit()).map_or(End::Lost(error), End::Resonance);
+                    return Ok((stations, (point.value(), end)));
+                }
+            };
+            let closed = step > 0 && self.closes(&start, &point, &next);
+            let next = if closed { start.clone() } else { next };
+            let next_seen = self.look(&next)?;
+            let mut found = self.events((&point, &seen), (&next, &next_seen))?;
+            found.sort_by(|(one, _), (other, _)| one.total_cmp(other));
+            stations.extend(found.into_iter().map(|(_, located)| Station::Event(located)));
+            stations.push(Station::Point(described(&next, &next_seen)));
+            (point, seen) = (next, next_seen);
+            let strength = strength(point.orbit());
+            let end = match () {
+                () if closed => End::Closed,
+                () if last => End::Range,
+                () if strength > UNBOUNDED * first => End::Unbounded,
+                () if strength < FAINT * first => End::ImpulsesVanish,
+                () => {
+                    pace.lengthen(f64::INFINITY, Pace::LONGEST);
+                    continue;
+                }
+            };
+            return Ok((stations, (point.value(), end)));
+        }
+        Ok((stations, (point.value(), End::Lost(BranchError::NoConvergence))))
+    }
+
+    /// The end of the range that the branch is heading for.
+    fn limit(&self, point: &StructureBranchPoint) -> f64 {
+        if point.heading() > 0.0 { self.course.to } else { self.course.from }
+    }
+
+    /// The next point, at most at the limit; whether it is the last.
+    fn advance(
+        &mut self,
+        point: &StructureBranchPoint,
+        length: f64,
+    ) -> Result<(StructureBranchPoint, bool), BranchError> {
+        let (from, to) = (self.course.from, self.course.to);
+        let beyond = |value: f64| value >= to || value <= from;
+        let reached = point.value() + length * point.heading() * (to - from);
+        let next = if beyond(reached) { None } else { Some(self.branch.step(point, length)?) };
+        match next.filter(|next| !beyond(next.value())) {
+            Some(next) => Ok((next, false)),
+            None => Ok((self.branch.at(point, self.limit(point))?, true)),
+        }
+    }
+
+    /// Whether the start lies on the way from `point` to `next`.
+    fn closes(
+        &mut self,
+        start: &StructureBranchPoint,
+        point: &StructureBranchPoint,
+        next: &StructureBranchPoint,
+    ) -> bool {
+        let (to_start, to_next) = (self.branch.length_between(point, start), self.branch.length_between(point, next));
+        0.0 < to_start
+            && to_start <= to_next
+            && self.branch.step(point, to_start).is_ok_and(|there| {
+                self.branch.distance(&there, start) <= SETTLED && there.heading() * start.heading() >= 0.0
+            })
+    }
+
+    fn look(&self, point: &StructureBranchPoint) -> Result<Seen, LocateError> {
+        let orbit = point.orbit();
+        let admissibility = structure_admissibility(orbit).ok();
+        let stability = structure_stability(orbit, self.course.tolerance).ok();
+        let lossless = orbit.model().structure().is_lossless();
+        let off = |mu: &&C| {
+            let beyond = mu.norm() - 1.0;
+            if lossless { beyond.abs() > OFF_LOSSLESS && mu.im.abs() > OFF_LOSSLESS } else { beyond > OFF }
+        };
+        let outside = stability.as_ref().map(|stability| stability.multipliers.iter().filter(off).count());
+        let velocities = orbit.impacts().iter().map(|impact| impact.barrier.sign() * impact.velocity_before).collect();
+        Ok(Seen {
+            margin: admissibility.as_ref().and_then(|told| told.margin),
+            closest: admissibility.as_ref().and_then(|told| told.closest),
+            physical: admissibility.map(|told| told.is_physical()),
+            stability,
+            velocities,
+            minus_one: minus_one(orbit),
+            outside,
+        })
+    }
+
+    /// What happens between two points.
+    fn events(&mut self, from: At<'_>, to: At<'_>) -> Result<Vec<(f64, Located<StructureOrbit>)>, LocateError> {
+        let turns = from.0.heading() * to.0.heading() <= 0.0;
+        let changed = |test: Test| changes(test, from, to);
+        let mut tests: Vec<Test> = Vec::new();
+        let on_circle = if from.0.orbit().model().structure().is_lossless() { Test::Collision } else { Test::Circle };
+        let real = usize::from(changed(Test::One)) + usize::from(changed(Test::MinusOne));
+        let (before, after) = (from.1.outside.unwrap_or(0), to.1.outside.unwrap_or(0));
+        // One that crosses at ±1 changes the number by one, a pair by two; without losses only what is not real is counted.
+        let pairs = if on_circle == Test::Collision { before != after } else { before.abs_diff(after) > real };
+        tests.extend([Test::One, Test::MinusOne].into_iter().filter(|test| changed(*test)));
+        if pairs && from.1.outside.is_some() && to.1.outside.is_some() {
+            tests.push(on_circle);
+        }
+        tests.extend((0..from.1.velocities.len()).map(Test::Velocity).filter(|test| changed(*test)));
+        if let Some(touch) = touch_between(from, to) {
+            tests.push(touch);
+        }
+        let mut found = Vec::new();
+        for test in tests {
+            let event = test.event(turns);
+            if !self.course.events.contains(&event) {
+                continue;
+            }
+            match self.settle(test, from, to, HALVINGS)? {
+                Some((test, solved)) => {
+                    let along = self.length_to(from.0, &solved);
+                    if let Some(located) = self.described(event, test, (from.0, along), &solved)? {
+                        found.push((along, located));
+                    }
+                }
+                None => {
+                    let values = [from.0.value(), to.0.value()];
+                    self.unresolved.push(Unresolved { from: values[0].min(values[1]), to: values[0].max(values[1]) });
+                }
+            }
+        }
+        Ok(found)
+    }
+
+    fn length_to(&mut self, from: &StructureBranchPoint, solved: &Solved) -> f64 {
+        let chord = self.branch.chord_to(from, &solved.coordinates);
+        self.branch.along(from, &chord)
+    }
+
+    /// The event of a test function between two points where it changes.
+    fn settle(
+        &mut self,
+        test: Test,
+        from: At<'_>,
+        to: At<'_>,
+        halvings: usize,
+    ) -> Result<Option<(Test, Solved)>, LocateError> {
+        let length = self.branch.length_between(from.0, to.0);
+        // What is nearest at one end need not be what touches first.
+        let test = if matches!(test, Test::Touch(..)) { touch_between(from, to).unwrap_or(test) } else { test };
+        let by_sign = match (value(test, from), value(test, to)) {
+            (Some(a), Some(b)) if a != b => (a / (a - b)).clamp(0.0, 1.0),
+            _ => 0.5,
+        };
+        for (share, mark) in guesses(test, from, to, by_sign) {
+            let ends = from.0.coordinates().iter().zip(to.0.coordinates());
+            let z: Vec<f64> = ends.map(|(a, b)| a + share * (b - a)).collect();
+            let reach = (2.0 * length).max(SETTLED);
+            let Ok(solved) = solve(self.branch.system(), test, (&z, mark), reach) else { continue };
+            let along = self.length_to(from.0, &solved);
+            if (-SETTLED..=length + SETTLED).contains(&along) && self.is_seen(test, &solved)? {
+                return Ok(Some((test, solved)));
+            }
+        }
+        self.stop.heard()?;
+        if halvings == 0 {
+            return Ok(self.bracketed(test, from.0, length).map(|solved| (test, solved)));
+        }
+        let Ok(middle) = self.branch.step(from.0, 0.5 * length) else { return Ok(None) };
+        let seen = self.look(&middle)?;
+        let middle = (&middle, &seen);
+        if changes(test, from, middle) || matches!(test, Test::Touch(..)) && touch_between(from, middle).is_some() {
+            self.settle(test, from, middle, halvings - 1)
+        } else {
+            self.settle(test, middle, to, halvings - 1)
+        }
+    }
+
+    /// Where Newton's method cannot lead, as to a point where symmetric orbits lose their symmetry: the zero along the branch.
+    fn bracketed(&mut self, test: Test, from: &StructureBranchPoint, length: f64) -> Option<Solved> {
+        let read = |point: &StructureBranchPoint| match test {
+            Test::One => Some(point.determinant()),
+            Test::MinusOne => Some(minus_one(point.orbit())),
+            _ => None,
+        };
+        let first = read(from)?;
+        let branch = &mut self.branch;
+        let mut at = |s: f64| branch.step(from, s).ok().and_then(|point| read(&point)).ok_or(());
+        let last = at(length).ok()?;
+        if (first > 0.0) == (last > 0.0) {
+            return None;
+        }
+        let s = zero((0.0, first), (length, last), length, &mut at).ok()?;
+        let beside = 1e-2 * length;
+        let (low, high) = (at(s - beside).ok()?, at(s + beside).ok()?);
+        let here = at(s).ok()?.abs();
+        if here > JUMP * low.abs().max(high.abs()) {
+            return None;
+        }
+        let along = SAFETY * here.max(ROUNDING) / ((high - low) / (2.0 * beside)).abs();
+        let point = self.branch.step(from, s).ok()?;
+        let range = self.course.to - self.course.from;
+        let error = along * point.heading().abs() * range + f64::EPSILON * point.value().abs();
+        let at = super::event::AtEvent { orbit: point.orbit().clone(), mark: None, determinant: 0.0 };
+        Some(Solved { at, coordinates: point.coordinates().into(), value: point.value(), error })
+    }
+
+    /// The multiplier of an event, if it is where it should be; of a grazing that which touches.
+    fn evidence(&self, test: Test, solved: &Solved) -> Result<Option<Evidence>, LocateError> {
+        let orbit = &solved.at.orbit;
+        let goal = match test {
+            Test::Velocity(i) => return Ok(Some(Evidence::Impact(i))),
+            Test::Touch(site, barrier) => {
+                let time = solved.at.mark.unwrap_or(0.0).rem_euclid(1.0) * orbit.period();
+                return Ok(Some(Evidence::Touch(Approach { site, barrier, time })));
+            }
+            Test::One => C::new(1.0, 0.0),
+            Test::MinusOne => C::new(-1.0, 0.0),
+            Test::Circle | Test::Collision => C::from_polar(1.0, solved.at.mark.unwrap_or(0.0)),
+        };
+        // Two that meet are known to the root of rounding, and may not be told apart.
+        let Ok(stability) = structure_stability(orbit, self.course.tolerance) else {
+            return Ok(Some(Evidence::Multiplier(goal)));
+        };
+        let nearest = stability.multipliers.into_iter().min_by(|a, b| (a - goal).norm().total_cmp(&(b - goal).norm()));
+        Ok(nearest.filter(|mu| (mu - goal).norm() <= POLE * (1.0 + goal.norm())).map(Evidence::Multiplier))
+    }
+
+    /// Whether a zero of the test function is an event.
+    fn is_seen(&self, test: Test, solved: &Solved) -> Result<bool, LocateError> {
+        if matches!(test, Test::Touch(..)) {
+            // Another contact may be beyond its barrier already.
+            let orbit = &solved.at.orbit;
+            let room = TOUCHES * speed(orbit) / orbit.model().omega();
+            let margin = structure_admissibility(orbit).ok().and_then(|told| told.margin);
+            return Ok(margin.is_some_and(|margin| margin >= -room));
+        }
+        Ok(self.evidence(test, solved)?.is_some())
+    }
+
+    fn described(
+        &mut self,
+        event: Event,
+        test: Test,
+        (from, along): (&StructureBranchPoint, f64),
+        solved: &Solved,
+    ) -> Result<Option<Located<StructureOrbit>>, LocateError> {
+        let Some(evidence) = self.evidence(test, solved)? else { return Ok(None) };
+        let physical = structure_is_physical(&solved.at.orbit).ok().map(|told| told.is_physical());
+        let mut verdicts: Vec<(f64, Verdict)> = Vec::new();
+        for side in [-1e-2, 1e-2] {
+            let Ok(point) = self.branch.step(from, along + side * Pace::LONGEST) else { continue };
+            if let Ok(told) = structure_stability(point.orbit(), self.course.tolerance) {
+                verdicts.push((point.value(), told.verdict));
+            }
+        }
+        verdicts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(Some(Located {
+            event,
+            value: solved.value,
+            error: solved.error,
+            orbit: solved.at.orbit.clone(),
+            evidence,
+            physical,
+            verdicts,
+            branching: None,
+            evaluations: self.branch.evaluations(),
+        }))
+    }
+}
+
+/// The value of a test function at a point, where it is one number that changes its sign.
+fn value(test: Test, (point, seen): At<'_>) -> Option<f64> {
+    match test {
+        Test::One => Some(point.determinant()),
+        Test::MinusOne => Some(seen.minus_one),
+        Test::Velocity(i) => seen.velocities.get(i).copied(),
+        Test::Touch(..) => seen.margin,
+        Test::Circle | Test::Collision => None,
+    }
+}
+
+/// Whether a test function tells of an event between two points.
+fn changes(test: Test, from: At<'_>, to: At<'_>) -> bool {
+    match (value(test, from), value(test, to)) {
+        (Some(a), Some(b)) => (a > 0.0) != (b > 0.0),
+        _ if matches!(test, Test::Circle | Test::Collision) => from.1.outside != to.1.outside,
+        _ => false,
+    }
+}
+
+/// What touches where the least distance changes its sign.
+fn touch_between(from: At<'_>, to: At<'_>) -> Option<Test> {
+    let (before, after) = (from.1.margin?, to.1.margin?);
+    let beyond = if before <= 0.0 { from.1 } else { to.1 };
+    let touch = beyond.closest.filter(|_| (before > 0.0) != (after > 0.0))?;
+    Some(Test::Touch(touch.site, touch.barrier))
+}
+
+/// Where in a step an event may be, and its mark, the likeliest first.
+fn guesses(test: Test, from: At<'_>, to: At<'_>, by_sign: f64) -> Vec<(f64, Option<f64>)> {
+    match test {
+        Test::Touch(site, barrier) => {
+            let of = |at: At<'_>| {
+                let closest = at.1.closest.filter(|one| (one.site, one.barrier) == (site, barrier))?;
+                Some((by_sign, Some(closest.time / at.0.orbit().period())))
+            };
+            [of(from), of(to)].into_iter().flatten().collect()
+        }
+        Test::Circle | Test::Collision => {
+            let upper = |at: At<'_>| -> Vec<C> {
+                let all = at.1.stability.iter().flat_map(|stability| stability.multipliers.iter());
+                all.filter(|mu| mu.im > 0.0).copied().collect()
+            };
+            // Each with its neighbour at the other end, those that cross first.
+            let (before, after) = (upper(from), upper(to));
+            let growth = |mu: &C| mu.norm().ln();
+            let mut pairs: Vec<(f64, f64, f64)> = Vec::new();
+            for one in &before {
+                let near = |a: &&C, b: &&C| (*a - one).norm().total_cmp(&(*b - one).norm());
+                let Some(other) = after.iter().min_by(near) else { continue };
+                let (a, b) = (growth(one), growth(other));
+                // Those of modes that no contact of the orbit feels never leave the circle.
+                if a.abs().max(b.abs()) <= OFF {
+                    continue;
+                }
+                let crosses = (a > 0.0) != (b > 0.0);
+                let share = if crosses { a / (a - b) } else { 0.5 };
+                let rank = if crosses { 0.0 } else { a.abs().min(b.abs()) };
+                pairs.push((rank, share, one.arg() + share * (other.arg() - one.arg())));
+            }
+            pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+            pairs.into_iter().take(MOST_GUESSES).map(|(_, share, angle)| (share, Some(angle))).collect()
+        }
+        _ => vec![(by_sign, None)],
+    }
+}
+
+fn described(point: &StructureBranchPoint, seen: &Seen) -> DiagramPoint<StructureOrbit> {
+    DiagramPoint {
+        value: point.value(),
+        orbit: point.orbit().clone(),
+        margin: seen.margin,
+        physical: seen.physical,
+        verdict: seen.stability.as_ref().map(|stability| stability.verdict),
+    }
+}
+
+pub(super) fn strength(orbit: &StructureOrbit) -> f64 {
+    orbit.impacts().iter().map(|impact| impact.impulse.abs()).fold(f64::MIN_POSITIVE, f64::max)
+}
+
+/// The mode that nothing damps whose frequency the orbit has come to.
+pub(super) fn resonance_at(orbit: &StructureOrbit) -> Option<Resonance> {
+    let omega = std::f64::consts::TAU / orbit.period();
+    let modes = orbit.model().structure().modes().iter().enumerate();
+    let free = modes.filter(|(_, mode)| mode.decay == 0.0 && mode.turn == Turn::Circular);
+    free.map(|(mode, one)| {
+        let harmonic = (one.rate / omega).round();
+        let distance = (-harmonic).mul_add(omega, one.rate);
+        Resonance { harmonic: harmonic as u64, mode, frequency: one.rate, omega, distance }
+    })
+    .filter(|one| one.harmonic > 0 && one.distance.abs() <= NEAR * one.frequency)
+    .min_by(|a, b| a.distance.abs().total_cmp(&b.distance.abs()))
+}

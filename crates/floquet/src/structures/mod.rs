@@ -1,0 +1,19 @@
+//! Orbits of any linear structure with stops: their multipliers, their branches, and where these bifurcate, all by J(z).
+//!
+//! | module | holds |
+//! |---|---|
+//! | `stability` | all multipliers, and what they say |
+//! | `test_function` | what vanishes at each event |
+//! | `event` | the orbit's equations with a test function: an event is a point, over two numbers a curve |
+//! | `diagram` | a branch with its events |
+//! | `curve` | an event followed through a window of two numbers |
+
+mod curve;
+mod diagram;
+mod event;
+mod stability;
+mod test_function;
+
+pub use curve::{StructureCurve, StructureWindow, structure_curve};
+pub use diagram::{StructureCourse, structure_branch};
+pub use stability::structure_stability;

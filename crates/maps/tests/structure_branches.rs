@@ -1,0 +1,208 @@
+//! Branches of orbits of any linear structure, the events on them and their curves: against the chain's own engine where nothing damps, and
+//! against closed forms.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use vibrochain_breather::{Family, StructureFamily, StructureOrbit, Word, breathers, structure_orbits};
+use vibrochain_floquet::{
+    Course, Event, FollowedBranch, Special, StructureCourse, StructureWindow, Tolerance, Window, curve, diagram,
+    structure_branch, structure_curve,
+};
+use vibrochain_lattice::{Chain, Model, Parameter, Stop};
+use vibrochain_maps::structure::{Setting, StructureScene};
+
+/// The models of a scene as some of its numbers vary.
+fn family(scene: &StructureScene, settings: &[Setting]) -> StructureFamily {
+    let (scene, settings) = (scene.clone(), settings.to_vec());
+    Arc::new(move |values: &[f64]| {
+        let mut scene = scene.clone();
+        settings.iter().zip(values).try_for_each(|(setting, value)| scene.set(*setting, *value))?;
+        scene.model()
+    })
+}
+
+fn scene(text: &str) -> StructureScene {
+    StructureScene::of_text(text, std::path::Path::new(".")).unwrap()
+}
+
+fn branch(
+    scene: &StructureScene,
+    orbit: &StructureOrbit,
+    setting: Setting,
+    [from, to]: [f64; 2],
+) -> FollowedBranch<StructureOrbit> {
+    let course = StructureCourse { from, to, events: Event::ALL.to_vec(), tolerance: Tolerance::Rounding };
+    let value = scene.get(setting).unwrap();
+    structure_branch(orbit, &family(scene, &[setting]), value, &course, &Stop::default()).unwrap()
+}
+
+/// A chain as a structure: γ₁, γ₂, ω, a, A, e.
+fn chain(sites: usize, [gamma1, gamma2, omega, asymmetry, amplitude, restitution]: [f64; 6]) -> StructureScene {
+    let contact = |at: usize| {
+        let (lower, upper) = (asymmetry - 1.0, asymmetry + 1.0);
+        format!("[[contact]]\nat = {at}\nlower = {lower}\nupper = {upper}\nrestitution = {restitution}\n")
+    };
+    let contacts: String = (0..sites).map(contact).collect();
+    let ones = vec![1.0; sites];
+    let structure = format!("chain = {{ sites = {sites}, gamma1 = {gamma1}, gamma2 = {gamma2} }}");
+    let mut scene = scene(&format!("omega = {omega}\n[structure]\n{structure}\n{contacts}[force]\nload = {ones:?}\n"));
+    scene.set(Setting::Load, amplitude).unwrap();
+    scene
+}
+
+fn model(sites: usize, [gamma1, gamma2, omega, asymmetry, amplitude, restitution]: [f64; 6]) -> Model {
+    let chain = Chain::new(sites, gamma1, gamma2).unwrap();
+    Model::forced(chain, omega, asymmetry, amplitude, restitution).unwrap()
+}
+
+/// Without dashpots the structure is the chain: both find the same events, by other equations, unknowns and test functions.
+#[test]
+fn a_chain_without_dashpots_has_the_events_of_its_own_engine() {
+    use Parameter::{Amplitude, Asymmetry, Gamma2, Omega};
+    let single = Family::SingleSided;
+    let cases = [
+        (5, [0.2, 0.1, 1.07, 0.8, 0.165, 0.25], single, Amplitude, Setting::Load, [0.1, 0.4]),
+        (5, [0.2, 0.1, 1.07, 0.8, 0.165, 0.25], single, Omega, Setting::Omega, [0.9, 1.3]),
+        (5, [1.0, 0.05, 1.5, 0.4, 0.3, 0.8], Family::DoubleSided, Omega, Setting::Omega, [1.2, 1.9]),
+        (4, [1.0, 0.1, 1.6, 0.5, 0.2, 0.9], single, Gamma2, Setting::Gamma2, [0.02, 0.2]),
+        (1, [1.0, 0.0, 1.5, 0.9, 0.3, 0.8], single, Omega, Setting::Omega, [1.2, 1.98]),
+        (3, [1.0, 0.1, 1.9, 0.3, 0.2, 0.95], single, Asymmetry, Setting::Asymmetry, [0.05, 0.8]),
+        (5, [1.0, 0.05, 1.5, 0.0, 0.3, 0.8], Family::DoubleSided, Amplitude, Setting::Load, [0.1, 0.6]),
+        (5, [1.0, 0.05, 1.5, 0.4, 0.0, 1.0], Family::DoubleSided, Omega, Setting::Omega, [1.3, 2.0]),
+    ];
+    let (mut compared, mut met) = (0, BTreeSet::new());
+    for (sites, numbers, family, free, setting, range) in cases {
+        let scene = chain(sites, numbers);
+        let found = structure_orbits(&scene.model().unwrap(), &Word::of_family(family).unwrap(), 1).unwrap();
+        for orbit in breathers(&model(sites, numbers), family).unwrap().orbits {
+            let mut asked = Course::new(&orbit, free);
+            (asked.from, asked.to) = (range[0], range[1]);
+            let expected = &diagram(&orbit, &asked).unwrap().branches[0];
+            let is_it = |one: &&StructureOrbit| {
+                (one.impacts()[0].impulse - orbit.impacts()[0].impulse).abs() < 1e-9
+                    && one.psi().is_none_or(|psi| (psi - orbit.psi().unwrap()).abs() < 1e-8)
+            };
+            let own = branch(&scene, found.orbits.iter().find(is_it).unwrap(), setting, range);
+            let of = |found: (Event, f64, f64)| (found.0.name(), found.1, found.2);
+            let mine: Vec<_> = own.events().map(|one| of((one.event, one.value, one.error))).collect();
+            let theirs: Vec<_> = expected.events().map(|one| of((one.event, one.value, one.error))).collect();
+            let about = format!("{sites} {numbers:?} {family:?} {free:?}\n{mine:?}\n{theirs:?}\n{:?}", own.unresolved);
+            assert_eq!(mine.len(), theirs.len(), "{about}");
+            for (name, value, error) in &theirs {
+                let same = |one: &&(&str, f64, f64)| one.0 == *name && (one.1 - value).abs() <= 1e-12 + error + one.2;
+                assert_eq!(mine.iter().filter(same).count(), 1, "{name} at {value}: {about}");
+            }
+            assert_eq!(own.ends.len(), expected.ends.len());
+            compared += theirs.len();
+            met.extend(theirs.iter().map(|(name, ..)| *name));
+        }
+    }
+    assert!(compared > 50 && met.len() == 5, "{compared} {met:?}");
+}
+
+/// The whole grazing curve of a damped oscillator is A = d·√((1−ω²)² + c²ω²), through both resonances of its impacts.
+#[test]
+fn the_grazing_curve_of_a_damped_oscillator_is_known_by_hand() {
+    let mut scene = scene(
+        "omega = 0.8\n[structure]\nmasses = [1]\nstiffness = [[1]]\ndamping = [[0.1]]\n[[contact]]\nat = 0\nupper = 1\nrestitution = 0.8\n[force]\nload = [1]\n",
+    );
+    let grazing = |omega: f64| ((1.0 - omega * omega).powi(2) + 0.01 * omega * omega).sqrt();
+    scene.set(Setting::Load, 1.1 * grazing(0.8)).unwrap();
+    let found = structure_orbits(&scene.model().unwrap(), &"0+".parse().unwrap(), 1).unwrap();
+    let mut followed = 0;
+    for orbit in &found.orbits {
+        let own = branch(&scene, orbit, Setting::Load, [0.05, 2.0]);
+        let Some(event) =
+            own.events().find(|one| one.event == Event::Grazing && (one.value - grazing(0.8)).abs() < 1e-9)
+        else {
+            continue;
+        };
+        assert!((event.value - grazing(0.8)).abs() <= event.error + 1e-15, "{} ± {}", event.value, event.error);
+        let window = StructureWindow { from: [0.05, 0.45], to: [3.0, 1.9] };
+        let settings = [Setting::Load, Setting::Omega];
+        let answer =
+            structure_curve(event, &family(&scene, &settings), [event.value, 0.8], window, 1e-4, &Stop::default())
+                .unwrap();
+        assert!(answer.points.len() > 30);
+        for point in &answer.points {
+            let [load, omega] = point.values;
+            assert!((load - grazing(omega)).abs() < 1e-10, "{omega}: {load} {}", grazing(omega));
+        }
+        let reached = answer.points.iter().map(|point| point.values[1]);
+        let (least, most) = reached.fold((f64::INFINITY, 0.0_f64), |(a, b), omega| (a.min(omega), b.max(omega)));
+        assert!(least < 0.4501 && most > 1.8999, "{least} {most} {:?}", answer.ends);
+        followed += 1;
+    }
+    assert!(followed > 0);
+}
+
+/// A curve of period doublings, of folds and of Neimark–Sacker points is where the chain's own engine has it.
+#[test]
+fn curves_of_a_chain_without_dashpots_are_those_of_its_own_engine() {
+    let numbers = [0.2, 0.1, 1.07, 0.8, 0.165, 0.25];
+    let scene = chain(5, numbers);
+    let found = structure_orbits(&scene.model().unwrap(), &"0-".parse().unwrap(), 1).unwrap();
+    let window = StructureWindow { from: [0.12, 1.03], to: [0.3, 1.12] };
+    let settings = [Setting::Load, Setting::Omega];
+    let mut seen = BTreeSet::new();
+    for orbit in &found.orbits {
+        let own = branch(&scene, orbit, Setting::Load, [window.from[0], window.to[0]]);
+        for event in own.events().filter(|one| seen.insert(one.event.name())) {
+            let start = [event.value, 1.07];
+            let mine =
+                structure_curve(event, &family(&scene, &settings), start, window, 1e-4, &Stop::default()).unwrap();
+            let chains = breathers(&model(5, numbers), Family::SingleSided).unwrap().orbits;
+            let mut asked = Course::new(&chains[0], Parameter::Amplitude);
+            (asked.from, asked.to) = (window.from[0], window.to[0]);
+            let located = chains.iter().find_map(|orbit| {
+                let branches = diagram(orbit, &asked).ok()?;
+                let located = branches.branches[0]
+                    .events()
+                    .find(|one| one.event == event.event && (one.value - event.value).abs() < 1e-9)?;
+                Some(located.clone())
+            });
+            let located = located.unwrap();
+            let parameters = [Parameter::Amplitude, Parameter::Omega];
+            let theirs = curve(
+                &located.orbit,
+                located.event,
+                located.evidence,
+                &Window { parameters, from: window.from, to: window.to },
+                1e-4,
+            )
+            .unwrap();
+            assert!(mine.points.len() > 10 && theirs.points.len() > 10, "{}", event.event);
+            // Every point of one is on the other's line, and both reach as far.
+            for (points, line) in
+                [(places(&mine.points), places(&theirs.points)), (places(&theirs.points), places(&mine.points))]
+            {
+                for point in points {
+                    let off = line.windows(2).map(|ends| distance(&window, point, [ends[0], ends[1]]));
+                    let off = off.fold(f64::INFINITY, f64::min);
+                    assert!(off < 4e-4, "{}: {point:?} {off}\n{:?}\n{:?}", event.event, mine.ends, theirs.ends);
+                }
+            }
+            let special = |list: &[vibrochain_floquet::SpecialPoint]| -> Vec<Special> {
+                list.iter().map(|one| one.special).collect()
+            };
+            println!("{}: {:?} / {:?}", event.event, special(&mine.special), special(&theirs.special));
+        }
+    }
+    assert!(seen.len() >= 3, "{seen:?}");
+}
+
+fn places<O>(points: &[vibrochain_floquet::CurvePoint<O>]) -> Vec<[f64; 2]> {
+    points.iter().map(|point| point.values).collect()
+}
+
+/// How far a place is from a straight line between two others, as a part of the window's sides.
+fn distance(window: &StructureWindow, place: [f64; 2], ends: [[f64; 2]; 2]) -> f64 {
+    let place = window.parts(place);
+    let [from, to] = ends.map(|end| window.parts(end));
+    let (chord, away) = ([to[0] - from[0], to[1] - from[1]], [place[0] - from[0], place[1] - from[1]]);
+    let square = (chord[0] * chord[0] + chord[1] * chord[1]).max(f64::MIN_POSITIVE);
+    let share = ((away[0] * chord[0] + away[1] * chord[1]) / square).clamp(0.0, 1.0);
+    (away[0] - share * chord[0]).hypot(away[1] - share * chord[1])
+}
