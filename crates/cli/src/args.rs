@@ -19,7 +19,7 @@ use crate::common::tips;
 use crate::common::page_args::{PICTURES, PageArgs};
 
 pub use events::{AlongArgs, BranchArgs, CurveArgs, CurvesArgs, LocateArgs};
-pub use model::{ModelArgs, ParameterArgs, SiteFamily, StructureArgs, WhichArgs};
+pub use model::{ModelArgs, ParameterArgs, RowEnds, SiteFamily, StructureArgs, WhichArgs};
 pub use quantity::QuantityName;
 #[cfg(feature = "plot")]
 pub(crate) use quantity::{OF_BRANCHES, OF_MAPS, SHOWN};

@@ -33,6 +33,7 @@ pub(crate) type Lives = Option<Class>;
 /// # Errors
 /// [`CliError`].
 pub fn run(args: &CurvesArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    crate::structures::refuse_scene(&args.scene)?;
     let scene = Plan::read(&args.scene, args.threshold)?.scene;
     let files =
         [("--out", args.out.as_deref()), ("--points", args.points.as_deref()), ("--plot", args.plot.as_deref())];

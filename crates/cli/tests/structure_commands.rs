@@ -243,7 +243,7 @@ fn what_is_wrong_is_told() {
         ("orbit --scene scene.toml --set contact.0.gap=1", 2, "contact.N.upper"),
         ("orbit --scene scene.toml --gamma1 .2", 2, "of chains"),
         ("orbit --scene scene.toml --set load=0", 3, "without a load that changes"),
-        ("locate --scene scene.toml --word 0+ --event fold --free omega", 2, "orbit, simulate and sweep"),
+        ("locate --scene scene.toml --word 0+ --event fold --free omega", 2, "orbit, simulate, fate and sweep"),
         ("sweep scene.toml --out map.csv", 2, "sweeps nothing"),
         (
             "orbit --sites 3 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --damping .1 --family single-sided",
@@ -333,7 +333,7 @@ fn runs_repeat_orbits_and_settle_on_them() {
     desk.run("simulate --scene scene.toml --state state.json").with(2, &["beyond"]);
     fs::write(desk.path("state.json"), "{\"displacement\": [0.1], \"velocity\": [0]}").unwrap();
     desk.run("simulate --scene scene.toml --state state.json").with(2, &["needs 2"]);
-    desk.run("simulate --scene scene.toml --plot a.png").with(2, &["--plot is of chains"]);
+    desk.run("simulate --scene scene.toml --animate a.gif").with(2, &["--animate is of chains"]);
 }
 
 /// A damped chain from flags: its run on a stable orbit is that orbit.

@@ -50,7 +50,7 @@
 //! | [`Tangents`] | small perturbations of a run, to first order |
 //! | [`Growth`] | from what they have grown to an exponent and its error |
 //! | [`Simulation`] | the event loop |
-//! | [`StructureSimulation`] | the same of any linear structure with stops, in its modes |
+//! | [`StructureSimulation`], [`StructureTangents`] | the same of any linear structure with stops, in its modes |
 //!
 //! With the feature `serde` values are written by the names of `mapgen`'s tables; those without a [`Time`] are read, too.
 //!
@@ -77,6 +77,7 @@
 mod bound;
 mod cascade;
 mod collision;
+mod directions;
 mod engine;
 mod error;
 mod event;
@@ -100,7 +101,7 @@ pub use growth::{Exponent, Growth};
 pub use simulation::{Simulation, State};
 pub use structure::{
     ContactEvent, ContactState, EnergyBalance, StructureOutcome, StructureReport, StructureSimulation, StructureState,
-    StructureStateError,
+    StructureStateError, StructureTangents,
 };
 pub use tangent::{TangentError, Tangents};
 pub use time::Time;

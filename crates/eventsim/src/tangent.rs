@@ -21,18 +21,12 @@ use thiserror::Error;
 use vibrochain_lattice::{Ends, Model};
 
 use crate::collision::Change;
+use crate::directions::{Directions, MAX_VECTORS, random_vectors};
 use crate::engine::Engine;
 use crate::event::EventKind;
 use crate::series::{Extent, Rows, links};
-use crate::units::{MAX_ORDER, ORDERS, Units, spread};
+use crate::units::{MAX_ORDER, ORDERS, Units};
 use crate::weights::Weights;
-
-/// The most tangent vectors, lest their number be asked for with too many digits.
-const MAX_VECTORS: usize = 4096;
-
-/// Once the longest has grown, or the shortest shrunk, so many times, vectors are made orthonormal anew: neighbours in
-/// direction would otherwise lose as many digits.
-const GROWN: f64 = 1e8;
 
 /// What is wrong with tangent vectors.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -90,10 +84,7 @@ pub struct Tangents {
     links: Vec<[u32; 4]>,
     horizons: [f64; ORDERS.len()],
     /// Displacements and velocities of each vector, internal units.
-    vectors: Vec<[Vec<f64>; 2]>,
-    /// ln of what each direction has grown up to the last orthonormalisation.
-    logs: Vec<f64>,
-    grazed: bool,
+    directions: Directions,
     rows: Rows,
     scratch: [Vec<f64>; 2],
 }
@@ -104,18 +95,10 @@ impl Tangents {
     /// # Errors
     /// [`TangentError::Count`] if there are none, more than 4096 or more than two a mass.
     pub fn random(model: &Model, count: usize, seed: u64) -> Result<Self, TangentError> {
-        let mut seed = seed;
         let sites = model.chain().sites();
         Self::checked(count, sites)?;
-        // The first numbers of neighbouring seeds are neighbours, too.
-        (0..4).for_each(|_| {
-            spread(&mut seed);
-        });
-        let mut entries = || (0..sites).map(|_| spread(&mut seed)).collect();
-        let vectors = (0..count).map(|_| [entries(), entries()]).collect();
-        let mut tangents = Self::with(model, vectors);
-        tangents.orthonormalise();
-        tangents.logs.fill(0.0);
+        let mut tangents = Self::with(model, random_vectors(count, sites, seed));
+        tangents.directions.begin();
         Ok(tangents)
     }
 
@@ -152,9 +135,7 @@ impl Tangents {
             model: *model,
             links: links(&units.chain),
             horizons: units.free_horizons(),
-            logs: vec![0.0; vectors.len()],
-            vectors,
-            grazed: false,
+            directions: Directions::new(vectors),
             rows: Rows::new(sites),
             scratch: [vec![0.0; sites], vec![0.0; sites]],
             units,
@@ -163,24 +144,24 @@ impl Tangents {
 
     /// Number of vectors.
     pub fn count(&self) -> usize {
-        self.vectors.len()
+        self.directions.vectors.len()
     }
 
     /// Displacements and velocities of vector `i` as it is now, if there are so many: as the flow has left it since it was given, or
     /// made orthonormal.
     pub fn vector(&self, i: usize) -> Option<(Vec<f64>, Vec<f64>)> {
-        let [u, v] = self.vectors.get(i)?;
+        let [u, v] = self.directions.vectors.get(i)?;
         Some((u.clone(), v.iter().map(|v| v * self.units.scale).collect()))
     }
 
     /// Whether the run has grazed a barrier: no linear map goes through that, and growth and vectors mean nothing.
     pub fn has_grazed(&self) -> bool {
-        self.grazed
+        self.directions.grazed
     }
 
     /// What [`Tangents::orthonormalise`] has told last; zeros if the vectors have not been made orthonormal yet, by that or on the way.
     pub fn growth(&self) -> &[f64] {
-        &self.logs
+        &self.directions.logs
     }
 
     /// Makes the vectors orthonormal, in their order, and tells the logarithm of what each direction has grown since the
@@ -189,36 +170,7 @@ impl Tangents {
     ///
     /// A vector that outgrows the others 10⁸ times is seen to on the way.
     pub fn orthonormalise(&mut self) -> &[f64] {
-        for i in 0..self.vectors.len() {
-            let (before, rest) = self.vectors.split_at_mut(i);
-            let Some((own, before)) = rest.first_mut().map(|own| (own, before)) else { break };
-            // Twice is enough (Kahan): the second pass takes what rounding has left in the first.
-            for _ in 0..2 {
-                for other in &*before {
-                    let along = dot(own, other);
-                    for (x, y) in own.iter_mut().flatten().zip(other.iter().flatten()) {
-                        *x -= along * y;
-                    }
-                }
-            }
-            let length = dot(own, own).sqrt();
-            self.logs[i] += length.ln();
-            if length > 0.0 {
-                own.iter_mut().flatten().for_each(|x| *x /= length);
-            }
-        }
-        &self.logs
-    }
-
-    /// Sees to vectors whose lengths have come far apart.
-    fn keep_apart(&mut self) {
-        let far = |vector: &[Vec<f64>; 2]| {
-            let square = dot(vector, vector);
-            square > 0.0 && !(1.0 / (GROWN * GROWN)..=GROWN * GROWN).contains(&square)
-        };
-        if self.vectors.iter().any(far) {
-            self.orthonormalise();
-        }
+        self.directions.orthonormalise()
     }
 
     /// The vectors on a run that is at `now` since the base of its engine.
@@ -242,7 +194,7 @@ impl Tangents {
             let enough = self.horizons.iter().position(|&horizon| horizon >= left).unwrap_or(last);
             let (order, step) = (ORDERS[enough], left.min(self.horizons[enough]));
             weights.plain(step, order, &self.units.inverse_factorial);
-            for [u, v] in &mut self.vectors {
+            for [u, v] in &mut self.directions.vectors {
                 self.rows.data[1..=sites].copy_from_slice(u);
                 let stride = self.rows.stride;
                 self.rows.data[stride + 1..][..sites].copy_from_slice(v);
@@ -259,11 +211,11 @@ impl Tangents {
     fn change(&mut self, change: &Change) {
         let &Change { site, before, acceleration, kind, .. } = change;
         match kind {
-            EventKind::Impact if before == 0.0 => self.grazed = true,
+            EventKind::Impact if before == 0.0 => self.directions.grazed = true,
             EventKind::Impact => {
                 let restitution = self.units.restitution;
                 let kick = (1.0 + restitution) * acceleration / before;
-                for [u, v] in &mut self.vectors {
+                for [u, v] in &mut self.directions.vectors {
                     v[site] = kick * u[site] - restitution * v[site];
                     u[site] *= -restitution;
                 }
@@ -275,14 +227,10 @@ impl Tangents {
 
     /// A mass at rest has no perturbation.
     fn hold(&mut self, site: usize) {
-        for [u, v] in &mut self.vectors {
+        for [u, v] in &mut self.directions.vectors {
             (u[site], v[site]) = (0.0, 0.0);
         }
     }
-}
-
-fn dot(one: &[Vec<f64>; 2], other: &[Vec<f64>; 2]) -> f64 {
-    one.iter().flatten().zip(other.iter().flatten()).map(|(x, y)| x * y).sum()
 }
 
 /// Who is told of events while a run is under way, and must not touch it.
@@ -320,7 +268,7 @@ impl Company for Riders<'_> {
     fn meet(&mut self, engine: &Engine, now: f64, changes: &[Change]) {
         self.fly_to(engine, now);
         changes.iter().for_each(|change| self.tangents.change(change));
-        self.tangents.keep_apart();
+        self.tangents.directions.keep_apart();
         self.resting.clone_from(&engine.ring.resting);
     }
 }

@@ -10,7 +10,7 @@ use vibrochain_maps::sweep::{Block, Content, Ended, Job, Settings, Sink};
 use vibrochain_maps::table::{Form, Rows, TableFile};
 
 use crate::ensemble::Ensemble;
-use crate::fates::{CellFates, From, of_parts};
+use crate::fates::{CellFates, From, OfScene, of_parts};
 use crate::reader::Reader;
 use crate::table::{header, text};
 
@@ -111,7 +111,8 @@ impl Content for Fates {
         tick: &(dyn Fn(u64) + Sync),
         sink: Sink<'_, CellFates>,
     ) -> Ended<MapError> {
-        of_parts(job, &self.ensemble, self.from, parts, tick, |part, last, cell| {
+        let cells = OfScene { job, from: self.from };
+        of_parts(&cells, (job.pool, job.stop), &self.ensemble, parts, tick, |part, last, cell| {
             let cells = cell.number..cell.number + 1;
             let summary = Summary::of(&[cell.cell]);
             let text = text(job.scene, &cell)?;

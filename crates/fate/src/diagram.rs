@@ -2,13 +2,14 @@
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use vibrochain_breather::Orbit;
-use vibrochain_eventsim::{Outcome, Simulation};
+use vibrochain_eventsim::Simulation;
 use vibrochain_lattice::{Barrier, Model, Stop};
 use vibrochain_maps::cell::Worker;
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::sweep::{Ended, Job};
 
 use crate::ensemble::Ensemble;
+use crate::origin::Reached;
 use crate::run::reach;
 use crate::section::Strobe;
 use crate::start::Start;
@@ -127,7 +128,7 @@ impl Diagram<'_> {
                 return None;
             }
             // A whole period at a time before the first point, so that nothing takes long to be stopped.
-            if reach(&mut simulation, None, strobe.time(period), stop, |_| {})? != Outcome::TimeReached {
+            if reach(&mut simulation, None, strobe.time(period), stop, |_| {})? != Reached::Time {
                 return Some((incomplete(points), (u, v, psi)));
             }
             if period >= first {

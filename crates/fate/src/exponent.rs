@@ -10,12 +10,13 @@
 //! reasonable time. Then all directions ride along at once, and the multipliers are those of what a period makes of them.
 
 use thiserror::Error;
-use vibrochain_breather::{BreatherError, Orbit};
-use vibrochain_eventsim::{Limits, Outcome, StateError, TangentError, Tangents, Time};
+use vibrochain_breather::{BreatherError, Orbit, StructureOrbit, StructureOrbitError};
+use vibrochain_eventsim::Limits;
 use vibrochain_floquet::{Square, eigenvalues};
 use vibrochain_lattice::Stop;
 
-use crate::start::Start;
+use crate::follow::Track;
+use crate::origin::{Breather, OfStructure, Origin, Reached, Riding, Run};
 
 /// Once a perturbation has grown by e to this power the run is set back: rounding is then a hundredth of a millionth of the gap at
 /// most, and what is not linear in it some 1e-13 of the growth.
@@ -29,9 +30,6 @@ const ALONE: f64 = 1e-7;
 
 /// Where the estimate of all periods and that of half of them agree to this, more would not be seen: in the growth of a period.
 const SETTLED: f64 = 1e-11;
-
-/// Lattices on which all directions at once are no work.
-const FEW_MASSES: usize = 128;
 
 /// Periods before which nothing is settled, whatever it looks like.
 const LEAST: usize = 16;
@@ -53,12 +51,12 @@ pub enum Unmeasured {
     /// The motion of the breather is not defined.
     #[error(transparent)]
     Breather(#[from] BreatherError),
+    /// The motion of a structure's orbit is not defined.
+    #[error(transparent)]
+    Structure(#[from] StructureOrbitError),
     /// It cannot be a state of the simulation: a mass is behind its barrier.
-    #[error(transparent)]
-    State(#[from] StateError),
-    /// There can be no tangent vector.
-    #[error(transparent)]
-    Tangent(#[from] TangentError),
+    #[error("no simulation can start on this orbit: it is not physical")]
+    NoStart,
     /// The run does not follow the breather, or grazes a barrier.
     #[error("the simulation does not follow this breather for one period")]
     NotFollowed,
@@ -84,34 +82,45 @@ pub enum Unmeasured {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn measure(orbit: &Orbit, periods: u64, stop: &Stop) -> Result<Measured, Unmeasured> {
-    let model = orbit.model();
-    let start = Start::on(orbit)?;
-    let mut tangents = Tangents::random(model, 1, 1)?;
+    measure_from(&Breather::new(orbit)?, periods, stop)
+}
+
+/// The same of an orbit of a structure.
+///
+/// # Errors
+/// [`Unmeasured`].
+pub fn measure_structure(orbit: &StructureOrbit, periods: u64, stop: &Stop) -> Result<Measured, Unmeasured> {
+    measure_from(&OfStructure::on(orbit)?, periods, stop)
+}
+
+pub(crate) fn measure_from<O: Origin>(origin: &O, periods: u64, stop: &Stop) -> Result<Measured, Unmeasured> {
+    let track = origin.track();
+    let impacts: usize = track.instants.iter().map(Vec::len).sum();
+    let mut tangents = origin.tangent(1).ok_or(Unmeasured::NoStart)?;
     let mut states = [const { Vec::new() }; 3];
     let mut logs = [0.0; 3];
     let mut estimates: Vec<f64> = Vec::new();
-    // (An orbit's period is one or two of the force, or a few.)
-    let span = u64::from(orbit.force_periods());
-    let mut run = start.simulation(model)?;
-    let (mut since, mut grown) = (0, 0.0);
+    let started = || origin.run(None).ok_or(Unmeasured::NoStart);
+    let mut run = started()?;
+    let (mut since, mut grown, mut before) = (0, 0.0, 0);
     for period in 1..=periods.max(1) {
         if grown > SET_BACK || since == LONGEST {
-            (run, since, grown) = (start.simulation(model)?, 0, 0.0);
+            (run, since, grown, before) = (started()?, 0, 0.0, 0);
         }
         since += 1;
         if stop.is_raised() {
             return Err(Unmeasured::Stopped);
         }
-        let before = run.work().impacts;
-        let report = run.run_with(&mut tangents, &Limits::until(Time::new(model, since * span, 0.0)), |_| {})?;
-        let followed = report.outcome == Outcome::TimeReached
-            && report.work.impacts - before == orbit.impacts().len() as u64
-            && report.work.sticks == 0;
+        // (An orbit's period is one or two of the force, or a few.)
+        let limits = Limits::until(run.time_of(since * track.span));
+        let (ended, work) = run.advance(Some(&mut tangents), &limits, &mut |_| {}).ok_or(Unmeasured::NotFollowed)?;
         let log = tangents.orthonormalise()[0];
-        let state = tangents.vector(0).map(|(u, v)| [u, v].concat()).unwrap_or_default();
+        let state = tangents.vector(0).unwrap_or_default();
         // (Its own units, not those in which the tangents have length 1.)
         let length = dot(&state, &state).sqrt();
         let log = log + length.ln();
+        let followed = ended == Reached::Time && work.impacts - before == impacts as u64 && work.sticks == 0;
+        before = work.impacts;
         if !followed || tangents.has_grazed() || !log.is_finite() {
             return Err(Unmeasured::NotFollowed);
         }
@@ -133,41 +142,37 @@ pub fn measure(orbit: &Orbit, periods: u64, stop: &Stop) -> Result<Measured, Unm
     let late = &estimates[estimates.len() / 2..];
     let moved = late.iter().fold(0.0, |most: f64, estimate| most.max((estimate - last).abs()));
     let periods = estimates.len() as u64 + 2;
-    let scale = orbit.period();
     let settled = estimates.len() >= LEAST && moved <= SETTLED;
-    if !settled && model.chain().sites() <= FEW_MASSES {
-        return in_all_directions(orbit, &start)
-            .map(|measured| Measured { periods: periods + measured.periods, ..measured });
+    if !settled && let Some((tangents, count)) = origin.directions() {
+        let measured = in_all_directions(&track, started()?, tangents, count);
+        return measured.map(|measured| Measured { periods: periods + measured.periods, ..measured });
     }
-    Ok(Measured { value: last / scale, error: moved / scale, periods })
+    Ok(Measured { value: last / track.period, error: moved / track.period, periods })
 }
 
-/// The same from all directions at once: tangent vectors along every displacement and velocity, over one period and over two.
-fn in_all_directions(orbit: &Orbit, start: &Start) -> Result<Measured, Unmeasured> {
-    let model = orbit.model();
-    let sites = model.chain().sites();
-    let unit = |i: usize| (0..sites).map(|n| f64::from(u8::from(n == i))).collect::<Vec<_>>();
-    let units: Vec<_> = (0..2 * sites).map(|i| (unit(i), unit(i.wrapping_sub(sites)))).collect();
-    let mut run = start.simulation(model)?;
-    let mut tangents = Tangents::of(model, &units)?;
+/// The same from all directions at once: tangent vectors along each of them, over one period and over two.
+fn in_all_directions<R: Run>(
+    track: &Track,
+    mut run: R,
+    mut tangents: R::Tangents,
+    size: usize,
+) -> Result<Measured, Unmeasured> {
     let mut logs = [0.0; 2];
     for (count, log) in (1..).zip(&mut logs) {
-        let end = Time::new(model, count * u64::from(orbit.force_periods()), 0.0);
-        let report = run.run_with(&mut tangents, &Limits::until(end), |_| {})?;
-        if report.outcome != Outcome::TimeReached || tangents.has_grazed() {
+        let limits = Limits::until(run.time_of(count * track.span));
+        let (ended, _) = run.advance(Some(&mut tangents), &limits, &mut |_| {}).ok_or(Unmeasured::NotFollowed)?;
+        if ended != Reached::Time || tangents.has_grazed() {
             return Err(Unmeasured::NotFollowed);
         }
-        let columns: Vec<Vec<f64>> =
-            (0..2 * sites).filter_map(|i| tangents.vector(i)).map(|(u, v)| [u, v].concat()).collect();
+        let columns: Vec<Vec<f64>> = (0..size).filter_map(|i| tangents.vector(i)).collect();
         // By columns: the transpose, which has the same multipliers. (Vectors made orthonormal on the way are none of it.)
         let whole = tangents.growth().iter().all(|log| *log == 0.0);
-        let flow = Square::from_rows(2 * sites, columns.concat()).filter(|_| whole).ok_or(Unmeasured::NotFollowed)?;
+        let flow = Square::from_rows(size, columns.concat()).filter(|_| whole).ok_or(Unmeasured::NotFollowed)?;
         let mut multipliers = Vec::new();
         eigenvalues(&flow, &mut multipliers).map_err(|_| Unmeasured::NotFollowed)?;
         *log = multipliers.iter().fold(0.0, |most: f64, z| most.max(z.norm())).ln() / count as f64;
     }
-    let scale = orbit.period();
-    Ok(Measured { value: logs[0] / scale, error: (logs[1] - logs[0]).abs() / scale, periods: 2 })
+    Ok(Measured { value: logs[0] / track.period, error: (logs[1] - logs[0]).abs() / track.period, periods: 2 })
 }
 
 /// ln of the larger modulus of the two multipliers that explain three states of length 1 in a row, between which the growth was

@@ -5,9 +5,10 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+use rayon::ThreadPool;
 use rayon::iter::{IntoParallelRefIterator, ParallelBridge, ParallelIterator};
 use vibrochain_breather::{Finder, Orbit, Word};
-use vibrochain_floquet::{Analyser, Tolerance};
+use vibrochain_floquet::{Analyser, Stability, Tolerance};
 use vibrochain_lattice::{Point, Stop};
 use vibrochain_maps::cell::{Cell, Worker};
 use vibrochain_maps::summary::Summary;
@@ -15,7 +16,8 @@ use vibrochain_maps::sweep::{Ended, Job};
 
 use crate::end::End;
 use crate::ensemble::Ensemble;
-use crate::exponent::{Measured, measure};
+use crate::exponent::{Measured, measure_from};
+use crate::origin::{Breather, Origin};
 use crate::run::{Fate, Home};
 
 /// Runs of a block of cells, at whose end threads wait for each other: a hundred kilobytes, and a second of work or more.
@@ -34,11 +36,13 @@ pub enum From {
     Every,
     /// Every one that is unstable.
     Unstable,
+    /// None: of a structure, rest under its static load.
+    Rest,
 }
 
 impl From {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Class, Self::Every, Self::Unstable];
+    pub const ALL: [Self; 4] = [Self::Class, Self::Every, Self::Unstable, Self::Rest];
 
     /// Its name on the command line.
     #[must_use]
@@ -47,6 +51,7 @@ impl From {
             Self::Class => "class",
             Self::Every => "every",
             Self::Unstable => "unstable",
+            Self::Rest => "rest",
         }
     }
 
@@ -108,7 +113,7 @@ impl BreatherFates {
         self.ends.iter().sum()
     }
 
-    fn of(departure: &Departure, measured: Option<Measured>, fates: &[Fate]) -> Self {
+    fn of<O>(departure: &Departure<O>, measured: Option<Measured>, fates: &[Fate]) -> Self {
         let mut words = BTreeMap::new();
         let mut ends = [0; End::NAMES.len()];
         for fate in fates {
@@ -149,11 +154,11 @@ fn mean(values: &[f64]) -> Option<(f64, Option<f64>)> {
 
 /// A cell, and what becomes of what lives there.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CellFates {
+pub struct CellFates<P = Point> {
     /// Its number in the scene.
     pub number: u64,
-    /// Its point.
-    pub point: Point,
+    /// Its point; of a structure's scene the values of its axes.
+    pub point: P,
     /// What a sweep finds there.
     pub cell: Cell,
     /// Those of its breathers that were asked for.
@@ -161,18 +166,35 @@ pub struct CellFates {
 }
 
 /// A breather with all that its runs need.
-struct Departure {
-    number: u32,
-    name: String,
-    spectral_radius: Option<f64>,
-    predicted: Option<f64>,
-    home: Home,
+pub(crate) struct Departure<O> {
+    pub(crate) number: u32,
+    pub(crate) name: String,
+    pub(crate) spectral_radius: Option<f64>,
+    pub(crate) predicted: Option<f64>,
+    /// Whether runs start on an orbit, whose exponent can be measured.
+    pub(crate) measured: bool,
+    pub(crate) home: Home<O>,
 }
 
 /// A cell before its runs.
-struct Found {
-    cell: Cell,
-    departures: Vec<Departure>,
+pub(crate) struct Found<O> {
+    pub(crate) cell: Cell,
+    pub(crate) departures: Vec<Departure<O>>,
+}
+
+/// What finds whence runs start in the cells of a scene.
+pub(crate) trait Cells: Sync {
+    type Origin: Origin;
+    /// A cell's place in the scene.
+    type Point;
+    type Worker;
+
+    fn worker(&self) -> Self::Worker;
+
+    fn point(&self, number: u64) -> Self::Point;
+
+    /// What lives in a cell, and whence runs start. `None` if stopped.
+    fn find(&self, number: u64, worker: &mut Self::Worker) -> Option<Found<Self::Origin>>;
 }
 
 /// What one thread does at a time.
@@ -199,17 +221,21 @@ pub fn fates<E>(
     mut sink: impl FnMut(CellFates) -> Result<(), E>,
 ) -> Ended<E> {
     let whole = 0..job.scene.cells();
-    of_parts(job, ensemble, from, &[whole], tick, |_, _, cell| sink(cell))
+    let cells = OfScene { job, from };
+    of_parts(&cells, (job.pool, job.stop), ensemble, &[whole], tick, |_, _, cell| sink(cell))
 }
 
+/// Threads, and what ends their work.
+pub(crate) type Crew<'a> = (&'a ThreadPool, &'a Stop);
+
 /// As [`fates()`], of the cells of `parts`. `sink` learns which of the parts a cell is of, and whether it is its last.
-pub(crate) fn of_parts<E>(
-    job: &Job<'_>,
+pub(crate) fn of_parts<S: Cells, E>(
+    cells: &S,
+    crew: Crew<'_>,
     ensemble: &Ensemble,
-    from: From,
     parts: &[Range<u64>],
     tick: impl Fn(u64) + Sync,
-    mut sink: impl FnMut(usize, bool, CellFates) -> Result<(), E>,
+    mut sink: impl FnMut(usize, bool, CellFates<S::Point>) -> Result<(), E>,
 ) -> Ended<E> {
     // Blocks go on over the ends of parts, which may be shorter than what keeps many threads at work.
     let block = (BLOCK / ensemble.starts.max(1)).max(1) as usize;
@@ -224,7 +250,7 @@ pub(crate) fn of_parts<E>(
         if places.is_empty() {
             return Ended::Complete(total);
         }
-        let ended = of_block(job, ensemble, from, &places, &tick, |place, cell| {
+        let ended = of_block(cells, crew, ensemble, &places, &tick, |place, cell| {
             total.count(&cell.cell);
             sink(place.part, place.last, cell)
         });
@@ -265,24 +291,24 @@ impl<T> Iterator for InOrder<T> {
 
 /// Computes the cells of one block, and hands on each as soon as it and those before it are finished: whoever keeps them loses
 /// little by a kill.
-fn of_block<E>(
-    job: &Job<'_>,
+fn of_block<S: Cells, E>(
+    cells: &S,
+    (pool, stop): Crew<'_>,
     ensemble: &Ensemble,
-    from: From,
     places: &[Place],
     tick: &(impl Fn(u64) + Sync),
-    mut sink: impl FnMut(&Place, CellFates) -> Result<(), E>,
+    mut sink: impl FnMut(&Place, CellFates<S::Point>) -> Result<(), E>,
 ) -> Ended<E, ()> {
-    let worker = || Worker::new(job.scene.base.sites()).until(job.stop);
-    let find = |worker: &mut Worker, place: &Place| {
-        let found = find(job, from, place.cell, worker)?;
+    let find = |worker: &mut S::Worker, place: &Place| {
+        let found = cells.find(place.cell, worker)?;
         if found.departures.is_empty() {
             tick(ensemble.starts);
         }
         Some(found)
     };
-    let found: Vec<Option<Found>> = job.pool.install(|| places.par_iter().map_init(worker, find).collect());
-    let mut work: Vec<(&Departure, u64, u64, Work)> = Vec::new();
+    let found: Vec<Option<Found<S::Origin>>> =
+        pool.install(|| places.par_iter().map_init(|| cells.worker(), find).collect());
+    let mut work: Vec<(&Departure<S::Origin>, u64, u64, Work)> = Vec::new();
     for (found, place) in found.iter().zip(places) {
         for (breather, departure) in (0..).zip(found.iter().flat_map(|found| &found.departures)) {
             work.push((departure, place.cell, breather, Work::Measure));
@@ -290,19 +316,20 @@ fn of_block<E>(
         }
     }
     let closed = AtomicBool::new(false);
-    let run = |(departure, cell, breather, work): (&Departure, u64, u64, Work)| -> Option<Done> {
+    let run = |(departure, cell, breather, work): (&Departure<S::Origin>, u64, u64, Work)| -> Option<Done> {
         if closed.load(Ordering::Relaxed) {
             return None;
         }
         let start = match work {
             Work::Measure => {
-                let measured = measure(departure.home.orbit(), MEASURED, job.stop).ok();
-                return (!job.stop.is_raised()).then_some(Done::Measured(measured));
+                let measure = || measure_from(&departure.home.origin, MEASURED, stop).ok();
+                let measured = if departure.measured { measure() } else { None };
+                return (!stop.is_raised()).then_some(Done::Measured(measured));
             }
             Work::Run(start) => start,
         };
         let seed = ensemble.seed_of(cell, departure.number.into(), start);
-        let fate = departure.home.run(ensemble, seed, job.stop)?;
+        let fate = departure.home.run(ensemble, seed, stop)?;
         if breather == 0 {
             tick(1);
         }
@@ -310,26 +337,26 @@ fn of_block<E>(
     };
     // Whoever collects may have gone.
     let each = |sender: &mut Sender<_>, (place, work)| drop(sender.send((place, run(work))));
-    job.pool.in_place_scope(|scope| {
+    pool.in_place_scope(|scope| {
         let (sender, receiver) = channel();
         let each = &each;
         // Taken in order.
         scope.spawn(move |_| work.into_iter().enumerate().par_bridge().for_each_with(sender, each));
         let mut done = InOrder { receiver, waiting: BTreeMap::new(), next: 0 };
-        let ended = collect(job, ensemble, places, &found, &mut done, &mut sink);
+        let ended = collect(cells, ensemble, places, &found, &mut done, &mut sink);
         closed.store(true, Ordering::Relaxed);
         ended
     })
 }
 
 /// Puts runs together to cells.
-fn collect<E>(
-    job: &Job<'_>,
+fn collect<S: Cells, E>(
+    cells: &S,
     ensemble: &Ensemble,
     places: &[Place],
-    found: &[Option<Found>],
+    found: &[Option<Found<S::Origin>>],
     done: &mut InOrder<Option<Done>>,
-    sink: &mut impl FnMut(&Place, CellFates) -> Result<(), E>,
+    sink: &mut impl FnMut(&Place, CellFates<S::Point>) -> Result<(), E>,
 ) -> Ended<E, ()> {
     for (found, place) in found.iter().zip(places) {
         let Some(found) = found else { return Ended::Stopped };
@@ -345,7 +372,7 @@ fn collect<E>(
             }
             breathers.push(BreatherFates::of(departure, measured, &fates));
         }
-        let cell = CellFates { number: place.cell, point: job.scene.point(place.cell), cell: found.cell, breathers };
+        let cell = CellFates { number: place.cell, point: cells.point(place.cell), cell: found.cell, breathers };
         if let Err(error) = sink(place, cell) {
             return Ended::Failed(error);
         }
@@ -353,39 +380,62 @@ fn collect<E>(
     Ended::Complete(())
 }
 
-/// What lives in a cell, and whence runs start. `None` if stopped.
-fn find(job: &Job<'_>, from: From, number: u64, worker: &mut Worker) -> Option<Found> {
-    // The scene's corners were checked, so that every point between is a valid model.
-    let model = job.scene.point(number).model().ok()?;
-    let (mut orbits, mut count): (Vec<(u32, Orbit)>, _) = (Vec::new(), 0);
-    let cell = worker.examine(&model, &job.scene.task, |orbit, best| {
-        count += 1;
-        if from == From::Class && best {
-            orbits.clear();
-        }
-        if from != From::Class || best {
-            orbits.push((count, orbit.clone()));
-        }
-    });
-    let tolerance = job.scene.task.tolerance;
-    let departures = orbits.iter().filter_map(|(number, orbit)| departure(*number, orbit, tolerance, job.stop));
-    let asked = |(_, unstable): &(Departure, bool)| from != From::Unstable || *unstable;
-    let departures = departures.filter(asked).map(|(departure, _)| departure).collect();
-    // What was stopped is not known.
-    (!job.stop.is_raised()).then_some(Found { cell, departures })
+/// The cells of a chain's scene.
+pub(crate) struct OfScene<'a> {
+    pub(crate) job: &'a Job<'a>,
+    pub(crate) from: From,
+}
+
+impl Cells for OfScene<'_> {
+    type Origin = Breather;
+    type Point = Point;
+    type Worker = Worker;
+
+    fn worker(&self) -> Worker {
+        Worker::new(self.job.scene.base.sites()).until(self.job.stop)
+    }
+
+    fn point(&self, number: u64) -> Point {
+        self.job.scene.point(number)
+    }
+
+    fn find(&self, number: u64, worker: &mut Worker) -> Option<Found<Breather>> {
+        let Self { job, from } = *self;
+        // The scene's corners were checked, so that every point between is a valid model.
+        let model = job.scene.point(number).model().ok()?;
+        let (mut orbits, mut count): (Vec<(u32, Orbit)>, _) = (Vec::new(), 0);
+        let cell = worker.examine(&model, &job.scene.task, |orbit, best| {
+            count += 1;
+            if from == From::Class && best {
+                orbits.clear();
+            }
+            if from != From::Class || best {
+                orbits.push((count, orbit.clone()));
+            }
+        });
+        let tolerance = job.scene.task.tolerance;
+        let departures = orbits.iter().filter_map(|(number, orbit)| departure(*number, orbit, tolerance, job.stop));
+        let asked = |(_, unstable): &(Departure<Breather>, bool)| from != From::Unstable || *unstable;
+        let departures = departures.filter(asked).map(|(departure, _)| departure).collect();
+        // What was stopped is not known.
+        (!job.stop.is_raised()).then_some(Found { cell, departures })
+    }
 }
 
 /// Whence runs start, and whether the breather is unstable, as the scene counts it.
-fn departure(number: u32, orbit: &Orbit, tolerance: Tolerance, stop: &Stop) -> Option<(Departure, bool)> {
+fn departure(number: u32, orbit: &Orbit, tolerance: Tolerance, stop: &Stop) -> Option<(Departure<Breather>, bool)> {
     let home = Home::of(orbit).ok()?;
     let mut finder = Finder::new(orbit.model().chain().sites()).until(stop);
     let known = Analyser::default().stability(orbit, &mut finder, tolerance).ok();
     let unstable = known.as_ref().is_some_and(|known| !known.verdict.stable && !known.verdict.marginal);
     let spectral_radius = known.as_ref().map(|known| known.verdict.spectral_radius);
-    let predicted = known.filter(|known| !known.multipliers.is_empty()).map(|known| {
-        let largest = known.multipliers.iter().fold(0.0, |most: f64, multiplier| most.max(multiplier.norm()));
-        // On the circle exactly, as structure keeps it, it has no rounding.
-        if known.verdict.spectral_radius == 1.0 { 0.0 } else { largest.ln() / orbit.period() }
-    });
-    Some((Departure { number, name: orbit.name(), spectral_radius, predicted, home }, unstable))
+    let predicted = known.and_then(|known| predicted(&known, orbit.period()));
+    Some((Departure { number, name: orbit.name(), spectral_radius, predicted, measured: true, home }, unstable))
+}
+
+/// ln|μ|/T of the largest multiplier.
+pub(crate) fn predicted(known: &Stability, period: f64) -> Option<f64> {
+    let largest = known.multipliers.iter().map(|multiplier| multiplier.norm()).reduce(f64::max)?;
+    // On the circle exactly, as structure keeps it, it has no rounding.
+    Some(if known.verdict.spectral_radius == 1.0 { 0.0 } else { largest.ln() / period })
 }

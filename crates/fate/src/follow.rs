@@ -16,7 +16,7 @@ pub(crate) struct Expected {
 
 /// The impacts of a breather by instants, and what deviations are measured by.
 #[derive(Debug, Clone)]
-pub(crate) struct Track {
+pub struct Track {
     pub(crate) instants: Vec<Vec<Expected>>,
     /// The largest velocity at an impact.
     pub(crate) fastest: f64,
@@ -101,7 +101,8 @@ impl<'a> Follower<'a> {
 
     /// Takes note of an event.
     pub(crate) fn see(&mut self, event: &Event) {
-        if self.left.is_none() && self.deviation(event) > self.limit {
+        let is_watched = self.left.is_none() && !self.track.instants.is_empty();
+        if is_watched && self.deviation(event) > self.limit {
             self.left = Some(event.time.periods() as f64 + event.time.part());
         }
     }
@@ -139,7 +140,8 @@ impl<'a> Follower<'a> {
     /// Takes note that nothing else has happened up to `time`: an impact that is overdue is missed.
     pub(crate) fn reach(&mut self, time: Time) {
         let waited = self.since_last(time).unwrap_or_else(|| time.to_f64());
-        if self.left.is_none() && waited > (1.0 + self.limit) * self.track.period {
+        let is_watched = self.left.is_none() && !self.track.instants.is_empty();
+        if is_watched && waited > (1.0 + self.limit) * self.track.period {
             self.left = Some(time.periods() as f64 + time.part());
         }
     }

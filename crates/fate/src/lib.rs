@@ -10,7 +10,7 @@
 //! | [`Ensemble`] | what is asked, within limits; seeds |
 //! | [`Home`], [`Fate`] | one run |
 //! | [`Witness`] | one run that somebody else carries on |
-//! | [`fates()`] | all cells of a scene, in parallel, in order |
+//! | [`fates()`], [`StructureFates`] | all cells of a scene, in parallel, in order |
 //! | [`Strobe`], [`Diagram`] | sections, and bifurcation diagrams by simulation |
 //! | [`table`] | columns and rows, written and read back |
 //! | [`Fates`] | all that is asked of a scene, as chunks and tables have it |
@@ -42,11 +42,13 @@ mod ensemble;
 mod exponent;
 mod fates;
 mod follow;
+mod origin;
 mod reader;
 mod repeat;
 mod run;
 mod section;
 mod start;
+mod structures;
 pub mod table;
 mod witness;
 
@@ -54,10 +56,12 @@ pub use content::Fates;
 pub use diagram::{Column, Diagram, MAX_POINTS, SectionPoint};
 pub use end::End;
 pub use ensemble::{Ensemble, OutOfRange};
-pub use exponent::{Measured, Unmeasured, measure};
+pub use exponent::{Measured, Unmeasured, measure, measure_structure};
 pub use fates::{BreatherFates, CellFates, From, fates};
+pub use origin::{Breather, OfStructure};
 pub use reader::Reader;
 pub use run::{Fate, Home, LOOKED_AT};
 pub use section::Strobe;
 pub use start::{ModeShape, Start};
+pub use structures::StructureFates;
 pub use witness::{Outcome, Pattern, Witness};

@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 
 use vibrochain_breather::{Letter, MAX_IMPACTS, Word};
 use vibrochain_eventsim::{Event, EventKind};
-use vibrochain_lattice::{Barrier, Layout};
+use vibrochain_lattice::Barrier;
 
 use crate::follow::Track;
 
@@ -17,11 +17,22 @@ const MOST: usize = 64 * MAX_IMPACTS;
 /// A sequence must be seen so often before it is said to repeat.
 const REPETITIONS: usize = 4;
 
+/// One of the impacts of an instant.
 #[derive(Debug, Clone, Copy)]
-struct Hit {
-    site: usize,
-    barrier: Barrier,
+pub struct Hit {
+    /// The mass, or the contact.
+    pub(crate) site: usize,
+    pub(crate) barrier: Barrier,
     velocity: f64,
+}
+
+/// The word of impacts by instants, with the site and the layer of each mass.
+pub(crate) fn word_of(instants: Vec<Vec<Hit>>, place: impl Fn(usize) -> (usize, usize)) -> Option<Word> {
+    let letter = |hit: &Hit| {
+        let (site, layer) = place(hit.site);
+        Letter { site, layer, barrier: hit.barrier }
+    };
+    Word::new(instants.iter().map(|hits| hits.iter().map(letter).collect()).collect()).ok()
 }
 
 /// Impacts at one time.
@@ -147,14 +158,9 @@ impl Latest {
         (0..own).any(|at| (0..count).all(|i| matches(at, i)))
     }
 
-    /// The word of what repeats, if something does.
-    pub(crate) fn word(&self, layout: &Layout, tolerance: f64, forced: bool) -> Option<Word> {
+    /// What repeats, if something does.
+    pub(crate) fn repeated(&self, tolerance: f64, forced: bool) -> Option<Vec<Vec<Hit>>> {
         let length = self.cycle(tolerance, forced)?;
-        let letter = |hit: &Hit| {
-            let (site, layer) = layout.place(hit.site);
-            Letter { site, layer, barrier: hit.barrier }
-        };
-        let instants = self.instants.iter().take(length).map(|instant| instant.hits.iter().map(letter).collect());
-        Word::new(instants.collect()).ok()
+        Some(self.instants.iter().take(length).map(|instant| instant.hits.clone()).collect())
     }
 }

@@ -1,14 +1,14 @@
 //! One run from a perturbed breather: how it ends, and when it leaves.
 
-use vibrochain_breather::{BreatherError, Orbit};
-use vibrochain_eventsim::{Event, Exponent, Growth, Limits, MAX_FLIGHTS, Outcome, Simulation, Tangents, Time};
+use vibrochain_breather::{BreatherError, Orbit, StructureModel, StructureOrbit, StructureOrbitError};
+use vibrochain_eventsim::{Event, Exponent, Growth, Limits, MAX_FLIGHTS, Time};
 use vibrochain_lattice::Stop;
 
 use crate::end::End;
 use crate::ensemble::Ensemble;
 use crate::follow::{Follower, Track};
+use crate::origin::{Breather, OfStructure, Origin, Reached, Riding, Run};
 use crate::repeat::Latest;
-use crate::start::Start;
 
 /// Periods at the end whose impacts are looked at: enough for a slow drift to show, few enough for a run that has just settled.
 pub const LOOKED_AT: u64 = 64;
@@ -27,12 +27,11 @@ const TOLD_APART: u64 = 256;
 /// Standard errors that an exponent must be away from zero.
 const CLEARLY: f64 = 3.0;
 
-/// A breather to start from, with what every run from it needs.
+/// A breather to start from, or another origin, with what every run from it needs.
 #[derive(Debug, Clone)]
-pub struct Home {
-    orbit: Orbit,
+pub struct Home<O = Breather> {
+    pub(crate) origin: O,
     track: Track,
-    start: Start,
 }
 
 /// What has become of one run.
@@ -52,33 +51,51 @@ impl Home {
     /// # Errors
     /// [`BreatherError`] if its motion is not defined.
     pub fn of(orbit: &Orbit) -> Result<Self, BreatherError> {
-        Ok(Self { track: Track::of(orbit), start: Start::on(orbit)?, orbit: orbit.clone() })
+        Ok(Self::with(Breather::new(orbit)?))
     }
 
     /// The breather.
     #[must_use]
     pub fn orbit(&self) -> &Orbit {
-        &self.orbit
+        &self.origin.orbit
+    }
+}
+
+impl Home<OfStructure> {
+    /// Prepares runs from an orbit of a structure.
+    ///
+    /// # Errors
+    /// [`StructureOrbitError`] if its motion is not defined.
+    pub fn of_structure(orbit: &StructureOrbit) -> Result<Self, StructureOrbitError> {
+        Ok(Self::with(OfStructure::on(orbit)?))
+    }
+
+    /// Prepares runs from a structure at rest under its static load: what it settles on by itself.
+    #[must_use]
+    pub fn at_rest(model: &StructureModel) -> Self {
+        Self::with(OfStructure::at_rest(model))
+    }
+}
+
+impl<O: Origin> Home<O> {
+    fn with(origin: O) -> Self {
+        Self { track: origin.track(), origin }
     }
 
     /// Runs from a perturbation drawn from `seed`. `None` if the stop flag is raised.
     #[must_use]
     pub fn run(&self, ensemble: &Ensemble, seed: u64, stop: &Stop) -> Option<Fate> {
-        let model = self.orbit.model();
-        let mut start = self.start.clone();
-        start.perturb_at_random(model, ensemble.size, seed);
         let incomplete = |left| Some(Fate { end: End::Incomplete, left, exponent: None });
-        let (Ok(mut simulation), Ok(mut tangents)) = (start.simulation(model), Tangents::random(model, 1, seed)) else {
-            return incomplete(None);
-        };
-        let mut follower = Follower::new(&self.track, start.time, ensemble.leave);
+        let started = self.origin.run(Some((ensemble.size, seed))).zip(self.origin.tangent(seed));
+        let Some((mut simulation, mut tangents)) = started else { return incomplete(None) };
+        let mut follower = Follower::new(&self.track, self.origin.time(), ensemble.leave);
         let mut latest = Latest::default();
         let close = CLOSE * ensemble.tolerance.min(self.track.shortest_wait() / self.track.unit);
         let (skipped, periods) = (ensemble.skipped(), ensemble.periods);
         let looked_at = periods - LOOKED_AT.min(periods - skipped);
         let mut growth = None;
         for period in 1..=periods {
-            let until = Time::new(model, period, 0.0);
+            let until = simulation.time_of(period);
             let observe = |event: &Event| {
                 follower.see(event);
                 if period > looked_at {
@@ -88,12 +105,12 @@ impl Home {
             let riders = (period > skipped).then_some(&mut tangents);
             let reached = reach(&mut simulation, riders, until, stop, observe)?;
             follower.reach(simulation.time());
-            if reached != Outcome::TimeReached {
+            if reached != Reached::Time {
                 return incomplete(follower.left());
             }
             if period > skipped {
                 let now = simulation.time().to_f64();
-                let growth = growth.get_or_insert_with(|| Growth::from(now - model.period(), 0.0));
+                let growth = growth.get_or_insert_with(|| Growth::from(now - self.track.unit, 0.0));
                 growth.reach(now, tangents.orthonormalise()[0]);
             } else if period == skipped {
                 growth = Some(Growth::from(simulation.time().to_f64(), 0.0));
@@ -106,16 +123,17 @@ impl Home {
     }
 
     fn end(&self, mut latest: Latest, grown: Option<f64>, exponent: Option<Exponent>, ensemble: &Ensemble) -> End {
-        let (model, tolerance) = (self.orbit.model(), ensemble.tolerance);
+        let tolerance = ensemble.tolerance;
         if latest.is_empty() {
             return End::Quiet;
         }
         latest.trim();
-        if latest.is(&self.track, self.start.time, tolerance) {
+        if latest.is(&self.track, self.origin.time(), tolerance) {
             return End::Breather;
         }
-        if let Some(word) = latest.word(&model.chain().layout(), tolerance, self.track.forced) {
-            return End::Another(word.canonical(model));
+        let repeated = latest.repeated(tolerance, self.track.forced);
+        if let Some(word) = repeated.and_then(|instants| self.origin.word(instants)) {
+            return End::Another(word);
         }
         // What a power of time allows.
         let looked_at = ensemble.periods - ensemble.skipped();
@@ -129,27 +147,22 @@ impl Home {
 }
 
 /// Carries a run to a time, in portions of work, with tangent vectors or without. `None` if the stop flag is raised.
-pub(crate) fn reach(
-    simulation: &mut Simulation,
-    mut tangents: Option<&mut Tangents>,
+pub(crate) fn reach<R: Run>(
+    run: &mut R,
+    mut tangents: Option<&mut R::Tangents>,
     until: Time,
     stop: &Stop,
     mut observe: impl FnMut(&Event),
-) -> Option<Outcome> {
-    let portion = Limits::portion(simulation.model().chain().sites());
-    let limits = Limits { flights: portion, ..Limits::until(until) };
+) -> Option<Reached> {
+    let limits = Limits { flights: run.portion(), ..Limits::until(until) };
     loop {
         if stop.is_raised() {
             return None;
         }
-        let report = match &mut tangents {
-            // (They are of this model.)
-            Some(tangents) => simulation.run_with(tangents, &limits, &mut observe).ok()?,
-            None => simulation.run(&limits, &mut observe),
-        };
-        let flights = report.work.windows + report.work.restarts;
-        if report.outcome != Outcome::WorkLimit || flights > MAX_FLIGHTS {
-            return Some(report.outcome);
+        // (They are of this model.)
+        let (ended, work) = run.advance(tangents.as_deref_mut(), &limits, &mut observe)?;
+        if ended != Reached::WorkLimit || work.windows + work.restarts > MAX_FLIGHTS {
+            return Some(ended);
         }
     }
 }

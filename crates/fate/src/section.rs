@@ -6,7 +6,7 @@ use vibrochain_lattice::Model;
 /// The instants of a section along a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Strobe {
-    model: Model,
+    period: f64,
     /// Time of the first, in periods since the start: 0 ≤ first < 1.
     first: f64,
 }
@@ -26,14 +26,20 @@ impl Strobe {
     /// ```
     #[must_use]
     pub fn new(model: &Model, psi: f64, phase: f64) -> Self {
-        let first = (phase - psi / model.period()).rem_euclid(1.0);
+        Self::of_period(model.period(), psi, phase)
+    }
+
+    /// The same under a force of any period: the loads of a structure.
+    #[must_use]
+    pub fn of_period(period: f64, psi: f64, phase: f64) -> Self {
+        let first = (phase - psi / period).rem_euclid(1.0);
         // What rounding puts a hair before the start is at the start; so is a whole period.
         let first = if first > 1.0 - 4.0 * f64::EPSILON { 0.0 } else { first };
-        Self { model: *model, first }
+        Self { period, first }
     }
 
     /// The instant number `i`, from 0.
     pub fn time(&self, i: u64) -> Time {
-        Time::new(&self.model, i, self.first)
+        Time::of_period(self.period, i, self.first)
     }
 }

@@ -11,14 +11,17 @@ use crate::fates::{BreatherFates, CellFates};
 /// The names of the columns.
 #[must_use]
 pub fn header(scene: &Scene) -> Vec<String> {
+    parameters(scene).into_iter().map(|parameter| parameter.name().to_owned()).chain(columns()).collect()
+}
+
+/// Those after the point of a cell.
+pub fn columns() -> impl Iterator<Item = String> {
     let before = ["solutions", "status", "number", "breather", "spectral_radius"];
     let exponents = ["predicted_exponent", "measured_exponent", "measured_error", "starts", "end"];
     let after = ["words", "left", "leave_time", "leave_error", "chaos_exponent"];
-    let named = |names: &[&'static str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
-    let parameters = parameters(scene).into_iter().map(|parameter| parameter.name().to_owned());
+    let named = |names: [&'static str; 5]| names.into_iter().map(str::to_owned);
     let shares = End::NAMES.iter().map(|name| format!("share_{}", name.replace('-', "_")));
-    let columns = parameters.chain(named(&before)).chain(named(&exponents)).chain(shares).chain(named(&after));
-    columns.collect()
+    named(before).chain(named(exponents)).chain(shares).chain(named(after))
 }
 
 /// The rows of a cell, as they stand in the file.
@@ -34,8 +37,14 @@ pub(crate) fn text(scene: &Scene, cell: &CellFates) -> Result<Vec<u8>, MapError>
 /// The rows of a cell.
 #[must_use]
 pub fn rows(scene: &Scene, cell: &CellFates) -> Vec<Vec<String>> {
+    let point = parameters(scene).into_iter().map(|parameter| Number(cell.point.get(parameter)).to_string()).collect();
+    rows_at(point, cell)
+}
+
+/// The rows of a cell of any scene, each with its point first.
+#[must_use]
+pub fn rows_at<P>(point: Vec<String>, cell: &CellFates<P>) -> Vec<Vec<String>> {
     let number = |value: Option<f64>| value.map_or(String::new(), |value| Number(value).to_string());
-    let point = || parameters(scene).into_iter().map(|parameter| Number(cell.point.get(parameter)).to_string());
     let found = || [cell.cell.solutions.to_string(), cell.cell.status.name().to_owned()];
     let row = |of: &BreatherFates| {
         let before = [of.number.to_string(), of.name.clone(), number(of.spectral_radius)];
@@ -54,11 +63,11 @@ pub fn rows(scene: &Scene, cell: &CellFates) -> Vec<Vec<String>> {
             number(of.leave_time.and_then(|(_, error)| error)),
             number(of.chaos_exponent),
         ];
-        point().chain(found()).chain(before).chain(exponents).chain(shares).chain(after).collect()
+        point.iter().cloned().chain(found()).chain(before).chain(exponents).chain(shares).chain(after).collect()
     };
     if cell.breathers.is_empty() {
-        let empty = vec![String::new(); header(scene).len() - parameters(scene).len() - found().len()];
-        return vec![point().chain(found()).chain(empty).collect()];
+        let empty = vec![String::new(); columns().count() - found().len()];
+        return vec![point.iter().cloned().chain(found()).chain(empty).collect()];
     }
     cell.breathers.iter().map(row).collect()
 }

@@ -8,7 +8,7 @@ use vibrochain_lattice::{Layout, Model};
 use crate::end::End;
 use crate::ensemble::Ensemble;
 use crate::follow::{Follower, Track};
-use crate::repeat::Latest;
+use crate::repeat::{Latest, word_of};
 use crate::run::{CLOSE, LOOKED_AT};
 
 /// Of a shorter run nothing is told: an impact of each kind may not have come yet.
@@ -113,7 +113,10 @@ impl<'a> Witness<'a> {
         self.latest.trim();
         let end = match &self.pattern {
             Some((track, start, _)) if self.latest.is(track, *start, tolerance) => Some(End::Breather),
-            _ => self.latest.word(&self.layout, tolerance, self.forced).map(End::Another),
+            _ => {
+                let repeated = self.latest.repeated(tolerance, self.forced);
+                repeated.and_then(|instants| word_of(instants, |site| self.layout.place(site))).map(End::Another)
+            }
         };
         Outcome { left, end }
     }

@@ -22,12 +22,36 @@ const FAMILIES: Meanings<Family> = &[
 ];
 
 /// What stands at the ends of a chain; and below the first and above the last layer.
-const ENDS: Meanings<Ends> = &[
-    (Ends::Closed, "Each other: a ring"),
-    (Ends::Free, "Nothing"),
-    (Ends::Fixed, "Walls, to which springs go as between neighbours"),
+const ENDS: Meanings<RowEnds> = &[
+    (RowEnds::Alike(Ends::Closed), "Each other: a ring"),
+    (RowEnds::Alike(Ends::Free), "Nothing"),
+    (RowEnds::Alike(Ends::Fixed), "Walls, to which springs go as between neighbours"),
+    (
+        RowEnds::FixedFree,
+        "A wall before the first mass, nothing behind the last one: a chain that is asked as one with dashpots is",
+    ),
 ];
 const LAYER_ENDS: Meanings<Ends> = &[(Ends::Closed, "Each other"), (Ends::Free, "Nothing")];
+
+/// What stands at both ends of a chain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RowEnds {
+    /// The same.
+    Alike(Ends),
+    /// A wall and nothing.
+    FixedFree,
+}
+
+impl RowEnds {
+    /// The name in scenes and flags.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Alike(ends) => ends.name(),
+            Self::FixedFree => "fixed-free",
+        }
+    }
+}
 
 /// The model: its parameters as flags, or a scene's, some of them changed by flags.
 #[derive(Debug, Args)]
@@ -47,8 +71,8 @@ pub struct ModelArgs {
     #[arg(long, help_heading = MODEL, display_order = place(Parameter::Amplitude) + 1, value_name = "J:A:θ,…", conflicts_with = "amplitude")]
     pub force: Option<Force>,
     /// What stands at the ends of the chain: each other, nothing, or walls [default: closed].
-    #[arg(long, help_heading = MODEL, display_order = place(Parameter::Restitution) + 1, value_parser = by_name(ENDS, Ends::name))]
-    pub ends: Option<Ends>,
+    #[arg(long, help_heading = MODEL, display_order = place(Parameter::Restitution) + 1, value_parser = by_name(ENDS, RowEnds::name))]
+    pub ends: Option<RowEnds>,
     /// Number of equal chains side by side, coupled mass by mass [default: 1].
     #[arg(long, help_heading = MODEL, display_order = place(Parameter::Restitution) + 2, value_name = "L", value_parser = whole::<i64>, allow_negative_numbers = true)]
     pub layers: Option<i64>,
@@ -58,6 +82,24 @@ pub struct ModelArgs {
     /// Whether the last layer is the first one's neighbour, too [default: free].
     #[arg(long, help_heading = MODEL, display_order = place(Parameter::Gamma3) + 1, value_parser = by_name(LAYER_ENDS, Ends::name))]
     pub layer_ends: Option<Ends>,
+}
+
+impl ModelArgs {
+    /// The ends of a lattice, if they are alike: others are a structure's.
+    #[must_use]
+    pub fn lattice_ends(&self) -> Option<Ends> {
+        match self.ends? {
+            RowEnds::Alike(ends) => Some(ends),
+            RowEnds::FixedFree => None,
+        }
+    }
+
+    /// The first of the flags that makes a chain a structure.
+    #[must_use]
+    pub fn of_structures(&self) -> Option<&'static str> {
+        let fixed_free = (self.ends == Some(RowEnds::FixedFree)).then_some("ends fixed-free");
+        self.structure.is_chains().or(fixed_free)
+    }
 }
 
 /// Where the flag of a parameter stands in help, among the other flags of a model.
@@ -127,7 +169,8 @@ pub struct StructureArgs {
     /// Where the upper barrier is [default: asymmetry + 1; with --lower alone there is none].
     #[arg(long, help_heading = DAMPED, value_name = "g", value_parser = real, allow_negative_numbers = true)]
     pub upper: Option<f64>,
-    /// Another number of a scene's structure: omega, load, static, damping, contact.N.lower, contact.N.upper or contact.N.restitution.
+    /// Another number of a scene's structure: omega, load, static, damping, contact.N.lower, contact.N.upper, contact.N.restitution; of
+    /// matrices masses.I, mass.I.J, stiffness.I.J, damping.I.J, load.I, static.I.
     #[arg(long, help_heading = DAMPED, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
 }

@@ -39,6 +39,8 @@ pub enum StartFrom {
     Every,
     /// Every unstable one.
     Unstable,
+    /// None: a structure at rest under its static load, to see what it settles on.
+    Rest,
 }
 
 /// Arguments of `mapgen fate`.

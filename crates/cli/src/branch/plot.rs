@@ -153,6 +153,7 @@ fn pane(quantity: QuantityName, all: bool, free: Parameter, table: &Table) -> Pa
         x_log: false,
         scale,
         levels,
+        uprights: Vec::new(),
         round: false,
         series,
     }

@@ -126,7 +126,7 @@ impl Changed {
                 self.value(name, flag, there, usize::try_from(flag) != Ok(there));
             }
         }
-        let ends = [("ends", args.ends, along), ("layer_ends", args.layer_ends, layer_ends)];
+        let ends = [("ends", args.lattice_ends(), along), ("layer_ends", args.layer_ends, layer_ends)];
         for (name, flag, there) in ends {
             if let Some(flag) = flag {
                 self.value(name, flag.name(), there.name(), flag != there);
@@ -152,7 +152,7 @@ fn layout(args: &ModelArgs, given: Option<&Given>) -> Result<Layout, CliError> {
     }
     Ok(Layout {
         length,
-        ends: args.ends.or(there.map(|there| there.ends)).unwrap_or(Ends::Closed),
+        ends: args.lattice_ends().or(there.map(|there| there.ends)).unwrap_or(Ends::Closed),
         layers,
         layer_ends: args.layer_ends.or(there.map(|there| there.layer_ends)).unwrap_or(Ends::Free),
     })

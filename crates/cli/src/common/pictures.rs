@@ -1,9 +1,9 @@
 //! Pictures of a table that is being written, from its rows.
 
 #[cfg(feature = "plot")]
-pub(crate) use with_pictures::Pictures;
+pub(crate) use with_pictures::{MapDrawing, Pictures};
 #[cfg(not(feature = "plot"))]
-pub(crate) use without_pictures::Pictures;
+pub(crate) use without_pictures::{MapDrawing, Pictures};
 
 #[cfg(feature = "plot")]
 mod with_pictures {
@@ -13,11 +13,11 @@ mod with_pictures {
     use vibrochain_lattice::Stop;
     use vibrochain_maps::borders::{Border, Borders};
     use vibrochain_maps::cell::Cell;
-    use vibrochain_maps::scene::{Scene, Slice};
+    use vibrochain_maps::scene::{Scene, Slice, Values};
     use vibrochain_maps::sweep::Watcher;
     use vibrochain_plot::{
-        MapBorder, MapPicture, OneAxisPicture, Page, Palette, PlotError, Quantity, Shown, is_shown, map_picture,
-        one_axis_picture,
+        MapBorder, MapPicture, Mapped, OneAxisPicture, Page, Palette, PlotError, Quantity, Shown, is_shown,
+        map_picture, one_axis_picture,
     };
 
     use crate::args::{OF_MAPS, PaletteName, PictureArgs, QuantityName};
@@ -37,10 +37,15 @@ mod with_pictures {
     /// Pictures to draw once all rows are known; no more is kept of them than is shown.
     pub(crate) struct Pictures {
         slice: Slice,
+        drawing: MapDrawing,
+        curves: bool,
+    }
+
+    /// The files of pictures of a map, and what is kept of its cells for them.
+    pub(crate) struct MapDrawing {
         files: Vec<(Page, PathBuf)>,
         palette: Palette,
         seen: Seen,
-        curves: bool,
         borders: Vec<MapBorder>,
     }
 
@@ -80,14 +85,9 @@ mod with_pictures {
     impl Pictures {
         /// Makes sure that they can be drawn and written.
         pub(crate) fn plan(wanted: &PictureArgs, show: QuantityName, scene: &Scene) -> Result<Self, CliError> {
-            let palette = match wanted.palette {
-                PaletteName::Colour => Palette::Colour,
-                PaletteName::Paper => Palette::Paper,
-            };
-            let files = PictureFiles::named(wanted)?;
-            if files.is_empty() {
-                let (slice, seen) = (Slice::of(scene, &[])?, Seen::Cells(Vec::new()));
-                return Ok(Self { slice, files, palette, seen, curves: false, borders: Vec::new() });
+            if wanted.files().next().is_none() {
+                let slice = Slice::of(scene, &[])?;
+                return Ok(Self { drawing: MapDrawing::plan(wanted, show, scene)?, slice, curves: false });
             }
             if scene.refine.is_some() && !wanted.slice.is_empty() {
                 return Err(refused(
@@ -95,9 +95,9 @@ mod with_pictures {
                 ));
             }
             let slice = slice(wanted, &scene.finest())?;
-            let seen = Self::kept(show, slice.scene())?;
+            let drawing = MapDrawing::plan(wanted, show, slice.scene())?;
             if wanted.curves {
-                if let Seen::Cells(_) = seen {
+                if let Seen::Cells(_) = drawing.seen {
                     let axis = slice.scene().axis_names();
                     return Err(refused(format!(
                         "--curves draws borders over a map of two axes, here is one, {axis}: leave it out"
@@ -105,40 +105,7 @@ mod with_pictures {
                 }
                 Borders::window(slice.scene()).map_err(|error| refused(format!("--curves: {error}")))?;
             }
-            let pictures = Self { slice, files, palette, seen, curves: wanted.curves, borders: Vec::new() };
-            PictureFiles::open(&pictures.files)?.fit(|page| pictures.picture(page))?;
-            Ok(pictures)
-        }
-
-        fn kept(show: QuantityName, scene: &Scene) -> Result<Seen, CliError> {
-            let quantity = match show {
-                QuantityName::Class => None,
-                QuantityName::SpectralRadius => Some(Quantity::SpectralRadius),
-                QuantityName::Margin => Some(Quantity::Margin),
-                QuantityName::Impulse => Some(Quantity::Impulse),
-                QuantityName::Solutions => Some(Quantity::Solutions),
-                QuantityName::Phi | QuantityName::Psi => {
-                    let known = OF_MAPS.map(|name| name.to_string()).join(", ");
-                    return Err(refused(format!("--show {show} is of branches: of a map give one of {known}")));
-                }
-            };
-            match (quantity, scene.axes.len()) {
-                (None, 1) => Ok(Seen::Cells(Vec::new())),
-                (None, _) => Ok(Seen::Map(Shown::classes(scene))),
-                (Some(_), 1) => Err(refused(format!(
-                    "--show is of maps over two axes, here is one, {}: leave it out, each number has a panel of its own",
-                    scene.axis_names()
-                ))),
-                (Some(quantity), _) => match quantity.of_scene(scene) {
-                    Ok(()) => Ok(Seen::Map(Shown::numbers(scene, quantity))),
-                    Err(key) => {
-                        let name = quantity.name();
-                        Err(refused(format!(
-                            "--show {name}: the scene does not compute it; add {key} to its table [compute]"
-                        )))
-                    }
-                },
-            }
+            Ok(Self { slice, drawing, curves: wanted.curves })
         }
 
         /// Finds the borders that are to be drawn, if any; a line on them for the summary.
@@ -166,21 +133,87 @@ mod with_pictures {
                 let parts = regions.border(number).iter().filter(|part| part.separates);
                 parts.map(|part| drawn(border, part.points.iter().map(|place| regions.window().point(*place))))
             });
-            self.borders = parts.collect();
+            self.drawing.borders = parts.collect();
             Ok(line)
         }
 
         /// Draws and writes them.
         pub(crate) fn finish(self) -> Result<(), CliError> {
-            PictureFiles::open(&self.files)?.draw(|page| self.picture(page))
+            let Self { slice, drawing, .. } = self;
+            drawing.finish(slice.scene())
+        }
+    }
+
+    impl MapDrawing {
+        /// Makes sure that they can be drawn and written.
+        pub(crate) fn plan(wanted: &PictureArgs, show: QuantityName, scene: &dyn Mapped) -> Result<Self, CliError> {
+            let palette = match wanted.palette {
+                PaletteName::Colour => Palette::Colour,
+                PaletteName::Paper => Palette::Paper,
+            };
+            let files = PictureFiles::named(wanted)?;
+            let seen = if files.is_empty() { Seen::Cells(Vec::new()) } else { kept(show, scene)? };
+            let drawing = Self { files, palette, seen, borders: Vec::new() };
+            if !drawing.files.is_empty() {
+                PictureFiles::open(&drawing.files)?.fit(|page| drawing.picture(scene, page))?;
+            }
+            Ok(drawing)
         }
 
-        fn picture(&self, page: Page) -> Result<Vec<u8>, PlotError> {
-            let (scene, palette, borders) = (self.slice.scene(), self.palette, self.borders.as_slice());
+        /// Takes cell number `number`, one of a map that is drawn along these axes.
+        pub(crate) fn cell(&mut self, axes: &[&Values], number: u64, cell: &Cell) {
+            match &mut self.seen {
+                Seen::Map(shown) => shown.cell(number, cell),
+                Seen::Cells(cells) => {
+                    if axes.first().is_some_and(|axis| is_shown(axis, number)) {
+                        cells.push(*cell);
+                    }
+                }
+            }
+        }
+
+        /// Draws and writes them.
+        pub(crate) fn finish(self, scene: &dyn Mapped) -> Result<(), CliError> {
+            PictureFiles::open(&self.files)?.draw(|page| self.picture(scene, page))
+        }
+
+        fn picture(&self, scene: &dyn Mapped, page: Page) -> Result<Vec<u8>, PlotError> {
+            let (palette, borders) = (self.palette, self.borders.as_slice());
             match &self.seen {
                 Seen::Map(cells) => map_picture(&MapPicture { scene, cells, palette, borders }, page),
                 Seen::Cells(cells) => one_axis_picture(&OneAxisPicture { scene, cells }, page),
             }
+        }
+    }
+
+    fn kept(show: QuantityName, scene: &dyn Mapped) -> Result<Seen, CliError> {
+        let quantity = match show {
+            QuantityName::Class => None,
+            QuantityName::SpectralRadius => Some(Quantity::SpectralRadius),
+            QuantityName::Margin => Some(Quantity::Margin),
+            QuantityName::Impulse => Some(Quantity::Impulse),
+            QuantityName::Solutions => Some(Quantity::Solutions),
+            QuantityName::Phi | QuantityName::Psi => {
+                let known = OF_MAPS.map(|name| name.to_string()).join(", ");
+                return Err(refused(format!("--show {show} is of branches: of a map give one of {known}")));
+            }
+        };
+        match (quantity, scene.axes().as_slice()) {
+            (None, [_]) => Ok(Seen::Cells(Vec::new())),
+            (None, _) => Ok(Seen::Map(Shown::classes(scene))),
+            (Some(_), [axis]) => Err(refused(format!(
+                "--show is of maps over two axes, here is one, {}: leave it out, each number has a panel of its own",
+                axis.name
+            ))),
+            (Some(quantity), _) => match scene.has(quantity) {
+                Ok(()) => Ok(Seen::Map(Shown::numbers(scene, quantity))),
+                Err(key) => {
+                    let name = quantity.name();
+                    Err(refused(format!(
+                        "--show {name}: the scene does not compute it; add {key} to its table [compute]"
+                    )))
+                }
+            },
         }
     }
 
@@ -199,11 +232,11 @@ mod with_pictures {
 
     impl Watcher for Pictures {
         fn looks(&self) -> bool {
-            !self.files.is_empty()
+            !self.drawing.files.is_empty()
         }
 
         fn begin(&mut self) {
-            match &mut self.seen {
+            match &mut self.drawing.seen {
                 Seen::Map(shown) => shown.clear(),
                 Seen::Cells(cells) => cells.clear(),
             }
@@ -213,15 +246,12 @@ mod with_pictures {
             if !self.looks() {
                 return;
             }
-            match (&mut self.seen, cell.extent, self.slice.cell(number)) {
+            match (&mut self.drawing.seen, cell.extent, self.slice.cell(number)) {
                 // A map that is refined is drawn whole.
                 (Seen::Map(shown), Some(extent), _) => shown.square_of(extent, cell),
-                (Seen::Map(shown), None, Some(number)) => shown.cell(number, cell),
-                (Seen::Cells(cells), _, Some(number)) => {
-                    let axis = self.slice.scene().axes.first();
-                    if axis.is_some_and(|axis| is_shown(axis, number)) {
-                        cells.push(*cell);
-                    }
+                (_, _, Some(number)) => {
+                    let axes: Vec<&Values> = self.slice.scene().axes.iter().map(|axis| &axis.values).collect();
+                    self.drawing.cell(&axes, number, cell);
                 }
                 (_, _, None) => {}
             }
@@ -234,7 +264,7 @@ mod without_pictures {
     use rayon::ThreadPool;
     use vibrochain_lattice::Stop;
     use vibrochain_maps::cell::Cell;
-    use vibrochain_maps::scene::Scene;
+    use vibrochain_maps::scene::{Scene, Values};
     use vibrochain_maps::sweep::Watcher;
 
     use crate::args::{PictureArgs, QuantityName};
@@ -243,6 +273,21 @@ mod without_pictures {
 
     /// This build draws nothing.
     pub(crate) struct Pictures;
+
+    /// This build draws nothing.
+    pub(crate) struct MapDrawing;
+
+    impl MapDrawing {
+        pub(crate) fn plan<T>(wanted: &PictureArgs, _: QuantityName, _: &T) -> Result<Self, CliError> {
+            PictureFiles::asked(wanted).map(|_| Self)
+        }
+
+        pub(crate) fn cell(&mut self, _: &[&Values], _: u64, _: &Cell) {}
+
+        pub(crate) fn finish<T>(self, _: &T) -> Result<(), CliError> {
+            Ok(())
+        }
+    }
 
     impl Pictures {
         pub(crate) fn plan(wanted: &PictureArgs, _: QuantityName, _: &Scene) -> Result<Self, CliError> {

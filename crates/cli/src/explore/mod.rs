@@ -23,6 +23,7 @@ use crate::explore::answers::Program;
 pub(crate) use crate::explore::folder::end_with_explorer;
 use crate::explore::line::Setting;
 use crate::setup::SCENE;
+use crate::structures;
 use vibrochain_explore::{Explorer, View, port_will_do};
 use vibrochain_maps::scene::Scene;
 
@@ -34,7 +35,10 @@ use vibrochain_maps::scene::Scene;
 pub(crate) fn run(args: &ExploreArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     port_will_do(args.port).map_err(|refusal| CliError::Request(refusal.message))?;
     let scene = match &args.scene {
-        Some(path) => Scene::read(path)?,
+        Some(path) => {
+            structures::refuse_scene(path)?;
+            Scene::read(path)?
+        }
         None => Scene::parse(Path::new("scene"), SCENE)?,
     };
     let view = View::of(&scene).map_err(|refusal| {

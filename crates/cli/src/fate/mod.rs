@@ -10,8 +10,10 @@ use vibrochain_fate::{CellFates, Diagram, Ensemble, Fates, From, MAX_POINTS};
 use vibrochain_lattice::Stop;
 use vibrochain_maps::error::MapError;
 use vibrochain_maps::files::{CsvFile, distinct};
+use vibrochain_maps::manifest::scene_parts;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::Scene;
+use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::sweep::{Content, Ended, Job, Plan, Settings, Watcher};
 
 use crate::args::{FateArgs, StartFrom};
@@ -24,6 +26,8 @@ use crate::common::table_manifest::{Manifest, beside, of_scene};
 use crate::common::threads::threads;
 use crate::fate::plot::Plot;
 use crate::fate::report::Totals;
+use crate::structures;
+use crate::sweep::report::grid;
 
 /// The most runs of one command: years of work.
 const MAX_RUNS: u64 = 100_000_000;
@@ -42,6 +46,13 @@ const POINTS: u64 = 100;
 pub fn run(args: &FateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let fates = asked(args);
     let ensemble = &fates.ensemble;
+    if let Some(scene) = StructureScene::read(&args.scene)? {
+        return structures::fate::run(args, &scene, &fates, console);
+    }
+    if fates.from == From::Rest {
+        let message = "--breathers rest is of structures, and of chains with dashpots: give class, every or unstable";
+        return Err(CliError::Request(message.to_owned()));
+    }
     let plan = Plan::of_ensemble(&args.scene, fates.settings(), fates.chunk_cells())?;
     let scene = &plan.scene;
     // (clap does not ask for --diagram where something is given that conflicts with it.)
@@ -93,6 +104,7 @@ fn asked(args: &FateArgs) -> Fates {
         StartFrom::Class => From::Class,
         StartFrom::Every => From::Every,
         StartFrom::Unstable => From::Unstable,
+        StartFrom::Rest => From::Rest,
     };
     Fates { ensemble, from }
 }
@@ -119,14 +131,18 @@ impl<'a> Seen<'a> {
     /// # Errors
     /// [`CliError::Request`] for pictures that cannot be.
     pub(crate) fn new(scene: &'a Scene, ensemble: &'a Ensemble, files: PictureFiles) -> Result<Self, CliError> {
-        let plot = Plot::of_ends(files, scene)?;
+        let plot = Plot::of_ends(files, scene, false)?;
         Ok(Self { scene, ensemble, plot, totals: Totals::default(), rows: 0 })
     }
 
     /// What it all has come to.
     pub(crate) fn answer(&self, json: bool) -> String {
         let Self { scene, ensemble, totals, .. } = self;
-        if json { format!("{:#}\n", totals.as_json(scene, ensemble)) } else { totals.as_text(scene, ensemble) }
+        if json {
+            format!("{:#}\n", totals.as_json(scene_parts(scene), ensemble))
+        } else {
+            totals.as_text(&grid(scene), ensemble)
+        }
     }
 
     /// Writes what the table is of, and draws the pictures.

@@ -7,11 +7,16 @@ pub(crate) use without_plot::Plot;
 
 #[cfg(feature = "plot")]
 mod with_plot {
+    use std::collections::BTreeMap;
+
+    use vibrochain_breather::Word;
     use vibrochain_fate::{CellFates, End, Ensemble};
     use vibrochain_lattice::Short;
-    use vibrochain_maps::scene::{Axis, Scene};
+    use vibrochain_maps::scene::Scene;
+    use vibrochain_plot::palette::LINES;
     use vibrochain_plot::{
-        Curves, EndsPicture, MOST_VALUES, Mark, Pane, Scale, Series, Stroke, about, curves_picture, ends_picture, place,
+        Curves, ENDS, EndsPicture, MOST_VALUES, MapAxis, Mapped, Mark, Pane, Scale, Series, Stroke, about,
+        curves_picture, ends_picture, place,
     };
 
     use crate::common::error::CliError;
@@ -35,36 +40,51 @@ mod with_plot {
     ];
 
     /// Values along an axis up to which each has a mark of its own.
-    const MARKED: u64 = 40;
+    const MARKED: usize = 40;
+
+    /// Words that have a colour each, and the colour of all others.
+    const MOST_WORDS: usize = LINES.len() - 1;
+    const OTHER_WORDS: [u8; 3] = [205, 170, 125];
+
+    /// An end by the number of its kind, or the word of another motion.
+    #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+    enum Seen {
+        Kind(usize),
+        Word(Word),
+    }
 
     /// What is collected of a picture.
     pub(crate) struct Plot {
         files: PictureFiles,
-        /// Of each cell the number of its most frequent end.
-        cells: Vec<Option<usize>>,
+        /// Of each cell its most frequent end.
+        cells: Vec<Option<Seen>>,
+        /// Whether other motions are told by their words.
+        by_word: bool,
         /// Of each end, its share at each value of the axis.
         shares: Vec<Series>,
         /// Points of a diagram.
         points: Vec<(f64, f64)>,
-        axis: Option<Axis>,
+        axis: Option<MapAxis>,
         is_diagram: bool,
     }
 
     impl Plot {
-        /// Of the ends of runs.
+        /// Of the ends of runs, other motions by their words if asked.
         ///
         /// # Errors
         /// [`CliError::Request`] of more cells than are drawn.
-        pub(crate) fn of_ends(files: PictureFiles, scene: &Scene) -> Result<Self, CliError> {
-            let axes = scene.axes.len();
-            let longest = scene.axes.iter().map(Axis::points).max().unwrap_or(0);
-            if !files.is_empty() && (axes > 2 || axes == 2 && longest > MOST_VALUES || scene.cells() > MOST_CELLS) {
+        pub(crate) fn of_ends(files: PictureFiles, scene: &dyn Mapped, by_word: bool) -> Result<Self, CliError> {
+            let points: Vec<usize> = scene.axes().iter().map(|axis| axis.values.points()).collect();
+            let (axes, longest) = (points.len(), points.iter().max().copied().unwrap_or(0));
+            let cells = points.iter().fold(1, |product: u64, points| product.saturating_mul(*points as u64));
+            let fits = axes == 1 || axes == 2 && longest <= MOST_VALUES;
+            if !files.is_empty() && (!fits || cells > MOST_CELLS) {
                 let message = format!(
                     "a picture of ends needs one axis, or two of at most {MOST_VALUES} values each; the scene has {axes}, of up to {longest} values"
                 );
                 return Err(CliError::Request(message));
             }
-            Self::new(files, scene, false)
+            Self::new(files, scene, false, by_word)
         }
 
         /// Of a diagram, over the one axis of its scene.
@@ -72,30 +92,30 @@ mod with_plot {
         /// # Errors
         /// [`CliError::Request`] of a picture that is too large.
         pub(crate) fn of_diagram(files: PictureFiles, scene: &Scene) -> Result<Self, CliError> {
-            Self::new(files, scene, true)
+            Self::new(files, scene, true, false)
         }
 
-        fn new(files: PictureFiles, scene: &Scene, is_diagram: bool) -> Result<Self, CliError> {
-            let axis = match scene.axes.as_slice() {
-                [axis] => Some(axis.clone()),
-                _ => None,
-            };
+        fn new(files: PictureFiles, scene: &dyn Mapped, is_diagram: bool, by_word: bool) -> Result<Self, CliError> {
+            let axes = scene.axes();
+            let cells = axes.first().map_or(1, |axis| axis.values.points());
+            let axis = <[MapAxis; 1]>::try_from(axes).ok().map(|[axis]| axis);
             files.fit(|page| match &axis {
                 Some(axis) => curves_picture(&curves(scene, Pane::over(axis)), page),
                 None => {
-                    let picture = EndsPicture { scene, caption: String::new(), names: &WORDS, cells: &[] };
+                    let picture = EndsPicture { scene, caption: String::new(), names: &[], cells: &[] };
                     ends_picture(&picture, page)
                 }
             })?;
+            let named = |name: &str| name.replace("breather", scene.orbit());
             let share = |(colour, name): (usize, &&str)| Series {
-                name: (*name).to_owned(),
+                name: named(name),
                 colour,
                 stroke: Stroke::Solid(2),
-                mark: if scene.cells() > MARKED { Mark::None } else { Mark::Small(colour) },
+                mark: if cells > MARKED { Mark::None } else { Mark::Small(colour) },
                 points: Vec::new(),
             };
             let shares = WORDS.iter().enumerate().map(share).collect();
-            Ok(Self { files, cells: Vec::new(), shares, points: Vec::new(), axis, is_diagram })
+            Ok(Self { files, cells: Vec::new(), by_word, shares, points: Vec::new(), axis, is_diagram })
         }
 
         /// Forgets what was seen.
@@ -105,7 +125,7 @@ mod with_plot {
             self.points.clear();
         }
 
-        pub(crate) fn see(&mut self, cell: &CellFates) {
+        pub(crate) fn see<P>(&mut self, cell: &CellFates<P>) {
             if self.files.is_empty() {
                 return;
             }
@@ -114,10 +134,18 @@ mod with_plot {
                 None => {
                     let count = |kind: usize| cell.breathers.iter().map(|breather| breather.ends[kind]).sum::<u32>();
                     let most = (0..End::NAMES.len()).rev().max_by_key(|&kind| count(kind));
-                    self.cells.push(most.filter(|&kind| count(kind) > 0));
+                    let most = most.filter(|&kind| count(kind) > 0);
+                    let words = cell.breathers.iter().flat_map(|breather| &breather.words);
+                    let word = words.rev().max_by_key(|(_, count)| **count).map(|(word, _)| word.clone());
+                    self.cells.push(most.map(
+                        |kind| match word.filter(|_| self.by_word && End::NAMES[kind] == "another") {
+                            Some(word) => Seen::Word(word),
+                            None => Seen::Kind(kind),
+                        },
+                    ));
                 }
                 Some(axis) => {
-                    let x = place(axis, axis.value(cell.number as usize));
+                    let x = place(&axis.values, axis.values.value(cell.number as usize));
                     let runs: u32 = cell.breathers.iter().map(|breather| breather.runs()).sum();
                     for (kind, series) in self.shares.iter_mut().enumerate() {
                         let count: u32 = cell.breathers.iter().map(|breather| breather.ends[kind]).sum();
@@ -133,11 +161,11 @@ mod with_plot {
             if self.files.is_empty() || self.points.len() == MOST_POINTS {
                 return;
             }
-            let x = self.axis.as_ref().map_or(value, |axis| place(axis, value));
+            let x = self.axis.as_ref().map_or(value, |axis| place(&axis.values, value));
             self.points.push((x, displacement));
         }
 
-        pub(crate) fn finish(mut self, scene: &Scene, ensemble: &Ensemble) -> Result<(), CliError> {
+        pub(crate) fn finish(mut self, scene: &dyn Mapped, ensemble: &Ensemble) -> Result<(), CliError> {
             if self.files.is_empty() {
                 return Ok(());
             }
@@ -145,9 +173,11 @@ mod with_plot {
             let what = if self.is_diagram { "section" } else { "ends" };
             let each = if self.is_diagram { String::new() } else { format!("{starts} ") };
             let runs = if !self.is_diagram && starts == 1 { "run" } else { "runs" };
-            let caption = format!("{what} of {each}{runs} of {periods} periods, perturbed by {}", Short(size));
+            let from = if self.by_word { " from rest" } else { "" };
+            let caption = format!("{what} of {each}{runs} of {periods} periods{from}, perturbed by {}", Short(size));
             let Some(axis) = &self.axis else {
-                let picture = EndsPicture { scene, caption, names: &WORDS, cells: &self.cells };
+                let (names, cells) = self.legend(scene);
+                let picture = EndsPicture { scene, caption, names: &names, cells: &cells };
                 return self.files.draw(|page| ends_picture(&picture, page));
             };
             for series in &mut self.shares {
@@ -168,8 +198,38 @@ mod with_plot {
         }
     }
 
+    impl Plot {
+        /// Names and colours of all ends, and of each cell the number of its own: words by their frequency, those that have no colour of
+        /// their own together.
+        fn legend(&self, scene: &dyn Mapped) -> (Vec<(String, [u8; 3])>, Vec<Option<usize>>) {
+            let mut counts: BTreeMap<&Word, usize> = BTreeMap::new();
+            for seen in self.cells.iter().flatten() {
+                if let Seen::Word(word) = seen {
+                    *counts.entry(word).or_default() += 1;
+                }
+            }
+            let mut words: Vec<(&Word, usize)> = counts.into_iter().collect();
+            words.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+            words.truncate(MOST_WORDS);
+            // The shorter word first.
+            words.sort_by_key(|(word, _)| word.letters().count());
+            let told = words.iter().map(|(word, _)| word.to_string()).zip(LINES);
+            let kinds = WORDS.iter().map(|name| name.replace("breather", scene.orbit())).zip(ENDS);
+            let others = ("other words".to_owned(), OTHER_WORDS);
+            let names: Vec<(String, [u8; 3])> =
+                if self.by_word { told.chain([others]).chain(kinds).collect() } else { kinds.collect() };
+            let first = names.len() - WORDS.len();
+            let number = |seen: &Seen| match seen {
+                Seen::Kind(kind) => first + kind,
+                Seen::Word(word) => words.iter().position(|(known, _)| *known == word).unwrap_or(words.len()),
+            };
+            let cells = self.cells.iter().map(|seen| seen.as_ref().map(number)).collect();
+            (names, cells)
+        }
+    }
+
     /// One panel under the heading of a scene.
-    fn curves(scene: &Scene, pane: Pane) -> Curves {
+    fn curves(scene: &dyn Mapped, pane: Pane) -> Curves {
         Curves { title: about(scene), panes: vec![pane], columns: 1, pane: (960, 560), ..Curves::default() }
     }
 }
@@ -186,7 +246,7 @@ mod without_plot {
     pub(crate) struct Plot;
 
     impl Plot {
-        pub(crate) fn of_ends(_: PictureFiles, _: &Scene) -> Result<Self, CliError> {
+        pub(crate) fn of_ends<T>(_: PictureFiles, _: &T, _: bool) -> Result<Self, CliError> {
             Ok(Self)
         }
 
@@ -196,11 +256,11 @@ mod without_plot {
 
         pub(crate) fn begin(&mut self) {}
 
-        pub(crate) fn see(&mut self, _: &CellFates) {}
+        pub(crate) fn see<P>(&mut self, _: &CellFates<P>) {}
 
         pub(crate) fn see_point(&mut self, _: f64, _: f64) {}
 
-        pub(crate) fn finish(self, _: &Scene, _: &Ensemble) -> Result<(), CliError> {
+        pub(crate) fn finish<T>(self, _: &T, _: &Ensemble) -> Result<(), CliError> {
             Ok(())
         }
     }

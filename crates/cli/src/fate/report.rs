@@ -7,11 +7,9 @@ use serde_json::{Value, json};
 use vibrochain_breather::Word;
 use vibrochain_fate::{CellFates, End, Ensemble};
 use vibrochain_lattice::Short;
-use vibrochain_maps::manifest::scene_parts;
-use vibrochain_maps::scene::Scene;
 
 use crate::common::schemas::FATE;
-use crate::sweep::report::{counted, grid};
+use crate::sweep::report::counted;
 
 /// Words of other breathers that people are told.
 const SHOWN: usize = 8;
@@ -37,7 +35,7 @@ pub(crate) struct Totals {
 }
 
 impl Totals {
-    pub(crate) fn add(&mut self, cell: &CellFates) {
+    pub(crate) fn add<P>(&mut self, cell: &CellFates<P>) {
         self.cells += 1;
         self.with += u64::from(!cell.breathers.is_empty());
         for breather in &cell.breathers {
@@ -73,15 +71,14 @@ impl Totals {
     }
 
     /// For people. Writing to a String cannot fail.
-    pub(crate) fn as_text(&self, scene: &Scene, ensemble: &Ensemble) -> String {
+    pub(crate) fn as_text(&self, grid: &str, ensemble: &Ensemble) -> String {
         let runs = self.runs();
         let mut out = String::new();
         let Ensemble { size, periods, seed, .. } = *ensemble;
         let _ = writeln!(
             out,
-            "{} ({}), {} with a breather to start from; {}, {} of {periods} periods, perturbed by {} from seed {seed}",
+            "{} ({grid}), {} with a breather to start from; {}, {} of {periods} periods, perturbed by {} from seed {seed}",
             counted(self.cells, "cell"),
-            grid(scene),
             self.with,
             counted(self.breathers, "breather"),
             counted(runs, "run"),
@@ -113,13 +110,14 @@ impl Totals {
         out
     }
 
-    pub(crate) fn as_json(&self, scene: &Scene, ensemble: &Ensemble) -> Value {
+    /// After `about`, which says what it is of.
+    pub(crate) fn as_json(&self, about: impl IntoIterator<Item = (String, Value)>, ensemble: &Ensemble) -> Value {
         let ends: serde_json::Map<String, Value> =
             End::NAMES.iter().zip(self.ends).map(|(name, count)| ((*name).to_owned(), count.into())).collect();
         let words: serde_json::Map<String, Value> =
             self.words().into_iter().map(|(word, count)| (word.to_string(), count.into())).collect();
         let mut all = serde_json::Map::from_iter([("schema".to_owned(), FATE.into())]);
-        all.extend(scene_parts(scene));
+        all.extend(about);
         let own = json!({
             "ensemble": ensemble,
             "cells": self.cells,

@@ -2,6 +2,7 @@
 
 pub(crate) mod modes;
 pub(crate) mod multiplier_file;
+pub(crate) mod pictures;
 #[cfg(feature = "plot")]
 pub(crate) mod plots;
 pub(crate) mod trajectory;
@@ -10,7 +11,7 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 use vibrochain_breather::{
-    BreatherError, Completeness, Ended, Family, Finder, Found, NoBreather, Obstruction, Orbit, Proof, Word,
+    BreatherError, Completeness, Ended, Family, Finder, Found, Motion, NoBreather, Obstruction, Orbit, Proof, Word,
 };
 use vibrochain_floquet::{Analyser, Complex, Mechanism, Multipliers, Verdict, leading_modes, phases};
 use vibrochain_lattice::Model;
@@ -24,7 +25,9 @@ use crate::common::solution::Solution;
 use crate::common::which;
 use crate::orbit::modes::OrbitModes;
 use crate::orbit::multiplier_file::MultiplierFile;
+use crate::orbit::pictures::OrbitPictures;
 use crate::orbit::trajectory::OrbitTrajectory;
+use crate::simulate::recording::trajectory_columns;
 use crate::structures;
 use vibrochain_maps::files::distinct;
 use vibrochain_maps::numbers::Number;
@@ -56,8 +59,8 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     nothing_else(args.json, taken)?;
     let stop = (console.interrupt)()?;
     let file = args.multipliers.as_deref().map(MultiplierFile::create).transpose()?;
-    let trajectory = OrbitTrajectory::open(args, &model)?;
-    let plot = Plot::open(args)?;
+    let trajectory = OrbitTrajectory::open(args, trajectory_columns(model.chain().sites()))?;
+    let pictures = OrbitPictures::open(args)?;
     let mut finder = Finder::new(model.chain().sites()).until(&stop);
     let (name, mut found) = which::find(&which, &model, &mut finder, Some(console))?;
     let mut solutions = Vec::new();
@@ -82,10 +85,19 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     };
     console.answer(&text, args.json, taken)?;
     if let Some(file) = file {
-        file.finish(&solutions, &mut finder)?;
+        file.of_solutions(&solutions, &mut finder)?;
     }
-    trajectory.map_or(Ok(()), |table| table.finish(&solutions))?;
-    plot.finish(&solutions, console)?;
+    if let Some(mut table) = trajectory {
+        for (solution, number) in solutions.iter().zip(1..) {
+            let mut motion = Motion::of(&solution.orbit)?;
+            table.period(number, solution.orbit.period(), |time| {
+                let (displacement, velocity) = motion.state(time);
+                Ok([displacement, velocity].concat())
+            })?;
+        }
+        table.finish()?;
+    }
+    pictures.finish(&solutions, console)?;
     if let Some(NoBreather::NotSearched(_)) = found.completeness.reason() {
         let message = "this word cannot be searched for: whether it has orbits here is not known";
         return Err(CliError::IllPosed(message.to_owned()));
@@ -382,150 +394,4 @@ fn text(model: &Model, name: &str, solutions: &[Solution], found: &Found) -> Str
         let _ = writeln!(out, "  {condition}");
     }
     out
-}
-
-#[cfg(feature = "plot")]
-use with_plot::Plot;
-#[cfg(not(feature = "plot"))]
-use without_plot::Plot;
-
-#[cfg(feature = "plot")]
-mod with_plot {
-    use std::path::PathBuf;
-
-    use vibrochain_breather::{Impact, Motion};
-
-    use super::{CliError, Console, Multipliers, OrbitArgs, Solution};
-    use crate::args::FormatName;
-    use crate::common::caption::describe;
-    use crate::orbit::plots;
-    use vibrochain_maps::files::Output;
-    use vibrochain_maps::files::{name_within, promises_folder};
-    use vibrochain_plot::{Format, OrbitPanels, Page, orbit_picture};
-
-    /// Points of a trace: a few pixels each, smooth to the eye.
-    const SAMPLES: usize = 160;
-
-    /// Orbits beyond this are left to the printed list.
-    const MOST: usize = 8;
-
-    pub(super) struct Plot {
-        one: Option<(Page, Output)>,
-        /// The folder of --all-plots.
-        all: Option<(Page, PathBuf)>,
-    }
-
-    impl Plot {
-        pub(super) fn open(args: &OrbitArgs) -> Result<Self, CliError> {
-            let page = args.page.page(match args.format {
-                _ if args.svg => Format::Svg,
-                FormatName::Png => Format::Png,
-                FormatName::Svg => Format::Svg,
-                FormatName::Pdf => Format::Pdf,
-            })?;
-            args.page.checked(args.plot.is_some() || args.all_plots.is_some(), "--plot or --all-plots")?;
-            if let (Some(folder), Some(plot)) = (&args.all_plots, &args.plot)
-                && name_within(folder, plot).is_some_and(|name| plots::is_own(&name))
-            {
-                let message = format!("--plot {} is a name that --all-plots uses: name another", plot.display());
-                return Err(CliError::Request(message));
-            }
-            let all = args.all_plots.as_deref().map(|folder| {
-                promises_folder("--all-plots", folder)?;
-                std::fs::create_dir_all(folder)
-                    .map_err(|error| CliError::file("cannot make folder", folder, &error))?;
-                Ok::<_, CliError>((page, folder.to_owned()))
-            });
-            let one = args.plot.as_deref().map(|plot| args.page.open("--plot", Some(plot))).transpose()?.flatten();
-            if let Some((page, _)) = &one {
-                let nothing = OrbitPanels {
-                    caption: String::new(),
-                    x: "site",
-                    profiles: Vec::new(),
-                    traces: Vec::new(),
-                    barriers: (-1.0, 1.0),
-                };
-                orbit_picture(&[nothing], page.to_measure()).map_err(|error| CliError::Request(error.0))?;
-            }
-            Ok(Self { one, all: all.transpose()? })
-        }
-
-        pub(super) fn finish(self, solutions: &[Solution], console: &mut Console<'_>) -> Result<(), CliError> {
-            if let Some((page, folder)) = &self.all {
-                for (i, solution) in solutions.iter().enumerate().take(MOST) {
-                    plots::write(folder, *page, i + 1, &solution.orbit, solution.multipliers.as_ref().ok())?;
-                }
-                let (drawn, folder) = (solutions.len().min(MOST), folder.display());
-                console.summary(&format!("pictures of {drawn} of {} solutions are in {folder}", solutions.len()));
-            }
-            let Some((page, file)) = self.one else { return Ok(()) };
-            let mut panels = Vec::new();
-            for (i, solution) in solutions.iter().enumerate().take(MOST) {
-                panels.push(panel(i, solution)?);
-            }
-            if panels.is_empty() {
-                // The answer has been printed; that there is nothing to draw is not a failure.
-                let path = file.path().display();
-                console.remark(&format!("nothing to plot: there is no solution, {path} was not written"));
-                return Ok(());
-            }
-            let bytes = orbit_picture(&panels, page).map_err(|error| CliError::Computation(error.to_string()))?;
-            Ok(file.finish_with(&bytes)?)
-        }
-    }
-
-    fn panel(i: usize, solution: &Solution) -> Result<OrbitPanels, vibrochain_breather::BreatherError> {
-        let orbit = &solution.orbit;
-        let model = orbit.model();
-        let mut motion = Motion::of(orbit)?;
-        let at = |impacts: &[Impact]| format!("at t = {:.4}", impacts.first().map_or(0.0, |impact| impact.time));
-        let profiles = plots::profiles(orbit, &mut motion, at);
-        // Between samples the tips of a trace, which are its impacts, would be cut off.
-        let impacts = orbit.impacts().iter().map(|impact| (impact.time / orbit.period()).rem_euclid(1.0));
-        let mut parts: Vec<f64> = (0..=SAMPLES).map(|k| k as f64 / SAMPLES as f64).chain(impacts).collect();
-        parts.sort_by(f64::total_cmp);
-        let traces = orbit
-            .hit_sites()
-            .into_iter()
-            .map(|site| {
-                let at = |part: &f64| (*part, motion.at(site, part * orbit.period()).displacement);
-                (site, parts.iter().map(at).collect())
-            })
-            .collect();
-        let state = match (&solution.admissibility.is_physical(), &solution.multipliers) {
-            (false, _) => "not physical".to_owned(),
-            (true, Err(_)) => "physical".to_owned(),
-            (true, Ok(Multipliers { verdict, .. })) => match verdict.mechanism {
-                None if verdict.marginal => "marginal".to_owned(),
-                None => "stable".to_owned(),
-                Some(mechanism) => {
-                    format!("unstable, {}, |μ| = {:.6}", plots::loss(mechanism), verdict.spectral_radius)
-                }
-            },
-        };
-        let caption = format!("{} breather {}: {}; {state}", orbit.name(), i + 1, describe(model));
-        let barriers = (model.asymmetry() - 1.0, model.asymmetry() + 1.0);
-        Ok(OrbitPanels { caption, x: plots::along(orbit), profiles, traces, barriers })
-    }
-}
-
-#[cfg(not(feature = "plot"))]
-mod without_plot {
-    use super::{CliError, Console, OrbitArgs, Solution};
-
-    pub(super) struct Plot;
-
-    impl Plot {
-        pub(super) fn open(args: &OrbitArgs) -> Result<Self, CliError> {
-            if args.plot.is_some() || args.all_plots.is_some() {
-                let message = "--plot and --all-plots need a build with the feature `plot`";
-                return Err(CliError::Request(message.to_owned()));
-            }
-            Ok(Self)
-        }
-
-        pub(super) fn finish(self, _: &[Solution], _: &mut Console<'_>) -> Result<(), CliError> {
-            Ok(())
-        }
-    }
 }

@@ -1,4 +1,4 @@
-//! `mapgen orbit --all-plots`: seven pictures of each solution, six of one with impacts at several sites or not on a ring.
+//! Pictures of a chain's orbits. `mapgen orbit --all-plots`: seven of each solution, six of one with impacts at several sites or not on a ring.
 //!
 //! | file | shows |
 //! |---|---|
@@ -10,20 +10,21 @@
 //! | `solution-K-eigenvector` | the perturbation that belongs to the leading multiplier |
 //! | `solution-K-decay` | of one impact site on a ring: distance from the uniform motion, site by site, on a logarithmic axis |
 
-use std::ffi::OsStr;
 use std::path::Path;
 
 use vibrochain_breather::{BreatherError, Finder, Impact, Motion, Orbit};
-use vibrochain_floquet::{Complex, FloquetMode, Multipliers, leading_modes};
+use vibrochain_floquet::{Complex, FloquetMode, Verdict, leading_modes};
 use vibrochain_lattice::{Decay, Ends, Spectrum, decay};
 
 use crate::common::caption::{beside, describe};
 use crate::common::error::CliError;
-use vibrochain_maps::files::Output;
+use crate::common::solution::Solution;
+use crate::orbit::pictures::{Folder, Pictured};
 use vibrochain_plot::field::FieldWriter;
 pub(crate) use vibrochain_plot::loss;
 use vibrochain_plot::{
-    Curves, Mark, Page, Pane, Profile, Scale, Series, Spacetime, Stroke, curves_picture, spacetime_picture,
+    Mark, OrbitPanels, Page, Pane, Profile, Scale, Series, Spacetime, Stroke, Trace, portrait_pane, profile_pane,
+    spacetime_picture, trace_pane,
 };
 
 /// Samples of one flight between impacts.
@@ -35,53 +36,70 @@ const HARMONICS: u64 = 1000;
 /// Corners of the unit circle.
 const CIRCLE: u32 = 180;
 
-fn computation(error: impl std::fmt::Display) -> CliError {
-    CliError::Computation(error.to_string())
+/// Points of a trace: a few pixels each, smooth to the eye.
+const SAMPLES: usize = 160;
+
+impl Pictured for Solution {
+    fn panels(&self, number: usize) -> Result<OrbitPanels, CliError> {
+        let orbit = &self.orbit;
+        let mut motion = Motion::of(orbit)?;
+        let at = |impacts: &[Impact]| format!("at t = {:.4}", impacts.first().map_or(0.0, |impact| impact.time));
+        let profiles = profiles(orbit, &mut motion, at);
+        // Between samples the tips of a trace, which are its impacts, would be cut off.
+        let impacts = orbit.impacts().iter().map(|impact| (impact.time / orbit.period()).rem_euclid(1.0));
+        let mut parts: Vec<f64> = (0..=SAMPLES).map(|k| k as f64 / SAMPLES as f64).chain(impacts).collect();
+        parts.sort_by(f64::total_cmp);
+        let trace = |site| {
+            let at = |part: &f64| [*part, motion.at(site, part * orbit.period()).displacement, f64::NAN];
+            Trace { name: format!("site {site}"), flights: vec![parts.iter().map(at).collect()], ..Trace::default() }
+        };
+        let traces: Vec<Trace> = orbit.hit_sites().into_iter().map(trace).collect();
+        let y = if traces.len() == 1 { "impacting mass u₀" } else { "impacting masses uₙ" };
+        let verdict = self.multipliers.as_ref().ok().map(|all| &all.verdict);
+        let state = state(self.admissibility.is_physical(), verdict);
+        let caption = format!("{} breather {number}: {}; {state}", orbit.name(), describe(orbit.model()));
+        let panes = [profile_pane(along(orbit), profiles), trace_pane(y, &traces)];
+        let panes = panes.map(|pane| Pane { levels: barriers(orbit), ..pane }).to_vec();
+        Ok(OrbitPanels { caption, panes })
+    }
+
+    /// Without stability those of multipliers and eigenvector are left out.
+    fn write(&self, folder: &Path, page: Page, number: usize) -> Result<(), CliError> {
+        let orbit = &self.orbit;
+        let title = format!("{} breather {number}: {}", orbit.name(), describe(orbit.model()));
+        let folder = Folder { path: folder, page, number, title };
+        folder.save("profile", (960, 480), vec![profile(orbit)?])?;
+        let (trace, phase) = flights(orbit)?;
+        folder.save("trace", (960, 480), vec![trace])?;
+        folder.save("phase", (960, 560), vec![phase])?;
+        let picture = spacetime_picture(&spacetime(orbit, folder.title.clone())?, page);
+        folder.write("spacetime", &picture.map_err(|error| CliError::Computation(error.to_string()))?)?;
+        if orbit.centre().is_some() {
+            folder.save("decay", (960, 520), vec![decay_pane(orbit)?])?;
+        }
+        if let Ok(all) = &self.multipliers {
+            folder.save(
+                "multipliers",
+                (960, 760),
+                vec![multiplier_pane(&all.sorted().collect::<Vec<_>>(), &all.verdict)],
+            )?;
+            folder.save("eigenvector", (660, 480), eigenvector(orbit, all.verdict.leading)?)?;
+        }
+        Ok(())
+    }
 }
 
-/// Begins the names of all files here.
-const NAME: &str = "solution-";
-
-/// Whether a name may be that of a file here.
-pub(crate) fn is_own(name: &OsStr) -> bool {
-    name.to_string_lossy().starts_with(NAME)
-}
-
-/// Writes the pictures of solution number `number`. Without stability those of multipliers and eigenvector are left out.
-///
-/// # Errors
-/// [`CliError`].
-pub(crate) fn write(
-    folder: &Path,
-    page: Page,
-    number: usize,
-    orbit: &Orbit,
-    all: Option<&Multipliers>,
-) -> Result<(), CliError> {
-    let title = format!("{} breather {number}: {}", orbit.name(), describe(orbit.model()));
-    let ending = page.format.ending();
-    let save = |name: &str, pane: (u32, u32), panes: Vec<Pane>| {
-        let columns = panes.len();
-        let picture = Curves { title: title.clone(), panes, columns, pane, ..Curves::default() };
-        let bytes = curves_picture(&picture, page).map_err(computation)?;
-        let file = Output::create(&folder.join(format!("{NAME}{number}-{name}.{ending}")))?;
-        Ok::<_, CliError>(file.finish_with(&bytes)?)
-    };
-    save("profile", (960, 480), vec![profile(orbit)?])?;
-    let (trace, phase) = flights(orbit)?;
-    save("trace", (960, 480), vec![trace])?;
-    save("phase", (960, 560), vec![phase])?;
-    let picture = spacetime_picture(&spacetime(orbit, title.clone())?, page).map_err(computation)?;
-    let file = Output::create(&folder.join(format!("{NAME}{number}-spacetime.{ending}")))?;
-    file.finish_with(&picture)?;
-    if orbit.centre().is_some() {
-        save("decay", (960, 520), vec![decay_pane(orbit)?])?;
+/// Physical or not, stable or how not, for captions.
+pub(crate) fn state(is_physical: bool, verdict: Option<&Verdict>) -> String {
+    match verdict {
+        _ if !is_physical => "not physical".to_owned(),
+        None => "physical".to_owned(),
+        Some(verdict) => match verdict.mechanism {
+            None if verdict.marginal => "marginal".to_owned(),
+            None => "stable".to_owned(),
+            Some(mechanism) => format!("unstable, {}, |μ| = {:.6}", loss(mechanism), verdict.spectral_radius),
+        },
     }
-    if let Some(all) = all {
-        save("multipliers", (960, 760), vec![multipliers(all)])?;
-        save("eigenvector", (660, 480), eigenvector(orbit, all.verdict.leading)?)?;
-    }
-    Ok(())
 }
 
 /// What stands below profiles.
@@ -123,17 +141,7 @@ pub(crate) fn profiles(orbit: &Orbit, motion: &mut Motion, name: impl Fn(&[Impac
 }
 
 fn pane(caption: &str, x: &str, y: &str, series: Vec<Series>) -> Pane {
-    Pane {
-        caption: caption.to_owned(),
-        x: x.to_owned(),
-        y: y.to_owned(),
-        x_range: None,
-        x_log: false,
-        scale: Scale::Linear,
-        levels: Vec::new(),
-        round: false,
-        series,
-    }
+    Pane { caption: caption.to_owned(), x: x.to_owned(), y: y.to_owned(), series, ..Pane::default() }
 }
 
 fn barriers(orbit: &Orbit) -> Vec<f64> {
@@ -151,13 +159,7 @@ fn profile(orbit: &Orbit) -> Result<Pane, BreatherError> {
         _ => format!("impacts at t/T = {:.4}", impacts.first().map_or(0.0, |impact| impact.time / orbit.period())),
     };
     let lines = profiles(orbit, &mut Motion::of(orbit)?, name);
-    let series = lines.into_iter().enumerate().map(|(colour, Profile { name, instant, points })| {
-        let (stroke, mark) =
-            if instant == 0 { (Stroke::Solid(2), Mark::Filled(0)) } else { (Stroke::Dashed(2), Mark::Hollow(3)) };
-        Series { name, colour, stroke, mark, points }
-    });
-    let pane = pane("", along(orbit), "displacement uₙ", series.collect());
-    Ok(Pane { levels: barriers(orbit), ..pane })
+    Ok(Pane { levels: barriers(orbit), ..profile_pane(along(orbit), lines) })
 }
 
 /// Samples of a period in space and time: a column for every other pixel.
@@ -181,66 +183,38 @@ fn flights(orbit: &Orbit) -> Result<(Pane, Pane), BreatherError> {
     let home = orbit.impacts().first().map_or(0, |impact| impact.site);
     let [left, right, ..] = orbit.model().chain().neighbours(home);
     let next = right.filter(|&n| n != home).or(left).unwrap_or(home);
-    let (mut own, mut neighbour) = (Vec::new(), Vec::new());
-    let (mut flight, mut jumps, mut before, mut after) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let mut ends: Vec<((f64, f64), (f64, f64))> = Vec::new();
-    for i in 0..motion.intervals() {
-        let (start, length) = motion.interval(i);
-        let mut ends_of = ((0.0, 0.0), (0.0, 0.0));
-        for k in 0..=FLIGHT {
-            let elapsed = length * k as f64 / FLIGHT as f64;
-            motion.seek(i, elapsed);
-            let now = motion.site(home);
-            let time = (start + elapsed) / orbit.period();
-            own.push((time, now.displacement));
-            neighbour.push((time, motion.site(next).displacement));
-            let here = (now.displacement, now.velocity);
-            flight.push(here);
-            if k == 0 {
-                ends_of.0 = here;
-            }
-            ends_of.1 = here;
-        }
-        flight.push((f64::NAN, f64::NAN));
-        ends.push(ends_of);
-    }
-    for (i, &(start, _)) in ends.iter().enumerate() {
-        let from = ends[(i + ends.len() - 1) % ends.len()].1;
-        before.push(from);
-        after.push(start);
-        jumps.extend([from, start, (f64::NAN, f64::NAN)]);
-    }
-    let line = |name: &str, colour, stroke, points| {
-        let name = name.to_owned();
-        Series { name, colour, stroke, mark: Mark::None, points }
+    let intervals = motion.intervals();
+    let mut trace = |site: usize, name: &str| {
+        let flight = |i: usize| {
+            let (start, length) = motion.interval(i);
+            let point = |k: usize| {
+                let elapsed = length * k as f64 / FLIGHT as f64;
+                motion.seek(i, elapsed);
+                let now = motion.site(site);
+                [(start + elapsed) / orbit.period(), now.displacement, now.velocity]
+            };
+            (0..=FLIGHT).map(point).collect()
+        };
+        Trace { name: name.to_owned(), flights: (0..intervals).map(flight).collect(), ..Trace::default() }
     };
-    let dots = |name: &str, colour, mark, points| {
-        let name = name.to_owned();
-        Series { name, colour, stroke: Stroke::None, mark, points }
-    };
-    let mut traces = vec![line("impacting mass u₀", 0, Stroke::Solid(3), own)];
+    let mut traces = vec![trace(home, "impacting mass u₀")];
+    let phase = portrait_pane("displacement u₀", "velocity of the impacting mass", &traces[0]);
+    let phase = Pane { uprights: barriers(orbit), ..phase };
     if next != home {
-        traces.push(line("its neighbour u₁", 1, Stroke::Dashed(2), neighbour));
+        traces.push(trace(next, "its neighbour u₁"));
     }
-    let trace = pane("", "time t/T", "displacement", traces);
-    let portrait = vec![
-        line("flight", 0, Stroke::Solid(2), flight),
-        line("impact", 5, Stroke::Dashed(2), jumps),
-        dots("before", 1, Mark::Filled(3), before),
-        dots("after", 1, Mark::Hollow(0), after),
-    ];
-    let phase = pane("", "displacement u₀", "velocity of the impacting mass", portrait);
-    Ok((Pane { x_range: Some(0.0..1.0), levels: barriers(orbit), ..trace }, phase))
+    let trace = trace_pane("displacement", &traces);
+    Ok((Pane { x: "time t/T".to_owned(), levels: barriers(orbit), ..trace }, phase))
 }
 
-fn multipliers(all: &Multipliers) -> Pane {
+/// Multipliers, by falling modulus, in the plane.
+pub(crate) fn multiplier_pane(all: &[Complex<f64>], verdict: &Verdict) -> Pane {
     let circle = (0..=CIRCLE).map(|k| std::f64::consts::TAU * f64::from(k) / f64::from(CIRCLE));
     let circle = circle.map(|t| (t.cos(), t.sin())).collect();
-    let place = |z: Complex<f64>| (z.re, z.im);
-    let verdict = all.verdict;
-    let leading = all.sorted().filter(|z| verdict.mechanism.is_some() && same(z, &verdict.leading));
+    let place = |z: &Complex<f64>| (z.re, z.im);
+    let leading = all.iter().filter(|z| verdict.mechanism.is_some() && same(z, &verdict.leading));
     let leading: Vec<_> = leading.map(place).collect();
-    let all = all.sorted().map(place).collect();
+    let all = all.iter().map(place).collect();
     let series =
         |name: &str, colour, stroke, mark, points| Series { name: name.to_owned(), colour, stroke, mark, points };
     let state = verdict.mechanism.map_or(if verdict.stable { "stable" } else { "marginal" }.to_owned(), |mechanism| {

@@ -26,7 +26,7 @@ use crate::orbit::point_value;
 use crate::simulate::animate::Film;
 use crate::simulate::pace::Pace;
 use crate::simulate::recording::{ImpactTable, Plot, Trajectory, orbit_time};
-use crate::simulate::section::Section;
+use crate::simulate::section::{Section, Sectioned};
 use crate::simulate::start::{Start, leading_mode_at};
 use crate::structures;
 use vibrochain_maps::files::distinct;
@@ -97,7 +97,15 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     let mut impacts = args.impacts.as_deref().map(|path| ImpactTable::open(path, start.time, &model)).transpose()?;
     let mut trajectory =
         args.trajectory.as_deref().map(|path| Trajectory::open(path, start.time, &model)).transpose()?;
-    let mut section = Section::open(args, &model, orbit, &start)?;
+    let sectioned = Sectioned {
+        period: model.period(),
+        psi: start.psi,
+        start: start.time,
+        count: model.chain().sites(),
+        home: orbit.map_or(vec![0], Orbit::hit_sites),
+        names: ["site", "displacement", "velocity"],
+    };
+    let mut section = Section::open(args, sectioned)?;
     let mut plot = Plot::open(args, &model, orbit, &start)?;
     let mut film = Film::open(args, &model, orbit)?;
 
@@ -151,7 +159,8 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
             stopped = stop.is_raised();
             pace.see(&report, console);
             if let (Some(_), Outcome::TimeReached, Some(section)) = (look, report.outcome, &mut section) {
-                section.look(&simulation)?;
+                let state = simulation.state();
+                section.look(simulation.time(), &state.displacement, &state.velocity)?;
             } else if report.outcome != Outcome::WorkLimit {
                 break;
             }

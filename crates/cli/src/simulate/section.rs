@@ -1,13 +1,11 @@
 //! Poincaré sections of a simulated run, as a table.
 
-use vibrochain_breather::Orbit;
-use vibrochain_eventsim::{Event, EventKind, Simulation, Time};
+use vibrochain_eventsim::{Event, EventKind, Time};
 use vibrochain_fate::Strobe;
-use vibrochain_lattice::Model;
+use vibrochain_lattice::Barrier;
 
 use crate::args::{SectionName, SimulateArgs};
 use crate::common::error::CliError;
-use crate::simulate::start::Start;
 use vibrochain_maps::files::CsvFile;
 
 /// The most masses of a section.
@@ -29,13 +27,23 @@ pub(crate) struct Section {
     failure: Option<CliError>,
 }
 
+/// What a section is of.
+pub(crate) struct Sectioned<'a> {
+    /// Of the force.
+    pub(crate) period: f64,
+    /// Phase of the force at the start, as a time, and the time of the start.
+    pub(crate) psi: f64,
+    pub(crate) start: f64,
+    /// Masses or contacts there are, and those that are looked at unless others are asked for.
+    pub(crate) count: usize,
+    pub(crate) home: Vec<usize>,
+    /// What columns call one, its place and its velocity.
+    pub(crate) names: [&'a str; 3],
+}
+
 impl Section {
-    pub(crate) fn open(
-        args: &SimulateArgs,
-        model: &Model,
-        orbit: Option<&Orbit>,
-        start: &Start,
-    ) -> Result<Option<Self>, CliError> {
+    pub(crate) fn open(args: &SimulateArgs, of: Sectioned<'_>) -> Result<Option<Self>, CliError> {
+        let Sectioned { period, psi, start, count, home, names: [site, place, velocity] } = of;
         let Some(path) = &args.section else { return Ok(None) };
         let (skip, phase) = (args.skip, args.section_phase);
         if !(skip >= 0.0 && skip <= args.periods) {
@@ -49,11 +57,11 @@ impl Section {
         }
         let mut sites = args.section_sites.clone();
         if sites.is_empty() {
-            sites = orbit.map_or(vec![0], Orbit::hit_sites);
+            sites = home;
         }
         sites.sort_unstable();
         sites.dedup();
-        let last = model.chain().sites() - 1;
+        let last = count.saturating_sub(1);
         if let Some(site) = sites.iter().find(|site| **site > last) {
             return Err(CliError::Request(format!(
                 "--section-sites {site} does not exist: give sites from 0 to {last}"
@@ -62,26 +70,24 @@ impl Section {
         if sites.len() > MAX_SITES {
             return Err(CliError::Request(format!("--section-sites has more than {MAX_SITES} sites: give fewer")));
         }
-        let columns = |name: &'static str| sites.iter().map(move |site| format!("{name}_{site}"));
+        let columns = |name: &str| sites.iter().map(|site| format!("{name}_{site}")).collect::<Vec<_>>();
         let words = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
         let (strobe, header) = match args.section_at {
             SectionName::Strobe => {
-                let strobe = Strobe::new(model, start.psi, phase);
+                let strobe = Strobe::of_period(period, psi, phase);
                 // The phase is less than a period away.
                 let first = ((skip.floor() as u64).saturating_sub(1)..=skip.ceil() as u64)
                     .find(|&i| part(strobe.time(i)) >= skip);
-                let columns = columns("displacement").chain(columns("velocity"));
-                let header = words(&["time", "period", "phase"]).into_iter().chain(columns).collect();
+                let header = [words(&["time", "period", "phase"]), columns(place), columns(velocity)].concat();
                 (Some((strobe, first.unwrap_or(skip.ceil() as u64))), header)
             }
             SectionName::Impact => {
-                let names = ["time", "period", "phase", "site", "barrier", "velocity_before", "velocity_after"];
+                let names = ["time", "period", "phase", site, "barrier", "velocity_before", "velocity_after"];
                 (None, words(&names))
             }
         };
         let file = CsvFile::create("--section", path, header)?;
-        let (period, psi) = (model.period(), start.psi);
-        Ok(Some(Self { file, strobe, sites, start: start.time, psi, period, skip, failure: None }))
+        Ok(Some(Self { file, strobe, sites, start, psi, period, skip, failure: None }))
     }
 
     /// The next instant at which the section looks at the run, if that is not after `end`.
@@ -99,33 +105,32 @@ impl Section {
         [time.on_clock(self.start).to_string(), time.periods().to_string(), phase.to_string()]
     }
 
-    /// Looks at the run at a time that was due.
-    pub(crate) fn look(&mut self, simulation: &Simulation) -> Result<(), CliError> {
+    /// Looks at the places and velocities of all at a time that was due.
+    pub(crate) fn look(&mut self, time: Time, places: &[f64], velocities: &[f64]) -> Result<(), CliError> {
         let Some((_, next)) = &mut self.strobe else { return Ok(()) };
         *next += 1;
-        let state = simulation.state();
         let of = |values: &[f64]| self.sites.iter().map(|&n| values[n].to_string()).collect::<Vec<_>>();
-        let row = self.place(simulation.time()).into_iter();
-        let row = row.chain(of(&state.displacement)).chain(of(&state.velocity)).collect::<Vec<_>>();
+        let row = self.place(time).into_iter().chain(of(places)).chain(of(velocities)).collect::<Vec<_>>();
         Ok(self.file.row(row)?)
     }
 
     /// Takes note of an event.
     pub(crate) fn see(&mut self, event: &Event) {
-        let wanted = self.strobe.is_none()
-            && event.kind == EventKind::Impact
-            && part(event.time) >= self.skip
-            && self.sites.binary_search(&event.site).is_ok();
+        if event.kind == EventKind::Impact {
+            let velocities = [event.velocity_before, event.velocity_after];
+            self.hit(event.time, event.site, event.barrier, velocities);
+        }
+    }
+
+    /// Takes note of an impact.
+    pub(crate) fn hit(&mut self, time: Time, site: usize, barrier: Barrier, velocities: [f64; 2]) {
+        let wanted = self.strobe.is_none() && part(time) >= self.skip && self.sites.binary_search(&site).is_ok();
         if !wanted {
             return;
         }
-        let rest = [
-            event.site.to_string(),
-            event.barrier.name().to_owned(),
-            event.velocity_before.to_string(),
-            event.velocity_after.to_string(),
-        ];
-        if let Err(error) = self.file.row(self.place(event.time).into_iter().chain(rest)) {
+        let [before, after] = velocities.map(|velocity| velocity.to_string());
+        let rest = [site.to_string(), barrier.name().to_owned(), before, after];
+        if let Err(error) = self.file.row(self.place(time).into_iter().chain(rest)) {
             self.failure.get_or_insert(error.into());
         }
     }

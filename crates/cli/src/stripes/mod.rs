@@ -34,6 +34,7 @@ use crate::stripes::lines::{Line, joined, rows};
 use crate::stripes::request::Request;
 use crate::stripes::table::table;
 use crate::stripes::widths::HEADER;
+use crate::structures;
 use vibrochain_maps::files::{CsvFile, Output, distinct, promises};
 use vibrochain_plot::{Format, MapLine, MapPicture, Palette, Shown, Tile, map_with_lines};
 
@@ -49,6 +50,7 @@ pub(crate) const LINES: &str = "stripes";
 pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let (plot, out) = args.files();
     args.page.checked(plot.is_some(), "--plot")?;
+    structures::refuse_scene(&args.scene)?;
     let request = Request::read(&args.scene)?;
     let manifest = beside(out)?;
     let taken = distinct(

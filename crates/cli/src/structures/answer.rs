@@ -3,10 +3,9 @@
 use std::fmt::Write as _;
 
 use vibrochain_breather::{StructureFound, StructureModel, StructureSearch};
-use vibrochain_lattice::Short;
 use vibrochain_maps::numbers::Number;
-use vibrochain_maps::structure::Answered;
 use vibrochain_maps::structure::answer::told;
+use vibrochain_maps::structure::{Answered, StructureScene};
 
 fn how(search: StructureSearch) -> String {
     match search {
@@ -31,19 +30,17 @@ fn how(search: StructureSearch) -> String {
 }
 
 /// The answer for people.
-pub(crate) fn text(model: &StructureModel, heading: &str, found: &StructureFound, answered: &[Answered<'_>]) -> String {
+pub(crate) fn text(
+    scene: &StructureScene,
+    model: &StructureModel,
+    heading: &str,
+    found: &StructureFound,
+    answered: &[Answered<'_>],
+) -> String {
     let mut out = String::new();
-    let structure = model.structure();
-    let (contacts, modes) = (structure.contacts().len(), structure.modes().len());
     let plural = |count: usize| if count == 1 { "" } else { "s" };
     // Writing to a String cannot fail.
-    let _ = writeln!(
-        out,
-        "{heading}, structure of {modes} mode{}, {contacts} contact{}, omega = {}",
-        plural(modes),
-        plural(contacts),
-        Short(model.omega())
-    );
+    let _ = writeln!(out, "{heading}: {}, {}", scene.heading(), scene.here());
     let physical = answered.iter().filter(|one| one.admissibility.is_physical()).count();
     let none = matches!(found.search, StructureSearch::ClosedForm | StructureSearch::Enclosures { unresolved: 0, .. });
     let _ = match (answered.len(), none) {

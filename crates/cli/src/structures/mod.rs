@@ -1,14 +1,20 @@
 //! Any linear structure with stops: what `orbit`, `sweep` and others do for a scene with `[structure]`, and for a chain with dashpots.
 
 pub(crate) mod answer;
+pub(crate) mod fate;
 pub(crate) mod orbit;
+#[cfg(feature = "plot")]
+mod pictures;
+mod run_plot;
 pub(crate) mod simulate;
 pub(crate) mod sweep;
+
+use std::path::Path;
 
 use vibrochain_lattice::{Contact, Ends, Parameter};
 use vibrochain_maps::structure::{ChainTable, MOST_MASSES, Setting, StructureScene};
 
-use crate::args::ModelArgs;
+use crate::args::{ModelArgs, RowEnds};
 use crate::common::error::CliError;
 
 /// The structure that is asked about: a scene's, or a chain with what flags add to it; `None` of a plain chain.
@@ -22,7 +28,7 @@ pub(crate) fn asked(args: &ModelArgs) -> Result<Option<StructureScene>, CliError
             let of_chain = Parameter::ALL.into_iter().filter(|one| *one != Parameter::Omega);
             let flag = of_chain.filter(|one| args.values.get(*one).is_some()).map(Parameter::flag).next();
             let flag = flag.or_else(|| args.sites.map(|_| "sites".to_owned()));
-            if let Some(flag) = flag.or_else(|| args.structure.is_chains().map(str::to_owned)) {
+            if let Some(flag) = flag.or_else(|| args.of_structures().map(str::to_owned)) {
                 let message = format!(
                     "--{flag} is of chains, and the scene holds a structure: change its numbers by --set NAME=VALUE"
                 );
@@ -30,7 +36,7 @@ pub(crate) fn asked(args: &ModelArgs) -> Result<Option<StructureScene>, CliError
             }
             scene
         }
-        None if args.structure.is_chains().is_some() => chain(args)?,
+        None if args.of_structures().is_some() => chain(args)?,
         None if !args.structure.set.is_empty() => {
             return Err(CliError::Request(
                 "--set changes the numbers of a structure: give --scene with [structure]".to_owned(),
@@ -57,12 +63,27 @@ pub(crate) fn asked(args: &ModelArgs) -> Result<Option<StructureScene>, CliError
 /// # Errors
 /// [`CliError::Request`] with the commands that answer.
 pub(crate) fn refuse(args: &ModelArgs) -> Result<(), CliError> {
-    if asked(args)?.is_none() {
-        return Ok(());
+    match asked(args)? {
+        Some(_) => Err(refusal()),
+        None => Ok(()),
     }
-    let message = "structures, and chains with dashpots, a static force or stops of their own, are asked by orbit, simulate and sweep: this \
-                   command is of chains without";
-    Err(CliError::Request(message.to_owned()))
+}
+
+/// The same of a scene that a command reads as one of a chain.
+///
+/// # Errors
+/// [`CliError::Request`] with the commands that answer, or what is wrong in the scene.
+pub(crate) fn refuse_scene(scene: &Path) -> Result<(), CliError> {
+    match StructureScene::read(scene)? {
+        Some(_) => Err(refusal()),
+        None => Ok(()),
+    }
+}
+
+fn refusal() -> CliError {
+    let message = "structures, and chains with dashpots, a static force, stops of their own or ends fixed-free, are asked by orbit, simulate, \
+                   fate and sweep: this command is of chains without";
+    CliError::Request(message.to_owned())
 }
 
 /// A chain with dashpots, a static force, or stops of its own.
@@ -115,7 +136,7 @@ fn chain(args: &ModelArgs) -> Result<StructureScene, CliError> {
         sites,
         gamma1: value(Parameter::Gamma1)?.ok_or_else(|| missing("gamma1"))?,
         gamma2: value(Parameter::Gamma2)?.ok_or_else(|| missing("gamma2"))?,
-        ends: args.ends.unwrap_or(Ends::Closed).name().to_owned(),
+        ends: args.ends.unwrap_or(RowEnds::Alike(Ends::Closed)).name().to_owned(),
         damping: extra.damping.unwrap_or(0.0),
         coupling_damping: extra.coupling_damping.unwrap_or(0.0),
     };

@@ -4,10 +4,11 @@ use std::path::Path;
 
 use serde::Deserialize;
 use vibrochain_breather::{
-    Family, StructureFound, StructureModel, StructureOrbit, StructureOrbitError, StructureSearch, Word,
-    structure_orbits,
+    Family, StructureFound, StructureModel, StructureMotion, StructureOrbit, StructureOrbitError, StructureSearch,
+    Word, structure_orbits,
 };
 use vibrochain_lattice::Barrier;
+use vibrochain_maps::files::distinct;
 use vibrochain_maps::scene::tolerance_from;
 use vibrochain_maps::structure::answer::json;
 use vibrochain_maps::structure::{Answered, StructureScene};
@@ -15,25 +16,43 @@ use vibrochain_maps::text::read_text;
 
 use super::answer::text;
 use crate::args::{OrbitArgs, WhichArgs};
-use crate::common::console::Console;
+use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
+use crate::orbit::multiplier_file::MultiplierFile;
+use crate::orbit::pictures::OrbitPictures;
+use crate::orbit::trajectory::OrbitTrajectory;
 
 /// The most bytes of a file with an orbit.
 const MOST_BYTES: u64 = 16 << 20;
+
+/// A solution with what it is of, as pictures take it.
+pub(super) struct Drawn<'a> {
+    pub(super) answered: &'a Answered<'a>,
+    pub(super) scene: &'a StructureScene,
+    pub(super) word: &'a str,
+}
 
 /// Runs the subcommand for a structure.
 ///
 /// # Errors
 /// [`CliError`]; that there is no orbit is an answer.
 pub(crate) fn run(args: &OrbitArgs, scene: &StructureScene, console: &mut Console<'_>) -> Result<(), CliError> {
-    let pictures =
-        args.plot.is_some() || args.all_plots.is_some() || args.trajectory.is_some() || args.multipliers.is_some();
-    if pictures {
-        let message = "orbits of structures are told in words and by --json: --plot, --all-plots, --trajectory and --multipliers are of chains";
-        return Err(CliError::Request(message.to_owned()));
-    }
+    let taken = distinct(
+        &[("--scene", args.model.scene.as_deref()), ("--near", args.which.near.as_deref())],
+        &[
+            ("--multipliers", args.multipliers.as_deref()),
+            ("--plot", args.plot.as_deref()),
+            ("--all-plots", args.all_plots.as_deref()),
+            ("--trajectory", args.trajectory.as_deref()),
+        ],
+    )?;
+    nothing_else(args.json, taken)?;
+    let stop = (console.interrupt)()?;
     let model = scene.model().map_err(CliError::Request)?;
     let tolerance = args.threshold.map_or(Ok(scene.tolerance), tolerance_from).map_err(CliError::Request)?;
+    let file = args.multipliers.as_deref().map(MultiplierFile::create).transpose()?;
+    let trajectory = OrbitTrajectory::open(args, columns(&model))?;
+    let pictures = OrbitPictures::open(args)?;
     let (found, word, periods) = found(&args.which, scene, &model)?;
     let answered = found
         .orbits
@@ -46,13 +65,52 @@ pub(crate) fn run(args: &OrbitArgs, scene: &StructureScene, console: &mut Consol
         let value = json(scene, &model, &heading, &found, &answered);
         format!("{value:#}\n")
     } else {
-        text(&model, &heading, &found, &answered)
+        text(scene, &model, &heading, &found, &answered)
     };
-    console.answer(&told, args.json, false)?;
+    console.answer(&told, args.json, taken)?;
+    if let Some(mut file) = file {
+        for (one, number) in answered.iter().zip(1..) {
+            let multipliers = one.stability.iter().flat_map(|stability| stability.multipliers.iter().copied());
+            file.rows(number, multipliers, &stop, |_| None::<usize>)?;
+        }
+        file.finish()?;
+    }
+    if let Some(mut table) = trajectory {
+        for (one, number) in answered.iter().zip(1..) {
+            let motion = StructureMotion::new(one.orbit)?;
+            table.period(number, one.orbit.period(), |time| state(&motion, one.orbit, time))?;
+        }
+        table.finish()?;
+    }
+    let drawn = answered.iter().map(|answered| Drawn { answered, scene, word: &heading });
+    pictures.finish(&drawn.collect::<Vec<_>>(), console)?;
     match answered.iter().find_map(|answered| answered.stability.as_ref().err()) {
         Some(error) => Err(CliError::from(error.clone()).about("stability could not be computed")),
         None => Ok(()),
     }
+}
+
+/// `time,contact_0,…,contact_velocity_0,…,displacement_0,…,velocity_0,…`: coordinates where the structure has them.
+pub(super) fn columns(model: &StructureModel) -> impl Iterator<Item = String> + use<> {
+    let structure = model.structure();
+    let (contacts, coordinates) = (structure.contacts().len(), structure.coordinates());
+    let columns = |name: &'static str, count: usize| (0..count).map(move |n| format!("{name}_{n}"));
+    let contacts = columns("contact", contacts).chain(columns("contact_velocity", contacts));
+    let coordinates = columns("displacement", coordinates).chain(columns("velocity", coordinates));
+    std::iter::once("time".to_owned()).chain(contacts).chain(coordinates)
+}
+
+/// These columns after the time, at a time within a period of an orbit or at its end.
+fn state(motion: &StructureMotion<'_>, orbit: &StructureOrbit, time: f64) -> Result<Vec<f64>, CliError> {
+    let impacts = orbit.impacts();
+    let i = impacts.partition_point(|impact| impact.time <= time).saturating_sub(1);
+    let s = time - impacts[i].time;
+    let contacts: Vec<[f64; 3]> =
+        (0..orbit.model().structure().contacts().len()).map(|contact| motion.contact(contact, i, s)).collect();
+    let coordinates = motion.coordinates(i, s)?;
+    let of_contacts = [0, 1].into_iter().flat_map(|n| contacts.iter().map(move |contact| contact[n]));
+    let of_coordinates = [0, 1].into_iter().flat_map(|n| coordinates.iter().map(move |state| state[n]));
+    Ok(of_contacts.chain(of_coordinates).collect())
 }
 
 /// The orbits that flags or the scene ask for, with their word and its periods of the load.

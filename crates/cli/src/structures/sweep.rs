@@ -4,13 +4,15 @@ use std::path::Path;
 
 use vibrochain_maps::files::{Output, distinct, promises};
 use vibrochain_maps::numbers::Number;
+use vibrochain_maps::scene::Values;
 use vibrochain_maps::structure::StructureMap;
 use vibrochain_maps::structure::map::StructureCell;
-use vibrochain_maps::structure::scene::StructureScene;
+use vibrochain_maps::structure::scene::{StructureAxis, StructureScene};
 
 use crate::args::SweepArgs;
 use crate::common::console::Console;
 use crate::common::error::CliError;
+use crate::common::pictures::MapDrawing;
 use crate::common::threads::threads;
 
 /// Runs the subcommand for a structure.
@@ -25,32 +27,42 @@ pub(crate) fn run(args: &SweepArgs, scene: &StructureScene, console: &mut Consol
     let Some(out) = &args.out else {
         return Err(CliError::Request("--out is missing: name the table to write".to_owned()));
     };
-    if args.shard.is_some() || args.resume || args.json || args.pictures.files().next().is_some() {
-        let message = "maps of structures are written as one table: leave --shard, --resume, --json and pictures away";
+    if args.shard.is_some() || args.resume || args.json {
+        let message = "maps of structures are written as one table: leave --shard, --resume and --json away";
+        return Err(CliError::Request(message.to_owned()));
+    }
+    if args.pictures.curves || !args.pictures.slice.is_empty() {
+        let message = "--curves and --slice are of maps of chains without dashpots: leave them away";
         return Err(CliError::Request(message.to_owned()));
     }
     promises("--out", out, "a table", &["csv"])?;
-    distinct(&[("the scene", Some(&args.scene))], &[("--out", Some(out))])?;
+    distinct(&[("the scene", Some(&args.scene))], &args.pictures.beside(&[("--out", Some(out))]))?;
     let stop = (console.interrupt)()?;
+    let mut pictures = MapDrawing::plan(&args.pictures, args.show, scene)?;
+    let axes: Vec<Values> = scene.axes.iter().map(StructureAxis::values).collect();
+    let axes: Vec<&Values> = axes.iter().collect();
     let pool = threads(console.threads)?;
     let mut file = Output::create(out)?;
     let mut table = csv::Writer::from_writer(&mut file);
-    let names = scene.axes.iter().map(|axis| axis.setting.to_string());
+    let names = scene.axis_names.iter().cloned();
     let columns = ["class", "word", "mechanism", "spectral_radius", "margin", "solutions", "trouble"];
     let failed = |error: csv::Error| CliError::Computation(error.to_string());
     table.write_record(names.chain(columns.map(str::to_owned))).map_err(failed)?;
-    let (mut physical, mut troubled) = (0, 0);
+    let (mut physical, mut troubled, mut number) = (0, 0, 0);
     for row in 0..map.rows() {
         let Some(cells) = pool.install(|| map.row(row, &stop)) else { return Err(CliError::Interrupted) };
         for cell in cells {
             physical += usize::from(cell.best.is_some());
             troubled += usize::from(cell.trouble.is_some());
             table.write_record(record(&cell)).map_err(failed)?;
+            pictures.cell(&axes, number, &cell.cell(&scene.words));
+            number += 1;
         }
     }
     table.flush().map_err(|error| CliError::Computation(error.to_string()))?;
     drop(table);
     file.commit()?;
+    pictures.finish(scene)?;
     if out != Path::new("-") {
         console.summary(&format!(
             "{} points, {physical} with physical orbits, {troubled} with something that could not be worked out",

@@ -182,7 +182,7 @@ fn of_runs(source: &Path, command: &str) -> Result<(u64, Scene, Ensemble), CliEr
 
 fn ends(files: PictureFiles, table: TableRows, source: &Path) -> Result<String, CliError> {
     let (_, scene, ensemble) = of_runs(source, ENDS)?;
-    let mut plot = Plot::of_ends(files, &scene)?;
+    let mut plot = Plot::of_ends(files, &scene, false)?;
     let fates = Fates { ensemble, ..Fates::default() };
     table.cells(&fates, &scene, &mut |_, cell| plot.see(cell))?;
     plot.finish(&scene, &ensemble)?;

@@ -15,6 +15,7 @@
 //! | `motion` | the state between events: modes, contacts, clock |
 //! | `collision` | impacts, in sequence where contacts share coordinates; chatter, rest and release |
 //! | `event` | what a run reports |
+//! | `tangent` | small perturbations of a run, to first order |
 //! | `simulation` | the event loop and its public face |
 
 mod approach;
@@ -27,7 +28,9 @@ mod motion;
 mod series;
 mod simulation;
 mod system;
+mod tangent;
 
 pub use balance::EnergyBalance;
 pub use event::{ContactEvent, StructureOutcome, StructureReport, StructureStateError};
 pub use simulation::{ContactState, StructureSimulation, StructureState};
+pub use tangent::StructureTangents;

@@ -7,9 +7,11 @@ use super::event::{ContactEvent, StructureOutcome, StructureReport, StructureSta
 use super::motion::Motion;
 use super::series::Series;
 use super::system::System;
+use super::tangent::{Alone, Company, StructureTangents};
 use crate::cascade::{Cascades, Pending};
 use crate::event::{BOUNCE_TIME, EventKind, Limits, Work};
 use crate::ring::Contact;
+use crate::tangent::TangentError;
 use crate::time::Time;
 use vibrochain_lattice::{Barrier, EnergyForm, ModalStructure};
 
@@ -240,8 +242,24 @@ impl StructureSimulation {
     ///
     /// A run can be continued by another; its limits on impacts and work count anew.
     pub fn run(&mut self, limits: &Limits, mut observer: impl FnMut(&ContactEvent)) -> StructureReport {
-        let outcome = self.advance(limits, &mut observer);
+        let outcome = self.advance(limits, &mut observer, &mut Alone);
         StructureReport { outcome, time: self.time(), work: self.motion.work }
+    }
+
+    /// The same run, to the bit, with tangent vectors, which are brought to the time at its end.
+    ///
+    /// # Errors
+    /// [`TangentError::OtherModel`] of those of another structure.
+    pub fn run_with(
+        &mut self,
+        tangents: &mut StructureTangents,
+        limits: &Limits,
+        mut observer: impl FnMut(&ContactEvent),
+    ) -> Result<StructureReport, TangentError> {
+        let mut riders = tangents.mount(&self.motion, self.now)?;
+        let outcome = self.advance(limits, &mut observer, &mut riders);
+        riders.fly_to(&self.motion, self.now);
+        Ok(StructureReport { outcome, time: self.time(), work: self.motion.work })
     }
 
     /// The events of a run, collected.
@@ -251,7 +269,12 @@ impl StructureSimulation {
         (report, events)
     }
 
-    fn advance(&mut self, limits: &Limits, observer: &mut impl FnMut(&ContactEvent)) -> StructureOutcome {
+    fn advance(
+        &mut self,
+        limits: &Limits,
+        observer: &mut impl FnMut(&ContactEvent),
+        company: &mut impl Company,
+    ) -> StructureOutcome {
         let impacts = self.motion.work.impacts.saturating_add(limits.impacts);
         let flights = self.motion.work.windows.saturating_add(limits.flights);
         let untold = std::mem::take(&mut self.untold);
@@ -272,7 +295,7 @@ impl StructureSimulation {
             let pending = self.cascades.next_rest();
             let limit = target.min(horizon).min(pending);
             if let Some(first) = self.motion.next(limit) {
-                if let Some(outcome) = self.event(first, limits, observer) {
+                if let Some(outcome) = self.event(first, limits, observer, company) {
                     return outcome;
                 }
             } else if pending <= limit {
@@ -301,6 +324,7 @@ impl StructureSimulation {
         first: f64,
         limits: &Limits,
         observer: &mut impl FnMut(&ContactEvent),
+        company: &mut impl Company,
     ) -> Option<StructureOutcome> {
         self.move_on(first);
         if !self.in_sequence
@@ -311,7 +335,9 @@ impl StructureSimulation {
             return Some(StructureOutcome::Simultaneous { first, second });
         }
         let mut changes = Vec::new();
+        company.arrive(&self.motion);
         let result = self.motion.collide(&mut changes);
+        company.meet(&self.motion, &changes);
         let outcome = self.tell(&changes, limits, observer);
         self.motion.begin();
         self.stalls = if changes.is_empty() { self.stalls + 1 } else { 0 };

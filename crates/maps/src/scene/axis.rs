@@ -39,22 +39,22 @@ pub enum Values {
     List(Vec<f64>),
 }
 
-impl Axis {
+impl Values {
     /// Number of values.
     pub fn points(&self) -> usize {
-        match &self.values {
-            Values::Linear { points, .. } | Values::Logarithmic { points, .. } => *points,
-            Values::List(values) => values.len(),
+        match self {
+            Self::Linear { points, .. } | Self::Logarithmic { points, .. } => *points,
+            Self::List(values) => values.len(),
         }
     }
 
     /// Value number `i` < [`points`](Self::points), by index: steps never add up.
     pub fn value(&self, i: usize) -> f64 {
-        match &self.values {
-            Values::Linear { to, points, .. } | Values::Logarithmic { to, points, .. } if i + 1 == *points => *to,
-            Values::Logarithmic { from, .. } if i == 0 => *from,
-            Values::Linear { from, to, points } => from + i as f64 * (to - from) / (points - 1) as f64,
-            Values::Logarithmic { from, to, points } => {
+        match self {
+            Self::Linear { to, points, .. } | Self::Logarithmic { to, points, .. } if i + 1 == *points => *to,
+            Self::Logarithmic { from, .. } if i == 0 => *from,
+            Self::Linear { from, to, points } => from + i as f64 * (to - from) / (points - 1) as f64,
+            Self::Logarithmic { from, to, points } => {
                 let part = i as f64 / (points - 1) as f64;
                 let ratio = to / from;
                 // Over hundreds of decades the ratio overflows, its logarithm does not.
@@ -65,8 +65,20 @@ impl Axis {
                 };
                 value.clamp(*from, *to)
             }
-            Values::List(values) => values[i],
+            Self::List(values) => values[i],
         }
+    }
+}
+
+impl Axis {
+    /// Number of values.
+    pub fn points(&self) -> usize {
+        self.values.points()
+    }
+
+    /// Value number `i` < [`points`](Self::points), by index: steps never add up.
+    pub fn value(&self, i: usize) -> f64 {
+        self.values.value(i)
     }
 
     /// The first value.

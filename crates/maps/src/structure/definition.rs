@@ -7,6 +7,7 @@ use serde::Deserialize;
 use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Structure};
 
 use super::matrix_market;
+use super::setting::{Matrix, Setting};
 use crate::text::read_text;
 
 type C = Complex<f64>;
@@ -327,6 +328,84 @@ impl Definition {
         change(&mut chain);
         let Structure { contacts, static_load, loads, .. } = (**structure).clone();
         Some(Self::of_chain(chain, contacts, static_load, loads))
+    }
+
+    /// The matrices that are given as such, which can be changed; `None` of modes and of chains.
+    fn matrices(&self) -> Option<&Structure> {
+        match self {
+            Self::Matrices(structure) => Some(structure),
+            Self::Modes(_) | Self::Chain { .. } => None,
+        }
+    }
+
+    /// An entry of a matrix or of a load; `None` where there is none.
+    pub(super) fn entry(&self, setting: Setting) -> Option<f64> {
+        let structure = self.matrices()?;
+        match setting {
+            Setting::Entry(matrix, i, j) => match matrix {
+                Matrix::Mass => structure.mass.get((i, j)).copied(),
+                Matrix::Stiffness => structure.stiffness.get((i, j)).copied(),
+                // None is no damping.
+                Matrix::Damping if structure.damping.is_empty() => structure.mass.get((i, j)).map(|_| 0.0),
+                Matrix::Damping => structure.damping.get((i, j)).copied(),
+            },
+            Setting::LoadOf(i) => {
+                let load = structure.loads.first()?.1.get(i)?;
+                Some(if load.im == 0.0 { load.re } else { load.norm() })
+            }
+            Setting::StaticOf(i) if structure.static_load.is_empty() => structure.mass.get((i, i)).map(|_| 0.0),
+            Setting::StaticOf(i) => structure.static_load.get(i).copied(),
+            _ => None,
+        }
+    }
+
+    /// The structure with another entry of a matrix or of a load, which keeps its phase.
+    pub(super) fn with_entry(&self, setting: Setting, value: f64) -> Result<Self, String> {
+        if self.entry(setting).is_none() {
+            let what = match (self.matrices(), setting) {
+                (None, _) => "is of structures that are given by matrices".to_owned(),
+                (Some(structure), Setting::LoadOf(_)) if structure.loads.is_empty() => {
+                    "changes a load, and [force] has none".to_owned()
+                }
+                (Some(structure), _) => {
+                    format!(
+                        "does not exist: the structure has the coordinates 0 to {}",
+                        structure.mass.nrows().saturating_sub(1)
+                    )
+                }
+            };
+            return Err(format!("{setting} {what}"));
+        }
+        let mut changed = self.clone();
+        let Self::Matrices(structure) = &mut changed else { return Err(format!("{setting} is of matrices")) };
+        let n = structure.mass.nrows();
+        match setting {
+            Setting::Entry(matrix, i, j) => {
+                let matrix = match matrix {
+                    Matrix::Mass => &mut structure.mass,
+                    Matrix::Stiffness => &mut structure.stiffness,
+                    Matrix::Damping => &mut structure.damping,
+                };
+                if matrix.is_empty() {
+                    *matrix = DMatrix::zeros(n, n);
+                }
+                (matrix[(i, j)], matrix[(j, i)]) = (value, value);
+            }
+            Setting::LoadOf(i) => {
+                if let Some((_, loads)) = structure.loads.first_mut() {
+                    let phase = if loads[i].im == 0.0 { C::new(1.0, 0.0) } else { loads[i] / loads[i].norm() };
+                    loads[i] = phase * value;
+                }
+            }
+            Setting::StaticOf(i) => {
+                if structure.static_load.is_empty() {
+                    structure.static_load = DVector::zeros(n);
+                }
+                structure.static_load[i] = value;
+            }
+            _ => {}
+        }
+        Ok(changed)
     }
 
     /// The chain, if it is one.

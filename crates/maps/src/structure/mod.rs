@@ -8,6 +8,7 @@
 //! | `definition` | matrices, modes or a chain, from which the structure is made |
 //! | `matrix_market` | matrices in the files of other tools |
 //! | `answer` | [`Answered`]: an orbit with all that is said of it, as JSON |
+//! | `told` | heading, numbers and axes in words |
 //! | `map` | [`StructureMap`]: what lives at each point of a grid |
 
 pub mod answer;
@@ -18,6 +19,7 @@ pub mod map;
 mod matrix_market;
 pub mod scene;
 pub mod setting;
+mod told;
 
 pub use answer::Answered;
 pub use definition::{ChainTable, MOST_MASSES};

@@ -11,7 +11,7 @@ use vibrochain_lattice::{Complex, Contact, ModalStructure};
 
 use super::definition::{ChainTable, ContactTable, Definition, ForceTable, StructureTable};
 use super::setting::Setting;
-use crate::scene::tolerance_from;
+use crate::scene::{Values, tolerance_from};
 
 /// The most points of a map.
 const MOST_CELLS: u64 = 100_000_000;
@@ -85,14 +85,16 @@ pub struct StructureAxis {
 }
 
 impl StructureAxis {
+    /// All of its values.
+    #[must_use]
+    pub fn values(&self) -> Values {
+        Values::Linear { from: self.from, to: self.to, points: self.points }
+    }
+
     /// Value number `i`.
     #[must_use]
     pub fn value(&self, i: usize) -> f64 {
-        if i + 1 == self.points {
-            self.to
-        } else {
-            self.from + i as f64 * (self.to - self.from) / (self.points - 1).max(1) as f64
-        }
+        self.values().value(i)
     }
 }
 
@@ -113,6 +115,8 @@ pub struct StructureScene {
     pub stability: bool,
     /// Axes of a map, the fastest first.
     pub axes: Vec<StructureAxis>,
+    /// Their names as the file has them.
+    pub axis_names: Vec<String>,
     definition: Arc<Definition>,
     omega: Option<f64>,
     load: f64,
@@ -164,7 +168,7 @@ impl StructureScene {
         };
         let words = compute.map_or(Ok(Vec::new()), |compute| compute.families.iter().map(of_map).collect())?;
         let tolerance = compute.and_then(|compute| compute.threshold).map(tolerance_from).transpose()?;
-        let sweep = sweep.iter().flat_map(|sweep| std::iter::once(&sweep.x).chain(&sweep.y));
+        let sweep = || sweep.iter().flat_map(|sweep| std::iter::once(&sweep.x).chain(&sweep.y));
         let axis = |axis: &AxisTable| -> Result<StructureAxis, String> {
             let AxisTable { parameter, from, to, points } = axis;
             let rises = from.is_finite() && to.is_finite() && from < to;
@@ -173,7 +177,8 @@ impl StructureScene {
             }
             Ok(StructureAxis { setting: parameter.parse()?, from: *from, to: *to, points: *points })
         };
-        let axes = sweep.map(axis).collect::<Result<Vec<_>, _>>()?;
+        let axes = sweep().map(axis).collect::<Result<Vec<_>, _>>()?;
+        self.axis_names = sweep().map(|axis| axis.parameter.clone()).collect();
         let points = axes.iter().map(|axis| axis.points as u64).product::<u64>();
         if points > MOST_CELLS {
             return Err(format!("the map has {points} points: give at most {MOST_CELLS}"));
@@ -202,6 +207,7 @@ impl StructureScene {
             tolerance: Tolerance::Rounding,
             stability: true,
             axes: Vec::new(),
+            axis_names: Vec::new(),
             contacts: definition.contacts(),
             modal: Arc::new(definition.modal(1.0)?),
             definition: Arc::new(definition),
@@ -228,10 +234,29 @@ impl StructureScene {
         Ok(Self { load: amplitude, still, ..Self::of(definition)? })
     }
 
+    /// The words that are asked for, with their periods of the load: those of a map, or the one of the file.
+    #[must_use]
+    pub fn asked(&self) -> Vec<(Word, u32)> {
+        if self.words.is_empty() {
+            return self.word.iter().map(|word| (word.clone(), self.force_periods)).collect();
+        }
+        self.words.clone()
+    }
+
     /// The frequency, if the file or a flag has given it.
     #[must_use]
     pub fn omega(&self) -> Option<f64> {
         self.omega
+    }
+
+    /// The chain, if it is one.
+    pub(super) fn chain(&self) -> Option<&ChainTable> {
+        self.definition.chain()
+    }
+
+    /// Number of modes.
+    pub(super) fn modes(&self) -> usize {
+        self.modal.modes().len()
     }
 
     /// The contacts as they are now.
@@ -258,6 +283,7 @@ impl StructureScene {
             Setting::Lower(contact) => self.contacts.get(contact)?.lower,
             Setting::Upper(contact) => self.contacts.get(contact)?.upper,
             Setting::Restitution(contact) => Some(self.contacts.get(contact)?.restitution),
+            Setting::Entry(..) | Setting::LoadOf(_) | Setting::StaticOf(_) => self.definition.entry(setting),
         }
     }
 
@@ -303,6 +329,10 @@ impl StructureScene {
                     changed.ok_or_else(|| format!("{setting} is of chains: this structure has matrices or modes"))?;
                 self.definition = Arc::new(changed?);
                 self.modal = Arc::new(self.definition.modal(1.0)?);
+            }
+            Setting::Entry(..) | Setting::LoadOf(_) | Setting::StaticOf(_) => {
+                self.definition = Arc::new(self.definition.with_entry(setting, value)?);
+                self.modal = Arc::new(self.definition.modal(self.damping)?);
             }
             Setting::Asymmetry => self.contacts.iter_mut().for_each(|contact| {
                 if let (Some(lower), Some(upper)) = (contact.lower, contact.upper) {

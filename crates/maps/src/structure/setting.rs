@@ -30,6 +30,32 @@ pub enum Setting {
     Upper(usize),
     /// Its coefficient of restitution.
     Restitution(usize),
+    /// An entry of a matrix, and the one across the diagonal.
+    Entry(Matrix, usize, usize),
+    /// The load of a coordinate, of the first harmonic there is.
+    LoadOf(usize),
+    /// The static load of a coordinate.
+    StaticOf(usize),
+}
+
+/// A matrix of a structure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Matrix {
+    /// M
+    Mass,
+    /// K
+    Stiffness,
+    /// C
+    Damping,
+}
+
+impl Matrix {
+    const ALL: [(&'static str, Self); 3] =
+        [("mass", Self::Mass), ("stiffness", Self::Stiffness), ("damping", Self::Damping)];
+
+    fn name(self) -> &'static str {
+        Self::ALL.into_iter().find(|(_, matrix)| *matrix == self).map_or("", |(name, _)| name)
+    }
 }
 
 /// Those that need no number of a contact, by the names of a chain, too.
@@ -53,6 +79,9 @@ impl fmt::Display for Setting {
             Self::Lower(contact) => write!(f, "contact.{contact}.lower"),
             Self::Upper(contact) => write!(f, "contact.{contact}.upper"),
             Self::Restitution(contact) => write!(f, "contact.{contact}.restitution"),
+            Self::Entry(matrix, row, column) => write!(f, "{}.{row}.{column}", matrix.name()),
+            Self::LoadOf(coordinate) => write!(f, "load.{coordinate}"),
+            Self::StaticOf(coordinate) => write!(f, "static.{coordinate}"),
             named => f.write_str(NAMED.iter().find(|(_, setting)| setting == named).map_or("", |(name, _)| name)),
         }
     }
@@ -63,30 +92,34 @@ impl FromStr for Setting {
 
     /// ```
     /// use vibrochain_maps::structure::Setting;
+    /// use vibrochain_maps::structure::setting::Matrix;
     /// assert_eq!("contact.0.upper".parse(), Ok(Setting::Upper(0)));
+    /// assert_eq!("stiffness.1.2".parse(), Ok(Setting::Entry(Matrix::Stiffness, 1, 2)));
+    /// assert_eq!("masses.3".parse::<Setting>()?.to_string(), "mass.3.3");
     /// assert!("contact.0.gap".parse::<Setting>().unwrap_err().contains("contact.N.upper"));
+    /// # Ok::<(), String>(())
     /// ```
     fn from_str(text: &str) -> Result<Self, String> {
         let unknown = || {
             format!(
                 "`{text}` is no number of a structure: give omega, load, static, damping, asymmetry, restitution, contact.N.lower, \
-                 contact.N.upper or contact.N.restitution; of a chain also gamma1, gamma2, coupling_damping"
+                 contact.N.upper or contact.N.restitution; of matrices also masses.I, mass.I.J, stiffness.I.J, damping.I.J, load.I, static.I; \
+                 of a chain also gamma1, gamma2, coupling_damping"
             )
         };
         if let Some((_, setting)) = NAMED.iter().find(|(name, _)| *name == text) {
             return Ok(*setting);
         }
-        let mut parts = text.split('.');
-        let (Some("contact"), Some(number), Some(what), None) =
-            (parts.next(), parts.next(), parts.next(), parts.next())
-        else {
-            return Err(unknown());
-        };
-        let contact = number.parse().map_err(|_| unknown())?;
-        match what {
-            "lower" => Ok(Self::Lower(contact)),
-            "upper" => Ok(Self::Upper(contact)),
-            "restitution" => Ok(Self::Restitution(contact)),
+        let number = |text: &str| text.parse().map_err(|_| unknown());
+        let matrix = |name: &str| Matrix::ALL.into_iter().find(|(known, _)| *known == name).map(|(_, matrix)| matrix);
+        match text.split('.').collect::<Vec<_>>()[..] {
+            ["contact", contact, "lower"] => Ok(Self::Lower(number(contact)?)),
+            ["contact", contact, "upper"] => Ok(Self::Upper(number(contact)?)),
+            ["contact", contact, "restitution"] => Ok(Self::Restitution(number(contact)?)),
+            ["load", coordinate] => Ok(Self::LoadOf(number(coordinate)?)),
+            ["static", coordinate] => Ok(Self::StaticOf(number(coordinate)?)),
+            ["masses", place] => number(place).map(|place| Self::Entry(Matrix::Mass, place, place)),
+            [name, row, column] => Ok(Self::Entry(matrix(name).ok_or_else(unknown)?, number(row)?, number(column)?)),
             _ => Err(unknown()),
         }
     }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use vibrochain_maps::scene::{Axis as SweptAxis, Values};
+use vibrochain_maps::scene::Values;
 
 /// Fewer ticks than this tell little of a logarithmic axis.
 const FEW: usize = 4;
@@ -56,8 +56,8 @@ impl Axis {
     }
 
     /// Of a sweep, over what a picture spans of it.
-    pub(crate) fn swept(axis: &SweptAxis, range: Range<f64>) -> Self {
-        let scale = match &axis.values {
+    pub(crate) fn swept(values: &Values, range: Range<f64>) -> Self {
+        let scale = match values {
             Values::Linear { .. } => Scale::Numbers,
             Values::Logarithmic { .. } => Scale::Powers,
             Values::List(values) => Scale::List(values.clone()),
@@ -189,33 +189,28 @@ fn modulus_tick(number: f64) -> String {
 
 /// Where the first value of a swept axis lies on the picture, and the distance of neighbours: their logarithms where the ratio is
 /// constant, their numbers in a list.
-pub(crate) fn places(axis: &SweptAxis) -> (f64, f64) {
+pub(crate) fn places(values: &Values) -> (f64, f64) {
     let part = |from: f64, to: f64, points: usize| (from, (to - from) / (points - 1) as f64);
-    match &axis.values {
+    match values {
         Values::Linear { from, to, points } => part(*from, *to, *points),
         Values::Logarithmic { from, to, points } => part(from.log10(), to.log10(), *points),
         Values::List(_) => (0.0, 1.0),
     }
 }
 
-/// What stands below a swept axis.
-pub(crate) fn label(axis: &SweptAxis) -> String {
-    format!("{} {}", axis.parameter.meaning(), axis.parameter.symbol())
-}
-
 /// Whether equal steps along a swept axis are equal ratios.
-pub(crate) fn is_logarithmic(axis: &SweptAxis) -> bool {
-    matches!(axis.values, Values::Logarithmic { .. })
+pub(crate) fn is_logarithmic(values: &Values) -> bool {
+    matches!(values, Values::Logarithmic { .. })
 }
 
 /// Where a value of a swept axis lies on panels of curves: its logarithm where equal steps are equal ratios.
-pub fn place(axis: &SweptAxis, value: f64) -> f64 {
-    if is_logarithmic(axis) { value.log10() } else { value }
+pub fn place(values: &Values, value: f64) -> f64 {
+    if is_logarithmic(values) { value.log10() } else { value }
 }
 
 /// What the first `points` values of a swept axis span, with so many steps of air at either end.
-pub(crate) fn spanned(axis: &SweptAxis, points: usize, air: f64) -> Range<f64> {
-    let (from, step) = places(axis);
+pub(crate) fn spanned(values: &Values, points: usize, air: f64) -> Range<f64> {
+    let (from, step) = places(values);
     from - air * step..from - air * step + step * (points as f64 - 1.0 + 2.0 * air)
 }
 
@@ -353,11 +348,11 @@ mod tests {
                     y = { parameter = \"gamma2\", values = [0.3, 0, 0.125] }\n[compute]\nfamilies = [\"double-sided\"]\n";
         let scene = Scene::parse(Path::new("scene.toml"), text).unwrap();
         let [x, y] = scene.plane().unwrap();
-        assert_eq!(places(x), (-2.0, 1.0));
+        assert_eq!(places(&x.values), (-2.0, 1.0));
         assert_eq!([-2.0, -0.5, 0.0, 2.0].map(power_tick), ["0.01", "0.316", "1", "100"]);
-        let list = Axis::swept(y, -0.5..2.5).ticks(8);
+        let list = Axis::swept(&y.values, -0.5..2.5).ticks(8);
         assert_eq!(list, [(0.0, "0.3".to_owned()), (1.0, "0".to_owned()), (2.0, "0.125".to_owned())]);
-        assert_eq!(Axis::swept(x, -2.0..2.0).ticks(8).len(), 5);
+        assert_eq!(Axis::swept(&x.values, -2.0..2.0).ticks(8).len(), 5);
     }
 
     #[test]

@@ -129,6 +129,14 @@ impl Frame {
         drawing.line(vec![[left, y], [right, y]], line);
     }
 
+    /// Draws a dashed line upright at a place along the horizontal axis.
+    pub(crate) fn upright(&self, drawing: &mut Drawing, x: f64, page: &Page) {
+        let [[_, top], [_, bottom]] = self.corners;
+        let x = self.place((x, self.y.range.start))[0];
+        let line = Line::new(LEVEL, page.px(1.0)).dashed(page.px(6.0), page.px(4.0)).crisp();
+        drawing.line(vec![[x, top], [x, bottom]], line);
+    }
+
     /// Draws the box, ticks and names; an empty name takes no room.
     pub(crate) fn axes(&self, drawing: &mut Drawing, [x_name, y_name]: [&str; 2], page: &Page) {
         let ([width_of, height], [[left, top], [right, bottom]]) = (self.size(), self.corners);

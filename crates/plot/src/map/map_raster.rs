@@ -7,9 +7,10 @@ use std::ops::Range;
 
 use vibrochain_maps::cell::Cell;
 use vibrochain_maps::extent::Extent;
-use vibrochain_maps::scene::{Axis, Scene};
+use vibrochain_maps::scene::Values;
 
 use crate::backend::drawing::Rgb;
+use crate::map::mapped::{Mapped, plane};
 use crate::map::palette::{Palette, Tile};
 use crate::map::quantity::{Bar, Quantity, Shade};
 
@@ -17,18 +18,18 @@ use crate::map::quantity::{Bar, Quantity, Shade};
 const MOST: usize = 6000;
 
 /// How many cells along an axis share a place.
-pub(crate) fn sharing(axis: &Axis) -> usize {
-    axis.points().div_ceil(MOST).max(1)
+pub(crate) fn sharing(values: &Values) -> usize {
+    values.points().div_ceil(MOST).max(1)
 }
 
 /// Places along an axis.
-pub(crate) fn places(axis: &Axis) -> usize {
-    axis.points().div_ceil(sharing(axis))
+pub(crate) fn places(values: &Values) -> usize {
+    values.points().div_ceil(sharing(values))
 }
 
 /// Whether the picture of a sweep over one axis shows cell number `cell`: all do, unless there are thousands.
-pub fn is_shown(axis: &Axis, cell: u64) -> bool {
-    cell.is_multiple_of(sharing(axis) as u64)
+pub fn is_shown(values: &Values, cell: u64) -> bool {
+    cell.is_multiple_of(sharing(values) as u64)
 }
 
 /// What is kept of the cells of a map.
@@ -94,21 +95,24 @@ fn number(known: &mut Vec<Tile>, tile: Tile) -> u8 {
 
 impl Shown {
     /// Of the classes of a scene's cells; of no cell of one that has not two axes.
-    pub fn classes(scene: &Scene) -> Self {
+    pub fn classes(scene: &dyn Mapped) -> Self {
         Self::of(scene, |is_shared| {
             if is_shared { Kept::Mixed(Vec::new(), Vec::new()) } else { Kept::Tiles(Vec::new(), Vec::new()) }
         })
     }
 
     /// Of a number.
-    pub fn numbers(scene: &Scene, quantity: Quantity) -> Self {
+    pub fn numbers(scene: &dyn Mapped, quantity: Quantity) -> Self {
         Self::of(scene, |_| Kept::Numbers(quantity, Vec::new()))
     }
 
-    fn of(scene: &Scene, kept: impl FnOnce(bool) -> Kept) -> Self {
-        let each = |count: fn(&Axis) -> usize| scene.plane().map_or([0; 2], |axes| axes.map(count));
+    fn of(scene: &dyn Mapped, kept: impl FnOnce(bool) -> Kept) -> Self {
+        let axes = plane(scene).ok();
+        let each = |count: fn(&Values) -> usize| {
+            axes.as_ref().map_or([0; 2], |axes| axes.each_ref().map(|axis| count(&axis.values)))
+        };
         let sharing = each(sharing);
-        Self { points: each(Axis::points), sharing, places: each(places), kept: kept(sharing != [1; 2]) }
+        Self { points: each(Values::points), sharing, places: each(places), kept: kept(sharing != [1; 2]) }
     }
 
     /// Forgets what was seen.
@@ -233,6 +237,7 @@ mod tests {
 
     use vibrochain_floquet::Mechanism;
     use vibrochain_maps::cell::Class;
+    use vibrochain_maps::scene::Scene;
 
     use super::*;
     use crate::backend::format::Format;
@@ -255,8 +260,9 @@ mod tests {
     const UNSTABLE: Tile = Tile { class: Some(Class::UnstableDouble), mechanism: Some(Mechanism::PeriodDoubling) };
 
     fn raster(scene: &Scene, shown: &Shown, page: Page) -> Raster {
-        let [x, y] = scene.plane().unwrap();
-        let placed = Sheet::new(scene, [x, y], [span(x), span(y)]).placed(shown.places(), page);
+        let axes = plane(scene).unwrap();
+        let spans = axes.each_ref().map(|axis| span(&axis.values));
+        let placed = Sheet::new(scene, axes, spans).placed(shown.places(), page);
         let colours = |place: usize, at: [u32; 2], each: &mut dyn FnMut(Rgb, f32)| {
             shown.colours(place, at, Palette::Colour, None, each);
         };
@@ -371,9 +377,9 @@ mod tests {
     #[test]
     fn a_line_of_thousands_of_cells_shows_as_many_as_it_can() {
         let scene = scene(12_001, 2);
-        let axis = &scene.axes[0];
+        let axis = &scene.axes[0].values;
         let shown: Vec<u64> = (0..12_001).filter(|&cell| is_shown(axis, cell)).collect();
         assert_eq!(shown, (0..4001).map(|i| 3 * i).collect::<Vec<u64>>());
-        assert_eq!((sharing(axis), places(axis), sharing(&scene.axes[1])), (3, 4001, 1));
+        assert_eq!((sharing(axis), places(axis), sharing(&scene.axes[1].values)), (3, 4001, 1));
     }
 }

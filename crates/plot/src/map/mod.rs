@@ -5,6 +5,7 @@ pub(crate) mod ends;
 pub(crate) mod key;
 pub(crate) mod lines;
 pub(crate) mod map_raster;
+pub(crate) mod mapped;
 pub(crate) mod one_axis;
 pub mod palette;
 pub(crate) mod quantity;
@@ -14,7 +15,7 @@ pub(crate) mod sheet;
 
 use std::ops::Range;
 
-use vibrochain_maps::scene::{Axis, Scene};
+use vibrochain_maps::scene::Values;
 
 use crate::axes::axis::spanned;
 use crate::backend::format::PlotError;
@@ -23,6 +24,7 @@ use crate::backend::strokes::Borders;
 pub use crate::map::lines::MapLine;
 use crate::map::lines::{draw_lines, key};
 use crate::map::map_raster::{Shown, places, sharing};
+use crate::map::mapped::{Mapped, plane};
 use crate::map::palette::Palette;
 use crate::map::raster::Raster;
 use crate::map::sheet::Sheet;
@@ -31,7 +33,7 @@ use crate::map::sheet::Sheet;
 #[derive(Debug)]
 pub struct MapPicture<'a> {
     /// The scene.
-    pub scene: &'a Scene,
+    pub scene: &'a dyn Mapped,
     /// What it shows of its cells.
     pub cells: &'a Shown,
     /// The colours.
@@ -68,12 +70,10 @@ pub fn map_with_lines(
     lines: &[MapLine],
     page: impl Into<Page>,
 ) -> Result<Vec<u8>, PlotError> {
-    let Some([x, y]) = picture.scene.plane() else {
-        return Err(PlotError("a map has two axes".to_owned()));
-    };
-    let spans = [span(x), span(y)];
+    let axes = plane(picture.scene)?;
+    let spans = axes.each_ref().map(|axis| span(&axis.values));
     let (palette, cells) = (picture.palette, picture.cells);
-    let mut sheet = Sheet::new(picture.scene, [x, y], spans.clone());
+    let mut sheet = Sheet::new(picture.scene, axes, spans.clone());
     sheet.tell_classes(cells.tiles(), palette);
     let bar = cells.bar();
     if let Some(bar) = bar {
@@ -105,6 +105,6 @@ fn parts([x, y]: &[Range<f64>; 2]) -> impl Fn([f64; 2]) -> [f64; 2] + use<> {
 }
 
 /// What a map spans of an axis: a cell covers half a step on either side of its value, and places are whole.
-pub(crate) fn span(axis: &Axis) -> Range<f64> {
-    spanned(axis, places(axis) * sharing(axis), 0.5)
+pub(crate) fn span(values: &Values) -> Range<f64> {
+    spanned(values, places(values) * sharing(values), 0.5)
 }

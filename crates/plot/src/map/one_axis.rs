@@ -1,14 +1,14 @@
 //! The picture of a sweep over one parameter: numbers of the breather that gives each cell its class, against the parameter.
 
 use vibrochain_maps::cell::{Cell, Class};
-use vibrochain_maps::scene::{Axis, Scene};
+use vibrochain_maps::scene::Values;
 
 use crate::axes::axis::place;
 use crate::backend::format::PlotError;
 use crate::backend::page::Page;
-use crate::map::classes::{UNKNOWN, class_words};
+use crate::map::classes::UNKNOWN;
+use crate::map::mapped::{MapAxis, Mapped, about};
 use crate::map::quantity::Quantity;
-use crate::map::sheet::about;
 use crate::panels::curves::{Curves, Mark, Pane, Scale, Series, Stroke};
 use crate::panels::curves_picture;
 
@@ -16,7 +16,7 @@ use crate::panels::curves_picture;
 #[derive(Debug)]
 pub struct OneAxisPicture<'a> {
     /// The scene, of one axis.
-    pub scene: &'a Scene,
+    pub scene: &'a dyn Mapped,
     /// The cells that are [shown](crate::is_shown).
     pub cells: &'a [Cell],
 }
@@ -49,14 +49,15 @@ fn look(class: Option<Class>) -> (usize, Stroke) {
 /// # Errors
 /// [`PlotError`].
 pub fn one_axis_picture(picture: &OneAxisPicture<'_>, page: impl Into<Page>) -> Result<Vec<u8>, PlotError> {
-    let [axis] = picture.scene.axes.as_slice() else {
+    let axes = picture.scene.axes();
+    let [axis] = axes.as_slice() else {
         return Err(PlotError("curves are drawn over one axis".to_owned()));
     };
-    let cells = ordered(axis, picture.cells);
+    let cells = ordered(&axis.values, picture.cells);
     let there = [Quantity::SpectralRadius, Quantity::Margin, Quantity::Impulse]
         .into_iter()
-        .filter(|quantity| quantity.of_scene(picture.scene).is_ok());
-    let mut panes: Vec<Pane> = there.map(|quantity| pane(quantity, axis, &cells)).collect();
+        .filter(|quantity| picture.scene.has(*quantity).is_ok());
+    let mut panes: Vec<Pane> = there.map(|quantity| pane(quantity, picture.scene, axis, &cells)).collect();
     // One above the other they share what stands below the last one, and names.
     if let Some((_, above)) = panes.split_last_mut() {
         above.iter_mut().for_each(|pane| pane.x = String::new());
@@ -67,7 +68,7 @@ pub fn one_axis_picture(picture: &OneAxisPicture<'_>, page: impl Into<Page>) -> 
 }
 
 /// Cells with their places along the axis, from left to right.
-fn ordered<'a>(axis: &Axis, cells: &'a [Cell]) -> Vec<(f64, &'a Cell)> {
+fn ordered<'a>(axis: &Values, cells: &'a [Cell]) -> Vec<(f64, &'a Cell)> {
     let stride = axis.points().div_ceil(cells.len().max(1));
     let mut placed: Vec<(f64, &Cell)> =
         (0..axis.points()).step_by(stride.max(1)).map(|i| place(axis, axis.value(i))).zip(cells).collect();
@@ -75,7 +76,7 @@ fn ordered<'a>(axis: &Axis, cells: &'a [Cell]) -> Vec<(f64, &'a Cell)> {
     placed
 }
 
-fn pane(quantity: Quantity, axis: &Axis, cells: &[(f64, &Cell)]) -> Pane {
+fn pane(quantity: Quantity, scene: &dyn Mapped, axis: &MapAxis, cells: &[(f64, &Cell)]) -> Pane {
     // Where stability changes the largest multiplier is 1.
     let change = (quantity == Quantity::SpectralRadius).then_some(1.0);
     let drawn = |(place, cell): &(f64, &Cell)| Drawn {
@@ -86,14 +87,14 @@ fn pane(quantity: Quantity, axis: &Axis, cells: &[(f64, &Cell)]) -> Pane {
     };
     let points: Vec<Drawn> = cells.iter().map(drawn).collect();
     let mut series = Vec::new();
-    let all = || cells.iter().filter_map(|(_, cell)| cell.class);
+    let all: Vec<Class> = cells.iter().filter_map(|(_, cell)| cell.class).collect();
     for class in Class::ALL.into_iter().filter(|class| *class != Class::None).map(Some).chain([None]) {
         let named = points.iter().any(|point| point.class == class && point.height.is_some());
         let (colour, stroke) = look(class);
         if named {
-            let name = if class.is_some() { class_words(class, all) } else { "class not known" };
+            let name = class.map_or("class not known".to_owned(), |class| scene.class(class, &all));
             let points = line(&points, class, change);
-            series.push(Series { name: name.to_owned(), colour, stroke, mark: Mark::None, points });
+            series.push(Series { name, colour, stroke, mark: Mark::None, points });
         }
         let lone = lone(&points, class);
         if !lone.is_empty() {
@@ -180,6 +181,8 @@ fn missing(cells: &[Drawn]) -> Option<Series> {
 mod tests {
     use std::path::Path;
 
+    use vibrochain_maps::scene::Scene;
+
     use super::*;
     use crate::backend::format::Format;
 
@@ -245,10 +248,11 @@ mod tests {
     fn lists_are_drawn_in_order_of_their_values_and_logarithms_as_such() {
         let cells = [0.5, 0.6, 0.7].map(|radius| cell(Class::StableDouble, radius));
         let list = scene("values = [2.0, 1.0, 1.5]");
-        let radii: Vec<_> = ordered(&list.axes[0], &cells).iter().map(|(x, c)| (*x, c.spectral_radius)).collect();
+        let radii: Vec<_> =
+            ordered(&list.axes[0].values, &cells).iter().map(|(x, c)| (*x, c.spectral_radius)).collect();
         assert_eq!(radii, [(1.0, Some(0.6)), (1.5, Some(0.7)), (2.0, Some(0.5))]);
         let log = scene("from = 0.1, to = 10, points = 3, spacing = \"log\"");
-        let places: Vec<f64> = ordered(&log.axes[0], &cells).iter().map(|(x, _)| *x).collect();
+        let places: Vec<f64> = ordered(&log.axes[0].values, &cells).iter().map(|(x, _)| *x).collect();
         assert_eq!(places, [-1.0, 0.0, 1.0]);
         let svg =
             String::from_utf8(one_axis_picture(&OneAxisPicture { scene: &log, cells: &cells }, Format::Svg).unwrap())
@@ -260,10 +264,11 @@ mod tests {
     #[test]
     fn growths_over_decades_are_drawn_by_logarithms_and_what_is_stable_at_1() {
         let scene = scene("from = 1, to = 2, points = 5");
+        let axis = MapAxis::from(&scene.axes[0]);
         let cells: Vec<Cell> = [1.0, 1.0 + 3e-4, 1.02, 3.0, 0.9]
             .map(|radius| cell(if radius > 1.0 { Class::UnstableDouble } else { Class::StableDouble }, radius))
             .to_vec();
-        let drawn = pane(Quantity::SpectralRadius, &scene.axes[0], &ordered(&scene.axes[0], &cells));
+        let drawn = pane(Quantity::SpectralRadius, &scene, &axis, &ordered(&axis.values, &cells));
         assert_eq!((drawn.scale.clone(), drawn.y.as_str()), (Scale::AboutOne(1e-4), "largest |μ|"));
         assert_eq!(drawn.levels, [1.0]);
         let named = |name: &str| drawn.series.iter().find(|series| series.name == name).unwrap();
@@ -274,8 +279,8 @@ mod tests {
         assert_eq!(heights, [1.0, 1.0 + 3e-4, 1.02, 3.0, 1.0]);
         assert_eq!((stable.stroke, unstable.stroke), (Stroke::Solid(3), Stroke::Dashed(2)));
         let few = &cells[1..2];
-        let drawn = pane(Quantity::SpectralRadius, &scene.axes[0], &ordered(&scene.axes[0], few));
+        let drawn = pane(Quantity::SpectralRadius, &scene, &axis, &ordered(&axis.values, few));
         assert!(matches!(drawn.scale, Scale::Between(_)) && drawn.levels == [1.0]);
-        assert_eq!(pane(Quantity::Margin, &scene.axes[0], &ordered(&scene.axes[0], &cells)).scale, Scale::Linear);
+        assert_eq!(pane(Quantity::Margin, &scene, &axis, &ordered(&axis.values, &cells)).scale, Scale::Linear);
     }
 }

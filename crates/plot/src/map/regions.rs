@@ -4,7 +4,6 @@
 use vibrochain_maps::regions::{Region, Regions};
 use vibrochain_maps::scene::Scene;
 
-use crate::axes::axis::spanned;
 use crate::backend::coverage::Coverage;
 use crate::backend::drawing::{Fill, Pattern, Place, Rgb, Shape, sides};
 use crate::backend::format::{Format, PlotError};
@@ -12,6 +11,7 @@ use crate::backend::page::Page;
 use crate::backend::strokes::{Borders, thinned};
 use crate::map::classes::{class_words, loss};
 use crate::map::key::texture;
+use crate::map::mapped::plane;
 use crate::map::palette::{Palette, Tile};
 use crate::map::sheet::Sheet;
 
@@ -40,10 +40,8 @@ const TEXTURE: u32 = 12;
 /// # Errors
 /// [`PlotError`].
 pub fn regions_fit(scene: &Scene, page: Page) -> Result<Vec<u8>, PlotError> {
-    let Some(axes) = scene.plane() else {
-        return Err(PlotError("a map has two axes".to_owned()));
-    };
-    let spans = axes.map(|axis| spanned(axis, axis.points(), 0.0));
+    let axes = plane(scene)?;
+    let spans = axes.each_ref().map(|axis| axis.spanned(0.0));
     let sheet = Sheet::new(scene, axes, spans);
     sheet.bytes(&sheet.placed([SIDE; 2], page), Vec::new(), |_| {})
 }
@@ -54,10 +52,8 @@ pub fn regions_fit(scene: &Scene, page: Page) -> Result<Vec<u8>, PlotError> {
 /// [`PlotError`].
 pub fn regions_picture(picture: &RegionsPicture<'_>, page: impl Into<Page>) -> Result<Vec<u8>, PlotError> {
     let page = page.into();
-    let Some(axes) = picture.scene.plane() else {
-        return Err(PlotError("a map has two axes".to_owned()));
-    };
-    let spans = axes.map(|axis| spanned(axis, axis.points(), 0.0));
+    let axes = plane(picture.scene)?;
+    let spans = axes.each_ref().map(|axis| axis.spanned(0.0));
     let mut tiles: Vec<Tile> = Vec::new();
     for region in picture.regions.regions() {
         if !tiles.contains(&region.class) {

@@ -4,17 +4,17 @@ use std::ops::Range;
 
 use vibrochain_floquet::Mechanism;
 use vibrochain_maps::cell::Class;
-use vibrochain_maps::scene::{Axis as SweptAxis, Scene};
 
-use crate::axes::axis::{Axis, label};
+use crate::axes::axis::Axis;
 use crate::axes::frame::{Frame, below, left_of};
 use crate::backend::canvas::render;
 use crate::backend::drawing::{BLACK, DIM, Drawing, Pattern, Place};
 use crate::backend::format::PlotError;
 use crate::backend::page::Page;
 use crate::backend::strokes::Borders;
-use crate::map::classes::{class_words, loss};
+use crate::map::classes::{UNKNOWN, loss};
 use crate::map::key::{Entry, draw_flow, draw_list, flow, list_height, list_width};
+use crate::map::mapped::{MapAxis, Mapped};
 use crate::map::palette::{Palette, Tile, sample};
 use crate::map::quantity::Bar;
 use crate::text::headings::{CAPTION, EDGE, Heading};
@@ -34,8 +34,8 @@ const RIGHT: f64 = 1.3;
 
 /// A map with all that stands about it.
 pub(crate) struct Sheet<'a> {
-    pub(crate) scene: &'a Scene,
-    pub(crate) axes: [&'a SweptAxis; 2],
+    pub(crate) scene: &'a dyn Mapped,
+    pub(crate) axes: [MapAxis; 2],
     /// What the map spans of each axis.
     pub(crate) spans: [Range<f64>; 2],
     /// A line under the heading that says what is fixed; others, if there are any.
@@ -67,24 +67,18 @@ impl Placed {
     }
 }
 
-/// What the picture of a scene says above its panels: heading, all that is fixed, and what counts as stable.
-pub fn about(scene: &Scene) -> String {
-    let parts = [scene.heading(), scene.fixed(), scene.criterion()];
-    parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(", ")
-}
-
 impl<'a> Sheet<'a> {
     /// Of a scene, the map alone: nothing of its legend yet.
-    pub(crate) fn new(scene: &'a Scene, axes: [&'a SweptAxis; 2], spans: [Range<f64>; 2]) -> Self {
-        let notes = [scene.fixed(), scene.criterion()].into_iter().filter(|line| !line.is_empty()).collect();
-        Self { scene, axes, spans, notes, bar: None, entries: Vec::new() }
+    pub(crate) fn new(scene: &'a dyn Mapped, axes: [MapAxis; 2], spans: [Range<f64>; 2]) -> Self {
+        Self { scene, axes, spans, notes: scene.notes(), bar: None, entries: Vec::new() }
     }
 
     /// Adds entries for classes and mechanisms that occur.
     pub(crate) fn tell_classes(&mut self, tiles: &[Tile], palette: Palette) {
         let classes = Class::ALL.into_iter().map(Some).chain([None]);
         for class in classes.filter(|class| tiles.iter().any(|tile| tile.class == *class)) {
-            let words = class_words(class, || tiles.iter().filter_map(|tile| tile.class)).to_owned();
+            let all: Vec<Class> = tiles.iter().filter_map(|tile| tile.class).collect();
+            let words = class.map_or(UNKNOWN.to_owned(), |class| self.scene.class(class, &all));
             let tile = Tile { class, mechanism: None };
             self.entries.push(Entry::Sample(Box::new(move |x, y| palette.pixel(tile, x, y)), words));
         }
@@ -112,9 +106,9 @@ impl<'a> Sheet<'a> {
     /// that many.
     pub(crate) fn placed(&self, cells: [usize; 2], page: Page) -> Placed {
         let em = page.font;
-        let y_axis = Axis::swept(self.axes[1], self.spans[1].clone());
+        let y_axis = Axis::swept(&self.axes[1].values, self.spans[1].clone());
         let left =
-            page.snap(left_of(&y_axis, &label(self.axes[1]), 0.6 * page.width.unwrap_or(TARGET), &page) + 0.3 * em);
+            page.snap(left_of(&y_axis, &self.axes[1].label, 0.6 * page.width.unwrap_or(TARGET), &page) + 0.3 * em);
         let bar = self.bar.map_or([0.0; 2], |(bar, _)| bar.size(&page));
         let list = list_width(&self.entries, &page);
         let beside = page.width.is_none_or(|wide| wide >= WIDE * em);
@@ -143,7 +137,7 @@ impl<'a> Sheet<'a> {
             let lying = self.bar.map_or(0.0, |(bar, _)| bar.lying(&page));
             foot + lying + flow(&self.entries, wide - 2.0 * EDGE * em, &page).1 + 0.5 * em
         };
-        let x = Axis::swept(self.axes[0], self.spans[0].clone());
+        let x = Axis::swept(&self.axes[0].values, self.spans[0].clone());
         Placed { frame: Frame { corners, x, y: y_axis, ticks: 0.0 }, headings, size: [wide, height], beside, page }
     }
 
@@ -170,7 +164,7 @@ impl<'a> Sheet<'a> {
             y += heading.height();
         }
         ground(&mut drawing);
-        frame.axes(&mut drawing, [&label(self.axes[0]), &label(self.axes[1])], page);
+        frame.axes(&mut drawing, [&self.axes[0].label, &self.axes[1].label], page);
         let (x, mut y) = (right + GAP * em, top);
         if let Some((bar, palette)) = self.bar.as_ref().filter(|_| *beside) {
             bar.draw(&mut drawing, *palette, [x, y], page);

@@ -2,9 +2,8 @@
 
 use std::ops::Range;
 
-use vibrochain_maps::scene::Axis;
-
-use crate::axes::axis::{is_logarithmic, label};
+use crate::axes::axis::is_logarithmic;
+use crate::map::mapped::MapAxis;
 
 /// A picture of panels side by side.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -42,6 +41,8 @@ pub struct Pane {
     pub scale: Scale,
     /// Heights of thin dashed lines across the panel, such as the barriers.
     pub levels: Vec<f64>,
+    /// Places of the same, upright.
+    pub uprights: Vec<f64>,
     /// Both axes in the same units, so that a circle is round.
     pub round: bool,
     /// The curves.
@@ -50,8 +51,8 @@ pub struct Pane {
 
 impl Pane {
     /// An empty one over an axis of a sweep, along which values have the places that [`place`](crate::place) gives them.
-    pub fn over(axis: &Axis) -> Self {
-        Self { x: label(axis), x_log: is_logarithmic(axis), ..Self::default() }
+    pub fn over(axis: &MapAxis) -> Self {
+        Self { x: axis.label.clone(), x_log: is_logarithmic(&axis.values), ..Self::default() }
     }
 }
 

@@ -64,7 +64,7 @@ fn draw(picture: &Curves, page: &Page) -> Drawing {
             panes,
             first: i * headed + j * columns,
             heading: (j == 0)
-                .then(|| picture.headings.get(i))
+                .then(|| picture.headings.get(i).filter(|heading| !heading.is_empty()))
                 .flatten()
                 .map(|text| Heading::new(text, all - 2.0 * EDGE * em, HEADING * em)),
             width: wide,
@@ -257,7 +257,7 @@ mod tests {
 
     fn pane(scale: Scale, series: Vec<Series>) -> Pane {
         let (caption, x, y) = ("caption".to_owned(), "ω".to_owned(), "u₀".to_owned());
-        Pane { caption, x, y, x_range: None, x_log: false, scale, levels: vec![0.5], round: false, series }
+        Pane { caption, x, y, scale, levels: vec![0.5], uprights: vec![1.0], series, ..Pane::default() }
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The picture of orbits: for each, the profile along the ring at its impacts, and the impacting mass over a period.
+//! The picture of orbits: for each, the profile along a chain at its impacts, what is hit over a period, and its phase portrait.
 
 use crate::backend::format::PlotError;
 use crate::backend::page::Page;
@@ -16,60 +16,104 @@ pub struct Profile {
     pub points: Vec<(f64, f64)>,
 }
 
-/// One orbit's data.
-#[derive(Debug, Clone, PartialEq)]
+/// A mass, or a contact of a structure, over one period.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Trace {
+    /// Its name in the legend.
+    pub name: String,
+    /// Of each flight between impacts of the orbit, in the order of time: t/T, place and velocity.
+    pub flights: Vec<Vec<[f64; 3]>>,
+    /// Its own impacts that are marked: t/T and place.
+    pub impacts: Vec<(f64, f64)>,
+}
+
+/// A row of panels, or several, for one orbit.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct OrbitPanels {
     /// Line above the panels.
     pub caption: String,
-    /// What stands below the profiles.
-    pub x: &'static str,
-    /// Displacements by site at each instant of impacts.
-    pub profiles: Vec<Profile>,
-    /// The impacting masses over one period, each with its site: (t/T, u).
-    pub traces: Vec<(usize, Vec<(f64, f64)>)>,
-    /// Positions of the two barriers.
-    pub barriers: (f64, f64),
+    /// The panels, two in a row.
+    pub panes: Vec<Pane>,
 }
 
 /// Width and height of a panel.
 const PANEL: (u32, u32) = (600, 400);
 
-/// The bytes of a picture with one row of panels for each orbit.
+/// A velocity that changes by less than this part of the largest does not jump.
+const JUMP: f64 = 1e-9;
+
+/// The bytes of a picture of orbits below each other.
 ///
 /// # Errors
 /// [`PlotError`].
 pub fn orbit_picture(orbits: &[OrbitPanels], page: impl Into<Page>) -> Result<Vec<u8>, PlotError> {
-    let panes = orbits.iter().flat_map(|orbit| [profile(orbit), trace(orbit)]).collect();
-    let headings = orbits.iter().map(|orbit| orbit.caption.clone()).collect();
+    let (mut panes, mut headings) = (Vec::new(), Vec::new());
+    for orbit in orbits {
+        panes.extend(orbit.panes.iter().cloned());
+        headings.push(orbit.caption.clone());
+        headings.resize(panes.len().div_ceil(2), String::new());
+    }
     curves_picture(&Curves { panes, columns: 2, pane: PANEL, headings, ..Curves::default() }, page)
 }
 
-fn pane(orbit: &OrbitPanels, x: &str, y: &str, series: Vec<Series>) -> Pane {
-    let levels = vec![orbit.barriers.0, orbit.barriers.1];
-    Pane { x: x.to_owned(), y: y.to_owned(), levels, series, ..Pane::default() }
+fn pane(x: &str, y: &str, series: Vec<Series>) -> Pane {
+    Pane { x: x.to_owned(), y: y.to_owned(), series, ..Pane::default() }
 }
 
-fn profile(orbit: &OrbitPanels) -> Pane {
-    let series = orbit.profiles.iter().enumerate().map(|(colour, profile)| {
-        let Profile { name, instant, points } = profile.clone();
+/// Displacements along a chain at the instants of impacts, over what `x` names.
+pub fn profile_pane(x: &str, profiles: Vec<Profile>) -> Pane {
+    let series = profiles.into_iter().enumerate().map(|(colour, Profile { name, instant, points })| {
         let (stroke, mark) =
             if instant == 0 { (Stroke::Solid(2), Mark::Filled(0)) } else { (Stroke::Dashed(2), Mark::Hollow(3)) };
         Series { name, colour, stroke, mark, points }
     });
-    pane(orbit, orbit.x, "displacement uₙ", series.collect())
+    pane(x, "displacement uₙ", series.collect())
 }
 
-fn trace(orbit: &OrbitPanels) -> Pane {
-    let alone = orbit.traces.len() == 1;
-    let series = orbit.traces.iter().enumerate().map(|(i, (site, trace))| {
+/// Places over a period. One trace alone needs no name.
+pub fn trace_pane(y: &str, traces: &[Trace]) -> Pane {
+    let mut series = Vec::new();
+    for (colour, trace) in traces.iter().enumerate() {
         // Masses that move alike lie on each other: the later ones are dashed.
-        let stroke = if i == 0 { Stroke::Solid(2) } else { Stroke::Dashed(2) };
-        let name = if alone { String::new() } else { format!("site {site}") };
-        Series { name, colour: i, stroke, mark: Mark::None, points: trace.clone() }
-    });
-    let y = if alone { "impacting mass u₀" } else { "impacting masses uₙ" };
-    let pane = pane(orbit, "time, in periods of the orbit", y, series.collect());
-    Pane { x_range: Some(0.0..1.0), ..pane }
+        let stroke = if colour == 0 { Stroke::Solid(2) } else { Stroke::Dashed(2) };
+        let name = if traces.len() == 1 { String::new() } else { trace.name.clone() };
+        let points = trace.flights.iter().flatten().map(|[time, place, _]| (*time, *place)).collect();
+        series.push(Series { name, colour, stroke, mark: Mark::None, points });
+        if !trace.impacts.is_empty() {
+            let (name, mark) = (String::new(), Mark::Filled(colour));
+            series.push(Series { name, colour, stroke: Stroke::None, mark, points: trace.impacts.clone() });
+        }
+    }
+    Pane { x_range: Some(0.0..1.0), ..pane("time, in periods of the orbit", y, series) }
+}
+
+/// Velocity over place of one mass or contact, impacts as jumps.
+pub fn portrait_pane(x: &str, y: &str, trace: &Trace) -> Pane {
+    let there = |[_, place, velocity]: &[f64; 3]| (*place, *velocity);
+    let (mut flight, mut jumps, mut before, mut after) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let fastest = trace.flights.iter().flatten().fold(0.0, |most: f64, point| most.max(point[2].abs()));
+    let mut last = trace.flights.last().and_then(|points| points.last());
+    for points in &trace.flights {
+        flight.extend(points.iter().map(there));
+        flight.push((f64::NAN, f64::NAN));
+        if let (Some(from), Some(to)) = (last, points.first())
+            && (from[2] - to[2]).abs() > JUMP * fastest
+        {
+            before.push(there(from));
+            after.push(there(to));
+            jumps.extend([there(from), there(to), (f64::NAN, f64::NAN)]);
+        }
+        last = points.last();
+    }
+    let series =
+        |name: &str, colour, stroke, mark, points| Series { name: name.to_owned(), colour, stroke, mark, points };
+    let all = vec![
+        series("flight", 0, Stroke::Solid(2), Mark::None, flight),
+        series("impact", 5, Stroke::Dashed(2), Mark::None, jumps),
+        series("before", 1, Stroke::None, Mark::Filled(3), before),
+        series("after", 1, Stroke::None, Mark::Hollow(0), after),
+    ];
+    pane(x, y, all)
 }
 
 #[cfg(test)]
@@ -92,13 +136,11 @@ mod tests {
                        ω = 0.3456359754617771, a = 0.4, force 1:0.1:0,3:-0.03:0.5,5:0.01:0, e = 0.9; stable";
         let points = vec![(-1.0, 0.1), (0.0, 1.4), (1.0, 0.1)];
         let profile = |time: f64| Profile { name: format!("at t = {time:.4}"), instant: 0, points: points.clone() };
-        let orbit = OrbitPanels {
-            caption: caption.to_owned(),
-            x: "site",
-            profiles: vec![profile(0.0), profile(2.0)],
-            traces: vec![(0, vec![(0.0, 1.4), (0.5, -0.6), (1.0, 1.4)])],
-            barriers: (-0.6, 1.4),
-        };
+        let flights = vec![vec![[0.0, 1.4, 0.0], [0.5, -0.6, 0.0], [1.0, 1.4, 0.0]]];
+        let trace = Trace { flights, ..Trace::default() };
+        let panes = [profile_pane("site", vec![profile(0.0), profile(2.0)]), trace_pane("u₀", &[trace])];
+        let panes = panes.map(|pane| Pane { levels: vec![-0.6, 1.4], ..pane }).to_vec();
+        let orbit = OrbitPanels { caption: caption.to_owned(), panes };
         let svg = String::from_utf8(orbit_picture(&[orbit.clone(), orbit], Format::Svg).unwrap()).unwrap();
         let texts = texts(&svg);
         let words: Vec<_> = texts.iter().map(|(_, words)| words.as_str()).collect();
@@ -112,5 +154,15 @@ mod tests {
         let ticks = texts.iter().filter(|(_, words)| words.replace('−', "-").parse::<f64>().is_ok()).map(|(y, _)| *y);
         let ticks: Vec<f64> = ticks.collect();
         assert!(ticks.len() > 20 && ticks.iter().all(|y| y > first), "{first} {ticks:?}");
+    }
+
+    /// What hits another mass changes no velocity here; a flight that ends on a barrier with another velocity than the next begins with does.
+    #[test]
+    fn only_what_changes_the_velocity_is_a_jump() {
+        let flights = vec![vec![[0.0, 1.0, -0.5], [0.4, 0.2, 0.3]], vec![[0.4, 0.2, 0.3], [1.0, 1.0, 0.6]]];
+        let drawn = portrait_pane("u", "v", &Trace { flights, ..Trace::default() });
+        let points = |name: &str| drawn.series.iter().find(|series| series.name == name).unwrap().points.clone();
+        assert_eq!((points("before"), points("after")), (vec![(1.0, 0.6)], vec![(1.0, -0.5)]));
+        assert_eq!(points("flight").len(), 6);
     }
 }

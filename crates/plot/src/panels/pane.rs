@@ -44,7 +44,8 @@ fn stretched(range: &Range<f64>, factor: f64) -> Range<f64> {
 /// The axes of a panel, from its data as far as they are not given.
 pub(crate) fn axes(pane: &Pane) -> (Axis, Axis) {
     let points = || pane.series.iter().flat_map(|series| series.points.iter().copied());
-    let x = pane.x_range.clone().unwrap_or_else(|| padded(points().map(|point| point.0)));
+    let along = || points().map(|point| point.0).chain(pane.uprights.iter().copied());
+    let x = pane.x_range.clone().unwrap_or_else(|| padded(along()));
     let visible = points().filter(|point| x.contains(&point.0)).map(|point| point.1);
     let y = match &pane.scale {
         Scale::Logarithmic => Axis::decades(visible.filter(|y| *y > 0.0 && y.is_finite()).map(f64::log10)),
@@ -97,6 +98,9 @@ impl Pane {
             if (0.0..=1.0).contains(&frame.y.part(level)) {
                 frame.level(drawing, level, page);
             }
+        }
+        for upright in self.uprights.iter().filter(|upright| frame.x.range.contains(upright)) {
+            frame.upright(drawing, *upright, page);
         }
         let place = |&(x, y): &(f64, f64)| {
             let y = frame.y.scale.place(y);

@@ -64,24 +64,29 @@ pub fn run_picture(picture: &RunPicture, page: impl Into<Page>) -> Result<Vec<u8
 impl RunPicture {
     fn trace(&self) -> Pane {
         let (lower, upper) = self.barriers;
-        let first = self.simulated.first().map_or(0.0, |point| point.0);
-        let last = self.simulated.last().map_or(1.0, |point| point.0).max(first + 1e-9);
-        let series = [("analytic orbit", &self.analytic, 1, 6), ("simulation", &self.simulated, 0, 2)];
-        let line = |(name, points, colour, wide): (&str, &Vec<(f64, f64)>, usize, u32)| Series {
-            name: name.to_owned(),
-            colour,
-            stroke: Stroke::Solid(wide),
-            mark: Mark::None,
-            points: points.clone(),
-        };
-        Pane {
-            x: "time in periods (end of the run)".to_owned(),
-            y: "impacting mass u₀".to_owned(),
-            x_range: Some(first..last),
-            scale: Scale::Between(lower - 0.15..upper + 0.15),
-            levels: vec![lower, upper],
-            series: series.into_iter().filter(|(_, points, ..)| !points.is_empty()).map(line).collect(),
-            ..Pane::default()
-        }
+        let pane = run_trace("impacting mass u₀", &self.simulated, &self.analytic, vec![lower, upper]);
+        Pane { scale: Scale::Between(lower - 0.15..upper + 0.15), ..pane }
+    }
+}
+
+/// What is hit at the end of a run, over the orbit that the run began on if there is one: places over periods since the start.
+pub fn run_trace(y: &str, simulated: &[(f64, f64)], analytic: &[(f64, f64)], levels: Vec<f64>) -> Pane {
+    let first = simulated.first().map_or(0.0, |point| point.0);
+    let last = simulated.last().map_or(1.0, |point| point.0).max(first + 1e-9);
+    let series = [("analytic orbit", analytic, 1, 6), ("simulation", simulated, 0, 2)];
+    let line = |(name, points, colour, wide): (&str, &[(f64, f64)], usize, u32)| Series {
+        name: name.to_owned(),
+        colour,
+        stroke: Stroke::Solid(wide),
+        mark: Mark::None,
+        points: points.to_vec(),
+    };
+    Pane {
+        x: "time in periods (end of the run)".to_owned(),
+        y: y.to_owned(),
+        x_range: Some(first..last),
+        levels,
+        series: series.into_iter().filter(|(_, points, ..)| !points.is_empty()).map(line).collect(),
+        ..Pane::default()
     }
 }

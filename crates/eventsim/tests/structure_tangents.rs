@@ -1,0 +1,169 @@
+//! Tangent vectors of a structure's runs against neighbouring runs, and against dense matrices, saltation by saltation.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+use std::f64::consts::TAU;
+
+use nalgebra::{DMatrix, DVector};
+use vibrochain_eventsim::{EventKind, Limits, StructureOutcome, StructureSimulation, StructureTangents, TangentError};
+use vibrochain_lattice::{Complex, Contact, ModalStructure, Structure};
+use vibrochain_testkit::{Random, structures};
+
+type Modes = Vec<[f64; 2]>;
+
+/// Structures of any damping, pressed and driven, with contacts that chatter, rest and let go; a state of each.
+fn structure(random: &mut Random) -> (ModalStructure, f64, Modes) {
+    let made = random.structure();
+    let n = made.size();
+    let contacts = (made.contacts.iter())
+        .map(|w| {
+            let upper = random.between(0.1, 0.8);
+            let lower = random.chance(0.5).then(|| -random.between(0.2, 1.0));
+            (w.clone(), Contact { lower, upper: Some(upper), restitution: random.between(0.0, 0.9) })
+        })
+        .collect();
+    let load = DVector::from_fn(n, |_, _| Complex::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0)));
+    let structure = Structure {
+        mass: made.mass.clone(),
+        damping: made.damping.clone() * 0.5,
+        stiffness: made.stiffness.clone(),
+        contacts,
+        static_load: DVector::from_fn(n, |_, _| random.between(-1.0, 1.0)),
+        loads: vec![(1, load)],
+    };
+    let v = DVector::from_fn(n, |_, _| random.between(-0.5, 0.5));
+    let modal = structure.modal().unwrap();
+    let modes = structure.project(&modal, &DVector::zeros(n), &v).unwrap();
+    (modal, random.between(0.3, 1.2), modes)
+}
+
+/// Where a run ends, and the kinds of its events.
+fn after(structure: &ModalStructure, omega: f64, modes: &Modes, part: f64) -> Option<(Modes, Vec<(usize, EventKind)>)> {
+    let mut simulation = StructureSimulation::new(structure.clone(), omega, 0.3, modes).ok()?;
+    let (report, events) = simulation.collect(&Limits::until(simulation.time_of(0, part)));
+    let events = events.iter().map(|event| (event.contact, event.kind)).collect();
+    (report.outcome == StructureOutcome::TimeReached).then(|| (simulation.state().modes, events))
+}
+
+#[test]
+fn tangents_are_the_difference_of_neighbouring_runs() {
+    let mut random = Random(53);
+    let (mut compared, mut rested, mut worst) = (0, 0, 0.0_f64);
+    for _ in 0..300 {
+        let (structure, omega, modes) = structure(&mut random);
+        let direction: Modes = modes.iter().map(|_| [random.between(-1.0, 1.0), random.between(-1.0, 1.0)]).collect();
+        let part = random.between(0.3, 1.7);
+        let Some((_, events)) = after(&structure, omega, &modes, part) else { continue };
+        let shifted = |h: f64| -> Option<Modes> {
+            let moved = modes.iter().zip(&direction).map(|(xi, d)| [xi[0] + h * d[0], xi[1] + h * d[1]]).collect();
+            // Where neighbours have other events, as beside a graze, their difference is none.
+            after(&structure, omega, &moved, part).filter(|(_, other)| *other == events).map(|(end, _)| end)
+        };
+        let difference = |h: f64| -> Option<Vec<f64>> {
+            let (one, other) = (shifted(-h)?, shifted(h)?);
+            Some(one.iter().flatten().zip(other.iter().flatten()).map(|(a, b)| (b - a) / (2.0 * h)).collect())
+        };
+        let (Some(fine), Some(coarse)) = (difference(1e-6), difference(2e-6)) else { continue };
+        let mut tangents = StructureTangents::of(&structure, std::slice::from_ref(&direction)).unwrap();
+        let mut simulation = StructureSimulation::new(structure.clone(), omega, 0.3, &modes).unwrap();
+        let limits = Limits::until(simulation.time_of(0, part));
+        let report = simulation.run_with(&mut tangents, &limits, |_| {}).unwrap();
+        if tangents.has_grazed() {
+            continue;
+        }
+        let exact = tangents.vector(0).unwrap();
+        // Vectors that have grown far are made orthonormal on the way.
+        let length = tangents.growth()[0].exp();
+        let size = fine.iter().fold(0.1, |most: f64, x| most.max(x.abs()));
+        for (i, exact) in exact.iter().flatten().map(|x| x * length).enumerate() {
+            let expected = (4.0 * fine[i] - coarse[i]) / 3.0;
+            let allowed = 0.2 * (fine[i] - coarse[i]).abs() + 3e-7 * size;
+            worst = worst.max((exact - expected).abs() / size);
+            assert!((exact - expected).abs() <= allowed, "{i}: {exact} {expected} {allowed:e} {events:?}");
+        }
+        compared += 1;
+        rested += usize::from(report.work.sticks > 0);
+    }
+    println!("{compared} runs, {rested} with rests, {worst:e}");
+    assert!(compared >= 200 && rested >= 80, "{compared} {rested}");
+}
+
+#[test]
+fn a_period_of_an_orbit_has_the_multipliers_of_the_dense_matrix() {
+    let (mut compared, mut complex) = (0, 0);
+    for case in structures().iter().filter(|case| case.physical) {
+        let limits = case.limits.iter().map(|&(lower, upper, restitution)| Contact { lower, upper, restitution });
+        let load = case.load.map(|f| Complex::new(f, 0.0));
+        let structure = Structure {
+            mass: case.mass.clone(),
+            damping: case.damping.clone(),
+            stiffness: case.stiffness.clone(),
+            contacts: case.contacts.iter().cloned().zip(limits).collect(),
+            static_load: case.static_load.clone(),
+            loads: if case.load.amax() == 0.0 { vec![] } else { vec![(1, load)] },
+        };
+        let (n, modal) = (case.size(), structure.modal().unwrap());
+        let start = &case.states()[0];
+        let modes = structure.project(&modal, &start.rows(0, n).into_owned(), &start.rows(n, n).into_owned()).unwrap();
+        let size = 2 * modal.modes().len();
+        let unit = |i: usize| {
+            let entry = |k: usize, j: usize| f64::from(u8::from(2 * k + j == i));
+            (0..modal.modes().len()).map(|k| [entry(k, 0), entry(k, 1)]).collect::<Modes>()
+        };
+        let mut tangents = StructureTangents::of(&modal, &(0..size).map(unit).collect::<Vec<_>>()).unwrap();
+        let mut simulation = StructureSimulation::new(modal.clone(), case.omega, case.psi, &modes).unwrap();
+        // From the first impact, which is passed, to just before its next one.
+        let periods = case.period * case.omega / TAU;
+        let after_last = 0.5 * (case.period - case.impacts.last().unwrap().time) * case.omega / TAU;
+        let end = |part: f64| Limits::until(simulation.time_of(0, part));
+        let (from, to) = (end(periods - after_last), end(2.0 * periods - after_last));
+        simulation.run(&from, |_| {});
+        let report = simulation.run_with(&mut tangents, &to, |_| {}).unwrap();
+        assert_eq!(report.outcome, StructureOutcome::TimeReached);
+        if tangents.growth().iter().any(|log| *log != 0.0) || tangents.has_grazed() {
+            continue;
+        }
+        let columns: Vec<DVector<f64>> = (0..size)
+            .map(|i| DVector::from_iterator(size, tangents.vector(i).unwrap().into_iter().flatten()))
+            .collect();
+        let sorted = |matrix: &DMatrix<f64>| {
+            let mut moduli: Vec<f64> = matrix.complex_eigenvalues().iter().map(|z| z.norm()).collect();
+            moduli.sort_by(|a, b| b.total_cmp(a));
+            moduli
+        };
+        let (told, dense) = (sorted(&DMatrix::from_columns(&columns)), sorted(&case.monodromy()));
+        // Pairs that meet at 1 are known to the root of the rounding.
+        for (a, b) in told.iter().zip(&dense) {
+            let known = if (b - 1.0).abs() < 1e-4 { 1e-4 } else { 1e-6 };
+            assert!((a - b).abs() < known * (1.0 + b), "{}: {told:?} {dense:?}", case.name);
+        }
+        compared += 1;
+        complex += usize::from(!modal.modes()[0].is_real);
+    }
+    assert!(compared >= 10 && complex >= 3, "{compared} {complex}");
+}
+
+#[test]
+fn a_run_with_tangents_is_the_same_to_the_bit_and_those_of_another_structure_are_refused() {
+    let mut random = Random(5);
+    let (structure, omega, modes) = structure(&mut random);
+    let mut alone = StructureSimulation::new(structure.clone(), omega, 0.3, &modes).unwrap();
+    let mut with = alone.clone();
+    let limits = Limits::until(alone.time_of(3, 0.4));
+    let (_, events) = alone.collect(&limits);
+    let mut tangents = StructureTangents::random(&structure, 2, 9).unwrap();
+    let mut seen = Vec::new();
+    with.run_with(&mut tangents, &limits, |event| seen.push(*event)).unwrap();
+    assert!(!events.is_empty());
+    assert_eq!((events, alone.state()), (seen, with.state()));
+    let other = structure
+        .clone()
+        .with_contacts(structure.contacts().iter().map(|contact| Contact { restitution: 0.95, ..*contact }).collect());
+    let mut others = StructureTangents::random(&other.unwrap(), 1, 9).unwrap();
+    assert_eq!(with.run_with(&mut others, &limits, |_| {}), Err(TangentError::OtherModel));
+    let most = 2 * structure.modes().len();
+    assert_eq!(
+        StructureTangents::random(&structure, most + 1, 1).err(),
+        Some(TangentError::Count { count: most + 1, most })
+    );
+    assert!(matches!(StructureTangents::of(&structure, &[vec![[0.0; 2]; 1]]), Err(TangentError::Entries { .. })));
+}
