@@ -15,6 +15,7 @@ use crate::common::model::{Chosen, chosen};
 use crate::common::schemas::LOCATE;
 use crate::common::which;
 use crate::orbit::{orbit_value, point_value, with_layer, with_word};
+use crate::structures;
 use crate::sweep::report::counted;
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
@@ -40,13 +41,17 @@ pub(crate) fn range(chosen: &Chosen, parameter: Parameter, flags: [Option<f64>; 
 /// # Errors
 /// [`CliError`]; that there is no event is an answer.
 pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    if let Some(scene) = structures::asked(&args.along.model)? {
+        return structures::along::branch::locate(args, &scene, console);
+    }
     let taken = distinct(&args.along.reads(), &[("--out", args.out.as_deref())])?;
     nothing_else(args.json, taken)?;
-    let header = HEADER.map(|name| if name == FREE { args.along.free.name() } else { name });
+    let free = args.along.free.parameter()?;
+    let header = HEADER.map(|name| if name == FREE { free.name() } else { name });
     let stop = (console.interrupt)()?;
     let table = args.out.as_deref().map(|path| CsvFile::create("--out", path, header)).transpose()?;
     let start = start(&args.along, &stop, console)?;
-    let mut search = Search::new(&start.orbit, args.event, args.along.free);
+    let mut search = Search::new(&start.orbit, args.event, free);
     let [from, to] = range(&start.chosen, search.free, [args.along.from, args.along.to]);
     (search.from, search.to) = (from.unwrap_or(search.from), to.unwrap_or(search.to));
     let mut answer = locate_until(&start.orbit, &search, &stop)?;
@@ -104,7 +109,7 @@ fn around(free: Parameter, range: [Option<f64>; 2], model: &Model) -> Result<(),
 pub(crate) fn start(args: &AlongArgs, stop: &Stop, console: &mut Console<'_>) -> Result<Start, CliError> {
     let chosen = chosen(&args.model, console)?;
     let which = which::wanted(&args.which, chosen.scene.as_ref())?;
-    let (model, free) = (&chosen.model, args.free);
+    let (model, free) = (&chosen.model, args.free.parameter()?);
     for (flag, value) in [("--from", args.from), ("--to", args.to)] {
         let Some(value) = value else { continue };
         // In the range of the parameter, told before any work.
@@ -221,7 +226,12 @@ fn as_json(start: &Start, search: &Search, answer: &Answer) -> Value {
 
 /// How the way in one direction ended, as a sentence.
 pub(crate) fn message(free: Parameter, value: f64, end: &End) -> String {
-    let here = format!("{} = {}", free.name(), Number(value));
+    ending(free.name(), value, end)
+}
+
+/// The same by the name of what varies.
+pub(crate) fn ending(free: &str, value: f64, end: &End) -> String {
+    let here = format!("{free} = {}", Number(value));
     match end {
         End::Range => format!("searched to {here}"),
         End::Fold { error } => format!("the branch ends in a fold at {here} ± {error:.0e}"),

@@ -135,7 +135,10 @@ impl From<BranchError> for Failure {
     fn from(error: BranchError) -> Self {
         match error {
             BranchError::Breather(breather) => breather.into(),
-            BranchError::NoConvergence | BranchError::Family => Self::NotConverged(error.to_string()),
+            BranchError::NoConvergence | BranchError::Family | BranchError::Structure(_) => {
+                Self::NotConverged(error.to_string())
+            }
+            BranchError::Model(message) => Self::Request(message),
         }
     }
 }

@@ -1,15 +1,18 @@
 //! What happens as parameters vary: `locate`, `branch`, `curve`, `curves`.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{ArgGroup, Args};
+use clap::{Arg, ArgGroup, Args, Command};
 use vibrochain_floquet::Event;
 use vibrochain_lattice::Parameter;
 use vibrochain_maps::numbers::{real, whole};
+use vibrochain_maps::structure::Setting;
 
 use super::model::{ModelArgs, WhichArgs};
 use super::quantity::{Meanings, OF_BRANCHES, QuantityName, SHOWN_NAMES, among, by_name};
+use crate::common::error::CliError;
 use crate::common::page_args::{PICTURES, PageArgs};
 
 /// Events of `mapgen locate`, and what each is.
@@ -24,19 +27,73 @@ const EVENTS: Meanings<Event> = &[
     (Event::Fold, "The branch turns back"),
 ];
 
-/// Takes the name of a parameter that can be varied, as scenes and tables have it.
-fn parameter() -> impl TypedValueParser<Value = Parameter> {
+/// What varies: a parameter, or a number that only structures have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Free {
+    /// A parameter of chains, by whose name structures have a number, too.
+    Parameter(Parameter),
+    /// A number of structures.
+    Setting(Setting),
+}
+
+impl Free {
+    /// Of a chain.
+    pub(crate) fn parameter(self) -> Result<Parameter, CliError> {
+        match self {
+            Self::Parameter(parameter) => Ok(parameter),
+            Self::Setting(setting) => {
+                let message = format!(
+                    "{setting} is a number of structures: give --scene with [structure], or dashpots by --damping"
+                );
+                Err(CliError::Request(message))
+            }
+        }
+    }
+
+    /// Of a structure.
+    pub(crate) fn setting(self) -> Result<Setting, CliError> {
+        match self {
+            Self::Parameter(parameter) => parameter.name().parse().map_err(CliError::Request),
+            Self::Setting(setting) => Ok(setting),
+        }
+    }
+}
+
+/// Takes the name of what can be varied, as scenes and tables have it: of a parameter, or of any number of a structure.
+#[derive(Clone)]
+struct FreeParser(PossibleValuesParser);
+
+fn free() -> FreeParser {
     let names = Parameter::ALL.map(|parameter| PossibleValue::new(parameter.name()).help(parameter.symbol()));
-    PossibleValuesParser::new(names).try_map(|name| Parameter::from_name(&name).ok_or("no parameter"))
+    FreeParser(PossibleValuesParser::new(names))
+}
+
+impl TypedValueParser for FreeParser {
+    type Value = Free;
+
+    fn parse_ref(&self, command: &Command, arg: Option<&Arg>, value: &OsStr) -> Result<Free, clap::Error> {
+        let text = value.to_string_lossy();
+        if let Some(parameter) = Parameter::from_name(&text) {
+            return Ok(Free::Parameter(parameter));
+        }
+        text.parse().map(Free::Setting).or_else(|_: String| {
+            let name = self.0.parse_ref(command, arg, value)?;
+            Ok(Parameter::from_name(&name).map_or(Free::Setting(Setting::Omega), Free::Parameter))
+        })
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        self.0.possible_values()
+    }
 }
 
 /// Where a branch is taken up, and how far it is followed.
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("start").args(["family", "word", "near", "scene"]).required(true).multiple(true))]
 pub struct AlongArgs {
-    /// The parameter that varies.
-    #[arg(long, value_parser = parameter())]
-    pub free: Parameter,
+    /// What varies: a parameter, or of a structure any number of it, as in contact.0.upper, load, damping or stiffness.1.2.
+    #[arg(long, value_parser = free())]
+    pub free: Free,
     /// Least value of the free parameter [default: the lower end of its axis in --scene, or else half its start; asymmetry 0, restitution 0.05].
     #[arg(long, value_name = "VALUE", value_parser = real, allow_negative_numbers = true)]
     pub from: Option<f64>,
@@ -141,9 +198,9 @@ pub struct CurveArgs {
     /// Where, along what, how far.
     #[command(flatten)]
     pub along: AlongArgs,
-    /// The second parameter that varies.
-    #[arg(long, value_parser = parameter())]
-    pub and: Parameter,
+    /// The second that varies.
+    #[arg(long, value_parser = free())]
+    pub and: Free,
     /// Least value of the second parameter [default: as of the first].
     #[arg(long, value_name = "VALUE", value_parser = real, allow_negative_numbers = true)]
     pub and_from: Option<f64>,

@@ -17,6 +17,8 @@ use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::criterion;
 
 use crate::args::{BranchArgs, QuantityName};
+#[cfg(feature = "plot")]
+use crate::branch::plot::Drawn;
 use crate::branch::table::{HEADER, Table, write};
 use crate::common::caption::describe_without;
 use crate::common::console::{Console, nothing_else};
@@ -27,6 +29,7 @@ use crate::common::table_manifest::{Manifest, beside};
 use crate::common::which;
 use crate::locate::{Start, error_text, evidence_text, impulses, located_json, message, range, start, verdict_json};
 use crate::orbit::{point_value, with_word};
+use crate::structures;
 use crate::sweep::report::counted;
 
 /// Runs the subcommand.
@@ -34,6 +37,9 @@ use crate::sweep::report::counted;
 /// # Errors
 /// [`CliError`]; that there is no event is an answer.
 pub fn run(args: &BranchArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    if let Some(scene) = structures::asked(&args.along.model)? {
+        return structures::along::branch::branch(args, &scene, console);
+    }
     let manifest = beside(args.out.as_deref())?;
     let files = [
         ("--out", args.out.as_deref()),
@@ -52,7 +58,7 @@ pub fn run(args: &BranchArgs, console: &mut Console<'_>) -> Result<(), CliError>
             "--show psi: there is no force whose phase could be shown; give impulse, phi, margin or spectral_radius";
         return Err(CliError::Request(message.to_owned()));
     }
-    let mut course = Course::new(&start.orbit, args.along.free);
+    let mut course = Course::new(&start.orbit, args.along.free.parameter()?);
     let [from, to] = range(&start.chosen, course.free, [args.along.from, args.along.to]);
     (course.from, course.to) = (from.unwrap_or(course.from), to.unwrap_or(course.to));
     if !args.events.is_empty() {
@@ -239,7 +245,7 @@ fn draw(files: PictureFiles, args: &BranchArgs, course: &Course, table: &Table) 
     if files.is_empty() {
         return Ok(());
     }
-    let picture = crate::branch::plot::picture(table, course.free, &args.show, args.all);
+    let picture = crate::branch::plot::picture(&Drawn::of(table, course.free), &args.show, args.all);
     files.draw(|page| vibrochain_plot::curves_picture(&picture, page))
 }
 
@@ -253,7 +259,7 @@ fn fits(files: &PictureFiles, args: &BranchArgs, course: &Course) -> Result<(), 
         branches: Vec::new(),
     };
     let nothing = Table { about, branches: Vec::new() };
-    let picture = crate::branch::plot::picture(&nothing, course.free, &args.show, args.all);
+    let picture = crate::branch::plot::picture(&Drawn::of(&nothing, course.free), &args.show, args.all);
     files.fit(|page| vibrochain_plot::curves_picture(&picture, page))
 }
 

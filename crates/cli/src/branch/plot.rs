@@ -25,10 +25,27 @@ const ON_CIRCLE: f64 = 1.0 + 1e-6;
 /// More events than this have small marks.
 const CROWD: usize = 40;
 
-/// The picture of a table: a panel a quantity, with `all` also what is not physical.
-pub(crate) fn picture(table: &Table, free: Parameter, shown: &[QuantityName], all: bool) -> Curves {
-    let panes: Vec<Pane> = shown.iter().map(|quantity| pane(*quantity, all, free, table)).collect();
-    let title = table.about.heading.clone();
+/// What is drawn of branches: their rows, in the order of the way, with their names, over what varies.
+pub(crate) struct Drawn<'a> {
+    pub(crate) heading: String,
+    /// What stands at the axis of it.
+    pub(crate) x: String,
+    pub(crate) names: &'a [BranchName],
+    pub(crate) rows: &'a [Vec<Row>],
+}
+
+impl<'a> Drawn<'a> {
+    /// All of a table.
+    pub(crate) fn of(table: &'a Table, free: Parameter) -> Self {
+        let (heading, x) = (table.about.heading.clone(), format!("{} {}", free.meaning(), free.symbol()));
+        Self { heading, x, names: &table.about.branches, rows: &table.branches }
+    }
+}
+
+/// The picture of branches: a panel a quantity, with `all` also what is not physical.
+pub(crate) fn picture(table: &Drawn<'_>, shown: &[QuantityName], all: bool) -> Curves {
+    let panes: Vec<Pane> = shown.iter().map(|quantity| pane(*quantity, all, table)).collect();
+    let title = table.heading.clone();
     // Panels differ in what they show, not in what their lines mean.
     Curves { title, columns: panes.len().min(2), panes, pane: (860, 620), one_legend: true, ..Curves::default() }
 }
@@ -83,8 +100,8 @@ struct Branch<'a> {
     rows: &'a [Row],
 }
 
-fn branches(table: &Table) -> impl Iterator<Item = Branch<'_>> {
-    table.about.branches.iter().zip(&table.branches).map(|(about, rows)| Branch { about, rows })
+fn branches<'a>(table: &'a Drawn<'_>) -> impl Iterator<Item = Branch<'a>> {
+    table.names.iter().zip(table.rows).map(|(about, rows)| Branch { about, rows })
 }
 
 /// The colour of what orbits of this name are.
@@ -112,7 +129,7 @@ fn title(branches: &[Branch<'_>]) -> String {
     format!("{name}: {}", orders.join(", "))
 }
 
-fn pane(quantity: QuantityName, all: bool, free: Parameter, table: &Table) -> Pane {
+fn pane(quantity: QuantityName, all: bool, table: &Drawn<'_>) -> Pane {
     let mut series: Vec<Series> = Vec::new();
     let plain = |name: &str, colour, stroke| Series {
         name: name.to_owned(),
@@ -122,7 +139,7 @@ fn pane(quantity: QuantityName, all: bool, free: Parameter, table: &Table) -> Pa
         points: Vec::new(),
     };
     let colours: BTreeSet<usize> = branches(table).map(|branch| colour(&branch.about.name)).collect();
-    let alone = table.branches.len() == 1;
+    let alone = table.rows.len() == 1;
     for one in colours {
         let of_it: Vec<Branch<'_>> = branches(table).filter(|branch| colour(&branch.about.name) == one).collect();
         let title = if alone { of_it[0].about.name.clone() } else { title(&of_it) };
@@ -147,7 +164,7 @@ fn pane(quantity: QuantityName, all: bool, free: Parameter, table: &Table) -> Pa
     };
     Pane {
         caption: String::new(),
-        x: format!("{} {}", free.meaning(), free.symbol()),
+        x: table.x.clone(),
         y: label(quantity).to_owned(),
         x_range: None,
         x_log: false,
@@ -243,7 +260,7 @@ fn curves(quantity: QuantityName, colour: usize, branch: Branch<'_>, all: bool) 
 }
 
 /// The places of one kind of event, of physical orbits.
-fn events(quantity: QuantityName, event: Event, mark: Mark, table: &Table) -> Option<Series> {
+fn events(quantity: QuantityName, event: Event, mark: Mark, table: &Drawn<'_>) -> Option<Series> {
     let mut points = Vec::new();
     for branch in branches(table) {
         for (at, found) in branch.rows.iter().enumerate().filter(|(_, row)| row.event == Some(event)) {

@@ -22,13 +22,17 @@ pub(crate) const SIMULATE: &str = "urn:vibrochain:simulate:1";
 pub(crate) const WORDS: &str = "urn:vibrochain:words:1";
 pub(crate) const FATE: &str = "urn:vibrochain:fate:1";
 pub(crate) const TABLE: &str = "urn:vibrochain:table:1";
+pub(crate) const STRUCTURE_BRANCH: &str = "urn:vibrochain:structure-branch:1";
+pub(crate) const STRUCTURE_CURVE: &str = "urn:vibrochain:structure-curve:1";
 pub(crate) const STATE: &str = "urn:vibrochain:state:1";
 
 /// Names, and the files.
-const SCHEMAS: [(&str, &str); 16] = [
+const SCHEMAS: [(&str, &str); 18] = [
     ("orbit", include_str!("../../schemas/orbit.json")),
     ("structure", include_str!("../../schemas/structure.json")),
     ("structure-run", include_str!("../../schemas/structure-run.json")),
+    ("structure-branch", include_str!("../../schemas/structure-branch.json")),
+    ("structure-curve", include_str!("../../schemas/structure-curve.json")),
     ("locate", include_str!("../../schemas/locate.json")),
     ("branch", include_str!("../../schemas/branch.json")),
     ("curve", include_str!("../../schemas/curve.json")),

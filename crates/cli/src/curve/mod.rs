@@ -25,6 +25,7 @@ use crate::common::table_manifest::{Manifest, beside};
 use crate::curve::table::{About, header, write};
 use crate::locate::{Start, impulses, message, range, start};
 use crate::orbit::{point_value, with_word};
+use crate::structures;
 
 /// A point within this many tolerances of a curve, with impulses that agree to this part, is one of it.
 const ON_IT: f64 = 2.0;
@@ -41,6 +42,9 @@ struct Curves {
 /// # Errors
 /// [`CliError`]; that there is no event is an answer.
 pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    if let Some(scene) = structures::asked(&args.along.model)? {
+        return structures::along::curve::run(args, &scene, console);
+    }
     let manifest = beside(args.out.as_deref())?;
     let files = [
         ("--out", args.out.as_deref()),
@@ -49,7 +53,7 @@ pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     ];
     let taken = distinct(&args.along.reads(), &files)?;
     nothing_else(args.json, taken)?;
-    let [first, second] = [args.along.free, args.and];
+    let [first, second] = [args.along.free.parameter()?, args.and.parameter()?];
     if first == second {
         return Err(CliError::Request(format!("--free and --and are both {}: give two parameters", first.name())));
     }
@@ -88,7 +92,7 @@ pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> 
 
 /// The ranges of both parameters.
 fn window(args: &CurveArgs, start: &Start) -> Result<Window, CliError> {
-    let parameters = [args.along.free, args.and];
+    let parameters = [args.along.free.parameter()?, args.and.parameter()?];
     let asked = [[args.along.from, args.along.to], [args.and_from, args.and_to]];
     let (mut from, mut to) = ([0.0; 2], [0.0; 2]);
     for i in 0..2 {
@@ -240,14 +244,29 @@ fn draw(files: PictureFiles, heading: &str, curves: &Curves) -> Result<(), CliEr
     if files.is_empty() {
         return Ok(());
     }
-    let picture = crate::curve::plot::picture(heading, &curves.window, &crate::curve::table::rows(&curves.list));
+    let picture = crate::curve::plot::picture(
+        heading,
+        crate::curve::plot::labels(&curves.window),
+        (curves.window.from, curves.window.to),
+        &crate::curve::table::rows(&curves.list),
+    );
     files.draw(|page| vibrochain_plot::curves_picture(&picture, page))
 }
 
 /// Makes sure that the picture can be made.
 #[cfg(feature = "plot")]
 fn fits(files: &PictureFiles, curves: &Curves) -> Result<(), CliError> {
-    files.fit(|page| vibrochain_plot::curves_picture(&crate::curve::plot::picture("", &curves.window, &[]), page))
+    files.fit(|page| {
+        vibrochain_plot::curves_picture(
+            &crate::curve::plot::picture(
+                "",
+                crate::curve::plot::labels(&curves.window),
+                (curves.window.from, curves.window.to),
+                &[],
+            ),
+            page,
+        )
+    })
 }
 
 #[cfg(not(feature = "plot"))]

@@ -17,14 +17,23 @@ const GREY: usize = 5;
 /// What a legend calls points whose orbit is none that can live.
 const NOT_PHYSICAL: &str = "not physical";
 
-/// The picture of the curves in a window.
-pub(crate) fn picture(heading: &str, window: &Window, curves: &[Vec<Row>]) -> Curves {
-    let [x, y] = window.parameters;
+/// What stands at the axes of a window.
+pub(crate) fn labels(window: &Window) -> [String; 2] {
+    window.parameters.map(|parameter| format!("{} {}", parameter.meaning(), parameter.symbol()))
+}
+
+/// The picture of the curves in a window from some values to others.
+pub(crate) fn picture(
+    heading: &str,
+    [x, y]: [String; 2],
+    (from, to): ([f64; 2], [f64; 2]),
+    curves: &[Vec<Row>],
+) -> Curves {
     let pane = Pane {
-        x: format!("{} {}", x.meaning(), x.symbol()),
-        y: format!("{} {}", y.meaning(), y.symbol()),
-        x_range: Some(window.from[0]..window.to[0]),
-        scale: Scale::Between(window.from[1]..window.to[1]),
+        x,
+        y,
+        x_range: Some(from[0]..to[0]),
+        scale: Scale::Between(from[1]..to[1]),
         series: series(curves),
         ..Pane::default()
     };

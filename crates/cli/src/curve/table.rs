@@ -11,7 +11,7 @@ use crate::common::error::CliError;
 use crate::locate::impulses;
 
 /// The names of the columns for two parameters.
-pub(crate) fn header(parameters: [&'static str; 2]) -> [&'static str; 12] {
+pub(crate) fn header(parameters: [&str; 2]) -> [&str; 12] {
     let [x, y] = parameters;
     ["curve", "event", x, y, "error", "special", "special_error", "angle", "physical", "impulses", "phi", "psi"]
 }

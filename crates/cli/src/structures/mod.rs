@@ -1,5 +1,6 @@
 //! Any linear structure with stops: what `orbit`, `sweep` and others do for a scene with `[structure]`, and for a chain with dashpots.
 
+pub(crate) mod along;
 pub(crate) mod answer;
 pub(crate) mod fate;
 pub(crate) mod orbit;
@@ -81,8 +82,8 @@ pub(crate) fn refuse_scene(scene: &Path) -> Result<(), CliError> {
 }
 
 fn refusal() -> CliError {
-    let message = "structures, and chains with dashpots, a static force, stops of their own or ends fixed-free, are asked by orbit, simulate, \
-                   fate and sweep: this command is of chains without";
+    let message = "structures, and chains with dashpots, a static force, stops of their own or ends fixed-free, are asked by orbit, branch, \
+                   locate, curve, simulate, fate and sweep: this command is of chains without";
     CliError::Request(message.to_owned())
 }
 

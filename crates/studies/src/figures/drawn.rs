@@ -33,9 +33,10 @@ impl Picture {
     pub(super) fn bytes(&self, format: Format) -> Result<Vec<u8>, PlotError> {
         match self {
             Self::Curves(curves) => curves_picture(curves, format),
-            Self::Map { scene, cells } => {
-                map_picture(&MapPicture { scene, cells, palette: Palette::Colour, borders: &[] }, format)
-            }
+            Self::Map { scene, cells } => map_picture(
+                &MapPicture { scene: scene.as_ref(), cells, palette: Palette::Colour, borders: &[] },
+                format,
+            ),
         }
     }
 }

@@ -1,0 +1,248 @@
+//! `mapgen branch` and `mapgen locate` of a structure: the branch of an orbit as one of its numbers varies, with the events on it.
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+use serde_json::Value;
+use vibrochain_breather::StructureOrbit;
+use vibrochain_floquet::{DiagramPoint, Event, FollowedBranch, Station, Unresolved, structure_branch};
+use vibrochain_maps::files::{CsvFile, distinct};
+use vibrochain_maps::structure::StructureScene;
+use vibrochain_maps::structure::answer::structure;
+
+use super::{
+    EndEntry, EventEntry, Named, Start, VerdictEntry, course, events_text, family, impulses, phi, range, start,
+};
+use crate::args::{BranchArgs, LocateArgs, QuantityName};
+use crate::branch::table::{BranchName, HEADER, Row};
+use crate::common::console::{Console, nothing_else};
+use crate::common::error::CliError;
+use crate::common::picture_files::PictureFiles;
+use crate::common::schemas::STRUCTURE_BRANCH;
+use crate::sweep::report::counted;
+
+/// Columns of `mapgen locate --out`.
+const LOCATED: [&str; 9] = ["event", "value", "error", "impulses", "phi", "psi", "period", "physical", "multiplier"];
+
+/// Runs `mapgen branch` for a structure.
+///
+/// # Errors
+/// [`CliError`]; that there is no event is an answer.
+pub(crate) fn branch(args: &BranchArgs, scene: &StructureScene, console: &mut Console<'_>) -> Result<(), CliError> {
+    if args.switch {
+        let message =
+            "--switch is of chains without dashpots: of a structure take up what branches off by --word or --near";
+        return Err(CliError::Request(message.to_owned()));
+    }
+    let files = [("--out", args.out.as_deref()), ("--plot", args.plot.as_deref())];
+    let taken = distinct(&args.along.reads(), &files)?;
+    nothing_else(args.json, taken)?;
+    let stop = (console.interrupt)()?;
+    let file = args.out.as_deref().map(|path| CsvFile::create("--out", path, HEADER)).transpose()?;
+    let pictures = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
+    let start = start(&args.along, scene)?;
+    let range = range(scene, start.free, [args.along.from, args.along.to])?;
+    let events = Event::ALL.into_iter().filter(|one| args.events.is_empty() || args.events.contains(one)).collect();
+    let course = course(&start, range, events, args.threshold)?;
+    let models = family(scene, &[start.free]);
+    let found = structure_branch(&start.orbit, &models, start.value, &course, &stop)?;
+    let text = if args.json { json(&start, range, &found, true)? } else { as_text(&start, &found, args.all) };
+    console.answer(&text, args.json, taken)?;
+    let rows: Vec<Row> = found.stations.iter().map(row).collect();
+    if let Some(file) = file {
+        write(file, &found, &rows)?;
+    }
+    draw(pictures, &start, rows, &args.show, args.all)
+}
+
+/// Runs `mapgen locate` for a structure.
+///
+/// # Errors
+/// [`CliError`]; that there is no event is an answer.
+pub(crate) fn locate(args: &LocateArgs, scene: &StructureScene, console: &mut Console<'_>) -> Result<(), CliError> {
+    let taken = distinct(&args.along.reads(), &[("--out", args.out.as_deref())])?;
+    nothing_else(args.json, taken)?;
+    let stop = (console.interrupt)()?;
+    let start = start(&args.along, scene)?;
+    let free = start.free.to_string();
+    let header = LOCATED.map(|name| if name == "value" { &free } else { name });
+    let table = args.out.as_deref().map(|path| CsvFile::create("--out", path, header)).transpose()?;
+    let range = range(scene, start.free, [args.along.from, args.along.to])?;
+    let course = course(&start, range, vec![args.event], None)?;
+    let found = structure_branch(&start.orbit, &family(scene, &[start.free]), start.value, &course, &stop)?;
+    let text = if args.json {
+        json(&start, range, &found, false)?
+    } else {
+        let mut out = format!("{} of {}\n", args.event, start.heading());
+        let count = found.events().count();
+        let _ = match count {
+            0 => writeln!(out, "\nno {} between {free} = {} and {}", args.event, range[0], range[1]),
+            count => writeln!(out, "\n{}", counted(count, "event")),
+        };
+        let events =
+            found.events().map(|event| (event, event.physical != Some(false) || event.event == Event::Grazing));
+        events_text(&mut out, start.free, events, &found.unresolved, &found.ends);
+        out
+    };
+    console.answer(&text, args.json, taken)?;
+    let Some(mut table) = table else { return Ok(()) };
+    for event in found.events() {
+        let orbit = &event.orbit;
+        let multiplier = match event.evidence {
+            vibrochain_floquet::Evidence::Multiplier(mu) => Some([mu.re, mu.im]),
+            _ => None,
+        };
+        let (psi, period) = (orbit.psi(), orbit.period());
+        let told = (event.event, event.value, event.error, impulses(orbit), phi(orbit), psi, period);
+        table.record(&(told, event.physical, multiplier))?;
+    }
+    Ok(table.finish()?)
+}
+
+fn row(station: &Station<StructureOrbit>) -> Row {
+    let (event, value, orbit, point, physical) = match station {
+        Station::Point(point) => (None, point.value, &point.orbit, Some(point), point.physical),
+        Station::Event(found) => (Some(found.event), found.value, &found.orbit, None, found.physical),
+    };
+    let verdict = point.and_then(|point| point.verdict);
+    Row {
+        event,
+        value,
+        impulses: impulses(orbit),
+        phi: phi(orbit),
+        psi: orbit.psi(),
+        period: orbit.period(),
+        margin: point.and_then(|point| point.margin),
+        physical,
+        stable: verdict.filter(|verdict| !verdict.marginal).map(|verdict| verdict.stable),
+        spectral_radius: verdict.map(|verdict| verdict.spectral_radius),
+    }
+}
+
+/// The table that chains have: one branch, of generation 0.
+fn write(mut table: CsvFile, found: &FollowedBranch<StructureOrbit>, rows: &[Row]) -> Result<(), CliError> {
+    for (station, row) in found.stations.iter().zip(rows) {
+        let (error, mechanism) = match station {
+            Station::Point(point) => (None, point.verdict.and_then(|verdict| verdict.mechanism)),
+            Station::Event(found) => (Some(found.error), None),
+        };
+        let strongest = row.impulses.iter().fold(0.0_f64, |most, one| most.max(one.abs()));
+        let Row { event, value, impulses, phi, psi, period, margin, physical, stable, spectral_radius } = row;
+        let place = (1, 0, event, value, error, strongest, impulses, phi, psi, period);
+        table.record(&(place, margin, physical, stable, mechanism, spectral_radius))?;
+    }
+    Ok(table.finish()?)
+}
+
+/// The answer as JSON.
+#[derive(Serialize)]
+struct Answer<'a> {
+    schema: &'static str,
+    structure: Value,
+    free: Named,
+    word: &'a str,
+    solution: usize,
+    range: [f64; 2],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    points: Option<Vec<PointEntry>>,
+    events: Vec<EventEntry>,
+    unresolved: Vec<[f64; 2]>,
+    ends: Vec<EndEntry>,
+}
+
+#[derive(Serialize)]
+struct PointEntry {
+    value: f64,
+    period: f64,
+    psi: Option<f64>,
+    times: Vec<f64>,
+    impulses: Vec<f64>,
+    margin: Option<f64>,
+    physical: Option<bool>,
+    stability: Option<VerdictEntry>,
+}
+
+impl PointEntry {
+    fn of(point: &DiagramPoint<StructureOrbit>) -> Self {
+        Self {
+            value: point.value,
+            period: point.orbit.period(),
+            psi: point.orbit.psi(),
+            times: point.orbit.impacts().iter().map(|impact| impact.time).collect(),
+            impulses: impulses(&point.orbit),
+            margin: point.margin,
+            physical: point.physical,
+            stability: point.verdict.as_ref().map(VerdictEntry::of),
+        }
+    }
+}
+
+fn json(
+    start: &Start<'_>,
+    range: [f64; 2],
+    found: &FollowedBranch<StructureOrbit>,
+    points: bool,
+) -> Result<String, CliError> {
+    let answer = Answer {
+        schema: STRUCTURE_BRANCH,
+        structure: structure(start.scene, start.orbit.model()),
+        free: Named(start.free),
+        word: &start.word,
+        solution: start.solution,
+        range,
+        points: points.then(|| found.points().map(PointEntry::of).collect()),
+        events: found.events().map(EventEntry::of).collect(),
+        unresolved: found.unresolved.iter().map(|Unresolved { from, to }| [*from, *to]).collect(),
+        ends: found.ends.iter().map(|end| EndEntry::of(start.free, end)).collect(),
+    };
+    let text = serde_json::to_string_pretty(&answer).map_err(|error| CliError::Computation(error.to_string()))?;
+    Ok(text + "\n")
+}
+
+/// The answer for people. Writing to a String cannot fail.
+fn as_text(start: &Start<'_>, found: &FollowedBranch<StructureOrbit>, all: bool) -> String {
+    let mut out = format!("{}\n", start.heading());
+    let _ = writeln!(out, "\nbranch: {}", counted(found.points().count(), "point"));
+    let stations = found.stations.iter().enumerate();
+    let events: Vec<_> = stations
+        .filter_map(|(at, station)| match station {
+            Station::Event(event) => Some((event, found.is_physical_about(at))),
+            Station::Point(_) => None,
+        })
+        .collect();
+    let hidden = if all { 0 } else { events.iter().filter(|(_, physical)| !physical).count() };
+    let shown = events.into_iter().filter(|(_, physical)| all || *physical);
+    events_text(&mut out, start.free, shown, &found.unresolved, &found.ends);
+    if hidden > 0 {
+        let _ = writeln!(out, "  and {} of orbits that are not physical (--all lists them)", counted(hidden, "event"));
+    }
+    out
+}
+
+#[cfg(feature = "plot")]
+fn draw(
+    files: PictureFiles,
+    start: &Start<'_>,
+    rows: Vec<Row>,
+    show: &[QuantityName],
+    all: bool,
+) -> Result<(), CliError> {
+    if files.is_empty() {
+        return Ok(());
+    }
+    let names = [BranchName { name: start.word.clone(), generation: 0, force_periods: start.orbit.force_periods() }];
+    let drawn = crate::branch::plot::Drawn {
+        heading: format!("{}, {}", start.scene.heading(), start.scene.fixed()),
+        x: start.free.label(start.scene.is_chain()),
+        names: &names,
+        rows: &[rows],
+    };
+    let picture = crate::branch::plot::picture(&drawn, show, all);
+    files.draw(|page| vibrochain_plot::curves_picture(&picture, page))
+}
+
+#[cfg(not(feature = "plot"))]
+fn draw(_: PictureFiles, _: &Start<'_>, _: Vec<Row>, _: &[QuantityName], _: bool) -> Result<(), CliError> {
+    let _ = |name: BranchName| name;
+    Ok(())
+}

@@ -1,0 +1,254 @@
+//! `mapgen curve` of a structure: an event along one of its numbers, followed through a window of two.
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+use serde_json::Value;
+use vibrochain_floquet::{Event, Located, StructureCurve, StructureWindow, structure_branch, structure_curve};
+use vibrochain_maps::files::{CsvFile, distinct};
+use vibrochain_maps::numbers::Number;
+use vibrochain_maps::structure::answer::structure;
+use vibrochain_maps::structure::{Setting, StructureScene};
+
+use super::{Named, Start, course, family, impulses, phi, range, start, value_of};
+use crate::args::CurveArgs;
+use crate::common::console::{Console, nothing_else};
+use crate::common::error::CliError;
+use crate::common::picture_files::PictureFiles;
+use crate::common::schemas::STRUCTURE_CURVE;
+use crate::curve::table::{Row, header};
+use vibrochain_breather::StructureOrbit;
+
+/// A point within this many tolerances of a curve, with impulses that agree to this part, is one of it.
+const ON_IT: f64 = 2.0;
+const ALIKE: f64 = 1e-3;
+
+/// Runs the subcommand for a structure.
+///
+/// # Errors
+/// [`CliError`]; that there is no event is an answer.
+pub(crate) fn run(args: &CurveArgs, scene: &StructureScene, console: &mut Console<'_>) -> Result<(), CliError> {
+    let files = [("--out", args.out.as_deref()), ("--plot", args.plot.as_deref())];
+    let taken = distinct(&args.along.reads(), &files)?;
+    nothing_else(args.json, taken)?;
+    let settings = [args.along.free.setting()?, args.and.setting()?];
+    let [first, second] = settings;
+    if first == second {
+        return Err(CliError::Request(format!("--free and --and are both {first}: give two numbers")));
+    }
+    let stop = (console.interrupt)()?;
+    let names = settings.map(|setting| setting.to_string());
+    let file =
+        args.out.as_deref().map(|path| CsvFile::create("--out", path, header([&names[0], &names[1]]))).transpose()?;
+    let pictures = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
+    let start = start(&args.along, scene)?;
+    let [from, to] = range(scene, first, [args.along.from, args.along.to])?;
+    let [and_from, and_to] = range(scene, second, [args.and_from, args.and_to])?;
+    let window = StructureWindow { from: [from, and_from], to: [to, and_to] };
+    let course = course(&start, [from, to], vec![args.event], None)?;
+    let found = structure_branch(&start.orbit, &family(scene, &[first]), start.value, &course, &stop)?;
+    let (models, value) = (family(scene, &settings), value_of(scene, second)?);
+    let mut curves: Vec<StructureCurve> = Vec::new();
+    for located in found.events() {
+        let place = [located.value, value];
+        if !curves.iter().any(|curve| holds(curve, &window, located, place, args.tolerance)) {
+            curves.push(structure_curve(located, &models, place, window, args.tolerance, &stop)?);
+        }
+    }
+    let text = if args.json {
+        json(&start, settings, &window, &curves)?
+    } else {
+        as_text(args.event, &start, &names, &curves)
+    };
+    console.answer(&text, args.json, taken)?;
+    if let Some(file) = file {
+        write(file, &curves)?;
+    }
+    draw(pictures, &start, settings, &window, &curves)
+}
+
+/// Whether an event lies on a curve that was followed already.
+fn holds(
+    curve: &StructureCurve,
+    window: &StructureWindow,
+    located: &Located<StructureOrbit>,
+    place: [f64; 2],
+    tolerance: f64,
+) -> bool {
+    let (place, own) = (window.parts(place), impulses(&located.orbit));
+    let strongest = own.iter().fold(0.0_f64, |most, one| most.max(one.abs()));
+    curve.points.windows(2).any(|pair| {
+        let [from, to] = [&pair[0], &pair[1]].map(|point| window.parts(point.values));
+        let (chord, away) = ([to[0] - from[0], to[1] - from[1]], [place[0] - from[0], place[1] - from[1]]);
+        let square = chord[0] * chord[0] + chord[1] * chord[1];
+        let share = ((away[0] * chord[0] + away[1] * chord[1]) / square).clamp(0.0, 1.0);
+        let apart = (away[0] - share * chord[0]).hypot(away[1] - share * chord[1]);
+        let (a, b) = (impulses(&pair[0].orbit), impulses(&pair[1].orbit));
+        let alike = own
+            .iter()
+            .zip(a.iter().zip(&b))
+            .all(|(own, (a, b))| (a + share * (b - a) - own).abs() <= ALIKE * strongest);
+        apart <= ON_IT * tolerance && alike
+    })
+}
+
+fn write(mut table: CsvFile, curves: &[StructureCurve]) -> Result<(), CliError> {
+    for (i, curve) in curves.iter().enumerate() {
+        for (k, point) in curve.points.iter().enumerate() {
+            let special = || curve.special.iter().filter(|one| one.point == k);
+            let names: Vec<String> = special().map(|one| one.special.to_string()).collect();
+            let [x, y] = point.values;
+            let place = (i + 1, curve.event, x, y, point.error, names, special().next().map(|one| one.error));
+            let orbit = &point.orbit;
+            table.record(&(place, point.angle, point.physical, impulses(orbit), phi(orbit), orbit.psi()))?;
+        }
+    }
+    Ok(table.finish()?)
+}
+
+/// The answer as JSON.
+#[derive(Serialize)]
+struct Answer<'a> {
+    schema: &'static str,
+    structure: Value,
+    word: &'a str,
+    solution: usize,
+    free: [Named; 2],
+    from: [f64; 2],
+    to: [f64; 2],
+    curves: Vec<CurveEntry>,
+}
+
+#[derive(Serialize)]
+struct CurveEntry {
+    event: &'static str,
+    points: Vec<PointEntry>,
+    special: Vec<SpecialEntry>,
+    ends: [String; 2],
+}
+
+#[derive(Serialize)]
+struct PointEntry {
+    values: [f64; 2],
+    error: Option<f64>,
+    angle: Option<f64>,
+    physical: Option<bool>,
+    psi: Option<f64>,
+    times: Vec<f64>,
+    impulses: Vec<f64>,
+}
+
+#[derive(Serialize)]
+struct SpecialEntry {
+    special: String,
+    point: usize,
+    values: [f64; 2],
+    error: f64,
+}
+
+fn json(
+    start: &Start<'_>,
+    settings: [Setting; 2],
+    window: &StructureWindow,
+    curves: &[StructureCurve],
+) -> Result<String, CliError> {
+    let entry = |curve: &StructureCurve| CurveEntry {
+        event: curve.event.name(),
+        points: (curve.points.iter())
+            .map(|point| PointEntry {
+                values: point.values,
+                error: Some(point.error).filter(|error| error.is_finite()),
+                angle: point.angle,
+                physical: point.physical,
+                psi: point.orbit.psi(),
+                times: point.orbit.impacts().iter().map(|impact| impact.time).collect(),
+                impulses: impulses(&point.orbit),
+            })
+            .collect(),
+        special: (curve.special.iter())
+            .map(|one| SpecialEntry {
+                special: one.special.to_string(),
+                point: one.point,
+                values: curve.points[one.point].values,
+                error: one.error,
+            })
+            .collect(),
+        ends: [0, 1].map(|i| curve.ends[i].to_string()),
+    };
+    let answer = Answer {
+        schema: STRUCTURE_CURVE,
+        structure: structure(start.scene, start.orbit.model()),
+        word: &start.word,
+        solution: start.solution,
+        free: settings.map(Named),
+        from: window.from,
+        to: window.to,
+        curves: curves.iter().map(entry).collect(),
+    };
+    let text = serde_json::to_string_pretty(&answer).map_err(|error| CliError::Computation(error.to_string()))?;
+    Ok(text + "\n")
+}
+
+/// The answer for people. Writing to a String cannot fail.
+fn as_text(event: Event, start: &Start<'_>, [first, second]: &[String; 2], curves: &[StructureCurve]) -> String {
+    let mut out = format!("{event} of {}\n", start.heading());
+    if curves.is_empty() {
+        let _ = writeln!(out, "\nno {event} along {first}: nothing to follow");
+    }
+    let place = |values: [f64; 2]| format!("{first} = {}, {second} = {}", Number(values[0]), Number(values[1]));
+    for (i, curve) in curves.iter().enumerate() {
+        let worst = curve.points.iter().map(|point| point.error).fold(0.0, f64::max);
+        let count = curve.points.len();
+        let _ = writeln!(out, "\ncurve {}: {count} points, known to {worst:.0e} of the window or better", i + 1);
+        for one in &curve.special {
+            let at = &curve.points[one.point];
+            let aside = if at.physical == Some(false) { "; not physical" } else { "" };
+            let _ = writeln!(out, "  {} ± {:.0e}  {}{aside}", place(at.values), one.error, one.special);
+        }
+        for (point, end) in [curve.points.first(), curve.points.last()].into_iter().zip(&curve.ends) {
+            let Some(point) = point else { continue };
+            let _ = writeln!(out, "  end: {}, {end}", place(point.values));
+        }
+    }
+    out
+}
+
+#[cfg(feature = "plot")]
+fn draw(
+    files: PictureFiles,
+    start: &Start<'_>,
+    settings: [Setting; 2],
+    window: &StructureWindow,
+    curves: &[StructureCurve],
+) -> Result<(), CliError> {
+    if files.is_empty() {
+        return Ok(());
+    }
+    let rows: Vec<Vec<Row>> = curves.iter().map(rows).collect();
+    let labels = settings.map(|setting| setting.label(start.scene.is_chain()));
+    let heading = format!("{}, {}", start.scene.heading(), start.scene.fixed());
+    let picture = crate::curve::plot::picture(&heading, labels, (window.from, window.to), &rows);
+    files.draw(|page| vibrochain_plot::curves_picture(&picture, page))
+}
+
+#[cfg(feature = "plot")]
+fn rows(curve: &StructureCurve) -> Vec<Row> {
+    let of = |(k, point): (usize, &vibrochain_floquet::CurvePoint<StructureOrbit>)| Row {
+        values: point.values,
+        physical: point.physical == Some(true),
+        special: curve.special.iter().filter(|one| one.point == k).map(|one| one.special.to_string()).collect(),
+    };
+    curve.points.iter().enumerate().map(of).collect()
+}
+
+#[cfg(not(feature = "plot"))]
+fn draw(
+    _: PictureFiles,
+    _: &Start<'_>,
+    _: [Setting; 2],
+    _: &StructureWindow,
+    _: &[StructureCurve],
+) -> Result<(), CliError> {
+    let _ = |row: Row| row;
+    Ok(())
+}
