@@ -11,10 +11,12 @@ use vibrochain_lattice::{Ends, Parameter};
 use vibrochain_maps::cell::{Class, Status};
 use vibrochain_testkit::{Desk, Schema, written};
 
-const NAMES: [&str; 16] = [
+const NAMES: [&str; 18] = [
     "orbit",
     "structure",
     "structure-run",
+    "structure-branch",
+    "structure-curve",
     "locate",
     "branch",
     "curve",
@@ -443,7 +445,7 @@ fn schemas_are_listed_and_printed_and_other_names_refused() {
         2,
         &[
             "orbits",
-            "orbit, structure, structure-run, locate, branch, curve, curves, words, simulate, fate, manifest, table, scene, state, near, plan",
+            "orbit, structure, structure-run, structure-branch, structure-curve, locate, branch, curve, curves, words, simulate, fate, manifest, table, scene, state, near, plan",
         ],
     );
     desk.run("schema orbit curve").with(2, &["curve"]);

@@ -163,6 +163,7 @@ pub fn structure_curve(
 fn test_of(located: &Located<StructureOrbit>) -> Option<(Test, Option<f64>)> {
     let orbit = &located.orbit;
     Some(match (located.event, located.evidence) {
+        (Event::Pitchfork, _) if orbit.is_conservative() => (Test::AnotherOne, None),
         (Event::Fold | Event::Pitchfork, _) => (Test::One, None),
         (Event::PeriodDoubling, _) => (Test::MinusOne, None),
         (Event::NeimarkSacker, Evidence::Multiplier(mu)) => {

@@ -12,7 +12,7 @@ use vibrochain_lattice::{Resonance, Stop, Turn};
 
 use super::event::{Solved, solve};
 use super::stability::structure_stability;
-use super::test_function::{Test, minus_one, speed};
+use super::test_function::{Test, another_one, minus_one, speed};
 use crate::analyser::Stability;
 use crate::bracket::{JUMP, SAFETY, zero};
 use crate::locate::{DiagramPoint, End, Event, Evidence, FollowedBranch, LocateError, Located, Station, Unresolved};
@@ -33,6 +33,9 @@ const MOST_GUESSES: usize = 6;
 
 /// How often a step is halved until Newton's method finds the event in it.
 const HALVINGS: usize = 8;
+
+/// Steps as short as this next to a resonance lead nowhere but to it.
+const CRAWL: f64 = 1e-6;
 
 /// Steps at most in one direction.
 const MOST_STEPS: usize = 20_000;
@@ -76,6 +79,7 @@ struct Seen {
     /// Of each impact towards its barrier.
     velocities: Vec<f64>,
     minus_one: f64,
+    another_one: Option<f64>,
     /// Multipliers off the circle, or of those off it without losses that are not real.
     outside: Option<usize>,
 }
@@ -90,8 +94,8 @@ struct Follower<'a> {
 }
 
 /// The branch of an orbit as a number of `family` goes on from `value` both ways, through folds, to the ends of the range or of the branch, with
-/// all events that are asked for. Two that cancel within one step, a fiftieth of the range at most, are not seen. Without losses, multipliers
-/// +1 that are not of the equations themselves (where the energy is extreme) are not looked for; nor is what branches off.
+/// all events that are asked for. Two that cancel within one step, a fiftieth of the range at most, are not seen. What branches off is
+/// not taken up.
 ///
 /// # Errors
 /// [`LocateError`]: no such range, no such model, stopped.
@@ -143,10 +147,12 @@ impl Follower<'_> {
                 Ok(next) => next,
                 Err(error) => {
                     self.stop.heard()?;
-                    if pace.shorten() {
+                    let (shorter, resonance) = (pace.shorten(), resonance_at(point.orbit()));
+                    let near = pace.length() < CRAWL && resonance.is_some();
+                    if shorter && !near {
                         continue;
                     }
-                    let end = resonance_at(point.orbit()).map_or(End::Lost(error), End::Resonance);
+                    let end = resonance.map_or(End::Lost(error), End::Resonance);
                     return Ok((stations, (point.value(), end)));
                 }
             };
@@ -165,7 +171,9 @@ impl Follower<'_> {
                 () if strength > UNBOUNDED * first => End::Unbounded,
                 () if strength < FAINT * first => End::ImpulsesVanish,
                 () => {
-                    pace.lengthen(f64::INFINITY, Pace::LONGEST);
+                    // Impulses that grow without bound set a longer scale, as long as the number does not move far.
+                    let growth = (strength / first).clamp(1.0, 1.0 / point.heading().abs());
+                    pace.lengthen(f64::INFINITY, Pace::LONGEST * growth);
                     continue;
                 }
             };
@@ -228,6 +236,7 @@ impl Follower<'_> {
             stability,
             velocities,
             minus_one: minus_one(orbit),
+            another_one: another_one(orbit),
             outside,
         })
     }
@@ -242,7 +251,9 @@ impl Follower<'_> {
         let (before, after) = (from.1.outside.unwrap_or(0), to.1.outside.unwrap_or(0));
         // One that crosses at ±1 changes the number by one, a pair by two; without losses only what is not real is counted.
         let pairs = if on_circle == Test::Collision { before != after } else { before.abs_diff(after) > real };
-        tests.extend([Test::One, Test::MinusOne].into_iter().filter(|test| changed(*test)));
+        // An orbit that may begin at any time turns back where its own equations say so, and has another +1 where the rest does.
+        let one = if turns || from.1.another_one.is_none() { Test::One } else { Test::AnotherOne };
+        tests.extend([one, Test::MinusOne].into_iter().filter(|test| changed(*test)));
         if pairs && from.1.outside.is_some() && to.1.outside.is_some() {
             tests.push(on_circle);
         }
@@ -321,6 +332,7 @@ impl Follower<'_> {
         let read = |point: &StructureBranchPoint| match test {
             Test::One => Some(point.determinant()),
             Test::MinusOne => Some(minus_one(point.orbit())),
+            Test::AnotherOne => another_one(point.orbit()),
             _ => None,
         };
         let first = read(from)?;
@@ -354,7 +366,7 @@ impl Follower<'_> {
                 let time = solved.at.mark.unwrap_or(0.0).rem_euclid(1.0) * orbit.period();
                 return Ok(Some(Evidence::Touch(Approach { site, barrier, time })));
             }
-            Test::One => C::new(1.0, 0.0),
+            Test::One | Test::AnotherOne => C::new(1.0, 0.0),
             Test::MinusOne => C::new(-1.0, 0.0),
             Test::Circle | Test::Collision => C::from_polar(1.0, solved.at.mark.unwrap_or(0.0)),
         };
@@ -413,6 +425,7 @@ impl Follower<'_> {
 fn value(test: Test, (point, seen): At<'_>) -> Option<f64> {
     match test {
         Test::One => Some(point.determinant()),
+        Test::AnotherOne => seen.another_one,
         Test::MinusOne => Some(seen.minus_one),
         Test::Velocity(i) => seen.velocities.get(i).copied(),
         Test::Touch(..) => seen.margin,

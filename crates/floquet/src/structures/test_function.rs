@@ -6,7 +6,7 @@
 use nalgebra::Complex;
 use smallvec::{SmallVec, smallvec};
 use vibrochain_breather::system::{Evaluation, Vector};
-use vibrochain_breather::{BranchError, StructureMotion, StructureOrbit};
+use vibrochain_breather::{BlochEquations, BranchError, StructureMotion, StructureOrbit};
 use vibrochain_lattice::Barrier;
 
 use crate::elimination::determinant;
@@ -25,6 +25,8 @@ pub(super) type Values = SmallVec<[f64; 2]>;
 pub(super) enum Test {
     /// det J(1) of the orbit's own equations: a multiplier +1, where the branch turns back or another leaves it.
     One,
+    /// det J(1) without the orbit's own derivative, of one that may begin at any time: another multiplier +1, as where its energy is extreme.
+    AnotherOne,
     /// det J(−1)
     MinusOne,
     /// det J(e^{iθ}), which is complex; the mark is θ.
@@ -42,7 +44,7 @@ impl Test {
     pub(super) fn event(self, turns: bool) -> Event {
         match self {
             Self::One if turns => Event::Fold,
-            Self::One => Event::Pitchfork,
+            Self::One | Self::AnotherOne => Event::Pitchfork,
             Self::MinusOne => Event::PeriodDoubling,
             Self::Circle | Self::Collision => Event::NeimarkSacker,
             Self::Velocity(_) | Self::Touch(..) => Event::Grazing,
@@ -63,13 +65,14 @@ impl Test {
         let (orbit, mark) = (&here.orbit, mark.unwrap_or(0.0));
         Ok(match self {
             Self::One => smallvec![here.full_determinant],
+            Self::AnotherOne => smallvec![another_one(orbit).ok_or(BranchError::NoConvergence)?],
             Self::MinusOne => smallvec![minus_one(orbit)],
             Self::Circle => {
-                let [value, _] = at(orbit, mark);
+                let [value, _] = at(orbit, &orbit.bloch_equations().0, mark);
                 smallvec![value.re, value.im]
             }
             Self::Collision => {
-                let [value, slope] = at(orbit, mark);
+                let [value, slope] = at(orbit, &orbit.bloch_equations().0, mark);
                 smallvec![value.re, slope.re]
             }
             Self::Velocity(i) => {
@@ -88,15 +91,23 @@ impl Test {
 
 /// det J(−1), which is real, made regular.
 pub(super) fn minus_one(orbit: &StructureOrbit) -> f64 {
-    at(orbit, std::f64::consts::PI)[0].re
+    at(orbit, &orbit.bloch_equations().0, std::f64::consts::PI)[0].re
+}
+
+/// det J(1) without the orbit's own derivative; `None` of orbits that have a phase, and where a mode's pole is 1.
+pub(super) fn another_one(orbit: &StructureOrbit) -> Option<f64> {
+    if !orbit.is_conservative() {
+        return None;
+    }
+    let (equations, _) = orbit.bloch_equations().0.without_shift()?;
+    Some(at(orbit, &equations, 0.0)[0].re)
 }
 
 /// det J(e^{iθ}) made regular, and its derivative by θ where it vanishes. Both are real without losses.
 ///
 /// Rows are divided by the lengths they would have without resonance; each mode's poles p are taken away by (z−p₁)(z−p₂)/z, over its size
 /// where z is far from them; and columns are measured by impulses, whose signs are taken away.
-fn at(orbit: &StructureOrbit, theta: f64) -> [C; 2] {
-    let (equations, _) = orbit.bloch_equations();
+fn at(orbit: &StructureOrbit, equations: &BlochEquations, theta: f64) -> [C; 2] {
     let z = if theta == std::f64::consts::PI { C::new(-1.0, 0.0) } else { C::from_polar(1.0, theta) };
     let (size, modes) = (equations.size(), equations.kernel().modes());
     let (mut matrix, mut slopes) = (Vec::new(), Vec::new());

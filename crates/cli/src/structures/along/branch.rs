@@ -5,7 +5,9 @@ use std::fmt::Write as _;
 use serde::Serialize;
 use serde_json::Value;
 use vibrochain_breather::StructureOrbit;
-use vibrochain_floquet::{DiagramPoint, Event, FollowedBranch, Station, Unresolved, structure_branch};
+use vibrochain_floquet::{
+    DiagramPoint, Event, Evidence, FollowedBranch, Located, Station, Unresolved, structure_branch,
+};
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::structure::answer::structure;
@@ -89,12 +91,12 @@ pub(crate) fn locate(args: &LocateArgs, scene: &StructureScene, console: &mut Co
     for event in found.events() {
         let orbit = &event.orbit;
         let multiplier = match event.evidence {
-            vibrochain_floquet::Evidence::Multiplier(mu) => Some([mu.re, mu.im]),
+            Evidence::Multiplier(mu) => Some([mu.re, mu.im]),
             _ => None,
         };
-        let (psi, period) = (orbit.psi(), orbit.period());
-        let told = (event.event, event.value, event.error, impulses(orbit), phi(orbit), psi, period);
-        table.record(&(told, event.physical, multiplier))?;
+        let (impulses, phi, psi, period) = (impulses(orbit), phi(orbit), orbit.psi(), orbit.period());
+        let Located { event, value, error, physical, .. } = event;
+        table.record(&(event, value, error, impulses, phi, psi, period, physical, multiplier))?;
     }
     Ok(table.finish()?)
 }
@@ -128,8 +130,23 @@ fn write(mut table: CsvFile, found: &FollowedBranch<StructureOrbit>, rows: &[Row
         };
         let strongest = row.impulses.iter().fold(0.0_f64, |most, one| most.max(one.abs()));
         let Row { event, value, impulses, phi, psi, period, margin, physical, stable, spectral_radius } = row;
-        let place = (1, 0, event, value, error, strongest, impulses, phi, psi, period);
-        table.record(&(place, margin, physical, stable, mechanism, spectral_radius))?;
+        table.record(&(
+            1,
+            0,
+            event,
+            value,
+            error,
+            strongest,
+            impulses,
+            phi,
+            psi,
+            period,
+            margin,
+            physical,
+            stable,
+            mechanism,
+            spectral_radius,
+        ))?;
     }
     Ok(table.finish()?)
 }
@@ -232,7 +249,7 @@ fn draw(
     }
     let names = [BranchName { name: start.word.clone(), generation: 0, force_periods: start.orbit.force_periods() }];
     let drawn = crate::branch::plot::Drawn {
-        heading: format!("{}, {}", start.scene.heading(), start.scene.fixed()),
+        heading: start.fixed(&[start.free]),
         x: start.free.label(start.scene.is_chain()),
         names: &names,
         rows: &[rows],

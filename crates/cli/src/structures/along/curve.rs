@@ -4,7 +4,9 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 use serde_json::Value;
-use vibrochain_floquet::{Event, Located, StructureCurve, StructureWindow, structure_branch, structure_curve};
+use vibrochain_floquet::{
+    CurveError, Event, Located, StructureCurve, StructureWindow, structure_branch, structure_curve,
+};
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::structure::answer::structure;
@@ -12,6 +14,8 @@ use vibrochain_maps::structure::{Setting, StructureScene};
 
 use super::{Named, Start, course, family, impulses, phi, range, start, value_of};
 use crate::args::CurveArgs;
+#[cfg(feature = "plot")]
+use crate::common::caption::in_words;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::picture_files::PictureFiles;
@@ -35,6 +39,9 @@ pub(crate) fn run(args: &CurveArgs, scene: &StructureScene, console: &mut Consol
     let [first, second] = settings;
     if first == second {
         return Err(CliError::Request(format!("--free and --and are both {first}: give two numbers")));
+    }
+    if !(1e-12..=0.01).contains(&args.tolerance) {
+        return Err(CurveError::Tolerance(args.tolerance).into());
     }
     let stop = (console.interrupt)()?;
     let names = settings.map(|setting| setting.to_string());
@@ -98,9 +105,11 @@ fn write(mut table: CsvFile, curves: &[StructureCurve]) -> Result<(), CliError> 
             let special = || curve.special.iter().filter(|one| one.point == k);
             let names: Vec<String> = special().map(|one| one.special.to_string()).collect();
             let [x, y] = point.values;
-            let place = (i + 1, curve.event, x, y, point.error, names, special().next().map(|one| one.error));
-            let orbit = &point.orbit;
-            table.record(&(place, point.angle, point.physical, impulses(orbit), phi(orbit), orbit.psi()))?;
+            let (orbit, special_error) = (&point.orbit, special().next().map(|one| one.error));
+            let (impulses, phi, psi) = (impulses(orbit), phi(orbit), orbit.psi());
+            let (number, event, error) = (i + 1, curve.event, point.error);
+            let (angle, physical) = (point.angle, point.physical);
+            table.record(&(number, event, x, y, error, names, special_error, angle, physical, impulses, phi, psi))?;
         }
     }
     Ok(table.finish()?)
@@ -226,7 +235,8 @@ fn draw(
     }
     let rows: Vec<Vec<Row>> = curves.iter().map(rows).collect();
     let labels = settings.map(|setting| setting.label(start.scene.is_chain()));
-    let heading = format!("{}, {}", start.scene.heading(), start.scene.fixed());
+    let event = curves.first().map_or(String::new(), |curve| format!("{}, ", in_words(curve.event.name())));
+    let heading = format!("{event}{}", start.fixed(&settings));
     let picture = crate::curve::plot::picture(&heading, labels, (window.from, window.to), &rows);
     files.draw(|page| vibrochain_plot::curves_picture(&picture, page))
 }

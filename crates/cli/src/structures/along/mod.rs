@@ -11,6 +11,7 @@ use vibrochain_breather::{StructureFamily, StructureOrbit, structure_is_physical
 use vibrochain_floquet::{End, Evidence, Located, StructureCourse, Unresolved, Verdict};
 use vibrochain_lattice::Short;
 use vibrochain_maps::numbers::Number;
+use vibrochain_maps::structure::scene::StructureAxis;
 use vibrochain_maps::structure::{Setting, StructureScene};
 
 use super::orbit::found;
@@ -109,13 +110,19 @@ pub(super) fn family(scene: &StructureScene, settings: &[Setting]) -> StructureF
 }
 
 impl Start<'_> {
+    /// Which orbits of what, and what is fixed as these numbers vary.
+    pub(super) fn fixed(&self, varied: &[Setting]) -> String {
+        let mut scene = self.scene.clone();
+        let axis = |setting: &Setting| StructureAxis { setting: *setting, from: 0.0, to: 1.0, points: 2 };
+        scene.axes = varied.iter().map(axis).collect();
+        format!("{} of {}, {}", self.word, scene.heading(), scene.fixed())
+    }
+
     /// Which orbits, what is fixed, and where the number that varies begins.
     pub(super) fn heading(&self) -> String {
         format!(
-            "{} of {}, {}; from solution {} of {} at {} = {}",
-            self.word,
-            self.scene.heading(),
-            self.scene.fixed(),
+            "{}; from solution {} of {} at {} = {}",
+            self.fixed(&[self.free]),
             self.solution,
             self.count,
             self.free,
