@@ -5,15 +5,19 @@
 use std::fmt::Debug;
 use std::path::Path;
 
-use serde_json::{Value, json};
+use serde_json::{Value, json, to_value};
 use vibrochain::breather::{
     Admissibility, BreatherError, Completeness, Family, Finder, Found, Hit, NoBreather, Obstruction, Orbit, Proof,
-    Unsearched, Wanted, admissibility, breathers,
+    Unsearched, Wanted, Word, admissibility, breathers,
 };
 use vibrochain::eventsim::{EventKind, Limits, Outcome, Simulation, Work};
-use vibrochain::floquet::{Event, Mechanism, Method, Saltation, Search, Tolerance, locate, saltations, stability};
-use vibrochain::lattice::{Barrier, Chain, Force, Harmonic, Model, Parameter};
+use vibrochain::floquet::{
+    Course, Event, Mechanism, Saltation, Search, Tolerance, diagram, locate, saltations, stability,
+};
+use vibrochain::lattice::{Barrier, Chain, Ends, Force, Harmonic, Model, Parameter};
 use vibrochain_cli::common::console::{Console, ctrl_c};
+use vibrochain_maps::borders::BorderKind;
+use vibrochain_maps::cell::Class;
 use vibrochain_maps::scene::Scene;
 use vibrochain_testkit::Values::{Either, Even, Is, Log};
 use vibrochain_testkit::{Random, Ranges};
@@ -72,15 +76,15 @@ fn answer(line: &str) -> Value {
 /// The flags of a model, from its written form.
 fn flags(model: &Model) -> String {
     let mut flags = String::new();
-    for (name, value) in serde_json::to_value(model).unwrap().as_object().unwrap() {
+    for (name, value) in to_value(model).unwrap().as_object().unwrap() {
         let value = match value.as_array() {
-            None => value.to_string(),
+            None => value.as_str().map_or_else(|| value.to_string(), str::to_owned),
             Some(terms) => {
                 let term = |term: &Value| format!("{}:{}:{}", term["harmonic"], term["amplitude"], term["phase"]);
                 terms.iter().map(term).collect::<Vec<_>>().join(",")
             }
         };
-        flags += &format!(" --{name}={value}");
+        flags += &format!(" --{}={value}", name.replace('_', "-"));
     }
     flags
 }
@@ -138,7 +142,7 @@ fn what_is_out_of_range_is_refused_in_the_librarys_words() {
 fn the_program_writes_and_reads_the_same_names() {
     let (mut solutions, mut obstructed, mut scenes) = (0, 0, 0);
     for model in models(2, 60) {
-        let written = serde_json::to_value(model).unwrap();
+        let written = to_value(model).unwrap();
         let family = if model.is_conservative() { Family::SingleSided } else { Family::DoubleSided };
         let Ok(found) = breathers(&model, family) else { continue };
         let told = answer(&format!("mapgen orbit --json --family {}{}", family.name(), flags(&model)));
@@ -148,28 +152,18 @@ fn the_program_writes_and_reads_the_same_names() {
             written.to_string()
         );
         for (orbit, told) in found.orbits.iter().zip(told["solutions"].as_array().unwrap()) {
-            let own = serde_json::to_value(orbit).unwrap();
-            assert_eq!(own["parameters"], written);
-            for (name, value) in own.as_object().unwrap().iter().filter(|(name, _)| !told[*name].is_null()) {
-                match (value.as_array(), told[name].as_array()) {
-                    (Some(own), Some(told)) => own.iter().zip(told).for_each(|(own, told)| {
-                        told.as_object()
-                            .unwrap()
-                            .iter()
-                            .for_each(|(name, value)| assert_eq!(own[name], *value, "{name}"));
-                    }),
-                    _ => assert_eq!(*value, told[name], "{name}"),
-                }
+            for (name, value) in to_value(orbit).unwrap().as_object().unwrap() {
+                assert_eq!(*value, told[name], "{name}");
             }
-            let admissibility = serde_json::to_value(admissibility(orbit).unwrap()).unwrap();
+            let admissibility = to_value(admissibility(orbit).unwrap()).unwrap();
             assert_eq!(admissibility["margin"], told["margin"]);
             for name in ["kind", "site", "barrier", "time", "impact", "excess", "velocity_before"] {
                 assert_eq!(admissibility["obstruction"][name], told["obstruction"][name], "{name}");
             }
             obstructed += usize::from(!told["obstruction"].is_null());
-            let answer = serde_json::to_value(stability(orbit, Tolerance::Rounding).unwrap()).unwrap();
-            for (name, value) in told["stability"].as_object().unwrap() {
-                assert_eq!(answer[name], *value, "{name}");
+            let verdict = to_value(stability(orbit, Tolerance::Rounding).unwrap().verdict).unwrap();
+            for name in ["stable", "marginal", "mechanism", "spectral_radius"] {
+                assert_eq!(verdict[name], told["stability"][name], "{name}");
             }
             solutions += 1;
         }
@@ -186,6 +180,43 @@ fn the_program_writes_and_reads_the_same_names() {
     assert!(solutions > 60 && obstructed > 20 && scenes > 50, "{solutions} {obstructed} {scenes}");
 }
 
+/// Events, branches and curves are written as the program writes them; of lattices with several layers, too.
+#[test]
+fn what_is_found_on_branches_is_written_as_by_the_program() {
+    let rows = Chain::new(4, 0.2, 0.02).unwrap().with_ends(Ends::Free).with_layers(2, 0.05, Ends::Free).unwrap();
+    let ring = Chain::new(7, 0.2, 0.1).unwrap();
+    let cases = [
+        (Model::forced(rows, 1.5, 0.4, 0.3, 0.8).unwrap(), "1:1+,1:1-", Event::Grazing, Parameter::Omega),
+        (Model::forced(ring, 1.07, 0.8, 0.165, 0.25).unwrap(), "0-", Event::PeriodDoubling, Parameter::Amplitude),
+    ];
+    let (mut layers, mut points) = (0, 0);
+    for (model, word, event, free) in cases {
+        let flags = format!("--word {word} --free {free}{}", flags(&model));
+        let (mut finder, mut found) = (Finder::new(model.chain().sites()), Found::default());
+        let word = word.parse::<Word>().unwrap().canonical(&model);
+        finder.find_word(&model, &word, Wanted::All, &mut found).unwrap();
+        let orbit = found.orbits.iter().find(|orbit| admissibility(orbit).unwrap().is_physical()).unwrap();
+
+        let search = Search::new(orbit, event, free);
+        let mut located = locate(orbit, &search).unwrap().located;
+        located.sort_by(|one, other| one.value.total_cmp(&other.value));
+        let told = answer(&format!("mapgen locate --json --event {event} {flags}"));
+        assert_eq!(to_value(&located).unwrap(), told["points"]);
+        layers += usize::from(told["points"][0]["evidence"]["layer"].is_number());
+
+        let range = [0.9, 1.1].map(|part| part * model.get(free));
+        let course = Course { from: range[0], to: range[1], ..Course::new(orbit, free) };
+        let told = answer(&format!("mapgen branch --json --from {} --to {} {flags}", range[0], range[1]));
+        for (branch, told) in diagram(orbit, &course).unwrap().branches.iter().zip(told["branches"].as_array().unwrap())
+        {
+            assert_eq!(to_value(branch.points().collect::<Vec<_>>()).unwrap(), told["points"]);
+            assert_eq!(to_value(branch.events().collect::<Vec<_>>()).unwrap(), told["events"]);
+            points += branch.points().count();
+        }
+    }
+    assert!(layers > 0 && points > 10, "{layers} {points}");
+}
+
 /// As text an orbit is written only; its parameters and impacts are enough to have it again.
 #[test]
 fn an_orbit_is_made_again_from_what_was_written_of_it() {
@@ -194,8 +225,8 @@ fn an_orbit_is_made_again_from_what_was_written_of_it() {
         let family = if model.is_conservative() { Family::DoubleSided } else { Family::SingleSided };
         let Ok(found) = breathers(&model, family) else { continue };
         for orbit in &found.orbits {
-            let written = serde_json::to_value(orbit).unwrap();
-            let read: Model = serde_json::from_value(written["parameters"].clone()).unwrap();
+            let written = to_value(orbit).unwrap();
+            let read: Model = serde_json::from_value(to_value(orbit.model()).unwrap()).unwrap();
             let hits: Vec<Hit> = serde_json::from_value(written["impacts"].clone()).unwrap();
             let refused = serde_json::from_value::<Orbit>(written).unwrap_err().to_string();
             assert!(refused.contains("make it from its parameters and impacts"), "{refused}");
@@ -219,26 +250,27 @@ fn other_values_come_back_and_have_their_names() {
     for parameter in Parameter::ALL {
         assert_eq!(read_back(&parameter), format!("\"{}\"", parameter.name()));
     }
-    for barrier in [Barrier::Lower, Barrier::Upper] {
+    for barrier in Barrier::ALL {
         assert_eq!(read_back(&barrier), format!("\"{}\"", barrier.name()));
     }
-    for family in [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled, Family::Word] {
+    for family in Family::ALL {
         assert_eq!(read_back(&family), format!("\"{}\"", family.name()));
     }
+    assert_eq!(to_value(Class::ALL).unwrap(), json!(Class::ALL.map(Class::name)));
+    assert_eq!(to_value(BorderKind::ALL).unwrap(), json!(BorderKind::ALL.map(BorderKind::name)));
     for mechanism in Mechanism::ALL {
         assert_eq!(read_back(&mechanism), format!("\"{}\"", mechanism.name()));
     }
-    for event in [Event::Grazing, Event::Pitchfork, Event::PeriodDoubling, Event::NeimarkSacker, Event::Fold] {
+    for event in Event::ALL {
         assert_eq!(read_back(&event), format!("\"{}\"", event.name()));
     }
-    for kind in [EventKind::Impact, EventKind::Stick, EventKind::Release] {
+    for kind in EventKind::ALL {
         assert_eq!(read_back(&kind), format!("\"{}\"", kind.name()));
     }
     read_back(&[Wanted::All, Wanted::Symmetric, Wanted::Candidates, Wanted::SymmetricCandidates]);
     assert_eq!(read_back(&[Tolerance::Rounding, Tolerance::Growth(0.01)]), "[null,0.01]");
-    assert_eq!(serde_json::to_value(Method::Secular).unwrap(), json!({ "method": "secular" }));
     for proof in [Proof::ClosedForm, Proof::Enclosures { intervals: 40 }, Proof::BranchAndPrune { boxes: 7 }] {
-        assert_eq!(serde_json::to_value(proof).unwrap()["by"], proof.name());
+        assert_eq!(to_value(proof).unwrap()["by"], proof.name());
         read_back(&Completeness::All(proof));
         read_back(&Completeness::None { reason: NoBreather::ForceTooWeak { threshold: 0.1 + 0.2 }, by: Some(proof) });
     }
@@ -250,21 +282,16 @@ fn other_values_come_back_and_have_their_names() {
     let model = Model::forced(Chain::new(5, 0.2, 0.1).unwrap(), 1.5, 0.4, 0.1, 0.9).unwrap();
     let mut found = Found::default();
     Finder::new(5).find(&model, Family::DoubleSided, &mut found).unwrap();
-    let written = serde_json::to_value(&found).unwrap();
-    assert_eq!(written["solutions"].as_array().unwrap().len(), found.orbits.len());
-    assert_eq!(written["completeness"]["all"]["by"], "enclosures");
     let orbit = &found.orbits[0];
     read_back(&saltations(orbit).unwrap().collect::<Vec<Saltation>>());
 
     let search = Search { from: 0.9, to: 1.0, ..Search::new(orbit, Event::Fold, Parameter::Restitution) };
     read_back(&Search { from: 0.1 + 0.2, ..search });
-    let written = serde_json::to_value(locate(orbit, &Search { from: 0.8, ..search }).unwrap()).unwrap();
-    assert!(written["points"].is_array() && written["ends"][0][1]["reason"].is_string(), "{written}");
 
     let mut simulation = Simulation::new(&model, 0.0, &[0.0; 5], &[2.0, -1.0, 1.5, 0.5, -0.5]).unwrap();
     let (report, events) = simulation.collect(&Limits::impacts(5));
-    assert_eq!(serde_json::to_value(report).unwrap()["outcome"], "impacts-reached");
-    let event = serde_json::to_value(events[4]).unwrap();
+    assert_eq!(to_value(report).unwrap()["outcome"], "impacts-reached");
+    let event = to_value(events[4]).unwrap();
     for name in ["time", "site", "barrier", "velocity_before", "velocity_after", "kind"] {
         assert!(!event[name].is_null(), "{event}");
     }

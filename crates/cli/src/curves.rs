@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
-use serde_json::{Value, json};
+use serde::Serialize;
 use vibrochain_lattice::{Parameter, Short};
-use vibrochain_maps::borders::{Border, BorderKind, Borders};
+use vibrochain_maps::borders::{Border, BorderKind, Borders, MergedStripes, UnexplainedChange};
 use vibrochain_maps::cell::Class;
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
@@ -14,6 +14,7 @@ use vibrochain_maps::scene::Scene;
 use vibrochain_maps::sweep::Plan;
 
 use crate::args::CurvesArgs;
+use crate::common::answer::printed;
 use crate::common::border_search::BorderSearch;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
@@ -65,7 +66,7 @@ pub fn run(args: &CurvesArgs, console: &mut Console<'_>) -> Result<(), CliError>
     }
     let time = started.elapsed();
     let answer = Answer { scene: &scene, borders: &borders, regions: &regions, places, time };
-    let text = if args.json { format!("{:#}\n", answer.as_json()) } else { answer.as_text() };
+    let text = if args.json { printed(&answer.told())? } else { answer.as_text() };
     console.answer(&text, args.json, taken)?;
     draw(pictures, &scene, &regions)
 }
@@ -81,7 +82,7 @@ fn write_borders(borders: &Borders, mut table: CsvFile) -> Result<(), CliError> 
     for (i, border) in borders.borders.iter().enumerate() {
         for point in &border.points {
             let [x, y] = point.values;
-            let (family, event) = (&border.family, border.kind.name());
+            let (family, event) = (&border.family, border.kind);
             table.record(&(i + 1, family, event, x, y, point.error, stripe(border), point.half_width))?;
         }
     }
@@ -90,9 +91,9 @@ fn write_borders(borders: &Borders, mut table: CsvFile) -> Result<(), CliError> 
 
 fn write_points(borders: &Borders, mut table: CsvFile) -> Result<(), CliError> {
     for (i, border) in borders.borders.iter().enumerate() {
-        for (special, point, error) in &border.special {
-            let [x, y] = border.points[*point].values;
-            table.record(&(i + 1, &border.family, border.kind.name(), special.to_string(), x, y, error))?;
+        for one in &border.special {
+            let [x, y] = one.values;
+            table.record(&(i + 1, &border.family, border.kind, one.special.to_string(), x, y, one.error))?;
         }
     }
     Ok(table.finish()?)
@@ -105,6 +106,17 @@ struct Answer<'a> {
     regions: &'a Regions<Lives>,
     places: usize,
     time: Duration,
+}
+
+/// The same as JSON.
+#[derive(Serialize)]
+struct CurvesAnswer<'a> {
+    schema: &'static str,
+    free: [Parameter; 2],
+    borders: &'a [Border],
+    areas: &'a [Area<Lives>],
+    unexplained: &'a [UnexplainedChange],
+    unresolved: &'a [MergedStripes],
 }
 
 fn class_name(class: Lives) -> &'static str {
@@ -136,39 +148,9 @@ impl Answer<'_> {
         counts
     }
 
-    fn areas(&self) -> impl Iterator<Item = &Area<Lives>> {
-        self.regions.areas().iter()
-    }
-
-    fn as_json(&self) -> Value {
-        let Borders { parameters, borders, unexplained, unresolved, .. } = self.borders;
-        let finite = |value: f64| value.is_finite().then_some(value);
-        let border = |border: &Border| {
-            json!({
-                "family": border.family,
-                "event": border.kind.name(),
-                "stripe": border.stripe.map(|one| json!({
-                    "modes": [one.modes.0, one.modes.1], "harmonic": one.harmonic, "upper": one.upper,
-                })),
-                "points": border.points.iter().map(|point| json!({
-                    "values": point.values, "error": finite(point.error), "half_width": point.half_width,
-                })).collect::<Vec<_>>(),
-                "special": border.special.iter().map(|(special, point, error)| json!({
-                    "special": special.to_string(), "point": point, "values": border.points[*point].values, "error": finite(*error),
-                })).collect::<Vec<_>>(),
-                "ends": border.ends,
-            })
-        };
-        json!({
-            "schema": CURVES,
-            "free": parameters.map(Parameter::name),
-            "borders": borders.iter().map(border).collect::<Vec<_>>(),
-            "areas": self.areas().map(|area| json!({
-                "class": area.class.map(Class::name), "share": area.share, "error": area.error,
-            })).collect::<Vec<_>>(),
-            "unexplained": unexplained.iter().map(|(family, places)| json!({ "family": family, "between": places })).collect::<Vec<_>>(),
-            "unresolved": unresolved.iter().map(|(family, range, at)| json!({ "family": family, "range": range, "at": at })).collect::<Vec<_>>(),
-        })
+    fn told(&self) -> CurvesAnswer<'_> {
+        let Borders { parameters: free, borders, unexplained, unresolved, .. } = self.borders;
+        CurvesAnswer { schema: CURVES, free: *free, borders, areas: self.regions.areas(), unexplained, unresolved }
     }
 
     /// The answer for people. Writing to a String cannot fail.
@@ -191,7 +173,7 @@ impl Answer<'_> {
             let _ = writeln!(out, "  {family}: {count} {kind}");
         }
         let _ = writeln!(out, "\nshare of the window");
-        for area in self.areas() {
+        for area in self.regions.areas() {
             let _ = writeln!(out, "  {:<16} {:.9} ± {:.0e}", class_name(area.class), area.share, area.error);
         }
         if self.places > 0 {
@@ -226,7 +208,7 @@ impl Answer<'_> {
                 let (one, two) = (class_name(first.1), class_name(other.1));
                 let _ = writeln!(out, "  {one} at {}, {two} at {}", place(first.0), place(other.0));
             }
-            for (family, [one, other]) in self.borders.unexplained.iter().take(SHOWN) {
+            for UnexplainedChange { family, between: [one, other] } in self.borders.unexplained.iter().take(SHOWN) {
                 let _ = writeln!(out, "  {family}: between {} and {}", place(*one), place(*other));
             }
         }

@@ -3,18 +3,19 @@
 use std::fmt::Write as _;
 
 use serde::Serialize;
-use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Orbit};
-use vibrochain_floquet::{Answer, BranchedOrbit, End, Evidence, Located, Mechanism, Search, Verdict, locate_until};
+use vibrochain_floquet::{
+    Answer, BranchedOrbit, End, Event, Evidence, Located, Search, Unresolved, Verdict, locate_until,
+};
 use vibrochain_lattice::{Model, Parameter, Short, Stop};
 
 use crate::args::{AlongArgs, LocateArgs};
+use crate::common::answer::{EndAnswer, StartAnswer, printed};
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::model::{Chosen, chosen};
 use crate::common::schemas::LOCATE;
 use crate::common::which;
-use crate::orbit::{orbit_value, point_value, with_layer, with_word};
 use crate::structures;
 use crate::sweep::report::counted;
 use vibrochain_maps::files::{CsvFile, distinct};
@@ -57,7 +58,7 @@ pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError>
     let mut answer = locate_until(&start.orbit, &search, &stop)?;
     answer.located.sort_by(|one, other| one.value.total_cmp(&other.value));
     let text = if args.json {
-        format!("{:#}\n", as_json(&start, &search, &answer))
+        printed(&LocateAnswer::new(&start, &search, &answer))?
     } else {
         as_text(&start, &search, &answer)
     };
@@ -82,12 +83,7 @@ fn fields(found: &Located) -> impl Serialize {
         },
     );
     let (phi, psi, period) = (orbit.phi(), orbit.psi(), orbit.period());
-    (found.event, found.value, found.error, impulses(orbit), phi, psi, period, found.physical, multiplier)
-}
-
-/// The impulses of an orbit, in the order of its impacts.
-pub(crate) fn impulses(orbit: &Orbit) -> Vec<f64> {
-    orbit.impacts().iter().map(|impact| impact.impulse).collect()
+    (found.event, found.value, found.error, orbit.impulses(), phi, psi, period, found.physical, multiplier)
 }
 
 /// The range that is searched must hold the start; what does not is told by its flag.
@@ -144,84 +140,40 @@ pub(crate) fn start(args: &AlongArgs, stop: &Stop, console: &mut Console<'_>) ->
     )))
 }
 
-pub(crate) fn verdict_json(verdict: &Verdict) -> Value {
-    json!({
-        "stable": verdict.stable,
-        "marginal": verdict.marginal,
-        "mechanism": verdict.mechanism.map(Mechanism::name),
-        "spectral_radius": verdict.spectral_radius,
-        "leading": [verdict.leading.re, verdict.leading.im],
-    })
+/// The answer as JSON.
+#[derive(Serialize)]
+struct LocateAnswer<'a> {
+    schema: &'static str,
+    event: Event,
+    free: Parameter,
+    #[serde(flatten)]
+    start: StartAnswer<'a>,
+    range: [f64; 2],
+    points: &'a [Located],
+    unresolved: &'a [Unresolved],
+    ends: Vec<EndAnswer>,
+    evaluations: usize,
+    spectra: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    word: Option<String>,
 }
 
-fn evidence_json(model: &Model, evidence: &Evidence) -> Value {
-    match evidence {
-        Evidence::Multiplier(multiplier) => json!({ "multiplier": [multiplier.re, multiplier.im] }),
-        Evidence::Touch(touch) => {
-            let value = json!({ "site": touch.site, "barrier": touch.barrier.name(), "time": touch.time });
-            with_layer(model, touch.site, value)
+impl<'a> LocateAnswer<'a> {
+    fn new(start: &'a Start, &Search { event, free, from, to }: &Search, answer: &'a Answer) -> Self {
+        Self {
+            schema: LOCATE,
+            event,
+            free,
+            start: start.answer(),
+            range: [from, to],
+            points: &answer.located,
+            unresolved: &answer.unresolved,
+            ends: EndAnswer::of(&answer.ends, |value, end| message(free, value, end)),
+            evaluations: answer.evaluations,
+            spectra: answer.spectra,
+            word: start.orbit.word(),
         }
-        Evidence::Impact(impact) => json!({ "impact": impact }),
     }
-}
-
-pub(crate) fn located_json(found: &Located) -> Value {
-    let sides: Vec<Value> = found
-        .verdicts
-        .iter()
-        .map(|(value, verdict)| json!({ "value": value, "stability": verdict_json(verdict) }))
-        .collect();
-    let branching = found.branching.as_ref().map(|branching| {
-        let orbits: Vec<Value> = branching
-            .orbits
-            .iter()
-            .map(|branched| {
-                let mut value = orbit_value(&branched.orbit);
-                value["physical"] = branched.physical.into();
-                value["stability"] = branched.verdict.as_ref().map_or(Value::Null, verdict_json);
-                value
-            })
-            .collect();
-        json!({ "value": branching.value, "side": side(branching.above), "orbits": orbits })
-    });
-    json!({
-        "event": found.event.name(),
-        "value": found.value,
-        "error": found.error.is_finite().then_some(found.error),
-        "evidence": evidence_json(found.orbit.model(), &found.evidence),
-        "physical": found.physical,
-        "orbit": orbit_value(&found.orbit),
-        "sides": sides,
-        "branching": branching,
-        "evaluations": found.evaluations,
-    })
-}
-
-fn side(above: bool) -> &'static str {
-    if above { "above" } else { "below" }
-}
-
-fn as_json(start: &Start, search: &Search, answer: &Answer) -> Value {
-    let ends: Vec<Value> = answer
-        .ends
-        .iter()
-        .map(|(value, end)| json!({ "value": value, "reason": end.name(), "message": message(search.free, *value, end) }))
-        .collect();
-    let value = json!({
-        "schema": LOCATE,
-        "event": search.event.name(),
-        "free": search.free.name(),
-        "parameters": point_value(start.orbit.model()),
-        "family": start.orbit.family().name(),
-        "solution": start.number,
-        "range": [search.from, search.to],
-        "points": answer.located.iter().map(located_json).collect::<Vec<_>>(),
-        "unresolved": answer.unresolved.iter().map(|place| [place.from, place.to]).collect::<Vec<_>>(),
-        "ends": ends,
-        "evaluations": answer.evaluations,
-        "spectra": answer.spectra,
-    });
-    with_word(&start.orbit, value)
 }
 
 /// How the way in one direction ended, as a sentence.
@@ -250,6 +202,10 @@ pub(crate) fn ending(free: &str, value: f64, end: &End) -> String {
 }
 
 impl Start {
+    pub(crate) fn answer(&self) -> StartAnswer<'_> {
+        StartAnswer { parameters: self.orbit.model(), family: self.orbit.family(), solution: self.number }
+    }
+
     /// Which breathers, where all but the free parameter stand, and where that one starts.
     pub(crate) fn heading(&self, free: Parameter) -> String {
         let model = self.orbit.model();
@@ -337,8 +293,8 @@ fn located_text(out: &mut String, name: &str, found: &Located) {
     }
     if let Some(branching) = &found.branching {
         let which = if branching.orbits.len() == 1 { "the doubled orbit" } else { "the asymmetric pair" };
-        let _ =
-            writeln!(out, "  {which} exists {} it; at {name} = {}:", side(branching.above), Number(branching.value));
+        let side = if branching.above { "above" } else { "below" };
+        let _ = writeln!(out, "  {which} exists {side} it; at {name} = {}:", Number(branching.value));
         branching.orbits.iter().for_each(|branched| branched_text(out, branched));
     }
 }

@@ -3,17 +3,16 @@
 use std::fmt::Write as _;
 
 use serde::Serialize;
-use serde_json::json;
 use vibrochain_breather::{BreatherError, Family, Finder, Found, NoBreather, Obstruction, Wanted, Word};
 use vibrochain_floquet::{Analyser, Mechanism, Tolerance, Verdict};
 use vibrochain_lattice::{Layout, Model, Parameter, Stop};
 
 use crate::args::{SiteFamily, WordsArgs};
+use crate::common::answer::printed;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::model::chosen;
 use crate::common::schemas::WORDS;
-use crate::orbit::point_value;
 use crate::sweep::report::counted;
 use vibrochain_maps::files::{CsvFile, distinct};
 
@@ -40,6 +39,17 @@ struct Row {
     obstruction: Option<String>,
     #[serde(skip)]
     verdict: Option<Verdict>,
+}
+
+/// The answer as JSON: how many words there are up to symmetry, how many orbits they have, and those that are listed.
+#[derive(Serialize)]
+struct WordsAnswer<'a> {
+    schema: &'static str,
+    parameters: &'a Model,
+    words: usize,
+    orbits: usize,
+    unsearched: &'a [String],
+    solutions: Vec<&'a Row>,
 }
 
 impl Row {
@@ -72,7 +82,10 @@ pub fn run(args: &WordsArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     }
     let (rows, unsearched) = rows(&model, &words, tolerance, &stop)?;
     let answer = if args.json {
-        as_json(&model, &words, &rows, &unsearched, args.all)
+        let solutions = rows.iter().filter(|row| args.all || row.physical).collect();
+        let (words, orbits) = (words.len(), rows.len());
+        let (parameters, unsearched) = (&model, &unsearched);
+        printed(&WordsAnswer { schema: WORDS, parameters, words, orbits, unsearched, solutions })?
     } else {
         text(&words, &rows, &unsearched, args.all)
     };
@@ -206,21 +219,6 @@ fn fate(finder: &mut Finder, model: &Model, word: &Word) -> Result<String, CliEr
         return Ok(format!("physical up to {}: {why}", said(high, Some(12))));
     }
     Ok(format!("physical up to {}", said(target, None)))
-}
-
-fn as_json(model: &Model, words: &[Word], rows: &[Row], unsearched: &[String], all: bool) -> String {
-    let listed: Vec<&Row> = rows.iter().filter(|row| all || row.physical).collect();
-    format!(
-        "{:#}\n",
-        json!({
-            "schema": WORDS,
-            "parameters": point_value(model),
-            "words": words.len(),
-            "orbits": rows.len(),
-            "unsearched": unsearched,
-            "solutions": listed,
-        })
-    )
 }
 
 fn text(words: &[Word], rows: &[Row], unsearched: &[String], all: bool) -> String {

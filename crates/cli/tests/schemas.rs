@@ -6,9 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
-use vibrochain_floquet::{Event, Mechanism};
-use vibrochain_lattice::{Ends, Parameter};
-use vibrochain_maps::cell::{Class, Status};
+use vibrochain_lattice::Parameter;
 use vibrochain_testkit::{Desk, Schema, written};
 
 const NAMES: [&str; 18] = [
@@ -277,20 +275,62 @@ fn properties(schema: &Value, keys: &mut BTreeSet<String>) {
     }
 }
 
-/// The words of schemas are those of the program, no more and no fewer.
+/// All words that a schema and the schemas within it use.
+fn words<'a>(schema: &'a Value, found: &mut BTreeSet<&'a str>) {
+    for (word, rule) in schema.as_object().into_iter().flatten() {
+        found.insert(word);
+        match (word.as_str(), rule) {
+            ("properties" | "$defs", Value::Object(named)) => named.values().for_each(|rule| words(rule, found)),
+            ("anyOf" | "oneOf", Value::Array(rules)) => rules.iter().for_each(|rule| words(rule, found)),
+            ("enum" | "const" | "required" | "dependentRequired", _) => {}
+            _ => words(rule, found),
+        }
+    }
+}
+
+/// A validator passes over a word that it does not know: one that is misspelt would go unchecked.
 #[test]
-fn words_of_schemas_are_those_of_the_program() {
-    let part = |schema: &str, name: &str| -> BTreeSet<String> {
-        let listed = &Schema::named(schema).value()["$defs"][name]["enum"];
-        listed.as_array().unwrap().iter().filter_map(Value::as_str).map(str::to_owned).collect()
-    };
-    let set = |words: &[&'static str]| -> BTreeSet<String> { words.iter().map(|word| (*word).to_owned()).collect() };
-    assert_eq!(part("orbit", "mechanism"), set(&Mechanism::ALL.map(Mechanism::name)));
-    assert_eq!(part("locate", "event"), set(&Event::ALL.map(Event::name)));
-    assert_eq!(part("locate", "parameter"), set(&Parameter::ALL.map(Parameter::name)));
-    assert_eq!(part("manifest", "class"), set(&Class::ALL.map(Class::name)));
-    assert_eq!(part("manifest", "status"), set(&Status::ALL.map(Status::name)));
-    assert_eq!(part("scene", "ends"), set(&Ends::ALL.map(Ends::name)));
+fn schemas_use_words_of_json_schema_alone() {
+    const KNOWN: [&str; 31] = [
+        "$defs",
+        "$id",
+        "$ref",
+        "$schema",
+        "additionalProperties",
+        "anyOf",
+        "const",
+        "dependentRequired",
+        "description",
+        "else",
+        "enum",
+        "exclusiveMaximum",
+        "exclusiveMinimum",
+        "if",
+        "items",
+        "maxItems",
+        "maximum",
+        "minItems",
+        "minimum",
+        "multipleOf",
+        "not",
+        "oneOf",
+        "pattern",
+        "properties",
+        "propertyNames",
+        "required",
+        "then",
+        "title",
+        "type",
+        "unevaluatedProperties",
+        "uniqueItems",
+    ];
+    let mut found = BTreeSet::new();
+    NAMES.iter().for_each(|name| words(Schema::named(name).value(), &mut found));
+    assert!(found.iter().all(|word| KNOWN.contains(word)) && found.len() > 25, "{found:?}");
+    let misspelt = json!({ "properties": { "a": { "anyOf": [{ "maximun": 1 }] } } });
+    found.clear();
+    words(&misspelt, &mut found);
+    assert_eq!(found, BTreeSet::from(["anyOf", "maximun", "properties"]));
 }
 
 /// A value is refused by the program where its range in the schema ends, and nowhere else.

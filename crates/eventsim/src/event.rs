@@ -1,7 +1,5 @@
 //! What a simulation reports: events, why it stopped, and how much it worked.
 
-use std::fmt;
-
 use crate::time::Time;
 use vibrochain_lattice::Barrier;
 
@@ -17,23 +15,7 @@ pub enum EventKind {
     Release,
 }
 
-impl EventKind {
-    /// The name used in files: `impact`, `stick` or `release`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Impact => "impact",
-            Self::Stick => "stick",
-            Self::Release => "release",
-        }
-    }
-}
-
-/// The name in files.
-impl fmt::Display for EventKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
+vibrochain_lattice::names!(EventKind { Impact "impact", Stick "stick", Release "release" });
 
 /// One thing that happened to one mass. Masses that meet their barriers together make one event each, at the same
 /// time, in the order of their sites.

@@ -40,27 +40,7 @@ pub enum From {
     Rest,
 }
 
-impl From {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Class, Self::Every, Self::Unstable, Self::Rest];
-
-    /// Its name on the command line.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Class => "class",
-            Self::Every => "every",
-            Self::Unstable => "unstable",
-            Self::Rest => "rest",
-        }
-    }
-
-    /// What has that name.
-    #[must_use]
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|from| from.name() == name)
-    }
-}
+vibrochain_lattice::names!(From { Class "class", Every "every", Unstable "unstable", Rest "rest" });
 
 /// What has become of the runs from one breather.
 #[derive(Debug, Clone, PartialEq)]

@@ -103,7 +103,7 @@ impl Rows<'_> {
         let is_at =
             |point: &Point| digits.iter().all(|(parameter, text)| Number(point.get(*parameter)).to_string() == *text);
         let solutions = fields.value()?;
-        let status = fields.read(|text| Status::ALL.into_iter().find(|known| known.name() == text))?;
+        let status = fields.read(Status::from_name)?;
         let breather = self.breather(&mut fields)?;
         // Breathers of a cell have rising numbers.
         if let (Some(cell), Some(breather)) = (&mut self.current, &breather)

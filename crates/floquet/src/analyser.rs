@@ -27,14 +27,11 @@ use crate::zeros::SecularError;
 
 /// Multipliers and verdict of one orbit.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Stability {
     /// The verdict; its [`Verdict::method`] is that of the multipliers, too.
-    #[cfg_attr(feature = "serde", serde(flatten))]
     pub verdict: Verdict,
     /// The multipliers of the whole lattice, by falling modulus, then by argument; the trivial pair of a conservative
     /// orbit and the modes that feel no impact included.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::serde_impl::complexes"))]
     pub multipliers: Vec<Complex<f64>>,
 }
 

@@ -17,16 +17,12 @@ use crate::zeros::SecularError;
 
 /// A multiplier and its perturbation just before the first impact.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct FloquetMode {
     /// μ
-    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::serde_impl::complex"))]
     pub multiplier: Complex<f64>,
     /// Displacements of the M masses, scaled so that the largest of all entries is 1.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::serde_impl::complexes"))]
     pub displacement: Vec<Complex<f64>>,
     /// Velocities of the M masses, on the same scale.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::serde_impl::complexes"))]
     pub velocity: Vec<Complex<f64>>,
 }
 

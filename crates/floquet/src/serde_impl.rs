@@ -1,11 +1,10 @@
-//! Values as files have them, where a derive does not say it.
+//! Values as `mapgen --json` tells them, where a derive does not say it.
 
 use std::fmt::Display;
 
 use nalgebra::Complex;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-use crate::zeros::SecularError;
+use vibrochain_breather::{Orbit, StructureOrbit};
 
 /// As `[re, im]`.
 pub(crate) fn complex<S: Serializer>(z: &Complex<f64>, serializer: S) -> Result<S::Ok, S::Error> {
@@ -16,15 +15,90 @@ pub(crate) fn read_complex<'de, D: Deserializer<'de>>(deserializer: D) -> Result
     <[f64; 2]>::deserialize(deserializer).map(|[re, im]| Complex::new(re, im))
 }
 
-pub(crate) fn complexes<S: Serializer>(values: &[Complex<f64>], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(values.iter().map(|z| [z.re, z.im]))
+/// In words.
+pub(crate) fn text<S: Serializer>(value: &impl Display, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(value)
 }
 
-/// What an error says.
-pub(crate) fn message<S: Serializer>(error: &impl Display, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_str(error)
+pub(crate) fn texts<S: Serializer>(values: &[impl Display], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(values.iter().map(ToString::to_string))
 }
 
-pub(crate) fn doubt<S: Serializer>(doubt: &Option<SecularError>, serializer: S) -> Result<S::Ok, S::Error> {
-    doubt.map(|doubt| doubt.to_string()).serialize(serializer)
+pub(crate) fn side<S: Serializer>(above: &bool, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(if *above { "above" } else { "below" })
+}
+
+/// An orbit of which points of branches and curves tell.
+pub trait Followed {
+    /// 2π/ω, of as many periods of the force as it lasts.
+    fn period(&self) -> f64;
+    /// The time of the second of two impacts.
+    fn phi(&self) -> Option<f64>;
+    /// The phase of the force, as a time.
+    fn psi(&self) -> Option<f64>;
+    /// In the order of its impacts.
+    fn impulses(&self) -> Vec<f64>;
+}
+
+impl Followed for Orbit {
+    fn period(&self) -> f64 {
+        self.period()
+    }
+
+    fn phi(&self) -> Option<f64> {
+        self.phi()
+    }
+
+    fn psi(&self) -> Option<f64> {
+        self.psi()
+    }
+
+    fn impulses(&self) -> Vec<f64> {
+        self.impulses()
+    }
+}
+
+impl Followed for StructureOrbit {
+    fn period(&self) -> f64 {
+        self.period()
+    }
+
+    fn phi(&self) -> Option<f64> {
+        match self.impacts() {
+            [_, second] => Some(second.time),
+            _ => None,
+        }
+    }
+
+    fn psi(&self) -> Option<f64> {
+        self.psi()
+    }
+
+    fn impulses(&self) -> Vec<f64> {
+        self.impacts().iter().map(|impact| impact.impulse).collect()
+    }
+}
+
+/// What a point of a branch tells of its orbit.
+pub(crate) fn of_branch<S: Serializer>(orbit: &impl Followed, serializer: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct OfBranch {
+        period: f64,
+        phi: Option<f64>,
+        psi: Option<f64>,
+        impulses: Vec<f64>,
+    }
+    let (period, phi, psi, impulses) = (orbit.period(), orbit.phi(), orbit.psi(), orbit.impulses());
+    OfBranch { period, phi, psi, impulses }.serialize(serializer)
+}
+
+/// What a point of a curve tells of its orbit.
+pub(crate) fn of_curve<S: Serializer>(orbit: &impl Followed, serializer: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct OfCurve {
+        impulses: Vec<f64>,
+        phi: Option<f64>,
+        psi: Option<f64>,
+    }
+    OfCurve { impulses: orbit.impulses(), phi: orbit.phi(), psi: orbit.psi() }.serialize(serializer)
 }

@@ -29,25 +29,11 @@ pub enum Mechanism {
     NeimarkSacker,
 }
 
+vibrochain_lattice::names!(Mechanism {
+    PlusOne "plus-one", Pitchfork "pitchfork", PeriodDoubling "period-doubling", NeimarkSacker "neimark-sacker",
+});
+
 impl Mechanism {
-    /// All of them, in the order of tables.
-    pub const ALL: [Self; 4] = [Self::PlusOne, Self::Pitchfork, Self::PeriodDoubling, Self::NeimarkSacker];
-
-    /// The name used in files: `plus-one`, `pitchfork`, `period-doubling`, `neimark-sacker`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::PlusOne => "plus-one",
-            Self::Pitchfork => "pitchfork",
-            Self::PeriodDoubling => "period-doubling",
-            Self::NeimarkSacker => "neimark-sacker",
-        }
-    }
-
-    /// The mechanism with that name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|mechanism| mechanism.name() == name)
-    }
-
     /// The leading multiplier is real and above +1, whatever else is known.
     pub fn is_through_plus_one(self) -> bool {
         matches!(self, Self::PlusOne | Self::Pitchfork)
@@ -62,13 +48,6 @@ impl Mechanism {
         } else {
             Self::PeriodDoubling
         }
-    }
-}
-
-/// The name in files.
-impl fmt::Display for Mechanism {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
     }
 }
 
@@ -125,11 +104,6 @@ pub(crate) struct Question<'a> {
 
 /// Where an answer comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize),
-    serde(tag = "method", content = "doubt", rename_all = "kebab-case")
-)]
 #[must_use]
 pub enum Method {
     /// From the secular function: zeros of a scalar function, counted or found.
@@ -137,7 +111,7 @@ pub enum Method {
     Secular,
     /// From a matrix: where it was asked for ([`crate::Analyser::dense`]), and where a verdict alone is asked for of impacts at several
     /// sites or of masses without coupling; with the doubt where the secular function had no answer.
-    Dense(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::serde_impl::doubt"))] Option<SecularError>),
+    Dense(Option<SecularError>),
 }
 
 impl Method {
@@ -180,10 +154,12 @@ pub struct Verdict {
     /// Estimated error of the spectral radius, and of the growth. [`crate::Analyser::stability`] works out for every orbit
     /// what the errors of its own data add to it, [`crate::Analyser::verdict`] only where the answer may hang on it; there a
     /// dense matrix's is that of a well-conditioned eigenvalue. 0 where structure decides.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub resolution: f64,
     /// Where the verdict comes from.
-    #[cfg_attr(feature = "serde", serde(flatten))]
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub method: Method,
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) growth: f64,
 }
 

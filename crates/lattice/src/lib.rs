@@ -54,6 +54,7 @@ mod flight;
 mod kernel;
 mod model;
 mod modes;
+mod names;
 mod simd;
 mod stop;
 mod structure;

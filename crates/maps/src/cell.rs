@@ -2,6 +2,7 @@
 
 use std::cmp::Ordering;
 
+use serde::Serialize;
 use vibrochain_breather::{BreatherError, Completeness, Family, Finder, Found, Orbit, Sketched, Wanted, Word};
 use vibrochain_floquet::{
     Analyser, Collision, DressedModes, FloquetError, Mechanism, OrderFinder, SignatureOrder, Tolerance, Verdict,
@@ -44,7 +45,8 @@ impl Task {
 }
 
 /// Existence and stability in one word, the `class` column.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Class {
     /// No physical breather.
     None,
@@ -68,37 +70,13 @@ pub enum Class {
     Word,
 }
 
+vibrochain_lattice::names!(Class {
+    None "none", StableDouble "stable-double", StableSingle "stable-single", UnstableDouble "unstable-double",
+    UnstableSingle "unstable-single", Double "double", Single "single", StableWord "stable-word",
+    UnstableWord "unstable-word", Word "word",
+});
+
 impl Class {
-    /// All classes, in the order of legends and summaries.
-    pub const ALL: [Self; 10] = [
-        Self::None,
-        Self::StableDouble,
-        Self::StableSingle,
-        Self::UnstableDouble,
-        Self::UnstableSingle,
-        Self::Double,
-        Self::Single,
-        Self::StableWord,
-        Self::UnstableWord,
-        Self::Word,
-    ];
-
-    /// The name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::StableDouble => "stable-double",
-            Self::StableSingle => "stable-single",
-            Self::UnstableDouble => "unstable-double",
-            Self::UnstableSingle => "unstable-single",
-            Self::Double => "double",
-            Self::Single => "single",
-            Self::StableWord => "stable-word",
-            Self::UnstableWord => "unstable-word",
-            Self::Word => "word",
-        }
-    }
-
     fn of(family: Family, stable: Option<bool>) -> Self {
         match (family, stable) {
             (Family::SingleSided, Some(true)) => Self::StableSingle,
@@ -139,35 +117,12 @@ pub enum Status {
     TooStiff,
 }
 
+vibrochain_lattice::names!(Status {
+    Ok "ok", Resonance "resonance", Incomplete "incomplete", Unresolved "unresolved", Marginal "marginal",
+    NotConverged "not-converged", IllConditioned "ill-conditioned", TooLarge "too-large", TooStiff "too-stiff",
+});
+
 impl Status {
-    /// All of them, in the order of summaries.
-    pub const ALL: [Self; 9] = [
-        Self::Ok,
-        Self::Resonance,
-        Self::Incomplete,
-        Self::Unresolved,
-        Self::Marginal,
-        Self::NotConverged,
-        Self::IllConditioned,
-        Self::TooLarge,
-        Self::TooStiff,
-    ];
-
-    /// The name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Ok => "ok",
-            Self::Resonance => "resonance",
-            Self::Incomplete => "incomplete",
-            Self::Unresolved => "unresolved",
-            Self::Marginal => "marginal",
-            Self::NotConverged => "not-converged",
-            Self::IllConditioned => "ill-conditioned",
-            Self::TooLarge => "too-large",
-            Self::TooStiff => "too-stiff",
-        }
-    }
-
     fn of_list(completeness: Completeness) -> Self {
         match completeness {
             completeness if completeness.is_established() => Self::Ok,

@@ -1,11 +1,14 @@
 //! The JSON file beside a table: everything needed to know where the table came from and to make it again.
 
+use std::ops::Not;
+
+use serde::Serialize;
 use serde_json::{Map, Value, json};
 use vibrochain_floquet::Tolerance;
 use vibrochain_lattice::{Parameter, PointPart};
 
 use crate::cell::{Class, Status};
-use crate::scene::{Axis, Refine, Scene, Values};
+use crate::scene::{Axis, Refine, Scene};
 use crate::summary::Summary;
 
 /// The program's version.
@@ -40,7 +43,7 @@ pub struct Run<'a> {
 }
 
 /// What one run took.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize)]
 pub struct Effort {
     /// Threads used.
     pub threads: usize,
@@ -50,17 +53,27 @@ pub struct Effort {
     pub wall_seconds: f64,
 }
 
-fn axis(axis: &Axis) -> Value {
-    let parameter = axis.parameter.name();
-    match &axis.values {
-        Values::Linear { from, to, points } => {
-            json!({ "parameter": parameter, "from": from, "to": to, "points": points })
-        }
-        Values::Logarithmic { from, to, points } => {
-            json!({ "parameter": parameter, "from": from, "to": to, "points": points, "spacing": "log" })
-        }
-        Values::List(values) => json!({ "parameter": parameter, "values": values }),
-    }
+#[derive(Serialize)]
+struct Sweep<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    x: Option<&'a Axis>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    y: Option<&'a Axis>,
+    #[serde(skip_serializing_if = "<[Axis]>::is_empty")]
+    axes: &'a [Axis],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    refine: Option<Refine>,
+}
+
+#[derive(Serialize)]
+struct Compute {
+    families: Vec<String>,
+    stability: bool,
+    threshold: Tolerance,
+    #[serde(skip_serializing_if = "Not::not")]
+    collisions: bool,
+    #[serde(skip_serializing_if = "Not::not")]
+    impulse: bool,
 }
 
 /// Everything of a scene that decides what its table holds: `model`, `sweep`, `compute`.
@@ -68,66 +81,70 @@ pub fn scene_parts(scene: &Scene) -> Map<String, Value> {
     let is_fixed = |parameter: &Parameter| !scene.sweeps(*parameter);
     let fixed = Parameter::of(scene.base.layout.layers).iter().copied().filter(is_fixed).collect();
     let model = PointPart { point: &scene.base, parameters: [Vec::new(), fixed] };
-    let mut sweep = Map::new();
-    for (name, each) in ["x", "y"].iter().zip(&scene.axes) {
-        sweep.insert((*name).to_owned(), axis(each));
-    }
-    if scene.axes.len() > 2 {
-        sweep.insert("axes".to_owned(), scene.axes.iter().skip(2).map(axis).collect());
-    }
-    if let Some(Refine { depth }) = scene.refine {
-        sweep.insert("refine".to_owned(), json!({ "depth": depth }));
-    }
-    let threshold = match scene.task.tolerance {
-        Tolerance::Rounding => Value::Null,
-        Tolerance::Growth(growth) => growth.into(),
+    let (axes, task) = (&scene.axes, &scene.task);
+    let rest = axes.get(2..).unwrap_or_default();
+    let sweep = Sweep { x: axes.first(), y: axes.get(1), axes: rest, refine: scene.refine };
+    let compute = Compute {
+        families: task.family_names().collect(),
+        stability: task.stability,
+        threshold: task.tolerance,
+        collisions: task.collisions,
+        impulse: task.impulse,
     };
-    let families: Vec<String> = scene.task.family_names().collect();
-    let mut compute = json!({ "families": families, "stability": scene.task.stability, "threshold": threshold });
-    if scene.task.collisions {
-        compute["collisions"] = true.into();
-    }
-    if scene.task.impulse {
-        compute["impulse"] = true.into();
-    }
-    [("model", json!(model)), ("sweep", sweep.into()), ("compute", compute)]
-        .map(|(name, value): (_, Value)| (name.to_owned(), value))
-        .into_iter()
-        .collect()
+    let parts = [("model", json!(model)), ("sweep", json!(sweep)), ("compute", json!(compute))];
+    parts.into_iter().map(|(name, part)| (name.to_owned(), part)).collect()
+}
+
+#[derive(Serialize)]
+struct Manifest<'a> {
+    schema: &'a str,
+    program: &'a str,
+    version: &'a str,
+    revision: Option<&'a str>,
+    scene: &'a str,
+    title: Option<&'a str>,
+    #[serde(flatten)]
+    parts: Map<String, Value>,
+    cells: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    refinement: Option<Refinement>,
+    classes: Map<String, Value>,
+    statuses: Map<String, Value>,
+    worst_residual: f64,
+    #[serde(flatten)]
+    effort: Option<Effort>,
+}
+
+/// What a grid that is refined has become.
+#[derive(Serialize)]
+struct Refinement {
+    grid: Vec<usize>,
+    leaves: u64,
+    may_miss: String,
 }
 
 /// The manifest as a JSON value.
 pub fn manifest(run: &Run<'_>) -> Value {
-    let counts = |names: &mut dyn Iterator<Item = (&'static str, u64)>| -> Value {
-        names
-            .filter(|(_, count)| *count > 0)
-            .map(|(name, count)| (name.to_owned(), count.into()))
-            .collect::<Map<_, _>>()
-            .into()
+    let (scene, summary) = (run.scene, run.summary);
+    let refinement = |may_miss| Refinement {
+        grid: scene.finest().axes.iter().map(Axis::points).collect(),
+        leaves: summary.computed,
+        may_miss,
     };
-    let mut all = Map::new();
-    let mut add = |name: &str, value: Value| drop(all.insert(name.to_owned(), value));
-    add("schema", SCHEMA.into());
-    add("program", "mapgen".into());
-    add("version", run.version.into());
-    add("revision", run.revision.into());
-    add("scene", run.scene_file.into());
-    add("title", run.scene.title.clone().into());
-    for (name, part) in scene_parts(run.scene) {
-        add(&name, part);
-    }
-    add("cells", (run.scene.cells() * run.scene.cells_within()).into());
-    if let Some(may_miss) = run.scene.may_miss() {
-        let grid: Vec<usize> = run.scene.finest().axes.iter().map(Axis::points).collect();
-        add("refinement", json!({ "grid": grid, "leaves": run.summary.computed, "may_miss": may_miss }));
-    }
-    add("classes", counts(&mut Class::ALL.iter().map(|c| c.name()).zip(run.summary.classes)));
-    add("statuses", counts(&mut Status::ALL.iter().map(|s| s.name()).zip(run.summary.statuses)));
-    add("worst_residual", run.summary.worst_residual.into());
-    if let Some(effort) = run.effort {
-        add("threads", effort.threads.into());
-        add("computed_cells", effort.computed_cells.into());
-        add("wall_seconds", effort.wall_seconds.into());
-    }
-    all.into()
+    let count = |(name, count): (&str, u64)| (count > 0).then(|| (name.to_owned(), count.into()));
+    json!(Manifest {
+        schema: SCHEMA,
+        program: "mapgen",
+        version: run.version,
+        revision: run.revision,
+        scene: run.scene_file,
+        title: scene.title.as_deref(),
+        parts: scene_parts(scene),
+        cells: scene.cells() * scene.cells_within(),
+        refinement: scene.may_miss().map(refinement),
+        classes: Class::ALL.iter().map(|class| class.name()).zip(summary.classes).filter_map(count).collect(),
+        statuses: Status::ALL.iter().map(|status| status.name()).zip(summary.statuses).filter_map(count).collect(),
+        worst_residual: summary.worst_residual,
+        effort: run.effort,
+    })
 }

@@ -57,7 +57,7 @@ impl From<Border> for PyBorder {
             event: kind.name().to_owned(),
             points: points.iter().map(|point| (point.values, point.error, point.half_width)).collect(),
             stripe: stripe.map(|stripe| (stripe.modes.0, stripe.modes.1, stripe.harmonic, stripe.upper)),
-            special: special.iter().map(|(special, point, error)| (special.to_string(), *point, *error)).collect(),
+            special: special.iter().map(|one| (one.special.to_string(), one.point, one.error)).collect(),
             ends: (first, last),
         }
     }
@@ -203,7 +203,7 @@ pub(crate) fn _curves(
         free: found.parameters,
         stripes: found.stripes(),
         borders: found.borders.into_iter().map(PyBorder::from).collect(),
-        unexplained: found.unexplained,
+        unexplained: found.unexplained.into_iter().map(|change| (change.family, change.between)).collect(),
         // What could not be told has no class.
         regions: regions.named(|class| class.map_or("unknown", Class::name).to_owned()),
     })

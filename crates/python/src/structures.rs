@@ -55,7 +55,7 @@ pub(crate) fn _structure(
             }
             None => {
                 let impacts = near.iter().map(|(contact, barrier, time, impulse)| {
-                    let named = [Barrier::Lower, Barrier::Upper].into_iter().find(|one| one.name() == barrier);
+                    let named = Barrier::from_name(barrier);
                     let wrong = || Failure::Request(format!("barrier {barrier} is unknown: give lower or upper"));
                     Ok((*contact, named.ok_or_else(wrong)?, *time, *impulse))
                 });

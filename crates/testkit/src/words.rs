@@ -27,9 +27,8 @@ fn case(values: &Value) -> WordCase {
     let model = &values["model"];
     let parameter = |name: &str, otherwise: f64| model[name].as_f64().unwrap_or(otherwise);
     let sites = model["sites"].as_u64().unwrap() as usize;
-    let ends = |name: &str, otherwise: Ends| {
-        model[name].as_str().map_or(otherwise, |ends| Ends::ALL.into_iter().find(|known| known.name() == ends).unwrap())
-    };
+    let ends =
+        |name: &str, otherwise: Ends| model[name].as_str().map_or(otherwise, |ends| Ends::from_name(ends).unwrap());
     let layers = model["layers"].as_u64().unwrap_or(1) as usize;
     let chain = Chain::new(sites, parameter("gamma1", 0.0), parameter("gamma2", 0.0)).unwrap();
     let chain = chain.with_ends(ends("ends", Ends::Closed));

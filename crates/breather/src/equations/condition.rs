@@ -19,7 +19,6 @@ use crate::worst::worse;
 
 /// Estimated absolute errors of an impact. Dimensionless, like what they are errors of.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ImpactError {
     /// Of its time.
     pub time: f64,
@@ -47,13 +46,14 @@ pub struct Condition {
     /// most 1. For a mirror-symmetric conservative orbit, whose times are fixed, of the equations for its impulses alone.
     pub fold: f64,
     /// Estimated error of the force's phase ψ, as a time; 0 without force.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub psi_error: f64,
     /// Estimated errors of the impacts.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::orbit::serde_impl::list"))]
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub impacts: SmallVec<[ImpactError; 2]>,
     /// The same by origin: what depends on several data of the orbit moves by the sum over these of the moduli, and hardly at all
     /// where the errors of one origin cancel.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::orbit::serde_impl::lists"))]
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub origins: Vec<Together>,
 }
 

@@ -6,7 +6,7 @@ use vibrochain_lattice::{Layout, Short};
 
 use crate::admissible::answer::Admissibility;
 use crate::equations::condition::Condition;
-use crate::orbit::{Family, Hit, Impact, Orbit};
+use crate::orbit::{Hit, Impact, Orbit};
 
 impl Hit {
     /// In words, with its mass as words of this lattice name it: where, when, how strong.
@@ -35,13 +35,6 @@ impl Admissibility {
             (None, Some(margin)) => format!("physical, margin {margin}"),
             (None, None) => "physical".to_owned(),
         }
-    }
-}
-
-/// The name in files.
-impl Display for Family {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        f.pad(self.name())
     }
 }
 
@@ -97,6 +90,7 @@ mod tests {
     use vibrochain_lattice::{Chain, Model};
 
     use super::*;
+    use crate::Family;
     use crate::{admissibility, breathers};
 
     #[test]

@@ -33,17 +33,9 @@ pub enum Family {
     Word,
 }
 
-impl Family {
-    /// The name in command lines and files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::DoubleSided => "double-sided",
-            Self::SingleSided => "single-sided",
-            Self::PeriodDoubled => "period-doubled",
-            Self::Word => "word",
-        }
-    }
-}
+vibrochain_lattice::names!(Family {
+    DoubleSided "double-sided", SingleSided "single-sided", PeriodDoubled "period-doubled", Word "word",
+});
 
 /// One impact of an orbit. Dimensionless; momentum and velocity agree because the masses are 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -263,6 +255,11 @@ impl Orbit {
     /// The impacts in order of time.
     pub fn impacts(&self) -> &[Impact] {
         &self.impacts
+    }
+
+    /// The impulses of its impacts, in the same order.
+    pub fn impulses(&self) -> Vec<f64> {
+        self.impacts.iter().map(|impact| impact.impulse).collect()
     }
 
     /// The largest impulse, as it is signed; none without impacts.

@@ -2,23 +2,34 @@
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use smallvec::{Array, SmallVec};
-use vibrochain_lattice::Model;
+use vibrochain_lattice::{Barrier, Model};
 
 use crate::orbit::{Family, Impact, Orbit, Source};
 
-/// What `mapgen orbit --json` tells of a solution, with the parameters. It is written only: an orbit that is read from text is made
-/// from its parameters and impacts, see [`Orbit::from_impulses`].
+/// What `mapgen --json` tells of an orbit; its parameters stand beside it. It is written only: an orbit that is read from text is made
+/// from parameters and impacts, see [`Orbit::from_impulses`].
 #[derive(Serialize)]
-struct PlainOrbit<'a> {
-    parameters: &'a Model,
+struct PlainOrbit {
     family: Family,
-    force_periods: u32,
     period: f64,
     phi: Option<f64>,
     psi: Option<f64>,
-    impacts: &'a [Impact],
+    impacts: Vec<PlainImpact>,
     residual: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    word: Option<String>,
+}
+
+#[derive(Serialize)]
+struct PlainImpact {
+    site: usize,
+    barrier: Barrier,
+    time: f64,
+    impulse: f64,
+    velocity_before: f64,
+    velocity_after: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    layer: Option<usize>,
 }
 
 /// An orbit to the last bit, in formats that no person reads: sums and residual are not worked out anew.
@@ -67,15 +78,19 @@ impl Serialize for Orbit {
             };
             return whole.serialize(serializer);
         }
+        let layout = self.model.chain().layout();
+        let plain = |&Impact { site, barrier, time, impulse, velocity_before, velocity_after, .. }: &Impact| {
+            let (site, layer) = layout.site_and_layer(site);
+            PlainImpact { site, barrier, time, impulse, velocity_before, velocity_after, layer }
+        };
         PlainOrbit {
-            parameters: self.model(),
-            family: self.family(),
-            force_periods: self.force_periods(),
+            family: self.family,
             period: self.period(),
             phi: self.phi(),
             psi: self.psi(),
-            impacts: self.impacts(),
-            residual: self.residual(),
+            impacts: self.impacts.iter().map(plain).collect(),
+            residual: self.residual,
+            word: self.word(),
         }
         .serialize(serializer)
     }
@@ -102,20 +117,4 @@ impl<'de> Deserialize<'de> for Orbit {
             residual: whole.residual,
         })
     }
-}
-
-pub(crate) fn list<A, S>(list: &SmallVec<A>, serializer: S) -> Result<S::Ok, S::Error>
-where
-    A: Array<Item: Serialize>,
-    S: Serializer,
-{
-    serializer.collect_seq(list)
-}
-
-pub(crate) fn lists<A, S>(lists: &[SmallVec<A>], serializer: S) -> Result<S::Ok, S::Error>
-where
-    A: Array<Item: Serialize>,
-    S: Serializer,
-{
-    serializer.collect_seq(lists.iter().map(SmallVec::as_slice))
 }

@@ -26,15 +26,12 @@ use crate::{
 
 /// All orbits of a family at a point.
 #[derive(Debug, Clone, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[must_use]
 pub struct Found {
     /// The orbits, physical or not, in order of φ.
-    #[cfg_attr(feature = "serde", serde(rename = "solutions"))]
     pub orbits: Vec<Orbit>,
     /// Whether these are all, why there are none, or what may be missing.
     pub completeness: Completeness,
-    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
     /// Where branches of a word ended that were followed from γ₂ = 0 and did not come as far as this point.
     pub ended: Vec<Ended>,
 }

@@ -254,7 +254,13 @@ impl Orbit {
     /// What it is called: the name of its family, or its word.
     #[must_use]
     pub fn name(&self) -> String {
-        if self.family() == Family::Word { Word::of(self).to_string() } else { self.family().name().to_owned() }
+        self.word().unwrap_or_else(|| self.family().name().to_owned())
+    }
+
+    /// Its word, if it is of no family.
+    #[must_use]
+    pub fn word(&self) -> Option<String> {
+        (self.family() == Family::Word).then(|| Word::of(self).to_string())
     }
 }
 

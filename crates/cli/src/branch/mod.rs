@@ -7,11 +7,12 @@ pub(crate) mod table;
 
 use std::fmt::Write as _;
 
-use serde_json::{Value, json};
-use vibrochain_breather::Orbit;
+use serde::Serialize;
+use vibrochain_breather::{Family, Orbit};
 use vibrochain_floquet::{
-    Course, Diagram, DiagramPoint, End, Event, FollowedBranch, Located, Origin, Station, diagram_until,
+    Course, Diagram, DiagramPoint, End, Event, FollowedBranch, Located, Origin, Station, Unresolved, diagram_until,
 };
+use vibrochain_lattice::Parameter;
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::criterion;
@@ -20,6 +21,7 @@ use crate::args::{BranchArgs, QuantityName};
 #[cfg(feature = "plot")]
 use crate::branch::plot::Drawn;
 use crate::branch::table::{HEADER, Table, write};
+use crate::common::answer::{EndAnswer, StartAnswer, printed};
 use crate::common::caption::describe_without;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
@@ -27,8 +29,7 @@ use crate::common::picture_files::PictureFiles;
 use crate::common::schemas::BRANCH;
 use crate::common::table_manifest::{Manifest, beside};
 use crate::common::which;
-use crate::locate::{Start, error_text, evidence_text, impulses, located_json, message, range, start, verdict_json};
-use crate::orbit::{point_value, with_word};
+use crate::locate::{Start, error_text, evidence_text, message, range, start};
 use crate::structures;
 use crate::sweep::report::counted;
 
@@ -69,14 +70,14 @@ pub fn run(args: &BranchArgs, console: &mut Console<'_>) -> Result<(), CliError>
     fits(&pictures, args, &course)?;
     let diagram = diagram_until(&start.orbit, &course, &stop)?;
     let text = if args.json {
-        format!("{:#}\n", as_json(&start, &course, &diagram))
+        printed(&BranchAnswer::new(&start, &course, &diagram))?
     } else {
         as_text(&start, &course, &diagram, args.all)
     };
     console.answer(&text, args.json, taken)?;
     let fixed = describe_without(start.orbit.model(), course.free);
     let heading = format!("branches of breathers, {fixed}, {}", criterion(course.tolerance));
-    let table = Table::new(course.free.name(), heading, point_value(start.orbit.model()), &diagram);
+    let table = Table::new(course.free, heading, start.orbit.model(), &diagram);
     if let Some(file) = file {
         write(file, &diagram)?;
         manifest.finish("branch", table.rows(), &table.about)?;
@@ -99,46 +100,77 @@ fn ending(branch: &FollowedBranch, course: &Course, value: f64, end: &End) -> St
     message(course.free, value, end)
 }
 
-fn point_json(point: &DiagramPoint) -> Value {
-    json!({
-        "value": point.value,
-        "period": point.orbit.period(),
-        "phi": point.orbit.phi(),
-        "psi": point.orbit.psi(),
-        "impulses": impulses(&point.orbit),
-        "margin": point.margin,
-        "physical": point.physical,
-        "stability": point.verdict.as_ref().map(verdict_json),
-    })
+/// The answer as JSON.
+#[derive(Serialize)]
+struct BranchAnswer<'a> {
+    schema: &'static str,
+    free: Parameter,
+    #[serde(flatten)]
+    start: StartAnswer<'a>,
+    range: [f64; 2],
+    branches: Vec<BranchEntry<'a>>,
+    dead_ends: Vec<OriginEntry>,
+    complete: bool,
+    evaluations: usize,
+    spectra: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    word: Option<String>,
 }
 
-fn origin_json(diagram: &Diagram, origin: Origin) -> Value {
-    let event = event_at(diagram, origin.branch, origin.station);
-    let (name, value) = (event.map(|found| found.event.name()), event.map(|found| found.value));
-    json!({ "branch": origin.branch + 1, "event": name, "value": value })
+#[derive(Serialize)]
+struct BranchEntry<'a> {
+    generation: u32,
+    origin: Option<OriginEntry>,
+    family: Option<Family>,
+    force_periods: Option<u32>,
+    points: Vec<&'a DiagramPoint>,
+    events: Vec<&'a Located>,
+    untold: usize,
+    unresolved: &'a [Unresolved],
+    ends: Vec<EndAnswer>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    word: Option<String>,
 }
 
-fn branch_json(diagram: &Diagram, course: &Course, branch: &FollowedBranch) -> Value {
-    let origin = branch.origin.map(|origin| origin_json(diagram, origin));
-    let ends: Vec<Value> = branch
-        .ends
-        .iter()
-        .map(|(value, end)| json!({ "value": value, "reason": end.name(), "message": ending(branch, course, *value, end) }))
-        .collect();
-    let value = json!({
-        "generation": branch.generation,
-        "origin": origin,
-        "family": head(branch).map(|orbit| orbit.family().name()),
-        "force_periods": head(branch).map(Orbit::force_periods),
-        "points": branch.points().map(point_json).collect::<Vec<_>>(),
-        "events": branch.events().map(located_json).collect::<Vec<_>>(),
-        "untold": branch.untold,
-        "unresolved": branch.unresolved.iter().map(|place| [place.from, place.to]).collect::<Vec<_>>(),
-        "ends": ends,
-    });
-    match head(branch) {
-        Some(orbit) => with_word(orbit, value),
-        None => value,
+/// The event at which a branch leaves another, numbered from 1.
+#[derive(Serialize)]
+struct OriginEntry {
+    branch: usize,
+    event: Option<Event>,
+    value: Option<f64>,
+}
+
+impl<'a> BranchAnswer<'a> {
+    fn new(start: &'a Start, course: &Course, diagram: &'a Diagram) -> Self {
+        let origin = |origin: &Origin| {
+            let found = event_at(diagram, origin.branch, origin.station);
+            let (event, value) = (found.map(|found| found.event), found.map(|found| found.value));
+            OriginEntry { branch: origin.branch + 1, event, value }
+        };
+        let entry = |branch: &'a FollowedBranch| BranchEntry {
+            generation: branch.generation,
+            origin: branch.origin.as_ref().map(origin),
+            family: head(branch).map(Orbit::family),
+            force_periods: head(branch).map(Orbit::force_periods),
+            points: branch.points().collect(),
+            events: branch.events().collect(),
+            untold: branch.untold,
+            unresolved: &branch.unresolved,
+            ends: EndAnswer::of(&branch.ends, |value, end| ending(branch, course, value, end)),
+            word: head(branch).and_then(Orbit::word),
+        };
+        Self {
+            schema: BRANCH,
+            free: course.free,
+            start: start.answer(),
+            range: [course.from, course.to],
+            branches: diagram.branches.iter().map(entry).collect(),
+            dead_ends: diagram.dead_ends.iter().map(origin).collect(),
+            complete: diagram.complete,
+            evaluations: diagram.evaluations,
+            spectra: diagram.spectra,
+            word: start.orbit.word(),
+        }
     }
 }
 
@@ -147,23 +179,6 @@ fn event_at(diagram: &Diagram, branch: usize, station: usize) -> Option<&Located
         Station::Event(located) => Some(located),
         Station::Point(_) => None,
     }
-}
-
-fn as_json(start: &Start, course: &Course, diagram: &Diagram) -> Value {
-    let value = json!({
-        "schema": BRANCH,
-        "free": course.free.name(),
-        "parameters": point_value(start.orbit.model()),
-        "family": start.orbit.family().name(),
-        "solution": start.number,
-        "range": [course.from, course.to],
-        "branches": diagram.branches.iter().map(|branch| branch_json(diagram, course, branch)).collect::<Vec<_>>(),
-        "dead_ends": diagram.dead_ends.iter().map(|origin| origin_json(diagram, *origin)).collect::<Vec<_>>(),
-        "complete": diagram.complete,
-        "evaluations": diagram.evaluations,
-        "spectra": diagram.spectra,
-    });
-    with_word(&start.orbit, value)
 }
 
 /// The answer for people. Writing to a String cannot fail.
@@ -253,9 +268,9 @@ fn draw(files: PictureFiles, args: &BranchArgs, course: &Course, table: &Table) 
 #[cfg(feature = "plot")]
 fn fits(files: &PictureFiles, args: &BranchArgs, course: &Course) -> Result<(), CliError> {
     let about = crate::branch::table::About {
-        free: course.free.name().to_owned(),
+        free: course.free,
         heading: String::new(),
-        parameters: Value::Null,
+        parameters: serde_json::Value::Null,
         branches: Vec::new(),
     };
     let nothing = Table { about, branches: Vec::new() };

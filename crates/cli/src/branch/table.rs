@@ -1,14 +1,14 @@
 //! The table of a bifurcation diagram: what `mapgen branch` writes, and all that its picture is drawn from.
 
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Value, json};
 use vibrochain_floquet::{Diagram, Event, FollowedBranch, Station, is_physical_about};
+use vibrochain_lattice::{Model, Parameter};
 use vibrochain_maps::fields::Fields;
 use vibrochain_maps::files::CsvFile;
 
 use crate::common::error::CliError;
 use crate::common::which;
-use crate::locate::impulses;
 
 pub(crate) const HEADER: [&str; 15] = [
     "branch",
@@ -31,8 +31,8 @@ pub(crate) const HEADER: [&str; 15] = [
 /// What the rows do not say.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct About {
-    /// The parameter that varies, by its name.
-    pub(crate) free: String,
+    /// The parameter that varies.
+    pub(crate) free: Parameter,
     /// All that is fixed, for people; and the start.
     pub(crate) heading: String,
     pub(crate) parameters: Value,
@@ -77,7 +77,7 @@ fn row(station: &Station) -> Row {
     Row {
         event,
         value,
-        impulses: impulses(orbit),
+        impulses: orbit.impulses(),
         phi: orbit.phi(),
         psi: orbit.psi(),
         period: orbit.period(),
@@ -102,7 +102,7 @@ impl Row {
         fields.value::<u32>()?;
         let event = fields.read(|text| match text {
             "" => Some(None),
-            text => Event::ALL.into_iter().find(|event| event.name() == text).map(Some),
+            text => Event::from_name(text).map(Some),
         })?;
         let value = fields.finite()?;
         let _error: Option<f64> = fields.number()?;
@@ -117,7 +117,7 @@ impl Row {
 }
 
 impl Table {
-    pub(crate) fn new(free: &str, heading: String, parameters: Value, diagram: &Diagram) -> Self {
+    pub(crate) fn new(free: Parameter, heading: String, model: &Model, diagram: &Diagram) -> Self {
         let periods = |branch: &FollowedBranch| branch.points().next().map_or(1, |point| point.orbit.force_periods());
         let name = |branch: &FollowedBranch| BranchName {
             name: which::of_branch(branch),
@@ -125,7 +125,7 @@ impl Table {
             force_periods: periods(branch),
         };
         let branches = diagram.branches.iter().map(name).collect();
-        let about = About { free: free.to_owned(), heading, parameters, branches };
+        let about = About { free, heading, parameters: json!(model), branches };
         let rows = |branch: &FollowedBranch| branch.stations.iter().map(row).collect();
         Self { about, branches: diagram.branches.iter().map(rows).collect() }
     }

@@ -1,5 +1,6 @@
 //! What commands share: the console, models and orbits asked for, pictures, tables in chunks.
 
+pub(crate) mod answer;
 pub(crate) mod border_search;
 pub mod caption;
 pub(crate) mod chunked_run;

@@ -1,13 +1,16 @@
 //! The form of every JSON that is written or read, as a JSON Schema (draft 2020-12).
 //!
 //! Each is a file in `schemas`; what several have in common is in `parts.json` and goes into each that asks for it, so that what
-//! is printed needs nothing else. Parameters of the model come from their table. The number at the end of an identifier rises when a key goes, or changes its meaning.
+//! is printed needs nothing else. Parameters of the model come from their table, words from their types. The number at the end of an identifier rises when a key goes, or changes its meaning.
 
 use std::path::Path;
 
 use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value, json};
-use vibrochain_lattice::{Parameter, Part, Range, Row};
+use vibrochain_breather::Family;
+use vibrochain_floquet::{Event, Mechanism};
+use vibrochain_lattice::{Barrier, Ends, Parameter, Part, Range, Row};
+use vibrochain_maps::cell::{Class, Status};
 
 use crate::common::error::CliError;
 use vibrochain_maps::text::clipped;
@@ -90,10 +93,23 @@ pub fn schema(name: &str) -> Option<Value> {
     Some(schema)
 }
 
-/// What several schemas have in common: the parts in the file, and the parameters, which are keys of a model.
+/// What several schemas have in common: the parts in the file with their words, and the parameters, which are keys of a model.
 fn parts() -> Option<Map<String, Value>> {
     let mut parts: Map<String, Value> = serde_json::from_str(PARTS).ok()?;
-    parts.get_mut("parameter")?["enum"] = json!(Parameter::ALL.map(Parameter::name));
+    let words: [(&str, &[&str]); 8] = [
+        ("parameter", &Parameter::ALL.map(Parameter::name)),
+        ("ends", &Ends::ALL.map(Ends::name)),
+        ("family", &Family::ALL.map(Family::name)),
+        ("barrier", &Barrier::ALL.map(Barrier::name)),
+        ("mechanism", &Mechanism::ALL.map(Mechanism::name)),
+        ("event", &Event::ALL.map(Event::name)),
+        ("class", &Class::ALL.map(Class::name)),
+        ("status", &Status::ALL.map(Status::name)),
+    ];
+    for (part, words) in words {
+        // Where there may be none, the file has null.
+        parts.get_mut(part)?["enum"].as_array_mut()?.splice(0..0, words.iter().map(|word| Value::from(*word)));
+    }
     for parameter in Parameter::told() {
         let Row { name, meaning, range: Range { least, most, open, .. }, part, default, .. } = parameter.row();
         let limits = [

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 use vibrochain_fate::Ensemble;
 use vibrochain_maps::files::Output;
 use vibrochain_maps::manifest::{REVISION, VERSION, scene_parts};
@@ -14,6 +14,7 @@ use vibrochain_maps::scene::{MAX_BYTES, Scene};
 use vibrochain_maps::table::stem;
 use vibrochain_maps::text::{clipped, read_text};
 
+use crate::common::answer::printed;
 use crate::common::chunked_run::place;
 use crate::common::error::CliError;
 use crate::common::schemas::{TABLE, expect};
@@ -47,8 +48,8 @@ impl Manifest {
     pub(crate) fn finish(self, command: &str, rows: u64, about: &impl Serialize) -> Result<(), CliError> {
         let Some(file) = self.0 else { return Ok(()) };
         let (schema, program, version, revision) = (TABLE, "mapgen", VERSION, REVISION);
-        let all = json!(Whole { schema, program, version, revision, command, rows, about });
-        Ok(file.finish_with(format!("{all:#}\n").as_bytes())?)
+        let all = printed(&Whole { schema, program, version, revision, command, rows, about })?;
+        Ok(file.finish_with(all.as_bytes())?)
     }
 }
 
@@ -99,9 +100,17 @@ pub(crate) struct OfRuns {
 }
 
 /// What the table of a scene is of, and of an ensemble over it.
-pub(crate) fn of_scene(scene: &Scene, ensemble: Option<&Ensemble>) -> Map<String, Value> {
-    let mut all = Map::from_iter([("title".to_owned(), scene.title.clone().into())]);
-    all.extend(scene_parts(scene));
-    all.extend(ensemble.map(|ensemble| ("ensemble".to_owned(), json!(ensemble))));
-    all
+#[derive(Serialize)]
+pub(crate) struct OfScene<'a> {
+    title: Option<&'a str>,
+    #[serde(flatten)]
+    scene: Map<String, Value>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ensemble: Option<&'a Ensemble>,
+}
+
+impl<'a> OfScene<'a> {
+    pub(crate) fn new(scene: &'a Scene, ensemble: Option<&'a Ensemble>) -> Self {
+        Self { title: scene.title.as_deref(), scene: scene_parts(scene), ensemble }
+    }
 }

@@ -177,10 +177,10 @@ fn read(path: &Path, model: &Model) -> Result<Orbit, CliError> {
     // Of another frequency: the same parts of the period.
     let periods = file.period.map_or(1.0, |period| (period / model.period()).round().max(1.0));
     let stretch = file.period.map_or(1.0, |period| periods * model.period() / period);
-    let barrier = |name: &str| [Barrier::Lower, Barrier::Upper].into_iter().find(|barrier| barrier.name() == name);
     let mut hits = Vec::new();
     for &ImpactEntry { site, layer, barrier: ref name, time, impulse } in &file.impacts {
-        let barrier = barrier(name).ok_or_else(|| wrong(&format!("`{name}` is no barrier, lower and upper are")))?;
+        let barrier =
+            Barrier::from_name(name).ok_or_else(|| wrong(&format!("`{name}` is no barrier, lower and upper are")))?;
         let layout = model.chain().layout();
         let place = layout.index(site, layer).ok_or_else(|| wrong(&format!("{layout} have no site {site}:{layer}")))?;
         hits.push(Hit::new(place, barrier, time * stretch, impulse));

@@ -7,15 +7,15 @@ pub(crate) mod table;
 
 use std::fmt::Write as _;
 
-use serde_json::{Value, json};
-use vibrochain_floquet::{
-    CurvePoint, EventCurve, Located, Search, SpecialPoint, Walk, Window, curve_along, locate_until,
-};
+use serde::Serialize;
+use serde_json::json;
+use vibrochain_floquet::{CurvePoint, EventCurve, Located, Search, Walk, Window, curve_along, locate_until};
 use vibrochain_lattice::{Parameter, Short};
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
 
 use crate::args::CurveArgs;
+use crate::common::answer::{StartAnswer, printed};
 use crate::common::caption::{in_common, in_words};
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
@@ -23,8 +23,7 @@ use crate::common::picture_files::PictureFiles;
 use crate::common::schemas::CURVE;
 use crate::common::table_manifest::{Manifest, beside};
 use crate::curve::table::{About, header, write};
-use crate::locate::{Start, impulses, message, range, start};
-use crate::orbit::{point_value, with_word};
+use crate::locate::{Start, message, range, start};
 use crate::structures;
 
 /// A point within this many tolerances of a curve, with impulses that agree to this part, is one of it.
@@ -35,6 +34,19 @@ const ALIKE: f64 = 1e-3;
 struct Curves {
     window: Window,
     list: Vec<EventCurve>,
+}
+
+/// The answer as JSON.
+#[derive(Serialize)]
+struct CurveAnswer<'a> {
+    schema: &'static str,
+    #[serde(flatten)]
+    start: StartAnswer<'a>,
+    #[serde(flatten)]
+    window: Window,
+    curves: &'a [EventCurve],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    word: Option<String>,
 }
 
 /// Runs the subcommand.
@@ -74,17 +86,14 @@ pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> 
             curves.list.push(curve_along(&located.orbit, located.event, located.evidence, &walk)?);
         }
     }
-    let text = if args.json {
-        format!("{:#}\n", curves.as_json(&start))
-    } else {
-        curves.as_text(&start, &search, &answer.ends)
-    };
+    let text = if args.json { printed(&curves.answer(&start))? } else { curves.as_text(&start, &search, &answer.ends) };
     console.answer(&text, args.json, taken)?;
     let heading = curves.heading(&start);
     if let Some(file) = file {
         write(file, &curves.list)?;
         let count: usize = curves.list.iter().map(|curve| curve.points.len()).sum();
-        let about = About::new(&curves.window, heading.clone(), point_value(start.orbit.model()));
+        let (window, parameters) = (curves.window, json!(start.orbit.model()));
+        let about = About { window, heading: heading.clone(), parameters };
         manifest.finish("curve", count as u64, &about)?;
     }
     draw(pictures, &heading, &curves)
@@ -122,7 +131,7 @@ impl Curves {
     /// Whether an event lies on one of the curves that were followed already.
     fn holds(&self, located: &Located, tolerance: f64) -> bool {
         let place = self.window.parts(self.window.place(located.orbit.model()));
-        let own = impulses(&located.orbit);
+        let own = located.orbit.impulses();
         let strongest = own.iter().fold(0.0_f64, |most, one| most.max(one.abs()));
         self.list.iter().any(|curve| {
             curve.points.windows(2).any(|pair| {
@@ -131,7 +140,7 @@ impl Curves {
                 let square = chord[0] * chord[0] + chord[1] * chord[1];
                 let share = ((away[0] * chord[0] + away[1] * chord[1]) / square).clamp(0.0, 1.0);
                 let apart = (away[0] - share * chord[0]).hypot(away[1] - share * chord[1]);
-                let (a, b) = (impulses(&pair[0].orbit), impulses(&pair[1].orbit));
+                let (a, b) = (pair[0].orbit.impulses(), pair[1].orbit.impulses());
                 apart <= ON_IT * tolerance
                     && own.len() == a.len()
                     && own.len() == b.len()
@@ -154,51 +163,9 @@ impl Curves {
         format!("{event}{}", in_common(&models))
     }
 
-    fn as_json(&self, start: &Start) -> Value {
-        let point = |point: &CurvePoint| {
-            json!({
-                "values": point.values,
-                "error": point.error.is_finite().then_some(point.error),
-                "angle": point.angle,
-                "physical": point.physical,
-                "impulses": impulses(&point.orbit),
-                "phi": point.orbit.phi(),
-                "psi": point.orbit.psi(),
-            })
-        };
-        let special = |curve: &EventCurve, one: &SpecialPoint| {
-            json!({
-                "special": one.special.to_string(),
-                "point": one.point,
-                "values": curve.points[one.point].values,
-                "error": one.error,
-            })
-        };
-        let list: Vec<Value> = self
-            .list
-            .iter()
-            .map(|curve| {
-                json!({
-                    "event": curve.event.name(),
-                    "points": curve.points.iter().map(point).collect::<Vec<_>>(),
-                    "special": curve.special.iter().map(|one| special(curve, one)).collect::<Vec<_>>(),
-                    "ends": curve.ends.iter().map(ToString::to_string).collect::<Vec<_>>(),
-                    "evaluations": curve.evaluations,
-                    "spectra": curve.spectra,
-                })
-            })
-            .collect();
-        let value = json!({
-            "schema": CURVE,
-            "parameters": point_value(start.orbit.model()),
-            "family": start.orbit.family().name(),
-            "solution": start.number,
-            "free": self.window.parameters.map(Parameter::name),
-            "from": self.window.from,
-            "to": self.window.to,
-            "curves": list,
-        });
-        with_word(&start.orbit, value)
+    fn answer<'a>(&'a self, start: &'a Start) -> CurveAnswer<'a> {
+        let (window, curves, word) = (self.window, &self.list, start.orbit.word());
+        CurveAnswer { schema: CURVE, start: start.answer(), window, curves, word }
     }
 
     /// The answer for people. Writing to a String cannot fail.

@@ -3,12 +3,10 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use vibrochain_floquet::{CurvePoint, EventCurve, SpecialPoint, Window};
-use vibrochain_lattice::Parameter;
 use vibrochain_maps::fields::Fields;
 use vibrochain_maps::files::CsvFile;
 
 use crate::common::error::CliError;
-use crate::locate::impulses;
 
 /// The names of the columns for two parameters.
 pub(crate) fn header(parameters: [&str; 2]) -> [&str; 12] {
@@ -19,27 +17,12 @@ pub(crate) fn header(parameters: [&str; 2]) -> [&str; 12] {
 /// What the rows do not say.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct About {
-    /// The two parameters, by their names, and the window that was looked at.
-    pub(crate) free: [String; 2],
-    pub(crate) from: [f64; 2],
-    pub(crate) to: [f64; 2],
+    /// That was looked at.
+    #[serde(flatten)]
+    pub(crate) window: Window,
     /// All that is fixed, for people; and the start.
     pub(crate) heading: String,
     pub(crate) parameters: Value,
-}
-
-impl About {
-    pub(crate) fn new(window: &Window, heading: String, parameters: Value) -> Self {
-        let free = window.parameters.map(|parameter| parameter.name().to_owned());
-        Self { free, from: window.from, to: window.to, heading, parameters }
-    }
-
-    /// The window, if these are parameters and values of one.
-    pub(crate) fn window(&self) -> Option<Window> {
-        let [x, y] = [0, 1].map(|i| Parameter::from_name(&self.free[i]));
-        let window = Window { parameters: [x?, y?], from: self.from, to: self.to };
-        (0..2).all(|i| self.from[i] < self.to[i]).then_some(window)
-    }
 }
 
 /// A point of a curve.
@@ -104,7 +87,7 @@ pub(crate) fn write(mut table: CsvFile, curves: &[EventCurve]) -> Result<(), Cli
                 special_error,
                 angle,
                 physical,
-                impulses(orbit),
+                orbit.impulses(),
                 phi,
                 psi,
             ))?;

@@ -17,12 +17,13 @@ use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::sweep::{Content, Ended, Job, Plan, Settings, Watcher};
 
 use crate::args::{FateArgs, StartFrom};
+use crate::common::answer::printed;
 use crate::common::chunked_run::{ChunkedRun, nothing_to_resume, parts_path, place, quoted, shard_of};
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::picture_files::PictureFiles;
 use crate::common::progress::counter;
-use crate::common::table_manifest::{Manifest, beside, of_scene};
+use crate::common::table_manifest::{Manifest, OfScene, beside};
 use crate::common::threads::threads;
 use crate::fate::plot::Plot;
 use crate::fate::report::Totals;
@@ -136,18 +137,18 @@ impl<'a> Seen<'a> {
     }
 
     /// What it all has come to.
-    pub(crate) fn answer(&self, json: bool) -> String {
+    pub(crate) fn answer(&self, json: bool) -> Result<String, CliError> {
         let Self { scene, ensemble, totals, .. } = self;
         if json {
-            format!("{:#}\n", totals.as_json(scene_parts(scene), ensemble))
+            printed(&totals.answer(scene_parts(scene), ensemble))
         } else {
-            totals.as_text(&grid(scene), ensemble)
+            Ok(totals.as_text(&grid(scene), ensemble))
         }
     }
 
     /// Writes what the table is of, and draws the pictures.
     pub(crate) fn finish(self, manifest: Manifest) -> Result<(), CliError> {
-        manifest.finish(ENDS, self.rows, &of_scene(self.scene, Some(self.ensemble)))?;
+        manifest.finish(ENDS, self.rows, &OfScene::new(self.scene, Some(self.ensemble)))?;
         self.plot.finish(self.scene, self.ensemble)
     }
 }
@@ -206,19 +207,19 @@ impl Ends<'_> {
         match (&args.out, place) {
             (None, _) => {
                 self.alone(&run, &mut seen, progress)?;
-                console.answer(&seen.answer(args.json), args.json, taken)?;
+                console.answer(&seen.answer(args.json)?, args.json, taken)?;
                 seen.finish(manifest)
             }
             (Some(out), None) if args.resume => Err(nothing_to_resume("--out", out)),
             (Some(out), None) => {
                 let (table, ..) = run.stream(out, &mut seen, progress)?;
                 table.commit()?;
-                console.answer(&seen.answer(args.json), args.json, taken)?;
+                console.answer(&seen.answer(args.json)?, args.json, taken)?;
                 seen.finish(manifest)
             }
             (Some(out), Some(place)) => {
                 let gathered = run.gather(out, &parts_path(out), &mut seen, console)?;
-                let answer = seen.answer(args.json);
+                let answer = seen.answer(args.json)?;
                 run.settle(gathered, place, console, |table| {
                     table.commit()?;
                     seen.finish(manifest)
@@ -319,7 +320,7 @@ fn diagram(
     let stopped = is_stopped(ended)?;
     if !stopped || cells > 0 {
         file.finish()?;
-        manifest.finish(SECTION, rows, &of_scene(scene, Some(ensemble)))?;
+        manifest.finish(SECTION, rows, &OfScene::new(scene, Some(ensemble)))?;
     }
     if stopped {
         return Err(kept(&args.diagram, args.plot.is_some(), cells, scene.cells()));

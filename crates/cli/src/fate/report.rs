@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::{Map, Value};
 use vibrochain_breather::Word;
 use vibrochain_fate::{CellFates, End, Ensemble};
 use vibrochain_lattice::Short;
@@ -16,6 +17,25 @@ const SHOWN: usize = 8;
 
 /// An exponent that is not known better than this is not compared.
 const KNOWN: f64 = 1e-6;
+
+/// What an ensemble has come to, as JSON.
+#[derive(Serialize)]
+pub(crate) struct FateAnswer<'a> {
+    schema: &'static str,
+    #[serde(flatten)]
+    about: Map<String, Value>,
+    ensemble: &'a Ensemble,
+    cells: u64,
+    cells_with_breather: u64,
+    breathers: u64,
+    runs: u64,
+    ends: Map<String, Value>,
+    words: Map<String, Value>,
+    left: u64,
+    leave_time: Option<f64>,
+    exponents_compared: u64,
+    exponent_difference: Option<f64>,
+}
 
 /// Counts of all cells.
 #[derive(Debug, Default)]
@@ -110,30 +130,23 @@ impl Totals {
         out
     }
 
-    /// After `about`, which says what it is of.
-    pub(crate) fn as_json(&self, about: impl IntoIterator<Item = (String, Value)>, ensemble: &Ensemble) -> Value {
-        let ends: serde_json::Map<String, Value> =
-            End::NAMES.iter().zip(self.ends).map(|(name, count)| ((*name).to_owned(), count.into())).collect();
-        let words: serde_json::Map<String, Value> =
-            self.words().into_iter().map(|(word, count)| (word.to_string(), count.into())).collect();
-        let mut all = serde_json::Map::from_iter([("schema".to_owned(), FATE.into())]);
-        all.extend(about);
-        let own = json!({
-            "ensemble": ensemble,
-            "cells": self.cells,
-            "cells_with_breather": self.with,
-            "breathers": self.breathers,
-            "runs": self.runs(),
-            "ends": ends,
-            "words": words,
-            "left": self.left,
-            "leave_time": self.leave_time(),
-            "exponents_compared": self.compared,
-            "exponent_difference": (self.compared > 0).then_some(self.difference),
-        });
-        if let Value::Object(own) = own {
-            all.extend(own);
+    /// As JSON, with `about`, which says what it is of.
+    pub(crate) fn answer<'a>(&self, about: Map<String, Value>, ensemble: &'a Ensemble) -> FateAnswer<'a> {
+        let count = |(name, count): (String, u64)| (name, Value::from(count));
+        FateAnswer {
+            schema: FATE,
+            about,
+            ensemble,
+            cells: self.cells,
+            cells_with_breather: self.with,
+            breathers: self.breathers,
+            runs: self.runs(),
+            ends: End::NAMES.iter().zip(self.ends).map(|(name, runs)| count(((*name).to_owned(), runs))).collect(),
+            words: self.words().into_iter().map(|(word, runs)| count((word.to_string(), runs))).collect(),
+            left: self.left,
+            leave_time: self.leave_time(),
+            exponents_compared: self.compared,
+            exponent_difference: (self.compared > 0).then_some(self.difference),
         }
-        all.into()
     }
 }

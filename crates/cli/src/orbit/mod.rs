@@ -1,5 +1,6 @@
 //! `mapgen orbit`: all breathers of a family at one point.
 
+mod answer;
 pub(crate) mod modes;
 pub(crate) mod multiplier_file;
 pub(crate) mod pictures;
@@ -9,20 +10,18 @@ pub(crate) mod trajectory;
 
 use std::fmt::Write as _;
 
-use serde_json::{Value, json};
-use vibrochain_breather::{
-    BreatherError, Completeness, Ended, Family, Finder, Found, Motion, NoBreather, Obstruction, Orbit, Proof, Word,
-};
+use vibrochain_breather::{BreatherError, Completeness, Finder, Found, Motion, NoBreather, Orbit};
 use vibrochain_floquet::{Analyser, Complex, Mechanism, Multipliers, Verdict, leading_modes, phases};
 use vibrochain_lattice::Model;
 
 use crate::args::OrbitArgs;
+use crate::common::answer::printed;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::model::chosen;
-use crate::common::schemas::ORBIT;
 use crate::common::solution::Solution;
 use crate::common::which;
+use crate::orbit::answer::OrbitAnswer;
 use crate::orbit::modes::OrbitModes;
 use crate::orbit::multiplier_file::MultiplierFile;
 use crate::orbit::pictures::OrbitPictures;
@@ -31,9 +30,6 @@ use crate::simulate::recording::trajectory_columns;
 use crate::structures;
 use vibrochain_maps::files::distinct;
 use vibrochain_maps::numbers::Number;
-
-/// The most multipliers of a solution that JSON lists.
-const MOST_LISTED: usize = 4096;
 
 /// Runs the subcommand.
 ///
@@ -78,8 +74,7 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         solutions.push(Solution { orbit, admissibility, condition, multipliers, modes, phases });
     }
     let text = if args.json {
-        let value = json(&model, &solutions, &found);
-        format!("{value:#}\n")
+        printed(&OrbitAnswer::new(&model, &solutions, &found))?
     } else {
         text(&model, &name, &solutions, &found)
     };
@@ -125,168 +120,9 @@ fn drifting(
     Ok(mode.map(|mode| phases(orbit, &mode, finder)).transpose()?)
 }
 
-/// The point as JSON; a plain cosine by its amplitude, any other force by its harmonics.
-pub(crate) fn point_value(model: &Model) -> Value {
-    json!(model)
-}
-
-/// How the list is known to be complete: by which means, and how many enclosures it took.
-fn completeness_value(completeness: Completeness) -> Value {
-    let proof = completeness.proof();
-    let mut value = json!({ "established": proof.is_some(), "by": proof.map(Proof::name) });
-    if let Completeness::Followed { starts, .. } = completeness {
-        (value["by"], value["starts"]) = ("followed".into(), starts.into());
-    }
-    match proof {
-        Some(Proof::Enclosures { intervals }) => value["intervals"] = intervals.into(),
-        Some(Proof::BranchAndPrune { boxes }) => value["boxes"] = boxes.into(),
-        Some(Proof::ClosedForm) | None => {}
-    }
-    value
-}
-
-fn json(model: &Model, solutions: &[Solution], found: &Found) -> Value {
-    let (unresolved, exhausted) = found.completeness.open();
-    let mut value = json!({
-        "schema": ORBIT,
-        "parameters": point_value(model),
-        "solutions": solutions.iter().map(Solution::json).collect::<Vec<_>>(),
-        "reason": found.completeness.reason().map(|reason| reason.to_string()),
-        "completeness": completeness_value(found.completeness),
-        "unresolved": unresolved,
-        "exhausted": exhausted,
-    });
-    if !found.ended.is_empty() {
-        let ended = |ended: &Ended| json!({ ended.coupling.name(): ended.value, "message": ended.told(&model.chain().layout()) });
-        value["ended"] = found.ended.iter().map(ended).collect();
-    }
-    value
-}
-
-/// `value` with its `site`, a mass counted through all layers, as the site of its layer, and with that `layer` where there are
-/// several.
-pub(crate) fn with_layer(model: &Model, index: usize, mut value: Value) -> Value {
-    let (site, layer) = model.chain().layout().place(index);
-    value["site"] = site.into();
-    if model.chain().layers() > 1 {
-        value["layer"] = layer.into();
-    }
-    value
-}
-
-/// The orbit itself as JSON: period, phases, impacts, residual.
-pub(crate) fn orbit_value(orbit: &Orbit) -> Value {
-    let impacts: Vec<Value> = orbit
-        .impacts()
-        .iter()
-        .map(|impact| {
-            let value = json!({
-                "site": impact.site,
-                "barrier": impact.barrier.name(),
-                "time": impact.time,
-                "impulse": impact.impulse,
-                "velocity_before": impact.velocity_before,
-                "velocity_after": impact.velocity_after,
-            });
-            with_layer(orbit.model(), impact.site, value)
-        })
-        .collect();
-    let value = json!({
-        "family": orbit.family().name(),
-        "period": orbit.period(),
-        "phi": orbit.phi(),
-        "psi": orbit.psi(),
-        "impacts": impacts,
-        "residual": orbit.residual(),
-    });
-    with_word(orbit, value)
-}
-
-/// `value`, which names the orbit's `family`, with the `word` of one that is of none.
-pub(crate) fn with_word(orbit: &Orbit, mut value: Value) -> Value {
-    if orbit.family() == Family::Word {
-        value["word"] = Word::of(orbit).to_string().into();
-    }
-    value
-}
-
-impl Solution {
-    fn json(&self) -> Value {
-        let orbit = &self.orbit;
-        let mut value = orbit_value(orbit);
-        value["condition"] = json!({
-            "resonance": self.condition.resonance,
-            "grazing": self.condition.grazing,
-            "fold": self.condition.fold,
-            "impulse_error": finite(self.condition.impulse_error(orbit)),
-            "time_error": finite(self.condition.time_error(orbit)),
-        });
-        value["physical"] = self.admissibility.is_physical().into();
-        value["margin"] = self.admissibility.margin.into();
-        value["obstruction"] = self.admissibility.obstruction.map(|found| obstruction(orbit.model(), found)).into();
-        value["stability"] = Value::Null;
-        match &self.multipliers {
-            Ok(all) => {
-                let verdict = all.verdict;
-                let listed = all.len() <= MOST_LISTED;
-                let pairs = || all.sorted().map(|m| [m.re, m.im]).collect::<Vec<_>>();
-                let multipliers = listed.then(pairs);
-                value["stability"] = json!({
-                    "stable": verdict.stable,
-                    "marginal": verdict.marginal,
-                    "mechanism": verdict.mechanism.map(|mechanism| mechanism.name()),
-                    "spectral_radius": verdict.spectral_radius,
-                    "growth": verdict.growth(),
-                    "resolution": finite(verdict.resolution),
-                    "method": verdict.method.name(),
-                    "multipliers": multipliers,
-                });
-                if multipliers.is_none() {
-                    let note = format!("{} of them: --multipliers FILE writes them as CSV", all.len());
-                    value["stability"]["multipliers_note"] = note.into();
-                }
-                if let Some(doubt) = verdict.method.doubt() {
-                    value["stability"]["doubt"] = doubt.to_string().into();
-                }
-            }
-            Err(error) => value["stability_error"] = error.to_string().into(),
-        }
-        if let Some(phases) = &self.phases {
-            let of = |&(site, ahead): &(usize, f64)| {
-                with_layer(orbit.model(), site, json!({ "site": site, "ahead": ahead }))
-            };
-            value["phases"] = phases.iter().map(of).collect();
-        }
-        value["modes"] = self.modes.as_ref().map(OrbitModes::json).into();
-        value["own_mode"] = self.modes.as_ref().and_then(OrbitModes::own_json).into();
-        value["collision"] = self.modes.as_ref().and_then(OrbitModes::collision_json).into();
-        value
-    }
-}
-
 /// An estimated error for people: from 1 on, or without bound, nothing is known.
 fn estimate(error: f64) -> String {
     if error < 1.0 { format!("{error:.0e}") } else { "unknown".to_owned() }
-}
-
-/// An estimate that has no bound is `null`, not a number.
-fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value)
-}
-
-/// What is in the way: kind, site, time, and by how much.
-fn obstruction(model: &Model, obstruction: Obstruction) -> Value {
-    let message = obstruction.told(&model.chain().layout());
-    match obstruction {
-        Obstruction::Crossing { site, barrier, time, excess } => {
-            let value = json!({ "kind": "crossing", "site": site, "barrier": barrier.name(), "time": time, "excess": excess, "message": message });
-            with_layer(model, site, value)
-        }
-        Obstruction::WrongSign { impact, site, time, velocity_before } => {
-            let value = json!({ "kind": "wrong-sign", "impact": impact, "site": site, "time": time, "velocity_before": velocity_before, "message": message });
-            with_layer(model, site, value)
-        }
-    }
 }
 
 fn complex(z: Complex<f64>) -> String {

@@ -4,7 +4,6 @@
 use std::fmt;
 
 use serde::Serialize;
-use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Orbit};
 use vibrochain_floquet::{Collision, Complex, DressedModes, OwnMode, Secular, Signature, bare_signature, felt_modes};
 
@@ -13,7 +12,7 @@ const MOST_SIGNED: usize = 1025;
 
 /// One mode that feels the impacts, by rising frequency: on a ring one that is even about the site that is hit.
 #[derive(Debug, Clone, Copy, Serialize)]
-struct ModeReport {
+pub(super) struct ModeAnswer {
     mode: usize,
     frequency: f64,
     /// That of Ω_k.
@@ -26,16 +25,25 @@ struct ModeReport {
     signature: Option<Signature>,
 }
 
+/// The mode that the breather has drawn out of the band. Above it there is no other: its number is that of the last mode.
+#[derive(Serialize)]
+pub(super) struct OwnModeAnswer {
+    mode: usize,
+    frequency: f64,
+    signature: Option<Signature>,
+    loss: f64,
+}
+
 /// All of them.
 #[derive(Debug, Clone)]
 pub(crate) struct OrbitModes {
     /// How many there are.
     count: usize,
     /// Each of them, unless nothing is told of any.
-    modes: Vec<ModeReport>,
+    pub(super) modes: Vec<ModeAnswer>,
     own: Option<OwnMode>,
     own_signature: Option<Signature>,
-    collision: Option<Collision>,
+    pub(super) collision: Option<Collision>,
     omega: f64,
 }
 
@@ -74,7 +82,7 @@ impl OrbitModes {
         let modes = told
             .iter()
             .enumerate()
-            .map(|(k, &(mode, frequency))| ModeReport {
+            .map(|(k, &(mode, frequency))| ModeAnswer {
                 mode: k,
                 frequency,
                 bare_signature: if listed { bare_signature(response, mode) } else { None },
@@ -90,30 +98,16 @@ impl OrbitModes {
         Some(Self { count, modes, own, own_signature, collision, omega })
     }
 
-    pub(crate) fn json(&self) -> Value {
-        json!(self.modes)
-    }
-
-    /// The breather's own mode; its number is that of the last mode, above which no other is.
-    pub(crate) fn own_json(&self) -> Option<Value> {
-        let own = self.own?;
-        Some(json!({
-            "mode": self.count - 1,
-            "frequency": own.frequency,
-            "signature": self.own_signature.map(Signature::value),
-            "loss": own.loss,
-        }))
-    }
-
-    pub(crate) fn collision_json(&self) -> Option<Value> {
-        self.collision.map(|collision| json!(collision))
+    pub(super) fn own(&self) -> Option<OwnModeAnswer> {
+        let OwnMode { frequency, loss } = self.own?;
+        Some(OwnModeAnswer { mode: self.count - 1, frequency, signature: self.own_signature, loss })
     }
 }
 
 /// "signatures of modes: 0–6 +, 7–10 −", the breather's own mode, and the collision.
 impl fmt::Display for OrbitModes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let sign = |mode: &ModeReport| match mode.signature {
+        let sign = |mode: &ModeAnswer| match mode.signature {
             Some(Signature::Positive) => "+",
             Some(Signature::Negative) => "−",
             None => "none",

@@ -8,21 +8,21 @@ pub mod start;
 
 use std::fmt::Write as _;
 
-use serde_json::{Value, json};
+use serde::Serialize;
 use vibrochain_breather::{Finder, Motion, Orbit};
 use vibrochain_eventsim::{Event, Limits, Outcome, Report, Simulation, Time};
 use vibrochain_fate::{End, LOOKED_AT, Pattern, Witness};
 use vibrochain_floquet::{Analyser, Tolerance};
-use vibrochain_lattice::{Short, Stop};
+use vibrochain_lattice::{Model, Short, Stop};
 
 use crate::args::{Direction, SimulateArgs};
+use crate::common::answer::printed;
 use crate::common::caption::perturbed;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::model::{Chosen, chosen};
 use crate::common::schemas::SIMULATE;
 use crate::common::which;
-use crate::orbit::point_value;
 use crate::simulate::animate::Film;
 use crate::simulate::pace::Pace;
 use crate::simulate::recording::{ImpactTable, Plot, Trajectory, orbit_time};
@@ -189,7 +189,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
         distance,
         events: counts.events,
     };
-    let text = if args.json { format!("{:#}\n", told.value()) } else { told.text(console.verbose) };
+    let text = if args.json { printed(&told.answer())? } else { told.text(console.verbose) };
     console.answer(&text, args.json, taken)?;
     match report.outcome {
         _ if stopped => Err(interrupted(args, &simulation)),
@@ -326,9 +326,37 @@ struct Told<'a> {
     events: u64,
 }
 
+/// The same as JSON, with the state at the end.
+#[derive(Serialize)]
+struct SimulateAnswer<'a> {
+    schema: &'static str,
+    outcome: &'static str,
+    parameters: &'a Model,
+    solution: Option<usize>,
+    start: f64,
+    periods: u64,
+    offset: f64,
+    events: u64,
+    impacts: u64,
+    sticks: u64,
+    releases: u64,
+    energy: f64,
+    left: Option<f64>,
+    end: Option<&'static str>,
+    word: Option<String>,
+    distance: Option<f64>,
+    state: StateAnswer,
+}
+
+#[derive(Serialize)]
+struct StateAnswer {
+    displacement: Vec<f64>,
+    velocity: Vec<f64>,
+    psi: f64,
+}
+
 impl Told<'_> {
-    /// For programs, with the state at the end.
-    fn value(&self) -> Value {
+    fn answer(&self) -> SimulateAnswer<'_> {
         let (simulation, fate) = (self.simulation, &self.fate);
         let (work, time, state) = (simulation.work(), simulation.time(), simulation.state());
         let outcome = match self.report.outcome {
@@ -344,25 +372,25 @@ impl Told<'_> {
         };
         // The force repeats: its phase at the end needs no whole periods.
         let psi = (state.psi + time.offset()).rem_euclid(simulation.model().period());
-        json!({
-            "schema": SIMULATE,
-            "outcome": outcome,
-            "parameters": point_value(simulation.model()),
-            "solution": self.home.map(|home| home.number),
-            "start": self.start,
-            "periods": time.periods(),
-            "offset": time.offset(),
-            "events": self.events,
-            "impacts": work.impacts,
-            "sticks": work.sticks,
-            "releases": work.releases,
-            "energy": simulation.energy(),
-            "left": fate.left,
-            "end": fate.end.as_ref().map(End::name),
-            "word": word,
-            "distance": self.distance,
-            "state": { "displacement": state.displacement, "velocity": state.velocity, "psi": psi },
-        })
+        SimulateAnswer {
+            schema: SIMULATE,
+            outcome,
+            parameters: simulation.model(),
+            solution: self.home.map(|home| home.number),
+            start: self.start,
+            periods: time.periods(),
+            offset: time.offset(),
+            events: self.events,
+            impacts: work.impacts,
+            sticks: work.sticks,
+            releases: work.releases,
+            energy: simulation.energy(),
+            left: fate.left,
+            end: fate.end.as_ref().map(End::name),
+            word,
+            distance: self.distance,
+            state: StateAnswer { displacement: state.displacement, velocity: state.velocity, psi },
+        }
     }
 
     /// For people. Writing to a String cannot fail.

@@ -25,7 +25,7 @@ use crate::args::StripesArgs;
 use crate::common::console::Console;
 use crate::common::error::CliError;
 use crate::common::picture_files::PictureFiles;
-use crate::common::table_manifest::{Manifest, beside, of_scene};
+use crate::common::table_manifest::{Manifest, OfScene, beside};
 use crate::common::table_rows::TableRows;
 use crate::common::threads::threads;
 use crate::stripes::cells::cells;
@@ -85,7 +85,7 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
     if let Some(csv) = csv {
         let (table, rows) = table(&lines)?;
         csv.finish_with(&table)?;
-        manifest.finish(LINES, rows, &of_scene(&request.scene, None))?;
+        manifest.finish(LINES, rows, &OfScene::new(&request.scene, None))?;
     }
     draw(picture, &request, &tiles, &lines, args.all)?;
     console.answer(&text, false, taken)

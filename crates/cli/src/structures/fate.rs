@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use serde_json::{Value, json};
+use serde_json::json;
 use vibrochain_fate::table::{columns, rows_at};
 use vibrochain_fate::{Fates, From, StructureFates};
 use vibrochain_maps::error::MapError;
@@ -13,6 +13,7 @@ use vibrochain_maps::structure::answer::structure;
 use vibrochain_maps::sweep::Ended;
 
 use crate::args::FateArgs;
+use crate::common::answer::printed;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::picture_files::PictureFiles;
@@ -100,9 +101,8 @@ pub(crate) fn run(
     }
     table.map_or(Ok::<(), MapError>(()), CsvFile::finish)?;
     let told = if args.json {
-        let about: [(String, Value); 2] =
-            [("structure".to_owned(), structure(scene, &model)), ("axes".to_owned(), json!(scene.axis_names))];
-        format!("{:#}\n", totals.as_json(about, ensemble))
+        let about = [("structure", structure(scene, &model)), ("axes", json!(scene.axis_names))];
+        printed(&totals.answer(about.map(|(name, value)| (name.to_owned(), value)).into_iter().collect(), ensemble))?
     } else {
         let points: Vec<String> = scene.axes.iter().map(|axis| axis.points.to_string()).collect();
         totals.as_text(if points.is_empty() { "one point".to_owned() } else { points.join(" × ") }.as_str(), ensemble)

@@ -207,9 +207,7 @@ fn section(files: PictureFiles, table: TableRows, source: &Path) -> Result<Strin
 
 fn branch(args: &DrawArgs, table: TableRows, source: &Path) -> Result<String, CliError> {
     let (rows, about): (_, crate::branch::table::About) = read(source, "branch")?;
-    let wrong = |what: String| CliError::Request(format!("manifest {}: {what}", source.display()));
-    let free = Parameter::from_name(&about.free);
-    let free = free.ok_or_else(|| wrong(format!("its free parameter is `{}`", about.free)))?;
+    let free = about.free;
     let branches = about.branches.iter().map(|_| Vec::new()).collect();
     let mut diagram = Table { about, branches };
     table.rows(rows, |fields| diagram.take(fields))?;
@@ -225,10 +223,11 @@ fn branch(args: &DrawArgs, table: TableRows, source: &Path) -> Result<String, Cl
 
 fn curve(files: PictureFiles, table: TableRows, source: &Path) -> Result<String, CliError> {
     let (rows, about): (_, crate::curve::table::About) = read(source, "curve")?;
-    let window = about.window().filter(|window| table.columns()[2..4] == window.parameters.map(Parameter::name));
-    let Some(window) = window else {
+    let window = about.window;
+    let is_range = (0..2).all(|i| window.from[i] < window.to[i]);
+    if !is_range || table.columns()[2..4] != window.parameters.map(Parameter::name) {
         return Err(table.wrong(&format!("its columns are not those of the window in {}", source.display())));
-    };
+    }
     let mut curves = Vec::new();
     table.rows(rows, |fields| crate::curve::table::take(&mut curves, fields))?;
     let picture = crate::curve::plot::picture(

@@ -86,7 +86,7 @@ fn ensemble(
     let mut seen = Seen::new(&plan.scene, &fates.ensemble, PictureFiles::asked(&args.pictures)?)?;
     let (table, ..) = assembled(fates, args, plan, pool, &mut seen, console)?;
     table.commit()?;
-    console.answer(&seen.answer(args.json), args.json, taken)?;
+    console.answer(&seen.answer(args.json)?, args.json, taken)?;
     seen.finish(manifest)
 }
 

@@ -14,6 +14,7 @@ use crate::locate::{Event, Evidence};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Window {
     /// The two.
+    #[cfg_attr(feature = "serde", serde(rename = "free"))]
     pub parameters: [Parameter; 2],
     /// Least values.
     pub from: [f64; 2],
@@ -76,35 +77,31 @@ impl fmt::Debug for Walk<'_> {
 
 /// A point of a curve.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "O: crate::serde_impl::Followed"))]
 pub struct CurvePoint<O = Orbit> {
     /// Values of both parameters.
     pub values: [f64; 2],
     /// Estimated error: how far the curve may pass from it, as a part of the window's sides.
     pub error: f64,
-    /// The orbit there.
-    pub orbit: O,
     /// The angle, over π, of the pair of multipliers that meets the circle, at a Neimark–Sacker point.
     pub angle: Option<f64>,
     /// Whether the orbit is physical, touches of the event itself aside; `None` where that cannot be told.
     pub physical: Option<bool>,
+    /// The orbit there.
+    #[cfg_attr(feature = "serde", serde(flatten, serialize_with = "crate::serde_impl::of_curve"))]
+    pub orbit: O,
 }
 
 /// What else happens at a point of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "kebab-case"))]
 pub enum Special {
     /// Two multipliers +1.
-    #[cfg_attr(feature = "serde", serde(rename = "1:1"))]
     OneToOne,
     /// Two multipliers −1.
-    #[cfg_attr(feature = "serde", serde(rename = "1:2"))]
     OneToTwo,
     /// A pair e^{±2πi/3}.
-    #[cfg_attr(feature = "serde", serde(rename = "1:3"))]
     OneToThree,
     /// A pair ±i.
-    #[cfg_attr(feature = "serde", serde(rename = "1:4"))]
     OneToFour,
     /// Two folds meet; the curve stands still in both parameters.
     Cusp,
@@ -130,20 +127,18 @@ impl fmt::Display for Special {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct SpecialPoint {
     /// What happens there besides.
+    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::serde_impl::text"))]
     pub special: Special,
     /// Which of the curve's points it is.
     pub point: usize,
+    /// Values of both parameters.
+    pub values: [f64; 2],
     /// Between which two lengths of the curve it was enclosed, as a part of the window's sides.
     pub error: f64,
 }
 
 /// How a curve ends.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize),
-    serde(tag = "reason", content = "detail", rename_all = "kebab-case")
-)]
 pub enum CurveEnd {
     /// At the edge of the window.
     Edge,
@@ -166,9 +161,9 @@ pub enum CurveEnd {
     /// It is followed no farther than so many points.
     Long,
     /// Newton's method lost the orbit.
-    Lost(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::serde_impl::message"))] BranchError),
+    Lost(BranchError),
     /// What vanishes at the event could not be computed any further.
-    Unwatched(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::serde_impl::message"))] FloquetError),
+    Unwatched(FloquetError),
 }
 
 impl fmt::Display for CurveEnd {
@@ -192,18 +187,20 @@ impl fmt::Display for CurveEnd {
 
 /// The curve of an event in a window.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "O: crate::serde_impl::Followed"))]
 #[must_use]
 pub struct EventCurve<O = Orbit> {
     /// Which event.
     pub event: Event,
     /// What showed it where the curve was taken up.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub evidence: Evidence,
     /// Points in their order; a closed curve has its first one once more at the end.
     pub points: Vec<CurvePoint<O>>,
     /// Points of codimension two among them, in their order.
     pub special: Vec<SpecialPoint>,
     /// How it ends before the first and behind the last point.
+    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::serde_impl::texts"))]
     pub ends: [CurveEnd; 2],
     /// Orbits assembled.
     pub evaluations: usize,

@@ -362,9 +362,15 @@ impl Walker {
         special.extend(ahead.special.into_iter().map(|(place, kind, error)| (count - 1 + place, kind, error)));
         let feet = joined(behind.feet, ahead.feet);
         let errors = self.errors(&feet);
-        let points = feet.iter().zip(&errors).map(|(foot, error)| self.described(foot, *error)).collect();
-        let special =
-            special.into_iter().map(|(point, special, error)| SpecialPoint { special, point, error }).collect();
+        let points: Vec<CurvePoint> =
+            feet.iter().zip(&errors).map(|(foot, error)| self.described(foot, *error)).collect();
+        let named = |(point, special, error): (usize, Special, f64)| SpecialPoint {
+            special,
+            point,
+            values: points[point].values,
+            error,
+        };
+        let special = special.into_iter().map(named).collect();
         let ends = if closed { [CurveEnd::Closed, CurveEnd::Closed] } else { [behind.end, ahead.end] };
         let evaluations = self.surface.evaluations();
         EventCurve { event: self.event, evidence, points, special, ends, evaluations, spectra: self.sight.spectra }

@@ -1,7 +1,5 @@
 //! What is looked for, and what is found.
 
-use std::fmt;
-
 use nalgebra::Complex;
 use thiserror::Error;
 use vibrochain_breather::{Approach, BranchError, BreatherError, Orbit};
@@ -26,28 +24,9 @@ pub enum Event {
     Fold,
 }
 
-impl Event {
-    /// All of them.
-    pub const ALL: [Self; 5] = [Self::Grazing, Self::Pitchfork, Self::PeriodDoubling, Self::NeimarkSacker, Self::Fold];
-
-    /// The name in command lines and files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Grazing => "grazing",
-            Self::Pitchfork => "pitchfork",
-            Self::PeriodDoubling => "period-doubling",
-            Self::NeimarkSacker => "neimark-sacker",
-            Self::Fold => "fold",
-        }
-    }
-}
-
-/// The name in files.
-impl fmt::Display for Event {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
+vibrochain_lattice::names!(Event {
+    Grazing "grazing", Pitchfork "pitchfork", PeriodDoubling "period-doubling", NeimarkSacker "neimark-sacker", Fold "fold",
+});
 
 /// A search: what, in which parameter, how far.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -103,6 +82,7 @@ pub enum Evidence {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct BranchedOrbit<O = Orbit> {
     /// The orbit.
+    #[cfg_attr(feature = "serde", serde(flatten))]
     pub orbit: O,
     /// Whether it is physical there; `None` where that cannot be told.
     pub physical: Option<bool>,
@@ -118,6 +98,7 @@ pub struct Branching<O = Orbit> {
     /// The value, a small step from the bifurcation.
     pub value: f64,
     /// They exist for larger values (otherwise for smaller ones).
+    #[cfg_attr(feature = "serde", serde(rename = "side", serialize_with = "crate::serde_impl::side"))]
     pub above: bool,
     /// The doubled orbit, or the asymmetric pair.
     pub orbits: Vec<BranchedOrbit<O>>,
@@ -125,7 +106,6 @@ pub struct Branching<O = Orbit> {
 
 /// An event that was found.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Located<O = Orbit> {
     /// Which event.
     pub event: Event,
@@ -140,7 +120,6 @@ pub struct Located<O = Orbit> {
     /// Whether the orbit there is physical, where that can be told; at grazing a matter of rounding.
     pub physical: Option<bool>,
     /// The verdict a small step away on either side in the parameter, as far as the orbit exists there.
-    #[cfg_attr(feature = "serde", serde(rename = "sides"))]
     pub verdicts: Vec<(f64, Verdict)>,
     /// The orbits that branch off, at a period doubling or pitchfork.
     pub branching: Option<Branching<O>>,
@@ -151,7 +130,6 @@ pub struct Located<O = Orbit> {
 /// A stretch of the branch over which what vanishes at an event changes its sign, but rounding moves the zero farther than the
 /// distance over which the sign was seen to change: no point can be claimed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Unresolved {
     /// Least value of the free parameter.
     pub from: f64,
@@ -161,11 +139,6 @@ pub struct Unresolved {
 
 /// How the way in one direction ended.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize),
-    serde(tag = "reason", content = "detail", rename_all = "kebab-case")
-)]
 pub enum End {
     /// At the end of the range.
     Range,
@@ -177,7 +150,6 @@ pub enum End {
     /// It is back where it was started: a closed curve.
     Closed,
     /// The branch of asymmetric orbits ends on the symmetric one.
-    #[cfg_attr(feature = "serde", serde(rename = "symmetric"))]
     Pitchfork,
     /// A harmonic of the orbit meets a mode.
     Resonance(Resonance),
@@ -186,9 +158,9 @@ pub enum End {
     /// All impulses vanish: the breather ends on the motion that the force drives alone, which touches the barrier there.
     ImpulsesVanish,
     /// Newton's method lost the branch.
-    Lost(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::serde_impl::message"))] BranchError),
+    Lost(BranchError),
     /// What was to be watched could not be computed any further.
-    Unwatched(#[cfg_attr(feature = "serde", serde(serialize_with = "crate::serde_impl::message"))] FloquetError),
+    Unwatched(FloquetError),
 }
 
 impl End {
@@ -211,11 +183,9 @@ impl End {
 
 /// The answer to a search.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[must_use]
 pub struct Answer {
     /// All events on the branch between the ends, the one nearest to the start first.
-    #[cfg_attr(feature = "serde", serde(rename = "points"))]
     pub located: Vec<Located>,
     /// Where there may be more, hidden by rounding.
     pub unresolved: Vec<Unresolved>,

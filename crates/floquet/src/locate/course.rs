@@ -39,23 +39,24 @@ impl Course {
 
 /// A point of a diagram.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "O: crate::serde_impl::Followed"))]
 pub struct DiagramPoint<O = Orbit> {
     /// Value of the free parameter.
     pub value: f64,
     /// The orbit.
+    #[cfg_attr(feature = "serde", serde(flatten, serialize_with = "crate::serde_impl::of_branch"))]
     pub orbit: O,
     /// Smallest distance of any mass to a barrier, where all impacts are right-signed.
     pub margin: Option<f64>,
     /// Whether it is physical, where that can be told.
     pub physical: Option<bool>,
     /// Its stability, where it can be judged.
+    #[cfg_attr(feature = "serde", serde(rename = "stability"))]
     pub verdict: Option<Verdict>,
 }
 
 /// What a branch passes.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "kebab-case"))]
 pub enum Station<O = Orbit> {
     /// A point.
     Point(DiagramPoint<O>),
@@ -92,7 +93,6 @@ pub fn is_physical_about<S>(stations: &[S], at: usize, tell: impl Fn(&S) -> (Opt
 
 /// Where a branch of a diagram was taken up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Origin {
     /// The branch that it leaves.
     pub branch: usize,
@@ -102,7 +102,6 @@ pub struct Origin {
 
 /// A branch of a diagram.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct FollowedBranch<O = Orbit> {
     /// Where it leaves another; `None` for the orbit's own.
     pub origin: Option<Origin>,
@@ -203,7 +202,6 @@ fn traits(orbit: &Orbit, sign: f64) -> Vec<Trait> {
 
 /// A bifurcation diagram.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[must_use]
 pub struct Diagram {
     /// The orbit's own branch first, then those that leave it, then those that leave these.

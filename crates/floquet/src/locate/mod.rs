@@ -29,6 +29,8 @@ mod diagram;
 mod follow;
 mod follower;
 mod polish;
+#[cfg(feature = "serde")]
+mod serde_impl;
 mod settle;
 pub(crate) mod spectrum_events;
 mod switch;

@@ -10,7 +10,7 @@ use super::dressed::DressedModes;
 /// It is always a sum: where the difference of two frequencies is a harmonic, multipliers of equal Krein signature meet,
 /// and none leaves the circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[must_use]
 pub struct Collision {
     /// k ≤ l; mode k is the one between Ω_k and Ω_{k+1}, and the last one, [`DressedModes::count`] − 1, the breather's own.

@@ -46,7 +46,6 @@ const MOST_LOSS: f64 = 0.3;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct OwnMode {
     /// That with positive form, from 0 to ω; a mode that impacts once a period has it up to multiples of ω. ω/2 while the mode
     /// doubles the period against itself.

@@ -48,7 +48,6 @@ pub struct StripeLine {
 
 /// What is at the end of a stripe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "kebab-case"))]
 pub enum StripeEnd {
     /// Two pairs of multipliers meet on the circle, or one meets itself at −1.
     Edge,

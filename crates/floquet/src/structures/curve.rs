@@ -137,16 +137,14 @@ pub fn structure_curve(
         if end_behind == CurveEnd::Closed { (vec![first], Vec::new(), CurveEnd::Closed) } else { follow(first) };
     stop.heard()?;
     let before = behind.len();
-    let mut special: Vec<SpecialPoint> = (special_behind.into_iter())
-        .map(|(at, special, error)| SpecialPoint { special, point: before - 1 - at, error })
-        .chain(special_ahead.into_iter().map(|(at, special, error)| SpecialPoint {
-            special,
-            point: before - 1 + at,
-            error,
-        }))
+    let feet = joined(behind, ahead);
+    let behind = special_behind.into_iter().map(|(at, special, error)| (before - 1 - at, special, error));
+    let ahead = special_ahead.into_iter().map(|(at, special, error)| (before - 1 + at, special, error));
+    let mut special: Vec<SpecialPoint> = behind
+        .chain(ahead)
+        .map(|(point, special, error)| SpecialPoint { special, point, values: values(&feet[point]), error })
         .collect();
     special.sort_by_key(|one| one.point);
-    let feet = joined(behind, ahead);
     let points = feet.iter().map(|foot| described(&mut manifold, foot, test)).collect();
     Ok(EventCurve {
         event,

@@ -6,23 +6,9 @@ use std::str::FromStr;
 use crate::error::Short;
 use crate::model::force::{Force, Harmonic};
 use crate::model::parameter::Parameter;
-use crate::model::params::{Barrier, Chain, Layout, Model};
+use crate::model::params::{Chain, Layout, Model};
 use crate::model::point::Point;
 use crate::modes::row::Ends;
-
-/// The name in files.
-impl Display for Barrier {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        f.pad(self.name())
-    }
-}
-
-/// The name in files.
-impl Display for Ends {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        f.pad(self.name())
-    }
-}
 
 /// The name in files.
 impl Display for Parameter {
@@ -123,6 +109,7 @@ fn values(f: &mut Formatter<'_>, point: &Point, wanted: impl Fn(Parameter) -> bo
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Barrier;
 
     #[test]
     fn values_are_one_line_of_words() {

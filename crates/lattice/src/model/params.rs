@@ -32,15 +32,9 @@ impl Barrier {
     pub fn position(self, asymmetry: f64) -> f64 {
         asymmetry + self.sign()
     }
-
-    /// The name used in files: `lower` or `upper`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Lower => "lower",
-            Self::Upper => "upper",
-        }
-    }
 }
+
+crate::names!(Barrier { Lower "lower", Upper "upper" });
 
 /// The linear lattice: unit masses in a row, or in several layers of equal rows, and the stiffnesses of the equations of motion
 ///
@@ -108,6 +102,12 @@ impl Layout {
     /// The site and layer of mass `index`.
     pub fn place(&self, index: usize) -> (usize, usize) {
         (index % self.length.max(1), index / self.length.max(1))
+    }
+
+    /// The same as answers tell it: the layer only where there are several.
+    pub fn site_and_layer(&self, index: usize) -> (usize, Option<usize>) {
+        let (site, layer) = self.place(index);
+        (site, (self.layers > 1).then_some(layer))
     }
 }
 

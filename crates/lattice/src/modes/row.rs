@@ -25,19 +25,7 @@ pub enum Ends {
     Fixed,
 }
 
-impl Ends {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Closed, Self::Free, Self::Fixed];
-
-    /// The name used in files: `closed`, `free` or `fixed`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Closed => "closed",
-            Self::Free => "free",
-            Self::Fixed => "fixed",
-        }
-    }
-}
+crate::names!(Ends { Closed "closed", Free "free", Fixed "fixed" });
 
 /// A row of masses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -1,12 +1,12 @@
 //! What is found: borders, and what they leave unexplained.
 
-use std::fmt;
-
-use vibrochain_floquet::{Event, Special};
+use serde::Serialize;
+use vibrochain_floquet::{Event, SpecialPoint};
 use vibrochain_lattice::Parameter;
 
 /// What happens on a border.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum BorderKind {
     /// A mass touches a barrier from inside, or an impact loses its velocity.
     Grazing,
@@ -42,32 +42,13 @@ impl From<Event> for BorderKind {
     }
 }
 
-impl BorderKind {
-    /// The name in files, for events that of [`Event`].
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Grazing => Event::Grazing.name(),
-            Self::Pitchfork => Event::Pitchfork.name(),
-            Self::PeriodDoubling => Event::PeriodDoubling.name(),
-            Self::NeimarkSacker => Event::NeimarkSacker.name(),
-            Self::Fold => Event::Fold.name(),
-            Self::Resonance => "resonance",
-            Self::Unbounded => "unbounded",
-            Self::ImpulsesVanish => "impulses-vanish",
-            Self::Threshold => "threshold",
-            Self::Change => "change",
-        }
-    }
-}
-
-impl fmt::Display for BorderKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
+vibrochain_lattice::names!(BorderKind {
+    Grazing "grazing", Pitchfork "pitchfork", PeriodDoubling "period-doubling", NeimarkSacker "neimark-sacker", Fold "fold",
+    Resonance "resonance", Unbounded "unbounded", ImpulsesVanish "impulses-vanish", Threshold "threshold", Change "change",
+});
 
 /// A point of a border.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BorderPoint {
     /// Values of both parameters.
     pub values: [f64; 2],
@@ -78,7 +59,7 @@ pub struct BorderPoint {
 }
 
 /// Which stripe a border is an edge of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct StripeEdge {
     /// The two modes that meet, k ≤ l; k = l is one against itself.
     pub modes: (usize, usize),
@@ -89,20 +70,41 @@ pub struct StripeEdge {
 }
 
 /// A border.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Border {
     /// Of which family or word, as the scene names it.
     pub family: String,
     /// What happens on it.
+    #[serde(rename = "event")]
     pub kind: BorderKind,
     /// The stripe that it bounds, where that was found by its modes.
     pub stripe: Option<StripeEdge>,
     /// Points in their order; a closed border has its first one once more at the end.
     pub points: Vec<BorderPoint>,
-    /// Points of codimension two, where they were asked for: what, which of the points, and its error as a part of the window's sides.
-    pub special: Vec<(Special, usize, f64)>,
+    /// Points of codimension two, where they were asked for.
+    pub special: Vec<SpecialPoint>,
     /// How it ends before the first and behind the last point.
     pub ends: [String; 2],
+}
+
+/// Two places that differ, with no border found between them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UnexplainedChange {
+    /// Of which family or word, as the scene names it.
+    pub family: String,
+    /// The two places.
+    pub between: [[f64; 2]; 2],
+}
+
+/// Stripes that could not be told from one another.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MergedStripes {
+    /// Of which family or word, as the scene names it.
+    pub family: String,
+    /// Between these values along x.
+    pub range: [f64; 2],
+    /// At this value along y.
+    pub at: f64,
 }
 
 /// The borders of a window.
@@ -112,10 +114,10 @@ pub struct Borders {
     pub parameters: [Parameter; 2],
     /// All of them.
     pub borders: Vec<Border>,
-    /// Changes between two places of the window for which there is no border: family, and the two places.
-    pub unexplained: Vec<(String, [[f64; 2]; 2])>,
-    /// Between these values along x, at that along y, stripes could not be told from one another.
-    pub unresolved: Vec<(String, [f64; 2], f64)>,
+    /// Changes between two places of the window for which there is no border.
+    pub unexplained: Vec<UnexplainedChange>,
+    /// Where stripes could not be told from one another.
+    pub unresolved: Vec<MergedStripes>,
     /// How many places were looked at.
     pub places: usize,
     /// The search was ended before its end.

@@ -28,6 +28,6 @@ mod meet;
 mod part;
 mod search;
 
-pub use border::{Border, BorderKind, BorderPoint, Borders, StripeEdge};
+pub use border::{Border, BorderKind, BorderPoint, Borders, MergedStripes, StripeEdge, UnexplainedChange};
 pub use courses::StripeCourse;
 pub use search::{Asked, Stage};

@@ -4,10 +4,10 @@ use std::cell::Cell;
 use std::collections::HashMap;
 
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
-use vibrochain_floquet::{CurveEnd, Event, Located, StripeFinder, Walk, curve_along};
+use vibrochain_floquet::{CurveEnd, Event, Located, SpecialPoint, StripeFinder, Walk, curve_along};
 use vibrochain_lattice::Stop;
 
-use super::border::{Border, BorderKind, BorderPoint, Borders, StripeEdge};
+use super::border::{Border, BorderKind, BorderPoint, Borders, MergedStripes, StripeEdge, UnexplainedChange};
 use super::change::trace;
 use super::courses::{Courses, is_uncoupled, striped};
 use super::grid::{Edge, Grid};
@@ -225,7 +225,8 @@ impl Search<'_> {
         let courses = Courses { scene: self.scene, window: self.window, part: self.part, family, tolerance, stop };
         let (lanes, unresolved) = courses.lanes(&|done, all| self.told(Stage::Rows, done, all));
         let value = |y: f64| self.window.point([0.0, y])[1];
-        let of_part = |(y, range): (f64, [f64; 2])| (self.part.name.clone(), range, value(y));
+        let of_part =
+            |(y, range): (f64, [f64; 2])| MergedStripes { family: self.part.name.clone(), range, at: value(y) };
         self.found.unresolved = unresolved.into_iter().map(of_part).collect();
         for lane in &lanes {
             for upper in [false, true] {
@@ -290,8 +291,8 @@ impl Search<'_> {
     /// Adds what was found at a change.
     fn take(&mut self, outcome: Outcome, ends: [[f64; 2]; 2]) {
         if !outcome.explained {
-            let ends = ends.map(|place| self.window.point(place));
-            self.found.unexplained.push((self.part.name.clone(), ends));
+            let between = ends.map(|place| self.window.point(place));
+            self.found.unexplained.push(UnexplainedChange { family: self.part.name.clone(), between });
         }
         for border in outcome.borders {
             // Two changes looked at side by side may be one border's.
@@ -310,8 +311,8 @@ impl Search<'_> {
         let (window, known) = (self.window, &self.known);
         let place = |ends: &[[f64; 2]; 2]| window.part([0, 1].map(|i| 0.5 * (ends[0][i] + ends[1][i])));
         let mut told: Vec<[f64; 2]> = Vec::new();
-        self.found.unexplained.retain(|(_, ends)| {
-            let place = place(ends);
+        self.found.unexplained.retain(|change| {
+            let place = place(&change.between);
             let new = !known.holds(place, reach) && !told.contains(&place);
             told.push(place);
             new
@@ -469,7 +470,7 @@ impl Search<'_> {
             kind: curve.event.into(),
             stripe: None,
             points: curve.points.iter().map(point).collect(),
-            special: curve.special.iter().map(|one| (one.special, one.point, one.error)).collect(),
+            special: curve.special,
             ends: [end(&curve.ends[0]), end(&curve.ends[1])],
         };
         (border.points.len() > 1).then_some(border)
@@ -560,10 +561,10 @@ fn pieces(border: Border, new: &[bool]) -> Vec<Border> {
         let known = || "where it is known".to_owned();
         let begin = if range.start == 0 { border.ends[0].clone() } else { known() };
         let end = if range.end == new.len() { border.ends[1].clone() } else { known() };
-        let special = border.special.iter().filter(|(_, point, _)| range.contains(point));
+        let special = border.special.iter().filter(|one| range.contains(&one.point));
         pieces.push(Border {
             points: border.points[range.clone()].to_vec(),
-            special: special.map(|&(special, point, error)| (special, point - range.start, error)).collect(),
+            special: special.map(|one| SpecialPoint { point: one.point - range.start, ..one.clone() }).collect(),
             ends: [begin, end],
             family: border.family.clone(),
             ..border

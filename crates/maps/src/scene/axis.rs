@@ -1,23 +1,29 @@
 //! Axes of a sweep.
 
+use serde::{Serialize, Serializer};
 use vibrochain_lattice::Parameter;
 
 /// The most points of one axis.
 pub const MAX_POINTS: usize = 1_000_000;
 
 /// One axis of a sweep: a parameter and the values it takes.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Axis {
     /// What is varied.
     pub parameter: Parameter,
     /// Its values.
+    #[serde(flatten)]
     pub values: Values,
 }
 
 /// The values along an axis.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum Values {
+    /// One by one, in this order; no two alike and at least one.
+    #[serde(rename = "values")]
+    List(Vec<f64>),
     /// Equally spaced.
+    #[serde(untagged)]
     Linear {
         /// First value.
         from: f64,
@@ -27,6 +33,7 @@ pub enum Values {
         points: usize,
     },
     /// Equal ratios of neighbours.
+    #[serde(untagged, serialize_with = "logarithmic")]
     Logarithmic {
         /// First value, above 0.
         from: f64,
@@ -35,8 +42,18 @@ pub enum Values {
         /// Number of values, at least 2.
         points: usize,
     },
-    /// One by one, in this order; no two alike and at least one.
-    List(Vec<f64>),
+}
+
+/// As linear ones, with the word for it.
+fn logarithmic<S: Serializer>(from: &f64, to: &f64, points: &usize, serializer: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Spaced {
+        from: f64,
+        to: f64,
+        points: usize,
+        spacing: &'static str,
+    }
+    Spaced { from: *from, to: *to, points: *points, spacing: "log" }.serialize(serializer)
 }
 
 impl Values {

@@ -1,5 +1,6 @@
 //! How a scene's grid is refined where its cells differ.
 
+use serde::Serialize;
 use toml::Spanned;
 
 use crate::error::MapError;
@@ -13,7 +14,7 @@ const MAX_DEPTH: u32 = 8;
 const MAX_REFINED: u64 = 1_000_000;
 
 /// How a scene's grid is refined.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Refine {
     /// How often a cell may be halved along both axes.
     pub depth: u32,

@@ -38,25 +38,11 @@ pub enum Quantity {
     Solutions,
 }
 
+vibrochain_lattice::names!(Quantity {
+    SpectralRadius "spectral_radius", Margin "margin", Impulse "impulse", Solutions "solutions",
+});
+
 impl Quantity {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::SpectralRadius, Self::Margin, Self::Impulse, Self::Solutions];
-
-    /// What has that name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|quantity| quantity.name() == name)
-    }
-
-    /// The column of tables that has it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::SpectralRadius => "spectral_radius",
-            Self::Margin => "margin",
-            Self::Impulse => "impulse",
-            Self::Solutions => "solutions",
-        }
-    }
-
     /// What an axis calls it.
     pub(crate) fn label(self) -> &'static str {
         match self {

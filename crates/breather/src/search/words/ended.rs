@@ -6,7 +6,6 @@ use vibrochain_lattice::{Layout, Parameter, Resonance};
 
 /// What ends a branch.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "kebab-case"))]
 pub enum End {
     /// It turns back.
     Fold,
@@ -34,7 +33,6 @@ impl End {
 
 /// Where a branch that was followed from masses without coupling ended.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[must_use]
 pub struct Ended {
     /// The coupling that was being raised: γ₂, or γ₃ where γ₂ was reached.

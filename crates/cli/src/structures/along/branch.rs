@@ -12,15 +12,15 @@ use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::structure::answer::structure;
 
-use super::{
-    EndEntry, EventEntry, Named, Start, VerdictEntry, course, events_text, family, impulses, phi, range, start,
-};
+use super::{EventEntry, Named, Start, course, events_text, family, impulses, phi, range, start};
 use crate::args::{BranchArgs, LocateArgs, QuantityName};
 use crate::branch::table::{BranchName, HEADER, Row};
+use crate::common::answer::{EndAnswer, printed};
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::picture_files::PictureFiles;
 use crate::common::schemas::STRUCTURE_BRANCH;
+use crate::locate::ending;
 use crate::sweep::report::counted;
 
 /// Columns of `mapgen locate --out`.
@@ -161,37 +161,10 @@ struct Answer<'a> {
     solution: usize,
     range: [f64; 2],
     #[serde(skip_serializing_if = "Option::is_none")]
-    points: Option<Vec<PointEntry>>,
+    points: Option<Vec<&'a DiagramPoint<StructureOrbit>>>,
     events: Vec<EventEntry>,
-    unresolved: Vec<[f64; 2]>,
-    ends: Vec<EndEntry>,
-}
-
-#[derive(Serialize)]
-struct PointEntry {
-    value: f64,
-    period: f64,
-    psi: Option<f64>,
-    times: Vec<f64>,
-    impulses: Vec<f64>,
-    margin: Option<f64>,
-    physical: Option<bool>,
-    stability: Option<VerdictEntry>,
-}
-
-impl PointEntry {
-    fn of(point: &DiagramPoint<StructureOrbit>) -> Self {
-        Self {
-            value: point.value,
-            period: point.orbit.period(),
-            psi: point.orbit.psi(),
-            times: point.orbit.impacts().iter().map(|impact| impact.time).collect(),
-            impulses: impulses(&point.orbit),
-            margin: point.margin,
-            physical: point.physical,
-            stability: point.verdict.as_ref().map(VerdictEntry::of),
-        }
-    }
+    unresolved: &'a [Unresolved],
+    ends: Vec<EndAnswer>,
 }
 
 fn json(
@@ -207,13 +180,12 @@ fn json(
         word: &start.word,
         solution: start.solution,
         range,
-        points: points.then(|| found.points().map(PointEntry::of).collect()),
+        points: points.then(|| found.points().collect()),
         events: found.events().map(EventEntry::of).collect(),
-        unresolved: found.unresolved.iter().map(|Unresolved { from, to }| [*from, *to]).collect(),
-        ends: found.ends.iter().map(|end| EndEntry::of(start.free, end)).collect(),
+        unresolved: &found.unresolved,
+        ends: EndAnswer::of(&found.ends, |value, end| ending(&start.free.to_string(), value, end)),
     };
-    let text = serde_json::to_string_pretty(&answer).map_err(|error| CliError::Computation(error.to_string()))?;
-    Ok(text + "\n")
+    printed(&answer)
 }
 
 /// The answer for people. Writing to a String cannot fail.

@@ -14,6 +14,7 @@ use vibrochain_maps::structure::{Setting, StructureScene};
 
 use super::{Named, Start, course, family, impulses, phi, range, start, value_of};
 use crate::args::CurveArgs;
+use crate::common::answer::printed;
 #[cfg(feature = "plot")]
 use crate::common::caption::in_words;
 use crate::common::console::{Console, nothing_else};
@@ -125,34 +126,7 @@ struct Answer<'a> {
     free: [Named; 2],
     from: [f64; 2],
     to: [f64; 2],
-    curves: Vec<CurveEntry>,
-}
-
-#[derive(Serialize)]
-struct CurveEntry {
-    event: &'static str,
-    points: Vec<PointEntry>,
-    special: Vec<SpecialEntry>,
-    ends: [String; 2],
-}
-
-#[derive(Serialize)]
-struct PointEntry {
-    values: [f64; 2],
-    error: Option<f64>,
-    angle: Option<f64>,
-    physical: Option<bool>,
-    psi: Option<f64>,
-    times: Vec<f64>,
-    impulses: Vec<f64>,
-}
-
-#[derive(Serialize)]
-struct SpecialEntry {
-    special: String,
-    point: usize,
-    values: [f64; 2],
-    error: f64,
+    curves: &'a [StructureCurve],
 }
 
 fn json(
@@ -161,29 +135,6 @@ fn json(
     window: &StructureWindow,
     curves: &[StructureCurve],
 ) -> Result<String, CliError> {
-    let entry = |curve: &StructureCurve| CurveEntry {
-        event: curve.event.name(),
-        points: (curve.points.iter())
-            .map(|point| PointEntry {
-                values: point.values,
-                error: Some(point.error).filter(|error| error.is_finite()),
-                angle: point.angle,
-                physical: point.physical,
-                psi: point.orbit.psi(),
-                times: point.orbit.impacts().iter().map(|impact| impact.time).collect(),
-                impulses: impulses(&point.orbit),
-            })
-            .collect(),
-        special: (curve.special.iter())
-            .map(|one| SpecialEntry {
-                special: one.special.to_string(),
-                point: one.point,
-                values: curve.points[one.point].values,
-                error: one.error,
-            })
-            .collect(),
-        ends: [0, 1].map(|i| curve.ends[i].to_string()),
-    };
     let answer = Answer {
         schema: STRUCTURE_CURVE,
         structure: structure(start.scene, start.orbit.model()),
@@ -192,10 +143,9 @@ fn json(
         free: settings.map(Named),
         from: window.from,
         to: window.to,
-        curves: curves.iter().map(entry).collect(),
+        curves,
     };
-    let text = serde_json::to_string_pretty(&answer).map_err(|error| CliError::Computation(error.to_string()))?;
-    Ok(text + "\n")
+    printed(&answer)
 }
 
 /// The answer for people. Writing to a String cannot fail.

@@ -185,28 +185,6 @@ pub(super) fn events_text<'a>(
     }
 }
 
-/// A verdict as JSON has it.
-#[derive(Serialize)]
-pub(super) struct VerdictEntry {
-    stable: bool,
-    marginal: bool,
-    mechanism: Option<&'static str>,
-    spectral_radius: f64,
-    leading: [f64; 2],
-}
-
-impl VerdictEntry {
-    pub(super) fn of(verdict: &Verdict) -> Self {
-        Self {
-            stable: verdict.stable,
-            marginal: verdict.marginal,
-            mechanism: verdict.mechanism.map(|mechanism| mechanism.name()),
-            spectral_radius: verdict.spectral_radius,
-            leading: [verdict.leading.re, verdict.leading.im],
-        }
-    }
-}
-
 /// What shows an event, as JSON has it.
 #[derive(Serialize)]
 #[serde(untagged)]
@@ -232,7 +210,7 @@ impl EvidenceEntry {
 #[derive(Serialize)]
 struct SideEntry {
     value: f64,
-    stability: VerdictEntry,
+    stability: Verdict,
 }
 
 /// An event as JSON has it.
@@ -263,24 +241,8 @@ impl EventEntry {
             psi: found.orbit.psi(),
             times: found.orbit.impacts().iter().map(|impact| impact.time).collect(),
             impulses: impulses(&found.orbit),
-            sides: sides
-                .map(|(value, verdict)| SideEntry { value: *value, stability: VerdictEntry::of(verdict) })
-                .collect(),
+            sides: sides.map(|(value, verdict)| SideEntry { value: *value, stability: *verdict }).collect(),
         }
-    }
-}
-
-/// Where and how a way ends, as JSON has it.
-#[derive(Serialize)]
-pub(super) struct EndEntry {
-    value: f64,
-    reason: &'static str,
-    message: String,
-}
-
-impl EndEntry {
-    pub(super) fn of(free: Setting, (value, end): &(f64, End)) -> Self {
-        Self { value: *value, reason: end.name(), message: ending(&free.to_string(), *value, end) }
     }
 }
 

@@ -1,0 +1,45 @@
+//! Words for the variants of an enumeration, as files and command lines have them.
+
+/// Gives an enumeration without data its words: `ALL`, `name`, `from_name` and [`Display`](std::fmt::Display) come from one list.
+///
+/// ```
+/// #[derive(Clone, Copy, Debug, PartialEq)]
+/// pub enum Side {
+///     Left,
+///     Right,
+/// }
+/// vibrochain_lattice::names!(Side { Left "left", Right "right" });
+/// assert_eq!(Side::ALL.map(Side::name), ["left", "right"]);
+/// assert_eq!(Side::from_name("right"), Some(Side::Right));
+/// assert_eq!(Side::Left.to_string(), "left");
+/// ```
+#[macro_export]
+macro_rules! names {
+    ($type:ident { $($variant:ident $name:literal),* $(,)? }) => {
+        impl $type {
+            /// All of them, in the order of tables and legends.
+            pub const ALL: [Self; [$($name),*].len()] = [$(Self::$variant),*];
+
+            /// The name in files and on the command line.
+            #[must_use]
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name),*
+                }
+            }
+
+            /// The one of that name.
+            #[must_use]
+            pub fn from_name(name: &str) -> Option<Self> {
+                Self::ALL.into_iter().find(|one| one.name() == name)
+            }
+        }
+
+        /// The name in files.
+        impl ::std::fmt::Display for $type {
+            fn fmt(&self, f: &mut ::std::fmt::Formatter<'_>) -> ::std::fmt::Result {
+                f.pad(self.name())
+            }
+        }
+    };
+}
