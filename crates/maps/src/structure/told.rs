@@ -66,7 +66,9 @@ impl StructureScene {
         if let Some(middle) = middle
             && !swept(Setting::Asymmetry)
         {
-            parts.push(format!("{} = {middle}", Parameter::Asymmetry.symbol()));
+            // Without the rounding of the two barriers that it is the middle of.
+            let rounded = format!("{middle:.14e}").parse().unwrap_or(*middle);
+            parts.push(format!("{} = {rounded}", Parameter::Asymmetry.symbol()));
         }
         let own = |one: &dyn Fn(usize) -> Setting| (0..contacts.len()).any(|contact| swept(one(contact)));
         if let Some(e) = same(|contact| contact.restitution)
