@@ -85,7 +85,7 @@ fn every_picture_of_the_documents_is_in_the_gallery() {
     assert!(all.len() > 30);
     let listed: Vec<&Path> = all.iter().map(|entry| entry.file.as_path()).collect();
     let mut missing = Vec::new();
-    for folder in ["docs", "docs/guide", "docs/bifurcations", "docs/stripes", "docs/gallery"] {
+    for folder in ["docs", "docs/guide", "docs/bifurcations", "docs/stripes", "docs/gallery", "docs/problems"] {
         for file in fs::read_dir(root().join(folder)).unwrap() {
             let file = Path::new(folder).join(file.unwrap().file_name());
             let is_picture = file.extension().is_some_and(|end| end == "png" || end == "gif");
@@ -101,7 +101,14 @@ fn every_picture_of_the_documents_is_in_the_gallery() {
 
 #[test]
 fn pictures_of_the_documents_are_drawn_as_they_stand() {
-    let quick = ["conservative-n20.png", "guide/frequency-n20.png", "gallery/orbit.png", "gallery/breather.gif"];
+    let quick = [
+        "conservative-n20.png",
+        "guide/frequency-n20.png",
+        "gallery/orbit.png",
+        "gallery/breather.gif",
+        "problems/energy-sink.png",
+        "problems/pounding.png",
+    ];
     let all = entries();
     let chosen: Vec<&Entry> = all.iter().filter(|entry| quick.iter().any(|name| entry.file.ends_with(name))).collect();
     assert_eq!(chosen.len(), quick.len());

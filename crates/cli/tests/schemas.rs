@@ -101,6 +101,10 @@ fn answers(desk: &Desk) -> Vec<(&'static str, Value)> {
     // Of stable breathers that a thousandth does not drive away: no words of other motions, whose list is as long as it comes.
     answers.push(("fate", told("fate scene.toml --starts 1 --periods 80 --json --csv f.csv")));
     answers.push(("table", desk.json("f.manifest.json")));
+    // Of a structure, likewise.
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/structures");
+    let line = format!("fate {}/two-masses.toml --starts 1 --periods 80 --json", scenes.display());
+    answers.push(("fate", told(&line)));
     answers
 }
 
@@ -158,7 +162,7 @@ const MAY_BE_MISSING: [&str; 15] = [
 ];
 
 /// Text that may be anything.
-const PROSE: [&str; 16] = [
+const PROSE: [&str; 17] = [
     "obstruction",
     "reason",
     "message",
@@ -175,6 +179,8 @@ const PROSE: [&str; 16] = [
     "threshold",
     "heading",
     "name",
+    // Names of a structure's axes.
+    "axes",
 ];
 
 #[test]

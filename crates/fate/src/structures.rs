@@ -15,6 +15,9 @@ use crate::fates::{CellFates, Cells, Departure, Found, From, of_parts, predicted
 use crate::origin::OfStructure;
 use crate::run::Home;
 
+/// An orbit as runs start from it, and whether it is stable where that is decided.
+type Judged = (Departure<OfStructure>, Option<bool>);
+
 /// The fates of a structure's scene: its point, or all points of its axes, the first of which is the fastest.
 #[derive(Debug)]
 pub struct StructureFates<'a> {
@@ -56,8 +59,8 @@ impl<'a> StructureFates<'a> {
         scene.model()
     }
 
-    /// An orbit as runs start from it, whether it is stable, and whether it is not.
-    fn departures(&self, model: &StructureModel) -> (Vec<(Departure<OfStructure>, Option<bool>)>, Status) {
+    /// The physical orbits of all words that are asked for.
+    fn departures(&self, model: &StructureModel) -> (Vec<Judged>, Status) {
         let (mut all, mut status) = (Vec::new(), Status::Ok);
         for (word, periods) in self.scene.asked() {
             let Ok(found) = structure_orbits(model, &word, periods) else {

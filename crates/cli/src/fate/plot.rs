@@ -46,6 +46,9 @@ mod with_plot {
     const MOST_WORDS: usize = LINES.len() - 1;
     const OTHER_WORDS: [u8; 3] = [205, 170, 125];
 
+    /// An entry of the legend and its colour.
+    type Named = (String, [u8; 3]);
+
     /// An end by the number of its kind, or the word of another motion.
     #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
     enum Seen {
@@ -201,7 +204,7 @@ mod with_plot {
     impl Plot {
         /// Names and colours of all ends, and of each cell the number of its own: words by their frequency, those that have no colour of
         /// their own together.
-        fn legend(&self, scene: &dyn Mapped) -> (Vec<(String, [u8; 3])>, Vec<Option<usize>>) {
+        fn legend(&self, scene: &dyn Mapped) -> (Vec<Named>, Vec<Option<usize>>) {
             let mut counts: BTreeMap<&Word, usize> = BTreeMap::new();
             for seen in self.cells.iter().flatten() {
                 if let Seen::Word(word) = seen {
@@ -216,7 +219,7 @@ mod with_plot {
             let told = words.iter().map(|(word, _)| word.to_string()).zip(LINES);
             let kinds = WORDS.iter().map(|name| name.replace("breather", scene.orbit())).zip(ENDS);
             let others = ("other words".to_owned(), OTHER_WORDS);
-            let names: Vec<(String, [u8; 3])> =
+            let names: Vec<Named> =
                 if self.by_word { told.chain([others]).chain(kinds).collect() } else { kinds.collect() };
             let first = names.len() - WORDS.len();
             let number = |seen: &Seen| match seen {

@@ -3,7 +3,7 @@
 #[cfg(feature = "plot")]
 pub(crate) use with_plot::{Folder, OrbitPictures, Pictured};
 #[cfg(not(feature = "plot"))]
-pub(crate) use without_plot::{OrbitPictures, Pictured};
+pub(crate) use without_plot::OrbitPictures;
 
 #[cfg(feature = "plot")]
 mod with_plot {

@@ -122,6 +122,8 @@ pub struct StructureScene {
     load: f64,
     still: f64,
     damping: f64,
+    /// Loads are one force on every mass of a chain.
+    uniform: bool,
     contacts: Vec<Contact>,
     /// The modes at the damping there is now, with the contacts and loads of the file.
     modal: Arc<ModalStructure>,
@@ -215,6 +217,7 @@ impl StructureScene {
             load: 1.0,
             still: 1.0,
             damping: 1.0,
+            uniform: false,
         })
     }
 
@@ -231,7 +234,7 @@ impl StructureScene {
         let contacts = contacts.into_iter().enumerate().map(|(place, contact)| (unit(place), contact)).collect();
         let load = DVector::from_element(n, Complex::new(1.0, 0.0));
         let definition = Definition::of_chain(chain, contacts, DVector::from_element(n, 1.0), vec![(1, load)])?;
-        Ok(Self { load: amplitude, still, ..Self::of(definition)? })
+        Ok(Self { load: amplitude, still, uniform: true, ..Self::of(definition)? })
     }
 
     /// The words that are asked for, with their periods of the load: those of a map, or the one of the file.
@@ -252,6 +255,11 @@ impl StructureScene {
     /// The chain, if it is one.
     pub(super) fn chain(&self) -> Option<&ChainTable> {
         self.definition.chain()
+    }
+
+    /// Whether it is a chain under one force on every mass, whose size is the load.
+    pub(super) fn is_uniform(&self) -> bool {
+        self.uniform
     }
 
     /// Number of modes.

@@ -38,7 +38,7 @@ impl StructureScene {
 
     fn told(&self, swept: &dyn Fn(Setting) -> bool) -> String {
         let plural = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
-        let is_chain = self.is_chain();
+        let (is_chain, is_uniform) = (self.is_chain(), self.is_uniform());
         let contacts = self.contacts();
         let mut parts = match self.chain() {
             Some(chain) => vec![layout(chain)],
@@ -46,18 +46,30 @@ impl StructureScene {
         };
         let told = |setting: Setting, usual: Option<f64>| {
             let value = self.get(setting).filter(|value| Some(*value) != usual)?;
-            (!swept(setting)).then(|| format!("{} = {value}", setting.symbol(is_chain)))
+            (!swept(setting)).then(|| format!("{} = {value}", self.symbol(setting)))
         };
         parts.extend([Setting::Gamma1, Setting::Gamma2].into_iter().filter_map(|setting| told(setting, None)));
-        let usual = if is_chain { 0.0 } else { 1.0 };
-        for setting in [Setting::Damping, Setting::CouplingDamping, Setting::Load, Setting::Static] {
-            parts.extend(told(setting, Some(usual)));
-        }
+        // None, of what is a number of its own; what multiplies loads and dashpots is 1.
+        let usual = |is_own: bool| Some(if is_own { 0.0 } else { 1.0 });
+        parts.extend(told(Setting::Damping, usual(is_chain)));
+        parts.extend(told(Setting::CouplingDamping, Some(0.0)));
+        parts.extend(told(Setting::Load, usual(is_uniform)));
+        parts.extend(told(Setting::Static, usual(is_uniform)));
         // Where they are the same for all.
         let same = |of: fn(&Contact) -> f64| {
             let first = contacts.first().map(of)?;
             contacts.iter().all(|contact| of(contact) == first).then_some(first)
         };
+        let place = |contact: &Contact| Some(0.5 * (contact.lower? + contact.upper?));
+        let places = contacts.iter().map(place).collect::<Option<Vec<f64>>>().unwrap_or_default();
+        let middle = places.first().filter(|first| is_uniform && places.iter().all(|place| place == *first));
+        if let Some(middle) = middle
+            && !swept(Setting::Asymmetry)
+        {
+            // Without the rounding of the two barriers that it is the middle of.
+            let rounded = format!("{middle:.14e}").parse().unwrap_or(*middle);
+            parts.push(format!("{} = {rounded}", Parameter::Asymmetry.symbol()));
+        }
         let own = |one: &dyn Fn(usize) -> Setting| (0..contacts.len()).any(|contact| swept(one(contact)));
         if let Some(e) = same(|contact| contact.restitution)
             && !swept(Setting::RestitutionOfAll)
@@ -87,47 +99,43 @@ fn layout(chain: &ChainTable) -> String {
     }
 }
 
-impl Setting {
-    /// Its letter, or its name, on pictures: of a chain, or of what multiplies a structure's own loads and dashpots.
-    #[must_use]
-    pub fn symbol(self, is_chain: bool) -> String {
-        let times = |what: &str| format!("{what} ×");
-        match self {
-            Self::Omega => Parameter::Omega.symbol().to_owned(),
-            Self::Gamma1 => Parameter::Gamma1.symbol().to_owned(),
-            Self::Gamma2 => Parameter::Gamma2.symbol().to_owned(),
-            Self::Asymmetry => Parameter::Asymmetry.symbol().to_owned(),
-            Self::RestitutionOfAll => Parameter::Restitution.symbol().to_owned(),
-            Self::Load if is_chain => Parameter::Amplitude.symbol().to_owned(),
-            Self::Static if is_chain => "s".to_owned(),
-            Self::Damping if is_chain => "c".to_owned(),
-            Self::CouplingDamping => "c₂".to_owned(),
-            Self::Load => times("load"),
-            Self::Static => times("static load"),
-            Self::Damping => times("damping"),
+impl StructureScene {
+    /// The letter of a number, or its name, on pictures: a chain's own, or of what multiplies loads and dashpots.
+    fn symbol(&self, setting: Setting) -> String {
+        let symbol = |parameter: Parameter| parameter.symbol().to_owned();
+        match setting {
+            Setting::Omega => symbol(Parameter::Omega),
+            Setting::Gamma1 => symbol(Parameter::Gamma1),
+            Setting::Gamma2 => symbol(Parameter::Gamma2),
+            Setting::Asymmetry => symbol(Parameter::Asymmetry),
+            Setting::RestitutionOfAll => symbol(Parameter::Restitution),
+            Setting::Load if self.is_uniform() => symbol(Parameter::Amplitude),
+            Setting::Static if self.is_uniform() => "s".to_owned(),
+            Setting::Damping if self.is_chain() => "c".to_owned(),
+            Setting::CouplingDamping => "c₂".to_owned(),
+            Setting::Load => "factor of the load".to_owned(),
+            Setting::Static => "factor of the static load".to_owned(),
+            Setting::Damping => "factor of the damping".to_owned(),
             own => own.to_string(),
         }
     }
 
     /// What stands at an axis of it.
     #[must_use]
-    pub fn label(self, is_chain: bool) -> String {
-        let of = |parameter: Parameter| format!("{} {}", parameter.meaning(), parameter.symbol());
-        match self {
-            Self::Omega => of(Parameter::Omega),
-            Self::Gamma1 => of(Parameter::Gamma1),
-            Self::Gamma2 => of(Parameter::Gamma2),
-            Self::Asymmetry => of(Parameter::Asymmetry),
-            Self::RestitutionOfAll => of(Parameter::Restitution),
-            Self::Load if is_chain => of(Parameter::Amplitude),
-            Self::Static if is_chain => "static force s".to_owned(),
-            Self::Damping if is_chain => "damping c".to_owned(),
-            Self::CouplingDamping => "damping between neighbours c₂".to_owned(),
-            Self::Load => "factor of the load".to_owned(),
-            Self::Static => "factor of the static load".to_owned(),
-            Self::Damping => "factor of the damping".to_owned(),
-            own => own.to_string(),
-        }
+    pub fn label(&self, setting: Setting) -> String {
+        let meaning = match setting {
+            Setting::Omega => Parameter::Omega.meaning(),
+            Setting::Gamma1 => Parameter::Gamma1.meaning(),
+            Setting::Gamma2 => Parameter::Gamma2.meaning(),
+            Setting::Asymmetry => Parameter::Asymmetry.meaning(),
+            Setting::RestitutionOfAll => Parameter::Restitution.meaning(),
+            Setting::Load if self.is_uniform() => Parameter::Amplitude.meaning(),
+            Setting::Static if self.is_uniform() => "static force",
+            Setting::Damping if self.is_chain() => "damping",
+            Setting::CouplingDamping => "damping between neighbours",
+            _ => return self.symbol(setting),
+        };
+        format!("{meaning} {}", self.symbol(setting))
     }
 }
 

@@ -114,7 +114,7 @@ impl Mapped for StructureScene {
     fn axes(&self) -> Vec<MapAxis> {
         let axis = |(axis, name): (&StructureAxis, &String)| MapAxis {
             name: name.clone(),
-            label: axis.setting.label(self.is_chain()),
+            label: self.label(axis.setting),
             values: axis.values(),
         };
         self.axes.iter().zip(&self.axis_names).map(axis).collect()
