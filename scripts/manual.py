@@ -15,7 +15,7 @@ import shutil
 import subprocess
 import sys
 
-from latex2mathml.converter import convert as mathml
+from latex2mathml.converter import convert
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PROJECT = ["README.md", "CHANGELOG.md", "ARCHITECTURE.md", "CONTRIBUTING.md"]
@@ -28,6 +28,21 @@ STYLE = """\
 .md-typeset math { font-size: 1.05em; overflow-x: auto; }
 """
 LANGUAGES = {".rs": "rust", ".py": "python", ".pyi": "python", ".toml": "toml", ".sh": "bash", ".json": "json", ".sbatch": "bash"}
+
+
+def mathml(formula, display="inline"):
+    """A formula as MathML, which browsers draw by themselves."""
+    text = convert(" ".join(formula.split()), display=display)
+    # What is not understood is taken over as it stands.
+    if left := re.search(r"<m\w+>(\\|&#x00026;|&amp;).*", text):
+        sys.exit(f"a formula that cannot be drawn: {formula}: {left[0][:80]}")
+    # Within a span, as a line that begins with the element would be taken for a block of its own.
+    return f"<span>{text}</span>" if display == "inline" else text
+
+
+def title(path):
+    """The heading of a page."""
+    return re.search(r"^# (.*)$", path.read_text(), re.M)[1]
 
 
 class Pages:
@@ -57,17 +72,20 @@ class Pages:
         here = self.place(path)
 
         def link(match):
-            target, mark, anchor = match[1].partition("#")
+            words, (target, mark, anchor) = match[1], match[2].partition("#")
             if "://" in target or not target:
                 return match[0]
-            there = self.place((path.parent / target).resolve())
-            return f"]({os.path.relpath(there, here.parent)}{mark}{anchor})"
+            file = (path.parent / target).resolve()
+            # A page that is named by its file has its heading there.
+            words = f"[{title(file)}" if words else ""
+            return f"{words}]({os.path.relpath(self.place(file), here.parent)}{mark}{anchor})"
 
         # What stands between backquotes is no link.
         parts = re.split(r"(^```.*?^```$|`[^`\n]*`)", path.read_text(), flags=re.M | re.S)
-        parts[::2] = [re.sub(r"\]\(([^)\s]+)\)", link, part) for part in parts[::2]]
+        parts[::2] = [re.sub(r"(\[[\w/.-]+\.md)?\]\(([^)\s]+)\)", link, part) for part in parts[::2]]
+        parts[::2] = [re.sub(r"\$([^$]+)\$", lambda match: mathml(match[1]), part) for part in parts[::2]]
         text = "".join(parts)
-        text = re.sub(r"^```math\n(.*?)^```$", lambda match: mathml(match[1].strip(), display="block"), text, flags=re.M | re.S)
+        text = re.sub(r"^```math\n(.*?)^```$", lambda match: mathml(match[1], "block"), text, flags=re.M | re.S)
         text = re.sub(r"^```(\w+) [a-z]+$", r"```\1", text, flags=re.M)
         text = re.sub(
             r"^(!\[([^\]]+)\]\([^)]+\))$",
@@ -158,7 +176,7 @@ def table(rule):
 
 def forms(mapgen):
     """Every key of every JSON."""
-    text = "# JSON\n\nEvery key of what `mapgen` writes and reads, as `mapgen schema NAME` tells it. How to read it elsewhere: [data.md](../data.md#what-json-holds).\n"
+    text = "# JSON\n\nEvery key of what `mapgen` writes and reads, as `mapgen schema NAME` tells it. How to read it elsewhere: [Tables and JSON](../data.md#what-json-holds).\n"
     shared = {}
     for name in [line.split()[0] for line in asked(mapgen, "schema").splitlines()]:
         schema = json.loads(asked(mapgen, "schema", name))
@@ -218,7 +236,11 @@ def signatures():
     folder = pathlib.Path(vibrochain.__file__).parent
     told = {}
     for path in [*folder.glob("*.py"), *folder.glob("*.pyi")]:
-        for node in ast.parse(path.read_text()).body:
+        # Names of types that a reader does not have, as what they stand for.
+        text = path.read_text()
+        for name, words in re.findall(r"^(_\w+) = (Literal\[.*\])$", text, re.M):
+            text = re.sub(rf"\b{name}\b(?! = )", words, text)
+        for node in ast.parse(text).body:
             inner = node.body if isinstance(node, ast.ClassDef) else []
             for each, prefix in [(node, ""), *[(each, f"{node.name}.") for each in inner]]:
                 if isinstance(each, ast.FunctionDef):
