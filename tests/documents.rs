@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 /// All pages, those in the root by name.
 fn documents(in_root: &[&str]) -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let docs = ["docs", "docs/guide", "docs/how"].into_iter().flat_map(|folder| fs::read_dir(root.join(folder)).unwrap());
+    let docs =
+        ["docs", "docs/guide", "docs/how"].into_iter().flat_map(|folder| fs::read_dir(root.join(folder)).unwrap());
     let docs = docs.map(|entry| entry.unwrap().path());
     let pages = docs.filter(|path| path.extension().is_some_and(|end| end == "md"));
     pages.chain(in_root.iter().map(|name| root.join(name))).collect()

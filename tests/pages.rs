@@ -100,7 +100,8 @@ fn check(page: &Path) -> (usize, usize) {
 #[test]
 fn every_command_of_the_pages_prints_what_they_show() {
     let docs = root().join("docs");
-    let mut pages: Vec<PathBuf> = ["index.md", "start.md", "problems.md", "cluster.md", "bifurcations.md"].map(|name| docs.join(name)).into();
+    let mut pages: Vec<PathBuf> =
+        ["index.md", "start.md", "problems.md", "cluster.md", "bifurcations.md"].map(|name| docs.join(name)).into();
     pages.extend(fs::read_dir(docs.join("how")).unwrap().map(|entry| entry.unwrap().path()));
     let (mut commands, mut lines) = (0, 0);
     for page in &pages {

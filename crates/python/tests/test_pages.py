@@ -47,9 +47,15 @@ def test_what_is_shown_is_compared():
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_page(page, tmp_path, monkeypatch):
-    blocks = re.findall(r"^```python\n(.*?)^```$", page.read_text(), re.DOTALL | re.MULTILINE)
+    text = page.read_text()
+    blocks = re.findall(r"^```python\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
     assert blocks, f"{page} has no example in Python"
     os.symlink(ROOT / "scenes", tmp_path / "scenes")
+    # Scenes of the page's own.
+    for name, scene in re.findall(r'^```toml title="(.*?)"\n(.*?)^```$', text, re.DOTALL | re.MULTILINE):
+        path = tmp_path / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(scene)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "Agg")
     names = {}

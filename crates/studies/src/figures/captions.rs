@@ -115,11 +115,16 @@ const CAPTIONS: &[Caption] = &[
                peaks is small: doubling is supercritical, and the doubled orbit soon loses stability. A finite \
                ring needs no attenuation zone, only that no harmonic of ω/2 meets a mode.",
     },
-    Caption { id: "15a", paper: CONSERVATIVE, here: "The shortest ring: few modes, few stripes." },
-    Caption { id: "15b", paper: CONSERVATIVE, here: "More modes, more stripes; the regions stay where they are." },
+    Caption {
+        id: "15a",
+        paper: "The map resembles that of forced breathers. Stripes of instability depend on the length of the ring, as they \
+                come from its modes; apart from them length matters little. Stability is lost by Neimark–Sacker bifurcations.",
+        here: "The shortest ring: few modes, few stripes.",
+    },
+    Caption { id: "15b", paper: "The same.", here: "More modes, more stripes; the regions stay where they are." },
     Caption {
         id: "15c",
-        paper: CONSERVATIVE,
+        paper: "The same.",
         here: "The regions and stripes are as described. Stability is lost in all three ways (table and \
                textures): the stripes are mostly Neimark–Sacker; bands of real multipliers above +1 accompany \
                the grazing line and bound the single-sided region at low frequency; single-sided breathers near \
@@ -127,11 +132,7 @@ const CAPTIONS: &[Caption] = &[
     },
     Caption {
         id: "15d",
-        paper: CONSERVATIVE,
+        paper: "The same.",
         here: "Stripes become more and closer together, as modes do: their cells are the ones that the table has more of.",
     },
 ];
-
-const CONSERVATIVE: &str = "The map resembles that of forced breathers. Stripes of instability depend on the length of the \
-     ring, as they come from its modes; apart from them length matters little. Stability is lost by Neimark–Sacker \
-     bifurcations.";

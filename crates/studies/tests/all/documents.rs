@@ -109,7 +109,9 @@ fn the_document_of_figures_is_what_the_command_writes() {
         let told = |section: &str| section.split(" periods the largest distance").next().unwrap().trim_end().to_owned();
         match compare(&told(other.unwrap_or_else(|| panic!("no {heading}"))), &told(section)) {
             Ok(numbers) => compared += numbers,
-            Err(difference) => panic!("docs/figures.md, figure {heading}: make it anew by `studies figures`: {difference}"),
+            Err(difference) => {
+                panic!("docs/figures.md, figure {heading}: make it anew by `studies figures`: {difference}")
+            }
         }
     }
     assert!(compared > 250, "{compared}");

@@ -78,11 +78,13 @@ impl Report {
 
     /// A Markdown table of the corners, and that of the random points.
     pub(crate) fn markdown(&self) -> Vec<String> {
-        let mut text = "| corner | numbers compared | largest share of the error promised | without a number | broken |\n\
+        let mut text =
+            "| corner | numbers compared | largest share of the error promised | without a number | broken |\n\
             |---|---|---|---|---|\n"
-            .to_owned();
+                .to_owned();
         for (corner, rows) in &self.corners {
-            let shares = rows.iter().filter_map(|row| Some(row.delivered? / row.promised.filter(|error| *error > 0.0)?));
+            let shares =
+                rows.iter().filter_map(|row| Some(row.delivered? / row.promised.filter(|error| *error > 0.0)?));
             let largest = shares.fold(0.0_f64, f64::max);
             let compared = rows.iter().filter(|row| row.delivered.is_some()).count();
             let broken = rows.iter().filter(|row| !row.holds()).count();
