@@ -41,11 +41,12 @@ pub(super) const STATEMENTS: &[Evidence] = &[
     Evidence {
         title: "The forced breathers that the map calls stable",
         prose: "They are mostly weakly unstable: they radiate into the ring's modes, and the longer the ring the slower \
-                the growth. At the paper's defaults, N = 10 and 100 (first solution each). `studies validate` sets such rates \
+                the growth. At the paper's defaults, N = 10, 20 and 100 (first solution each). `studies validate` sets such rates \
                 against simulations; counting growth below 1 % a period as stable gives a map of the paper's shape \
                 ([figures.md](figures.md), figure 10).",
         commands: &[
             "orbit --family double-sided --sites 11 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --restitution .9",
+            "orbit --family double-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --restitution .9",
             "orbit --family double-sided --sites 101 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --restitution .9",
         ],
         quoted: RADIUS,
