@@ -208,7 +208,8 @@ def prose(text):
                 listed.append(f"- `{name}`" + (f" ({rest}): " if colon else ": "))
             elif listed:
                 listed.append("  " + line.strip())
-        out.append("\n".join(listed))
+        # Nothing may follow a name.
+        out.append(re.sub(r": $(?!\n  )", "", "\n".join(listed), flags=re.M))
     return "\n\n".join(out) + "\n"
 
 

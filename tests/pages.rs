@@ -82,7 +82,7 @@ fn check(page: &Path) -> (usize, usize) {
             continue;
         }
         let (mut printed, mut place) = (String::new(), 0);
-        for line in block.lines() {
+        for line in block.replace("\\\n", " ").lines() {
             if let Some(command) = line.strip_prefix("$ ") {
                 printed = run(command, folder.path());
                 (commands, place) = (commands + 1, 0);
@@ -101,7 +101,9 @@ fn check(page: &Path) -> (usize, usize) {
 fn every_command_of_the_pages_prints_what_they_show() {
     let docs = root().join("docs");
     let mut pages: Vec<PathBuf> =
-        ["index.md", "start.md", "problems.md", "cluster.md", "bifurcations.md"].map(|name| docs.join(name)).into();
+        ["index.md", "start.md", "problems.md", "cluster.md", "bifurcations.md", "multibreathers.md", "fate.md"]
+            .map(|name| docs.join(name))
+            .into();
     pages.extend(fs::read_dir(docs.join("how")).unwrap().map(|entry| entry.unwrap().path()));
     let (mut commands, mut lines) = (0, 0);
     for page in &pages {

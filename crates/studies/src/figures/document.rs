@@ -25,7 +25,8 @@ impl Document {
         let preface = format!(
             "# The figures of the paper\n\n\
              Made by `studies figures --out {} --document {}{only}`, mapgen {VERSION}, as PNG, SVG and CSV. `--only 9` makes \
-             one figure; `--scenes DIR` takes the scenes from a folder. Numbers are those of the paper's labels: figure 14 in \
+             one figure; `--scenes DIR` takes the scenes from a folder; those of the paper, with all parameters, are in \
+             `scenes/figures`. Numbers are those of the paper's labels: figure 14 in \
              print, the last one, is labelled 15 and is 15a to 15d here.\n\n\
              Impulses are signed and whole (the paper's 2p₁, −2p₂); margin is the smallest distance of any mass to a \
              barrier at a turning point; |μ| is the spectral radius, per period of the orbit. Of several solutions the one \
@@ -50,8 +51,7 @@ impl Document {
         self.parts.push(format!("## Figure {id}: {title}"));
         let file = file_name(id, "", "png");
         let place = if self.pictures.is_empty() { file } else { format!("{}/{file}", self.pictures) };
-        self.parts.push(format!("![{title}]({place})"));
-        self.parts.push(format!("Scene, with all parameters: `scenes/figures/{}`.", file_name(id, "", "toml")));
+        self.parts.push(format!("![Figure {id}]({place})"));
         if let Some(caption) = caption(id) {
             self.parts.push(format!("*The paper:* {}", caption.paper));
             self.parts.push(format!("*Here:* {}", caption.here));
