@@ -84,6 +84,15 @@ else
     skipped "Octave cannot be had, its blocks are not run"
 fi
 
+if command -v Rscript > /dev/null && Rscript -e 'library(jsonlite)' 2> /dev/null; then
+    blocks r > snippets.R
+    test "$(grep -c stopifnot snippets.R)" -ge 6
+    Rscript snippets.R
+    echo "docs/data.md: $(grep -c stopifnot snippets.R) demands of R hold"
+else
+    skipped "THE BLOCKS OF R ARE NOT RUN: there is no Rscript here, or not its package jsonlite"
+fi
+
 # Julia: what the system's packages have, else what its own servers give through `jill`, where they can be reached.
 if [ -n "${JULIA:-}" ] && ! command -v julia > /dev/null; then
     if command -v apt-get > /dev/null && [ "$(id -u)" = 0 ]; then

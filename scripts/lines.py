@@ -1,22 +1,43 @@
 #!/usr/bin/env python3
-"""Counts lines of product code by crate: without tests, comments and blank lines.
+"""Counts lines of product code by crate: without tests, comments and blank lines; or words of the documents by page.
 
     python3 scripts/lines.py
+    python3 scripts/lines.py --words
 """
 import pathlib
 import re
+import sys
 
 CRATES = ["lattice", "breather", "floquet", "eventsim", "maps", "fate", "plot", "explore", "cli", "python"]
-root = pathlib.Path(__file__).resolve().parent.parent / "crates"
-total = 0
-for crate in CRATES:
-    count = 0
-    for path in sorted((root / crate / "src").rglob("*.rs")):
-        if "tests" in path.relative_to(root).parts:
-            continue
-        text = re.split(r"^#\[cfg\(test\)\]\nmod \w+ \{", path.read_text(), maxsplit=1, flags=re.M)[0]
-        lines = (line.strip() for line in text.splitlines())
-        count += sum(bool(line) and not line.startswith("//") for line in lines)
-    print(f"{crate:10} {count:6}")
-    total += count
-print(f"{'all':10} {total:6}")
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+
+def lines():
+    total = 0
+    for crate in CRATES:
+        count = 0
+        for path in sorted((ROOT / "crates" / crate / "src").rglob("*.rs")):
+            if "tests" in path.relative_to(ROOT).parts:
+                continue
+            text = re.split(r"^#\[cfg\(test\)\]\nmod \w+ \{", path.read_text(), maxsplit=1, flags=re.M)[0]
+            inner = (line.strip() for line in text.splitlines())
+            count += sum(bool(line) and not line.startswith("//") for line in inner)
+        print(f"{crate:10} {count:6}")
+        total += count
+    print(f"{'all':10} {total:6}")
+
+
+def words():
+    """A word is what stands between blanks and has a letter or a digit: the bars of tables are none."""
+    total = in_tables = 0
+    for path in sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")]):
+        counts = [0, 0]
+        for line in path.read_text().splitlines():
+            counts[line.lstrip().startswith("|")] += sum(any(letter.isalnum() for letter in word) for word in line.split())
+        print(f"{str(path.relative_to(ROOT)):28} {sum(counts):6}" + (f", {counts[1]:5} of them in tables" if counts[1] else ""))
+        total += sum(counts)
+        in_tables += counts[1]
+    print(f"{'all':28} {total:6}, {in_tables:5} of them in tables")
+
+
+words() if "--words" in sys.argv else lines()

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 /// All pages, those in the root by name.
 fn documents(in_root: &[&str]) -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let docs = ["docs", "docs/guide"].into_iter().flat_map(|folder| fs::read_dir(root.join(folder)).unwrap());
+    let docs =
+        ["docs", "docs/guide", "docs/how"].into_iter().flat_map(|folder| fs::read_dir(root.join(folder)).unwrap());
     let docs = docs.map(|entry| entry.unwrap().path());
     let pages = docs.filter(|path| path.extension().is_some_and(|end| end == "md"));
     pages.chain(in_root.iter().map(|name| root.join(name))).collect()
@@ -30,6 +31,26 @@ fn every_relative_link_leads_somewhere() {
         }
     }
     assert!(broken.is_empty() && links > 300, "{links} {}", broken.join("\n"));
+}
+
+/// What is longer is not read: pages of the manual have at most 1500 words, one question at most 600, all together 45 000. A word has a letter or
+/// a digit; `scripts/lines.py --words` counts alike.
+#[test]
+fn no_page_is_too_long() {
+    // Lists to look things up in, and what the program prints.
+    let lists = ["scenes.md", "names.md", "problems.md", "accuracy.md", "errata.md", "figures.md", "stripes.md"];
+    let (mut all, mut long) = (0, Vec::new());
+    for page in documents(&["README.md", "CHANGELOG.md", "ARCHITECTURE.md", "CONTRIBUTING.md"]) {
+        let text = fs::read_to_string(&page).unwrap();
+        let words = text.split_whitespace().filter(|word| word.chars().any(char::is_alphanumeric)).count();
+        let name = page.file_name().unwrap().to_str().unwrap();
+        let most = if page.parent().unwrap().ends_with("how") { 600 } else { 1500 };
+        if words > most && !lists.contains(&name) {
+            long.push(format!("{}: {words} words", page.display()));
+        }
+        all += words;
+    }
+    assert!(long.is_empty() && all > 30_000 && all <= 45_000, "{all} words in all; {}", long.join("\n"));
 }
 
 /// In the guide the names right after a link to a file, as in [file](link) `one`, `another`, are names that the file has.

@@ -1,5 +1,5 @@
-//! docs/problems.md: every command prints what the page shows, and its numbers are those of closed forms and simulations that share no
-//! code with the library.
+//! docs/problems.md: its numbers are those of closed forms and simulations that share no code with the library. (That commands print
+//! them is for tests/pages.rs to see.)
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 use std::f64::consts::{PI, TAU};
@@ -10,7 +10,6 @@ use nalgebra::{Matrix4, Vector4};
 use vibrochain_breather::{
     StructureFound, StructureMotion, StructureOrbit, Word, structure_admissibility, structure_orbits,
 };
-use vibrochain_cli::common::console::{Console, ctrl_c};
 use vibrochain_floquet::{Tolerance, structure_stability};
 use vibrochain_lattice::{Complex, Stop};
 use vibrochain_maps::structure::{Setting, StructureMap, StructureScene};
@@ -45,61 +44,6 @@ fn physical(found: &StructureFound) -> Vec<&StructureOrbit> {
 #[track_caller]
 fn near(a: f64, b: f64, tolerance: f64) {
     assert!((a - b).abs() <= tolerance * (1.0 + b.abs()), "{a} {b}");
-}
-
-// The page against the program.
-
-/// What a command of the page prints, and the table it writes.
-fn run(line: &str, folder: &Path) -> String {
-    let (mut out, mut err) = (Vec::new(), Vec::new());
-    let mut console = Console::new(&mut out, &mut err, &ctrl_c);
-    let mut table = None;
-    let words = line.split(' ').scan("", |before, word| {
-        let is_table = *before == "--out";
-        *before = word;
-        Some(if is_table { table.insert(folder.join(word)).clone().into_os_string() } else { word.into() })
-    });
-    let words: Vec<_> = words.collect();
-    vibrochain_cli::program::run(words, &mut console).unwrap_or_else(|error| panic!("{line}: {error}"));
-    let table = table.map_or_else(String::new, |table| fs::read_to_string(table).unwrap());
-    [String::from_utf8(out).unwrap(), String::from_utf8(err).unwrap(), table].join("\n")
-}
-
-/// Whether a line of the page, up to its `…`, is one of the program: numbers to eleven digits.
-fn shows(page: &str, line: &str) -> bool {
-    let parts = |text: &str| text.split([' ', ',']).map(str::to_owned).filter(|part| !part.is_empty()).collect();
-    let (page, is_cut) = page.split_once('…').map_or((page, false), |(start, _)| (start, true));
-    let (shown, printed): (Vec<String>, Vec<String>) = (parts(page), parts(line));
-    let number = |text: &str| text.trim_end_matches(':').parse::<f64>();
-    let same = |(a, b): (&String, &String)| match (number(a), number(b)) {
-        (Ok(a), Ok(b)) => (a - b).abs() <= 1e-11 * (1.0 + b.abs()) * if b.abs() > 1e3 { 100.0 } else { 1.0 },
-        _ => a == b,
-    };
-    !shown.is_empty()
-        && (shown.len() == printed.len() || is_cut && shown.len() < printed.len())
-        && shown.iter().zip(&printed).all(same)
-}
-
-#[test]
-fn every_command_of_the_page_prints_what_the_page_shows() {
-    let page = fs::read_to_string(root().join("docs/problems.md")).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let (mut commands, mut lines) = (0, 0);
-    for block in page.split("```text\n").skip(1).map(|rest| rest.split("```").next().unwrap()) {
-        let mut printed = String::new();
-        let mut place = 0;
-        for line in block.lines() {
-            if let Some(command) = line.strip_prefix("$ ") {
-                printed = run(command, folder.path());
-                (commands, place) = (commands + 1, 0);
-            } else {
-                let found = printed.lines().skip(place).position(|own| shows(line, own));
-                let found = found.unwrap_or_else(|| panic!("not printed: {line}\n{printed}"));
-                (lines, place) = (lines + 1, place + found + 1);
-            }
-        }
-    }
-    assert!(commands > 15 && lines > 50, "{commands} {lines}");
 }
 
 #[test]

@@ -14,18 +14,14 @@ use vibrochain_maps::cell::{Class, Status, Task, Worker};
 pub(super) const SUITE: Suite = Suite {
     name: "map",
     title: "A map",
-    prose: "The paper's conservative map at N = 20 (γ₁ = 0.2, a = 0.4, ω from 0.4 to 3, γ₂ up to 0.3) on a coarse grid: which breather \
-        exists in a cell, double-sided, single-sided or none, and whether it is stable. The truth is this program's map with \
-        its strict tolerance, so that its own rows are 0 by definition; the suite `spectrum` holds its multipliers against 57 digits.\n\n\
-        - *series and samples*: the paper's formulas taken at their word. Kernels by the Fourier series of J harmonics, impulses from \
-        them, every mass watched at 64 times a period;\n\
-        - *series and general exponential*: the same, then the multipliers of the whole ring's monodromy matrix by a general \
-        matrix exponential; stable if none grows by more than 1e-5 a period, the blur of its trivial pair;\n\
-        - *closed form and general exponential*: that with exact kernels, which tells what is the series' share;\n\
-        - *closed form*: what `mapgen sweep` does.\n\n\
-        A thousand harmonics are enough for existence on this grid. For stability 2000 are not: next to the grazing line, where \
-        double-sided breathers begin, their saltation is large and the orbit of a truncated series, which is not quite one, has no \
-        trivial pair μ = 1; what its pair has become counts as growth. With exact kernels the dense multipliers agree with the map.",
+    prose: "The paper's conservative map at N = 20 (γ₁ = 0.2, a = 0.4) on a coarse grid: which breather exists in a cell, \
+            and whether it is stable. The truth is this program's map, so that its own rows are 0 by definition; the suite \
+            `spectrum` holds its multipliers against 57 digits.\n\n- *series and samples*: the paper's formulas taken at \
+            their word, J harmonics, 64 samples a period;\n- *series and general exponential*: the same, then the \
+            monodromy matrix by a general exponential; stable if none grows by more than 1e-5 a period;\n- *closed form \
+            and general exponential*: that with exact kernels;\n- *closed form*: what `mapgen sweep` does.\n\nA thousand \
+            harmonics are enough for existence. For stability 2000 are not: next to grazing saltation is large, and the \
+            orbit of a truncated series, which is not quite one, has no trivial pair; what it has become counts as growth.",
     error: "share of the cells with the wrong class",
     run,
 };

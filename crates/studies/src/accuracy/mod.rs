@@ -161,7 +161,7 @@ impl Surroundings for Meter<'_> {
 /// The extremes' part of the document.
 fn extreme_section(report: &Report) -> Section {
     let mut blocks = vec![Block::Prose(extremes::report::PROSE.to_owned())];
-    blocks.push(Block::Prose(format!("All corners: [{EXTREMES}]({FILES}/{EXTREMES}).")));
+    blocks.push(Block::Prose(format!("Every case: [{EXTREMES}]({FILES}/{EXTREMES}).")));
     blocks.extend(report.markdown().into_iter().map(Block::Prose));
     Section { title: "Extremes".to_owned(), blocks }
 }
@@ -171,11 +171,11 @@ fn section(suite: &Suite, table: &Table) -> Section {
     let mut blocks = vec![Block::Prose(suite.prose.to_owned())];
     blocks.push(Block::Picture { file: format!("{FILES}/{}.png", suite.name), caption: suite.title.to_owned() });
     blocks.push(Block::Prose(format!(
-        "*error*: {}. All rows: [{name}.csv]({FILES}/{name}.csv).",
+        "*error*: {}. Each method at its last setting, where it errs most; all rows are in [{name}.csv]({FILES}/{name}.csv).",
         suite.error,
         name = suite.name
     )));
-    blocks.extend(table.markdown().into_iter().map(Block::Prose));
+    blocks.push(Block::Prose(table.markdown()));
     Section { title: suite.title.to_owned(), blocks }
 }
 

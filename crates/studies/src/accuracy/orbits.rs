@@ -16,16 +16,12 @@ use vibrochain_cli::common::error::CliError;
 pub(super) const SUITE: Suite = Suite {
     name: "orbits",
     title: "Breathers",
-    prose: "The breathers themselves (N = 20, γ₁ = 0.2, γ₂ = 0.1, a = 0.4): the impulses of the two conservative families; impulses, \
-        time φ of the second impact and phase ψ of the force for a forced one (A = 0.1, e = 0.9). The truth solves the conditions \
-        at the impacts in 57 digits (`vibrochain-truth`).\n\n\
-        - *series*: the paper's procedure with kernels by the Fourier series of J harmonics. Conservative: a formula. Forced: for \
-        given φ there are two phases ψ, with them the asymmetry a(φ); a(φ) = a is looked for at 64 values of φ and refined;\n\
-        - *closed-form kernels*: the same procedure with exact kernels;\n\
-        - *enclosures*: `vibrochain-breather`. Conservative: regular formulas, and every other root of the energy balance excluded. \
-        Forced: all zeros of one analytic function with proof that there are no more.\n\n\
-        The series' error goes into impulses and phase undiminished. A scan for a(φ) = a finds what changes sign between its \
-        samples; the enclosures find all solutions and prove it, for a forced breather in less time than the scan.",
+    prose: "Impulses of the two conservative families, and impulses, φ and ψ of a forced breather (A = 0.1, e = 0.9; N = \
+            20, γ₁ = 0.2, γ₂ = 0.1, a = 0.4). The truth solves the conditions at the impacts in 57 digits.\n\n- *series*: \
+            the paper's procedure with J harmonics. Forced: a(φ) = a is looked for at 64 values of φ and refined;\n- \
+            *closed-form kernels*: the same with exact kernels;\n- *enclosures*: what the program does, with proof that \
+            there are no more solutions.\n\nThe series' error goes into impulses and phase undiminished. A scan finds what \
+            changes sign between its samples; the enclosures find all, for a forced breather in less time.",
     error: "largest of the errors of the impulses (over the largest one), of φ over the period, of ψ over that of the force",
     run,
 };

@@ -14,18 +14,13 @@ use vibrochain_cli::simulate::start::Start;
 pub(super) const SUITE: Suite = Suite {
     name: "simulation",
     title: "Simulation of a breather",
-    prose: "The conservative double-sided breather of the paper's defaults (N = 20, γ₁ = 0.2, γ₂ = 0.1, ω = 1.5, a = 0.4), \
-        started in the middle of a flight and followed for 10 and for 100 periods, two impacts each. It is periodic: the \
-        truth at the end is the start.\n\n\
-        - *exact flight*: `vibrochain-eventsim`, Taylor series of the exact flow, impacts found with bounds;\n\
-        - *DOP853*: adaptive Runge–Kutta method of order 8 (the crate `ode_solvers`), dense output 20 times a period, Newton's \
-        method for the time of an impact;\n\
-        - *Runge–Kutta 4*: fixed step, bisection for the time of an impact;\n\
-        - *time stepping*: Moreau's midpoint rule with a fixed step and the impact law at its end, no search for impacts.\n\n\
-        Exact flight has no step to choose and ends at rounding. The error of the others is set by their step or tolerance: \
-        small enough a step brings Runge–Kutta 4 near it, at many times the cost, while time stepping, which does not know \
-        when in a step the impact was, gains one digit for ten times the steps. All of them spend most of their time between \
-        impacts, where everything is known in closed form.",
+    prose: "The conservative double-sided breather of the paper's defaults, started in the middle of a flight and followed \
+            for 10 and for 100 periods. It is periodic: the truth at the end is the start.\n\n- *exact flight*: \
+            `vibrochain-eventsim`, impacts found with bounds;\n- *DOP853*: adaptive Runge–Kutta method of order 8 (the \
+            crate `ode_solvers`), Newton's method for the time of an impact;\n- *Runge–Kutta 4*: fixed step, bisection for \
+            the time of an impact;\n- *time stepping*: Moreau's midpoint rule with a fixed step, no search for \
+            impacts.\n\nExact flight has no step to choose and ends at rounding. Time stepping gains one digit for ten \
+            times the steps.",
     error: "largest difference of a displacement or velocity from the exact motion at the end",
     run,
 };

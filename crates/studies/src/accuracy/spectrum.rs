@@ -18,21 +18,15 @@ use vibrochain_cli::common::error::CliError;
 pub(super) const SUITE: Suite = Suite {
     name: "spectrum",
     title: "Floquet multipliers",
-    prose: "The leading non-trivial Floquet multiplier of three breathers on rings of N + 1 masses, N = 5, 20, 100 (the points of \
-        each line; γ₁ = 0.2, γ₂ = 0.1, a = 0.4), from the orbit in closed form. The truth is \
-        a root of the secular determinant of the orbit in 57 digits (`vibrochain-truth`). Each method computes all multipliers it has.\n\n\
-        - *general exponential*: the paper's way. exp(Aφ) of the 2(N+1)-dimensional state matrix by a general algorithm, the \
-        paper's saltation matrices, eigenvalues of the dense product;\n\
-        - *exact propagator, whole ring*: the same matrix with flights from the ring's cosine transform;\n\
-        - *even subspace*: only the modes even about the impacting mass, which alone feel the impacts: half the dimension;\n\
-        - *reversible block*: for a conservative orbit that is its own mirror image in time, a matrix of half that dimension \
-        again, with the trivial pair μ = 1 removed exactly;\n\
-        - *secular function*: all multipliers as zeros of a scalar function with one pole a mode, without a matrix. The trivial pair \
-        is divided out of it beforehand. This is what `mapgen orbit` does, unless a certificate fails or the growth would be \
-        too uncertain: then a matrix answers, and there is no line.\n\n\
-        A dense solver moves a simple multiplier by rounding times its condition, but it splits the trivial pair of a \
-        conservative orbit, a defective double eigenvalue, by the square root of rounding (last column). That blur, not the \
-        error of the leading multiplier, bounds the growth such a solver can tell from none.",
+    prose: "The leading non-trivial multiplier of three breathers on rings of N = 5, 20 and 100 (γ₁ = 0.2, γ₂ = 0.1, a = \
+            0.4). The truth is a root of the secular determinant in 57 digits. Each method computes all multipliers it \
+            has.\n\n- *general exponential*: the paper's way, exp(Aφ) by a general algorithm and eigenvalues of the dense \
+            product;\n- *exact propagator, whole ring*: the same matrix with flights from the ring's cosine transform;\n- \
+            *even subspace*: only modes even about the impacting mass: half the dimension;\n- *reversible block*: half of \
+            that again, with the trivial pair removed exactly;\n- *secular function*: all multipliers as zeros of a scalar \
+            function. This is what `mapgen orbit` does, unless a certificate fails; then there is no line.\n\nA dense \
+            solver splits the trivial pair of a conservative orbit by the square root of rounding (last column). That blur \
+            bounds the growth it can tell from none.",
     error: "distance of the leading non-trivial multiplier μ from the true one",
     run,
 };

@@ -85,25 +85,22 @@ impl Table {
         distinct(self.rows.iter().map(|row| row.case.as_str()))
     }
 
-    /// One Markdown table a case.
-    pub(super) fn markdown(&self) -> Vec<String> {
-        let table = |case: &str| {
-            let rows = || self.rows.iter().filter(|row| row.case == case);
-            let notes = rows().any(|row| !row.note.is_empty());
-            let mut text = format!("**{case}**\n\n| method | setting | time | error |");
-            text.push_str(if notes { " note |\n|---|---|---|---|---|\n" } else { "\n|---|---|---|---|\n" });
-            for row in rows() {
-                // Writing to a String cannot fail.
-                let (time, error) = (
-                    duration(row.seconds),
-                    if row.error == 0.0 { "0".to_owned() } else { format!("{:.1e}", row.error) },
-                );
-                let _ = write!(text, "| {} | {} | {time} | {error} |", row.method, row.setting);
-                let _ = if notes { writeln!(text, " {} |", row.note) } else { writeln!(text) };
-            }
-            text
-        };
-        self.cases().into_iter().map(table).collect()
+    /// A Markdown table: each method at its last setting, the finest or the largest, in the case in which it errs most. The CSV file has all.
+    pub(super) fn markdown(&self) -> String {
+        let notes = self.rows.iter().any(|row| !row.note.is_empty());
+        let mut text = "| method | where it errs most | setting | time | error |".to_owned();
+        text.push_str(if notes { " note |\n|---|---|---|---|---|---|\n" } else { "\n|---|---|---|---|---|\n" });
+        for method in distinct(self.rows.iter().map(|row| row.method.as_str())) {
+            let last = |case: &str| self.rows.iter().rfind(|row| row.method == method && row.case == case);
+            let rows = self.cases().into_iter().filter_map(last);
+            let Some(row) = rows.max_by(|a, b| a.error.total_cmp(&b.error)) else { continue };
+            let time = duration(row.seconds);
+            let error = if row.error == 0.0 { "0".to_owned() } else { format!("{:.1e}", row.error) };
+            // Writing to a String cannot fail.
+            let _ = write!(text, "| {method} | {} | {} | {time} | {error} |", row.case, row.setting);
+            let _ = if notes { writeln!(text, " {} |", row.note) } else { writeln!(text) };
+        }
+        text
     }
 
     /// The rows as panels of a picture, a case each.
@@ -148,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_become_csv_and_one_table_a_case() {
+    fn rows_become_csv_and_a_table_of_worst_cases() {
         let table = Table { rows: vec![row("a", "x", 2e-4), row("b", "x", 0.0), row("a", "y", 1e-15)] };
         let csv = String::from_utf8(table.csv().unwrap()).unwrap();
         let lines: Vec<_> = csv.lines().collect();
@@ -165,10 +162,11 @@ mod tests {
             let told_of = Table::read(&csv.replacen(old, new, 1)).unwrap_err();
             assert!(csv.contains(old) && told_of.starts_with(told), "{told_of}");
         }
-        let markdown = table.markdown();
-        assert_eq!(markdown.len(), 2);
-        assert!(markdown[0].contains("| x | J = 10, 20 | 12 µs | 2.0e-4 |\n| y |") && !markdown[0].contains("note"));
-        assert!(markdown[1].contains("| 0 | by definition |"));
+        let finer = Row { setting: "J = 40".to_owned(), ..row("a", "x", 1e-9) };
+        let markdown = Table { rows: [table.rows, vec![finer]].concat() }.markdown();
+        let lines: Vec<_> = markdown.lines().skip(2).collect();
+        assert_eq!(lines[0], "| x | a | J = 40 | 12 µs | 1.0e-9 |  |");
+        assert!(lines[1].starts_with("| y | a | J = 10, 20 |") && lines.len() == 2, "{lines:?}");
     }
 
     #[test]

@@ -65,7 +65,7 @@ pub(super) const STATEMENTS: &[Evidence] = &[
     Evidence {
         title: "\"The doubled orbit needs a frequency in the attenuation zone\"",
         prose: "A finite ring only asks that no harmonic of ω/2 meets a mode. In figure 13 half the force's frequency, 0.535, \
-                lies inside the band from √0.2 to √0.6 of the ring; two of the orbits listed are physical and stable.",
+                lies inside the band from √0.2 to √0.6 of the ring; one of the orbits listed is physical, and stable.",
         commands: &[
             "orbit --family period-doubled --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .1582 --restitution .25",
         ],

@@ -1,4 +1,4 @@
-//! The document: each figure with its picture, parameters, what the paper says, and what is found.
+//! The document: each figure with its picture, its scene, what the paper says, and what is found.
 
 use std::path::Path;
 
@@ -6,8 +6,7 @@ use vibrochain_floquet::Tolerance;
 
 use crate::figures::captions::caption;
 use crate::figures::drawn::file_name;
-use crate::figures::scene::{FigureScene, Kind};
-use vibrochain_lattice::Parameter;
+use crate::figures::scene::FigureScene;
 use vibrochain_maps::manifest::VERSION;
 
 /// The whole.
@@ -25,11 +24,10 @@ impl Document {
         let only = if only.is_empty() { String::new() } else { format!(" --only {}", only.join(",")) };
         let preface = format!(
             "# The figures of the paper\n\n\
-             Made by `studies figures --out {} --document {}{only}`, mapgen {VERSION}; words and numbers below come from the \
-             same run. `--only 9` makes one figure; `--scenes DIR` takes the scenes from a folder, such as \
-             `scenes/figures`, instead of those built in. Each figure is written as PNG, SVG and CSV. Numbers are \
-             those of the paper's labels, which leave out 14: figure 14 in print, the last one, is labelled 15 and is 15a to 15d \
-             here.\n\n\
+             Made by `studies figures --out {} --document {}{only}`, mapgen {VERSION}, as PNG, SVG and CSV. `--only 9` makes \
+             one figure; `--scenes DIR` takes the scenes from a folder; those of the paper, with all parameters, are in \
+             `scenes/figures`. Numbers are those of the paper's labels: figure 14 in \
+             print, the last one, is labelled 15 and is 15a to 15d here.\n\n\
              Impulses are signed and whole (the paper's 2p₁, −2p₂); margin is the smallest distance of any mass to a \
              barrier at a turning point; |μ| is the spectral radius, per period of the orbit. Of several solutions the one \
              with the smallest spectral radius is shown unless all are.",
@@ -53,12 +51,7 @@ impl Document {
         self.parts.push(format!("## Figure {id}: {title}"));
         let file = file_name(id, "", "png");
         let place = if self.pictures.is_empty() { file } else { format!("{}/{file}", self.pictures) };
-        self.parts.push(format!("![{title}]({place})"));
-        self.parts.push(format!(
-            "*Parameters:* {}. Scene: `scenes/figures/{}`.",
-            parameters(scene),
-            file_name(id, "", "toml")
-        ));
+        self.parts.push(format!("![Figure {id}]({place})"));
         if let Some(caption) = caption(id) {
             self.parts.push(format!("*The paper:* {}", caption.paper));
             self.parts.push(format!("*Here:* {}", caption.here));
@@ -69,57 +62,5 @@ impl Document {
     /// The Markdown text.
     pub(super) fn markdown(&self) -> String {
         self.parts.join("\n\n") + "\n"
-    }
-}
-
-/// What is fixed, and what is varied.
-fn parameters(scene: &FigureScene) -> String {
-    match scene {
-        FigureScene::Map(scene) => {
-            let mut parts = vec![format!("N = {}", scene.base.sites() - 1)];
-            for &parameter in Parameter::of(1) {
-                let force = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
-                if !(scene.sweeps(parameter) || force && scene.is_conservative()) {
-                    parts.push(format!("{} = {}", parameter.symbol(), scene.base.get(parameter)));
-                }
-            }
-            for axis in &scene.axes {
-                let (symbol, steps) = (axis.parameter.symbol(), axis.points() - 1);
-                parts.push(format!("{symbol} from {} to {} in {steps} steps", axis.first(), axis.last()));
-            }
-            parts.join(", ")
-        }
-        FigureScene::Lines(scene) => {
-            let Some((_, first, model)) = scene.curves.first() else { return String::new() };
-            let mut parts = Vec::new();
-            let sites: Vec<_> = scene.curves.iter().map(|(_, point, _)| (point.sites() - 1) as f64).collect();
-            let mut say = |symbol: &str, values: &[f64]| {
-                let same = values.iter().all(|value| *value == values[0]);
-                let shown: Vec<_> =
-                    values.iter().take(if same { 1 } else { values.len() }).map(f64::to_string).collect();
-                parts.push(format!("{symbol} = {}", shown.join("; ")));
-            };
-            say("N", &sites);
-            for &parameter in Parameter::of(1) {
-                let force = matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
-                if force && model.is_conservative() && first.get(Parameter::Restitution) == 1.0 {
-                    continue;
-                }
-                let values: Vec<_> = scene.curves.iter().map(|(_, point, _)| point.get(parameter)).collect();
-                say(parameter.symbol(), &values);
-            }
-            match &scene.kind {
-                Kind::Solutions { over, from, to, .. } => {
-                    parts.push(format!("in the last panel {} from {from} to {to}", over.symbol()));
-                }
-                Kind::Comparison { perturb, periods, .. } => {
-                    parts.push(format!(
-                        "perturbation {perturb:e} along the leading Floquet mode, {periods} periods of the force"
-                    ));
-                }
-                Kind::Profile { .. } | Kind::Trace => {}
-            }
-            format!("{} breathers, {}", scene.family.name(), parts.join(", "))
-        }
     }
 }

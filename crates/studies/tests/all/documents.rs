@@ -93,6 +93,30 @@ fn the_document_of_validation_is_what_the_command_prints() {
     holds("validate", "validation.md", 250);
 }
 
+/// Maps take seconds each; what a run that has left its breather comes to is for rounding to say.
+#[test]
+fn the_document_of_figures_is_what_the_command_writes() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("figures.md");
+    let mut studies = vibrochain_testkit::studies(&[]);
+    studies.args(["figures", "--only", "1,2,3,4,5,6,7,8,9,11,12,13", "--out"]).arg(folder.path().join("figures"));
+    studies.arg("--document").arg(&page).assert().success();
+    let (committed, printed) = (document("figures.md"), fs::read_to_string(page).unwrap());
+    let mut compared = 0;
+    for section in printed.split("\n## Figure ").skip(1) {
+        let heading = section.lines().next().unwrap();
+        let other = committed.split("\n## Figure ").find(|other| other.lines().next() == Some(heading));
+        let told = |section: &str| section.split(" periods the largest distance").next().unwrap().trim_end().to_owned();
+        match compare(&told(other.unwrap_or_else(|| panic!("no {heading}"))), &told(section)) {
+            Ok(numbers) => compared += numbers,
+            Err(difference) => {
+                panic!("docs/figures.md, figure {heading}: make it anew by `studies figures`: {difference}")
+            }
+        }
+    }
+    assert!(compared > 200, "{compared}");
+}
+
 #[test]
 fn documents_differ_by_a_word_a_digit_that_counts_or_another_size_of_an_error() {
     let text = "omega = 0.9304428418073263 ± 2e-15, 21 masses: -1.0016290 | 1.5e-3 | 60.28 |";
