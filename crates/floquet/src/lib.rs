@@ -44,6 +44,7 @@ mod bracket;
 mod curve;
 mod eigenvectors;
 mod error;
+mod linear;
 mod locate;
 mod map_paths;
 mod multipliers;
@@ -87,6 +88,6 @@ pub use stripes::{
     Collision, DressedModes, NoStripe, OrderFinder, OwnMode, Passing, Signature, SignatureOrder, Stripe, StripeEnd,
     StripeFinder, StripeLine, StripeRow, bare_signature, passings, signature,
 };
-pub use structures::structure_stability;
+pub use structures::{structure_stability, structure_verdict};
 pub use verdict::{Mechanism, Method, Tolerance, Verdict};
 pub use zeros::SecularError;

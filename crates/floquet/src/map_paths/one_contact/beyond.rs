@@ -11,7 +11,7 @@ use nalgebra::Complex;
 use vibrochain_breather::Prepared;
 
 use crate::map_paths::one_contact::impact_matrix::ImpactMatrix;
-use crate::map_paths::one_contact::linear::determinant_and_condition;
+use crate::linear::determinant_and_condition;
 use crate::map_paths::one_contact::verdict::ForcedSecular;
 
 /// Relative errors of the determinant up to this, as far as they are told by its condition, leave no doubt about its sign: what entries

@@ -35,7 +35,7 @@ use vibrochain_breather::{Impact, Prepared};
 use vibrochain_lattice::Shapes;
 
 use crate::map_paths::modes::{Mode, Modes};
-use crate::map_paths::one_contact::linear::determinant;
+use crate::linear::determinant;
 use crate::saltation::Saltation;
 
 type C = Complex<f64>;

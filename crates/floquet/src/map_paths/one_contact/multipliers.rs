@@ -15,7 +15,7 @@ use vibrochain_breather::{Orbit, Prepared};
 use crate::map_paths::fast_sums::large_general::{self, ForcedLarge, LARGE};
 use crate::map_paths::modes::{Mode, Modes};
 use crate::map_paths::one_contact::four_poles;
-use crate::map_paths::one_contact::linear::{determinant, determinant_and_condition};
+use crate::linear::{determinant, determinant_and_condition};
 use crate::map_paths::one_contact::other_modes::{OtherModes, PoleSums};
 use crate::saltation::Saltation;
 use crate::zeros::Rational;

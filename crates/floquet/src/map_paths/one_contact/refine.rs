@@ -18,7 +18,7 @@ use nalgebra::Complex;
 use smallvec::{SmallVec, smallvec};
 
 use crate::map_paths::one_contact::impact_matrix::{FeltMode, ImpactMatrix};
-use crate::map_paths::one_contact::linear::{Factors, Pivots, eliminate};
+use crate::linear::{Factors, Pivots, eliminate};
 use crate::zeros::modulus;
 
 type C = Complex<f64>;
