@@ -7,8 +7,8 @@ use serde_json::Value;
 use vibrochain_breather::{
     StructureModel, StructureMotion, StructureOrbit, StructureSearch, Word, structure_admissibility, structure_orbits,
 };
-use vibrochain_floquet::{Complex, Tolerance, structure_stability};
-use vibrochain_lattice::{Barrier, Contact, ModalStructure, Structure};
+use vibrochain_floquet::{Complex, Tolerance, structure_stability, structure_verdict};
+use vibrochain_lattice::{Barrier, Contact, LinearMode, ModalStructure, ModeShape, Structure};
 use vibrochain_testkit::{Random, Structure as Dense, structures};
 
 /// A case of the table as the library has it, with its barriers.
@@ -133,6 +133,10 @@ fn multipliers_of_the_table_are_those_of_the_monodromy_matrix() {
     for case in cases() {
         let orbit = case.refined();
         let stability = structure_stability(&orbit, Tolerance::Rounding).unwrap();
+        let alone = structure_verdict(&orbit, Tolerance::Rounding).unwrap();
+        let off = (alone.spectral_radius - stability.verdict.spectral_radius).abs();
+        assert!(off <= 2.0 * (alone.resolution + stability.verdict.resolution), "{}: {alone:?}", case.dense.name);
+        assert_eq!(alone.stable, stability.verdict.stable, "{}", case.dense.name);
         let trivial = orbit.is_conservative();
         let allowed = if trivial { 1e-6 } else { 1e-8 };
         let radius = stability.multipliers[0].norm();
@@ -332,4 +336,38 @@ fn complete_lists_of_two_impacts_lack_nothing_that_starts_lead_to() {
     }
     println!("{complete} lists, {listed} orbits, {led} starts led to one");
     assert!(complete > 25 && led > 200, "{complete} {listed} {led}");
+}
+
+/// 300 modes over six decades of frequency and ten contacts: most have died out within a period, and none is lost.
+#[test]
+fn many_modes_and_contacts() {
+    let mut random = Random(300);
+    let mode = |k: usize| {
+        let frequency = 10f64.powf(6.0 * k as f64 / 299.0);
+        let shapes = (0..10).map(|_| random.between(-1.0, 1.0) / (1.0 + k as f64).sqrt()).collect();
+        let shape = ModeShape { contacts: shapes, coordinates: Vec::new(), still: 0.0 };
+        let square = frequency * frequency * (1.0 - 0.02 * 0.02);
+        let load = Complex::new(0.3 / (1.0 + k as f64).powi(2), 0.0);
+        LinearMode::oscillator(0.02 * frequency, square, &shape, &[load])
+    };
+    let modes = (0..300).map(mode).collect();
+    let contacts = (0..10).map(|_| Contact { lower: Some(-2.0), upper: Some(0.2), restitution: 0.7 }).collect();
+    let model = StructureModel::new(Arc::new(ModalStructure::new(contacts, vec![1], modes).unwrap()), 1.1).unwrap();
+    let mut checked = 0;
+    for text in ["0+", "3+", "7-"] {
+        for orbit in structure_orbits(&model, &text.parse().unwrap(), 1).unwrap().orbits.iter().take(2) {
+            assert!(orbit.violation() < 1e-11, "{text}: {:e}", orbit.violation());
+            let stability = structure_stability(orbit, Tolerance::Rounding).unwrap();
+            assert_eq!(stability.multipliers.len(), 600, "{text}");
+            assert!(stability.multipliers.iter().all(|z| z.re.is_finite() && z.im.is_finite()), "{text}");
+            let dead = stability.multipliers.iter().filter(|z| z.norm() < 1e-12).count();
+            // e^{−0.02·f·T} is below 1e-13 from f = 262 on.
+            assert!((300..600).contains(&dead), "{text}: {dead}");
+            let alone = structure_verdict(orbit, Tolerance::Rounding).unwrap();
+            let off = (alone.spectral_radius - stability.multipliers[0].norm()).abs();
+            assert!(off <= 2.0 * alone.resolution + 1e-15, "{text}: {off:e}");
+            checked += 1;
+        }
+    }
+    assert!(checked >= 4, "{checked}");
 }

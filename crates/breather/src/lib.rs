@@ -77,7 +77,7 @@ pub use structures::error::StructureOrbitError;
 pub use structures::flight::StructureMotion;
 pub use structures::model::StructureModel;
 pub use structures::orbit::{StructureImpact, StructureOrbit};
-pub use structures::search::{StructureFound, StructureSearch, structure_orbits};
+pub use structures::search::{StructureFound, StructureSearch, structure_candidates, structure_orbits};
 pub use tracer::line;
 pub use tracer::manifold::{Manifold, ManifoldPoint};
 pub use tracer::pace::Pace;

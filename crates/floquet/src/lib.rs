@@ -43,8 +43,8 @@ mod aside;
 mod bracket;
 mod curve;
 mod eigenvectors;
-mod elimination;
 mod error;
+mod linear;
 mod locate;
 mod map_paths;
 mod multipliers;
@@ -90,6 +90,7 @@ pub use stripes::{
 };
 pub use structures::{
     StructureCourse, StructureCurve, StructureWindow, structure_branch, structure_curve, structure_stability,
+    structure_verdict,
 };
 pub use verdict::{Mechanism, Method, Tolerance, Verdict};
 pub use zeros::SecularError;

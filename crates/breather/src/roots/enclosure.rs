@@ -119,7 +119,7 @@ pub(crate) struct Dual<T = Enclosure> {
 
 impl<T: Number> Dual<Enclosure<T>> {
     /// From value, first, second and third derivative at the centre, with |fourth derivative| ≤ `fourth`.
-    pub(crate) fn from_jet(jet: [T; 4], fourth: f64, radius: T) -> Self {
+    pub(crate) fn from_jet(jet: [T; 4], fourth: T, radius: T) -> Self {
         let [value, first, second, third] = jet;
         let third_bound = third.modulus() + radius * fourth;
         let second_bound = second.modulus() + third_bound * radius;
@@ -146,11 +146,9 @@ impl<T: Number> Dual<Enclosure<T>> {
         self.derivative.rest = self.derivative.rest + T::of(derivative);
         self
     }
-}
 
-impl Dual {
     /// Function and derivative at the centre.
-    pub(crate) fn at_centre(&self) -> (f64, f64) {
+    pub(crate) fn at_centre(&self) -> (T, T) {
         (self.function.value, self.derivative.value)
     }
 }

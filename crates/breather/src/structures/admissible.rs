@@ -7,8 +7,9 @@
 use vibrochain_lattice::Barrier;
 
 use super::error::StructureOrbitError;
-use super::flight::{StructureMotion, Windows};
+use super::flight::StructureMotion;
 use super::orbit::StructureOrbit;
+use super::windows::Windows;
 use crate::admissible::answer::{Admissibility, Approach, Obstruction};
 use crate::admissible::check::Depth;
 use crate::motion::polynomial::{Polynomial, turning_points, with_overlap};
@@ -113,69 +114,83 @@ impl Search<'_> {
         })
     }
 
-    /// Most contacts are far from their barriers, and stay there.
-    fn is_far(&self, contact: usize, barrier: Barrier, stop: f64, i: usize) -> bool {
-        let room = barrier.sign() * (stop - self.motion.still(contact));
-        let least = self.closest.as_ref().map(|(least, _)| least.max(0.0));
-        least.is_some_and(|least| room - self.motion.most_excursion(contact, i) > least)
-    }
-
     /// Turning points of the contacts' polynomials, window by window.
-    fn by_windows(&mut self, mut windows: Windows<'_, '_>, i: usize) {
+    fn by_windows(&mut self, mut windows: Windows, i: usize) {
         let begins = self.orbit.impacts()[i].time;
-        let structure = self.orbit.model().structure().clone();
-        let mut watched: Vec<(usize, Barrier, f64)> = Vec::new();
-        for contact in self.order() {
-            for barrier in [Barrier::Lower, Barrier::Upper] {
-                if let Some(stop) = structure.contacts()[contact].barrier(barrier)
-                    && !self.is_far(contact, barrier, stop, i)
-                {
-                    watched.push((contact, barrier, stop));
+        let whole = self.motion.until_next(i);
+        let [excursions, fourths] = windows.bounds();
+        let order = self.order();
+        let mut watched: Vec<Watched> = Vec::with_capacity(order.len());
+        for (contact, [here, end]) in order.iter().copied().zip(windows.ends(&order)) {
+            let stops = [Barrier::Lower, Barrier::Upper].map(|barrier| {
+                let stop = self.orbit.model().structure().contacts()[contact].barrier(barrier)?;
+                // Most contacts are far from their barriers, and stay there.
+                let room = barrier.sign() * (stop - self.motion.response().still(contact)) - excursions[contact];
+                let is_far = self.closest.as_ref().is_some_and(|(least, _)| room > least.max(0.0));
+                (!is_far).then_some((barrier, stop))
+            });
+            // A contact that feels an impact of another has a corner there.
+            for (barrier, stop) in stops.into_iter().flatten() {
+                for (s, [place, _]) in [(0.0, here), (whole, end)] {
+                    if !self.is_hit(contact, barrier, begins + s) {
+                        self.note(barrier.sign() * (stop - place), (contact, barrier), begins + s);
+                    }
                 }
             }
-        }
-        let whole = self.motion.until_next(i);
-        // A contact that feels an impact of another has a corner there.
-        for &(contact, barrier, stop) in &watched {
-            for s in [0.0, whole] {
-                if !self.is_hit(contact, barrier, begins + s) {
-                    let place = self.motion.contact(contact, i, s)[0];
-                    self.note(barrier.sign() * (stop - place), (contact, barrier), begins + s);
-                }
+            if stops.iter().any(Option::is_some) {
+                watched.push(Watched { contact, stops, here });
             }
         }
         let mut pending = std::mem::take(&mut self.pending);
+        let mut ends: Vec<[f64; 2]> = Vec::with_capacity(watched.len());
         loop {
-            let mut polynomial: Option<(usize, Polynomial)> = None;
-            for &(contact, barrier, stop) in &watched {
-                if polynomial.as_ref().is_none_or(|(of, _)| *of != contact) {
-                    polynomial = Some((contact, windows.polynomial(contact)));
+            ends.clear();
+            windows.pass(watched.iter().map(|own| own.contact), |end| ends.push(end));
+            for (own, end) in watched.iter_mut().zip(&ends) {
+                let begin = std::mem::replace(&mut own.here, *end);
+                let passage = Passage::new(begin, *end, windows.length, fourths[own.contact]);
+                if !passage.may_turn() {
+                    continue;
                 }
-                let Some((_, polynomial)) = &polynomial else { continue };
-                // In the form that turning points are sought in: the distance is 1 − |p|, and p beyond −1 is far away.
-                let far = polynomial
-                    .coefficients
-                    .iter()
-                    .enumerate()
-                    .fold(0.0, |sum: f64, (k, c)| sum + c.abs() * windows.length.powi(k as i32));
-                let scale = 2.0 * (far + stop.abs()).max(f64::MIN_POSITIVE);
-                let mut own = *polynomial;
-                own.coefficients.iter_mut().for_each(|c| *c *= barrier.sign() / scale);
-                own.coefficients[0] += 1.0 - barrier.sign() * stop / scale;
-                let start = windows.start();
-                let ends = [start > 0.0, start + 1.5 * windows.length < whole];
-                let least = self.closest.as_ref().map_or(f64::INFINITY, |(least, _)| *least / scale);
-                let mut note = |s: f64, value: f64| {
-                    self.note((1.0 - value) * scale, (contact, barrier), begins + start + s);
-                    self.closest.as_ref().map_or(f64::INFINITY, |(least, _)| *least / scale)
-                };
-                turning_points(&own, with_overlap(windows.length, ends), &mut pending, least, &mut note, 0.0);
+                let mut polynomial: Option<Polynomial> = None;
+                for (barrier, stop) in own.stops.into_iter().flatten() {
+                    if self.closest.as_ref().is_some_and(|(least, _)| passage.room(barrier, stop) >= *least) {
+                        continue;
+                    }
+                    let own_polynomial = polynomial.get_or_insert_with(|| windows.polynomial(own.contact));
+                    self.turns(&windows, own_polynomial, (own.contact, barrier, stop), begins, &mut pending);
+                }
             }
             if self.is_decided() || !windows.advance() {
                 break;
             }
         }
         self.pending = pending;
+    }
+
+    /// Takes note of the turning points on a window.
+    fn turns(
+        &mut self,
+        windows: &Windows,
+        polynomial: &Polynomial,
+        (contact, barrier, stop): (usize, Barrier, f64),
+        begins: f64,
+        pending: &mut Vec<(f64, f64)>,
+    ) {
+        // In the form that turning points are sought in: the distance is 1 − |p|, and p beyond −1 is far away.
+        let terms = polynomial.coefficients.iter().enumerate();
+        let far = terms.fold(0.0, |sum: f64, (k, c)| sum + c.abs() * windows.length.powi(k as i32));
+        let scale = 2.0 * (far + stop.abs()).max(f64::MIN_POSITIVE);
+        let mut own = *polynomial;
+        own.coefficients.iter_mut().for_each(|c| *c *= barrier.sign() / scale);
+        own.coefficients[0] += 1.0 - barrier.sign() * stop / scale;
+        let start = begins + windows.start();
+        let least = self.closest.as_ref().map_or(f64::INFINITY, |(least, _)| *least / scale);
+        let mut note = |s: f64, value: f64| {
+            self.note((1.0 - value) * scale, (contact, barrier), start + s);
+            self.closest.as_ref().map_or(f64::INFINITY, |(least, _)| *least / scale)
+        };
+        turning_points(&own, with_overlap(windows.length, windows.goes_on()), pending, least, &mut note, 0.0);
     }
 
     /// By bounds alone, step by step.
@@ -187,7 +202,7 @@ impl Search<'_> {
             let stops = &structure.contacts()[contact];
             for barrier in [Barrier::Lower, Barrier::Upper] {
                 let Some(stop) = stops.barrier(barrier) else { continue };
-                if self.is_far(contact, barrier, stop, i) || self.is_decided() {
+                if self.is_decided() {
                     continue;
                 }
                 let touch = TOUCH * stops.reach().max(f64::MIN_POSITIVE);
@@ -200,6 +215,44 @@ impl Search<'_> {
             }
         }
         Ok(())
+    }
+}
+
+/// A contact that may come near its barriers, where it is and how fast at a window's start.
+struct Watched {
+    contact: usize,
+    stops: [Option<(Barrier, f64)>; 2],
+    here: [f64; 2],
+}
+
+/// The cubic that has a contact's place and velocity at both ends of a window, by Bézier's four points, between which it stays, and how far
+/// the contact can be from it: h⁴/384 times a bound of |g⁗|, and √3h³/216 times that in its velocity.
+struct Passage {
+    points: [f64; 4],
+    off: f64,
+    length: f64,
+}
+
+impl Passage {
+    fn new([place, velocity]: [f64; 2], [end, last]: [f64; 2], length: f64, fourth: f64) -> Self {
+        let third = length / 3.0;
+        // What rounding adds is as small against the terms as this.
+        let off = (fourth * length.powi(4) / 384.0) * (1.0 + 1e-9) + 1e-14 * (place.abs() + end.abs());
+        Self { points: [place, place + third * velocity, end - third * last, end], off, length }
+    }
+
+    /// Whether the velocity may vanish.
+    fn may_turn(&self) -> bool {
+        let [a, b, c, d] = self.points;
+        let slopes = [b - a, c - b, d - c].map(|way| way * 3.0 / self.length);
+        // √3/216 of what is 1/384 in place.
+        let off = self.off * 3.08 / self.length;
+        !(slopes.iter().all(|slope| *slope > off) || slopes.iter().all(|slope| *slope < -off))
+    }
+
+    /// How much room it surely leaves before a barrier.
+    fn room(&self, barrier: Barrier, stop: f64) -> f64 {
+        self.points.iter().map(|place| barrier.sign() * (stop - place)).fold(f64::INFINITY, f64::min) - self.off
     }
 }
 

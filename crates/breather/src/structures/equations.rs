@@ -3,6 +3,7 @@
 //! The state is that just before each impact: of the kernel past impulses alone count, the own of earlier periods included.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use smallvec::SmallVec;
 use vibrochain_lattice::{Barrier, Complex, LinearMode, StructureError};
@@ -47,11 +48,7 @@ pub(super) struct Arrival {
 #[derive(Debug, Clone)]
 pub(super) struct Equations<'a> {
     pub(super) model: &'a StructureModel,
-    pub(super) kernel: PeriodicKernel<'a>,
-    /// ĝ of each harmonic, at each contact.
-    swings: Vec<(f64, Vec<C>)>,
-    /// g⁰
-    still: Vec<f64>,
+    pub(super) response: Arc<Response>,
     /// Rigid modes that a contact of the orbit feels.
     pub(super) rigid: Vec<&'a LinearMode>,
     pub(super) forced: bool,
@@ -59,84 +56,20 @@ pub(super) struct Equations<'a> {
     pub(super) left_out: usize,
 }
 
-/// The rows that are to vanish, their derivatives, and what is made of them on the way.
-#[derive(Debug, Clone)]
-pub(super) struct System {
-    pub(super) rows: Vector,
-    /// Sizes of their terms.
-    pub(super) sizes: Vector,
-    pub(super) jacobian: Matrix,
-    pub(super) arrivals: SmallVec<[Arrival; 4]>,
-    /// Derivatives of the accelerations by the unknowns.
-    pub(super) gradients: Vec<Vector>,
+/// What contacts do after impacts at some of them, under the loads, and under the static one.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Response {
+    pub(super) kernel: PeriodicKernel,
+    /// ĝ of each harmonic, at each contact.
+    swings: Vec<(f64, Vec<C>)>,
+    /// g⁰
+    still: Vec<f64>,
 }
 
-impl<'a> Equations<'a> {
-    /// Those of impacts at the contacts `hit`.
-    pub(super) fn new(
-        model: &'a StructureModel,
-        force_periods: u32,
-        hit: impl Iterator<Item = usize> + Clone,
-    ) -> Result<Self, StructureOrbitError> {
-        if force_periods == 0 {
-            return Err(StructureOrbitError::Periods);
-        }
-        let structure = model.structure();
-        let kernel = PeriodicKernel::new(structure.modes(), model.period() * f64::from(force_periods));
-        let mut swings = Vec::new();
-        for (place, harmonic) in structure.harmonics().iter().enumerate() {
-            swings.push((f64::from(*harmonic) * model.omega(), structure.steady_at(place, model.omega())?));
-        }
-        let felt = |mode: &&LinearMode| hit.clone().any(|contact| Self::shape(mode, contact) != 0.0);
-        let (rigid, unfelt): (Vec<_>, Vec<_>) = kernel.rigid().partition(felt);
-        // What nothing holds and nothing hits must not be pushed.
-        if unfelt.into_iter().any(|mode| Self::push(mode) != 0.0) {
-            return Err(StructureOrbitError::Unbalanced);
-        }
-        let resting = structure.still();
-        let still = (0..structure.contacts().len()).map(|contact| {
-            let terms = structure.modes().iter().zip(&resting).map(|(mode, xi)| {
-                let row = mode.rows[contact];
-                row[0] * xi[0] + row[1] * xi[1]
-            });
-            terms.sum()
-        });
-        let still = still.collect();
-        Ok(Self { model, kernel, swings, still, rigid, forced: structure.is_forced(), left_out: 0 })
-    }
-
-    /// Refuses impacts of `contacts` where the period is a whole number of that of a mode which they drive and nothing damps.
-    pub(super) fn off_resonance(&self, contacts: &[usize]) -> Result<(), StructureOrbitError> {
-        let Some(mode) = self.kernel.resonant(contacts) else { return Ok(()) };
-        let (frequency, omega) = (self.model.structure().modes()[mode].rate, TAU / self.period());
-        let harmonic = (frequency / omega).round() as u32;
-        Err(StructureError::Resonance { harmonic, mode, frequency, omega }.into())
-    }
-
-    pub(super) fn period(&self) -> f64 {
-        self.kernel.period
-    }
-
-    /// 1/m of a contact.
-    pub(super) fn mobility(&self, contact: usize) -> f64 {
-        self.model.structure().mobility(contact, contact)
-    }
-
-    pub(super) fn restitution(&self, contact: usize) -> f64 {
-        self.model.structure().contacts()[contact].restitution
-    }
-
+impl Response {
     /// g⁰ of a contact.
     pub(super) fn still(&self, contact: usize) -> f64 {
         self.still[contact]
-    }
-
-    /// Frequency of the only harmonic and ĝ of every contact; `None` of several or none.
-    pub(super) fn single(&self) -> Option<(f64, &[C])> {
-        match &self.swings[..] {
-            [(rate, swing)] if self.forced => Some((*rate, swing)),
-            _ => None,
-        }
     }
 
     /// Frequencies and ĝ of a contact.
@@ -156,6 +89,109 @@ impl<'a> Equations<'a> {
         }
         jet
     }
+}
+
+/// The rows that are to vanish, their derivatives, and what is made of them on the way.
+#[derive(Debug, Clone)]
+pub(super) struct System {
+    pub(super) rows: Vector,
+    /// Sizes of their terms.
+    pub(super) sizes: Vector,
+    pub(super) jacobian: Matrix,
+    pub(super) arrivals: SmallVec<[Arrival; 4]>,
+    /// Derivatives of the accelerations by the unknowns.
+    pub(super) gradients: Vec<Vector>,
+}
+
+impl<'a> Equations<'a> {
+    /// Those of impacts at the contacts `hit`.
+    pub(super) fn new(
+        model: &'a StructureModel,
+        force_periods: u32,
+        hit: impl Iterator<Item = usize>,
+    ) -> Result<Self, StructureOrbitError> {
+        if force_periods == 0 {
+            return Err(StructureOrbitError::Periods);
+        }
+        let structure = model.structure();
+        let mut contacts: SmallVec<[usize; 4]> = hit.collect();
+        contacts.sort_unstable();
+        contacts.dedup();
+        let period = model.period() * f64::from(force_periods);
+        let kernel = PeriodicKernel::new(structure.modes(), model.felt(&contacts), &contacts, period);
+        let mut swings = Vec::new();
+        for (place, harmonic) in structure.harmonics().iter().enumerate() {
+            swings.push((f64::from(*harmonic) * model.omega(), structure.steady_at(place, model.omega())?));
+        }
+        let felt = |mode: &&LinearMode| contacts.iter().any(|contact| Self::shape(mode, *contact) != 0.0);
+        let all = structure.modes().iter().filter(|mode| mode.is_rigid());
+        let (rigid, unfelt): (Vec<_>, Vec<_>) = all.partition(felt);
+        // What nothing holds and nothing hits must not be pushed.
+        if unfelt.into_iter().any(|mode| Self::push(mode) != 0.0) {
+            return Err(StructureOrbitError::Unbalanced);
+        }
+        let resting = structure.still();
+        let at_rest = |contact: usize| {
+            let rests = structure.modes().iter().zip(&resting).filter(|(_, xi)| **xi != [0.0; 2]);
+            let terms = rests.map(|(mode, xi)| {
+                let row = mode.rows[contact];
+                row[0] * xi[0] + row[1] * xi[1]
+            });
+            terms.sum()
+        };
+        let still = (0..structure.contacts().len()).map(at_rest).collect();
+        let forced = structure.is_forced();
+        Ok(Self { model, response: Arc::new(Response { kernel, swings, still }), rigid, forced, left_out: 0 })
+    }
+
+    /// The periodic kernel.
+    pub(super) fn kernel(&self) -> &PeriodicKernel {
+        &self.response.kernel
+    }
+
+    /// Refuses impacts of `contacts` where the period is a whole number of that of a mode which they drive and nothing damps.
+    pub(super) fn off_resonance(&self, contacts: &[usize]) -> Result<(), StructureOrbitError> {
+        let Some(mode) = self.kernel().resonant(contacts) else { return Ok(()) };
+        let (frequency, omega) = (self.model.structure().modes()[mode].rate, TAU / self.period());
+        let harmonic = (frequency / omega).round() as u32;
+        Err(StructureError::Resonance { harmonic, mode, frequency, omega }.into())
+    }
+
+    pub(super) fn period(&self) -> f64 {
+        self.kernel().period
+    }
+
+    /// 1/m of a contact.
+    pub(super) fn mobility(&self, contact: usize) -> f64 {
+        self.model.structure().mobility(contact, contact)
+    }
+
+    pub(super) fn restitution(&self, contact: usize) -> f64 {
+        self.model.structure().contacts()[contact].restitution
+    }
+
+    /// g⁰ of a contact.
+    pub(super) fn still(&self, contact: usize) -> f64 {
+        self.response.still(contact)
+    }
+
+    /// Frequency of the only harmonic and ĝ of every contact; `None` of several or none.
+    pub(super) fn single(&self) -> Option<(f64, &[C])> {
+        match &self.response.swings[..] {
+            [(rate, swing)] if self.forced => Some((*rate, swing)),
+            _ => None,
+        }
+    }
+
+    /// Frequencies and ĝ of a contact.
+    pub(super) fn swings(&self, contact: usize) -> impl Iterator<Item = (f64, C)> + '_ {
+        self.response.swings(contact)
+    }
+
+    /// G of a contact, and its first three derivatives, at t + ψ.
+    pub(super) fn load(&self, contact: usize, t: f64) -> [f64; 4] {
+        self.response.load(contact, t)
+    }
 
     /// Numbers of unknowns: impulses, times but the first, ψ if there is a load, offsets.
     pub(super) fn unknowns(&self, impacts: usize) -> usize {
@@ -169,13 +205,15 @@ impl<'a> Equations<'a> {
             let is_felt = self.rigid.iter().any(|one| std::ptr::eq(*one, mode));
             if is_felt { own.next().copied().unwrap_or(0.0) } else { 0.0 }
         };
-        self.kernel.rigid().map(of).collect()
+        let rigid = self.model.structure().modes().iter().filter(|mode| mode.is_rigid());
+        rigid.map(of).collect()
     }
 
     /// Of the offsets of all rigid modes those that a contact of the orbit feels.
     pub(super) fn felt_offsets(&self, all: &[f64]) -> SmallVec<[f64; 1]> {
         let is_felt = |mode: &LinearMode| self.rigid.iter().any(|one| std::ptr::eq(*one, mode));
-        self.kernel.rigid().zip(all).filter(|(mode, _)| is_felt(mode)).map(|(_, offset)| *offset).collect()
+        let rigid = self.model.structure().modes().iter().filter(|mode| mode.is_rigid());
+        rigid.zip(all).filter(|(mode, _)| is_felt(mode)).map(|(_, offset)| *offset).collect()
     }
 
     /// φ of a rigid mode at a contact.
@@ -205,13 +243,13 @@ impl<'a> Equations<'a> {
             let stop = self.model.barrier(strike.contact, strike.barrier)?;
             let load = self.load(strike.contact, strike.time + point.psi);
             let mut sums = load;
-            sums[0] += self.still[strike.contact];
+            sums[0] += self.still(strike.contact);
             let mut sizes = [sums[0].abs() + stop.abs(), sums[1].abs(), sums[2].abs()];
             // By unknown, of place, velocity and acceleration.
             let mut gradient = [zeros(size), zeros(size), zeros(size)];
             for (j, other) in point.strikes.iter().enumerate() {
                 let lapse = if i == j { 0.0 } else { strike.time - other.time };
-                let (jet, terms) = self.kernel.jet(strike.contact, other.contact, lapse);
+                let (jet, terms) = self.kernel().jet(strike.contact, other.contact, lapse);
                 for order in 0..4 {
                     sums[order] += other.impulse * jet[order];
                 }

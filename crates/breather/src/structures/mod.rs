@@ -15,12 +15,16 @@
 //! | `orbit` | [`StructureOrbit`], and how far it can be trusted |
 //! | `newton` | from impacts nearby to an orbit |
 //! | `search` | all orbits of one or two impacts; of more, those that starts lead to |
+//! | `at_times` | impulses, offsets and phase at given times |
 //! | `two_impacts` | the proof that no two impacts are missing |
+//! | `scan`, `starts` | where there is no proof |
 //! | `flight` | [`StructureMotion`]: every contact at any time |
+//! | `windows` | one flight as polynomials |
 //! | `admissible` | physical or what is in the way |
 //! | `continuation` | [`StructureBranch`]: the equations with numbers of the structure free |
 
 pub(crate) mod admissible;
+mod at_times;
 pub(crate) mod continuation;
 mod equations;
 pub(crate) mod error;
@@ -29,5 +33,8 @@ pub(crate) mod model;
 mod newton;
 pub(crate) mod orbit;
 mod periodic_kernel;
+mod scan;
 pub(crate) mod search;
+mod starts;
 mod two_impacts;
+mod windows;

@@ -1,17 +1,27 @@
 //! A structure and the frequency of its loads.
 
 use std::f64::consts::TAU;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
-use vibrochain_lattice::{Barrier, MAX_MAGNITUDE, ModalStructure};
+use vibrochain_lattice::{Barrier, FeltModes, MAX_MAGNITUDE, ModalStructure};
 
 use super::error::StructureOrbitError;
 
 /// A linear structure with stops under loads of frequency ω; of an orbit without them, ω is its own.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct StructureModel {
     structure: Arc<ModalStructure>,
     omega: f64,
+    felt: Arc<Mutex<Felt>>,
+}
+
+/// The modes that some contacts feel, of each list of contacts that has been asked for.
+type Felt = Vec<(Vec<usize>, Arc<FeltModes>)>;
+
+impl PartialEq for StructureModel {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.structure, self.omega) == (&other.structure, other.omega)
+    }
 }
 
 impl StructureModel {
@@ -20,11 +30,30 @@ impl StructureModel {
     /// # Errors
     /// [`StructureOrbitError::Omega`].
     pub fn new(structure: Arc<ModalStructure>, omega: f64) -> Result<Self, StructureOrbitError> {
+        Self { structure, omega, felt: Arc::default() }.at(omega)
+    }
+
+    /// The same structure at another frequency. What does not depend on it is worked out once for all of them.
+    ///
+    /// # Errors
+    /// [`StructureOrbitError::Omega`].
+    pub fn at(&self, omega: f64) -> Result<Self, StructureOrbitError> {
         if (1.0 / MAX_MAGNITUDE..=MAX_MAGNITUDE).contains(&omega) {
-            Ok(Self { structure, omega })
+            Ok(Self { omega, ..self.clone() })
         } else {
             Err(StructureOrbitError::Omega { omega })
         }
+    }
+
+    /// The modes as impacts at these contacts feel them.
+    pub(super) fn felt(&self, hit: &[usize]) -> Arc<FeltModes> {
+        let mut known = self.felt.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, felt)) = known.iter().find(|(contacts, _)| contacts == hit) {
+            return felt.clone();
+        }
+        let felt = Arc::new(self.structure.felt(hit));
+        known.push((hit.to_vec(), felt.clone()));
+        felt
     }
 
     /// The structure.

@@ -2,13 +2,13 @@
 
 use super::equations::{Equations, Point, System};
 use super::error::StructureOrbitError;
-use crate::equations::linear::Factors;
+use crate::equations::linear::{Factors, Matrix, Vector};
 
 /// Steps at most: a start that leads anywhere takes a handful.
 const STEPS: usize = 60;
 
-/// A row below this part of its terms is rounding.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// Rows below this part of their terms are as small as rounding lets them be.
+const ROUNDING: f64 = 2.0 * f64::EPSILON;
 
 /// A row that no step makes smaller counts as solved up to this part of its terms: where these are far larger than their sum.
 const STALLED: f64 = 1e-9;
@@ -27,16 +27,15 @@ impl Equations<'_> {
             }
             let improved = best.as_ref().is_none_or(|(least, ..)| violation < *least);
             let stalled = best.as_ref().is_some_and(|(least, ..)| !improved && *least < STALLED);
-            let factors = Factors::new(system.jacobian.clone());
-            let rows = system.rows.clone();
+            if stalled {
+                break;
+            }
+            let step = (violation >= ROUNDING).then(|| Factors::new(system.jacobian.clone()));
+            let step = step.flatten().map(|factors| factors.solve(&system.rows));
             if improved {
                 best = Some((violation, point.clone(), system));
             }
-            if stalled || violation < ROUNDING * 1e-2 {
-                break;
-            }
-            let Some(factors) = factors else { break };
-            let step = factors.solve(&rows);
+            let Some(step) = step else { break };
             if step.iter().any(|x| !x.is_finite()) {
                 break;
             }
@@ -44,6 +43,22 @@ impl Equations<'_> {
         }
         let (violation, point, system) = best.ok_or(StructureOrbitError::NotConverged { violation: f64::NAN })?;
         if violation < STALLED { Ok((point, system)) } else { Err(StructureOrbitError::NotConverged { violation }) }
+    }
+
+    /// The same point with offsets that bring the impacts to their barriers as well as they can.
+    pub(super) fn with_offsets(&self, mut point: Point) -> Result<Point, StructureOrbitError> {
+        if self.rigid.is_empty() {
+            return Ok(point);
+        }
+        let system = self.system(&point)?;
+        let count = self.rigid.len();
+        let shape = |k: usize, i: usize| Self::shape(self.rigid[k], point.strikes[i].contact);
+        let matrix = Matrix::from_fn(count, |k, l| (0..point.strikes.len()).map(|i| shape(k, i) * shape(l, i)).sum());
+        let right: Vector =
+            (0..count).map(|k| (0..point.strikes.len()).map(|i| -shape(k, i) * system.rows[i]).sum()).collect();
+        let moves = matrix.solve(&right).ok_or(StructureOrbitError::Unbalanced)?;
+        point.offsets.iter_mut().zip(&moves).for_each(|(offset, by)| *offset += by);
+        Ok(point)
     }
 
     /// One step back along the unknowns, shortened where a time would move by more than a part of the period.

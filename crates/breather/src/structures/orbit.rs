@@ -1,9 +1,11 @@
 //! A periodic orbit of a structure, and how far it can be trusted.
 
-use smallvec::SmallVec;
-use vibrochain_lattice::{Barrier, BlochKernel};
+use std::sync::Arc;
 
-use super::equations::{Equations, Point, Strike, System};
+use smallvec::SmallVec;
+use vibrochain_lattice::Barrier;
+
+use super::equations::{Equations, Point, Response, Strike, System};
 use super::error::StructureOrbitError;
 use super::model::StructureModel;
 use crate::equations::linear::Factors;
@@ -40,6 +42,7 @@ pub struct StructureImpact {
 #[derive(Debug, Clone, PartialEq)]
 pub struct StructureOrbit {
     model: StructureModel,
+    response: Arc<Response>,
     force_periods: u32,
     psi: Option<f64>,
     offsets: SmallVec<[f64; 1]>,
@@ -64,12 +67,12 @@ impl StructureOrbit {
         let size = off.len();
         let errors: Vec<f64> =
             (0..size).map(|i| inverse.row(i).iter().zip(&off).map(|(x, off)| x.abs() * off).sum()).collect();
-        let turned = factors_of(&system);
         let impact = |i: usize| {
             let (strike, arrival) = (&point.strikes[i], &system.arrivals[i]);
             let own = 8.0 * f64::EPSILON * arrival.sizes[2];
-            let carried: f64 =
-                turned.solve_row(&system.gradients[i]).iter().zip(&off).map(|(x, off)| x.abs() * off).sum();
+            // What the unknowns bring along, by the rows that they come from.
+            let from = |j: usize| (0..size).map(|k| system.gradients[i][k] * inverse[(k, j)]).sum::<f64>().abs();
+            let carried: f64 = (0..size).map(|j| from(j) * off[j]).sum();
             StructureImpact {
                 contact: strike.contact,
                 barrier: strike.barrier,
@@ -93,6 +96,7 @@ impl StructureOrbit {
         let period = equations.model.period();
         Ok(Self {
             model: equations.model.clone(),
+            response: equations.response.clone(),
             force_periods,
             psi: equations.forced.then(|| point.psi.rem_euclid(period)),
             offsets: equations.all_offsets(&point.offsets),
@@ -146,6 +150,11 @@ impl StructureOrbit {
         &self.model
     }
 
+    /// What contacts do after impacts and under the loads.
+    pub(super) fn response(&self) -> &Response {
+        &self.response
+    }
+
     /// Periods of the load in one of the orbit.
     pub fn force_periods(&self) -> u32 {
         self.force_periods
@@ -194,8 +203,8 @@ impl StructureOrbit {
         let mut hit: Vec<usize> = self.impacts.iter().map(|impact| impact.contact).collect();
         hit.sort_unstable();
         hit.dedup();
-        let structure = self.model.structure();
-        let (kernel, spared): (BlochKernel, _) = structure.kernel(self.period(), &hit);
+        let (structure, felt) = (self.model.structure(), &self.response.kernel.felt);
+        let kernel = felt.kernel(self.period(), &hit);
         let impact = |impact: &StructureImpact| LinearImpact {
             contact: hit.partition_point(|&contact| contact < impact.contact),
             time: impact.time,
@@ -211,7 +220,7 @@ impl StructureOrbit {
             } else {
                 BlochEquations::new(kernel, impacts)
             },
-            spared,
+            felt.spared.clone(),
         )
     }
 }
@@ -226,20 +235,4 @@ fn in_order(times: impl Iterator<Item = f64>, period: f64) -> bool {
         last = time;
     }
     true
-}
-
-/// The transposed Jacobian, by which gradients are carried from unknowns to rows.
-struct Carried(Option<Factors>);
-
-fn factors_of(system: &System) -> Carried {
-    Carried(Factors::new(system.jacobian.transposed()))
-}
-
-impl Carried {
-    fn solve_row(&self, gradient: &[f64]) -> crate::equations::linear::Vector {
-        match &self.0 {
-            Some(factors) => factors.solve(gradient),
-            None => gradient.iter().map(|_| f64::INFINITY).collect(),
-        }
-    }
 }

@@ -1,15 +1,25 @@
 //! All orbits of two impacts under a load of one harmonic, with proof: enclosures of F(φ) = C² + S² − Δ², the determinants of the linear
-//! equations of (P₁, P₂, c, s) by Cramer's rule (`search`).
+//! equations of (P₁, P₂, c, s) by Cramer's rule (`at_times`).
 //!
-//! Kernels K, K′ of all four pairs of impacts and the load's cosines at the second one are functions of φ with known derivatives; what they
-//! multiply is fixed. So F is a sum of products, and the same formula serves for numbers and for enclosures.
+//! Rows are the places p₁, p₂ and laws l₁, l₂. U are the minors of the columns of P₁, P₂ in two rows, Δ and C + iS are sums of them times those
+//! of the other two columns (Laplace). With ĝ the load's amplitudes, ρ = ĝ₁ĝ₂* e^{−iωφ}, w = ω(1+e) and r the stops less what is still,
+//!
+//! ```text
+//! Δ = Im ρ·(w₁w₂U_pp + U_ll) − Re ρ·(w₁U₁₂ + w₂U₂₁) + w₂|ĝ₂|²U₁₁ + w₁|ĝ₁|²U₂₂       U_ij: rows p_i and l_j
+//! C² + S² = |ĝ₁|²(r₂²U_ll² + a²) + |ĝ₂|²(r₁²U_ll² + b²) + 2Re ρ·(ab − r₁r₂U_ll²) + 2Im ρ·U_ll(r₂b + r₁a),
+//! a = w₁(r₁U₂₂ − r₂U₁₂),   b = w₂(r₂U₁₁ − r₁U₂₁).
+//! ```
+//!
+//! The same formula serves for numbers and for enclosures.
 
-use vibrochain_lattice::{Complex, LinearMode, Turn};
+use vibrochain_lattice::{Complex, Turn};
+use wide::f64x4;
 
 use super::equations::Equations;
-use crate::lanes::Lane;
-use crate::roots::enclosure::{Algebra, Dual};
-use crate::roots::interval::{Clearance, Enclosed, Zeros, one_by_one};
+use super::periodic_kernel::Between;
+use crate::lanes::{LANES, Lane, ZERO, all, four};
+use crate::roots::enclosure::{Algebra, Dual, Enclosure};
+use crate::roots::interval::{Clearance, Enclosed, Zeros};
 
 type C = Complex<f64>;
 
@@ -19,48 +29,55 @@ const COINCIDENT: f64 = 1e-4;
 /// Intervals are not halved below this part of the period.
 const RESOLUTION: f64 = 1e-11;
 
+/// Intervals to begin with: where modes are far faster than the load, they have died out in nearly all of them.
+const MOST_PIECES: usize = 512;
+
 /// F of two impacts.
-pub(super) struct Function<'a> {
-    equations: &'a Equations<'a>,
-    contacts: [usize; 2],
+pub(super) struct Function {
+    period: f64,
+    between: Between,
+    /// ω
     rate: f64,
-    swings: [C; 2],
-    /// (1+e) of both, and their mobilities.
+    /// ρ at φ = 0, and |ĝ|² of both.
+    product: C,
+    squares: [f64; 2],
+    /// (1+e) of both, and w.
     weights: [f64; 2],
-    mobilities: [f64; 2],
+    fast: [f64; 2],
     /// Stops less what is still. Where both are 0, F = −Δ², and Δ is sought instead.
     places: [f64; 2],
-    /// K and K′ of each contact with itself, a period later.
+    /// Of each contact with itself, a period later: K, and 1/m + (1+e)K′.
     own: [[f64; 2]; 2],
-    /// Bounds of |K⁽ᵐ⁾| for m = 2 … 5 from one contact to the other, each way.
-    bounds: [[f64; 6]; 2],
+    /// Where two impacts begin to be told apart.
+    least: f64,
 }
 
-impl<'a> Function<'a> {
+impl Function {
     /// `None` of rigid modes, of modes that grow, without a single harmonic, and of a contact that the load does not move.
-    pub(super) fn new(equations: &'a Equations<'a>, contacts: [usize; 2], places: [f64; 2]) -> Option<Self> {
+    pub(super) fn new(equations: &Equations<'_>, contacts: [usize; 2], places: [f64; 2]) -> Option<Self> {
         let (rate, swing) = equations.single()?;
-        let modes = equations.model.structure().modes();
+        let swings = contacts.map(|contact| swing[contact]);
         // Where the load does not move one of them, F may vanish altogether.
-        let moved = contacts.iter().all(|&contact| swing[contact].norm() > 0.0);
-        if !moved || !equations.rigid.is_empty() || modes.iter().any(|mode| !is_held(mode)) {
+        if swings.iter().any(|swing| swing.norm() == 0.0) {
             return None;
         }
-        let own = contacts.map(|contact| {
-            let (jet, _) = equations.kernel.jet(contact, contact, 0.0);
-            [jet[0], jet[1]]
+        let weights = contacts.map(|contact| 1.0 + equations.restitution(contact));
+        let own = [0, 1].map(|i| {
+            let (jet, _) = equations.kernel().jet(contacts[i], contacts[i], 0.0);
+            [jet[0], equations.mobility(contacts[i]) + weights[i] * jet[1]]
         });
-        let bounds = [(0, 1), (1, 0)].map(|(to, from)| equations.kernel.bounds(contacts[to], contacts[from]));
+        let period = equations.period();
         Some(Self {
-            equations,
-            contacts,
+            period,
+            between: equations.kernel().between(contacts[0], contacts[1])?,
             rate,
-            swings: contacts.map(|contact| swing[contact]),
-            weights: contacts.map(|contact| 1.0 + equations.restitution(contact)),
-            mobilities: contacts.map(|contact| equations.mobility(contact)),
+            product: swings[0] * swings[1].conj(),
+            squares: swings.map(|swing| swing.norm_sqr()),
+            weights,
+            fast: weights.map(|weight| rate * weight),
             places,
             own,
-            bounds,
+            least: period * if contacts[0] == contacts[1] { COINCIDENT } else { RESOLUTION },
         })
     }
 
@@ -72,130 +89,163 @@ impl<'a> Function<'a> {
     /// All zeros between the coincident ends; the second list is where two may have merged, the last number says whether all places were looked at.
     pub(super) fn zeros(&self) -> Zeros {
         let mut zeros = Zeros::default();
-        let period = self.equations.period();
-        let fastest = self.equations.model.structure().modes().iter().map(|mode| mode.rate).fold(self.rate, f64::max);
-        let pieces = ((fastest * period) as usize).clamp(16, 4000);
-        let cut = if self.contacts[0] == self.contacts[1] { COINCIDENT } else { RESOLUTION };
-        zeros.find(self, cut * period, (1.0 - cut) * period, pieces, |_| RESOLUTION * period);
+        let pieces = ((self.between.fastest.max(self.rate) * self.period) as usize).clamp(16, MOST_PIECES);
+        zeros.find(self, self.least, self.period - self.least, pieces, |_| RESOLUTION * self.period);
         zeros
     }
 
-    /// F of kernels K₁₂ (at T−φ), K₂₁ (at φ) and the load at the second impact, by value and slope in time.
-    fn formula<T: Algebra>(&self, kernels: [[T; 2]; 2], load: [[T; 2]; 2]) -> T {
-        // Rows: places of both, laws of both; columns: P₁, P₂, c, s. The first load is a number.
-        let [k12, k21] = kernels;
-        let first = self.swings[0];
-        let (g1, d1) =
-            ([first.re, -first.im], [-self.rate * first.im * self.weights[0], -self.rate * first.re * self.weights[0]]);
-        let [g2, d2] = load;
-        let d2 = d2.map(|x| x.scaled(self.weights[1]));
-        let laws = [k12[1].scaled(self.weights[0]), k21[1].scaled(self.weights[1])];
-        let own = [0, 1].map(|i| self.mobilities[i] + self.weights[i] * self.own[i][1]);
-        // 2 × 2 minors of the first two columns, by pairs of rows: (place 1, place 2, law 1, law 2).
-        let columns: [[Entry<T>; 4]; 2] = [
-            [Entry::Number(self.own[0][0]), Entry::Function(k21[0]), Entry::Number(own[0]), Entry::Function(laws[1])],
-            [Entry::Function(k12[0]), Entry::Number(self.own[1][0]), Entry::Function(laws[0]), Entry::Number(own[1])],
-        ];
-        let cos = [Entry::Number(g1[0]), Entry::Function(g2[0]), Entry::Number(d1[0]), Entry::Function(d2[0])];
-        let sin = [Entry::Number(g1[1]), Entry::Function(g2[1]), Entry::Number(d1[1]), Entry::Function(d2[1])];
-        let right =
-            [Entry::Number(self.places[0]), Entry::Number(self.places[1]), Entry::Number(0.0), Entry::Number(0.0)];
-        let zero = k12[0].scaled(0.0);
-        let determinant = |third: &[Entry<T>; 4], fourth: &[Entry<T>; 4]| {
-            let mut sum = zero;
-            for (i, j, k, l, sign) in PAIRS {
-                let upper = minor(&columns[0], &columns[1], i, j, zero);
-                let lower = minor(third, fourth, k, l, zero);
-                sum = sum + (upper * lower).scaled(sign);
-            }
-            sum
-        };
-        let whole = determinant(&cos, &sin);
+    /// Whether F may vanish within `reach` of φ.
+    pub(super) fn may_vanish(&self, phi: f64, reach: f64) -> bool {
+        self.clearances([phi; LANES], [reach; LANES])[0].function <= 0.0
+    }
+
+    /// F of both kernels with their slopes, and of Re ρ and Im ρ.
+    fn formula<T: Algebra>(&self, [there, back]: [[T; 2]; 2], [along, across]: [T; 2]) -> T {
+        let ([w1, w2], [n1, n2], [r1, r2]) = (self.fast, self.squares, self.places);
+        let [[k1, law1], [k2, law2]] = self.own;
+        // K₂₁ and (1+e₂)K₂₁′ at the second impact, K₁₂ and (1+e₁)K₁₂′ at the first.
+        let ([place2, slope2], [place1, slope1]) =
+            ([there[0], there[1].scaled(self.weights[1])], [back[0], back[1].scaled(self.weights[0])]);
+        let u11 = slope1.scaled(k1) - place1.scaled(law1);
+        let u12 = (slope2 * place1).scaled(-1.0).shifted(k1 * law2);
+        let u21 = (place2 * slope1).shifted(-law1 * k2);
+        let u22 = place2.scaled(law2) - slope2.scaled(k2);
+        let laws = (slope2 * slope1).scaled(-1.0).shifted(law1 * law2);
+        let both = (place2 * place1).scaled(-1.0).shifted(k1 * k2);
+        let whole = across * (both.scaled(w1 * w2) + laws) - along * (u12.scaled(w1) + u21.scaled(w2))
+            + u11.scaled(w2 * n2)
+            + u22.scaled(w1 * n1);
         if self.is_homogeneous() {
             return whole;
         }
-        let (c, s) = (determinant(&right, &sin), determinant(&cos, &right));
-        c * c + s * s - whole * whole
+        let a = (u22.scaled(r1) - u12.scaled(r2)).scaled(w1);
+        let b = (u11.scaled(r2) - u21.scaled(r1)).scaled(w2);
+        let square = laws * laws;
+        (a * a).scaled(n1)
+            + (b * b).scaled(n2)
+            + square.scaled(n1 * r2 * r2 + n2 * r1 * r1)
+            + (along * (a * b - square.scaled(r1 * r2)) + across * (laws * (b.scaled(r2) + a.scaled(r1)))).scaled(2.0)
+            - whole * whole
     }
 
-    /// Enclosures about a centre.
-    fn enclose(&self, phi: f64, radius: f64) -> Dual {
-        let equations = self.equations;
-        let of_kernel = |lapse: f64, to: usize, from: usize, bounds: &[f64; 6], sign: f64| {
-            let jet = equations.kernel.long_jet(self.contacts[to], self.contacts[from], lapse);
-            // K(±φ): odd derivatives change sign with it.
-            let flip = |order: i32| if order % 2 == 0 { 1.0 } else { sign };
-            let place = [jet[0], flip(1) * jet[1], jet[2], flip(1) * jet[3]];
-            let slope = [jet[1], flip(1) * jet[2], jet[3], flip(1) * jet[4]];
-            // What rounding makes of the terms, far more than of their sum next to a resonance.
-            let (_, sizes) = equations.kernel.jet(self.contacts[to], self.contacts[from], lapse);
-            let doubt = sizes.map(|size| 4.0 * f64::EPSILON * size);
+    /// Enclosures of what F is made of, about four φ.
+    fn pieces(&self, phis: Lane, radii: Lane) -> [[Dual<Enclosure<f64x4>>; 2]; 3] {
+        let radius = four(radii);
+        let (jets, fourths) = self.between.jets(phis, radii);
+        let kernels = [0, 1].map(|way| {
+            let ([value, slope, bend, third], fourth) = (jets[way], fourths[way]);
+            let [of_value, of_slope, of_bend] = self.between.doubts[way];
+            // At T − φ the slope in time is the opposite of that in φ.
+            let sign = [1.0, -1.0][way];
             [
-                Dual::from_jet(place, bounds[4], radius).widened([doubt[0], doubt[1]]),
-                Dual::from_jet(slope, bounds[5], radius).widened([doubt[1], doubt[2]]),
+                Dual::from_jet([value, slope, bend, third], fourth, radius).widened([of_value, of_slope]),
+                Dual::from_jet([slope, bend, third, fourth], ZERO, radius).widened([of_slope, of_bend]).scaled(sign),
             ]
-        };
-        let k12 = of_kernel(-phi, 0, 1, &self.bounds[0], -1.0);
-        let k21 = of_kernel(phi, 1, 0, &self.bounds[1], 1.0);
-        // Re of ĝe^{iwφ}(c + is), and of its slope.
-        let size = self.swings[1].norm();
-        let turned = self.swings[1] * C::from_polar(1.0, self.rate * phi);
-        let wave = |value: C, size: f64| {
-            // Re and −Im of the swing are cosines of φ, a quarter of a turn apart.
-            let real = Dual::wave(value.re, value.im, self.rate, size, radius);
-            let imaginary = Dual::wave(-value.im, value.re, self.rate, size, radius);
-            [real, imaginary]
-        };
-        let place = wave(turned, size);
-        let speed = wave(turned * C::new(0.0, self.rate), size * self.rate);
-        self.formula([k12, k21], [place, speed])
+        });
+        let [cos, sin] = Turn::Circular.turns(self.rate, phis).unwrap_or_default().map(four);
+        let (re, im) = (
+            cos * all(self.product.re) + sin * all(self.product.im),
+            cos * all(self.product.im) - sin * all(self.product.re),
+        );
+        let size = self.product.norm();
+        // Re ρ and Im ρ are cosines of φ, a quarter of a turn apart.
+        let waves = [Dual::wave(re, -im, self.rate, size, radius), Dual::wave(im, re, self.rate, size, radius)];
+        [kernels[0], kernels[1], waves]
     }
 }
 
-/// An entry of the equations: a number, or a function of φ.
-#[derive(Clone, Copy)]
-enum Entry<T> {
-    Number(f64),
-    Function(T),
-}
-
-/// Pairs of rows for Laplace's expansion by the first two columns, with their signs.
-const PAIRS: [(usize, usize, usize, usize, f64); 6] = [
-    (0, 1, 2, 3, 1.0),
-    (0, 2, 1, 3, -1.0),
-    (0, 3, 1, 2, 1.0),
-    (1, 2, 0, 3, 1.0),
-    (1, 3, 0, 2, -1.0),
-    (2, 3, 0, 1, 1.0),
-];
-
-fn minor<T: Algebra>(first: &[Entry<T>; 4], second: &[Entry<T>; 4], i: usize, j: usize, zero: T) -> T {
-    product(first[i], second[j], zero) - product(first[j], second[i], zero)
-}
-
-fn product<T: Algebra>(a: Entry<T>, b: Entry<T>, zero: T) -> T {
-    match (a, b) {
-        (Entry::Number(a), Entry::Number(b)) => zero.shifted(a * b),
-        (Entry::Number(a), Entry::Function(b)) | (Entry::Function(b), Entry::Number(a)) => b.scaled(a),
-        (Entry::Function(a), Entry::Function(b)) => a * b,
-    }
-}
-
-/// Nothing of it grows.
-fn is_held(mode: &LinearMode) -> bool {
-    match mode.turn {
-        Turn::Circular => mode.decay >= 0.0,
-        Turn::Hyperbolic => mode.decay >= mode.rate,
-        Turn::Parabolic => mode.decay > 0.0,
-    }
-}
-
-impl Enclosed for Function<'_> {
-    fn clearances(&self, centres: Lane, radii: Lane) -> [Clearance; crate::lanes::LANES] {
-        one_by_one(centres, radii, |phi, radius| self.enclose(phi, radius))
+impl Enclosed for Function {
+    fn clearances(&self, centres: Lane, radii: Lane) -> [Clearance; LANES] {
+        let pieces = self.pieces(centres, radii);
+        let [there, back, waves] = pieces.map(|pair| pair.map(|piece| piece.function));
+        // Where the function itself has no zero nobody asks for its slope.
+        let function = self.formula([there, back], waves).clearance().to_array();
+        if function.iter().all(|clearance| *clearance > 0.0) {
+            return function.map(Clearance::away);
+        }
+        let [there, back, waves] = pieces;
+        Clearance::of(&self.formula([there, back], waves))
     }
 
     fn at(&self, phi: f64) -> (f64, f64) {
-        self.enclose(phi, 0.0).at_centre()
+        let jets = self.between.jets_at(phi);
+        let [there, back] = [0, 1].map(|way| {
+            let [value, slope, bend] = jets[way];
+            let sign = [1.0, -1.0][way];
+            [(value, slope), (sign * slope, sign * bend)].map(|(function, derivative)| Dual { function, derivative })
+        });
+        let rho = self.product * C::from_polar(1.0, -self.rate * phi);
+        let waves = [(rho.re, self.rate * rho.im), (rho.im, -self.rate * rho.re)];
+        let point = self.formula([there, back], waves.map(|(function, derivative)| Dual { function, derivative }));
+        (point.function, point.derivative)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use smallvec::smallvec;
+    use vibrochain_lattice::{Barrier, Contact, LinearMode, ModalStructure, ModeShape};
+    use vibrochain_testkit::Random;
+
+    use super::*;
+    use crate::structures::at_times::Impacts;
+    use crate::structures::model::StructureModel;
+
+    /// F has the sign that elimination gives, its slope is that of its values, and enclosures hold what they enclose.
+    #[test]
+    fn the_expanded_determinants_are_those_of_elimination() {
+        let mut random = Random(83);
+        let (mut checked, mut away) = (0, 0);
+        for round in 0..60 {
+            let mut mode = || {
+                // Below, at and above critical damping.
+                let (frequency, ratio) = (random.log(0.3, 5.0), [random.log(1e-3, 0.9), 1.0, 1.5][random.below(3)]);
+                let contacts = vec![random.between(-1.0, 1.0), random.between(-1.0, 1.0)];
+                let shape = ModeShape { contacts, coordinates: Vec::new(), still: random.between(-0.1, 0.1) };
+                let load = C::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0));
+                LinearMode::oscillator(
+                    ratio * frequency,
+                    frequency * frequency * (1.0 - ratio * ratio),
+                    &shape,
+                    &[load],
+                )
+            };
+            let modes = (0..4).map(|_| mode()).collect();
+            let contact = Contact { lower: Some(-0.7), upper: Some(0.4), restitution: random.between(0.3, 1.0) };
+            let structure = ModalStructure::new(vec![contact; 2], vec![1], modes).unwrap();
+            let model = StructureModel::new(Arc::new(structure), random.between(0.5, 3.0)).unwrap();
+            let letters = [(0, Barrier::Upper), (round % 2, Barrier::Lower)];
+            let equations = Equations::new(&model, 1, letters.iter().map(|letter| letter.0)).unwrap();
+            let places = letters.map(|(c, barrier)| model.barrier(c, barrier).unwrap() - equations.still(c));
+            let function = Function::new(&equations, letters.map(|letter| letter.0), places).unwrap();
+            let impacts = Impacts { equations: &equations, letters: smallvec![letters[0], letters[1]] };
+            let period = equations.period();
+            let scale = (1..40).map(|i| function.at(period * f64::from(i) / 40.0).0.abs()).fold(0.0, f64::max);
+            for i in 1..40 {
+                let phi = period * f64::from(i) / 40.0;
+                let (value, slope) = function.at(phi);
+                if value.abs() > 1e-9 * scale {
+                    assert_eq!(value > 0.0, impacts.value(phi).unwrap()[0] > 0.0, "{phi} {value}");
+                }
+                let h = 1e-5 * period;
+                let quotient = (function.at(phi + h).0 - function.at(phi - h).0) / (2.0 * h);
+                assert!((slope - quotient).abs() < 1e-5 * (slope.abs() + scale / period), "{slope} {quotient}");
+                let radius = period * random.log(1e-4, 0.02);
+                let clearance = function.clearances([phi; LANES], [radius; LANES])[1];
+                let around = (-20..=20).map(|k| function.at((phi + radius * f64::from(k) / 20.0).clamp(h, period - h)));
+                for (near, rise) in around {
+                    if clearance.function > 0.0 {
+                        assert!(near.abs() >= clearance.function * (1.0 - 1e-9) && near * value > 0.0);
+                        away += 1;
+                    } else if clearance.derivative > 0.0 {
+                        assert!(rise * slope > 0.0);
+                    }
+                }
+                checked += 1;
+            }
+        }
+        assert!(checked == 60 * 39 && away > 10_000, "{checked} {away}");
     }
 }

@@ -11,10 +11,12 @@
 //! | `null` | null vectors of J(z) |
 //! | `refine` | one zero, or several close ones, with errors |
 //! | `solve` | all of them, counted |
+//! | `leading` | those that lead alone, for a verdict |
 //! | `multipliers` | [`ImpactSpectrum`]: the multipliers of impacts on any linear structure |
 //! | `verdict` | stable or not |
 
 mod function;
+mod leading;
 mod multipliers;
 mod null;
 mod refine;
@@ -24,4 +26,5 @@ mod verdict;
 
 pub(crate) use function::SpectralFunction;
 pub use multipliers::ImpactSpectrum;
-pub(crate) use verdict::{origins, spectrum, told};
+pub(crate) use refine::Origin;
+pub(crate) use verdict::{origins, spectrum, told, verdict};

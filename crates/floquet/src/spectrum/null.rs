@@ -1,12 +1,13 @@
 //! Null vectors of the bordered equations.
 //!
-//! Singular values and vectors are faer's: nalgebra's have both sides orthogonal, yet of a nearly singular matrix the wrong ones now and
-//! then (its issue 1172).
+//! One on either side comes from elimination with full pivots, several from singular vectors. These are faer's: nalgebra's have both sides
+//! orthogonal, yet of a nearly singular matrix the wrong ones now and then (its issue 1172).
 
 use faer::{Mat, MatRef};
 use nalgebra::{Complex, DMatrix};
 
 use super::function::{Pole, SpectralFunction};
+use crate::linear::{Factors, Pivots, eliminate};
 use crate::zeros::modulus;
 
 type C = Complex<f64>;
@@ -21,7 +22,7 @@ pub(super) struct Null {
     pub(super) right: DMatrix<C>,
     /// Norm of |x||B||y| with B balanced.
     pub(super) norm: f64,
-    /// The least singular value that is not taken for 0, on the same scale.
+    /// The least singular value or pivot that is not taken for 0, on the same scale.
     pub(super) second: f64,
 }
 
@@ -36,6 +37,22 @@ impl SpectralFunction<'_> {
             return None;
         }
         let [rows, columns] = balance(&mut matrix);
+        if count == 1 && size > 1 {
+            // By rows, as elimination has them.
+            let mut entries: Vec<C> = matrix.transpose().as_slice().to_vec();
+            let largest = entries.iter().map(|entry| entry.norm_sqr()).fold(0.0, f64::max).sqrt();
+            let order = eliminate(&mut entries, size, Pivots::Full)?;
+            let second = modulus(entries[(size - 2) * (size + 1)]);
+            let [x, y] = Factors::null_vectors(&entries, size);
+            let length = |v: &[C]| v.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
+            let scale = length(&x) * length(&y);
+            let (mut left, mut right) = (DMatrix::zeros(size, 1), DMatrix::zeros(size, 1));
+            for i in 0..size {
+                left[order.rows[i]] = x[i] * rows[order.rows[i]];
+                right[order.columns[i]] = y[i] * columns[order.columns[i]];
+            }
+            return Some(Null { near, left, right, norm: largest * size as f64 * scale, second: second * scale });
+        }
         let svd = of_faer(&matrix).svd().ok()?;
         let (u, values, v) = (svd.U(), svd.S().column_vector(), svd.V());
         // The largest come first.

@@ -12,7 +12,7 @@ use crate::zeros::{Aberth, Last, Nu, modulus};
 type C = Complex<f64>;
 
 /// The iteration is of third order: a step of this part of what lies between zeros leaves Newton's method next to nothing to do.
-const LAST: Last = Last { of_modulus: 1e-13, of_distance: 1e-3 };
+pub(super) const LAST: Last = Last { of_modulus: 1e-13, of_distance: 1e-3 };
 
 /// An error this many times smaller than the distance to the next zero is one of first order.
 const ALONE: f64 = 8.0;
@@ -56,7 +56,7 @@ pub(crate) struct Zeros {
 }
 
 /// Whether neither impacts nor modes lose energy: a multiplier comes with its inverse.
-fn is_reciprocal(equations: &BlochEquations) -> bool {
+pub(super) fn is_reciprocal(equations: &BlochEquations) -> bool {
     let (modes, impacts) = (equations.kernel().modes(), equations.impacts());
     impacts.iter().all(|impact| impact.restitution == 1.0)
         && modes.iter().all(|mode| mode.decay == 0.0 && mode.turn != Turn::Hyperbolic)
@@ -369,6 +369,12 @@ impl Search<'_> {
             || (logarithm - losses - poles).abs() <= ROOM * relative + CLOSED * (1.0 + losses.abs() + poles.abs());
         by_sum && by_product
     }
+}
+
+/// One zero next to an approximation in the plane of z.
+pub(super) fn refined(function: &SpectralFunction<'_>, start: C, data: &[Origin]) -> Option<Zero> {
+    let Refined { z, error } = function.refine(start, data)?;
+    Some(Zero { error, ..Zero::new(z, true) })
 }
 
 impl Zero {

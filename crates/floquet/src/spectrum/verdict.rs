@@ -8,8 +8,9 @@ use nalgebra::Complex;
 use vibrochain_breather::{BlochEquations, Condition, Finder, ImpactError, Orbit, Together};
 use vibrochain_lattice::SparedModes;
 
+use super::function::SpectralFunction;
 use super::refine::{DataError, Origin};
-use super::solve::{Zero, Zeros, zeros};
+use super::solve::{Zero, Zeros, is_reciprocal, zeros};
 use crate::error::FloquetError;
 use crate::saltation::saltations;
 use crate::verdict::{Question, Tolerance, Verdict};
@@ -78,6 +79,22 @@ pub(crate) fn told(
     }
     let verdict = judge.verdict(multipliers.first().copied(), tolerance);
     Ok((verdict, multipliers))
+}
+
+/// The verdict alone, of which the multipliers that lead say enough where there are losses.
+pub(crate) fn verdict(
+    equations: &BlochEquations,
+    conservative: bool,
+    data: &[Origin],
+    tolerance: Tolerance,
+) -> Result<Verdict, SecularError> {
+    if !conservative && !is_reciprocal(equations) {
+        let leading = SpectralFunction::new(equations, false).leading(data);
+        if let Some(list) = leading {
+            return Ok(dissipative(&list, tolerance));
+        }
+    }
+    told(equations, conservative, data, tolerance).map(|(verdict, _)| verdict)
 }
 
 /// The largest modulus, with room for others that may be larger.

@@ -16,4 +16,4 @@ mod test_function;
 
 pub use curve::{StructureCurve, StructureWindow, structure_curve};
 pub use diagram::{StructureCourse, structure_branch};
-pub use stability::structure_stability;
+pub use stability::{structure_stability, structure_verdict};

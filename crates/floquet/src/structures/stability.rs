@@ -2,11 +2,11 @@
 
 use nalgebra::Complex;
 use smallvec::SmallVec;
-use vibrochain_breather::{Condition, ImpactError, StructureOrbit, Together};
+use vibrochain_breather::{BlochEquations, Condition, ImpactError, StructureOrbit, Together};
 
 use crate::analyser::Stability;
 use crate::error::FloquetError;
-use crate::spectrum::{origins, told};
+use crate::spectrum::{Origin, origins, told, verdict};
 use crate::verdict::{Tolerance, Verdict};
 use crate::zeros::excess;
 
@@ -33,6 +33,37 @@ use crate::zeros::excess;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn structure_stability(orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Stability, FloquetError> {
+    let conservative = orbit.is_conservative();
+    let (equations, spared, data) = prepared(orbit);
+    let (mut verdict, mut multipliers) =
+        told(&equations, conservative, &data, tolerance).map_err(FloquetError::Uncounted)?;
+    for pair in spared {
+        let both = pair.map(|rate| (rate * orbit.period()).exp());
+        multipliers.extend(both);
+        verdict = with_spared(verdict, pair, both, tolerance);
+    }
+    if conservative {
+        multipliers.extend([Complex::new(1.0, 0.0); 2]);
+    }
+    multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
+    Ok(Stability { verdict, multipliers })
+}
+
+/// The verdict of [`structure_stability`] alone: what a map asks for.
+///
+/// # Errors
+/// As [`structure_stability`].
+pub fn structure_verdict(orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Verdict, FloquetError> {
+    let (equations, spared, data) = prepared(orbit);
+    let told = verdict(&equations, orbit.is_conservative(), &data, tolerance).map_err(FloquetError::Uncounted)?;
+    let with = |told, pair: [Complex<f64>; 2]| {
+        with_spared(told, pair, pair.map(|rate| (rate * orbit.period()).exp()), tolerance)
+    };
+    Ok(spared.into_iter().fold(told, with))
+}
+
+/// J(z), the poles of modes that are spared, and what the orbit's errors do.
+fn prepared(orbit: &StructureOrbit) -> (BlochEquations, Vec<[Complex<f64>; 2]>, Vec<Origin>) {
     let (equations, spared) = orbit.bloch_equations();
     let impacts = orbit.impacts();
     let apart = |i: usize, error: ImpactError| {
@@ -49,23 +80,16 @@ pub fn structure_stability(orbit: &StructureOrbit, tolerance: Tolerance) -> Resu
         ]
     });
     let condition = Condition { origins: each.collect(), ..Condition::default() };
-    let conservative = orbit.is_conservative();
     let data = origins(&equations, &condition);
-    let (mut verdict, mut multipliers) =
-        told(&equations, conservative, &data, tolerance).map_err(FloquetError::Uncounted)?;
-    for pair in spared {
-        let both = pair.map(|rate| (rate * orbit.period()).exp());
-        multipliers.extend(both);
-        // Of a mode without a dashpot they are on the circle, and decide nothing.
-        let leading = if both[0].norm() > both[1].norm() { both[0] } else { both[1] };
-        if pair.iter().any(|rate| rate.re != 0.0) {
-            let error = 8.0 * f64::EPSILON * leading.norm();
-            verdict = verdict.or_worse(Verdict::of_growth(leading, excess(leading), error, tolerance));
-        }
+    (equations, spared, data)
+}
+
+/// Of a mode without a dashpot that is spared, the multipliers are on the circle, and decide nothing.
+fn with_spared(verdict: Verdict, pair: [Complex<f64>; 2], both: [Complex<f64>; 2], tolerance: Tolerance) -> Verdict {
+    if pair.iter().all(|rate| rate.re == 0.0) {
+        return verdict;
     }
-    if conservative {
-        multipliers.extend([Complex::new(1.0, 0.0); 2]);
-    }
-    multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
-    Ok(Stability { verdict, multipliers })
+    let leading = if both[0].norm() > both[1].norm() { both[0] } else { both[1] };
+    let error = 8.0 * f64::EPSILON * leading.norm();
+    verdict.or_worse(Verdict::of_growth(leading, excess(leading), error, tolerance))
 }

@@ -9,7 +9,7 @@ use vibrochain_breather::system::{Evaluation, Vector};
 use vibrochain_breather::{BlochEquations, BranchError, StructureMotion, StructureOrbit};
 use vibrochain_lattice::Barrier;
 
-use crate::elimination::determinant;
+use crate::linear::determinant;
 use crate::locate::Event;
 
 type C = Complex<f64>;

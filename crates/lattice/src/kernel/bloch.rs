@@ -128,7 +128,9 @@ impl BlochKernel {
     }
 
     /// Adds a mode of a structure, as some of its contacts feel it.
-    pub(crate) fn push_linear(&mut self, mode: &LinearMode, rows: Vec<[f64; 2]>, columns: Vec<[f64; 2]>) {
+    pub(crate) fn push_linear(&mut self, mode: &LinearMode, contacts: &[usize]) {
+        let pick = |table: &[[f64; 2]]| contacts.iter().map(|&contact| table[contact]).collect::<Vec<_>>();
+        let (rows, columns) = (pick(&mode.rows), pick(&mode.columns));
         self.push(mode.turn, (mode.decay, mode.rate), rows.into_iter(), columns.into_iter());
     }
 
@@ -183,7 +185,7 @@ impl BlochKernel {
     pub fn mobility(&self, to: usize, from: usize) -> f64 {
         let of_mode = |k: usize| {
             let mode = &self.modes[k];
-            pair(mode.turn, self.row(k, to), mode.generator(), self.column(k, from))
+            mode.turn.pair(self.row(k, to), mode.generator(), self.column(k, from))
         };
         (0..self.modes.len()).map(of_mode).sum()
     }
@@ -206,20 +208,11 @@ impl BlochKernel {
             let (row, column) = (self.row(k, to), self.column(k, from));
             let mut flight = flight.complex();
             for order in 0..4 {
-                jet.kernel[order] += pair(turn, row, turn.product(flight, sum), column);
-                jet.slope[order] -= pair(turn, row, turn.product(flight, slope), column);
+                jet.kernel[order] += turn.pair(row, turn.product(flight, sum), column);
+                jet.slope[order] -= turn.pair(row, turn.product(flight, slope), column);
                 flight = turn.product(flight, mode.generator().complex());
             }
         }
         jet
     }
-}
-
-/// row·(a + bJ)·column
-fn pair<T>(turn: Turn, row: [f64; 2], by: Turned<T>, column: [f64; 2]) -> T
-where
-    T: Copy + std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T>,
-{
-    by.even * (row[0] * column[0] + row[1] * column[1])
-        + by.odd * (row[0] * column[1] - turn.sign() * row[1] * column[0])
 }

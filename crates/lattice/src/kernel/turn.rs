@@ -7,6 +7,9 @@
 
 use rustfft::num_complex::Complex;
 use std::ops::{Add, Mul};
+use wide::f64x4;
+
+use crate::simd::sines::{MOST, sin_cos as sines};
 
 type C = Complex<f64>;
 
@@ -86,6 +89,30 @@ impl Turn {
             }
             Self::Parabolic => Turned { even: fall, odd: (1.0 + fall) * rate * t },
         }
+    }
+
+    /// e^{κJt} at four times, where the coordinates turn: without what they lose. `None` of others.
+    pub fn turns(self, rate: f64, times: [f64; 4]) -> Option<[[f64; 4]; 2]> {
+        if self != Self::Circular {
+            return None;
+        }
+        let angles = times.map(|t| rate * t);
+        if angles.iter().all(|angle| angle.abs() <= MOST) {
+            let [sin, cos] = sines(f64x4::from(angles)).map(f64x4::to_array);
+            return Some([cos, sin]);
+        }
+        let both = angles.map(f64::sin_cos);
+        Some([both.map(|(_, cos)| cos), both.map(|(sin, _)| sin)])
+    }
+
+    /// row·(a + bJ)·column
+    #[inline]
+    pub fn pair<T>(self, row: [f64; 2], by: Turned<T>, column: [f64; 2]) -> T
+    where
+        T: Copy + Mul<f64, Output = T> + Add<Output = T>,
+    {
+        by.even * (row[0] * column[0] + row[1] * column[1])
+            + by.odd * (row[0] * column[1] - self.sign() * row[1] * column[0])
     }
 
     /// (a + bJ)·column

@@ -251,9 +251,14 @@ impl Structure {
         }
     }
 
-    /// φᵀf of each harmonic.
+    /// φᵀf of each harmonic; none where it is rounding of its terms.
     fn loads(&self, shape: &DVector<f64>) -> Vec<C> {
-        self.loads.iter().map(|(_, load)| load.iter().zip(shape).map(|(f, shape)| f * *shape).sum()).collect()
+        let of = |load: &DVector<C>| {
+            let terms = load.iter().zip(shape).map(|(f, shape)| f * *shape);
+            let (sum, size) = terms.fold((C::default(), 0.0), |(sum, size), term| (sum + term, size + term.norm()));
+            if sum.norm() > 4.0 * f64::EPSILON * size { sum } else { C::default() }
+        };
+        self.loads.iter().map(|(_, load)| of(load)).collect()
     }
 
     fn oscillators(&self, shapes: &DMatrix<f64>, squares: &[f64], decays: &[f64]) -> Vec<LinearMode> {

@@ -7,8 +7,6 @@ use super::error::StructureError;
 use super::linear_mode::LinearMode;
 use crate::error::RESONANCE_TOLERANCE;
 use crate::kernel::bloch::BlochKernel;
-use crate::kernel::lattice_modes::next_factor;
-use crate::kernel::turn::Turned;
 
 type C = Complex<f64>;
 
@@ -37,6 +35,35 @@ pub struct ModalStructure {
     contacts: Vec<Contact>,
     harmonics: Vec<u32>,
     modes: Vec<LinearMode>,
+}
+
+/// Modes as impacts at some contacts feel them ([`ModalStructure::felt`]).
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FeltModes {
+    /// What all contacts see of them, what those that are hit give to them; without loads and coordinates.
+    pub modes: Vec<LinearMode>,
+    /// The number in the structure of the first mode behind each.
+    pub numbers: Vec<usize>,
+    /// The pairs of poles λ of modes that none of the hit contacts feels.
+    pub spared: Vec<[Complex<f64>; 2]>,
+}
+
+impl FeltModes {
+    fn push(&mut self, number: usize, like: &LinearMode, rows: Vec<[f64; 2]>, columns: Vec<[f64; 2]>) {
+        let LinearMode { turn, decay, rate, is_real, .. } = *like;
+        let (coordinates, still, loads) = (Vec::new(), [0.0; 2], Vec::new());
+        self.modes.push(LinearMode { turn, decay, rate, is_real, rows, columns, coordinates, still, loads });
+        self.numbers.push(number);
+    }
+
+    /// The kernel K^z between the contacts that are hit, for a period.
+    pub fn kernel(&self, period: f64, hit: &[usize]) -> BlochKernel {
+        let mut kernel = BlochKernel::new(period, hit.len());
+        for mode in &self.modes {
+            kernel.push_linear(mode, hit);
+        }
+        kernel
+    }
 }
 
 impl ModalStructure {
@@ -141,56 +168,69 @@ impl ModalStructure {
 
     /// w_iᵀM⁻¹w_j: the velocity that a unit impulse at one contact gives to another.
     pub fn mobility(&self, to: usize, from: usize) -> f64 {
-        self.modes.iter().map(|mode| seen(mode, mode.rows[to], mode.generator(), mode.columns[from])).sum()
+        self.modes.iter().map(|mode| mode.turn.pair(mode.rows[to], mode.generator(), mode.columns[from])).sum()
     }
 
-    /// The kernel K^z between some of its contacts, for a period, and the pairs of poles λ of modes that none of them feels. Oscillators of one
-    /// frequency and damping are merged.
-    pub fn kernel(&self, period: f64, contacts: &[usize]) -> (BlochKernel, Vec<[C; 2]>) {
-        let mut kernel = BlochKernel::new(period, contacts.len());
-        let mut spared = Vec::new();
-        let pick = |table: &[[f64; 2]]| contacts.iter().map(|&contact| table[contact]).collect::<Vec<_>>();
+    /// The modes as impacts at some of its contacts feel them: every contact is seen, those alone are hit. Oscillators of one frequency and
+    /// damping are merged: the products of their shapes are one matrix, of which pivoted Cholesky factors are as many modes as the hit
+    /// contacts can feel.
+    pub fn felt(&self, hit: &[usize]) -> FeltModes {
+        let contacts = self.contacts.len();
+        let mut felt = FeltModes::default();
         let mut done = vec![false; self.modes.len()];
+        let largest = |list: &[[f64; 2]]| list.iter().flatten().map(|x| x * x).fold(0.0, f64::max);
+        let all = self.modes.iter().map(|mode| largest(&mode.rows)).fold(0.0, f64::max);
+        // Of all contacts with each that is hit: [hit contact][contact].
+        let mut products = vec![0.0; contacts * hit.len()];
         for (k, mode) in self.modes.iter().enumerate() {
             if std::mem::replace(&mut done[k], true) {
                 continue;
             }
             if !mode.is_real {
-                let size = |list: &[[f64; 2]]| list.iter().flatten().map(|x| x * x).fold(0.0, f64::max);
-                let (rows, columns) = (pick(&mode.rows), pick(&mode.columns));
-                let felt = size(&rows) > SPARED * size(&mode.rows) && size(&columns) > SPARED * size(&mode.columns);
-                if felt {
-                    kernel.push_linear(mode, rows, columns);
+                let most = |list: &[[f64; 2]]| hit.iter().map(|&i| largest(&list[i..=i])).fold(0.0, f64::max);
+                if most(&mode.rows) > SPARED * largest(&mode.rows)
+                    && most(&mode.columns) > SPARED * largest(&mode.columns)
+                {
+                    let mut columns = vec![[0.0; 2]; contacts];
+                    hit.iter().for_each(|&i| columns[i] = mode.columns[i]);
+                    felt.push(k, mode, mode.rows.clone(), columns);
                 } else {
-                    spared.push(mode.rates());
+                    felt.spared.push(mode.rates());
                 }
                 continue;
             }
-            // Products of the shapes of all that are alike.
-            let size = contacts.len();
-            let (mut products, mut count) = (vec![0.0; size * size], 0);
+            products.fill(0.0);
+            let mut count = 0;
             for (other, alike) in self.modes.iter().enumerate().skip(k) {
                 if other == k || !done[other] && mode.is_alike(alike) {
                     done[other] = true;
                     count += 1;
-                    for (i, row) in products.chunks_exact_mut(size).enumerate() {
-                        for (entry, &from) in row.iter_mut().zip(contacts) {
-                            *entry += alike.rows[contacts[i]][0] * alike.rows[from][0];
-                        }
+                    for (row, &from) in products.chunks_exact_mut(contacts).zip(hit) {
+                        let by = alike.rows[from][0];
+                        row.iter_mut().zip(&alike.rows).for_each(|(entry, shape)| *entry += by * shape[0]);
                     }
                 }
             }
-            let largest = (0..size).map(|i| products[i * (size + 1)]).fold(0.0, f64::max);
-            let all = self.modes.iter().flat_map(|mode| &mode.rows).map(|row| row[0] * row[0]).fold(0.0, f64::max);
-            let least = (SPARED * all).max(ROUNDING * largest);
-            while let Some((shape, _)) = next_factor(&mut products, least).filter(|_| count > 0) {
-                let columns = shape.iter().map(|shape| [0.0, shape / mode.rate]).collect();
-                kernel.push_linear(mode, shape.iter().map(|shape| [*shape, 0.0]).collect(), columns);
+            let pivots = |products: &[f64]| {
+                let squares = hit.iter().enumerate().map(|(j, &i)| (j, products[j * contacts + i]));
+                squares.max_by(|a, b| a.1.total_cmp(&b.1))
+            };
+            let least = pivots(&products).map_or(0.0, |(_, square)| (SPARED * all).max(ROUNDING * square));
+            while let Some((pivot, square)) = pivots(&products).filter(|(_, square)| *square > least && count > 0) {
+                let scale = square.sqrt().recip();
+                let row = &products[pivot * contacts..(pivot + 1) * contacts];
+                let shape: Vec<f64> = row.iter().map(|entry| entry * scale).collect();
+                for (row, &from) in products.chunks_exact_mut(contacts).zip(hit) {
+                    row.iter_mut().zip(&shape).for_each(|(entry, own)| *entry -= own * shape[from]);
+                }
+                let mut columns = vec![[0.0; 2]; contacts];
+                hit.iter().for_each(|&i| columns[i] = [0.0, shape[i] / mode.rate]);
+                felt.push(k, mode, shape.into_iter().map(|own| [own, 0.0]).collect(), columns);
                 count -= 1;
             }
-            spared.extend(std::iter::repeat_n(mode.rates(), count));
+            felt.spared.extend(std::iter::repeat_n(mode.rates(), count));
         }
-        (kernel, spared)
+        felt
     }
 
     /// Coordinates ξ of all modes under harmonic number `place` of the loads at frequency ω, complex: Re of them times e^{ijω(t+ψ)}.
@@ -221,8 +261,9 @@ impl ModalStructure {
     /// As [`ModalStructure::steady`].
     pub fn steady_at(&self, place: usize, omega: f64) -> Result<Vec<C>, StructureError> {
         let all = self.steady(place, omega)?;
+        let driven: Vec<_> = self.modes.iter().zip(&all).filter(|(_, xi)| **xi != [C::default(); 2]).collect();
         let at = |contact: usize| {
-            let terms = self.modes.iter().zip(&all).map(|(mode, xi)| {
+            let terms = driven.iter().map(|(mode, xi)| {
                 let row = mode.rows[contact];
                 xi[0] * row[0] + xi[1] * row[1]
             });
@@ -243,8 +284,32 @@ impl ModalStructure {
     }
 }
 
-/// row·(a + bJ)·column
-fn seen(mode: &LinearMode, row: [f64; 2], by: Turned, column: [f64; 2]) -> f64 {
-    let given = mode.turn.act(by, column);
-    row[0] * given[0] + row[1] * given[1]
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::structure::linear_mode::ModeShape;
+
+    /// Three oscillators of one frequency and another one: two of the three are left where two contacts are hit, and what these and a third
+    /// contact see is what all modes have.
+    #[test]
+    fn modes_alike_are_merged() {
+        let shapes = [[1.0, 0.3, -0.7], [0.2, -0.8, 0.4], [0.5, 0.1, 0.9], [-0.6, 0.7, 0.2]];
+        let mode = |k: usize| {
+            let shape = ModeShape { contacts: shapes[k].to_vec(), coordinates: Vec::new(), still: 0.0 };
+            LinearMode::oscillator(0.1, if k == 1 { 2.0 } else { 5.0 }, &shape, &[])
+        };
+        let contacts = vec![Contact { lower: None, upper: Some(1.0), restitution: 0.9 }; 3];
+        let structure = ModalStructure::new(contacts, Vec::new(), (0..4).map(mode).collect()).unwrap();
+        let felt = structure.felt(&[0, 2]);
+        assert_eq!((felt.modes.len(), felt.spared.len(), &felt.numbers[..]), (3, 1, &[0, 0, 1][..]));
+        let answer = |modes: &[LinearMode], to: usize, from: usize, t: f64| -> f64 {
+            modes.iter().map(|mode| mode.turn.pair(mode.rows[to], mode.flight(t), mode.columns[from])).sum()
+        };
+        for (to, from) in [(0, 0), (1, 0), (2, 0), (0, 2), (1, 2), (2, 2)] {
+            for t in [0.4, 1.7] {
+                let off = answer(&felt.modes, to, from, t) - answer(structure.modes(), to, from, t);
+                assert!(off.abs() < 1e-15, "{to} {from} {off:e}");
+            }
+        }
+    }
 }

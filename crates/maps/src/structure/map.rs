@@ -1,11 +1,12 @@
 //! What lives at each point of a structure's map: a row a point, every word asked for.
 
 use rayon::prelude::*;
-use vibrochain_breather::{structure_is_physical, structure_orbits};
-use vibrochain_floquet::{Verdict, structure_stability};
+use vibrochain_breather::{StructureModel, structure_candidates, structure_is_physical};
+use vibrochain_floquet::{Verdict, structure_verdict};
 use vibrochain_lattice::Stop;
 
 use super::scene::StructureScene;
+use super::setting::Setting;
 
 /// What a point says.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,75 +81,72 @@ impl<'a> StructureMap<'a> {
         let mut scene = self.scene.clone();
         let slow = self.scene.axes.get(1).map(|axis| (axis.value(row), scene.set(axis.setting, axis.value(row))));
         let (value, set) = slow.map_or((None, Ok(())), |(value, set)| (Some(value), set));
-        let count = self.scene.axes[0].points;
+        let fast = self.scene.axes[0];
+        // Of another frequency alone the structure is the same all along.
+        let base = if fast.setting == Setting::Omega { set.clone().and_then(|()| scene.model()).ok() } else { None };
+        let model = |column: usize| -> Result<StructureModel, String> {
+            if let Some(base) = &base {
+                return base.at(fast.value(column)).map_err(|error| error.to_string());
+            }
+            set.clone()?;
+            let mut scene = scene.clone();
+            scene.set(fast.setting, fast.value(column))?;
+            scene.model()
+        };
         let cell = |column: usize| {
-            (!stop.is_raised()).then(|| match &set {
-                Ok(()) => cell(scene.clone(), column, value),
-                Err(why) => StructureCell::troubled([Some(self.scene.axes[0].value(column)), value], why.clone()),
+            (!stop.is_raised()).then(|| {
+                let at = [Some(fast.value(column)), value];
+                match model(column) {
+                    Ok(model) => self.cell(&model, at),
+                    Err(why) => StructureCell { at, solutions: 0, best: None, trouble: Some(why) },
+                }
             })
         };
-        (0..count).into_par_iter().map(cell).collect()
+        (0..fast.points).into_par_iter().map(cell).collect()
     }
-}
 
-impl StructureCell {
-    fn troubled(at: [Option<f64>; 2], why: String) -> Self {
-        Self { at, solutions: 0, best: None, trouble: Some(why) }
-    }
-}
-
-/// One point of a scene whose slow axis has its value.
-fn cell(mut scene: StructureScene, column: usize, slow: Option<f64>) -> StructureCell {
-    let axis = scene.axes[0];
-    let at = [Some(axis.value(column)), slow];
-    let mut cell = StructureCell { at, solutions: 0, best: None, trouble: None };
-    if let Err(why) = scene.set(axis.setting, axis.value(column)) {
-        return StructureCell::troubled(at, why);
-    }
-    let model = match scene.model() {
-        Ok(model) => model,
-        Err(why) => {
-            cell.trouble = Some(why);
-            return cell;
-        }
-    };
-    for (word, periods) in &scene.words {
-        let found = match structure_orbits(&model, word, *periods) {
-            Ok(found) => found,
-            Err(error) => {
-                cell.trouble = Some(error.to_string());
-                continue;
-            }
-        };
-        for orbit in &found.orbits {
-            let physical = match structure_is_physical(orbit) {
-                Ok(answer) if answer.is_physical() => answer,
-                Ok(_) => continue,
+    /// One point.
+    fn cell(&self, model: &StructureModel, at: [Option<f64>; 2]) -> StructureCell {
+        let scene = self.scene;
+        let mut cell = StructureCell { at, solutions: 0, best: None, trouble: None };
+        for (word, periods) in &scene.words {
+            let found = match structure_candidates(model, word, *periods) {
+                Ok(found) => found,
                 Err(error) => {
                     cell.trouble = Some(error.to_string());
                     continue;
                 }
             };
-            cell.solutions += 1;
-            let verdict = if scene.stability {
-                match structure_stability(orbit, scene.tolerance) {
-                    Ok(stability) => Some(stability.verdict),
+            for orbit in &found.orbits {
+                let physical = match structure_is_physical(orbit) {
+                    Ok(answer) if answer.is_physical() => answer,
+                    Ok(_) => continue,
                     Err(error) => {
                         cell.trouble = Some(error.to_string());
-                        None
+                        continue;
                     }
+                };
+                cell.solutions += 1;
+                let verdict = if scene.stability {
+                    match structure_verdict(orbit, scene.tolerance) {
+                        Ok(verdict) => Some(verdict),
+                        Err(error) => {
+                            cell.trouble = Some(error.to_string());
+                            None
+                        }
+                    }
+                } else {
+                    None
+                };
+                let rank = |verdict: &Option<Verdict>| {
+                    verdict.map_or(0, |verdict| if verdict.stable { 2 } else { usize::from(verdict.marginal) })
+                };
+                let better = cell.best.as_ref().is_none_or(|(_, other, _)| rank(&verdict) > rank(other));
+                if better {
+                    cell.best = Some((word.to_string(), verdict, physical.margin));
                 }
-            } else {
-                None
-            };
-            let rank = |verdict: &Option<Verdict>| {
-                verdict.map_or(0, |verdict| if verdict.stable { 2 } else { usize::from(verdict.marginal) })
-            };
-            let better = cell.best.as_ref().is_none_or(|(_, other, _)| rank(&verdict) > rank(other));
-            if better {
-                cell.best = Some((word.to_string(), verdict, physical.margin));
             }
         }
+        cell
     }
-    cell
 }

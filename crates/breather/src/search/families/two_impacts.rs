@@ -111,9 +111,9 @@ impl<'a> TwoImpacts<'a> {
     /// D, χ₃, Σ·g, sin h and cos h about four δ.
     fn pieces(&self, deltas: Lane, radii: Lane) -> [Dual<Enclosure<f64x4>>; 5] {
         let [value, slope, curvature, third] = self.response.jets_from_half(deltas).map(f64x4::from);
-        let radius = f64x4::from(radii);
-        let kernel = Dual::from_jet([value, slope, curvature, third], self.fourth, radius);
-        let slope = Dual::from_jet([slope, curvature, third, f64x4::splat(self.fourth)], 0.0, radius);
+        let (radius, fourth) = (f64x4::from(radii), f64x4::splat(self.fourth));
+        let kernel = Dual::from_jet([value, slope, curvature, third], fourth, radius);
+        let slope = Dual::from_jet([slope, curvature, third, fourth], f64x4::ZERO, radius);
         let difference = kernel.shifted(-self.at_impulse).scaled(2.0);
         let sum = kernel.shifted(self.at_impulse).scaled(-2.0 * self.stiffness).shifted(-4.0);
         let rate = 0.5 * self.omega;

@@ -58,7 +58,7 @@ impl Enclosed for Balance<'_> {
     fn clearances(&self, deltas: Lane, radii: Lane) -> [Clearance; LANES] {
         let [_, slope, curvature, third] = self.response.jets_of(self.shapes, deltas).map(f64x4::from);
         let fourth = f64x4::splat(self.fourth);
-        Clearance::of(&Dual::from_jet([slope, curvature, third, fourth], 0.0, f64x4::from(radii)))
+        Clearance::of(&Dual::from_jet([slope, curvature, third, fourth], f64x4::ZERO, f64x4::from(radii)))
     }
 
     fn at(&self, delta: f64) -> (f64, f64) {

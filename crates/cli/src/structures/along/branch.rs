@@ -222,7 +222,7 @@ fn draw(
     let names = [BranchName { name: start.word.clone(), generation: 0, force_periods: start.orbit.force_periods() }];
     let drawn = crate::branch::plot::Drawn {
         heading: start.fixed(&[start.free]),
-        x: start.free.label(start.scene.is_chain()),
+        x: start.scene.label(start.free),
         names: &names,
         rows: &[rows],
     };

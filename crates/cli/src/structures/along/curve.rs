@@ -184,7 +184,7 @@ fn draw(
         return Ok(());
     }
     let rows: Vec<Vec<Row>> = curves.iter().map(rows).collect();
-    let labels = settings.map(|setting| setting.label(start.scene.is_chain()));
+    let labels = settings.map(|setting| start.scene.label(setting));
     let event = curves.first().map_or(String::new(), |curve| format!("{}, ", in_words(curve.event.name())));
     let heading = format!("{event}{}", start.fixed(&settings));
     let picture = crate::curve::plot::picture(&heading, labels, (window.from, window.to), &rows);

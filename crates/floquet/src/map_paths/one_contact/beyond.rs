@@ -10,7 +10,7 @@
 use nalgebra::Complex;
 use vibrochain_breather::Prepared;
 
-use crate::elimination::determinant_and_condition;
+use crate::linear::determinant_and_condition;
 use crate::map_paths::one_contact::impact_matrix::ImpactMatrix;
 use crate::map_paths::one_contact::verdict::ForcedSecular;
 

@@ -34,7 +34,7 @@ use smallvec::SmallVec;
 use vibrochain_breather::{Impact, Prepared};
 use vibrochain_lattice::Shapes;
 
-use crate::elimination::determinant;
+use crate::linear::determinant;
 use crate::map_paths::modes::{Mode, Modes};
 use crate::saltation::Saltation;
 

@@ -12,7 +12,7 @@
 use nalgebra::Complex;
 use vibrochain_breather::{Orbit, Prepared};
 
-use crate::elimination::{determinant, determinant_and_condition};
+use crate::linear::{determinant, determinant_and_condition};
 use crate::map_paths::fast_sums::large_general::{self, ForcedLarge, LARGE};
 use crate::map_paths::modes::{Mode, Modes};
 use crate::map_paths::one_contact::four_poles;

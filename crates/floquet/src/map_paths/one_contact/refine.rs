@@ -17,7 +17,7 @@
 use nalgebra::Complex;
 use smallvec::{SmallVec, smallvec};
 
-use crate::elimination::{Factors, Pivots, eliminate};
+use crate::linear::{Factors, Pivots, eliminate};
 use crate::map_paths::one_contact::impact_matrix::{FeltMode, ImpactMatrix};
 use crate::zeros::modulus;
 

@@ -1,0 +1,282 @@
+//! One flight of an orbit in windows of a radian of its fastest part, four modes at a time.
+
+use vibrochain_lattice::{Turn, Turned};
+
+use super::flight::{StructureMotion, reach};
+use super::periodic_kernel::length;
+use crate::lanes::{LANES, Lane, combine, dot, four};
+use crate::motion::polynomial::{ORDER, Polynomial};
+
+/// Radians of the fastest part in a window.
+const WINDOW: f64 = 1.0;
+
+/// More windows than this in a flight are not laid: modes far above all others are bounded instead.
+const MOST_WINDOWS: f64 = 600.0;
+
+/// Windows after which states are set anew, so that rounding cannot add up.
+const REFRESH: usize = 32;
+
+/// One flight in windows, on which every contact is a polynomial to rounding. The motion under a load is one mode more, that nothing damps.
+pub(super) struct Windows {
+    /// Length of a window, and how many there are.
+    pub(super) length: f64,
+    count: usize,
+    number: usize,
+    whole: f64,
+    parts: Vec<Part>,
+    /// From this one on contacts see both coordinates, before it the first alone.
+    both: usize,
+    /// What they see, four at a time: of first coordinates, and of second ones behind. And where they are under the static load.
+    shapes: Vec<Lane>,
+    still: Vec<Lane>,
+    /// What a window does to the parts.
+    step: Flow,
+    generator: Flow,
+    /// At the window's start and end.
+    here: Node,
+    next: Node,
+    /// Velocities of the parts, and what all contacts have of places and velocities, where that was last looked at.
+    rates: Node,
+    places: Vec<Lane>,
+    velocities: Vec<Lane>,
+    /// Derivatives over factorials at its start as contacts see them, once they are asked for.
+    derivatives: Vec<Lane>,
+    derived: bool,
+}
+
+/// A mode, or the motion under a load, with its state at the beginning.
+#[derive(Clone, Copy)]
+struct Part {
+    flow: (Turn, f64, f64),
+    state: [f64; 2],
+}
+
+/// What each coordinate keeps, what the first one gets from the second, and the second from the first.
+struct Flow([Vec<Lane>; 3]);
+
+/// The two coordinates of all parts.
+#[derive(Clone, Default)]
+struct Node([Vec<Lane>; 2]);
+
+impl Flow {
+    fn of(parts: &[Part], groups: usize, by: impl Fn(&Part) -> Turned) -> Self {
+        let mut lanes = [(); 3].map(|()| vec![[0.0; LANES]; groups]);
+        for (k, part) in parts.iter().enumerate() {
+            let Turned { even, odd } = by(part);
+            let [keeps, gets, gives] = &mut lanes;
+            let values = [(keeps, even), (gets, odd), (gives, -part.flow.0.sign() * odd)];
+            values.into_iter().for_each(|(lanes, value)| lanes.as_flattened_mut()[k] = value);
+        }
+        Self(lanes)
+    }
+
+    /// All coordinates turned, times a number.
+    fn act(&self, Node([x, y]): &Node, by: f64, Node([next_x, next_y]): &mut Node) {
+        let [keeps, gets, gives] = &self.0;
+        for g in 0..x.len() {
+            let (a, b, by) = (four(x[g]), four(y[g]), four([by; LANES]));
+            next_x[g] = ((four(keeps[g]) * a + four(gets[g]) * b) * by).to_array();
+            next_y[g] = ((four(keeps[g]) * b + four(gives[g]) * a) * by).to_array();
+        }
+    }
+}
+
+impl Node {
+    fn of(parts: &[Part], groups: usize, state: impl Fn(&Part) -> [f64; 2]) -> Self {
+        let mut lanes = [(); 2].map(|()| vec![[0.0; LANES]; groups]);
+        for (k, part) in parts.iter().enumerate() {
+            lanes.iter_mut().zip(state(part)).for_each(|(lanes, value)| lanes.as_flattened_mut()[k] = value);
+        }
+        Self(lanes)
+    }
+}
+
+impl Windows {
+    /// `None` where there would be too many, or a rigid mode is no part of the modes' flight.
+    pub(super) fn new(motion: &StructureMotion<'_>, i: usize) -> Option<Self> {
+        let response = motion.response();
+        if response.kernel.has_rigid() {
+            return None;
+        }
+        let fastest = motion.felt(i).map(|(mode, _)| length([mode.rate, mode.decay])).fold(0.0, f64::max);
+        let fastest = response.swings(0).map(|(rate, _)| rate).fold(fastest, f64::max);
+        let whole = motion.until_next(i);
+        let windows = (whole * fastest / WINDOW).ceil().max(1.0);
+        if windows > MOST_WINDOWS {
+            return None;
+        }
+        let length = whole / windows;
+        // Modes of which contacts see one coordinate come first.
+        let (real, other): (Vec<_>, Vec<_>) = motion.felt(i).partition(|(mode, _)| mode.is_real);
+        let modes = || real.iter().chain(&other);
+        let mut parts: Vec<Part> =
+            modes().map(|(mode, state)| Part { flow: (mode.turn, mode.decay, mode.rate), state: *state }).collect();
+        for (rate, _) in response.swings(0) {
+            let (sin, cos) = (rate * motion.load_time(i, 0.0)).sin_cos();
+            parts.push(Part { flow: (Turn::Circular, 0.0, rate), state: [cos, -sin] });
+        }
+        let groups = parts.len().div_ceil(LANES);
+        let (both, count) = (real.len(), parts.len());
+        let contacts = motion.orbit().model().structure().contacts().len();
+        let fours = contacts.div_ceil(LANES);
+        let mut shapes = vec![[0.0; LANES]; (2 * count - both) * fours];
+        let mut still = vec![[0.0; LANES]; fours];
+        for contact in 0..contacts {
+            let (four, lane) = (contact / LANES, contact % LANES);
+            still[four][lane] = response.still(contact);
+            let seen = modes().map(|(mode, _)| mode.rows[contact]);
+            let seen = seen.chain(response.swings(contact).map(|(_, swing)| [swing.re, swing.im]));
+            for (k, [x, y]) in seen.enumerate() {
+                shapes[k * fours + four][lane] = x;
+                if k >= both {
+                    shapes[(count + k - both) * fours + four][lane] = y;
+                }
+            }
+        }
+        let flight = |part: &Part, t: f64| part.flow.0.flight(part.flow.1, part.flow.2, t);
+        let mut all = Self {
+            length,
+            count: windows as usize,
+            number: 0,
+            whole,
+            both,
+            shapes,
+            still,
+            step: Flow::of(&parts, groups, |part| flight(part, length)),
+            generator: Flow::of(&parts, groups, |part| Turned { even: -part.flow.1, odd: part.flow.2 }),
+            here: Node::of(&parts, groups, |part| part.state),
+            next: Node::of(&parts, groups, |_| [0.0; 2]),
+            rates: Node::of(&parts, groups, |_| [0.0; 2]),
+            parts,
+            places: vec![[0.0; LANES]; fours],
+            velocities: vec![[0.0; LANES]; fours],
+            derivatives: Vec::new(),
+            derived: false,
+        };
+        all.step.act(&all.here, 1.0, &mut all.next);
+        Some(all)
+    }
+
+    /// Since the impact.
+    pub(super) fn start(&self) -> f64 {
+        self.number as f64 * self.length
+    }
+
+    /// Whether the flight goes on before the window, and after it.
+    pub(super) fn goes_on(&self) -> [bool; 2] {
+        [self.number > 0, self.number + 1 < self.count]
+    }
+
+    /// Goes on to the next window, if there is one.
+    pub(super) fn advance(&mut self) -> bool {
+        self.number += 1;
+        if self.number == self.count {
+            return false;
+        }
+        self.derived = false;
+        std::mem::swap(&mut self.here, &mut self.next);
+        if self.number.is_multiple_of(REFRESH) {
+            let at = self.start();
+            let there = |part: &Part| {
+                let (turn, decay, rate) = part.flow;
+                turn.act(turn.flight(decay, rate, at), part.state)
+            };
+            self.here = Node::of(&self.parts, self.here.0[0].len(), there);
+        }
+        self.step.act(&self.here, 1.0, &mut self.next);
+        true
+    }
+
+    /// The numbers that contacts see at a node.
+    fn seen<'n>(&self, Node([x, y]): &'n Node) -> impl Iterator<Item = f64> + Clone + use<'n> {
+        let (both, count) = (self.both, self.parts.len());
+        x.as_flattened()[..count].iter().chain(&y.as_flattened()[both..count]).copied()
+    }
+
+    /// Looks at all contacts at a node.
+    fn look(&mut self, at: &Node) {
+        let mut rates = std::mem::take(&mut self.rates);
+        self.generator.act(at, 1.0, &mut rates);
+        let (mut places, mut velocities) = (std::mem::take(&mut self.places), std::mem::take(&mut self.velocities));
+        combine(&self.shapes, self.seen(at), &mut places);
+        combine(&self.shapes, self.seen(&rates), &mut velocities);
+        for (place, still) in places.iter_mut().zip(&self.still) {
+            *place = (four(*place) + four(*still)).to_array();
+        }
+        (self.rates, self.places, self.velocities) = (rates, places, velocities);
+    }
+
+    /// Place and velocity of a contact where all were last looked at.
+    fn there(&self, contact: usize) -> [f64; 2] {
+        [&self.places, &self.velocities].map(|list| list.as_flattened()[contact])
+    }
+
+    /// Places and velocities of some contacts at the window's end.
+    pub(super) fn pass(&mut self, contacts: impl Iterator<Item = usize>, each: impl FnMut([f64; 2])) {
+        let next = std::mem::take(&mut self.next);
+        self.look(&next);
+        self.next = next;
+        contacts.map(|contact| self.there(contact)).for_each(each);
+    }
+
+    /// The same of contacts at both ends of the flight.
+    pub(super) fn ends(&mut self, contacts: &[usize]) -> Vec<[[f64; 2]; 2]> {
+        let last = |part: &Part| {
+            let (turn, decay, rate) = part.flow;
+            turn.act(turn.flight(decay, rate, self.whole), part.state)
+        };
+        let groups = self.here.0[0].len();
+        let last = Node::of(&self.parts, groups, last);
+        self.look(&Node::of(&self.parts, groups, |part| part.state));
+        let first: Vec<[f64; 2]> = contacts.iter().map(|contact| self.there(*contact)).collect();
+        self.look(&last);
+        first.into_iter().zip(contacts).map(|(first, contact)| [first, self.there(*contact)]).collect()
+    }
+
+    /// Bounds on the whole flight: how far a contact may be from where it is still, and |g⁗|.
+    pub(super) fn bounds(&self) -> [Vec<f64>; 2] {
+        let (fours, count) = (self.still.len(), self.parts.len());
+        [0, 4].map(|order| {
+            let mut sums = vec![0.0; fours * LANES];
+            for (k, part) in self.parts.iter().enumerate() {
+                let reach = reach(part.flow, part.state, self.whole, order);
+                let first = self.shapes[k * fours..(k + 1) * fours].as_flattened();
+                match (count + k).checked_sub(self.both).filter(|_| k >= self.both) {
+                    None => sums.iter_mut().zip(first).for_each(|(sum, x)| *sum += reach * x.abs()),
+                    Some(at) => {
+                        let second = self.shapes[at * fours..(at + 1) * fours].as_flattened();
+                        let both = first.iter().zip(second);
+                        sums.iter_mut().zip(both).for_each(|(sum, (x, y))| *sum += reach * length([*x, *y]));
+                    }
+                }
+            }
+            sums
+        })
+    }
+
+    /// The contact on this window, from its start on.
+    pub(super) fn polynomial(&mut self, contact: usize) -> Polynomial {
+        let width = (2 * self.parts.len() - self.both).div_ceil(LANES);
+        if !self.derived {
+            self.derived = true;
+            let mut derivatives = std::mem::take(&mut self.derivatives);
+            derivatives.resize(width * ORDER, [0.0; LANES]);
+            let (mut now, mut then) = (self.here.clone(), self.here.clone());
+            for (order, row) in derivatives.chunks_exact_mut(width.max(1)).enumerate() {
+                row.as_flattened_mut().iter_mut().zip(self.seen(&now)).for_each(|(slot, value)| *slot = value);
+                self.generator.act(&now, 1.0 / (order + 1) as f64, &mut then);
+                std::mem::swap(&mut now, &mut then);
+            }
+            self.derivatives = derivatives;
+        }
+        let mut row = vec![[0.0; LANES]; width];
+        let shapes = self.shapes.chunks_exact(self.still.len()).map(|shape| shape.as_flattened()[contact]);
+        row.as_flattened_mut().iter_mut().zip(shapes).for_each(|(slot, value)| *slot = value);
+        let mut coefficients = [0.0; ORDER];
+        for (coefficient, derivatives) in coefficients.iter_mut().zip(self.derivatives.chunks_exact(width.max(1))) {
+            *coefficient = dot(&row, derivatives);
+        }
+        coefficients[0] += self.still.as_flattened()[contact];
+        Polynomial { coefficients }
+    }
+}
