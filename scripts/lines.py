@@ -28,12 +28,12 @@ def lines():
 
 
 def words():
-    """A word is what stands between blanks and has a letter or a digit: the bars of tables are none."""
+    """A word is what stands between blanks and has a letter: numbers and the bars of tables are none."""
     total = in_tables = 0
     for path in sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")]):
         counts = [0, 0]
         for line in path.read_text().splitlines():
-            counts[line.lstrip().startswith("|")] += sum(any(letter.isalnum() for letter in word) for word in line.split())
+            counts[line.lstrip().startswith("|")] += sum(any(letter.isalpha() for letter in word) for word in line.split())
         print(f"{str(path.relative_to(ROOT)):28} {sum(counts):6}" + (f", {counts[1]:5} of them in tables" if counts[1] else ""))
         total += sum(counts)
         in_tables += counts[1]

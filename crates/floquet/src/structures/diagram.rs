@@ -11,25 +11,17 @@ use vibrochain_breather::{
 use vibrochain_lattice::{Resonance, Stop, Turn};
 
 use super::event::{Solved, solve};
+use super::seen::{At, Seen, changes, described, guesses, touch_between, value};
 use super::stability::structure_stability;
 use super::test_function::{Test, another_one, minus_one, speed};
-use crate::analyser::Stability;
 use crate::bracket::{JUMP, SAFETY, zero};
-use crate::locate::{DiagramPoint, End, Event, Evidence, FollowedBranch, LocateError, Located, Station, Unresolved};
+use crate::locate::{End, Event, Evidence, FollowedBranch, LocateError, Located, Station, Unresolved};
 use crate::verdict::{Tolerance, Verdict};
 
 type C = Complex<f64>;
 
-/// A multiplier farther from the circle than this is off it: without losses rounding moves double ones by less, and with them growth as slow as
-/// this is none.
-const OFF_LOSSLESS: f64 = 1e-6;
-const OFF: f64 = 1e-10;
-
 /// A multiplier farther than this from where it should be, relative, is not the zero of the function.
 const POLE: f64 = 1e-4;
-
-/// Pairs of multipliers that may be the one that meets the circle.
-const MOST_GUESSES: usize = 6;
 
 /// How often a step is halved until Newton's method finds the event in it.
 const HALVINGS: usize = 8;
@@ -69,22 +61,6 @@ pub struct StructureCourse {
     /// What counts as stable.
     pub tolerance: Tolerance,
 }
-
-/// What is seen at a point.
-struct Seen {
-    margin: Option<f64>,
-    closest: Option<Approach>,
-    physical: Option<bool>,
-    stability: Option<Stability>,
-    /// Of each impact towards its barrier.
-    velocities: Vec<f64>,
-    minus_one: f64,
-    another_one: Option<f64>,
-    /// Multipliers off the circle, or of those off it without losses that are not real.
-    outside: Option<usize>,
-}
-
-type At<'a> = (&'a StructureBranchPoint, &'a Seen);
 
 struct Follower<'a> {
     branch: StructureBranch,
@@ -133,7 +109,7 @@ impl Follower<'_> {
         &mut self,
         start: StructureBranchPoint,
     ) -> Result<(Vec<Station<StructureOrbit>>, (f64, End)), LocateError> {
-        let mut seen = self.look(&start)?;
+        let mut seen = Seen::at(&start, self.course.tolerance);
         let mut stations = vec![Station::Point(described(&start, &seen))];
         let mut point = start.clone();
         if point.value() == self.limit(&point) {
@@ -158,7 +134,7 @@ impl Follower<'_> {
             };
             let closed = step > 0 && self.closes(&start, &point, &next);
             let next = if closed { start.clone() } else { next };
-            let next_seen = self.look(&next)?;
+            let next_seen = Seen::at(&next, self.course.tolerance);
             let mut found = self.events((&point, &seen), (&next, &next_seen))?;
             found.sort_by(|(one, _), (other, _)| one.total_cmp(other));
             stations.extend(found.into_iter().map(|(_, located)| Station::Event(located)));
@@ -218,29 +194,6 @@ impl Follower<'_> {
             })
     }
 
-    fn look(&self, point: &StructureBranchPoint) -> Result<Seen, LocateError> {
-        let orbit = point.orbit();
-        let admissibility = structure_admissibility(orbit).ok();
-        let stability = structure_stability(orbit, self.course.tolerance).ok();
-        let lossless = orbit.model().structure().is_lossless();
-        let off = |mu: &&C| {
-            let beyond = mu.norm() - 1.0;
-            if lossless { beyond.abs() > OFF_LOSSLESS && mu.im.abs() > OFF_LOSSLESS } else { beyond > OFF }
-        };
-        let outside = stability.as_ref().map(|stability| stability.multipliers.iter().filter(off).count());
-        let velocities = orbit.impacts().iter().map(|impact| impact.barrier.sign() * impact.velocity_before).collect();
-        Ok(Seen {
-            margin: admissibility.as_ref().and_then(|told| told.margin),
-            closest: admissibility.as_ref().and_then(|told| told.closest),
-            physical: admissibility.map(|told| told.is_physical()),
-            stability,
-            velocities,
-            minus_one: minus_one(orbit),
-            another_one: another_one(orbit),
-            outside,
-        })
-    }
-
     /// What happens between two points.
     fn events(&mut self, from: At<'_>, to: At<'_>) -> Result<Vec<(f64, Located<StructureOrbit>)>, LocateError> {
         let turns = from.0.heading() * to.0.heading() <= 0.0;
@@ -270,7 +223,7 @@ impl Follower<'_> {
             match self.settle(test, from, to, HALVINGS)? {
                 Some((test, solved)) => {
                     let along = self.length_to(from.0, &solved);
-                    if let Some(located) = self.described(event, test, (from.0, along), &solved)? {
+                    if let Some(located) = self.told(event, test, (from.0, along), &solved)? {
                         found.push((along, located));
                     }
                 }
@@ -318,7 +271,7 @@ impl Follower<'_> {
             return Ok(self.bracketed(test, from.0, length).map(|solved| (test, solved)));
         }
         let Ok(middle) = self.branch.step(from.0, 0.5 * length) else { return Ok(None) };
-        let seen = self.look(&middle)?;
+        let seen = Seen::at(&middle, self.course.tolerance);
         let middle = (&middle, &seen);
         if changes(test, from, middle) || matches!(test, Test::Touch(..)) && touch_between(from, middle).is_some() {
             self.settle(test, from, middle, halvings - 1)
@@ -390,7 +343,7 @@ impl Follower<'_> {
         Ok(self.evidence(test, solved)?.is_some())
     }
 
-    fn described(
+    fn told(
         &mut self,
         event: Event,
         test: Test,
@@ -418,84 +371,6 @@ impl Follower<'_> {
             branching: None,
             evaluations: self.branch.evaluations(),
         }))
-    }
-}
-
-/// The value of a test function at a point, where it is one number that changes its sign.
-fn value(test: Test, (point, seen): At<'_>) -> Option<f64> {
-    match test {
-        Test::One => Some(point.determinant()),
-        Test::AnotherOne => seen.another_one,
-        Test::MinusOne => Some(seen.minus_one),
-        Test::Velocity(i) => seen.velocities.get(i).copied(),
-        Test::Touch(..) => seen.margin,
-        Test::Circle | Test::Collision => None,
-    }
-}
-
-/// Whether a test function tells of an event between two points.
-fn changes(test: Test, from: At<'_>, to: At<'_>) -> bool {
-    match (value(test, from), value(test, to)) {
-        (Some(a), Some(b)) => (a > 0.0) != (b > 0.0),
-        _ if matches!(test, Test::Circle | Test::Collision) => from.1.outside != to.1.outside,
-        _ => false,
-    }
-}
-
-/// What touches where the least distance changes its sign.
-fn touch_between(from: At<'_>, to: At<'_>) -> Option<Test> {
-    let (before, after) = (from.1.margin?, to.1.margin?);
-    let beyond = if before <= 0.0 { from.1 } else { to.1 };
-    let touch = beyond.closest.filter(|_| (before > 0.0) != (after > 0.0))?;
-    Some(Test::Touch(touch.site, touch.barrier))
-}
-
-/// Where in a step an event may be, and its mark, the likeliest first.
-fn guesses(test: Test, from: At<'_>, to: At<'_>, by_sign: f64) -> Vec<(f64, Option<f64>)> {
-    match test {
-        Test::Touch(site, barrier) => {
-            let of = |at: At<'_>| {
-                let closest = at.1.closest.filter(|one| (one.site, one.barrier) == (site, barrier))?;
-                Some((by_sign, Some(closest.time / at.0.orbit().period())))
-            };
-            [of(from), of(to)].into_iter().flatten().collect()
-        }
-        Test::Circle | Test::Collision => {
-            let upper = |at: At<'_>| -> Vec<C> {
-                let all = at.1.stability.iter().flat_map(|stability| stability.multipliers.iter());
-                all.filter(|mu| mu.im > 0.0).copied().collect()
-            };
-            // Each with its neighbour at the other end, those that cross first.
-            let (before, after) = (upper(from), upper(to));
-            let growth = |mu: &C| mu.norm().ln();
-            let mut pairs: Vec<(f64, f64, f64)> = Vec::new();
-            for one in &before {
-                let near = |a: &&C, b: &&C| (*a - one).norm().total_cmp(&(*b - one).norm());
-                let Some(other) = after.iter().min_by(near) else { continue };
-                let (a, b) = (growth(one), growth(other));
-                // Those of modes that no contact of the orbit feels never leave the circle.
-                if a.abs().max(b.abs()) <= OFF {
-                    continue;
-                }
-                let crosses = (a > 0.0) != (b > 0.0);
-                let share = if crosses { a / (a - b) } else { 0.5 };
-                let rank = if crosses { 0.0 } else { a.abs().min(b.abs()) };
-                pairs.push((rank, share, one.arg() + share * (other.arg() - one.arg())));
-            }
-            pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-            pairs.into_iter().take(MOST_GUESSES).map(|(_, share, angle)| (share, Some(angle))).collect()
-        }
-        _ => vec![(by_sign, None)],
-    }
-}
-
-fn described(point: &StructureBranchPoint, seen: &Seen) -> DiagramPoint<StructureOrbit> {
-    DiagramPoint {
-        value: point.value(),
-        orbit: point.orbit().clone(),
-        margin: seen.margin,
-        physical: seen.physical,
-        verdict: seen.stability.as_ref().map(|stability| stability.verdict),
     }
 }
 

@@ -5,12 +5,14 @@
 //! | `stability` | all multipliers, and what they say |
 //! | `test_function` | what vanishes at each event |
 //! | `event` | the orbit's equations with a test function: an event is a point, over two numbers a curve |
+//! | `seen` | what is seen at a point, and what that tells of a step |
 //! | `diagram` | a branch with its events |
 //! | `curve` | an event followed through a window of two numbers |
 
 mod curve;
 mod diagram;
 mod event;
+mod seen;
 mod stability;
 mod test_function;
 
