@@ -64,10 +64,7 @@ impl Followed for StructureOrbit {
     }
 
     fn phi(&self) -> Option<f64> {
-        match self.impacts() {
-            [_, second] => Some(second.time),
-            _ => None,
-        }
+        self.phi()
     }
 
     fn psi(&self) -> Option<f64> {
@@ -75,7 +72,7 @@ impl Followed for StructureOrbit {
     }
 
     fn impulses(&self) -> Vec<f64> {
-        self.impacts().iter().map(|impact| impact.impulse).collect()
+        self.impulses()
     }
 }
 

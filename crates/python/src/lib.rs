@@ -65,7 +65,7 @@ mod _vibrochain {
     #[pymodule_export]
     use crate::simulation::{_simulate, _start};
     #[pymodule_export]
-    use crate::structures::_structure;
+    use crate::structures::{_structure, _structure_along};
     #[pymodule_export]
     use crate::sweep::{_scene, _sweep};
 

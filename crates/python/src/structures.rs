@@ -3,16 +3,23 @@
 use std::path::Path;
 
 use pyo3::prelude::*;
+use serde::Serialize;
 use vibrochain_breather::{
-    StructureFound, StructureOrbit, StructureOrbitError, StructureSearch, Word, structure_orbits,
+    StructureFound, StructureModel, StructureOrbit, StructureOrbitError, StructureSearch, Word, structure_orbits,
 };
-use vibrochain_floquet::Tolerance;
+use vibrochain_floquet::{
+    DiagramPoint, Event, FollowedBranch, StructureCourse, StructureCurve, StructureWindow, Tolerance, structure_branch,
+};
 use vibrochain_lattice::{Barrier, Stop, StructureError};
+use vibrochain_maps::structure::along::{EventEntry, curves, family};
 use vibrochain_maps::structure::answer::json;
-use vibrochain_maps::structure::{Answered, StructureScene};
+use vibrochain_maps::structure::{Answered, Setting, StructureScene};
 
 use crate::call::long;
 use crate::failure::Failure;
+
+/// Contact, barrier, time and impulse.
+type Hit = (usize, String, f64, f64);
 
 impl From<StructureOrbitError> for Failure {
     fn from(error: StructureOrbitError) -> Self {
@@ -40,7 +47,7 @@ pub(crate) fn _structure(
     word: Option<String>,
     force_periods: u32,
     threshold: f64,
-    near: Vec<(usize, String, f64, f64)>,
+    near: Vec<Hit>,
     psi: f64,
 ) -> PyResult<String> {
     let work = move |_: &Stop| {
@@ -54,22 +61,93 @@ pub(crate) fn _structure(
                 structure_orbits(&model, &word, force_periods)?
             }
             None => {
-                let impacts = near.iter().map(|(contact, barrier, time, impulse)| {
-                    let named = Barrier::from_name(barrier);
-                    let wrong = || Failure::Request(format!("barrier {barrier} is unknown: give lower or upper"));
-                    Ok((*contact, named.ok_or_else(wrong)?, *time, *impulse))
-                });
-                let impacts = impacts.collect::<Result<Vec<_>, Failure>>()?;
-                if impacts.is_empty() {
-                    return Err(Failure::request("there are no impacts to begin near: give a word, or an orbit"));
-                }
-                let orbit = StructureOrbit::near(&model, force_periods, psi, &impacts)?;
+                let orbit = orbit_near(&model, force_periods, psi, &near)?;
                 StructureFound { orbits: vec![orbit], search: StructureSearch::Starts { starts: 1 } }
             }
         };
         let answered = found.orbits.iter().map(|orbit| Answered::new(orbit, tolerance));
         let answered = answered.collect::<Result<Vec<_>, StructureOrbitError>>()?;
         Ok::<String, Failure>(json(&scene, &model, word.as_deref().unwrap_or("near"), &found, &answered).to_string())
+    };
+    long(py, |_| Ok(()), work)
+}
+
+/// The orbit next to given impacts.
+fn orbit_near(model: &StructureModel, force_periods: u32, psi: f64, near: &[Hit]) -> Result<StructureOrbit, Failure> {
+    let impacts = near.iter().map(|(contact, barrier, time, impulse)| {
+        let named = Barrier::from_name(barrier);
+        let wrong = || Failure::Request(format!("barrier {barrier} is unknown: give lower or upper"));
+        Ok((*contact, named.ok_or_else(wrong)?, *time, *impulse))
+    });
+    let impacts = impacts.collect::<Result<Vec<_>, Failure>>()?;
+    if impacts.is_empty() {
+        return Err(Failure::request("there are no impacts to begin near: give a word, or an orbit"));
+    }
+    Ok(StructureOrbit::near(model, force_periods, psi, &impacts)?)
+}
+
+/// What one number of a structure, or two, do to an orbit: the answer of `_structure_along`.
+#[derive(Serialize)]
+struct Along<'a> {
+    points: Vec<&'a DiagramPoint<StructureOrbit>>,
+    events: Vec<EventEntry>,
+    ends: Vec<(f64, &'static str)>,
+    curves: Vec<StructureCurve>,
+}
+
+/// The branch of an orbit along a number of the structure in `scene`, and, over two numbers, the curves of the events on it.
+#[pyfunction]
+#[pyo3(signature = (scene, near, psi, force_periods, free, start, stop_at, events, tolerance, threshold))]
+#[expect(clippy::too_many_arguments, reason = "named ones in Python")]
+pub(crate) fn _structure_along(
+    py: Python<'_>,
+    scene: String,
+    near: Vec<Hit>,
+    psi: f64,
+    force_periods: u32,
+    free: Vec<String>,
+    start: Vec<f64>,
+    stop_at: Vec<f64>,
+    events: Vec<String>,
+    tolerance: f64,
+    threshold: f64,
+) -> PyResult<String> {
+    let work = move |stop: &Stop| {
+        let scene = StructureScene::of_text(&scene, Path::new(".")).map_err(Failure::Request)?;
+        let model = scene.model().map_err(Failure::Request)?;
+        let named = |name: &String| {
+            let setting: Setting = name.parse().map_err(Failure::Request)?;
+            let value = scene.get(setting);
+            Ok((setting, value.ok_or_else(|| Failure::Request(format!("{name}: this structure has no such number")))?))
+        };
+        let free = free.iter().map(named).collect::<Result<Vec<_>, Failure>>()?;
+        let known =
+            |name: &String| Event::from_name(name).ok_or_else(|| Failure::Request(format!("{name} is no event")));
+        let mut wanted = events.iter().map(known).collect::<Result<Vec<_>, Failure>>()?;
+        if wanted.is_empty() {
+            wanted = Event::ALL.to_vec();
+        }
+        let growth = vibrochain_maps::scene::tolerance_from(threshold).map_err(Failure::Request)?;
+        let growth = if threshold == 0.0 { Tolerance::Rounding } else { growth };
+        let orbit = orbit_near(&model, force_periods, psi, &near)?;
+        let (setting, value) = free[0];
+        let course = StructureCourse { from: start[0], to: stop_at[0], events: wanted, tolerance: growth };
+        let found: FollowedBranch<StructureOrbit> =
+            structure_branch(&orbit, &family(&scene, &[setting]), value, &course, stop)?;
+        let followed = match free[..] {
+            [(first, _), (second, value)] => {
+                let window = StructureWindow { from: [start[0], start[1]], to: [stop_at[0], stop_at[1]] };
+                curves(&scene, ([first, second], value), &found, (window, tolerance), stop)?
+            }
+            _ => Vec::new(),
+        };
+        let answer = Along {
+            points: found.points().collect(),
+            events: found.events().map(EventEntry::of).collect(),
+            ends: found.ends.iter().map(|(value, end)| (*value, end.name())).collect(),
+            curves: followed,
+        };
+        serde_json::to_string(&answer).map_err(|error| Failure::Other(error.to_string()))
     };
     long(py, |_| Ok(()), work)
 }

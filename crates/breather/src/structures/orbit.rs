@@ -180,6 +180,19 @@ impl StructureOrbit {
         &self.impacts
     }
 
+    /// The impulses, in the order of the impacts.
+    pub fn impulses(&self) -> Vec<f64> {
+        self.impacts.iter().map(|impact| impact.impulse).collect()
+    }
+
+    /// The time of the second impact of two.
+    pub fn phi(&self) -> Option<f64> {
+        match &self.impacts[..] {
+            [_, second] => Some(second.time),
+            _ => None,
+        }
+    }
+
     /// The largest violation of the conditions at the impacts, against their terms.
     pub fn violation(&self) -> f64 {
         self.violation

@@ -7,10 +7,12 @@
 //! | `setting` | [`Setting`]: each number of it by name, to be varied |
 //! | `definition` | matrices, modes or a chain, from which the structure is made |
 //! | `matrix_market` | matrices in the files of other tools |
+//! | `along` | models as numbers vary, and what branches and curves of them hold |
 //! | `answer` | [`Answered`]: an orbit with all that is said of it, as JSON |
 //! | `told` | heading, numbers and axes in words |
 //! | `map` | [`StructureMap`]: what lives at each point of a grid |
 
+pub mod along;
 pub mod answer;
 mod damped_chain;
 mod definition;

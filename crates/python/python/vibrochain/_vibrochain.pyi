@@ -486,6 +486,18 @@ def _structure(
     near: list[tuple[int, str, float, float]],
     psi: float,
 ) -> str: ...
+def _structure_along(
+    scene: str,
+    near: list[tuple[int, str, float, float]],
+    psi: float,
+    force_periods: int,
+    free: list[str],
+    start: list[float],
+    stop_at: list[float],
+    events: list[str],
+    tolerance: float,
+    threshold: float,
+) -> str: ...
 def _sweep(
     text: str | None, path: str | os.PathLike[str], threads: SupportsIndex | None, progress: Callable[[int, int], object] | None
 ) -> dict[str, Any]: ...

@@ -10,9 +10,10 @@ use vibrochain_floquet::{
 };
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::structure::StructureScene;
+use vibrochain_maps::structure::along::{EventEntry, Named, family};
 use vibrochain_maps::structure::answer::structure;
 
-use super::{EventEntry, Named, Start, course, events_text, family, impulses, phi, range, start};
+use super::{Start, course, events_text, range, start};
 use crate::args::{BranchArgs, LocateArgs, QuantityName};
 use crate::branch::table::{BranchName, HEADER, Row};
 use crate::common::answer::{EndAnswer, printed};
@@ -94,7 +95,7 @@ pub(crate) fn locate(args: &LocateArgs, scene: &StructureScene, console: &mut Co
             Evidence::Multiplier(mu) => Some([mu.re, mu.im]),
             _ => None,
         };
-        let (impulses, phi, psi, period) = (impulses(orbit), phi(orbit), orbit.psi(), orbit.period());
+        let (impulses, phi, psi, period) = (orbit.impulses(), orbit.phi(), orbit.psi(), orbit.period());
         let Located { event, value, error, physical, .. } = event;
         table.record(&(event, value, error, impulses, phi, psi, period, physical, multiplier))?;
     }
@@ -110,8 +111,8 @@ fn row(station: &Station<StructureOrbit>) -> Row {
     Row {
         event,
         value,
-        impulses: impulses(orbit),
-        phi: phi(orbit),
+        impulses: orbit.impulses(),
+        phi: orbit.phi(),
         psi: orbit.psi(),
         period: orbit.period(),
         margin: point.and_then(|point| point.margin),

@@ -4,15 +4,14 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 use serde_json::Value;
-use vibrochain_floquet::{
-    CurveError, Event, Located, StructureCurve, StructureWindow, structure_branch, structure_curve,
-};
+use vibrochain_floquet::{CurveError, Event, StructureCurve, StructureWindow, structure_branch};
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
+use vibrochain_maps::structure::along::{Named, curves, family};
 use vibrochain_maps::structure::answer::structure;
 use vibrochain_maps::structure::{Setting, StructureScene};
 
-use super::{Named, Start, course, family, impulses, phi, range, start, value_of};
+use super::{Start, course, range, start, value_of};
 use crate::args::CurveArgs;
 use crate::common::answer::printed;
 #[cfg(feature = "plot")]
@@ -23,10 +22,6 @@ use crate::common::picture_files::PictureFiles;
 use crate::common::schemas::STRUCTURE_CURVE;
 use crate::curve::table::{Row, header};
 use vibrochain_breather::StructureOrbit;
-
-/// A point within this many tolerances of a curve, with impulses that agree to this part, is one of it.
-const ON_IT: f64 = 2.0;
-const ALIKE: f64 = 1e-3;
 
 /// Runs the subcommand for a structure.
 ///
@@ -55,14 +50,8 @@ pub(crate) fn run(args: &CurveArgs, scene: &StructureScene, console: &mut Consol
     let window = StructureWindow { from: [from, and_from], to: [to, and_to] };
     let course = course(&start, [from, to], vec![args.event], None)?;
     let found = structure_branch(&start.orbit, &family(scene, &[first]), start.value, &course, &stop)?;
-    let (models, value) = (family(scene, &settings), value_of(scene, second)?);
-    let mut curves: Vec<StructureCurve> = Vec::new();
-    for located in found.events() {
-        let place = [located.value, value];
-        if !curves.iter().any(|curve| holds(curve, &window, located, place, args.tolerance)) {
-            curves.push(structure_curve(located, &models, place, window, args.tolerance, &stop)?);
-        }
-    }
+    let value = value_of(scene, second)?;
+    let curves = curves(scene, (settings, value), &found, (window, args.tolerance), &stop)?;
     let text = if args.json {
         json(&start, settings, &window, &curves)?
     } else {
@@ -75,31 +64,6 @@ pub(crate) fn run(args: &CurveArgs, scene: &StructureScene, console: &mut Consol
     draw(pictures, &start, settings, &window, &curves)
 }
 
-/// Whether an event lies on a curve that was followed already.
-fn holds(
-    curve: &StructureCurve,
-    window: &StructureWindow,
-    located: &Located<StructureOrbit>,
-    place: [f64; 2],
-    tolerance: f64,
-) -> bool {
-    let (place, own) = (window.parts(place), impulses(&located.orbit));
-    let strongest = own.iter().fold(0.0_f64, |most, one| most.max(one.abs()));
-    curve.points.windows(2).any(|pair| {
-        let [from, to] = [&pair[0], &pair[1]].map(|point| window.parts(point.values));
-        let (chord, away) = ([to[0] - from[0], to[1] - from[1]], [place[0] - from[0], place[1] - from[1]]);
-        let square = chord[0] * chord[0] + chord[1] * chord[1];
-        let share = ((away[0] * chord[0] + away[1] * chord[1]) / square).clamp(0.0, 1.0);
-        let apart = (away[0] - share * chord[0]).hypot(away[1] - share * chord[1]);
-        let (a, b) = (impulses(&pair[0].orbit), impulses(&pair[1].orbit));
-        let alike = own
-            .iter()
-            .zip(a.iter().zip(&b))
-            .all(|(own, (a, b))| (a + share * (b - a) - own).abs() <= ALIKE * strongest);
-        apart <= ON_IT * tolerance && alike
-    })
-}
-
 fn write(mut table: CsvFile, curves: &[StructureCurve]) -> Result<(), CliError> {
     for (i, curve) in curves.iter().enumerate() {
         for (k, point) in curve.points.iter().enumerate() {
@@ -107,7 +71,7 @@ fn write(mut table: CsvFile, curves: &[StructureCurve]) -> Result<(), CliError> 
             let names: Vec<String> = special().map(|one| one.special.to_string()).collect();
             let [x, y] = point.values;
             let (orbit, special_error) = (&point.orbit, special().next().map(|one| one.error));
-            let (impulses, phi, psi) = (impulses(orbit), phi(orbit), orbit.psi());
+            let (impulses, phi, psi) = (orbit.impulses(), orbit.phi(), orbit.psi());
             let (number, event, error) = (i + 1, curve.event, point.error);
             let (angle, physical) = (point.angle, point.physical);
             table.record(&(number, event, x, y, error, names, special_error, angle, physical, impulses, phi, psi))?;

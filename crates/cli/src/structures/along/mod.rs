@@ -4,11 +4,9 @@ pub(crate) mod branch;
 pub(crate) mod curve;
 
 use std::fmt::Write as _;
-use std::sync::Arc;
 
-use serde::{Serialize, Serializer};
-use vibrochain_breather::{StructureFamily, StructureOrbit, structure_is_physical};
-use vibrochain_floquet::{End, Evidence, Located, StructureCourse, Unresolved, Verdict};
+use vibrochain_breather::{StructureOrbit, structure_is_physical};
+use vibrochain_floquet::{End, Evidence, Located, StructureCourse, Unresolved};
 use vibrochain_lattice::Short;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::structure::scene::StructureAxis;
@@ -99,16 +97,6 @@ pub(super) fn range(
     Err(CliError::Request(message))
 }
 
-/// The models of a scene as these numbers vary.
-pub(super) fn family(scene: &StructureScene, settings: &[Setting]) -> StructureFamily {
-    let (scene, settings) = (scene.clone(), settings.to_vec());
-    Arc::new(move |values: &[f64]| {
-        let mut scene = scene.clone();
-        settings.iter().zip(values).try_for_each(|(setting, value)| scene.set(*setting, *value))?;
-        scene.model()
-    })
-}
-
 impl Start<'_> {
     /// Which orbits of what, and what is fixed as these numbers vary.
     pub(super) fn fixed(&self, varied: &[Setting]) -> String {
@@ -128,19 +116,6 @@ impl Start<'_> {
             self.free,
             Number(self.value)
         )
-    }
-}
-
-/// The impulses of an orbit, in the order of its impacts.
-pub(super) fn impulses(orbit: &StructureOrbit) -> Vec<f64> {
-    orbit.impacts().iter().map(|impact| impact.impulse).collect()
-}
-
-/// The time of the second impact of two.
-pub(super) fn phi(orbit: &StructureOrbit) -> Option<f64> {
-    match orbit.impacts() {
-        [_, second] => Some(second.time),
-        _ => None,
     }
 }
 
@@ -182,77 +157,6 @@ pub(super) fn events_text<'a>(
     }
     for (value, end) in ends {
         let _ = writeln!(out, "  end: {}", ending(&free.to_string(), *value, end));
-    }
-}
-
-/// What shows an event, as JSON has it.
-#[derive(Serialize)]
-#[serde(untagged)]
-pub(super) enum EvidenceEntry {
-    Multiplier { multiplier: [f64; 2] },
-    Touch { contact: usize, barrier: &'static str, time: f64 },
-    Impact { impact: usize },
-}
-
-impl EvidenceEntry {
-    fn of(evidence: Evidence) -> Self {
-        match evidence {
-            Evidence::Multiplier(mu) => Self::Multiplier { multiplier: [mu.re, mu.im] },
-            Evidence::Touch(touch) => {
-                Self::Touch { contact: touch.site, barrier: touch.barrier.name(), time: touch.time }
-            }
-            Evidence::Impact(impact) => Self::Impact { impact },
-        }
-    }
-}
-
-/// A verdict on one side of an event.
-#[derive(Serialize)]
-struct SideEntry {
-    value: f64,
-    stability: Verdict,
-}
-
-/// An event as JSON has it.
-#[derive(Serialize)]
-pub(super) struct EventEntry {
-    event: &'static str,
-    value: f64,
-    error: Option<f64>,
-    evidence: EvidenceEntry,
-    physical: Option<bool>,
-    period: f64,
-    psi: Option<f64>,
-    times: Vec<f64>,
-    impulses: Vec<f64>,
-    sides: Vec<SideEntry>,
-}
-
-impl EventEntry {
-    pub(super) fn of(found: &Located<StructureOrbit>) -> Self {
-        let sides = found.verdicts.iter();
-        Self {
-            event: found.event.name(),
-            value: found.value,
-            error: Some(found.error).filter(|error| error.is_finite()),
-            evidence: EvidenceEntry::of(found.evidence),
-            physical: found.physical,
-            period: found.orbit.period(),
-            psi: found.orbit.psi(),
-            times: found.orbit.impacts().iter().map(|impact| impact.time).collect(),
-            impulses: impulses(&found.orbit),
-            sides: sides.map(|(value, verdict)| SideEntry { value: *value, stability: *verdict }).collect(),
-        }
-    }
-}
-
-/// A number of the structure, as its name.
-#[derive(Clone, Copy)]
-pub(super) struct Named(pub(super) Setting);
-
-impl Serialize for Named {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(&self.0)
     }
 }
 

@@ -1,0 +1,148 @@
+//! A structure as its numbers vary: its models, the events of a branch as JSON has them, and the curves of all of these.
+
+use std::sync::Arc;
+
+use serde::{Serialize, Serializer};
+use vibrochain_breather::{StructureFamily, StructureOrbit};
+use vibrochain_floquet::{
+    CurveError, Evidence, FollowedBranch, Located, StructureCurve, StructureWindow, Verdict, structure_curve,
+};
+use vibrochain_lattice::Stop;
+
+use super::scene::StructureScene;
+use super::setting::Setting;
+
+/// A point within this many tolerances of a curve, with impulses that agree to this part, is one of it.
+const ON_IT: f64 = 2.0;
+const ALIKE: f64 = 1e-3;
+
+/// The models of a scene as these numbers vary.
+#[must_use]
+pub fn family(scene: &StructureScene, settings: &[Setting]) -> StructureFamily {
+    let (scene, settings) = (scene.clone(), settings.to_vec());
+    Arc::new(move |values: &[f64]| {
+        let mut scene = scene.clone();
+        settings.iter().zip(values).try_for_each(|(setting, value)| scene.set(*setting, *value))?;
+        scene.model()
+    })
+}
+
+/// What shows an event, as JSON has it.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum EvidenceEntry {
+    Multiplier { multiplier: [f64; 2] },
+    Touch { contact: usize, barrier: &'static str, time: f64 },
+    Impact { impact: usize },
+}
+
+impl EvidenceEntry {
+    fn of(evidence: Evidence) -> Self {
+        match evidence {
+            Evidence::Multiplier(mu) => Self::Multiplier { multiplier: [mu.re, mu.im] },
+            Evidence::Touch(touch) => {
+                Self::Touch { contact: touch.site, barrier: touch.barrier.name(), time: touch.time }
+            }
+            Evidence::Impact(impact) => Self::Impact { impact },
+        }
+    }
+}
+
+/// A verdict on one side of an event.
+#[derive(Serialize)]
+struct SideEntry {
+    value: f64,
+    stability: Verdict,
+}
+
+/// An event as JSON has it.
+#[derive(Serialize)]
+pub struct EventEntry {
+    event: &'static str,
+    value: f64,
+    error: Option<f64>,
+    evidence: EvidenceEntry,
+    physical: Option<bool>,
+    period: f64,
+    psi: Option<f64>,
+    times: Vec<f64>,
+    impulses: Vec<f64>,
+    sides: Vec<SideEntry>,
+}
+
+impl EventEntry {
+    /// Of an event that was located.
+    #[must_use]
+    pub fn of(found: &Located<StructureOrbit>) -> Self {
+        let sides = found.verdicts.iter();
+        Self {
+            event: found.event.name(),
+            value: found.value,
+            error: Some(found.error).filter(|error| error.is_finite()),
+            evidence: EvidenceEntry::of(found.evidence),
+            physical: found.physical,
+            period: found.orbit.period(),
+            psi: found.orbit.psi(),
+            times: found.orbit.impacts().iter().map(|impact| impact.time).collect(),
+            impulses: found.orbit.impulses(),
+            sides: sides.map(|(value, verdict)| SideEntry { value: *value, stability: *verdict }).collect(),
+        }
+    }
+}
+
+/// A number of the structure, as its name.
+#[derive(Clone, Copy)]
+pub struct Named(pub Setting);
+
+impl Serialize for Named {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(&self.0)
+    }
+}
+
+/// The curves of all events of a branch along the first of two numbers, each followed once. `value` is where the second number is.
+///
+/// # Errors
+/// [`CurveError`]
+pub fn curves(
+    scene: &StructureScene,
+    (settings, value): ([Setting; 2], f64),
+    found: &FollowedBranch<StructureOrbit>,
+    (window, tolerance): (StructureWindow, f64),
+    stop: &Stop,
+) -> Result<Vec<StructureCurve>, CurveError> {
+    let models = family(scene, &settings);
+    let mut curves: Vec<StructureCurve> = Vec::new();
+    for located in found.events() {
+        let place = [located.value, value];
+        if !curves.iter().any(|curve| holds(curve, &window, located, place, tolerance)) {
+            curves.push(structure_curve(located, &models, place, window, tolerance, stop)?);
+        }
+    }
+    Ok(curves)
+}
+
+/// Whether an event lies on a curve that was followed already.
+fn holds(
+    curve: &StructureCurve,
+    window: &StructureWindow,
+    located: &Located<StructureOrbit>,
+    place: [f64; 2],
+    tolerance: f64,
+) -> bool {
+    let (place, own) = (window.parts(place), located.orbit.impulses());
+    let strongest = own.iter().fold(0.0_f64, |most, one| most.max(one.abs()));
+    curve.points.windows(2).any(|pair| {
+        let [from, to] = [&pair[0], &pair[1]].map(|point| window.parts(point.values));
+        let (chord, away) = ([to[0] - from[0], to[1] - from[1]], [place[0] - from[0], place[1] - from[1]]);
+        let square = chord[0] * chord[0] + chord[1] * chord[1];
+        let share = ((away[0] * chord[0] + away[1] * chord[1]) / square).clamp(0.0, 1.0);
+        let apart = (away[0] - share * chord[0]).hypot(away[1] - share * chord[1]);
+        let (a, b) = (pair[0].orbit.impulses(), pair[1].orbit.impulses());
+        let alike = own
+            .iter()
+            .zip(a.iter().zip(&b))
+            .all(|(own, (a, b))| (a + share * (b - a) - own).abs() <= ALIKE * strongest);
+        apart <= ON_IT * tolerance && alike
+    })
+}
