@@ -198,6 +198,7 @@ fn drawn() -> Result<Curves, CliError> {
         x_log: false,
         scale: Scale::Logarithmic,
         levels: Vec::new(),
+        uprights: Vec::new(),
         round: false,
         series,
     };

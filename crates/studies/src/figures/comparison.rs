@@ -118,6 +118,7 @@ pub(super) fn draw(
         x_log: false,
         scale: Scale::Linear,
         levels: levels.clone(),
+        uprights: Vec::new(),
         round: false,
         series: vec![
             line("analytic orbit", 1, Stroke::Solid(6), window.analytic),
@@ -137,6 +138,7 @@ pub(super) fn draw(
         x_log: false,
         scale: Scale::Logarithmic,
         levels: Vec::new(),
+        uprights: Vec::new(),
         round: false,
         series: vec![
             line(&format!("by the multiplier, {per_period:.5} a period"), 1, Stroke::Dashed(4), predicted.collect()),

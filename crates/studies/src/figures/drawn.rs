@@ -34,7 +34,7 @@ impl Picture {
         match self {
             Self::Curves(curves) => curves_picture(curves, format),
             Self::Map { scene, cells } => {
-                map_picture(&MapPicture { scene, cells, palette: Palette::Colour, borders: &[] }, format)
+                map_picture(&MapPicture { scene: &**scene, cells, palette: Palette::Colour, borders: &[] }, format)
             }
         }
     }

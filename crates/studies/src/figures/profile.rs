@@ -51,6 +51,7 @@ pub(super) fn draw(scene: &LineScene, reach: Option<i64>) -> Result<Drawn, CliEr
                     x_log: false,
                     scale: Scale::Linear,
                     levels: Vec::new(),
+                    uprights: Vec::new(),
                     round: false,
                     series: Vec::new(),
                 });

@@ -69,7 +69,18 @@ pub(super) fn draw(scene: &LineScene, over: (Parameter, f64, f64, usize), stop: 
 
 fn pane(caption: &str, x: &str, y: &str, scale: Scale, series: Vec<Series>) -> Pane {
     let (caption, x, y) = (caption.to_owned(), x.to_owned(), y.to_owned());
-    Pane { caption, x, y, x_range: None, x_log: false, scale, levels: Vec::new(), round: false, series }
+    Pane {
+        caption,
+        x,
+        y,
+        x_range: None,
+        x_log: false,
+        scale,
+        levels: Vec::new(),
+        uprights: Vec::new(),
+        round: false,
+        series,
+    }
 }
 
 /// Both branches of a(φ), and the solutions on them.

@@ -71,6 +71,7 @@ pub(super) fn draw(scene: &LineScene) -> Result<Drawn, CliError> {
         x_log: false,
         scale: Scale::Linear,
         levels: Vec::new(),
+        uprights: Vec::new(),
         round: false,
         series: all,
     };
