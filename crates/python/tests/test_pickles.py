@@ -53,7 +53,9 @@ def values():
     stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
     oscillator = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])
     hits = oscillator.orbits("0+", omega=2.325)
-    listed += [stop, oscillator, hits, hits[0]]  # fmt: skip
+    along = oscillator.branch(hits[0], 2.325, "omega", from_=2.3, to=2.5)
+    doubling = oscillator.curves(hits[0], 2.325, "period-doubling", ("omega", "load"), from_=(2.3, 0.8), to=(2.6, 1.2))
+    listed += [stop, oscillator, hits, hits[0], along, doubling[0]]  # fmt: skip
     return {type(value).__name__: value for value in listed}
 
 

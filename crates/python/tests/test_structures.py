@@ -98,3 +98,34 @@ def test_what_is_wrong_is_told():
         both().orbits("0+", omega=-1.0)
     with pytest.raises(vc.NoBreatherError, match="without a load"):
         both(load=None).orbits("0+", omega=1.0)
+
+
+def test_branches_and_curves_meet_what_is_known_by_hand():
+    """Grazing of a damped oscillator is at A = d sqrt((1 - w^2)^2 + c^2 w^2); at a doubling that is located an orbit has the multiplier -1."""
+    stop = vc.Contact(at=0, upper=1.0, restitution=0.8)
+    one = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])
+    first = one.orbits("0+", omega=1.0)[0]
+    branch = one.branch(first, 1.0, "load", from_=0.02, to=2.0, events=["grazing"])
+    assert branch.values.shape == branch.spectral_radius.shape == branch.physical.shape and branch.impulses.shape == (len(branch.values), 1)
+    assert branch.physical.any() and branch.stable.any() and branch.ends[0][0] == pytest.approx(2.0)
+    assert {found["event"] for found in branch.events} == {"grazing"}
+    still = [found["value"] for found in branch.events if "impact" in found["evidence"]]
+    assert still == pytest.approx([0.1], abs=1e-12)
+    known = 0
+    for curve in one.curves(first, 1.0, "grazing", ("omega", "load"), from_=(0.5, 0.05), to=(2.0, 2.0)):
+        omega, load = curve.values.T
+        by_hand = np.sqrt((1 - omega**2) ** 2 + 0.01 * omega**2)
+        known += np.abs(load - by_hand).max() < 1e-9
+    assert known >= 1
+    found = one.branch(first, 1.0, "omega", from_=0.9, to=1.5, events=["period-doubling", "fold"]).events
+    assert found
+    for event in found:
+        goal = -1.0 if event["event"] == "period-doubling" else 1.0
+        near = [abs(orbit.multipliers - goal).min() for orbit in one.orbits("0+", omega=event["value"])]
+        assert min(near) < 1e-6
+    with pytest.raises(vc.RequestError, match="no such number"):
+        one.branch(first, 1.0, "gamma1", from_=0.1, to=1.0)
+    with pytest.raises(vc.RequestError, match="is not in a range"):
+        one.branch(first, 1.0, "omega", from_=1.1, to=1.5)
+    with pytest.raises(vc.RequestError, match="is no event"):
+        one.branch(first, 1.0, "omega", from_=0.5, to=1.5, events=["flip"])

@@ -226,7 +226,11 @@ mod tests {
             for i in 1..40 {
                 let phi = period * f64::from(i) / 40.0;
                 let (value, slope) = function.at(phi);
-                if value.abs() > 1e-9 * scale {
+                // Half a period apart at one contact the equations are singular, and elimination has no answer: F is C² + S² there.
+                let half = letters[0].0 == letters[1].0 && i == 20;
+                if half {
+                    assert!(value > 0.0, "{value}");
+                } else if value.abs() > 1e-9 * scale {
                     assert_eq!(value > 0.0, impacts.value(phi).unwrap()[0] > 0.0, "{phi} {value}");
                 }
                 let h = 1e-5 * period;

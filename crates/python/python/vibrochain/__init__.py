@@ -13,7 +13,7 @@ from ._borders import curves
 from ._fate import Fates, fate
 from ._map import Map, read_scene, sweep
 from ._run import Run, simulate
-from ._structure import Contact, Structure, StructureOrbit, StructureOrbits
+from ._structure import Contact, Structure, StructureBranch, StructureCurve, StructureOrbit, StructureOrbits
 from ._vibrochain import (
     Admissibility,
     Border,
@@ -73,6 +73,8 @@ __all__ = [
     "Run",
     "Stability",
     "Structure",
+    "StructureBranch",
+    "StructureCurve",
     "StructureOrbit",
     "StructureOrbits",
     "TooLargeError",

@@ -154,6 +154,121 @@ class StructureOrbits:
         return iter(self.orbits)
 
 
+@dataclass(frozen=True)
+class StructureBranch:
+    """An orbit of a structure as one of its numbers varies, in the order of the way, through folds.
+
+    Attributes
+    ----------
+    free : str
+        The number that varies.
+    values : numpy.ndarray of float64, shape (points,)
+        Its values.
+    impulses : numpy.ndarray of float64, shape (points, impacts)
+        Of each impact.
+    period, margin, spectral_radius : numpy.ndarray of float64, shape (points,)
+        The orbit's period, the smallest distance of a contact to a barrier, the largest modulus of a multiplier; nan where not known.
+    physical, stable : numpy.ndarray of bool, shape (points,)
+        False also where it is not known.
+    events : list of dict
+        event, value, error, evidence, physical, period, psi, times, impulses, sides.
+    ends : list of tuple (float, str)
+        Where and how it ends at the first and behind the last point.
+
+    Examples
+    --------
+    >>> import vibrochain as vc
+    >>> stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
+    >>> one = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])
+    >>> branch = one.branch(one.orbits("0+", omega=2.325)[0], omega=2.325, free="omega", from_=2.3, to=2.6)
+    >>> [(found["event"], round(found["value"], 9)) for found in branch.events]
+    [('period-doubling', 2.456715356)]
+    """
+
+    free: str
+    values: NDArray[np.float64]
+    impulses: NDArray[np.float64] = field(repr=False)
+    period: NDArray[np.float64] = field(repr=False)
+    margin: NDArray[np.float64] = field(repr=False)
+    spectral_radius: NDArray[np.float64] = field(repr=False)
+    physical: NDArray[np.bool_] = field(repr=False)
+    stable: NDArray[np.bool_] = field(repr=False)
+    events: list[dict[str, Any]]
+    ends: list[tuple[float, str]]
+
+    @classmethod
+    def _of(cls, free: str, answer: dict[str, Any]) -> StructureBranch:
+        points = answer["points"]
+        numbers = lambda values: np.array([np.nan if one is None else one for one in values], dtype=np.float64)  # noqa: E731
+        stability = [point["stability"] or {} for point in points]
+        return cls(
+            free=free,
+            values=numbers(point["value"] for point in points),
+            impulses=np.array([point["impulses"] for point in points], dtype=np.float64),
+            period=numbers(point["period"] for point in points),
+            margin=numbers(point["margin"] for point in points),
+            spectral_radius=numbers(one.get("spectral_radius") for one in stability),
+            physical=np.array([point["physical"] is True for point in points]),
+            stable=np.array([one.get("stable") is True and not one.get("marginal") for one in stability]),
+            events=answer["events"],
+            ends=[(value, name) for value, name in answer["ends"]],
+        )
+
+
+@dataclass(frozen=True)
+class StructureCurve:
+    """An event of a structure's orbits over two of its numbers.
+
+    Attributes
+    ----------
+    event : str
+        Which.
+    free : tuple of two str
+        The numbers that vary.
+    values : numpy.ndarray of float64, shape (points, 2)
+        Their values, in the order of the way.
+    error : numpy.ndarray of float64, shape (points,)
+        How far the curve may pass, as a part of the window's sides.
+    physical : numpy.ndarray of bool, shape (points,)
+        Whether the orbit there is.
+    special : list of dict
+        special, point, values, error: what else happens on the way.
+    ends : list of str
+        How it ends before the first and behind the last point.
+
+    Examples
+    --------
+    >>> import vibrochain as vc
+    >>> stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
+    >>> one = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])
+    >>> doubling, = one.curves(one.orbits("0+", omega=2.325)[0], omega=2.325, event="period-doubling", free=("omega", "contact.0.upper"),
+    ...                        from_=(2.3, 0.05), to=(2.6, 0.15))
+    >>> doubling.event, bool(doubling.error.max() < 1e-9)
+    ('period-doubling', True)
+    """
+
+    event: str
+    free: tuple[str, str]
+    values: NDArray[np.float64]
+    error: NDArray[np.float64] = field(repr=False)
+    physical: NDArray[np.bool_] = field(repr=False)
+    special: list[dict[str, Any]]
+    ends: list[str]
+
+    @classmethod
+    def _of(cls, free: tuple[str, str], parts: dict[str, Any]) -> StructureCurve:
+        points = parts["points"]
+        return cls(
+            event=parts["event"],
+            free=free,
+            values=np.array([point["values"] for point in points], dtype=np.float64).reshape(-1, 2),
+            error=np.array([np.nan if point["error"] is None else point["error"] for point in points], dtype=np.float64),
+            physical=np.array([point["physical"] is True for point in points]),
+            special=parts["special"],
+            ends=parts["ends"],
+        )
+
+
 class Structure:
     """A linear structure with stops, from its matrices.
 
@@ -329,6 +444,125 @@ class Structure:
         periods = max(1, round(orbit.period * omega / (2 * np.pi)))
         near = [(hit["contact"], hit["barrier"], hit["time"], hit["impulse"]) for hit in orbit.impacts]
         return self._answer(omega, None, periods, threshold, near, orbit.psi or 0.0)[0]
+
+    def _along(
+        self,
+        orbit: StructureOrbit,
+        omega: float,
+        free: list[str],
+        ends: tuple[list[float], list[float]],
+        events: list[str],
+        tolerance: float,
+        threshold: float,
+    ) -> dict[str, Any]:
+        scene = {"omega": float(omega), "structure": self._structure, "contact": self._contacts, "force": self._force}
+        periods = max(1, round(orbit.period * omega / (2 * np.pi)))
+        near = [(hit["contact"], hit["barrier"], hit["time"], hit["impulse"]) for hit in orbit.impacts]
+        told = _vibrochain._structure_along(
+            json.dumps(scene), near, orbit.psi or 0.0, periods, free, *ends, events, tolerance, threshold
+        )
+        answer: dict[str, Any] = json.loads(told)
+        return answer
+
+    def branch(
+        self,
+        orbit: StructureOrbit,
+        omega: float,
+        free: str,
+        *,
+        from_: float,
+        to: float,
+        events: tuple[str, ...] | list[str] = (),
+        threshold: float = 0.0,
+    ) -> StructureBranch:
+        """An orbit as one number of the structure varies, followed both ways, with the events on it.
+
+        Parameters
+        ----------
+        orbit : StructureOrbit
+            Where to begin.
+        omega : float
+            Frequency of the load there.
+        free : str
+            "omega", "load", "static", "damping", "asymmetry", "restitution", "contact.0.upper", "stiffness.0.1" and the like.
+        from_, to : float
+            From where to where, the start between.
+        events : sequence of str
+            grazing, pitchfork, period-doubling, neimark-sacker, fold; empty: all.
+        threshold : float
+            Growth a period from which on an orbit counts as unstable.
+
+        Returns
+        -------
+        StructureBranch
+
+        Raises
+        ------
+        RequestError
+            For a number that the structure does not have, or a range without the start.
+
+        Examples
+        --------
+        >>> import vibrochain as vc
+        >>> stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
+        >>> one = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])
+        >>> branch = one.branch(one.orbits("0+", omega=2.325)[0], omega=2.325, free="load", from_=0.5, to=2)
+        >>> branch.ends
+        [(0.5, 'range'), (2.0, 'range')]
+        """
+        ends = ([float(from_)], [float(to)])
+        return StructureBranch._of(free, self._along(orbit, omega, [free], ends, list(events), 1e-4, threshold))
+
+    def curves(
+        self,
+        orbit: StructureOrbit,
+        omega: float,
+        event: str,
+        free: tuple[str, str],
+        *,
+        from_: tuple[float, float],
+        to: tuple[float, float],
+        tolerance: float = 1e-4,
+    ) -> list[StructureCurve]:
+        """The events of one kind on the branch of an orbit along the first of two numbers, each followed through a window of both.
+
+        Parameters
+        ----------
+        orbit : StructureOrbit
+            Where to begin.
+        omega : float
+            Frequency of the load there.
+        event : str
+            grazing, pitchfork, period-doubling, neimark-sacker or fold.
+        free : tuple of two str
+            The numbers that vary, as for `branch`.
+        from_, to : tuple of two float
+            The window, the start in it.
+        tolerance : float
+            How far a straight line between neighbouring points may be from the curve, as a part of the window's sides.
+
+        Returns
+        -------
+        list of StructureCurve
+            Empty where there is no such event.
+
+        Raises
+        ------
+        RequestError
+            For a number that the structure does not have, or a window without the start.
+
+        Examples
+        --------
+        >>> import vibrochain as vc
+        >>> stop = vc.Contact(at=0, upper=1.0, restitution=0.8)
+        >>> one = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])
+        >>> found = one.curves(one.orbits("0+", omega=1.0)[0], omega=1.0, event="grazing", free=("omega", "load"), from_=(0.5, 0.5), to=(2, 2))
+        >>> sorted(curve.ends[0] for curve in found)
+        ['at the edge of the window', 'at the edge of the window']
+        """
+        ends = ([float(one) for one in from_], [float(one) for one in to])
+        answer = self._along(orbit, omega, list(free), ends, [event], float(tolerance), 0.0)
+        return [StructureCurve._of((free[0], free[1]), parts) for parts in answer["curves"]]
 
     def __repr__(self) -> str:
         parts = self._structure
