@@ -16,7 +16,7 @@ use vibrochain_maps::numbers::{real, whole};
 
 use crate::common::tips;
 
-use crate::common::page_args::{PICTURES, PageArgs};
+use crate::common::pictures::page_args::{PICTURES, PageArgs};
 
 pub use events::{AlongArgs, BranchArgs, CurveArgs, CurvesArgs, LocateArgs};
 pub use model::{ModelArgs, ParameterArgs, RowEnds, SiteFamily, StructureArgs, WhichArgs};

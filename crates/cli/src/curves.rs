@@ -18,7 +18,7 @@ use crate::common::answer::printed;
 use crate::common::border_search::BorderSearch;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
-use crate::common::picture_files::PictureFiles;
+use crate::common::pictures::files::PictureFiles;
 use crate::common::schemas::CURVES;
 use crate::common::threads::threads;
 use crate::sweep::report::counted;

@@ -13,7 +13,7 @@ use vibrochain_maps::structure::Setting;
 use super::model::{ModelArgs, WhichArgs};
 use super::quantity::{Meanings, OF_BRANCHES, QuantityName, SHOWN_NAMES, among, by_name};
 use crate::common::error::CliError;
-use crate::common::page_args::{PICTURES, PageArgs};
+use crate::common::pictures::page_args::{PICTURES, PageArgs};
 
 /// Events of `mapgen locate`, and what each is.
 const EVENTS: Meanings<Event> = &[

@@ -9,7 +9,7 @@ use vibrochain_maps::numbers::{real, whole};
 
 use super::quantity::{Meanings, by_name};
 
-/// Headings of help, which each flag names ([`PICTURES`](crate::common::page_args::PICTURES)).
+/// Headings of help, which each flag names ([`PICTURES`](crate::common::pictures::page_args::PICTURES)).
 const MODEL: &str = "Model";
 const WHICH: &str = "Breathers";
 const DAMPED: &str = "Dashpots, loads and stops";

@@ -7,7 +7,7 @@ use vibrochain_maps::numbers::{real, whole};
 use vibrochain_maps::sweep::ShardFlag;
 
 use super::model::{ModelArgs, WhichArgs};
-use crate::common::page_args::{PICTURES, PageArgs};
+use crate::common::pictures::page_args::{PICTURES, PageArgs};
 
 /// Direction of a perturbation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]

@@ -8,7 +8,7 @@ use vibrochain_maps::numbers::real;
 use vibrochain_maps::sweep::ShardFlag;
 
 use super::quantity::{ALL, OF_MAPS, QuantityName, among};
-use crate::common::page_args::{PICTURES, PageArgs};
+use crate::common::pictures::page_args::{PICTURES, PageArgs};
 
 /// Colours of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]

@@ -25,7 +25,7 @@ use crate::common::answer::{EndAnswer, StartAnswer, printed};
 use crate::common::caption::describe_without;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
-use crate::common::picture_files::PictureFiles;
+use crate::common::pictures::files::PictureFiles;
 use crate::common::schemas::BRANCH;
 use crate::common::table_manifest::{Manifest, beside};
 use crate::common::which;

@@ -19,7 +19,7 @@ use crate::common::answer::{StartAnswer, printed};
 use crate::common::caption::{in_common, in_words};
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
-use crate::common::picture_files::PictureFiles;
+use crate::common::pictures::files::PictureFiles;
 use crate::common::schemas::CURVE;
 use crate::common::table_manifest::{Manifest, beside};
 use crate::curve::table::{About, header, write};

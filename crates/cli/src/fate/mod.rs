@@ -21,7 +21,7 @@ use crate::common::answer::printed;
 use crate::common::chunked_run::{ChunkedRun, nothing_to_resume, parts_path, place, quoted, shard_of};
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
-use crate::common::picture_files::PictureFiles;
+use crate::common::pictures::files::PictureFiles;
 use crate::common::progress::counter;
 use crate::common::table_manifest::{Manifest, OfScene, beside};
 use crate::common::threads::threads;

@@ -20,7 +20,7 @@ mod with_plot {
     };
 
     use crate::common::error::CliError;
-    use crate::common::picture_files::PictureFiles;
+    use crate::common::pictures::files::PictureFiles;
 
     /// The most cells of a picture.
     const MOST_CELLS: u64 = 36_000_000;
@@ -243,7 +243,7 @@ mod without_plot {
     use vibrochain_maps::scene::Scene;
 
     use crate::common::error::CliError;
-    use crate::common::picture_files::PictureFiles;
+    use crate::common::pictures::files::PictureFiles;
 
     /// This build draws nothing.
     pub(crate) struct Plot;

@@ -24,7 +24,7 @@ use std::path::Path;
 use crate::args::StripesArgs;
 use crate::common::console::Console;
 use crate::common::error::CliError;
-use crate::common::picture_files::PictureFiles;
+use crate::common::pictures::files::PictureFiles;
 use crate::common::table_manifest::{Manifest, OfScene, beside};
 use crate::common::table_rows::TableRows;
 use crate::common::threads::threads;

@@ -16,7 +16,7 @@ use crate::args::FateArgs;
 use crate::common::answer::printed;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
-use crate::common::picture_files::PictureFiles;
+use crate::common::pictures::files::PictureFiles;
 use crate::common::progress::counter;
 use crate::common::threads::threads;
 use crate::fate::plot::Plot;

@@ -19,7 +19,7 @@ use crate::branch::table::{BranchName, HEADER, Row};
 use crate::common::answer::{EndAnswer, printed};
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
-use crate::common::picture_files::PictureFiles;
+use crate::common::pictures::files::PictureFiles;
 use crate::common::schemas::STRUCTURE_BRANCH;
 use crate::locate::ending;
 use crate::sweep::report::counted;

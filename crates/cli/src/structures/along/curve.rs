@@ -4,6 +4,8 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 use serde_json::Value;
+#[cfg(feature = "plot")]
+use vibrochain_breather::StructureOrbit;
 use vibrochain_floquet::{CurveError, Event, StructureCurve, StructureWindow, structure_branch};
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
@@ -18,10 +20,9 @@ use crate::common::answer::printed;
 use crate::common::caption::in_words;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
-use crate::common::picture_files::PictureFiles;
+use crate::common::pictures::files::PictureFiles;
 use crate::common::schemas::STRUCTURE_CURVE;
 use crate::curve::table::{Row, header};
-use vibrochain_breather::StructureOrbit;
 
 /// Runs the subcommand for a structure.
 ///

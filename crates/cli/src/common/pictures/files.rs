@@ -32,7 +32,7 @@ mod with_plot {
 
     use crate::args::PictureArgs;
     use crate::common::error::CliError;
-    use crate::common::page_args::PageArgs;
+    use crate::common::pictures::page_args::PageArgs;
 
     /// Files, each with what it is drawn for.
     pub(crate) struct PictureFiles(Vec<(Page, Output)>);
@@ -112,7 +112,7 @@ mod without_plot {
 
     use crate::args::PictureArgs;
     use crate::common::error::CliError;
-    use crate::common::page_args::PageArgs;
+    use crate::common::pictures::page_args::PageArgs;
 
     /// This build draws nothing.
     pub(crate) struct PictureFiles;

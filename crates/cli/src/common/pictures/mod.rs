@@ -1,4 +1,7 @@
-//! Pictures of a table that is being written, from its rows.
+//! Pictures of a table that is being written, from its rows. Their files are in `files`, the flags of a page in `page_args`.
+
+pub(crate) mod files;
+pub mod page_args;
 
 #[cfg(feature = "plot")]
 pub(crate) use with_pictures::{MapDrawing, Pictures};
@@ -24,7 +27,7 @@ mod with_pictures {
     use crate::common::border_search::BorderSearch;
     use crate::common::caption::in_words;
     use crate::common::error::CliError;
-    use crate::common::picture_files::PictureFiles;
+    use crate::common::pictures::files::PictureFiles;
 
     /// How exact borders in a picture are, as a part of its sides: what `mapgen curves` takes. A pixel asks for less, but between
     /// less exact borders stripes cannot be told apart.
@@ -269,7 +272,7 @@ mod without_pictures {
 
     use crate::args::{PictureArgs, QuantityName};
     use crate::common::error::CliError;
-    use crate::common::picture_files::PictureFiles;
+    use crate::common::pictures::files::PictureFiles;
 
     /// This build draws nothing.
     pub(crate) struct Pictures;
