@@ -16,6 +16,7 @@
 //! | [`Multipliers`] | all multipliers in order, made as they are asked for |
 //! | [`odd_multipliers`], [`leading_modes`] | multipliers that feel no impact; perturbations that grow most |
 //! | [`locate()`] | bifurcations and grazing in one parameter |
+//! | [`structure_stability`], [`structure_branch`], [`structure_curve`] | the same of any linear structure with stops |
 //! | [`Verdict`], [`Mechanism`], [`Tolerance`], [`Method`] | stable or not, how stability is lost, from which growth on, where the answer comes from |
 //!
 //! With the feature `serde` values are written by the names of `mapgen`'s JSON; those that hold nothing derived are read, too.
