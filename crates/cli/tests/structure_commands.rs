@@ -243,7 +243,7 @@ fn what_is_wrong_is_told() {
         ("orbit --scene scene.toml --set contact.0.gap=1", 2, "contact.N.upper"),
         ("orbit --scene scene.toml --gamma1 .2", 2, "of chains"),
         ("orbit --scene scene.toml --set load=0", 3, "without a load that changes"),
-        ("locate --scene scene.toml --word 0+ --event fold --free omega", 2, "orbit, simulate, fate and sweep"),
+        ("locate --scene scene.toml --word 0+ --event fold --free omega", 3, "none of the 2 orbits of 0+ is physical"),
         ("sweep scene.toml --out map.csv", 2, "sweeps nothing"),
         (
             "orbit --sites 3 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --damping .1 --family single-sided",

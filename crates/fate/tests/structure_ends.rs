@@ -55,7 +55,9 @@ fn exponents_by_tangents_are_those_of_the_multipliers() {
         let Ok(measured) = measure_structure(&orbit, 1000, &Stop::default()) else { continue };
         let (predicted, _) = predicted(&orbit);
         let off = (measured.value - predicted).abs();
-        assert!(off < 1e-8 + measured.error, "{name}: {measured:?} {predicted}");
+        // Along the double multiplier 1 of an orbit that may begin at any time perturbations grow like time itself.
+        let room = if orbit.is_conservative() { 1e-7 } else { 1e-8 };
+        assert!(off < room + measured.error, "{name}: {measured:?} {predicted}");
         worst = worst.max(off);
         compared += 1;
     }

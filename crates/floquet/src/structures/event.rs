@@ -127,7 +127,8 @@ impl System for EventSystem {
             slopes(&mut matrix, size, side(-1.0)?, side(1.0)?);
         }
         let (mut rows, mut kept) = (here.rows.clone(), self.base.row_errors(&here));
-        kept.extend(values.iter().map(|_| ROUNDING));
+        // What Newton's method leaves of it where it ends is rounding, too, and more than this next to other events.
+        kept.extend(values.iter().map(|value| ROUNDING.max(value.abs())));
         rows.extend(values);
         let orbit = AtEvent { orbit: here.orbit, mark, determinant: here.full_determinant };
         Ok(Evaluation { orbit, rows, full_determinant: matrix.determinant(), matrix, kept })
