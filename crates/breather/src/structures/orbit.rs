@@ -8,7 +8,7 @@ use vibrochain_lattice::Barrier;
 use super::equations::{Equations, Point, Response, Strike, System};
 use super::error::StructureOrbitError;
 use super::model::StructureModel;
-use crate::equations::linear::Factors;
+use crate::equations::linear::{Factors, Matrix};
 use crate::equations::{BlochEquations, LinearImpact};
 use crate::word::MAX_IMPACTS;
 
@@ -58,21 +58,24 @@ impl StructureOrbit {
         (point, system): (Point, System),
     ) -> Result<Self, StructureOrbitError> {
         let n = point.strikes.len();
-        let factors =
-            Factors::new(system.jacobian.clone()).ok_or(StructureOrbitError::NotConverged { violation: 0.0 })?;
-        let inverse = factors.inverse();
+        // At a fold the unknowns are not determined by the rows: their errors have no bound.
+        let inverse = Factors::new(system.jacobian.clone()).map(|factors| factors.inverse());
         // Of the rows as they stand and of what rounding makes of their terms, with the worst signs.
         let off: Vec<f64> =
             system.rows.iter().zip(&system.sizes).map(|(row, size)| row.abs() + 4.0 * f64::EPSILON * size).collect();
         let size = off.len();
+        let error = |inverse: &Matrix, i: usize| inverse.row(i).iter().zip(&off).map(|(x, off)| x.abs() * off).sum();
         let errors: Vec<f64> =
-            (0..size).map(|i| inverse.row(i).iter().zip(&off).map(|(x, off)| x.abs() * off).sum()).collect();
+            (0..size).map(|i| inverse.as_ref().map_or(f64::INFINITY, |inverse| error(inverse, i))).collect();
         let impact = |i: usize| {
             let (strike, arrival) = (&point.strikes[i], &system.arrivals[i]);
             let own = 8.0 * f64::EPSILON * arrival.sizes[2];
             // What the unknowns bring along, by the rows that they come from.
-            let from = |j: usize| (0..size).map(|k| system.gradients[i][k] * inverse[(k, j)]).sum::<f64>().abs();
-            let carried: f64 = (0..size).map(|j| from(j) * off[j]).sum();
+            let from = |inverse: &Matrix, j: usize| {
+                (0..size).map(|k| system.gradients[i][k] * inverse[(k, j)]).sum::<f64>().abs()
+            };
+            let of = |inverse: &Matrix| (0..size).map(|j| from(inverse, j) * off[j]).sum();
+            let carried: f64 = inverse.as_ref().map_or(f64::INFINITY, of);
             StructureImpact {
                 contact: strike.contact,
                 barrier: strike.barrier,
