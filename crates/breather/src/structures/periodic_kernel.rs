@@ -48,6 +48,9 @@ pub(super) struct PeriodicKernel {
 /// K and its first three derivatives; and the size of the terms of K and two, with what next to a resonance is lost on them.
 pub(super) type Jet = ([f64; 4], [f64; 3]);
 
+/// What a mode has lost at four places and at their nearest ends, either way.
+type Losses = [[f64x4; 2]; 2];
+
 impl PeriodicKernel {
     pub(super) fn new(modes: &[LinearMode], felt: Arc<FeltModes>, hit: &[usize], period: f64) -> Self {
         let sums = felt.modes.iter().map(|mode| Sum::of(mode, period)).collect();
@@ -238,7 +241,7 @@ impl Between {
         let ways = [places, places.map(|t| self.period - t)];
         let nearest = [0, 1].map(|way| (0..LANES).map(|i| ways[way][i] - radii[i]).fold(f64::INFINITY, f64::min));
         // Many modes of a structure often lose alike.
-        let mut lost: Option<((f64, f64), [[f64x4; 2]; 2])> = None;
+        let mut lost: Option<((f64, f64), Losses)> = None;
         for Both { turn, decay, rate, parts, slowest, fourth } in &self.modes {
             if nearest.iter().all(|t| slowest * t > DEAD) {
                 continue;

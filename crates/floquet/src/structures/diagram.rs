@@ -20,6 +20,9 @@ use crate::verdict::{Tolerance, Verdict};
 
 type C = Complex<f64>;
 
+/// What is passed on one way.
+type Stations = Vec<Station<StructureOrbit>>;
+
 /// A multiplier farther than this from where it should be, relative, is not the zero of the function.
 const POLE: f64 = 1e-4;
 
@@ -105,10 +108,7 @@ pub fn structure_branch(
 
 impl Follower<'_> {
     /// One way, from the start on: the start, then all that is passed.
-    fn follow(
-        &mut self,
-        start: StructureBranchPoint,
-    ) -> Result<(Vec<Station<StructureOrbit>>, (f64, End)), LocateError> {
+    fn follow(&mut self, start: StructureBranchPoint) -> Result<(Stations, (f64, End)), LocateError> {
         let mut seen = Seen::at(&start, self.course.tolerance);
         let mut stations = vec![Station::Point(described(&start, &seen))];
         let mut point = start.clone();
