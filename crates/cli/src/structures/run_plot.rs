@@ -190,7 +190,7 @@ mod without_plot {
 
     /// This build draws nothing.
     #[derive(Default)]
-    pub(in super::super) struct RunPlot;
+    pub(in super::super) struct RunPlot(());
 
     impl RunPlot {
         pub(in super::super) fn open(
@@ -202,7 +202,7 @@ mod without_plot {
         ) -> Result<Self, CliError> {
             match args.plot {
                 Some(_) => Err(CliError::Request("--plot needs a build with the feature `plot`".to_owned())),
-                None => Ok(Self),
+                None => Ok(Self(())),
             }
         }
 
