@@ -154,7 +154,7 @@ class StructureOrbits:
         return iter(self.orbits)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StructureBranch:
     """An orbit of a structure as one of its numbers varies, in the order of the way, through folds.
 
@@ -215,7 +215,7 @@ class StructureBranch:
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StructureCurve:
     """An event of a structure's orbits over two of its numbers.
 
