@@ -1,7 +1,7 @@
 //! A branch of orbits of a structure, followed both ways as one number of it varies, with the events on it.
 //!
-//! Between two points a test function that changes its sign, or another number of multipliers outside of the circle, tells of an event. The
-//! step is halved until Newton's method, for the orbit's equations with the test function, leads to a point inside of it.
+//! A step holds an event where a test function changes its sign, or the number of multipliers outside the circle changes. Newton's method
+//! solves the orbit's equations together with the test function; the step is halved until the solution lies in it.
 
 use nalgebra::Complex;
 use vibrochain_breather::{
