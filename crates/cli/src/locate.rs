@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 use vibrochain_breather::{Finder, Orbit};
 use vibrochain_floquet::{
-    Answer, BranchedOrbit, End, Event, Evidence, Located, Search, Unresolved, Verdict, locate_until,
+    Answer, BranchedOrbit, End, Event, Evidence, Followed, Located, Search, Unresolved, Verdict, locate_until,
 };
 use vibrochain_lattice::{Model, Parameter, Short, Stop};
 
@@ -48,7 +48,7 @@ pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError>
     let taken = distinct(&args.along.reads(), &[("--out", args.out.as_deref())])?;
     nothing_else(args.json, taken)?;
     let free = args.along.free.parameter()?;
-    let header = HEADER.map(|name| if name == FREE { free.name() } else { name });
+    let header = header(free.name());
     let stop = (console.interrupt)()?;
     let table = args.out.as_deref().map(|path| CsvFile::create("--out", path, header)).transpose()?;
     let start = start(&args.along, &stop, console)?;
@@ -73,8 +73,13 @@ const FREE: &str = "value";
 
 const HEADER: [&str; 9] = ["event", FREE, "error", "impulses", "phi", "psi", "period", "physical", "multiplier"];
 
+/// The names of the columns where this varies.
+pub(crate) fn header(free: &str) -> [&str; 9] {
+    HEADER.map(|name| if name == FREE { free } else { name })
+}
+
 /// A row of the table.
-fn fields(found: &Located) -> impl Serialize {
+pub(crate) fn fields<O: Followed>(found: &Located<O>) -> impl Serialize + use<O> {
     let (orbit, multiplier) = (
         &found.orbit,
         match found.evidence {

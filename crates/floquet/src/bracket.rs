@@ -74,6 +74,28 @@ pub(crate) fn zero<E>(
     Ok(best.0)
 }
 
+/// Rounding of a function that is of order 1.
+const ROUNDING: f64 = 1e-13;
+
+/// Where beside its zero such a function is looked at for its slope, as a part of the step.
+const BESIDE: f64 = 1e-2;
+
+/// The zero of a function of order 1 in a step of a branch, whose values at both ends differ in sign, and how far rounding moves it. `None` where
+/// it jumps, or has no value.
+pub(crate) fn crossing(
+    [first, last]: [f64; 2],
+    length: f64,
+    mut at: impl FnMut(f64) -> Option<f64>,
+) -> Option<(f64, f64)> {
+    let s = zero((0.0, first), (length, last), length, |s| at(s).ok_or(())).ok()?;
+    let beside = BESIDE * length;
+    let (low, high, here) = (at(s - beside)?, at(s + beside)?, at(s)?.abs());
+    if here > JUMP * low.abs().max(high.abs()) {
+        return None;
+    }
+    Some((s, SAFETY * here.max(ROUNDING) / ((high - low) / (2.0 * beside)).abs()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -45,6 +45,7 @@ mod bracket;
 mod curve;
 mod eigenvectors;
 mod error;
+mod followed;
 mod linear;
 mod locate;
 mod map_paths;
@@ -68,6 +69,7 @@ pub use curve::{
 };
 pub use eigenvectors::{FloquetMode, leading_modes, leading_modes_until};
 pub use error::FloquetError;
+pub use followed::Followed;
 pub use locate::{
     Answer, BranchedOrbit, Branching, Course, Diagram, DiagramPoint, End, Event, Evidence, FollowedBranch, LocateError,
     Located, Origin, Search, Station, Unresolved, diagram, diagram_until, is_physical_about, locate, locate_until,

@@ -4,7 +4,8 @@ use std::fmt::Display;
 
 use nalgebra::Complex;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use vibrochain_breather::{Orbit, StructureOrbit};
+
+use crate::followed::Followed;
 
 /// As `[re, im]`.
 pub(crate) fn complex<S: Serializer>(z: &Complex<f64>, serializer: S) -> Result<S::Ok, S::Error> {
@@ -26,54 +27,6 @@ pub(crate) fn texts<S: Serializer>(values: &[impl Display], serializer: S) -> Re
 
 pub(crate) fn side<S: Serializer>(above: &bool, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(if *above { "above" } else { "below" })
-}
-
-/// An orbit of which points of branches and curves tell.
-pub trait Followed {
-    /// 2π/ω, of as many periods of the force as it lasts.
-    fn period(&self) -> f64;
-    /// The time of the second of two impacts.
-    fn phi(&self) -> Option<f64>;
-    /// The phase of the force, as a time.
-    fn psi(&self) -> Option<f64>;
-    /// In the order of its impacts.
-    fn impulses(&self) -> Vec<f64>;
-}
-
-impl Followed for Orbit {
-    fn period(&self) -> f64 {
-        self.period()
-    }
-
-    fn phi(&self) -> Option<f64> {
-        self.phi()
-    }
-
-    fn psi(&self) -> Option<f64> {
-        self.psi()
-    }
-
-    fn impulses(&self) -> Vec<f64> {
-        self.impulses()
-    }
-}
-
-impl Followed for StructureOrbit {
-    fn period(&self) -> f64 {
-        self.period()
-    }
-
-    fn phi(&self) -> Option<f64> {
-        self.phi()
-    }
-
-    fn psi(&self) -> Option<f64> {
-        self.psi()
-    }
-
-    fn impulses(&self) -> Vec<f64> {
-        self.impulses()
-    }
 }
 
 /// What a point of a branch tells of its orbit.

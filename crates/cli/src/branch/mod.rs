@@ -79,7 +79,7 @@ pub fn run(args: &BranchArgs, console: &mut Console<'_>) -> Result<(), CliError>
     let heading = format!("branches of breathers, {fixed}, {}", criterion(course.tolerance));
     let table = Table::new(course.free, heading, start.orbit.model(), &diagram);
     if let Some(file) = file {
-        write(file, &diagram)?;
+        write(file, &diagram.branches)?;
         manifest.finish("branch", table.rows(), &table.about)?;
     }
     draw(pictures, args, &course, &table)

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use vibrochain_floquet::{Diagram, Event, FollowedBranch, Station, is_physical_about};
+use vibrochain_floquet::{Diagram, Event, Followed, FollowedBranch, Station, is_physical_about};
 use vibrochain_lattice::{Model, Parameter};
 use vibrochain_maps::fields::Fields;
 use vibrochain_maps::files::CsvFile;
@@ -68,7 +68,8 @@ pub(crate) struct Table {
     pub(crate) branches: Vec<Vec<Row>>,
 }
 
-fn row(station: &Station) -> Row {
+/// The row of a point, or of an event.
+pub(crate) fn row<O: Followed>(station: &Station<O>) -> Row {
     let (event, value, orbit, point, physical) = match station {
         Station::Point(point) => (None, point.value, &point.orbit, Some(point), point.physical),
         Station::Event(found) => (Some(found.event), found.value, &found.orbit, None, found.physical),
@@ -142,17 +143,17 @@ impl Table {
     }
 }
 
-/// Writes the rows of a diagram.
-pub(crate) fn write(mut table: CsvFile, diagram: &Diagram) -> Result<(), CliError> {
-    for (i, branch) in diagram.branches.iter().enumerate() {
+/// Writes the rows of branches.
+pub(crate) fn write<O: Followed>(mut table: CsvFile, branches: &[FollowedBranch<O>]) -> Result<(), CliError> {
+    for (i, branch) in branches.iter().enumerate() {
         for station in &branch.stations {
-            let (orbit, error, mechanism) = match station {
-                Station::Point(point) => (&point.orbit, None, point.verdict.and_then(|verdict| verdict.mechanism)),
-                Station::Event(found) => (&found.orbit, Some(found.error), None),
+            let (error, mechanism) = match station {
+                Station::Point(point) => (None, point.verdict.and_then(|verdict| verdict.mechanism)),
+                Station::Event(found) => (Some(found.error), None),
             };
             let Row { event, value, impulses, phi, psi, period, margin, physical, stable, spectral_radius } =
                 row(station);
-            let strongest = orbit.strongest_impulse().unwrap_or(0.0);
+            let strongest = impulses.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0);
             let (number, generation) = (i + 1, branch.generation);
             table.record(&(
                 number,

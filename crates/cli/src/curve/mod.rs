@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 use serde_json::json;
-use vibrochain_floquet::{CurvePoint, EventCurve, Located, Search, Walk, Window, curve_along, locate_until};
+use vibrochain_floquet::{EventCurve, Located, Search, Walk, Window, curve_along, locate_until};
 use vibrochain_lattice::{Parameter, Short};
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
@@ -25,10 +25,6 @@ use crate::common::table_manifest::{Manifest, beside};
 use crate::curve::table::{About, header, write};
 use crate::locate::{Start, message, range, start};
 use crate::structures;
-
-/// A point within this many tolerances of a curve, with impulses that agree to this part, is one of it.
-const ON_IT: f64 = 2.0;
-const ALIKE: f64 = 1e-3;
 
 /// The curves, and the window they are in.
 struct Curves {
@@ -130,26 +126,10 @@ fn window(args: &CurveArgs, start: &Start) -> Result<Window, CliError> {
 impl Curves {
     /// Whether an event lies on one of the curves that were followed already.
     fn holds(&self, located: &Located, tolerance: f64) -> bool {
-        let place = self.window.parts(self.window.place(located.orbit.model()));
-        let own = located.orbit.impulses();
-        let strongest = own.iter().fold(0.0_f64, |most, one| most.max(one.abs()));
-        self.list.iter().any(|curve| {
-            curve.points.windows(2).any(|pair| {
-                let [from, to] = [&pair[0], &pair[1]].map(|point| self.window.parts(point.values));
-                let (chord, away) = ([to[0] - from[0], to[1] - from[1]], [place[0] - from[0], place[1] - from[1]]);
-                let square = chord[0] * chord[0] + chord[1] * chord[1];
-                let share = ((away[0] * chord[0] + away[1] * chord[1]) / square).clamp(0.0, 1.0);
-                let apart = (away[0] - share * chord[0]).hypot(away[1] - share * chord[1]);
-                let (a, b) = (pair[0].orbit.impulses(), pair[1].orbit.impulses());
-                apart <= ON_IT * tolerance
-                    && own.len() == a.len()
-                    && own.len() == b.len()
-                    && own
-                        .iter()
-                        .zip(a.iter().zip(&b))
-                        .all(|(own, (a, b))| (a + share * (b - a) - own).abs() <= ALIKE * strongest)
-            })
-        })
+        let place = self.window.place(located.orbit.model());
+        let passes =
+            |curve: &EventCurve| curve.passes((place, &located.orbit), tolerance, |values| self.window.parts(values));
+        self.list.iter().any(passes)
     }
 
     /// What is in the heading of a picture: the event, and what all points of all curves have in common.
@@ -179,30 +159,29 @@ impl Curves {
                 let _ = writeln!(out, "{way}: {}", message(search.free, *value, end));
             }
         }
-        let place = |point: &CurvePoint| {
-            format!("{first} = {}, {second} = {}", Number(point.values[0]), Number(point.values[1]))
-        };
-        for (i, curve) in self.list.iter().enumerate() {
-            let worst = curve.points.iter().map(|point| point.error).fold(0.0, f64::max);
-            let _ = writeln!(
-                out,
-                "\ncurve {}: {} points, known to {worst:.0e} of the window or better",
-                i + 1,
-                curve.points.len()
-            );
-            for one in &curve.special {
-                let at = &curve.points[one.point];
-                let aside = if at.physical == Some(false) { "; not physical" } else { "" };
-                let _ = writeln!(out, "  {} ± {:.0e}  {}{aside}", place(at), one.error, one.special);
-            }
-            for (point, end) in [curve.points.first(), curve.points.last()].into_iter().zip(&curve.ends) {
-                let Some(point) = point else { continue };
-                let _ = writeln!(out, "  end: {}, {end}", place(point));
-            }
-        }
+        told(&mut out, [first, second], &self.list);
         let (orbits, spectra) = self.list.iter().fold((0, 0), |(a, b), one| (a + one.evaluations, b + one.spectra));
         let _ = writeln!(out, "\n{orbits} orbits assembled, {spectra} eigenvalue problems");
         out
+    }
+}
+
+/// Curves of two numbers for people: points of codimension two, and ends. Writing to a String cannot fail.
+pub(crate) fn told<O>(out: &mut String, [first, second]: [&str; 2], curves: &[EventCurve<O>]) {
+    let place = |values: [f64; 2]| format!("{first} = {}, {second} = {}", Number(values[0]), Number(values[1]));
+    for (i, curve) in curves.iter().enumerate() {
+        let worst = curve.points.iter().map(|point| point.error).fold(0.0, f64::max);
+        let count = curve.points.len();
+        let _ = writeln!(out, "\ncurve {}: {count} points, known to {worst:.0e} of the window or better", i + 1);
+        for one in &curve.special {
+            let at = &curve.points[one.point];
+            let aside = if at.physical == Some(false) { "; not physical" } else { "" };
+            let _ = writeln!(out, "  {} ± {:.0e}  {}{aside}", place(at.values), one.error, one.special);
+        }
+        for (point, end) in [curve.points.first(), curve.points.last()].into_iter().zip(&curve.ends) {
+            let Some(point) = point else { continue };
+            let _ = writeln!(out, "  end: {}, {end}", place(point.values));
+        }
     }
 }
 

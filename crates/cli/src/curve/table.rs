@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use vibrochain_floquet::{CurvePoint, EventCurve, SpecialPoint, Window};
+use vibrochain_floquet::{CurvePoint, EventCurve, Followed, SpecialPoint, Window};
 use vibrochain_maps::fields::Fields;
 use vibrochain_maps::files::CsvFile;
 
@@ -37,13 +37,13 @@ pub(crate) struct Row {
 /// The points of each curve.
 pub(crate) type Rows = Vec<Vec<Row>>;
 
-fn special(curve: &EventCurve, at: usize) -> impl Iterator<Item = &SpecialPoint> {
+fn special<O>(curve: &EventCurve<O>, at: usize) -> impl Iterator<Item = &SpecialPoint> {
     curve.special.iter().filter(move |one| one.point == at)
 }
 
 /// What the picture needs of curves.
-pub(crate) fn rows(curves: &[EventCurve]) -> Rows {
-    let row = |curve: &EventCurve, (k, point): (usize, &CurvePoint)| Row {
+pub(crate) fn rows<O>(curves: &[EventCurve<O>]) -> Rows {
+    let row = |curve: &EventCurve<O>, (k, point): (usize, &CurvePoint<O>)| Row {
         values: point.values,
         physical: point.physical == Some(true),
         special: special(curve, k).map(|one| one.special.to_string()).collect(),
@@ -70,7 +70,7 @@ pub(crate) fn take(curves: &mut Rows, fields: &mut Fields<'_, &str>) -> Result<(
 }
 
 /// Writes the points of curves.
-pub(crate) fn write(mut table: CsvFile, curves: &[EventCurve]) -> Result<(), CliError> {
+pub(crate) fn write<O: Followed>(mut table: CsvFile, curves: &[EventCurve<O>]) -> Result<(), CliError> {
     for (i, curve) in curves.iter().enumerate() {
         for (k, point) in curve.points.iter().enumerate() {
             let CurvePoint { values: [x, y], error, angle, physical, orbit } = point;

@@ -7,7 +7,12 @@ use vibrochain_breather::{BranchError, BreatherError, Orbit};
 use vibrochain_lattice::{Model, Parameter, Resonance, Short, Stop, Stopped};
 
 use crate::error::FloquetError;
+use crate::followed::Followed;
 use crate::locate::{Event, Evidence};
+
+/// A point within this many tolerances of a curve, with impulses that agree to this part, is one of it.
+const ON_IT: f64 = 2.0;
+const ALIKE: f64 = 1e-3;
 
 /// A rectangle in the plane of two parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,7 +82,7 @@ impl fmt::Debug for Walk<'_> {
 
 /// A point of a curve.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "O: crate::serde_impl::Followed"))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "O: crate::followed::Followed"))]
 pub struct CurvePoint<O = Orbit> {
     /// Values of both parameters.
     pub values: [f64; 2],
@@ -187,7 +192,7 @@ impl fmt::Display for CurveEnd {
 
 /// The curve of an event in a window.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "O: crate::serde_impl::Followed"))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "O: crate::followed::Followed"))]
 #[must_use]
 pub struct EventCurve<O = Orbit> {
     /// Which event.
@@ -206,6 +211,30 @@ pub struct EventCurve<O = Orbit> {
     pub evaluations: usize,
     /// Eigenvalue problems solved.
     pub spectra: usize,
+}
+
+impl<O: Followed> EventCurve<O> {
+    /// Whether an orbit at a place is one of it, as far as places and impulses tell: within a few tolerances. `parts` makes parts of the window's
+    /// sides of values.
+    pub fn passes(&self, (place, orbit): ([f64; 2], &O), tolerance: f64, parts: impl Fn([f64; 2]) -> [f64; 2]) -> bool {
+        let (place, own) = (parts(place), orbit.impulses());
+        let strongest = own.iter().fold(0.0_f64, |most, one| most.max(one.abs()));
+        self.points.windows(2).any(|pair| {
+            let [from, to] = [&pair[0], &pair[1]].map(|point| parts(point.values));
+            let (chord, away) = ([to[0] - from[0], to[1] - from[1]], [place[0] - from[0], place[1] - from[1]]);
+            let square = chord[0] * chord[0] + chord[1] * chord[1];
+            let share = ((away[0] * chord[0] + away[1] * chord[1]) / square).clamp(0.0, 1.0);
+            let apart = (away[0] - share * chord[0]).hypot(away[1] - share * chord[1]);
+            let (a, b) = (pair[0].orbit.impulses(), pair[1].orbit.impulses());
+            apart <= ON_IT * tolerance
+                && own.len() == a.len()
+                && own.len() == b.len()
+                && own
+                    .iter()
+                    .zip(a.iter().zip(&b))
+                    .all(|(own, (a, b))| (a + share * (b - a) - own).abs() <= ALIKE * strongest)
+        })
+    }
 }
 
 /// Why a curve could not be followed at all.

@@ -39,7 +39,7 @@ impl Course {
 
 /// A point of a diagram.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "O: crate::serde_impl::Followed"))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "O: crate::followed::Followed"))]
 pub struct DiagramPoint<O = Orbit> {
     /// Value of the free parameter.
     pub value: f64,

@@ -10,25 +10,18 @@ use vibrochain_breather::{
 };
 use vibrochain_lattice::Stop;
 
-use super::diagram::{TOUCHES, resonance_at, strength};
+use super::diagram::{FAINT, TOUCHES, UNBOUNDED, resonance_at, strength};
 use super::event::{AtEvent, EventSystem};
 use super::test_function::{Test, minus_one, speed};
-use crate::bracket::{JUMP, SAFETY, zero};
+use crate::bracket::crossing;
 use crate::curve::{CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint};
 use crate::locate::{Event, Evidence, Located};
 
 /// From where an event was located the curve is no farther than this.
 const START: f64 = 1e-3;
 
-/// Impulses this much larger or smaller than at the start are on their way to infinity or to none.
-const UNBOUNDED: f64 = 1e4;
-const FAINT: f64 = 1e-9;
-
 /// Points as near as this are one.
 const SAME: f64 = 1e-6;
-
-/// Rounding of a monitor, which is of order 1.
-const ROUNDING: f64 = 1e-13;
 
 /// A curve of an event of a structure's orbits.
 pub type StructureCurve = EventCurve<StructureOrbit>;
@@ -214,13 +207,7 @@ impl Way<'_> {
             let foot = way.manifold.step(from, s).ok()?;
             way.monitored(&foot).into_iter().find(|one| one.is(&monitor)).map(|one| one.value)
         };
-        let s = zero((0.0, monitor.value), (length, last), length, |s| at(self, s).ok_or(())).ok()?;
-        let beside = 1e-2 * length;
-        let (low, here, high) = (at(self, s - beside)?, at(self, s)?.abs(), at(self, s + beside)?);
-        if here > JUMP * low.abs().max(high.abs()) {
-            return None;
-        }
-        let error = SAFETY * here.max(ROUNDING) / ((high - low) / (2.0 * beside)).abs();
+        let (s, error) = crossing([monitor.value, last], length, |s| at(self, s))?;
         Some((self.manifold.step(from, s).ok()?, error))
     }
 }

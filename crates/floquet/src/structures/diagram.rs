@@ -14,7 +14,7 @@ use super::event::{Solved, solve};
 use super::seen::{At, Seen, changes, described, guesses, touch_between, value};
 use super::stability::structure_stability;
 use super::test_function::{Test, another_one, minus_one, speed};
-use crate::bracket::{JUMP, SAFETY, zero};
+use crate::bracket::crossing;
 use crate::locate::{End, Event, Evidence, FollowedBranch, LocateError, Located, Station, Unresolved};
 use crate::verdict::{Tolerance, Verdict};
 
@@ -36,8 +36,8 @@ const CRAWL: f64 = 1e-6;
 const MOST_STEPS: usize = 20_000;
 
 /// An orbit whose impulses have grown by this factor is on its way to infinity, one whose impulses are this small on its way to none.
-const UNBOUNDED: f64 = 1e4;
-const FAINT: f64 = 1e-9;
+pub(super) const UNBOUNDED: f64 = 1e4;
+pub(super) const FAINT: f64 = 1e-9;
 
 /// A branch that is lost this near to the resonance of a mode, as a part of its frequency, ends there.
 const NEAR: f64 = 1e-3;
@@ -47,9 +47,6 @@ pub(super) const TOUCHES: f64 = 1e-9;
 
 /// Lengths as short as this are rounding.
 const SETTLED: f64 = 1e-6;
-
-/// Rounding of a test function, which is of order 1.
-const ROUNDING: f64 = 1e-13;
 
 /// What is asked of a branch of a structure.
 #[derive(Debug, Clone, PartialEq)]
@@ -290,19 +287,12 @@ impl Follower<'_> {
         };
         let first = read(from)?;
         let branch = &mut self.branch;
-        let mut at = |s: f64| branch.step(from, s).ok().and_then(|point| read(&point)).ok_or(());
-        let last = at(length).ok()?;
+        let mut at = |s: f64| branch.step(from, s).ok().and_then(|point| read(&point));
+        let last = at(length)?;
         if (first > 0.0) == (last > 0.0) {
             return None;
         }
-        let s = zero((0.0, first), (length, last), length, &mut at).ok()?;
-        let beside = 1e-2 * length;
-        let (low, high) = (at(s - beside).ok()?, at(s + beside).ok()?);
-        let here = at(s).ok()?.abs();
-        if here > JUMP * low.abs().max(high.abs()) {
-            return None;
-        }
-        let along = SAFETY * here.max(ROUNDING) / ((high - low) / (2.0 * beside)).abs();
+        let (s, along) = crossing([first, last], length, at)?;
         let point = self.branch.step(from, s).ok()?;
         let range = self.course.to - self.course.from;
         let error = along * point.heading().abs() * range + f64::EPSILON * point.value().abs();

@@ -12,10 +12,6 @@ use vibrochain_lattice::Stop;
 use super::scene::StructureScene;
 use super::setting::Setting;
 
-/// A point within this many tolerances of a curve, with impulses that agree to this part, is one of it.
-const ON_IT: f64 = 2.0;
-const ALIKE: f64 = 1e-3;
-
 /// The models of a scene as these numbers vary.
 #[must_use]
 pub fn family(scene: &StructureScene, settings: &[Setting]) -> StructureFamily {
@@ -115,34 +111,9 @@ pub fn curves(
     let mut curves: Vec<StructureCurve> = Vec::new();
     for located in found.events() {
         let place = [located.value, value];
-        if !curves.iter().any(|curve| holds(curve, &window, located, place, tolerance)) {
+        if !curves.iter().any(|curve| curve.passes((place, &located.orbit), tolerance, |values| window.parts(values))) {
             curves.push(structure_curve(located, &models, place, window, tolerance, stop)?);
         }
     }
     Ok(curves)
-}
-
-/// Whether an event lies on a curve that was followed already.
-fn holds(
-    curve: &StructureCurve,
-    window: &StructureWindow,
-    located: &Located<StructureOrbit>,
-    place: [f64; 2],
-    tolerance: f64,
-) -> bool {
-    let (place, own) = (window.parts(place), located.orbit.impulses());
-    let strongest = own.iter().fold(0.0_f64, |most, one| most.max(one.abs()));
-    curve.points.windows(2).any(|pair| {
-        let [from, to] = [&pair[0], &pair[1]].map(|point| window.parts(point.values));
-        let (chord, away) = ([to[0] - from[0], to[1] - from[1]], [place[0] - from[0], place[1] - from[1]]);
-        let square = chord[0] * chord[0] + chord[1] * chord[1];
-        let share = ((away[0] * chord[0] + away[1] * chord[1]) / square).clamp(0.0, 1.0);
-        let apart = (away[0] - share * chord[0]).hypot(away[1] - share * chord[1]);
-        let (a, b) = (pair[0].orbit.impulses(), pair[1].orbit.impulses());
-        let alike = own
-            .iter()
-            .zip(a.iter().zip(&b))
-            .all(|(own, (a, b))| (a + share * (b - a) - own).abs() <= ALIKE * strongest);
-        apart <= ON_IT * tolerance && alike
-    })
 }

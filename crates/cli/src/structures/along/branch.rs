@@ -5,9 +5,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 use serde_json::Value;
 use vibrochain_breather::StructureOrbit;
-use vibrochain_floquet::{
-    DiagramPoint, Event, Evidence, FollowedBranch, Located, Station, Unresolved, structure_branch,
-};
+use vibrochain_floquet::{DiagramPoint, Event, FollowedBranch, Station, Unresolved, structure_branch};
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::structure::along::{EventEntry, Named, family};
@@ -15,17 +13,16 @@ use vibrochain_maps::structure::answer::structure;
 
 use super::{Start, course, events_text, range, start};
 use crate::args::{BranchArgs, LocateArgs, QuantityName};
-use crate::branch::table::{BranchName, HEADER, Row};
+#[cfg(feature = "plot")]
+use crate::branch::table::{BranchName, row};
+use crate::branch::table::{HEADER, write};
 use crate::common::answer::{EndAnswer, printed};
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
 use crate::common::schemas::STRUCTURE_BRANCH;
-use crate::locate::ending;
+use crate::locate::{ending, fields, header};
 use crate::sweep::report::counted;
-
-/// Columns of `mapgen locate --out`.
-const LOCATED: [&str; 9] = ["event", "value", "error", "impulses", "phi", "psi", "period", "physical", "multiplier"];
 
 /// Runs `mapgen branch` for a structure.
 ///
@@ -51,11 +48,10 @@ pub(crate) fn branch(args: &BranchArgs, scene: &StructureScene, console: &mut Co
     let found = structure_branch(&start.orbit, &models, start.value, &course, &stop)?;
     let text = if args.json { json(&start, range, &found, true)? } else { as_text(&start, &found, args.all) };
     console.answer(&text, args.json, taken)?;
-    let rows: Vec<Row> = found.stations.iter().map(row).collect();
     if let Some(file) = file {
-        write(file, &found, &rows)?;
+        write(file, std::slice::from_ref(&found))?;
     }
-    draw(pictures, &start, rows, &args.show, args.all)
+    draw(pictures, &start, &found, &args.show, args.all)
 }
 
 /// Runs `mapgen locate` for a structure.
@@ -68,7 +64,7 @@ pub(crate) fn locate(args: &LocateArgs, scene: &StructureScene, console: &mut Co
     let stop = (console.interrupt)()?;
     let start = start(&args.along, scene)?;
     let free = start.free.to_string();
-    let header = LOCATED.map(|name| if name == "value" { &free } else { name });
+    let header = header(&free);
     let table = args.out.as_deref().map(|path| CsvFile::create("--out", path, header)).transpose()?;
     let range = range(scene, start.free, [args.along.from, args.along.to])?;
     let course = course(&start, range, vec![args.event], None)?;
@@ -89,66 +85,7 @@ pub(crate) fn locate(args: &LocateArgs, scene: &StructureScene, console: &mut Co
     };
     console.answer(&text, args.json, taken)?;
     let Some(mut table) = table else { return Ok(()) };
-    for event in found.events() {
-        let orbit = &event.orbit;
-        let multiplier = match event.evidence {
-            Evidence::Multiplier(mu) => Some([mu.re, mu.im]),
-            _ => None,
-        };
-        let (impulses, phi, psi, period) = (orbit.impulses(), orbit.phi(), orbit.psi(), orbit.period());
-        let Located { event, value, error, physical, .. } = event;
-        table.record(&(event, value, error, impulses, phi, psi, period, physical, multiplier))?;
-    }
-    Ok(table.finish()?)
-}
-
-fn row(station: &Station<StructureOrbit>) -> Row {
-    let (event, value, orbit, point, physical) = match station {
-        Station::Point(point) => (None, point.value, &point.orbit, Some(point), point.physical),
-        Station::Event(found) => (Some(found.event), found.value, &found.orbit, None, found.physical),
-    };
-    let verdict = point.and_then(|point| point.verdict);
-    Row {
-        event,
-        value,
-        impulses: orbit.impulses(),
-        phi: orbit.phi(),
-        psi: orbit.psi(),
-        period: orbit.period(),
-        margin: point.and_then(|point| point.margin),
-        physical,
-        stable: verdict.filter(|verdict| !verdict.marginal).map(|verdict| verdict.stable),
-        spectral_radius: verdict.map(|verdict| verdict.spectral_radius),
-    }
-}
-
-/// The table that chains have: one branch, of generation 0.
-fn write(mut table: CsvFile, found: &FollowedBranch<StructureOrbit>, rows: &[Row]) -> Result<(), CliError> {
-    for (station, row) in found.stations.iter().zip(rows) {
-        let (error, mechanism) = match station {
-            Station::Point(point) => (None, point.verdict.and_then(|verdict| verdict.mechanism)),
-            Station::Event(found) => (Some(found.error), None),
-        };
-        let strongest = row.impulses.iter().fold(0.0_f64, |most, one| most.max(one.abs()));
-        let Row { event, value, impulses, phi, psi, period, margin, physical, stable, spectral_radius } = row;
-        table.record(&(
-            1,
-            0,
-            event,
-            value,
-            error,
-            strongest,
-            impulses,
-            phi,
-            psi,
-            period,
-            margin,
-            physical,
-            stable,
-            mechanism,
-            spectral_radius,
-        ))?;
-    }
+    found.events().try_for_each(|event| table.record(&fields(event)))?;
     Ok(table.finish()?)
 }
 
@@ -213,7 +150,7 @@ fn as_text(start: &Start<'_>, found: &FollowedBranch<StructureOrbit>, all: bool)
 fn draw(
     files: PictureFiles,
     start: &Start<'_>,
-    rows: Vec<Row>,
+    found: &FollowedBranch<StructureOrbit>,
     show: &[QuantityName],
     all: bool,
 ) -> Result<(), CliError> {
@@ -225,14 +162,19 @@ fn draw(
         heading: start.fixed(&[start.free]),
         x: start.scene.label(start.free),
         names: &names,
-        rows: &[rows],
+        rows: &[found.stations.iter().map(row).collect()],
     };
     let picture = crate::branch::plot::picture(&drawn, show, all);
     files.draw(|page| vibrochain_plot::curves_picture(&picture, page))
 }
 
 #[cfg(not(feature = "plot"))]
-fn draw(_: PictureFiles, _: &Start<'_>, _: Vec<Row>, _: &[QuantityName], _: bool) -> Result<(), CliError> {
-    let _ = |name: BranchName| name;
+fn draw(
+    _: PictureFiles,
+    _: &Start<'_>,
+    _: &FollowedBranch<StructureOrbit>,
+    _: &[QuantityName],
+    _: bool,
+) -> Result<(), CliError> {
     Ok(())
 }

@@ -4,11 +4,8 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 use serde_json::Value;
-#[cfg(feature = "plot")]
-use vibrochain_breather::StructureOrbit;
 use vibrochain_floquet::{CurveError, Event, StructureCurve, StructureWindow, structure_branch};
 use vibrochain_maps::files::{CsvFile, distinct};
-use vibrochain_maps::numbers::Number;
 use vibrochain_maps::structure::along::{Named, curves, family};
 use vibrochain_maps::structure::answer::structure;
 use vibrochain_maps::structure::{Setting, StructureScene};
@@ -22,7 +19,10 @@ use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
 use crate::common::schemas::STRUCTURE_CURVE;
-use crate::curve::table::{Row, header};
+#[cfg(feature = "plot")]
+use crate::curve::table::rows;
+use crate::curve::table::{header, write};
+use crate::curve::told;
 
 /// Runs the subcommand for a structure.
 ///
@@ -65,22 +65,6 @@ pub(crate) fn run(args: &CurveArgs, scene: &StructureScene, console: &mut Consol
     draw(pictures, &start, settings, &window, &curves)
 }
 
-fn write(mut table: CsvFile, curves: &[StructureCurve]) -> Result<(), CliError> {
-    for (i, curve) in curves.iter().enumerate() {
-        for (k, point) in curve.points.iter().enumerate() {
-            let special = || curve.special.iter().filter(|one| one.point == k);
-            let names: Vec<String> = special().map(|one| one.special.to_string()).collect();
-            let [x, y] = point.values;
-            let (orbit, special_error) = (&point.orbit, special().next().map(|one| one.error));
-            let (impulses, phi, psi) = (orbit.impulses(), orbit.phi(), orbit.psi());
-            let (number, event, error) = (i + 1, curve.event, point.error);
-            let (angle, physical) = (point.angle, point.physical);
-            table.record(&(number, event, x, y, error, names, special_error, angle, physical, impulses, phi, psi))?;
-        }
-    }
-    Ok(table.finish()?)
-}
-
 /// The answer as JSON.
 #[derive(Serialize)]
 struct Answer<'a> {
@@ -119,21 +103,7 @@ fn as_text(event: Event, start: &Start<'_>, [first, second]: &[String; 2], curve
     if curves.is_empty() {
         let _ = writeln!(out, "\nno {event} along {first}: nothing to follow");
     }
-    let place = |values: [f64; 2]| format!("{first} = {}, {second} = {}", Number(values[0]), Number(values[1]));
-    for (i, curve) in curves.iter().enumerate() {
-        let worst = curve.points.iter().map(|point| point.error).fold(0.0, f64::max);
-        let count = curve.points.len();
-        let _ = writeln!(out, "\ncurve {}: {count} points, known to {worst:.0e} of the window or better", i + 1);
-        for one in &curve.special {
-            let at = &curve.points[one.point];
-            let aside = if at.physical == Some(false) { "; not physical" } else { "" };
-            let _ = writeln!(out, "  {} ± {:.0e}  {}{aside}", place(at.values), one.error, one.special);
-        }
-        for (point, end) in [curve.points.first(), curve.points.last()].into_iter().zip(&curve.ends) {
-            let Some(point) = point else { continue };
-            let _ = writeln!(out, "  end: {}, {end}", place(point.values));
-        }
-    }
+    told(&mut out, [first, second], curves);
     out
 }
 
@@ -148,22 +118,11 @@ fn draw(
     if files.is_empty() {
         return Ok(());
     }
-    let rows: Vec<Vec<Row>> = curves.iter().map(rows).collect();
     let labels = settings.map(|setting| start.scene.label(setting));
     let event = curves.first().map_or(String::new(), |curve| format!("{}, ", in_words(curve.event.name())));
     let heading = format!("{event}{}", start.fixed(&settings));
-    let picture = crate::curve::plot::picture(&heading, labels, (window.from, window.to), &rows);
+    let picture = crate::curve::plot::picture(&heading, labels, (window.from, window.to), &rows(curves));
     files.draw(|page| vibrochain_plot::curves_picture(&picture, page))
-}
-
-#[cfg(feature = "plot")]
-fn rows(curve: &StructureCurve) -> Vec<Row> {
-    let of = |(k, point): (usize, &vibrochain_floquet::CurvePoint<StructureOrbit>)| Row {
-        values: point.values,
-        physical: point.physical == Some(true),
-        special: curve.special.iter().filter(|one| one.point == k).map(|one| one.special.to_string()).collect(),
-    };
-    curve.points.iter().enumerate().map(of).collect()
 }
 
 #[cfg(not(feature = "plot"))]
@@ -174,6 +133,5 @@ fn draw(
     _: &StructureWindow,
     _: &[StructureCurve],
 ) -> Result<(), CliError> {
-    let _ = |row: Row| row;
     Ok(())
 }
