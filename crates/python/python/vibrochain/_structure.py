@@ -120,6 +120,11 @@ class StructureOrbit:
         kept = ("word", "period", "psi", "impacts", "physical", "margin", "obstruction", "residual")
         return cls(**{key: parts[key] for key in kept}, stability=stability, multipliers=multipliers)
 
+    def _start(self, omega: float) -> tuple[list[tuple[int, str, float, float]], float, int]:
+        """Its impacts, its phase and the periods of a load of this frequency that it lasts: where to begin from it."""
+        near = [(hit["contact"], hit["barrier"], hit["time"], hit["impulse"]) for hit in self.impacts]
+        return near, self.psi or 0.0, max(1, round(self.period * omega / (2 * np.pi)))
+
 
 @dataclass(frozen=True)
 class StructureOrbits:
@@ -369,11 +374,14 @@ class Structure:
         whole._force = {"harmonic": int(harmonic)}
         return whole
 
+    def _scene(self, omega: float) -> str:
+        parts = {"omega": float(omega), "structure": self._structure, "contact": self._contacts, "force": self._force}
+        return json.dumps(parts)
+
     def _answer(
         self, omega: float, word: str | None, force_periods: int, threshold: float, near: list[Any], psi: float
     ) -> StructureOrbits:
-        scene = {"omega": float(omega), "structure": self._structure, "contact": self._contacts, "force": self._force}
-        told = _vibrochain._structure(json.dumps(scene), word, force_periods, threshold, near, psi)
+        told = _vibrochain._structure(self._scene(omega), word, force_periods, threshold, near, psi)
         answer = json.loads(told)
         return StructureOrbits(tuple(StructureOrbit._of(parts) for parts in answer["solutions"]), answer["search"])
 
@@ -441,9 +449,8 @@ class Structure:
         >>> round(first.impacts[0]["impulse"], 9), round(one.near(first, omega=2.33).impacts[0]["impulse"], 9)
         (-1.097937536, -1.074207568)
         """
-        periods = max(1, round(orbit.period * omega / (2 * np.pi)))
-        near = [(hit["contact"], hit["barrier"], hit["time"], hit["impulse"]) for hit in orbit.impacts]
-        return self._answer(omega, None, periods, threshold, near, orbit.psi or 0.0)[0]
+        near, psi, periods = orbit._start(omega)
+        return self._answer(omega, None, periods, threshold, near, psi)[0]
 
     def _along(
         self,
@@ -455,11 +462,9 @@ class Structure:
         tolerance: float,
         threshold: float,
     ) -> dict[str, Any]:
-        scene = {"omega": float(omega), "structure": self._structure, "contact": self._contacts, "force": self._force}
-        periods = max(1, round(orbit.period * omega / (2 * np.pi)))
-        near = [(hit["contact"], hit["barrier"], hit["time"], hit["impulse"]) for hit in orbit.impacts]
+        near, psi, periods = orbit._start(omega)
         told = _vibrochain._structure_along(
-            json.dumps(scene), near, orbit.psi or 0.0, periods, free, *ends, events, tolerance, threshold
+            self._scene(omega), near, psi, periods, free, *ends, events, tolerance, threshold
         )
         answer: dict[str, Any] = json.loads(told)
         return answer
