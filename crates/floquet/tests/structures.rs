@@ -122,9 +122,7 @@ fn check(structure: &Structure, random: &mut Random, conservative: bool) -> f64 
     };
     let left =
         structure.impacts.iter().zip(structure.before()).enumerate().map(newton).fold(0.0, |a: f64, b| a.max(b.abs()));
-    // One that is 0 to rounding has no digits that could be certified.
-    let dead = spectrum.multipliers.iter().any(|z| z.norm() < 1e-16);
-    assert!(spectrum.is_certified || left > 1e-10 || dead, "{}: {spectrum:?}", structure.name);
+    assert!(spectrum.is_certified || left > 1e-10, "{}: {spectrum:?}", structure.name);
     let mut open: Vec<Complex<f64>> = matrix.complex_eigenvalues().iter().copied().collect();
     assert_eq!(spectrum.multipliers.len() + if conservative { 2 } else { 0 }, open.len(), "{}", structure.name);
     let norm = matrix.norm();
@@ -175,14 +173,9 @@ fn structures_of_the_table_are_orbits_and_have_its_multipliers() {
     assert!(checked > 100 && free > 5 && rigid >= 1 && overdamped >= 1, "{checked} {free} {rigid} {overdamped}");
 }
 
-/// Whether the modes that are made here of the matrices give them back, which of two poles that nearly meet they do not, and none dies so fast
-/// that flights back in time lose the digits of all others (docs/limits.md).
+/// Whether the modes that are made here of the matrices give them back, which of two poles that nearly meet they do not.
 fn has_modes(structure: &Structure) -> bool {
     let equations = equations(structure);
-    let dies = |rate: &Complex<f64>| rate.re.abs() * structure.period > 25.0;
-    if structure.rates().iter().any(dies) {
-        return false;
-    }
     structure.impacts.iter().enumerate().all(|(i, _)| {
         let contact = equations.impacts()[i].contact;
         let mobility = equations.kernel().mobility(contact, contact);
@@ -204,9 +197,9 @@ fn random_structures_hold(count: usize) {
     }
     off.sort_by(f64::total_cmp);
     let held = off.len();
-    assert!(held * 10 >= count * 8, "{held} of {count}");
+    assert!(held * 50 >= count * 49, "{held} of {count}");
     println!("median {:e}, worst {:e}, {overdamped} overdamped", off[held / 2], off[held - 1]);
-    assert!(off[held / 2] < 1e-12 && overdamped * 40 > count && several * 10 > count, "{overdamped} {several}");
+    assert!(off[held / 2] < 1e-12 && overdamped * 20 > count && several * 10 > count, "{overdamped} {several}");
 }
 
 #[test]

@@ -15,7 +15,7 @@
 //! J(z) = J₀ + Σ_k A_k R_k(z−R_k)⁻¹ C_k.
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{BlochKernel, Complex, ImpulseResponse, SparedModes, Turn, Turned};
+use vibrochain_lattice::{BlochKernel, BlochMode, Complex, Coordinates, ImpulseResponse, SparedModes, Turned};
 
 use crate::orbit::Orbit;
 
@@ -72,6 +72,12 @@ pub struct BlochEquations {
     impacts: Vec<LinearImpact>,
     /// ω = 2π/T
     omega: f64,
+    /// Times since the impact that the period is cut before.
+    since: Vec<f64>,
+    /// The largest part that is left of what is taken for dead when the next period begins.
+    left_out: f64,
+    /// What J₀ outside changes by with the time of its row's impact by way of that; empty where all is in A_k and C_k.
+    sliding: Vec<f64>,
     /// A_k and C_k: [mode][row] and [mode][column].
     rows: Vec<[f64; 2]>,
     columns: Vec<[f64; 2]>,
@@ -105,26 +111,34 @@ impl BlochEquations {
     pub fn new(kernel: BlochKernel, impacts: Vec<LinearImpact>) -> Self {
         let omega = std::f64::consts::TAU / kernel.period();
         let size = 2 * impacts.len();
-        let first = impacts.first().map_or(0.0, |impact| impact.time);
+        let since = since_cut(&kernel, &impacts);
+        let spread = since.iter().copied().fold(0.0, f64::max);
+        let (mut left_out, mut sliding) = (0.0f64, Vec::new());
         let (mut rows, mut columns) = (Vec::new(), Vec::new());
         let (mut outside, mut inside) = (vec![0.0; size * size], vec![0.0; size * size]);
         for (k, mode) in kernel.modes().iter().enumerate() {
-            let (turn, generator) = (mode.turn, mode.generator());
+            let (coordinates, generator) = (mode.coordinates, mode.generator());
+            let died = died(mode, spread, kernel.period());
+            if died != [false; 2] {
+                left_out = left_out.max(largest(only(died, mode.flight(kernel.period() - spread))));
+                sliding.resize(size * size, 0.0);
+                send_on((&kernel, k, died), (&impacts, &since), &mut outside, &mut sliding);
+            }
+            let alive = |t: f64| only(died.map(|died| !died), mode.flight(t));
             let from = rows.len();
-            for impact in &impacts {
-                let t = impact.time - first;
-                let place = seen(turn, kernel.row(k, impact.contact), mode.flight(t));
-                let speed = seen(turn, place, generator);
+            for (impact, t) in impacts.iter().zip(&since) {
+                let place = coordinates.seen(kernel.row(k, impact.contact), alive(*t));
+                let speed = coordinates.seen(place, generator);
                 rows.extend([place.map(|x| omega * x), speed]);
-                let given_now = given(turn, mode.flight(-t), kernel.column(k, impact.contact));
-                let slid = given(turn, generator, given_now);
+                let given_now = coordinates.given(alive(-t), kernel.column(k, impact.contact));
+                let slid = coordinates.given(generator, given_now);
                 columns.extend([given_now, slid.map(|x| -x / omega)]);
             }
             for (i, row) in rows[from..].iter().enumerate() {
                 for (j, column) in columns[from..].iter().enumerate() {
                     let product = row[0] * column[0] + row[1] * column[1];
                     // What an earlier impact of this period sends straight on; or what a later one and the impact itself do not.
-                    if impacts[i / 2].time > impacts[j / 2].time {
+                    if since[i / 2] > since[j / 2] {
                         outside[i * size + j] += product;
                     } else {
                         inside[i * size + j] -= product;
@@ -146,7 +160,20 @@ impl BlochEquations {
         }
         let poles = kernel.modes().iter().flat_map(|mode| mode.poles()).map(|pole| pole.norm());
         let innermost = poles.fold(f64::INFINITY, f64::min);
-        Self { kernel, impacts, omega, rows, columns, outside, inside, innermost, slide_errors: None }
+        Self {
+            kernel,
+            impacts,
+            omega,
+            since,
+            left_out,
+            sliding,
+            rows,
+            columns,
+            outside,
+            inside,
+            innermost,
+            slide_errors: None,
+        }
     }
 
     /// The same of an orbit without force or losses, which may begin at any time: J(1) has its own derivative as a null vector. So the
@@ -168,11 +195,10 @@ impl BlochEquations {
             let mut error = 0.0;
             for (k, mode) in equations.kernel.modes().iter().enumerate() {
                 let (rows, columns) = (equations.rows(k), equations.columns(k));
-                let length = |[x, y]: [f64; 2]| x.hypot(y);
                 let [near, _] = mode.poles().map(|pole| (one - pole).norm().recip());
-                let size: f64 =
-                    (0..equations.impacts.len()).map(|j| length(columns[2 * j + 1]) * impulse(j).abs()).sum();
-                error += length(rows[2 * i + 1]) * size * near * (mode.pole_error * near + mode.shape_error);
+                let reach = |j: usize| mode.coordinates.reach(rows[2 * i + 1], columns[2 * j + 1]) * impulse(j).abs();
+                let size: f64 = (0..equations.impacts.len()).map(reach).sum();
+                error += size * near * (mode.pole_error * near + mode.shape_error);
             }
             errors.push(error / impulse(i).abs());
         }
@@ -204,10 +230,10 @@ impl BlochEquations {
         let place = 2 * largest + 1;
         let mut equations = Self { innermost: 0.0, ..self.clone() };
         for (k, mode) in self.kernel.modes().iter().enumerate() {
-            if mode.poles().contains(&one) || mode.decay != 0.0 || mode.turn != Turn::Circular {
+            if mode.poles().contains(&one) || mode.decay != 0.0 || !mode.coordinates.are_circular() {
                 return None;
             }
-            let turn = mode.turn;
+            let coordinates = mode.coordinates;
             // (1−R)⁻¹ is ½(1 + cot(ΩT/2)·J); 1−cos ΩT would lose its digits next to a resonance.
             let Turned { even: cos, odd: sin } = mode.period;
             let cot = if cos > 0.0 { (1.0 + cos) / sin } else { sin / (1.0 - cos) };
@@ -216,8 +242,8 @@ impl BlochEquations {
                 let terms = weights.iter().enumerate().map(|(i, weight)| table[2 * i + 1].map(|x| weight * x));
                 terms.fold([0.0; 2], |[x, y], [u, v]| [x + u, y + v])
             };
-            equations.rows[k * size + place] = seen(turn, sum(self.rows(k)), by);
-            equations.columns[k * size + place] = given(turn, by, sum(self.columns(k)));
+            equations.rows[k * size + place] = coordinates.seen(sum(self.rows(k)), by);
+            equations.columns[k * size + place] = coordinates.given(by, sum(self.columns(k)));
         }
         for j in 0..size {
             equations.outside[place * size + j] = 0.0;
@@ -234,6 +260,22 @@ impl BlochEquations {
     /// The impacts.
     pub fn impacts(&self) -> &[LinearImpact] {
         &self.impacts
+    }
+
+    /// Times of the impacts since the one that the period is cut before: the first, or, where modes die within a period, the one after
+    /// the longest time without any.
+    pub fn since_cut(&self) -> &[f64] {
+        &self.since
+    }
+
+    /// The largest part that is left of what J takes for dead when the next period begins.
+    pub fn left_out(&self) -> f64 {
+        self.left_out
+    }
+
+    /// What J₀ outside changes by with the time of its row's impact by way of what dies before the next period; empty where nothing does.
+    pub fn sliding(&self) -> &[f64] {
+        &self.sliding
     }
 
     /// The kernel.
@@ -307,20 +349,20 @@ impl BlochEquations {
         }
         let all = self.kernel.modes().iter().enumerate();
         for (k, mode) in all.filter(|(k, _)| !left_out.contains(k)) {
-            let turn = mode.turn;
-            let resolvent = mode.period.resolvent(turn, z);
-            let past = turn.product(mode.period.complex(), resolvent);
+            let coordinates = mode.coordinates;
+            let resolvent = coordinates.resolvent(mode.period, z);
+            let past = coordinates.product(mode.period.complex(), resolvent);
             let sum = if inside { Turned { even: resolvent.even * z, odd: resolvent.odd * z } } else { past };
-            let slope = turn.product(past, resolvent);
+            let slope = coordinates.product(past, resolvent);
             let (rows, columns) = (self.rows(k), self.columns(k));
             for (i, row) in rows.iter().enumerate() {
-                let seen = complex_seen(turn, *row, sum);
+                let seen = coordinates.seen(*row, sum);
                 let line = &mut matrix[i * size..(i + 1) * size];
                 for (entry, column) in line.iter_mut().zip(columns) {
                     *entry += seen[0] * column[0] + seen[1] * column[1];
                 }
                 if let Some(derivative) = &mut derivative {
-                    let seen = complex_seen(turn, *row, slope);
+                    let seen = coordinates.seen(*row, slope);
                     let line = &mut derivative[i * size..(i + 1) * size];
                     for (entry, column) in line.iter_mut().zip(columns) {
                         *entry -= seen[0] * column[0] + seen[1] * column[1];
@@ -339,18 +381,76 @@ impl BlochEquations {
     }
 }
 
-/// row·(a + bJ)
-fn seen(turn: Turn, row: [f64; 2], by: Turned) -> [f64; 2] {
-    [row[0] * by.even - turn.sign() * row[1] * by.odd, row[0] * by.odd + row[1] * by.even]
+/// Exponents: from the first on a mode dies fast, beyond the second nothing is left of it, and a flight back by the third is next to what
+/// numbers can hold.
+const FAST: f64 = 20.0;
+const NOTHING: f64 = 75.0;
+const RANGE: f64 = 600.0;
+
+/// Times of the impacts since one of them. Where a mode dies fast the period is cut where it has longest to do so.
+fn since_cut(kernel: &BlochKernel, impacts: &[LinearImpact]) -> Vec<f64> {
+    let period = kernel.period();
+    let is_fast = |mode: &BlochMode| mode.rates().iter().any(|rate| -rate.re * period > FAST);
+    let mut cut = 0;
+    if kernel.modes().iter().any(is_fast) {
+        let before = |i: usize| match i {
+            0 => impacts[0].time + period - impacts[impacts.len() - 1].time,
+            _ => impacts[i].time - impacts[i - 1].time,
+        };
+        cut = (0..impacts.len()).rev().max_by(|&i, &j| before(i).total_cmp(&before(j))).unwrap_or(0);
+    }
+    let since = |(i, impact): (usize, &LinearImpact)| {
+        let later = impact.time - impacts[cut].time;
+        if i < cut { later + period } else { later }
+    };
+    impacts.iter().enumerate().map(since).collect()
 }
 
-fn complex_seen(turn: Turn, row: [f64; 2], by: Turned<C>) -> [C; 2] {
-    [by.even * row[0] - by.odd * (turn.sign() * row[1]), by.odd * row[0] + by.even * row[1]]
+/// Which coordinates of a mode have died when the next period begins, `spread` after it was cut.
+fn died(mode: &BlochMode, spread: f64, period: f64) -> [bool; 2] {
+    let died = |rate: Complex<f64>| -rate.re * (period - spread) > NOTHING || -rate.re * spread > RANGE;
+    let both = mode.rates().map(died);
+    match mode.coordinates {
+        Coordinates::Shared(_) => [both[0] && both[1]; 2],
+        Coordinates::Apart => both,
+    }
 }
 
-/// (a + bJ)·column
-fn given(turn: Turn, by: Turned, column: [f64; 2]) -> [f64; 2] {
-    [by.even * column[0] + by.odd * column[1], by.even * column[1] - turn.sign() * by.odd * column[0]]
+/// A number in some of its coordinates, all of them or one of two that are apart.
+fn only(these: [bool; 2], Turned { even, odd }: Turned) -> Turned {
+    Turned { even: if these[0] { even } else { 0.0 }, odd: if these[1] { odd } else { 0.0 } }
+}
+
+fn largest(number: Turned) -> f64 {
+    number.even.abs().max(number.odd.abs())
+}
+
+/// What impacts send straight on to later ones of the same period in the coordinates of a mode that die before the next.
+fn send_on(
+    (kernel, k, died): (&BlochKernel, usize, [bool; 2]),
+    (impacts, since): (&[LinearImpact], &[f64]),
+    outside: &mut [f64],
+    sliding: &mut [f64],
+) {
+    let (mode, size) = (&kernel.modes()[k], 2 * impacts.len());
+    let omega = std::f64::consts::TAU / kernel.period();
+    for (i, to) in impacts.iter().enumerate() {
+        for (j, by) in impacts.iter().enumerate().filter(|(j, _)| since[*j] < since[i]) {
+            let mut flight = only(died, mode.flight(since[i] - since[j]));
+            let jet = [(); 4].map(|()| {
+                let value = mode.coordinates.pair(kernel.row(k, to.contact), flight, kernel.column(k, by.contact));
+                flight = mode.coordinates.product(flight, mode.generator());
+                value
+            });
+            let at = 2 * i * size + 2 * j;
+            for (matrix, jet) in [(&mut *outside, &jet[..3]), (&mut *sliding, &jet[1..])] {
+                matrix[at] += omega * jet[0];
+                matrix[at + 1] -= jet[1];
+                matrix[at + size] += jet[1];
+                matrix[at + size + 1] -= jet[2] / omega;
+            }
+        }
+    }
 }
 
 #[cfg(test)]

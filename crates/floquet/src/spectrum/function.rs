@@ -13,7 +13,6 @@ use std::borrow::Cow;
 
 use nalgebra::{Complex, DMatrix};
 use vibrochain_breather::{BlochEquations, Shift};
-use vibrochain_lattice::Turn;
 
 use crate::zeros::{Meromorphic, Value, modulus};
 
@@ -35,8 +34,8 @@ pub(super) struct Pole {
     /// q = e^{λT}, and λ.
     pub(super) value: C,
     pub(super) rate: C,
-    /// The eigenvalue of the mode's turn that belongs to it.
-    pub(super) root: C,
+    /// Whether it is the first or the second one of its mode.
+    pub(super) which: usize,
     /// Error of q.
     pub(super) error: f64,
 }
@@ -79,9 +78,8 @@ impl<'a> SpectralFunction<'a> {
             None => (Cow::Borrowed(whole), None),
         };
         let (modes, size) = (equations.kernel().modes(), equations.size());
-        let impacts = whole.impacts();
-        let first = impacts.first().map_or(0.0, |impact| impact.time);
-        let longest = impacts.iter().map(|impact| impact.time - first).fold(0.0, f64::max);
+        let since = whole.since_cut();
+        let longest = since.iter().copied().fold(0.0, f64::max);
         let (mut poles, mut simple) = (Vec::new(), Vec::new());
         let (mut row_sizes, mut column_sizes, mut relative) = (Vec::new(), Vec::new(), Vec::new());
         let mut constants =
@@ -90,10 +88,11 @@ impl<'a> SpectralFunction<'a> {
         for (k, mode) in modes.iter().enumerate() {
             let values = mode.poles();
             poles.extend(values);
-            if mode.turn != Turn::Parabolic {
-                let (rates, root) = (mode.rates(), mode.turn.root());
-                let pole = |(value, rate, root)| Pole { mode: k, value, rate, root, error: mode.pole_error };
-                simple.extend([(values[0], rates[0], root), (values[1], rates[1], -root)].map(pole));
+            if !mode.coordinates.are_parabolic() {
+                let (rates, errors) = (mode.rates(), mode.pole_errors());
+                let pole =
+                    |which| Pole { mode: k, value: values[which], rate: rates[which], which, error: errors[which] };
+                simple.extend([0, 1].map(pole));
             }
             let (rows, columns) = (equations.rows(k), equations.columns(k));
             let from = row_sizes.len();
@@ -114,21 +113,22 @@ impl<'a> SpectralFunction<'a> {
                 column_sizes[from + shift.place] = size(whole.columns(k));
             }
             for (i, row) in rows.iter().enumerate() {
-                let moved = turned(mode.turn, *row, mode.decay, mode.rate);
+                let moved = mode.coordinates.seen(*row, mode.generator());
                 for (j, column) in columns.iter().enumerate() {
                     if shift.as_ref().is_some_and(|shift| i == shift.place || j == shift.place) {
                         continue;
                     }
-                    let earlier = impacts[i / 2].time > impacts[j / 2].time;
+                    let earlier = since[i / 2] > since[j / 2];
                     let (form, sign) = if earlier { (0, 1.0) } else { (1, -1.0) };
                     let Constant { errors, slides } = &mut constants[form];
-                    errors[i * size + j] += 2.0 * error * row_sizes[k * size + i] * column_sizes[k * size + j];
+                    errors[i * size + j] += 2.0 * error * mode.coordinates.reach(*row, *column);
                     if i / 2 != j / 2 {
                         slides[i * size + j] += sign * (moved[0] * column[0] + moved[1] * column[1]);
                     }
                 }
             }
         }
+        constants[0].slides.iter_mut().zip(equations.sliding()).for_each(|(slide, died)| *slide += died);
         for (form, Constant { errors, .. }) in constants.iter_mut().enumerate() {
             let entries = equations.constant(form == 1);
             errors.iter_mut().zip(entries).for_each(|(error, entry)| *error += 4.0 * f64::EPSILON * entry.abs());
@@ -164,8 +164,11 @@ impl<'a> SpectralFunction<'a> {
 
     /// a and c of a simple pole.
     pub(super) fn dyad(&self, pole: &Pole) -> [Vec<C>; 2] {
-        let rows = self.equations.rows(pole.mode).iter().map(|[x, y]| pole.root * *y + *x);
-        let columns = self.equations.columns(pole.mode).iter().map(|[x, y]| (pole.root.inv() * *y + *x) * 0.5);
+        let coordinates = self.equations.kernel().modes()[pole.mode].coordinates;
+        let complex = |v: &[f64; 2]| v.map(|x| C::new(x, 0.0));
+        let rows = self.equations.rows(pole.mode).iter().map(|v| coordinates.seen_of_pole(pole.which, complex(v)));
+        let columns =
+            self.equations.columns(pole.mode).iter().map(|v| coordinates.given_to_pole(pole.which, complex(v)));
         [rows.collect(), columns.collect()]
     }
 
@@ -175,7 +178,7 @@ impl<'a> SpectralFunction<'a> {
         let apart: Vec<usize> = near.iter().map(|pole| pole.mode).collect();
         let mut entries = Vec::new();
         self.equations.fill_without(z, &apart, &mut entries, None);
-        let is_near = |pole: &Pole| near.iter().any(|other| other.mode == pole.mode && other.root == pole.root);
+        let is_near = |pole: &Pole| near.iter().any(|other| other.mode == pole.mode && other.which == pole.which);
         // The other pole of a mode whose one pole is near.
         for pole in self.simple.iter().filter(|pole| apart.contains(&pole.mode) && !is_near(pole)) {
             let [a, c] = self.dyad(pole);
@@ -222,11 +225,6 @@ impl Meromorphic for SpectralFunction<'_> {
     }
 }
 
-/// row·A for A = −δ + κJ
-pub(super) fn turned(turn: Turn, [x, y]: [f64; 2], decay: f64, rate: f64) -> [f64; 2] {
-    [-decay * x - turn.sign() * rate * y, rate * x - decay * y]
-}
-
 impl SpectralFunction<'_> {
     /// The sum of all zeros, tr M, from f far out: Σq − tr J₀⁻¹ΣA_kR_kC_k; with its error, `slide` and `time` being those
     /// of the orbit's accelerations and times.
@@ -234,9 +232,8 @@ impl SpectralFunction<'_> {
         let size = self.whole.size();
         let mut first = DMatrix::<f64>::zeros(size, size);
         for (k, mode) in self.whole.kernel().modes().iter().enumerate() {
-            let (turn, period) = (mode.turn, mode.period);
-            for (i, [x, y]) in self.whole.rows(k).iter().enumerate() {
-                let seen = [x * period.even - turn.sign() * y * period.odd, x * period.odd + y * period.even];
+            for (i, row) in self.whole.rows(k).iter().enumerate() {
+                let seen = mode.coordinates.seen(*row, mode.period);
                 for (j, column) in self.whole.columns(k).iter().enumerate() {
                     first[(i, j)] += seen[0] * column[0] + seen[1] * column[1];
                 }

@@ -12,10 +12,9 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::lanes::{LANES, Lane, ZERO, all, fill, four};
-use vibrochain_lattice::Turn;
 use wide::f64x4;
 
-use super::function::{Pole, SpectralFunction};
+use super::function::SpectralFunction;
 use super::refine::Origin;
 use super::solve::{LAST, Zero, refined};
 use super::starts::DEAD;
@@ -29,6 +28,9 @@ const ASIDE: f64 = 1e-5;
 
 /// An error of the leading one beyond this says that those of the others may be large, too.
 const WELL_KNOWN: f64 = 1e-8;
+
+/// What is left of modes that have died may be this much.
+pub(super) const NEGLIGIBLE: f64 = 1e-30;
 
 /// Poles closer than this part of their modulus are close.
 const CLOSE: f64 = 1e-3;
@@ -79,7 +81,10 @@ impl SpectralFunction<'_> {
     /// f by its poles of the upper half plane and their residues; `None` where they are not simple, or too close.
     fn rational(&self) -> Option<Rational> {
         let (modes, size) = (self.equations.kernel().modes(), self.equations.size());
-        if self.shift.is_some() || modes.iter().any(|mode| mode.turn != Turn::Circular) {
+        if self.shift.is_some()
+            || self.equations.left_out() > NEGLIGIBLE
+            || modes.iter().any(|mode| !mode.coordinates.are_circular())
+        {
             return None;
         }
         let groups = (size * size).div_ceil(LANES);
@@ -103,10 +108,15 @@ impl SpectralFunction<'_> {
         let (mut poles, mut residues) = (Vec::with_capacity(modes.len()), Vec::with_capacity(modes.len()));
         let (mut residue_errors, mut pole_errors) = (Vec::new(), Vec::new());
         let (mut real, mut imaginary) = (vec![ZERO; groups], vec![ZERO; groups]);
-        // What has died out within a period leads nowhere.
-        let alive = |pole: &&Pole| modulus(pole.value) >= DEAD;
-        for pole in self.simple.iter().step_by(2).filter(alive) {
+        for pole in self.simple.iter().step_by(2) {
             let z = pole.value;
+            // What has died when the next period begins leads nowhere; of what is about to, the residue counts all the same.
+            if self.equations.rows(pole.mode).iter().flatten().all(|entry| *entry == 0.0) {
+                continue;
+            }
+            if modulus(z) < DEAD {
+                return None;
+            }
             real.iter_mut().zip(&constant).for_each(|(entry, own)| *entry = four(*own));
             imaginary.fill(ZERO);
             let mut nearest = f64::INFINITY;
@@ -226,7 +236,8 @@ mod tests {
             let mut kernel = BlochKernel::new(period, contacts);
             for _ in 0..modes {
                 let shapes: Vec<f64> = (0..contacts).map(|_| random.between(-1.0, 1.0)).collect();
-                kernel.push_oscillator(random.log(0.3, 5.0), random.log(1e-4, 0.3), &shapes);
+                // Some die within a period.
+                kernel.push_oscillator(random.log(0.3, 30.0), random.log(1e-4, 0.9), &shapes);
             }
             let impacts: Vec<LinearImpact> = (0..1 + random.below(3))
                 .map(|i| LinearImpact {

@@ -6,7 +6,7 @@
 
 use nalgebra::{Complex, DMatrix, Schur};
 use smallvec::{SmallVec, smallvec};
-use vibrochain_lattice::{Turn, Turned};
+use vibrochain_lattice::{Coordinates, Turned};
 
 use super::function::{Pole, SpectralFunction};
 use super::null::{Null, singular_values};
@@ -199,19 +199,29 @@ impl SpectralFunction<'_> {
                 (&self.row_sizes[k * size..(k + 1) * size], &self.column_sizes[k * size..(k + 1) * size]);
             let relative = self.relative[k];
             // Of real poles the sum of both coordinates is longer than their length.
-            let widest = if mode.turn == Turn::Circular { 1.0 } else { std::f64::consts::SQRT_2 };
+            let widest = if mode.coordinates.are_circular() { 1.0 } else { std::f64::consts::SQRT_2 };
             let (a_error, c_error) = (
                 widest * relative * length(&x[..size], sizes_of_rows),
                 widest * 0.5 * relative * length(&y[..size], sizes_of_columns),
             );
-            if mode.turn == Turn::Parabolic {
+            if mode.coordinates.are_parabolic() {
                 self.add_double_pole(z, k, [xi, eta], (2.0 * a_error, 4.0 * c_error), &mut out);
                 continue;
             }
             for pole in self.simple.iter().skip(self.simple_of(k)).take(2) {
-                let a = xi[0] + pole.root * xi[1];
-                let c = (eta[0] + eta[1] / pole.root) * 0.5;
-                let border = near.iter().position(|other| other.mode == k && other.root == pole.root);
+                let a = mode.coordinates.seen_of_pole(pole.which, xi);
+                let c = mode.coordinates.given_to_pole(pole.which, eta);
+                let (a_error, c_error) = match mode.coordinates {
+                    Coordinates::Shared(_) => (a_error, c_error),
+                    Coordinates::Apart => {
+                        let own = |v: &[C], table: &[[f64; 2]]| {
+                            let sizes = v.iter().zip(table).map(|(v, both)| modulus(*v) * both[pole.which].abs());
+                            relative * sizes.sum::<f64>()
+                        };
+                        (own(&x[..size], rows), own(&y[..size], columns))
+                    }
+                };
+                let border = near.iter().position(|other| other.mode == k && other.which == pole.which);
                 // What the columns send on, and what the rows have received.
                 let (sent, received) = if let Some(place) = border {
                     let (xs, ys) = (x[size + place], y[size + place]);
@@ -250,8 +260,10 @@ impl SpectralFunction<'_> {
                 };
                 if !data.is_empty() {
                     for i in 0..n {
-                        let seen = |table: &[[f64; 2]], r: usize| pole.root * table[r][1] + table[r][0];
-                        let given = |table: &[[f64; 2]], r: usize| (pole.root.inv() * table[r][1] + table[r][0]) * 0.5;
+                        let (coordinates, which) = (mode.coordinates, pole.which);
+                        let complex = |v: [f64; 2]| v.map(|x| C::new(x, 0.0));
+                        let seen = |table: &[[f64; 2]], r: usize| coordinates.seen_of_pole(which, complex(table[r]));
+                        let given = |table: &[[f64; 2]], r: usize| coordinates.given_to_pole(which, complex(table[r]));
                         let (mut own_a, mut own_c) = (C::default(), C::default());
                         for r in [2 * i, 2 * i + 1] {
                             if self.shift.as_ref().is_none_or(|shift| shift.place != r) {
@@ -297,14 +309,15 @@ impl SpectralFunction<'_> {
     /// What a mode with a double pole adds.
     fn add_double_pole(&self, z: C, k: usize, [xi, eta]: [[C; 2]; 2], (a, c): (f64, f64), out: &mut Product) {
         let mode = &self.equations.kernel().modes()[k];
-        let turn = mode.turn;
-        let resolvent = mode.period.resolvent(turn, z);
-        let past = turn.product(mode.period.complex(), resolvent);
+        let coordinates = mode.coordinates;
+        let resolvent = coordinates.resolvent(mode.period, z);
+        let past = coordinates.product(mode.period.complex(), resolvent);
         let inside = self.equations.is_inside(z);
         let sum = if inside { Turned { even: resolvent.even * z, odd: resolvent.odd * z } } else { past };
-        let slope = turn.product(past, resolvent);
+        let slope = coordinates.product(past, resolvent);
         let pair = |by: Turned<C>| {
-            by.even * (xi[0] * eta[0] + xi[1] * eta[1]) + by.odd * (xi[0] * eta[1] - xi[1] * eta[0] * turn.sign())
+            // Of a double pole J² = 0.
+            by.even * (xi[0] * eta[0] + xi[1] * eta[1]) + by.odd * (xi[0] * eta[1])
         };
         let size = |by: Turned<C>| modulus(by.even) + modulus(by.odd);
         let length = |v: [C; 2]| modulus(v[0]) + modulus(v[1]);

@@ -2,11 +2,12 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::BlochEquations;
-use vibrochain_lattice::Turn;
+use vibrochain_lattice::{Coordinates, Turn};
 
 use super::function::{OfHalfSum, SpectralFunction, outer};
+use super::leading::NEGLIGIBLE;
 use super::refine::{Origin, Refined};
-use super::starts::DEAD;
+use super::starts::{DEAD, Starts};
 use crate::zeros::{Aberth, Last, Nu, modulus};
 
 type C = Complex<f64>;
@@ -59,7 +60,10 @@ pub(crate) struct Zeros {
 pub(super) fn is_reciprocal(equations: &BlochEquations) -> bool {
     let (modes, impacts) = (equations.kernel().modes(), equations.impacts());
     impacts.iter().all(|impact| impact.restitution == 1.0)
-        && modes.iter().all(|mode| mode.decay == 0.0 && mode.turn != Turn::Hyperbolic)
+        && modes.iter().all(|mode| {
+            let turns = [Turn::Circular, Turn::Parabolic].map(Coordinates::Shared);
+            mode.decay == 0.0 && turns.contains(&mode.coordinates)
+        })
 }
 
 /// All multipliers of the modes that feel the impacts, but the trivial pair of a conservative orbit.
@@ -72,8 +76,8 @@ pub(crate) fn zeros(equations: &BlochEquations, conservative: bool, data: &[Orig
         (None, true) => Trivial::Known,
     };
     let mut search = Search { function, reciprocal, trivial, data };
-    let (starts, dead) = search.function.starts();
-    let mut first = search.attempt(starts, dead);
+    let starts = search.function.starts();
+    let mut first = search.attempt(starts);
     for _ in 0..MENDS {
         if first.certified {
             return first;
@@ -85,8 +89,8 @@ pub(crate) fn zeros(equations: &BlochEquations, conservative: bool, data: &[Orig
         return first;
     }
     // Two that have ended at one zero have begun too close to it.
-    let (starts, dead) = search.function.turned_starts();
-    let turned = search.attempt(starts, dead);
+    let starts = search.function.turned_starts();
+    let turned = search.attempt(starts);
     if turned.certified { turned } else { first }
 }
 
@@ -109,21 +113,22 @@ enum Trivial {
 }
 
 impl Search<'_> {
-    /// All zeros from these starts, two for each mode, of which the first `dead` pairs are multipliers that have died out.
-    fn attempt(&mut self, pairs: Vec<[C; 2]>, dead: usize) -> Zeros {
+    /// All zeros from these starts; of what is dead they are known.
+    fn attempt(&mut self, Starts { dead: mut starts, single, pairs }: Starts) -> Zeros {
         let half_sum = |z: C| (z + z.inv()) * 0.5;
-        let mut starts: Vec<C> = if self.reciprocal {
-            pairs.iter().map(|pair| half_sum(pair[0])).collect()
+        let (dead, per_mode) = (starts.len(), self.per_mode());
+        starts.extend(single);
+        let from = if pairs.is_empty() { dead } else { starts.len() };
+        if self.reciprocal {
+            starts.extend(pairs.iter().map(|pair| half_sum(pair[0])));
         } else {
-            pairs.into_iter().flatten().collect()
-        };
-        let per_mode = if self.reciprocal { 1 } else { 2 };
-        let dead = per_mode * dead;
+            starts.extend(pairs.into_iter().flatten());
+        }
         let mut known = dead;
         if self.trivial != Trivial::None && starts.len() >= dead + per_mode {
             // In place of the starts next to +1.
             let distance = |k: &usize| modulus(starts[*k] - 1.0);
-            let first = (dead..starts.len()).step_by(per_mode).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            let first = (from..starts.len()).step_by(per_mode).min_by(|a, b| distance(a).total_cmp(&distance(b)));
             for k in 0..per_mode {
                 starts.swap(dead + k, first.unwrap_or(dead) + k);
                 starts[dead + k] = C::new(1.0, 0.0);
@@ -148,12 +153,31 @@ impl Search<'_> {
         let roots: Vec<C> = aberth.roots.drain(..).collect();
         let trivial = if self.trivial == Trivial::Known { self.per_mode() } else { 0 };
         let mut list = self.settled(&roots[dead + trivial..]);
-        // A multiplier that has died out is not told from 0.
-        let of_dead = |z: &C| Zero { error: DEAD, ..Zero::new(*z, true) };
+        // A multiplier that has died out is not told from 0; how small those are the product of all says.
+        let error = DEAD.max(self.left_for(&list, dead));
+        let of_dead = |z: &C| Zero { error, ..Zero::new(*z, true) };
         list.extend(roots[..dead].iter().map(of_dead));
         let known_enough = |zero: &Zero| zero.apart && zero.error <= USELESS * (1.0 + modulus(zero.z));
         let certified = ended && list.iter().all(known_enough) && self.is_complete(&list);
+        let certified = certified && self.function.equations.left_out() <= NEGLIGIBLE;
         Zeros { list, dead, reciprocal: self.reciprocal, certified }
+    }
+
+    /// The geometric mean of so many multipliers beside those of the list, by the product of all.
+    fn left_for(&self, list: &[Zero], dead: usize) -> f64 {
+        if dead == 0 {
+            return 0.0;
+        }
+        let known: f64 = list.iter().map(|zero| modulus(zero.z).ln()).sum();
+        ((self.logarithms().iter().sum::<f64>() - known) / dead as f64).exp()
+    }
+
+    /// ln Π|μ|: what is lost at impacts, and what in dashpots.
+    fn logarithms(&self) -> [f64; 2] {
+        let (impacts, kernel) = (self.function.equations.impacts(), self.function.equations.kernel());
+        let at_impacts: f64 = impacts.iter().map(|impact| 2.0 * impact.restitution.ln()).sum();
+        let decay: f64 = kernel.modes().iter().map(|mode| mode.decay).sum();
+        [at_impacts, -2.0 * decay * kernel.period()]
     }
 
     /// Zeros in their plane that belong to one mode.
@@ -361,9 +385,7 @@ impl Search<'_> {
         }
         let relative: f64 = list.iter().map(|zero| (zero.error / modulus(zero.z)).min(1.0)).sum();
         let logarithm: f64 = all.iter().map(|z| modulus(*z).ln()).sum();
-        let impacts = self.function.equations.impacts().iter();
-        let losses: f64 = impacts.map(|impact| 2.0 * impact.restitution.ln()).sum();
-        let poles: f64 = self.function.poles.iter().map(|pole| modulus(*pole).ln()).sum();
+        let [losses, poles] = self.logarithms();
         // One that is 0 to rounding has no logarithm to speak of.
         let by_product = relative > 0.5
             || (logarithm - losses - poles).abs() <= ROOM * relative + CLOSED * (1.0 + losses.abs() + poles.abs());

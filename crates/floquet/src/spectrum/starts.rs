@@ -3,7 +3,7 @@
 //! With the m poles at q of one frequency kept apart, det B(z) = 0 is det(z − q + q·C J⁻¹A) = 0 to first order in z − q.
 
 use nalgebra::{Complex, DMatrix, Schur};
-use vibrochain_lattice::{BlochMode, Turn};
+use vibrochain_lattice::BlochMode;
 
 use super::function::SpectralFunction;
 use crate::zeros::modulus;
@@ -24,6 +24,17 @@ const HIDDEN: f64 = 1e-2;
 /// Poles below this modulus have died out within a period: so have as many multipliers.
 pub(super) const DEAD: f64 = 1e-13;
 
+/// As many starts as there are poles.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Starts {
+    /// Poles that have died out: what belongs to them is no more told from 0 than they are.
+    pub(super) dead: Vec<C>,
+    /// Those of a real pole whose partner is dead.
+    pub(super) single: Vec<C>,
+    /// Those of the two poles of a mode, conjugates of each other but for real poles.
+    pub(super) pairs: Vec<[C; 2]>,
+}
+
 /// A start with the pole that it is beside and the way to the nearest other one.
 #[derive(Debug, Clone, Copy)]
 struct Beside {
@@ -33,32 +44,38 @@ struct Beside {
 }
 
 impl SpectralFunction<'_> {
-    /// Two starts for each mode, conjugates of each other but for real poles; and how many pairs at the beginning are dead.
-    pub(super) fn starts(&self) -> (Vec<[C; 2]>, usize) {
+    /// A start beside each pole.
+    pub(super) fn starts(&self) -> Starts {
         let modes = self.equations.kernel().modes();
-        let (mut starts, mut dead) = (Vec::with_capacity(modes.len()), Vec::new());
+        let (mut starts, mut list) = (Starts::default(), Vec::with_capacity(modes.len()));
         let mut from = 0;
-        let same = |a: &BlochMode, b: &BlochMode| (a.turn, a.decay, a.rate) == (b.turn, b.decay, b.rate);
+        let same = |a: &BlochMode, b: &BlochMode| (a.coordinates, a.decay, a.rate) == (b.coordinates, b.decay, b.rate);
         for alike in modes.chunk_by(same) {
-            let count = alike.len();
-            let poles = alike[0].poles();
-            if is_dead(&poles) {
-                dead.extend(std::iter::repeat_n(poles, count));
-            } else if alike[0].turn == Turn::Parabolic {
+            let (count, poles) = (alike.len(), alike[0].poles());
+            let alive = poles.map(|pole| modulus(pole) >= DEAD);
+            let dead = poles.into_iter().zip(alive).filter(|(_, alive)| !alive);
+            starts.dead.extend(dead.flat_map(|(pole, _)| std::iter::repeat_n(pole, count)));
+            if alive != [false; 2] && alike[0].coordinates.are_parabolic() {
                 let length = modulus(poles[0]);
                 let start = Beside { at: C::from_polar(INWARD * length, TURNED), pole: poles[0], gap: length };
-                starts.extend(std::iter::repeat_n([start; 2], count));
-            } else {
-                let first = self.beside(from, count, 0);
-                let circular = alike[0].turn == Turn::Circular;
-                let second = if circular { first.clone() } else { self.beside(from, count, 1) };
-                starts.extend(first.into_iter().zip(second).map(|(one, other)| [one, other]));
+                list.extend(std::iter::repeat_n([Some(start); 2], count));
+            } else if alive != [false; 2] {
+                let beside = |which: usize| if alive[which] { self.beside(from, count, which) } else { Vec::new() };
+                let first = beside(0);
+                let second = if alike[0].coordinates.are_circular() { first.clone() } else { beside(1) };
+                list.extend((0..count).map(|k| [first.get(k).copied(), second.get(k).copied()]));
             }
             from += count;
         }
-        let known = dead.len();
-        let mut taken: Vec<C> = Vec::with_capacity(2 * starts.len());
-        for [one, other] in starts {
+        let mut taken: Vec<C> = Vec::with_capacity(2 * list.len());
+        for both in list {
+            let [Some(one), Some(other)] = both else {
+                let single = both.into_iter().flatten().map(|start| start.away_from(&taken));
+                let single: Vec<C> = single.collect();
+                taken.extend(&single);
+                starts.single.extend(single);
+                continue;
+            };
             // Those of two complex poles are conjugates.
             let paired = one.at == other.at;
             let first = one.away_from(&taken);
@@ -66,20 +83,29 @@ impl SpectralFunction<'_> {
             let upper = C::new(first.re, first.im.abs());
             let pair = if paired { [upper, upper.conj()] } else { [first, other.away_from(&taken)] };
             taken.push(pair[1]);
-            dead.push(pair);
+            starts.pairs.push(pair);
         }
-        (dead, known)
+        starts
     }
 
     /// The same, each pole turned and moved inward: far from all of them, and none paired.
-    pub(super) fn turned_starts(&self) -> (Vec<[C; 2]>, usize) {
+    pub(super) fn turned_starts(&self) -> Starts {
+        let mut starts = Starts::default();
         let poles = self.equations.kernel().modes().iter().map(|mode| mode.poles());
-        let (mut known, starts): (Vec<_>, Vec<_>) = poles.partition(is_dead);
-        let (dead, count) = (known.len(), starts.len() as f64);
+        for both in poles {
+            let (alive, dead): (Vec<C>, Vec<C>) = both.into_iter().partition(|pole| modulus(*pole) >= DEAD);
+            starts.dead.extend(dead);
+            match alive[..] {
+                [one, other] => starts.pairs.push([one, other]),
+                _ => starts.single.extend(alive),
+            }
+        }
         // Those of one pole must not be the same.
+        let count = starts.pairs.len() as f64;
         let by = |k: usize| C::from_polar(INWARD - 0.1 * (1.0 - INWARD) * k as f64 / count, TURNED);
-        known.extend(starts.iter().enumerate().map(|(k, poles)| poles.map(|pole| pole * by(k))));
-        (known, dead)
+        starts.pairs.iter_mut().enumerate().for_each(|(k, both)| *both = both.map(|pole| pole * by(k)));
+        starts.single.iter_mut().for_each(|pole| *pole *= C::from_polar(INWARD, -TURNED));
+        starts
     }
 
     /// The starts beside the first or second pole of `count` modes that are alike.
@@ -121,8 +147,4 @@ impl Beside {
         let around = (0..TURNS).map(|k| self.pole + C::from_polar(0.5 * self.gap, TURNED + f64::from(k)));
         std::iter::once(self.at).chain(around).find(|z| is_free(*z)).unwrap_or(self.at + 0.5 * length)
     }
-}
-
-fn is_dead(poles: &[C; 2]) -> bool {
-    poles.iter().all(|pole| modulus(*pole) < DEAD)
 }

@@ -118,7 +118,7 @@ fn at(orbit: &StructureOrbit, equations: &BlochEquations, theta: f64) -> [C; 2] 
         let (rows, columns) = (equations.rows(k), equations.columns(k));
         for (row, line) in rows.iter().zip(terms.chunks_mut(size)) {
             line.iter_mut().zip(columns).for_each(|(entry, column)| {
-                *entry += row[0].hypot(row[1]) * column[0].hypot(column[1]);
+                *entry += mode.coordinates.reach(*row, *column);
             });
         }
         let [one, other] = mode.poles();

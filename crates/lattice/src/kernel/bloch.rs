@@ -2,6 +2,7 @@
 
 use rustfft::num_complex::Complex;
 
+use super::coordinates::Coordinates;
 use super::turn::{Turn, Turned};
 use crate::structure::linear_mode::LinearMode;
 
@@ -11,14 +12,14 @@ type C = Complex<f64>;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BlochMode {
     /// How its coordinates move.
-    pub turn: Turn,
+    pub coordinates: Coordinates,
     /// δ, the rate at which it dies.
     pub decay: f64,
     /// κ: the frequency of a mode that swings, half the distance of two real poles, the inverse of the period for a double pole.
     pub rate: f64,
     /// The flight over one period, R = e^{AT}.
     pub period: Turned,
-    /// Error of the poles e^{λT}.
+    /// Error of the larger pole e^{λT}.
     pub pole_error: f64,
     /// Error of the shapes, against the largest.
     pub shape_error: f64,
@@ -27,23 +28,32 @@ pub struct BlochMode {
 impl BlochMode {
     /// The poles λ of the impulse response.
     pub fn rates(&self) -> [C; 2] {
-        let along = self.turn.root() * self.rate;
-        [along - self.decay, -along - self.decay]
+        self.coordinates.eigenvalues(self.generator())
     }
 
     /// The poles e^{λT} of the kernel in z.
     pub fn poles(&self) -> [C; 2] {
-        self.period.eigenvalues(self.turn)
+        self.coordinates.eigenvalues(self.period)
+    }
+
+    /// Errors of the poles e^{λT}.
+    pub fn pole_errors(&self) -> [f64; 2] {
+        match self.coordinates {
+            Coordinates::Shared(_) => [self.pole_error; 2],
+            // The faster one is as well known, to its size.
+            Coordinates::Apart if self.period.even == 0.0 => [0.0; 2],
+            Coordinates::Apart => [self.pole_error, self.pole_error * (self.period.odd / self.period.even)],
+        }
     }
 
     /// e^{At}
     pub fn flight(&self, t: f64) -> Turned {
-        self.turn.flight(self.decay, self.rate, t)
+        self.coordinates.flight(self.decay, self.rate, t)
     }
 
     /// A = −δ + κJ
     pub fn generator(&self) -> Turned {
-        Turned { even: -self.decay, odd: self.rate }
+        self.coordinates.generator(self.decay, self.rate)
     }
 }
 
@@ -141,12 +151,16 @@ impl BlochKernel {
         rows: impl Iterator<Item = [f64; 2]>,
         columns: impl Iterator<Item = [f64; 2]>,
     ) {
-        let period = turn.flight(decay, rate, self.period);
+        let (coordinates, rows, columns) =
+            Coordinates::of((turn, rate), self.period, rows.take(self.contacts), columns.take(self.contacts));
+        let period = coordinates.flight(decay, rate, self.period);
         // The exponent carries a relative error of 2ε.
-        let pole_error = f64::EPSILON * (2.0 + 2.0 * (decay.abs() + rate) * self.period) * (-decay * self.period).exp();
-        self.modes.push(BlochMode { turn, decay, rate, period, pole_error, shape_error: 4.0 * f64::EPSILON });
-        self.rows.extend(rows.take(self.contacts));
-        self.columns.extend(columns.take(self.contacts));
+        let slowest = if turn == Turn::Hyperbolic { rate - decay } else { -decay };
+        let pole_error =
+            f64::EPSILON * (2.0 + 2.0 * (decay.abs() + rate) * self.period) * (slowest * self.period).exp();
+        self.modes.push(BlochMode { coordinates, decay, rate, period, pole_error, shape_error: 4.0 * f64::EPSILON });
+        self.rows.extend(rows);
+        self.columns.extend(columns);
     }
 
     /// Replaces what the last mode does in a period, and its errors, where they are known better.
@@ -185,7 +199,7 @@ impl BlochKernel {
     pub fn mobility(&self, to: usize, from: usize) -> f64 {
         let of_mode = |k: usize| {
             let mode = &self.modes[k];
-            mode.turn.pair(self.row(k, to), mode.generator(), self.column(k, from))
+            mode.coordinates.pair(self.row(k, to), mode.generator(), self.column(k, from))
         };
         (0..self.modes.len()).map(of_mode).sum()
     }
@@ -194,23 +208,22 @@ impl BlochKernel {
     pub fn jet(&self, to: usize, from: usize, t: f64, z: Complex<f64>) -> BlochJet {
         let mut jet = BlochJet::default();
         for (k, mode) in self.modes.iter().enumerate() {
-            let turn = mode.turn;
-            let resolvent = mode.period.resolvent(turn, z);
+            let coordinates = mode.coordinates;
+            let resolvent = coordinates.resolvent(mode.period, z);
             // Σ z⁻ⁿRⁿ = 1 + R(z−R)⁻¹ from n = 0, and (z−R)⁻¹ times a flight longer by T from n = 1.
-            let squared = turn.product(resolvent, resolvent);
+            let squared = coordinates.product(resolvent, resolvent);
             let (flight, sum, slope) = if t > 0.0 {
-                let past = turn.product(mode.period.complex(), resolvent);
-                let sum = Turned { even: past.even + 1.0, odd: past.odd };
-                (mode.flight(t), sum, turn.product(mode.period.complex(), squared))
+                let past = coordinates.product(mode.period.complex(), resolvent);
+                (mode.flight(t), coordinates.one_more(past), coordinates.product(mode.period.complex(), squared))
             } else {
                 (mode.flight(t + self.period), resolvent, squared)
             };
             let (row, column) = (self.row(k, to), self.column(k, from));
             let mut flight = flight.complex();
             for order in 0..4 {
-                jet.kernel[order] += turn.pair(row, turn.product(flight, sum), column);
-                jet.slope[order] -= turn.pair(row, turn.product(flight, slope), column);
-                flight = turn.product(flight, mode.generator().complex());
+                jet.kernel[order] += coordinates.pair(row, coordinates.product(flight, sum), column);
+                jet.slope[order] -= coordinates.pair(row, coordinates.product(flight, slope), column);
+                flight = coordinates.product(flight, mode.generator().complex());
             }
         }
         jet

@@ -12,10 +12,12 @@
 //! | module | holds |
 //! |---|---|
 //! | `turn` | [`Turn`]: the two-dimensional flow of one mode, e^{At}, regular at critical damping |
+//! | `coordinates` | [`Coordinates`]: those of two poles together, or of each of two real ones |
 //! | `bloch` | [`BlochKernel`]: modes, their shapes at the contacts, sums over them |
 //! | `lattice_modes` | the modes of a [`crate::Chain`], those of equal frequency merged |
 
 pub(crate) mod bloch;
+pub(crate) mod coordinates;
 pub(crate) mod decay;
 pub(crate) mod impulse;
 pub(crate) mod lattice_modes;
@@ -24,6 +26,7 @@ pub(crate) mod steady;
 pub(crate) mod turn;
 
 pub use bloch::{BlochJet, BlochKernel, BlochMode};
+pub use coordinates::Coordinates;
 pub use lattice_modes::SparedModes;
 pub use turn::{Turn, Turned};
 

@@ -2,7 +2,7 @@
 
 use rustfft::num_complex::Complex;
 
-use super::{BlochKernel, Turn};
+use super::{BlochKernel, Coordinates, Turn};
 use crate::{Chain, Ends, ImpulseResponse, Spectrum};
 
 type C = Complex<f64>;
@@ -37,14 +37,14 @@ fn answer(decay: f64, square: f64, t: f64) -> [f64; 4] {
 #[test]
 fn the_kernel_is_the_series_it_sums_whatever_the_damping() {
     let mut seed = 1;
-    let (mut turns, mut checked) = ([0; 3], 0);
+    let (mut kinds, mut checked) = (Vec::new(), 0);
     for damping in [-0.05, 0.0, 1e-9, 0.1, 0.7, 0.999_999, 1.0 - 1e-13, 1.0, 1.0 + 1e-13, 1.000_001, 1.4, 5.0] {
         for frequency in [0.0, 1e-6, 0.03, 0.9, 4.0] {
             let period = 2.0 + 4.0 * unit(&mut seed);
             let mut kernel = BlochKernel::new(period, 2);
             let shapes = [0.7, -0.4];
             kernel.push_oscillator(frequency, damping, &shapes);
-            turns[kernel.modes()[0].turn as usize] += 1;
+            kinds.push(kernel.modes()[0].coordinates);
             let (decay, square) = (damping * frequency, frequency * frequency * (1.0 - damping) * (1.0 + damping));
             // Far enough out that few terms are left.
             let slowest = kernel.modes()[0].poles().iter().map(|pole| pole.norm()).fold(0.0, f64::max);
@@ -72,8 +72,10 @@ fn the_kernel_is_the_series_it_sums_whatever_the_damping() {
             }
         }
     }
-    assert!(checked == 360 && turns[Turn::Circular as usize] > 20 && turns[Turn::Hyperbolic as usize] > 10);
-    assert!(turns[Turn::Parabolic as usize] > 10);
+    let count = |kind: Coordinates| kinds.iter().filter(|other| **other == kind).count();
+    let shared = [Turn::Circular, Turn::Hyperbolic, Turn::Parabolic].map(|turn| count(Coordinates::Shared(turn)));
+    assert!(checked == 360 && shared[0] > 20 && shared[1] > 5 && shared[2] > 10, "{shared:?}");
+    assert!(count(Coordinates::Apart) > 5, "{kinds:?}");
 }
 
 #[test]

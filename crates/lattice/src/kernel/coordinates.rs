@@ -1,0 +1,165 @@
+//! In which two coordinates the flight of a mode is written.
+
+use rustfft::num_complex::Complex;
+use std::ops::{Add, Mul, Sub};
+
+use super::turn::{Turn, Turned};
+
+type C = Complex<f64>;
+
+/// Half the distance of two real poles, times the period, beyond which each has a coordinate of its own.
+const FAR: f64 = 0.5;
+
+/// The coordinates of a mode. A number of either kind, [`Turned`], acts on them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Coordinates {
+    /// Both poles share them, and may meet: a number is a + bJ.
+    Shared(Turn),
+    /// Each of two real poles has one: a number is a factor for each. In sums and differences of both, a flight back in time of the faster
+    /// pole would drown the slower one.
+    Apart,
+}
+
+impl Coordinates {
+    /// Those in which a mode of this turn keeps its digits for a period, with what contacts see of it and give to it.
+    pub(super) fn of(
+        (turn, rate): (Turn, f64),
+        period: f64,
+        rows: impl Iterator<Item = [f64; 2]>,
+        columns: impl Iterator<Item = [f64; 2]>,
+    ) -> (Self, Vec<[f64; 2]>, Vec<[f64; 2]>) {
+        if turn == Turn::Hyperbolic && rate * period > FAR {
+            // The eigenvectors of J.
+            let columns = columns.map(|[x, y]| [0.5 * (x + y), 0.5 * (x - y)]);
+            return (Self::Apart, rows.map(|[x, y]| [x + y, x - y]).collect(), columns.collect());
+        }
+        (Self::Shared(turn), rows.collect(), columns.collect())
+    }
+
+    /// Whether the poles are two complex ones.
+    pub fn are_circular(self) -> bool {
+        self == Self::Shared(Turn::Circular)
+    }
+
+    /// Whether both poles are one.
+    pub fn are_parabolic(self) -> bool {
+        self == Self::Shared(Turn::Parabolic)
+    }
+
+    /// A, of a mode that dies at the rate `decay`.
+    pub fn generator(self, decay: f64, rate: f64) -> Turned {
+        match self {
+            Self::Shared(_) => Turned { even: -decay, odd: rate },
+            Self::Apart => Turned { even: rate - decay, odd: -rate - decay },
+        }
+    }
+
+    /// e^{At}
+    pub fn flight(self, decay: f64, rate: f64, t: f64) -> Turned {
+        match self {
+            Self::Shared(turn) => turn.flight(decay, rate, t),
+            Self::Apart => Turned { even: ((rate - decay) * t).exp(), odd: ((-rate - decay) * t).exp() },
+        }
+    }
+
+    /// The product of two numbers.
+    pub fn product<T>(self, first: Turned<T>, second: Turned<T>) -> Turned<T>
+    where
+        T: Copy + Mul<Output = T> + Add<Output = T> + Mul<f64, Output = T>,
+    {
+        match self {
+            Self::Shared(turn) => turn.product(first, second),
+            Self::Apart => Turned { even: first.even * second.even, odd: first.odd * second.odd },
+        }
+    }
+
+    /// A number added to the unit of both.
+    pub fn one_more(self, number: Turned<C>) -> Turned<C> {
+        match self {
+            Self::Shared(_) => Turned { even: number.even + 1.0, odd: number.odd },
+            Self::Apart => Turned { even: number.even + 1.0, odd: number.odd + 1.0 },
+        }
+    }
+
+    /// row·number
+    #[inline]
+    pub fn seen<T>(self, row: [f64; 2], by: Turned<T>) -> [T; 2]
+    where
+        T: Copy + Mul<f64, Output = T> + Add<Output = T> + Sub<Output = T>,
+    {
+        match self {
+            Self::Shared(turn) => {
+                [by.even * row[0] - by.odd * (turn.sign() * row[1]), by.odd * row[0] + by.even * row[1]]
+            }
+            Self::Apart => [by.even * row[0], by.odd * row[1]],
+        }
+    }
+
+    /// number·column
+    pub fn given(self, by: Turned, column: [f64; 2]) -> [f64; 2] {
+        match self {
+            Self::Shared(turn) => {
+                [by.even * column[0] + by.odd * column[1], by.even * column[1] - turn.sign() * by.odd * column[0]]
+            }
+            Self::Apart => [by.even * column[0], by.odd * column[1]],
+        }
+    }
+
+    /// row·number·column
+    #[inline]
+    pub fn pair<T>(self, row: [f64; 2], by: Turned<T>, column: [f64; 2]) -> T
+    where
+        T: Copy + Mul<f64, Output = T> + Add<Output = T>,
+    {
+        match self {
+            Self::Shared(turn) => turn.pair(row, by, column),
+            Self::Apart => by.even * (row[0] * column[0]) + by.odd * (row[1] * column[1]),
+        }
+    }
+
+    /// How large a product of a row and a column can be, per size of the number between them.
+    #[inline]
+    pub fn reach(self, row: [f64; 2], column: [f64; 2]) -> f64 {
+        let length = |[x, y]: [f64; 2]| (x * x + y * y).sqrt();
+        match self {
+            Self::Shared(_) => length(row) * length(column),
+            Self::Apart => (row[0] * column[0]).abs() + (row[1] * column[1]).abs(),
+        }
+    }
+
+    /// The eigenvalues of a number: of a flight the two factors e^{λt}.
+    pub fn eigenvalues(self, number: Turned) -> [C; 2] {
+        match self {
+            Self::Shared(turn) => number.eigenvalues(turn),
+            Self::Apart => [number.even, number.odd].map(|value| C::new(value, 0.0)),
+        }
+    }
+
+    /// (z − R)⁻¹
+    pub fn resolvent(self, number: Turned, z: C) -> Turned<C> {
+        match self {
+            Self::Shared(turn) => number.resolvent(turn, z),
+            Self::Apart => Turned { even: (z - number.even).inv(), odd: (z - number.odd).inv() },
+        }
+    }
+
+    /// What a row sees of either pole, which must not be one: the first or second of two eigenvectors.
+    pub fn seen_of_pole(self, which: usize, row: [C; 2]) -> C {
+        match self {
+            Self::Shared(turn) => row[0] + eigenvector(turn, which) * row[1],
+            Self::Apart => row[which],
+        }
+    }
+
+    /// What a column gives to either pole, which must not be one.
+    pub fn given_to_pole(self, which: usize, column: [C; 2]) -> C {
+        match self {
+            Self::Shared(turn) => (column[0] + column[1] / eigenvector(turn, which)) * 0.5,
+            Self::Apart => column[which],
+        }
+    }
+}
+
+fn eigenvector(turn: Turn, which: usize) -> C {
+    if which == 0 { turn.root() } else { -turn.root() }
+}
