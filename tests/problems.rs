@@ -314,6 +314,24 @@ fn free_balls_obey_the_balance_of_momentum() {
     near(even.psi().unwrap(), psi, 1e-11);
     near(even.impacts()[0].velocity_before, 2.0 * psi.sin() / 0.4, 1e-11);
 
+    // Seen from a table at rest a bounce ends at the height it has begun at, and is as fast: that leaves the table's own velocity.
+    let (e, mut ball) = (0.8_f64, scene("bouncing-ball.toml"));
+    let begins = PI * (1.0 - e) / (1.0 + e);
+    let doubles = begins.hypot(2.0 * (1.0 + e * e) / (1.0 + e).powi(2));
+    let at = |ball: &mut StructureScene, table: f64| {
+        ball.set(Setting::Load, table / 0.9).unwrap();
+        orbits(ball, None)
+    };
+    assert!(physical(&at(&mut ball, begins * (1.0 - 1e-9))).is_empty());
+    assert_eq!(physical(&at(&mut ball, begins * (1.0 + 1e-9))).len(), 2);
+    let radii = |found: &StructureFound| {
+        found.orbits.iter().for_each(|orbit| near(orbit.impacts()[0].impulse, TAU, 1e-12));
+        let radii = physical(found).into_iter().map(radius);
+        radii.fold(f64::INFINITY, f64::min)
+    };
+    near(radii(&at(&mut ball, doubles)), 1.0, 1e-9);
+    near(radii(&at(&mut ball, 0.5 * (begins + doubles))), e, 1e-12);
+
     let mut gear = scene("gear-rattle.toml");
     let found = orbits(&gear, None);
     assert_eq!(physical(&found).len(), 2);

@@ -17,7 +17,7 @@ use wide::f64x4;
 use super::function::SpectralFunction;
 use super::refine::Origin;
 use super::solve::{LAST, Zero, refined};
-use super::starts::DEAD;
+use super::starts::{DEAD, NEGLIGIBLE};
 use crate::linear::{determinant, determinant_and_condition};
 use crate::zeros::{Aberth, Rational, modulus};
 
@@ -28,9 +28,6 @@ const ASIDE: f64 = 1e-5;
 
 /// An error of the leading one beyond this says that those of the others may be large, too.
 const WELL_KNOWN: f64 = 1e-8;
-
-/// What is left of modes that have died may be this much.
-pub(super) const NEGLIGIBLE: f64 = 1e-30;
 
 /// Poles closer than this part of their modulus are close.
 const CLOSE: f64 = 1e-3;

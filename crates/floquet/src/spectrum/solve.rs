@@ -5,9 +5,8 @@ use vibrochain_breather::BlochEquations;
 use vibrochain_lattice::{Coordinates, Turn};
 
 use super::function::{OfHalfSum, SpectralFunction, outer};
-use super::leading::NEGLIGIBLE;
 use super::refine::{Origin, Refined};
-use super::starts::{DEAD, Starts};
+use super::starts::{DEAD, NEGLIGIBLE, Starts};
 use crate::zeros::{Aberth, Last, Nu, modulus};
 
 type C = Complex<f64>;

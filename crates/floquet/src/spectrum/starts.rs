@@ -24,6 +24,9 @@ const HIDDEN: f64 = 1e-2;
 /// Poles below this modulus have died out within a period: so have as many multipliers.
 pub(super) const DEAD: f64 = 1e-13;
 
+/// What is left at the next period of modes that J(z) takes for dead may be this much.
+pub(super) const NEGLIGIBLE: f64 = 1e-30;
+
 /// As many starts as there are poles.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Starts {
