@@ -1,10 +1,19 @@
 #![doc = include_str!("../docs/rust.md")]
-//!
-//! # Layers
-//!
-//! Data flows one way: parameters → spectrum → orbit → monodromy → verdict.
 
 pub use vibrochain_breather as breather;
 pub use vibrochain_eventsim as eventsim;
 pub use vibrochain_floquet as floquet;
 pub use vibrochain_lattice as lattice;
+#[cfg(feature = "maps")]
+pub use vibrochain_maps as maps;
+
+// What twenty lines need, by one name each; all else by its layer.
+pub use breather::{Admissibility, Family, Found, Impact, Orbit, Word, admissibility, breathers};
+pub use breather::{StructureModel, StructureOrbit, structure_admissibility, structure_orbits};
+pub use eventsim::{Event, EventKind, Limits, Outcome, Simulation, Time};
+pub use floquet::{Mechanism, Stability, Tolerance, Verdict, stability, structure_stability};
+pub use lattice::{Barrier, Chain, Complex, Contact, DMatrix, DVector, Model, Point, Structure};
+#[cfg(feature = "maps")]
+pub use maps::cell::{Cell, Class, Worker};
+#[cfg(feature = "maps")]
+pub use maps::scene::Scene;

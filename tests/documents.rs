@@ -133,3 +133,51 @@ fn pages_of_crates_lead_somewhere_and_name_what_is_public() {
     }
     assert!(wrong.is_empty() && rows > 50 && libraries.len() > 10, "{rows} {}", wrong.join("\n"));
 }
+
+/// The page of the library shows its examples as they are: the page's are compiled and run as its documentation.
+#[test]
+fn the_library_s_page_shows_its_examples() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let page = fs::read_to_string(root.join("docs/rust.md")).unwrap();
+    let lines = |text: &str| -> Vec<String> {
+        // One has a frame, the other is indented.
+        let frame = |line: &str| ["fn main", "//!", "# ", "Ok(())"].iter().any(|begin| line.starts_with(begin));
+        let own = text.lines().map(str::trim).filter(|line| !frame(line) && !["", "}"].contains(line));
+        own.map(str::to_owned).collect()
+    };
+    let shown: Vec<_> =
+        page.split("```rust\n").skip(1).map(|rest| lines(rest.split("\n```").next().unwrap())).collect();
+    let programs = fs::read_dir(root.join("examples")).unwrap().map(|entry| entry.unwrap().path());
+    let mut compared = 0;
+    for program in programs.filter(|path| path.extension().is_some_and(|end| end == "rs")) {
+        let own = lines(&fs::read_to_string(&program).unwrap());
+        assert!(own.len() > 10 && shown.contains(&own), "docs/rust.md does not show {} as it is", program.display());
+        compared += 1;
+    }
+    assert_eq!((compared, shown.len()), (4, 4));
+}
+
+/// The paper has no number of its own: each of its table's stands in the page that it names, and each of its references in its list.
+#[test]
+fn the_paper_s_figures_and_references_are_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let [paper, list] = ["paper.md", "paper.bib"].map(|name| fs::read_to_string(root.join(name)).unwrap());
+    let mut figures = 0;
+    for row in paper.lines().filter(|line| line.starts_with("| `")) {
+        let quoted: Vec<&str> = row.split('`').skip(1).step_by(2).collect();
+        let (figure, page) = (quoted[0], quoted.last().unwrap());
+        assert!(fs::read_to_string(root.join(page)).unwrap().contains(figure), "{page} has no {figure}");
+        figures += 1;
+    }
+    let cited = |key: &str| paper.contains(&format!("@{key}]")) || paper.contains(&format!("@{key};"));
+    let keys = list.split("\n@").map(|entry| entry.split(['{', ',']).nth(1).unwrap());
+    let (known, idle): (Vec<&str>, Vec<&str>) = keys.partition(|key| cited(key));
+    let cites = paper.matches("[@").count() + paper.matches("; @").count();
+    assert!(
+        idle.is_empty() && figures >= 10 && known.len() >= 10 && cites >= known.len(),
+        "{figures} {known:?} {idle:?} {cites}"
+    );
+    for key in paper.split('@').skip(1).map(|rest| rest.split([']', ';']).next().unwrap()) {
+        assert!(known.contains(&key), "paper.bib has no {key}");
+    }
+}

@@ -1,5 +1,10 @@
 //! Exact periodic orbits (discrete breathers) of vibro-impact chains.
 //!
+//! ```text
+//! Model ── breathers, Finder ──> Found: Completeness, Orbit… ──> Motion, Admissibility, Condition, Branch
+//! StructureModel ── structure_orbits ──> StructureFound: StructureOrbit… ──> StructureMotion, Admissibility
+//! ```
+//!
 //! Between impacts the chain is linear, so that a periodic orbit is a superposition of periodic impulse responses.
 //! What remains are the conditions at the impacts: position on the barrier, Newton's law. Every family of the paper has
 //! a closed form or, with a force and two impacts, one analytic function of one variable whose zeros are all its

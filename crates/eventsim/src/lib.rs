@@ -1,5 +1,10 @@
 //! Event-driven simulation of vibro-impact chains: exact flight between certified events.
 //!
+//! ```text
+//! Model, state ──> Simulation ── run(Limits) ────────> Event, Event, …; Report: Outcome, Time, Work
+//!                      └──────── run_with(Tangents) ─> Growth ──> Exponent
+//! ```
+//!
 //! The unit masses of a lattice, each between two rigid barriers at a − 1 and a + 1, move freely until one of them meets a
 //! barrier. On a ring
 //!

@@ -1,5 +1,11 @@
 //! Linear stability of vibro-impact orbits.
 //!
+//! ```text
+//! Orbit ── stability, Analyser ──> Stability: Verdict, multipliers
+//!   ├───── locate, diagram ──────> Located, Diagram: events along one parameter
+//!   └───── curve ────────────────> EventCurve: an event over two parameters
+//! ```
+//!
 //! Between impacts perturbations fly freely, at an impact they go through a saltation matrix; one period of both is the
 //! monodromy matrix, its eigenvalues are the Floquet multipliers μ. An orbit is stable if none lies outside the unit
 //! circle; the leading one says how stability is lost: through +1 (a fold or a pitchfork), through −1 (period doubling)

@@ -1,5 +1,10 @@
 //! The linear lattice underneath a vibro-impact chain: a ring, and rows with other ends and in several layers.
 //!
+//! ```text
+//! Point ──> Model: Chain, Force, Barrier ──> Spectrum ──> ImpulseResponse, BlochKernel, Propagator
+//! Structure ──> ModalStructure: LinearMode, Contact ───────────────────> BlochKernel
+//! ```
+//!
 //! Between impacts the chain is linear: `M` unit masses on a ring, each held by an on-site spring γ₁ and
 //! coupled to both neighbours by γ₂,
 //!
@@ -75,6 +80,9 @@ pub use modes::distinct::DistinctMasses;
 pub use modes::row::Ends;
 pub use modes::shapes::Shapes;
 pub use modes::spectrum::Spectrum;
+/// What a structure is given by, so that this crate can be used alone.
+#[cfg(feature = "matrices")]
+pub use nalgebra::{DMatrix, DVector};
 pub use rustfft::num_complex::Complex;
 pub use simd::small::{sinc, sine_over};
 pub use stop::{Stop, Stopped};

@@ -1,6 +1,11 @@
 //! Maps of breathers over parameters, as values and as files: what the program `mapgen` and other front ends share. It knows
 //! neither command lines nor pictures.
 //!
+//! ```text
+//! Scene ── walk_models ──> Model ── Worker::cell ──> Cell ──> row of a table
+//!   └───── sweep: on many threads ─────────────────> Cell, Cell, … in order; Summary
+//! ```
+//!
 //! | module | holds |
 //! |---|---|
 //! | `numbers` | numbers as they are typed and written |
