@@ -8,7 +8,9 @@ import pytest
 
 import vibrochain as vc
 
+# Packages, and the program, which the tests have.
 NEEDS = {doctest.register_optionflag(name.upper()): name for name in ["pandas", "xarray", "matplotlib"]}
+doctest.register_optionflag("MAPGEN")
 
 
 def public():
@@ -33,8 +35,9 @@ def test_all_is_all():
 
 
 @pytest.mark.parametrize("name", ALL)
-def test_example(name, monkeypatch):
+def test_example(name, monkeypatch, mapgen):
     thing = ALL[name]
+    monkeypatch.setenv("MAPGEN", str(mapgen))
     text = inspect.getdoc(thing)
     assert text, f"{name} has no docstring"
     if inspect.isclass(thing) and issubclass(thing, Exception):
