@@ -17,7 +17,7 @@ if ! "$python" -m pip install --quiet --no-compile --disable-pip-version-check '
     exit 1
 fi
 # What maps are handed on to; tests that need what is not there say so and are skipped.
-"$python" -m pip install --quiet --no-compile --disable-pip-version-check pandas xarray matplotlib jsonschema || true
+"$python" -m pip install --quiet --no-compile --disable-pip-version-check pandas xarray matplotlib jsonschema scipy 'dask[distributed]' || true
 
 # The features are those of the workspace's tests, so that all but the last crate is built already.
 cargo build --locked --workspace ${FEATURES:+--features "$FEATURES"} --lib --bin mapgen --test imports

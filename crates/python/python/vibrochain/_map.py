@@ -532,7 +532,8 @@ def _classes(ax: Axes, x: NDArray[Any], y: NDArray[Any], classes: _Codes, mechan
     colours, words = [class_colour(name) for name in (*names, "unknown")], (*words, _UNKNOWN)
     shown = np.where(codes < 0, len(names), codes)
     ax.pcolormesh(x, y, shown, cmap=ListedColormap(colours), vmin=-0.5, vmax=len(names) + 0.5, shading="nearest")
-    there = [i for i in range(len(words)) if (shown == i).any()]
+    known = [*STYLE["classes"], "unknown"]
+    there = sorted((i for i in range(len(words)) if (shown == i).any()), key=lambda i: known.index((*names, "unknown")[i]))
     legend = [Patch(facecolor=colours[i], edgecolor="grey", label=words[i]) for i in there]
     with rc_context({"hatch.color": (0.0, 0.0, 0.0, 0.5), "hatch.linewidth": 0.5}):
         for code, name in enumerate(mechanisms[1]):

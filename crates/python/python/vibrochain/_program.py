@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import atexit
-import contextlib
 import json
 import os
 import shutil
@@ -183,8 +182,8 @@ def sweep_shares(
 ) -> str:
     """Spreads a sweep over the workers of an executor, and merges it into one table: ``mapgen sweep --shard``, ``mapgen merge``.
 
-    Chunks lie in the folder ``OUT.chunks`` until they are merged. If a worker is lost, or this call is ended, call it once more: finished
-    chunks are kept. The table has the same bytes as that of one undisturbed run.
+    Chunks lie in the folder ``OUT.chunks``, which may be deleted once the table is there. If a worker is lost, or this call is ended, call
+    it once more: finished chunks are kept. The table has the same bytes as that of one undisturbed run.
 
     Parameters
     ----------
@@ -244,6 +243,4 @@ def sweep_shares(
     )
     if done.returncode != 0:
         raise _failed(done.stderr, done.returncode)
-    with contextlib.suppress(OSError):
-        os.rmdir(chunks)
     return table
