@@ -526,6 +526,15 @@ class Structure:
         harmonic : int
             The load's harmonic.
 
+        Returns
+        -------
+        Structure
+
+        Raises
+        ------
+        RequestError
+            At the first question, for shapes of other lengths.
+
         Examples
         --------
         >>> import vibrochain as vc
