@@ -114,6 +114,9 @@ pub(crate) struct PyBorders {
     caption: [String; 3],
 }
 
+/// A region: its class, its share of the window, its outlines.
+type Outlined<'a, 'py> = (&'a str, f64, Vec<Bound<'py, PyArray2<f64>>>);
+
 #[pymethods]
 impl PyBorders {
     /// tuple of (str, str) : the parameters along x and y.
@@ -134,7 +137,7 @@ impl PyBorders {
     /// list of (str, float, list of numpy.ndarray of float64, shape (k, 2)) : regions: the class, its share of the window, and outlines in
     /// values of both parameters, counterclockwise around it and clockwise around what it leaves out.
     #[getter]
-    fn regions<'py>(&self, py: Python<'py>) -> PyResult<Vec<(&str, f64, Vec<Bound<'py, PyArray2<f64>>>)>> {
+    fn regions<'py>(&self, py: Python<'py>) -> PyResult<Vec<Outlined<'_, 'py>>> {
         let window = self.regions.window();
         let outline = |outline: &Vec<[f64; 2]>| {
             let values: Vec<f64> = outline.iter().flat_map(|part| window.point(*part)).collect();

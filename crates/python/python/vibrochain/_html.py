@@ -174,4 +174,4 @@ for _kind, _shown in {
     StructureOrbit: _structure_orbit,
     StructureBranch: _structure_branch,
 }.items():
-    _kind._repr_html_ = _safe(_shown)  # type: ignore[attr-defined]
+    setattr(_kind, "_repr_html_", _safe(_shown))

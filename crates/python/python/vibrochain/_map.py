@@ -149,7 +149,7 @@ def sweep(
     """
     text, path = (_as_text(scene), "scene") if isinstance(scene, dict) else (None, os.fspath(scene))
     line = _Progress() if progress is True else None
-    told = line or progress or None
+    told: Any = line or progress or None
     try:
         of_structure = _vibrochain._structure_sweep(text, path, threads, told)
         return Map(_vibrochain._sweep(text, path, threads, told) if of_structure is None else of_structure)
@@ -453,7 +453,8 @@ class Map(_Table):
     ) -> None:
         from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 
-        label, norm = _LABELS.get(color, color), None
+        label = _LABELS.get(color, color)
+        norm: Any = None
         growth = values - 1.0
         there = growth[growth >= _LEAST_GROWTH]
         if color == "spectral_radius" and there.size and there.max() >= _DECADES * there.min():
@@ -469,7 +470,7 @@ class Map(_Table):
             norm = BoundaryNorm(np.arange(0.5, most + 1), 256) if most < 10 else None
         mesh = ax.pcolormesh(x, y, values, cmap="viridis", norm=norm, shading="nearest")
         beyond = isinstance(norm, LogNorm) and np.ma.max(values) > ends[1]
-        bar = ax.get_figure().colorbar(mesh, ax=ax, label=label, extend="max" if beyond else "neither")
+        bar = ax.figure.colorbar(mesh, ax=ax, label=label, extend="max" if beyond else "neither")
         if color == "solutions" and norm is not None:
             bar.set_ticks(range(1, most + 1))
 
@@ -520,10 +521,13 @@ def _place(name: str, values: NDArray[np.float64], wanted: float) -> int:
     raise RequestError(f"slice: {name} = {wanted} is none of its {len(values)} values: next to it are {near}")
 
 
-# A column of codes, and their words.
-_Codes = tuple[NDArray[np.int8], tuple[str, ...]]
-
-def _classes(ax: Axes, x: NDArray[Any], y: NDArray[Any], classes: _Codes, mechanisms: _Codes) -> None:
+def _classes(
+    ax: Axes,
+    x: NDArray[Any],
+    y: NDArray[Any],
+    classes: tuple[NDArray[np.int8], tuple[str, ...], tuple[str, ...]],
+    mechanisms: tuple[NDArray[np.int8], tuple[str, ...]],
+) -> None:
     from matplotlib import rc_context
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch

@@ -78,7 +78,7 @@ def draw(pane: _Pane, ax: Axes | None, heading: str) -> Axes:
     lines = [colour(rgb) for rgb in STYLE["lines"]]
     caption, x, y = pane.words()
     levels, uprights, is_round = pane.lines()
-    thin = {"color": "grey", "linestyle": "--", "linewidth": 0.8, "zorder": 1.0}
+    thin: dict[str, Any] = {"color": "grey", "linestyle": "--", "linewidth": 0.8, "zorder": 1.0}
     for level in levels:
         ax.axhline(level, **thin)
     for upright in uprights:
@@ -110,9 +110,10 @@ def draw(pane: _Pane, ax: Axes | None, heading: str) -> Axes:
 def scaled(ax: Axes, pane: _Pane, fresh: bool = True) -> None:
     """Gives axes the ends and the scale of a panel; axes that are not fresh grow at most."""
     x_range, y_range, step = pane.axes()
-    for ends, setter, now in [(x_range, ax.set_xlim, ax.get_xlim()), (y_range, ax.set_ylim, ax.get_ylim())]:
+    for ends, name in [(x_range, "x"), (y_range, "y")]:
         if ends is not None:
-            setter(ends if fresh else (min(ends[0], now[0]), max(ends[1], now[1])))
+            low, high = ends if fresh else getattr(ax, f"get_{name}lim")()
+            ax.set(**{f"{name}lim": (min(ends[0], low), max(ends[1], high))})
     if step is not None:
         _about_one(ax, step)
 
@@ -122,10 +123,10 @@ def _about_one(ax: Axes, step: float) -> None:
     heights = np.concatenate([np.ravel(line.get_ydata()).astype(float) for line in ax.get_lines()])
     most = float(np.nanmax(heights[np.isfinite(heights)], initial=1.0))
 
-    def forward(y: NDArray[Any]) -> NDArray[Any]:
+    def forward(y: Any) -> Any:
         return np.sign(y - 1) * np.log10(1 + np.abs(y - 1) / step)
 
-    def back(z: NDArray[Any]) -> NDArray[Any]:
+    def back(z: Any) -> Any:
         return 1 + np.sign(z) * step * (10 ** np.abs(z) - 1)
 
     ax.set_yscale("function", functions=(forward, back))
@@ -136,7 +137,7 @@ def _about_one(ax: Axes, step: float) -> None:
     ticks = [1.0, *above[len(above) % 2 :: 2]] if len(above) > 3 else [1.0, *above]
     ax.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
     least = float(np.nanmin(heights[np.isfinite(heights)], initial=1.0))
-    ax.set_ylim(back(forward(np.array(least)) - 0.3), back(1.05 * forward(np.array(1 + far))))
+    ax.set_ylim(float(back(forward(least) - 0.3)), float(back(1.05 * forward(1 + far))))
     ax.minorticks_off()
 
 
@@ -205,7 +206,7 @@ class _Plots:
     """Methods of classes that are written in Rust, by the names of these."""
 
     class Orbit:
-        def plot(self: Orbit, what: str = "motion", ax: Axes | None = None) -> Axes:
+        def plot(self: Any, what: str = "motion", ax: Axes | None = None) -> Axes:
             """Draws the orbit, as ``mapgen orbit --plot`` does.
 
             Parameters
@@ -239,7 +240,7 @@ class _Plots:
             return draw(*_with(_vibrochain._orbit_pane(self, what), ax))
 
     class Branch:
-        def plot(self: Branch, show: str = "impulse", ax: Axes | None = None, *, all: bool = False) -> Axes:
+        def plot(self: Any, show: str = "impulse", ax: Axes | None = None, *, all: bool = False) -> Axes:
             """Draws the branch over what varies, as ``mapgen branch --plot`` does: stable orbits solid, unstable dashed, events marked.
 
             Parameters
@@ -275,7 +276,7 @@ class _Plots:
             return draw(*_with(branch_pane([self], show, all), ax))
 
     class Diagram:
-        def plot(self: Diagram, show: str = "impulse", ax: Axes | None = None, *, all: bool = False) -> Axes:
+        def plot(self: Any, show: str = "impulse", ax: Axes | None = None, *, all: bool = False) -> Axes:
             """Draws all branches over what varies, as ``mapgen branch --plot`` does: a colour a family, events marked.
 
             Parameters
@@ -311,7 +312,7 @@ class _Plots:
             return draw(*_with(branch_pane(self.branches, show, all), ax))
 
     class EventCurve:
-        def plot(self: EventCurve, ax: Axes | None = None) -> Axes:
+        def plot(self: Any, ax: Axes | None = None) -> Axes:
             """Draws the curve in the plane of its two parameters, as ``mapgen curve --plot`` does.
 
             Parts whose orbits are not physical are grey and dashed; points of codimension two are marked. On axes that show a curve
@@ -344,7 +345,7 @@ class _Plots:
             return draw(*_with(event_pane(self, curves_there(ax)), ax))
 
     class Borders:
-        def plot(self: Borders, ax: Axes | None = None, *, lines: bool = False) -> Axes:
+        def plot(self: Any, ax: Axes | None = None, *, lines: bool = False) -> Axes:
             """Draws the regions of the window, each in the colour of what lives there, as ``mapgen curves --plot`` does.
 
             Parameters
@@ -435,4 +436,4 @@ def _with(made: tuple[_Pane, str], ax: Axes | None) -> tuple[_Pane, Axes | None,
 
 # What is drawn needs Python's packages, so these methods are written here.
 for _kind in (Orbit, Branch, Diagram, EventCurve, Borders):
-    _kind.plot = getattr(_Plots, _kind.__name__).plot  # type: ignore[attr-defined]
+    setattr(_kind, "plot", getattr(_Plots, _kind.__name__).plot)

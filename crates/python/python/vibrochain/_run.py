@@ -210,7 +210,7 @@ class Run:
             masses = masses - (len(masses) - 1) // 2
             shown = shown[(masses + home) % len(masses)]
         mesh = ax.pcolormesh(times, masses, shown, cmap=shades, vmin=-most, vmax=most, shading="nearest")
-        ax.get_figure().colorbar(mesh, ax=ax, label="displacement u")
+        ax.figure.colorbar(mesh, ax=ax, label="displacement u")
         ax.set_xlabel("time in periods (whole run)")
         ax.set_ylabel(name)
         titled(ax, heading)
