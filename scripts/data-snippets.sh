@@ -7,7 +7,7 @@
 #                                       JULIA=yes: a Julia, if there is none, takes minutes to install or to look for in vain
 set -euo pipefail
 cd "$(dirname "$0")/.."
-page=$PWD/docs/data.md
+page=$PWD/docs/data.md example=$PWD/examples/julia/breather.jl
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -106,7 +106,7 @@ fi
 export JULIA_DEPOT_PATH=$work/julia:${JULIA_DEPOT_PATH:-}
 packages="\"CSV\", \"DataFrames\", \"CodecZlib\", \"JSON\"${parquet:+, \"Parquet2\"}"
 if ! command -v julia > /dev/null; then
-    skipped "THE BLOCKS OF JULIA ARE NOT RUN: there is no julia here${JULIA:+, and neither apt-get nor jill can have one}"
+    skipped "THE BLOCKS OF JULIA AND examples/julia ARE NOT RUN: there is no julia here${JULIA:+, and neither apt-get nor jill can have one}"
 elif ! julia --startup-file=no --project=. -e "import Pkg; Pkg.add([$packages])" 2> told; then
     skipped "packages of Julia cannot be had, its blocks are not run"
 else
@@ -114,4 +114,7 @@ else
     test "$(grep -c @assert snippets.jl)" -ge 6
     julia --startup-file=no --project=. snippets.jl
     echo "docs/data.md: $(grep -c @assert snippets.jl) demands of Julia hold"
+    julia --startup-file=no --project=. "$example" | tee told
+    test "$(grep -c 'ω = ' told)" -eq 5
+    echo "examples/julia: sound"
 fi

@@ -27,7 +27,7 @@ STYLE = """\
 [data-md-copying] .gp, [data-md-copying] .go { display: none; }
 .md-typeset math { font-size: 1.05em; overflow-x: auto; }
 """
-LANGUAGES = {".rs": "rust", ".py": "python", ".pyi": "python", ".toml": "toml", ".sh": "bash", ".json": "json", ".sbatch": "bash"}
+LANGUAGES = {".rs": "rust", ".py": "python", ".jl": "julia", ".pyi": "python", ".toml": "toml", ".sh": "bash", ".json": "json", ".sbatch": "bash"}
 
 
 def mathml(formula, display="inline"):
@@ -258,6 +258,9 @@ def package():
     for name in sorted(vibrochain.__all__, key=lambda name: (not name[0].islower(), name.endswith("Error"), name)):
         thing = getattr(vibrochain, name)
         call = told.get(f"{name}.__new__", told.get(f"{name}.__init__", "")).split(" ->")[0] if inspect.isclass(thing) else told[name]
+        # What users do not make has no call.
+        if inspect.isclass(thing) and "\nParameters\n" not in (inspect.getdoc(thing) or "") and not issubclass(thing, Exception):
+            call = ""
         text += f"\n## {name}\n\n" + (f"```python\n{name}{call}\n```\n\n" if call else "") + prose(inspect.getdoc(thing) or "")
         if not inspect.isclass(thing) or issubclass(thing, Exception):
             continue

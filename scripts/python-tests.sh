@@ -19,7 +19,7 @@ if ! "$python" -m pip install --quiet --no-compile --disable-pip-version-check '
     exit 1
 fi
 # What maps are handed on to; tests that need what is not there say so and are skipped.
-"$python" -m pip install --quiet --no-compile --disable-pip-version-check pandas xarray matplotlib jsonschema || true
+"$python" -m pip install --quiet --no-compile --disable-pip-version-check pandas xarray matplotlib jsonschema scipy 'dask[distributed]' || true
 
 if [ -n "${WHEEL:-}" ]; then
     "$python" -m pip install --quiet --no-compile --disable-pip-version-check "$WHEEL"

@@ -22,7 +22,7 @@ pub use events::{AlongArgs, BranchArgs, CurveArgs, CurvesArgs, LocateArgs};
 pub use model::{ModelArgs, ParameterArgs, RowEnds, SiteFamily, StructureArgs, WhichArgs};
 pub use quantity::QuantityName;
 #[cfg(feature = "plot")]
-pub(crate) use quantity::{OF_BRANCHES, OF_MAPS, SHOWN};
+pub(crate) use quantity::{OF_BRANCHES, OF_MAPS, SHOWN, of_orbits};
 pub use runs::{Direction, FateArgs, SectionName, SimulateArgs, StartFrom};
 pub use setup::{CompletionsArgs, InitArgs, ManArgs, STUDIES, SchemaArgs, StudyArgs};
 pub use sweep::{DrawArgs, MergeArgs, PaletteName, PictureArgs, SweepArgs};

@@ -17,17 +17,21 @@
 //! | `manifest` | where a table came from |
 //! | `borders`, `regions` | the curves on which what lives in a scene's window changes; what lives between them, and how much of it
 //! | | there is |
+//! | `followed` | branches and curves of events as rows |
 //! | `sweep` | all cells, in chunks that outlive the process |
 //! | `files` | files that appear whole or not at all, pipes, devices |
+//! | `caption` | what captions say of models and events |
 //! | `text`, `lines`, `fields` | text from outside, read and shown; lines of text that comes in pieces; fields of a row |
 //! | `error` | why there is none |
 
 pub mod borders;
+pub mod caption;
 pub mod cell;
 pub mod error;
 pub mod extent;
 pub mod fields;
 pub mod files;
+pub mod followed;
 pub mod lines;
 pub mod manifest;
 pub mod numbers;

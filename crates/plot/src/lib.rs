@@ -7,6 +7,7 @@
 //! | [`Format`], [`open`] | how a drawing becomes bytes |
 //! | [`drawing`] | shapes, circles, words and rasters as values |
 //! | [`MapPicture`], [`RegionsPicture`], [`EndsPicture`] | a map by its cells, by its regions, by what becomes of its breathers |
+//! | [`diagram_curves`], [`event_curves`], [`orbit_panes`], [`contact_panes`] | what a diagram, curves of events, an orbit of a chain or a structure are drawn as |
 //! | [`OneAxisPicture`], [`Curves`] | the curves of a sweep over one parameter; any curves, in panels |
 //! | [`OrbitPanels`], [`RunPicture`], [`Spacetime`] | an orbit in profile, time and phase plane; a simulated run; all masses over a period |
 //! | [`Animation`] | the chain between its barriers, moving |
@@ -24,6 +25,7 @@
 
 mod axes;
 mod backend;
+mod figures;
 mod map;
 mod moving;
 mod panels;
@@ -36,7 +38,13 @@ pub use backend::canvas::{open, render};
 pub use backend::drawing;
 pub use backend::format::{Format, PlotError};
 pub use backend::page::{Page, Purpose};
-pub use map::classes::loss;
+pub use figures::contact_panes::contact_panes;
+pub use figures::diagram::{Diagram, OrbitQuantity, diagram_curves};
+pub use figures::event_curves::event_curves;
+pub use figures::orbit_panes::{
+    along, impact_name, multiplier_pane, orbit_flights, orbit_panes, orbit_profile, rows, state,
+};
+pub use map::classes::{class_words, loss};
 pub use map::ends::{ENDS, EndsPicture, MOST_VALUES, ends_picture};
 pub use map::map_raster::{Shown, is_shown};
 pub use map::mapped::{MapAxis, Mapped, about};
@@ -53,4 +61,4 @@ pub use panels::curves_picture;
 pub use panels::field;
 pub use panels::orbit::{OrbitPanels, Profile, Trace, orbit_picture, portrait_pane, profile_pane, trace_pane};
 pub use panels::run::{RunPicture, run_picture, run_trace};
-pub use panels::spacetime::{Spacetime, spacetime_picture};
+pub use panels::spacetime::{Spacetime, diverging, spacetime_picture};

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use vibrochain_lattice::{Parameter, Stop};
 use vibrochain_maps::borders::{Asked, Border, Borders};
 use vibrochain_maps::cell::Class;
-use vibrochain_maps::regions::Regions;
+use vibrochain_maps::regions::{Region, Regions};
 
 use crate::call::long;
 use crate::failure::{Failure, whole};
@@ -111,7 +111,11 @@ pub(crate) struct PyBorders {
     #[pyo3(get)]
     unexplained: Vec<(String, [[f64; 2]; 2])>,
     regions: Regions<String>,
+    caption: [String; 3],
 }
+
+/// A region: its class, its share of the window, its outlines.
+type Outlined<'a, 'py> = (&'a str, f64, Vec<Bound<'py, PyArray2<f64>>>);
 
 #[pymethods]
 impl PyBorders {
@@ -128,6 +132,26 @@ impl PyBorders {
         let areas = PyDict::new(py);
         self.regions.areas().iter().try_for_each(|area| areas.set_item(&area.class, (area.share, area.error)))?;
         Ok(areas)
+    }
+
+    /// list of (str, float, list of numpy.ndarray of float64, shape (k, 2)) : regions: the class, its share of the window, and outlines in
+    /// values of both parameters, counterclockwise around it and clockwise around what it leaves out.
+    #[getter]
+    fn regions<'py>(&self, py: Python<'py>) -> PyResult<Vec<Outlined<'_, 'py>>> {
+        let window = self.regions.window();
+        let outline = |outline: &Vec<[f64; 2]>| {
+            let values: Vec<f64> = outline.iter().flat_map(|part| window.point(*part)).collect();
+            values.into_pyarray(py).reshape([outline.len(), 2])
+        };
+        let region = |region: &'_ Region<String>| region.outlines.iter().map(outline).collect::<PyResult<Vec<_>>>();
+        self.regions.regions().iter().map(|one| Ok((one.class.as_str(), one.share, region(one)?))).collect()
+    }
+
+    /// tuple of (str, str, str) : what stands above the picture: the title, all that is fixed, what counts as stable.
+    #[getter]
+    fn caption(&self) -> (&str, &str, &str) {
+        let [heading, fixed, criterion] = &self.caption;
+        (heading, fixed, criterion)
     }
 
     /// The class of what lives at a point of the window.
@@ -179,6 +203,7 @@ pub(crate) fn _curves(
     let count = thread_count(threads)?;
     let places = whole("places", places, 0, i64::MAX)? as usize;
     let scene = scene(text.as_deref(), &path)?;
+    let caption = [scene.heading(), scene.fixed(), scene.criterion()];
     let told = Arc::new([AtomicU64::new(0), AtomicU64::new(0)]);
     let work = {
         let told = told.clone();
@@ -206,5 +231,6 @@ pub(crate) fn _curves(
         unexplained: found.unexplained.into_iter().map(|change| (change.family, change.between)).collect(),
         // What could not be told has no class.
         regions: regions.named(|class| class.map_or("unknown", Class::name).to_owned()),
+        caption,
     })
 }

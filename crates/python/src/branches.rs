@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 use serde::{Deserialize, Serialize};
 use vibrochain_floquet::{Course, Event, FollowedBranch, Mechanism, Station, diagram_until};
 use vibrochain_lattice::{Parameter, Stop};
+use vibrochain_maps::followed::title;
 use vibrochain_maps::scene::tolerance_from;
 
 use crate::call::long;
@@ -13,6 +14,7 @@ use crate::failure::{Failure, whole};
 use crate::lengths::items;
 use crate::orbits::PyOrbit;
 use crate::params::parameter;
+use crate::structures::places;
 
 /// A branch of breathers as one parameter varies.
 ///
@@ -33,6 +35,12 @@ pub(crate) struct PyBranch {
     points: Vec<PyBranchPoint>,
     /// list of Located : the events on it, in the same order.
     events: Vec<PyLocated>,
+    /// list of int : how many of the points lie before each event.
+    places: Vec<usize>,
+    /// str : the parameter that varies.
+    free: String,
+    /// str : what its orbits are: the family, or the word.
+    name: String,
     /// int : how many branches lie between it and the orbit's own.
     generation: u32,
     /// tuple of (int, float), or None : the branch that it leaves, by its place in the diagram, and the value there.
@@ -48,15 +56,18 @@ pub(crate) struct PyBranch {
 impl PyBranch {
     fn new(branch: FollowedBranch, origin: Option<(usize, f64)>, free: Parameter) -> Self {
         let FollowedBranch { generation, stations, unresolved, untold, ends, .. } = branch;
-        let (mut points, mut events) = (Vec::new(), Vec::new());
+        let places = places(&stations);
+        let (mut points, mut events) = (Vec::<PyBranchPoint>::new(), Vec::new());
         for station in stations {
             match station {
                 Station::Point(point) => points.push(point.into()),
                 Station::Event(located) => events.push(PyLocated::new(located, free)),
             }
         }
+        let name = points.first().map_or_else(String::new, |point| title(&point.orbit.0));
         let unresolved = unresolved.iter().map(|place| (place.from, place.to)).collect();
-        Self { points, events, generation, origin, unresolved, untold, ends: ends.iter().map(PyEnd::from).collect() }
+        let (free, ends) = (free.name().to_owned(), ends.iter().map(PyEnd::from).collect());
+        Self { points, events, places, free, name, generation, origin, unresolved, untold, ends }
     }
 
     fn column<'py>(&self, py: Python<'py>, value: impl Fn(&PyBranchPoint) -> Option<f64>) -> Bound<'py, PyArray1<f64>> {

@@ -6,12 +6,14 @@
 // | `orbits`, `breathers` | `Orbit`, `Impact`; `Breathers`, and how complete they are |
 // | `answers` | `Admissibility`, `Condition`, `Stability` |
 // | `simulation` | event-driven runs |
-// | `structures` | orbits of any linear structure |
+// | `structures`, `structure_maps` | orbits of any linear structure; maps of them |
+// | `words` | impact words |
 // | `sweep`, `fates` | maps: the columns of a scene's cells; what becomes of their breathers |
 // | `events`, `branches`, `curves` | what happens as parameters vary |
 // | `borders` | all borders of a scene's window |
 // | `call` | long calls: without the interpreter's lock, interruptible |
 // | `lengths` | sequences, whose lengths are looked at first |
+// | `pictures` | colours, words and drawings of pictures |
 // | `pickle` | copies and pickles of all values |
 // | `failure` | errors as exceptions |
 
@@ -29,9 +31,12 @@ mod model;
 mod orbits;
 mod params;
 mod pickle;
+mod pictures;
 mod simulation;
+mod structure_maps;
 mod structures;
 mod sweep;
+mod words;
 
 use pyo3::prelude::*;
 
@@ -63,11 +68,20 @@ mod _vibrochain {
     #[pymodule_export]
     use crate::pickle::{_reduce, _restore};
     #[pymodule_export]
+    use crate::pictures::{
+        _branch_pane, _caption, _class_words, _curve_pane, _frequencies, _in_words, _map_svg, _orbit_pane, _run_pane,
+        _structure_frequencies, _structure_pane, _style, _svg, PyPane,
+    };
+    #[pymodule_export]
     use crate::simulation::{_simulate, _start};
     #[pymodule_export]
-    use crate::structures::{_structure, _structure_along};
+    use crate::structure_maps::{_scene, _structure_sweep};
     #[pymodule_export]
-    use crate::sweep::{_scene, _sweep};
+    use crate::structures::{_structure, _structure_along, _structure_motion};
+    #[pymodule_export]
+    use crate::sweep::_sweep;
+    #[pymodule_export]
+    use crate::words::_words;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -2,13 +2,16 @@
 
 use std::path::Path;
 
+use numpy::{IntoPyArray, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use serde::Serialize;
 use vibrochain_breather::{
-    StructureFound, StructureModel, StructureOrbit, StructureOrbitError, StructureSearch, Word, structure_orbits,
+    StructureFound, StructureModel, StructureMotion, StructureOrbit, StructureOrbitError, StructureSearch, Word,
+    structure_orbits,
 };
 use vibrochain_floquet::{
-    DiagramPoint, Event, FollowedBranch, StructureCourse, StructureCurve, StructureWindow, Tolerance, structure_branch,
+    DiagramPoint, Event, FollowedBranch, Station, StructureCourse, StructureCurve, StructureWindow, Tolerance,
+    structure_branch,
 };
 use vibrochain_lattice::{Barrier, Stop, StructureError};
 use vibrochain_maps::structure::along::{EventEntry, curves, family};
@@ -19,7 +22,7 @@ use crate::call::long;
 use crate::failure::Failure;
 
 /// Contact, barrier, time and impulse.
-type Hit = (usize, String, f64, f64);
+pub(crate) type Hit = (usize, String, f64, f64);
 
 impl From<StructureOrbitError> for Failure {
     fn from(error: StructureOrbitError) -> Self {
@@ -72,6 +75,49 @@ pub(crate) fn _structure(
     long(py, |_| Ok(()), work)
 }
 
+/// Places and velocities of all contacts on the orbit near given impacts, at any times: an array over times, contacts and these
+/// two.
+#[pyfunction]
+pub(crate) fn _structure_motion<'py>(
+    py: Python<'py>,
+    scene: String,
+    near: Vec<Hit>,
+    psi: f64,
+    force_periods: u32,
+    times: Vec<f64>,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let count = times.len();
+    let work = move |_: &Stop| {
+        let (_, orbit) = structure_orbit(&scene, &near, psi, force_periods)?;
+        let motion = StructureMotion::new(&orbit)?;
+        let (impacts, contacts) = (orbit.impacts(), orbit.model().structure().contacts().len());
+        let mut values = Vec::with_capacity(times.len() * contacts * 2);
+        for time in times {
+            let now = (time - impacts[0].time).rem_euclid(orbit.period()) + impacts[0].time;
+            let i = impacts.partition_point(|impact| impact.time <= now).saturating_sub(1);
+            for contact in 0..contacts {
+                let [place, velocity, _] = motion.contact(contact, i, now - impacts[i].time);
+                values.extend([place, velocity]);
+            }
+        }
+        Ok::<_, Failure>((values, contacts))
+    };
+    let (values, contacts) = long(py, |_| Ok(()), work)?;
+    values.into_pyarray(py).reshape([count, contacts, 2])
+}
+
+/// A structure in JSON, and its orbit next to given impacts.
+pub(crate) fn structure_orbit(
+    scene: &str,
+    near: &[Hit],
+    psi: f64,
+    force_periods: u32,
+) -> Result<(StructureScene, StructureOrbit), Failure> {
+    let scene = StructureScene::of_text(scene, Path::new(".")).map_err(Failure::Request)?;
+    let orbit = orbit_near(&scene.model().map_err(Failure::Request)?, force_periods, psi, near)?;
+    Ok((scene, orbit))
+}
+
 /// The orbit next to given impacts.
 fn orbit_near(model: &StructureModel, force_periods: u32, psi: f64, near: &[Hit]) -> Result<StructureOrbit, Failure> {
     let impacts = near.iter().map(|(contact, barrier, time, impulse)| {
@@ -86,13 +132,27 @@ fn orbit_near(model: &StructureModel, force_periods: u32, psi: f64, near: &[Hit]
     Ok(StructureOrbit::near(model, force_periods, psi, &impacts)?)
 }
 
+/// How many points lie before each event.
+pub(crate) fn places<O>(stations: &[Station<O>]) -> Vec<usize> {
+    let before = stations.iter().scan(0, |points, station| {
+        *points += usize::from(matches!(station, Station::Point(_)));
+        Some((station, *points))
+    });
+    before.filter(|(station, _)| matches!(station, Station::Event(_))).map(|(_, points)| points).collect()
+}
+
 /// What one number of a structure, or two, do to an orbit: the answer of `_structure_along`.
 #[derive(Serialize)]
 struct Along<'a> {
     points: Vec<&'a DiagramPoint<StructureOrbit>>,
     events: Vec<EventEntry>,
+    /// How many points lie before each event.
+    places: Vec<usize>,
     ends: Vec<(f64, &'static str)>,
     curves: Vec<StructureCurve>,
+    /// What stands at the axes, and above the picture.
+    labels: Vec<String>,
+    heading: String,
 }
 
 /// The branch of an orbit along a number of the structure in `scene`, and, over two numbers, the curves of the events on it.
@@ -144,8 +204,11 @@ pub(crate) fn _structure_along(
         let answer = Along {
             points: found.points().collect(),
             events: found.events().map(EventEntry::of).collect(),
+            places: places(&found.stations),
             ends: found.ends.iter().map(|(value, end)| (*value, end.name())).collect(),
             curves: followed,
+            labels: free.iter().map(|(setting, _)| scene.label(*setting)).collect(),
+            heading: scene.fixed_but(&orbit.word(), &free.iter().map(|(setting, _)| *setting).collect::<Vec<_>>()),
         };
         serde_json::to_string(&answer).map_err(|error| Failure::Other(error.to_string()))
     };

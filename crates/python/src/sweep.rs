@@ -121,16 +121,10 @@ pub(crate) fn unrefined(scene: &Scene) -> Result<(), Failure> {
 }
 
 /// All of a scene that decides what its map holds, as JSON.
-fn parts(scene: &Scene) -> String {
+pub(crate) fn parts(scene: &Scene) -> String {
     let mut parts = scene_parts(scene);
     parts.extend(scene.title.iter().map(|title| ("title".to_owned(), title.as_str().into())));
     serde_json::Value::from(parts).to_string()
-}
-
-/// The parts of a scene in a file, as JSON.
-#[pyfunction]
-pub(crate) fn _scene(path: PathBuf) -> PyResult<String> {
-    Ok(parts(&scene(None, &path)?))
 }
 
 /// Computes the map of a scene: what it was made of, its axes (the slowest first), its columns, its counts.

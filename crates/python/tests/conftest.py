@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import sys
 
 import pytest
 
@@ -14,6 +15,14 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 def at_root(monkeypatch):
     """Examples name files from the project's root."""
     monkeypatch.chdir(ROOT)
+
+
+@pytest.fixture(autouse=True)
+def without_figures():
+    """Figures that a test leaves are closed."""
+    yield
+    if pyplot := sys.modules.get("matplotlib.pyplot"):
+        pyplot.close("all")
 
 
 @pytest.fixture(scope="session")

@@ -3,12 +3,15 @@
 import doctest
 import importlib.util
 import inspect
+import re
 
 import pytest
 
 import vibrochain as vc
 
+# Packages, and the program, which the tests have.
 NEEDS = {doctest.register_optionflag(name.upper()): name for name in ["pandas", "xarray", "matplotlib"]}
+doctest.register_optionflag("MAPGEN")
 
 
 def public():
@@ -33,8 +36,9 @@ def test_all_is_all():
 
 
 @pytest.mark.parametrize("name", ALL)
-def test_example(name, monkeypatch):
+def test_example(name, monkeypatch, mapgen):
     thing = ALL[name]
+    monkeypatch.setenv("MAPGEN", str(mapgen))
     text = inspect.getdoc(thing)
     assert text, f"{name} has no docstring"
     if inspect.isclass(thing) and issubclass(thing, Exception):
@@ -51,6 +55,34 @@ def test_example(name, monkeypatch):
     said = []
     results = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(test, out=said.append)
     assert results.attempted == len(kept) and not results.failed, "".join(said)
+
+
+def takes(thing):
+    """Names of the arguments of a function or method, or of what makes a class that users make."""
+    if inspect.isclass(thing) and (thing.__name__ not in MADE or issubclass(thing, Exception)):
+        return []
+    try:
+        parameters = inspect.signature(thing).parameters.values()
+    except ValueError:
+        return []
+    return [each.name for each in parameters if each.name not in ("self", "cls")]
+
+
+# Classes that users make themselves; all others come from functions.
+MADE = ["Chain", "Contact", "Force", "Model", "Structure"]
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_arguments_and_returns_are_described(name):
+    """Each argument stands in the docstring with its type, and what comes back with its own."""
+    thing = ALL[name]
+    text = inspect.getdoc(thing)
+    listed = re.findall(r"^([\w*, ]+) : ", text, re.MULTILINE)
+    told = {each.strip("* ") for names in listed for each in names.split(",")}
+    missing = [each for each in takes(thing) if each not in told]
+    assert not missing, f"{name}: {missing}"
+    if not inspect.isclass(thing) and name not in ("Explorer.close",):
+        assert "Returns\n-------\n" in text, f"{name} does not say what it returns"
 
 
 @pytest.mark.parametrize("name", [name for name, thing in ALL.items() if inspect.isclass(thing)])

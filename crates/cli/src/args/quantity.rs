@@ -38,6 +38,12 @@ pub(crate) const ALL: [QuantityName; 7] = [Class, SpectralRadius, Margin, Impuls
 pub(crate) const SHOWN: [QuantityName; 2] = [Impulse, SpectralRadius];
 pub(super) const SHOWN_NAMES: &str = "impulse,spectral_radius";
 
+/// Those of orbits, by the same names.
+#[cfg(feature = "plot")]
+pub(crate) fn of_orbits(shown: &[QuantityName]) -> Vec<vibrochain_plot::OrbitQuantity> {
+    shown.iter().filter_map(|one| vibrochain_plot::OrbitQuantity::from_name(&one.to_string())).collect()
+}
+
 /// The name on the command line, a column's.
 impl fmt::Display for QuantityName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -1,7 +1,5 @@
 //! `mapgen branch`: a branch of breathers as one parameter varies, with all events on it and what branches off.
 
-#[cfg(feature = "plot")]
-pub(crate) mod plot;
 #[cfg_attr(not(feature = "plot"), allow(dead_code, reason = "only pictures are drawn from what is read"))]
 pub(crate) mod table;
 
@@ -13,22 +11,22 @@ use vibrochain_floquet::{
     Course, Diagram, DiagramPoint, End, Event, FollowedBranch, Located, Origin, Station, Unresolved, diagram_until,
 };
 use vibrochain_lattice::Parameter;
+use vibrochain_maps::caption::describe_without;
 use vibrochain_maps::files::{CsvFile, distinct};
+use vibrochain_maps::followed::title;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::criterion;
 
-use crate::args::{BranchArgs, QuantityName};
 #[cfg(feature = "plot")]
-use crate::branch::plot::Drawn;
+use crate::args::of_orbits;
+use crate::args::{BranchArgs, QuantityName};
 use crate::branch::table::{HEADER, Table, write};
 use crate::common::answer::{EndAnswer, StartAnswer, printed};
-use crate::common::caption::describe_without;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
 use crate::common::schemas::BRANCH;
 use crate::common::table_manifest::{Manifest, beside};
-use crate::common::which;
 use crate::locate::{Start, error_text, evidence_text, message, range, start};
 use crate::structures;
 use crate::sweep::report::counted;
@@ -194,7 +192,7 @@ fn as_text(start: &Start, course: &Course, diagram: &Diagram, all: bool) -> Stri
             let _ = write!(
                 out,
                 ", {}, leaves branch {} at {free} = {} ({})",
-                which::of_branch(branch),
+                branch.points().next().map_or_else(String::new, |point| title(&point.orbit)),
                 origin.branch + 1,
                 Number(found.value),
                 found.event
@@ -255,12 +253,21 @@ fn as_text(start: &Start, course: &Course, diagram: &Diagram, all: bool) -> Stri
     out
 }
 
+/// The picture of a table.
+#[cfg(feature = "plot")]
+pub(crate) fn picture(table: &Table, free: Parameter, shown: &[QuantityName], all: bool) -> vibrochain_plot::Curves {
+    let Table { about, branches } = table;
+    let (heading, x) = (about.heading.clone(), format!("{} {}", free.meaning(), free.symbol()));
+    let diagram = vibrochain_plot::Diagram { heading, x, names: &about.branches, rows: branches };
+    vibrochain_plot::diagram_curves(&diagram, &of_orbits(shown), all)
+}
+
 #[cfg(feature = "plot")]
 fn draw(files: PictureFiles, args: &BranchArgs, course: &Course, table: &Table) -> Result<(), CliError> {
     if files.is_empty() {
         return Ok(());
     }
-    let picture = crate::branch::plot::picture(&Drawn::of(table, course.free), &args.show, args.all);
+    let picture = picture(table, course.free, &args.show, args.all);
     files.draw(|page| vibrochain_plot::curves_picture(&picture, page))
 }
 
@@ -274,7 +281,7 @@ fn fits(files: &PictureFiles, args: &BranchArgs, course: &Course) -> Result<(), 
         branches: Vec::new(),
     };
     let nothing = Table { about, branches: Vec::new() };
-    let picture = crate::branch::plot::picture(&Drawn::of(&nothing, course.free), &args.show, args.all);
+    let picture = picture(&nothing, course.free, &args.show, args.all);
     files.fit(|page| vibrochain_plot::curves_picture(&picture, page))
 }
 

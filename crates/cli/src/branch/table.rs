@@ -2,13 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use vibrochain_floquet::{Diagram, Event, Followed, FollowedBranch, Station, is_physical_about};
+use vibrochain_floquet::{Diagram, Event, Followed, FollowedBranch, Station};
 use vibrochain_lattice::{Model, Parameter};
 use vibrochain_maps::fields::Fields;
 use vibrochain_maps::files::CsvFile;
+use vibrochain_maps::followed::{BranchName, BranchRow as Row, branch_row as row, title};
 
 use crate::common::error::CliError;
-use crate::common::which;
 
 pub(crate) const HEADER: [&str; 15] = [
     "branch",
@@ -39,89 +39,39 @@ pub(crate) struct About {
     pub(crate) branches: Vec<BranchName>,
 }
 
-/// What the rows do not say of a branch.
-#[derive(Serialize, Deserialize)]
-pub(crate) struct BranchName {
-    pub(crate) name: String,
-    pub(crate) generation: u32,
-    pub(crate) force_periods: u32,
-}
-
-/// A point of a branch, or an event on it.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Row {
-    pub(crate) event: Option<Event>,
-    pub(crate) value: f64,
-    pub(crate) impulses: Vec<f64>,
-    pub(crate) phi: Option<f64>,
-    pub(crate) psi: Option<f64>,
-    pub(crate) period: f64,
-    pub(crate) margin: Option<f64>,
-    pub(crate) physical: Option<bool>,
-    pub(crate) stable: Option<bool>,
-    pub(crate) spectral_radius: Option<f64>,
-}
-
 /// A table with what it is of: the rows of each branch in the order of the way.
 pub(crate) struct Table {
     pub(crate) about: About,
     pub(crate) branches: Vec<Vec<Row>>,
 }
 
-/// The row of a point, or of an event.
-pub(crate) fn row<O: Followed>(station: &Station<O>) -> Row {
-    let (event, value, orbit, point, physical) = match station {
-        Station::Point(point) => (None, point.value, &point.orbit, Some(point), point.physical),
-        Station::Event(found) => (Some(found.event), found.value, &found.orbit, None, found.physical),
-    };
-    let verdict = point.and_then(|point| point.verdict);
-    Row {
-        event,
-        value,
-        impulses: orbit.impulses(),
-        phi: orbit.phi(),
-        psi: orbit.psi(),
-        period: orbit.period(),
-        margin: point.and_then(|point| point.margin),
-        physical,
-        stable: verdict.filter(|verdict| !verdict.marginal).map(|verdict| verdict.stable),
-        spectral_radius: verdict.map(|verdict| verdict.spectral_radius),
-    }
-}
-
-impl Row {
-    /// Whether the orbits about one of these rows are physical.
-    pub(crate) fn is_physical_about(rows: &[Self], at: usize) -> bool {
-        is_physical_about(rows, at, |row| (row.event, row.physical))
-    }
-
-    fn read(fields: &mut Fields<'_, &str>, about: &About) -> Result<(usize, Self), String> {
-        let number: usize = fields.read(|text| {
-            let number = text.parse().ok()?;
-            (1..=about.branches.len()).contains(&number).then_some(number)
-        })?;
-        fields.value::<u32>()?;
-        let event = fields.read(|text| match text {
-            "" => Some(None),
-            text => Event::from_name(text).map(Some),
-        })?;
-        let value = fields.finite()?;
-        let _error: Option<f64> = fields.number()?;
-        let _strongest: f64 = fields.value()?;
-        let impulses = fields.numbers()?;
-        let (phi, psi, period, margin) = (fields.number()?, fields.number()?, fields.finite()?, fields.number()?);
-        let (physical, stable) = (fields.number()?, fields.number()?);
-        let _mechanism = fields.text();
-        let spectral_radius = fields.number()?;
-        Ok((number, Self { event, value, impulses, phi, psi, period, margin, physical, stable, spectral_radius }))
-    }
+/// A row of a table, and the number of its branch.
+fn read(fields: &mut Fields<'_, &str>, about: &About) -> Result<(usize, Row), String> {
+    let number: usize = fields.read(|text| {
+        let number = text.parse().ok()?;
+        (1..=about.branches.len()).contains(&number).then_some(number)
+    })?;
+    fields.value::<u32>()?;
+    let event = fields.read(|text| match text {
+        "" => Some(None),
+        text => Event::from_name(text).map(Some),
+    })?;
+    let value = fields.finite()?;
+    let _error: Option<f64> = fields.number()?;
+    let _strongest: f64 = fields.value()?;
+    let impulses = fields.numbers()?;
+    let (phi, psi, period, margin) = (fields.number()?, fields.number()?, fields.finite()?, fields.number()?);
+    let (physical, stable) = (fields.number()?, fields.number()?);
+    let _mechanism = fields.text();
+    let spectral_radius = fields.number()?;
+    Ok((number, Row { event, value, impulses, phi, psi, period, margin, physical, stable, spectral_radius }))
 }
 
 impl Table {
     pub(crate) fn new(free: Parameter, heading: String, model: &Model, diagram: &Diagram) -> Self {
         let periods = |branch: &FollowedBranch| branch.points().next().map_or(1, |point| point.orbit.force_periods());
         let name = |branch: &FollowedBranch| BranchName {
-            name: which::of_branch(branch),
+            name: branch.points().next().map_or_else(String::new, |point| title(&point.orbit)),
             generation: branch.generation,
             force_periods: periods(branch),
         };
@@ -137,7 +87,7 @@ impl Table {
 
     /// Reads a row of a table.
     pub(crate) fn take(&mut self, fields: &mut Fields<'_, &str>) -> Result<(), String> {
-        let (number, row) = Row::read(fields, &self.about)?;
+        let (number, row) = read(fields, &self.about)?;
         self.branches[number - 1].push(row);
         Ok(())
     }

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use serde::Deserialize;
 use vibrochain_breather::{BreatherError, Family, Finder, Found, Hit, Limit, Orbit, Wanted, Word};
-use vibrochain_floquet::FollowedBranch;
 use vibrochain_lattice::{Barrier, Model};
 
 use crate::args::WhichArgs;
@@ -12,6 +11,7 @@ use crate::common::console::Console;
 use crate::common::error::CliError;
 use crate::common::schemas::{self, ORBIT, expect};
 use vibrochain_maps::cell::SYMMETRIC;
+use vibrochain_maps::followed::over;
 use vibrochain_maps::numbers::{Number, plain};
 use vibrochain_maps::scene::Given;
 
@@ -110,25 +110,6 @@ fn search(
     })?;
     let told = limits.first().map(|limit| format!("; {limit}")).unwrap_or_default();
     Err(CliError::IllPosed(format!("{resonance}{told}")))
-}
-
-/// What the orbits of a branch are called.
-pub(crate) fn of_branch(branch: &FollowedBranch) -> String {
-    let Some(orbit) = branch.points().next().map(|point| &point.orbit) else { return String::new() };
-    match (orbit.family(), orbit.force_periods()) {
-        // A word that has become that of a family.
-        (Family::Word, 1) => Word::of(orbit)
-            .family()
-            .filter(|family| *family != Family::PeriodDoubled)
-            .map_or_else(|| orbit.name(), |family| family.name().to_owned()),
-        (Family::Word, periods) => over(&orbit.name(), periods),
-        _ => orbit.name(),
-    }
-}
-
-/// The name of a word of so many periods of the force.
-fn over(word: &str, periods: u32) -> String {
-    if periods == 1 { word.to_owned() } else { format!("{word} in {periods} periods of the force") }
 }
 
 #[derive(Deserialize)]

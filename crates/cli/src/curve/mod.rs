@@ -1,7 +1,5 @@
 //! `mapgen curve`: the curve of an event as two parameters vary.
 
-#[cfg(feature = "plot")]
-pub(crate) mod plot;
 #[cfg_attr(not(feature = "plot"), allow(dead_code, reason = "only pictures are drawn from what is read"))]
 pub(crate) mod table;
 
@@ -11,12 +9,14 @@ use serde::Serialize;
 use serde_json::json;
 use vibrochain_floquet::{EventCurve, Located, Search, Walk, Window, curve_along, locate_until};
 use vibrochain_lattice::{Parameter, Short};
+use vibrochain_maps::caption::{in_common, in_words};
 use vibrochain_maps::files::{CsvFile, distinct};
+#[cfg(feature = "plot")]
+use vibrochain_maps::followed::curve_rows;
 use vibrochain_maps::numbers::Number;
 
 use crate::args::CurveArgs;
 use crate::common::answer::{StartAnswer, printed};
-use crate::common::caption::{in_common, in_words};
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
@@ -185,16 +185,22 @@ pub(crate) fn told<O>(out: &mut String, [first, second]: [&str; 2], curves: &[Ev
     }
 }
 
+/// What stands at the axes of a window.
+#[cfg(feature = "plot")]
+pub(crate) fn labels(window: &Window) -> [String; 2] {
+    window.parameters.map(|parameter| format!("{} {}", parameter.meaning(), parameter.symbol()))
+}
+
 #[cfg(feature = "plot")]
 fn draw(files: PictureFiles, heading: &str, curves: &Curves) -> Result<(), CliError> {
     if files.is_empty() {
         return Ok(());
     }
-    let picture = crate::curve::plot::picture(
+    let picture = vibrochain_plot::event_curves(
         heading,
-        crate::curve::plot::labels(&curves.window),
+        labels(&curves.window),
         (curves.window.from, curves.window.to),
-        &crate::curve::table::rows(&curves.list),
+        &curve_rows(&curves.list),
     );
     files.draw(|page| vibrochain_plot::curves_picture(&picture, page))
 }
@@ -204,12 +210,7 @@ fn draw(files: PictureFiles, heading: &str, curves: &Curves) -> Result<(), CliEr
 fn fits(files: &PictureFiles, curves: &Curves) -> Result<(), CliError> {
     files.fit(|page| {
         vibrochain_plot::curves_picture(
-            &crate::curve::plot::picture(
-                "",
-                crate::curve::plot::labels(&curves.window),
-                (curves.window.from, curves.window.to),
-                &[],
-            ),
+            &vibrochain_plot::event_curves("", labels(&curves.window), (curves.window.from, curves.window.to), &[]),
             page,
         )
     })

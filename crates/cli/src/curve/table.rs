@@ -2,9 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use vibrochain_floquet::{CurvePoint, EventCurve, Followed, SpecialPoint, Window};
+use vibrochain_floquet::{CurvePoint, EventCurve, Followed, Window};
 use vibrochain_maps::fields::Fields;
 use vibrochain_maps::files::CsvFile;
+use vibrochain_maps::followed::{CurveRow as Row, special};
 
 use crate::common::error::CliError;
 
@@ -25,31 +26,8 @@ pub(crate) struct About {
     pub(crate) parameters: Value,
 }
 
-/// A point of a curve.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Row {
-    pub(crate) values: [f64; 2],
-    pub(crate) physical: bool,
-    /// What happens there besides, by its names.
-    pub(crate) special: Vec<String>,
-}
-
 /// The points of each curve.
 pub(crate) type Rows = Vec<Vec<Row>>;
-
-fn special<O>(curve: &EventCurve<O>, at: usize) -> impl Iterator<Item = &SpecialPoint> {
-    curve.special.iter().filter(move |one| one.point == at)
-}
-
-/// What the picture needs of curves.
-pub(crate) fn rows<O>(curves: &[EventCurve<O>]) -> Rows {
-    let row = |curve: &EventCurve<O>, (k, point): (usize, &CurvePoint<O>)| Row {
-        values: point.values,
-        physical: point.physical == Some(true),
-        special: special(curve, k).map(|one| one.special.to_string()).collect(),
-    };
-    curves.iter().map(|curve| curve.points.iter().enumerate().map(|one| row(curve, one)).collect()).collect()
-}
 
 /// Reads a row of a table.
 pub(crate) fn take(curves: &mut Rows, fields: &mut Fields<'_, &str>) -> Result<(), String> {

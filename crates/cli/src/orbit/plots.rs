@@ -12,55 +12,31 @@
 
 use std::path::Path;
 
-use vibrochain_breather::{BreatherError, Finder, Impact, Motion, Orbit};
-use vibrochain_floquet::{Complex, FloquetMode, Verdict, leading_modes};
-use vibrochain_lattice::{Decay, Ends, Spectrum, decay};
+use vibrochain_breather::{BreatherError, Finder, Motion, Orbit};
+use vibrochain_floquet::{Complex, FloquetMode, leading_modes};
+use vibrochain_lattice::{Decay, Spectrum, decay};
 
-use crate::common::caption::{beside, describe};
+use crate::common::caption::beside;
 use crate::common::error::CliError;
 use crate::common::solution::Solution;
 use crate::orbit::pictures::{Folder, Pictured};
+use vibrochain_maps::caption::describe;
 use vibrochain_plot::field::FieldWriter;
-pub(crate) use vibrochain_plot::loss;
 use vibrochain_plot::{
-    Mark, OrbitPanels, Page, Pane, Profile, Scale, Series, Spacetime, Stroke, Trace, portrait_pane, profile_pane,
-    spacetime_picture, trace_pane,
+    Mark, OrbitPanels, Page, Pane, Scale, Series, Spacetime, Stroke, along, impact_name, multiplier_pane,
+    orbit_flights, orbit_panes, orbit_profile, rows, spacetime_picture, state,
 };
-
-/// Samples of one flight between impacts.
-const FLIGHT: usize = 160;
 
 /// Harmonics among which the slowest decay is looked for: later ones decay faster.
 const HARMONICS: u64 = 1000;
 
-/// Corners of the unit circle.
-const CIRCLE: u32 = 180;
-
-/// Points of a trace: a few pixels each, smooth to the eye.
-const SAMPLES: usize = 160;
-
 impl Pictured for Solution {
     fn panels(&self, number: usize) -> Result<OrbitPanels, CliError> {
         let orbit = &self.orbit;
-        let mut motion = Motion::of(orbit)?;
-        let at = |impacts: &[Impact]| format!("at t = {:.4}", impacts.first().map_or(0.0, |impact| impact.time));
-        let profiles = profiles(orbit, &mut motion, at);
-        // Between samples the tips of a trace, which are its impacts, would be cut off.
-        let impacts = orbit.impacts().iter().map(|impact| (impact.time / orbit.period()).rem_euclid(1.0));
-        let mut parts: Vec<f64> = (0..=SAMPLES).map(|k| k as f64 / SAMPLES as f64).chain(impacts).collect();
-        parts.sort_by(f64::total_cmp);
-        let trace = |site| {
-            let at = |part: &f64| [*part, motion.at(site, part * orbit.period()).displacement, f64::NAN];
-            Trace { name: format!("site {site}"), flights: vec![parts.iter().map(at).collect()], ..Trace::default() }
-        };
-        let traces: Vec<Trace> = orbit.hit_sites().into_iter().map(trace).collect();
-        let y = if traces.len() == 1 { "impacting mass u₀" } else { "impacting masses uₙ" };
         let verdict = self.multipliers.as_ref().ok().map(|all| &all.verdict);
         let state = state(self.admissibility.is_physical(), verdict);
         let caption = format!("{} breather {number}: {}; {state}", orbit.name(), describe(orbit.model()));
-        let panes = [profile_pane(along(orbit), profiles), trace_pane(y, &traces)];
-        let panes = panes.map(|pane| Pane { levels: barriers(orbit), ..pane }).to_vec();
-        Ok(OrbitPanels { caption, panes })
+        Ok(OrbitPanels { caption, panes: orbit_panes(orbit)?.to_vec() })
     }
 
     /// Without stability those of multipliers and eigenvector are left out.
@@ -68,8 +44,8 @@ impl Pictured for Solution {
         let orbit = &self.orbit;
         let title = format!("{} breather {number}: {}", orbit.name(), describe(orbit.model()));
         let folder = Folder { path: folder, page, number, title };
-        folder.save("profile", (960, 480), vec![profile(orbit)?])?;
-        let (trace, phase) = flights(orbit)?;
+        folder.save("profile", (960, 480), vec![orbit_profile(orbit)?])?;
+        let (trace, phase) = orbit_flights(orbit)?;
         folder.save("trace", (960, 480), vec![trace])?;
         folder.save("phase", (960, 560), vec![phase])?;
         let picture = spacetime_picture(&spacetime(orbit, folder.title.clone())?, page);
@@ -89,79 +65,6 @@ impl Pictured for Solution {
     }
 }
 
-/// Physical or not, stable or how not, for captions.
-pub(crate) fn state(is_physical: bool, verdict: Option<&Verdict>) -> String {
-    match verdict {
-        _ if !is_physical => "not physical".to_owned(),
-        None => "physical".to_owned(),
-        Some(verdict) => match verdict.mechanism {
-            None if verdict.marginal => "marginal".to_owned(),
-            None => "stable".to_owned(),
-            Some(mechanism) => format!("unstable, {}, |μ| = {:.6}", loss(mechanism), verdict.spectral_radius),
-        },
-    }
-}
-
-/// What stands below profiles.
-pub(crate) fn along(orbit: &Orbit) -> &'static str {
-    if orbit.model().chain().ends() == Ends::Closed { "site n, from the impacting mass" } else { "site n" }
-}
-
-/// The masses of each layer by their place below profiles: in a closed row by offset from the first impact, −⌊(M−1)/2⌋ … ⌊M/2⌋.
-pub(crate) fn rows(orbit: &Orbit) -> Vec<Vec<(f64, usize)>> {
-    let chain = orbit.model().chain();
-    let length = chain.length() as i64;
-    let home = orbit.impacts().first().map_or(0, |impact| impact.site as i64 % length);
-    let (from, home) = if chain.ends() == Ends::Closed { (-(length - 1) / 2, home) } else { (0, 0) };
-    let row = |layer: i64| {
-        let place = |n: i64| (n as f64, (layer * length + (home + n).rem_euclid(length)) as usize);
-        (from..from + length).map(place).collect()
-    };
-    (0..chain.layers() as i64).map(row).collect()
-}
-
-/// The most lines of a profile; of more layers the first instant is shown alone.
-const MOST_LINES: usize = 8;
-
-/// Displacements below each other: a line for every instant of impacts and layer, named by `name` and the layer, with the number of
-/// the instant.
-pub(crate) fn profiles(orbit: &Orbit, motion: &mut Motion, name: impl Fn(&[Impact]) -> String) -> Vec<Profile> {
-    let (rows, mut lines) = (rows(orbit), Vec::new());
-    let instants = if rows.len() == 1 { usize::MAX } else { (MOST_LINES / rows.len()).max(1) };
-    for (i, impacts) in orbit.instants().take(instants).enumerate() {
-        let Some(first) = impacts.first() else { continue };
-        let v = motion.displacements(first.time);
-        for (layer, row) in rows.iter().enumerate() {
-            let of_layer = if rows.len() == 1 { String::new() } else { format!(", layer {layer}") };
-            let points = row.iter().map(|&(n, site)| (n, v[site])).collect();
-            lines.push(Profile { name: format!("{}{of_layer}", name(impacts)), instant: i, points });
-        }
-    }
-    lines
-}
-
-fn pane(caption: &str, x: &str, y: &str, series: Vec<Series>) -> Pane {
-    Pane { caption: caption.to_owned(), x: x.to_owned(), y: y.to_owned(), series, ..Pane::default() }
-}
-
-fn barriers(orbit: &Orbit) -> Vec<f64> {
-    let a = orbit.model().asymmetry();
-    vec![a - 1.0, a + 1.0]
-}
-
-fn impact_name(orbit: &Orbit, impact: &Impact) -> String {
-    format!("{} barrier, t/T = {:.4}", impact.barrier.name(), impact.time / orbit.period())
-}
-
-fn profile(orbit: &Orbit) -> Result<Pane, BreatherError> {
-    let name = |impacts: &[Impact]| match impacts {
-        [impact] => format!("impact on the {}", impact_name(orbit, impact)),
-        _ => format!("impacts at t/T = {:.4}", impacts.first().map_or(0.0, |impact| impact.time / orbit.period())),
-    };
-    let lines = profiles(orbit, &mut Motion::of(orbit)?, name);
-    Ok(Pane { levels: barriers(orbit), ..profile_pane(along(orbit), lines) })
-}
-
 /// Samples of a period in space and time: a column for every other pixel.
 const COLUMNS: u64 = 450;
 
@@ -175,74 +78,6 @@ fn spacetime(orbit: &Orbit, title: String) -> Result<Spacetime, BreatherError> {
     let a = orbit.model().asymmetry();
     let impacts = orbit.impacts().iter().map(|impact| (impact.time / orbit.period(), impact.site)).collect();
     Ok(Spacetime { title, barriers: (a - 1.0, a + 1.0), field: field.finish(), impacts })
-}
-
-/// The traces over a period, and the phase portrait.
-fn flights(orbit: &Orbit) -> Result<(Pane, Pane), BreatherError> {
-    let mut motion = Motion::of(orbit)?;
-    let home = orbit.impacts().first().map_or(0, |impact| impact.site);
-    let [left, right, ..] = orbit.model().chain().neighbours(home);
-    let next = right.filter(|&n| n != home).or(left).unwrap_or(home);
-    let intervals = motion.intervals();
-    let mut trace = |site: usize, name: &str| {
-        let flight = |i: usize| {
-            let (start, length) = motion.interval(i);
-            let point = |k: usize| {
-                let elapsed = length * k as f64 / FLIGHT as f64;
-                motion.seek(i, elapsed);
-                let now = motion.site(site);
-                [(start + elapsed) / orbit.period(), now.displacement, now.velocity]
-            };
-            (0..=FLIGHT).map(point).collect()
-        };
-        Trace { name: name.to_owned(), flights: (0..intervals).map(flight).collect(), ..Trace::default() }
-    };
-    let mut traces = vec![trace(home, "impacting mass u₀")];
-    let phase = portrait_pane("displacement u₀", "velocity of the impacting mass", &traces[0]);
-    let phase = Pane { uprights: barriers(orbit), ..phase };
-    if next != home {
-        traces.push(trace(next, "its neighbour u₁"));
-    }
-    let trace = trace_pane("displacement", &traces);
-    Ok((Pane { x: "time t/T".to_owned(), levels: barriers(orbit), ..trace }, phase))
-}
-
-/// Multipliers, by falling modulus, in the plane.
-pub(crate) fn multiplier_pane(all: &[Complex<f64>], verdict: &Verdict) -> Pane {
-    let circle = (0..=CIRCLE).map(|k| std::f64::consts::TAU * f64::from(k) / f64::from(CIRCLE));
-    let circle = circle.map(|t| (t.cos(), t.sin())).collect();
-    let place = |z: &Complex<f64>| (z.re, z.im);
-    let leading = all.iter().filter(|z| verdict.mechanism.is_some() && same(z, &verdict.leading));
-    let leading: Vec<_> = leading.map(place).collect();
-    let all = all.iter().map(place).collect();
-    let series =
-        |name: &str, colour, stroke, mark, points| Series { name: name.to_owned(), colour, stroke, mark, points };
-    let state = verdict.mechanism.map_or(if verdict.stable { "stable" } else { "marginal" }.to_owned(), |mechanism| {
-        format!("unstable, {}", loss(mechanism))
-    });
-    let caption =
-        format!("{state}; |μ| = {:.9}, leading μ = {}", verdict.spectral_radius, in_six_digits(verdict.leading));
-    let mut all = vec![
-        series("unit circle", 5, Stroke::Solid(1), Mark::None, circle),
-        series("multipliers", 0, Stroke::None, Mark::Filled(0), all),
-    ];
-    if !leading.is_empty() {
-        all.push(series("leading", 1, Stroke::None, Mark::Hollow(3), leading));
-    }
-    Pane { round: true, ..pane(&caption, "Re μ", "Im μ", all) }
-}
-
-/// "0.600000 + 0.800000i"; a real number has no imaginary part to show.
-fn in_six_digits(z: Complex<f64>) -> String {
-    let sign = if z.im < 0.0 { '−' } else { '+' };
-    let imaginary = if z.im == 0.0 { String::new() } else { format!(" {sign} {:.6}i", z.im.abs()) };
-    format!("{:.6}{imaginary}", z.re).replace('-', "−")
-}
-
-/// The leading multiplier or its conjugate.
-fn same(a: &Complex<f64>, b: &Complex<f64>) -> bool {
-    let close = 1e-9 * (1.0 + b.norm());
-    (a - b).norm() < close || (a.conj() - b).norm() < close
 }
 
 fn eigenvector(orbit: &Orbit, leading: Complex<f64>) -> Result<Vec<Pane>, CliError> {
@@ -272,7 +107,7 @@ fn eigenvector(orbit: &Orbit, leading: Complex<f64>) -> Result<Vec<Pane>, CliErr
         if turning {
             series.push(part("imaginary part", 1, Stroke::Dashed(2), Mark::Hollow(3), &|n| values[n].im));
         }
-        pane(caption, x, letter, series)
+        Pane::titled(caption, x, letter, series)
     };
     let caption = format!("leading perturbation just before the first impact, |μ| = {:.6}", mode.multiplier.norm());
     Ok(vec![
@@ -315,7 +150,7 @@ fn decay_pane(orbit: &Orbit) -> Result<Pane, BreatherError> {
         Some((0, factor)) => format!("slowest decay: the mean over a period, factor {factor:.6} from site to site"),
         Some((j, factor)) => format!("slowest decay: harmonic {j}, factor {factor:.6} from site to site"),
     };
-    let pane = pane(&caption, "distance from the impacting mass, in sites", "|uₙ − uniform motion|", all);
+    let pane = Pane::titled(&caption, "distance from the impacting mass, in sites", "|uₙ − uniform motion|", all);
     Ok(Pane { scale: Scale::Logarithmic, ..pane })
 }
 

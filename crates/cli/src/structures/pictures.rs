@@ -2,52 +2,12 @@
 
 use std::path::Path;
 
-use vibrochain_breather::{Obstruction, StructureMotion};
 use vibrochain_floquet::Verdict;
-use vibrochain_lattice::{Barrier, Contact};
-use vibrochain_plot::{OrbitPanels, Page, Pane, Trace, portrait_pane, trace_pane};
+use vibrochain_plot::{OrbitPanels, Page, Pane, contact_panes, multiplier_pane, state};
 
 use super::orbit::Drawn;
 use crate::common::error::CliError;
 use crate::orbit::pictures::{Folder, Pictured};
-use crate::orbit::plots::{multiplier_pane, state};
-
-/// Samples of one flight between impacts.
-const FLIGHT: usize = 160;
-
-/// Contacts that are drawn at most.
-const MOST: usize = 6;
-
-/// Contacts between the same barriers, with their traces.
-struct Group {
-    contact: Contact,
-    traces: Vec<(usize, Trace)>,
-}
-
-impl Group {
-    fn name(&self) -> String {
-        match &self.traces[..] {
-            [(contact, _)] => format!("g of contact {contact}"),
-            _ => "g of the contacts".to_owned(),
-        }
-    }
-
-    fn levels(&self) -> Vec<f64> {
-        [self.contact.lower, self.contact.upper].into_iter().flatten().collect()
-    }
-
-    fn trace(&self) -> Pane {
-        let traces: Vec<Trace> = self.traces.iter().map(|(_, trace)| trace.clone()).collect();
-        Pane { levels: self.levels(), ..trace_pane(&self.name(), &traces) }
-    }
-
-    /// Of the first one.
-    fn portrait(&self) -> Pane {
-        let (contact, trace) = &self.traces[0];
-        let pane = portrait_pane(&format!("g of contact {contact}"), "velocity g′", trace);
-        Pane { uprights: self.levels(), ..pane }
-    }
-}
 
 impl Drawn<'_> {
     fn verdict(&self) -> Option<&Verdict> {
@@ -60,75 +20,22 @@ impl Drawn<'_> {
         format!("{heading}, {} solution {number}: {fixed}; {state}", self.word)
     }
 
-    /// Those that are hit, and the one that is in the way.
-    fn groups(&self) -> Result<Vec<Group>, CliError> {
-        let orbit = self.answered.orbit;
-        let mut shown: Vec<usize> = orbit.impacts().iter().map(|impact| impact.contact).collect();
-        if let Some(Obstruction::Crossing { site, .. } | Obstruction::WrongSign { site, .. }) =
-            self.answered.admissibility.obstruction
-        {
-            shown.push(site);
-        }
-        let mut seen = Vec::new();
-        shown.retain(|contact| {
-            !seen.contains(contact) && seen.len() < MOST && {
-                seen.push(*contact);
-                true
-            }
-        });
-        let motion = StructureMotion::new(orbit)?;
-        let mut groups: Vec<Group> = Vec::new();
-        for number in shown {
-            let contact = orbit.model().structure().contacts()[number];
-            let trace = self.trace(&motion, number, contact);
-            let same =
-                |group: &&mut Group| (group.contact.lower, group.contact.upper) == (contact.lower, contact.upper);
-            match groups.iter_mut().find(same) {
-                Some(group) => group.traces.push((number, trace)),
-                None => groups.push(Group { contact, traces: vec![(number, trace)] }),
-            }
-        }
-        Ok(groups)
-    }
-
-    fn trace(&self, motion: &StructureMotion<'_>, number: usize, contact: Contact) -> Trace {
-        let orbit = self.answered.orbit;
-        let (impacts, period) = (orbit.impacts(), orbit.period());
-        let flight = |i: usize| {
-            let length = motion.until_next(i);
-            let point = |k: usize| {
-                let s = length * k as f64 / FLIGHT as f64;
-                let [place, velocity, _] = motion.contact(number, i, s);
-                [(impacts[i].time + s) / period, place, velocity]
-            };
-            (0..=FLIGHT).map(point).collect()
-        };
-        // The one at t = 0 ends the period, too.
-        let ends = |time: f64| [Some(time), (time == 0.0).then_some(1.0)].into_iter().flatten();
-        let own = impacts.iter().filter(|impact| impact.contact == number);
-        let place = |barrier: Barrier| contact.barrier(barrier).unwrap_or(f64::NAN);
-        Trace {
-            name: format!("contact {number}"),
-            flights: (0..impacts.len()).map(flight).collect(),
-            impacts: own
-                .flat_map(|impact| ends(impact.time / period).map(|time| (time, place(impact.barrier))))
-                .collect(),
-        }
+    fn panes(&self) -> Result<Vec<[Pane; 2]>, CliError> {
+        Ok(contact_panes(self.answered.orbit, self.answered.admissibility.obstruction.as_ref())?)
     }
 }
 
 impl Pictured for Drawn<'_> {
     fn panels(&self, number: usize) -> Result<OrbitPanels, CliError> {
-        let panes = self.groups()?.iter().flat_map(|group| [group.trace(), group.portrait()]).collect();
+        let panes = self.panes()?.into_iter().flatten().collect();
         Ok(OrbitPanels { caption: self.title(number), panes })
     }
 
     fn write(&self, folder: &Path, page: Page, number: usize) -> Result<(), CliError> {
         let folder = Folder { path: folder, page, number, title: self.title(number) };
-        let groups = self.groups()?;
-        let panes = |of: fn(&Group) -> Pane| groups.iter().map(of).collect::<Vec<_>>();
-        folder.save("trace", (960, 480), panes(Group::trace))?;
-        folder.save("phase", (960, 560), panes(Group::portrait))?;
+        let (traces, portraits) = self.panes()?.into_iter().map(|[trace, portrait]| (trace, portrait)).unzip();
+        folder.save("trace", (960, 480), traces)?;
+        folder.save("phase", (960, 560), portraits)?;
         match &self.answered.stability {
             Ok(stability) => {
                 let pane = multiplier_pane(&stability.multipliers, &stability.verdict);

@@ -216,7 +216,7 @@ fn branch(args: &DrawArgs, table: TableRows, source: &Path) -> Result<String, Cl
         return Err(CliError::Request(format!("--show {other} is of maps: of a branch give some of {known}")));
     }
     let shown = if args.show.is_empty() { &SHOWN[..] } else { &args.show };
-    let picture = crate::branch::plot::picture(&crate::branch::plot::Drawn::of(&diagram, free), shown, args.all);
+    let picture = crate::branch::picture(&diagram, free, shown, args.all);
     PictureFiles::asked(&args.pictures)?.draw(|page| curves_picture(&picture, page))?;
     Ok(format!("{} branches of {rows} points and events", diagram.branches.len()))
 }
@@ -230,12 +230,8 @@ fn curve(files: PictureFiles, table: TableRows, source: &Path) -> Result<String,
     }
     let mut curves = Vec::new();
     table.rows(rows, |fields| crate::curve::table::take(&mut curves, fields))?;
-    let picture = crate::curve::plot::picture(
-        &about.heading,
-        crate::curve::plot::labels(&window),
-        (window.from, window.to),
-        &curves,
-    );
+    let picture =
+        vibrochain_plot::event_curves(&about.heading, crate::curve::labels(&window), (window.from, window.to), &curves);
     files.draw(|page| curves_picture(&picture, page))?;
     Ok(format!("{} of {}", counted(curves.len(), "curve"), counted(rows, "point")))
 }

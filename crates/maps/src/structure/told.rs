@@ -36,6 +36,12 @@ impl StructureScene {
         self.told(&|_| false)
     }
 
+    /// Which orbits of what, and what is fixed while these numbers vary.
+    #[must_use]
+    pub fn fixed_but(&self, word: &str, varied: &[Setting]) -> String {
+        format!("{word} of {}, {}", self.heading(), self.told(&|setting| varied.contains(&setting)))
+    }
+
     fn told(&self, swept: &dyn Fn(Setting) -> bool) -> String {
         let plural = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
         let (is_chain, is_uniform) = (self.is_chain(), self.is_uniform());

@@ -7,7 +7,7 @@ pub(crate) const NOTHING: &str = "no physical breather";
 pub(crate) const UNKNOWN: &str = "not computed (see status)";
 
 /// A class as the legend of a picture with these classes has it.
-pub(crate) fn class_words<I: Iterator<Item = Class>>(class: Option<Class>, all: impl Fn() -> I) -> &'static str {
+pub fn class_words<I: Iterator<Item = Class>>(class: Option<Class>, all: impl Fn() -> I) -> &'static str {
     let words = [Class::StableWord, Class::UnstableWord, Class::Word];
     let only_words = || all().all(|class| class == Class::None || words.contains(&class));
     let Some(class) = class else { return UNKNOWN };

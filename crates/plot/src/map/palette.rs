@@ -1,5 +1,6 @@
 //! Colours and textures of a map's cells.
 
+use vibrochain_breather::Family;
 use vibrochain_floquet::Mechanism;
 
 use vibrochain_maps::cell::{Cell, Class};
@@ -114,6 +115,19 @@ fn shaded(colour: Rgb, marked: bool) -> Rgb {
 /// unstable class is none, so that orange says *unstable* wherever it stands.
 pub const LINES: [Rgb; 6] =
     [[16, 50, 98], [46, 134, 171], [0, 110, 84], [116, 197, 242], [120, 24, 144], [157, 157, 157]];
+
+/// The colour of lines of each family, one of [`LINES`]: that of its stable class in maps. Maps have no period-doubled family; it has
+/// a colour of its own.
+pub const FAMILIES: [(Family, usize); 3] =
+    [(Family::DoubleSided, 0), (Family::SingleSided, 1), (Family::PeriodDoubled, 3)];
+/// That of words.
+pub const WORDS: usize = 2;
+/// That of marks of events.
+pub const MARKS: usize = 4;
+/// That of what is not physical.
+pub const GREY: usize = 5;
+/// Those of curves of events, by turns: of borders in maps, as none is a family's; without violet, which marks have.
+pub const CURVES: [usize; 5] = [6, 7, 8, 10, 11];
 
 /// Colours of borders of regions, in order of use: none is a class's, no two are of one hue, and all show on white, which is drawn under
 /// them. Apart for colour-blind eyes and in grey.

@@ -50,6 +50,12 @@ pub struct Pane {
 }
 
 impl Pane {
+    /// One with its words and curves.
+    #[must_use]
+    pub fn titled(caption: &str, x: &str, y: &str, series: Vec<Series>) -> Self {
+        Self { caption: caption.to_owned(), x: x.to_owned(), y: y.to_owned(), series, ..Self::default() }
+    }
+
     /// An empty one over an axis of a sweep, along which values have the places that [`place`](crate::place) gives them.
     pub fn over(axis: &MapAxis) -> Self {
         Self { x: axis.label.clone(), x_log: is_logarithmic(&axis.values), ..Self::default() }

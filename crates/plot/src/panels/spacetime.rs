@@ -20,8 +20,8 @@ pub(crate) const BAR: f64 = 9.6;
 /// What no mass has been simulated for.
 const NOTHING: Rgb = [225, 225, 225];
 
-/// Blue below rest, white at it, vermilion above; in grey the sign is lost, the size is not.
-fn diverging(x: f64) -> Rgb {
+/// The colour of a displacement, −1 to 1: blue below rest, white at it, vermilion above; in grey the sign is lost, the size is not.
+pub fn diverging(x: f64) -> Rgb {
     let (x, end) = (x.clamp(-1.0, 1.0), if x < 0.0 { [16.0, 50.0, 98.0] } else { [176.0, 58.0, 0.0] });
     end.map(|c| (255.0 + (c - 255.0) * x.abs()) as u8)
 }

@@ -11,9 +11,12 @@ from ._errors import (
 )
 from ._borders import curves
 from ._fate import Fates, fate
+from . import _html  # noqa: F401  (what notebooks show)
 from ._map import Map, read_scene, sweep
+from ._program import Explorer, explore, sweep_shares
 from ._run import Run, simulate
 from ._structure import Contact, Structure, StructureBranch, StructureCurve, StructureOrbit, StructureOrbits
+from ._words import words
 from ._vibrochain import (
     Admissibility,
     Border,
@@ -57,6 +60,7 @@ __all__ = [
     "End",
     "EventCurve",
     "Events",
+    "Explorer",
     "Fates",
     "Force",
     "IllConditionedError",
@@ -83,9 +87,12 @@ __all__ = [
     "branch",
     "curve",
     "curves",
+    "explore",
     "fate",
     "locate",
     "read_scene",
     "simulate",
     "sweep",
+    "sweep_shares",
+    "words",
 ]

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import builtins
-import importlib
 import json
 import os
 import sys
-import textwrap
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, SupportsIndex
 
@@ -16,29 +14,12 @@ from numpy.typing import NDArray
 
 from . import _vibrochain
 from ._errors import RequestError
+from ._pictures import BESIDE, STYLE, axes_for, class_colour, colour, needed, scaled, titled
 
 if TYPE_CHECKING:
     import pandas
     import xarray
     from matplotlib.axes import Axes
-
-# The colours of mapgen's pictures: blues for stable, orange and yellow for unstable.
-_COLOURS = {
-    "none": (255, 255, 255),
-    "stable-double": (16, 50, 98),
-    "double": (16, 50, 98),
-    "stable-single": (46, 134, 171),
-    "single": (46, 134, 171),
-    "unstable-double": (236, 138, 60),
-    "unstable-single": (250, 224, 120),
-    "stable-word": (0, 110, 84),
-    "word": (0, 110, 84),
-    "unstable-word": (235, 168, 204),
-}
-_UNKNOWN = (204, 121, 167)
-
-# Of lines, each family that of its stable class. (Tests hold all colours against mapgen's.)
-_LINES = {"double": "#103262", "single": "#2e86ab", "word": "#006e54"}
 
 # How stability is lost, as textures.
 _HATCHES = {"neimark-sacker": "", "period-doubling": "///", "plus-one": "...", "pitchfork": "||"}
@@ -51,9 +32,6 @@ _LABELS = {
     "solutions": "physical breathers",
 }
 
-# Letters of a caption in a line.
-_CAPTION = 72
-
 # The most numbers of an array in a scene: more cells than any sweep in memory has.
 _MOST = 10_000_000
 
@@ -64,7 +42,11 @@ _DECADES = 100
 # A value in digits is that of an axis if it is no farther from it than this part of the largest one.
 _SAME = 16 * np.finfo(float).eps
 
+# What the legend calls cells whose class is not known.
+_UNKNOWN = _vibrochain._class_words([""])[0]
+
 _PARTS = ("title", "model", "sweep", "compute")
+_OF_STRUCTURES = ("title", "omega", "word", "force_periods", "structure", "contact", "force", "sweep", "compute")
 
 
 def read_scene(path: str | os.PathLike[str]) -> dict[str, Any]:
@@ -100,9 +82,10 @@ def read_scene(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def _as_text(scene: dict[str, Any]) -> str:
-    unknown = [key for key in scene if key not in _PARTS] if "program" not in scene else []
+    known = _OF_STRUCTURES if "structure" in scene else _PARTS
+    unknown = [key for key in scene if key not in known] if "program" not in scene else []
     if unknown:
-        raise RequestError(f"scene: {unknown[0]!r} is unknown: give {', '.join(_PARTS)}")
+        raise RequestError(f"scene: {unknown[0]!r} is unknown: give {', '.join(known)}")
 
     def plain(value: Any) -> Any:
         # Numbers and arrays of NumPy.
@@ -131,7 +114,7 @@ def sweep(
     Parameters
     ----------
     scene : str, os.PathLike or dict
-        A scene file, the manifest of a table, or a dictionary with the same keys (`read_scene`).
+        A scene file, of a chain or of a structure, the manifest of a table, or a dictionary with the same keys (`read_scene`).
     threads : int, optional
         Threads to compute on, 1 to 1024; one a core if not given. The map is the same to the bit whatever their number.
     progress : bool or callable
@@ -165,13 +148,14 @@ def sweep(
     (30, 40)
     """
     text, path = (_as_text(scene), "scene") if isinstance(scene, dict) else (None, os.fspath(scene))
-    if progress is not True:
-        return Map(_vibrochain._sweep(text, path, threads, progress or None))
-    line = _Progress()
+    line = _Progress() if progress is True else None
+    told: Any = line or progress or None
     try:
-        return Map(_vibrochain._sweep(text, path, threads, line))
+        of_structure = _vibrochain._structure_sweep(text, path, threads, told)
+        return Map(_vibrochain._sweep(text, path, threads, told) if of_structure is None else of_structure)
     finally:
-        line.close()
+        if line:
+            line.close()
 
 
 class _Progress:
@@ -280,7 +264,8 @@ class _Table:
 class Map(_Table):
     """The cells of a sweep, as columns of the grid's shape.
 
-    Columns are those of ``mapgen``'s tables (`columns`), by name: ``table["margin"]``. Where a cell has no value a number is NaN and
+    Columns are those of ``mapgen``'s tables (`columns`), by name: ``table["margin"]``. Numbers are dimensionless; those of a structure
+    are in its own units. Where a cell has no value a number is NaN and
     a word is empty. Cells run as in tables: the last axis of an array is the scene's fastest one.
 
     Attributes
@@ -298,7 +283,7 @@ class Map(_Table):
     classes, statuses : dict of str to int
         How many cells there are of each class and status.
     worst_residual : float
-        Largest residual of any physical orbit in its defining equations.
+        Largest residual of any physical orbit in its defining equations; NaN of a structure's map.
 
     Examples
     --------
@@ -314,9 +299,14 @@ class Map(_Table):
 
     def __init__(self, parts: dict[str, Any]) -> None:
         super().__init__(parts)
-        self.classes: dict[str, int] = parts["classes"]
+        codes, words = self._words["class"]
+        counts = np.bincount(codes.ravel() + 1, minlength=len(words) + 1)[1:]
+        self.classes: dict[str, int] = parts.get("classes") or {word: int(count) for word, count in zip(words, counts)}
         self.statuses: dict[str, int] = parts["statuses"]
-        self.worst_residual: float = parts["worst_residual"]
+        self.worst_residual: float = parts.get("worst_residual", np.nan)
+        # Classes as colours know them, and as the legend calls them.
+        shown = parts.get("shown") or (codes, words, _vibrochain._class_words(list(words)))
+        self._shown = np.reshape(shown[0], self.shape), tuple(shown[1]), tuple(shown[2])
 
     def to_pandas(self) -> pandas.DataFrame:
         """The map as a table, one row a cell, as in ``mapgen``'s CSV.
@@ -339,7 +329,7 @@ class Map(_Table):
         >>> vc.sweep(scene).to_pandas().shape  # doctest: +PANDAS
         (12, 8)
         """
-        library = _needed("pandas", "to_pandas")
+        library = needed("pandas", "Map.to_pandas")
 
         def column(name: str) -> Any:
             if name in self._words:
@@ -370,7 +360,7 @@ class Map(_Table):
         >>> dict(vc.sweep(scene).to_xarray().sizes)  # doctest: +XARRAY
         {'gamma2': 3, 'omega': 4}
         """
-        library = _needed("xarray", "to_xarray")
+        library = needed("xarray", "Map.to_xarray")
         data = {name: (self.dims, self[name]) for name in (*self._words, *self._numbers)}
         fixed = {name: value for name, value in self._places.items() if name not in self.coords}
         dataset: xarray.Dataset = library.Dataset(data, coords={**self.coords, **fixed})
@@ -420,9 +410,7 @@ class Map(_Table):
         >>> ax.get_xlabel(), ax.get_ylabel()  # doctest: +MATPLOTLIB
         ('frequency ω', 'margin, the smallest distance to a barrier')
         """
-        _needed("matplotlib", "plot")
-        from matplotlib import pyplot
-
+        needed("matplotlib", "Map.plot")
         where = self._where(slice or {})
         dims = tuple(name for name, at in zip(self.dims, where) if isinstance(at, builtins.slice))
         if len(dims) not in (1, 2):
@@ -432,15 +420,12 @@ class Map(_Table):
         if color != "class" and color not in self._numbers:
             known = ", ".join(["class", *self._numbers])
             raise RequestError(f"{color!r} cannot be drawn: give one of {known}")
-        if ax is None:
-            # Room is made for what stands beside the axes.
-            _, ax = pyplot.subplots(layout="constrained")
+        ax = axes_for(ax)
         ax.set_xlabel(self._labels[dims[-1]])
         heading, fixed, criterion = self._caption
         symbols = {name: label.split()[-1] for name, label in self._labels.items()}
         at = [f"{symbols[name]} = {self.coords[name][at]:g}" for name, at in zip(self.dims, where) if name not in dims]
-        caption = textwrap.fill(", ".join(part for part in (fixed, *at, criterion) if part), _CAPTION)
-        ax.set_title(f"{heading}\n{caption}", fontsize="medium")
+        titled(ax, heading, ", ".join(part for part in (fixed, *at, criterion) if part))
         if len(dims) == 1:
             self._curves(ax, dims[0], where, color)
         else:
@@ -450,10 +435,10 @@ class Map(_Table):
             order = np.ix_(np.argsort(y), np.argsort(x))
             y, x = np.sort(y), np.sort(x)
             if color == "class":
-                (classes, words), (codes, mechanisms) = self._words["class"], self._words["mechanism"]
-                _classes(ax, x, y, (classes[where][order], words), (codes[where][order], mechanisms))
+                (classes, names, words), (codes, mechanisms) = self._shown, self._words["mechanism"]
+                _classes(ax, x, y, (classes[where][order], names, words), (codes[where][order], mechanisms))
             else:
-                self._colours(ax, x, y, color, self["class"][where][order], self._numbers[color][where][order].astype(float))
+                self._colours(ax, x, y, color, self._numbers[color][where][order].astype(float))
         return ax
 
     def _where(self, fixed: Mapping[str, float]) -> tuple[int | builtins.slice, ...]:
@@ -464,11 +449,12 @@ class Map(_Table):
         return tuple(_place(name, self.coords[name], fixed[name]) if name in fixed else builtins.slice(None) for name in self.dims)
 
     def _colours(
-        self, ax: Axes, x: NDArray[Any], y: NDArray[Any], color: str, classes: NDArray[Any], values: NDArray[Any]
+        self, ax: Axes, x: NDArray[Any], y: NDArray[Any], color: str, values: NDArray[Any]
     ) -> None:
         from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 
-        label, norm = _LABELS.get(color, color), None
+        label = _LABELS.get(color, color)
+        norm: Any = None
         growth = values - 1.0
         there = growth[growth >= _LEAST_GROWTH]
         if color == "spectral_radius" and there.size and there.max() >= _DECADES * there.min():
@@ -476,15 +462,15 @@ class Map(_Table):
             low, high = np.floor(np.log10(there.min())), np.ceil(np.log10(np.quantile(there, 0.99)))
             ends = 10.0**low, 10.0 ** max(high, low + 1)
             none = growth < ends[0]
-            ax.pcolormesh(x, y, np.ma.masked_where(~none, none), cmap=ListedColormap(["#d7d7d7"]), shading="nearest")
+            ax.pcolormesh(x, y, np.ma.masked_where(~none, none), cmap=ListedColormap([colour(STYLE["below"])]), shading="nearest")
             values, label, norm = np.ma.masked_where(none, growth), f"growth |μ| − 1 a period (grey: less than {ends[0]:g})", LogNorm(*ends)
         elif color == "solutions":
-            values[classes == "none"] = np.nan
+            values[values == 0] = np.nan
             most = max(int(np.nanmax(values, initial=1)), 1)
             norm = BoundaryNorm(np.arange(0.5, most + 1), 256) if most < 10 else None
         mesh = ax.pcolormesh(x, y, values, cmap="viridis", norm=norm, shading="nearest")
         beyond = isinstance(norm, LogNorm) and np.ma.max(values) > ends[1]
-        bar = ax.get_figure().colorbar(mesh, ax=ax, label=label, extend="max" if beyond else "neither")
+        bar = ax.figure.colorbar(mesh, ax=ax, label=label, extend="max" if beyond else "neither")
         if color == "solutions" and norm is not None:
             bar.set_ticks(range(1, most + 1))
 
@@ -494,25 +480,30 @@ class Map(_Table):
         ax.set_ylabel(_LABELS.get(color, color))
         place = self.coords[dim]
         order = np.argsort(place)
-        values, classes = self._numbers[color][where][order].astype(float), self["class"][where][order]
+        codes, names, words = self._shown
+        values, codes = self._numbers[color][where][order].astype(float), codes[where][order]
         place = place[order]
         axis: dict[str, Any] = next(axis for axis in _axes(self.scene) if axis["parameter"] == dim)
         if axis.get("spacing") == "log":
             ax.set_xscale("log")
-        for name in dict.fromkeys(classes.tolist()):
+        for code in dict.fromkeys(codes.tolist()):
+            name, label = (names[code], words[code]) if code >= 0 else ("", _UNKNOWN)
             if name == "none":
                 continue
             # A line is one class's, and ends halfway to the next.
-            shown = np.where(classes == name, values, np.nan)
-            family = name.removeprefix("stable-").removeprefix("unstable-")
+            shown = np.where(codes == code, values, np.nan)
+            # Of lines, each family has the colour of its stable class.
+            own = class_colour(name.removeprefix("un")) if name else "grey"
             style = "--" if name.startswith("unstable") else "-"
             alone = ~np.isnan(shown)
             alone[1:] &= np.isnan(shown[:-1])
             alone[:-1] &= np.isnan(shown[1:])
-            [line] = ax.plot(place, shown, style, color=_LINES.get(family, "grey"), label=name or "unknown")
-            ax.plot(place[alone], shown[alone], ".", color=line.get_color(), markersize=3)
+            ax.plot(place, shown, style, color=own, label=label)
+            ax.plot(place[alone], shown[alone], ".", color=own, markersize=3)
+        if color == "spectral_radius":
+            scaled(ax, _vibrochain._Pane("", "", "", [("", 0, 1, "", 0, list(zip(place.tolist(), values.tolist())))], about_one=True))
         if ax.get_legend_handles_labels()[1]:
-            ax.legend(**_BESIDE)
+            ax.legend(**BESIDE)
 
 
 def _axes(scene: dict[str, Any]) -> list[dict[str, Any]]:
@@ -530,40 +521,32 @@ def _place(name: str, values: NDArray[np.float64], wanted: float) -> int:
     raise RequestError(f"slice: {name} = {wanted} is none of its {len(values)} values: next to it are {near}")
 
 
-# A column of codes, and their words.
-_Codes = tuple[NDArray[np.int8], tuple[str, ...]]
-
-# Legends stand beside the axes, where no data are.
-_BESIDE: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.02, 1.0), "borderaxespad": 0.0, "fontsize": "small"}
-
-
-def _classes(ax: Axes, x: NDArray[Any], y: NDArray[Any], classes: _Codes, mechanisms: _Codes) -> None:
+def _classes(
+    ax: Axes,
+    x: NDArray[Any],
+    y: NDArray[Any],
+    classes: tuple[NDArray[np.int8], tuple[str, ...], tuple[str, ...]],
+    mechanisms: tuple[NDArray[np.int8], tuple[str, ...]],
+) -> None:
     from matplotlib import rc_context
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
-    (codes, words), names = classes, [*classes[1], "unknown"]
-    colours = [(r / 255, g / 255, b / 255) for r, g, b in (_COLOURS.get(name, _UNKNOWN) for name in names)]
-    shown = np.where(codes < 0, len(words), codes)
-    ax.pcolormesh(x, y, shown, cmap=ListedColormap(colours), vmin=-0.5, vmax=len(names) - 0.5, shading="nearest")
-    there = [i for i in range(len(names)) if (shown == i).any()]
-    legend = [Patch(facecolor=colours[i], edgecolor="grey", label=names[i]) for i in there]
+    codes, names, words = classes
+    colours, words = [class_colour(name) for name in (*names, "unknown")], (*words, _UNKNOWN)
+    shown = np.where(codes < 0, len(names), codes)
+    ax.pcolormesh(x, y, shown, cmap=ListedColormap(colours), vmin=-0.5, vmax=len(names) + 0.5, shading="nearest")
+    known = [*STYLE["classes"], "unknown"]
+    there = sorted((i for i in range(len(words)) if (shown == i).any()), key=lambda i: known.index((*names, "unknown")[i]))
+    legend = [Patch(facecolor=colours[i], edgecolor="grey", label=words[i]) for i in there]
     with rc_context({"hatch.color": (0.0, 0.0, 0.0, 0.5), "hatch.linewidth": 0.5}):
         for code, name in enumerate(mechanisms[1]):
             lost = mechanisms[0] == code
             if not lost.any():
                 continue
             hatch = _HATCHES[name]
-            legend.append(Patch(facecolor="#e1e1e1", edgecolor="grey", hatch=hatch, label=name))
+            legend.append(Patch(facecolor=colour(STYLE["loss"]), edgecolor="grey", hatch=hatch, label=STYLE["mechanisms"][name]))
             # A map of one row or column has no areas.
             if hatch and min(lost.shape) > 1:
                 ax.contourf(x, y, lost.astype(float), levels=[0.5, 1.5], colors="none", hatches=[hatch])
-    ax.legend(handles=legend, **_BESIDE)
-
-
-def _needed(package: str, method: str) -> Any:
-    try:
-        return importlib.import_module(package)
-    except ImportError as error:
-        message = f"Map.{method} needs {package}, which is not installed: pip install {package}"
-        raise ImportError(message, name=package) from error
+    ax.legend(handles=legend, **BESIDE)

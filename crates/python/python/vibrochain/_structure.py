@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _vibrochain
 from ._errors import RequestError
+from ._map import Map, sweep
+from ._pictures import curve_pane, curves_there, draw, needed
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 def _dense(matrix: Any) -> list[list[float]]:
@@ -70,7 +75,7 @@ class Contact:
 
 @dataclass(frozen=True)
 class StructureOrbit:
-    """A periodic orbit of a structure, with all that is said of it.
+    """A periodic orbit of a structure, with all that is said of it. Times, places and impulses are in the structure's units.
 
     Attributes
     ----------
@@ -111,19 +116,90 @@ class StructureOrbit:
     stability: dict[str, Any] | None
     residual: float
     multipliers: NDArray[np.complex128] = field(repr=False, compare=False)
+    # What it is an orbit of, as JSON, and the frequency there.
+    _scene: str = field(repr=False, compare=False, default="")
+    _omega: float = field(repr=False, compare=False, default=0.0)
 
     @classmethod
-    def _of(cls, parts: dict[str, Any]) -> StructureOrbit:
+    def _of(cls, parts: dict[str, Any], scene: str, omega: float) -> StructureOrbit:
         stability = parts["stability"]
         pairs = [] if stability is None else stability.pop("multipliers")
         multipliers = np.array([complex(re, im) for re, im in pairs], dtype=np.complex128)
         kept = ("word", "period", "psi", "impacts", "physical", "margin", "obstruction", "residual")
-        return cls(**{key: parts[key] for key in kept}, stability=stability, multipliers=multipliers)
+        return cls(**{key: parts[key] for key in kept}, stability=stability, multipliers=multipliers, _scene=scene, _omega=omega)
 
     def _start(self, omega: float) -> tuple[list[tuple[int, str, float, float]], float, int]:
         """Its impacts, its phase and the periods of a load of this frequency that it lasts: where to begin from it."""
         near = [(hit["contact"], hit["barrier"], hit["time"], hit["impulse"]) for hit in self.impacts]
         return near, self.psi or 0.0, max(1, round(self.period * omega / (2 * np.pi)))
+
+    def motion(self, t: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Places and velocities of all contacts at given times.
+
+        Parameters
+        ----------
+        t : array_like of float
+            Times, of any shape; the motion repeats with the period.
+
+        Returns
+        -------
+        place, velocity : numpy.ndarray of float64
+            Of the shape of `t`, followed by the number of contacts; at an impact the velocity just after it.
+
+        Examples
+        --------
+        >>> import vibrochain as vc
+        >>> stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
+        >>> orbit = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0]).orbits("0+", omega=2.325)[0]
+        >>> place, velocity = orbit.motion([0.0, 1.0])
+        >>> place.shape, round(float(place[0, 0]), 12)
+        ((2, 1), 0.1)
+        >>> bool(abs(velocity[0, 0] - orbit.impacts[0]["velocity_after"]) < 1e-12)
+        True
+        """
+        times = _vibrochain._numbers("t", t)
+        near, psi, periods = self._start(self._omega)
+        values = _vibrochain._structure_motion(self._scene, near, psi, periods, times.ravel().tolist())
+        values = values.reshape(*times.shape, -1, 2)
+        return values[..., 0], values[..., 1]
+
+    def _pane(self, what: str) -> tuple[_vibrochain._Pane, str]:
+        near, psi, periods = self._start(self._omega)
+        return _vibrochain._structure_pane(self._scene, near, psi, periods, what)
+
+    def plot(self, what: str = "motion", ax: Axes | None = None) -> Axes:
+        """Draws the orbit, as ``mapgen orbit --plot`` does.
+
+        Parameters
+        ----------
+        what : {"motion", "portrait", "multipliers"}
+            The contacts that are hit over a period, between their barriers; the phase portrait of the first, impacts as jumps; the
+            Floquet multipliers. Of contacts between different barriers the first are drawn.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        ImportError
+            Without matplotlib.
+        RequestError
+            For another word.
+
+        Examples
+        --------
+        >>> import vibrochain as vc
+        >>> stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
+        >>> orbit = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0]).orbits("0+", omega=2.325)[0]
+        >>> orbit.plot().get_ylabel()  # doctest: +MATPLOTLIB
+        'g of contact 0'
+        """
+        needed("matplotlib", "StructureOrbit.plot")
+        pane, heading = self._pane(what)
+        return draw(pane, ax, heading)
 
 
 @dataclass(frozen=True)
@@ -200,9 +276,12 @@ class StructureBranch:
     stable: NDArray[np.bool_] = field(repr=False)
     events: list[dict[str, Any]]
     ends: list[tuple[float, str]]
+    # How many points lie before each event; the word; what stands at the axis and above the picture.
+    _places: list[int] = field(repr=False, default_factory=list)
+    _told: tuple[str, str, str] = field(repr=False, default=("", "", ""))
 
     @classmethod
-    def _of(cls, free: str, answer: dict[str, Any]) -> StructureBranch:
+    def _of(cls, free: str, answer: dict[str, Any], word: str) -> StructureBranch:
         points = answer["points"]
         numbers = lambda values: np.array([np.nan if one is None else one for one in values], dtype=np.float64)  # noqa: E731
         stability = [point["stability"] or {} for point in points]
@@ -217,7 +296,65 @@ class StructureBranch:
             stable=np.array([one.get("stable") is True and not one.get("marginal") for one in stability]),
             events=answer["events"],
             ends=[(value, name) for value, name in answer["ends"]],
+            _places=answer["places"],
+            _told=(word, answer["labels"][0], answer["heading"]),
         )
+
+    def _pane(self, show: str, all: bool) -> tuple[_vibrochain._Pane, str]:
+        word, label, heading = self._told
+        known = lambda value: None if np.isnan(value) else float(value)  # noqa: E731
+        rows: list[tuple[Any, ...]] = [
+            (None, value, hits, None, None, period, known(margin), physical, stable, known(radius))
+            for value, hits, period, margin, physical, stable, radius in zip(
+                self.values.tolist(),
+                self.impulses.tolist(),
+                self.period.tolist(),
+                self.margin,
+                self.physical.tolist(),
+                self.stable.tolist(),
+                self.spectral_radius,
+            )
+        ]
+        for shift, (event, place) in enumerate(zip(self.events, self._places)):
+            row = (event["event"], event["value"], event["impulses"], None, event["psi"], event["period"], None)
+            rows.insert(place + shift, (*row, event["physical"], None, None))
+        return _vibrochain._branch_pane(label, [(word, 0, 1, rows)], show, all), heading
+
+    def plot(self, show: str = "impulse", ax: Axes | None = None, *, all: bool = False) -> Axes:
+        """Draws the branch over what varies, as ``mapgen branch --plot`` does: stable orbits solid, unstable dashed, events marked.
+
+        Parameters
+        ----------
+        show : {"impulse", "margin", "spectral_radius"}
+            What stands along the vertical axis; impulses have a line each.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure if not given.
+        all : bool
+            Whether orbits that are not physical are drawn, too.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        ImportError
+            Without matplotlib.
+        RequestError
+            For another word.
+
+        Examples
+        --------
+        >>> import vibrochain as vc
+        >>> stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
+        >>> one = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])
+        >>> branch = one.branch(one.orbits("0+", omega=2.325)[0], omega=2.325, free="omega", from_=2.3, to=2.6)
+        >>> branch.plot("spectral_radius").get_xlabel()  # doctest: +MATPLOTLIB
+        'frequency ω'
+        """
+        needed("matplotlib", "StructureBranch.plot")
+        pane, heading = self._pane(show, all)
+        return draw(pane, ax, heading)
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,9 +396,11 @@ class StructureCurve:
     physical: NDArray[np.bool_] = field(repr=False)
     special: list[dict[str, Any]]
     ends: list[str]
+    # What stands at the axes and above the picture.
+    _told: tuple[tuple[str, str], str] = field(repr=False, default=(("", ""), ""))
 
     @classmethod
-    def _of(cls, free: tuple[str, str], parts: dict[str, Any]) -> StructureCurve:
+    def _of(cls, free: tuple[str, str], parts: dict[str, Any], labels: list[str], heading: str) -> StructureCurve:
         points = parts["points"]
         return cls(
             event=parts["event"],
@@ -271,7 +410,43 @@ class StructureCurve:
             physical=np.array([point["physical"] is True for point in points]),
             special=parts["special"],
             ends=parts["ends"],
+            _told=((labels[0], labels[1]), f"{_vibrochain._in_words(parts['event'])}, {heading}"),
         )
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draws the curve in the plane of its two numbers, as ``mapgen curve --plot`` does.
+
+        Parts whose orbits are not physical are grey and dashed; points of codimension two are marked. On axes that show a curve already
+        it has the next colour.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        ImportError
+            Without matplotlib.
+
+        Examples
+        --------
+        >>> import vibrochain as vc
+        >>> stop = vc.Contact(at=0, upper=1.0, restitution=0.8)
+        >>> one = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])
+        >>> found = one.curves(one.orbits("0+", omega=1.0)[0], omega=1.0, event="grazing", free=("omega", "load"), from_=(0.5, 0.5), to=(2, 2))
+        >>> ax = None
+        >>> for curve in found:
+        ...     ax = curve.plot(ax)  # doctest: +MATPLOTLIB
+        """
+        needed("matplotlib", "StructureCurve.plot")
+        labels, heading = self._told
+        special = [(one["special"], one["point"]) for one in self.special]
+        return draw(curve_pane(self.values, self.physical, special, labels, curves_there(ax)), ax, heading)
 
 
 class Structure:
@@ -351,6 +526,15 @@ class Structure:
         harmonic : int
             The load's harmonic.
 
+        Returns
+        -------
+        Structure
+
+        Raises
+        ------
+        RequestError
+            At the first question, for shapes of other lengths.
+
         Examples
         --------
         >>> import vibrochain as vc
@@ -381,9 +565,10 @@ class Structure:
     def _answer(
         self, omega: float, word: str | None, force_periods: int, threshold: float, near: list[Any], psi: float
     ) -> StructureOrbits:
-        told = _vibrochain._structure(self._scene(omega), word, force_periods, threshold, near, psi)
-        answer = json.loads(told)
-        return StructureOrbits(tuple(StructureOrbit._of(parts) for parts in answer["solutions"]), answer["search"])
+        scene = self._scene(omega)
+        answer = json.loads(_vibrochain._structure(scene, word, force_periods, threshold, near, psi))
+        orbits = tuple(StructureOrbit._of(parts, scene, float(omega)) for parts in answer["solutions"])
+        return StructureOrbits(orbits, answer["search"])
 
     def orbits(self, word: str, omega: float, *, force_periods: int = 1, threshold: float = 0.0) -> StructureOrbits:
         """Orbits of a word: of one impact all, of two all where `search` says so, of more what starts lead to.
@@ -516,7 +701,8 @@ class Structure:
         [(0.5, 'range'), (2.0, 'range')]
         """
         ends = ([float(from_)], [float(to)])
-        return StructureBranch._of(free, self._along(orbit, omega, [free], ends, list(events), 1e-4, threshold))
+        answer = self._along(orbit, omega, [free], ends, list(events), 1e-4, threshold)
+        return StructureBranch._of(free, answer, orbit.word)
 
     def curves(
         self,
@@ -567,7 +753,62 @@ class Structure:
         """
         ends = ([float(one) for one in from_], [float(one) for one in to])
         answer = self._along(orbit, omega, list(free), ends, [event], float(tolerance), 0.0)
-        return [StructureCurve._of((free[0], free[1]), parts) for parts in answer["curves"]]
+        told = answer["labels"], answer["heading"]
+        return [StructureCurve._of((free[0], free[1]), parts, *told) for parts in answer["curves"]]
+
+    def sweep(
+        self,
+        words: list[str] | tuple[str, ...],
+        x: tuple[str, float, float, int],
+        y: tuple[str, float, float, int] | None = None,
+        *,
+        omega: float | None = None,
+        title: str | None = None,
+        compute: Mapping[str, Any] | None = None,
+        threads: SupportsIndex | None = None,
+    ) -> Map:
+        """What lives at each point of one or two of the structure's numbers, as ``mapgen sweep`` tells it.
+
+        Parameters
+        ----------
+        words : sequence of str
+            The words to look for, as for `orbits`; ``"0+/2"`` over two periods of the load.
+        x, y : tuple of (str, float, float, int)
+            A number as for `branch`, from where to where, and in how many values.
+        omega : float, optional
+            Frequency of the load, where it does not vary.
+        title : str, optional
+            What stands above the picture.
+        compute : mapping, optional
+            More of a scene's table ``compute``: ``{"threshold": 0.01}``, ``{"stability": False}``.
+        threads : int, optional
+            Threads to compute on, one a core if not given.
+
+        Returns
+        -------
+        Map
+
+        Raises
+        ------
+        RequestError
+            For a number that the structure does not have, or a word that is none.
+
+        Examples
+        --------
+        >>> import vibrochain as vc
+        >>> stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
+        >>> one = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])
+        >>> table = one.sweep(["0+"], ("omega", 2.0, 3.0, 20), ("contact.0.upper", 0.05, 0.3, 10))
+        >>> table, sorted(table.classes)
+        (<Map of 200 cells: contact.0.upper (10) × omega (20)>, ['none', 'stable', 'unstable'])
+        """
+        given = {"structure": self._structure, "contact": self._contacts, "force": self._force}
+        axes = {"x": x} if y is None else {"x": x, "y": y}
+        names = ("parameter", "from", "to", "points")
+        scene: dict[str, Any] = {**given, "sweep": {key: dict(zip(names, axis)) for key, axis in axes.items()}}
+        scene["compute"] = {"families": list(words), **(compute or {})}
+        scene.update({key: value for key, value in (("omega", omega), ("title", title)) if value is not None})
+        return sweep(scene, threads=threads)
 
     def __repr__(self) -> str:
         parts = self._structure

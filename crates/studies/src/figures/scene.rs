@@ -5,8 +5,8 @@ use vibrochain_breather::Family;
 use vibrochain_lattice::{Layout, MAX_SITES, Model, Parameter, Point, Short};
 
 use crate::figures::library::Entry;
-use vibrochain_cli::common::caption::in_common;
 use vibrochain_cli::common::error::CliError;
+use vibrochain_maps::caption::in_common;
 use vibrochain_maps::scene::{Scene, Source};
 
 /// A scene that has been read and checked.

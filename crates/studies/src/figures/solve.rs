@@ -5,8 +5,8 @@ use vibrochain_breather::{Family, Finder, Found, Orbit};
 use vibrochain_floquet::{Analyser, Stability, Tolerance};
 use vibrochain_lattice::Model;
 
-use vibrochain_cli::common::caption::describe;
 use vibrochain_cli::common::error::CliError;
+use vibrochain_maps::caption::describe;
 
 /// A physical orbit.
 #[derive(Debug, Clone)]

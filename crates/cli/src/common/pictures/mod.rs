@@ -15,6 +15,7 @@ mod with_pictures {
     use rayon::ThreadPool;
     use vibrochain_lattice::Stop;
     use vibrochain_maps::borders::{Border, Borders};
+    use vibrochain_maps::caption::in_words;
     use vibrochain_maps::cell::Cell;
     use vibrochain_maps::scene::{Scene, Slice, Values};
     use vibrochain_maps::sweep::Watcher;
@@ -25,7 +26,6 @@ mod with_pictures {
 
     use crate::args::{OF_MAPS, PaletteName, PictureArgs, QuantityName};
     use crate::common::border_search::BorderSearch;
-    use crate::common::caption::in_words;
     use crate::common::error::CliError;
     use crate::common::pictures::files::PictureFiles;
 

@@ -7,14 +7,16 @@ use serde_json::Value;
 use vibrochain_breather::StructureOrbit;
 use vibrochain_floquet::{DiagramPoint, Event, FollowedBranch, Station, Unresolved, structure_branch};
 use vibrochain_maps::files::{CsvFile, distinct};
+#[cfg(feature = "plot")]
+use vibrochain_maps::followed::{BranchName, branch_row};
 use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::structure::along::{EventEntry, Named, family};
 use vibrochain_maps::structure::answer::structure;
 
 use super::{Start, course, events_text, range, start};
-use crate::args::{BranchArgs, LocateArgs, QuantityName};
 #[cfg(feature = "plot")]
-use crate::branch::table::{BranchName, row};
+use crate::args::of_orbits;
+use crate::args::{BranchArgs, LocateArgs, QuantityName};
 use crate::branch::table::{HEADER, write};
 use crate::common::answer::{EndAnswer, printed};
 use crate::common::console::{Console, nothing_else};
@@ -158,13 +160,13 @@ fn draw(
         return Ok(());
     }
     let names = [BranchName { name: start.word.clone(), generation: 0, force_periods: start.orbit.force_periods() }];
-    let drawn = crate::branch::plot::Drawn {
+    let drawn = vibrochain_plot::Diagram {
         heading: start.fixed(&[start.free]),
         x: start.scene.label(start.free),
         names: &names,
-        rows: &[found.stations.iter().map(row).collect()],
+        rows: &[found.stations.iter().map(branch_row).collect()],
     };
-    let picture = crate::branch::plot::picture(&drawn, show, all);
+    let picture = vibrochain_plot::diagram_curves(&drawn, &of_orbits(show), all);
     files.draw(|page| vibrochain_plot::curves_picture(&picture, page))
 }
 

@@ -5,7 +5,11 @@ use std::fmt::Write as _;
 use serde::Serialize;
 use serde_json::Value;
 use vibrochain_floquet::{CurveError, Event, StructureCurve, StructureWindow, structure_branch};
+#[cfg(feature = "plot")]
+use vibrochain_maps::caption::in_words;
 use vibrochain_maps::files::{CsvFile, distinct};
+#[cfg(feature = "plot")]
+use vibrochain_maps::followed::curve_rows;
 use vibrochain_maps::structure::along::{Named, curves, family};
 use vibrochain_maps::structure::answer::structure;
 use vibrochain_maps::structure::{Setting, StructureScene};
@@ -13,14 +17,10 @@ use vibrochain_maps::structure::{Setting, StructureScene};
 use super::{Start, course, range, start, value_of};
 use crate::args::CurveArgs;
 use crate::common::answer::printed;
-#[cfg(feature = "plot")]
-use crate::common::caption::in_words;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
 use crate::common::schemas::STRUCTURE_CURVE;
-#[cfg(feature = "plot")]
-use crate::curve::table::rows;
 use crate::curve::table::{header, write};
 use crate::curve::told;
 
@@ -121,7 +121,7 @@ fn draw(
     let labels = settings.map(|setting| start.scene.label(setting));
     let event = curves.first().map_or(String::new(), |curve| format!("{}, ", in_words(curve.event.name())));
     let heading = format!("{event}{}", start.fixed(&settings));
-    let picture = crate::curve::plot::picture(&heading, labels, (window.from, window.to), &rows(curves));
+    let picture = vibrochain_plot::event_curves(&heading, labels, (window.from, window.to), &curve_rows(curves));
     files.draw(|page| vibrochain_plot::curves_picture(&picture, page))
 }
 

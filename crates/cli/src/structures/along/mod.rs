@@ -9,7 +9,6 @@ use vibrochain_breather::{StructureOrbit, structure_is_physical};
 use vibrochain_floquet::{End, Evidence, Located, StructureCourse, Unresolved};
 use vibrochain_lattice::Short;
 use vibrochain_maps::numbers::Number;
-use vibrochain_maps::structure::scene::StructureAxis;
 use vibrochain_maps::structure::{Setting, StructureScene};
 
 use super::orbit::found;
@@ -100,10 +99,7 @@ pub(super) fn range(
 impl Start<'_> {
     /// Which orbits of what, and what is fixed as these numbers vary.
     pub(super) fn fixed(&self, varied: &[Setting]) -> String {
-        let mut scene = self.scene.clone();
-        let axis = |setting: &Setting| StructureAxis { setting: *setting, from: 0.0, to: 1.0, points: 2 };
-        scene.axes = varied.iter().map(axis).collect();
-        format!("{} of {}, {}", self.word, scene.heading(), scene.fixed())
+        self.scene.fixed_but(&self.word, varied)
     }
 
     /// Which orbits, what is fixed, and where the number that varies begins.

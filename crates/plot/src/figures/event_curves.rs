@@ -2,28 +2,18 @@
 
 use std::collections::BTreeMap;
 
-use vibrochain_floquet::Window;
-use vibrochain_plot::{Curves, Mark, Pane, Scale, Series, Stroke};
+use vibrochain_maps::caption::in_words;
+use vibrochain_maps::followed::CurveRow as Row;
 
-use crate::common::caption::in_words;
-use crate::curve::table::Row;
-
-/// Colours of curves, by turns: those of borders in maps, as none is a family's; without violet, which marks have. What is not physical is
-/// grey.
-const COLOURS: [usize; 5] = [6, 7, 8, 10, 11];
-const MARKS: usize = 4;
-const GREY: usize = 5;
+use crate::map::palette::{CURVES, GREY, MARKS};
+use crate::panels::curves::{Curves, Mark, Pane, Scale, Series, Stroke};
 
 /// What a legend calls points whose orbit is none that can live.
 const NOT_PHYSICAL: &str = "not physical";
 
-/// What stands at the axes of a window.
-pub(crate) fn labels(window: &Window) -> [String; 2] {
-    window.parameters.map(|parameter| format!("{} {}", parameter.meaning(), parameter.symbol()))
-}
-
 /// The picture of the curves in a window from some values to others.
-pub(crate) fn picture(
+#[must_use]
+pub fn event_curves(
     heading: &str,
     [x, y]: [String; 2],
     (from, to): ([f64; 2], [f64; 2]),
@@ -49,8 +39,8 @@ fn series(curves: &[Vec<Row>]) -> Vec<Series> {
         let is_seen = |points: &[(f64, f64)]| points.iter().any(|point| point.0.is_finite());
         let name = if is_seen(&line(true)) { format!("curve {}", i + 1) } else { String::new() };
         // Of two curves of one colour the later is thicker.
-        let (turn, place) = (i / COLOURS.len(), i % COLOURS.len());
-        let (colour, stroke) = (COLOURS[place], Stroke::Solid(2 + 2 * turn.min(3) as u32));
+        let (turn, place) = (i / CURVES.len(), i % CURVES.len());
+        let (colour, stroke) = (CURVES[place], Stroke::Solid(2 + 2 * turn.min(3) as u32));
         all.push(Series { name, colour, stroke, mark: Mark::None, points: line(true) });
         let (colour, stroke) = (GREY, Stroke::Dashed(2));
         // All of them have one entry.

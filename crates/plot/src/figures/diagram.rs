@@ -2,22 +2,31 @@
 
 use std::collections::BTreeSet;
 
-use vibrochain_breather::Family;
 use vibrochain_floquet::Event;
-use vibrochain_lattice::Parameter;
-use vibrochain_plot::{Curves, Mark, Pane, Scale, Series, Stroke};
+use vibrochain_maps::caption::in_words;
+use vibrochain_maps::followed::{BranchName, BranchRow as Row};
 
-use crate::args::QuantityName;
-use crate::branch::table::{BranchName, Row, Table};
-use crate::common::caption::in_words;
+use crate::map::palette::{FAMILIES, GREY, MARKS, WORDS};
+use crate::panels::curves::{Curves, Mark, Pane, Scale, Series, Stroke};
 
-/// The colour of each family: that of its stable class in maps. Maps have no period-doubled family; it has a colour of its own.
-const FAMILIES: [(Family, usize); 3] = [(Family::DoubleSided, 0), (Family::SingleSided, 1), (Family::PeriodDoubled, 3)];
-const WORDS: usize = 2;
+/// What a diagram shows of orbits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OrbitQuantity {
+    /// Modulus of every impulse.
+    Impulse,
+    /// Time of the second impact, in periods.
+    Phi,
+    /// Phase of the force, in its periods.
+    Psi,
+    /// Smallest distance to a barrier.
+    Margin,
+    /// Largest modulus of the multipliers.
+    SpectralRadius,
+}
 
-/// Those of marks of events, and of what is not physical.
-const EVENTS: usize = 4;
-const GREY: usize = 5;
+vibrochain_lattice::names!(OrbitQuantity {
+    Impulse "impulse", Phi "phi", Psi "psi", Margin "margin", SpectralRadius "spectral_radius",
+});
 
 /// Multipliers beyond this are outside the circle, however much growth counts as stable: rounding moves double ones by less.
 const ON_CIRCLE: f64 = 1.0 + 1e-6;
@@ -26,52 +35,46 @@ const ON_CIRCLE: f64 = 1.0 + 1e-6;
 const CROWD: usize = 40;
 
 /// What is drawn of branches: their rows, in the order of the way, with their names, over what varies.
-pub(crate) struct Drawn<'a> {
-    pub(crate) heading: String,
-    /// What stands at the axis of it.
-    pub(crate) x: String,
-    pub(crate) names: &'a [BranchName],
-    pub(crate) rows: &'a [Vec<Row>],
-}
-
-impl<'a> Drawn<'a> {
-    /// All of a table.
-    pub(crate) fn of(table: &'a Table, free: Parameter) -> Self {
-        let (heading, x) = (table.about.heading.clone(), format!("{} {}", free.meaning(), free.symbol()));
-        Self { heading, x, names: &table.about.branches, rows: &table.branches }
-    }
+#[derive(Debug)]
+pub struct Diagram<'a> {
+    /// Line above the panels.
+    pub heading: String,
+    /// What stands at the axis of what varies.
+    pub x: String,
+    /// What the rows do not say, of each branch.
+    pub names: &'a [BranchName],
+    /// Points and events of each branch.
+    pub rows: &'a [Vec<Row>],
 }
 
 /// The picture of branches: a panel a quantity, with `all` also what is not physical.
-pub(crate) fn picture(table: &Drawn<'_>, shown: &[QuantityName], all: bool) -> Curves {
+#[must_use]
+pub fn diagram_curves(table: &Diagram<'_>, shown: &[OrbitQuantity], all: bool) -> Curves {
     let panes: Vec<Pane> = shown.iter().map(|quantity| pane(*quantity, all, table)).collect();
     let title = table.heading.clone();
     // Panels differ in what they show, not in what their lines mean.
     Curves { title, columns: panes.len().min(2), panes, pane: (860, 620), one_legend: true, ..Curves::default() }
 }
 
-fn label(quantity: QuantityName) -> &'static str {
+fn label(quantity: OrbitQuantity) -> &'static str {
     match quantity {
-        QuantityName::Impulse => "impulses |P|",
-        QuantityName::Phi => "φ / T",
-        QuantityName::Psi => "ψ / T",
-        QuantityName::Margin => "smallest distance to a barrier",
-        QuantityName::SpectralRadius => "largest |μ|",
-        // (Of maps alone.)
-        QuantityName::Class | QuantityName::Solutions => "",
+        OrbitQuantity::Impulse => "impulses |P|",
+        OrbitQuantity::Phi => "φ / T",
+        OrbitQuantity::Psi => "ψ / T",
+        OrbitQuantity::Margin => "smallest distance to a barrier",
+        OrbitQuantity::SpectralRadius => "largest |μ|",
     }
 }
 
 /// The quantity's values: one, or one for each impact.
-fn values(quantity: QuantityName, row: &Row, force_periods: u32) -> Vec<f64> {
+fn values(quantity: OrbitQuantity, row: &Row, force_periods: u32) -> Vec<f64> {
     let one = |value: Option<f64>| vec![value.unwrap_or(f64::NAN)];
     match quantity {
-        QuantityName::Impulse => row.impulses.iter().map(|impulse| impulse.abs()).collect(),
-        QuantityName::Phi => one(row.phi.map(|phi| phi / row.period)),
-        QuantityName::Psi => one(row.psi.map(|psi| psi / (row.period / f64::from(force_periods)))),
-        QuantityName::Margin => one(row.margin),
-        QuantityName::SpectralRadius => one(row.spectral_radius),
-        QuantityName::Class | QuantityName::Solutions => Vec::new(),
+        OrbitQuantity::Impulse => row.impulses.iter().map(|impulse| impulse.abs()).collect(),
+        OrbitQuantity::Phi => one(row.phi.map(|phi| phi / row.period)),
+        OrbitQuantity::Psi => one(row.psi.map(|psi| psi / (row.period / f64::from(force_periods)))),
+        OrbitQuantity::Margin => one(row.margin),
+        OrbitQuantity::SpectralRadius => one(row.spectral_radius),
     }
 }
 
@@ -100,7 +103,7 @@ struct Branch<'a> {
     rows: &'a [Row],
 }
 
-fn branches<'a>(table: &'a Drawn<'_>) -> impl Iterator<Item = Branch<'a>> {
+fn branches<'a>(table: &'a Diagram<'_>) -> impl Iterator<Item = Branch<'a>> {
     table.names.iter().zip(table.rows).map(|(about, rows)| Branch { about, rows })
 }
 
@@ -129,7 +132,7 @@ fn title(branches: &[Branch<'_>]) -> String {
     format!("{name}: {}", orders.join(", "))
 }
 
-fn pane(quantity: QuantityName, all: bool, table: &Drawn<'_>) -> Pane {
+fn pane(quantity: OrbitQuantity, all: bool, table: &Diagram<'_>) -> Pane {
     let mut series: Vec<Series> = Vec::new();
     let plain = |name: &str, colour, stroke| Series {
         name: name.to_owned(),
@@ -159,7 +162,7 @@ fn pane(quantity: QuantityName, all: bool, table: &Drawn<'_>) -> Pane {
         Event::ALL.into_iter().enumerate().filter_map(|(shape, event)| events(quantity, event, mark(shape), table)),
     );
     let (scale, levels) = match quantity {
-        QuantityName::SpectralRadius => (Scale::about_one(&series), vec![1.0]),
+        OrbitQuantity::SpectralRadius => (Scale::about_one(&series), vec![1.0]),
         _ => (Scale::Linear, Vec::new()),
     };
     Pane {
@@ -177,7 +180,7 @@ fn pane(quantity: QuantityName, all: bool, table: &Drawn<'_>) -> Pane {
 }
 
 /// The quantity at a row of a branch: what only points know of an event is 1 or between its neighbours.
-fn heights(quantity: QuantityName, branch: Branch<'_>, at: usize) -> Vec<f64> {
+fn heights(quantity: OrbitQuantity, branch: Branch<'_>, at: usize) -> Vec<f64> {
     let Branch { about, rows } = branch;
     let of = |row: &Row| values(quantity, row, about.force_periods);
     let found = &rows[at];
@@ -192,7 +195,7 @@ fn heights(quantity: QuantityName, branch: Branch<'_>, at: usize) -> Vec<f64> {
     let stable = |point: Option<&Row>| point.is_some_and(|row| kind(row) == Some(Kind::Stable) && within(row));
     // Next to stable orbits it is the leading multiplier that is on the circle.
     let grazes = found.event == Some(Event::Grazing);
-    if quantity == QuantityName::SpectralRadius && !grazes && (stable(before) || stable(behind)) {
+    if quantity == OrbitQuantity::SpectralRadius && !grazes && (stable(before) || stable(behind)) {
         return vec![1.0];
     }
     let told = |point: &Row| (point.value, of(point));
@@ -213,7 +216,7 @@ struct Passed {
 }
 
 /// The curves of a branch: of each impact where impulses are asked for, cut where the kind of orbit changes.
-fn curves(quantity: QuantityName, colour: usize, branch: Branch<'_>, all: bool) -> Vec<Series> {
+fn curves(quantity: OrbitQuantity, colour: usize, branch: Branch<'_>, all: bool) -> Vec<Series> {
     let drawn =
         |(at, row): (usize, &Row)| Passed { value: row.value, kind: kind(row), heights: heights(quantity, branch, at) };
     let passed: Vec<Passed> = branch.rows.iter().enumerate().map(drawn).collect();
@@ -260,7 +263,7 @@ fn curves(quantity: QuantityName, colour: usize, branch: Branch<'_>, all: bool) 
 }
 
 /// The places of one kind of event, of physical orbits.
-fn events(quantity: QuantityName, event: Event, mark: Mark, table: &Drawn<'_>) -> Option<Series> {
+fn events(quantity: OrbitQuantity, event: Event, mark: Mark, table: &Diagram<'_>) -> Option<Series> {
     let mut points = Vec::new();
     for branch in branches(table) {
         for (at, found) in branch.rows.iter().enumerate().filter(|(_, row)| row.event == Some(event)) {
@@ -272,7 +275,7 @@ fn events(quantity: QuantityName, event: Event, mark: Mark, table: &Drawn<'_>) -
         }
     }
     let name = in_words(event.name());
-    (!points.is_empty()).then_some(Series { name, colour: EVENTS, stroke: Stroke::None, mark, points })
+    (!points.is_empty()).then_some(Series { name, colour: MARKS, stroke: Stroke::None, mark, points })
 }
 
 #[cfg(test)]
@@ -302,7 +305,7 @@ mod tests {
         let event = |value| Row { event: Some(Event::PeriodDoubling), stable: None, ..point(value, f64::NAN) };
         for (beside, at) in [([1.0, 1.3], 1.0), ([0.9, 0.8], 1.0), ([1.004, 1.002], 1.003)] {
             let rows = [point(0.0, beside[0]), event(0.5), point(1.0, beside[1])];
-            let found = heights(QuantityName::SpectralRadius, Branch { about: &about, rows: &rows }, 1);
+            let found = heights(OrbitQuantity::SpectralRadius, Branch { about: &about, rows: &rows }, 1);
             assert!(found.len() == 1 && (found[0] - at).abs() < 1e-12, "{beside:?} {found:?}");
         }
     }
@@ -334,7 +337,7 @@ mod tests {
         let radii = [1.0, 1.0, 1.5, 1.0, 1.0];
         let rows: Vec<Row> = radii.iter().enumerate().map(|(i, radius)| point(i as f64, *radius)).collect();
         let about = BranchName { name: String::new(), generation: 0, force_periods: 1 };
-        let drawn = curves(QuantityName::SpectralRadius, 0, Branch { about: &about, rows: &rows }, false);
+        let drawn = curves(OrbitQuantity::SpectralRadius, 0, Branch { about: &about, rows: &rows }, false);
         let heights = |stroke: Stroke| -> Vec<f64> {
             let points = drawn.iter().filter(|series| series.stroke == stroke).flat_map(|series| &series.points);
             points.map(|point| point.1).filter(|height| height.is_finite()).collect()
