@@ -34,6 +34,7 @@ pub(crate) const OF_BRANCHES: [QuantityName; 5] = [Impulse, Phi, Psi, Margin, Sp
 pub(crate) const ALL: [QuantityName; 7] = [Class, SpectralRadius, Margin, Impulse, Solutions, Phi, Psi];
 
 /// What a bifurcation diagram shows unless it is asked for something else.
+#[cfg(feature = "plot")]
 pub(crate) const SHOWN: [QuantityName; 2] = [Impulse, SpectralRadius];
 pub(super) const SHOWN_NAMES: &str = "impulse,spectral_radius";
 

@@ -1,6 +1,8 @@
 //! `mapgen branch`: a branch of breathers as one parameter varies, with all events on it and what branches off.
 
+#[cfg(feature = "plot")]
 pub(crate) mod plot;
+#[cfg_attr(not(feature = "plot"), allow(dead_code, reason = "only pictures are drawn from what is read"))]
 pub(crate) mod table;
 
 use std::fmt::Write as _;
@@ -16,6 +18,7 @@ use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::criterion;
 
 use crate::args::{BranchArgs, QuantityName};
+#[cfg(feature = "plot")]
 use crate::branch::plot::Drawn;
 use crate::branch::table::{HEADER, Table, write};
 use crate::common::answer::{EndAnswer, StartAnswer, printed};
@@ -252,6 +255,7 @@ fn as_text(start: &Start, course: &Course, diagram: &Diagram, all: bool) -> Stri
     out
 }
 
+#[cfg(feature = "plot")]
 fn draw(files: PictureFiles, args: &BranchArgs, course: &Course, table: &Table) -> Result<(), CliError> {
     if files.is_empty() {
         return Ok(());
@@ -261,6 +265,7 @@ fn draw(files: PictureFiles, args: &BranchArgs, course: &Course, table: &Table) 
 }
 
 /// Makes sure that the picture can be made.
+#[cfg(feature = "plot")]
 fn fits(files: &PictureFiles, args: &BranchArgs, course: &Course) -> Result<(), CliError> {
     let about = crate::branch::table::About {
         free: course.free,
@@ -271,4 +276,14 @@ fn fits(files: &PictureFiles, args: &BranchArgs, course: &Course) -> Result<(), 
     let nothing = Table { about, branches: Vec::new() };
     let picture = crate::branch::plot::picture(&Drawn::of(&nothing, course.free), &args.show, args.all);
     files.fit(|page| vibrochain_plot::curves_picture(&picture, page))
+}
+
+#[cfg(not(feature = "plot"))]
+fn fits(_: &PictureFiles, _: &BranchArgs, _: &Course) -> Result<(), CliError> {
+    Ok(())
+}
+
+#[cfg(not(feature = "plot"))]
+fn draw(_: PictureFiles, _: &BranchArgs, _: &Course, _: &Table) -> Result<(), CliError> {
+    Ok(())
 }

@@ -21,6 +21,7 @@ pub(crate) fn in_words(name: &str) -> String {
 }
 
 /// What a run is of: the breather it starts on, and how it is perturbed.
+#[cfg(feature = "plot")]
 pub(crate) fn describe_run(args: &SimulateArgs, model: &Model, orbit: Option<&Orbit>) -> String {
     let whose = orbit.map_or("from a state".to_owned(), |orbit| format!("{} breather", orbit.name()));
     format!("{whose}: {}{}", describe(model), perturbed(args))

@@ -1,6 +1,8 @@
 //! `mapgen curve`: the curve of an event as two parameters vary.
 
+#[cfg(feature = "plot")]
 pub(crate) mod plot;
+#[cfg_attr(not(feature = "plot"), allow(dead_code, reason = "only pictures are drawn from what is read"))]
 pub(crate) mod table;
 
 use std::fmt::Write as _;
@@ -183,6 +185,7 @@ pub(crate) fn told<O>(out: &mut String, [first, second]: [&str; 2], curves: &[Ev
     }
 }
 
+#[cfg(feature = "plot")]
 fn draw(files: PictureFiles, heading: &str, curves: &Curves) -> Result<(), CliError> {
     if files.is_empty() {
         return Ok(());
@@ -197,6 +200,7 @@ fn draw(files: PictureFiles, heading: &str, curves: &Curves) -> Result<(), CliEr
 }
 
 /// Makes sure that the picture can be made.
+#[cfg(feature = "plot")]
 fn fits(files: &PictureFiles, curves: &Curves) -> Result<(), CliError> {
     files.fit(|page| {
         vibrochain_plot::curves_picture(
@@ -209,4 +213,14 @@ fn fits(files: &PictureFiles, curves: &Curves) -> Result<(), CliError> {
             page,
         )
     })
+}
+
+#[cfg(not(feature = "plot"))]
+fn fits(_: &PictureFiles, _: &Curves) -> Result<(), CliError> {
+    Ok(())
+}
+
+#[cfg(not(feature = "plot"))]
+fn draw(_: PictureFiles, _: &str, _: &Curves) -> Result<(), CliError> {
+    Ok(())
 }

@@ -4,6 +4,7 @@ pub(crate) mod along;
 pub(crate) mod answer;
 pub(crate) mod fate;
 pub(crate) mod orbit;
+#[cfg(feature = "plot")]
 mod pictures;
 mod run_plot;
 pub(crate) mod simulate;

@@ -1,5 +1,6 @@
 //! `mapgen sweep`: scene → plan → chunks → files → summary.
 
+#[cfg(feature = "plot")]
 pub mod draw;
 pub(crate) mod estimate;
 pub mod merge;

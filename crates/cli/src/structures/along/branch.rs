@@ -13,6 +13,7 @@ use vibrochain_maps::structure::answer::structure;
 
 use super::{Start, course, events_text, range, start};
 use crate::args::{BranchArgs, LocateArgs, QuantityName};
+#[cfg(feature = "plot")]
 use crate::branch::table::{BranchName, row};
 use crate::branch::table::{HEADER, write};
 use crate::common::answer::{EndAnswer, printed};
@@ -145,6 +146,7 @@ fn as_text(start: &Start<'_>, found: &FollowedBranch<StructureOrbit>, all: bool)
     out
 }
 
+#[cfg(feature = "plot")]
 fn draw(
     files: PictureFiles,
     start: &Start<'_>,
@@ -164,4 +166,15 @@ fn draw(
     };
     let picture = crate::branch::plot::picture(&drawn, show, all);
     files.draw(|page| vibrochain_plot::curves_picture(&picture, page))
+}
+
+#[cfg(not(feature = "plot"))]
+fn draw(
+    _: PictureFiles,
+    _: &Start<'_>,
+    _: &FollowedBranch<StructureOrbit>,
+    _: &[QuantityName],
+    _: bool,
+) -> Result<(), CliError> {
+    Ok(())
 }

@@ -13,11 +13,13 @@ use vibrochain_maps::structure::{Setting, StructureScene};
 use super::{Start, course, range, start, value_of};
 use crate::args::CurveArgs;
 use crate::common::answer::printed;
+#[cfg(feature = "plot")]
 use crate::common::caption::in_words;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
 use crate::common::schemas::STRUCTURE_CURVE;
+#[cfg(feature = "plot")]
 use crate::curve::table::rows;
 use crate::curve::table::{header, write};
 use crate::curve::told;
@@ -105,6 +107,7 @@ fn as_text(event: Event, start: &Start<'_>, [first, second]: &[String; 2], curve
     out
 }
 
+#[cfg(feature = "plot")]
 fn draw(
     files: PictureFiles,
     start: &Start<'_>,
@@ -120,4 +123,15 @@ fn draw(
     let heading = format!("{event}{}", start.fixed(&settings));
     let picture = crate::curve::plot::picture(&heading, labels, (window.from, window.to), &rows(curves));
     files.draw(|page| vibrochain_plot::curves_picture(&picture, page))
+}
+
+#[cfg(not(feature = "plot"))]
+fn draw(
+    _: PictureFiles,
+    _: &Start<'_>,
+    _: [Setting; 2],
+    _: &StructureWindow,
+    _: &[StructureCurve],
+) -> Result<(), CliError> {
+    Ok(())
 }
