@@ -19,7 +19,7 @@ def lines():
         for path in sorted((ROOT / "crates" / crate / "src").rglob("*.rs")):
             if "tests" in path.relative_to(ROOT).parts:
                 continue
-            text = re.split(r"^#\[cfg\(test\)\]\nmod \w+ \{", path.read_text(), maxsplit=1, flags=re.M)[0]
+            text = re.split(r"^#\[cfg\(test\)\]\n(?:pub\(crate\) )?mod \w+ \{", path.read_text(), maxsplit=1, flags=re.M)[0]
             inner = (line.strip() for line in text.splitlines())
             count += sum(bool(line) and not line.startswith("//") for line in inner)
         print(f"{crate:10} {count:6}")

@@ -30,7 +30,7 @@ mod map;
 mod moving;
 mod panels;
 #[cfg(test)]
-mod sight;
+mod tests;
 mod text;
 
 pub use axes::axis::{place, power_of_ten};

@@ -4,7 +4,7 @@
 //! | orbit | matrix | dimension |
 //! |---|---|---|
 //! | conservative, mirror image of itself in time | `reversible` block | ⌊M/2⌋ |
-//! | the same, of several sites or not on a ring | `reversible_word` block | M − 1 |
+//! | the same, of several sites or not on a ring | `half_sum` | M − 1 |
 //! | impacts at one site | the modes that feel them | on a ring 2(⌊M/2⌋+1), less the trivial pair |
 //! | impacts at several sites | whole lattice | 2M, less the trivial pair |
 //!
@@ -18,7 +18,7 @@ use crate::error::FloquetError;
 use crate::map_paths::Modes;
 use crate::reference::eigen::eigenvalues_until;
 use crate::reference::half_period::Reversible;
-use crate::reference::half_period_word::ReversibleWord;
+use crate::reference::half_sum::HalfSum;
 use crate::reference::monodromy::{EvenCoordinates, check_dimension, flow_before_first_impact, full_monodromy_until};
 use crate::reference::square::{Reflector, Square};
 use crate::zeros::Nu;
@@ -27,7 +27,7 @@ use crate::zeros::Nu;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Dense {
     reversible: Reversible,
-    reversible_word: ReversibleWord,
+    half_sum: HalfSum,
     modes: Modes,
     coordinates: EvenCoordinates,
     matrix: Square,
@@ -57,7 +57,7 @@ impl Dense {
     pub(crate) fn matrix_of(&self, orbit: &Orbit) -> &Square {
         match (orbit.is_reversible(), orbit.centre()) {
             (true, Some(_)) => &self.reversible.block,
-            (true, None) => &self.reversible_word.block,
+            (true, None) => &self.half_sum.matrix,
             (false, _) => &self.matrix,
         }
     }
@@ -78,7 +78,11 @@ impl Dense {
                 self.reversible.build(orbit, finder)?;
             } else {
                 check_dimension(chain.sites())?;
-                self.reversible_word.build(orbit, finder)?;
+                self.half_sum.set(orbit)?;
+                HalfSum::set_flow(orbit, finder, &mut self.left)?;
+                self.reflector.set(self.left.iter().copied());
+                self.half_sum.matrix.reflect(&self.reflector);
+                self.half_sum.matrix.drop_first();
             }
             let mut values = std::mem::take(&mut self.values);
             let block = self.matrix_of(orbit);

@@ -4,7 +4,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `monodromy`, `square`, `eigen` | the monodromy matrix and its eigenvalues |
-//! | `half_period`, `half_period_word` | a matrix of half the size for reversible orbits |
+//! | `half_period`, `half_sum` | a matrix of half the size for reversible orbits: mode by mode about one site, mass by mass |
 //! | `dense` | the smallest matrix that an orbit's structure leaves |
 //! | `judge`, `certainty` | from eigenvalues to a verdict that knows its error |
 
@@ -12,7 +12,7 @@ pub(crate) mod certainty;
 pub(crate) mod dense;
 pub(crate) mod eigen;
 pub(crate) mod half_period;
-pub(crate) mod half_period_word;
+pub(crate) mod half_sum;
 pub(crate) mod judge;
 pub(crate) mod monodromy;
 pub(crate) mod square;

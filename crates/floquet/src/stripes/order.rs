@@ -3,10 +3,7 @@
 //! thin. Multipliers off the circle have their place in the order, too, so that a thin stable band between two stripes shows as well; their
 //! place also changes where they drift past a pair on the circle, which is no event.
 //!
-//! Orbits without force whose impacts are at 0 and half a period: the reversal of time Q = diag(1, −1)·S₀, S₀ the saltations at 0, turns M
-//! into M⁻¹. N = ½(M + M⁻¹) keeps the space Qx = x; its coordinates are displacements of the masses that S₀ spares and velocities of the
-//! masses that it hits. An eigenvector N x = x cos θ belongs to the multiplier e^{iθ} with x + y, y = −i(M − M⁻¹)x/(2 sin θ), and Krein's
-//! form is xᵀGx/sin θ there. The rows of G are the rows of M that N leaves over: −(velocity) of a spared mass, displacement of a hit one.
+//! Where reversal of time keeps the orbit, N = ½(M + M⁻¹) and the form G tell them (`reference::half_sum`).
 //! Reflections of the lattice that keep the orbit split N and G into vectors that they leave as they are and vectors whose sign they
 //! change: multipliers of different parts pass each other.
 
@@ -15,11 +12,12 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use faer::MatRef;
 use nalgebra::{DMatrix, DVector, Schur};
 use vibrochain_breather::{Impact, Orbit};
-use vibrochain_lattice::{Ends, Propagator, Spectrum};
+use vibrochain_lattice::Ends;
 
 use crate::error::FloquetError;
+use crate::reference::half_sum::HalfSum;
 use crate::reference::monodromy::full_monodromy;
-use crate::saltation::{Saltation, saltations};
+use crate::reference::square::Square;
 
 /// Relative difference up to which two impulses are those of mirror images. Rounding stays far below it; orbits that lack the symmetry
 /// come as near only within the square of it from where they branch off.
@@ -64,7 +62,7 @@ impl SignatureOrder {
 /// Finds orders; keeps what the next orbit of the same lattice needs again.
 #[derive(Debug, Clone, Default)]
 pub struct OrderFinder {
-    spectrum: Option<Spectrum>,
+    half_sum: HalfSum,
 }
 
 impl OrderFinder {
@@ -102,78 +100,32 @@ impl OrderFinder {
         if !orbit.is_reversible() {
             return Ok(Some(SignatureOrder::of(&mut [by_monodromy(orbit)?])));
         }
-        let spectrum = match self.spectrum.take() {
-            Some(spectrum) if spectrum.chain() == chain => spectrum,
-            _ => Spectrum::new(*chain),
-        };
-        let hits: Vec<Saltation> = saltations(orbit)?.collect();
-        let pencil = Pencil::of(&spectrum, orbit.period(), &hits);
-        self.spectrum = Some(spectrum);
+        self.half_sum.set(orbit)?;
         // The orbit itself swings in the first part: the trivial pair is there.
-        let parts = pencil.parts(&mirrors(orbit)).into_iter().enumerate().map(|(i, part)| part.signs(i == 0));
+        let parts = self.half_sum.parts(&mirrors(orbit)).into_iter().enumerate().map(|(i, part)| part.signs(i == 0));
         Ok(Some(SignatureOrder::of(&mut parts.collect::<Result<Vec<_>, _>>()?)))
     }
 }
 
-/// N and G on masses, or on sums or differences of masses.
+/// N and G on sums or differences of masses that are mirror images.
 #[derive(Debug)]
-struct Pencil {
+struct Part {
     matrix: DMatrix<f64>,
     form: DMatrix<f64>,
     /// Coordinates of masses that are hit.
     hit: Vec<usize>,
 }
 
-impl Pencil {
-    fn of(spectrum: &Spectrum, period: f64, hits: &[Saltation]) -> Self {
-        let sites = spectrum.chain().sites();
-        let (half, whole) = (Propagator::new(spectrum, 0.5 * period), Propagator::new(spectrum, period));
-        let mut kappas = vec![None; sites];
-        hits.iter().filter(|hit| hit.time == 0.0).for_each(|hit| kappas[hit.site] = Some(hit.kappa));
-        let (mut matrix, mut form) = (DMatrix::zeros(sites, sites), DMatrix::zeros(sites, sites));
-        for m in 0..sites {
-            // What S₀ makes of the coordinate: a displacement stays, a velocity turns round.
-            let start = if kappas[m].is_some() { [0.0, -1.0] } else { [1.0, 0.0] };
-            let flown = |flight: &Propagator, n: usize, [u, v]: [f64; 2]| {
-                let [[a, b], [c, d]] = flight.block(n, m);
-                [a * u + b * v, c * u + d * v]
-            };
-            let kicks = hits.iter().filter(|hit| hit.time != 0.0).map(|hit| {
-                let [u, v] = flown(&half, hit.site, start);
-                (hit.site, [-2.0 * u, hit.kappa * u - 2.0 * v])
-            });
-            let kicks: Vec<_> = kicks.collect();
-            for n in 0..sites {
-                let [mut u, mut v] = flown(&whole, n, start);
-                for (site, [du, dv]) in &kicks {
-                    let [[a, b], [c, d]] = half.block(n, *site);
-                    u += a * du + b * dv;
-                    v += c * du + d * dv;
-                }
-                (matrix[(n, m)], form[(n, m)]) = match kappas[n] {
-                    Some(kappa) => (v - 0.5 * kappa * u, u),
-                    None => (u, -v),
-                };
-            }
-        }
-        let mut hit: Vec<usize> = hits.iter().map(|hit| hit.site).collect();
-        hit.sort_unstable();
-        hit.dedup();
-        Self { matrix, form, hit }
-    }
-
+impl HalfSum {
     /// What impacts reach of it, by the signs that vectors take under the reflections: those that keep all signs first.
-    fn parts(self, mirrors: &[Vec<usize>]) -> Vec<Self> {
-        if mirrors.is_empty() {
-            return vec![self];
-        }
+    fn parts(&self, mirrors: &[Vec<usize>]) -> Vec<Part> {
         let signs = 0..1_u32 << mirrors.len();
         signs.map(|signs| self.part(mirrors, signs)).filter(|part| !part.hit.is_empty()).collect()
     }
 
     /// The part of the vectors whose sign the reflections in `signs` change.
-    fn part(&self, mirrors: &[Vec<usize>], signs: u32) -> Self {
-        let sites = self.matrix.nrows();
+    fn part(&self, mirrors: &[Vec<usize>], signs: u32) -> Part {
+        let sites = self.matrix.size();
         // Of each mass its images, all products of reflections, with their signs.
         let images = |n: usize| {
             (0..1_u32 << mirrors.len()).map(move |product| {
@@ -197,17 +149,19 @@ impl Pencil {
         let firsts = (0..sites).filter(|&n| images(n).all(|(image, _)| image >= n));
         let basis: Vec<_> = firsts.filter_map(vector).collect();
         // What a vector of the part has at the first mass of another, it has of that as a whole.
-        let of = |whole: &DMatrix<f64>| {
+        let of = |whole: &Square| {
             DMatrix::from_fn(basis.len(), basis.len(), |i, j| {
                 let (n, share) = basis[i][0];
-                basis[j].iter().map(|(m, part)| whole[(n, *m)] * part).sum::<f64>() / share
+                basis[j].iter().map(|(m, part)| whole.at(n, *m) * part).sum::<f64>() / share
             })
         };
         let is_hit = |vector: &[(usize, f64)]| vector.iter().any(|(n, _)| self.hit.contains(n));
         let hit = (0..basis.len()).filter(|i| is_hit(&basis[*i])).collect();
-        Self { matrix: of(&self.matrix), form: of(&self.form), hit }
+        Part { matrix: of(&self.matrix), form: of(&self.form), hit }
     }
+}
 
+impl Part {
     /// Signs of the form by falling Re ν, 0 off the circle: of multipliers that the impacts reach, the trivial pair left out if it is here.
     fn signs(self, trivial: bool) -> Result<Vec<i8>, FloquetError> {
         let size = self.matrix.nrows();

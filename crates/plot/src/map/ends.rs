@@ -64,7 +64,7 @@ pub fn ends_picture(picture: &EndsPicture<'_>, page: impl Into<Page>) -> Result<
 mod tests {
     use super::*;
     use crate::map::palette::LINES;
-    use crate::sight::confused;
+    use crate::tests::sight::confused;
 
     /// Words have the colours of lines.
     #[test]

@@ -136,7 +136,7 @@ pub const BORDERS: [Rgb; 6] = [[0, 0, 0], [222, 36, 36], [0, 160, 84], [120, 40,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sight::{Sight, confused, lab};
+    use crate::tests::sight::{Sight, confused, lab};
 
     #[test]
     fn whatever_stands_in_one_legend_is_told_apart_by_all_eyes_and_in_grey() {
