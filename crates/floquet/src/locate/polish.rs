@@ -32,7 +32,8 @@ impl Polisher {
     /// The multiplier next to `start`, within `slack`; `None` where it is farther off, or first order does not tell it.
     pub(crate) fn polished(&mut self, start: C, slack: f64) -> Option<C> {
         let reach = slack.max(MOST_MOVE * self.0.nearest_poles(start));
-        let settled = self.0.settle(start, &[])?.z;
+        let settled = self.0.settle(start, &[])?;
+        let settled = settled.z - settled.step;
         ((settled - start).norm() <= reach).then_some(settled)
     }
 }
