@@ -90,13 +90,74 @@ fn a_branch_has_a_table_and_a_picture() {
     assert!(fs::read_to_string(desk.path("located.csv")).unwrap().starts_with("event,omega,error,impulses,"));
 }
 
+/// A ball between the walls of a shaken box: its orbits lose their symmetry.
+const PAIR: &str = "title = \"pair\"\nomega = 1\nword = \"0+,0-\"\n[structure]\nmasses = [1]\nstiffness = [[0]]\n\
+    [[contact]]\nat = 0\nlower = -1\nupper = 1\nrestitution = 0.6\n[force]\nload = [1]\n";
+
+/// What branches off at an event is what a run from rest, which knows of no orbit, comes to: twice the period after a doubling, other impulses
+/// on either side where symmetry is lost.
+#[test]
+fn what_branches_off_is_what_runs_come_to() {
+    let desk = desk();
+    fs::write(desk.path("pair.toml"), PAIR).unwrap();
+    let cases = [
+        ("scene.toml", "omega", "--from 2.3 --to 2.7", "period-doubling", ("0+,0+", 2)),
+        ("pair.toml", "restitution", "--from 0.1 --to 0.7", "pitchfork", ("0+,0-", 1)),
+    ];
+    for (scene, free, range, event, (word, periods)) in cases {
+        let ask = format!("branch --scene {scene} --free {free} {range} --switch");
+        let told = written(&desk.run(&format!("{ask} --json --out branch.csv --plot branch.svg")).with(0, &[]).out);
+        let of_event = |branch: &&Value| branch["origin"]["event"] == event;
+        let branches = told["branches"].as_array().unwrap();
+        let branch = branches.iter().find(of_event).unwrap();
+        assert_eq!((&branch["word"], &branch["force_periods"]), (&word.into(), &periods.into()));
+        let stable: Vec<&Value> = (branch["points"].as_array().unwrap().iter())
+            .filter(|point| point["physical"] == true && point["stability"]["stable"] == true)
+            .collect();
+        let point = stable[stable.len() / 2];
+        // The same scene without a word: from rest.
+        let text = fs::read_to_string(desk.path(scene)).unwrap();
+        fs::write(
+            desk.path("rest.toml"),
+            text.replace(&format!("word = \"{}\"\n", told["word"].as_str().unwrap()), ""),
+        )
+        .unwrap();
+        let value = number(&point["value"]);
+        let run = format!("simulate --scene rest.toml --set {free}={value} --periods 4000 --json");
+        let repeats = &written(&desk.run(&run).with(0, &[]).out)["repeats"];
+        // The shorter of the two flights, and both impulses, whichever impact comes first.
+        let told_of = |phi: f64, period: f64, impulses: [f64; 2]| {
+            let [a, b] = impulses.map(f64::abs);
+            [phi.min(period - phi) / period, a.min(b), a.max(b)]
+        };
+        let impacts = repeats["impacts"].as_array().unwrap();
+        assert_eq!(impacts.len(), 2, "{repeats}");
+        let of_run = |key: &str| [0, 1].map(|i: usize| number(&impacts[i][key]));
+        let [first, second] = of_run("time");
+        let run = told_of(second - first, number(&repeats["period"]), of_run("impulse"));
+        let impulses = [0, 1].map(|i: usize| number(&point["impulses"][i]));
+        let own = told_of(number(&point["phi"]), number(&point["period"]), impulses);
+        assert!((own[0] - 0.5).abs() > 1e-3, "{own:?}");
+        for (a, b) in run.iter().zip(&own) {
+            assert!((a - b).abs() < 1e-7 * b, "{scene}: {run:?} {own:?}");
+        }
+        let rows: usize = fs::read_to_string(desk.path("branch.csv")).unwrap().lines().count();
+        let stations = |branch: &Value| {
+            ["points", "events"].map(|key| branch[key].as_array().unwrap().len()).iter().sum::<usize>()
+        };
+        assert_eq!(rows, 1 + stations(&told) + branches.iter().map(stations).sum::<usize>());
+        let text = desk.run(&ask).with(0, &[]).out;
+        assert!(text.contains(&format!("leaves branch 1 at {free} = ")) && text.contains(event), "{text}");
+    }
+}
+
 #[test]
 fn what_is_wrong_is_told() {
     let desk = desk();
     let cases = [
         ("branch --scene scene.toml --free contact.3.upper", "no such number"),
         ("branch --scene scene.toml --free gamma1", "no such number"),
-        ("branch --scene scene.toml --free omega --switch", "--switch is of chains"),
+        ("branch --scene scene.toml --free omega --generations 2", "--switch"),
         ("branch --scene scene.toml --free omega --from 3", "is not in the range"),
         ("locate --scene scene.toml --free omega --event fold --solution 9", "--solution 9 is out of range"),
         ("curve --scene scene.toml --free omega --and omega --event fold", "--free and --and are both omega"),

@@ -191,7 +191,8 @@ pub(crate) fn _structure_along(
         let growth = if threshold == 0.0 { Tolerance::Rounding } else { growth };
         let orbit = orbit_near(&model, force_periods, psi, &near)?;
         let (setting, value) = free[0];
-        let course = StructureCourse { from: start[0], to: stop_at[0], events: wanted, tolerance: growth };
+        let course =
+            StructureCourse { from: start[0], to: stop_at[0], events: wanted, generations: 0, tolerance: growth };
         let found: FollowedBranch<StructureOrbit> =
             structure_branch(&orbit, &family(&scene, &[setting]), value, &course, stop)?;
         let followed = match free[..] {

@@ -22,7 +22,7 @@ use crate::equations::unknowns::{Unknowns, static_displacement};
 use crate::error::BranchError;
 use crate::orbit::{Draft, Family, Hit, Orbit, SIMULTANEOUS};
 use crate::search::finder::Finder;
-use crate::tracer::manifold::normed;
+use crate::tracer::manifold::{Manifold, ManifoldPoint, normed};
 use crate::tracer::reduction::Reduction;
 use crate::tracer::system::System;
 
@@ -80,25 +80,7 @@ impl Branch {
         };
         let unknowns = Unknowns::free(&origin);
         let mut branch = Self::with(&origin, [(free, unit_length)], unknowns, Reduction::none(&unknowns))?;
-        let coordinates = branch.equations.origin()?;
-        // (∂F/∂x b; cᵀ 0)(n; g) = (0; 1), regular where ∂F/∂x is singular.
-        let size = unknowns.size();
-        let border = border(size);
-        let mut last_row = border.clone();
-        last_row.push(0.0);
-        let here = branch.equations.evaluate(&coordinates)?;
-        let bordered = here.matrix.bordered(&border, &last_row);
-        let mut direction = bordered.solve(&unit(size + 1, size)).ok_or(BranchError::NoConvergence)?;
-        direction[size] = 0.0;
-        let point = BranchPoint {
-            orbit: here.orbit,
-            coordinates,
-            tangents: [normed(direction)],
-            determinant: here.full_determinant,
-            fold_determinant: 0.0,
-            // A branch point: its neighbours have either sign.
-            orientation: 0.0,
-        };
+        let point = branch.along_null_vector()?;
         Ok((branch, point))
     }
 
@@ -107,6 +89,31 @@ impl Branch {
         let mut branch = Self::through(&origin, free, unit_length)?;
         let point = branch.start()?;
         Ok((branch, point))
+    }
+}
+
+impl<S: System> Manifold<S, 1> {
+    /// The origin, where ∂F/∂x is singular, heading along the null vector.
+    pub(crate) fn along_null_vector(&mut self) -> Result<ManifoldPoint<S::Orbit, 1>, BranchError> {
+        let coordinates = self.equations.origin()?;
+        // (∂F/∂x b; cᵀ 0)(n; g) = (0; 1), regular where ∂F/∂x is singular.
+        let size = self.equations.size();
+        let border = border(size);
+        let mut last_row = border.clone();
+        last_row.push(0.0);
+        let here = self.equations.evaluate(&coordinates)?;
+        let bordered = here.matrix.bordered(&border, &last_row);
+        let mut direction = bordered.solve(&unit(size + 1, size)).ok_or(BranchError::NoConvergence)?;
+        direction[size] = 0.0;
+        Ok(ManifoldPoint {
+            orbit: here.orbit,
+            coordinates,
+            tangents: [normed(direction)],
+            determinant: here.full_determinant,
+            fold_determinant: 0.0,
+            // A branch point: its neighbours have either sign.
+            orientation: 0.0,
+        })
     }
 }
 

@@ -55,12 +55,13 @@ fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, Structur
     }
     let motion = StructureMotion::new(orbit)?;
     let mut search = Search { orbit, motion: &motion, closest: None, pending: Vec::new(), depth };
+    let order = search.order();
     for i in 0..impacts.len() {
         if motion.until_next(i) <= TOGETHER * orbit.period() || search.is_decided() {
             continue;
         }
-        match Windows::new(&motion, i) {
-            Some(windows) => search.by_windows(windows, i),
+        match Windows::new(&motion, i, &order) {
+            Some(windows) => search.by_windows(windows, &order, i),
             None => search.by_steps(i)?,
         }
     }
@@ -96,12 +97,20 @@ impl Search<'_> {
         }
     }
 
-    /// Contacts with a barrier, those that are hit first: the others are seldom nearer.
+    /// Contacts with a barrier, those that are hit first: the others are seldom nearer. Of those that do the same, as mirror images of each
+    /// other have it, between barriers at the same places one.
     fn order(&self) -> Vec<usize> {
-        let contacts = self.orbit.model().structure().contacts();
+        let (contacts, response) = (self.orbit.model().structure().contacts(), self.motion.response());
+        let is_hit = |contact: usize| self.orbit.impacts().iter().any(|impact| impact.contact == contact);
         let stopped = |contact: &usize| contacts[*contact].lower.is_some() || contacts[*contact].upper.is_some();
-        let mut order: Vec<usize> = (0..contacts.len()).filter(stopped).collect();
-        order.sort_by_key(|&contact| !self.orbit.impacts().iter().any(|impact| impact.contact == contact));
+        let stops = |contact: usize| (contacts[contact].lower, contacts[contact].upper);
+        let is_first = |contact: &usize| {
+            let first = response.kernel.felt.twins[*contact];
+            let same = || stops(first) == stops(*contact) && response.are_twins(first, *contact);
+            first == *contact || is_hit(first) || is_hit(*contact) || !same()
+        };
+        let mut order: Vec<usize> = (0..contacts.len()).filter(stopped).filter(is_first).collect();
+        order.sort_by_key(|&contact| !is_hit(contact));
         order
     }
 
@@ -115,40 +124,44 @@ impl Search<'_> {
     }
 
     /// Turning points of the contacts' polynomials, window by window.
-    fn by_windows(&mut self, mut windows: Windows, i: usize) {
+    fn by_windows(&mut self, mut windows: Windows, order: &[usize], i: usize) {
         let begins = self.orbit.impacts()[i].time;
         let whole = self.motion.until_next(i);
         let [excursions, fourths] = windows.bounds();
-        let order = self.order();
         let mut watched: Vec<Watched> = Vec::with_capacity(order.len());
-        for (contact, [here, end]) in order.iter().copied().zip(windows.ends(&order)) {
+        for (place, [here, end]) in windows.ends(order.len()).into_iter().enumerate() {
+            let contact = order[place];
             let stops = [Barrier::Lower, Barrier::Upper].map(|barrier| {
                 let stop = self.orbit.model().structure().contacts()[contact].barrier(barrier)?;
                 // Most contacts are far from their barriers, and stay there.
-                let room = barrier.sign() * (stop - self.motion.response().still(contact)) - excursions[contact];
+                let room = barrier.sign() * (stop - self.motion.response().still(contact)) - excursions[place];
                 let is_far = self.closest.as_ref().is_some_and(|(least, _)| room > least.max(0.0));
                 (!is_far).then_some((barrier, stop))
             });
             // A contact that feels an impact of another has a corner there.
             for (barrier, stop) in stops.into_iter().flatten() {
-                for (s, [place, _]) in [(0.0, here), (whole, end)] {
+                for (s, [at, _]) in [(0.0, here), (whole, end)] {
                     if !self.is_hit(contact, barrier, begins + s) {
-                        self.note(barrier.sign() * (stop - place), (contact, barrier), begins + s);
+                        self.note(barrier.sign() * (stop - at), (contact, barrier), begins + s);
                     }
                 }
             }
             if stops.iter().any(Option::is_some) {
-                watched.push(Watched { contact, stops, here });
+                watched.push(Watched { contact, place, fourth: fourths[place], stops, here });
             }
         }
+        if watched.is_empty() {
+            return;
+        }
+        windows.keep(&mut watched.iter_mut().map(|own| &mut own.place));
         let mut pending = std::mem::take(&mut self.pending);
         let mut ends: Vec<[f64; 2]> = Vec::with_capacity(watched.len());
         loop {
             ends.clear();
-            windows.pass(watched.iter().map(|own| own.contact), |end| ends.push(end));
+            windows.pass(watched.iter().map(|own| own.place), |end| ends.push(end));
             for (own, end) in watched.iter_mut().zip(&ends) {
                 let begin = std::mem::replace(&mut own.here, *end);
-                let passage = Passage::new(begin, *end, windows.length, fourths[own.contact]);
+                let passage = Passage::new(begin, *end, windows.length, own.fourth);
                 if !passage.may_turn() {
                     continue;
                 }
@@ -157,7 +170,7 @@ impl Search<'_> {
                     if self.closest.as_ref().is_some_and(|(least, _)| passage.room(barrier, stop) >= *least) {
                         continue;
                     }
-                    let own_polynomial = polynomial.get_or_insert_with(|| windows.polynomial(own.contact));
+                    let own_polynomial = polynomial.get_or_insert_with(|| windows.polynomial(own.place));
                     self.turns(&windows, own_polynomial, (own.contact, barrier, stop), begins, &mut pending);
                 }
             }
@@ -221,6 +234,9 @@ impl Search<'_> {
 /// A contact that may come near its barriers, where it is and how fast at a window's start.
 struct Watched {
     contact: usize,
+    /// Its place among those that are looked at, and a bound of its |g⁗|.
+    place: usize,
+    fourth: f64,
     stops: [Option<(Barrier, f64)>; 2],
     here: [f64; 2],
 }

@@ -9,7 +9,7 @@ use super::equations::{Equations, Point, Strike, System as Rows};
 use super::error::StructureOrbitError;
 use super::model::StructureModel;
 use super::orbit::{StructureImpact, StructureOrbit};
-use crate::equations::linear::Vector;
+use crate::equations::linear::{Vector, dot};
 use crate::error::{BranchError, BreatherError};
 use crate::tracer::manifold::{Manifold, ManifoldPoint};
 use crate::tracer::system::{Evaluation, System};
@@ -187,7 +187,8 @@ impl System for StructureContinuation {
         self.evaluations
     }
 
-    /// At the resonance of a mode that nothing damps the equations have a pole; where an orbit is its own mirror image others branch off.
+    /// At the resonance of a mode that nothing damps the equations have a pole; where an orbit is its own mirror image others branch off, and where
+    /// these come to one they go on as their own mirror images.
     fn may_turn(&self, (from, _): (&StructureOrbit, f64), (to, _): (&StructureOrbit, f64)) -> bool {
         let turns = |orbit: &StructureOrbit| -> Vec<f64> {
             let period = orbit.period() / std::f64::consts::TAU;
@@ -195,7 +196,7 @@ impl System for StructureContinuation {
             let free = free.filter(|mode| mode.decay == 0.0 && mode.turn == Turn::Circular);
             free.map(|mode| (mode.rate * period).floor()).collect()
         };
-        turns(from) != turns(to) || is_own_image(from) && is_own_image(to)
+        turns(from) != turns(to) || is_own_image(from) && is_own_image(to) || from.is_across(to)
     }
 }
 
@@ -213,6 +214,27 @@ impl StructureBranch {
         stop: &Stop,
     ) -> Result<Self, BranchError> {
         Ok(Self { equations: StructureContinuation::through(orbit, family, &[value], &[unit], stop)? })
+    }
+}
+
+impl StructureOrbit {
+    /// Whether what happens half a period later differs from what happens now the other way round than along `other`: between the two is an orbit
+    /// that repeats or mirrors itself, if they are neighbours on one branch.
+    pub fn is_across(&self, other: &Self) -> bool {
+        dot(&self.unevenness(), &other.unevenness()) < 0.0
+    }
+
+    /// Impulses and flights half the impacts later, less those now; none of an odd number of impacts.
+    fn unevenness(&self) -> Vec<f64> {
+        let (impacts, half) = (self.impacts(), self.impacts().len() / 2);
+        if impacts.len() % 2 == 1 {
+            return Vec::new();
+        }
+        let strongest = impacts.iter().map(|impact| impact.impulse.abs()).fold(f64::MIN_POSITIVE, f64::max);
+        let end = |i: usize| impacts.get(i + 1).map_or(self.period(), |next| next.time);
+        let flight = |i: usize| (end(i) - impacts[i].time) / self.period();
+        let impulses = (0..half).map(|i| (impacts[i + half].impulse.abs() - impacts[i].impulse.abs()) / strongest);
+        impulses.chain((0..half).map(|i| flight(i + half) - flight(i))).collect()
     }
 }
 

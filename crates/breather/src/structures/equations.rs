@@ -11,6 +11,7 @@ use vibrochain_lattice::{Barrier, Complex, LinearMode, StructureError};
 use super::error::StructureOrbitError;
 use super::model::StructureModel;
 use super::periodic_kernel::PeriodicKernel;
+use super::response::Response;
 use crate::equations::linear::{Matrix, Vector, zeros};
 
 type C = Complex<f64>;
@@ -22,6 +23,12 @@ pub(super) struct Strike {
     pub(super) barrier: Barrier,
     pub(super) time: f64,
     pub(super) impulse: f64,
+}
+
+impl From<(usize, Barrier, f64, f64)> for Strike {
+    fn from((contact, barrier, time, impulse): (usize, Barrier, f64, f64)) -> Self {
+        Self { contact, barrier, time, impulse }
+    }
 }
 
 /// What is solved for: the impacts, the phase of the loads, and where rigid modes are.
@@ -56,41 +63,6 @@ pub(super) struct Equations<'a> {
     pub(super) left_out: usize,
 }
 
-/// What contacts do after impacts at some of them, under the loads, and under the static one.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Response {
-    pub(super) kernel: PeriodicKernel,
-    /// ĝ of each harmonic, at each contact.
-    swings: Vec<(f64, Vec<C>)>,
-    /// g⁰
-    still: Vec<f64>,
-}
-
-impl Response {
-    /// g⁰ of a contact.
-    pub(super) fn still(&self, contact: usize) -> f64 {
-        self.still[contact]
-    }
-
-    /// Frequencies and ĝ of a contact.
-    pub(super) fn swings(&self, contact: usize) -> impl Iterator<Item = (f64, C)> + '_ {
-        self.swings.iter().map(move |(rate, swing)| (*rate, swing[contact]))
-    }
-
-    /// G of a contact, and its first three derivatives, at t + ψ.
-    pub(super) fn load(&self, contact: usize, t: f64) -> [f64; 4] {
-        let mut jet = [0.0; 4];
-        for (rate, swing) in self.swings(contact) {
-            let mut value = swing * C::from_polar(1.0, rate * t);
-            for entry in &mut jet {
-                *entry += value.re;
-                value *= C::new(0.0, rate);
-            }
-        }
-        jet
-    }
-}
-
 /// The rows that are to vanish, their derivatives, and what is made of them on the way.
 #[derive(Debug, Clone)]
 pub(super) struct System {
@@ -117,12 +89,7 @@ impl<'a> Equations<'a> {
         let mut contacts: SmallVec<[usize; 4]> = hit.collect();
         contacts.sort_unstable();
         contacts.dedup();
-        let period = model.period() * f64::from(force_periods);
-        let kernel = PeriodicKernel::new(structure.modes(), model.felt(&contacts), &contacts, period);
-        let mut swings = Vec::new();
-        for (place, harmonic) in structure.harmonics().iter().enumerate() {
-            swings.push((f64::from(*harmonic) * model.omega(), structure.steady_at(place, model.omega())?));
-        }
+        let response = model.response(&contacts, force_periods)?;
         let felt = |mode: &&LinearMode| contacts.iter().any(|contact| Self::shape(mode, *contact) != 0.0);
         let all = structure.modes().iter().filter(|mode| mode.is_rigid());
         let (rigid, unfelt): (Vec<_>, Vec<_>) = all.partition(felt);
@@ -130,18 +97,8 @@ impl<'a> Equations<'a> {
         if unfelt.into_iter().any(|mode| Self::push(mode) != 0.0) {
             return Err(StructureOrbitError::Unbalanced);
         }
-        let resting = structure.still();
-        let at_rest = |contact: usize| {
-            let rests = structure.modes().iter().zip(&resting).filter(|(_, xi)| **xi != [0.0; 2]);
-            let terms = rests.map(|(mode, xi)| {
-                let row = mode.rows[contact];
-                row[0] * xi[0] + row[1] * xi[1]
-            });
-            terms.sum()
-        };
-        let still = (0..structure.contacts().len()).map(at_rest).collect();
         let forced = structure.is_forced();
-        Ok(Self { model, response: Arc::new(Response { kernel, swings, still }), rigid, forced, left_out: 0 })
+        Ok(Self { model, response, rigid, forced, left_out: 0 })
     }
 
     /// The periodic kernel.
@@ -177,10 +134,7 @@ impl<'a> Equations<'a> {
 
     /// Frequency of the only harmonic and ĝ of every contact; `None` of several or none.
     pub(super) fn single(&self) -> Option<(f64, &[C])> {
-        match &self.response.swings[..] {
-            [(rate, swing)] if self.forced => Some((*rate, swing)),
-            _ => None,
-        }
+        self.response.single().filter(|_| self.forced)
     }
 
     /// Frequencies and ĝ of a contact.

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use vibrochain_lattice::{Complex, FeltModes, LinearMode, ModalStructure, Turn, Turned};
 
-use super::equations::{Equations, Response};
+use super::equations::Equations;
 use super::error::StructureOrbitError;
 use super::orbit::StructureOrbit;
 use super::periodic_kernel::{PeriodicKernel, length, rigid_jet};
+use super::response::Response;
 
 type C = Complex<f64>;
 
@@ -26,11 +27,6 @@ impl<'a> StructureMotion<'a> {
     /// [`StructureOrbitError::Structure`] at a resonance.
     pub fn new(orbit: &'a StructureOrbit) -> Result<Self, StructureOrbitError> {
         Ok(Self { orbit, states: after_impacts(orbit, &orbit.response().kernel) })
-    }
-
-    /// The orbit.
-    pub(super) fn orbit(&self) -> &'a StructureOrbit {
-        self.orbit
     }
 
     fn structure(&self) -> &ModalStructure {

@@ -11,6 +11,7 @@
 //! |---|---|
 //! | `model` | [`StructureModel`]: a structure and a frequency |
 //! | `periodic_kernel` | K and its derivatives, regular modes and rigid ones |
+//! | `response` | what contacts do after impacts and under the loads, shared by all words of the same contacts |
 //! | `equations` | rows and Jacobian of an orbit's impacts |
 //! | `orbit` | [`StructureOrbit`], and how far it can be trusted |
 //! | `newton` | from impacts nearby to an orbit |
@@ -22,10 +23,12 @@
 //! | `windows` | one flight as polynomials |
 //! | `admissible` | physical or what is in the way |
 //! | `continuation` | [`StructureBranch`]: the equations with numbers of the structure free |
+//! | `departure` | where the branch of other orbits begins |
 
 pub(crate) mod admissible;
 mod at_times;
 pub(crate) mod continuation;
+mod departure;
 mod equations;
 pub(crate) mod error;
 pub(crate) mod flight;
@@ -33,6 +36,7 @@ pub(crate) mod model;
 mod newton;
 pub(crate) mod orbit;
 mod periodic_kernel;
+mod response;
 mod scan;
 pub(crate) mod search;
 mod starts;

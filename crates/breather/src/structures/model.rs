@@ -3,9 +3,10 @@
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use vibrochain_lattice::{Barrier, FeltModes, MAX_MAGNITUDE, ModalStructure};
+use vibrochain_lattice::{Barrier, FeltModes, MAX_MAGNITUDE, ModalStructure, StructureError};
 
 use super::error::StructureOrbitError;
+use super::response::Response;
 
 /// A linear structure with stops under loads of frequency ω; of an orbit without them, ω is its own.
 #[derive(Debug, Clone)]
@@ -13,10 +14,14 @@ pub struct StructureModel {
     structure: Arc<ModalStructure>,
     omega: f64,
     felt: Arc<Mutex<Felt>>,
+    responses: Arc<Mutex<Responses>>,
 }
 
 /// The modes that some contacts feel, of each list of contacts that has been asked for.
 type Felt = Vec<(Vec<usize>, Arc<FeltModes>)>;
+
+/// What contacts do after impacts at some of them, for each list of these and number of periods: words of one contact share it.
+type Responses = Vec<((Vec<usize>, u32), Arc<Response>)>;
 
 impl PartialEq for StructureModel {
     fn eq(&self, other: &Self) -> bool {
@@ -30,7 +35,7 @@ impl StructureModel {
     /// # Errors
     /// [`StructureOrbitError::Omega`].
     pub fn new(structure: Arc<ModalStructure>, omega: f64) -> Result<Self, StructureOrbitError> {
-        Self { structure, omega, felt: Arc::default() }.at(omega)
+        Self { structure, omega, felt: Arc::default(), responses: Arc::default() }.at(omega)
     }
 
     /// The same structure at another frequency. What does not depend on it is worked out once for all of them.
@@ -39,7 +44,8 @@ impl StructureModel {
     /// [`StructureOrbitError::Omega`].
     pub fn at(&self, omega: f64) -> Result<Self, StructureOrbitError> {
         if (1.0 / MAX_MAGNITUDE..=MAX_MAGNITUDE).contains(&omega) {
-            Ok(Self { omega, ..self.clone() })
+            let (structure, felt) = (self.structure.clone(), self.felt.clone());
+            Ok(Self { structure, omega, felt, responses: Arc::default() })
         } else {
             Err(StructureOrbitError::Omega { omega })
         }
@@ -54,6 +60,18 @@ impl StructureModel {
         let felt = Arc::new(self.structure.felt(hit));
         known.push((hit.to_vec(), felt.clone()));
         felt
+    }
+
+    /// What contacts do after impacts at these, in an orbit of so many periods of the loads.
+    pub(super) fn response(&self, hit: &[usize], force_periods: u32) -> Result<Arc<Response>, StructureError> {
+        let mut known = self.responses.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, response)) = known.iter().find(|((of, periods), _)| of == hit && *periods == force_periods) {
+            return Ok(response.clone());
+        }
+        let period = self.period() * f64::from(force_periods);
+        let response = Arc::new(Response::new(&self.structure, (self.omega, period), self.felt(hit), hit)?);
+        known.push(((hit.to_vec(), force_periods), response.clone()));
+        Ok(response)
     }
 
     /// The structure.

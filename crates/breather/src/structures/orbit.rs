@@ -5,9 +5,10 @@ use std::sync::Arc;
 use smallvec::SmallVec;
 use vibrochain_lattice::Barrier;
 
-use super::equations::{Equations, Point, Response, Strike, System};
+use super::equations::{Equations, Point, Strike, System};
 use super::error::StructureOrbitError;
 use super::model::StructureModel;
+use super::response::Response;
 use crate::equations::linear::{Factors, Matrix};
 use crate::equations::{BlochEquations, LinearImpact};
 use crate::word::MAX_IMPACTS;
@@ -212,6 +213,12 @@ impl StructureOrbit {
             format!("{}{}", impact.contact, if impact.barrier == Barrier::Upper { '+' } else { '-' })
         };
         self.impacts.iter().map(letter).collect::<Vec<_>>().join(",")
+    }
+
+    /// Its word, with its periods of the load where these are several: `0+,0+/2`, as scenes have it.
+    pub fn name(&self) -> String {
+        let word = self.word();
+        if self.force_periods == 1 { word } else { format!("{word}/{}", self.force_periods) }
     }
 
     /// Its linearised equations J(z), and the poles of modes that none of its contacts feels.

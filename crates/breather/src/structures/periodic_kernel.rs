@@ -248,11 +248,7 @@ impl Between {
             }
             let losses = match lost {
                 Some((of, losses)) if of == (*decay, *slowest) => losses,
-                _ => ways.map(|times| {
-                    let of = |rate: f64, t: f64| if rate == 0.0 { 1.0 } else { (-rate * t).exp() };
-                    let at: Lane = std::array::from_fn(|i| of(*decay, times[i]));
-                    [four(at), four(std::array::from_fn(|i| of(*slowest, (times[i] - radii[i]).max(0.0))))]
-                }),
+                _ => Self::losses((*decay, *slowest), &ways, radii),
             };
             lost = Some(((*decay, *slowest), losses));
             let moved = match turn.turns(*rate, places) {
@@ -277,21 +273,50 @@ impl Between {
         (jets, fourths)
     }
 
+    /// What a mode has lost at four places and at their nearest ends, either way.
+    fn losses((decay, slowest): (f64, f64), ways: &[Lane; 2], radii: Lane) -> Losses {
+        let of = |rate: f64, t: f64| if rate == 0.0 { 1.0 } else { (-rate * t).exp() };
+        ways.map(|times| {
+            let at = times.map(|t| of(decay, t));
+            let ends: Lane = std::array::from_fn(|i| {
+                let way = radii[i].min(times[i]);
+                let gained = slowest * way;
+                // e^x is below its chord from 0 to 1.
+                if slowest == decay && (0.0..=1.0).contains(&gained) {
+                    at[i] * (1.0 + (std::f64::consts::E - 1.0) * gained)
+                } else {
+                    of(slowest, times[i] - way)
+                }
+            });
+            [four(at), four(ends)]
+        })
+    }
+
     /// Both kernels with two derivatives at one φ.
     pub(super) fn jets_at(&self, phi: f64) -> [[f64; 3]; 2] {
         let mut jets = [[0.0; 3]; 2];
-        let back = self.period - phi;
-        let alive = |mode: &&Both| mode.slowest * phi.min(back) <= DEAD;
-        for Both { turn, decay, rate, parts, .. } in self.modes.iter().filter(alive) {
-            let moved = if *turn == Turn::Circular {
-                let (sin, cos) = (rate * phi).sin_cos();
-                let left = [phi, back].map(|t| if *decay == 0.0 { 1.0 } else { (-decay * t).exp() });
-                [[cos * left[0], sin * left[0]], [cos * left[1], -sin * left[1]]]
-            } else {
-                [phi, back].map(|t| turn.flight(*decay, *rate, t)).map(|flight| [flight.even, flight.odd])
-            };
-            for ((jet, parts), [even, odd]) in jets.iter_mut().zip(parts).zip(moved) {
-                jet.iter_mut().zip(parts).for_each(|(entry, part)| *entry += even * part[0] + odd * part[1]);
+        let ways = [phi, self.period - phi];
+        let mut lost = (0.0, [1.0; 2]);
+        for modes in self.modes.chunks(LANES) {
+            // Four modes at a time.
+            let angles = std::array::from_fn(|i| modes.get(i).map_or(0.0, |mode| mode.rate * phi));
+            let [cos, sin] = Turn::Circular.turns(1.0, angles).unwrap_or_default();
+            for (i, Both { turn, decay, rate, parts, slowest, .. }) in modes.iter().enumerate() {
+                if slowest * ways[0].min(ways[1]) > DEAD {
+                    continue;
+                }
+                let moved = if *turn == Turn::Circular {
+                    if lost.0 != *decay {
+                        lost = (*decay, ways.map(|t| (-decay * t).exp()));
+                    }
+                    let left = lost.1;
+                    [[cos[i] * left[0], sin[i] * left[0]], [cos[i] * left[1], -sin[i] * left[1]]]
+                } else {
+                    ways.map(|t| turn.flight(*decay, *rate, t)).map(|flight| [flight.even, flight.odd])
+                };
+                for ((jet, parts), [even, odd]) in jets.iter_mut().zip(parts).zip(moved) {
+                    jet.iter_mut().zip(parts).for_each(|(entry, part)| *entry += even * part[0] + odd * part[1]);
+                }
             }
         }
         jets

@@ -16,7 +16,8 @@ const MOST_WINDOWS: f64 = 600.0;
 /// Windows after which states are set anew, so that rounding cannot add up.
 const REFRESH: usize = 32;
 
-/// One flight in windows, on which every contact is a polynomial to rounding. The motion under a load is one mode more, that nothing damps.
+/// One flight in windows, on which contacts are polynomials to rounding, some of a structure's, known by their places in a list. The motion under a
+/// load is one mode more, that nothing damps.
 pub(super) struct Windows {
     /// Length of a window, and how many there are.
     pub(super) length: f64,
@@ -92,8 +93,8 @@ impl Node {
 }
 
 impl Windows {
-    /// `None` where there would be too many, or a rigid mode is no part of the modes' flight.
-    pub(super) fn new(motion: &StructureMotion<'_>, i: usize) -> Option<Self> {
+    /// Of the flight after impact `i`. `None` where there would be too many, or a rigid mode is no part of the modes' flight.
+    pub(super) fn new(motion: &StructureMotion<'_>, i: usize, contacts: &[usize]) -> Option<Self> {
         let response = motion.response();
         if response.kernel.has_rigid() {
             return None;
@@ -117,12 +118,11 @@ impl Windows {
         }
         let groups = parts.len().div_ceil(LANES);
         let (both, count) = (real.len(), parts.len());
-        let contacts = motion.orbit().model().structure().contacts().len();
-        let fours = contacts.div_ceil(LANES);
+        let fours = contacts.len().div_ceil(LANES);
         let mut shapes = vec![[0.0; LANES]; (2 * count - both) * fours];
         let mut still = vec![[0.0; LANES]; fours];
-        for contact in 0..contacts {
-            let (four, lane) = (contact / LANES, contact % LANES);
+        for (place, &contact) in contacts.iter().enumerate() {
+            let (four, lane) = (place / LANES, place % LANES);
             still[four][lane] = response.still(contact);
             let seen = modes().map(|(mode, _)| mode.rows[contact]);
             let seen = seen.chain(response.swings(contact).map(|(_, swing)| [swing.re, swing.im]));
@@ -155,6 +155,22 @@ impl Windows {
         };
         all.step.act(&all.here, 1.0, &mut all.next);
         Some(all)
+    }
+
+    /// Looks from here on at the contacts at these places alone, and tells their new ones.
+    pub(super) fn keep<'p>(&mut self, places: &mut dyn Iterator<Item = &'p mut usize>) {
+        let kept: Vec<usize> = places.enumerate().map(|(new, place)| std::mem::replace(place, new)).collect();
+        let (before, fours) = (self.still.len(), kept.len().div_ceil(LANES));
+        let picked = |row: &[Lane]| {
+            let mut own = vec![[0.0; LANES]; fours];
+            let from = row.as_flattened();
+            own.as_flattened_mut().iter_mut().zip(&kept).for_each(|(slot, place)| *slot = from[*place]);
+            own
+        };
+        self.shapes = self.shapes.chunks_exact(before).flat_map(picked).collect();
+        self.still = picked(&self.still);
+        self.places.truncate(fours);
+        self.velocities.truncate(fours);
     }
 
     /// Since the impact.
@@ -207,20 +223,20 @@ impl Windows {
     }
 
     /// Place and velocity of a contact where all were last looked at.
-    fn there(&self, contact: usize) -> [f64; 2] {
-        [&self.places, &self.velocities].map(|list| list.as_flattened()[contact])
+    fn there(&self, place: usize) -> [f64; 2] {
+        [&self.places, &self.velocities].map(|list| list.as_flattened()[place])
     }
 
     /// Places and velocities of some contacts at the window's end.
-    pub(super) fn pass(&mut self, contacts: impl Iterator<Item = usize>, each: impl FnMut([f64; 2])) {
+    pub(super) fn pass(&mut self, places: impl Iterator<Item = usize>, each: impl FnMut([f64; 2])) {
         let next = std::mem::take(&mut self.next);
         self.look(&next);
         self.next = next;
-        contacts.map(|contact| self.there(contact)).for_each(each);
+        places.map(|place| self.there(place)).for_each(each);
     }
 
-    /// The same of contacts at both ends of the flight.
-    pub(super) fn ends(&mut self, contacts: &[usize]) -> Vec<[[f64; 2]; 2]> {
+    /// The same of so many contacts at both ends of the flight.
+    pub(super) fn ends(&mut self, count: usize) -> Vec<[[f64; 2]; 2]> {
         let last = |part: &Part| {
             let (turn, decay, rate) = part.flow;
             turn.act(turn.flight(decay, rate, self.whole), part.state)
@@ -228,9 +244,9 @@ impl Windows {
         let groups = self.here.0[0].len();
         let last = Node::of(&self.parts, groups, last);
         self.look(&Node::of(&self.parts, groups, |part| part.state));
-        let first: Vec<[f64; 2]> = contacts.iter().map(|contact| self.there(*contact)).collect();
+        let first: Vec<[f64; 2]> = (0..count).map(|place| self.there(place)).collect();
         self.look(&last);
-        first.into_iter().zip(contacts).map(|(first, contact)| [first, self.there(*contact)]).collect()
+        first.into_iter().enumerate().map(|(place, first)| [first, self.there(place)]).collect()
     }
 
     /// Bounds on the whole flight: how far a contact may be from where it is still, and |g⁗|.
@@ -255,7 +271,7 @@ impl Windows {
     }
 
     /// The contact on this window, from its start on.
-    pub(super) fn polynomial(&mut self, contact: usize) -> Polynomial {
+    pub(super) fn polynomial(&mut self, place: usize) -> Polynomial {
         let width = (2 * self.parts.len() - self.both).div_ceil(LANES);
         if !self.derived {
             self.derived = true;
@@ -270,13 +286,13 @@ impl Windows {
             self.derivatives = derivatives;
         }
         let mut row = vec![[0.0; LANES]; width];
-        let shapes = self.shapes.chunks_exact(self.still.len()).map(|shape| shape.as_flattened()[contact]);
+        let shapes = self.shapes.chunks_exact(self.still.len()).map(|shape| shape.as_flattened()[place]);
         row.as_flattened_mut().iter_mut().zip(shapes).for_each(|(slot, value)| *slot = value);
         let mut coefficients = [0.0; ORDER];
         for (coefficient, derivatives) in coefficients.iter_mut().zip(self.derivatives.chunks_exact(width.max(1))) {
             *coefficient = dot(&row, derivatives);
         }
-        coefficients[0] += self.still.as_flattened()[contact];
+        coefficients[0] += self.still.as_flattened()[place];
         Polynomial { coefficients }
     }
 }

@@ -1,9 +1,10 @@
 //! What is asked of a bifurcation diagram, and what it holds.
 
-use vibrochain_breather::{Impact, Orbit};
+use vibrochain_breather::{Hit, Orbit};
 use vibrochain_lattice::{Barrier, Parameter};
 
 use super::answer::{End, Event, Located, Search, Unresolved};
+use crate::followed::Followed;
 use crate::verdict::{Tolerance, Verdict};
 
 /// Impulses and flights that agree to this part of the largest, and of the period, are those of one orbit, as far as chords between
@@ -64,9 +65,9 @@ pub enum Station<O = Orbit> {
     Event(Located<O>),
 }
 
-impl Station {
+impl<O> Station<O> {
     /// The value of the parameter, and the orbit.
-    fn place(&self) -> (f64, &Orbit) {
+    fn place(&self) -> (f64, &O) {
         match self {
             Self::Point(point) => (point.value, &point.orbit),
             Self::Event(located) => (located.value, &located.orbit),
@@ -145,9 +146,9 @@ impl<O> FollowedBranch<O> {
     }
 }
 
-impl FollowedBranch {
+impl<O: Followed> FollowedBranch<O> {
     /// Whether an orbit is one of it, or the mirror image of one.
-    pub(super) fn holds(&self, value: f64, orbit: &Orbit) -> bool {
+    pub(super) fn holds(&self, value: f64, orbit: &O) -> bool {
         let passed: Vec<(f64, Vec<Trait>)> = self
             .stations
             .iter()
@@ -158,7 +159,7 @@ impl FollowedBranch {
             })
             .collect();
         // Where the gap is symmetric, an orbit has a mirror image that hits the other barriers.
-        let images = [1.0, -1.0].into_iter().filter(|sign| *sign > 0.0 || orbit.model().asymmetry() == 0.0);
+        let images = [1.0, -1.0].into_iter().filter(|sign| *sign > 0.0 || orbit.is_centred());
         images.map(|sign| traits(orbit, sign)).any(|sought| {
             let strongest = sought.iter().map(|one| one.impulse.abs()).fold(0.0, f64::max);
             passed.windows(2).any(|pair| {
@@ -187,15 +188,15 @@ struct Trait {
 }
 
 /// Those of an orbit, or of its mirror image in space.
-fn traits(orbit: &Orbit, sign: f64) -> Vec<Trait> {
-    let impacts = orbit.impacts();
-    let next = |i: usize| impacts.get(i + 1).map_or_else(|| impacts[0].time + orbit.period(), |impact| impact.time);
-    let of = |(i, impact): (usize, &Impact)| Trait {
-        place: (impact.site, (impact.barrier == Barrier::Upper) == (sign > 0.0)),
-        impulse: sign * impact.impulse,
-        flight: (next(i) - impact.time) / orbit.period(),
+fn traits(orbit: &impl Followed, sign: f64) -> Vec<Trait> {
+    let (hits, period) = (orbit.hits(), orbit.period());
+    let next = |i: usize| hits.get(i + 1).map_or_else(|| hits[0].time + period, |hit| hit.time);
+    let of = |(i, hit): (usize, &Hit)| Trait {
+        place: (hit.site, (hit.barrier == Barrier::Upper) == (sign > 0.0)),
+        impulse: sign * hit.impulse,
+        flight: (next(i) - hit.time) / period,
     };
-    let mut traits: Vec<Trait> = impacts.iter().enumerate().map(of).collect();
+    let mut traits: Vec<Trait> = hits.iter().enumerate().map(of).collect();
     traits.sort_by(|a, b| a.place.cmp(&b.place).then(a.impulse.total_cmp(&b.impulse)));
     traits
 }
@@ -203,9 +204,9 @@ fn traits(orbit: &Orbit, sign: f64) -> Vec<Trait> {
 /// A bifurcation diagram.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
-pub struct Diagram {
+pub struct Diagram<O = Orbit> {
     /// The orbit's own branch first, then those that leave it, then those that leave these.
-    pub branches: Vec<FollowedBranch>,
+    pub branches: Vec<FollowedBranch<O>>,
     /// Events at which no branch could be taken up, though one was looked for.
     pub dead_ends: Vec<Origin>,
     /// All branches were followed: not more left than are ever looked at.
@@ -214,4 +215,14 @@ pub struct Diagram {
     pub evaluations: usize,
     /// Eigenvalue problems solved.
     pub spectra: usize,
+}
+
+impl<O> Diagram<O> {
+    /// The event at a station, if it is one.
+    pub fn event_at(&self, origin: Origin) -> Option<&Located<O>> {
+        match self.branches.get(origin.branch)?.stations.get(origin.station)? {
+            Station::Event(located) => Some(located),
+            Station::Point(_) => None,
+        }
+    }
 }

@@ -38,6 +38,8 @@ mod watch;
 
 pub use answer::{Answer, BranchedOrbit, Branching, End, Event, Evidence, LocateError, Located, Search, Unresolved};
 pub use course::{Course, Diagram, DiagramPoint, FollowedBranch, Origin, Station, is_physical_about};
+pub(crate) use diagram::{Traced, Tracing, grown};
 pub use diagram::{diagram, diagram_until};
 pub use follow::{locate, locate_until};
 pub(crate) use polish::Polisher;
+pub(crate) use switch::first_step;

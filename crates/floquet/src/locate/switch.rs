@@ -1,7 +1,8 @@
 //! At which events branches leave another, and the first step along one.
 
-use vibrochain_breather::{Approach, Branch, BranchPoint, Departure, Family, Finder, Hit, Motion, Orbit};
-use vibrochain_lattice::{Barrier, Stop};
+use vibrochain_breather::system::System;
+use vibrochain_breather::{Approach, Departure, Family, Hit, Manifold, ManifoldPoint, Motion, Orbit};
+use vibrochain_lattice::Barrier;
 
 use super::answer::{Event, Evidence, Located};
 
@@ -67,22 +68,20 @@ fn touching(orbit: &Orbit, touch: &Approach) -> Option<Vec<Hit>> {
 }
 
 /// The first point of a branch that leaves another, on the side where its orbits are.
-pub(super) fn first_step(
-    branch: &mut Branch,
-    start: &BranchPoint,
+pub(crate) fn first_step<S: System>(
+    branch: &mut Manifold<S, 1>,
+    start: &ManifoldPoint<S::Orbit, 1>,
     departure: &Departure,
-    stop: &Stop,
-) -> Option<BranchPoint> {
-    let mut finder = Finder::new(branch.sites()).until(stop);
+    mut is_physical: impl FnMut(&S::Orbit) -> bool,
+) -> Option<ManifoldPoint<S::Orbit, 1>> {
     let mut taken = |sign: f64| (0..TRIES).find_map(|i| branch.step(start, sign * FIRST * SHRINK.powi(i)).ok());
     if matches!(departure, Departure::Pitchfork | Departure::PeriodDoubling) {
         // The other way leads to the same orbits, mirrored or begun later.
         return taken(1.0);
     }
-    let mut physical = |point: &BranchPoint| finder.admissibility(point.orbit()).is_ok_and(|told| told.is_physical());
-    let ways: Vec<BranchPoint> = [1.0, -1.0]
+    let ways: Vec<_> = [1.0, -1.0]
         .into_iter()
         .filter_map(|sign| taken(sign).map(|point| if sign < 0.0 { point.reversed() } else { point }))
         .collect();
-    ways.into_iter().find(|point| physical(point))
+    ways.into_iter().find(|point| is_physical(point.orbit()))
 }

@@ -5,7 +5,7 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::{
-    Approach, BranchError, Pace, StructureBranch, StructureBranchPoint, StructureFamily, StructureOrbit,
+    Approach, BranchError, Departure, Pace, StructureBranch, StructureBranchPoint, StructureFamily, StructureOrbit,
     structure_admissibility, structure_is_physical,
 };
 use vibrochain_lattice::{Resonance, Stop, Turn};
@@ -13,9 +13,13 @@ use vibrochain_lattice::{Resonance, Stop, Turn};
 use super::event::{Solved, solve};
 use super::seen::{At, Seen, changes, described, guesses, touch_between, value};
 use super::stability::structure_stability;
+use super::switch::departure;
 use super::test_function::{Test, another_one, minus_one, speed};
-use crate::bracket::crossing;
-use crate::locate::{End, Event, Evidence, FollowedBranch, LocateError, Located, Station, Unresolved};
+use crate::bracket::{crossing, zero};
+use crate::locate::{
+    Diagram, End, Event, Evidence, FollowedBranch, LocateError, Located, Station, Traced, Tracing, Unresolved,
+    first_step, grown,
+};
 use crate::verdict::{Tolerance, Verdict};
 
 type C = Complex<f64>;
@@ -58,8 +62,118 @@ pub struct StructureCourse {
     pub to: f64,
     /// The events that are looked for.
     pub events: Vec<Event>,
+    /// How often a branch may leave another: 0 for the orbit's own alone.
+    pub generations: u32,
     /// What counts as stable.
     pub tolerance: Tolerance,
+}
+
+/// The bifurcation diagram of an orbit of a structure: its branch as a number of `family` goes on from `value` both ways, through folds, to the
+/// ends of the range or of the branch, with all events that are asked for; and so many generations of the branches that leave it at period
+/// doublings, where symmetry is lost, and at grazings. Two events that cancel within one step, a fiftieth of the range at most, are not seen.
+///
+/// # Errors
+/// [`LocateError`]: no such range, no such model, stopped.
+pub fn structure_diagram(
+    orbit: &StructureOrbit,
+    family: &StructureFamily,
+    value: f64,
+    course: &StructureCourse,
+    stop: &Stop,
+) -> Result<Diagram<StructureOrbit>, LocateError> {
+    let tracing = StructureTracing { family, course, stop };
+    let own = tracing.both_ways(orbit, value)?;
+    grown(&tracing, own, course.generations)
+}
+
+/// The orbit's own branch of [`structure_diagram`].
+///
+/// # Errors
+/// As [`structure_diagram`].
+pub fn structure_branch(
+    orbit: &StructureOrbit,
+    family: &StructureFamily,
+    value: f64,
+    course: &StructureCourse,
+    stop: &Stop,
+) -> Result<FollowedBranch<StructureOrbit>, LocateError> {
+    StructureTracing { family, course, stop }.both_ways(orbit, value).map(|traced| traced.branch)
+}
+
+/// Who follows the branches of a structure's orbits.
+struct StructureTracing<'a> {
+    family: &'a StructureFamily,
+    course: &'a StructureCourse,
+    stop: &'a Stop,
+}
+
+impl StructureTracing<'_> {
+    fn follower(&self, branch: StructureBranch) -> Follower<'_> {
+        Follower { branch, course: self.course, stop: self.stop, unresolved: Vec::new() }
+    }
+
+    fn range(&self) -> f64 {
+        self.course.to - self.course.from
+    }
+
+    /// The branch through an orbit, both ways.
+    fn both_ways(&self, orbit: &StructureOrbit, value: f64) -> Result<Traced<StructureOrbit>, LocateError> {
+        let StructureCourse { from, to, .. } = *self.course;
+        if !(from <= value && value <= to && from < to) {
+            let message =
+                format!("{value} is not in a range from {from} to {to}: give one with from < to around the start");
+            return Err(BranchError::Model(message).into());
+        }
+        let mut branch = StructureBranch::of_structure(orbit, self.family.clone(), value, self.range(), self.stop)?;
+        let up = branch.start()?;
+        let up = if up.heading() < 0.0 { up.reversed() } else { up };
+        let mut follower = self.follower(branch);
+        let (mut stations, first_end) = follower.follow(up.reversed())?;
+        let mut ends = vec![first_end];
+        stations.reverse();
+        if ends[0].1 != End::Closed {
+            let (ahead, end) = follower.follow(up)?;
+            stations.extend(ahead.into_iter().skip(1));
+            ends.push(end);
+        }
+        Ok(follower.traced(stations, ends))
+    }
+}
+
+impl Tracing for StructureTracing<'_> {
+    type Orbit = StructureOrbit;
+    type Leaving = (StructureBranch, StructureBranchPoint, StructureBranchPoint);
+
+    fn departure(&self, located: &Located<StructureOrbit>) -> Option<Departure> {
+        departure(located)
+    }
+
+    fn through(&self, located: &Located<StructureOrbit>) -> Result<Traced<StructureOrbit>, LocateError> {
+        self.both_ways(&located.orbit, located.value)
+    }
+
+    fn leaving(&self, located: &Located<StructureOrbit>, departure: &Departure) -> Option<Self::Leaving> {
+        let place = (located.value, located.value.abs().max(self.range()));
+        let leaving =
+            StructureBranch::leaving_structure(&located.orbit, departure, self.family.clone(), place, self.stop);
+        let (mut branch, start) = leaving.ok()?;
+        let is_physical = |orbit: &StructureOrbit| structure_is_physical(orbit).is_ok_and(|told| told.is_physical());
+        let first = first_step(&mut branch, &start, departure, is_physical)?;
+        Some((branch, start, first))
+    }
+
+    fn first((_, _, first): &Self::Leaving) -> (f64, &StructureOrbit) {
+        (first.value(), first.orbit())
+    }
+
+    fn follow(&self, (branch, start, first): Self::Leaving) -> Result<Traced<StructureOrbit>, LocateError> {
+        let mut follower = self.follower(branch);
+        let (behind, end) = follower.follow(first)?;
+        let seen = Seen::at(&start, self.course.tolerance);
+        let mut stations = vec![Station::Point(described(&start, &seen))];
+        stations.extend(behind);
+        Ok(follower.traced(stations, vec![end]))
+    }
 }
 
 struct Follower<'a> {
@@ -69,41 +183,13 @@ struct Follower<'a> {
     unresolved: Vec<Unresolved>,
 }
 
-/// The branch of an orbit as a number of `family` goes on from `value` both ways, through folds, to the ends of the range or of the branch, with
-/// all events that are asked for. Two that cancel within one step, a fiftieth of the range at most, are not seen. What branches off is
-/// not taken up.
-///
-/// # Errors
-/// [`LocateError`]: no such range, no such model, stopped.
-pub fn structure_branch(
-    orbit: &StructureOrbit,
-    family: &StructureFamily,
-    value: f64,
-    course: &StructureCourse,
-    stop: &Stop,
-) -> Result<FollowedBranch<StructureOrbit>, LocateError> {
-    let StructureCourse { from, to, .. } = *course;
-    if !(from <= value && value <= to && from < to) {
-        let message =
-            format!("{value} is not in a range from {from} to {to}: give one with from < to around the start");
-        return Err(BranchError::Model(message).into());
-    }
-    let mut branch = StructureBranch::of_structure(orbit, family.clone(), value, to - from, stop)?;
-    let up = branch.start()?;
-    let up = if up.heading() < 0.0 { up.reversed() } else { up };
-    let mut follower = Follower { branch, course, stop, unresolved: Vec::new() };
-    let (mut stations, first_end) = follower.follow(up.reversed())?;
-    let mut ends = vec![first_end];
-    stations.reverse();
-    if ends[0].1 != End::Closed {
-        let (ahead, end) = follower.follow(up)?;
-        stations.extend(ahead.into_iter().skip(1));
-        ends.push(end);
-    }
-    Ok(FollowedBranch { origin: None, generation: 0, stations, unresolved: follower.unresolved, untold: 0, ends })
-}
-
 impl Follower<'_> {
+    fn traced(self, stations: Stations, ends: Vec<(f64, End)>) -> Traced<StructureOrbit> {
+        let (origin, generation, unresolved) = (None, 0, self.unresolved);
+        let branch = FollowedBranch { origin, generation, stations, unresolved, untold: 0, ends };
+        Traced { branch, evaluations: self.branch.evaluations(), spectra: 0 }
+    }
+
     /// One way, from the start on: the start, then all that is passed.
     fn follow(&mut self, start: StructureBranchPoint) -> Result<(Stations, (f64, End)), LocateError> {
         let mut seen = Seen::at(&start, self.course.tolerance);
@@ -131,6 +217,9 @@ impl Follower<'_> {
             };
             let closed = step > 0 && self.closes(&start, &point, &next);
             let next = if closed { start.clone() } else { next };
+            if let Some(value) = self.mirrored(&point, &next) {
+                return Ok((stations, (value, End::Pitchfork)));
+            }
             let next_seen = Seen::at(&next, self.course.tolerance);
             let mut found = self.events((&point, &seen), (&next, &next_seen))?;
             found.sort_by(|(one, _), (other, _)| one.total_cmp(other));
@@ -174,6 +263,29 @@ impl Follower<'_> {
             Some(next) => Ok((next, false)),
             None => Ok((self.branch.at(point, self.limit(point))?, true)),
         }
+    }
+
+    /// The value where orbits come to one that repeats or mirrors itself and go on as their own images: there the equations are singular in two
+    /// directions, so that the branch turns back without a change of their determinant's sign.
+    fn mirrored(&mut self, point: &StructureBranchPoint, next: &StructureBranchPoint) -> Option<f64> {
+        let turns = point.heading() * next.heading() <= 0.0 && point.determinant() * next.determinant() > 0.0;
+        if !(turns && point.orbit().is_across(next.orbit())) {
+            return None;
+        }
+        // Right there the equations may fail: the orbit that came nearest tells it to the square of its distance.
+        let mut nearest = [point, next].map(|end| (end.heading().abs(), end.value()));
+        nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let [mut nearest, _] = nearest;
+        let length = self.branch.length_between(point, next);
+        let heading = |s: f64| -> Result<f64, BranchError> {
+            let there = self.branch.step(point, s)?;
+            if there.heading().abs() < nearest.0 {
+                nearest = (there.heading().abs(), there.value());
+            }
+            Ok(there.heading())
+        };
+        let _ = zero((0.0, point.heading()), (length, next.heading()), length, heading);
+        Some(nearest.1)
     }
 
     /// Whether the start lies on the way from `point` to `next`.

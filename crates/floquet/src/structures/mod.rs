@@ -6,7 +6,8 @@
 //! | `test_function` | what vanishes at each event |
 //! | `event` | the orbit's equations with a test function: an event is a point, over two numbers a curve |
 //! | `seen` | what is seen at a point, and what that tells of a step |
-//! | `diagram` | a branch with its events |
+//! | `diagram` | a branch with its events, and the branches that leave it |
+//! | `switch` | at which events they do |
 //! | `curve` | an event followed through a window of two numbers |
 
 mod curve;
@@ -14,8 +15,9 @@ mod diagram;
 mod event;
 mod seen;
 mod stability;
+mod switch;
 mod test_function;
 
 pub use curve::{StructureCurve, StructureWindow, structure_curve};
-pub use diagram::{StructureCourse, structure_branch};
+pub use diagram::{StructureCourse, structure_branch, structure_diagram};
 pub use stability::{structure_stability, structure_verdict};

@@ -139,9 +139,8 @@ impl BlochKernel {
 
     /// Adds a mode of a structure, as some of its contacts feel it.
     pub(crate) fn push_linear(&mut self, mode: &LinearMode, contacts: &[usize]) {
-        let pick = |table: &[[f64; 2]]| contacts.iter().map(|&contact| table[contact]).collect::<Vec<_>>();
-        let (rows, columns) = (pick(&mode.rows), pick(&mode.columns));
-        self.push(mode.turn, (mode.decay, mode.rate), rows.into_iter(), columns.into_iter());
+        let [rows, columns] = [&mode.rows, &mode.columns].map(|table| contacts.iter().map(|&contact| table[contact]));
+        self.push(mode.turn, (mode.decay, mode.rate), rows, columns);
     }
 
     fn push(

@@ -95,7 +95,7 @@ impl Structure {
             let size = damping.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()));
             let off = |i: usize, j: usize| i != j && damping[(i, j)].abs() > ROUNDING * n as f64 * size;
             if (0..n).all(|i| (0..n).all(|j| !off(i, j))) {
-                let decays: Vec<f64> = (0..n).map(|k| 0.5 * damping[(k, k)]).collect();
+                let decays = as_one((0..n).map(|k| 0.5 * damping[(k, k)]));
                 self.oscillators(&shapes, &squares, &decays)
             } else {
                 self.poles(&shapes, &squares, &damping)?
@@ -292,7 +292,7 @@ impl Structure {
         }
         let pick = |list: &[usize]| DMatrix::from_fn(n, list.len(), |i, k| shapes[(i, list[k])]);
         let picked = |list: &[usize]| list.iter().map(|&k| squares[k]).collect::<Vec<_>>();
-        let decays: Vec<f64> = own.iter().map(|&k| 0.5 * damping[(k, k)]).collect();
+        let decays = as_one(own.iter().map(|&k| 0.5 * damping[(k, k)]));
         let mut modes = self.oscillators(&pick(&own), &picked(&own), &decays);
         let m = coupled.len();
         let inner = DMatrix::from_fn(m, m, |i, j| damping[(coupled[i], coupled[j])]);
@@ -347,6 +347,16 @@ fn finite(what: &str, mut values: impl Iterator<Item = f64>) -> Result<(), Struc
         Some(value) => Err(StructureError::Range { what: what.to_owned(), value, requirement: "finite numbers" }),
         None => Ok(()),
     }
+}
+
+/// Rates that differ by rounding alone as one number: what depends on a rate alone is worked out once for all modes that have it.
+fn as_one(rates: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut list: Vec<f64> = Vec::new();
+    for rate in rates {
+        let known = list.iter().find(|other| (**other - rate).abs() <= ROUNDING * rate.abs());
+        list.push(known.copied().unwrap_or(rate));
+    }
+    list
 }
 
 /// Eigenvalues λ of [[0, Ω], [−Ω, −D]] and y of their vectors (Ωy, λy); complex ones in exact pairs, real ones exactly real.

@@ -13,6 +13,10 @@ type C = Complex<f64>;
 /// A square of a shape at contacts below this part of the largest is rounding of the eigenvectors.
 const SPARED: f64 = 1e-24;
 
+/// Shapes of two contacts that differ by no more than this part of the largest are one: those of masses that a mirror exchanges differ by the
+/// rounding of eigenvectors.
+const TWINS: f64 = 1e-12;
+
 /// A square of a shape below this part of the largest of its kind is rounding of their products.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
@@ -44,6 +48,8 @@ pub struct FeltModes {
     pub modes: Vec<LinearMode>,
     /// The number in the structure of the first mode behind each.
     pub numbers: Vec<usize>,
+    /// For each contact the first one that sees the same of all of these modes, to rounding: itself, or as a mirror image has it.
+    pub twins: Vec<usize>,
     /// The pairs of poles λ of modes that none of the hit contacts feels.
     pub spared: Vec<[Complex<f64>; 2]>,
 }
@@ -54,6 +60,19 @@ impl FeltModes {
         let (coordinates, still, loads) = (Vec::new(), [0.0; 2], Vec::new());
         self.modes.push(LinearMode { turn, decay, rate, is_real, rows, columns, coordinates, still, loads });
         self.numbers.push(number);
+    }
+
+    /// For each contact the first one that sees what it does.
+    fn firsts(&self, contacts: usize) -> Vec<usize> {
+        let largest = |mode: &LinearMode| mode.rows.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let rooms: Vec<f64> = self.modes.iter().map(|mode| TWINS * largest(mode)).collect();
+        let alike = |one: usize, other: usize| {
+            let near = |(mode, room): (&LinearMode, &f64)| {
+                mode.rows[one].iter().zip(mode.rows[other]).all(|(a, b)| (a - b).abs() <= *room)
+            };
+            self.modes.iter().zip(&rooms).all(near)
+        };
+        (0..contacts).map(|contact| (0..contact).find(|other| alike(*other, contact)).unwrap_or(contact)).collect()
     }
 
     /// The kernel K^z between the contacts that are hit, for a period.
@@ -230,6 +249,7 @@ impl ModalStructure {
             }
             felt.spared.extend(std::iter::repeat_n(mode.rates(), count));
         }
+        felt.twins = felt.firsts(contacts);
         felt
     }
 
@@ -275,7 +295,7 @@ impl ModalStructure {
     /// Coordinates ξ of all modes under the static load alone; of a rigid one 0.
     pub fn still(&self) -> Vec<[f64; 2]> {
         let of_mode = |mode: &LinearMode| {
-            if mode.is_rigid() {
+            if mode.still == [0.0; 2] || mode.is_rigid() {
                 return [0.0; 2];
             }
             mode.steady(0.0, mode.still.map(|load| C::new(load, 0.0))).map(|xi| xi.re)

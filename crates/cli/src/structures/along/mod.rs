@@ -6,7 +6,7 @@ pub(crate) mod curve;
 use std::fmt::Write as _;
 
 use vibrochain_breather::{StructureOrbit, structure_is_physical};
-use vibrochain_floquet::{End, Evidence, Located, StructureCourse, Unresolved};
+use vibrochain_floquet::{Evidence, Located, StructureCourse, Unresolved};
 use vibrochain_lattice::Short;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::structure::{Setting, StructureScene};
@@ -14,7 +14,6 @@ use vibrochain_maps::structure::{Setting, StructureScene};
 use super::orbit::found;
 use crate::args::AlongArgs;
 use crate::common::error::CliError;
-use crate::locate::ending;
 
 /// The orbit to start from, its number among all solutions, theirs, and the number of the structure that varies.
 pub(crate) struct Start<'a> {
@@ -133,7 +132,7 @@ pub(super) fn events_text<'a>(
     free: Setting,
     events: impl Iterator<Item = (&'a Located<StructureOrbit>, bool)>,
     unresolved: &[Unresolved],
-    ends: &[(f64, End)],
+    ends: &[String],
 ) {
     for (found, physical) in events {
         let aside = if physical { "" } else { "; not physical" };
@@ -151,8 +150,8 @@ pub(super) fn events_text<'a>(
         let (from, to) = (Number(place.from), Number(place.to));
         let _ = writeln!(out, "  between {free} = {from} and {to} a sign of more that is not resolved");
     }
-    for (value, end) in ends {
-        let _ = writeln!(out, "  end: {}", ending(&free.to_string(), *value, end));
+    for end in ends {
+        let _ = writeln!(out, "  end: {end}");
     }
 }
 
@@ -164,5 +163,5 @@ pub(super) fn course(
     threshold: Option<f64>,
 ) -> Result<StructureCourse, CliError> {
     let tolerance = threshold.map_or(Ok(start.scene.tolerance), vibrochain_maps::scene::tolerance_from);
-    Ok(StructureCourse { from, to, events, tolerance: tolerance.map_err(CliError::Request)? })
+    Ok(StructureCourse { from, to, events, generations: 0, tolerance: tolerance.map_err(CliError::Request)? })
 }

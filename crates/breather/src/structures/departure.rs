@@ -1,0 +1,120 @@
+//! Where a branch of other orbits of a structure begins: of twice the period, of less symmetry, or of another word at a grazing.
+
+use vibrochain_lattice::Stop;
+
+use super::continuation::{StructureBranch, StructureBranchPoint, StructureContinuation, StructureFamily};
+use super::equations::{Equations, Point, Strike};
+use super::error::StructureOrbitError;
+use super::model::StructureModel;
+use super::orbit::{StructureImpact, StructureOrbit};
+use crate::branch::departure::Departure;
+use crate::error::BranchError;
+use crate::orbit::SIMULTANEOUS;
+use crate::tracer::system::{Matrix, System};
+use crate::word::MAX_IMPACTS;
+
+/// What the equations leave of their null vector, as a part of the terms: next to an event that was located it is rounding, but for what Newton's
+/// method loses where symmetry breaks. Where they are regular, as where the energy of a conservative orbit is extreme, it is of order 1.
+const SINGULAR: f64 = 1e-2;
+
+/// An impact this slow, against velocities and accelerations over ω, is lost together with another one that is.
+const STILL: f64 = 1e-6;
+
+impl StructureBranch {
+    /// The branch that leaves `orbit`, which stands at `value` of the number of `family`, and the point where it does, heading along it. Steps the
+    /// other way give the mirror image, or the same orbits begun later; at a grazing those that are pulled.
+    ///
+    /// # Errors
+    /// [`BranchError::Family`] where none is known to branch off, or the equations are regular; otherwise as [`StructureBranch::step`].
+    pub fn leaving_structure(
+        orbit: &StructureOrbit,
+        departure: &Departure,
+        family: StructureFamily,
+        (value, unit): (f64, f64),
+        stop: &Stop,
+    ) -> Result<(Self, StructureBranchPoint), BranchError> {
+        let through = |orbit: &StructureOrbit| -> Result<Self, BranchError> {
+            Ok(Self::of(StructureContinuation::through(orbit, family.clone(), &[value], &[unit], stop)?))
+        };
+        let exchanged = |lost, touching: &[_]| -> Result<(Self, StructureBranchPoint), BranchError> {
+            let mut branch = through(&orbit.exchanged(lost, touching)?)?;
+            let point = branch.start()?;
+            Ok((branch, point))
+        };
+        let mut branch = match departure {
+            Departure::PeriodDoubling if orbit.is_conservative() => return Err(BranchError::Family),
+            Departure::PeriodDoubling => through(&orbit.twice()?)?,
+            Departure::Pitchfork => through(orbit)?,
+            Departure::Touching(hits) => {
+                let hits: Vec<Strike> = hits.iter().map(|hit| (hit.site, hit.barrier, hit.time, 0.0).into()).collect();
+                return exchanged(None, &hits);
+            }
+            Departure::Without(lost) => return exchanged(Some(*lost), &[]),
+        };
+        let point = branch.along_null_vector()?;
+        let matrix = branch.equations.evaluate(point.coordinates())?.matrix;
+        if is_null_vector(&matrix, &point.tangents()[0]) { Ok((branch, point)) } else { Err(BranchError::Family) }
+    }
+}
+
+/// Whether a matrix leaves nothing but rounding of a vector.
+fn is_null_vector(matrix: &Matrix, vector: &[f64]) -> bool {
+    (0..matrix.size()).all(|i| {
+        let terms = || matrix.row(i).iter().zip(vector).map(|(entry, x)| entry * x);
+        terms().sum::<f64>().abs() <= SINGULAR * terms().map(f64::abs).sum::<f64>()
+    })
+}
+
+impl StructureOrbit {
+    /// An orbit of these impacts as they are, in order of time from 0 on.
+    fn assembled(
+        model: &StructureModel,
+        force_periods: u32,
+        psi: f64,
+        strikes: Vec<Strike>,
+    ) -> Result<Self, StructureOrbitError> {
+        if strikes.len() > MAX_IMPACTS {
+            return Err(StructureOrbitError::TooManyImpacts { impacts: strikes.len() });
+        }
+        let equations = Equations::new(model, force_periods, strikes.iter().map(|strike| strike.contact))?;
+        let offsets = smallvec::smallvec![0.0; equations.rigid.len()];
+        let point = equations.with_offsets(Point { strikes: strikes.into(), psi, offsets })?;
+        let system = equations.system(&point)?;
+        Self::new(&equations, force_periods, (point, system))
+    }
+
+    /// The same as one of twice as many impacts in twice its period.
+    fn twice(&self) -> Result<Self, StructureOrbitError> {
+        let period = self.period();
+        let later = |by: f64| self.strikes().map(move |strike| Strike { time: strike.time + by, ..strike });
+        let strikes = later(0.0).chain(later(period)).collect();
+        Self::assembled(self.model(), 2 * self.force_periods(), self.psi().unwrap_or(0.0), strikes)
+    }
+
+    /// The same motion as an orbit of another word: without an impact that has no impulse left, with others that have none yet.
+    fn exchanged(&self, lost: Option<usize>, touching: &[Strike]) -> Result<Self, BranchError> {
+        let period = self.period();
+        let speed = |one: &StructureImpact| one.velocity_before.abs();
+        let scale = |one: &StructureImpact| speed(one).max(one.acceleration_before.abs() / self.model().omega());
+        let fastest = self.impacts().iter().map(scale).fold(0.0, f64::max);
+        // Symmetry may have several lose their velocity at once.
+        let is_lost = |i: usize| lost.is_some() && (Some(i) == lost || speed(&self.impacts()[i]) <= STILL * fastest);
+        let kept = self.strikes().enumerate().filter(|(i, _)| !is_lost(*i)).map(|(_, strike)| strike);
+        let mut strikes: Vec<Strike> = kept.chain(touching.iter().copied()).collect();
+        let first = strikes.first().ok_or(BranchError::Family)?.time;
+        for strike in &mut strikes {
+            strike.time = (strike.time - first).rem_euclid(period);
+            // Where it is once more the first instant, but for rounding.
+            if period - strike.time <= SIMULTANEOUS * period {
+                strike.time = 0.0;
+            }
+        }
+        strikes.sort_by(|one, other| one.time.total_cmp(&other.time));
+        let psi = self.psi().unwrap_or(0.0) + first;
+        Ok(Self::assembled(self.model(), self.force_periods(), psi, strikes)?)
+    }
+
+    fn strikes(&self) -> impl Iterator<Item = Strike> + '_ {
+        self.impacts().iter().map(|one| (one.contact, one.barrier, one.time, one.impulse).into())
+    }
+}

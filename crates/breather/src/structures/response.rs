@@ -1,0 +1,92 @@
+//! What contacts of a structure do after impacts at some of them, and under its loads, at one frequency.
+
+use std::sync::Arc;
+
+use vibrochain_lattice::{Complex, FeltModes, ModalStructure, StructureError};
+
+use super::periodic_kernel::PeriodicKernel;
+
+type C = Complex<f64>;
+
+/// Motions of two contacts that differ by no more than this part of them are one.
+const ALIKE: f64 = 1e-13;
+
+/// What contacts do after impacts at some of them, under the loads, and under the static one.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Response {
+    pub(super) kernel: PeriodicKernel,
+    /// ĝ of each harmonic, at each contact.
+    swings: Vec<(f64, Vec<C>)>,
+    /// g⁰
+    still: Vec<f64>,
+}
+
+impl Response {
+    /// Of a structure at a frequency of its loads, whose modes the impacts at the contacts `hit` feel as `felt`.
+    ///
+    /// # Errors
+    /// [`StructureError::Resonance`] where a load meets a mode that nothing damps.
+    pub(super) fn new(
+        structure: &ModalStructure,
+        (omega, period): (f64, f64),
+        felt: Arc<FeltModes>,
+        hit: &[usize],
+    ) -> Result<Self, StructureError> {
+        let kernel = PeriodicKernel::new(structure.modes(), felt, hit, period);
+        let mut swings = Vec::new();
+        for (place, harmonic) in structure.harmonics().iter().enumerate() {
+            swings.push((f64::from(*harmonic) * omega, structure.steady_at(place, omega)?));
+        }
+        let resting = structure.still();
+        let at_rest = |contact: usize| {
+            let rests = structure.modes().iter().zip(&resting).filter(|(_, xi)| **xi != [0.0; 2]);
+            let terms = rests.map(|(mode, xi)| {
+                let row = mode.rows[contact];
+                row[0] * xi[0] + row[1] * xi[1]
+            });
+            terms.sum()
+        };
+        let still = (0..structure.contacts().len()).map(at_rest).collect();
+        Ok(Self { kernel, swings, still })
+    }
+
+    /// Frequency of the only harmonic and ĝ of every contact; `None` of several or none.
+    pub(super) fn single(&self) -> Option<(f64, &[C])> {
+        match &self.swings[..] {
+            [(rate, swing)] => Some((*rate, swing)),
+            _ => None,
+        }
+    }
+
+    /// Whether two contacts do the same, to rounding, as long as both or neither of them are hit.
+    pub(super) fn are_twins(&self, one: usize, other: usize) -> bool {
+        let near = |a: C, b: C| (a - b).norm_sqr() <= ALIKE * ALIKE * a.norm_sqr();
+        let real = |x: f64| C::new(x, 0.0);
+        self.kernel.felt.twins[one] == self.kernel.felt.twins[other]
+            && near(real(self.still[one]), real(self.still[other]))
+            && self.swings.iter().all(|(_, swing)| near(swing[one], swing[other]))
+    }
+
+    /// g⁰ of a contact.
+    pub(super) fn still(&self, contact: usize) -> f64 {
+        self.still[contact]
+    }
+
+    /// Frequencies and ĝ of a contact.
+    pub(super) fn swings(&self, contact: usize) -> impl Iterator<Item = (f64, C)> + '_ {
+        self.swings.iter().map(move |(rate, swing)| (*rate, swing[contact]))
+    }
+
+    /// G of a contact, and its first three derivatives, at t + ψ.
+    pub(super) fn load(&self, contact: usize, t: f64) -> [f64; 4] {
+        let mut jet = [0.0; 4];
+        for (rate, swing) in self.swings(contact) {
+            let mut value = swing * C::from_polar(1.0, rate * t);
+            for entry in &mut jet {
+                *entry += value.re;
+                value *= C::new(0.0, rate);
+            }
+        }
+        jet
+    }
+}
