@@ -150,16 +150,18 @@ impl BlochKernel {
         rows: impl Iterator<Item = [f64; 2]>,
         columns: impl Iterator<Item = [f64; 2]>,
     ) {
-        let (coordinates, rows, columns) =
-            Coordinates::of((turn, rate), self.period, rows.take(self.contacts), columns.take(self.contacts));
+        let coordinates = Coordinates::of(turn, rate, self.period);
         let period = coordinates.flight(decay, rate, self.period);
         // The exponent carries a relative error of 2ε.
         let slowest = if turn == Turn::Hyperbolic { rate - decay } else { -decay };
         let pole_error =
             f64::EPSILON * (2.0 + 2.0 * (decay.abs() + rate) * self.period) * (slowest * self.period).exp();
         self.modes.push(BlochMode { coordinates, decay, rate, period, pole_error, shape_error: 4.0 * f64::EPSILON });
-        self.rows.extend(rows);
-        self.columns.extend(columns);
+        for (row, column) in rows.zip(columns).take(self.contacts) {
+            let [row, column] = coordinates.told(row, column);
+            self.rows.push(row);
+            self.columns.push(column);
+        }
     }
 
     /// Replaces what the last mode does in a period, and its errors, where they are known better.

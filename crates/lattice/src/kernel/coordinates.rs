@@ -21,19 +21,20 @@ pub enum Coordinates {
 }
 
 impl Coordinates {
-    /// Those in which a mode of this turn keeps its digits for a period, with what contacts see of it and give to it.
-    pub(super) fn of(
-        (turn, rate): (Turn, f64),
-        period: f64,
-        rows: impl Iterator<Item = [f64; 2]>,
-        columns: impl Iterator<Item = [f64; 2]>,
-    ) -> (Self, Vec<[f64; 2]>, Vec<[f64; 2]>) {
-        if turn == Turn::Hyperbolic && rate * period > FAR {
+    /// Those in which a mode of this turn keeps its digits for a period.
+    pub(super) fn of(turn: Turn, rate: f64, period: f64) -> Self {
+        if turn == Turn::Hyperbolic && rate * period > FAR { Self::Apart } else { Self::Shared(turn) }
+    }
+
+    /// What a contact sees of the mode, and gives to it, in these coordinates; told in those of the algebra.
+    pub(super) fn told(self, row: [f64; 2], column: [f64; 2]) -> [[f64; 2]; 2] {
+        match self {
+            Self::Shared(_) => [row, column],
             // The eigenvectors of J.
-            let columns = columns.map(|[x, y]| [0.5 * (x + y), 0.5 * (x - y)]);
-            return (Self::Apart, rows.map(|[x, y]| [x + y, x - y]).collect(), columns.collect());
+            Self::Apart => {
+                [[row[0] + row[1], row[0] - row[1]], [0.5 * (column[0] + column[1]), 0.5 * (column[0] - column[1])]]
+            }
         }
-        (Self::Shared(turn), rows.collect(), columns.collect())
     }
 
     /// Whether the poles are two complex ones.
