@@ -84,7 +84,9 @@ def test_multipliers_and_copies():
     for again in (copy.deepcopy(orbit), pickle.loads(pickle.dumps(orbit))):
         assert again == orbit
     assert pickle.loads(pickle.dumps(both())).orbits("0+", omega=0.6)[0] == orbit
-    assert repr(both()) == "Structure(2 coordinates, 1 contacts)"
+    assert repr(orbit).startswith("<StructureOrbit 0+: period 10.47") and repr(orbit).count("unstable (period-doubling), spectral radius 1.44") == 1
+    assert repr(both().orbits("0+", omega=0.6)) == "<2 orbits, 1 physical, by closed-form>"
+    assert repr(both()) == "Structure(2 coordinates, 1 contact)"
 
 
 def test_what_is_wrong_is_told():

@@ -28,6 +28,14 @@ def _program(given: str | os.PathLike[str] | None = None) -> str:
     return found
 
 
+def _there(scene: str | os.PathLike[str]) -> str:
+    """The whole path of a scene file."""
+    path = os.path.abspath(os.fspath(scene))
+    if not os.path.exists(path):
+        raise FileNotFoundError(2, "there is no such file", os.fspath(scene))
+    return path
+
+
 def _failed(told: str, code: int) -> VibrochainError:
     """What the program has said as it ended."""
     lines = told.strip().removeprefix("error: ")
@@ -142,8 +150,7 @@ def explore(
             with open(path, "w", encoding="utf-8") as file:
                 file.write(_as_text(scene))
         elif scene is not None:
-            path = os.fspath(scene)
-            os.stat(path)
+            path = _there(scene)
         command = [program, "explore", "--port", str(port.__index__()), *([path] if scene is not None else [])]
         with tempfile.TemporaryFile("w+", encoding="utf-8") as told:
             process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=told, text=True)
@@ -232,8 +239,7 @@ def sweep_shares(
         with open(path, "w", encoding="utf-8") as file:
             json.dump(json.loads(_as_text(scene)), file)
     else:
-        path = os.path.abspath(os.fspath(scene))
-        os.stat(path)
+        path = _there(scene)
     program = None if mapgen is None else os.fspath(mapgen)
     waiting = [executor.submit(_share, program, path, chunks, f"{share}/{count}", each) for share in range(count)]
     for future in waiting:

@@ -73,7 +73,7 @@ class Contact:
         return {key: value for key, value in parts.items() if value is not None}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class StructureOrbit:
     """A periodic orbit of a structure, with all that is said of it. Times, places and impulses are in the structure's units.
 
@@ -115,10 +115,10 @@ class StructureOrbit:
     obstruction: dict[str, Any] | None
     stability: dict[str, Any] | None
     residual: float
-    multipliers: NDArray[np.complex128] = field(repr=False, compare=False)
+    multipliers: NDArray[np.complex128] = field(compare=False)
     # What it is an orbit of, as JSON, and the frequency there.
-    _scene: str = field(repr=False, compare=False, default="")
-    _omega: float = field(repr=False, compare=False, default=0.0)
+    _scene: str = field(compare=False, default="")
+    _omega: float = field(compare=False, default=0.0)
 
     @classmethod
     def _of(cls, parts: dict[str, Any], scene: str, omega: float) -> StructureOrbit:
@@ -127,6 +127,14 @@ class StructureOrbit:
         multipliers = np.array([complex(re, im) for re, im in pairs], dtype=np.complex128)
         kept = ("word", "period", "psi", "impacts", "physical", "margin", "obstruction", "residual")
         return cls(**{key: parts[key] for key in kept}, stability=stability, multipliers=multipliers, _scene=scene, _omega=omega)
+
+    def __repr__(self) -> str:
+        hits = ", ".join(str(hit["impulse"]) for hit in self.impacts)
+        told, verdict = "physical" if self.physical else "not physical", self.stability
+        if verdict is not None:
+            state = "marginal" if verdict["marginal"] else "stable" if verdict["stable"] else f"unstable ({verdict['mechanism']})"
+            told += f", {state}, spectral radius {verdict['spectral_radius']}"
+        return f"<StructureOrbit {self.word}: period {self.period}, impulses {hits}; {told}>"
 
     def _start(self, omega: float) -> tuple[list[tuple[int, str, float, float]], float, int]:
         """Its impacts, its phase and the periods of a load of this frequency that it lasts: where to begin from it."""
@@ -202,7 +210,7 @@ class StructureOrbit:
         return draw(pane, ax, heading)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class StructureOrbits:
     """Orbits of a word, a sequence, with what is known of the list.
 
@@ -225,6 +233,10 @@ class StructureOrbits:
     orbits: tuple[StructureOrbit, ...]
     search: dict[str, Any]
 
+    def __repr__(self) -> str:
+        physical = sum(orbit.physical for orbit in self.orbits)
+        return f"<{len(self)} orbit{'' if len(self) == 1 else 's'}, {physical} physical, by {self.search['by']}>"
+
     def __len__(self) -> int:
         return len(self.orbits)
 
@@ -235,7 +247,7 @@ class StructureOrbits:
         return iter(self.orbits)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class StructureBranch:
     """An orbit of a structure as one of its numbers varies, in the order of the way, through folds.
 
@@ -268,17 +280,17 @@ class StructureBranch:
 
     free: str
     values: NDArray[np.float64]
-    impulses: NDArray[np.float64] = field(repr=False)
-    period: NDArray[np.float64] = field(repr=False)
-    margin: NDArray[np.float64] = field(repr=False)
-    spectral_radius: NDArray[np.float64] = field(repr=False)
-    physical: NDArray[np.bool_] = field(repr=False)
-    stable: NDArray[np.bool_] = field(repr=False)
+    impulses: NDArray[np.float64]
+    period: NDArray[np.float64]
+    margin: NDArray[np.float64]
+    spectral_radius: NDArray[np.float64]
+    physical: NDArray[np.bool_]
+    stable: NDArray[np.bool_]
     events: list[dict[str, Any]]
     ends: list[tuple[float, str]]
     # How many points lie before each event; the word; what stands at the axis and above the picture.
-    _places: list[int] = field(repr=False, default_factory=list)
-    _told: tuple[str, str, str] = field(repr=False, default=("", "", ""))
+    _places: list[int] = field(default_factory=list)
+    _told: tuple[str, str, str] = field(default=("", "", ""))
 
     @classmethod
     def _of(cls, free: str, answer: dict[str, Any], word: str) -> StructureBranch:
@@ -299,6 +311,9 @@ class StructureBranch:
             _places=answer["places"],
             _told=(word, answer["labels"][0], answer["heading"]),
         )
+
+    def __repr__(self) -> str:
+        return f"<StructureBranch of {self._told[0]} in {self.free}: {len(self.values)} points, {len(self.events)} events>"
 
     def _pane(self, show: str, all: bool) -> tuple[_vibrochain._Pane, str]:
         word, label, heading = self._told
@@ -357,7 +372,7 @@ class StructureBranch:
         return draw(pane, ax, heading)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class StructureCurve:
     """An event of a structure's orbits over two of its numbers.
 
@@ -392,12 +407,12 @@ class StructureCurve:
     event: str
     free: tuple[str, str]
     values: NDArray[np.float64]
-    error: NDArray[np.float64] = field(repr=False)
-    physical: NDArray[np.bool_] = field(repr=False)
+    error: NDArray[np.float64]
+    physical: NDArray[np.bool_]
     special: list[dict[str, Any]]
     ends: list[str]
     # What stands at the axes and above the picture.
-    _told: tuple[tuple[str, str], str] = field(repr=False, default=(("", ""), ""))
+    _told: tuple[tuple[str, str], str] = field(default=(("", ""), ""))
 
     @classmethod
     def _of(cls, free: tuple[str, str], parts: dict[str, Any], labels: list[str], heading: str) -> StructureCurve:
@@ -412,6 +427,9 @@ class StructureCurve:
             ends=parts["ends"],
             _told=((labels[0], labels[1]), f"{_vibrochain._in_words(parts['event'])}, {heading}"),
         )
+
+    def __repr__(self) -> str:
+        return f"<StructureCurve of {self.event} in {' and '.join(self.free)}: {len(self.values)} points>"
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draws the curve in the plane of its two numbers, as ``mapgen curve --plot`` does.
@@ -814,4 +832,5 @@ class Structure:
         parts = self._structure
         size = len(parts["mass"]) if "mass" in parts else len(parts["frequencies"])
         kind = "coordinates" if "mass" in parts else "modes"
-        return f"Structure({size} {kind}, {len(self._contacts)} contacts)"
+        count = len(self._contacts)
+        return f"Structure({size} {kind[:-1] if size == 1 else kind}, {count} contact{'' if count == 1 else 's'})"
