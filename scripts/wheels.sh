@@ -16,17 +16,18 @@ machines=("$@")
 here=$(uname -m)
 [ "${#machines[@]}" -gt 0 ] || machines=(x86_64 aarch64)
 [ -z "${LOCAL:-}" ] || machines=("$here")
-target=${CARGO_TARGET_DIR:-target}
+target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 
-tools=$(mktemp -d)
+# Tools stay where they are from run to run: the linker's path is a part of what cargo compares.
+tools=$target/release-tools
 # What stands in this folder goes into wheels: programs to the environment's bin, the rest to its share.
-data=$PWD/_vibrochain.data
-trap 'rm -rf "$tools" "$data"' EXIT
-python3 -m venv "$tools/venv"
+data=$PWD/vibrochain._vibrochain.data
+trap 'rm -rf "$data"' EXIT
+[ -d "$tools/venv" ] || python3 -m venv "$tools/venv"
 "$tools/venv/bin/pip" install --quiet --disable-pip-version-check 'maturin>=1.9.4,<2'
-# With the tools' folder in front cargo and maturin find zig.
+# With the tools' folder in front maturin finds zig.
 PATH=$tools/venv/bin:$PATH
-if [ -z "${LOCAL:-}" ] && ! pip install --quiet --disable-pip-version-check ziglang cargo-zigbuild; then
+if [ -z "${LOCAL:-}" ] && ! pip install --quiet --disable-pip-version-check ziglang; then
     echo "zig cannot be had: a wheel for this machine's C library and newer ones alone"
     LOCAL=yes machines=("$here")
 fi
@@ -40,8 +41,10 @@ for machine in "${machines[@]}"; do
     elif rustup target add "$triple" 2>/dev/null; then
         # A target of its own, so that nothing else is built anew by it.
         export CARGO_PROFILE_RELEASE_STRIP=symbols
-        cargo zigbuild --locked --release --target "$triple.2.17" -p vibrochain-cli
-        program=$target/$triple/release/mapgen how=(--zig --target "$triple" --compatibility manylinux2014)
+        how=(--zig --target "$triple" --compatibility manylinux2014)
+        # The wheel of the program alone is thrown away; by the same linker what both are made of is compiled once.
+        maturin build --release --locked --manifest-path crates/cli/Cargo.toml --bindings bin --out "$tools/thrown-away" "${how[@]}"
+        program=$target/$triple/release/mapgen
     else
         echo "$machine: NOT BUILT, its standard library cannot be had"
         continue
