@@ -70,9 +70,10 @@ pub use kernel::decay::{Decay, decay, far_field, far_motion, harmonic_response};
 pub use kernel::impulse::{ImpulseResponse, KernelJet};
 pub use kernel::steady::Steady;
 pub use kernel::{BlochJet, BlochKernel, BlochMode, Coordinates, SparedModes, Turn, Turned};
+pub use model::chain::{Barrier, Chain, Layout, MAX_SITES};
 pub use model::force::{Force, Harmonic, MAX_HARMONIC, MAX_HARMONICS, MAX_PHASE, Wave, WaveTerm};
 pub use model::parameter::{Parameter, Part, Range, Row};
-pub use model::params::{Barrier, Chain, Layout, MAX_SITES, Model};
+pub use model::params::Model;
 pub use model::point::Point;
 #[cfg(feature = "serde")]
 pub use model::serde_impl::PointPart;

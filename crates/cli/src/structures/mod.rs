@@ -6,6 +6,7 @@ pub(crate) mod fate;
 pub(crate) mod orbit;
 #[cfg(feature = "plot")]
 mod pictures;
+mod run_answer;
 mod run_plot;
 pub(crate) mod simulate;
 pub(crate) mod sweep;

@@ -6,6 +6,7 @@
 //! | `signal` | what vanishes all along the curve |
 //! | `walker` | who walks, and what is known of a point |
 //! | `walk` | steps along it: from what lies behind to what lies ahead, and onto it |
+//! | `both_ways` | the curve through a start, to both its ends |
 //! | `special` | where something else happens on it: points of codimension two |
 //! | `error` | how well its points are known |
 //!
@@ -15,6 +16,7 @@
 //! straight line between its ends may be.
 
 mod answer;
+mod both_ways;
 mod error;
 mod signal;
 mod special;
@@ -22,4 +24,4 @@ mod walk;
 mod walker;
 
 pub use answer::{CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint, Walk, Window};
-pub use walk::{curve, curve_along};
+pub use both_ways::{curve, curve_along};

@@ -85,7 +85,7 @@ fn sum<'a>(terms: impl Iterator<Item = (&'a [f64; 3], f64)>) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::params::Chain;
+    use crate::model::chain::Chain;
     use crate::modes::row::Ends;
 
     /// Classical fourth-order Runge–Kutta with small steps: shares nothing with the closed form.

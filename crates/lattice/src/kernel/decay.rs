@@ -4,7 +4,7 @@
 //! The modal sum of [`crate::ImpulseResponse`] keeps absolute accuracy only; far from site 0, where the motion is
 //! many orders smaller, [`far_field`] keeps full RELATIVE accuracy by summing harmonics, each with its own λ^n.
 
-use crate::model::params::Chain;
+use crate::model::chain::Chain;
 use crate::modes::spectrum::Spectrum;
 
 /// Behaviour of a frequency along the infinite chain.

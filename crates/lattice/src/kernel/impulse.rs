@@ -24,7 +24,7 @@ use wide::f64x4;
 
 use crate::error::RESONANCE_TOLERANCE;
 use crate::error::Resonance;
-use crate::model::params::Chain;
+use crate::model::chain::Chain;
 use crate::modes::shapes::Shapes;
 use crate::modes::spectrum::Spectrum;
 use crate::simd::sines::{MOST, sin_cos, soft, soft_defect};

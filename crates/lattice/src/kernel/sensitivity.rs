@@ -101,7 +101,7 @@ impl ImpulseResponse {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::params::Chain;
+    use crate::model::chain::Chain;
     use crate::modes::spectrum::Spectrum;
 
     /// The estimate covers the change that a perturbed stiffness causes, and is not wildly larger than the worst one.

@@ -12,8 +12,9 @@
 
 use crate::error::{RESONANCE_TOLERANCE, Resonance};
 use crate::kernel::decay::{Decay, decay, power};
+use crate::model::chain::Chain;
 use crate::model::force::{Wave, WaveTerm};
-use crate::model::params::{Chain, Model};
+use crate::model::params::Model;
 use crate::modes::row::Ends;
 use crate::modes::spectrum::Spectrum;
 

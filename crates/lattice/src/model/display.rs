@@ -4,9 +4,10 @@ use std::fmt::{Display, Formatter, Result};
 use std::str::FromStr;
 
 use crate::error::Short;
+use crate::model::chain::{Chain, Layout};
 use crate::model::force::{Force, Harmonic};
 use crate::model::parameter::Parameter;
-use crate::model::params::{Chain, Layout, Model};
+use crate::model::params::Model;
 use crate::model::point::Point;
 use crate::modes::row::Ends;
 

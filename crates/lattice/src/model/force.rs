@@ -265,7 +265,8 @@ impl Wave {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::params::{Chain, Model};
+    use crate::model::chain::Chain;
+    use crate::model::params::Model;
 
     fn harmonic(number: u32, amplitude: f64, phase: f64) -> Harmonic {
         Harmonic { number, amplitude, phase }

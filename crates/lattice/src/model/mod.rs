@@ -1,5 +1,6 @@
 //! What is asked about: lattice, barriers, force, and each parameter by name.
 
+pub(crate) mod chain;
 pub(crate) mod display;
 pub(crate) mod force;
 pub(crate) mod parameter;

@@ -1,9 +1,10 @@
 //! Points of the parameter space: what a model is made from, and its values by name.
 
 use crate::error::ParameterError;
+use crate::model::chain::{Chain, Layout};
 use crate::model::force::Force;
 use crate::model::parameter::{Parameter, parameters};
-use crate::model::params::{Chain, Layout, Model};
+use crate::model::params::Model;
 use crate::modes::row::Ends;
 
 /// A point of the parameter space, not yet checked. A model is made from one, with each value by its name.

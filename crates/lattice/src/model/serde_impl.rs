@@ -7,9 +7,10 @@ use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::error::check;
+use crate::model::chain::{Chain, Layout};
 use crate::model::force::{Force, Harmonic};
 use crate::model::parameter::{Parameter, Part};
-use crate::model::params::{Chain, Layout, Model};
+use crate::model::params::Model;
 use crate::model::point::Point;
 use crate::modes::row::Ends;
 

@@ -1,6 +1,6 @@
 //! The masses that symmetry leaves distinct.
 
-use crate::model::params::Chain;
+use crate::model::chain::Chain;
 use crate::modes::row::Line;
 
 /// The masses of a lattice that need watching: one half of a ring, where its motion is symmetric about a site, or all of them.

@@ -2,7 +2,7 @@
 
 use rustfft::num_complex::Complex;
 
-use crate::model::params::Chain;
+use crate::model::chain::Chain;
 use crate::modes::row::{Ends, LineShapes};
 use crate::modes::transform::{LARGE_RING, RingTransform};
 

@@ -1,7 +1,7 @@
 //! Normal modes of the ring: Ω_k² = γ₁ + 4γ₂ sin²(πk/M).
 
 use crate::error::Resonance;
-use crate::model::params::Chain;
+use crate::model::chain::Chain;
 use crate::modes::row::Line;
 
 /// Frequencies and weights of the modes even about site 0, k = 0 … ⌊M/2⌋.

@@ -2,7 +2,7 @@
 
 use super::error::StructureError;
 use crate::error::MAX_MAGNITUDE;
-use crate::model::params::Barrier;
+use crate::model::chain::Barrier;
 
 /// Where a contact's g = wᵀq is stopped, in units of the coordinates, and its coefficient of restitution. One without barriers is free.
 #[derive(Debug, Clone, Copy, PartialEq)]

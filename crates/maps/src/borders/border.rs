@@ -87,6 +87,34 @@ pub struct Border {
     pub ends: [String; 2],
 }
 
+impl Border {
+    /// Its parts with points that are new, from the last that is known to the next.
+    pub(super) fn pieces(self, new: &[bool]) -> Vec<Self> {
+        if new.iter().all(|new| *new) {
+            return vec![self];
+        }
+        let mut pieces = Vec::new();
+        let mut at = 0;
+        while let Some(first) = new[at..].iter().position(|new| *new).map(|i| at + i) {
+            let behind = new[first..].iter().position(|new| !*new).map_or(new.len(), |i| first + i);
+            at = behind;
+            let range = first.saturating_sub(1)..(behind + 1).min(new.len());
+            let known = || "where it is known".to_owned();
+            let begin = if range.start == 0 { self.ends[0].clone() } else { known() };
+            let end = if range.end == new.len() { self.ends[1].clone() } else { known() };
+            let special = self.special.iter().filter(|one| range.contains(&one.point));
+            pieces.push(Self {
+                points: self.points[range.clone()].to_vec(),
+                special: special.map(|one| SpecialPoint { point: one.point - range.start, ..one.clone() }).collect(),
+                ends: [begin, end],
+                family: self.family.clone(),
+                ..self
+            });
+        }
+        pieces
+    }
+}
+
 /// Two places that differ, with no border found between them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct UnexplainedChange {

@@ -16,6 +16,10 @@ const BESIDE: f64 = 1e-4;
 /// From how far an orbit is followed to it, where nothing else changes in between.
 const BACK: f64 = 2e-5;
 
+/// How near a change in a face is enclosed, and how far from there it is looked for along one parameter.
+const NEAR: f64 = 1e-9;
+const FAR: f64 = 1e-3;
+
 /// What is found of a change.
 #[derive(Debug, Clone)]
 pub(super) struct Met {
@@ -166,4 +170,25 @@ pub(super) fn meet(
         }
     }
     Some(met)
+}
+
+/// Two places along one parameter between which the same changes as between two others.
+pub(super) fn along_one(eye: &mut Eye<'_>, part: &Part, ends: [[f64; 2]; 2]) -> Option<(usize, [[f64; 2]; 2])> {
+    let (close, _) = enclose(&mut |place| eye.class(part, place), ends, NEAR)?;
+    let middle = [0, 1].map(|i| 0.5 * (close[0][i] + close[1][i]));
+    let mut aside = NEAR;
+    while aside < FAR {
+        for axis in 0..2 {
+            let mut ends = [middle; 2];
+            ends[0][axis] = (middle[axis] - aside).max(0.0);
+            ends[1][axis] = (middle[axis] + aside).min(1.0);
+            if let [Some(one), Some(other)] = ends.map(|place| eye.class(part, place))
+                && one != other
+            {
+                return Some((axis, ends));
+            }
+        }
+        aside *= 4.0;
+    }
+    None
 }

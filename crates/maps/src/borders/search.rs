@@ -1,30 +1,25 @@
-//! All borders of a scene.
+//! The borders of one part of a scene: stripes first, then a coarse look and what it shows.
 
 use std::cell::Cell;
-use std::collections::HashMap;
 
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
-use vibrochain_floquet::{CurveEnd, Event, Located, SpecialPoint, StripeFinder, Walk, curve_along};
-use vibrochain_lattice::Stop;
+use vibrochain_floquet::{CurveEnd, Event, Located, StripeFinder, Walk, curve_along};
 
+use super::asked::{Asked, Stage};
 use super::border::{Border, BorderKind, BorderPoint, Borders, MergedStripes, StripeEdge, UnexplainedChange};
 use super::change::trace;
 use super::courses::{Courses, is_uncoupled, striped};
 use super::grid::{Edge, Grid};
 use super::known::Known;
 use super::lanes::{Lane, Liner};
-use super::meet::{detuning, enclose, meet};
-use super::part::{Eye, Part, parts};
+use super::meet::{along_one, detuning, meet};
+use super::part::{Eye, Part};
 use crate::cell::Class;
-use crate::error::MapError;
-use crate::regions::{Faces, Regions, Subdivision, Window};
-use crate::scene::{Scene, Values};
+use crate::regions::Window;
+use crate::scene::Scene;
 
 /// The most places of the coarse look. A finer scene is looked at through a coarser grid.
 const MOST_PLACES: f64 = 160_000.0;
-
-/// Places that are asked at most: a hundred bytes each.
-const MOST_ASKED: usize = 10_000_000;
 
 /// How far on either side of a change a stripe is looked for, and at how many points.
 const BESIDE: f64 = 2e-3;
@@ -34,14 +29,8 @@ const BESIDE_POINTS: usize = 9;
 const BATCH: usize = 16;
 const APART: usize = 12;
 
-/// How often the window is cut by all borders to look for what is left, changes in it at most, and how many of them side by side.
-const CUTS: usize = 16;
-const MOST_CHANGES: usize = 256;
+/// Changes in faces that are looked at side by side.
 const SOME: usize = 4;
-
-/// How near a change in a face is enclosed, and how far from there it is looked for along one parameter.
-const NEAR: f64 = 1e-9;
-const FAR: f64 = 1e-3;
 
 /// A curve lies on a border that is known if it does so for this many points and this part of the window.
 const POINTS_ALIKE: u32 = 4;
@@ -50,44 +39,16 @@ const ALIKE: f64 = 1e-3;
 /// A curve of orbits that are not physical is followed this far: it may come back.
 const BEYOND: f64 = 0.02;
 
-/// What is under way.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stage {
-    /// The coarse look: places.
-    Places,
-    /// Stripes by themselves: rows.
-    Rows,
-    /// Changes between places: those explained.
-    Changes,
-    /// What is left in the faces between borders: faces.
-    Faces,
-}
-
-/// What is asked of borders.
-#[derive(Clone, Copy)]
-pub struct Asked<'a> {
-    /// How far a straight line between neighbouring points may be from the border, as a part of the window's sides.
-    pub tolerance: f64,
-    /// Places of the window, spread by area, that are asked what lives there to find what is missing.
-    pub places: usize,
-    /// Whether points of codimension two are wanted.
-    pub special: bool,
-    /// Raised to end the search; what is found by then is told.
-    pub stop: &'a Stop,
-    /// Told of the family, the stage, and how much of it is done.
-    pub told: &'a (dyn Fn(&str, Stage, usize, usize) + Sync),
-}
-
 /// The search among the breathers of one part.
-struct Search<'a> {
-    scene: &'a Scene,
-    asked: Asked<'a>,
-    window: Window,
-    plane: vibrochain_floquet::Window,
-    part: &'a Part,
-    known: Known,
-    grid: Grid,
-    found: Borders,
+pub(super) struct Search<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) asked: Asked<'a>,
+    pub(super) window: Window,
+    pub(super) plane: vibrochain_floquet::Window,
+    pub(super) part: &'a Part,
+    pub(super) known: Known,
+    pub(super) grid: Grid,
+    pub(super) found: Borders,
 }
 
 /// What was found at a change.
@@ -97,78 +58,8 @@ struct Outcome {
     explained: bool,
 }
 
-impl Borders {
-    /// The window in which the borders of a scene are followed, and its ends along x and y.
-    ///
-    /// # Errors
-    /// [`MapError::Request`] for a scene without a plane of two equally spaced ranges.
-    pub fn window(scene: &Scene) -> Result<(Window, [[f64; 2]; 2]), MapError> {
-        let window = Window::of(scene)?;
-        let mut ends = [[0.0; 2]; 2];
-        for (end, axis) in ends.iter_mut().zip(&scene.axes) {
-            let Values::Linear { from, to, .. } = axis.values else {
-                let message = "borders are followed along equally spaced axes: give both by from, to and points";
-                return Err(MapError::Request(message.to_owned()));
-            };
-            *end = [from, to];
-        }
-        Ok((window, ends))
-    }
-
-    /// All borders in the window of a scene, and its regions between them; what lives where no place could tell is `None`. Threads are those of the pool of `rayon` that this is called in.
-    ///
-    /// # Errors
-    /// [`MapError::Request`] for a scene without a plane of two equally spaced ranges, a tolerance out of range.
-    pub fn of_scene(scene: &Scene, asked: &Asked<'_>) -> Result<(Self, Regions<Option<Class>>), MapError> {
-        let (window, ends) = Self::window(scene)?;
-        if !(1e-9..=1e-3).contains(&asked.tolerance) {
-            let advice = "give a part of the window from 1e-9 to 0.001";
-            return Err(MapError::Request(format!("a tolerance of {} is out of range: {advice}", asked.tolerance)));
-        }
-        if asked.places > MOST_ASKED {
-            let message = format!("{} places are out of range: give at most {MOST_ASKED}", asked.places);
-            return Err(MapError::Request(message));
-        }
-        let parameters = [scene.axes[0].parameter, scene.axes[1].parameter];
-        let plane =
-            vibrochain_floquet::Window { parameters, from: [ends[0][0], ends[1][0]], to: [ends[0][1], ends[1][1]] };
-        let empty = Self {
-            parameters,
-            borders: Vec::new(),
-            unexplained: Vec::new(),
-            unresolved: Vec::new(),
-            places: 0,
-            interrupted: false,
-        };
-        let parts = parts(&scene.task);
-        let search = |part| {
-            let grid = Grid::new([0, 0], Vec::new());
-            let (asked, found, known) = (*asked, empty.clone(), Known::default());
-            Search { scene, asked, window, plane, part, known, grid, found }
-        };
-        let mut searches: Vec<Search<'_>> = parts.iter().map(search).collect();
-        for search in &mut searches {
-            search.look();
-            search.stripes();
-            search.changes();
-        }
-        let faces = faces(&mut searches)?;
-        let mut all = empty;
-        for mut search in searches {
-            search.settle();
-            let Self { borders, unexplained, unresolved, places, interrupted, .. } = search.found;
-            all.borders.extend(borders);
-            all.unexplained.extend(unexplained);
-            all.unresolved.extend(unresolved);
-            all.places += places;
-            all.interrupted |= interrupted;
-        }
-        Ok((all, faces.seen(|classes| merged(classes)).regions()))
-    }
-}
-
 impl Search<'_> {
-    fn stopped(&mut self) -> bool {
+    pub(super) fn stopped(&mut self) -> bool {
         self.found.interrupted |= self.asked.stop.is_raised();
         self.found.interrupted
     }
@@ -193,7 +84,7 @@ impl Search<'_> {
     }
 
     /// The coarse look.
-    fn look(&mut self) {
+    pub(super) fn look(&mut self) {
         let points = [0, 1].map(|i| self.scene.axes[i].points().max(2) as f64);
         let share = (MOST_PLACES / (points[0] * points[1])).sqrt().min(1.0);
         let size = points.map(|points| ((points * share) as usize).max(2));
@@ -216,7 +107,7 @@ impl Search<'_> {
     }
 
     /// Stripes by themselves.
-    fn stripes(&mut self) {
+    pub(super) fn stripes(&mut self) {
         let Some(family) = striped(self.scene, self.part) else { return };
         if self.stopped() {
             return;
@@ -255,7 +146,7 @@ impl Search<'_> {
     }
 
     /// What the coarse look shows, one border after the other.
-    fn changes(&mut self) {
+    pub(super) fn changes(&mut self) {
         loop {
             let runs = self.grid.unexplained();
             let left: usize = runs.iter().map(Vec::len).sum();
@@ -298,14 +189,14 @@ impl Search<'_> {
             // Two changes looked at side by side may be one border's.
             let reach = 2.0 * self.asked.tolerance;
             let new: Vec<bool> = self.parts_of(&border).iter().map(|place| !self.known.holds(*place, reach)).collect();
-            for border in pieces(border, &new) {
+            for border in border.pieces(&new) {
                 self.add(border);
             }
         }
     }
 
     /// At the end: whether it was stopped, and no change is told twice, nor one that has a border by now.
-    fn settle(&mut self) {
+    pub(super) fn settle(&mut self) {
         let _ = self.stopped();
         let reach = 2.0 * self.asked.tolerance;
         let (window, known) = (self.window, &self.known);
@@ -320,7 +211,7 @@ impl Search<'_> {
     }
 
     /// The borders between pairs of places, as far as they are this part's. Whether there are any.
-    fn explain_all(&mut self, changes: &[[[f64; 2]; 2]]) -> bool {
+    pub(super) fn explain_all(&mut self, changes: &[[[f64; 2]; 2]]) -> bool {
         let before = self.found.borders.len();
         // A few at a time: some are one border's.
         for some in changes.chunks(SOME) {
@@ -475,100 +366,4 @@ impl Search<'_> {
         };
         (border.points.len() > 1).then_some(border)
     }
-}
-
-/// What lives in the faces between the borders of all parts, after what was left in them is found.
-fn faces(searches: &mut [Search<'_>]) -> Result<Faces<Vec<Option<Class>>>, MapError> {
-    let mut known = HashMap::new();
-    let Search { asked, scene, window, .. } = searches[0];
-    let mut cut = 0;
-    loop {
-        (asked.told)("", Stage::Faces, cut, CUTS);
-        let lines: Vec<_> = searches.iter().flat_map(|search| search.found.lines()).collect();
-        let parts: Vec<&Part> = searches.iter().map(|search| search.part).collect();
-        let classes = |eye: &mut Eye<'_>, point: [f64; 2]| -> Vec<Option<Class>> {
-            if asked.stop.is_raised() {
-                return vec![None];
-            }
-            let place = window.part(point);
-            parts.iter().map(|part| eye.class(part, place)).collect()
-        };
-        let is_none = |classes: &Vec<Option<Class>>| classes.contains(&None);
-        let subdivision = Subdivision::new(window, &lines, asked.tolerance)?;
-        let faces =
-            subdivision.asked(asked.places, || Eye::new(scene, window, asked.stop), classes, is_none, &mut known);
-        let changes = faces.unexplained.iter().flat_map(|face| &face.changes);
-        let mut changes: Vec<[[f64; 2]; 2]> = changes.map(|ends| ends.map(|point| window.part(point))).collect();
-        // Others first another time.
-        let count = changes.len().max(1);
-        changes.rotate_left(cut * MOST_CHANGES % count);
-        changes.truncate(MOST_CHANGES);
-        let mut grown = false;
-        for search in searches.iter_mut() {
-            grown |= cut < CUTS && !search.stopped() && search.explain_all(&changes);
-        }
-        if !grown {
-            return Ok(faces);
-        }
-        cut += 1;
-    }
-}
-
-/// What lives at a place of all that does: as a cell has it.
-fn merged(classes: &[Option<Class>]) -> Option<Class> {
-    let stable = |class: &Class| matches!(class, Class::StableDouble | Class::StableSingle | Class::StableWord);
-    let best = |some: &mut dyn Iterator<Item = Class>| some.filter(|class| *class != Class::None).min();
-    let all = || classes.iter().copied().flatten();
-    match best(&mut all().filter(stable)) {
-        Some(class) => Some(class),
-        None if classes.contains(&None) => None,
-        None => Some(best(&mut all()).unwrap_or(Class::None)),
-    }
-}
-
-/// Two places along one parameter between which the same changes as between two others.
-fn along_one(eye: &mut Eye<'_>, part: &Part, ends: [[f64; 2]; 2]) -> Option<(usize, [[f64; 2]; 2])> {
-    let (close, _) = enclose(&mut |place| eye.class(part, place), ends, NEAR)?;
-    let middle = [0, 1].map(|i| 0.5 * (close[0][i] + close[1][i]));
-    let mut aside = NEAR;
-    while aside < FAR {
-        for axis in 0..2 {
-            let mut ends = [middle; 2];
-            ends[0][axis] = (middle[axis] - aside).max(0.0);
-            ends[1][axis] = (middle[axis] + aside).min(1.0);
-            if let [Some(one), Some(other)] = ends.map(|place| eye.class(part, place))
-                && one != other
-            {
-                return Some((axis, ends));
-            }
-        }
-        aside *= 4.0;
-    }
-    None
-}
-
-/// The parts of a border with points that are new, from the last that is known to the next.
-fn pieces(border: Border, new: &[bool]) -> Vec<Border> {
-    if new.iter().all(|new| *new) {
-        return vec![border];
-    }
-    let mut pieces = Vec::new();
-    let mut at = 0;
-    while let Some(first) = new[at..].iter().position(|new| *new).map(|i| at + i) {
-        let behind = new[first..].iter().position(|new| !*new).map_or(new.len(), |i| first + i);
-        at = behind;
-        let range = first.saturating_sub(1)..(behind + 1).min(new.len());
-        let known = || "where it is known".to_owned();
-        let begin = if range.start == 0 { border.ends[0].clone() } else { known() };
-        let end = if range.end == new.len() { border.ends[1].clone() } else { known() };
-        let special = border.special.iter().filter(|one| range.contains(&one.point));
-        pieces.push(Border {
-            points: border.points[range.clone()].to_vec(),
-            special: special.map(|one| SpecialPoint { point: one.point - range.start, ..one.clone() }).collect(),
-            ends: [begin, end],
-            family: border.family.clone(),
-            ..border
-        });
-    }
-    pieces
 }

@@ -8,9 +8,10 @@ use vibrochain_lattice::{Barrier, Chain, Model, Stop};
 
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::orbit::{Family, Impact, Orbit};
+use crate::search::at_point::Sought;
 use crate::search::families::forced_single;
 use crate::search::families::pattern::Pattern;
-use crate::search::finder::{Finder, Found, Sought, Wanted};
+use crate::search::finder::{Finder, Found, Wanted};
 use crate::word::{Letter, Word};
 
 /// A hit of a mass: the barrier, the time in periods of the word, and the impulse.

@@ -1,0 +1,184 @@
+//! All orbits of a family at a point: which closed form or enclosure finds them, and what is told of them.
+
+use vibrochain_lattice::{Barrier, Model, Wave};
+
+use crate::equations::newton::{STEPS, polish};
+use crate::error::{BreatherError, NoBreather, Unsearched};
+use crate::orbit::{Draft, Family, Orbit};
+use crate::search::completeness::{Completeness, Searched};
+use crate::search::families::pattern::Pattern;
+use crate::search::families::{conservative, forced_double, forced_harmonics, forced_single, two_instants};
+use crate::search::finder::{Finder, Found, Wanted};
+use crate::search::screens::forced_places;
+use crate::search::screens::radiation::Radiation;
+use crate::word::Word;
+
+/// Orbits of one mass: of a family, or of two impacts that are none's.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sought {
+    family: Family,
+    /// Of two impacts.
+    pattern: Option<Pattern>,
+}
+
+impl From<Family> for Sought {
+    fn from(family: Family) -> Self {
+        let pattern = match family {
+            Family::DoubleSided => Some(Pattern::DOUBLE_SIDED),
+            Family::PeriodDoubled => Some(Pattern::DOUBLED),
+            Family::SingleSided | Family::Word => None,
+        };
+        Self { family, pattern }
+    }
+}
+
+impl From<Pattern> for Sought {
+    fn from(pattern: Pattern) -> Self {
+        Self { family: pattern.family(), pattern: Some(pattern) }
+    }
+}
+
+impl Finder {
+    /// As [`Finder::search`], with the impacts at another site, where sites are not alike.
+    pub(crate) fn search_at(
+        &mut self,
+        model: &Model,
+        Sought { family, pattern }: Sought,
+        home: usize,
+        wanted: Wanted,
+        found: &mut Found,
+    ) -> Result<(), BreatherError> {
+        found.orbits.clear();
+        found.ended.clear();
+        found.completeness = Completeness::default();
+        self.stop.heard()?;
+        self.zeros.clear();
+        self.rises.clear();
+        self.plane.clear();
+        let conservative = model.is_conservative();
+        let out_of_question = match (conservative, family) {
+            (true, Family::PeriodDoubled) => Some(NoBreather::NeedsForce),
+            (false, _) if model.amplitude() == 0.0 => Some(NoBreather::LossWithoutForce),
+            _ => None,
+        };
+        if let Some(reason) = out_of_question {
+            found.completeness = Completeness::none(reason);
+            return Ok(());
+        }
+        // The closed forms without force know that sites are alike; elsewhere words have one of their own.
+        if conservative && !model.chain().is_ring() {
+            let Some(word) = Word::of_family(family) else {
+                found.completeness = Completeness::none(NoBreather::NotSearched(Unsearched::Unnamed));
+                return Ok(());
+            };
+            return self.find_word(model, &word, wanted, found);
+        }
+        let steady = match model.chain().has_walls() {
+            _ if conservative => None,
+            true => Some(model.steady()?.at(home)),
+            false => Some(model.steady_response()?),
+        };
+        // A plain cosine lets the phase be eliminated.
+        let cosine = steady.as_ref().filter(|_| model.force().cosine_amplitude().is_some()).map(Wave::reach);
+        self.prepare_at(model, model.omega() / f64::from(pattern.map_or(1, Pattern::periods)), home)?;
+        let (response, motion, earlier) = (&self.response, &mut self.motion, &mut self.earlier);
+        let (zeros, rises, plane) = (&mut self.zeros, &mut self.rises, &mut self.plane);
+        let judged = wanted.candidates() && conservative;
+        let radiation = if judged { *self.radiation.get_or_insert_with(|| Radiation::of(response)) } else { None };
+        let (mut failure, mut lost, mut refused) = (None, 0, 0);
+        let mut add = |mut draft: Draft| {
+            if home > 0 {
+                draft.impacts.iter_mut().for_each(|hit| hit.site = home);
+                draft.sources.iter_mut().for_each(|source| source.site = home);
+            }
+            let impulses = || draft.impacts.iter().map(|hit| (hit.time, hit.impulse));
+            let radiates = || radiation.is_some_and(|radiation| !radiation.allows(impulses()));
+            let crosses = || match (draft.impacts.as_slice(), draft.sources.as_slice()) {
+                ([_], [source]) => judged && conservative::crosses(model, response, source.net_impulse),
+                _ => false,
+            };
+            if wanted.candidates() && (!draft.is_right_signed() || radiates() || crosses()) {
+                refused += 1;
+                return;
+            }
+            std::mem::swap(motion, earlier);
+            match Orbit::assemble(model, response, motion, draft) {
+                Ok(orbit) => {
+                    found.orbits.push(orbit);
+                    // Mirror-symmetric orbits come from closed forms that leave nothing to improve.
+                    if let Some(orbit) = found.orbits.last_mut().filter(|orbit| !orbit.is_reversible()) {
+                        polish(orbit, STEPS, response, motion);
+                    }
+                    // Beyond the range of numbers (subnormal parameters) nothing is left to say of an orbit.
+                    if found.orbits.pop_if(|orbit| !orbit.residual().is_finite()).is_some() {
+                        lost += 1;
+                    }
+                }
+                Err(error) => failure = Some(error),
+            }
+        };
+        let outcome = match (family, pattern, &steady, cosine) {
+            (Family::DoubleSided, _, None, _) => conservative::double_sided(model, response).map(|draft| {
+                add(draft);
+                if let Some(radiation) = &radiation {
+                    rises.set(model, response, radiation);
+                }
+                match wanted {
+                    Wanted::All => two_instants::all(model, response, zeros, &mut add),
+                    Wanted::Candidates => two_instants::candidates(model, response, rises, zeros, &mut add),
+                    Wanted::Symmetric | Wanted::SymmetricCandidates => {}
+                }
+            }),
+            (Family::SingleSided, _, None, _) => conservative::single_sided(model, response).map(&mut add),
+            (Family::DoubleSided, _, Some(steady), Some(force)) => {
+                let narrowed = wanted.candidates() && model.chain().is_ring();
+                let places =
+                    if narrowed { forced_places::places(rises, response, (force, model.loss())) } else { None };
+                zeros.intervals += places.map_or(0, |(_, intervals)| intervals);
+                let places = places.map(|(places, _)| places);
+                forced_double::double_sided(model, response, (steady, force), zeros, plane, places, &mut add)
+            }
+            (Family::SingleSided, _, Some(_), Some(force)) => {
+                forced_single::single_sided(model, response, force, Barrier::Lower)
+                    .map(|drafts| drafts.into_iter().for_each(&mut add))
+            }
+            (_, Some(pattern), Some(steady), Some(force)) => {
+                forced_double::alike(pattern, model, response, (steady, force), zeros, plane, &mut add)
+            }
+            (Family::DoubleSided, _, Some(steady), None) => {
+                forced_harmonics::double_sided(model, response, steady, zeros, plane, &mut add)
+            }
+            (Family::SingleSided, _, Some(steady), None) => {
+                forced_harmonics::single_sided(model, response, steady, zeros, &mut add)
+            }
+            (_, Some(pattern), Some(steady), None) => {
+                forced_harmonics::alike(pattern, model, response, steady, zeros, plane, &mut add)
+            }
+            (Family::Word | Family::PeriodDoubled, ..) => Err(NoBreather::NotSearched(Unsearched::Unnamed)),
+        };
+        if let Some(error) = failure {
+            return Err(error);
+        }
+        self.stop.heard()?;
+        let left_out =
+            if conservative && wanted == Wanted::SymmetricCandidates { self.rises.places().len() } else { 0 };
+        let listed = found.orbits.len();
+        // A zero without an orbit.
+        let zeros = self.zeros.simple.len() + self.plane.simple.len();
+        found.completeness = Completeness::of(&Searched {
+            listed,
+            refused,
+            lost: lost.max(zeros.saturating_sub(listed + refused)),
+            intervals: self.zeros.intervals,
+            boxes: self.plane.boxes,
+            unresolved: self.zeros.unresolved.len() + self.plane.unresolved.len(),
+            exhausted: self.zeros.exhausted + self.plane.exhausted,
+            left_out,
+            reason: outcome.err(),
+        });
+        if wanted == Wanted::All {
+            found.orbits.sort_by(|a, b| a.phi().unwrap_or(0.0).total_cmp(&b.phi().unwrap_or(0.0)));
+        }
+        Ok(())
+    }
+}
