@@ -158,7 +158,7 @@ impl Windows {
     }
 
     /// Looks from here on at the contacts at these places alone, and tells their new ones.
-    pub(super) fn keep<'p>(&mut self, places: &mut dyn Iterator<Item = &'p mut usize>) {
+    pub(super) fn keep(&mut self, places: &mut dyn Iterator<Item = &mut usize>) {
         let kept: Vec<usize> = places.enumerate().map(|(new, place)| std::mem::replace(place, new)).collect();
         let (before, fours) = (self.still.len(), kept.len().div_ceil(LANES));
         let picked = |row: &[Lane]| {
