@@ -102,7 +102,7 @@ impl Start<'_> {
         let mut scene = self.scene.clone();
         let axis = |setting: &Setting| StructureAxis { setting: *setting, from: 0.0, to: 1.0, points: 2 };
         scene.axes = varied.iter().map(axis).collect();
-        format!("{} of {}, {}", self.word, scene.heading(), scene.fixed())
+        format!("{} of {}, {}", self.orbit.name(), scene.heading(), scene.fixed())
     }
 
     /// Which orbits, what is fixed, and where the number that varies begins.
