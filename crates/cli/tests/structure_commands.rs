@@ -391,3 +391,19 @@ fn what_impacts_do_not_feel_is_left_out() {
     assert!(!stable(&plain).is_empty());
     assert_eq!(stable(&plain), stable(&structure));
 }
+
+/// Orbits of one word in one period of the load and in two are told apart.
+#[test]
+fn words_are_told_with_their_periods() {
+    let desk = Desk::new();
+    let scene = "omega = 2.46\n[structure]\nmasses = [1]\nstiffness = [[1]]\ndamping = [[0.1]]\n[[contact]]\nat = 0\nupper = 0.1\n\
+        restitution = 0.8\n[force]\nload = [1]\n[sweep]\nx = { parameter = \"omega\", from = 2.3, to = 2.47, points = 2 }\n\
+        [compute]\nfamilies = [\"0+,0+\", \"0+\", \"0+,0+/2\"]\n";
+    fs::write(desk.path("scene.toml"), scene).unwrap();
+    desk.run("sweep scene.toml --out map.csv").with(0, &[]);
+    let table = fs::read_to_string(desk.path("map.csv")).unwrap();
+    let stable: Vec<&str> = table.lines().skip(1).map(|row| row.split(",stable,").nth(1).unwrap_or(row)).collect();
+    assert!(stable[0].starts_with("0+,") && stable[1].starts_with("\"0+,0+/2\","), "{table}");
+    desk.run("fate scene.toml --breathers every --starts 1 --periods 40 --out fates.csv").with(0, &[]);
+    assert!(fs::read_to_string(desk.path("fates.csv")).unwrap().contains("\"0+,0+/2\""));
+}

@@ -76,7 +76,7 @@ impl<'a> StructureFates<'a> {
                 let verdict = known.as_ref().map(|known| known.verdict);
                 let departure = Departure {
                     number: all.len() as u32 + 1,
-                    name: word.to_string(),
+                    name: orbit.name(),
                     spectral_radius: verdict.map(|verdict| verdict.spectral_radius),
                     predicted: known.and_then(|known| predicted(&known, orbit.period())),
                     measured: true,

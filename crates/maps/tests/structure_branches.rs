@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use vibrochain_breather::{Family, StructureFamily, StructureOrbit, Word, breathers, structure_orbits};
 use vibrochain_floquet::{
-    Course, Event, FollowedBranch, Special, StructureCourse, StructureWindow, Tolerance, Window, curve, diagram,
-    structure_branch, structure_curve,
+    Course, Event, FollowedBranch, Special, SpecialPoint, StructureCourse, StructureWindow, Tolerance, Window, curve,
+    diagram, structure_branch, structure_curve,
 };
 use vibrochain_lattice::{Chain, Model, Parameter, Stop};
 use vibrochain_maps::structure::{Setting, StructureScene};
@@ -33,7 +33,8 @@ fn branch(
     setting: Setting,
     [from, to]: [f64; 2],
 ) -> FollowedBranch<StructureOrbit> {
-    let course = StructureCourse { from, to, events: Event::ALL.to_vec(), tolerance: Tolerance::Rounding };
+    let course =
+        StructureCourse { from, to, events: Event::ALL.to_vec(), generations: 0, tolerance: Tolerance::Rounding };
     let value = scene.get(setting).unwrap();
     structure_branch(orbit, &family(scene, &[setting]), value, &course, &Stop::default()).unwrap()
 }
@@ -146,7 +147,7 @@ fn curves_of_a_chain_without_dashpots_are_those_of_its_own_engine() {
     let found = structure_orbits(&scene.model().unwrap(), &"0-".parse().unwrap(), 1).unwrap();
     let window = StructureWindow { from: [0.12, 1.03], to: [0.3, 1.12] };
     let settings = [Setting::Load, Setting::Omega];
-    let mut seen = BTreeSet::new();
+    let (mut seen, mut special) = (BTreeSet::new(), BTreeSet::new());
     for orbit in &found.orbits {
         let own = branch(&scene, orbit, Setting::Load, [window.from[0], window.to[0]]);
         for event in own.events().filter(|one| seen.insert(one.event.name())) {
@@ -184,13 +185,24 @@ fn curves_of_a_chain_without_dashpots_are_those_of_its_own_engine() {
                     assert!(off < 4e-4, "{}: {point:?} {off}\n{:?}\n{:?}", event.event, mine.ends, theirs.ends);
                 }
             }
-            let special = |list: &[vibrochain_floquet::SpecialPoint]| -> Vec<Special> {
-                list.iter().map(|one| one.special).collect()
+            // What happens on the chain's curve happens on this one, at the same place.
+            let by_multipliers = |one: &&SpecialPoint| {
+                !matches!(one.special, Special::Cusp | Special::With(Event::Grazing | Event::Fold | Event::Pitchfork))
             };
-            println!("{}: {:?} / {:?}", event.event, special(&mine.special), special(&theirs.special));
+            for theirs in theirs.special.iter().filter(by_multipliers) {
+                let apart = |one: &SpecialPoint| {
+                    let [a, b] = [one.values, theirs.values].map(|values| window.parts(values));
+                    (a[0] - b[0]).hypot(a[1] - b[1])
+                };
+                let same = mine.special.iter().filter(|one| one.special == theirs.special);
+                let off = same.map(apart).fold(f64::INFINITY, f64::min);
+                assert!(off < 1e-6, "{} {theirs:?} {off} {:?}", event.event, mine.special);
+                special.insert(theirs.special.to_string());
+            }
         }
     }
     assert!(seen.len() >= 3, "{seen:?}");
+    assert!(special.contains("neimark-sacker"), "{special:?}");
 }
 
 fn places<O>(points: &[vibrochain_floquet::CurvePoint<O>]) -> Vec<[f64; 2]> {

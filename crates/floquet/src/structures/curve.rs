@@ -2,6 +2,7 @@
 //!
 //! The orbit's equations with the event's test function are one system with the second number free: a branch of its solutions is the curve.
 
+use nalgebra::Complex;
 use vibrochain_breather::line::{Line, Step, chord_error, joined, side_ahead, trace};
 use vibrochain_breather::system::{System, Vector, unit};
 use vibrochain_breather::{
@@ -12,6 +13,7 @@ use vibrochain_lattice::Stop;
 
 use super::diagram::{FAINT, TOUCHES, UNBOUNDED, resonance_at, strength};
 use super::event::{AtEvent, EventSystem};
+use super::stability::multipliers_there;
 use super::test_function::{Test, minus_one, speed};
 use crate::bracket::crossing;
 use crate::curve::{CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint};
@@ -198,7 +200,37 @@ impl Way<'_> {
             add(Special::OneToThree, 0, theta.cos() + 0.5);
             add(Special::OneToFour, 0, theta.cos());
         }
+        self.multipliers(orbit, &mut add);
         monitors
+    }
+
+    /// Another multiplier where the curve's own is, and pairs on the circle.
+    fn multipliers(&self, orbit: &StructureOrbit, add: &mut dyn FnMut(Special, usize, f64)) {
+        // An impact without velocity leaves no multiplier that could be told.
+        if matches!(self.test, Test::Velocity(_)) || orbit.model().structure().is_lossless() {
+            return;
+        }
+        // What cannot be computed tells nothing: the curve itself is none the worse.
+        let Some(values) = multipliers_there(orbit) else { return };
+        let own = match self.test {
+            Test::One => Some((1.0, Special::OneToOne)),
+            Test::MinusOne => Some((-1.0, Special::OneToTwo)),
+            _ => None,
+        };
+        if let Some((goal, strong)) = own {
+            let distance = |mu: &Complex<f64>| (mu - goal).norm();
+            let nearest = values.iter().map(distance).fold(f64::INFINITY, f64::min);
+            let rest = values.iter().filter(|mu| distance(mu) > nearest);
+            add(strong, 0, rest.map(|mu| (mu - goal) / (1.0 + mu.norm())).product::<Complex<f64>>().re);
+        }
+        let upper = values.iter().filter(|mu| mu.im > 0.0);
+        let mut growths: Vec<f64> = upper.map(|mu| mu.norm().ln()).collect();
+        if self.test == Test::Circle {
+            let own = growths.iter().map(|growth| growth.abs()).fold(f64::INFINITY, f64::min);
+            growths.retain(|growth| growth.abs() > own);
+        }
+        growths.sort_by(|a, b| b.total_cmp(a));
+        growths.into_iter().enumerate().for_each(|(k, growth)| add(Special::With(Event::NeimarkSacker), k, growth));
     }
 
     /// Where on a step a monitor vanishes.

@@ -62,6 +62,12 @@ pub fn structure_verdict(orbit: &StructureOrbit, tolerance: Tolerance) -> Result
     Ok(spared.into_iter().fold(told, with))
 }
 
+/// The multipliers of the modes that the orbit's impacts feel, as it stands: along folds its errors have no bound, and tell nothing of these.
+pub(super) fn multipliers_there(orbit: &StructureOrbit) -> Option<Vec<Complex<f64>>> {
+    let (equations, _) = orbit.bloch_equations();
+    told(&equations, orbit.is_conservative(), &[], Tolerance::Rounding).ok().map(|(_, multipliers)| multipliers)
+}
+
 /// J(z), the poles of modes that are spared, and what the orbit's errors do.
 fn prepared(orbit: &StructureOrbit) -> (BlochEquations, Vec<[Complex<f64>; 2]>, Vec<Origin>) {
     let (equations, spared) = orbit.bloch_equations();

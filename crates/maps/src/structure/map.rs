@@ -15,7 +15,8 @@ pub struct StructureCell {
     pub at: [Option<f64>; 2],
     /// Number of physical orbits of the words asked for.
     pub solutions: usize,
-    /// Number and word of the best of them: a stable one if there is one, of several the first; its verdict and its margin.
+    /// The word of the best of them, with its periods of the load where these are several: a stable one if there is one, of several the first;
+    /// its verdict and its margin.
     pub best: Option<(String, Option<Verdict>, Option<f64>)>,
     /// Why something could not be worked out.
     pub trouble: Option<String>,
@@ -109,8 +110,8 @@ impl<'a> StructureMap<'a> {
     fn cell(&self, model: &StructureModel, at: [Option<f64>; 2]) -> StructureCell {
         let scene = self.scene;
         let mut cell = StructureCell { at, solutions: 0, best: None, trouble: None };
-        for (word, periods) in &scene.words {
-            let found = match structure_candidates(model, word, *periods) {
+        for asked in &scene.words {
+            let found = match structure_candidates(model, &asked.0, asked.1) {
                 Ok(found) => found,
                 Err(error) => {
                     cell.trouble = Some(error.to_string());
@@ -143,7 +144,7 @@ impl<'a> StructureMap<'a> {
                 };
                 let better = cell.best.as_ref().is_none_or(|(_, other, _)| rank(&verdict) > rank(other));
                 if better {
-                    cell.best = Some((word.to_string(), verdict, physical.margin));
+                    cell.best = Some((StructureScene::name_of(asked), verdict, physical.margin));
                 }
             }
         }

@@ -237,6 +237,12 @@ impl StructureScene {
         Ok(Self { load: amplitude, still, uniform: true, ..Self::of(definition)? })
     }
 
+    /// A word with its periods of the load as scenes have it: `0+`, `0+,0+/2`.
+    #[must_use]
+    pub fn name_of((word, periods): &(Word, u32)) -> String {
+        if *periods == 1 { word.to_string() } else { format!("{word}/{periods}") }
+    }
+
     /// The words that are asked for, with their periods of the load: those of a map, or the one of the file.
     #[must_use]
     pub fn asked(&self) -> Vec<(Word, u32)> {

@@ -158,7 +158,7 @@ impl StructureCell {
             cell.class = cell.class.filter(|_| self.trouble.is_none());
             return cell;
         };
-        let place = words.iter().position(|(known, _)| known.to_string() == *word).unwrap_or(2);
+        let place = words.iter().position(|known| StructureScene::name_of(known) == *word).unwrap_or(2);
         let of = |classes: [Class; 3]| classes[place.min(2)];
         cell.class = match verdict {
             None => Some(of([Class::Double, Class::Single, Class::Word])),

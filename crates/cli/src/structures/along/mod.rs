@@ -98,7 +98,7 @@ pub(super) fn range(
 impl Start<'_> {
     /// Which orbits of what, and what is fixed as these numbers vary.
     pub(super) fn fixed(&self, varied: &[Setting]) -> String {
-        self.scene.fixed_but(&self.word, varied)
+        self.scene.fixed_but(&self.orbit.name(), varied)
     }
 
     /// Which orbits, what is fixed, and where the number that varies begins.
