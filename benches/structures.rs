@@ -21,7 +21,7 @@ const AXES: &str = "[sweep]\nx = { parameter = \"omega\", from = 0.4, to = 3.0, 
 
 /// Two modes of a cantilever with a stop at its tip, over frequency and gap.
 const BEAM: &str = "omega = 3\n[structure]\nfrequencies = [1, 6.267]\nratios = [0.01, 0.01]\n\
-    contact_shapes = [[2, -2]]\nload_shapes = [0.783, 0.434]\n[[contact]]\nat = 0\nupper = 0.3\nrestitution = 0.8\n\
+    contact_shapes = [[2, -2]]\nload_shapes = [0.783, 0.434]\n[[contact]]\nupper = 0.3\nrestitution = 0.8\n\
     [sweep]\nx = { parameter = \"omega\", from = 0.5, to = 4, points = 50 }\n\
     y = { parameter = \"contact.0.upper\", from = 0.05, to = 1, points = 36 }\n[compute]\nfamilies = [\"0+\"]\n";
 
@@ -74,7 +74,7 @@ fn long() -> ModalStructure {
         let load = Complex::new(if k < 5 { 0.5 } else { 0.0 }, 0.0);
         LinearMode::oscillator(0.01 * frequency, frequency * frequency * (1.0 - 1e-4), &shape, &[load])
     };
-    let contact = Contact { lower: Some(-0.4), upper: Some(0.4), restitution: 0.8 };
+    let contact = Contact { lower: Some(-0.05), upper: Some(0.05), restitution: 0.8 };
     ModalStructure::new(vec![contact; 10], vec![1], (0..300).map(mode).collect()).unwrap()
 }
 
@@ -85,7 +85,7 @@ fn orbit(criterion: &mut Criterion) {
     let word = "0+,3-".parse().unwrap();
     group.bench_function("300 modes, 10 contacts: an orbit with its spectrum", |bencher| {
         bencher.iter(|| {
-            let model = StructureModel::new(structure.clone(), 1.3).unwrap();
+            let model = StructureModel::new(structure.clone(), 0.7).unwrap();
             let found = structure_orbits(&model, &word, 1).unwrap();
             let orbit = found.orbits.first().unwrap();
             black_box(structure_stability(orbit, Tolerance::Rounding).unwrap())
