@@ -42,7 +42,7 @@ for machine in "${machines[@]}"; do
         # A target of its own, so that nothing else is built anew by it.
         export CARGO_PROFILE_RELEASE_STRIP=symbols
         how=(--zig --target "$triple" --compatibility manylinux2014)
-        # The wheel of the program alone is thrown away; by the same linker what both are made of is compiled once.
+        # Maturin links the program by zig, too; the wheel of the program alone is thrown away.
         maturin build --release --locked --manifest-path crates/cli/Cargo.toml --bindings bin --out "$tools/thrown-away" "${how[@]}"
         program=$target/$triple/release/mapgen
     else
