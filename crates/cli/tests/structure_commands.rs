@@ -1,5 +1,5 @@
 //! Structures and damped chains on the command line: scenes, flags, JSON, maps, and what is wrong with a request.
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 use std::fs;
 use std::path::Path;
@@ -406,4 +406,27 @@ fn words_are_told_with_their_periods() {
     assert!(stable[0].starts_with("0+,") && stable[1].starts_with("\"0+,0+/2\","), "{table}");
     desk.run("fate scene.toml --breathers every --starts 1 --periods 40 --out fates.csv").with(0, &[]);
     assert!(fs::read_to_string(desk.path("fates.csv")).unwrap().contains("\"0+,0+/2\""));
+}
+
+/// With --verbose a run tells where its energy has gone, whatever its dashpots are.
+#[test]
+fn a_run_accounts_for_its_energy() {
+    let uneven = TWO.replace("[[0.02, 0], [0, 0.02]]", "[[0.02, 0], [0, 0.3]]");
+    let mut checked = 0;
+    for (text, options) in [(TWO, ""), (&uneven, ""), (&uneven, "--set static=0 --set load=1.4")] {
+        let desk = Desk::with_scene(text);
+        let quiet = desk.run(&format!("simulate --scene scene.toml {options} --periods 40")).with(0, &[]).out;
+        assert!(!quiet.contains("energy"), "{quiet}");
+        let told = desk.run(&format!("simulate --scene scene.toml {options} --periods 40 --verbose")).with(0, &[]).out;
+        let line = told.lines().find_map(|line| line.strip_prefix("energy ")).unwrap();
+        let numbers: Vec<f64> = line.split([' ', ':', ',', ';']).filter_map(|word| word.parse().ok()).collect();
+        let [before, after, work, dashpots, impacts, missing] = numbers[..] else { panic!("{line}") };
+        assert!(dashpots > 0.0 && impacts > 0.0, "{line}");
+        assert!(
+            (after - before - (work - dashpots - impacts)).abs() < 1e-12 * work && missing.abs() < 1e-12 * work,
+            "{line}"
+        );
+        checked += 1;
+    }
+    assert_eq!(checked, 3);
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 use vibrochain_breather::StructureModel;
-use vibrochain_eventsim::{ContactEvent, EventKind, StructureOutcome, StructureReport, Time};
+use vibrochain_eventsim::{ContactEvent, EnergyBalance, EventKind, StructureOutcome, StructureReport, Time};
 use vibrochain_lattice::{Barrier, Short};
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::structure::StructureScene;
@@ -142,6 +142,20 @@ pub(super) fn text(
         None => {}
     }
     out
+}
+
+/// Where the energy has gone: work done less what is lost is what there is more of, to rounding.
+pub(super) fn energy_text([before, after]: [f64; 2], balance: &EnergyBalance) -> String {
+    let EnergyBalance { work, dashpots, impacts } = *balance;
+    let missing = (after - before) - (work - dashpots - impacts);
+    format!(
+        "energy {} -> {}: work of the loads {}, lost in dashpots {}, lost at impacts {}; unaccounted for {missing:.1e}\n",
+        Number(before),
+        Number(after),
+        Number(work),
+        Number(dashpots),
+        Number(impacts)
+    )
 }
 
 pub(super) fn answer(

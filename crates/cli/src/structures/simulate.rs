@@ -12,7 +12,7 @@ use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::text::read_text;
 
 use super::orbit::{columns, found};
-use super::run_answer::{MOST_PERIODS, answer, settled, text};
+use super::run_answer::{MOST_PERIODS, answer, energy_text, settled, text};
 use super::run_plot::RunPlot;
 use crate::args::SimulateArgs;
 use crate::common::console::{Console, nothing_else};
@@ -65,6 +65,12 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
     let structure = (**model.structure()).clone();
     let simulation = StructureSimulation::new(structure, model.omega(), psi, &modes);
     let mut simulation = simulation.map_err(|error| CliError::Request(error.to_string()))?;
+    // Keeping account costs more than the flights.
+    let form = if console.verbose { scene.energy_form().map_err(CliError::Request)? } else { None };
+    let before = form.as_ref().map_or(0.0, |form| form.energy(&modes));
+    if let Some(form) = &form {
+        simulation = simulation.with_balance(form.clone());
+    }
     let stop = (console.interrupt)()?;
     let table = args.impacts.as_deref().map(Output::create).transpose()?;
     let trajectory = args.trajectory.as_deref();
@@ -93,7 +99,11 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
         let value = answer(scene, &model, psi, &report, kept.counts, settled.as_ref());
         format!("{value:#}\n")
     } else {
-        text(&model, &from, &report, kept.counts, settled.as_ref())
+        let mut told = text(&model, &from, &report, kept.counts, settled.as_ref());
+        if let (Some(form), Some(balance)) = (&form, simulation.balance()) {
+            told.push_str(&energy_text([before, form.energy(&simulation.state().modes)], &balance));
+        }
+        told
     };
     console.answer(&told, args.json, taken)
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use nalgebra::{DMatrix, DVector};
 use serde::Deserialize;
-use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Structure};
+use vibrochain_lattice::{Complex, Contact, EnergyForm, LinearMode, ModalStructure, ModeShape, Structure};
 
 use super::matrix_market;
 use super::setting::{Matrix, Setting};
@@ -431,6 +431,22 @@ impl Definition {
         };
         let [place, velocity] = [place, velocity].map(DVector::from_row_slice);
         structure.project(modal, &place, &velocity).map_err(|error| error.to_string())
+    }
+
+    /// Energies and powers, with loads and dashpots times these factors; `None` of modes of complex shape, of which none are known.
+    pub(super) fn energy_form(&self, modal: &ModalStructure, [load, still, damping]: [f64; 3]) -> Option<EnergyForm> {
+        if let Some(form) = modal.energy_form() {
+            return Some(form);
+        }
+        let given = self.matrices()?;
+        let loads = given.loads.iter().map(|(harmonic, load_of)| (*harmonic, load_of * C::new(load, 0.0)));
+        let structure = Structure {
+            damping: &given.damping * damping,
+            static_load: &given.static_load * still,
+            loads: loads.collect(),
+            ..given.clone()
+        };
+        Some(structure.energy_form(modal))
     }
 
     /// The contacts as they were given.

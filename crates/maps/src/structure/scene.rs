@@ -7,7 +7,7 @@ use nalgebra::DVector;
 use serde::Deserialize;
 use vibrochain_breather::{StructureModel, Word};
 use vibrochain_floquet::Tolerance;
-use vibrochain_lattice::{Complex, Contact, ModalStructure};
+use vibrochain_lattice::{Complex, Contact, EnergyForm, ModalStructure};
 
 use super::definition::{ChainTable, ContactTable, Definition, ForceTable, StructureTable};
 use super::setting::Setting;
@@ -389,5 +389,13 @@ impl StructureScene {
     /// Lists that are too long or too short; a modal model, which has no coordinates.
     pub fn modes_of(&self, displacement: &[f64], velocity: &[f64]) -> Result<Vec<[f64; 2]>, String> {
         self.definition.project(&self.modal, displacement, velocity, self.damping)
+    }
+
+    /// Energies and powers in the coordinates of the modes; `None` of modes of complex shape without matrices.
+    ///
+    /// # Errors
+    /// As [`StructureScene::structure`].
+    pub fn energy_form(&self) -> Result<Option<EnergyForm>, String> {
+        Ok(self.definition.energy_form(self.structure()?.as_ref(), [self.load, self.still, self.damping]))
     }
 }
