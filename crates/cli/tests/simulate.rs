@@ -245,6 +245,13 @@ fn an_interrupted_run_speaks_of_the_files_it_has() {
     let (code, _, message) = told(&format!("{line} --impacts {impacts} --trajectory {trajectory}"), true);
     assert!(code == 130 && message.contains(&format!("{impacts}, {trajectory} hold the run up to there")), "{message}");
     assert!(names.iter().all(|path| path.is_file()));
+    // Of a structure, too.
+    names.iter().for_each(|path| fs::remove_file(path).unwrap());
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/structures/pounding.toml");
+    let line = format!("mapgen simulate --scene {scene} --periods 9 --impacts {impacts} --trajectory {trajectory}");
+    let (code, _, message) = told(&line, true);
+    assert!(code == 130 && message.contains(&format!("{impacts}, {trajectory} hold the run up to there")), "{message}");
+    assert!(names.iter().all(|path| path.is_file()));
 }
 
 /// A mass a thousand million times faster than usual: an honest day of work, which is announced and can be ended.

@@ -24,7 +24,7 @@ use crate::common::model::{Chosen, chosen};
 use crate::common::schemas::SIMULATE;
 use crate::common::which;
 use crate::simulate::animate::Film;
-use crate::simulate::pace::Pace;
+use crate::simulate::pace::{Pace, interrupted};
 use crate::simulate::recording::{ImpactTable, Plot, Trajectory, orbit_time};
 use crate::simulate::section::{Section, Sectioned};
 use crate::simulate::start::{Start, leading_mode_at};
@@ -192,7 +192,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     let text = if args.json { printed(&told.answer())? } else { told.text(console.verbose) };
     console.answer(&text, args.json, taken)?;
     match report.outcome {
-        _ if stopped => Err(interrupted(args, &simulation)),
+        _ if stopped => Err(interrupted(args, simulation.time())),
         Outcome::TimeReached | Outcome::ImpactsReached => Ok(()),
         Outcome::Cascade { site, barrier, bounces } => Err(CliError::Computation(format!(
             "site {} has met the {barrier} barrier {bounces} times in a cascade that does not end: with restitution 1 a mass that is pressed against its barrier bounces for ever; give a restitution below 1",
@@ -284,18 +284,6 @@ fn deviation(orbit: &Orbit, simulation: &Simulation, start: f64) -> Result<f64, 
 }
 
 /// What is there of a run that was interrupted.
-fn interrupted(args: &SimulateArgs, simulation: &Simulation) -> CliError {
-    let time = simulation.time();
-    let files = [&args.impacts, &args.trajectory, &args.section, &args.plot, &args.animate].into_iter().flatten();
-    let files: Vec<String> = files.map(|path| path.display().to_string()).collect();
-    let kept = match files.as_slice() {
-        [] => "no file was asked for".to_owned(),
-        [one] => format!("{one} holds the run up to there"),
-        several => format!("{} hold the run up to there", several.join(", ")),
-    };
-    CliError::Paused(format!("the run ends after {} of {} periods; {kept}", pace::periods(time), args.periods))
-}
-
 /// Events seen.
 #[derive(Debug, Default)]
 struct Counts {

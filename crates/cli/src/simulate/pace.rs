@@ -5,7 +5,9 @@ use std::time::{Duration, Instant};
 use indicatif::ProgressBar;
 use vibrochain_eventsim::{Report, Time};
 
+use crate::args::SimulateArgs;
 use crate::common::console::Console;
+use crate::common::error::CliError;
 use crate::common::progress::bar;
 use vibrochain_maps::text::duration;
 
@@ -75,6 +77,18 @@ impl Pace {
             if left.is_finite() { format!("about {} left", duration(left)) } else { "no end in sight".to_owned() };
         format!("{} of {} periods, {} impacts, {left}", periods(report.time), self.periods, report.work.impacts)
     }
+}
+
+/// What is told of a run that was stopped at `time`.
+pub(crate) fn interrupted(args: &SimulateArgs, time: Time) -> CliError {
+    let files = [&args.impacts, &args.trajectory, &args.section, &args.plot, &args.animate].into_iter().flatten();
+    let files: Vec<String> = files.map(|path| path.display().to_string()).collect();
+    let kept = match files.as_slice() {
+        [] => "no file was asked for".to_owned(),
+        [one] => format!("{one} holds the run up to there"),
+        several => format!("{} hold the run up to there", several.join(", ")),
+    };
+    CliError::Paused(format!("the run ends after {} of {} periods; {kept}", periods(time), args.periods))
 }
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ use super::run_plot::RunPlot;
 use crate::args::SimulateArgs;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
+use crate::simulate::pace::interrupted;
 use crate::simulate::section::{Section, Sectioned};
 
 /// The most bytes of a state.
@@ -92,7 +93,14 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
     let section = Section::open(args, section)?;
     let plot = RunPlot::open(args, scene, &model, (&from, hit[0]), orbit)?;
     let mut kept = Kept { trajectory, section, plot, ..Kept::new(table)? };
-    let report = sampled(&mut simulation, args, &stop, &mut kept)?;
+    let report = match sampled(&mut simulation, args, &stop, &mut kept) {
+        // What was simulated is kept.
+        Err(CliError::Interrupted) => {
+            kept.finish()?;
+            return Err(interrupted(args, simulation.time()));
+        }
+        report => report?,
+    };
     kept.finish()?;
     let settled = settled(&model, psi, &kept.events, report.time);
     let told = if args.json {

@@ -49,8 +49,12 @@ pub(crate) fn run(args: &SweepArgs, scene: &StructureScene, console: &mut Consol
     let failed = |error: csv::Error| CliError::Computation(error.to_string());
     table.write_record(names.chain(columns.map(str::to_owned))).map_err(failed)?;
     let (mut physical, mut troubled, mut number) = (0, 0, 0);
+    let mut stopped = false;
     for row in 0..map.rows() {
-        let Some(cells) = pool.install(|| map.row(row, &stop)) else { return Err(CliError::Interrupted) };
+        let Some(cells) = pool.install(|| map.row(row, &stop)) else {
+            stopped = true;
+            break;
+        };
         for cell in cells {
             physical += usize::from(cell.best.is_some());
             troubled += usize::from(cell.trouble.is_some());
@@ -61,7 +65,14 @@ pub(crate) fn run(args: &SweepArgs, scene: &StructureScene, console: &mut Consol
     }
     table.flush().map_err(|error| CliError::Computation(error.to_string()))?;
     drop(table);
+    if stopped && number == 0 {
+        return Err(CliError::Interrupted);
+    }
     file.commit()?;
+    if stopped {
+        // What was computed is kept.
+        return Err(CliError::Paused(format!("the table holds the first {number} of {} points", map.points())));
+    }
     pictures.finish(scene)?;
     if out != Path::new("-") {
         console.summary(&format!(
