@@ -413,11 +413,11 @@ fn words_are_told_with_their_periods() {
 fn a_run_accounts_for_its_energy() {
     let uneven = TWO.replace("[[0.02, 0], [0, 0.02]]", "[[0.02, 0], [0, 0.3]]");
     let mut checked = 0;
-    for (text, options) in [(TWO, ""), (&uneven, ""), (&uneven, "--set static=0 --set load=1.4")] {
+    for (text, options) in [(TWO, ""), (&uneven, ""), (&uneven, " --set static=0 --set load=1.4")] {
         let desk = Desk::with_scene(text);
-        let quiet = desk.run(&format!("simulate --scene scene.toml {options} --periods 40")).with(0, &[]).out;
+        let quiet = desk.run(&format!("simulate --scene scene.toml{options} --periods 40")).with(0, &[]).out;
         assert!(!quiet.contains("energy"), "{quiet}");
-        let told = desk.run(&format!("simulate --scene scene.toml {options} --periods 40 --verbose")).with(0, &[]).out;
+        let told = desk.run(&format!("simulate --scene scene.toml{options} --periods 40 --verbose")).with(0, &[]).out;
         let line = told.lines().find_map(|line| line.strip_prefix("energy ")).unwrap();
         let numbers: Vec<f64> = line.split([' ', ':', ',', ';']).filter_map(|word| word.parse().ok()).collect();
         let [before, after, work, dashpots, impacts, missing] = numbers[..] else { panic!("{line}") };

@@ -12,11 +12,17 @@ use crate::saltation::saltations;
 
 type C = Complex<f64>;
 
+/// Newton steps at most; two or three are usual.
+const STEPS: usize = 8;
+
 /// A multiplier that moves by more than this part of its distance to the next pole was not the one that was meant.
 const MOST_MOVE: f64 = 1e-3;
 
 /// Two that came this much closer to each other, relatively, are one.
 const MERGED: f64 = 1e-2;
+
+/// Step of a difference quotient, as a part of the distance to the nearest poles: error and rounding balance.
+const DIFFERENCE: f64 = 1e-5;
 
 /// The equations of an orbit that polish its multipliers.
 pub(crate) struct Polisher(ImpactMatrix);
@@ -29,12 +35,25 @@ impl Polisher {
         Ok(Self(matrix))
     }
 
-    /// The multiplier next to `start`, within `slack`; `None` where it is farther off, or first order does not tell it.
+    /// The multiplier next to `start`, within `slack`; `None` where Newton's method leads elsewhere.
     pub(crate) fn polished(&mut self, start: C, slack: f64) -> Option<C> {
-        let reach = slack.max(MOST_MOVE * self.0.nearest_poles(start));
-        let settled = self.0.settle(start, &[])?;
-        let settled = settled.z - settled.step;
-        ((settled - start).norm() <= reach).then_some(settled)
+        let last_reach = MOST_MOVE * self.0.nearest_poles(start);
+        let (mut z, mut last) = (start, f64::INFINITY);
+        for _ in 0..STEPS {
+            let h = DIFFERENCE * self.0.nearest_poles(z);
+            let slope = (self.0.determinant(z + h)? - self.0.determinant(z - h)?) / (2.0 * h);
+            let step = self.0.determinant(z)? / slope;
+            let size = step.norm();
+            if !size.is_finite() || (z - step - start).norm() > last_reach.max(slack) {
+                return None;
+            }
+            if size >= 0.5 * last {
+                break;
+            }
+            z -= step;
+            last = size;
+        }
+        (last <= last_reach).then_some(z)
     }
 }
 

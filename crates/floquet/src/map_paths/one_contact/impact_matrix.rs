@@ -29,6 +29,7 @@
 use nalgebra::Complex;
 use vibrochain_breather::Prepared;
 
+use crate::linear::determinant;
 use crate::map_paths::modes::{Mode, Modes};
 use crate::saltation::Saltation;
 
@@ -137,6 +138,12 @@ impl ImpactMatrix {
             self.entries[at + size] += *kappa;
         }
         Some(())
+    }
+
+    /// det K̂(z); `None` at a pole.
+    pub(crate) fn determinant(&mut self, z: C) -> Option<C> {
+        self.fill(z)?;
+        Some(determinant(&mut self.entries, 2 * self.impacts))
     }
 
     /// |1 − p/z||1 − p̄/z| of the nearest pair of poles: about twice the distance to a pole on the circle.

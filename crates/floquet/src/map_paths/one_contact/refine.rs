@@ -45,8 +45,6 @@ pub(crate) type Origin = SmallVec<[DataError; 2]>;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Settled {
     pub(crate) z: C,
-    /// The step of Newton's method from there, no longer than the error: a bound, within which it still leads the right way.
-    pub(crate) step: C,
     /// Of rounding.
     pub(crate) error: f64,
     /// What the orbit's data bring along.
@@ -93,7 +91,7 @@ impl ImpactMatrix {
             if modulus(step) * slope_size <= error {
                 let error = error / slope_size + modulus(step) + 2.0 * f64::EPSILON * modulus(z);
                 let data = data / slope_size;
-                return (error + data).is_finite().then_some(Settled { z, step, error, data });
+                return (error + data).is_finite().then_some(Settled { z, error, data });
             }
             z -= step;
             if !(z.re.is_finite() && z.im.is_finite()) {

@@ -123,7 +123,7 @@ impl ForcedSecular {
     fn settle(&mut self, place: usize, prepared: Prepared<'_>) {
         self.set_matrix(prepared);
         let z = self.values[place];
-        let Some(Settled { z: settled, error, data, .. }) = self.matrix.settle(z, &self.data) else {
+        let Some(Settled { z: settled, error, data }) = self.matrix.settle(z, &self.data) else {
             self.asked[place] = Settling::Refused;
             return;
         };
