@@ -43,7 +43,10 @@ impl Analyser {
             finder.give_back();
         }
         self.secular.residues.complete(ratio)?;
-        let found = self.secular.verdict()?;
+        let mut found = self.secular.verdict()?;
+        if !question.thorough && check(found.growth, found.growth_error, question).is_err() {
+            found = self.secular.settled(found, orbit.period());
+        }
         if found.outcome == Standing::Marginal {
             if is_affordable(orbit) {
                 return Err(SecularError::Tangency.into());
@@ -126,11 +129,15 @@ impl Analyser {
             return Some(Verdict::on_circle(None));
         }
         self.secular.residues.complete(ratio).ok()?;
-        let found = self.secular.verdict().ok().filter(|verdict| verdict.outcome != Standing::Marginal)?;
+        let mut found = self.secular.verdict().ok().filter(|verdict| verdict.outcome != Standing::Marginal)?;
         let modes = model.chain().even_modes();
-        let precise =
-            found.outcome == Standing::Stable || is_precise(found.growth, found.growth_error, modes, WORST_OF_SWEEP);
-        let verdict = told(&found, tolerance);
+        let is_precise = |found: &SecularVerdict| {
+            found.outcome == Standing::Stable || is_precise(found.growth, found.growth_error, modes, WORST_OF_SWEEP)
+        };
+        if !is_precise(&found) {
+            found = self.secular.settled(found, sketch.response().period());
+        }
+        let (verdict, precise) = (told(&found, tolerance), is_precise(&found));
         // Of an orbit without asymmetry this may be a pitchfork.
         let open = verdict.mechanism == Some(Mechanism::PlusOne) && model.asymmetry() == 0.0;
         Some(verdict).filter(|_| precise && !open)

@@ -1,20 +1,23 @@
-//! The matrix from impact to impact of one site: it holds all multipliers of the modes that the site moves.
+//! The matrix from impact to impact: all that the multipliers of an orbit are, whatever its word.
 //!
-//! A perturbation is the sum of what its past impacts made of it. With D_i = S_i − 1 and the periodic propagator of the site,
-//! G(τ) = Σ_n BᵀR(τ+nT)B z^{−n} over past impacts, det(z−M)/det(z−R) = det(1 − [G(t_i−t_j)D_j]). For a mode of weight b²,
-//! normalised so that Σ b² over all modes is 1, R(τ) = e^{iΩτ}wṽ + conj., w = (1, iΩ)ᵀ, ṽ = ½(1, −i/Ω), so that the sum over n is a
-//! geometric series with poles at p = e^{iΩT} and p̄. D⁻¹ = −(1+κ'E)/(1+e) leaves
+//! A perturbation is the sum of what its past impacts made of it. With D_i = S_i − 1 and the periodic propagator between the sites that
+//! impacts i and j hit, G_ij(τ) = Σ_n B_iᵀR(τ+nT)B_j z^{−n} over past impacts, det(z−M)/det(z−R) = det(1 − [G_ij(t_i−t_j)D_j]). For a mode
+//! of shape φ, normalised so that Σ b²φ_iφ_j over all modes is 1 for i = j and 0 for other sites, R(τ) = e^{iΩτ}wṽ + conj.,
+//! w = (1, iΩ)ᵀ, ṽ = ½(1, −i/Ω), so that the sum over n is a geometric series with poles at p = e^{iΩT} and p̄. D⁻¹ = −(1+κ'E)/(1+e)
+//! leaves
 //!
 //! ```text
 //! f(z) = det(z−M)/det(z−R) = (1+e)^{2n} det K̂(z),
-//! K̂_ij = Σ b² [p/(z−p) or z/(z−p)] e^{iΩ(t_i−t_j)} wṽ + conj.,    p for i ≤ j, z for i > j,    + ½(1+q) + κ'_iE for i = j
-//!      = Σ b² ½(z+p)/(z−p) e^{iΩ(t_i−t_j)} wṽ + conj. ± ½R(t_i−t_j) (i ≷ j),                    + q/2 + κ'_iE for i = j,
+//! K̂_ij = Σ b²φ_iφ_j [p/(z−p) or z/(z−p)] e^{iΩ(t_i−t_j)} wṽ + conj.,    p for i ≤ j, z for i > j,    + ½(1+q) + κ'_iE for i = j
+//!      = Σ b²φ_iφ_j ½(z+p)/(z−p) e^{iΩ(t_i−t_j)} wṽ + conj. ± ½R_ij(t_i−t_j) (i ≷ j),                  + q/2 + κ'_iE for i = j,
 //! ```
 //!
 //! q = (1−e)/(1+e), κ' = κ/(1+e)² = v̈/((1+e)v⁻) ([`Saltation::reduced`]), E the entry (velocity, displacement), velocities in units of ω.
 //! A null vector of K̂(z) is D_jy_j, what the impacts do to the perturbation y_j that belongs to the multiplier z.
 //!
-//! All modes of one frequency are one, of weight Σφ² ([`crate::map_paths::modes::Modes::set_felt`]).
+//! Of one site all modes of one frequency are one, of weight Σφ² ([`crate::map_paths::modes::Modes::set_felt`]). Of several sites on a ring the shape of
+//! mode k is cos(2πk(n_i−n_1)/M); each of its doublets has a second mode, sin(2πk(n_i−n_1)/M). On other lattices the products φ_iφ_j of a
+//! mode, or their sum over a doublet, are known ([`Shapes::even`]); their pivoted Cholesky factors are as good as shapes.
 //!
 //! Other files have the same determinant, worked out in ways that are faster or know more digits where they apply:
 //!
@@ -27,7 +30,9 @@
 //! | `crate::stripes` | the same as sums over the waves that impacts reflect |
 
 use nalgebra::Complex;
-use vibrochain_breather::Prepared;
+use smallvec::SmallVec;
+use vibrochain_breather::{Impact, Prepared};
+use vibrochain_lattice::Shapes;
 
 use crate::linear::determinant;
 use crate::map_paths::modes::{Mode, Modes};
@@ -46,7 +51,7 @@ pub(crate) struct ImpactMatrix {
     pub(crate) longest: f64,
     pub(crate) modes: Vec<FeltMode>,
     felt: Modes,
-    /// e^{iΩ(t_i−t_1)}: [mode][impact]
+    /// φ_i e^{iΩ(t_i−t_1)}: [mode][impact]
     pub(crate) waves: Vec<C>,
     /// K̂ as last worked out, by rows.
     pub(crate) entries: Vec<C>,
@@ -66,12 +71,12 @@ pub(crate) struct FeltMode {
     pub(crate) ratio: f64,
     /// Of the pole.
     pub(crate) error: f64,
-    /// Of the shape at the site, relative.
+    /// Of φ_i, against the largest.
     pub(crate) shape_error: f64,
 }
 
 impl ImpactMatrix {
-    /// Takes over an orbit whose impacts are all at one site.
+    /// Takes over an orbit.
     pub(crate) fn set(&mut self, prepared: Prepared<'_>) {
         let (orbit, response) = (prepared.orbit(), prepared.response());
         let (impacts, omega) = (orbit.impacts(), response.omega());
@@ -80,14 +85,16 @@ impl ImpactMatrix {
         self.half_loss = 0.5 * orbit.model().loss();
         self.kappas.clear();
         self.kappas.extend(impacts.iter().map(|impact| Saltation::reduced(impact, e) / omega));
-        let first = impacts.first().map_or(0.0, |impact| impact.time);
+        let (first, home) = impacts.first().map_or((0.0, 0), |impact| (impact.time, impact.site));
         self.longest = impacts.iter().map(|impact| impact.time - first).fold(0.0, f64::max);
         self.modes.clear();
         self.waves.clear();
+        let shapes = response.shapes();
+        let (at_one_site, ring) = (orbit.impact_site().is_some(), orbit.model().chain().is_ring());
         self.felt.set_felt(prepared);
         for (k, mode) in self.felt.list().iter().enumerate() {
             let &Mode { frequency, weight, .. } = mode;
-            self.modes.push(FeltMode {
+            let mode = FeltMode {
                 pole: mode.pole(),
                 weight,
                 frequency,
@@ -95,8 +102,30 @@ impl ImpactMatrix {
                 // The phase carries a relative error of 2ε.
                 error: f64::EPSILON * (2.0 + 2.0 * frequency * response.period()),
                 shape_error: 0.5 * self.felt.blur(k),
-            });
-            self.waves.extend(impacts.iter().map(|impact| C::from_polar(1.0, frequency * (impact.time - first))));
+            };
+            let turn = |time: f64| C::from_polar(1.0, frequency * (time - first));
+            if at_one_site {
+                self.modes.push(mode);
+                self.waves.extend(impacts.iter().map(|impact| turn(impact.time)));
+                continue;
+            }
+            if !ring {
+                for shape in factors(shapes, k, impacts) {
+                    let largest = shape.iter().fold(0.0_f64, |largest, phi| largest.max(phi.abs()));
+                    self.modes.push(FeltMode { shape_error: 4.0 * f64::EPSILON / (largest * largest), ..mode });
+                    self.waves.extend(impacts.iter().zip(shape).map(|(impact, phi)| turn(impact.time) * phi));
+                }
+                continue;
+            }
+            let wave = |shape: fn(&Shapes, usize, usize, usize) -> f64| {
+                impacts.iter().map(move |impact| turn(impact.time) * shape(shapes, k, impact.site, home))
+            };
+            self.modes.push(mode);
+            self.waves.extend(wave(Shapes::even));
+            if wave(Shapes::odd).any(|wave| wave != C::default()) {
+                self.modes.push(mode);
+                self.waves.extend(wave(Shapes::odd));
+            }
         }
     }
 
@@ -150,6 +179,20 @@ impl ImpactMatrix {
     pub(crate) fn nearest_poles(&self, z: C) -> f64 {
         let distance = |mode: &FeltMode| ((z - mode.pole) * (z - mode.pole.conj())).norm_sqr();
         self.modes.iter().map(distance).fold(f64::INFINITY, f64::min).sqrt() / z.norm_sqr()
+    }
+}
+
+/// Shapes at the impacts whose products are those of mode `k`, as many as it has that the impacts feel.
+fn factors(shapes: &Shapes, k: usize, impacts: &[Impact]) -> SmallVec<[SmallVec<[f64; 4]>; 1]> {
+    let product = |i: usize, j: usize| shapes.even(k, impacts[i].site, impacts[j].site);
+    let mut found: SmallVec<[SmallVec<[f64; 4]>; 1]> = SmallVec::new();
+    loop {
+        let rest = |i: usize, j: usize| product(i, j) - found.iter().map(|phi| phi[i] * phi[j]).sum::<f64>();
+        let pivot = (0..impacts.len()).map(|i| (i, rest(i, i))).max_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((pivot, square)) = pivot.filter(|(_, square)| !Modes::is_spared(*square)) else { return found };
+        let scale = square.sqrt().recip();
+        let next = (0..impacts.len()).map(|i| rest(i, pivot) * scale).collect();
+        found.push(next);
     }
 }
 

@@ -7,7 +7,7 @@
 //! ```text
 //! xᵀK̂y = Σ b² [p/(z−p) AC + Σ_{i>j} a_i c_j] + conj. + Σ_i [½(q+1) x_i·y_i + κ'_i x_{v,i} y_{u,i}]
 //!      = Σ b² [z/(z−p) AC − Σ_{i<j} a_i c_j] + conj. + Σ_i [½(q−1) x_i·y_i + κ'_i x_{v,i} y_{u,i}],
-//! xᵀK̂′y = −Σ b² p/(z−p)² AC + conj.,   a_i = e^{iΩt_i}(x_i·w),  c_j = e^{−iΩt_j}(ṽ·y_j),  A = Σa_i,  C = Σc_j,
+//! xᵀK̂′y = −Σ b² p/(z−p)² AC + conj.,   a_i = φ_ie^{iΩt_i}(x_i·w),  c_j = φ_je^{−iΩt_j}(ṽ·y_j),  A = Σa_i,  C = Σc_j,
 //! ```
 //!
 //! the first form outside the circle and the second one inside, where nothing is left of them as z → ∞ and z → 0;

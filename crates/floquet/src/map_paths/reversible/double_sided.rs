@@ -24,11 +24,14 @@
 //! multiplied out: c_k → 0 is harmless, and so are the double poles, x_k y_k = s_k². Dividing by s_k² is not, for a mode
 //! that is very soft or next to resonance: its residue is better known as 1 − ΣR of the others, see [`super::residues::Residues`].
 
+use nalgebra::Complex;
 use wide::f64x4;
 
 use crate::map_paths::modes::{Mode, Modes};
 use crate::map_paths::reversible::pole::Pole;
 use vibrochain_breather::lanes::{FOUR, HALF, Lane, Number, ONE, SMALL, TWO, ZERO, all, four, total, totals};
+
+type C = Complex<f64>;
 
 /// K, Λ and their errors in units of ε.
 #[derive(Debug, Clone, Copy)]
@@ -228,6 +231,84 @@ pub(crate) fn residue<T: Number>(mode: &Mode<T>, saltations: &Saltations, own: &
         + gamma.modulus() * (lower_error + rk * lower.modulus());
     let error = (scale.modulus() * error + residue.modulus() * (rk + number(4.0))) * (2.0 * f64::EPSILON);
     (residue, error)
+}
+
+/// Q and g̃ at z with their slopes and errors, these in units of ε.
+struct Halves {
+    q: [C; 2],
+    g: [C; 2],
+    errors: [f64; 2],
+}
+
+impl Halves {
+    fn new(modes: &Modes, z: C, period: f64) -> Self {
+        let [mut sigma, mut g, mut h] = [[C::default(); 2]; 3];
+        let (mut sigma_error, mut g_error, mut h_error) = (0.0, 0.0, 0.0);
+        for mode in modes.list() {
+            let inverse = (z - mode.cos).inv();
+            let term = inverse * mode.weight;
+            // The error of c moves the pole.
+            let moved = inverse.norm() * (mode.frequency * period * mode.sin.abs() + 4.0 * mode.cos.abs()) + 4.0;
+            let size = term.norm();
+            let add = |sum: &mut [C; 2], factor: f64| {
+                sum[0] += term * factor;
+                sum[1] -= term * inverse * factor;
+            };
+            add(&mut sigma, 1.0);
+            add(&mut g, mode.sin_over);
+            add(&mut h, mode.sin_times);
+            sigma_error += size * moved;
+            g_error += size * mode.sin_over.abs() * (moved + mode.relative);
+            h_error += size * mode.sin_times.abs() * (moved + mode.relative + 4.0);
+        }
+        let spread = z * z - 1.0;
+        let square = sigma[0] * sigma[0];
+        let q = [
+            spread * square + g[0] * h[0],
+            z * square * 2.0 + spread * sigma[0] * sigma[1] * 2.0 + g[1] * h[0] + g[0] * h[1],
+        ];
+        let q_error = spread.norm() * (2.0 * sigma[0].norm() * sigma_error + 8.0 * square.norm())
+            + g[0].norm() * h_error
+            + h[0].norm() * g_error
+            + 4.0 * (g[0] * h[0]).norm();
+        Self { q, g, errors: [q_error, g_error] }
+    }
+}
+
+/// A zero ρ of f next to `start`, and its error: from f itself as a product of sums, where close poles have residues that cancel and
+/// know of it by their errors only.
+pub(crate) fn settle(modes: &Modes, saltations: &Saltations, period: f64, start: C) -> Option<(C, f64)> {
+    let Saltations { half_kappa, half_kappa_error, lambda, lambda_error } = *saltations;
+    let mut rho = start;
+    for _ in 0..8 {
+        let [one, other] = [rho, -rho].map(|z| Halves::new(modes, z, period));
+        let [crossed, both] = [one.q[0] * other.g[0] + one.g[0] * other.q[0], one.g[0] * other.g[0]];
+        let value = one.q[0] * other.q[0] - crossed * half_kappa + both * lambda;
+        // Of the other half z is −ρ.
+        let slope = one.q[1] * (other.q[0] - other.g[0] * half_kappa)
+            + one.g[1] * (other.g[0] * lambda - other.q[0] * half_kappa)
+            - other.q[1] * (one.q[0] - one.g[0] * half_kappa)
+            - other.g[1] * (one.g[0] * lambda - one.q[0] * half_kappa);
+        let through = |of: &Halves, by: &Halves| {
+            of.errors[0] * (by.q[0].norm() + (by.g[0] * half_kappa).norm())
+                + of.errors[1] * ((by.q[0] * half_kappa).norm() + (by.g[0] * lambda).norm())
+        };
+        let sizes = (one.q[0] * other.q[0]).norm() + (crossed * half_kappa).norm() + (both * lambda).norm();
+        let noise = through(&one, &other)
+            + through(&other, &one)
+            + half_kappa_error * crossed.norm()
+            + lambda_error * both.norm()
+            + 8.0 * sizes;
+        let (step, error) = (value / slope, f64::EPSILON * noise / slope.norm());
+        rho -= step;
+        if !(rho.re.is_finite() && rho.im.is_finite() && error.is_finite()) {
+            return None;
+        }
+        if step.norm() <= error {
+            return Some((rho, 2.0 * error));
+        }
+    }
+    None
 }
 
 /// Residues into `poles`, one a mode. `masked` is scratch space.

@@ -6,12 +6,17 @@ use vibrochain_breather::{Impact, Orbit, Prepared};
 use vibrochain_lattice::Chain;
 
 use crate::map_paths::modes::Modes;
+use crate::map_paths::reversible::double_sided::Saltations;
 use crate::map_paths::reversible::other_block::Foreign;
+use crate::map_paths::reversible::product_form::settled;
 use crate::map_paths::reversible::verdict::{Secular, SecularVerdict};
 use crate::zeros::SecularError;
 
 /// How far, relatively, impulses of the two sites may be from each other: rounding next to a resonance is below that.
 const ALIKE: f64 = 1e-10;
+
+/// Errors of a growth, in units of the multiplier, that nobody would want to have smaller.
+const PRECISE: f64 = 1e-11;
 
 /// Two sites that a reflection exchanges.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,6 +80,9 @@ pub(crate) struct Partners {
     /// ±φ_k(i)φ_k(j) of all modes, and φ_k(i)², which is φ_k(j)²; both over b², on a ring ±C and 1.
     signed: Vec<f64>,
     squares: Vec<f64>,
+    period: f64,
+    /// Of two instants.
+    saltations: Option<Saltations>,
     /// Of the block in which the orbit swings, and of the other one.
     own: Secular,
     other: Secular,
@@ -85,6 +93,7 @@ impl Partners {
     pub(crate) fn replace(&mut self, prepared: Prepared<'_>, pair: Pair, ratio_error: f64) -> Result<(), SecularError> {
         let (response, period) = (prepared.response(), prepared.response().period());
         let ([site, partner], sign) = (pair.sites, pair.sign);
+        (self.period, self.saltations) = (period, None);
         self.modes.set(response);
         self.signed.clear();
         self.signed.extend(response.shapes().evens(partner, site).take(self.modes.count()).map(|c| sign * c));
@@ -97,12 +106,24 @@ impl Partners {
         own.work_out(ratio, None)?;
         other.set_modes(|other| other.weigh(modes, |k| squares[k] - signed[k]));
         let foreign = Foreign::new(modes, signed, own.modes(), period);
+        self.saltations = ratio.map(|(ratio, error)| Saltations::new(own.modes(), ratio, error));
         other.work_out(ratio, Some(&foreign))
     }
 
     /// The verdicts on both blocks.
     pub(crate) fn verdicts(&mut self) -> Result<[SecularVerdict; 2], SecularError> {
-        Ok([self.own.verdict()?, self.other.verdict()?])
+        let verdicts = [self.own.verdict()?, self.other.verdict()?];
+        let [own, other] = [&self.own, &self.other].map(|block| block.residues.modes());
+        Ok([self.settled(&verdicts[0], own), self.settled(&verdicts[1], other)])
+    }
+
+    /// A verdict of two instants whose multiplier close poles leave imprecise, from f itself.
+    fn settled(&self, verdict: &SecularVerdict, modes: &Modes) -> SecularVerdict {
+        let precise = verdict.growth_error <= PRECISE * (1.0 + verdict.growth);
+        match &self.saltations {
+            Some(saltations) if !precise => settled(verdict, saltations, modes, self.period),
+            _ => *verdict,
+        }
     }
 
     /// All multipliers of the modes that the impacts feel, without the trivial pair.

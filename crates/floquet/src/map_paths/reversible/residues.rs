@@ -46,6 +46,8 @@ const MOST_DOUBT: f64 = 1e-3;
 #[derive(Debug, Clone, Default)]
 pub struct Residues {
     modes: Modes,
+    /// Of two instants whose modes are kept.
+    saltations: Option<double_sided::Saltations>,
     masked: Vec<Lane>,
     /// Poles before they stand in the lists below: work space, which large rings give back.
     table: Vec<Pole>,
@@ -137,6 +139,11 @@ impl Residues {
         &self.modes
     }
 
+    /// K and Λ, if there are two instants, of up to [`LARGE`] modes.
+    pub(crate) fn saltations(&self) -> Option<&double_sided::Saltations> {
+        self.saltations.as_ref()
+    }
+
     /// Poles and residues of the modes taken over, for one instant or two with this ratio of impulses and its error; `foreign` if these
     /// are not the modes in which the orbit swings.
     pub(crate) fn work_out(
@@ -145,6 +152,7 @@ impl Residues {
         foreign: Option<&Foreign<'_>>,
     ) -> Result<(), SecularError> {
         let large = self.modes.count() > LARGE;
+        self.saltations = None;
         let pole_at_one = match ratio {
             None => {
                 if large {
@@ -164,6 +172,7 @@ impl Residues {
                 } else {
                     double_sided::residues(&self.modes, &saltations, &mut self.masked, &mut self.table);
                 }
+                self.saltations = Some(saltations).filter(|_| !large);
                 self.expected_trace = double_sided::trace(self.modes.list().iter().copied(), &saltations);
                 foreign.map(|foreign| foreign.double_sided(&self.modes, ratio, ratio_error))
             }

@@ -1,4 +1,5 @@
-//! The matrix from impact to impact against dense determinants, and all other ways to work its determinant out against it.
+//! The matrix from impact to impact against dense determinants, for words at any sites, and all other ways to work its determinant out
+//! against it.
 
 use nalgebra::{Complex, DMatrix};
 use vibrochain_breather::{Family, Finder, Found, Hit, Orbit};
@@ -20,10 +21,10 @@ fn places(random: &mut Random) -> [Complex<f64>; 4] {
     [0.3, 0.9, 1.1, 2.5].map(|radius| Complex::from_polar(radius, std::f64::consts::TAU * random.unit()))
 }
 
-/// One to five impacts at one site: whether they are motions between barriers does not matter here.
+/// Words of one to five impacts at up to four sites: whether they are motions between barriers does not matter here.
 #[test]
-fn determinants_are_those_of_the_whole_lattice() {
-    let (mut random, mut matrix, mut layered) = (Random(41), ImpactMatrix::default(), 0);
+fn determinants_of_words_are_those_of_the_whole_lattice() {
+    let (mut random, mut matrix, mut several, mut layered) = (Random(41), ImpactMatrix::default(), 0, 0);
     let (gamma1, gamma2) = (Values::Log(0.05, 1.0), Values::Log(0.02, 0.5));
     let ranges = Ranges { sites: [1, 6], gamma1, gamma2, ..Ranges::CONSERVATIVE };
     for case in 0..300 {
@@ -36,8 +37,8 @@ fn determinants_are_those_of_the_whole_lattice() {
         let count = 1 + case % 5;
         let mut times: Vec<f64> = (0..count).map(|_| random.unit() * model.period()).collect();
         times.sort_by(f64::total_cmp);
-        let site = (random.unit() * sites.min(4) as f64) as usize;
         let mut hit = |time: &f64| {
+            let site = (random.unit() * sites.min(4) as f64) as usize;
             let barrier = if random.unit() < 0.5 { Barrier::Upper } else { Barrier::Lower };
             Hit::new(site, barrier, *time, -barrier.sign() * random.between(0.5, 2.0))
         };
@@ -46,7 +47,8 @@ fn determinants_are_those_of_the_whole_lattice() {
         matrix.set(Finder::new(sites).prepared(&orbit).unwrap());
         let dense = crate::full_monodromy(&orbit).unwrap();
         let size = dense.size();
-        layered += usize::from(chain.layers() > 1);
+        several += usize::from(orbit.impact_site().is_none());
+        layered += usize::from(orbit.impact_site().is_none() && chain.layers() > 1);
         for z in places(&mut random) {
             let shifted = DMatrix::from_fn(size, size, |i, j| {
                 Complex::new(-dense.at(i, j), 0.0) + if i == j { z } else { Complex::default() }
@@ -64,7 +66,7 @@ fn determinants_are_those_of_the_whole_lattice() {
             assert!((found - expected).norm() < allowed, "{case} {z}: {found} {expected}");
         }
     }
-    assert!(layered > 40, "{layered}");
+    assert!(several > 150 && layered > 40, "{several} {layered}");
 }
 
 #[test]
