@@ -7,7 +7,7 @@
 //! | [`Format`], [`open`] | how a drawing becomes bytes |
 //! | [`drawing`] | shapes, circles, words and rasters as values |
 //! | [`MapPicture`], [`RegionsPicture`], [`EndsPicture`] | a map by its cells, by its regions, by what becomes of its breathers |
-//! | [`diagram_curves`], [`event_curves`], [`orbit_panes`], [`contact_panes`] | what a diagram, curves of events, an orbit of a chain or a structure are drawn as |
+//! | [`diagram_curves`], [`event_curves`], [`orbit_panes`], [`contact_panes`] | panels of a bifurcation diagram, of event curves, of an orbit of a chain or of a structure |
 //! | [`OneAxisPicture`], [`Curves`] | the curves of a sweep over one parameter; any curves, in panels |
 //! | [`OrbitPanels`], [`RunPicture`], [`Spacetime`] | an orbit in profile, time and phase plane; a simulated run; all masses over a period |
 //! | [`Animation`] | the chain between its barriers, moving |

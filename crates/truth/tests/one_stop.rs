@@ -114,7 +114,7 @@ impl Truth {
         vec![of(1.0), of(-1.0)]
     }
 
-    /// tr e^{BT}S with S of an impact: −e on the diagonal, (a⁺ + e a⁻)/v⁻ below.
+    /// The trace of the monodromy matrix e^{BT}S. The saltation matrix S has −e on the diagonal and (a⁺ + e a⁻)/v⁻ below it.
     fn trace(&self, load: &Real, impulse: &Real, cos: &Real) -> Real {
         let (e, damping) = (Real::new(self.given.restitution, BITS), Real::new(self.given.damping, BITS));
         let before = -impulse.clone() / (&e + 1.0);

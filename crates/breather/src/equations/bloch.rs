@@ -262,8 +262,8 @@ impl BlochEquations {
         &self.impacts
     }
 
-    /// Times of the impacts since the one that the period is cut before: the first, or, where modes die within a period, the one after
-    /// the longest time without any.
+    /// Times of the impacts since the one at which the period is taken to begin. It is the first impact, or, where modes die within a
+    /// period, the impact after the longest flight.
     pub fn since_cut(&self) -> &[f64] {
         &self.since
     }

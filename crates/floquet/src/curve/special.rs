@@ -24,7 +24,7 @@ impl Walker {
         self.contacts(point, &mut seen);
         if self.special {
             self.determinants(point, &mut seen);
-            // What cannot be computed tells nothing: the curve itself is none the worse.
+            // Where multipliers cannot be computed no special point is reported; the curve itself does not need them.
             let _ = self.multipliers(point, &mut seen);
         } else {
             seen.monitors.clear();

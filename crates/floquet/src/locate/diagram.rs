@@ -253,7 +253,7 @@ impl Tracing for ChainTracing<'_> {
 }
 
 impl Follower {
-    /// An orbit without a multiplier that could move has no event that multipliers show.
+    /// Looks for grazing alone if no multiplier of this orbit can move: only multipliers show the other events.
     fn without_those_that_cannot_be(&mut self, orbit: &Orbit) -> Result<(), LocateError> {
         match self.spectrum(orbit) {
             Err(LocateError::NoMultiplier) => self.events.retain(|event| *event == Event::Grazing),

@@ -210,7 +210,7 @@ impl Way<'_> {
         if matches!(self.test, Test::Velocity(_)) || orbit.model().structure().is_lossless() {
             return;
         }
-        // What cannot be computed tells nothing: the curve itself is none the worse.
+        // Where multipliers cannot be computed no special point is reported; the curve itself does not need them.
         let Some(values) = multipliers_there(orbit) else { return };
         let own = match self.test {
             Test::One => Some((1.0, Special::OneToOne)),

@@ -144,7 +144,7 @@ impl Coordinates {
         }
     }
 
-    /// What a row sees of either pole, which must not be one: the first or second of two eigenvectors.
+    /// The component of a row along the eigenvector of the first or second pole. The two poles must differ.
     pub fn seen_of_pole(self, which: usize, row: [C; 2]) -> C {
         match self {
             Self::Shared(turn) => row[0] + eigenvector(turn, which) * row[1],
@@ -152,7 +152,7 @@ impl Coordinates {
         }
     }
 
-    /// What a column gives to either pole, which must not be one.
+    /// The component of a column along the eigenvector of the first or second pole. The two poles must differ.
     pub fn given_to_pole(self, which: usize, column: [C; 2]) -> C {
         match self {
             Self::Shared(turn) => (column[0] + column[1] / eigenvector(turn, which)) * 0.5,

@@ -433,7 +433,8 @@ impl Definition {
         structure.project(modal, &place, &velocity).map_err(|error| error.to_string())
     }
 
-    /// Energies and powers, with loads and dashpots times these factors; `None` of modes of complex shape, of which none are known.
+    /// The energy, and the powers of loads and dashpots scaled by these factors. `None` for a modal model with complex shapes: they do not
+    /// determine the energy.
     pub(super) fn energy_form(&self, modal: &ModalStructure, [load, still, damping]: [f64; 3]) -> Option<EnergyForm> {
         if let Some(form) = modal.energy_form() {
             return Some(form);
