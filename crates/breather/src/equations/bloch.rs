@@ -15,26 +15,13 @@
 //! J(z) = J₀ + Σ_k A_k R_k(z−R_k)⁻¹ C_k.
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{BlochKernel, BlochMode, Complex, Coordinates, ImpulseResponse, SparedModes, Turned};
+use vibrochain_lattice::{BlochKernel, Complex, ImpulseResponse, SparedModes, Turned};
 
+use super::dying::{died, largest, only, send_on, since_cut};
+use super::linear_impact::LinearImpact;
 use crate::orbit::Orbit;
 
 type C = Complex<f64>;
-
-/// One impact of an orbit, as its equations know it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LinearImpact {
-    /// Number of the contact that is hit, among those of the kernel.
-    pub contact: usize,
-    /// Time within the period.
-    pub time: f64,
-    /// P, signed.
-    pub impulse: f64,
-    /// e
-    pub restitution: f64,
-    /// g″⁻, the acceleration of the contact just before, load and damping included.
-    pub acceleration_before: f64,
-}
 
 /// An orbit's own derivative, as [`BlochEquations::without_shift`] has put it in place of one unknown.
 #[derive(Debug, Clone, PartialEq)]
@@ -114,7 +101,8 @@ impl BlochEquations {
         let since = since_cut(&kernel, &impacts);
         let spread = since.iter().copied().fold(0.0, f64::max);
         let (mut left_out, mut sliding) = (0.0f64, Vec::new());
-        let (mut rows, mut columns) = (Vec::new(), Vec::new());
+        let all = size * kernel.modes().len();
+        let (mut rows, mut columns) = (Vec::with_capacity(all), Vec::with_capacity(all));
         let (mut outside, mut inside) = (vec![0.0; size * size], vec![0.0; size * size]);
         for (k, mode) in kernel.modes().iter().enumerate() {
             let (coordinates, generator) = (mode.coordinates, mode.generator());
@@ -378,78 +366,6 @@ impl BlochEquations {
         let rows = self.impacts.iter().flat_map(|impact| [1.0 / self.omega, 1.0 + impact.restitution]);
         let columns = self.impacts.iter().flat_map(|impact| [1.0, self.omega * impact.impulse]);
         [rows.collect(), columns.collect()]
-    }
-}
-
-/// Exponents: from the first on a mode dies fast, beyond the second nothing is left of it, and a flight back by the third is next to what
-/// numbers can hold.
-const FAST: f64 = 20.0;
-const NOTHING: f64 = 75.0;
-const RANGE: f64 = 600.0;
-
-/// Times of the impacts since one of them. Where a mode dies fast the period is cut where it has longest to do so.
-fn since_cut(kernel: &BlochKernel, impacts: &[LinearImpact]) -> Vec<f64> {
-    let period = kernel.period();
-    let is_fast = |mode: &BlochMode| mode.rates().iter().any(|rate| -rate.re * period > FAST);
-    let mut cut = 0;
-    if kernel.modes().iter().any(is_fast) {
-        let before = |i: usize| match i {
-            0 => impacts[0].time + period - impacts[impacts.len() - 1].time,
-            _ => impacts[i].time - impacts[i - 1].time,
-        };
-        cut = (0..impacts.len()).rev().max_by(|&i, &j| before(i).total_cmp(&before(j))).unwrap_or(0);
-    }
-    let since = |(i, impact): (usize, &LinearImpact)| {
-        let later = impact.time - impacts[cut].time;
-        if i < cut { later + period } else { later }
-    };
-    impacts.iter().enumerate().map(since).collect()
-}
-
-/// Which coordinates of a mode have died when the next period begins, `spread` after it was cut.
-fn died(mode: &BlochMode, spread: f64, period: f64) -> [bool; 2] {
-    let died = |rate: Complex<f64>| -rate.re * (period - spread) > NOTHING || -rate.re * spread > RANGE;
-    let both = mode.rates().map(died);
-    match mode.coordinates {
-        Coordinates::Shared(_) => [both[0] && both[1]; 2],
-        Coordinates::Apart => both,
-    }
-}
-
-/// A number in some of its coordinates, all of them or one of two that are apart.
-fn only(these: [bool; 2], Turned { even, odd }: Turned) -> Turned {
-    Turned { even: if these[0] { even } else { 0.0 }, odd: if these[1] { odd } else { 0.0 } }
-}
-
-fn largest(number: Turned) -> f64 {
-    number.even.abs().max(number.odd.abs())
-}
-
-/// What impacts send straight on to later ones of the same period in the coordinates of a mode that die before the next.
-fn send_on(
-    (kernel, k, died): (&BlochKernel, usize, [bool; 2]),
-    (impacts, since): (&[LinearImpact], &[f64]),
-    outside: &mut [f64],
-    sliding: &mut [f64],
-) {
-    let (mode, size) = (&kernel.modes()[k], 2 * impacts.len());
-    let omega = std::f64::consts::TAU / kernel.period();
-    for (i, to) in impacts.iter().enumerate() {
-        for (j, by) in impacts.iter().enumerate().filter(|(j, _)| since[*j] < since[i]) {
-            let mut flight = only(died, mode.flight(since[i] - since[j]));
-            let jet = [(); 4].map(|()| {
-                let value = mode.coordinates.pair(kernel.row(k, to.contact), flight, kernel.column(k, by.contact));
-                flight = mode.coordinates.product(flight, mode.generator());
-                value
-            });
-            let at = 2 * i * size + 2 * j;
-            for (matrix, jet) in [(&mut *outside, &jet[..3]), (&mut *sliding, &jet[1..])] {
-                matrix[at] += omega * jet[0];
-                matrix[at + 1] -= jet[1];
-                matrix[at + size] += jet[1];
-                matrix[at + size + 1] -= jet[2] / omega;
-            }
-        }
     }
 }
 

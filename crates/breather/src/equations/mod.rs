@@ -22,12 +22,15 @@ use crate::worst::worse;
 
 mod bloch;
 pub(crate) mod condition;
+mod dying;
 pub(crate) mod flights;
 pub(crate) mod linear;
+mod linear_impact;
 pub(crate) mod newton;
 pub(crate) mod unknowns;
 
-pub use bloch::{BlochEquations, LinearImpact, Shift};
+pub use bloch::{BlochEquations, Shift};
+pub use linear_impact::LinearImpact;
 
 /// Rounding of one operation, with room for the few that a term takes.
 pub(crate) const UNIT: f64 = 2.0 * f64::EPSILON;
