@@ -38,6 +38,11 @@ impl<T: Number> Enclosure<T> {
         self.value.modulus() - (self.slope.modulus() * self.radius + self.rest)
     }
 
+    /// No more than this is the function on the interval, by its size.
+    pub(crate) fn most(&self) -> T {
+        self.value.modulus() + self.slope.modulus() * self.radius + self.rest
+    }
+
     /// What the function is at both ends, and by how much that can be wrong.
     pub(crate) fn ends(&self) -> ([T; 2], T) {
         let rise = self.slope * self.radius;

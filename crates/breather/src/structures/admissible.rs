@@ -61,7 +61,7 @@ fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, Structur
             continue;
         }
         match Windows::new(&motion, i, &order) {
-            Some(windows) => search.by_windows(windows, &order, i),
+            Some(mut windows) => search.by_windows(&mut windows, &order, i),
             None => search.by_steps(i)?,
         }
     }
@@ -117,14 +117,14 @@ impl Search<'_> {
     /// Whether a contact is on a barrier at an instant of impacts.
     fn is_hit(&self, contact: usize, barrier: Barrier, time: f64) -> bool {
         let period = self.orbit.period();
-        self.orbit.impacts().iter().any(|impact| {
-            let apart = (impact.time - time).rem_euclid(period);
-            impact.contact == contact && impact.barrier == barrier && apart.min(period - apart) <= TOGETHER * period
-        })
+        let there = self.orbit.impacts().iter().filter(|impact| impact.contact == contact && impact.barrier == barrier);
+        there
+            .map(|impact| (impact.time - time).rem_euclid(period))
+            .any(|apart| apart.min(period - apart) <= TOGETHER * period)
     }
 
     /// Turning points of the contacts' polynomials, window by window.
-    fn by_windows(&mut self, mut windows: Windows, order: &[usize], i: usize) {
+    fn by_windows(&mut self, windows: &mut Windows, order: &[usize], i: usize) {
         let begins = self.orbit.impacts()[i].time;
         let whole = self.motion.until_next(i);
         let [excursions, fourths] = windows.bounds();
@@ -171,7 +171,7 @@ impl Search<'_> {
                         continue;
                     }
                     let own_polynomial = polynomial.get_or_insert_with(|| windows.polynomial(own.place));
-                    self.turns(&windows, own_polynomial, (own.contact, barrier, stop), begins, &mut pending);
+                    self.turns(windows, own_polynomial, (own.contact, barrier, stop), begins, &mut pending);
                 }
             }
             if self.is_decided() || !windows.advance() {

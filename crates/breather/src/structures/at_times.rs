@@ -22,8 +22,9 @@ impl Impacts<'_> {
         // Positions, balances and, under a load, Newton's laws.
         let rows = n + rigid + if load.is_some() { n } else { 0 };
         let columns = n + rigid + if load.is_some() { 2 } else { 0 };
-        let mut linear = Linear { columns, rows: Vec::with_capacity(rows), right: Vector::new(), laws: Vec::new() };
-        let mut laws = Vec::new();
+        let mut linear =
+            Linear { columns, rows: SmallVec::with_capacity(rows), right: Vector::new(), laws: SmallVec::new() };
+        let mut laws: SmallVec<[Vector; 2]> = SmallVec::new();
         for (i, &(contact, barrier)) in self.letters.iter().enumerate() {
             let (mut place, mut law) = (zeros(columns), zeros(columns));
             let weight = 1.0 + equations.restitution(contact);
@@ -84,28 +85,20 @@ impl Impacts<'_> {
     /// Both phases where the equations leave a line of (c, s), which meets the circle: of one impact; and of two half a period apart where
     /// what the second one asks is what the first one does.
     pub(super) fn on_a_line(&self, times: &[f64]) -> Result<Vec<Point>, StructureOrbitError> {
-        let mut linear = self.linear(times)?;
+        let linear = self.linear(times)?;
         let size = linear.columns;
-        linear.rows.truncate(size - 1);
-        linear.right.truncate(size - 1);
         // (c, s) along a direction in which the equations determine the rest best.
-        let best = [(1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(a, b)| {
-            let mut bordered = linear.clone();
-            let mut row = zeros(size);
-            (row[size - 2], row[size - 1]) = (a, b);
-            bordered.rows.push(row);
-            bordered.right.push(0.0);
-            let determinant = Factors::new(bordered.matrix()).map_or(0.0, |factors| factors.determinant.abs());
-            (determinant, bordered)
+        let bordered = [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|direction| {
+            let row = |j: usize| if j + 2 < size { 0.0 } else { direction[j + 2 - size] };
+            Factors::new(Matrix::from_fn(size, |i, j| if i + 1 < size { linear.rows[i][j] } else { row(j) }))
         });
-        let Some((_, mut bordered)) = best.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)) else {
-            return Ok(Vec::new());
+        let best = bordered.into_iter().flatten().max_by(|a, b| a.determinant.abs().total_cmp(&b.determinant.abs()));
+        let Some(best) = best else { return Ok(Vec::new()) };
+        let solved = |last: f64| {
+            let right: Vector = linear.right[..size - 1].iter().copied().chain([last]).collect();
+            Some(best.solve(&right)).filter(|x| x.iter().all(|x| x.is_finite()))
         };
-        let Some(base) = bordered.solve() else { return Ok(Vec::new()) };
-        if let Some(last) = bordered.right.last_mut() {
-            *last = 1.0;
-        }
-        let Some(moved) = bordered.solve() else { return Ok(Vec::new()) };
+        let (Some(base), Some(moved)) = (solved(0.0), solved(1.0)) else { return Ok(Vec::new()) };
         let along: Vector = moved.iter().zip(&base).map(|(a, b)| a - b).collect();
         // |(c, s)|² = 1 on base + τ·along
         let [c, s] = [size - 2, size - 1].map(|place| (base[place], along[place]));
@@ -125,9 +118,9 @@ impl Impacts<'_> {
 #[derive(Debug, Clone)]
 pub(super) struct Linear {
     pub(super) columns: usize,
-    rows: Vec<Vector>,
+    rows: SmallVec<[Vector; 4]>,
     pub(super) right: Vector,
-    pub(super) laws: Vec<Vector>,
+    pub(super) laws: SmallVec<[Vector; 2]>,
 }
 
 impl Linear {

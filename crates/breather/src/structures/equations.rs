@@ -72,7 +72,7 @@ pub(super) struct System {
     pub(super) jacobian: Matrix,
     pub(super) arrivals: SmallVec<[Arrival; 4]>,
     /// Derivatives of the accelerations by the unknowns.
-    pub(super) gradients: Vec<Vector>,
+    pub(super) gradients: SmallVec<[Vector; 2]>,
 }
 
 impl<'a> Equations<'a> {
@@ -120,7 +120,7 @@ impl<'a> Equations<'a> {
 
     /// 1/m of a contact.
     pub(super) fn mobility(&self, contact: usize) -> f64 {
-        self.model.structure().mobility(contact, contact)
+        self.response.mobility(contact).unwrap_or_else(|| self.model.structure().mobility(contact, contact))
     }
 
     pub(super) fn restitution(&self, contact: usize) -> f64 {
@@ -190,7 +190,7 @@ impl<'a> Equations<'a> {
             sizes: zeros(size),
             jacobian: Matrix::zeros(size),
             arrivals: SmallVec::new(),
-            gradients: Vec::with_capacity(n),
+            gradients: SmallVec::with_capacity(n),
         };
         let (psi, first_offset) = (2 * n - 1, size - offsets);
         for (i, strike) in point.strikes.iter().enumerate() {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use smallvec::SmallVec;
 use vibrochain_lattice::{Complex, FeltModes, LinearMode, ModalStructure, Turn, Turned};
 
 use super::equations::Equations;
@@ -185,25 +186,26 @@ pub(super) fn reach((turn, decay, rate): (Turn, f64, f64), state: [f64; 2], left
 /// ξ of each regular mode of a kernel just after each impact: its own impulse, and all others since, over all periods.
 fn after_impacts(orbit: &StructureOrbit, kernel: &PeriodicKernel) -> Vec<Vec<[f64; 2]>> {
     let (impacts, period) = (orbit.impacts(), orbit.period());
+    let modes: SmallVec<[(&LinearMode, Turned); 16]> = kernel.regular().collect();
     let after = |i: usize| {
-        let of_mode = |(mode, sum): (&LinearMode, Turned)| {
-            let mut state = [0.0; 2];
-            for (j, other) in impacts.iter().enumerate() {
-                let past = if impacts[i].time > other.time || i == j {
-                    impacts[i].time - other.time
-                } else if impacts[i].time == other.time {
-                    // Of impacts at one instant, those earlier in the list have happened.
-                    if j < i { 0.0 } else { period }
-                } else {
-                    impacts[i].time - other.time + period
-                };
-                let by = if past == 0.0 { sum } else { mode.turn.product(mode.flight(past), sum) };
+        let mut states = vec![[0.0; 2]; modes.len()];
+        for (j, other) in impacts.iter().enumerate() {
+            let past = if impacts[i].time > other.time || i == j {
+                impacts[i].time - other.time
+            } else if impacts[i].time == other.time {
+                // Of impacts at one instant, those earlier in the list have happened.
+                if j < i { 0.0 } else { period }
+            } else {
+                impacts[i].time - other.time + period
+            };
+            let flights = Turn::flights(modes.iter().map(|(mode, _)| mode.flow()), past);
+            for ((state, (mode, sum)), flight) in states.iter_mut().zip(&modes).zip(flights) {
+                let by = if past == 0.0 { *sum } else { mode.turn.product(flight, *sum) };
                 let given = mode.turn.act(by, mode.columns[other.contact].map(|x| x * other.impulse));
-                state = [state[0] + given[0], state[1] + given[1]];
+                *state = [state[0] + given[0], state[1] + given[1]];
             }
-            state
-        };
-        kernel.regular().map(of_mode).collect()
+        }
+        states
     };
     (0..impacts.len()).map(after).collect()
 }

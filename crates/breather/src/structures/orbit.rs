@@ -9,7 +9,7 @@ use super::equations::{Equations, Point, Strike, System};
 use super::error::StructureOrbitError;
 use super::model::StructureModel;
 use super::response::Response;
-use crate::equations::linear::{Factors, Matrix};
+use crate::equations::linear::{Factors, Matrix, Vector};
 use crate::equations::{BlochEquations, LinearImpact};
 use crate::word::MAX_IMPACTS;
 
@@ -62,11 +62,11 @@ impl StructureOrbit {
         // At a fold the unknowns are not determined by the rows: their errors have no bound.
         let inverse = Factors::new(system.jacobian.clone()).map(|factors| factors.inverse());
         // Of the rows as they stand and of what rounding makes of their terms, with the worst signs.
-        let off: Vec<f64> =
+        let off: Vector =
             system.rows.iter().zip(&system.sizes).map(|(row, size)| row.abs() + 4.0 * f64::EPSILON * size).collect();
         let size = off.len();
         let error = |inverse: &Matrix, i: usize| inverse.row(i).iter().zip(&off).map(|(x, off)| x.abs() * off).sum();
-        let errors: Vec<f64> =
+        let errors: Vector =
             (0..size).map(|i| inverse.as_ref().map_or(f64::INFINITY, |inverse| error(inverse, i))).collect();
         let impact = |i: usize| {
             let (strike, arrival) = (&point.strikes[i], &system.arrivals[i]);

@@ -103,12 +103,13 @@ impl PeriodicKernel {
         }
         let t = if t > 0.0 { t } else { t + self.period };
         let (mut jet, mut sizes) = ([0.0; 4], [0.0; 3]);
-        for (mode, sum) in self.sums_of() {
+        let flights = Turn::flights(self.sums_of().map(|(mode, _)| mode.flow()), t);
+        for ((mode, sum), flight) in self.sums_of().zip(flights) {
             let (row, column, turn) = (mode.rows[to], mode.columns[from], mode.turn);
             if row == [0.0; 2] || column == [0.0; 2] {
                 continue;
             }
-            let mut motion = turn.product(mode.flight(t), sum.sum);
+            let mut motion = turn.product(flight, sum.sum);
             let mut size = length(row) * length(column) * length([motion.even, motion.odd]) * (1.0 + sum.steep);
             for (order, entry) in jet.iter_mut().enumerate() {
                 *entry += turn.pair(row, motion, column);

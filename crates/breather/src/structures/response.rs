@@ -19,6 +19,8 @@ pub(super) struct Response {
     swings: Vec<(f64, Vec<C>)>,
     /// g⁰
     still: Vec<f64>,
+    /// 1/m of the contacts that are hit.
+    mobilities: Vec<(usize, f64)>,
 }
 
 impl Response {
@@ -38,16 +40,17 @@ impl Response {
             swings.push((f64::from(*harmonic) * omega, structure.steady_at(place, omega)?));
         }
         let resting = structure.still();
+        let moved: Vec<_> = structure.modes().iter().zip(&resting).filter(|(_, xi)| **xi != [0.0; 2]).collect();
         let at_rest = |contact: usize| {
-            let rests = structure.modes().iter().zip(&resting).filter(|(_, xi)| **xi != [0.0; 2]);
-            let terms = rests.map(|(mode, xi)| {
+            let terms = moved.iter().map(|(mode, xi)| {
                 let row = mode.rows[contact];
                 row[0] * xi[0] + row[1] * xi[1]
             });
             terms.sum()
         };
         let still = (0..structure.contacts().len()).map(at_rest).collect();
-        Ok(Self { kernel, swings, still })
+        let mobilities = hit.iter().map(|&contact| (contact, structure.mobility(contact, contact))).collect();
+        Ok(Self { kernel, swings, still, mobilities })
     }
 
     /// Frequency of the only harmonic and ĝ of every contact; `None` of several or none.
@@ -65,6 +68,11 @@ impl Response {
         self.kernel.felt.twins[one] == self.kernel.felt.twins[other]
             && near(real(self.still[one]), real(self.still[other]))
             && self.swings.iter().all(|(_, swing)| near(swing[one], swing[other]))
+    }
+
+    /// 1/m of a contact that is hit.
+    pub(super) fn mobility(&self, contact: usize) -> Option<f64> {
+        self.mobilities.iter().find(|(hit, _)| *hit == contact).map(|(_, mobility)| *mobility)
     }
 
     /// g⁰ of a contact.

@@ -6,11 +6,13 @@
 //!
 //! ```text
 //! Δ = Im ρ·(w₁w₂U_pp + U_ll) − Re ρ·(w₁U₁₂ + w₂U₂₁) + w₂|ĝ₂|²U₁₁ + w₁|ĝ₁|²U₂₂       U_ij: rows p_i and l_j
-//! C² + S² = |ĝ₁|²(r₂²U_ll² + a²) + |ĝ₂|²(r₁²U_ll² + b²) + 2Re ρ·(ab − r₁r₂U_ll²) + 2Im ρ·U_ll(r₂b + r₁a),
-//! a = w₁(r₁U₂₂ − r₂U₁₂),   b = w₂(r₂U₁₁ − r₁U₂₁).
+//! |ĝ₁|C = |ĝ₁|²a + Re ρ·b + Im ρ·r₁U_ll,           a = w₁(r₁U₂₂ − r₂U₁₂)
+//! |ĝ₁|S = −|ĝ₁|²r₂U_ll + Re ρ·r₁U_ll − Im ρ·b,     b = w₂(r₂U₁₁ − r₁U₂₁)
 //! ```
 //!
-//! The same formula serves for numbers and for enclosures.
+//! but for a rotation of (C, S).
+//!
+//! The same formulas serve for numbers and for enclosures.
 
 use vibrochain_lattice::{Complex, Turn};
 use wide::f64x4;
@@ -50,6 +52,16 @@ pub(super) struct Function {
     own: [[f64; 2]; 2],
     /// Where two impacts begin to be told apart.
     least: f64,
+}
+
+/// U₁₁, U₁₂, U₂₁, U₂₂, U_ll and Δ.
+struct Minors<T> {
+    u11: T,
+    u12: T,
+    u21: T,
+    u22: T,
+    laws: T,
+    whole: T,
 }
 
 impl Function {
@@ -96,12 +108,14 @@ impl Function {
 
     /// Whether F may vanish within `reach` of φ.
     pub(super) fn may_vanish(&self, phi: f64, reach: f64) -> bool {
-        self.clearances([phi; LANES], [reach; LANES])[0].function <= 0.0
+        let [there, back, waves] =
+            self.pieces([phi; LANES], [reach; LANES]).map(|pair| pair.map(|piece| piece.function));
+        self.clearance([there, back], waves).to_array()[0] <= 0.0
     }
 
-    /// F of both kernels with their slopes, and of Re ρ and Im ρ.
-    fn formula<T: Algebra>(&self, [there, back]: [[T; 2]; 2], [along, across]: [T; 2]) -> T {
-        let ([w1, w2], [n1, n2], [r1, r2]) = (self.fast, self.squares, self.places);
+    /// Minors of the columns of P₁ and P₂ in the rows that change, and Δ.
+    fn minors<T: Algebra>(&self, [there, back]: [[T; 2]; 2], [along, across]: [T; 2]) -> Minors<T> {
+        let ([w1, w2], [n1, n2]) = (self.fast, self.squares);
         let [[k1, law1], [k2, law2]] = self.own;
         // K₂₁ and (1+e₂)K₂₁′ at the second impact, K₁₂ and (1+e₁)K₁₂′ at the first.
         let ([place2, slope2], [place1, slope1]) =
@@ -115,17 +129,41 @@ impl Function {
         let whole = across * (both.scaled(w1 * w2) + laws) - along * (u12.scaled(w1) + u21.scaled(w2))
             + u11.scaled(w2 * n2)
             + u22.scaled(w1 * n1);
+        Minors { u11, u12, u21, u22, laws, whole }
+    }
+
+    /// C and S.
+    fn phases<T: Algebra>(&self, minors: &Minors<T>, [along, across]: [T; 2]) -> [T; 2] {
+        let ([w1, w2], size, [r1, r2]) = (self.fast, self.squares[0].sqrt(), self.places);
+        let a = (minors.u22.scaled(r1) - minors.u12.scaled(r2)).scaled(w1 * size);
+        let b = (minors.u11.scaled(r2) - minors.u21.scaled(r1)).scaled(w2 / size);
+        let felt = minors.laws.scaled(r1 / size);
+        [a + along * b + across * felt, along * felt - across * b - minors.laws.scaled(r2 * size)]
+    }
+
+    /// F of both kernels with their slopes, and of Re ρ and Im ρ.
+    fn formula<T: Algebra>(&self, kernels: [[T; 2]; 2], waves: [T; 2]) -> T {
+        let minors = self.minors(kernels, waves);
         if self.is_homogeneous() {
-            return whole;
+            return minors.whole;
         }
-        let a = (u22.scaled(r1) - u12.scaled(r2)).scaled(w1);
-        let b = (u11.scaled(r2) - u21.scaled(r1)).scaled(w2);
-        let square = laws * laws;
-        (a * a).scaled(n1)
-            + (b * b).scaled(n2)
-            + square.scaled(n1 * r2 * r2 + n2 * r1 * r1)
-            + (along * (a * b - square.scaled(r1 * r2)) + across * (laws * (b.scaled(r2) + a.scaled(r1)))).scaled(2.0)
-            - whole * whole
+        let [c, s] = self.phases(&minors, waves);
+        c * c + s * s - minors.whole * minors.whole
+    }
+
+    /// How far F stays away from 0 on four intervals: by the enclosure of F itself, or by those of C, S and Δ one by one, which on long
+    /// intervals say more.
+    fn clearance(&self, kernels: [[Enclosure<f64x4>; 2]; 2], waves: [Enclosure<f64x4>; 2]) -> f64x4 {
+        let minors = self.minors(kernels, waves);
+        if self.is_homogeneous() {
+            return minors.whole.clearance();
+        }
+        let ([c, s], whole) = (self.phases(&minors, waves), minors.whole);
+        let least = |one: Enclosure<f64x4>| one.clearance().fast_max(ZERO);
+        let [above, below] = [least(c) * least(c) + least(s) * least(s), whole.most() * whole.most()];
+        let inside = least(whole) * least(whole) - (c.most() * c.most() + s.most() * s.most());
+        let by_one = (above - below).fast_max(inside);
+        (c * c + s * s - whole * whole).clearance().fast_max(by_one)
     }
 
     /// Enclosures of what F is made of, about four φ.
@@ -159,12 +197,14 @@ impl Enclosed for Function {
         let pieces = self.pieces(centres, radii);
         let [there, back, waves] = pieces.map(|pair| pair.map(|piece| piece.function));
         // Where the function itself has no zero nobody asks for its slope.
-        let function = self.formula([there, back], waves).clearance().to_array();
+        let function = self.clearance([there, back], waves).to_array();
         if function.iter().all(|clearance| *clearance > 0.0) {
             return function.map(Clearance::away);
         }
         let [there, back, waves] = pieces;
-        Clearance::of(&self.formula([there, back], waves))
+        let mut clearances = Clearance::of(&self.formula([there, back], waves));
+        clearances.iter_mut().zip(function).for_each(|(clearance, function)| clearance.function = function);
+        clearances
     }
 
     fn at(&self, phi: f64) -> (f64, f64) {
@@ -176,7 +216,8 @@ impl Enclosed for Function {
         });
         let rho = self.product * C::from_polar(1.0, -self.rate * phi);
         let waves = [(rho.re, self.rate * rho.im), (rho.im, -self.rate * rho.re)];
-        let point = self.formula([there, back], waves.map(|(function, derivative)| Dual { function, derivative }));
+        let waves = waves.map(|(function, derivative)| Dual { function, derivative });
+        let point = self.formula([there, back], waves);
         (point.function, point.derivative)
     }
 }

@@ -1,5 +1,6 @@
 //! One flight of an orbit in windows of a radian of its fastest part, four modes at a time.
 
+use smallvec::{SmallVec, smallvec};
 use vibrochain_lattice::{Turn, Turned};
 
 use super::flight::{StructureMotion, reach};
@@ -16,6 +17,9 @@ const MOST_WINDOWS: f64 = 600.0;
 /// Windows after which states are set anew, so that rounding cannot add up.
 const REFRESH: usize = 32;
 
+/// As many groups as a structure of sixteen modes has without asking for memory.
+type Lanes = SmallVec<[Lane; 4]>;
+
 /// One flight in windows, on which contacts are polynomials to rounding, some of a structure's, known by their places in a list. The motion under a
 /// load is one mode more, that nothing damps.
 pub(super) struct Windows {
@@ -29,7 +33,7 @@ pub(super) struct Windows {
     both: usize,
     /// What they see, four at a time: of first coordinates, and of second ones behind. And where they are under the static load.
     shapes: Vec<Lane>,
-    still: Vec<Lane>,
+    still: Lanes,
     /// What a window does to the parts.
     step: Flow,
     generator: Flow,
@@ -38,12 +42,15 @@ pub(super) struct Windows {
     next: Node,
     /// Velocities of the parts, and what all contacts have of places and velocities, where that was last looked at.
     rates: Node,
-    places: Vec<Lane>,
-    velocities: Vec<Lane>,
+    places: Lanes,
+    velocities: Lanes,
     /// Derivatives over factorials at its start as contacts see them, once they are asked for.
     derivatives: Vec<Lane>,
     derived: bool,
 }
+
+/// A number of each contact.
+pub(super) type Bounds = SmallVec<[f64; 4 * LANES]>;
 
 /// A mode, or the motion under a load, with its state at the beginning.
 #[derive(Clone, Copy)]
@@ -53,17 +60,17 @@ struct Part {
 }
 
 /// What each coordinate keeps, what the first one gets from the second, and the second from the first.
-struct Flow([Vec<Lane>; 3]);
+struct Flow([Lanes; 3]);
 
 /// The two coordinates of all parts.
 #[derive(Clone, Default)]
-struct Node([Vec<Lane>; 2]);
+struct Node([Lanes; 2]);
 
 impl Flow {
-    fn of(parts: &[Part], groups: usize, by: impl Fn(&Part) -> Turned) -> Self {
-        let mut lanes = [(); 3].map(|()| vec![[0.0; LANES]; groups]);
+    fn of(parts: &[Part], groups: usize, by: impl Fn(usize) -> Turned) -> Self {
+        let mut lanes = [(); 3].map(|()| -> Lanes { smallvec![[0.0; LANES]; groups] });
         for (k, part) in parts.iter().enumerate() {
-            let Turned { even, odd } = by(part);
+            let Turned { even, odd } = by(k);
             let [keeps, gets, gives] = &mut lanes;
             let values = [(keeps, even), (gets, odd), (gives, -part.flow.0.sign() * odd)];
             values.into_iter().for_each(|(lanes, value)| lanes.as_flattened_mut()[k] = value);
@@ -83,10 +90,10 @@ impl Flow {
 }
 
 impl Node {
-    fn of(parts: &[Part], groups: usize, state: impl Fn(&Part) -> [f64; 2]) -> Self {
-        let mut lanes = [(); 2].map(|()| vec![[0.0; LANES]; groups]);
-        for (k, part) in parts.iter().enumerate() {
-            lanes.iter_mut().zip(state(part)).for_each(|(lanes, value)| lanes.as_flattened_mut()[k] = value);
+    fn of(parts: &[Part], groups: usize, state: impl Fn(usize) -> [f64; 2]) -> Self {
+        let mut lanes = [(); 2].map(|()| -> Lanes { smallvec![[0.0; LANES]; groups] });
+        for k in 0..parts.len() {
+            lanes.iter_mut().zip(state(k)).for_each(|(lanes, value)| lanes.as_flattened_mut()[k] = value);
         }
         Self(lanes)
     }
@@ -108,19 +115,20 @@ impl Windows {
         }
         let length = whole / windows;
         // Modes of which contacts see one coordinate come first.
-        let (real, other): (Vec<_>, Vec<_>) = motion.felt(i).partition(|(mode, _)| mode.is_real);
-        let modes = || real.iter().chain(&other);
-        let mut parts: Vec<Part> =
-            modes().map(|(mode, state)| Part { flow: (mode.turn, mode.decay, mode.rate), state: *state }).collect();
+        let of_kind = |real: bool| motion.felt(i).filter(move |(mode, _)| mode.is_real == real);
+        let modes = || of_kind(true).chain(of_kind(false));
+        let both = of_kind(true).count();
+        let mut parts: Vec<Part> = Vec::with_capacity(motion.felt(i).count() + response.swings(0).count());
+        parts.extend(modes().map(|(mode, state)| Part { flow: (mode.turn, mode.decay, mode.rate), state }));
         for (rate, _) in response.swings(0) {
             let (sin, cos) = (rate * motion.load_time(i, 0.0)).sin_cos();
             parts.push(Part { flow: (Turn::Circular, 0.0, rate), state: [cos, -sin] });
         }
         let groups = parts.len().div_ceil(LANES);
-        let (both, count) = (real.len(), parts.len());
+        let count = parts.len();
         let fours = contacts.len().div_ceil(LANES);
         let mut shapes = vec![[0.0; LANES]; (2 * count - both) * fours];
-        let mut still = vec![[0.0; LANES]; fours];
+        let mut still: Lanes = smallvec![[0.0; LANES]; fours];
         for (place, &contact) in contacts.iter().enumerate() {
             let (four, lane) = (place / LANES, place % LANES);
             still[four][lane] = response.still(contact);
@@ -133,7 +141,7 @@ impl Windows {
                 }
             }
         }
-        let flight = |part: &Part, t: f64| part.flow.0.flight(part.flow.1, part.flow.2, t);
+        let flights = Turn::flights(parts.iter().map(|part| part.flow), length);
         let mut all = Self {
             length,
             count: windows as usize,
@@ -142,14 +150,14 @@ impl Windows {
             both,
             shapes,
             still,
-            step: Flow::of(&parts, groups, |part| flight(part, length)),
-            generator: Flow::of(&parts, groups, |part| Turned { even: -part.flow.1, odd: part.flow.2 }),
-            here: Node::of(&parts, groups, |part| part.state),
+            step: Flow::of(&parts, groups, |k| flights[k]),
+            generator: Flow::of(&parts, groups, |k| Turned { even: -parts[k].flow.1, odd: parts[k].flow.2 }),
+            here: Node::of(&parts, groups, |k| parts[k].state),
             next: Node::of(&parts, groups, |_| [0.0; 2]),
             rates: Node::of(&parts, groups, |_| [0.0; 2]),
             parts,
-            places: vec![[0.0; LANES]; fours],
-            velocities: vec![[0.0; LANES]; fours],
+            places: smallvec![[0.0; LANES]; fours],
+            velocities: smallvec![[0.0; LANES]; fours],
             derivatives: Vec::new(),
             derived: false,
         };
@@ -159,16 +167,21 @@ impl Windows {
 
     /// Looks from here on at the contacts at these places alone, and tells their new ones.
     pub(super) fn keep(&mut self, places: &mut dyn Iterator<Item = &mut usize>) {
-        let kept: Vec<usize> = places.enumerate().map(|(new, place)| std::mem::replace(place, new)).collect();
+        let kept: SmallVec<[usize; 16]> =
+            places.enumerate().map(|(new, place)| std::mem::replace(place, new)).collect();
         let (before, fours) = (self.still.len(), kept.len().div_ceil(LANES));
-        let picked = |row: &[Lane]| {
-            let mut own = vec![[0.0; LANES]; fours];
-            let from = row.as_flattened();
-            own.as_flattened_mut().iter_mut().zip(&kept).for_each(|(slot, place)| *slot = from[*place]);
-            own
+        // New places come no later than the old ones.
+        let pick = |from: &mut [Lane], row: usize| {
+            let list = from.as_flattened_mut();
+            for (new, old) in kept.iter().enumerate() {
+                list[row * fours * LANES + new] = list[row * before * LANES + old];
+            }
         };
-        self.shapes = self.shapes.chunks_exact(before).flat_map(picked).collect();
-        self.still = picked(&self.still);
+        let rows = self.shapes.len() / before;
+        (0..rows).for_each(|row| pick(&mut self.shapes, row));
+        pick(&mut self.still, 0);
+        self.shapes.truncate(rows * fours);
+        self.still.truncate(fours);
         self.places.truncate(fours);
         self.velocities.truncate(fours);
     }
@@ -193,14 +206,17 @@ impl Windows {
         std::mem::swap(&mut self.here, &mut self.next);
         if self.number.is_multiple_of(REFRESH) {
             let at = self.start();
-            let there = |part: &Part| {
-                let (turn, decay, rate) = part.flow;
-                turn.act(turn.flight(decay, rate, at), part.state)
-            };
-            self.here = Node::of(&self.parts, self.here.0[0].len(), there);
+            self.here = self.node_at(at);
         }
         self.step.act(&self.here, 1.0, &mut self.next);
         true
+    }
+
+    /// All parts at a time since the impact.
+    fn node_at(&self, t: f64) -> Node {
+        let flights = Turn::flights(self.parts.iter().map(|part| part.flow), t);
+        let there = |k: usize| self.parts[k].flow.0.act(flights[k], self.parts[k].state);
+        Node::of(&self.parts, self.here.0[0].len(), there)
     }
 
     /// The numbers that contacts see at a node.
@@ -236,24 +252,21 @@ impl Windows {
     }
 
     /// The same of so many contacts at both ends of the flight.
-    pub(super) fn ends(&mut self, count: usize) -> Vec<[[f64; 2]; 2]> {
-        let last = |part: &Part| {
-            let (turn, decay, rate) = part.flow;
-            turn.act(turn.flight(decay, rate, self.whole), part.state)
-        };
-        let groups = self.here.0[0].len();
-        let last = Node::of(&self.parts, groups, last);
-        self.look(&Node::of(&self.parts, groups, |part| part.state));
-        let first: Vec<[f64; 2]> = (0..count).map(|place| self.there(place)).collect();
+    pub(super) fn ends(&mut self, count: usize) -> SmallVec<[[[f64; 2]; 2]; 16]> {
+        let last = self.node_at(self.whole);
+        let first = Node::of(&self.parts, self.here.0[0].len(), |k| self.parts[k].state);
+        self.look(&first);
+        let mut both: SmallVec<[[[f64; 2]; 2]; 16]> = (0..count).map(|place| [self.there(place); 2]).collect();
         self.look(&last);
-        first.into_iter().enumerate().map(|(place, first)| [first, self.there(place)]).collect()
+        both.iter_mut().enumerate().for_each(|(place, ends)| ends[1] = self.there(place));
+        both
     }
 
     /// Bounds on the whole flight: how far a contact may be from where it is still, and |g⁗|.
-    pub(super) fn bounds(&self) -> [Vec<f64>; 2] {
+    pub(super) fn bounds(&self) -> [Bounds; 2] {
         let (fours, count) = (self.still.len(), self.parts.len());
         [0, 4].map(|order| {
-            let mut sums = vec![0.0; fours * LANES];
+            let mut sums: Bounds = smallvec![0.0; fours * LANES];
             for (k, part) in self.parts.iter().enumerate() {
                 let reach = reach(part.flow, part.state, self.whole, order);
                 let first = self.shapes[k * fours..(k + 1) * fours].as_flattened();
@@ -285,7 +298,7 @@ impl Windows {
             }
             self.derivatives = derivatives;
         }
-        let mut row = vec![[0.0; LANES]; width];
+        let mut row: Lanes = smallvec![[0.0; LANES]; width];
         let shapes = self.shapes.chunks_exact(self.still.len()).map(|shape| shape.as_flattened()[place]);
         row.as_flattened_mut().iter_mut().zip(shapes).for_each(|(slot, value)| *slot = value);
         let mut coefficients = [0.0; ORDER];

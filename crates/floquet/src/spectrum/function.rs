@@ -12,6 +12,7 @@
 use std::borrow::Cow;
 
 use nalgebra::{Complex, DMatrix};
+use smallvec::SmallVec;
 use vibrochain_breather::{BlochEquations, Shift};
 
 use crate::zeros::{Meromorphic, Value, modulus};
@@ -80,8 +81,10 @@ impl<'a> SpectralFunction<'a> {
         let (modes, size) = (equations.kernel().modes(), equations.size());
         let since = whole.since_cut();
         let longest = since.iter().copied().fold(0.0, f64::max);
-        let (mut poles, mut simple) = (Vec::new(), Vec::new());
-        let (mut row_sizes, mut column_sizes, mut relative) = (Vec::new(), Vec::new(), Vec::new());
+        let (count, all) = (modes.len(), size * modes.len());
+        let (mut poles, mut simple) = (Vec::with_capacity(2 * count), Vec::with_capacity(2 * count));
+        let (mut row_sizes, mut column_sizes) = (Vec::with_capacity(all), Vec::with_capacity(all));
+        let mut relative = Vec::with_capacity(count);
         let mut constants =
             [(); 2].map(|()| Constant { errors: vec![0.0; size * size], slides: vec![0.0; size * size] });
         let length = |[x, y]: &[f64; 2]| (x * x + y * y).sqrt();
@@ -163,7 +166,7 @@ impl<'a> SpectralFunction<'a> {
     }
 
     /// a and c of a simple pole.
-    pub(super) fn dyad(&self, pole: &Pole) -> [Vec<C>; 2] {
+    pub(super) fn dyad(&self, pole: &Pole) -> [SmallVec<[C; 8]>; 2] {
         let coordinates = self.equations.kernel().modes()[pole.mode].coordinates;
         let complex = |v: &[f64; 2]| v.map(|x| C::new(x, 0.0));
         let rows = self.equations.rows(pole.mode).iter().map(|v| coordinates.seen_of_pole(pole.which, complex(v)));

@@ -40,7 +40,8 @@ impl SpectralFunction<'_> {
     pub(crate) fn leading(&self, data: &[Origin]) -> Option<Vec<Zero>> {
         let form = self.rational()?;
         let (re, im) = (form.pole_re.as_flattened(), form.pole_im.as_flattened());
-        let poles: Vec<C> = re.iter().zip(im).filter(|(re, _)| **re < 1e100).map(|(re, im)| C::new(*re, *im)).collect();
+        let mut poles = Vec::with_capacity(re.len());
+        poles.extend(re.iter().zip(im).filter(|(re, _)| **re < 1e100).map(|(re, im)| C::new(*re, *im)));
         let mut aberth = Aberth::default();
         if !aberth.solve_from(&mut form.clone(), starts(&form, &poles), 0, LAST) {
             return None;
@@ -103,7 +104,7 @@ impl SpectralFunction<'_> {
         let border = size + 1;
         let (mut matrix, mut sizes) = (vec![C::default(); border * border], Vec::new());
         let (mut poles, mut residues) = (Vec::with_capacity(modes.len()), Vec::with_capacity(modes.len()));
-        let (mut residue_errors, mut pole_errors) = (Vec::new(), Vec::new());
+        let (mut residue_errors, mut pole_errors) = (Vec::with_capacity(modes.len()), Vec::with_capacity(modes.len()));
         let (mut real, mut imaginary) = (vec![ZERO; groups], vec![ZERO; groups]);
         for pole in self.simple.iter().step_by(2) {
             let z = pole.value;

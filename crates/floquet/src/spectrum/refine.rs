@@ -168,10 +168,11 @@ impl SpectralFunction<'_> {
         let mut out = Product::default();
         let mut sizes = 0.0;
         let constant = &self.constants[usize::from(inside)];
+        let [x_sizes, y_sizes] = [x, y].map(|v| v[..size].iter().map(|v| modulus(*v)).collect::<SmallVec<[f64; 8]>>());
         for (i, x) in x[..size].iter().enumerate() {
             for (j, y) in y[..size].iter().enumerate() {
                 let at = i * size + j;
-                let (product, length) = (x * y, modulus(*x) * modulus(*y));
+                let (product, length) = (x * y, x_sizes[i] * y_sizes[j]);
                 let term = product * equations.constant(inside)[at];
                 out.value += term;
                 out.value_error += length * constant.errors[at];
@@ -193,7 +194,7 @@ impl SpectralFunction<'_> {
                 let add = |[p, q]: [C; 2], (v, [s, t]): (&C, &[f64; 2])| [p + v * *s, q + v * *t];
                 v.iter().zip(table).fold([C::default(); 2], add)
             };
-            let length = |v: &[C], table: &[f64]| v.iter().zip(table).map(|(v, size)| modulus(*v) * size).sum::<f64>();
+            let length = |v: &[f64], table: &[f64]| v.iter().zip(table).map(|(v, size)| v * size).sum::<f64>();
             let (xi, eta) = (sum(&x[..size], rows), sum(&y[..size], columns));
             let (sizes_of_rows, sizes_of_columns) =
                 (&self.row_sizes[k * size..(k + 1) * size], &self.column_sizes[k * size..(k + 1) * size]);
@@ -201,8 +202,8 @@ impl SpectralFunction<'_> {
             // Of real poles the sum of both coordinates is longer than their length.
             let widest = if mode.coordinates.are_circular() { 1.0 } else { std::f64::consts::SQRT_2 };
             let (a_error, c_error) = (
-                widest * relative * length(&x[..size], sizes_of_rows),
-                widest * 0.5 * relative * length(&y[..size], sizes_of_columns),
+                widest * relative * length(&x_sizes, sizes_of_rows),
+                widest * 0.5 * relative * length(&y_sizes, sizes_of_columns),
             );
             if mode.coordinates.are_parabolic() {
                 self.add_double_pole(z, k, [xi, eta], (2.0 * a_error, 4.0 * c_error), &mut out);
@@ -258,7 +259,8 @@ impl SpectralFunction<'_> {
                     out.slope_error += steep * (dyad_error + (8.0 * EPSILON + 3.0 * pole.error * near) * size);
                     (factor * c, factor * a)
                 };
-                if !data.is_empty() {
+                // Only times and an orbit's own derivative are felt by way of the modes.
+                if of_time || !data.is_empty() && self.shift.is_some() {
                     for i in 0..n {
                         let (coordinates, which) = (mode.coordinates, pole.which);
                         let complex = |v: [f64; 2]| v.map(|x| C::new(x, 0.0));

@@ -176,12 +176,9 @@ pub(crate) fn origins(equations: &BlochEquations, condition: &Condition) -> Vec<
     // What rounding makes of an acceleration alone is not felt where it is not asked for.
     let given = equations.slide_errors().is_none();
     let felt = |origin: &&Together| given || origin.iter().any(|error| error.impulse != 0.0 || error.time != 0.0);
-    let mut origins: Vec<Origin> = condition
-        .origins
-        .iter()
-        .filter(felt)
-        .map(|origin| origin.iter().enumerate().map(of_impact).collect())
-        .collect();
+    let mut origins: Vec<Origin> = Vec::with_capacity(condition.origins.len() + 2 * impacts.len());
+    let asked = condition.origins.iter().filter(felt);
+    origins.extend(asked.map(|origin| origin.iter().enumerate().map(of_impact).collect::<Origin>()));
     // And both are rounded.
     for (i, impact) in impacts.iter().enumerate() {
         let mut origin: Origin = impacts.iter().map(|_| DataError::default()).collect();

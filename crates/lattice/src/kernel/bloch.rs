@@ -137,10 +137,17 @@ impl BlochKernel {
         self.push(Turn::Hyperbolic, (-mean, half), rows, columns);
     }
 
-    /// Adds a mode of a structure, as some of its contacts feel it.
-    pub(crate) fn push_linear(&mut self, mode: &LinearMode, contacts: &[usize]) {
-        let [rows, columns] = [&mode.rows, &mode.columns].map(|table| contacts.iter().map(|&contact| table[contact]));
-        self.push(mode.turn, (mode.decay, mode.rate), rows, columns);
+    /// The kernel of modes of a structure between some of its contacts.
+    pub(crate) fn of_modes(modes: &[LinearMode], period: f64, contacts: &[usize]) -> Self {
+        let (count, all) = (contacts.len(), contacts.len() * modes.len());
+        let (rows, columns) = (Vec::with_capacity(all), Vec::with_capacity(all));
+        let mut kernel = Self { period, contacts: count, modes: Vec::with_capacity(modes.len()), rows, columns };
+        for mode in modes {
+            let [rows, columns] =
+                [&mode.rows, &mode.columns].map(|table| contacts.iter().map(|&contact| table[contact]));
+            kernel.push(mode.turn, (mode.decay, mode.rate), rows, columns);
+        }
+        kernel
     }
 
     fn push(

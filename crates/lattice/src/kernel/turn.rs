@@ -6,6 +6,7 @@
 //! no case of its own but σ = 0.
 
 use rustfft::num_complex::Complex;
+use smallvec::SmallVec;
 use std::ops::{Add, Mul};
 use wide::f64x4;
 
@@ -103,6 +104,30 @@ impl Turn {
         }
         let both = angles.map(f64::sin_cos);
         Some([both.map(|(_, cos)| cos), both.map(|(sin, _)| sin)])
+    }
+
+    /// e^{(−δ + κJ)t} of modes, by their turns and rates δ, κ, over one time: four at a time where their coordinates turn.
+    pub fn flights(modes: impl Iterator<Item = (Self, f64, f64)>, t: f64) -> SmallVec<[Turned; 16]> {
+        let modes: SmallVec<[(Self, f64, f64); 16]> = modes.collect();
+        let mut flights = SmallVec::with_capacity(modes.len());
+        // Many modes of a structure often lose alike.
+        let (mut known, mut left) = (0.0, 1.0);
+        for modes in modes.chunks(4) {
+            let angle = |(turn, _, rate): &(Self, f64, f64)| if *turn == Self::Circular { rate * t } else { 0.0 };
+            let angles = std::array::from_fn(|i| modes.get(i).map_or(0.0, angle));
+            let [cos, sin] = Self::Circular.turns(1.0, angles).unwrap_or_default();
+            for (i, &(turn, decay, rate)) in modes.iter().enumerate() {
+                if turn != Self::Circular {
+                    flights.push(turn.flight(decay, rate, t));
+                    continue;
+                }
+                if decay != known {
+                    (known, left) = (decay, (-decay * t).exp());
+                }
+                flights.push(Turned { even: left * cos[i], odd: left * sin[i] });
+            }
+        }
+        flights
     }
 
     /// row·(a + bJ)·column

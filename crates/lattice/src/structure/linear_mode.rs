@@ -118,6 +118,11 @@ impl LinearMode {
         }
     }
 
+    /// How its coordinates move, and its rates δ and κ.
+    pub fn flow(&self) -> (Turn, f64, f64) {
+        (self.turn, self.decay, self.rate)
+    }
+
     /// e^{At}
     pub fn flight(&self, t: f64) -> Turned {
         self.turn.flight(self.decay, self.rate, t)

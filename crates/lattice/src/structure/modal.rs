@@ -77,11 +77,7 @@ impl FeltModes {
 
     /// The kernel K^z between the contacts that are hit, for a period.
     pub fn kernel(&self, period: f64, hit: &[usize]) -> BlochKernel {
-        let mut kernel = BlochKernel::new(period, hit.len());
-        for mode in &self.modes {
-            kernel.push_linear(mode, hit);
-        }
-        kernel
+        BlochKernel::of_modes(&self.modes, period, hit)
     }
 }
 

@@ -79,6 +79,29 @@ fn the_kernel_is_the_series_it_sums_whatever_the_damping() {
 }
 
 #[test]
+fn flights_of_many_modes_are_those_of_each() {
+    let mut seed = 7;
+    let mut checked = 0;
+    for count in [0, 1, 3, 4, 5, 11] {
+        let turns = [Turn::Circular, Turn::Circular, Turn::Hyperbolic, Turn::Circular, Turn::Parabolic];
+        // The first few lose alike.
+        let modes: Vec<_> = (0..count)
+            .map(|k| (turns[k % 5], if k < 3 { 0.1 } else { unit(&mut seed) - 0.3 }, 0.2 + 3.0 * unit(&mut seed)))
+            .collect();
+        let t = 5.0 * unit(&mut seed);
+        let flights = Turn::flights(modes.iter().copied(), t);
+        assert_eq!(flights.len(), count);
+        for (flight, (turn, decay, rate)) in flights.into_iter().zip(modes) {
+            let own = turn.flight(decay, rate, t);
+            let size = own.even.hypot(own.odd);
+            assert!((flight.even - own.even).abs() + (flight.odd - own.odd).abs() < 4.0 * f64::EPSILON * size);
+            checked += 1;
+        }
+    }
+    assert_eq!(checked, 24);
+}
+
+#[test]
 fn a_dashpot_on_a_rigid_mode_leaves_the_poles_zero_and_minus_c() {
     let (c, period) = (0.3f64, 3.0);
     let mut kernel = BlochKernel::new(period, 1);
