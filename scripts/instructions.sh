@@ -26,7 +26,8 @@ if ! command -v valgrind >/dev/null; then
     exit 3
 fi
 
-cargo build --locked --release --quiet -p vibrochain-studies
+# As .ci/run builds it: with the features of the README's command.
+cargo build --locked --release --quiet --workspace --exclude vibrochain-python --bin studies
 program=${CARGO_TARGET_DIR:-target}/release/studies
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Gathers the pages of the manual for MkDocs: those of docs, and the reference, which the program and the package are asked for.
 
-    PYTHONPATH=FOLDER_OF_vibrochain python3 scripts/manual.py MAPGEN PAGES
+    python3 scripts/manual.py MAPGEN PAGES          where the package vibrochain is installed
 """
 
 import ast

@@ -2,8 +2,7 @@
 # Builds the manual as a site, into target/manual/site: pages of docs, and the reference made from the program and the Python package. A warning
 # or a link that leads nowhere fails. Where Python's packages cannot be had it says so and passes.
 #
-#     scripts/manual.sh          VENV=FOLDER: a virtual environment to use, and to keep
-#                                MAPGEN=PROGRAM, LIBRARY=lib_vibrochain.so: built already
+#     scripts/manual.sh          VENV=FOLDER: a virtual environment to use, and to keep; it may have the package already
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -19,17 +18,15 @@ if ! install 'mkdocs>=1.6,<2' 'mkdocs-material>=9.6,<10' 'latex2mathml>=3.77,<4'
     exit 0
 fi
 export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$PWD/target}
-if [ -z "${MAPGEN:-}" ] || [ -z "${LIBRARY:-}" ]; then
-    # With the features of the workspace's tests: it is built already.
-    cargo build --locked --quiet --workspace ${FEATURES:+--features "$FEATURES"} --lib --bin mapgen --test imports
+if [ ! -x "$VENV/bin/mapgen" ]; then
+    # From the build of the workspace's tests.
+    wheel=$(LOCAL=tests scripts/wheels.sh "$work")
+    install --no-deps "$wheel"
 fi
-ln -s "$(realpath "${MAPGEN:-$CARGO_TARGET_DIR/debug/mapgen}")" "$work/mapgen"
-cp -r crates/python/python/vibrochain "$work/vibrochain"
-cp "${LIBRARY:-$CARGO_TARGET_DIR/debug/lib_vibrochain.so}" "$work/vibrochain/_vibrochain.abi3.so"
 
 manual=$CARGO_TARGET_DIR/manual
 mkdir -p "$manual"
-PYTHONPATH=$work PYTHONDONTWRITEBYTECODE=1 "$VENV/bin/python" scripts/manual.py "$work/mapgen" "$manual/pages"
+PYTHONDONTWRITEBYTECODE=1 "$VENV/bin/python" scripts/manual.py "$VENV/bin/mapgen" "$manual/pages"
 # (With --quiet warnings are not counted.)
 MANUAL_PAGES=$manual/pages NO_MKDOCS_2_WARNING=1 "$VENV/bin/mkdocs" build --strict --site-dir "$manual/site" 2> "$work/told" || { cat "$work/told"; exit 1; }
 test "$(find "$manual/site" -name '*.html' | wc -l)" -gt 50

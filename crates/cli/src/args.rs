@@ -33,7 +33,8 @@ pub use sweep::{DrawArgs, MergeArgs, PaletteName, PictureArgs, SweepArgs};
     name = "mapgen",
     version,
     about,
-    after_help = "Everything is dimensionless: unit masses, barriers at asymmetry ± 1.\n\
+    after_help = "To begin: mapgen init plane.toml, then mapgen sweep plane.toml --out map.csv --plot map.png\n\
+                  Everything is dimensionless: unit masses, barriers at asymmetry ± 1; a structure has its own units.\n\
                   Files appear whole or not at all; `-` is standard output (words then go to standard error), pipes and \
                   devices are written to directly, links are followed.\n\
                   Exit codes: 0 done, 1 the computation could not be completed, 2 the request is wrong, 3 the point has no \
@@ -83,7 +84,7 @@ pub enum Command {
     Sweep(SweepArgs),
     /// Make one table of the chunks that `sweep --shard` has left in a folder.
     Merge(MergeArgs),
-    /// Draw a table that was written once more, without computing it.
+    /// Draw a table again, in other colours or at another size, without computing it.
     Draw(DrawArgs),
     /// All breathers of a family at one point, with their stability.
     Orbit(OrbitArgs),
@@ -103,7 +104,7 @@ pub enum Command {
     Fate(FateArgs),
     /// Draw where two modes collide over a conservative map, and print how much of the instability that explains.
     Stripes(StripesArgs),
-    /// Look at maps in a browser: a page served on this machine alone, computed as one flies over it.
+    /// Fly over a map in the browser: cells are computed as they come into sight.
     Explore(ExploreArgs),
     /// Write a scene to begin with, every key explained.
     Init(InitArgs),

@@ -286,8 +286,8 @@ fn pictures_of_every_quantity() {
         "fold",
         "grazing",
         "impulses |P|",
-        "φ / T",
-        "ψ / T",
+        "second impact φ/T",
+        "phase of the force ψ/T",
     ] {
         assert!(svg.contains(words), "{words}");
     }

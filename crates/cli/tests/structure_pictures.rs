@@ -148,7 +148,7 @@ fn maps_are_drawn_with_the_names_of_their_words_and_axes() {
         &[
             "Two masses",
             "frequency ω",
-            "contact.0.upper",
+            "upper barrier of contact 0",
             "stable 0+,0-",
             "unstable 0+,0-",
             "2 modes, 1 contact, e = 0.8",
@@ -190,7 +190,7 @@ fn fates_of_structures_are_counted_and_drawn() {
     assert!(breathers > 8.0 && compared > 0.8 * breathers && number(&answer["exponent_difference"]) < 1e-6, "{answer}");
     let text = String::from_utf8(desk.read("f.csv")).unwrap();
     assert!(text.starts_with("omega,contact.0.upper,solutions,status,number,breather,spectral_radius,"), "{text}");
-    has(&words(&desk, "f.svg"), &["stays on the orbit", "contact.0.upper"]);
+    has(&words(&desk, "f.svg"), &["stays on the orbit", "upper barrier of contact 0"]);
     // From rest, by the words that it settles on; the same for any number of threads.
     let line = "fate scene.toml --starts 2 --periods 200 --breathers rest --perturb 0.1 --plot w.svg";
     let told = desk.run(&format!("{line} --out r.csv")).with(0, &[]).out;

@@ -3,11 +3,10 @@
 // | file | holds |
 // |---|---|
 // | `params`, `model` | `Chain`, `Force`, `Model` |
-// | `orbits`, `breathers` | `Orbit`, `Impact`; `Breathers`, and how complete they are |
+// | `orbits`, `breathers` | `Orbit`, `Impact`; `Breathers`, and how complete they are; impact words |
 // | `answers` | `Admissibility`, `Condition`, `Stability` |
 // | `simulation` | event-driven runs |
 // | `structures`, `structure_maps` | orbits of any linear structure; maps of them |
-// | `words` | impact words |
 // | `sweep`, `fates` | maps: the columns of a scene's cells; what becomes of their breathers |
 // | `events`, `branches`, `curves` | what happens as parameters vary |
 // | `borders` | all borders of a scene's window |
@@ -36,7 +35,6 @@ mod simulation;
 mod structure_maps;
 mod structures;
 mod sweep;
-mod words;
 
 use pyo3::prelude::*;
 
@@ -52,7 +50,7 @@ mod _vibrochain {
     #[pymodule_export]
     use crate::branches::{PyBranch, PyDiagram, branch};
     #[pymodule_export]
-    use crate::breathers::{PyBreathers, PyCompleteness};
+    use crate::breathers::{_words, PyBreathers, PyCompleteness};
     #[pymodule_export]
     use crate::curves::{PyEventCurve, curve};
     #[pymodule_export]
@@ -80,8 +78,6 @@ mod _vibrochain {
     use crate::structures::{_structure, _structure_along, _structure_motion};
     #[pymodule_export]
     use crate::sweep::_sweep;
-    #[pymodule_export]
-    use crate::words::_words;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

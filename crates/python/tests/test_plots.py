@@ -53,7 +53,7 @@ def test_an_orbit_is_drawn_as_it_moves(orbit):
     assert "unstable, Neimark–Sacker, |μ| = 1.001629" in ax.get_title().replace("\n", " ")
     profile = named(orbit.plot("profile"))
     assert len(profile) == 2
-    first = profile["at t = 0.0000"].get_xydata()
+    first = profile["at t/T = 0.0000"].get_xydata()
     assert np.allclose(first[:, 1], orbit.displacement(0.0)[first[:, 0].astype(int)], rtol=0, atol=1e-12) and len(first) == 21
     ax = orbit.plot("multipliers")
     points = named(ax)["multipliers"].get_xydata()

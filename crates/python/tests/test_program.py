@@ -12,6 +12,7 @@ import urllib.request
 import pytest
 
 import vibrochain as vc
+from vibrochain._program import _program
 
 
 @pytest.fixture
@@ -54,8 +55,25 @@ def test_what_cannot_be_explored_is_told(mapgen, small, monkeypatch):
     with pytest.raises(FileNotFoundError):
         vc.explore("scenes/none.toml", browser=False, mapgen=mapgen)
     monkeypatch.setenv("MAPGEN", "no-such-program")
-    with pytest.raises(FileNotFoundError, match="the program no-such-program is not installed: `cargo install"):
+    with pytest.raises(FileNotFoundError, match="the program no-such-program is not installed: a wheel brings it"):
         vc.explore(small, browser=False)
+
+
+def test_the_program_of_a_wheel_needs_no_path(mapgen, tmp_path, monkeypatch):
+    """In an environment that is not activated, and before another one on the path."""
+    monkeypatch.delenv("MAPGEN", raising=False)
+    for folder in ("environment", "elsewhere"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "mapgen").symlink_to(mapgen.resolve())
+    monkeypatch.setattr("sysconfig.get_path", lambda name: str(tmp_path / "environment"))
+    for path in (str(tmp_path / "none"), str(tmp_path / "elsewhere")):
+        monkeypatch.setenv("PATH", path)
+        assert _program() == str(tmp_path / "environment" / "mapgen")
+    (tmp_path / "environment" / "mapgen").unlink()
+    assert _program() == str(tmp_path / "elsewhere" / "mapgen")
+    (tmp_path / "elsewhere" / "mapgen").unlink()
+    with pytest.raises(FileNotFoundError, match="the program mapgen is not installed"):
+        _program()
 
 
 def test_shares_make_the_table_of_an_undivided_run(small, undivided, mapgen, tmp_path):

@@ -9,12 +9,12 @@ use vibrochain_maps::structure::{Answered, StructureScene};
 
 fn how(search: StructureSearch) -> String {
     match search {
-        StructureSearch::ClosedForm => "complete: closed form".to_owned(),
+        StructureSearch::ClosedForm => "complete, by closed form".to_owned(),
         StructureSearch::HalfPeriod => {
             "not complete: instants half a period apart alone, where reversal of time has them".to_owned()
         }
         StructureSearch::Enclosures { intervals, unresolved: 0 } => {
-            format!("complete: enclosures on {intervals} intervals")
+            format!("complete, by enclosures on {intervals} intervals")
         }
         StructureSearch::Enclosures { unresolved, .. } => {
             format!("complete but for {unresolved} places where two more may have merged: next to a fold")

@@ -53,7 +53,7 @@ impl Matrix {
     const ALL: [(&'static str, Self); 3] =
         [("mass", Self::Mass), ("stiffness", Self::Stiffness), ("damping", Self::Damping)];
 
-    fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         Self::ALL.into_iter().find(|(_, matrix)| *matrix == self).map_or("", |(name, _)| name)
     }
 }

@@ -139,6 +139,12 @@ impl StructureScene {
             Setting::Static if self.is_uniform() => "static force",
             Setting::Damping if self.is_chain() => "damping",
             Setting::CouplingDamping => "damping between neighbours",
+            Setting::Lower(contact) => return format!("lower barrier of contact {contact}"),
+            Setting::Upper(contact) => return format!("upper barrier of contact {contact}"),
+            Setting::Restitution(contact) => return format!("restitution of contact {contact}"),
+            Setting::LoadOf(coordinate) => return format!("load on coordinate {coordinate}"),
+            Setting::StaticOf(coordinate) => return format!("static load on coordinate {coordinate}"),
+            Setting::Entry(matrix, row, column) => return format!("{} at ({row}, {column})", matrix.name()),
             _ => return self.symbol(setting),
         };
         format!("{meaning} {}", self.symbol(setting))

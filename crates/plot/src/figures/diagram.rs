@@ -59,8 +59,8 @@ pub fn diagram_curves(table: &Diagram<'_>, shown: &[OrbitQuantity], all: bool) -
 fn label(quantity: OrbitQuantity) -> &'static str {
     match quantity {
         OrbitQuantity::Impulse => "impulses |P|",
-        OrbitQuantity::Phi => "φ / T",
-        OrbitQuantity::Psi => "ψ / T",
+        OrbitQuantity::Phi => "second impact φ/T",
+        OrbitQuantity::Psi => "phase of the force ψ/T",
         OrbitQuantity::Margin => "smallest distance to a barrier",
         OrbitQuantity::SpectralRadius => "largest |μ|",
     }

@@ -23,7 +23,7 @@ const SAMPLES: usize = 160;
 /// [`BreatherError`] at a resonance.
 pub fn orbit_panes(orbit: &Orbit) -> Result<[Pane; 2], BreatherError> {
     let mut motion = Motion::of(orbit)?;
-    let at = |impacts: &[Impact]| format!("at t = {:.4}", impacts.first().map_or(0.0, |impact| impact.time));
+    let at = |impacts: &[Impact]| format!("at t/T = {:.4}", part(orbit, impacts));
     let profiles = profiles(orbit, &mut motion, at);
     // Between samples the tips of a trace, which are its impacts, would be cut off.
     let impacts = orbit.impacts().iter().map(|impact| (impact.time / orbit.period()).rem_euclid(1.0));
@@ -98,6 +98,11 @@ fn barriers(orbit: &Orbit) -> Vec<f64> {
     vec![a - 1.0, a + 1.0]
 }
 
+/// When impacts of one instant are, as a part of the period.
+fn part(orbit: &Orbit, impacts: &[Impact]) -> f64 {
+    impacts.first().map_or(0.0, |impact| impact.time / orbit.period())
+}
+
 /// Where and when an impact is, in parts of the period.
 #[must_use]
 pub fn impact_name(orbit: &Orbit, impact: &Impact) -> String {
@@ -111,7 +116,7 @@ pub fn impact_name(orbit: &Orbit, impact: &Impact) -> String {
 pub fn orbit_profile(orbit: &Orbit) -> Result<Pane, BreatherError> {
     let name = |impacts: &[Impact]| match impacts {
         [impact] => format!("impact on the {}", impact_name(orbit, impact)),
-        _ => format!("impacts at t/T = {:.4}", impacts.first().map_or(0.0, |impact| impact.time / orbit.period())),
+        _ => format!("impacts at t/T = {:.4}", part(orbit, impacts)),
     };
     let lines = profiles(orbit, &mut Motion::of(orbit)?, name);
     Ok(Pane { levels: barriers(orbit), ..profile_pane(along(orbit), lines) })

@@ -16,7 +16,7 @@ use crate::backend::format::PlotError;
 use crate::backend::page::Page;
 use crate::panels::curves::{Curves, Pane, Series};
 use crate::panels::pane::axes;
-use crate::text::headings::{CAPTION, EDGE, HEADING, Heading, TITLE, Title};
+use crate::text::headings::{CAPTION, EDGE, HEADING, Heading, TITLE, Title, capital};
 
 /// Air at the right of a panel, for half a tick's words, in em.
 const RIGHT: f64 = 1.5;
@@ -66,7 +66,7 @@ fn draw(picture: &Curves, page: &Page) -> Drawing {
             heading: (j == 0)
                 .then(|| picture.headings.get(i).filter(|heading| !heading.is_empty()))
                 .flatten()
-                .map(|text| Heading::new(text, all - 2.0 * EDGE * em, HEADING * em)),
+                .map(|text| Heading::new(&capital(text), all - 2.0 * EDGE * em, HEADING * em)),
             width: wide,
             low,
             shared: shared.as_ref(),

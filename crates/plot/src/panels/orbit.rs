@@ -109,7 +109,8 @@ pub fn portrait_pane(x: &str, y: &str, trace: &Trace) -> Pane {
         |name: &str, colour, stroke, mark, points| Series { name: name.to_owned(), colour, stroke, mark, points };
     let all = vec![
         series("flight", 0, Stroke::Solid(2), Mark::None, flight),
-        series("impact", 5, Stroke::Dashed(2), Mark::None, jumps),
+        // In the colour of its marks: barriers, on which it lies, are grey and dashed.
+        series("impact", 1, Stroke::Dashed(2), Mark::None, jumps),
         series("before", 1, Stroke::None, Mark::Filled(3), before),
         series("after", 1, Stroke::None, Mark::Hollow(0), after),
     ];

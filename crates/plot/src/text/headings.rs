@@ -24,7 +24,7 @@ pub(crate) struct Title {
 impl Title {
     /// In letters so many times as large as those of legends, above a picture so wide.
     pub(crate) fn new(text: &str, times: f64, wide: f64, em: f64) -> Self {
-        Self { heading: Heading::new(text, wide - 2.0 * EDGE * em, times * em), em }
+        Self { heading: Heading::new(&capital(text), wide - 2.0 * EDGE * em, times * em), em }
     }
 
     /// Where what it stands above begins.
@@ -36,6 +36,16 @@ impl Title {
 
     pub(crate) fn draw(&self, drawing: &mut Drawing) {
         self.heading.draw(drawing, [EDGE * self.em; 2], BLACK);
+    }
+}
+
+/// The text with a capital, if it begins with a word: a single letter is a number's name, "a = 0.4".
+pub(crate) fn capital(text: &str) -> String {
+    match text.as_bytes() {
+        [first @ b'a'..=b'z', b'a'..=b'z' | b'-', ..] => {
+            format!("{}{}", char::from(first.to_ascii_uppercase()), &text[1..])
+        }
+        _ => text.to_owned(),
     }
 }
 
@@ -82,6 +92,12 @@ impl Heading {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_heading_begins_with_a_capital_unless_it_is_a_number() {
+        let told = ["branches of breathers", "a = 0.4, e = 0.9", "γ₁ = 0.2", "0+ of a beam", "", "é"].map(capital);
+        assert_eq!(told, ["Branches of breathers", "a = 0.4, e = 0.9", "γ₁ = 0.2", "0+ of a beam", "", "é"]);
+    }
 
     #[test]
     fn a_heading_loses_no_word_and_no_line_is_too_wide() {

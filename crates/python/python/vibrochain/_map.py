@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from . import _vibrochain
 from ._errors import RequestError
-from ._pictures import BESIDE, STYLE, axes_for, class_colour, colour, needed, scaled, titled
+from ._pictures import BESIDE, STYLE, axes_for, class_colour, colour, drawing, needed, scaled, titled
 
 if TYPE_CHECKING:
     import pandas
@@ -346,6 +346,7 @@ class Map(_Table):
         Returns
         -------
         xarray.Dataset
+            What stands at an axis is its ``long_name``, which xarray's pictures show.
 
         Raises
         ------
@@ -357,15 +358,23 @@ class Map(_Table):
         >>> import vibrochain as vc
         >>> scene = vc.read_scene("scenes/conservative-n20.toml")
         >>> scene["sweep"]["x"]["points"], scene["sweep"]["y"]["points"] = 4, 3
-        >>> dict(vc.sweep(scene).to_xarray().sizes)  # doctest: +XARRAY
-        {'gamma2': 3, 'omega': 4}
+        >>> data = vc.sweep(scene).to_xarray()  # doctest: +XARRAY
+        >>> dict(data.sizes), data["omega"].attrs["long_name"]  # doctest: +XARRAY
+        ({'gamma2': 3, 'omega': 4}, 'frequency ω')
         """
         library = needed("xarray", "Map.to_xarray")
-        data = {name: (self.dims, self[name]) for name in (*self._words, *self._numbers)}
+        def named(name: str) -> dict[str, str]:
+            # What xarray writes at axes.
+            label = self._labels.get(name) or _LABELS.get(name)
+            return {"long_name": label} if label else {}
+
+        data = {name: (self.dims, self[name], named(name)) for name in (*self._words, *self._numbers)}
+        axes = {name: (name, values, named(name)) for name, values in self.coords.items()}
         fixed = {name: value for name, value in self._places.items() if name not in self.coords}
-        dataset: xarray.Dataset = library.Dataset(data, coords={**self.coords, **fixed})
+        dataset: xarray.Dataset = library.Dataset(data, coords={**axes, **fixed})
         return dataset
 
+    @drawing
     def plot(self, color: str = "class", ax: Axes | None = None, *, slice: Mapping[str, float] | None = None) -> Axes:
         """Draws the map: coloured by class, or by a column of numbers. A sweep over one parameter is curves.
 
@@ -381,19 +390,9 @@ class Map(_Table):
         color : str
             "class", or a column of numbers such as "spectral_radius", "margin" or "solutions". By its class a map over one parameter
             has no height: the curve is then that of the first column of numbers that has values.
-        ax : matplotlib.axes.Axes, optional
-            Where to draw; a new figure if not given.
         slice : mapping of str to float, optional
             A value for each axis that is not drawn: ``slice={"asymmetry": 0.4}``. One or two axes must be left.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
-        Raises
-        ------
-        ImportError
-            Without matplotlib.
+        {drawn}
         RequestError
             For a map over more than two parameters without `slice`, a value that is none of its axis, or a column that cannot be drawn.
 
@@ -410,7 +409,6 @@ class Map(_Table):
         >>> ax.get_xlabel(), ax.get_ylabel()  # doctest: +MATPLOTLIB
         ('frequency ω', 'margin, the smallest distance to a barrier')
         """
-        needed("matplotlib", "Map.plot")
         where = self._where(slice or {})
         dims = tuple(name for name, at in zip(self.dims, where) if isinstance(at, builtins.slice))
         if len(dims) not in (1, 2):
@@ -423,7 +421,8 @@ class Map(_Table):
         ax = axes_for(ax)
         ax.set_xlabel(self._labels[dims[-1]])
         heading, fixed, criterion = self._caption
-        symbols = {name: label.split()[-1] for name, label in self._labels.items()}
+        # Numbers of a structure have no symbols.
+        symbols = {**self._labels, **STYLE["symbols"]}
         at = [f"{symbols[name]} = {self.coords[name][at]:g}" for name, at in zip(self.dims, where) if name not in dims]
         titled(ax, heading, ", ".join(part for part in (fixed, *at, criterion) if part))
         if len(dims) == 1:

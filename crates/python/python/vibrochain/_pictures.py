@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 import importlib
+import inspect
 import textwrap
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +49,35 @@ def needed(package: str, method: str) -> Any:
         raise ImportError(message, name=package) from error
 
 
+# What the docstrings of all methods `plot` have in common, behind their own arguments and before their own errors.
+_DRAWN = """\
+ax : matplotlib.axes.Axes, optional
+    Where to draw; a new figure if not given.
+
+Returns
+-------
+matplotlib.axes.Axes
+
+Raises
+------
+ImportError
+    Without matplotlib."""
+
+_Plot = TypeVar("_Plot", bound=Callable[..., Any])
+
+
+def drawing(method: _Plot) -> _Plot:
+    """A method that draws: it needs matplotlib, and where its docstring has ``{drawn}`` it says what all of them say."""
+
+    @functools.wraps(method)
+    def plot(self: Any, *arguments: Any, **named: Any) -> Any:
+        needed("matplotlib", f"{type(self).__name__}.plot")
+        return method(self, *arguments, **named)
+
+    plot.__doc__ = inspect.cleandoc(method.__doc__ or "").replace("{drawn}", _DRAWN)
+    return cast(_Plot, plot)
+
+
 def colour(rgb: Iterable[int]) -> str:
     """A colour as matplotlib and HTML write it."""
     return "#" + bytes(rgb).hex()
@@ -54,6 +85,9 @@ def colour(rgb: Iterable[int]) -> str:
 
 def titled(ax: Axes, heading: str, caption: str = "") -> None:
     """A heading, and what is fixed, in lines that fit."""
+    # A single letter is a number's name.
+    if heading[1:2].islower() and heading[:1].isascii():
+        heading = heading[:1].upper() + heading[1:]
     ax.set_title("\n".join(_filled(part, _CAPTION) for part in (heading, caption) if part), fontsize="medium")
 
 
@@ -103,7 +137,9 @@ def draw(pane: _Pane, ax: Axes | None, heading: str) -> Axes:
     if is_round:
         ax.set_aspect("equal", adjustable="datalim")
     if ax.get_legend_handles_labels()[1]:
-        ax.legend(**BESIDE)
+        # Dots of many points are too small to show their colour in a legend.
+        dots = any(mark == "dot" for _, _, _, mark, _, _ in pane.series())
+        ax.legend(**BESIDE, markerscale=6 if dots else 1)
     return ax
 
 
@@ -206,6 +242,7 @@ class _Plots:
     """Methods of classes that are written in Rust, by the names of these."""
 
     class Orbit:
+        @drawing
         def plot(self: Any, what: str = "motion", ax: Axes | None = None) -> Axes:
             """Draws the orbit, as ``mapgen orbit --plot`` does.
 
@@ -214,17 +251,7 @@ class _Plots:
             what : {"motion", "profile", "portrait", "multipliers"}
                 What is hit over a period, between its barriers; all masses at the impacts; the phase portrait of the first mass that
                 hits, impacts as jumps; the Floquet multipliers.
-            ax : matplotlib.axes.Axes, optional
-                Where to draw; a new figure if not given.
-
-            Returns
-            -------
-            matplotlib.axes.Axes
-
-            Raises
-            ------
-            ImportError
-                Without matplotlib.
+            {drawn}
             RequestError
                 For another word.
 
@@ -236,66 +263,22 @@ class _Plots:
             >>> ax.get_xlabel(), ax.get_ylabel()  # doctest: +MATPLOTLIB
             ('displacement u₀', 'velocity of the impacting mass')
             """
-            needed("matplotlib", "Orbit.plot")
             return draw(*_with(_vibrochain._orbit_pane(self, what), ax))
 
     class Branch:
+        @drawing
         def plot(self: Any, show: str = "impulse", ax: Axes | None = None, *, all: bool = False) -> Axes:
-            """Draws the branch over what varies, as ``mapgen branch --plot`` does: stable orbits solid, unstable dashed, events marked.
+            """Draws the branch, or all branches of the diagram, over what varies, as ``mapgen branch --plot`` does.
+
+            Stable orbits are solid lines, unstable ones dashed; events are marked. Of a diagram there is a colour for each family.
 
             Parameters
             ----------
             show : {"impulse", "phi", "psi", "margin", "spectral_radius"}
                 What stands along the vertical axis; impulses have a line each.
-            ax : matplotlib.axes.Axes, optional
-                Where to draw; a new figure if not given.
             all : bool
                 Whether orbits that are not physical are drawn, too.
-
-            Returns
-            -------
-            matplotlib.axes.Axes
-
-            Raises
-            ------
-            ImportError
-                Without matplotlib.
-            RequestError
-                For another word.
-
-            Examples
-            --------
-            >>> import vibrochain as vc
-            >>> model = vc.Model(vc.Chain(21, 0.2, 0.1), omega=1.07, asymmetry=0.8, amplitude=0.165, restitution=0.25)
-            >>> diagram = vc.branch(model.breathers("single-sided").physical(), "amplitude", from_=0.15, to=0.17)
-            >>> ax = diagram.branches[0].plot("spectral_radius")  # doctest: +MATPLOTLIB
-            >>> ax.get_xlabel(), ax.get_ylabel()  # doctest: +MATPLOTLIB
-            ('force amplitude A', 'largest |μ|')
-            """
-            needed("matplotlib", "Branch.plot")
-            return draw(*_with(branch_pane([self], show, all), ax))
-
-    class Diagram:
-        def plot(self: Any, show: str = "impulse", ax: Axes | None = None, *, all: bool = False) -> Axes:
-            """Draws all branches over what varies, as ``mapgen branch --plot`` does: a colour a family, events marked.
-
-            Parameters
-            ----------
-            show : {"impulse", "phi", "psi", "margin", "spectral_radius"}
-                What stands along the vertical axis; impulses have a line each.
-            ax : matplotlib.axes.Axes, optional
-                Where to draw; a new figure if not given.
-            all : bool
-                Whether orbits that are not physical are drawn, too.
-
-            Returns
-            -------
-            matplotlib.axes.Axes
-
-            Raises
-            ------
-            ImportError
-                Without matplotlib.
+            {drawn}
             RequestError
                 For another word.
 
@@ -307,11 +290,15 @@ class _Plots:
             >>> ax = diagram.plot()  # doctest: +MATPLOTLIB
             >>> ax.get_xlabel(), ax.get_ylabel()  # doctest: +MATPLOTLIB
             ('force amplitude A', 'impulses |P|')
+            >>> diagram.branches[0].plot("spectral_radius").get_ylabel()  # doctest: +MATPLOTLIB
+            'largest |μ|'
             """
-            needed("matplotlib", "Diagram.plot")
-            return draw(*_with(branch_pane(self.branches, show, all), ax))
+            return draw(*_with(branch_pane(self.branches if isinstance(self, Diagram) else [self], show, all), ax))
+
+    Diagram = Branch
 
     class EventCurve:
+        @drawing
         def plot(self: Any, ax: Axes | None = None) -> Axes:
             """Draws the curve in the plane of its two parameters, as ``mapgen curve --plot`` does.
 
@@ -320,17 +307,7 @@ class _Plots:
 
             Parameters
             ----------
-            ax : matplotlib.axes.Axes, optional
-                Where to draw; a new figure if not given.
-
-            Returns
-            -------
-            matplotlib.axes.Axes
-
-            Raises
-            ------
-            ImportError
-                Without matplotlib.
+            {drawn}
 
             Examples
             --------
@@ -341,28 +318,18 @@ class _Plots:
             >>> curve.plot().get_ylabel()  # doctest: +MATPLOTLIB
             'restitution e'
             """
-            needed("matplotlib", "EventCurve.plot")
             return draw(*_with(event_pane(self, curves_there(ax)), ax))
 
     class Borders:
+        @drawing
         def plot(self: Any, ax: Axes | None = None, *, lines: bool = False) -> Axes:
             """Draws the regions of the window, each in the colour of what lives there, as ``mapgen curves --plot`` does.
 
             Parameters
             ----------
-            ax : matplotlib.axes.Axes, optional
-                Where to draw; a new figure if not given.
             lines : bool
                 Whether to draw the borders over them, in a colour for each event.
-
-            Returns
-            -------
-            matplotlib.axes.Axes
-
-            Raises
-            ------
-            ImportError
-                Without matplotlib.
+            {drawn}
 
             Examples
             --------
@@ -372,7 +339,6 @@ class _Plots:
             >>> ax.get_legend().get_texts()[0].get_text()  # doctest: +MATPLOTLIB
             'no physical breather'
             """
-            needed("matplotlib", "Borders.plot")
             from matplotlib.patches import Patch, PathPatch
             from matplotlib.path import Path
 

@@ -7,6 +7,7 @@ import json
 import os
 import shutil
 import subprocess
+import sysconfig
 import tempfile
 import webbrowser
 from typing import Any, SupportsIndex
@@ -16,15 +17,15 @@ from ._map import _as_text
 
 
 def _program(given: str | os.PathLike[str] | None = None) -> str:
-    """Where the program is: as given, as the variable MAPGEN says, or on the path."""
-    name = os.fspath(given) if given is not None else os.environ.get("MAPGEN", "mapgen")
-    found = shutil.which(name)
+    """Where the program is: as given, as the variable MAPGEN says, where a wheel has put it, whose path need not be searched, or on the path."""
+    name = os.fspath(given) if given is not None else os.environ.get("MAPGEN")
+    found = shutil.which(name) if name else shutil.which("mapgen", path=sysconfig.get_path("scripts")) or shutil.which("mapgen")
     if found is None:
         message = (
-            f"the program {name} is not installed: `cargo install --locked --path crates/cli` makes mapgen, "
+            f"the program {name or 'mapgen'} is not installed: a wheel brings it, `cargo install --locked --path crates/cli` makes it, "
             "or name it in the variable MAPGEN"
         )
-        raise FileNotFoundError(2, message, name)
+        raise FileNotFoundError(2, message, name or "mapgen")
     return found
 
 
@@ -119,7 +120,7 @@ def explore(
     browser : bool
         Whether to open a window; else `Explorer.address` says where to look.
     mapgen : str or os.PathLike, optional
-        The program, if it is neither on the path nor named by the variable MAPGEN.
+        The program; else the one that the variable MAPGEN names, that the wheel has brought, or that is on the path.
 
     Returns
     -------
@@ -206,7 +207,7 @@ def sweep_shares(
     threads : int, optional
         Threads of each share; one a core if not given. Give 1 where workers share a machine.
     mapgen : str or os.PathLike, optional
-        The program on every worker; else the one on its path, or in its variable MAPGEN.
+        The program on every worker; else as for `explore`.
 
     Returns
     -------

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _vibrochain
 from ._errors import RequestError
-from ._pictures import STYLE, axes_for, colour, draw, needed, titled
+from ._pictures import STYLE, axes_for, colour, draw, drawing, titled
 from ._vibrochain import Model, Orbit, _Pane
 
 if TYPE_CHECKING:
@@ -87,6 +87,7 @@ class Run:
         self.complete: bool = parts["complete"]
         self.impacts: int = parts["impacts"]
 
+    @drawing
     def plot(self, what: str | None = None, ax: Axes | None = None, *, mass: SupportsIndex | None = None) -> Axes:
         """Draws the run, as ``mapgen simulate --plot`` does: one mass at its end, all masses, or all impacts.
 
@@ -96,19 +97,9 @@ class Run:
             A mass over the last eight periods of the force, over the orbit that the run began on, if it did; the displacements of all
             masses in space and time; how fast masses are before their impacts. Without it "motion", or of a run without samples
             "impacts".
-        ax : matplotlib.axes.Axes, optional
-            Where to draw; a new figure if not given.
         mass : int, optional
             Which one, counted through all layers; the first that hits if not given.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
-        Raises
-        ------
-        ImportError
-            Without matplotlib.
+        {drawn}
         RequestError
             For another word, a mass that there is not, or a run that was not looked at (``samples=50`` in `simulate`).
 
@@ -120,7 +111,6 @@ class Run:
         >>> run.plot().get_xlabel()  # doctest: +MATPLOTLIB
         'time in periods (end of the run)'
         """
-        needed("matplotlib", "Run.plot")
         heading = f"{self._whose()}: {_vibrochain._caption([self._model()])}"
         if what == "field":
             return self._field(ax, heading)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _vibrochain
 from ._errors import RequestError
 from ._map import Map, sweep
-from ._pictures import curve_pane, curves_there, draw, needed
+from ._pictures import curve_pane, curves_there, draw, drawing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -175,6 +175,7 @@ class StructureOrbit:
         near, psi, periods = self._start(self._omega)
         return _vibrochain._structure_pane(self._scene, near, psi, periods, what)
 
+    @drawing
     def plot(self, what: str = "motion", ax: Axes | None = None) -> Axes:
         """Draws the orbit, as ``mapgen orbit --plot`` does.
 
@@ -183,17 +184,7 @@ class StructureOrbit:
         what : {"motion", "portrait", "multipliers"}
             The contacts that are hit over a period, between their barriers; the phase portrait of the first, impacts as jumps; the
             Floquet multipliers. Of contacts between different barriers the first are drawn.
-        ax : matplotlib.axes.Axes, optional
-            Where to draw; a new figure if not given.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
-        Raises
-        ------
-        ImportError
-            Without matplotlib.
+        {drawn}
         RequestError
             For another word.
 
@@ -205,7 +196,6 @@ class StructureOrbit:
         >>> orbit.plot().get_ylabel()  # doctest: +MATPLOTLIB
         'g of contact 0'
         """
-        needed("matplotlib", "StructureOrbit.plot")
         pane, heading = self._pane(what)
         return draw(pane, ax, heading)
 
@@ -335,6 +325,7 @@ class StructureBranch:
             rows.insert(place + shift, (*row, event["physical"], None, None))
         return _vibrochain._branch_pane(label, [(word, 0, 1, rows)], show, all), heading
 
+    @drawing
     def plot(self, show: str = "impulse", ax: Axes | None = None, *, all: bool = False) -> Axes:
         """Draws the branch over what varies, as ``mapgen branch --plot`` does: stable orbits solid, unstable dashed, events marked.
 
@@ -342,19 +333,9 @@ class StructureBranch:
         ----------
         show : {"impulse", "margin", "spectral_radius"}
             What stands along the vertical axis; impulses have a line each.
-        ax : matplotlib.axes.Axes, optional
-            Where to draw; a new figure if not given.
         all : bool
             Whether orbits that are not physical are drawn, too.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
-        Raises
-        ------
-        ImportError
-            Without matplotlib.
+        {drawn}
         RequestError
             For another word.
 
@@ -367,7 +348,6 @@ class StructureBranch:
         >>> branch.plot("spectral_radius").get_xlabel()  # doctest: +MATPLOTLIB
         'frequency ω'
         """
-        needed("matplotlib", "StructureBranch.plot")
         pane, heading = self._pane(show, all)
         return draw(pane, ax, heading)
 
@@ -431,6 +411,7 @@ class StructureCurve:
     def __repr__(self) -> str:
         return f"<StructureCurve of {self.event} in {' and '.join(self.free)}: {len(self.values)} points>"
 
+    @drawing
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draws the curve in the plane of its two numbers, as ``mapgen curve --plot`` does.
 
@@ -439,17 +420,7 @@ class StructureCurve:
 
         Parameters
         ----------
-        ax : matplotlib.axes.Axes, optional
-            Where to draw; a new figure if not given.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
-        Raises
-        ------
-        ImportError
-            Without matplotlib.
+        {drawn}
 
         Examples
         --------
@@ -461,7 +432,6 @@ class StructureCurve:
         >>> for curve in found:
         ...     ax = curve.plot(ax)  # doctest: +MATPLOTLIB
         """
-        needed("matplotlib", "StructureCurve.plot")
         labels, heading = self._told
         special = [(one["special"], one["point"]) for one in self.special]
         return draw(curve_pane(self.values, self.physical, special, labels, curves_there(ax)), ax, heading)
