@@ -201,6 +201,9 @@ pub(crate) fn ending(free: &str, value: f64, end: &End) -> String {
         End::ImpulsesVanish => {
             format!("the impulses vanish at {here}: the breather ends on the motion that the force drives alone")
         }
+        End::Grazing => {
+            format!("two impacts vanish together at {here}: the branch ends at a grazing of the orbits without them")
+        }
         End::Lost(error) => format!("the branch was lost at {here}: {error}"),
         End::Unwatched(error) => format!("stopped at {here}: {error}"),
     }

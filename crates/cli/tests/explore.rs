@@ -902,3 +902,75 @@ fn it_ends_well_by_ctrl_c_and_says_why_it_cannot_begin() {
     vibrochain_testkit::signal(child, "INT").with(0, &["open this address in a browser"]);
     assert_eq!(entries(&desk.path("tmp")).len(), 0);
 }
+
+/// The map of a structure: a tile has the classes that a sweep of its cells' values writes, and a point the orbits that `orbit` prints.
+#[test]
+fn a_structure_is_flown_over_as_it_is_swept() {
+    let desk = Desk::new();
+    let scene = |limits: [[f64; 2]; 2], points: usize| {
+        let axis = |name: &str, [from, to]: [f64; 2]| {
+            format!("{{ parameter = \"{name}\", from = {from:?}, to = {to:?}, points = {points} }}")
+        };
+        format!(
+            "title = \"oscillator\"\nomega = 2\n[structure]\nmasses = [1]\nstiffness = [[1]]\ndamping = [[0.1]]\n[[contact]]\nat = 0\n\
+             upper = 0.1\nrestitution = 0.8\n[force]\nload = [1]\n[sweep]\nx = {}\ny = {}\n[compute]\nfamilies = [\"0+\", \"0+,0+/2\"]\n",
+            axis("omega", limits[0]),
+            axis("contact.0.upper", limits[1])
+        )
+    };
+    fs::write(desk.path("map.toml"), scene([[0.5, 4.5], [0.05, 0.45]], 9)).unwrap();
+    fs::create_dir(desk.path("tmp")).unwrap();
+    let served = Served::on(desk, " map.toml");
+    let page = served.get("");
+    assert!(page.code == 200 && String::from_utf8(page.body).unwrap().contains("structure.js"));
+    for file in ["structure.js", "ask.js", "dom.js", "plane.js", "style.css"] {
+        assert_eq!(served.get(file).code, 200, "{file}");
+    }
+    let start = served.get("start").json();
+    assert_eq!(start["words"], json!(["0+", "0+,0+/2"]));
+    assert_eq!(start["axes"][1], json!({ "name": "contact.0.upper", "from": 0.05, "to": 0.45 }));
+    let side = usize::try_from(start["side"].as_u64().unwrap()).unwrap();
+    let tile = served.post("cells", &json!({ "z": 2, "x": 1, "y": 2 })).json();
+    let step = [4.0 / (4.0 * side as f64), 0.4 / (4.0 * side as f64)];
+    let first = [1.5 + 0.5 * step[0], 0.25 + 0.5 * step[1]];
+    let last = [0, 1].map(|i| first[i] + (side - 1) as f64 * step[i]);
+    fs::write(served.desk.path("tile.toml"), scene([[first[0], last[0]], [first[1], last[1]]], side)).unwrap();
+    served.desk.run("sweep tile.toml --out tile.csv").with(0, &[]);
+    let table = fs::read_to_string(served.desk.path("tile.csv")).unwrap();
+    let mut lines = table.lines();
+    assert!(lines.next().unwrap().starts_with("omega,contact.0.upper,class,word,"));
+    let cells = tile["cells"].as_array().unwrap();
+    let (mut count, mut seen) = (0, std::collections::BTreeSet::new());
+    for (line, cell) in lines.zip(cells) {
+        let class = tile["classes"][usize::try_from(cell.as_u64().unwrap()).unwrap()].as_str().unwrap();
+        let (how, word) = class.split_once(' ').unwrap_or((class, ""));
+        let word = if word.contains(',') { format!("\"{word}\"") } else { word.to_owned() };
+        assert!(line.contains(&format!(",{how},{word},")), "{line} {class}");
+        seen.insert(class.to_owned());
+        count += 1;
+    }
+    assert!(count == side * side && cells.len() == count && seen.len() > 2, "{count} {seen:?}");
+    let told = served.post("orbits", &json!({ "at": [2.325, 0.1] })).json();
+    assert_eq!(told.as_array().unwrap().len(), 2);
+    let own = written(
+        &served
+            .desk
+            .run("orbit --scene map.toml --word 0+ --set omega=2.325 --set contact.0.upper=0.1 --json")
+            .with(0, &[])
+            .out,
+    );
+    assert_eq!(told[0]["answer"]["solutions"], own["solutions"]);
+    assert!(told[0]["files"]["orbit.svg"].as_str().unwrap().contains("<svg"));
+    for (question, asked) in [
+        ("cells", json!({ "z": 41, "x": 0, "y": 0 })),
+        ("cells", json!({ "z": 1, "x": 4, "y": 0 })),
+        ("orbits", json!({ "at": [1] })),
+    ] {
+        assert_eq!(served.post(question, &asked).code, 400, "{question} {asked}");
+    }
+    served.post("tile", &json!({ "scene": {}, "z": 0, "x": 0, "y": 0 })).refused(400);
+    // What cannot be flown over.
+    let desk = Desk::new();
+    fs::write(desk.path("line.toml"), scene([[0.5, 4.5], [0.05, 0.45]], 9).replace("\ny = ", "\n# y = ")).unwrap();
+    desk.run("explore line.toml").with(2, &["two axes"]);
+}

@@ -261,7 +261,7 @@ fn entries_and_ends_are_those_of_the_scene_that_says_so() {
         "words --sites 3 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --ends fixed-free --sites-used 1 --reach 0",
     );
     assert!(
-        ran.code == Some(2) && ran.err.contains("orbit, branch, locate, curve, simulate, fate and sweep"),
+        ran.code == Some(2) && ran.err.contains("orbit, branch, locate, curve, simulate, fate, sweep and explore"),
         "{}",
         ran.err
     );
@@ -271,10 +271,10 @@ fn entries_and_ends_are_those_of_the_scene_that_says_so() {
 #[test]
 fn commands_of_chains_say_who_answers() {
     let desk = Desk::with_scene(&format!("{TWO}{SWEEP}"));
-    for line in ["explore scene.toml", "curves scene.toml --out c.csv", "stripes scene.toml --out s.csv"] {
+    for line in ["curves scene.toml --out c.csv", "stripes scene.toml --out s.csv"] {
         let ran = desk.run(line);
         assert!(
-            ran.code == Some(2) && ran.err.contains("orbit, branch, locate, curve, simulate, fate and sweep"),
+            ran.code == Some(2) && ran.err.contains("orbit, branch, locate, curve, simulate, fate, sweep and explore"),
             "{line}: {}",
             ran.err
         );

@@ -7,6 +7,11 @@ use crate::refusal::Refusal;
 
 /// Answers about points and windows, computed by whoever serves the page.
 pub trait Answers: Send + Sync {
+    /// The file that the page is.
+    fn page(&self) -> &'static str {
+        ""
+    }
+
     /// What the page begins with: `scene`, as [`View::value`](crate::View::value) has it, and whatever else it shows.
     fn start(&self) -> Value;
 

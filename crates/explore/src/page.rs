@@ -43,4 +43,6 @@ files! {
     "run.js" SCRIPT "run.js",
     "overlays.js" SCRIPT "overlays.js",
     "take.js" SCRIPT "take.js",
+    "structure.html" HTML "structure.html",
+    "structure.js" SCRIPT "structure.js",
 }

@@ -148,6 +148,7 @@ impl Desk {
                     Ok((JSON, value.to_string().into()))
                 }
                 name => {
+                    let name = if name.is_empty() { self.answers.page() } else { name };
                     file(name).map(|file| (file.kind, Bytes::from_static(file.text.as_bytes()))).ok_or_else(unknown)
                 }
             };

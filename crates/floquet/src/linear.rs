@@ -97,6 +97,17 @@ pub(crate) fn determinant(matrix: &mut [C], size: usize) -> C {
     eliminate(matrix, size, Pivots::Partial).map_or(C::default(), |factors| factors.determinant(matrix, size))
 }
 
+/// By how much errors of the entries move a determinant that is next to 0; the matrix is used up.
+pub(crate) fn moved_by(matrix: &mut [C], errors: &[f64], size: usize) -> f64 {
+    let Some(order) = eliminate(matrix, size, Pivots::Full) else { return f64::INFINITY };
+    let pivots: f64 = (0..size - 1).map(|i| matrix[i * (size + 1)].norm()).product();
+    let [x, y] = Factors::null_vectors(matrix, size);
+    let entries = x.iter().zip(&order.rows).flat_map(|(x, row)| {
+        y.iter().zip(&order.columns).map(move |(y, column)| x.norm() * y.norm() * errors[row * size + column])
+    });
+    pivots * entries.sum::<f64>()
+}
+
 /// As [`determinant`], with Σ|B⁻¹_ji||B_ij|, by which relative errors of the entries are multiplied. `sizes` is scratch space.
 pub(crate) fn determinant_and_condition(matrix: &mut [C], sizes: &mut Vec<f64>, size: usize) -> (C, f64) {
     sizes.clear();
@@ -133,6 +144,17 @@ mod tests {
         assert!((found - expected).norm() < 1e-15);
         let by_hand = 2.0 * ((entries[0] * entries[3]).norm() + (entries[1] * entries[2]).norm()) / expected.norm();
         assert!((condition - by_hand).abs() < 1e-14, "{condition} {by_hand}");
+    }
+
+    /// diag(1, 2, 0) has the one cofactor 2; of a rotated one the entries' errors reach it through both rotations.
+    #[test]
+    fn a_singular_determinant_moves_by_its_cofactors() {
+        let real = |x: f64| C::new(x, 0.0);
+        let mut diagonal: Vec<C> = [1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0].map(real).to_vec();
+        assert!((moved_by(&mut diagonal, &[1e-3; 9], 3) - 2e-3).abs() < 1e-18);
+        // (1, 2; 2, 4): cofactors 4, −2, −2, 1.
+        let mut whole: Vec<C> = [1.0, 2.0, 2.0, 4.0].map(real).to_vec();
+        assert!((moved_by(&mut whole, &[1.0, 10.0, 100.0, 1000.0], 2) - (4.0 + 20.0 + 200.0 + 1000.0)).abs() < 1e-10);
     }
 
     /// A product of a tall and a wide matrix has one null vector on either side.

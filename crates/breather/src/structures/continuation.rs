@@ -20,6 +20,9 @@ const FAINT: f64 = 0.1;
 /// Times and impulses that agree to this part are images of each other.
 const IMAGE: f64 = 1e-8;
 
+/// How far a number is moved, relative, to see whether it brings losses.
+const MOVED: f64 = 1e-3;
+
 /// Models by the values of the numbers that are free; what is wrong with values that have none.
 pub type StructureFamily = Arc<dyn Fn(&[f64]) -> Result<StructureModel, String> + Send + Sync>;
 
@@ -83,6 +86,9 @@ impl StructureContinuation {
         own.extend(std::iter::repeat_n(reach, felt.len()));
         let size = own.len();
         own.extend(units.iter().map(|unit| unit.abs().max(f64::MIN_POSITIVE)));
+        if !equations.forced && (0..values.len()).any(|k| loses_energy(&family, values, k)) {
+            return Err(StructureOrbitError::LossWithoutLoad.into());
+        }
         let mut origin: Vector = orbit.impacts().iter().map(|impact| impact.impulse).collect();
         origin.extend(orbit.impacts().iter().skip(1).map(|impact| impact.time));
         origin.extend(orbit.psi());
@@ -224,8 +230,9 @@ impl StructureOrbit {
         dot(&self.unevenness(), &other.unevenness()) < 0.0
     }
 
-    /// Impulses and flights half the impacts later, less those now; none of an odd number of impacts.
-    fn unevenness(&self) -> Vec<f64> {
+    /// Impulses and flights half the impacts later, less those now, as parts of the strongest and of the period: 0 of an orbit that repeats or
+    /// mirrors itself. None of an odd number of impacts.
+    pub fn unevenness(&self) -> Vec<f64> {
         let (impacts, half) = (self.impacts(), self.impacts().len() / 2);
         if impacts.len() % 2 == 1 {
             return Vec::new();
@@ -236,6 +243,15 @@ impl StructureOrbit {
         let impulses = (0..half).map(|i| (impacts[i + half].impulse.abs() - impacts[i].impulse.abs()) / strongest);
         impulses.chain((0..half).map(|i| flight(i + half) - flight(i))).collect()
     }
+}
+
+/// Whether one of the numbers brings losses where it moves.
+fn loses_energy(family: &StructureFamily, values: &[f64], which: usize) -> bool {
+    [1.0, -1.0].into_iter().any(|sign| {
+        let mut moved = values.to_vec();
+        moved[which] += sign * MOVED * values[which].abs().max(1.0);
+        family(&moved).is_ok_and(|model| !model.structure().is_lossless())
+    })
 }
 
 /// Whether half a period later an orbit does the same at the other barriers; or, where time may run backwards, the same.

@@ -17,6 +17,9 @@ use crate::word::MAX_IMPACTS;
 /// method loses where symmetry breaks. Where they are regular, as where the energy of a conservative orbit is extreme, it is of order 1.
 const SINGULAR: f64 = 1e-2;
 
+/// Terms that are no larger than this, of a row of length 1, are rounding.
+const NOTHING: f64 = 1e-9;
+
 /// An impact this slow, against velocities and accelerations over ω, is lost together with another one that is.
 const STILL: f64 = 1e-6;
 
@@ -61,7 +64,9 @@ impl StructureBranch {
 fn is_null_vector(matrix: &Matrix, vector: &[f64]) -> bool {
     (0..matrix.size()).all(|i| {
         let terms = || matrix.row(i).iter().zip(vector).map(|(entry, x)| entry * x);
-        terms().sum::<f64>().abs() <= SINGULAR * terms().map(f64::abs).sum::<f64>()
+        // Symmetry leaves rows whose terms are rounding themselves.
+        let length = matrix.row(i).iter().map(|entry| entry * entry).sum::<f64>().sqrt();
+        terms().sum::<f64>().abs() <= SINGULAR * terms().map(f64::abs).sum::<f64>() + NOTHING * length
     })
 }
 
@@ -91,14 +96,67 @@ impl StructureOrbit {
         Self::assembled(self.model(), 2 * self.force_periods(), self.psi().unwrap_or(0.0), strikes)
     }
 
+    /// The orbit next to this one that repeats itself after half the period or, mirrored, at the other barriers, in its own period: of neighbouring
+    /// impacts the means. `None` where the impacts of its second half are neither.
+    ///
+    /// # Errors
+    /// [`StructureOrbitError`].
+    pub fn evened(&self) -> Option<Result<Self, StructureOrbitError>> {
+        let (impacts, half) = (self.impacts(), self.impacts().len() / 2);
+        let (one, other) = impacts.split_at(half);
+        let pairs = || one.iter().zip(other);
+        if half == 0 || other.len() != half || pairs().any(|(a, b)| a.contact != b.contact) {
+            return None;
+        }
+        let again = pairs().all(|(a, b)| a.barrier == b.barrier);
+        let mirrored = pairs().all(|(a, b)| a.barrier != b.barrier);
+        let repeats = again && self.force_periods().is_multiple_of(2);
+        if !(repeats || mirrored) {
+            return None;
+        }
+        let lapse = 0.5 * self.period();
+        let shift = other[0].time;
+        let mean = |(a, b): (&StructureImpact, &StructureImpact)| {
+            let impulse = 0.5 * (a.impulse.abs() + b.impulse.abs()) * a.impulse.signum();
+            let time = 0.5 * (a.time + b.time - shift);
+            Strike { contact: a.contact, barrier: a.barrier, time, impulse }
+        };
+        let mut strikes: Vec<Strike> = pairs().map(mean).collect();
+        if mirrored {
+            let image = |(a, b): (&Strike, &StructureImpact)| Strike {
+                barrier: b.barrier,
+                time: a.time + lapse,
+                impulse: -a.impulse,
+                ..*a
+            };
+            let images: Vec<Strike> = strikes.iter().zip(other).map(image).collect();
+            strikes.extend(images);
+        }
+        let psi = self.psi().unwrap_or(0.0) + 0.5 * (shift - lapse);
+        let periods = if repeats { self.force_periods() / 2 } else { self.force_periods() };
+        Some(Self::assembled(self.model(), periods, psi, strikes))
+    }
+
+    /// The same motion without one of its impacts, whatever impulse that has.
+    ///
+    /// # Errors
+    /// [`BranchError`]: it has no other impact.
+    pub fn without_impact(&self, lost: usize) -> Result<Self, BranchError> {
+        self.reassembled(|i| i == lost, &[])
+    }
+
     /// The same motion as an orbit of another word: without an impact that has no impulse left, with others that have none yet.
     fn exchanged(&self, lost: Option<usize>, touching: &[Strike]) -> Result<Self, BranchError> {
-        let period = self.period();
         let speed = |one: &StructureImpact| one.velocity_before.abs();
         let scale = |one: &StructureImpact| speed(one).max(one.acceleration_before.abs() / self.model().omega());
         let fastest = self.impacts().iter().map(scale).fold(0.0, f64::max);
         // Symmetry may have several lose their velocity at once.
         let is_lost = |i: usize| lost.is_some() && (Some(i) == lost || speed(&self.impacts()[i]) <= STILL * fastest);
+        self.reassembled(is_lost, touching)
+    }
+
+    fn reassembled(&self, is_lost: impl Fn(usize) -> bool, touching: &[Strike]) -> Result<Self, BranchError> {
+        let period = self.period();
         let kept = self.strikes().enumerate().filter(|(i, _)| !is_lost(*i)).map(|(_, strike)| strike);
         let mut strikes: Vec<Strike> = kept.chain(touching.iter().copied()).collect();
         let first = strikes.first().ok_or(BranchError::Family)?.time;

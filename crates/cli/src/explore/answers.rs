@@ -109,7 +109,7 @@ impl Answers for Program {
     }
 }
 
-fn read<T: DeserializeOwned>(asked: &Value) -> Result<T, Refusal> {
+pub(super) fn read<T: DeserializeOwned>(asked: &Value) -> Result<T, Refusal> {
     T::deserialize(asked).map_err(|error| Refusal::wrong(plain(&error.to_string())))
 }
 

@@ -84,7 +84,7 @@ pub(crate) fn refuse_scene(scene: &Path) -> Result<(), CliError> {
 
 fn refusal() -> CliError {
     let message = "structures, and chains with dashpots, a static force, stops of their own or ends fixed-free, are asked by orbit, branch, \
-                   locate, curve, simulate, fate and sweep: this command takes chains without any of these";
+                   locate, curve, simulate, fate, sweep and explore: this command takes chains without any of these";
     CliError::Request(message.to_owned())
 }
 

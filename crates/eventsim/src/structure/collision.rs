@@ -71,6 +71,10 @@ impl Change {
 
 impl Motion {
     /// Two contacts of those due at the base whose impacts do not commute, or one with one that it pushes into its barrier.
+    ///
+    /// Of the forces on contacts at rest their values at the base alone are read, the coefficients of order 0. These follow from ξ, the loads and
+    /// from who rests: contacts that have just left ([`Contact::Leaving`]) exert no force, and what they keep changes their own coefficients,
+    /// of order 1 and higher, and no other. So nothing that is read here depends on it.
     pub(crate) fn conflict(&self) -> Option<(usize, usize)> {
         let parties = self.parties();
         let forces = Series::tendencies(&self.system, &self.flight, &self.places);

@@ -157,6 +157,8 @@ pub enum End {
     Unbounded,
     /// All impulses vanish: the breather ends on the motion that the force drives alone, which touches the barrier there.
     ImpulsesVanish,
+    /// Two impacts come together and vanish: the branch ends at a grazing of the orbits without them.
+    Grazing,
     /// Newton's method lost the branch.
     Lost(BranchError),
     /// What was to be watched could not be computed any further.
@@ -164,8 +166,8 @@ pub enum End {
 }
 
 impl End {
-    /// The name used in files: `range`, `fold`, `closed`, `symmetric`, `resonance`, `unbounded`, `impulses-vanish`, `lost` or
-    /// `unwatched`.
+    /// The name used in files: `range`, `fold`, `closed`, `symmetric`, `resonance`, `unbounded`, `impulses-vanish`, `grazing`,
+    /// `lost` or `unwatched`.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Range => "range",
@@ -175,6 +177,7 @@ impl End {
             Self::Resonance(_) => "resonance",
             Self::Unbounded => "unbounded",
             Self::ImpulsesVanish => "impulses-vanish",
+            Self::Grazing => "grazing",
             Self::Lost(_) => "lost",
             Self::Unwatched(_) => "unwatched",
         }

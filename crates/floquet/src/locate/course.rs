@@ -147,6 +147,17 @@ impl<O> FollowedBranch<O> {
 }
 
 impl<O: Followed> FollowedBranch<O> {
+    /// Whether it ends at an event of orbits that repeat or mirror themselves sooner.
+    pub(super) fn ends_at(&self, located: &Located<O>) -> bool {
+        let same = |one: &Located<O>| {
+            one.event == located.event
+                && (one.value - located.value).abs() <= ALIKE * ALIKE * located.value.abs() + one.error + located.error
+                && are_alike(&one.orbit, &located.orbit)
+        };
+        let ends = |value: f64| self.ends.contains(&(value, End::Pitchfork));
+        self.origin.is_some() && self.events().any(|one| ends(one.value) && same(one))
+    }
+
     /// Whether an orbit is one of it, or the mirror image of one.
     pub(super) fn holds(&self, value: f64, orbit: &O) -> bool {
         let passed: Vec<(f64, Vec<Trait>)> = self
@@ -177,6 +188,22 @@ impl<O: Followed> FollowedBranch<O> {
             })
         })
     }
+}
+
+/// Whether two orbits at one value are the same, or mirror images of each other.
+fn are_alike<O: Followed>(one: &O, other: &O) -> bool {
+    let sought = traits(one, 1.0);
+    let strongest = sought.iter().map(|one| one.impulse.abs()).fold(0.0, f64::max);
+    let images = [1.0, -1.0].into_iter().filter(|sign| *sign > 0.0 || other.is_centred());
+    one.force_periods() == other.force_periods()
+        && images.map(|sign| traits(other, sign)).any(|found| {
+            found.len() == sought.len()
+                && found.iter().zip(&sought).all(|(a, b)| {
+                    a.place == b.place
+                        && (a.impulse - b.impulse).abs() <= ALIKE * strongest
+                        && (a.flight - b.flight).abs() <= ALIKE
+                })
+        })
 }
 
 /// What tells an impact from others, whichever the orbit begins with.

@@ -141,6 +141,10 @@ impl<O: Followed> Diagram<O> {
             }
             return Ok(());
         }
+        // The branch that would leave here has come here from its other end.
+        if self.branches.iter().any(|branch| branch.ends_at(located)) {
+            return Ok(());
+        }
         let Some(leaving) = tracing.leaving(located, &departure) else {
             // Where the energy of a conservative orbit is extreme nothing branches off.
             if !(located.event == Event::Pitchfork && located.orbit.is_conservative()) {

@@ -28,7 +28,7 @@ const MOST_NEAR: usize = 6;
 /// In place of an infinite f′/f.
 const HUGE: f64 = 1e200;
 
-/// A simple pole of one mode.
+/// A simple pole of one mode; or, of a double one, one of the mode's two coordinates.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pole {
     pub(super) mode: usize,
@@ -59,6 +59,8 @@ pub(crate) struct SpectralFunction<'a> {
     /// All poles, and the simple ones with their modes.
     pub(super) poles: Vec<C>,
     pub(super) simple: Vec<Pole>,
+    /// Both coordinates of each double one.
+    double: Vec<[Pole; 2]>,
     /// Sizes of A_k and C_k: [mode][row].
     pub(super) row_sizes: Vec<f64>,
     pub(super) column_sizes: Vec<f64>,
@@ -84,18 +86,25 @@ impl<'a> SpectralFunction<'a> {
         let (count, all) = (modes.len(), size * modes.len());
         let (mut poles, mut simple) = (Vec::with_capacity(2 * count), Vec::with_capacity(2 * count));
         let (mut row_sizes, mut column_sizes) = (Vec::with_capacity(all), Vec::with_capacity(all));
-        let mut relative = Vec::with_capacity(count);
+        let (mut relative, mut double) = (Vec::with_capacity(count), Vec::new());
         let mut constants =
             [(); 2].map(|()| Constant { errors: vec![0.0; size * size], slides: vec![0.0; size * size] });
         let length = |[x, y]: &[f64; 2]| (x * x + y * y).sqrt();
         for (k, mode) in modes.iter().enumerate() {
             let values = mode.poles();
             poles.extend(values);
-            if !mode.coordinates.are_parabolic() {
-                let (rates, errors) = (mode.rates(), mode.pole_errors());
-                let pole =
-                    |which| Pole { mode: k, value: values[which], rate: rates[which], which, error: errors[which] };
-                simple.extend([0, 1].map(pole));
+            let (rates, errors) = (mode.rates(), mode.pole_errors());
+            let both = [0, 1].map(|which| Pole {
+                mode: k,
+                value: values[which],
+                rate: rates[which],
+                which,
+                error: errors[which],
+            });
+            if mode.coordinates.are_parabolic() {
+                double.push(both);
+            } else {
+                simple.extend(both);
             }
             let (rows, columns) = (equations.rows(k), equations.columns(k));
             let from = row_sizes.len();
@@ -146,6 +155,7 @@ impl<'a> SpectralFunction<'a> {
             shift,
             poles,
             simple,
+            double,
             row_sizes,
             column_sizes,
             relative,
@@ -155,13 +165,15 @@ impl<'a> SpectralFunction<'a> {
         }
     }
 
-    /// The simple poles next to z, the nearest first.
+    /// The poles next to z: double ones, both coordinates of each, and the simple ones, the nearest first.
     pub(super) fn near(&self, z: C) -> Vec<Pole> {
         let reach = NEAR * NEAR * z.norm_sqr();
         let distance = |pole: &Pole| (z - pole.value).norm_sqr();
         let mut near: Vec<Pole> = self.simple.iter().filter(|pole| distance(pole) < reach).copied().collect();
         near.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
         near.truncate(MOST_NEAR);
+        let double = self.double.iter().filter(|pair| distance(&pair[0]) < reach).take(MOST_NEAR / 2);
+        near.splice(0..0, double.flatten().copied());
         near
     }
 
@@ -200,8 +212,24 @@ impl<'a> SpectralFunction<'a> {
             }
         }
         for (place, pole) in near.iter().enumerate() {
-            let [a, c] = self.dyad(pole);
             let border = size + place;
+            let mode = &self.equations.kernel().modes()[pole.mode];
+            if mode.coordinates.are_parabolic() {
+                // (z−R)⁻¹ of both coordinates together: R = q + rJ, J² = 0.
+                let (own, other) = (mode.period.even, if pole.which == 0 { mode.period.odd } else { 0.0 });
+                for (i, (row, column)) in
+                    self.equations.rows(pole.mode).iter().zip(self.equations.columns(pole.mode)).enumerate()
+                {
+                    matrix[(i, border)] = C::new(row[pole.which], 0.0);
+                    matrix[(border, i)] = C::new(-own * column[pole.which] - other * column[1], 0.0);
+                }
+                matrix[(border, border)] = z - own;
+                if pole.which == 0 {
+                    matrix[(border, border + 1)] = C::new(-other, 0.0);
+                }
+                continue;
+            }
+            let [a, c] = self.dyad(pole);
             for i in 0..size {
                 matrix[(i, border)] = a[i];
                 matrix[(border, i)] = -pole.value * c[i];

@@ -206,7 +206,12 @@ impl SpectralFunction<'_> {
                 widest * 0.5 * relative * length(&y_sizes, sizes_of_columns),
             );
             if mode.coordinates.are_parabolic() {
-                self.add_double_pole(z, k, [xi, eta], (2.0 * a_error, 4.0 * c_error), &mut out);
+                if let Some(place) = near.iter().position(|other| other.mode == k) {
+                    let own = |v: &[C]| [v[size + place], v[size + place + 1]];
+                    sizes += self.add_bordered_pair(z, k, [own(x), own(y), xi, eta], (a_error, c_error), &mut out);
+                } else {
+                    self.add_double_pole(z, k, [xi, eta], (2.0 * a_error, 4.0 * c_error), &mut out);
+                }
                 continue;
             }
             for pole in self.simple.iter().skip(self.simple_of(k)).take(2) {
@@ -306,6 +311,35 @@ impl SpectralFunction<'_> {
     /// Where the simple poles of a mode begin.
     fn simple_of(&self, mode: usize) -> usize {
         self.simple.partition_point(|pole| pole.mode < mode)
+    }
+
+    /// What a mode with a double pole adds that is bordered: with xs and ys of its coordinates ξys + xs(z−R)ys − xsRη; the size of the terms.
+    fn add_bordered_pair(
+        &self,
+        z: C,
+        k: usize,
+        [xs, ys, xi, eta]: [[C; 2]; 4],
+        (a, c): (f64, f64),
+        out: &mut Product,
+    ) -> f64 {
+        let mode = &self.equations.kernel().modes()[k];
+        let (q, r) = (mode.period.even, mode.period.odd);
+        let length = |v: [C; 2]| modulus(v[0]) + modulus(v[1]);
+        let own = xs[0] * ys[0] + xs[1] * ys[1];
+        let terms = [xi[0] * ys[0] + xi[1] * ys[1], own * (z - q), xs[0] * ys[1] * -r, xs[0] * eta[1] * -r];
+        let past = (xs[0] * eta[0] + xs[1] * eta[1]) * -q;
+        out.value += terms.iter().sum::<C>() + past;
+        out.slope += own;
+        let turned = q.abs() + r.abs();
+        let size =
+            length(xi) * length(ys) + length(xs) * (length(ys) * (modulus(z - q) + r.abs()) + length(eta) * turned);
+        let pole = mode.pole_error * (1.0 + r.abs()) + 2.0 * f64::EPSILON * modulus(z);
+        out.value_error += 2.0 * a * length(ys)
+            + 4.0 * c * length(xs) * turned
+            + length(xs) * (length(ys) + length(eta)) * pole
+            + 6.0 * f64::EPSILON * size;
+        out.slope_error += 4.0 * f64::EPSILON * length(xs) * length(ys);
+        size
     }
 
     /// What a mode with a double pole adds.

@@ -22,6 +22,9 @@ use crate::locate::{Event, Evidence, Located};
 /// From where an event was located the curve is no farther than this.
 const START: f64 = 1e-3;
 
+/// What holds symmetric orbits together, in units of their equations, is no more than this: rounding.
+const PUSHED: f64 = 1e-8;
+
 /// Points as near as this are one.
 const SAME: f64 = 1e-6;
 
@@ -111,6 +114,11 @@ pub fn structure_curve(
     let first = first.or_else(|_| manifold.correct(&z, &[unit(z.len(), last - 1)], START, false));
     stop.heard()?;
     let first = first.map_err(|_| CurveError::NotThere(event))?;
+    // μ, which is 0 as long as both numbers keep the symmetry.
+    if test == Test::One && z.len() > origin.len() && first.tangents()[0][origin.len() - 2].abs() > PUSHED {
+        let message = "orbits of this symmetry, which they lose here, exist at no other value of one of the two numbers: no curve passes";
+        return Err(BranchError::Model(message.to_owned()).into());
+    }
     let strongest = strength(&first.orbit().orbit);
     let mut follow = |foot: Foot| {
         let mut way = Way {
@@ -260,6 +268,10 @@ impl Line for Way<'_> {
     fn ahead(&mut self, passed: &[Foot], length: f64) -> Option<Step<Foot, CurveEnd>> {
         let last = passed.last()?;
         let next = match self.manifold.step(last, length) {
+            // Symmetry is lost with the numbers themselves: no symmetric orbits are there that could lose it.
+            Ok(next) if self.test == Test::One && next.orbit().mark.is_some_and(|push| push.abs() > PUSHED) => {
+                return None;
+            }
             Ok(next) => next,
             Err(why) => {
                 self.why = why;

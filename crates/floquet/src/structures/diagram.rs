@@ -4,12 +4,14 @@
 //! solves the orbit's equations together with the test function; the step is halved until the solution lies in it.
 
 use nalgebra::Complex;
+use vibrochain_breather::system::{System, Vector, unit};
 use vibrochain_breather::{
     Approach, BranchError, Departure, Pace, StructureBranch, StructureBranchPoint, StructureFamily, StructureOrbit,
     structure_admissibility, structure_is_physical,
 };
 use vibrochain_lattice::{Resonance, Stop, Turn};
 
+use super::ends::Ahead;
 use super::event::{Solved, solve};
 use super::seen::{At, Seen, changes, described, guesses, touch_between, value};
 use super::stability::structure_stability;
@@ -48,6 +50,9 @@ const NEAR: f64 = 1e-3;
 
 /// A contact no farther beyond a barrier than this part of what it moves by touches it.
 pub(super) const TOUCHES: f64 = 1e-9;
+
+/// Beside an event where symmetry is lost symmetric orbits are taken up this far, as a part of the range.
+const ASIDE: f64 = 1e-3;
 
 /// Lengths as short as this are rounding.
 const SETTLED: f64 = 1e-6;
@@ -109,7 +114,9 @@ struct StructureTracing<'a> {
 
 impl StructureTracing<'_> {
     fn follower(&self, branch: StructureBranch) -> Follower<'_> {
-        Follower { branch, course: self.course, stop: self.stop, unresolved: Vec::new() }
+        let StructureTracing { family, course, stop } = *self;
+        let ahead = Ahead { family, range: self.range(), tolerance: course.tolerance, stop };
+        Follower { branch, course, stop, ahead, unresolved: Vec::new() }
     }
 
     fn range(&self) -> f64 {
@@ -149,7 +156,17 @@ impl Tracing for StructureTracing<'_> {
     }
 
     fn through(&self, located: &Located<StructureOrbit>) -> Result<Traced<StructureOrbit>, LocateError> {
-        self.both_ways(&located.orbit, located.value)
+        // Right where symmetry is lost there are two directions; beside it the symmetric orbits have one.
+        let StructureCourse { from, to, .. } = *self.course;
+        let aside = if located.value < 0.5 * (from + to) { ASIDE } else { -ASIDE };
+        let value = located.value + aside * self.range();
+        let family = self.family.clone();
+        let mut branch = StructureBranch::of_structure(&located.orbit, family, located.value, self.range(), self.stop)?;
+        let mut z = Vector::from(branch.system().origin()?);
+        let last = z.len() - 1;
+        z[last] = value;
+        let beside = branch.correct(&z, &[unit(last + 1, last)], 1.0, false)?;
+        self.both_ways(beside.orbit(), value)
     }
 
     fn leaving(&self, located: &Located<StructureOrbit>, departure: &Departure) -> Option<Self::Leaving> {
@@ -180,6 +197,7 @@ struct Follower<'a> {
     branch: StructureBranch,
     course: &'a StructureCourse,
     stop: &'a Stop,
+    ahead: Ahead<'a>,
     unresolved: Vec<Unresolved>,
 }
 
@@ -211,6 +229,10 @@ impl Follower<'_> {
                     if shorter && !near {
                         continue;
                     }
+                    if let Some((end, located)) = self.ahead.merging(&point).filter(|_| resonance.is_none()) {
+                        let value = self.ended(located, &mut stations);
+                        return Ok((stations, (value, end)));
+                    }
                     let end = resonance.map_or(End::Lost(error), End::Resonance);
                     return Ok((stations, (point.value(), end)));
                 }
@@ -218,6 +240,10 @@ impl Follower<'_> {
             let closed = step > 0 && self.closes(&start, &point, &next);
             let next = if closed { start.clone() } else { next };
             if let Some(value) = self.mirrored(&point, &next) {
+                let nearest = if point.heading().abs() < next.heading().abs() { &point } else { &next };
+                let met = self.ahead.meeting(nearest);
+                let met = met.filter(|met| (met.value - value).abs() <= NEAR * (self.course.to - self.course.from));
+                let value = met.map_or(value, |met| self.ended(met, &mut stations));
                 return Ok((stations, (value, End::Pitchfork)));
             }
             let next_seen = Seen::at(&next, self.course.tolerance);
@@ -242,6 +268,15 @@ impl Follower<'_> {
             return Ok((stations, (point.value(), end)));
         }
         Ok((stations, (point.value(), End::Lost(BranchError::NoConvergence))))
+    }
+
+    /// The value of an event at which the branch ends, which is one of its stations if it is asked for.
+    fn ended(&self, located: Located<StructureOrbit>, stations: &mut Stations) -> f64 {
+        let value = located.value;
+        if self.course.events.contains(&located.event) {
+            stations.push(Station::Event(located));
+        }
+        value
     }
 
     /// The end of the range that the branch is heading for.
@@ -313,6 +348,9 @@ impl Follower<'_> {
         let (before, after) = (from.1.outside.unwrap_or(0), to.1.outside.unwrap_or(0));
         // One that crosses at ±1 changes the number by one, a pair by two; without losses only what is not real is counted.
         let pairs = if on_circle == Test::Collision { before != after } else { before.abs_diff(after) > real };
+        // Where the losses end all multipliers come to the circle.
+        let lossless = |at: At<'_>| at.0.orbit().model().structure().is_lossless();
+        let pairs = pairs && lossless(from) == lossless(to);
         // An orbit that may begin at any time turns back where its own equations say so, and has another +1 where the rest does.
         let one = if turns || from.1.another_one.is_none() { Test::One } else { Test::AnotherOne };
         tests.extend([one, Test::MinusOne].into_iter().filter(|test| changed(*test)));
@@ -367,7 +405,13 @@ impl Follower<'_> {
         };
         for (share, mark) in guesses(test, from, to, by_sign) {
             let ends = from.0.coordinates().iter().zip(to.0.coordinates());
-            let z: Vec<f64> = ends.map(|(a, b)| a + share * (b - a)).collect();
+            let mut z: Vec<f64> = ends.map(|(a, b)| a + share * (b - a)).collect();
+            if test == Test::One
+                && let Ok(there) = self.branch.step(from.0, share * length)
+            {
+                // Symmetric orbits are told by their symmetry, which a chord loses.
+                z = there.coordinates().to_vec();
+            }
             let reach = (2.0 * length).max(SETTLED);
             let Ok(solved) = solve(self.branch.system(), test, (&z, mark), reach) else { continue };
             let along = self.length_to(from.0, &solved);

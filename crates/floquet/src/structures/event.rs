@@ -6,13 +6,12 @@
 use vibrochain_breather::system::{Evaluation, Matrix, System, Vector};
 use vibrochain_breather::{BranchError, StructureContinuation, StructureOrbit};
 
+use super::rounding::{ROUNDING, rounding};
 use super::test_function::Test;
+use super::unfolding::Unfolding;
 
 /// Steps of differences, in units: error and rounding balance.
 const DIFFERENCE: f64 = 1e-6;
-
-/// Rounding of a test function, which is of order 1.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// The unit of a mark: θ, or a part of the period.
 const MARK: f64 = 0.1;
@@ -22,6 +21,8 @@ const MARK: f64 = 0.1;
 pub(super) struct EventSystem {
     base: StructureContinuation,
     test: Test,
+    /// Of symmetric orbits that lose their symmetry; the mark is μ.
+    unfolding: Option<Unfolding>,
     units: Vector,
     origin: Vector,
 }
@@ -31,7 +32,7 @@ pub(super) struct EventSystem {
 pub(super) struct AtEvent {
     /// The orbit.
     pub orbit: StructureOrbit,
-    /// θ of its multiplier on the circle, or the part of the period at which a contact touches.
+    /// θ of its multiplier on the circle, or the part of the period at which a contact touches; μ where symmetry is lost.
     pub mark: Option<f64>,
     /// Of the orbit's own equations.
     pub determinant: f64,
@@ -39,18 +40,29 @@ pub(super) struct AtEvent {
 
 impl EventSystem {
     /// Of the orbits of `base`, from near `z`.
-    pub(super) fn new(base: StructureContinuation, test: Test, z: &[f64], mark: Option<f64>) -> Self {
+    pub(super) fn new(mut base: StructureContinuation, test: Test, z: &[f64], mark: Option<f64>) -> Self {
         let size = base.size();
+        let unfolding = (test == Test::One).then(|| Unfolding::of(&mut base, z)).flatten();
+        let mark = if unfolding.is_some() { Some(0.0) } else { mark.filter(|_| test.is_marked()) };
         let with = |base: &[f64], mark: Option<f64>| -> Vector {
             base[..size].iter().copied().chain(mark).chain(base[size..].iter().copied()).collect()
         };
-        let units = with(base.units(), test.is_marked().then_some(MARK));
-        let origin = with(z, mark.filter(|_| test.is_marked()));
-        Self { base, test, units, origin }
+        let units = with(base.units(), mark.map(|_| MARK));
+        let origin = with(z, mark);
+        Self { base, test, unfolding, units, origin }
     }
 
     fn marks(&self) -> usize {
-        usize::from(self.test.is_marked())
+        usize::from(self.test.is_marked() || self.unfolding.is_some())
+    }
+
+    /// The rows of an orbit's own equations.
+    fn own_rows(&self, rows: &[f64], mark: Option<f64>) -> Vector {
+        let mut rows = Vector::from(rows);
+        if let (Some(unfolding), Some(mark)) = (&self.unfolding, mark) {
+            rows.iter_mut().zip(&unfolding.push).for_each(|(row, push)| *row += mark * push);
+        }
+        rows
     }
 
     /// The coordinates of the orbit alone, and the mark.
@@ -60,7 +72,8 @@ impl EventSystem {
     }
 
     fn tested(&self, here: &Evaluation<StructureOrbit, Vector>, mark: Option<f64>) -> Result<Vector, BranchError> {
-        let values = self.test.values(here, mark)?;
+        let mut values = self.test.values(here, mark)?;
+        values.extend(self.unfolding.iter().map(|unfolding| unfolding.value(&here.orbit)));
         if values.iter().all(|value| value.is_finite()) {
             Ok(values.iter().copied().collect())
         } else {
@@ -89,7 +102,7 @@ impl System for EventSystem {
     fn rows(&mut self, z: &[f64]) -> Result<Vector, BranchError> {
         let (own, mark) = self.parts(z);
         let here = self.base.evaluate(&own)?;
-        let mut rows = here.rows.clone();
+        let mut rows = self.own_rows(&here.rows, mark);
         rows.extend(self.tested(&here, mark)?);
         Ok(rows)
     }
@@ -126,9 +139,16 @@ impl System for EventSystem {
             let side = |sign: f64| self.tested(&here, Some(mark + sign * DIFFERENCE * MARK));
             slopes(&mut matrix, size, side(-1.0)?, side(1.0)?);
         }
-        let (mut rows, mut kept) = (here.rows.clone(), self.base.row_errors(&here));
+        if let Some(unfolding) = &self.unfolding {
+            unfolding.push.iter().enumerate().for_each(|(i, push)| matrix[(i, size)] = push * MARK);
+        }
+        let (mut rows, mut kept) = (self.own_rows(&here.rows, mark), self.base.row_errors(&here));
         // What Newton's method leaves of it where it ends is rounding, too, and more than this next to other events.
-        kept.extend(values.iter().map(|value| ROUNDING.max(value.abs())));
+        let own = rounding(self.test, &here, mark);
+        kept.extend(values.iter().map(|value| own.max(value.abs())));
+        if self.unfolding.is_some() {
+            kept[size + 1] = kept[size + 1].max(ROUNDING);
+        }
         rows.extend(values);
         let orbit = AtEvent { orbit: here.orbit, mark, determinant: here.full_determinant };
         Ok(Evaluation { orbit, rows, full_determinant: matrix.determinant(), matrix, kept })

@@ -2,13 +2,16 @@
 
 use nalgebra::Complex;
 use smallvec::SmallVec;
-use vibrochain_breather::{BlochEquations, Condition, ImpactError, StructureOrbit, Together};
+use vibrochain_breather::{BlochEquations, Condition, ImpactError, StructureImpact, StructureOrbit, Together};
 
 use crate::analyser::Stability;
 use crate::error::FloquetError;
 use crate::spectrum::{Origin, origins, told, verdict};
 use crate::verdict::{Tolerance, Verdict};
-use crate::zeros::excess;
+use crate::zeros::{SecularError, excess};
+
+/// The root of rounding, with room: how well an orbit is known along a fold, relative.
+const ROOT: f64 = 1e-7;
 
 /// All multipliers of an orbit of a structure, and what they say. A conservative orbit's trivial pair 1, 1 is among them.
 ///
@@ -34,9 +37,9 @@ use crate::zeros::excess;
 /// ```
 pub fn structure_stability(orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Stability, FloquetError> {
     let conservative = orbit.is_conservative();
-    let (equations, spared, data) = prepared(orbit);
-    let (mut verdict, mut multipliers) =
-        told(&equations, conservative, &data, tolerance).map_err(FloquetError::Uncounted)?;
+    let (equations, spared) = orbit.bloch_equations();
+    let answer = as_well_as_known(orbit, &equations, |data| told(&equations, conservative, data, tolerance));
+    let (mut verdict, mut multipliers) = answer.map_err(FloquetError::Uncounted)?;
     for pair in spared {
         let both = pair.map(|rate| (rate * orbit.period()).exp());
         multipliers.extend(both);
@@ -54,8 +57,10 @@ pub fn structure_stability(orbit: &StructureOrbit, tolerance: Tolerance) -> Resu
 /// # Errors
 /// As [`structure_stability`].
 pub fn structure_verdict(orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Verdict, FloquetError> {
-    let (equations, spared, data) = prepared(orbit);
-    let told = verdict(&equations, orbit.is_conservative(), &data, tolerance).map_err(FloquetError::Uncounted)?;
+    let (equations, spared) = orbit.bloch_equations();
+    let conservative = orbit.is_conservative();
+    let told = as_well_as_known(orbit, &equations, |data| verdict(&equations, conservative, data, tolerance));
+    let told = told.map_err(FloquetError::Uncounted)?;
     let with = |told, pair: [Complex<f64>; 2]| {
         with_spared(told, pair, pair.map(|rate| (rate * orbit.period()).exp()), tolerance)
     };
@@ -68,26 +73,36 @@ pub(super) fn multipliers_there(orbit: &StructureOrbit) -> Option<Vec<Complex<f6
     told(&equations, orbit.is_conservative(), &[], Tolerance::Rounding).ok().map(|(_, multipliers)| multipliers)
 }
 
-/// J(z), the poles of modes that are spared, and what the orbit's errors do.
-fn prepared(orbit: &StructureOrbit) -> (BlochEquations, Vec<[Complex<f64>; 2]>, Vec<Origin>) {
-    let (equations, spared) = orbit.bloch_equations();
+/// What the equations answer with the errors of the orbit's data. Along folds, where the equations are singular, these have no bound to first
+/// order; the orbit itself is known there to the root of rounding.
+fn as_well_as_known<T>(
+    orbit: &StructureOrbit,
+    equations: &BlochEquations,
+    ask: impl Fn(&[Origin]) -> Result<T, SecularError>,
+) -> Result<T, SecularError> {
+    ask(&data(orbit, equations, f64::INFINITY)).or_else(|_| ask(&data(orbit, equations, ROOT)))
+}
+
+/// What the orbit's errors do to J(z), each no larger than this part of the largest time, impulse and acceleration.
+fn data(orbit: &StructureOrbit, equations: &BlochEquations, most: f64) -> Vec<Origin> {
     let impacts = orbit.impacts();
     let apart = |i: usize, error: ImpactError| {
         let mut origin: Together = SmallVec::from_elem(ImpactError::default(), impacts.len());
         origin[i] = error;
         origin
     };
+    let largest = |of: fn(&StructureImpact) -> f64| most * impacts.iter().map(|one| of(one).abs()).fold(0.0, f64::max);
+    let impulses = largest(|impact| impact.impulse);
+    let accelerations = largest(|impact| impact.acceleration_before);
     let each = impacts.iter().enumerate().flat_map(|(i, impact)| {
         let none = ImpactError::default();
         [
-            apart(i, ImpactError { time: impact.time_error, ..none }),
-            apart(i, ImpactError { impulse: impact.impulse_error, ..none }),
-            apart(i, ImpactError { acceleration: impact.acceleration_error, ..none }),
+            apart(i, ImpactError { time: impact.time_error.min(most * orbit.period()), ..none }),
+            apart(i, ImpactError { impulse: impact.impulse_error.min(impulses), ..none }),
+            apart(i, ImpactError { acceleration: impact.acceleration_error.min(accelerations), ..none }),
         ]
     });
-    let condition = Condition { origins: each.collect(), ..Condition::default() };
-    let data = origins(&equations, &condition);
-    (equations, spared, data)
+    origins(equations, &Condition { origins: each.collect(), ..Condition::default() })
 }
 
 /// Of a mode without a dashpot that is spared, the multipliers are on the circle, and decide nothing.

@@ -9,13 +9,16 @@ use vibrochain_breather::system::{Evaluation, Vector};
 use vibrochain_breather::{BlochEquations, BranchError, StructureMotion, StructureOrbit};
 use vibrochain_lattice::Barrier;
 
-use crate::linear::determinant;
+use crate::linear::{determinant, moved_by};
 use crate::locate::Event;
 
 type C = Complex<f64>;
 
 /// A mode's poles farther from a multiplier than this leave its size alone.
 const NEAR: f64 = 0.05;
+
+/// Rounding of an entry, with room for the few operations that it takes.
+const ENTRY: f64 = 4.0 * f64::EPSILON;
 
 /// Values of a test function.
 pub(super) type Values = SmallVec<[f64; 2]>;
@@ -99,46 +102,87 @@ pub(super) fn another_one(orbit: &StructureOrbit) -> Option<f64> {
     if !orbit.is_conservative() {
         return None;
     }
+    Some(of_another_one(orbit)?.values()[0].re)
+}
+
+/// What vanishes there.
+pub(super) fn of_another_one(orbit: &StructureOrbit) -> Option<Regular> {
     let (equations, _) = orbit.bloch_equations().0.without_shift()?;
-    Some(at(orbit, &equations, 0.0)[0].re)
+    Some(Regular::of(orbit, &equations, 0.0))
 }
 
 /// det J(e^{iθ}) made regular, and its derivative by θ where it vanishes. Both are real without losses.
+fn at(orbit: &StructureOrbit, equations: &BlochEquations, theta: f64) -> [C; 2] {
+    Regular::of(orbit, equations, theta).values()
+}
+
+/// J(e^{iθ}) and its derivative by θ, and what makes its determinant regular.
 ///
 /// Rows are divided by the lengths they would have without resonance; each mode's poles p are taken away by (z−p₁)(z−p₂)/z, over its size
 /// where z is far from them; and columns are measured by impulses, whose signs are taken away.
-fn at(orbit: &StructureOrbit, equations: &BlochEquations, theta: f64) -> [C; 2] {
-    let z = if theta == std::f64::consts::PI { C::new(-1.0, 0.0) } else { C::from_polar(1.0, theta) };
-    let (size, modes) = (equations.size(), equations.kernel().modes());
-    let (mut matrix, mut slopes) = (Vec::new(), Vec::new());
-    equations.fill(z, &mut matrix, Some(&mut slopes));
-    let mut terms: Vec<f64> = equations.constant(false).iter().map(|entry| entry.abs()).collect();
-    let mut regular = C::new(orbit.impacts().iter().map(|impact| impact.impulse.signum()).product(), 0.0);
-    for (k, mode) in modes.iter().enumerate() {
-        let (rows, columns) = (equations.rows(k), equations.columns(k));
-        for (row, line) in rows.iter().zip(terms.chunks_mut(size)) {
-            line.iter_mut().zip(columns).for_each(|(entry, column)| {
-                *entry += mode.coordinates.reach(*row, *column);
-            });
+pub(super) struct Regular {
+    size: usize,
+    matrix: Vec<C>,
+    slopes: Vec<C>,
+    /// Of the entries.
+    errors: Vec<f64>,
+    factor: C,
+}
+
+impl Regular {
+    pub(super) fn of(orbit: &StructureOrbit, equations: &BlochEquations, theta: f64) -> Self {
+        let z = if theta == std::f64::consts::PI { C::new(-1.0, 0.0) } else { C::from_polar(1.0, theta) };
+        let (size, modes) = (equations.size(), equations.kernel().modes());
+        let (mut matrix, mut slopes) = (Vec::new(), Vec::new());
+        equations.fill(z, &mut matrix, Some(&mut slopes));
+        let mut terms: Vec<f64> = equations.constant(false).iter().map(|entry| entry.abs()).collect();
+        let mut errors: Vec<f64> = terms.iter().map(|term| ENTRY * term).collect();
+        let mut factor = C::new(orbit.impacts().iter().map(|impact| impact.impulse.signum()).product(), 0.0);
+        for (k, mode) in modes.iter().enumerate() {
+            let (rows, columns) = (equations.rows(k), equations.columns(k));
+            let [one, other] = mode.poles();
+            let away = (z - one) * (z - other) / z;
+            factor *= away / away.norm().hypot(NEAR);
+            // Sums of the past have 1/(z−p), and its error is that of the pole.
+            let near = (z - one).norm().min((z - other).norm()).recip().max(1.0);
+            let relative = near * (ENTRY * (1.0 + (mode.rate + mode.decay.abs()) * equations.kernel().period()));
+            let error = relative + near * (mode.shape_error + mode.pole_error * near);
+            for (i, row) in rows.iter().enumerate() {
+                for (j, column) in columns.iter().enumerate() {
+                    let reach = mode.coordinates.reach(*row, *column);
+                    terms[i * size + j] += reach;
+                    errors[i * size + j] += error * reach;
+                }
+            }
         }
-        let [one, other] = mode.poles();
-        let away = (z - one) * (z - other) / z;
-        regular *= away / away.norm().hypot(NEAR);
+        for (i, terms) in terms.chunks(size).enumerate() {
+            let length = terms.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
+            let own = i * size..(i + 1) * size;
+            matrix[own.clone()].iter_mut().for_each(|entry| *entry /= length);
+            // dz/dθ = iz
+            slopes[own.clone()].iter_mut().for_each(|entry| *entry *= C::i() * z / length);
+            errors[own].iter_mut().for_each(|error| *error /= length);
+        }
+        Self { size, matrix, slopes, errors, factor }
     }
-    for ((row, slope), terms) in matrix.chunks_mut(size).zip(slopes.chunks_mut(size)).zip(terms.chunks(size)) {
-        let length = terms.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
-        row.iter_mut().for_each(|entry| *entry /= length);
-        // dz/dθ = iz
-        slope.iter_mut().for_each(|entry| *entry *= C::i() * z / length);
+
+    /// The determinant and its derivative where it vanishes.
+    fn values(mut self) -> [C; 2] {
+        let size = self.size;
+        let slope: C = (0..size)
+            .map(|i| {
+                let mut one = self.matrix.clone();
+                one[i * size..(i + 1) * size].copy_from_slice(&self.slopes[i * size..(i + 1) * size]);
+                determinant(&mut one, size)
+            })
+            .sum();
+        [determinant(&mut self.matrix, size) * self.factor, slope * self.factor]
     }
-    let slope: C = (0..size)
-        .map(|i| {
-            let mut one = matrix.clone();
-            one[i * size..(i + 1) * size].copy_from_slice(&slopes[i * size..(i + 1) * size]);
-            determinant(&mut one, size)
-        })
-        .sum();
-    [determinant(&mut matrix, size) * regular, slope * regular]
+
+    /// What rounding does to the determinant.
+    pub(super) fn rounding(mut self) -> f64 {
+        moved_by(&mut self.matrix, &self.errors, self.size) * self.factor.norm()
+    }
 }
 
 /// How fast contacts of an orbit are: what velocities are measured by.

@@ -84,6 +84,16 @@ pub enum StructureError {
     /// A dashpot couples a mode without stiffness to others.
     #[error("dashpots couple a rigid motion to others: give it a spring, however soft, or a dashpot of its own alone")]
     RigidDamped,
+    /// Of a mode that is damped far beyond critical, the slow motion has no digits.
+    #[error(
+        "mode {mode} is damped {ratio:.0e} times as much as makes it critical: of its slow motion no digits are left; give less damping, or          leave its mass away"
+    )]
+    Overdamped {
+        /// The mode.
+        mode: usize,
+        /// Its damping ratio ζ.
+        ratio: f64,
+    },
     /// A harmonic of the load meets a mode that nothing damps.
     #[error(
         "resonance: harmonic {harmonic} of omega = {} meets mode {mode} (frequency {}) that nothing damps; move omega off it or \

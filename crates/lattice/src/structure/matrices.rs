@@ -11,13 +11,16 @@ use super::contact::Contact;
 use super::energy::{Block, EnergyForm};
 use super::error::StructureError;
 use super::linear_mode::{LinearMode, ModeShape};
-use super::modal::ModalStructure;
+use super::modal::{MOST_DAMPING, ModalStructure};
 use crate::kernel::turn::Turn;
 
 type C = Complex<f64>;
 
 /// Entries of D off the diagonal below this part of what the dashpots are, are rounding.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// What a contact sees of a mode below this part of what it may see is rounding of the eigenvectors.
+const UNFELT: f64 = 16.0 * f64::EPSILON;
 
 /// Steps of QR for an eigenvalue; a handful is usual.
 const SWEEPS: usize = 60;
@@ -89,20 +92,35 @@ impl Structure {
         let sorted = DMatrix::from_fn(n, n, |i, k| eigen.eigenvectors[(i, order[k])]);
         let shapes = lower.tr_solve_lower_triangular(&sorted).ok_or(StructureError::Massless)?;
         let modes = if self.damping.is_empty() {
-            self.oscillators(&shapes, &squares, &vec![0.0; n])
+            self.oscillators(&shapes, &squares, &vec![0.0; n])?
         } else {
             let damping = shapes.transpose() * &self.damping * &shapes;
             let size = damping.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()));
             let off = |i: usize, j: usize| i != j && damping[(i, j)].abs() > ROUNDING * n as f64 * size;
             if (0..n).all(|i| (0..n).all(|j| !off(i, j))) {
                 let decays = as_one((0..n).map(|k| 0.5 * damping[(k, k)]));
-                self.oscillators(&shapes, &squares, &decays)
+                self.oscillators(&shapes, &squares, &decays)?
             } else {
                 self.poles(&shapes, &squares, &damping)?
             }
         };
+        let modes = modes.into_iter().map(|mode| self.without_rounding(&lower, mode)).collect();
         let contacts = self.contacts.iter().map(|(_, contact)| *contact).collect();
         ModalStructure::new(contacts, self.loads.iter().map(|(number, _)| *number).collect(), modes)
+    }
+
+    /// A mode that a contact sees by rounding of its shape alone is not seen: one that grows would be felt in the end.
+    fn without_rounding(&self, lower: &DMatrix<f64>, mut mode: LinearMode) -> LinearMode {
+        let part = |i: usize| DVector::from_iterator(mode.coordinates.len(), mode.coordinates.iter().map(|row| row[i]));
+        let size = [0, 1].map(|i| lower.tr_mul(&part(i)).norm_squared()).iter().sum::<f64>().sqrt();
+        for (number, (weights, _)) in self.contacts.iter().enumerate() {
+            let reach = lower.solve_lower_triangular(weights).map_or(0.0, |weights| weights.norm());
+            let [first, second] = mode.rows[number];
+            if first.hypot(second) <= UNFELT * reach * size {
+                (mode.rows[number], mode.columns[number]) = ([0.0; 2], [0.0; 2]);
+            }
+        }
+        mode
     }
 
     /// Coordinates ξ of all modes of a state (q, q′); `modal` is what [`Structure::modal`] made of it.
@@ -261,15 +279,20 @@ impl Structure {
         self.loads.iter().map(|(_, load)| of(load)).collect()
     }
 
-    fn oscillators(&self, shapes: &DMatrix<f64>, squares: &[f64], decays: &[f64]) -> Vec<LinearMode> {
-        let of_mode = |k: usize| {
-            let shape = shapes.column(k).clone_owned();
-            LinearMode::oscillator(
-                decays[k],
-                squares[k] - decays[k] * decays[k],
-                &self.shape(&shape),
-                &self.loads(&shape),
-            )
+    fn oscillators(
+        &self,
+        shapes: &DMatrix<f64>,
+        squares: &[f64],
+        decays: &[f64],
+    ) -> Result<Vec<LinearMode>, StructureError> {
+        let of_mode = |mode: usize| {
+            let (square, decay) = (squares[mode], decays[mode]);
+            // ν² = Ω² − δ² would be that of a rigid mode in the end.
+            if square > 0.0 && decay > MOST_DAMPING * square.sqrt() {
+                return Err(StructureError::Overdamped { mode, ratio: decay / square.sqrt() });
+            }
+            let shape = shapes.column(mode).clone_owned();
+            Ok(LinearMode::oscillator(decay, square - decay * decay, &self.shape(&shape), &self.loads(&shape)))
         };
         (0..squares.len()).map(of_mode).collect()
     }
@@ -293,7 +316,7 @@ impl Structure {
         let pick = |list: &[usize]| DMatrix::from_fn(n, list.len(), |i, k| shapes[(i, list[k])]);
         let picked = |list: &[usize]| list.iter().map(|&k| squares[k]).collect::<Vec<_>>();
         let decays = as_one(own.iter().map(|&k| 0.5 * damping[(k, k)]));
-        let mut modes = self.oscillators(&pick(&own), &picked(&own), &decays);
+        let mut modes = self.oscillators(&pick(&own), &picked(&own), &decays)?;
         let m = coupled.len();
         let inner = DMatrix::from_fn(m, m, |i, j| damping[(coupled[i], coupled[j])]);
         let (found, vectors) = eigen(&picked(&coupled), &inner)?;

@@ -7,11 +7,15 @@ use super::error::StructureError;
 use super::linear_mode::LinearMode;
 use crate::error::RESONANCE_TOLERANCE;
 use crate::kernel::bloch::BlochKernel;
+use crate::kernel::turn::Turn;
 
 type C = Complex<f64>;
 
 /// A square of a shape at contacts below this part of the largest is rounding of the eigenvectors.
 const SPARED: f64 = 1e-24;
+
+/// The slower pole of an overdamped mode is a difference, δ − κ, about δ/2ζ²: of larger damping ratios ζ no four digits are left of it.
+pub(super) const MOST_DAMPING: f64 = 7e5;
 
 /// Shapes of two contacts that differ by no more than this part of the largest are one: those of masses that a mirror exchanges differ by the
 /// rounding of eigenvectors.
@@ -85,8 +89,8 @@ impl ModalStructure {
     /// A structure of contacts, harmonics of the loads and modes.
     ///
     /// # Errors
-    /// [`StructureError`] where a mode does not have the shapes of all contacts or the loads of all harmonics, where a contact has no
-    /// barrier, or nothing can hit it.
+    /// [`StructureError`] where a mode does not have the shapes of all contacts or the loads of all harmonics, or is so
+    /// overdamped that numbers do not hold its slow motion, where a contact has no barrier, or nothing can hit it.
     pub fn new(contacts: Vec<Contact>, harmonics: Vec<u32>, modes: Vec<LinearMode>) -> Result<Self, StructureError> {
         if contacts.is_empty() {
             return Err(StructureError::NoContact);
@@ -95,6 +99,11 @@ impl ModalStructure {
             contact.check(number)?;
         }
         for (k, mode) in modes.iter().enumerate() {
+            // That of a rigid mode with a dashpot is 0.
+            let slow = (mode.decay - mode.rate).abs();
+            if mode.turn == Turn::Hyperbolic && slow > 0.0 && mode.decay > 2.0 * MOST_DAMPING * MOST_DAMPING * slow {
+                return Err(StructureError::Overdamped { mode: k, ratio: (0.5 * mode.decay / slow).sqrt() });
+            }
             let sizes = [
                 ("the shape at contacts", mode.rows.len(), contacts.len()),
                 ("the shape at contacts", mode.columns.len(), contacts.len()),
@@ -195,6 +204,7 @@ impl ModalStructure {
         let mut done = vec![false; self.modes.len()];
         let largest = |list: &[[f64; 2]]| list.iter().flatten().map(|x| x * x).fold(0.0, f64::max);
         let all = self.modes.iter().map(|mode| largest(&mode.rows)).fold(0.0, f64::max);
+        let all_given = self.modes.iter().map(|mode| largest(&mode.columns)).fold(0.0, f64::max);
         // Of all contacts with each that is hit: [hit contact][contact].
         let mut products = vec![0.0; contacts * hit.len()];
         for (k, mode) in self.modes.iter().enumerate() {
@@ -203,9 +213,7 @@ impl ModalStructure {
             }
             if !mode.is_real {
                 let most = |list: &[[f64; 2]]| hit.iter().map(|&i| largest(&list[i..=i])).fold(0.0, f64::max);
-                if most(&mode.rows) > SPARED * largest(&mode.rows)
-                    && most(&mode.columns) > SPARED * largest(&mode.columns)
-                {
+                if most(&mode.rows) > SPARED * all && most(&mode.columns) > SPARED * all_given {
                     let mut columns = vec![[0.0; 2]; contacts];
                     hit.iter().for_each(|&i| columns[i] = mode.columns[i]);
                     felt.push(k, mode, mode.rows.clone(), columns);
@@ -304,6 +312,37 @@ impl ModalStructure {
 mod tests {
     use super::*;
     use crate::structure::linear_mode::ModeShape;
+
+    /// Of ζ = 10⁶ the slow pole −1/2ζ is below rounding of δ; a mass on a dashpot alone has it at 0, exactly.
+    #[test]
+    fn slow_motions_without_digits_are_refused() {
+        let stop = Contact { lower: None, upper: Some(1.0), restitution: 0.9 };
+        let shape = ModeShape { contacts: vec![1.0], coordinates: Vec::new(), still: 0.0 };
+        let with = |decay: f64, square: f64| {
+            let mode = LinearMode::oscillator(decay, square - decay * decay, &shape, &[]);
+            ModalStructure::new(vec![stop], Vec::new(), vec![mode])
+        };
+        for damping in [0.0, 0.5, 1.0, 30.0, 1e4, 1e5] {
+            assert!(with(damping, 1.0).is_ok(), "{damping}");
+        }
+        let error = with(1e6, 1.0).unwrap_err();
+        assert!(matches!(error, StructureError::Overdamped { mode: 0, .. }), "{error}");
+        assert!(with(1e8, 0.0).is_ok());
+    }
+
+    /// A mode of complex shape that a contact sees by rounding of its shape alone is spared, as one of real shape is.
+    #[test]
+    fn modes_that_are_seen_by_rounding_are_spared() {
+        let stop = Contact { lower: None, upper: Some(1.0), restitution: 0.9 };
+        let pole = |im: f64, seen: C| {
+            let shape = ModeShape { contacts: vec![seen], coordinates: Vec::new(), still: C::default() };
+            LinearMode::pole(C::new(-0.1, im), &shape, &[])
+        };
+        let modes = vec![pole(1.0, C::new(0.7, 0.1)), pole(2.0, C::new(1e-17, 3e-17))];
+        let structure = ModalStructure::new(vec![stop], Vec::new(), modes).unwrap();
+        let felt = structure.felt(&[0]);
+        assert_eq!((felt.modes.len(), felt.spared.len()), (1, 1));
+    }
 
     /// Three oscillators of one frequency and another one: two of the three are left where two contacts are hit, and what these and a third
     /// contact see is what all modes have.

@@ -15,6 +15,9 @@ type C = Complex<f64>;
 /// The most bytes of a file of a matrix or of modes.
 const MOST_BYTES: u64 = 64 << 20;
 
+/// The most a mode may be damped, against critical: its slow pole is a difference, of which no four digits are left beyond.
+const MOST_RATIO: f64 = 7e5;
+
 /// The most masses of a chain that is made a structure, and the most contacts.
 pub const MOST_MASSES: usize = 1000;
 
@@ -237,6 +240,11 @@ impl Definition {
         let harmonic = force.harmonic.unwrap_or(1);
         if let Some(frequency) = frequencies.iter().find(|frequency| !(frequency.is_finite() && **frequency >= 0.0)) {
             return Err(format!("frequencies has {frequency}: give numbers from 0"));
+        }
+        if let Some(ratio) = ratios.iter().find(|ratio| **ratio > MOST_RATIO) {
+            return Err(format!(
+                "ratios has {ratio}: give at most {MOST_RATIO}, beyond which slow motions have no digits"
+            ));
         }
         let mode = |k: usize| {
             let (frequency, ratio) = (frequencies[k], ratios[k]);

@@ -1,0 +1,141 @@
+//! What the page of a structure's map asks: cells of tiles, and the orbits at a point.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use rayon::ThreadPool;
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+use super::answers::read;
+use super::line::{Line, Setting};
+use vibrochain_explore::{Answers, Refusal};
+use vibrochain_lattice::Stop;
+use vibrochain_maps::manifest::VERSION;
+use vibrochain_maps::numbers::Number;
+use vibrochain_maps::structure::{StructureMap, StructureScene};
+
+/// Cells along a side of a tile: a cell takes up to a millisecond, and what is asked for is to be seen soon.
+const CELLS: usize = 32;
+
+/// The deepest tiles, whose cells are still different numbers.
+const DEEPEST: u32 = 40;
+
+/// How long the orbits of one word may take at a point.
+const LONG: Duration = Duration::from_secs(60);
+
+/// The program, as that page asks it.
+pub(super) struct StructureProgram {
+    scene: StructureScene,
+    path: PathBuf,
+    setting: Setting,
+    pool: ThreadPool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Tile {
+    z: u32,
+    x: i64,
+    y: i64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Point {
+    at: [f64; 2],
+}
+
+impl StructureProgram {
+    /// Of a scene with two axes and words.
+    ///
+    /// # Errors
+    /// What the scene lacks.
+    pub(super) fn new(
+        scene: StructureScene,
+        path: PathBuf,
+        setting: Setting,
+        pool: ThreadPool,
+    ) -> Result<Self, String> {
+        if scene.axes.len() != 2 {
+            return Err("a map to fly over has two axes: give [sweep] with x and y".to_owned());
+        }
+        StructureMap::new(&scene)?;
+        Ok(Self { scene, path, setting, pool })
+    }
+
+    fn words(&self) -> Vec<String> {
+        self.scene.words.iter().map(StructureScene::name_of).collect()
+    }
+
+    /// Classes of a tile's cells by rows, the lowest y first, each by its place in the list beside them.
+    fn cells(&self, Tile { z, x, y }: &Tile, stop: &Stop) -> Result<Value, Refusal> {
+        let side = 1_i64 << (*z).min(DEEPEST);
+        if *z > DEEPEST || [x, y].into_iter().any(|number| !(-side..2 * side).contains(number)) {
+            return Err(Refusal::wrong("there is no such tile: z is 0 to 40, x and y from -2^z to 2·2^z − 1"));
+        }
+        let mut scene = self.scene.clone();
+        for (axis, number) in scene.axes.iter_mut().zip([x, y]) {
+            let step = (axis.to - axis.from) / (CELLS as f64 * side as f64);
+            let centre = |cell: usize| axis.from + (*number as f64 * CELLS as f64 + cell as f64 + 0.5) * step;
+            (axis.from, axis.to, axis.points) = (centre(0), centre(CELLS - 1), CELLS);
+        }
+        let map = StructureMap::new(&scene).map_err(Refusal::wrong)?;
+        let rows = self.pool.install(|| (0..CELLS).map(|row| map.row(row, stop)).collect::<Option<Vec<_>>>());
+        let rows = rows.ok_or_else(|| Refusal::new(503, "nobody waits for this tile any more"))?;
+        let mut classes: Vec<String> = Vec::new();
+        let mut place = |class: String| {
+            classes.iter().position(|one| *one == class).unwrap_or_else(|| {
+                classes.push(class);
+                classes.len() - 1
+            })
+        };
+        let cells: Vec<usize> = rows.iter().flatten().map(|cell| place(cell.class())).collect();
+        Ok(json!({ "classes": classes, "cells": cells }))
+    }
+
+    /// What `mapgen orbit` prints for each word, with its picture.
+    fn orbits(&self, Point { at }: &Point, stop: &Stop) -> Result<Value, Refusal> {
+        let one = |(word, periods): &(vibrochain_breather::Word, u32)| {
+            let mut line = Line::new("orbit").flag("scene", self.path.display());
+            for (name, value) in self.scene.axis_names.iter().zip(at) {
+                line = line.flag("set", format!("{name}={}", Number(*value)));
+            }
+            let line =
+                line.flag("word", word).flag("force-periods", periods).output("plot", "orbit.svg").switch("json");
+            line.run(&self.setting, LONG, stop)
+        };
+        self.scene.words.iter().map(one).collect()
+    }
+}
+
+impl Answers for StructureProgram {
+    fn page(&self) -> &'static str {
+        "structure.html"
+    }
+
+    fn start(&self) -> Value {
+        let axes = self.scene.axes.iter().zip(&self.scene.axis_names);
+        let axes: Value = axes.map(|(axis, name)| json!({ "name": name, "from": axis.from, "to": axis.to })).collect();
+        json!({
+            "heading": self.scene.heading(),
+            "fixed": self.scene.fixed(),
+            "axes": axes,
+            "words": self.words(),
+            "side": CELLS,
+            "version": VERSION,
+        })
+    }
+
+    fn is_long(&self, _question: &str) -> bool {
+        false
+    }
+
+    fn answer(&self, question: &str, asked: &Value, stop: &Stop) -> Result<Value, Refusal> {
+        match question {
+            "cells" => self.cells(&read(asked)?, stop),
+            "orbits" => self.orbits(&read(asked)?, stop),
+            _ => Err(Refusal::new(404, "there is no such question")),
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Where a branch of orbits ends on simpler ones: on those that repeat or mirror themselves, or on those without two impacts that come together
+//! and vanish.
+
+use nalgebra::Complex;
+use vibrochain_breather::system::System;
+use vibrochain_breather::{
+    BranchError, StructureBranchPoint, StructureContinuation, StructureFamily, StructureOrbit, structure_is_physical,
+};
+use vibrochain_lattice::Stop;
+
+use super::event::{Solved, solve};
+use super::stability::structure_stability;
+use super::test_function::{Test, speed};
+use crate::locate::{End, Event, Evidence, Located};
+use crate::verdict::Tolerance;
+
+/// Two impacts of one contact this near to each other, as a part of the period, and this slow, against what moves there, are about to vanish: the
+/// flight between them is as short as they are slow.
+const MERGING: f64 = 1e-3;
+
+/// How far from the last orbit the simpler one may be, in units.
+const REACH: f64 = 0.1;
+
+/// Where the branch is followed.
+pub(super) struct Ahead<'a> {
+    pub(super) family: &'a StructureFamily,
+    /// The length of the range.
+    pub(super) range: f64,
+    pub(super) tolerance: Tolerance,
+    pub(super) stop: &'a Stop,
+}
+
+impl Ahead<'_> {
+    /// The grazing at which two impacts next to each other vanish together. On both sides of it, and of one of the two alone, there are orbits;
+    /// of both there are none beyond.
+    pub(super) fn merging(&self, point: &StructureBranchPoint) -> Option<(End, Located<StructureOrbit>)> {
+        let (orbit, impacts) = (point.orbit(), point.orbit().impacts());
+        let (period, slow, last) = (orbit.period(), MERGING * speed(orbit), impacts.len() - 1);
+        let merge = |i: usize, j: usize| {
+            let (one, other) = (&impacts[i], &impacts[j]);
+            let apart = (other.time - one.time).rem_euclid(period);
+            (one.contact, one.barrier) == (other.contact, other.barrier)
+                && apart.min(period - apart) <= MERGING * period
+                && one.velocity_before.abs().max(other.velocity_before.abs()) <= slow
+        };
+        let pair = (0..last).map(|i| (i, i + 1)).chain((last > 1).then_some((0, last)));
+        let (kept, lost) = pair.into_iter().find(|(i, j)| merge(*i, *j))?;
+        let simpler = orbit.without_impact(lost).ok()?;
+        let solved = self.solved(&simpler, Test::Velocity(kept), point.value())?;
+        // It lies ahead.
+        if (solved.value - point.value()) * point.heading() < 0.0 {
+            return None;
+        }
+        let end = if impacts.len() == 2 { End::ImpulsesVanish } else { End::Grazing };
+        Some((end, self.told(Event::Grazing, Evidence::Impact(kept), solved, point)))
+    }
+
+    /// The event of simpler orbits at which this branch, which turns back there, leaves them.
+    pub(super) fn meeting(&self, point: &StructureBranchPoint) -> Option<Located<StructureOrbit>> {
+        let orbit = point.orbit();
+        let simpler = orbit.evened()?.ok()?;
+        let doubled = simpler.force_periods() < orbit.force_periods();
+        let (test, event, goal) =
+            if doubled { (Test::MinusOne, Event::PeriodDoubling, -1.0) } else { (Test::One, Event::Pitchfork, 1.0) };
+        let solved = self.solved(&simpler, test, point.value())?;
+        let goal = Complex::new(goal, 0.0);
+        let all = structure_stability(&solved.at.orbit, self.tolerance).map_or(Vec::new(), |told| told.multipliers);
+        let nearest = all.into_iter().min_by(|a, b| (a - goal).norm().total_cmp(&(b - goal).norm()));
+        Some(self.told(event, Evidence::Multiplier(nearest.unwrap_or(goal)), solved, point))
+    }
+
+    fn solved(&self, simpler: &StructureOrbit, test: Test, value: f64) -> Option<Solved> {
+        let through = || -> Result<Solved, BranchError> {
+            let family = self.family.clone();
+            let mut base = StructureContinuation::through(simpler, family, &[value], &[self.range], self.stop)?;
+            let z = base.origin()?;
+            solve(&base, test, (&z, None), REACH)
+        };
+        through().ok()
+    }
+
+    fn told(
+        &self,
+        event: Event,
+        evidence: Evidence,
+        solved: Solved,
+        point: &StructureBranchPoint,
+    ) -> Located<StructureOrbit> {
+        let beside = structure_stability(point.orbit(), self.tolerance).ok();
+        Located {
+            event,
+            value: solved.value,
+            error: solved.error,
+            physical: structure_is_physical(&solved.at.orbit).ok().map(|told| told.is_physical()),
+            orbit: solved.at.orbit,
+            evidence,
+            verdicts: beside.into_iter().map(|told| (point.value(), told.verdict)).collect(),
+            branching: None,
+            evaluations: 0,
+        }
+    }
+}
