@@ -8,11 +8,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use rayon::ThreadPool;
 use vibrochain::breather::{StructureModel, structure_orbits};
 use vibrochain::floquet::{Tolerance, structure_stability};
 use vibrochain::lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Stop};
+use vibrochain_maps::grid::Grid;
 use vibrochain_maps::scene::Scene;
-use vibrochain_maps::structure::{StructureMap, StructureScene};
+use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::sweep::{Ended, sweep};
 
 const AXES: &str = "[sweep]\nx = { parameter = \"omega\", from = 0.4, to = 3.0, points = 50 }\n\
@@ -25,11 +27,18 @@ const BEAM: &str = "omega = 3\n[structure]\nfrequencies = [1, 6.267]\nratios = [
     [sweep]\nx = { parameter = \"omega\", from = 0.5, to = 4, points = 50 }\n\
     y = { parameter = \"contact.0.upper\", from = 0.05, to = 1, points = 36 }\n[compute]\nfamilies = [\"0+\"]\n";
 
-fn map(scene: &StructureScene) {
-    let map = StructureMap::new(scene).unwrap();
-    for row in 0..map.rows() {
-        black_box(map.row(row, &Stop::default()));
-    }
+fn map<S: Grid>(scene: &S, pool: &ThreadPool) {
+    let ended = sweep(
+        scene,
+        pool,
+        &Stop::default(),
+        |_| {},
+        |_, cells| {
+            black_box(cells);
+            Ok::<(), ()>(())
+        },
+    );
+    assert!(matches!(ended, Ended::Complete(_)));
 }
 
 fn maps(criterion: &mut Criterion) {
@@ -38,21 +47,7 @@ fn maps(criterion: &mut Criterion) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let ring = "[model]\nsites = 21\ngamma1 = 0.2\nasymmetry = 0.4\namplitude = 0.1\nrestitution = 0.9\n";
     let undamped = Scene::parse(Path::new("bench"), &format!("{ring}{AXES}")).unwrap();
-    group.bench_function("ring N=20, undamped", |bencher| {
-        bencher.iter(|| {
-            let ended = sweep(
-                &undamped,
-                &pool,
-                &Stop::default(),
-                |_| {},
-                |_, cells| {
-                    black_box(cells);
-                    Ok::<(), ()>(())
-                },
-            );
-            assert!(matches!(ended, Ended::Complete(_)));
-        });
-    });
+    group.bench_function("ring N=20, undamped", |bencher| bencher.iter(|| map(&undamped, &pool)));
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in
         [("ring N=20, damped", format!("{ring}damping = 0.01\n{AXES}")), ("beam of two modes", BEAM.to_owned())]
@@ -60,7 +55,7 @@ fn maps(criterion: &mut Criterion) {
         let file = folder.path().join("scene.toml");
         std::fs::write(&file, text).unwrap();
         let scene = StructureScene::read(&file).unwrap().unwrap();
-        group.bench_function(name, |bencher| bencher.iter(|| pool.install(|| map(&scene))));
+        group.bench_function(name, |bencher| bencher.iter(|| map(&scene, &pool)));
     }
     group.finish();
 }

@@ -12,7 +12,8 @@ use vibrochain_breather::{
 };
 use vibrochain_floquet::{Tolerance, structure_stability};
 use vibrochain_lattice::{Complex, Stop};
-use vibrochain_maps::structure::{Setting, StructureMap, StructureScene};
+use vibrochain_maps::structure::{Setting, StructureScene};
+use vibrochain_maps::sweep::{Ended, sweep};
 
 type C = Complex<f64>;
 
@@ -196,9 +197,22 @@ fn doubling(one: Oscillator, stop: f64, mut low: f64, mut high: f64) -> f64 {
 #[test]
 fn the_oscillator_of_shaw_and_holmes_doubles_its_period_where_its_trace_says() {
     let (swept, mut own) = (scene("shaw-holmes.toml"), scene("shaw-holmes.toml"));
-    let map = StructureMap::new(&swept).unwrap();
-    let cells = map.row(0, &Stop::default()).unwrap();
-    let class = |omega: f64| cells[((omega - 0.5) / 0.01).round() as usize].class();
+    let (pool, mut cells) = (rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap(), Vec::new());
+    let ended = sweep(
+        &swept,
+        &pool,
+        &Stop::default(),
+        |_| {},
+        |_, some| {
+            cells.extend_from_slice(some);
+            Ok::<(), ()>(())
+        },
+    );
+    assert!(matches!(ended, Ended::Complete(_)));
+    let class = |omega: f64| {
+        let cell = &cells[((omega - 0.5) / 0.01).round() as usize];
+        format!("{} {}", cell.class, cell.word.as_deref().unwrap_or_default())
+    };
     for (told, stable, unstable) in [(1.04824, 1.04, 1.05), (1.18169, 1.19, 1.18), (2.45672, 2.45, 2.46)] {
         let exact = doubling(SHAW_HOLMES, 0.1, f64::min(stable, unstable), f64::max(stable, unstable));
         near(exact, told, 3e-6);

@@ -35,7 +35,7 @@ pub(crate) type Lives = Option<Class>;
 /// [`CliError`].
 pub fn run(args: &CurvesArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     crate::structures::refuse_scene(&args.scene)?;
-    let scene = Plan::read(&args.scene, args.threshold)?.scene;
+    let scene = Plan::<Scene>::read(&args.scene, args.threshold)?.scene;
     let files =
         [("--out", args.out.as_deref()), ("--points", args.points.as_deref()), ("--plot", args.plot.as_deref())];
     let taken = distinct(&[("the scene", Some(&args.scene))], &files)?;

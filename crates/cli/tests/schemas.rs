@@ -108,6 +108,34 @@ fn answers(desk: &Desk) -> Vec<(&'static str, Value)> {
     answers
 }
 
+/// What is written of structures, whose scenes stand there as they are: what these may hold is told where they are read.
+fn of_structures(desk: &Desk) -> Vec<(&'static str, Value)> {
+    let mut answers = Vec::new();
+    fs::write(desk.path("k.mtx"), "%%MatrixMarket matrix array real general\n1 1\n1\n").unwrap();
+    let one = "omega = 2.3\nword = \"0+\"\nforce_periods = 1\n[structure]\nmasses = [1]\nstiffness = \"k.mtx\"\ndamping = [[0.1]]\n\
+        [[contact]]\nweights = [1]\nupper = 0.1\nrestitution = 0.8\n[force]\nload = [1]\n[sweep]\n\
+        x = { parameter = \"omega\", from = 2.3, to = 2.5, points = 3 }\n\
+        y = { parameter = \"load\", from = 1, to = 1.1, points = 2 }\n\
+        [compute]\nfamilies = [\"0+\"]\nstability = true\nthreshold = 0.01\n";
+    let damped = "[model]\nsites = 2\nends = \"fixed-free\"\ngamma1 = 0.2\ngamma2 = 0.1\nasymmetry = 0.4\namplitude = 0.1\n\
+        restitution = 0.9\n[sweep]\nx = { parameter = \"omega\", from = 1.3, to = 1.5, points = 3 }\n\
+        [compute]\nfamilies = [\"single-sided\"]\n";
+    let swept = damped
+        .replace("\"fixed-free\"", "\"free\"")
+        .replace("\"omega\", from = 1.3, to = 1.5", "\"damping\", from = 0, to = 0.1");
+    for text in [one.to_owned(), damped.to_owned(), swept.replace("amplitude = 0.1", "amplitude = 0.1\nomega = 1.4")] {
+        desk.scene(&text);
+        desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
+        answers.push(("manifest", desk.json("map.manifest.json")));
+        desk.run("fate scene.toml --starts 1 --periods 20 --out f.csv").with(0, &[]);
+        answers.push(("table", desk.json("f.manifest.json")));
+    }
+    desk.scene(one);
+    desk.run("sweep scene.toml --out shares --shard 0/1 --quiet").with(0, &[]);
+    answers.push(("plan", desk.json("shares/plan.json")));
+    answers
+}
+
 /// All kinds of axes; all that a model may have.
 const SCENES: [&str; 3] = [
     "title = 'three axes'\n[model]\nsites = 4\nends = 'free'\nlayers = 2\nlayer_ends = 'free'\ngamma1 = 0.2\ngamma3 = 0.05\n\
@@ -242,6 +270,12 @@ fn answers_have_their_form_and_nothing_near_them_has() {
         }
     }
     assert!(answers.len() >= 20 && refused > 5000, "{} {refused}", answers.len());
+    let of_structures = of_structures(&desk);
+    for (name, value) in &of_structures {
+        Schema::named(name).check(value).unwrap_or_else(|error| panic!("{name}: {error}"));
+        seen.extend(places(value).iter().filter_map(|place| Some(place.rsplit_once('/')?.1.to_owned())));
+    }
+    assert_eq!(of_structures.len(), 7);
     // Every key of a schema was in an answer, but for what the borders of a good window lack, and a table of scenes alone.
     for name in
         ["orbit", "locate", "branch", "curve", "curves", "words", "simulate", "manifest", "table", "plan", "fate"]

@@ -197,7 +197,7 @@ fn a_map_is_a_row_a_point() {
     let sweep = "[sweep]\nx = { parameter = \"omega\", from = 0.6, to = 1.4, points = 9 }\n\
         y = { parameter = \"contact.0.upper\", from = 0.5, to = 0.8, points = 4 }\n[compute]\nfamilies = [\"0+\", \"0+,0-\", \"0+/2\"]\n";
     let desk = Desk::with_scene(&format!("{TWO}{sweep}"));
-    desk.run("sweep scene.toml --out map.csv").with(0, &["36 points"]);
+    desk.run("sweep scene.toml --out map.csv").with(0, &["36 cells"]);
     let text = String::from_utf8(desk.read("map.csv")).unwrap();
     let rows: Vec<&str> = text.lines().collect();
     assert_eq!(rows[0], "omega,contact.0.upper,class,word,mechanism,spectral_radius,margin,solutions,trouble");

@@ -4,13 +4,12 @@ use std::ops::Range;
 use std::path::Path;
 
 use vibrochain_maps::error::MapError;
-use vibrochain_maps::scene::Scene;
 use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::{Block, Content, Ended, Job, Settings, Sink};
 use vibrochain_maps::table::{Form, Rows, TableFile};
 
 use crate::ensemble::Ensemble;
-use crate::fates::{CellFates, From, OfScene, of_parts};
+use crate::fates::{CellFates, Ensembled, From, of_parts};
 use crate::reader::Reader;
 use crate::table::{header, text};
 
@@ -78,16 +77,20 @@ impl Fates {
     }
 }
 
-impl Content for Fates {
+impl<S: Ensembled> Content<S> for Fates {
     type Item = CellFates;
-    type Reader<'a> = Reader<'a>;
+    type Layout = ();
+    type Reader<'a>
+        = Reader<'a, S>
+    where
+        S: 'a;
 
-    fn header(&self, scene: &Scene) -> String {
+    fn header(&self, scene: &S) -> String {
         // Names of plain letters need no quotes.
         header(scene).join(",") + "\n"
     }
 
-    fn create(&self, out: &Path, scene: &Scene, threads: usize) -> Result<TableFile, MapError> {
+    fn create(&self, out: &Path, _: &S, threads: usize) -> Result<TableFile, MapError> {
         if Form::of(out)? == Form::Columns {
             let name = out.display();
             let message = format!(
@@ -95,24 +98,25 @@ impl Content for Fates {
             );
             return Err(MapError::Request(message));
         }
-        TableFile::create(out, scene, threads)
+        TableFile::create(out, &[], threads)
     }
 
+    fn layout(&self, _: &S) {}
+
     /// No form of this table wants items.
-    fn put(&self, _: &mut TableFile, _: &Scene, _: u64, _: &CellFates) -> Result<(), MapError> {
+    fn put(&self, _: &mut TableFile, _: (&S, &()), _: u64, _: &CellFates) -> Result<(), MapError> {
         Ok(())
     }
 
     fn compute(
         &self,
-        job: &Job<'_>,
+        job: &Job<'_, S>,
         parts: &[Range<u64>],
         wanted: bool,
         tick: &(dyn Fn(u64) + Sync),
         sink: Sink<'_, CellFates>,
     ) -> Ended<MapError> {
-        let cells = OfScene { job, from: self.from };
-        of_parts(&cells, (job.pool, job.stop), &self.ensemble, parts, tick, |part, last, cell| {
+        of_parts(job, (&self.ensemble, self.from), parts, tick, |part, last, cell| {
             let cells = cell.number..cell.number + 1;
             let summary = Summary::of(&[cell.cell]);
             let text = text(job.scene, &cell)?;
@@ -122,7 +126,7 @@ impl Content for Fates {
         })
     }
 
-    fn reader<'a>(&self, scene: &'a Scene, cells: Range<u64>) -> Reader<'a> {
+    fn reader<'a>(&self, scene: &'a S, cells: Range<u64>) -> Reader<'a, S> {
         Reader::new(scene, cells, self.ensemble.starts)
     }
 }

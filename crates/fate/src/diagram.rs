@@ -5,11 +5,13 @@ use vibrochain_breather::Orbit;
 use vibrochain_eventsim::Simulation;
 use vibrochain_lattice::{Barrier, Model, Stop};
 use vibrochain_maps::cell::Worker;
+use vibrochain_maps::grid::Grid;
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::sweep::{Ended, Job};
 
 use crate::ensemble::Ensemble;
-use crate::origin::Reached;
+use crate::fates::Ensembled;
+use crate::origin::{Origin, Reached};
 use crate::run::reach;
 use crate::section::Strobe;
 use crate::start::Start;
@@ -21,12 +23,12 @@ const MOST_WAITING: u64 = 1 << 24;
 /// Points of one cell at most.
 pub const MAX_POINTS: u64 = 100_000;
 
-/// One point of a section: displacement and velocity of each site that is looked at.
+/// One point of a section: displacement and velocity of each site, or contact, that is looked at.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SectionPoint {
     /// Periods of the force since the start.
     pub period: u64,
-    /// (u, u̇) of each site, in the order of [`Diagram::sites`].
+    /// (u, u̇) of each site, or contact, in the order of [`Sectioned::watched`].
     pub states: Vec<(f64, f64)>,
 }
 
@@ -41,11 +43,42 @@ pub struct Column {
     pub complete: bool,
 }
 
+/// What carries a run that starts in a cell of a scene.
+type RunOf<S> = <<S as Ensembled>::Origin as Origin>::Run;
+
+/// A scene whose runs are looked at once a period.
+pub trait Sectioned: Ensembled {
+    /// The state that one run hands on to the next.
+    type State: Clone + Send + Sync;
+
+    /// The sites, or contacts, that are looked at.
+    fn watched(&self) -> Vec<usize>;
+
+    /// Whether a run may go on from the end of the one before.
+    ///
+    /// # Errors
+    /// Why not.
+    fn carries(&self) -> Result<(), String>;
+
+    /// A run of a cell from the end of another one; or from what gives the cell its class, perturbed, or from rest where nothing does. With
+    /// the instants at which it is looked at; `None` where nothing can start. The outer `None`: stopped.
+    fn begin(
+        &self,
+        cell: u64,
+        ensemble: &Ensemble,
+        carried: Option<Self::State>,
+        stop: &Stop,
+    ) -> Option<Option<(RunOf<Self>, Strobe)>>;
+
+    /// Displacements and velocities of what is looked at, and the state at an instant of the section.
+    fn look(run: &RunOf<Self>, watched: &[usize]) -> (Vec<(f64, f64)>, Self::State);
+}
+
 /// A diagram that is asked for.
 #[derive(Debug, Clone)]
-pub struct Diagram<'a> {
+pub struct Diagram<'a, S = Scene> {
     /// The scene, with one axis.
-    pub scene: &'a Scene,
+    pub scene: &'a S,
     /// How long a run is, and how its start is perturbed.
     pub ensemble: &'a Ensemble,
     /// Section points kept of each run.
@@ -55,15 +88,80 @@ pub struct Diagram<'a> {
     pub carry: bool,
 }
 
-/// Where a run begins.
-type State = (Vec<f64>, Vec<f64>, f64);
+impl<S: Sectioned> Diagram<'_, S> {
+    /// Computes all cells and hands them to `sink` in order. `tick` is called with each number of cells that is done.
+    pub fn compute<E>(
+        &self,
+        job: &Job<'_, S>,
+        tick: impl Fn(u64) + Sync,
+        mut sink: impl FnMut(Column) -> Result<(), E>,
+    ) -> Ended<E, ()> {
+        let cells = Grid::cells(self.scene);
+        let watched = self.scene.watched();
+        let numbers = (2 * self.points).saturating_mul(watched.len() as u64).max(1);
+        let block = if self.carry { 1 } else { (MOST_WAITING / numbers).clamp(1, BLOCK) };
+        let mut carried: Option<S::State> = None;
+        let mut first = 0;
+        while first < cells {
+            let numbers = first..(first + block).min(cells);
+            first = numbers.end;
+            let of = |number| {
+                let column = self.column(number, &watched, carried.clone(), job.stop);
+                tick(1);
+                column
+            };
+            let done: Vec<_> = job.pool.install(|| numbers.into_par_iter().map(of).collect());
+            for column in done {
+                let Some((column, end)) = column else { return Ended::Stopped };
+                carried = end.filter(|_| self.carry);
+                if let Err(error) = sink(column) {
+                    return Ended::Failed(error);
+                }
+            }
+        }
+        Ended::Complete(())
+    }
 
-impl Diagram<'_> {
-    /// The masses that are looked at: those of the scene's words, and site 0 for families.
-    #[must_use]
-    pub fn sites(&self) -> Vec<usize> {
-        let layout = self.scene.base.layout;
-        let task = &self.scene.task;
+    /// One run, and where it ends if it is completed. `None` if stopped.
+    fn column(
+        &self,
+        number: u64,
+        watched: &[usize],
+        carried: Option<S::State>,
+        stop: &Stop,
+    ) -> Option<(Column, Option<S::State>)> {
+        if stop.is_raised() {
+            return None;
+        }
+        let (mut points, mut end) = (Vec::new(), None);
+        let Some((mut run, strobe)) = self.scene.begin(number, self.ensemble, carried, stop)? else {
+            return Some((Column { number, points, complete: false }, None));
+        };
+        let first = self.ensemble.periods.saturating_sub(self.points);
+        for period in 0..self.ensemble.periods {
+            if stop.is_raised() {
+                return None;
+            }
+            // A whole period at a time before the first point, so that nothing takes long to be stopped.
+            if reach(&mut run, None, strobe.time(period), stop, |_| {})? != Reached::Time {
+                return Some((Column { number, points, complete: false }, None));
+            }
+            if period >= first {
+                let (states, state) = S::look(&run, watched);
+                points.push(SectionPoint { period, states });
+                end = Some(state);
+            }
+        }
+        Some((Column { number, points, complete: true }, end))
+    }
+}
+
+impl Sectioned for Scene {
+    type State = (Vec<f64>, Vec<f64>);
+
+    /// The masses of the scene's words, and site 0 for families.
+    fn watched(&self) -> Vec<usize> {
+        let (layout, task) = (self.base.layout, &self.task);
         let of_words = task
             .words
             .iter()
@@ -75,89 +173,46 @@ impl Diagram<'_> {
         sites
     }
 
-    /// Computes all cells and hands them to `sink` in order. `tick` is called with each number of cells that is done.
-    pub fn compute<E>(
+    fn carries(&self) -> Result<(), String> {
+        Ok(())
+    }
+
+    fn begin(
         &self,
-        job: &Job<'_>,
-        tick: impl Fn(u64) + Sync,
-        mut sink: impl FnMut(Column) -> Result<(), E>,
-    ) -> Ended<E, ()> {
-        let cells = self.scene.cells();
-        let numbers = (2 * self.points).saturating_mul(self.sites().len() as u64).max(1);
-        let block = if self.carry { 1 } else { (MOST_WAITING / numbers).clamp(1, BLOCK) };
-        let mut carried: Option<State> = None;
-        let mut first = 0;
-        while first < cells {
-            let numbers = first..(first + block).min(cells);
-            first = numbers.end;
-            let of = |number| {
-                let column = self.column(number, carried.clone(), job.stop);
-                tick(1);
-                column
-            };
-            let done: Vec<_> = job.pool.install(|| numbers.into_par_iter().map(of).collect());
-            for column in done {
-                let Some((column, end)) = column else { return Ended::Stopped };
-                carried = Some(end).filter(|_| self.carry && column.complete);
-                if let Err(error) = sink(column) {
-                    return Ended::Failed(error);
+        cell: u64,
+        ensemble: &Ensemble,
+        carried: Option<Self::State>,
+        stop: &Stop,
+    ) -> Option<Option<(Simulation, Strobe)>> {
+        let model = self.point(cell).model().ok()?;
+        let sites = model.chain().sites();
+        let (u, v, psi) = match carried {
+            // At an instant of the section the phase is 0.
+            Some((u, v)) => (within(u, &model), v, 0.0),
+            None => {
+                let mut best: Option<Orbit> = None;
+                Worker::new(sites).until(stop).examine(&model, &self.task, |orbit, better| {
+                    if better {
+                        best = Some(orbit.clone());
+                    }
+                });
+                match best.and_then(|orbit| Start::on(&orbit).ok()) {
+                    Some(mut start) => {
+                        start.perturb_at_random(&model, ensemble.size, ensemble.seed_of(cell, 0, 0));
+                        (start.displacement, start.velocity, start.psi)
+                    }
+                    None => (vec![0.0; sites], vec![0.0; sites], 0.0),
                 }
             }
-        }
-        Ended::Complete(())
+        };
+        let simulation = Simulation::new(&model, psi, &u, &v).ok();
+        Some(simulation.map(|simulation| (simulation, Strobe::new(&model, psi, 0.0))))
     }
 
-    /// One run. `None` if stopped.
-    fn column(&self, number: u64, carried: Option<State>, stop: &Stop) -> Option<(Column, State)> {
-        if stop.is_raised() {
-            return None;
-        }
-        let model = self.scene.point(number).model().ok()?;
-        let (u, v, psi) = match carried {
-            Some((u, v, psi)) => (within(u, &model), v, psi),
-            None => self.start(number, &model, stop),
-        };
-        let incomplete = |points| Column { number, points, complete: false };
-        let Ok(mut simulation) = Simulation::new(&model, psi, &u, &v) else {
-            return Some((incomplete(Vec::new()), (u, v, psi)));
-        };
-        let (sites, strobe) = (self.sites(), Strobe::new(&model, psi, 0.0));
-        let (mut points, first) = (Vec::new(), self.ensemble.periods.saturating_sub(self.points));
-        for period in 0..self.ensemble.periods {
-            if stop.is_raised() {
-                return None;
-            }
-            // A whole period at a time before the first point, so that nothing takes long to be stopped.
-            if reach(&mut simulation, None, strobe.time(period), stop, |_| {})? != Reached::Time {
-                return Some((incomplete(points), (u, v, psi)));
-            }
-            if period >= first {
-                let state = simulation.state();
-                let states = sites.iter().map(|&n| (state.displacement[n], state.velocity[n])).collect();
-                points.push(SectionPoint { period, states });
-            }
-        }
-        let state = simulation.state();
-        // At a point of the section the phase is 0.
-        Some((Column { number, points, complete: true }, (state.displacement, state.velocity, 0.0)))
-    }
-
-    /// The breather that gives the cell its class, perturbed; where there is none, rest.
-    fn start(&self, number: u64, model: &Model, stop: &Stop) -> State {
-        let sites = model.chain().sites();
-        let mut best: Option<Orbit> = None;
-        Worker::new(sites).until(stop).examine(model, &self.scene.task, |orbit, better| {
-            if better {
-                best = Some(orbit.clone());
-            }
-        });
-        match best.and_then(|orbit| Start::on(&orbit).ok()) {
-            Some(mut start) => {
-                start.perturb_at_random(model, self.ensemble.size, self.ensemble.seed_of(number, 0, 0));
-                (start.displacement, start.velocity, start.psi)
-            }
-            None => (vec![0.0; sites], vec![0.0; sites], 0.0),
-        }
+    fn look(run: &Simulation, watched: &[usize]) -> (Vec<(f64, f64)>, Self::State) {
+        let state = run.state();
+        let states = watched.iter().map(|&n| (state.displacement[n], state.velocity[n])).collect();
+        (states, (state.displacement, state.velocity))
     }
 }
 

@@ -5,12 +5,13 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-use rayon::ThreadPool;
 use rayon::iter::{IntoParallelRefIterator, ParallelBridge, ParallelIterator};
 use vibrochain_breather::{Finder, Orbit, Word};
 use vibrochain_floquet::{Analyser, Stability, Tolerance};
-use vibrochain_lattice::{Point, Stop};
+use vibrochain_lattice::Stop;
 use vibrochain_maps::cell::{Cell, Worker};
+use vibrochain_maps::grid::Grid;
+use vibrochain_maps::scene::Scene;
 use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::{Ended, Job};
 
@@ -134,11 +135,9 @@ fn mean(values: &[f64]) -> Option<(f64, Option<f64>)> {
 
 /// A cell, and what becomes of what lives there.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CellFates<P = Point> {
+pub struct CellFates {
     /// Its number in the scene.
     pub number: u64,
-    /// Its point; of a structure's scene the values of its axes.
-    pub point: P,
     /// What a sweep finds there.
     pub cell: Cell,
     /// Those of its breathers that were asked for.
@@ -157,24 +156,24 @@ pub(crate) struct Departure<O> {
 }
 
 /// A cell before its runs.
-pub(crate) struct Found<O> {
+pub struct Found<O> {
     pub(crate) cell: Cell,
     pub(crate) departures: Vec<Departure<O>>,
 }
 
-/// What finds whence runs start in the cells of a scene.
-pub(crate) trait Cells: Sync {
+/// A scene from whose cells runs start.
+pub trait Ensembled: Grid {
+    /// What runs start from.
     type Origin: Origin;
-    /// A cell's place in the scene.
-    type Point;
-    type Worker;
 
-    fn worker(&self) -> Self::Worker;
-
-    fn point(&self, number: u64) -> Self::Point;
+    /// Whether an ensemble can be run over it.
+    ///
+    /// # Errors
+    /// What is missing or out of range.
+    fn takes(&self, ensemble: &Ensemble, from: From) -> Result<(), String>;
 
     /// What lives in a cell, and whence runs start. `None` if stopped.
-    fn find(&self, number: u64, worker: &mut Self::Worker) -> Option<Found<Self::Origin>>;
+    fn find(&self, cell: u64, from: From, worker: &mut Self::Worker, stop: &Stop) -> Option<Found<Self::Origin>>;
 }
 
 /// What one thread does at a time.
@@ -193,29 +192,24 @@ enum Done {
 /// done, of as many as cells times starts.
 ///
 /// What is handed on is the same for any number of threads: every run has a seed of its own, [`Ensemble::seed_of`].
-pub fn fates<E>(
-    job: &Job<'_>,
+pub fn fates<S: Ensembled, E>(
+    job: &Job<'_, S>,
     ensemble: &Ensemble,
     from: From,
     tick: impl Fn(u64) + Sync,
     mut sink: impl FnMut(CellFates) -> Result<(), E>,
 ) -> Ended<E> {
     let whole = 0..job.scene.cells();
-    let cells = OfScene { job, from };
-    of_parts(&cells, (job.pool, job.stop), ensemble, &[whole], tick, |_, _, cell| sink(cell))
+    of_parts(job, (ensemble, from), &[whole], tick, |_, _, cell| sink(cell))
 }
 
-/// Threads, and what ends their work.
-pub(crate) type Crew<'a> = (&'a ThreadPool, &'a Stop);
-
 /// As [`fates()`], of the cells of `parts`. `sink` learns which of the parts a cell is of, and whether it is its last.
-pub(crate) fn of_parts<S: Cells, E>(
-    cells: &S,
-    crew: Crew<'_>,
-    ensemble: &Ensemble,
+pub(crate) fn of_parts<S: Ensembled, E>(
+    job: &Job<'_, S>,
+    (ensemble, from): (&Ensemble, From),
     parts: &[Range<u64>],
     tick: impl Fn(u64) + Sync,
-    mut sink: impl FnMut(usize, bool, CellFates<S::Point>) -> Result<(), E>,
+    mut sink: impl FnMut(usize, bool, CellFates) -> Result<(), E>,
 ) -> Ended<E> {
     // Blocks go on over the ends of parts, which may be shorter than what keeps many threads at work.
     let block = (BLOCK / ensemble.starts.max(1)).max(1) as usize;
@@ -230,7 +224,7 @@ pub(crate) fn of_parts<S: Cells, E>(
         if places.is_empty() {
             return Ended::Complete(total);
         }
-        let ended = of_block(cells, crew, ensemble, &places, &tick, |place, cell| {
+        let ended = of_block(job, (ensemble, from), &places, &tick, |place, cell| {
             total.count(&cell.cell);
             sink(place.part, place.last, cell)
         });
@@ -271,23 +265,23 @@ impl<T> Iterator for InOrder<T> {
 
 /// Computes the cells of one block, and hands on each as soon as it and those before it are finished: whoever keeps them loses
 /// little by a kill.
-fn of_block<S: Cells, E>(
-    cells: &S,
-    (pool, stop): Crew<'_>,
-    ensemble: &Ensemble,
+fn of_block<S: Ensembled, E>(
+    job: &Job<'_, S>,
+    (ensemble, from): (&Ensemble, From),
     places: &[Place],
     tick: &(impl Fn(u64) + Sync),
-    mut sink: impl FnMut(&Place, CellFates<S::Point>) -> Result<(), E>,
+    mut sink: impl FnMut(&Place, CellFates) -> Result<(), E>,
 ) -> Ended<E, ()> {
+    let Job { scene, pool, stop } = *job;
     let find = |worker: &mut S::Worker, place: &Place| {
-        let found = cells.find(place.cell, worker)?;
+        let found = scene.find(place.cell, from, worker, stop)?;
         if found.departures.is_empty() {
             tick(ensemble.starts);
         }
         Some(found)
     };
     let found: Vec<Option<Found<S::Origin>>> =
-        pool.install(|| places.par_iter().map_init(|| cells.worker(), find).collect());
+        pool.install(|| places.par_iter().map_init(|| scene.worker(stop), find).collect());
     let mut work: Vec<(&Departure<S::Origin>, u64, u64, Work)> = Vec::new();
     for (found, place) in found.iter().zip(places) {
         for (breather, departure) in (0..).zip(found.iter().flat_map(|found| &found.departures)) {
@@ -323,20 +317,19 @@ fn of_block<S: Cells, E>(
         // Taken in order.
         scope.spawn(move |_| work.into_iter().enumerate().par_bridge().for_each_with(sender, each));
         let mut done = InOrder { receiver, waiting: BTreeMap::new(), next: 0 };
-        let ended = collect(cells, ensemble, places, &found, &mut done, &mut sink);
+        let ended = collect(ensemble, places, &found, &mut done, &mut sink);
         closed.store(true, Ordering::Relaxed);
         ended
     })
 }
 
 /// Puts runs together to cells.
-fn collect<S: Cells, E>(
-    cells: &S,
+fn collect<O, E>(
     ensemble: &Ensemble,
     places: &[Place],
-    found: &[Option<Found<S::Origin>>],
+    found: &[Option<Found<O>>],
     done: &mut InOrder<Option<Done>>,
-    sink: &mut impl FnMut(&Place, CellFates<S::Point>) -> Result<(), E>,
+    sink: &mut impl FnMut(&Place, CellFates) -> Result<(), E>,
 ) -> Ended<E, ()> {
     for (found, place) in found.iter().zip(places) {
         let Some(found) = found else { return Ended::Stopped };
@@ -352,7 +345,7 @@ fn collect<S: Cells, E>(
             }
             breathers.push(BreatherFates::of(departure, measured, &fates));
         }
-        let cell = CellFates { number: place.cell, point: cells.point(place.cell), cell: found.cell, breathers };
+        let cell = CellFates { number: place.cell, cell: found.cell, breathers };
         if let Err(error) = sink(place, cell) {
             return Ended::Failed(error);
         }
@@ -360,31 +353,23 @@ fn collect<S: Cells, E>(
     Ended::Complete(())
 }
 
-/// The cells of a chain's scene.
-pub(crate) struct OfScene<'a> {
-    pub(crate) job: &'a Job<'a>,
-    pub(crate) from: From,
-}
-
-impl Cells for OfScene<'_> {
+impl Ensembled for Scene {
     type Origin = Breather;
-    type Point = Point;
-    type Worker = Worker;
 
-    fn worker(&self) -> Worker {
-        Worker::new(self.job.scene.base.sites()).until(self.job.stop)
+    fn takes(&self, ensemble: &Ensemble, from: From) -> Result<(), String> {
+        if from == From::Rest {
+            let message =
+                "--breathers rest is of structures, and of chains with dashpots: give class, every or unstable";
+            return Err(message.to_owned());
+        }
+        ensemble.check(self.base.sites()).map_err(|error| error.to_string())
     }
 
-    fn point(&self, number: u64) -> Point {
-        self.job.scene.point(number)
-    }
-
-    fn find(&self, number: u64, worker: &mut Worker) -> Option<Found<Breather>> {
-        let Self { job, from } = *self;
+    fn find(&self, number: u64, from: From, worker: &mut Worker, stop: &Stop) -> Option<Found<Breather>> {
         // The scene's corners were checked, so that every point between is a valid model.
-        let model = job.scene.point(number).model().ok()?;
+        let model = self.point(number).model().ok()?;
         let (mut orbits, mut count): (Vec<(u32, Orbit)>, _) = (Vec::new(), 0);
-        let cell = worker.examine(&model, &job.scene.task, |orbit, best| {
+        let cell = worker.examine(&model, &self.task, |orbit, best| {
             count += 1;
             if from == From::Class && best {
                 orbits.clear();
@@ -393,12 +378,12 @@ impl Cells for OfScene<'_> {
                 orbits.push((count, orbit.clone()));
             }
         });
-        let tolerance = job.scene.task.tolerance;
-        let departures = orbits.iter().filter_map(|(number, orbit)| departure(*number, orbit, tolerance, job.stop));
+        let tolerance = self.task.tolerance;
+        let departures = orbits.iter().filter_map(|(number, orbit)| departure(*number, orbit, tolerance, stop));
         let asked = |(_, unstable): &(Departure<Breather>, bool)| from != From::Unstable || *unstable;
         let departures = departures.filter(asked).map(|(departure, _)| departure).collect();
         // What was stopped is not known.
-        (!job.stop.is_raised()).then_some(Found { cell, departures })
+        (!stop.is_raised()).then_some(Found { cell, departures })
     }
 }
 

@@ -10,7 +10,7 @@
 //! | [`Ensemble`] | what is asked, within limits; seeds |
 //! | [`Home`], [`Fate`] | one run |
 //! | [`Witness`] | one run that somebody else carries on |
-//! | [`fates()`], [`StructureFates`] | all cells of a scene, in parallel, in order |
+//! | [`fates()`], [`Ensembled`] | all cells of a scene, in parallel, in order |
 //! | [`Strobe`], [`Diagram`] | sections, and bifurcation diagrams by simulation |
 //! | [`table`] | columns and rows, written and read back |
 //! | [`Fates`] | all that is asked of a scene, as chunks and tables have it |
@@ -53,15 +53,14 @@ pub mod table;
 mod witness;
 
 pub use content::Fates;
-pub use diagram::{Column, Diagram, MAX_POINTS, SectionPoint};
+pub use diagram::{Column, Diagram, MAX_POINTS, SectionPoint, Sectioned};
 pub use end::End;
 pub use ensemble::{Ensemble, OutOfRange};
 pub use exponent::{Measured, Unmeasured, measure, measure_structure};
-pub use fates::{BreatherFates, CellFates, From, fates};
+pub use fates::{BreatherFates, CellFates, Ensembled, From, fates};
 pub use origin::{Breather, OfStructure};
 pub use reader::Reader;
 pub use run::{Fate, Home, LOOKED_AT};
 pub use section::Strobe;
 pub use start::{ModeShape, Start};
-pub use structures::StructureFates;
 pub use witness::{Outcome, Pattern, Witness};

@@ -11,6 +11,7 @@ use vibrochain_lattice::{Barrier, ModalStructure};
 
 use crate::follow::{Expected, Track};
 use crate::repeat::{Hit, word_of};
+use crate::section::Strobe;
 use crate::start::Start;
 
 /// Lattices on which all directions at once are no work.
@@ -218,7 +219,17 @@ impl OfStructure {
     }
 
     pub(crate) fn at_rest(model: &StructureModel) -> Self {
-        Self { model: model.clone(), orbit: None, modes: model.structure().still(), psi: 0.0, time: 0.0 }
+        Self::at(model, model.structure().still())
+    }
+
+    /// In any state, on no orbit, brought between the barriers.
+    pub(crate) fn at(model: &StructureModel, modes: Vec<[f64; 2]>) -> Self {
+        Self { model: model.clone(), orbit: None, modes, psi: 0.0, time: 0.0 }
+    }
+
+    /// The instants at which the load is greatest, of a run.
+    pub(crate) fn strobe(&self) -> Strobe {
+        Strobe::of_period(self.model.period(), self.psi, 0.0)
     }
 }
 

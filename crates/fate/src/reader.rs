@@ -6,15 +6,13 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use vibrochain_breather::Word;
-use vibrochain_lattice::Point;
 use vibrochain_maps::cell::{Cell, Status};
 use vibrochain_maps::fields::Fields;
+use vibrochain_maps::grid::Grid;
 use vibrochain_maps::lines::Lines;
 use vibrochain_maps::numbers::Number;
-use vibrochain_maps::scene::Scene;
 use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::ReadRows;
-use vibrochain_maps::table::parameters;
 
 use crate::end::End;
 use crate::fates::{BreatherFates, CellFates};
@@ -25,15 +23,15 @@ const UNTOLD: Cell = Cell { class: None, ..Cell::EMPTY };
 
 /// Reads rows against the cells they must be of, and counts these.
 #[derive(Debug)]
-pub struct Reader<'a> {
-    rows: Rows<'a>,
+pub struct Reader<'a, S> {
+    rows: Rows<'a, S>,
     lines: Lines,
 }
 
 /// What a reader knows besides the line that has begun.
 #[derive(Debug)]
-struct Rows<'a> {
-    scene: &'a Scene,
+struct Rows<'a, S> {
+    scene: &'a S,
     cells: Range<u64>,
     starts: u64,
     header: Arc<[String]>,
@@ -46,16 +44,16 @@ struct Rows<'a> {
     counts: Summary,
 }
 
-impl<'a> Reader<'a> {
+impl<'a, S: Grid> Reader<'a, S> {
     /// For the rows of the cells numbered `cells`, with `starts` runs from each breather.
-    pub(crate) fn new(scene: &'a Scene, cells: Range<u64>, starts: u64) -> Self {
+    pub(crate) fn new(scene: &'a S, cells: Range<u64>, starts: u64) -> Self {
         let (next, counts) = (cells.start, Summary::default());
         let rows = Rows { scene, cells, starts, header: header(scene).into(), row: 0, next, current: None, counts };
         Self { rows, lines: Lines::default() }
     }
 }
 
-impl ReadRows<CellFates> for Reader<'_> {
+impl<S: Grid> ReadRows<CellFates> for Reader<'_, S> {
     fn take(&mut self, bytes: &[u8], each: &mut dyn FnMut(u64, &CellFates)) -> Result<(), String> {
         let Self { rows, lines } = self;
         lines.take(bytes, |line| {
@@ -83,7 +81,7 @@ impl ReadRows<CellFates> for Reader<'_> {
     }
 }
 
-impl Rows<'_> {
+impl<S: Grid> Rows<'_, S> {
     fn hand_on(&mut self, each: &mut dyn FnMut(u64, &CellFates)) {
         if let Some(cell) = self.current.take() {
             self.counts.count(&cell.cell);
@@ -97,17 +95,20 @@ impl Rows<'_> {
         let header = Arc::clone(&self.header);
         let mut fields = Fields::of(&header, &record)?;
         let mut digits = Vec::new();
-        for parameter in parameters(self.scene) {
+        for parameter in self.scene.places() {
             digits.push((parameter, fields.text()));
         }
-        let is_at =
-            |point: &Point| digits.iter().all(|(parameter, text)| Number(point.get(*parameter)).to_string() == *text);
+        let scene = self.scene;
+        let is_at = |cell: u64| {
+            let point = scene.point(cell);
+            digits.iter().all(|(parameter, text)| Number(S::value(&point, *parameter)).to_string() == *text)
+        };
         let solutions = fields.value()?;
         let status = fields.read(Status::from_name)?;
         let breather = self.breather(&mut fields)?;
         // Breathers of a cell have rising numbers.
         if let (Some(cell), Some(breather)) = (&mut self.current, &breather)
-            && is_at(&cell.point)
+            && is_at(cell.number)
             && cell.breathers.last().is_some_and(|last| last.number < breather.number)
         {
             if (cell.cell.solutions, cell.cell.status) != (solutions, status) {
@@ -120,12 +121,11 @@ impl Rows<'_> {
         if !self.cells.contains(&self.next) {
             return Err(format!("it is of more than its {} cells", self.cells.end - self.cells.start));
         }
-        let point = self.scene.point(self.next);
-        if !is_at(&point) {
+        if !is_at(self.next) {
             return Err("it is of another cell".to_owned());
         }
         let cell = Cell { solutions, status, ..UNTOLD };
-        self.current = Some(CellFates { number: self.next, point, cell, breathers: breather.into_iter().collect() });
+        self.current = Some(CellFates { number: self.next, cell, breathers: breather.into_iter().collect() });
         self.next += 1;
         Ok(())
     }

@@ -1,120 +1,80 @@
 //! Ensembles over a structure's scene: many runs from the orbits of every point, or from rest.
 
-use std::ops::Range;
-
-use rayon::ThreadPool;
 use vibrochain_breather::{StructureModel, structure_is_physical, structure_orbits};
+use vibrochain_eventsim::StructureSimulation;
 use vibrochain_floquet::structure_stability;
 use vibrochain_lattice::Stop;
 use vibrochain_maps::cell::{Cell, Class, Status};
-use vibrochain_maps::structure::StructureScene;
-use vibrochain_maps::sweep::Ended;
+use vibrochain_maps::grid::Grid;
+use vibrochain_maps::structure::map::RowOfModels;
+use vibrochain_maps::structure::{Setting, StructureScene};
 
+use crate::diagram::Sectioned;
 use crate::ensemble::Ensemble;
-use crate::fates::{CellFates, Cells, Departure, Found, From, of_parts, predicted};
-use crate::origin::OfStructure;
+use crate::fates::{Departure, Ensembled, Found, From, predicted};
+use crate::origin::{OfStructure, Origin};
 use crate::run::Home;
+use crate::section::Strobe;
 
 /// An orbit as runs start from it, and whether it is stable where that is decided.
 type Judged = (Departure<OfStructure>, Option<bool>);
 
-/// The fates of a structure's scene: its point, or all points of its axes, the first of which is the fastest.
-#[derive(Debug)]
-pub struct StructureFates<'a> {
-    scene: &'a StructureScene,
-    ensemble: Ensemble,
-    from: From,
-}
-
-impl<'a> StructureFates<'a> {
-    /// Of a scene and what is asked.
-    #[must_use]
-    pub fn new(scene: &'a StructureScene, ensemble: Ensemble, from: From) -> Self {
-        Self { scene, ensemble, from }
-    }
-
-    /// Number of points.
-    #[must_use]
-    pub fn cells(&self) -> u64 {
-        self.scene.axes.iter().map(|axis| axis.points as u64).product()
-    }
-
-    /// Computes all points and hands them to `sink` in order. `tick` is called with each number of runs that is done.
-    pub fn compute<E>(
-        &self,
-        (pool, stop): (&ThreadPool, &Stop),
-        tick: impl Fn(u64) + Sync,
-        mut sink: impl FnMut(CellFates<Vec<f64>>) -> Result<(), E>,
-    ) -> Ended<E> {
-        let whole: Range<u64> = 0..self.cells();
-        of_parts(self, (pool, stop), &self.ensemble, &[whole], tick, |_, _, cell| sink(cell))
-    }
-
-    /// The model of a point.
-    fn model(&self, number: u64) -> Result<StructureModel, String> {
-        let mut scene = self.scene.clone();
-        for (axis, value) in self.scene.axes.iter().zip(self.point(number)) {
-            scene.set(axis.setting, value)?;
-        }
-        scene.model()
-    }
-
-    /// The physical orbits of all words that are asked for.
-    fn departures(&self, model: &StructureModel) -> (Vec<Judged>, Status) {
-        let (mut all, mut status) = (Vec::new(), Status::Ok);
-        for (word, periods) in self.scene.asked() {
-            let Ok(found) = structure_orbits(model, &word, periods) else {
-                status = Status::NotConverged;
-                continue;
-            };
-            for orbit in &found.orbits {
-                if !structure_is_physical(orbit).is_ok_and(|answer| answer.is_physical()) {
-                    continue;
-                }
-                let Ok(home) = Home::of_structure(orbit) else { continue };
-                let known = structure_stability(orbit, self.scene.tolerance).ok();
-                let verdict = known.as_ref().map(|known| known.verdict);
-                let departure = Departure {
-                    number: all.len() as u32 + 1,
-                    name: orbit.name(),
-                    spectral_radius: verdict.map(|verdict| verdict.spectral_radius),
-                    predicted: known.and_then(|known| predicted(&known, orbit.period())),
-                    measured: true,
-                    home,
-                };
-                all.push((departure, verdict.filter(|verdict| !verdict.marginal).map(|verdict| verdict.stable)));
-            }
-        }
-        (all, status)
-    }
-}
-
-impl Cells for StructureFates<'_> {
-    type Origin = OfStructure;
-    type Point = Vec<f64>;
-    type Worker = ();
-
-    fn worker(&self) {}
-
-    fn point(&self, number: u64) -> Vec<f64> {
-        let mut rest = number as usize;
-        let value = |axis: &vibrochain_maps::structure::scene::StructureAxis| {
-            let at = rest % axis.points;
-            rest /= axis.points;
-            axis.value(at)
+/// The physical orbits of all words that are asked for.
+fn departures(scene: &StructureScene, model: &StructureModel) -> (Vec<Judged>, Status) {
+    let (mut all, mut status) = (Vec::new(), Status::Ok);
+    for (word, periods) in scene.asked() {
+        let Ok(found) = structure_orbits(model, &word, periods) else {
+            status = Status::NotConverged;
+            continue;
         };
-        self.scene.axes.iter().map(value).collect()
+        for orbit in &found.orbits {
+            if !structure_is_physical(orbit).is_ok_and(|answer| answer.is_physical()) {
+                continue;
+            }
+            let Ok(home) = Home::of_structure(orbit) else { continue };
+            let known = structure_stability(orbit, scene.tolerance).ok();
+            let verdict = known.as_ref().map(|known| known.verdict);
+            let departure = Departure {
+                number: all.len() as u32 + 1,
+                name: orbit.name(),
+                spectral_radius: verdict.map(|verdict| verdict.spectral_radius),
+                predicted: known.and_then(|known| predicted(&known, orbit.period())),
+                measured: true,
+                home,
+            };
+            all.push((departure, verdict.filter(|verdict| !verdict.marginal).map(|verdict| verdict.stable)));
+        }
+    }
+    (all, status)
+}
+
+impl Ensembled for StructureScene {
+    type Origin = OfStructure;
+
+    fn takes(&self, ensemble: &Ensemble, from: From) -> Result<(), String> {
+        // A structure's lengths are its user's: any perturbation that leaves its contacts between their barriers is one.
+        let checked = Ensemble { size: ensemble.size.min(1.0), ..*ensemble };
+        checked.check(1).map_err(|error| error.to_string())?;
+        if self.asked().is_empty() && from != From::Rest {
+            let message =
+                "from which orbits? give word = \"0+\" or [compute] with families in the scene, or --breathers rest";
+            return Err(message.to_owned());
+        }
+        self.model().map(drop)
     }
 
-    fn find(&self, number: u64, (): &mut ()) -> Option<Found<OfStructure>> {
-        let Ok(model) = self.model(number) else {
+    fn find(&self, number: u64, from: From, row: &mut RowOfModels, stop: &Stop) -> Option<Found<OfStructure>> {
+        if stop.is_raised() {
+            return None;
+        }
+        let Ok(model) = row.model(self, number) else {
             let cell = Cell { class: None, status: Status::IllConditioned, ..Cell::EMPTY };
             return Some(Found { cell, departures: Vec::new() });
         };
-        if self.from == From::Rest {
+        if from == From::Rest {
             let rest = Departure {
                 number: 1,
-                name: "rest".to_owned(),
+                name: From::Rest.name().to_owned(),
                 spectral_radius: None,
                 predicted: None,
                 measured: false,
@@ -122,9 +82,9 @@ impl Cells for StructureFates<'_> {
             };
             return Some(Found { cell: Cell::EMPTY, departures: vec![rest] });
         }
-        let (mut all, status) = self.departures(&model);
+        let (mut all, status) = departures(self, &model);
         let solutions = all.len() as u32;
-        match self.from {
+        match from {
             From::Unstable => all.retain(|(_, stable)| *stable == Some(false)),
             From::Class => {
                 let best = all.iter().position(|(_, stable)| *stable == Some(true)).unwrap_or(0);
@@ -135,5 +95,69 @@ impl Cells for StructureFates<'_> {
         let class = if solutions == 0 { Some(Class::None) } else { Some(Class::Word) };
         let departures = all.into_iter().map(|(departure, _)| departure).collect();
         Some(Found { cell: Cell { class, solutions, status, ..Cell::EMPTY }, departures })
+    }
+}
+
+impl Sectioned for StructureScene {
+    type State = Vec<[f64; 2]>;
+
+    /// The contacts of the scene's words; all where it names none.
+    fn watched(&self) -> Vec<usize> {
+        let asked = self.asked();
+        let mut contacts: Vec<usize> =
+            asked.iter().flat_map(|(word, _)| word.letters()).map(|letter| letter.site).collect();
+        if contacts.is_empty() {
+            contacts = (0..self.contacts().len()).collect();
+        }
+        contacts.sort_unstable();
+        contacts.dedup();
+        contacts
+    }
+
+    /// What is carried are the coordinates of its modes, which must mean the same in both.
+    fn carries(&self) -> Result<(), String> {
+        let changes = |parameter: Setting| match parameter {
+            Setting::Omega | Setting::Load | Setting::Static | Setting::Asymmetry | Setting::RestitutionOfAll => false,
+            Setting::Lower(_) | Setting::Upper(_) | Setting::Restitution(_) => false,
+            Setting::LoadOf(_) | Setting::StaticOf(_) => false,
+            Setting::Damping | Setting::CouplingDamping | Setting::Gamma1 | Setting::Gamma2 | Setting::Entry(..) => {
+                true
+            }
+        };
+        match self.axes.iter().find(|axis| changes(axis.parameter)) {
+            Some(axis) => {
+                let name = self.name_of(axis.parameter);
+                Err(format!(
+                    "--carry: the modes change with {name}, and a run goes on in the modes of the one before: leave it away"
+                ))
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn begin(
+        &self,
+        cell: u64,
+        ensemble: &Ensemble,
+        carried: Option<Self::State>,
+        stop: &Stop,
+    ) -> Option<Option<(StructureSimulation, Strobe)>> {
+        let mut row = self.worker(stop);
+        let Ok(model) = row.model(self, cell) else { return Some(None) };
+        let (origin, perturbed) = match carried {
+            Some(modes) => (OfStructure::at(&model, modes), None),
+            None => match self.find(cell, From::Class, &mut row, stop)?.departures.pop() {
+                Some(departure) => (departure.home.origin, Some((ensemble.size, ensemble.seed_of(cell, 0, 0)))),
+                None => (OfStructure::at_rest(&model), None),
+            },
+        };
+        Some(origin.run(perturbed).map(|run| (run, origin.strobe())))
+    }
+
+    fn look(run: &StructureSimulation, watched: &[usize]) -> (Vec<(f64, f64)>, Self::State) {
+        let state = run.state();
+        let of =
+            |contact: &usize| state.contacts.get(*contact).map_or((f64::NAN, f64::NAN), |at| (at.place, at.velocity));
+        (watched.iter().map(of).collect(), state.modes)
     }
 }

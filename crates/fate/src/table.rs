@@ -1,21 +1,20 @@
 //! The table of an ensemble: a row a breather, and one for a cell without any.
 
 use vibrochain_maps::error::MapError;
+use vibrochain_maps::grid::Grid;
 use vibrochain_maps::numbers::Number;
-use vibrochain_maps::scene::Scene;
-use vibrochain_maps::table::parameters;
 
 use crate::end::End;
 use crate::fates::{BreatherFates, CellFates};
 
 /// The names of the columns.
 #[must_use]
-pub fn header(scene: &Scene) -> Vec<String> {
-    parameters(scene).into_iter().map(|parameter| parameter.name().to_owned()).chain(columns()).collect()
+pub fn header<S: Grid>(scene: &S) -> Vec<String> {
+    scene.places().into_iter().map(|parameter| scene.name_of(parameter)).chain(columns()).collect()
 }
 
 /// Those after the point of a cell.
-pub fn columns() -> impl Iterator<Item = String> {
+fn columns() -> impl Iterator<Item = String> {
     let before = ["solutions", "status", "number", "breather", "spectral_radius"];
     let exponents = ["predicted_exponent", "measured_exponent", "measured_error", "starts", "end"];
     let after = ["words", "left", "leave_time", "leave_error", "chaos_exponent"];
@@ -25,7 +24,7 @@ pub fn columns() -> impl Iterator<Item = String> {
 }
 
 /// The rows of a cell, as they stand in the file.
-pub(crate) fn text(scene: &Scene, cell: &CellFates) -> Result<Vec<u8>, MapError> {
+pub(crate) fn text<S: Grid>(scene: &S, cell: &CellFates) -> Result<Vec<u8>, MapError> {
     let unwritten = |error: &dyn std::fmt::Display| MapError::Computation(format!("could not write a row: {error}"));
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows(scene, cell) {
@@ -34,16 +33,12 @@ pub(crate) fn text(scene: &Scene, cell: &CellFates) -> Result<Vec<u8>, MapError>
     writer.into_inner().map_err(|error| unwritten(&error))
 }
 
-/// The rows of a cell.
+/// The rows of a cell, each with its point first.
 #[must_use]
-pub fn rows(scene: &Scene, cell: &CellFates) -> Vec<Vec<String>> {
-    let point = parameters(scene).into_iter().map(|parameter| Number(cell.point.get(parameter)).to_string()).collect();
-    rows_at(point, cell)
-}
-
-/// The rows of a cell of any scene, each with its point first.
-#[must_use]
-pub fn rows_at<P>(point: Vec<String>, cell: &CellFates<P>) -> Vec<Vec<String>> {
+pub fn rows<S: Grid>(scene: &S, cell: &CellFates) -> Vec<Vec<String>> {
+    let place = scene.point(cell.number);
+    let value = |parameter| Number(S::value(&place, parameter)).to_string();
+    let point: Vec<String> = scene.places().into_iter().map(value).collect();
     let number = |value: Option<f64>| value.map_or(String::new(), |value| Number(value).to_string());
     let found = || [cell.cell.solutions.to_string(), cell.cell.status.name().to_owned()];
     let row = |of: &BreatherFates| {

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use vibrochain_breather::{Family, Orbit, admissibility, breathers};
 use vibrochain_eventsim::{Limits, Simulation, Time};
-use vibrochain_fate::{CellFates, Column, Diagram, End, Ensemble, Fates, From, Home, fates, table};
+use vibrochain_fate::{CellFates, Column, Diagram, End, Ensemble, Fates, From, Home, Sectioned, fates, table};
 use vibrochain_floquet::{Tolerance, stability};
 use vibrochain_lattice::{Chain, Model, Stop};
 use vibrochain_maps::scene::Scene;
@@ -220,7 +220,7 @@ fn what_a_table_tells_of_a_cell_reads_back_and_what_it_cannot_tell_is_refused() 
         let back = take(&text, whole.clone()).unwrap();
         assert_eq!(back.len(), cells.len());
         for (mine, theirs) in cells.iter().zip(&back) {
-            assert_eq!((&mine.point, &mine.breathers), (&theirs.point, &theirs.breathers));
+            assert_eq!((mine.number, &mine.breathers), (theirs.number, &theirs.breathers));
             assert_eq!((mine.cell.solutions, mine.cell.status), (theirs.cell.solutions, theirs.cell.status));
             read += mine.breathers.len();
             words += mine.breathers.iter().map(|breather| breather.words.len()).sum::<usize>();
@@ -264,7 +264,7 @@ fn columns(threads: usize, carry: bool, text: &str) -> Vec<Column> {
     let (scene, stop) = (scene(text), Stop::default());
     let ensemble = Ensemble { periods: 400, ..Ensemble::default() };
     let diagram = Diagram { scene: &scene, ensemble: &ensemble, points: 8, carry };
-    assert_eq!(diagram.sites(), [0]);
+    assert_eq!(scene.watched(), [0]);
     let mut columns = Vec::new();
     let job = Job { scene: &scene, pool: &pool, stop: &stop };
     let ended = diagram.compute(

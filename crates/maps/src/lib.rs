@@ -11,6 +11,7 @@
 //! | `numbers` | numbers as they are typed and written |
 //! | `scene` | what to sweep and what to compute, checked, with errors that point at lines |
 //! | `structure` | the same of any linear structure with stops |
+//! | `grid` | what sweeps, chunks and tables ask of both |
 //! | `cell`, `summary` | one cell: a point and what lives there; the counts of many |
 //! | `extent` | the cells of the finest grid that a cell of a refined one stands for |
 //! | `table` | its columns, rows of cells written and read back, the forms of its file |
@@ -27,11 +28,13 @@
 pub mod borders;
 pub mod caption;
 pub mod cell;
+mod chain_grid;
 pub mod error;
 pub mod extent;
 pub mod fields;
 pub mod files;
 pub mod followed;
+pub mod grid;
 pub mod lines;
 pub mod manifest;
 pub mod numbers;

@@ -7,7 +7,8 @@ use serde_json::{Map, Value, json};
 use vibrochain_floquet::Tolerance;
 use vibrochain_lattice::{Parameter, PointPart};
 
-use crate::cell::{Class, Status};
+use crate::cell::Status;
+use crate::grid::{Grid, Refined};
 use crate::scene::{Axis, Refine, Scene};
 use crate::summary::Summary;
 
@@ -27,11 +28,11 @@ pub fn target() -> String {
 
 /// What a manifest tells of a run.
 #[derive(Debug)]
-pub struct Run<'a> {
+pub struct Run<'a, S = Scene> {
     /// The scene file's name as given.
     pub scene_file: &'a str,
     /// The scene.
-    pub scene: &'a Scene,
+    pub scene: &'a S,
     /// The version of the program that computed the cells.
     pub version: &'a str,
     /// The git revision it was built from, if known.
@@ -124,13 +125,9 @@ struct Refinement {
 }
 
 /// The manifest as a JSON value.
-pub fn manifest(run: &Run<'_>) -> Value {
+pub fn manifest<S: Grid>(run: &Run<'_, S>) -> Value {
     let (scene, summary) = (run.scene, run.summary);
-    let refinement = |may_miss| Refinement {
-        grid: scene.finest().axes.iter().map(Axis::points).collect(),
-        leaves: summary.computed,
-        may_miss,
-    };
+    let refinement = |Refined { grid, may_miss }| Refinement { grid, leaves: summary.computed, may_miss };
     let count = |(name, count): (&str, u64)| (count > 0).then(|| (name.to_owned(), count.into()));
     json!(Manifest {
         schema: SCHEMA,
@@ -138,11 +135,11 @@ pub fn manifest(run: &Run<'_>) -> Value {
         version: run.version,
         revision: run.revision,
         scene: run.scene_file,
-        title: scene.title.as_deref(),
-        parts: scene_parts(scene),
+        title: scene.title(),
+        parts: scene.parts(),
         cells: scene.cells() * scene.cells_within(),
-        refinement: scene.may_miss().map(refinement),
-        classes: Class::ALL.iter().map(|class| class.name()).zip(summary.classes).filter_map(count).collect(),
+        refinement: scene.refined().map(refinement),
+        classes: summary.by_name(S::class_name).into_iter().filter_map(count).collect(),
         statuses: Status::ALL.iter().map(|status| status.name()).zip(summary.statuses).filter_map(count).collect(),
         worst_residual: summary.worst_residual,
         effort: run.effort,

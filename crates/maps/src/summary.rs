@@ -56,6 +56,18 @@ impl Summary {
         self.computed += other.computed;
     }
 
+    /// Cells of each name of a class, in the order of [`Class::ALL`]: classes may share one.
+    pub fn by_name(&self, name: fn(Class) -> &'static str) -> Vec<(&'static str, u64)> {
+        let mut counts: Vec<(&'static str, u64)> = Vec::new();
+        for (class, count) in Class::ALL.into_iter().zip(self.classes) {
+            match counts.iter_mut().find(|(known, _)| *known == name(class)) {
+                Some((_, sum)) => *sum += count,
+                None => counts.push((name(class), count)),
+            }
+        }
+        counts
+    }
+
     /// Number of cells counted.
     pub fn cells(&self) -> u64 {
         self.statuses.iter().sum()

@@ -15,7 +15,8 @@ use vibrochain_maps::regions::{Region, Regions};
 
 use crate::call::long;
 use crate::failure::{Failure, whole};
-use crate::sweep::{pool, scene, thread_count};
+use crate::scenes::scene;
+use crate::sweep::{pool, thread_count};
 
 /// A curve on which what lives there changes.
 ///
@@ -202,7 +203,7 @@ pub(crate) fn _curves(
 ) -> PyResult<PyBorders> {
     let count = thread_count(threads)?;
     let places = whole("places", places, 0, i64::MAX)? as usize;
-    let scene = scene(text.as_deref(), &path)?;
+    let scene = scene::<vibrochain_maps::scene::Scene>(text.as_deref(), &path)?;
     let caption = [scene.heading(), scene.fixed(), scene.criterion()];
     let told = Arc::new([AtomicU64::new(0), AtomicU64::new(0)]);
     let work = {

@@ -10,12 +10,15 @@ use pyo3::types::{PyDict, PyList};
 use vibrochain_fate::{BreatherFates, CellFates, End, Ensemble, From, fates};
 use vibrochain_lattice::Stop;
 use vibrochain_maps::cell::Status;
+use vibrochain_maps::grid::Grid;
 use vibrochain_maps::scene::Scene;
+use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::sweep::{Ended, Job};
 
 use crate::call::long;
 use crate::failure::{Failure, named, natural, whole};
-use crate::sweep::{NO_WORD, grid, pool, scene, thread_count, unrefined};
+use crate::scenes::{CellsScene, grid, is_of_structure, scene, unrefined};
+use crate::sweep::{NO_WORD, pool, thread_count};
 
 /// The most cells in memory: a gigabyte, and more runs than a machine makes in weeks.
 const MOST_CELLS: u64 = 1_000_000;
@@ -60,10 +63,28 @@ pub(crate) fn _fate<'py>(
     let (starts, periods) = (starts? as u64, periods? as u64);
     let seed = natural("seed", seed)?;
     let ensemble = Ensemble { starts, size: perturb, seed, periods, transient, tolerance, leave };
-    let scene = Arc::new(scene(text.as_deref(), &path)?);
+    let asked = Asked { ensemble, from, threads: count, progress };
+    if is_of_structure(text.as_deref(), &path)? {
+        fates_of(py, scene::<StructureScene>(text.as_deref(), &path)?, asked)
+    } else {
+        fates_of(py, scene::<Scene>(text.as_deref(), &path)?, asked)
+    }
+}
+
+/// What is asked of a scene.
+struct Asked<'a, 'py> {
+    ensemble: Ensemble,
+    from: From,
+    threads: usize,
+    progress: Option<&'a Bound<'py, PyAny>>,
+}
+
+fn fates_of<'py, S: CellsScene>(py: Python<'py>, scene: S, asked: Asked<'_, 'py>) -> PyResult<Bound<'py, PyDict>> {
+    let Asked { ensemble, from, threads: count, progress } = asked;
+    let starts = ensemble.starts;
     unrefined(&scene)?;
-    ensemble.check(scene.base.sites()).map_err(|error| Failure::request(error.to_string().trim_start_matches('-')))?;
-    let cells = scene.cells();
+    scene.takes(&ensemble, from).map_err(|error| Failure::request(error.trim_start_matches('-')))?;
+    let (cells, scene) = (Grid::cells(&scene), Arc::new(scene));
     if cells > MOST_CELLS {
         let message = format!(
             "an ensemble of {cells} cells is too large for memory, the limit is {MOST_CELLS}: give fewer points, or write a table with \
@@ -74,7 +95,7 @@ pub(crate) fn _fate<'py>(
     let done = Arc::new(AtomicU64::new(0));
     let work = {
         let (scene, done) = (scene.clone(), done.clone());
-        move |stop: &Stop| compute(&scene, &ensemble, from, count, &done, stop)
+        move |stop: &Stop| compute(&*scene, &ensemble, from, count, &done, stop)
     };
     let look = |_: Python<'_>| match progress {
         Some(progress) => progress.call1((done.load(Ordering::Relaxed), cells * starts)).map(drop),
@@ -82,9 +103,9 @@ pub(crate) fn _fate<'py>(
     };
     let found = long(py, look, work)?;
     let parts = PyDict::new(py);
-    grid(&parts, &scene)?;
+    grid(&parts, &*scene)?;
     let places = places(&found, from);
-    parts.set_item("places", (from != From::Class).then_some(places))?;
+    parts.set_item("places", (!is_alone(from)).then_some(places))?;
     parts.set_item("columns", columns(py, &found, from, places)?)?;
     let mut ends = [0; End::NAMES.len()];
     for breather in found.iter().flat_map(|cell| &cell.breathers) {
@@ -96,8 +117,8 @@ pub(crate) fn _fate<'py>(
     Ok(parts)
 }
 
-fn compute(
-    scene: &Scene,
+fn compute<S: CellsScene>(
+    scene: &S,
     ensemble: &Ensemble,
     from: From,
     threads: usize,
@@ -120,10 +141,15 @@ fn compute(
     }
 }
 
+/// Whether runs of a cell start from one breather at most, or from rest.
+fn is_alone(from: From) -> bool {
+    matches!(from, From::Class | From::Rest)
+}
+
 /// Places for breathers in each cell: one where runs start from one at most.
 fn places(cells: &[CellFates], from: From) -> usize {
     let numbers = cells.iter().flat_map(|cell| &cell.breathers).map(|breather| breather.number as usize);
-    if from == From::Class { 1 } else { numbers.max().unwrap_or(0) }
+    if is_alone(from) { 1 } else { numbers.max().unwrap_or(0) }
 }
 
 /// Columns of all cells, and of their breathers.
@@ -132,7 +158,7 @@ fn columns<'py>(py: Python<'py>, cells: &[CellFates], from: From, places: usize)
     let mut table: Vec<Option<&BreatherFates>> = vec![None; cells.len() * places];
     for (i, cell) in cells.iter().enumerate() {
         for breather in &cell.breathers {
-            let place = if from == From::Class { 0 } else { breather.number as usize - 1 };
+            let place = if is_alone(from) { 0 } else { breather.number as usize - 1 };
             table[i * places + place] = Some(breather);
         }
     }

@@ -6,7 +6,8 @@
 // | `orbits`, `breathers` | `Orbit`, `Impact`; `Breathers`, and how complete they are; impact words |
 // | `answers` | `Admissibility`, `Condition`, `Stability` |
 // | `simulation` | event-driven runs |
-// | `structures`, `structure_maps` | orbits of any linear structure; maps of them |
+// | `structures` | orbits of any linear structure |
+// | `scenes` | scenes of chains and of structures |
 // | `sweep`, `fates` | maps: the columns of a scene's cells; what becomes of their breathers |
 // | `events`, `branches`, `curves` | what happens as parameters vary |
 // | `borders` | all borders of a scene's window |
@@ -31,8 +32,8 @@ mod orbits;
 mod params;
 mod pickle;
 mod pictures;
+mod scenes;
 mod simulation;
-mod structure_maps;
 mod structures;
 mod sweep;
 
@@ -71,9 +72,9 @@ mod _vibrochain {
         _structure_frequencies, _structure_pane, _style, _svg, PyPane,
     };
     #[pymodule_export]
-    use crate::simulation::{_simulate, _start};
+    use crate::scenes::_scene;
     #[pymodule_export]
-    use crate::structure_maps::{_scene, _structure_sweep};
+    use crate::simulation::{_simulate, _start};
     #[pymodule_export]
     use crate::structures::{_structure, _structure_along, _structure_motion};
     #[pymodule_export]

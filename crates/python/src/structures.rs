@@ -10,8 +10,8 @@ use vibrochain_breather::{
     structure_orbits,
 };
 use vibrochain_floquet::{
-    DiagramPoint, Event, FollowedBranch, Station, StructureCourse, StructureCurve, StructureWindow, Tolerance,
-    structure_branch,
+    Diagram, DiagramPoint, Event, FollowedBranch, Station, StructureCourse, StructureCurve, StructureWindow, Tolerance,
+    structure_diagram,
 };
 use vibrochain_lattice::{Barrier, Stop, StructureError};
 use vibrochain_maps::structure::along::{EventEntry, curves, family};
@@ -144,20 +144,51 @@ pub(crate) fn places<O>(stations: &[Station<O>]) -> Vec<usize> {
 /// What one number of a structure, or two, do to an orbit: the answer of `_structure_along`.
 #[derive(Serialize)]
 struct Along<'a> {
-    points: Vec<&'a DiagramPoint<StructureOrbit>>,
-    events: Vec<EventEntry>,
-    /// How many points lie before each event.
-    places: Vec<usize>,
-    ends: Vec<(f64, &'static str)>,
+    /// The orbit's own branch first.
+    branches: Vec<BranchParts<'a>>,
+    complete: bool,
     curves: Vec<StructureCurve>,
     /// What stands at the axes, and above the picture.
     labels: Vec<String>,
     heading: String,
 }
 
-/// The branch of an orbit along a number of the structure in `scene`, and, over two numbers, the curves of the events on it.
+/// A branch of orbits.
+#[derive(Serialize)]
+struct BranchParts<'a> {
+    word: String,
+    generation: u32,
+    force_periods: u32,
+    /// The branch that it leaves, and where.
+    origin: Option<(usize, f64)>,
+    points: Vec<&'a DiagramPoint<StructureOrbit>>,
+    events: Vec<EventEntry>,
+    /// How many points lie before each event.
+    places: Vec<usize>,
+    ends: Vec<(f64, &'static str)>,
+}
+
+impl<'a> BranchParts<'a> {
+    fn of(found: &'a Diagram<StructureOrbit>, branch: &'a FollowedBranch<StructureOrbit>) -> Self {
+        let first = branch.points().next().map(|point| &point.orbit);
+        let origin = branch.origin.and_then(|origin| Some((origin.branch, found.event_at(origin)?.value)));
+        Self {
+            word: first.map_or(String::new(), StructureOrbit::word),
+            generation: branch.generation,
+            force_periods: first.map_or(1, StructureOrbit::force_periods),
+            origin,
+            points: branch.points().collect(),
+            events: branch.events().map(EventEntry::of).collect(),
+            places: places(&branch.stations),
+            ends: branch.ends.iter().map(|(value, end)| (*value, end.name())).collect(),
+        }
+    }
+}
+
+/// The branch of an orbit along a number of the structure in `scene`, with so many generations of those that leave it, and, over two
+/// numbers, the curves of the events on it.
 #[pyfunction]
-#[pyo3(signature = (scene, near, psi, force_periods, free, start, stop_at, events, tolerance, threshold))]
+#[pyo3(signature = (scene, near, psi, force_periods, free, start, stop_at, events, generations, tolerance, threshold))]
 #[expect(clippy::too_many_arguments, reason = "named ones in Python")]
 pub(crate) fn _structure_along(
     py: Python<'_>,
@@ -169,6 +200,7 @@ pub(crate) fn _structure_along(
     start: Vec<f64>,
     stop_at: Vec<f64>,
     events: Vec<String>,
+    generations: u32,
     tolerance: f64,
     threshold: f64,
 ) -> PyResult<String> {
@@ -191,22 +223,18 @@ pub(crate) fn _structure_along(
         let growth = if threshold == 0.0 { Tolerance::Rounding } else { growth };
         let orbit = orbit_near(&model, force_periods, psi, &near)?;
         let (setting, value) = free[0];
-        let course =
-            StructureCourse { from: start[0], to: stop_at[0], events: wanted, generations: 0, tolerance: growth };
-        let found: FollowedBranch<StructureOrbit> =
-            structure_branch(&orbit, &family(&scene, &[setting]), value, &course, stop)?;
+        let course = StructureCourse { from: start[0], to: stop_at[0], events: wanted, generations, tolerance: growth };
+        let found = structure_diagram(&orbit, &family(&scene, &[setting]), value, &course, stop)?;
         let followed = match free[..] {
             [(first, _), (second, value)] => {
                 let window = StructureWindow { from: [start[0], start[1]], to: [stop_at[0], stop_at[1]] };
-                curves(&scene, ([first, second], value), &found, (window, tolerance), stop)?
+                curves(&scene, ([first, second], value), &found.branches[0], (window, tolerance), stop)?
             }
             _ => Vec::new(),
         };
         let answer = Along {
-            points: found.points().collect(),
-            events: found.events().map(EventEntry::of).collect(),
-            places: places(&found.stations),
-            ends: found.ends.iter().map(|(value, end)| (*value, end.name())).collect(),
+            branches: found.branches.iter().map(|branch| BranchParts::of(&found, branch)).collect(),
+            complete: found.complete,
             curves: followed,
             labels: free.iter().map(|(setting, _)| scene.label(*setting)).collect(),
             heading: scene.fixed_but(&orbit.word(), &free.iter().map(|(setting, _)| *setting).collect::<Vec<_>>()),

@@ -1,6 +1,8 @@
 """Structures from matrices, against free motion and against each other."""
 
+import concurrent.futures
 import copy
+import pathlib
 import pickle
 
 import numpy as np
@@ -130,3 +132,53 @@ def test_branches_and_curves_meet_what_is_known_by_hand():
         one.branch(first, 1.0, "omega", from_=1.1, to=1.5)
     with pytest.raises(vc.RequestError, match="is no event"):
         one.branch(first, 1.0, "omega", from_=0.5, to=1.5, events=["flip"])
+
+
+def shaw_holmes():
+    stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
+    return vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])
+
+
+def test_branches_leave_where_they_double():
+    one = shaw_holmes()
+    first = one.branch(one.orbits("0+", omega=2.325)[0], 2.325, "omega", from_=2.3, to=2.55, generations=1)
+    doubling, = [found["value"] for found in first.events if found["event"] == "period-doubling"]
+    doubled, = [leaving for leaving in first.leaving if leaving.word == "0+,0+"]
+    assert doubled.force_periods == 2 and doubled.origin == (0, pytest.approx(doubling, abs=1e-9))
+    # There both impacts are those of the orbit that doubles.
+    start = np.abs(doubled.values - doubling).argmin()
+    one_of_two = np.interp(doubled.values[start], first.values, first.impulses[:, 0])
+    assert doubled.impulses[start] == pytest.approx([one_of_two] * 2, abs=0.1)
+    alone = one.branch(one.orbits("0+", omega=2.325)[0], 2.325, "omega", from_=2.3, to=2.55)
+    assert alone.leaving == () and alone.origin is None and (alone.values == first.values).all()
+    with pytest.raises(vc.RequestError, match="generations = -1"):
+        one.branch(one.orbits("0+", omega=2.325)[0], 2.325, "omega", from_=2.3, to=2.55, generations=-1)
+
+
+def test_runs_settle_on_stable_orbits_from_wherever():
+    one, asked = shaw_holmes(), {"starts": 2, "periods": 400}
+    rest = one.fate([], ("omega", 2.25, 2.4, 4), **asked)
+    assert rest["words"].ravel().tolist() == ["0+ 2"] * 4 and rest.ends["another"] == 8
+    near = one.fate(["0+"], ("omega", 2.25, 2.4, 4), ("load", 1.0, 1.1, 2), breathers="every", **asked)
+    assert near.dims == ("load", "omega") and (near["share_breather"] == 1.0).all() and (near["solutions"] == 1).all()
+    assert np.abs(near["measured_exponent"] - near["predicted_exponent"]).max() < 1e-6
+    scene = vc.read_scene("scenes/structures/attractors.toml")
+    scene["sweep"]["x"]["points"], scene["sweep"]["y"]["points"] = 3, 2
+    found = vc.fate(scene, breathers="rest", starts=1, periods=100, perturb=0.05)
+    assert found["words"].shape == (2, 3) and sum(found.ends.values()) == 6
+    with pytest.raises(vc.RequestError, match="from which orbits"):
+        one.fate([], ("omega", 2.25, 2.4, 4), breathers="every")
+    with pytest.raises(vc.RequestError, match="breathers rest is of structures"):
+        vc.fate("scenes/fate-n20.toml", breathers="rest")
+
+
+def test_shares_of_a_structures_map_are_one_table(mapgen, tmp_path):
+    scene = both().scene(["0+", "0+,0-"], ("omega", 0.4, 1.4, 60), ("contact.0.upper", 0.3, 0.8, 50))
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        table = vc.sweep_shares(scene, tmp_path / "map.csv", pool, shares=3, threads=1, mapgen=mapgen)
+    rows = pathlib.Path(table).read_text().splitlines()
+    assert len(rows) == 3001
+    here = vc.sweep(scene)
+    words = [word or "" for word in here["word"].ravel()]
+    assert [row.split(",")[2] for row in rows[1:]] == here["class"].ravel().tolist()
+    assert sum(words[i] != "" for i in range(3000)) == here.classes["stable"] + here.classes["unstable"] > 100

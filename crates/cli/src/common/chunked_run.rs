@@ -7,6 +7,7 @@ use std::time::Instant;
 use rayon::ThreadPool;
 use vibrochain_lattice::Stop;
 use vibrochain_maps::files::{Destination, promises_folder, settle_names};
+use vibrochain_maps::grid::Grid;
 use vibrochain_maps::manifest::Effort;
 use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::{
@@ -22,10 +23,10 @@ use crate::common::progress::counter;
 use crate::sweep::report::speed;
 
 /// A table under way.
-pub(crate) struct ChunkedRun<'a, C> {
+pub(crate) struct ChunkedRun<'a, C, S: Grid> {
     /// What is computed of each cell.
     pub(crate) content: &'a C,
-    pub(crate) plan: &'a Plan,
+    pub(crate) plan: &'a Plan<S>,
     pub(crate) pool: &'a ThreadPool,
     pub(crate) stop: &'a Stop,
     /// Whether chunks that are there are to be taken up.
@@ -47,11 +48,11 @@ pub(crate) struct Gathered {
 }
 
 /// What was computed.
-struct Computed<'a, C: Content> {
+struct Computed<'a, C: Content<S>, S: Grid> {
     effort: Effort,
     /// The counts of the cells computed.
     summary: Summary,
-    grown: Option<Grown<'a, C>>,
+    grown: Option<Grown<'a, C, S>>,
 }
 
 /// The plain file that a table's name leads to; none where it is written to as it comes, and can have neither a manifest beside
@@ -87,7 +88,7 @@ pub(crate) fn nothing_to_resume(flag: &str, out: &Path) -> CliError {
     CliError::Request(message)
 }
 
-impl<C: Content> ChunkedRun<'_, C> {
+impl<S: Grid, C: Content<S>> ChunkedRun<'_, C, S> {
     /// Computes what is missing of a table, chunk by chunk, into the folder `parts`, and makes the table of all chunks.
     pub(crate) fn gather(
         &self,
@@ -216,7 +217,7 @@ impl<C: Content> ChunkedRun<'_, C> {
         self.pool.current_num_threads()
     }
 
-    fn job(&self) -> Job<'_> {
+    fn job(&self) -> Job<'_, S> {
         Job { scene: &self.plan.scene, pool: self.pool, stop: self.stop }
     }
 
@@ -238,7 +239,7 @@ impl<C: Content> ChunkedRun<'_, C> {
         let failed = |error: &dyn std::fmt::Display| self.failed(error, store, Shard::WHOLE);
         let begun = Assembly::begin(self.content, self.plan, out, self.threads(), watcher);
         let mut assembly = begun.map_err(|error| failed(&error))?;
-        match assembly.chunks(self.plan, store.folder(), self.stop) {
+        match assembly.chunks(store.folder(), self.stop) {
             Ok(summary) => Ok((assembly.into_table(), summary)),
             Err(Unassembled::Stopped) => Err(CliError::Paused(self.kept(store, Shard::WHOLE))),
             Err(Unassembled::Table(error)) => Err(failed(&error)),
@@ -255,8 +256,8 @@ impl<C: Content> ChunkedRun<'_, C> {
         store: &Store,
         shard: Shard,
         console: &mut Console<'_>,
-        along: Option<Assembly<'a, C>>,
-    ) -> Result<Computed<'a, C>, CliError> {
+        along: Option<Assembly<'a, C, S>>,
+    ) -> Result<Computed<'a, C, S>, CliError> {
         let job = self.job();
         let Some(todo) = Todo::of(self.content, &job, self.plan, store, shard)? else {
             return Err(CliError::Paused(self.kept(store, shard)));

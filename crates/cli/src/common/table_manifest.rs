@@ -8,9 +8,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use vibrochain_fate::Ensemble;
 use vibrochain_maps::files::Output;
-use vibrochain_maps::manifest::{REVISION, VERSION, scene_parts};
+use vibrochain_maps::grid::Grid;
+use vibrochain_maps::manifest::{REVISION, VERSION};
 use vibrochain_maps::numbers::plain;
-use vibrochain_maps::scene::{MAX_BYTES, Scene};
+use vibrochain_maps::scene::MAX_BYTES;
 use vibrochain_maps::table::stem;
 use vibrochain_maps::text::{clipped, read_text};
 
@@ -110,7 +111,7 @@ pub(crate) struct OfScene<'a> {
 }
 
 impl<'a> OfScene<'a> {
-    pub(crate) fn new(scene: &'a Scene, ensemble: Option<&'a Ensemble>) -> Self {
-        Self { title: scene.title.as_deref(), scene: scene_parts(scene), ensemble }
+    pub(crate) fn new<S: Grid>(scene: &'a S, ensemble: Option<&'a Ensemble>) -> Self {
+        Self { title: scene.title(), scene: scene.parts(), ensemble }
     }
 }

@@ -5,7 +5,7 @@ use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
 use vibrochain_maps::fields::Fields;
-use vibrochain_maps::scene::Scene;
+use vibrochain_maps::grid::Grid;
 use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::{Content, ReadRows};
 
@@ -73,10 +73,10 @@ impl TableRows {
     ///
     /// # Errors
     /// [`CliError::Request`] of a table that is not of this content and scene.
-    pub(crate) fn cells<C: Content>(
+    pub(crate) fn cells<S: Grid, C: Content<S>>(
         mut self,
         content: &C,
-        scene: &Scene,
+        scene: &S,
         each: &mut dyn FnMut(u64, &C::Item),
     ) -> Result<Summary, CliError> {
         let expected = content.header(scene);

@@ -10,7 +10,7 @@ use vibrochain_fate::{CellFates, Diagram, Ensemble, Fates, From, MAX_POINTS};
 use vibrochain_lattice::Stop;
 use vibrochain_maps::error::MapError;
 use vibrochain_maps::files::{CsvFile, distinct};
-use vibrochain_maps::manifest::scene_parts;
+use vibrochain_maps::grid::Grid;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::structure::StructureScene;
@@ -23,11 +23,11 @@ use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
 use crate::common::progress::counter;
+use crate::common::swept_scene::SweptScene;
 use crate::common::table_manifest::{Manifest, OfScene, beside};
 use crate::common::threads::threads;
 use crate::fate::plot::Plot;
 use crate::fate::report::Totals;
-use crate::structures;
 use crate::sweep::report::grid;
 
 /// The most runs of one command: years of work.
@@ -45,23 +45,29 @@ const POINTS: u64 = 100;
 /// # Errors
 /// [`CliError`].
 pub fn run(args: &FateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    if StructureScene::is_at(&args.scene) {
+        of_scene::<StructureScene>(args, console)
+    } else {
+        of_scene::<Scene>(args, console)
+    }
+}
+
+fn of_scene<S: SweptScene>(args: &FateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let fates = asked(args);
     let ensemble = &fates.ensemble;
-    if let Some(scene) = StructureScene::read(&args.scene)? {
-        return structures::fate::run(args, &scene, &fates, console);
-    }
-    if fates.from == From::Rest {
-        let message = "--breathers rest is of structures, and of chains with dashpots: give class, every or unstable";
-        return Err(CliError::Request(message.to_owned()));
-    }
-    let plan = Plan::of_ensemble(&args.scene, fates.settings(), fates.chunk_cells())?;
+    let plan = Plan::<S>::of_ensemble(&args.scene, fates.settings(), fates.chunk_cells())?;
     let scene = &plan.scene;
     // (clap does not ask for --diagram where something is given that conflicts with it.)
     if args.diagram.is_none() && (args.carry || args.points.is_some()) {
         let flag = if args.carry { "--carry" } else { "--points" };
         return Err(CliError::Request(format!("{flag} is of a diagram: give --diagram FILE, too, without --starts")));
     }
-    ensemble.check(scene.base.sites()).map_err(|error| CliError::Request(error.to_string()))?;
+    // Where a diagram has no orbit to start from it starts from rest.
+    let takes = |from| scene.takes(ensemble, from).map_err(CliError::Request);
+    match args.diagram {
+        Some(_) => takes(fates.from).or_else(|error| takes(From::Rest).map_err(|_| error))?,
+        None => takes(fates.from)?,
+    }
     let runs = scene.cells().saturating_mul(args.starts);
     if args.diagram.is_none() && runs > MAX_RUNS {
         let cells = scene.cells();
@@ -84,7 +90,7 @@ pub fn run(args: &FateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     ];
     let taken = distinct(&[("the scene", Some(&args.scene))], &files)?;
     nothing_else(args.json, taken)?;
-    match &args.diagram {
+    match args.diagram.as_deref() {
         Some(path) => diagram(args, path, scene, ensemble, taken, console),
         None => Ends { args, plan: &plan, fates: &fates, taken }.run(place.as_deref(), console),
     }
@@ -120,19 +126,19 @@ pub(crate) fn command(scene_file: &Path, out: &Path, settings: &Settings) -> Vec
 }
 
 /// What has been seen of the cells: their counts, and what pictures need.
-pub(crate) struct Seen<'a> {
-    scene: &'a Scene,
+pub(crate) struct Seen<'a, S> {
+    scene: &'a S,
     ensemble: &'a Ensemble,
     plot: Plot,
     totals: Totals,
     rows: u64,
 }
 
-impl<'a> Seen<'a> {
+impl<'a, S: SweptScene> Seen<'a, S> {
     /// # Errors
     /// [`CliError::Request`] for pictures that cannot be.
-    pub(crate) fn new(scene: &'a Scene, ensemble: &'a Ensemble, files: PictureFiles) -> Result<Self, CliError> {
-        let plot = Plot::of_ends(files, scene, false)?;
+    pub(crate) fn new(scene: &'a S, ensemble: &'a Ensemble, files: PictureFiles) -> Result<Self, CliError> {
+        let plot = Plot::of_ends(files, scene)?;
         Ok(Self { scene, ensemble, plot, totals: Totals::default(), rows: 0 })
     }
 
@@ -140,9 +146,9 @@ impl<'a> Seen<'a> {
     pub(crate) fn answer(&self, json: bool) -> Result<String, CliError> {
         let Self { scene, ensemble, totals, .. } = self;
         if json {
-            printed(&totals.answer(scene_parts(scene), ensemble))
+            printed(&totals.answer(scene.about()?, ensemble))
         } else {
-            Ok(totals.as_text(&grid(scene), ensemble))
+            Ok(totals.as_text(&grid(*scene), ensemble))
         }
     }
 
@@ -153,7 +159,7 @@ impl<'a> Seen<'a> {
     }
 }
 
-impl Watcher<CellFates> for Seen<'_> {
+impl<S> Watcher<CellFates> for Seen<'_, S> {
     fn looks(&self) -> bool {
         true
     }
@@ -173,15 +179,15 @@ impl Watcher<CellFates> for Seen<'_> {
 }
 
 /// Many runs from the breathers of every cell.
-struct Ends<'a> {
+struct Ends<'a, S: Grid> {
     args: &'a FateArgs,
-    plan: &'a Plan,
+    plan: &'a Plan<S>,
     fates: &'a Fates,
     /// Whether a file goes to standard output.
     taken: bool,
 }
 
-impl Ends<'_> {
+impl<S: SweptScene> Ends<'_, S> {
     /// `place` is the plain file that --out leads to, if that is one.
     fn run(&self, place: Option<&Path>, console: &mut Console<'_>) -> Result<(), CliError> {
         let Self { args, plan, fates, taken } = *self;
@@ -230,7 +236,7 @@ impl Ends<'_> {
     }
 
     /// Without a table.
-    fn alone(&self, run: &ChunkedRun<'_, Fates>, seen: &mut Seen<'_>, progress: bool) -> Result<(), CliError> {
+    fn alone(&self, run: &ChunkedRun<'_, Fates, S>, seen: &mut Seen<'_, S>, progress: bool) -> Result<(), CliError> {
         let (scene, (steps, things)) = (&self.plan.scene, run.steps);
         let bar = counter(scene.cells() * steps, 0, things, progress);
         let job = Job { scene, pool: run.pool, stop: run.stop };
@@ -244,7 +250,7 @@ impl Ends<'_> {
     }
 
     /// `threads` as asked for.
-    fn chunked<'a>(&'a self, pool: &'a ThreadPool, stop: &'a Stop, threads: Option<usize>) -> ChunkedRun<'a, Fates> {
+    fn chunked<'a>(&'a self, pool: &'a ThreadPool, stop: &'a Stop, threads: Option<usize>) -> ChunkedRun<'a, Fates, S> {
         let Self { args, plan, fates, .. } = *self;
         let again = self.again(threads);
         let steps = (args.starts, "runs");
@@ -266,16 +272,16 @@ impl Ends<'_> {
     }
 }
 
-fn diagram(
+fn diagram<S: SweptScene>(
     args: &FateArgs,
     path: &Path,
-    scene: &Scene,
+    scene: &S,
     ensemble: &Ensemble,
     taken: bool,
     console: &mut Console<'_>,
 ) -> Result<(), CliError> {
-    let [axis] = scene.axes.as_slice() else {
-        let axes = scene.axes.len();
+    let [axis] = Grid::axes(scene) else {
+        let axes = Grid::axes(scene).len();
         return Err(CliError::Request(format!("--diagram needs a scene with one axis, this one has {axes}")));
     };
     let most = args.periods.min(MAX_POINTS);
@@ -284,10 +290,13 @@ fn diagram(
         let message = format!("--points {points} is out of range: give a whole number from 1 to {most}");
         return Err(CliError::Request(message));
     }
+    if args.carry {
+        scene.carries().map_err(CliError::Request)?;
+    }
     let diagram = Diagram { scene, ensemble, points, carry: args.carry };
-    let sites = diagram.sites();
+    let sites = scene.watched();
     let columns = |name: &'static str| sites.iter().map(move |site| format!("{name}_{site}"));
-    let header = [axis.parameter.name().to_owned(), "period".to_owned()];
+    let header = [scene.name_of(axis.parameter), "period".to_owned()];
     let header = header.into_iter().chain(columns("displacement")).chain(columns("velocity"));
     let stop = (console.interrupt)()?;
     let mut file = CsvFile::create("--diagram", path, header)?;

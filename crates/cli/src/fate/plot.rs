@@ -10,9 +10,8 @@ mod with_plot {
     use std::collections::BTreeMap;
 
     use vibrochain_breather::Word;
-    use vibrochain_fate::{CellFates, End, Ensemble};
+    use vibrochain_fate::{CellFates, End, Ensemble, From};
     use vibrochain_lattice::Short;
-    use vibrochain_maps::scene::Scene;
     use vibrochain_plot::palette::LINES;
     use vibrochain_plot::{
         Curves, ENDS, EndsPicture, MOST_VALUES, MapAxis, Mapped, Mark, Pane, Scale, Series, Stroke, about,
@@ -61,7 +60,7 @@ mod with_plot {
         files: PictureFiles,
         /// Of each cell its most frequent end.
         cells: Vec<Option<Seen>>,
-        /// Whether other motions are told by their words.
+        /// Whether runs start from rest: other motions are told by their words.
         by_word: bool,
         /// Of each end, its share at each value of the axis.
         shares: Vec<Series>,
@@ -76,7 +75,7 @@ mod with_plot {
         ///
         /// # Errors
         /// [`CliError::Request`] of more cells than are drawn.
-        pub(crate) fn of_ends(files: PictureFiles, scene: &dyn Mapped, by_word: bool) -> Result<Self, CliError> {
+        pub(crate) fn of_ends(files: PictureFiles, scene: &dyn Mapped) -> Result<Self, CliError> {
             let points: Vec<usize> = scene.axes().iter().map(|axis| axis.values.points()).collect();
             let (axes, longest) = (points.len(), points.iter().max().copied().unwrap_or(0));
             let cells = points.iter().fold(1, |product: u64, points| product.saturating_mul(*points as u64));
@@ -87,18 +86,18 @@ mod with_plot {
                 );
                 return Err(CliError::Request(message));
             }
-            Self::new(files, scene, false, by_word)
+            Self::new(files, scene, false)
         }
 
         /// Of a diagram, over the one axis of its scene.
         ///
         /// # Errors
         /// [`CliError::Request`] of a picture that is too large.
-        pub(crate) fn of_diagram(files: PictureFiles, scene: &Scene) -> Result<Self, CliError> {
-            Self::new(files, scene, true, false)
+        pub(crate) fn of_diagram(files: PictureFiles, scene: &dyn Mapped) -> Result<Self, CliError> {
+            Self::new(files, scene, true)
         }
 
-        fn new(files: PictureFiles, scene: &dyn Mapped, is_diagram: bool, by_word: bool) -> Result<Self, CliError> {
+        fn new(files: PictureFiles, scene: &dyn Mapped, is_diagram: bool) -> Result<Self, CliError> {
             let axes = scene.axes();
             let cells = axes.first().map_or(1, |axis| axis.values.points());
             let axis = <[MapAxis; 1]>::try_from(axes).ok().map(|[axis]| axis);
@@ -118,7 +117,7 @@ mod with_plot {
                 points: Vec::new(),
             };
             let shares = WORDS.iter().enumerate().map(share).collect();
-            Ok(Self { files, cells: Vec::new(), by_word, shares, points: Vec::new(), axis, is_diagram })
+            Ok(Self { files, cells: Vec::new(), by_word: false, shares, points: Vec::new(), axis, is_diagram })
         }
 
         /// Forgets what was seen.
@@ -128,10 +127,11 @@ mod with_plot {
             self.points.clear();
         }
 
-        pub(crate) fn see<P>(&mut self, cell: &CellFates<P>) {
+        pub(crate) fn see(&mut self, cell: &CellFates) {
             if self.files.is_empty() {
                 return;
             }
+            self.by_word |= cell.breathers.iter().any(|breather| breather.name == From::Rest.name());
             match &self.axis {
                 // The most frequent end of all runs of the cell, the first of several.
                 None => {
@@ -240,7 +240,6 @@ mod with_plot {
 #[cfg(not(feature = "plot"))]
 mod without_plot {
     use vibrochain_fate::{CellFates, Ensemble};
-    use vibrochain_maps::scene::Scene;
 
     use crate::common::error::CliError;
     use crate::common::pictures::files::PictureFiles;
@@ -249,17 +248,17 @@ mod without_plot {
     pub(crate) struct Plot;
 
     impl Plot {
-        pub(crate) fn of_ends<T>(_: PictureFiles, _: &T, _: bool) -> Result<Self, CliError> {
+        pub(crate) fn of_ends<T>(_: PictureFiles, _: &T) -> Result<Self, CliError> {
             Ok(Self)
         }
 
-        pub(crate) fn of_diagram(_: PictureFiles, _: &Scene) -> Result<Self, CliError> {
+        pub(crate) fn of_diagram<T>(_: PictureFiles, _: &T) -> Result<Self, CliError> {
             Ok(Self)
         }
 
         pub(crate) fn begin(&mut self) {}
 
-        pub(crate) fn see<P>(&mut self, _: &CellFates<P>) {}
+        pub(crate) fn see(&mut self, _: &CellFates) {}
 
         pub(crate) fn see_point(&mut self, _: f64, _: f64) {}
 

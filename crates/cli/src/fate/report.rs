@@ -55,7 +55,7 @@ pub(crate) struct Totals {
 }
 
 impl Totals {
-    pub(crate) fn add<P>(&mut self, cell: &CellFates<P>) {
+    pub(crate) fn add(&mut self, cell: &CellFates) {
         self.cells += 1;
         self.with += u64::from(!cell.breathers.is_empty());
         for breather in &cell.breathers {

@@ -2,14 +2,12 @@
 
 pub(crate) mod along;
 pub(crate) mod answer;
-pub(crate) mod fate;
 pub(crate) mod orbit;
 #[cfg(feature = "plot")]
 mod pictures;
 mod run_answer;
 mod run_plot;
 pub(crate) mod simulate;
-pub(crate) mod sweep;
 
 use std::path::Path;
 

@@ -2,19 +2,22 @@
 
 use std::path::Path;
 
-use vibrochain_fate::{Ensemble, Fates};
+use vibrochain_fate::{Ensemble, Fates, From};
 use vibrochain_lattice::Parameter;
 use vibrochain_maps::files::distinct;
+use vibrochain_maps::grid::{Files, Grid};
 use vibrochain_maps::scene::Scene;
+use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::sweep::{Cells, Watcher};
+use vibrochain_maps::text::read_text;
 use vibrochain_plot::curves_picture;
 
 use crate::args::{DrawArgs, OF_BRANCHES, QuantityName, SHOWN};
 use crate::branch::table::Table;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
-use crate::common::pictures::Pictures;
 use crate::common::pictures::files::{PictureFiles, of_no_map};
+use crate::common::swept_scene::SweptScene;
 use crate::common::table_manifest::{OfRuns, manifest_path, read};
 use crate::common::table_rows::TableRows;
 use crate::common::threads::threads;
@@ -56,9 +59,9 @@ impl Kind {
             Ok(Self::Curve)
         } else if has("share_breather") {
             Ok(Self::Ends)
-        } else if is_diagram() && Parameter::from_name(columns[0]).is_some() {
+        } else if is_diagram() {
             Ok(Self::Section)
-        } else if has("class") && has("status") {
+        } else if has("class") && (has("status") || has("trouble")) {
             Ok(Self::Cells)
         } else if columns.first() == Some(&"border") {
             Err("it has the borders of a window, and not what lives between them, which is what the picture of `mapgen curves` shows: \
@@ -130,10 +133,14 @@ pub fn run(args: &DrawArgs, console: &mut Console<'_>) -> Result<(), CliError> {
             format!("{} is not there, which says what the table is of: give {what} by --scene", manifest.display());
         return Err(CliError::Request(message));
     }
+    let is_structure = StructureScene::is_at(source);
     let told = match kind {
-        Kind::Cells => cells(args, table, source, console)?,
-        Kind::Ends => ends(PictureFiles::asked(wanted)?, table, source)?,
-        Kind::Section => section(PictureFiles::asked(wanted)?, table, source)?,
+        Kind::Cells if is_structure => cells::<StructureScene>(args, table, source, console)?,
+        Kind::Cells => cells::<Scene>(args, table, source, console)?,
+        Kind::Ends if is_structure => ends::<StructureScene>(PictureFiles::asked(wanted)?, table, source)?,
+        Kind::Ends => ends::<Scene>(PictureFiles::asked(wanted)?, table, source)?,
+        Kind::Section if is_structure => section::<StructureScene>(PictureFiles::asked(wanted)?, table, source)?,
+        Kind::Section => section::<Scene>(PictureFiles::asked(wanted)?, table, source)?,
         Kind::Branch => branch(args, table, source)?,
         Kind::Curve => curve(PictureFiles::asked(wanted)?, table, source)?,
         Kind::Lines => {
@@ -151,8 +158,18 @@ pub fn run(args: &DrawArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     Ok(())
 }
 
-fn cells(args: &DrawArgs, table: TableRows, source: &Path, console: &mut Console<'_>) -> Result<String, CliError> {
-    let scene = Scene::read(source)?;
+/// The scene in a file, or in a manifest.
+fn scene<S: Grid>(source: &Path) -> Result<S, CliError> {
+    Ok(S::parse(source, &read_text("scene", source, S::MOST_BYTES)?, &Files::new())?)
+}
+
+fn cells<S: SweptScene>(
+    args: &DrawArgs,
+    table: TableRows,
+    source: &Path,
+    console: &mut Console<'_>,
+) -> Result<String, CliError> {
+    let scene: S = scene(source)?;
     let pool = threads(console.threads)?;
     let show = match args.show.as_slice() {
         [] => QuantityName::default(),
@@ -162,7 +179,7 @@ fn cells(args: &DrawArgs, table: TableRows, source: &Path, console: &mut Console
         }
     };
     let stop = (console.interrupt)()?;
-    let mut pictures = Pictures::plan(&args.pictures, show, &scene)?;
+    let mut pictures = scene.pictures(&args.pictures, show)?;
     pictures.begin();
     let summary = table.cells(&Cells, &scene, &mut |number, cell| pictures.cell(number, cell))?;
     let told = pictures.find_borders(&pool, &stop, console.progress)?;
@@ -171,28 +188,30 @@ fn cells(args: &DrawArgs, table: TableRows, source: &Path, console: &mut Console
 }
 
 /// What the tables of ensembles are of: rows, scene, runs.
-fn of_runs(source: &Path, command: &str) -> Result<(u64, Scene, Ensemble), CliError> {
+fn of_runs<S: SweptScene>(source: &Path, command: &str) -> Result<(u64, S, Ensemble), CliError> {
     let (rows, OfRuns { ensemble }) = read(source, command)?;
-    let scene = Scene::read(source)?;
-    ensemble
-        .check(scene.base.sites())
+    let scene: S = scene(source)?;
+    scene
+        .takes(&ensemble, From::Every)
+        .or_else(|error| scene.takes(&ensemble, From::Rest).map_err(|_| error))
         .map_err(|error| CliError::Request(format!("manifest {}: {error}", source.display())))?;
     Ok((rows, scene, ensemble))
 }
 
-fn ends(files: PictureFiles, table: TableRows, source: &Path) -> Result<String, CliError> {
-    let (_, scene, ensemble) = of_runs(source, ENDS)?;
-    let mut plot = Plot::of_ends(files, &scene, false)?;
+fn ends<S: SweptScene>(files: PictureFiles, table: TableRows, source: &Path) -> Result<String, CliError> {
+    let (_, scene, ensemble) = of_runs::<S>(source, ENDS)?;
+    let mut plot = Plot::of_ends(files, &scene)?;
     let fates = Fates { ensemble, ..Fates::default() };
     table.cells(&fates, &scene, &mut |_, cell| plot.see(cell))?;
     plot.finish(&scene, &ensemble)?;
     Ok(counted(scene.cells(), "cell"))
 }
 
-fn section(files: PictureFiles, table: TableRows, source: &Path) -> Result<String, CliError> {
-    let (rows, scene, ensemble) = of_runs(source, SECTION)?;
-    if scene.axes.len() != 1 || table.columns()[0] != scene.axes[0].parameter.name() {
-        return Err(table.wrong(&format!("it is not over the axis of its scene, {}", scene.axis_names())));
+fn section<S: SweptScene>(files: PictureFiles, table: TableRows, source: &Path) -> Result<String, CliError> {
+    let (rows, scene, ensemble) = of_runs::<S>(source, SECTION)?;
+    let names: Vec<String> = Grid::axes(&scene).iter().map(|axis| scene.name_of(axis.parameter)).collect();
+    if names.len() != 1 || table.columns()[0] != names[0] {
+        return Err(table.wrong(&format!("it is not over the axis of its scene, {}", names.join(", "))));
     }
     let mut plot = Plot::of_diagram(files, &scene)?;
     table.rows(rows, |fields| {

@@ -1,28 +1,19 @@
 //! `mapgen sweep --dry-run`: what a sweep will cost, from a few of its cells.
 
 use std::fmt::Write as _;
-use std::ops::Range;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use rayon::ThreadPool;
 use vibrochain_lattice::Stop;
 
 use crate::common::error::CliError;
+use crate::common::swept_scene::SweptScene;
 use crate::common::threads::cores;
-use crate::sweep::report::grid;
-use vibrochain_maps::cell::Worker;
-use vibrochain_maps::sweep::{Ended, Job, Plan, Shard, refined};
-use vibrochain_maps::table::{Table, names};
+use crate::sweep::leaves::{PATIENCE, SAMPLE, place};
+use crate::sweep::report::{grid, points};
+use vibrochain_maps::sweep::{Plan, Shard};
+use vibrochain_maps::table::{Table, header};
 use vibrochain_maps::text::duration;
-
-/// The most cells computed.
-const SAMPLE: u64 = 400;
-
-/// The longest the sample may take, if a single cell does not.
-const PATIENCE: Duration = Duration::from_secs(3);
-
-/// Fractional part of the golden ratio: its multiples spread evenly, and in step with no axis.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// Time and size of a few cells.
 struct Sample {
@@ -31,79 +22,44 @@ struct Sample {
     bytes: usize,
 }
 
-/// The place of cell number `i` of the sample, from 0 to 1.
-fn place(i: u64) -> f64 {
-    ((i as f64 + 0.5) * GOLDEN).fract()
-}
-
-fn sample(plan: &Plan, stop: &Stop) -> Result<Sample, CliError> {
+fn sample<S: SweptScene>(plan: &Plan<S>, stop: &Stop) -> Result<Sample, CliError> {
     let scene = &plan.scene;
-    let failed = |error: &dyn std::fmt::Display| CliError::Computation(format!("could not estimate: {error}"));
-    let mut worker = Worker::new(scene.base.sites()).until(stop);
-    let mut table = Table::new(scene);
+    let (mut worker, mut table, mut found) = (scene.worker(stop), Table::new(scene), Vec::new());
     let wanted = SAMPLE.min(plan.cells());
-    // The first cell fills the work space: it is computed once more.
-    let mut compute = |number: u64| {
-        let model = scene.point(number).model().map_err(|error| failed(&error))?;
-        Ok::<_, CliError>(worker.cell(&model, &scene.task))
+    let mut compute = |number: u64, found: &mut Vec<S::Cell>| {
+        scene.compute(&mut worker, number..number + 1, stop, found).ok_or(CliError::Interrupted)
     };
     let begun = Instant::now();
     let (mut seconds, mut cells) = (0.0, 0);
     while cells < wanted && (cells == 0 || begun.elapsed() < PATIENCE) {
-        if stop.is_raised() {
-            return Err(CliError::Interrupted);
-        }
         let number = (place(cells) * plan.cells() as f64) as u64;
         let number = number.min(plan.cells() - 1);
+        // The first cell fills the work space: it is computed once more.
         if cells == 0 {
-            compute(number)?;
+            compute(number, &mut found)?;
         }
         let started = Instant::now();
-        let cell = compute(number)?;
+        compute(number, &mut found)?;
         seconds += started.elapsed().as_secs_f64();
-        table.write(&scene.point(number), &cell);
+        found.iter().for_each(|cell| table.write(&scene.point(number), cell));
         cells += 1;
     }
     Ok(Sample { cells, seconds, bytes: table.text.len() })
-}
-
-/// How many rows a cell has on the average, from some of them.
-fn rows_per_cell(plan: &Plan, pool: &ThreadPool, stop: &Stop) -> Result<f64, CliError> {
-    let job = Job { scene: &plan.scene, pool, stop };
-    let part = |i: u64| {
-        let number = (place(i) * plan.cells() as f64) as u64;
-        number.min(plan.cells() - 1)..number.min(plan.cells() - 1) + 1
-    };
-    let parts: Vec<Range<u64>> = (0..SAMPLE.min(plan.cells())).map(part).collect();
-    let begun = Instant::now();
-    let (mut cells, mut rows) = (0, 0);
-    let ended = refined(
-        &job,
-        &parts,
-        |_| {},
-        |leaves| {
-            cells += 1;
-            rows += leaves.len();
-            if begun.elapsed() < PATIENCE { Ok(()) } else { Err(()) }
-        },
-    );
-    match ended {
-        Ended::Stopped => Err(CliError::Interrupted),
-        Ended::Complete(_) | Ended::Failed(()) => Ok(rows as f64 / f64::from(cells.max(1))),
-    }
 }
 
 /// The answer.
 ///
 /// # Errors
 /// [`CliError::Interrupted`].
-pub(crate) fn estimate(plan: &Plan, shard: Shard, pool: &ThreadPool, stop: &Stop) -> Result<String, CliError> {
+pub(crate) fn estimate<S: SweptScene>(
+    plan: &Plan<S>,
+    shard: Shard,
+    pool: &ThreadPool,
+    stop: &Stop,
+) -> Result<String, CliError> {
     let threads = pool.current_num_threads();
     let sample = sample(plan, stop)?;
-    let rows = match plan.scene.refine {
-        Some(_) => rows_per_cell(plan, pool, stop)?,
-        None => 1.0,
-    };
+    let rows = S::rows(plan, pool, stop)?.unwrap_or(1.0);
     let (cells, chunks) = (plan.cells(), plan.chunks());
     let (per_cell, per_row) = (sample.seconds / sample.cells as f64, sample.bytes as f64 / sample.cells as f64);
     let mut text = String::new();
@@ -112,12 +68,12 @@ pub(crate) fn estimate(plan: &Plan, shard: Shard, pool: &ThreadPool, stop: &Stop
         let _ = writeln!(text, "{name:<8} {value}");
     };
     line("cells", format!("{cells} ({})", grid(&plan.scene)));
-    if plan.scene.refine.is_some() {
-        let (leaves, finest) = ((rows * cells as f64).round(), grid(&plan.scene.finest()));
+    if let Some(refined) = plan.scene.refined() {
+        let (leaves, finest) = ((rows * cells as f64).round(), points(&refined.grid));
         line("leaves", format!("about {leaves:.1e}, {rows:.1} a cell, for {finest} cells"));
     }
     line("chunks", format!("{chunks} of {} cells", plan.chunk_cells.min(cells)));
-    line("columns", names(&plan.scene).join(", "));
+    line("columns", header(&plan.scene).trim_end().replace(',', ", "));
     let of_shard: u64 = shard.chunks(plan).map(|chunk| plan.range(chunk).count() as u64).sum();
     if shard != Shard::WHOLE {
         let Shard { index, count } = shard;

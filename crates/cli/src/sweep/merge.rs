@@ -11,8 +11,8 @@ use crate::args::{MergeArgs, QuantityName};
 use crate::common::chunked_run::quoted;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
-use crate::common::pictures::Pictures;
 use crate::common::pictures::files::{PictureFiles, of_no_map};
+use crate::common::swept_scene::SweptScene;
 use crate::common::table_manifest::{Manifest, beside};
 use crate::common::threads::threads;
 use crate::fate::{self, Seen};
@@ -20,6 +20,9 @@ use crate::sweep::report::report;
 use crate::sweep::{manifest_text, tell};
 use vibrochain_maps::files::Output;
 use vibrochain_maps::files::{distinct, name_within};
+use vibrochain_maps::grid::Grid;
+use vibrochain_maps::scene::Scene;
+use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::{Assembly, Cells, Content, Fault, Plan, Store, Unassembled, Watcher};
 use vibrochain_maps::table::{Form, TableFile};
@@ -32,7 +35,15 @@ const MOST_NAMED: usize = 12;
 /// # Errors
 /// [`CliError`].
 pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    let plan = Store::plan(&args.folder)?;
+    if Store::is_of::<StructureScene>(&args.folder)? {
+        merged::<StructureScene>(args, console)
+    } else {
+        merged::<Scene>(args, console)
+    }
+}
+
+fn merged<S: SweptScene>(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    let plan = Store::plan::<S>(&args.folder)?;
     let pool = threads(console.threads)?;
     match &plan.ensemble {
         None => sweep(args, &plan, &pool, console),
@@ -49,13 +60,18 @@ pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> 
 }
 
 /// The table, manifest and pictures of a sweep.
-fn sweep(args: &MergeArgs, plan: &Plan, pool: &ThreadPool, console: &mut Console<'_>) -> Result<(), CliError> {
+fn sweep<S: SweptScene>(
+    args: &MergeArgs,
+    plan: &Plan<S>,
+    pool: &ThreadPool,
+    console: &mut Console<'_>,
+) -> Result<(), CliError> {
     let manifest_file = beside(Some(&args.out))?;
     apart(args, manifest_file.as_deref())?;
     Form::of(&args.out)?;
     // All fail early where they cannot be written.
     manifest_file.as_deref().map(Output::create).transpose()?;
-    let mut pictures = Pictures::plan(&args.pictures, args.show, &plan.scene)?;
+    let mut pictures = plan.scene.pictures(&args.pictures, args.show)?;
     let (table, summary, stop) = assembled(&Cells, args, plan, pool, &mut pictures, console)?;
     let told = pictures.find_borders(pool, &stop, console.progress)?;
     table.commit()?;
@@ -68,9 +84,9 @@ fn sweep(args: &MergeArgs, plan: &Plan, pool: &ThreadPool, console: &mut Console
 }
 
 /// The table and pictures of an ensemble.
-fn ensemble(
+fn ensemble<S: SweptScene>(
     args: &MergeArgs,
-    plan: &Plan,
+    plan: &Plan<S>,
     fates: &Fates,
     pool: &ThreadPool,
     console: &mut Console<'_>,
@@ -107,10 +123,10 @@ fn apart(args: &MergeArgs, manifest_file: Option<&Path>) -> Result<bool, CliErro
 }
 
 /// The table of all chunks, what they add up to, and what tells to stop.
-fn assembled<C: Content>(
+fn assembled<S: Grid, C: Content<S>>(
     content: &C,
     args: &MergeArgs,
-    plan: &Plan,
+    plan: &Plan<S>,
     pool: &ThreadPool,
     watcher: &mut dyn Watcher<C::Item>,
     console: &Console<'_>,
@@ -125,7 +141,7 @@ fn assembled<C: Content>(
     if !faults.is_empty() {
         return Err(incomplete(args, plan, &faults));
     }
-    match assembly.chunks(plan, &args.folder, &stop) {
+    match assembly.chunks(&args.folder, &stop) {
         Ok(summary) => Ok((assembly.into_table(), summary, stop)),
         Err(Unassembled::Stopped) => Err(CliError::Interrupted),
         Err(Unassembled::Table(error)) => Err(error.into()),
@@ -134,7 +150,7 @@ fn assembled<C: Content>(
 }
 
 /// Names the chunks that are not there or not sound, and the command that makes them.
-fn incomplete(args: &MergeArgs, plan: &Plan, faults: &[(u64, Fault)]) -> CliError {
+fn incomplete<S: Grid>(args: &MergeArgs, plan: &Plan<S>, faults: &[(u64, Fault)]) -> CliError {
     let missing: Vec<u64> =
         faults.iter().filter(|(_, fault)| matches!(fault, Fault::Missing)).map(|(chunk, _)| *chunk).collect();
     let mut lines = Vec::new();

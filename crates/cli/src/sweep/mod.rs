@@ -3,45 +3,50 @@
 #[cfg(feature = "plot")]
 pub mod draw;
 pub(crate) mod estimate;
+pub(crate) mod leaves;
 pub mod merge;
 pub(crate) mod report;
 
 use std::path::Path;
 
 use rayon::ThreadPool;
-use vibrochain_lattice::{Parameter, Short, Stop};
+use vibrochain_lattice::{Short, Stop};
 
 use crate::args::{QuantityName, SweepArgs};
 use crate::common::chunked_run::{ChunkedRun, nothing_to_resume, parts_path, place, quoted, shard_of};
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
-use crate::common::model::springs;
-use crate::common::pictures::Pictures;
+use crate::common::swept_scene::SweptScene;
 use crate::common::table_manifest::manifest_path;
 use crate::common::threads::threads;
-use crate::structures;
 use crate::sweep::estimate::estimate;
 use crate::sweep::report::report;
 use vibrochain_maps::files::{Output, distinct};
+use vibrochain_maps::grid::Grid;
 use vibrochain_maps::manifest::{Effort, Run, manifest};
 use vibrochain_maps::numbers::Number;
+use vibrochain_maps::scene::Scene;
 use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::summary::Summary;
-use vibrochain_maps::sweep::{Cells, Plan, Shard};
-use vibrochain_maps::table::{Form, TableFile};
+use vibrochain_maps::sweep::{Cells, Content, Plan, Shard};
+use vibrochain_maps::table::Form;
 
 /// Runs the subcommand.
 ///
 /// # Errors
 /// [`CliError`].
 pub fn run(args: &SweepArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    if let Some(scene) = StructureScene::read(&args.scene)? {
-        return structures::sweep::run(args, &scene, console);
+    if StructureScene::is_at(&args.scene) {
+        swept::<StructureScene>(args, console)
+    } else {
+        swept::<Scene>(args, console)
     }
-    let plan = Plan::read(&args.scene, args.threshold)?;
+}
+
+fn swept<S: SweptScene>(args: &SweepArgs, console: &mut Console<'_>) -> Result<(), CliError> {
+    let plan = Plan::<S>::read(&args.scene, args.threshold)?;
     let (shard, given) = shard_of(args.shard)?;
-    let gamma2 = plan.scene.point(plan.scene.cells() - 1).get(Parameter::Gamma2);
-    springs(&plan.scene.base.layout, gamma2).iter().for_each(|remark| console.summary(remark));
+    plan.scene.remark().iter().for_each(|remark| console.summary(remark));
     let pool = threads(console.threads.or(given))?;
     if args.dry_run {
         if let (Some(out), None) = (&args.out, shard) {
@@ -66,16 +71,16 @@ pub fn run(args: &SweepArgs, console: &mut Console<'_>) -> Result<(), CliError> 
 }
 
 /// What was asked of a sweep.
-struct Sweep<'a> {
+struct Sweep<'a, S: Grid> {
     args: &'a SweepArgs,
     out: &'a Path,
-    plan: &'a Plan,
+    plan: &'a Plan<S>,
     pool: &'a ThreadPool,
 }
 
-impl Sweep<'_> {
+impl<S: SweptScene> Sweep<'_, S> {
     /// `threads` as asked for.
-    fn run<'a>(&'a self, stop: &'a Stop, threads: Option<usize>) -> ChunkedRun<'a, Cells> {
+    fn run<'a>(&'a self, stop: &'a Stop, threads: Option<usize>) -> ChunkedRun<'a, Cells, S> {
         let (plan, pool, resume) = (self.plan, self.pool, self.args.resume);
         ChunkedRun { content: &Cells, plan, pool, stop, resume, steps: (1, "cells"), again: self.command(threads) }
     }
@@ -93,9 +98,9 @@ impl Sweep<'_> {
         Form::of(out)?;
         let stop = (console.interrupt)()?;
         // Destinations first: an impossible one should not cost a computation.
-        drop(TableFile::create(out, scene, 1)?);
+        drop(Cells.create(out, scene, 1)?);
         Output::create(&manifest_file)?;
-        let mut pictures = Pictures::plan(wanted, self.args.show, scene)?;
+        let mut pictures = scene.pictures(wanted, self.args.show)?;
         let run = self.run(&stop, console.threads);
         let gathered = run.gather(out, &parts, &mut pictures, console)?;
         let (summary, effort) = (gathered.summary.clone(), gathered.effort);
@@ -121,7 +126,7 @@ impl Sweep<'_> {
         let taken = distinct(&[("the scene", Some(&self.args.scene))], &wanted.beside(&[("--out", Some(out))]))?;
         nothing_else(self.args.json, taken)?;
         let stop = (console.interrupt)()?;
-        let mut pictures = Pictures::plan(wanted, self.args.show, scene)?;
+        let mut pictures = scene.pictures(wanted, self.args.show)?;
         // Two kinds of lines on one terminal are none.
         let bar = console.progress && !taken;
         let (table, summary, effort) = self.run(&stop, console.threads).stream(out, &mut pictures, bar)?;
@@ -165,7 +170,7 @@ impl Sweep<'_> {
 }
 
 /// The manifest of a table, as text.
-pub(crate) fn manifest_text(plan: &Plan, summary: &Summary, effort: Option<Effort>) -> String {
+pub(crate) fn manifest_text<S: Grid>(plan: &Plan<S>, summary: &Summary, effort: Option<Effort>) -> String {
     let scene_file = plan.scene_file.display().to_string();
     let about = Run {
         scene_file: &scene_file,

@@ -3,8 +3,9 @@
 use crate::common::threads::cores;
 use vibrochain_floquet::Tolerance;
 use vibrochain_maps::cell::{Class, Status};
+use vibrochain_maps::grid::{Grid, Refined};
 use vibrochain_maps::manifest::Effort;
-use vibrochain_maps::scene::{Refine, Scene};
+use vibrochain_maps::scene::Axis;
 use vibrochain_maps::summary::{SLOW, Summary};
 
 /// "1 cell", "2 cells".
@@ -15,32 +16,39 @@ pub(crate) fn counted(count: impl TryInto<u64>, thing: &str) -> String {
 }
 
 /// "400 × 300": the points of the axes.
-pub(crate) fn grid(scene: &Scene) -> String {
-    scene.axes.iter().map(|axis| axis.points().to_string()).collect::<Vec<_>>().join(" × ")
+pub(crate) fn grid<S: Grid>(scene: &S) -> String {
+    points(&scene.axes().iter().map(Axis::points).collect::<Vec<_>>())
+}
+
+/// The same of the points themselves.
+pub(crate) fn points(counts: &[usize]) -> String {
+    if counts.is_empty() {
+        return "one point".to_owned();
+    }
+    counts.iter().map(usize::to_string).collect::<Vec<_>>().join(" × ")
 }
 
 /// What a table has: its cells, or its leaves where the grid is refined.
-pub(crate) fn size(scene: &Scene, summary: &Summary) -> String {
-    let (cells, finest) = (summary.cells(), scene.finest());
-    match scene.refine {
-        None => format!("{} ({})", counted(cells, "cell"), grid(scene)),
-        Some(Refine { depth }) => {
-            let (leaves, coarse, fine) = (summary.computed, grid(scene), grid(&finest));
-            format!("{leaves} leaves for {cells} cells ({fine}: {coarse}, refined {depth} times)")
-        }
-    }
+pub(crate) fn size<S: Grid>(scene: &S, summary: &Summary) -> String {
+    let cells = summary.cells();
+    let Some(Refined { grid: finest, .. }) = scene.refined() else {
+        return format!("{} ({})", counted(cells, "cell"), grid(scene));
+    };
+    let (leaves, coarse, fine) = (summary.computed, grid(scene), points(&finest));
+    let times = scene.cells_within().ilog2() / 2;
+    format!("{leaves} leaves for {cells} cells ({fine}: {coarse}, refined {times} times)")
 }
 
 /// The summary of a finished table.
-pub(crate) fn report(scene: &Scene, summary: &Summary, effort: Option<&Effort>) -> String {
+pub(crate) fn report<S: Grid>(scene: &S, summary: &Summary, effort: Option<&Effort>) -> String {
     let cells = summary.cells();
     let mut lines = vec![size(scene, summary)];
     let share = |count: u64| 100.0 * count as f64 / cells as f64;
-    for (class, &count) in Class::ALL.iter().zip(&summary.classes).filter(|(_, count)| **count > 0) {
-        lines.push(format!("  {:<16} {count:>9}  {:5.1} %", class.name(), share(count)));
+    for (class, count) in summary.by_name(S::class_name).into_iter().filter(|(_, count)| *count > 0) {
+        lines.push(format!("  {class:<16} {count:>9}  {:5.1} %", share(count)));
     }
     // Under a force hardly anything is strictly stable, and most of it grows so slowly that nobody sees it.
-    if summary.slow > 0 && scene.task.tolerance == Tolerance::Rounding {
+    if summary.slow > 0 && scene.tolerance() == Some(Tolerance::Rounding) {
         let unstable = [Class::UnstableDouble, Class::UnstableSingle, Class::UnstableWord];
         let unstable: u64 = unstable.iter().map(|class| summary.classes[*class as usize]).sum();
         lines.push(format!(
@@ -54,7 +62,7 @@ pub(crate) fn report(scene: &Scene, summary: &Summary, effort: Option<&Effort>) 
     }
     lines.extend(effort.map(speed));
     lines.push(format!("worst residual of an orbit {:.1e}", summary.worst_residual));
-    lines.extend(scene.may_miss().map(|what| format!("may have missed: {what}")));
+    lines.extend(scene.refined().map(|refined| format!("may have missed: {}", refined.may_miss)));
     lines.join("\n")
 }
 

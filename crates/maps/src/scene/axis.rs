@@ -8,9 +8,9 @@ pub const MAX_POINTS: usize = 1_000_000;
 
 /// One axis of a sweep: a parameter and the values it takes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Axis {
+pub struct Axis<P = Parameter> {
     /// What is varied.
-    pub parameter: Parameter,
+    pub parameter: P,
     /// Its values.
     #[serde(flatten)]
     pub values: Values,
@@ -87,7 +87,7 @@ impl Values {
     }
 }
 
-impl Axis {
+impl<P> Axis<P> {
     /// Number of values.
     pub fn points(&self) -> usize {
         self.values.points()

@@ -1,6 +1,7 @@
 //! Scenes of chains with dashpots, a static force or stops of their own: `[model]` with keys that plain chains do not have.
 
 use serde::Deserialize;
+use serde_json::{Map, Value};
 use vibrochain_lattice::Contact;
 
 use super::definition::{ChainTable, MOST_MASSES};
@@ -56,26 +57,21 @@ fn ring() -> String {
     "closed".to_owned()
 }
 
-/// Whether a table is a scene of these.
-pub(super) fn is_one(table: &toml::Table) -> bool {
-    let model = table.get("model").and_then(toml::Value::as_table);
+/// Whether a scene is one of these.
+pub(super) fn is_one(scene: &Map<String, Value>) -> bool {
+    let model = scene.get("model").and_then(Value::as_object);
+    let fixed_free = |model: &Map<String, Value>| model.get("ends").and_then(Value::as_str) == Some("fixed-free");
     let in_model = model.is_some_and(|model| KEYS.iter().any(|key| model.contains_key(*key)) || fixed_free(model));
-    let axes = table
-        .get("sweep")
-        .and_then(toml::Value::as_table)
-        .into_iter()
-        .flat_map(|sweep| ["x", "y"].map(|axis| sweep.get(axis)));
+    let sweep = scene.get("sweep").and_then(Value::as_object);
+    let axes = sweep.into_iter().flat_map(|sweep| ["x", "y"].map(|axis| sweep.get(axis)));
     let swept = axes.flatten().filter_map(|axis| axis.get("parameter")?.as_str()).any(|name| KEYS.contains(&name));
     in_model || model.is_some() && swept
 }
 
-fn fixed_free(model: &toml::Table) -> bool {
-    model.get("ends").and_then(toml::Value::as_str) == Some("fixed-free")
-}
-
-/// The scene of a text.
-pub(super) fn read(text: &str) -> Result<StructureScene, String> {
-    let File { title, model, sweep, compute } = toml::from_str(text).map_err(|error| error.to_string())?;
+/// The scene of all that a file says.
+pub(super) fn read(told: Map<String, Value>) -> Result<StructureScene, String> {
+    let File { title, model, sweep, compute } =
+        serde_json::from_value(told.clone().into()).map_err(|error| error.to_string())?;
     // What varies may be left out: it begins anywhere.
     let varies = |names: &[&str]| sweep.as_ref().is_some_and(|sweep| sweep.varies(names));
     let given = |name: &str, value: Option<f64>| match value {
@@ -125,5 +121,5 @@ pub(super) fn read(text: &str) -> Result<StructureScene, String> {
     if let Some(omega) = model.omega {
         scene.set(Setting::Omega, omega)?;
     }
-    scene.with_map(sweep.as_ref(), compute.as_ref())
+    scene.with_map(told, sweep.as_ref(), compute.as_ref())
 }

@@ -1,5 +1,6 @@
 //! What `[structure]` may hold, and the structure that it means.
 
+use std::cell::RefCell;
 use std::path::Path;
 
 use nalgebra::{DMatrix, DVector};
@@ -8,6 +9,7 @@ use vibrochain_lattice::{Complex, Contact, EnergyForm, LinearMode, ModalStructur
 
 use super::matrix_market;
 use super::setting::{Matrix, Setting};
+use crate::grid::Files;
 use crate::text::read_text;
 
 type C = Complex<f64>;
@@ -23,6 +25,34 @@ pub const MOST_MASSES: usize = 1000;
 
 /// The most coordinates: structures are dense.
 const MOST_COORDINATES: usize = 2000;
+
+/// The files that a scene names, of which some are at hand.
+pub(super) struct Named<'a> {
+    folder: &'a Path,
+    kept: &'a Files,
+    read: RefCell<Files>,
+}
+
+impl<'a> Named<'a> {
+    /// Those `kept`, all others in a folder.
+    pub(super) fn new(folder: &'a Path, kept: &'a Files) -> Self {
+        Self { folder, kept, read: RefCell::default() }
+    }
+
+    /// All that were read.
+    pub(super) fn read(&self) -> Files {
+        self.read.borrow().clone()
+    }
+
+    fn text(&self, what: &str, name: &str) -> Result<String, String> {
+        let text = match self.kept.get(name) {
+            Some(text) => text.clone(),
+            None => read_text(what, &self.folder.join(name), MOST_BYTES).map_err(|error| error.to_string())?,
+        };
+        self.read.borrow_mut().insert(name.to_owned(), text.clone());
+        Ok(text)
+    }
+}
 
 /// Rows, or the file that has them.
 #[derive(Debug, Clone, Deserialize)]
@@ -123,7 +153,7 @@ impl Definition {
         table: &StructureTable,
         contacts: &[ContactTable],
         force: &ForceTable,
-        folder: &Path,
+        files: &Named<'_>,
     ) -> Result<Self, String> {
         let free = |contact: &ContactTable| contact.lower.is_none() && contact.upper.is_none();
         if let Some(number) = contacts.iter().position(free) {
@@ -146,8 +176,8 @@ impl Definition {
         ];
         let given: Vec<&str> = kinds.iter().filter(|(_, given)| *given).map(|(name, _)| *name).collect();
         match given[..] {
-            ["mass"] => Self::of_matrices(table, contacts, force, folder),
-            ["frequencies" | "modes"] => Self::of_modes(table, contacts, force, folder),
+            ["mass"] => Self::of_matrices(table, contacts, force, files),
+            ["frequencies" | "modes"] => Self::of_modes(table, contacts, force, files),
             ["chain"] => {
                 let chain = table.chain.clone().ok_or("chain is missing")?;
                 let n = chain.sites;
@@ -168,18 +198,18 @@ impl Definition {
         table: &StructureTable,
         contacts: &[ContactTable],
         force: &ForceTable,
-        folder: &Path,
+        files: &Named<'_>,
     ) -> Result<Self, String> {
         let mass = match (&table.mass, &table.masses) {
-            (Some(mass), None) => matrix("mass", mass, folder)?,
+            (Some(mass), None) => matrix("mass", mass, files)?,
             (None, Some(masses)) => DMatrix::from_diagonal(&DVector::from_vec(masses.clone())),
             _ => return Err("mass and masses are given: give one of them".to_owned()),
         };
         let stiffness = table.stiffness.as_ref().ok_or("stiffness is missing")?;
-        let damping = table.damping.as_ref().map(|given| matrix("damping", given, folder)).transpose()?;
+        let damping = table.damping.as_ref().map(|given| matrix("damping", given, files)).transpose()?;
         let n = mass.nrows();
         let structure = Structure {
-            stiffness: matrix("stiffness", stiffness, folder)?,
+            stiffness: matrix("stiffness", stiffness, files)?,
             damping: damping.unwrap_or_default(),
             contacts: contacts
                 .iter()
@@ -197,10 +227,10 @@ impl Definition {
         table: &StructureTable,
         contacts: &[ContactTable],
         force: &ForceTable,
-        folder: &Path,
+        files: &Named<'_>,
     ) -> Result<Self, String> {
         let table = match &table.modes {
-            Some(file) => &modes_of(file, folder)?,
+            Some(file) => &modes_of(file, files)?,
             None => table,
         };
         let frequencies = table.frequencies.as_ref().ok_or("frequencies are missing")?;
@@ -468,7 +498,7 @@ impl Definition {
     }
 }
 
-fn matrix(name: &str, given: &MatrixGiven, folder: &Path) -> Result<DMatrix<f64>, String> {
+fn matrix(name: &str, given: &MatrixGiven, files: &Named<'_>) -> Result<DMatrix<f64>, String> {
     match given {
         MatrixGiven::Rows(rows) if rows.is_empty() => Err(format!("{name} is empty: give a row for each coordinate")),
         MatrixGiven::Rows(rows) => {
@@ -479,18 +509,16 @@ fn matrix(name: &str, given: &MatrixGiven, folder: &Path) -> Result<DMatrix<f64>
             Ok(DMatrix::from_fn(rows.len(), columns, |i, j| rows[i][j]))
         }
         MatrixGiven::File(file) => {
-            let path = folder.join(file);
-            let text = read_text("the matrix", &path, MOST_BYTES).map_err(|error| format!("{name}: {error}"))?;
-            matrix_market::read(&text).map_err(|why| format!("{name}: {}: {why}", path.display()))
+            let text = files.text("the matrix", file).map_err(|error| format!("{name}: {error}"))?;
+            matrix_market::read(&text).map_err(|why| format!("{name}: {}: {why}", files.folder.join(file).display()))
         }
     }
 }
 
 /// A table of modes: frequency, ratio, load, static, and contact0, contact1, … as columns.
-fn modes_of(file: &str, folder: &Path) -> Result<StructureTable, String> {
-    let path = folder.join(file);
-    let told = |why: String| format!("modes: {}: {why}", path.display());
-    let text = read_text("the modes", &path, MOST_BYTES).map_err(|error| told(error.to_string()))?;
+fn modes_of(file: &str, files: &Named<'_>) -> Result<StructureTable, String> {
+    let told = |why: String| format!("modes: {}: {why}", files.folder.join(file).display());
+    let text = files.text("the modes", file).map_err(|error| format!("modes: {error}"))?;
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
     let names = reader.headers().map_err(|error| told(error.to_string()))?.clone();
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];

@@ -1,153 +1,367 @@
-//! What lives at each point of a structure's map: a row a point, every word asked for.
+//! A structure's scene as a grid: what lives at each point of its map, every word asked for.
 
-use rayon::prelude::*;
-use vibrochain_breather::{StructureModel, structure_candidates, structure_is_physical};
-use vibrochain_floquet::{Verdict, structure_verdict};
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+
+use serde_json::{Map, Value as Json};
+use vibrochain_breather::{StructureModel, Word, structure_candidates, structure_is_physical};
+use vibrochain_floquet::{Tolerance, Verdict, structure_verdict};
 use vibrochain_lattice::Stop;
 
-use super::scene::StructureScene;
+use super::scene::{MOST_BYTES, StructureScene};
 use super::setting::Setting;
+use crate::cell::{Cell, Class, Status};
+use crate::error::MapError;
+use crate::grid::{Files, Grid};
+use crate::scene::Axis;
+use crate::table::columns::{Column, Found, Kind, Value, common};
+
+/// Work of a chunk, in cells of one mode and one word of one impact, each some five microseconds.
+const CHUNK_WORK: u64 = 1 << 15;
+
+/// What a word of one impact costs, one of two, whose list is proved complete, and a longer one, which is sought from many starts.
+const OF_WORDS: [u64; 3] = [1, 8, 1024];
+
+/// The least cells of a chunk, and the most.
+const CHUNK_CELLS: [u64; 2] = [16, 4096];
+
+/// Times that threads take cells of a chunk: some milliseconds of work each.
+const TAKES: u64 = 16;
+
+/// Existence and stability in one word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StructureClass {
+    /// No physical orbit of these words was found.
+    None,
+    /// Something could not be worked out, and nothing was found.
+    Unknown,
+    /// A stable orbit.
+    Stable,
+    /// An orbit whose growth is closer to the border of stability than its own error.
+    Marginal,
+    /// An unstable orbit.
+    Unstable,
+    /// An orbit, stability not asked for, or not worked out.
+    Physical,
+}
+
+vibrochain_lattice::names!(StructureClass {
+    None "none", Unknown "unknown", Stable "stable", Marginal "marginal", Unstable "unstable", Physical "physical",
+});
 
 /// What a point says.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StructureCell {
-    /// Values of the axes.
-    pub at: [Option<f64>; 2],
-    /// Number of physical orbits of the words asked for.
-    pub solutions: usize,
-    /// The word of the best of them, with its periods of the load where these are several: a stable one if there is one, of several the first;
-    /// its verdict and its margin.
-    pub best: Option<(String, Option<Verdict>, Option<f64>)>,
+    /// What lives there.
+    pub class: StructureClass,
+    /// The word of the best orbit, with its periods of the load where these are several: a stable one if there is one, of several the first.
+    pub word: Option<Arc<str>>,
     /// Why something could not be worked out.
     pub trouble: Option<String>,
+    /// How the best orbit's stability is lost, its spectral radius and margin; the number of physical orbits of the words asked for, and
+    /// their largest residual. Its class and status are those of [`Grid::shown`].
+    pub found: Cell,
+}
+
+impl Found for StructureCell {
+    fn found(&self) -> &Cell {
+        &self.found
+    }
+
+    fn found_mut(&mut self) -> &mut Cell {
+        &mut self.found
+    }
 }
 
 impl StructureCell {
-    /// `none`, `unknown` where something could not be worked out, or `stable`, `marginal`, `unstable`, `physical` with the word behind it.
-    #[must_use]
-    pub fn class(&self) -> String {
-        match &self.best {
-            None if self.trouble.is_some() => "unknown".to_owned(),
-            None => "none".to_owned(),
-            Some((word, verdict, _)) => {
-                let how = match verdict {
-                    None => "physical",
-                    Some(verdict) if verdict.stable => "stable",
-                    Some(verdict) if verdict.marginal => "marginal",
-                    Some(_) => "unstable",
-                };
-                format!("{how} {word}")
-            }
-        }
+    const EMPTY: Self = Self { class: StructureClass::None, word: None, trouble: None, found: Cell::EMPTY };
+
+    fn troubled(why: String) -> Self {
+        Self { class: StructureClass::Unknown, trouble: Some(why), ..Self::EMPTY }
     }
 }
 
-/// The map of a scene.
-#[derive(Debug)]
-pub struct StructureMap<'a> {
-    scene: &'a StructureScene,
+/// The columns after the axes, but for those common to all scenes, which stand before the last.
+const COLUMNS: [Column<StructureCell>; 3] = [
+    Column {
+        name: "class",
+        kind: Kind::Word,
+        optional: false,
+        get: |cell| Some(Value::Word(cell.class.name())),
+        set: |cell, value| {
+            let Value::Word(name) = value else { return None };
+            cell.class = StructureClass::from_name(name)?;
+            Some(())
+        },
+    },
+    Column {
+        name: "word",
+        kind: Kind::Word,
+        optional: true,
+        get: |cell| cell.word.as_deref().map(Value::Word),
+        set: |cell, value| {
+            let Value::Word(word) = value else { return None };
+            cell.word = Some(word.into());
+            Some(())
+        },
+    },
+    Column {
+        name: "trouble",
+        kind: Kind::Text,
+        optional: true,
+        get: |cell| cell.trouble.as_deref().map(Value::Text),
+        set: |cell, value| {
+            let Value::Text(text) = value else { return None };
+            cell.trouble = Some(text.to_owned());
+            Some(())
+        },
+    },
+];
+
+/// The scene of the row that a thread is in: what is slow to change is changed once.
+#[derive(Debug, Default)]
+pub struct RowOfModels {
+    row: Option<u64>,
+    /// With the slow axis where it is there.
+    scene: Option<Result<StructureScene, String>>,
+    /// Along a row of frequencies the structure is the same: its model at one of them.
+    base: Option<StructureModel>,
 }
 
-impl<'a> StructureMap<'a> {
-    /// The map of a scene that has axes and words.
+impl RowOfModels {
+    /// The model of cell number `cell` of a scene.
     ///
     /// # Errors
-    /// What is missing.
-    pub fn new(scene: &'a StructureScene) -> Result<Self, String> {
-        if scene.axes.is_empty() {
-            return Err("the scene sweeps nothing: give [sweep] with an axis x".to_owned());
+    /// Why there is none.
+    pub fn model(&mut self, whole: &StructureScene, cell: u64) -> Result<StructureModel, String> {
+        let fast = whole.axes.first();
+        let points = fast.map_or(1, |axis| axis.points() as u64);
+        let (column, row) = ((cell % points) as usize, cell / points);
+        if self.row != Some(row) {
+            let mut scene = whole.clone();
+            let slow = whole.axes.get(1).map(|axis| scene.set(axis.parameter, axis.value(row as usize)));
+            let scene = slow.unwrap_or(Ok(())).map(|()| scene);
+            let omega_alone = fast.is_some_and(|axis| axis.parameter == Setting::Omega);
+            self.base = scene.as_ref().ok().filter(|_| omega_alone).and_then(|scene| scene.model().ok());
+            (self.row, self.scene) = (Some(row), Some(scene));
         }
-        if scene.words.is_empty() {
-            return Err("the scene asks for no words: give [compute] with families = [\"0+\", …]".to_owned());
+        if let (Some(base), Some(fast)) = (&self.base, fast) {
+            return base.at(fast.value(column)).map_err(|error| error.to_string());
         }
-        Ok(Self { scene })
+        let mut scene = self.scene.clone().unwrap_or_else(|| Ok(whole.clone()))?;
+        if let Some(fast) = fast {
+            scene.set(fast.parameter, fast.value(column))?;
+        }
+        scene.model()
     }
+}
 
-    /// Number of points.
-    #[must_use]
-    pub fn points(&self) -> usize {
-        self.scene.axes.iter().map(|axis| axis.points).product()
-    }
-
-    /// All points of one value of the slow axis, or of the only one.
-    #[must_use]
-    pub fn rows(&self) -> usize {
-        self.scene.axes.get(1).map_or(1, |axis| axis.points)
-    }
-
-    /// One row, its points in parallel; `None` once `stop` is raised.
-    #[must_use]
-    pub fn row(&self, row: usize, stop: &Stop) -> Option<Vec<StructureCell>> {
-        // What is slow to change is changed once.
-        let mut scene = self.scene.clone();
-        let slow = self.scene.axes.get(1).map(|axis| (axis.value(row), scene.set(axis.setting, axis.value(row))));
-        let (value, set) = slow.map_or((None, Ok(())), |(value, set)| (Some(value), set));
-        let fast = self.scene.axes[0];
-        // Of another frequency alone the structure is the same all along.
-        let base = if fast.setting == Setting::Omega { set.clone().and_then(|()| scene.model()).ok() } else { None };
-        let model = |column: usize| -> Result<StructureModel, String> {
-            if let Some(base) = &base {
-                return base.at(fast.value(column)).map_err(|error| error.to_string());
+/// One point.
+fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
+    let mut cell = StructureCell::EMPTY;
+    let mut best: Option<(usize, Option<Verdict>, Option<f64>)> = None;
+    for (number, asked) in scene.words.iter().enumerate() {
+        let found = match structure_candidates(model, &asked.0, asked.1) {
+            Ok(found) => found,
+            Err(error) => {
+                cell.trouble = Some(error.to_string());
+                continue;
             }
-            set.clone()?;
-            let mut scene = scene.clone();
-            scene.set(fast.setting, fast.value(column))?;
-            scene.model()
         };
-        let cell = |column: usize| {
-            (!stop.is_raised()).then(|| {
-                let at = [Some(fast.value(column)), value];
-                match model(column) {
-                    Ok(model) => self.cell(&model, at),
-                    Err(why) => StructureCell { at, solutions: 0, best: None, trouble: Some(why) },
-                }
-            })
-        };
-        (0..fast.points).into_par_iter().map(cell).collect()
-    }
-
-    /// One point.
-    fn cell(&self, model: &StructureModel, at: [Option<f64>; 2]) -> StructureCell {
-        let scene = self.scene;
-        let mut cell = StructureCell { at, solutions: 0, best: None, trouble: None };
-        for asked in &scene.words {
-            let found = match structure_candidates(model, &asked.0, asked.1) {
-                Ok(found) => found,
+        for orbit in &found.orbits {
+            let physical = match structure_is_physical(orbit) {
+                Ok(answer) if answer.is_physical() => answer,
+                Ok(_) => continue,
                 Err(error) => {
                     cell.trouble = Some(error.to_string());
                     continue;
                 }
             };
-            for orbit in &found.orbits {
-                let physical = match structure_is_physical(orbit) {
-                    Ok(answer) if answer.is_physical() => answer,
-                    Ok(_) => continue,
+            cell.found.solutions += 1;
+            cell.found.residual = cell.found.residual.max(orbit.violation());
+            let verdict = if scene.stability {
+                match structure_verdict(orbit, scene.tolerance) {
+                    Ok(verdict) => Some(verdict),
                     Err(error) => {
                         cell.trouble = Some(error.to_string());
-                        continue;
+                        None
                     }
-                };
-                cell.solutions += 1;
-                let verdict = if scene.stability {
-                    match structure_verdict(orbit, scene.tolerance) {
-                        Ok(verdict) => Some(verdict),
-                        Err(error) => {
-                            cell.trouble = Some(error.to_string());
-                            None
-                        }
-                    }
-                } else {
-                    None
-                };
-                let rank = |verdict: &Option<Verdict>| {
-                    verdict.map_or(0, |verdict| if verdict.stable { 2 } else { usize::from(verdict.marginal) })
-                };
-                let better = cell.best.as_ref().is_none_or(|(_, other, _)| rank(&verdict) > rank(other));
-                if better {
-                    cell.best = Some((StructureScene::name_of(asked), verdict, physical.margin));
                 }
+            } else {
+                None
+            };
+            let rank = |verdict: &Option<Verdict>| {
+                verdict.map_or(0, |verdict| if verdict.stable { 2 } else { usize::from(verdict.marginal) })
+            };
+            if best.as_ref().is_none_or(|(_, other, _)| rank(&verdict) > rank(other)) {
+                best = Some((number, verdict, physical.margin));
             }
         }
-        cell
+    }
+    let Some((number, verdict, margin)) = best else {
+        let class = if cell.trouble.is_some() { StructureClass::Unknown } else { StructureClass::None };
+        return StructureCell { class, ..cell };
+    };
+    let class = match verdict {
+        None => StructureClass::Physical,
+        Some(verdict) if verdict.stable => StructureClass::Stable,
+        Some(verdict) if verdict.marginal => StructureClass::Marginal,
+        Some(_) => StructureClass::Unstable,
+    };
+    let found = Cell {
+        mechanism: verdict.and_then(|verdict| verdict.mechanism),
+        spectral_radius: verdict.map(|verdict| verdict.spectral_radius),
+        margin,
+        ..cell.found
+    };
+    StructureCell { class, word: scene.names().get(number).cloned(), found, ..cell }
+}
+
+impl Grid for StructureScene {
+    type Parameter = Setting;
+    type Point = Vec<(Setting, f64)>;
+    type Cell = StructureCell;
+    type Worker = RowOfModels;
+
+    const MOST_BYTES: u64 = MOST_BYTES;
+
+    fn is_one(text: &str) -> bool {
+        Self::is_scene(text)
+    }
+
+    fn parse(path: &Path, text: &str, kept: &Files) -> Result<Self, MapError> {
+        Self::checked(path, text, kept)
+    }
+
+    fn files(&self) -> Files {
+        self.named().clone()
+    }
+
+    fn title(&self) -> Option<&str> {
+        self.title.as_deref()
+    }
+
+    fn parts(&self) -> Map<String, Json> {
+        Self::parts(self)
+    }
+
+    fn axes(&self) -> &[Axis<Setting>] {
+        &self.axes
+    }
+
+    fn chunk_cells(&self) -> u64 {
+        let of_word = |(word, _): &(Word, u32)| OF_WORDS[word.letters().count().clamp(1, 3) - 1];
+        let cost = (self.modes() as u64).max(1).saturating_mul(self.words.iter().map(of_word).sum::<u64>().max(1));
+        let [least, most] = CHUNK_CELLS;
+        (CHUNK_WORK / cost.next_power_of_two()).clamp(least, most)
+    }
+
+    fn block(&self) -> u64 {
+        Grid::chunk_cells(self) / TAKES
+    }
+
+    fn is_map(&self) -> Result<(), String> {
+        let missing = if self.axes.is_empty() {
+            "the scene sweeps nothing: give [sweep] with an axis x"
+        } else if self.words.is_empty() {
+            "the scene asks for no words: give [compute] with families = [\"0+\", …]"
+        } else if self.omega().is_none() {
+            "omega is missing: give omega = … in the scene, or sweep it"
+        } else {
+            return Ok(());
+        };
+        Err(missing.to_owned())
+    }
+
+    fn tolerance(&self) -> Option<Tolerance> {
+        self.stability.then_some(self.tolerance)
+    }
+
+    fn set_tolerance(&mut self, tolerance: Tolerance) {
+        self.with_tolerance(tolerance);
+    }
+
+    fn places(&self) -> Vec<Setting> {
+        self.axes.iter().map(|axis| axis.parameter).collect()
+    }
+
+    fn name_of(&self, parameter: Setting) -> String {
+        let place = self.axes.iter().position(|axis| axis.parameter == parameter);
+        place.and_then(|place| self.axis_names.get(place).cloned()).unwrap_or_else(|| parameter.to_string())
+    }
+
+    fn value(point: &Self::Point, parameter: Setting) -> f64 {
+        point.iter().find(|(known, _)| *known == parameter).map_or(f64::NAN, |(_, value)| *value)
+    }
+
+    fn point(&self, cell: u64) -> Self::Point {
+        let mut rest = cell as usize;
+        let value = |axis: &Axis<Setting>| {
+            let at = rest % axis.points();
+            rest /= axis.points();
+            (axis.parameter, axis.value(at))
+        };
+        self.axes.iter().map(value).collect()
+    }
+
+    fn columns(&self) -> Vec<Column<StructureCell>> {
+        let [class, word, trouble] = COLUMNS;
+        [class, word].into_iter().chain(common()).chain([trouble]).collect()
+    }
+
+    fn untold() -> StructureCell {
+        StructureCell::EMPTY
+    }
+
+    /// The first word has the classes of double-sided breathers, the second those of single-sided ones, all others those of words.
+    fn shown(&self, cell: &StructureCell) -> Cell {
+        let place = self.names().iter().position(|known| Some(known) == cell.word.as_ref()).unwrap_or(2);
+        let of = |classes: [Class; 3]| Some(classes[place.min(2)]);
+        let class = match cell.class {
+            StructureClass::None => Some(Class::None),
+            StructureClass::Unknown | StructureClass::Marginal => None,
+            StructureClass::Physical => of([Class::Double, Class::Single, Class::Word]),
+            StructureClass::Stable => of([Class::StableDouble, Class::StableSingle, Class::StableWord]),
+            StructureClass::Unstable => of([Class::UnstableDouble, Class::UnstableSingle, Class::UnstableWord]),
+        };
+        let status = match (&cell.trouble, cell.class) {
+            (Some(_), _) => Status::IllConditioned,
+            (None, StructureClass::Marginal) => Status::Marginal,
+            (None, _) => Status::Ok,
+        };
+        Cell { class, status, ..cell.found }
+    }
+
+    fn class_name(class: Class) -> &'static str {
+        let class = match class {
+            Class::None => StructureClass::None,
+            Class::StableDouble | Class::StableSingle | Class::StableWord => StructureClass::Stable,
+            Class::UnstableDouble | Class::UnstableSingle | Class::UnstableWord => StructureClass::Unstable,
+            Class::Double | Class::Single | Class::Word => StructureClass::Physical,
+        };
+        class.name()
+    }
+
+    fn worker(&self, _: &Stop) -> RowOfModels {
+        RowOfModels::default()
+    }
+
+    fn compute(
+        &self,
+        row: &mut RowOfModels,
+        range: Range<u64>,
+        stop: &Stop,
+        cells: &mut Vec<StructureCell>,
+    ) -> Option<()> {
+        cells.clear();
+        for number in range {
+            if stop.is_raised() {
+                return None;
+            }
+            let model = row.model(self, number);
+            cells.push(model.map_or_else(StructureCell::troubled, |model| cell_of(self, &model)));
+        }
+        Some(())
     }
 }

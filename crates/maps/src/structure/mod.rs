@@ -10,7 +10,7 @@
 //! | `along` | models as numbers vary, and what branches and curves of them hold |
 //! | `answer` | [`Answered`]: an orbit with all that is said of it, as JSON |
 //! | `told` | heading, numbers and axes in words |
-//! | `map` | [`StructureMap`]: what lives at each point of a grid |
+//! | `map` | [`StructureCell`]: what lives at each point of a grid |
 
 pub mod along;
 pub mod answer;
@@ -25,6 +25,6 @@ mod told;
 
 pub use answer::Answered;
 pub use definition::{ChainTable, MOST_MASSES};
-pub use map::StructureMap;
+pub use map::{StructureCell, StructureClass};
 pub use scene::StructureScene;
 pub use setting::Setting;

@@ -5,16 +5,25 @@ use std::sync::Arc;
 
 use nalgebra::DVector;
 use serde::Deserialize;
+use serde_json::{Map, Value};
 use vibrochain_breather::{StructureModel, Word};
 use vibrochain_floquet::Tolerance;
 use vibrochain_lattice::{Complex, Contact, EnergyForm, ModalStructure};
 
-use super::definition::{ChainTable, ContactTable, Definition, ForceTable, StructureTable};
+use super::definition::{ChainTable, ContactTable, Definition, ForceTable, Named, StructureTable};
 use super::setting::Setting;
-use crate::scene::{Values, tolerance_from};
+use crate::grid::Files;
+use crate::scene::{Axis, Values, tolerance_from};
+
+/// The most bytes of a scene, and of a file that it names.
+pub const MOST_BYTES: u64 = 64 << 20;
 
 /// The most points of a map.
 const MOST_CELLS: u64 = 100_000_000;
+
+/// What a scene may hold; a manifest has more.
+const KEYS: [&str; 10] =
+    ["title", "omega", "word", "force_periods", "structure", "contact", "force", "model", "sweep", "compute"];
 
 /// The most points of an axis.
 const MOST_POINTS: usize = 100_000;
@@ -71,31 +80,24 @@ fn yes() -> bool {
     true
 }
 
-/// One axis of a map of a structure: equal steps.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StructureAxis {
-    /// What is varied.
-    pub setting: Setting,
-    /// First value.
-    pub from: f64,
-    /// Last value.
-    pub to: f64,
-    /// Number of values.
-    pub points: usize,
+/// Whether a text is JSON: no TOML begins so.
+fn is_json(text: &str) -> bool {
+    text.trim_start().starts_with('{')
 }
 
-impl StructureAxis {
-    /// All of its values.
-    #[must_use]
-    pub fn values(&self) -> Values {
-        Values::Linear { from: self.from, to: self.to, points: self.points }
+/// All that a scene's text says, of a manifest what is the scene's.
+pub(super) fn told(text: &str) -> Result<Map<String, Value>, String> {
+    let mut told: Map<String, Value> = if is_json(text) {
+        serde_json::from_str(text).map_err(|error| error.to_string())?
+    } else {
+        toml::from_str(text).map_err(|error| error.to_string())?
+    };
+    if told.contains_key("program") {
+        told.retain(|key, _| KEYS.contains(&key.as_str()));
     }
-
-    /// Value number `i`.
-    #[must_use]
-    pub fn value(&self, i: usize) -> f64 {
-        self.values().value(i)
-    }
+    // What is null in a manifest is absent in a scene.
+    told.retain(|_, value| !value.is_null());
+    Ok(told)
 }
 
 /// A structure, what is to be varied and what is asked for.
@@ -114,9 +116,14 @@ pub struct StructureScene {
     /// Whether a map tells stability.
     pub stability: bool,
     /// Axes of a map, the fastest first.
-    pub axes: Vec<StructureAxis>,
+    pub axes: Vec<Axis<Setting>>,
     /// Their names as the file has them.
     pub axis_names: Vec<String>,
+    /// The words as tables have them.
+    names: Vec<Arc<str>>,
+    /// All that the file says, and the files that it names.
+    told: Arc<Map<String, Value>>,
+    named: Arc<Files>,
     definition: Arc<Definition>,
     omega: Option<f64>,
     load: f64,
@@ -135,12 +142,17 @@ impl StructureScene {
     /// # Errors
     /// What is wrong in it.
     pub fn of_text(text: &str, folder: &Path) -> Result<Self, String> {
-        let file: File = if text.trim_start().starts_with('{') {
-            serde_json::from_str(text).map_err(|error| error.to_string())?
+        Self::of_given(text, &Named::new(folder, &Files::new()))
+    }
+
+    /// The same with the files that it names.
+    pub(super) fn of_given(text: &str, files: &Named<'_>) -> Result<Self, String> {
+        let file: File = if is_json(text) {
+            serde_json::from_value(told(text)?.into()).map_err(|error| error.to_string())?
         } else {
             toml::from_str(text).map_err(|error| error.to_string())?
         };
-        let definition = Definition::new(&file.structure, &file.contact, &file.force, folder)?;
+        let definition = Definition::new(&file.structure, &file.contact, &file.force, files)?;
         let mut scene = Self::of(definition)?;
         scene.title = file.title;
         scene.word = file
@@ -150,12 +162,14 @@ impl StructureScene {
             .transpose()?;
         scene.force_periods = file.force_periods.unwrap_or(1);
         scene.omega = file.omega;
-        scene.with_map(file.sweep.as_ref(), file.compute.as_ref())
+        scene.named = Arc::new(files.read());
+        scene.with_map(told(text)?, file.sweep.as_ref(), file.compute.as_ref())
     }
 
-    /// The same with axes and words.
+    /// The same with axes and words, and with all that its file says.
     pub(super) fn with_map(
         mut self,
+        told: Map<String, Value>,
         sweep: Option<&SweepTable>,
         compute: Option<&ComputeTable>,
     ) -> Result<Self, String> {
@@ -171,30 +185,33 @@ impl StructureScene {
         let words = compute.map_or(Ok(Vec::new()), |compute| compute.families.iter().map(of_map).collect())?;
         let tolerance = compute.and_then(|compute| compute.threshold).map(tolerance_from).transpose()?;
         let sweep = || sweep.iter().flat_map(|sweep| std::iter::once(&sweep.x).chain(&sweep.y));
-        let axis = |axis: &AxisTable| -> Result<StructureAxis, String> {
+        let axis = |axis: &AxisTable| -> Result<Axis<Setting>, String> {
             let AxisTable { parameter, from, to, points } = axis;
             let rises = from.is_finite() && to.is_finite() && from < to;
             if !rises || !(2..=MOST_POINTS).contains(points) {
                 return Err(format!("axis {parameter}: give from < to and 2 to {MOST_POINTS} points"));
             }
-            Ok(StructureAxis { setting: parameter.parse()?, from: *from, to: *to, points: *points })
+            let values = Values::Linear { from: *from, to: *to, points: *points };
+            Ok(Axis { parameter: parameter.parse()?, values })
         };
         let axes = sweep().map(axis).collect::<Result<Vec<_>, _>>()?;
         self.axis_names = sweep().map(|axis| axis.parameter.clone()).collect();
-        let points = axes.iter().map(|axis| axis.points as u64).product::<u64>();
+        let points = axes.iter().map(|axis| axis.points() as u64).product::<u64>();
         if points > MOST_CELLS {
             return Err(format!("the map has {points} points: give at most {MOST_CELLS}"));
         }
+        self.names = words.iter().map(|word| Self::name_of(word).into()).collect();
         self.words = words;
+        self.told = Arc::new(told);
         self.tolerance = tolerance.unwrap_or(Tolerance::Rounding);
         self.stability = compute.is_none_or(|compute| compute.stability);
         self.axes = axes.clone();
         // Every end of an axis is asked once, so that a map does not begin in vain.
         for axis in &axes {
-            self.clone().set(axis.setting, axis.from)?;
-            self.clone().set(axis.setting, axis.to)?;
-            if axis.setting == Setting::Omega && self.omega.is_none() {
-                self.omega = Some(axis.from);
+            self.clone().set(axis.parameter, axis.first())?;
+            self.clone().set(axis.parameter, axis.last())?;
+            if axis.parameter == Setting::Omega && self.omega.is_none() {
+                self.omega = Some(axis.first());
             }
         }
         Ok(self)
@@ -210,6 +227,9 @@ impl StructureScene {
             stability: true,
             axes: Vec::new(),
             axis_names: Vec::new(),
+            names: Vec::new(),
+            told: Arc::default(),
+            named: Arc::default(),
             contacts: definition.contacts(),
             modal: Arc::new(definition.modal(1.0)?),
             definition: Arc::new(definition),
@@ -241,6 +261,45 @@ impl StructureScene {
     #[must_use]
     pub fn name_of((word, periods): &(Word, u32)) -> String {
         if *periods == 1 { word.to_string() } else { format!("{word}/{periods}") }
+    }
+
+    /// The words of a map as its table has them.
+    pub(super) fn names(&self) -> &[Arc<str>] {
+        &self.names
+    }
+
+    /// All that its file says, as data.
+    #[must_use]
+    pub fn given(&self) -> &Map<String, Value> {
+        &self.told
+    }
+
+    /// The files that it names.
+    pub(super) fn named(&self) -> &Files {
+        &self.named
+    }
+
+    /// All that decides what its table holds: what its file says but for the title, and a checksum of each file that it names.
+    pub(super) fn parts(&self) -> Map<String, Value> {
+        let mut parts = Map::clone(&self.told);
+        parts.remove("title");
+        if !self.named.is_empty() {
+            let sum = |text: &String| format!("xxh3 {:032x}", xxhash_rust::xxh3::xxh3_128(text.as_bytes()));
+            let sums: Map<String, Value> =
+                self.named.iter().map(|(name, text)| (name.clone(), sum(text).into())).collect();
+            parts.insert("files".to_owned(), sums.into());
+        }
+        parts
+    }
+
+    /// The same with another threshold.
+    pub(super) fn with_tolerance(&mut self, tolerance: Tolerance) {
+        self.tolerance = tolerance;
+        if let (Tolerance::Growth(growth), Some(Value::Object(compute))) =
+            (tolerance, Arc::make_mut(&mut self.told).get_mut("compute"))
+        {
+            compute.insert("threshold".to_owned(), growth.into());
+        }
     }
 
     /// The words that are asked for, with their periods of the load: those of a map, or the one of the file.

@@ -1,13 +1,10 @@
 //! What pictures and answers say of a structure's scene.
 
-use vibrochain_breather::Word;
 use vibrochain_lattice::{Contact, Parameter};
 
 use super::definition::ChainTable;
-use super::map::StructureCell;
 use super::scene::StructureScene;
 use super::setting::Setting;
-use crate::cell::{Cell, Class, Status};
 use crate::scene::criterion;
 
 impl StructureScene {
@@ -27,7 +24,7 @@ impl StructureScene {
     /// "2 modes, 1 contact, e = 0.8, ω = 1.05": all that is fixed, in words.
     #[must_use]
     pub fn fixed(&self) -> String {
-        self.told(&|setting| self.axes.iter().any(|axis| axis.setting == setting))
+        self.told(&|setting| self.axes.iter().any(|axis| axis.parameter == setting))
     }
 
     /// The same of one point: what a map varies is told, too.
@@ -148,32 +145,5 @@ impl StructureScene {
             _ => return self.symbol(setting),
         };
         format!("{meaning} {}", self.symbol(setting))
-    }
-}
-
-impl StructureCell {
-    /// What pictures show of it, of a map of these words: the first has the classes of double-sided breathers, the second those of
-    /// single-sided ones, all others those of words.
-    #[must_use]
-    pub fn cell(&self, words: &[(Word, u32)]) -> Cell {
-        let mut cell = Cell { solutions: self.solutions as u32, ..Cell::EMPTY };
-        if self.trouble.is_some() {
-            cell.status = Status::IllConditioned;
-        }
-        let Some((word, verdict, margin)) = &self.best else {
-            cell.class = cell.class.filter(|_| self.trouble.is_none());
-            return cell;
-        };
-        let place = words.iter().position(|known| StructureScene::name_of(known) == *word).unwrap_or(2);
-        let of = |classes: [Class; 3]| classes[place.min(2)];
-        cell.class = match verdict {
-            None => Some(of([Class::Double, Class::Single, Class::Word])),
-            Some(verdict) if verdict.marginal => None,
-            Some(verdict) if verdict.stable => Some(of([Class::StableDouble, Class::StableSingle, Class::StableWord])),
-            Some(_) => Some(of([Class::UnstableDouble, Class::UnstableSingle, Class::UnstableWord])),
-        };
-        cell.mechanism = verdict.and_then(|verdict| verdict.mechanism);
-        cell.spectral_radius = verdict.map(|verdict| verdict.spectral_radius);
-        Cell { margin: *margin, ..cell }
     }
 }

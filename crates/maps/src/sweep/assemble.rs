@@ -10,7 +10,7 @@ use super::plan::Plan;
 use super::store::Store;
 use crate::cell::Cell;
 use crate::error::MapError;
-use crate::scene::Scene;
+use crate::grid::Grid;
 use crate::summary::Summary;
 use crate::table::{Rows, TableFile};
 
@@ -48,20 +48,21 @@ impl From<Fault> for Trouble {
 }
 
 /// A table under way, and who looks on.
-pub struct Assembly<'a, C: Content> {
+pub struct Assembly<'a, C: Content<S>, S: Grid> {
     content: &'a C,
-    scene: Scene,
+    plan: &'a Plan<S>,
+    layout: C::Layout,
     table: TableFile,
     watcher: &'a mut dyn Watcher<C::Item>,
 }
 
-impl<C: Content> std::fmt::Debug for Assembly<'_, C> {
+impl<S: Grid, C: Content<S>> std::fmt::Debug for Assembly<'_, C, S> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Assembly").finish_non_exhaustive()
     }
 }
 
-impl<'a, C: Content> Assembly<'a, C> {
+impl<'a, S: Grid, C: Content<S>> Assembly<'a, C, S> {
     /// Starts with the names of the columns; who looks on forgets earlier rows. At most `threads` threads compress the table, if it is
     /// to be compressed.
     ///
@@ -69,7 +70,7 @@ impl<'a, C: Content> Assembly<'a, C> {
     /// [`MapError`] if the table cannot be written.
     pub fn begin(
         content: &'a C,
-        plan: &Plan,
+        plan: &'a Plan<S>,
         out: &Path,
         threads: usize,
         watcher: &'a mut dyn Watcher<C::Item>,
@@ -77,7 +78,7 @@ impl<'a, C: Content> Assembly<'a, C> {
         let mut table = content.create(out, &plan.scene, threads)?;
         table.text(content.header(&plan.scene).as_bytes())?;
         watcher.begin();
-        Ok(Self { content, scene: plan.scene.clone(), table, watcher })
+        Ok(Self { content, plan, layout: content.layout(&plan.scene), table, watcher })
     }
 
     /// Whether cells are wanted, and not their text alone.
@@ -87,7 +88,10 @@ impl<'a, C: Content> Assembly<'a, C> {
 
     fn cell(&mut self, number: u64, cell: &C::Item) -> Result<(), MapError> {
         self.watcher.cell(number, cell);
-        if self.table.wants_cells() { self.content.put(&mut self.table, &self.scene, number, cell) } else { Ok(()) }
+        if !self.table.wants_cells() {
+            return Ok(());
+        }
+        self.content.put(&mut self.table, (&self.plan.scene, &self.layout), number, cell)
     }
 
     /// Takes the next rows.
@@ -113,10 +117,10 @@ impl<'a, C: Content> Assembly<'a, C> {
     ///
     /// # Errors
     /// [`Unassembled`]; the table must then be thrown away.
-    pub fn chunks(&mut self, plan: &Plan, folder: &Path, stop: &Stop) -> Result<Summary, Unassembled> {
+    pub fn chunks(&mut self, folder: &Path, stop: &Stop) -> Result<Summary, Unassembled> {
         let mut total = Summary::default();
-        for chunk in 0..plan.chunks() {
-            match self.chunk(plan, chunk, &Store::path(folder, chunk), stop) {
+        for chunk in 0..self.plan.chunks() {
+            match self.chunk(chunk, &Store::path(folder, chunk), stop) {
                 Ok(summary) => total.add(&summary),
                 Err(Trouble::Fault(Fault::Stopped)) => return Err(Unassembled::Stopped),
                 Err(Trouble::Fault(fault)) => return Err(Unassembled::Chunk(chunk, fault)),
@@ -126,7 +130,8 @@ impl<'a, C: Content> Assembly<'a, C> {
         Ok(total)
     }
 
-    fn chunk(&mut self, plan: &Plan, chunk: u64, path: &Path, stop: &Stop) -> Result<Summary, Trouble> {
+    fn chunk(&mut self, chunk: u64, path: &Path, stop: &Stop) -> Result<Summary, Trouble> {
+        let plan = self.plan;
         let mut reader = self.wants_cells().then(|| self.content.reader(&plan.scene, plan.range(chunk)));
         let damaged = |wrong| Trouble::Fault(Fault::Damaged(wrong));
         let mut taken = Ok(());

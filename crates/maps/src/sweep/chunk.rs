@@ -20,6 +20,7 @@ use super::plan::FORMAT;
 use super::plan::Plan;
 use crate::error::MapError;
 use crate::files::Output;
+use crate::grid::Grid;
 use crate::summary::Summary;
 use crate::text::open_plain;
 
@@ -72,13 +73,13 @@ fn damaged(how: &str) -> Fault {
     Fault::Damaged(how.to_owned())
 }
 
-fn first_line(plan: &Plan, chunk: u64) -> String {
+fn first_line<S: Grid>(plan: &Plan<S>, chunk: u64) -> String {
     let Range { start, end } = plan.range(chunk);
     format!("vibrochain-chunk {FORMAT} {:032x} chunk {chunk} cells {start}..{end}\n", plan.identity)
 }
 
 /// The chunk of this sweep that begins with this line.
-fn chunk_of(plan: &Plan, first: &[u8]) -> Option<u64> {
+fn chunk_of<S: Grid>(plan: &Plan<S>, first: &[u8]) -> Option<u64> {
     let words = std::str::from_utf8(first).ok()?.split(' ').collect::<Vec<_>>();
     let chunk = words.get(4)?.parse().ok().filter(|chunk| (0..plan.chunks()).contains(chunk))?;
     (first_line(plan, chunk).as_bytes() == first).then_some(chunk)
@@ -136,7 +137,7 @@ pub struct Writer {
 
 impl Writer {
     /// Opens the temporary file.
-    pub fn new(path: &Path, plan: &Plan, chunk: u64) -> Result<Self, MapError> {
+    pub fn new<S: Grid>(path: &Path, plan: &Plan<S>, chunk: u64) -> Result<Self, MapError> {
         let mut writer = Self { output: Output::beside(path)?, hash: Box::default(), summary: Summary::default() };
         writer.write(first_line(plan, chunk).as_bytes())?;
         Ok(writer)
@@ -197,9 +198,9 @@ impl<R: Read> Read for Hashed<R> {
 
 /// Hands the rows of a chunk to `take`, some bytes at a time, and then tells whether they are those that were written. What
 /// `take` has got must be thrown away if not.
-pub(super) fn read<E: From<Fault>>(
+pub(super) fn read<S: Grid, E: From<Fault>>(
     path: &Path,
-    plan: &Plan,
+    plan: &Plan<S>,
     chunk: u64,
     stop: &Stop,
     mut take: impl FnMut(&[u8]) -> Result<(), E>,
@@ -244,10 +245,10 @@ pub(super) fn read<E: From<Fault>>(
 }
 
 /// Reads a chunk through, row by row, and tells whether it can be trusted.
-pub(super) fn check<C: Content>(
+pub(super) fn check<S: Grid, C: Content<S>>(
     content: &C,
     path: &Path,
-    plan: &Plan,
+    plan: &Plan<S>,
     chunk: u64,
     stop: &Stop,
 ) -> Result<Summary, Fault> {

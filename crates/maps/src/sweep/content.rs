@@ -8,41 +8,56 @@ use super::leaves::leaves;
 use super::refiner::Ground;
 use crate::cell::Cell;
 use crate::error::MapError;
+use crate::grid::Grid;
 use crate::scene::Scene;
+use crate::structure::StructureScene;
 use crate::summary::Summary;
-use crate::table::{Reader, RowWriter, Rows, TableFile, header};
+use crate::table::{Layout, Reader, RowWriter, Rows, TableFile, Value, header};
 
 /// Takes what was computed, in order.
 pub type Sink<'a, T> = &'a mut dyn FnMut(Block<Rows<T>>) -> Result<(), MapError>;
 
 /// What is computed of every cell of a scene. Chunks, shards and tables are the same whatever it is; each cell has a row, or
 /// several that follow each other.
-pub trait Content: Sync {
+pub trait Content<S: Grid>: Sync {
     /// What is known of one cell.
     type Item;
+    /// What a table that wants items needs to know of them all.
+    type Layout;
     /// Reads its rows.
-    type Reader<'a>: ReadRows<Self::Item>;
+    type Reader<'a>: ReadRows<Self::Item>
+    where
+        S: 'a;
 
     /// The names of the columns, as they stand in the file.
-    fn header(&self, scene: &Scene) -> String;
+    fn header(&self, scene: &S) -> String;
 
     /// Opens a table.
     ///
     /// # Errors
     /// As [`TableFile::create`].
-    fn create(&self, out: &Path, scene: &Scene, threads: usize) -> Result<TableFile, MapError>;
+    fn create(&self, out: &Path, scene: &S, threads: usize) -> Result<TableFile, MapError>;
+
+    /// What [`Content::put`] needs.
+    fn layout(&self, scene: &S) -> Self::Layout;
 
     /// Hands an item, of the cell of this number, to a table that wants items and not their text.
     ///
     /// # Errors
     /// [`MapError`] if it cannot be written.
-    fn put(&self, table: &mut TableFile, scene: &Scene, number: u64, item: &Self::Item) -> Result<(), MapError>;
+    fn put(
+        &self,
+        table: &mut TableFile,
+        of: (&S, &Self::Layout),
+        number: u64,
+        item: &Self::Item,
+    ) -> Result<(), MapError>;
 
     /// Computes all cells of `parts` and hands them to `sink` in order, their items, too, if these are `wanted` and not the rows
     /// alone. `tick` is called, from any thread, with each number of steps that is done.
     fn compute(
         &self,
-        job: &Job<'_>,
+        job: &Job<'_, S>,
         parts: &[Range<u64>],
         wanted: bool,
         tick: &(dyn Fn(u64) + Sync),
@@ -50,7 +65,7 @@ pub trait Content: Sync {
     ) -> Ended<MapError>;
 
     /// Reads the rows of the cells numbered `cells`.
-    fn reader<'a>(&self, scene: &'a Scene, cells: Range<u64>) -> Self::Reader<'a>;
+    fn reader<'a>(&self, scene: &'a S, cells: Range<u64>) -> Self::Reader<'a>;
 }
 
 /// Reads rows against the cells they must be of.
@@ -74,64 +89,118 @@ pub trait ReadRows<T> {
     fn finish(self, summary: &Summary, each: &mut dyn FnMut(u64, &T)) -> Result<(), String>;
 }
 
-/// The content of a sweep's table: a row a cell, or a row a leaf where the grid is refined.
-#[derive(Debug, Clone, Copy)]
-pub struct Cells;
-
-impl Content for Cells {
-    type Item = Cell;
-    type Reader<'a> = Reader<'a>;
-
-    fn header(&self, scene: &Scene) -> String {
-        header(scene)
+/// A scene whose map is swept.
+pub trait Swept: Grid {
+    /// As [`Content::compute`].
+    fn cells_of(
+        job: &Job<'_, Self>,
+        parts: &[Range<u64>],
+        wanted: bool,
+        tick: &(dyn Fn(u64) + Sync),
+        sink: Sink<'_, Self::Cell>,
+    ) -> Ended<MapError> {
+        whole_cells(job, parts, wanted, tick, sink)
     }
+}
 
-    fn create(&self, out: &Path, scene: &Scene, threads: usize) -> Result<TableFile, MapError> {
-        TableFile::create(out, scene, threads)
-    }
+fn whole_cells<S: Grid>(
+    job: &Job<'_, S>,
+    parts: &[Range<u64>],
+    wanted: bool,
+    tick: &(dyn Fn(u64) + Sync),
+    sink: Sink<'_, S::Cell>,
+) -> Ended<MapError> {
+    let writer = RowWriter::new(job.scene, wanted);
+    let digest = |range: Range<u64>, cells: &[S::Cell]| {
+        tick(range.end - range.start);
+        writer.rows(range, cells)
+    };
+    blocks(job, parts, digest, sink)
+}
 
-    fn put(&self, table: &mut TableFile, scene: &Scene, number: u64, cell: &Cell) -> Result<(), MapError> {
-        table.cell(&scene.point_of(number, cell), cell)
-    }
+impl Swept for StructureScene {}
 
-    fn compute(
-        &self,
+impl Swept for Scene {
+    /// A cell of a grid that is refined has leaves.
+    fn cells_of(
         job: &Job<'_>,
         parts: &[Range<u64>],
         wanted: bool,
         tick: &(dyn Fn(u64) + Sync),
         sink: Sink<'_, Cell>,
     ) -> Ended<MapError> {
-        if let Some(ground) = Ground::new(job) {
-            let digest = |range: Range<u64>, leaves: Vec<(u64, Cell)>| {
-                tick(range.end - range.start);
-                Rows::of_leaves(job.scene, range, leaves, wanted)
-            };
-            return leaves(job, &ground, parts, digest, sink);
-        }
-        let writer = RowWriter::new(job.scene, wanted);
-        let digest = |range: Range<u64>, cells: &[Cell]| {
+        let Some(ground) = Ground::new(job) else { return whole_cells(job, parts, wanted, tick, sink) };
+        let digest = |range: Range<u64>, leaves: Vec<(u64, Cell)>| {
             tick(range.end - range.start);
-            writer.rows(range, cells)
+            Rows::of_leaves(job.scene, range, leaves, wanted)
         };
-        blocks(job, parts, digest, sink)
+        leaves(job, &ground, parts, digest, sink)
+    }
+}
+
+/// The content of a sweep's table: a row a cell, or a row a leaf where the grid is refined.
+#[derive(Debug, Clone, Copy)]
+pub struct Cells;
+
+impl<S: Swept> Content<S> for Cells {
+    type Item = S::Cell;
+    type Layout = Layout<S>;
+    type Reader<'a>
+        = Reader<'a, S>
+    where
+        S: 'a;
+
+    fn header(&self, scene: &S) -> String {
+        header(scene)
     }
 
-    fn reader<'a>(&self, scene: &'a Scene, cells: Range<u64>) -> Reader<'a> {
+    fn create(&self, out: &Path, scene: &S, threads: usize) -> Result<TableFile, MapError> {
+        TableFile::create(out, &Layout::new(scene).types(scene), threads)
+    }
+
+    fn layout(&self, scene: &S) -> Layout<S> {
+        Layout::new(scene)
+    }
+
+    fn put(
+        &self,
+        table: &mut TableFile,
+        (scene, layout): (&S, &Layout<S>),
+        number: u64,
+        cell: &S::Cell,
+    ) -> Result<(), MapError> {
+        let leaf = scene.shown(cell).extent;
+        let point = leaf.map_or_else(|| scene.point(number), |leaf| scene.sample(number, leaf));
+        let places = layout.places.iter().map(|place| Some(Value::Number(S::value(&point, *place))));
+        table.row(places.chain(layout.columns.iter().map(|column| (column.get)(cell))))
+    }
+
+    fn compute(
+        &self,
+        job: &Job<'_, S>,
+        parts: &[Range<u64>],
+        wanted: bool,
+        tick: &(dyn Fn(u64) + Sync),
+        sink: Sink<'_, S::Cell>,
+    ) -> Ended<MapError> {
+        S::cells_of(job, parts, wanted, tick, sink)
+    }
+
+    fn reader<'a>(&self, scene: &'a S, cells: Range<u64>) -> Reader<'a, S> {
         Reader::new(scene, cells)
     }
 }
 
-impl ReadRows<Cell> for Reader<'_> {
-    fn take(&mut self, bytes: &[u8], each: &mut dyn FnMut(u64, &Cell)) -> Result<(), String> {
+impl<S: Grid> ReadRows<S::Cell> for Reader<'_, S> {
+    fn take(&mut self, bytes: &[u8], each: &mut dyn FnMut(u64, &S::Cell)) -> Result<(), String> {
         self.take(bytes, each)
     }
 
-    fn whole(self, _: &mut dyn FnMut(u64, &Cell)) -> Result<Summary, String> {
+    fn whole(self, _: &mut dyn FnMut(u64, &S::Cell)) -> Result<Summary, String> {
         self.whole()
     }
 
-    fn finish(self, summary: &Summary, _: &mut dyn FnMut(u64, &Cell)) -> Result<(), String> {
+    fn finish(self, summary: &Summary, _: &mut dyn FnMut(u64, &S::Cell)) -> Result<(), String> {
         self.finish(summary)
     }
 }

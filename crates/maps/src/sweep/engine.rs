@@ -10,13 +10,9 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, mpsc};
 use rayon::ThreadPool;
 use vibrochain_lattice::Stop;
 
-use crate::cell::{Cell, Worker};
+use crate::grid::Grid;
 use crate::scene::Scene;
 use crate::summary::Summary;
-
-/// The most cells taken at a time: some milliseconds of work, so that taking them, and waking the thread that orders them,
-/// costs nothing.
-const BLOCK: u64 = 1024;
 
 /// A thread takes no more than this part of its share of the cells that are left: so blocks become small towards the end, and all threads
 /// end together.
@@ -27,9 +23,9 @@ const AHEAD: u64 = 16;
 
 /// What is to be computed, and on what.
 #[derive(Debug, Clone, Copy)]
-pub struct Job<'a> {
+pub struct Job<'a, S = Scene> {
     /// The scene.
-    pub scene: &'a Scene,
+    pub scene: &'a S,
     /// The threads.
     pub pool: &'a ThreadPool,
     /// Raised to stop early.
@@ -159,25 +155,28 @@ pub(super) struct Pace {
 
 /// Computes the cells of all parts, makes `digest` of a few at a time, on any thread, and hands these to `sink` in order,
 /// on this one.
-pub fn blocks<T: Send, E>(
-    job: &Job<'_>,
+pub fn blocks<S: Grid, T: Send, E>(
+    job: &Job<'_, S>,
     parts: &[Range<u64>],
-    digest: impl Fn(Range<u64>, &[Cell]) -> T + Sync,
+    digest: impl Fn(Range<u64>, &[S::Cell]) -> T + Sync,
     sink: impl FnMut(Block<T>) -> Result<(), E>,
 ) -> Ended<E> {
-    let pace = Pace { block: BLOCK, ahead: AHEAD };
-    let begin = || (Worker::new(job.scene.base.sites()).until(job.stop), Vec::new());
-    let make = |(worker, cells): &mut (Worker, Vec<Cell>), range: Range<u64>| {
-        compute(job, worker, range.clone(), cells)?;
-        Some((Summary::of(cells), digest(range, cells)))
+    let scene = job.scene;
+    let pace = Pace { block: scene.block(), ahead: AHEAD };
+    let begin = || (scene.worker(job.stop), Vec::new());
+    let make = |(worker, cells): &mut (S::Worker, Vec<S::Cell>), range: Range<u64>| {
+        scene.compute(worker, range.clone(), job.stop, cells)?;
+        let mut summary = Summary::default();
+        cells.iter().for_each(|cell| summary.count(&scene.shown(cell)));
+        Some((summary, digest(range, cells)))
     };
     in_order(job, parts, pace, begin, make, sink)
 }
 
 /// Takes blocks of the cells of all parts, some at a time, on any thread, each of which does what `begin` has given it, and hands what
 /// `make` makes of them to `sink` in order, on this one. `make` tells `None` if it was stopped.
-pub(super) fn in_order<W, T: Send, E>(
-    job: &Job<'_>,
+pub(super) fn in_order<S: Sync, W, T: Send, E>(
+    job: &Job<'_, S>,
     parts: &[Range<u64>],
     pace: Pace,
     begin: impl Fn() -> W + Sync,
@@ -240,30 +239,17 @@ pub(super) fn in_order<W, T: Send, E>(
     }
 }
 
-/// The cells of one block; `None` if stopped midway.
-fn compute(job: &Job<'_>, worker: &mut Worker, range: Range<u64>, cells: &mut Vec<Cell>) -> Option<()> {
-    cells.clear();
-    let all = (range.end - range.start) as usize;
-    // The scene's corners were checked, so that every point between is a valid model.
-    job.scene.walk_models(range, |model| {
-        cells.push(worker.cell(model, &job.scene.task));
-        !job.stop.is_raised()
-    });
-    // The last of those that were stopped is none.
-    (cells.len() == all && !job.stop.is_raised()).then_some(())
-}
-
 /// Computes all cells of a scene and hands them to `sink` in order, some at a time, with the number of the first. `tick`
 /// is called, from any thread, with each number of cells that is done.
-pub fn sweep<E>(
-    scene: &Scene,
+pub fn sweep<S: Grid, E>(
+    scene: &S,
     pool: &ThreadPool,
     stop: &Stop,
     tick: impl Fn(u64) + Sync,
-    mut sink: impl FnMut(Range<u64>, &[Cell]) -> Result<(), E>,
+    mut sink: impl FnMut(Range<u64>, &[S::Cell]) -> Result<(), E>,
 ) -> Ended<E> {
     let whole = 0..scene.cells();
-    let digest = |range: Range<u64>, cells: &[Cell]| {
+    let digest = |range: Range<u64>, cells: &[S::Cell]| {
         tick(range.end - range.start);
         cells.to_vec()
     };

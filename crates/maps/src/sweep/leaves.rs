@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::engine::{Block, Ended, Job, Pace, in_order};
 use super::refiner::{Ground, Refiner};
 use crate::cell::Cell;
+use crate::grid::Grid;
 use crate::summary::Summary;
 
 /// The most cells taken at a time. Two rows above and two below are looked at besides, as far as they decide what is refined.

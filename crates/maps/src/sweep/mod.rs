@@ -29,7 +29,7 @@ mod work;
 
 pub use assemble::{Assembly, Unassembled, Watcher};
 pub use chunk::{Fault, Writer};
-pub use content::{Cells, Content, ReadRows, Sink};
+pub use content::{Cells, Content, ReadRows, Sink, Swept};
 pub use engine::{Block, Ended, Job, blocks, sweep};
 pub use leaves::refined;
 pub use plan::{Plan, Settings};

@@ -12,8 +12,9 @@ use vibrochain_lattice::Short;
 use xxhash_rust::xxh3::xxh3_128;
 
 use crate::error::MapError;
-use crate::manifest::{REVISION, VERSION, scene_parts, target};
-use crate::scene::{MAX_BYTES, Scene, tolerance_from};
+use crate::grid::{Files, Grid};
+use crate::manifest::{REVISION, VERSION, target};
+use crate::scene::{Scene, tolerance_from};
 use crate::text::{clipped, read_text};
 
 /// How the file of every plan begins.
@@ -22,21 +23,8 @@ pub(super) const PLAN_BEGINS: &[u8] = b"{\n  \"program\": \"mapgen\"";
 /// The form of chunks and of the plan beside them.
 pub(super) const FORMAT: u32 = 2;
 
-/// Cells of a chunk of the paper's forced maps: a fraction of a second of work, which an interruption may cost, against a
-/// millisecond for a file that must reach the disk.
-const CHUNK_CELLS: u64 = 8192;
-
-/// How many times more there are in one without force or loss, whose cells are twenty times faster.
-const CONSERVATIVE: u64 = 4;
-
-/// The least cells of a chunk.
-const LEAST_CELLS: u64 = 16;
-
 /// The most chunks: no folder should have to hold more files. Beyond it chunks grow.
 const MOST_CHUNKS: u64 = 1 << 17;
-
-/// Masses up to which a cell costs a few microseconds.
-const FEW_SITES: usize = 48;
 
 /// The program that computes chunks. Other programs may compute other last digits.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -62,9 +50,9 @@ pub type Settings = BTreeMap<String, String>;
 
 /// A sweep, ready to be computed by any number of processes.
 #[derive(Debug, Clone)]
-pub struct Plan {
+pub struct Plan<S: Grid = Scene> {
     /// The scene, with the threshold of the command line.
-    pub scene: Scene,
+    pub scene: S,
     /// Its file, as named on the command line.
     pub scene_file: PathBuf,
     /// Its text.
@@ -99,68 +87,68 @@ struct File {
     chunks: u64,
     identity: String,
     scene: String,
-}
-
-/// Cells of a chunk: fewer where cells are slow, more where there would be too many chunks.
-fn chunk_cells(scene: &Scene) -> u64 {
-    // Existence costs as the masses, stability as their square.
-    let slower = (scene.base.sites() / FEW_SITES) as u64;
-    let slower = if scene.task.stability { slower.saturating_mul(slower) } else { slower };
-    let most = CHUNK_CELLS * if scene.is_conservative() { CONSERVATIVE } else { 1 };
-    // Along a border a cell has as many leaves as its side, and a quarter of the cells has one.
-    let leaves = scene.refine.map_or(1, |refine| (refine.size() / 4).max(1).into());
-    let cells = (most / slower.max(1).next_power_of_two() / leaves).max(LEAST_CELLS);
-    cells.max(least_cells(scene))
+    /// The files that it names.
+    #[serde(default, skip_serializing_if = "Files::is_empty")]
+    files: Files,
 }
 
 /// Cells of a chunk that make no more than [`MOST_CHUNKS`] of them.
-fn least_cells(scene: &Scene) -> u64 {
+fn least_cells<S: Grid>(scene: &S) -> u64 {
     scene.cells().div_ceil(MOST_CHUNKS).next_power_of_two()
 }
 
-impl Plan {
+impl<S: Grid> Plan<S> {
     /// Reads a scene; `threshold` is that of the command line.
     ///
     /// # Errors
-    /// [`MapError::Request`]: those of [`Scene::read`]; a threshold that is given twice, or that nothing needs.
+    /// [`MapError::Request`]: those of [`Grid::parse`]; a scene that is no map; a threshold that is given twice, or that nothing needs.
     pub fn read(scene_file: &Path, threshold: Option<f64>) -> Result<Self, MapError> {
-        let text = read_text("scene", scene_file, MAX_BYTES)?;
-        Self::new(scene_file, text, threshold, None, Maker::this())
+        let text = read_text("scene", scene_file, S::MOST_BYTES)?;
+        Self::new(scene_file, text, &Files::new(), threshold, None, Maker::this())
     }
 
     /// Reads a scene of whose cells more is computed than a sweep finds; `chunk_cells` are to be in a chunk, unless that made
     /// too many.
     ///
     /// # Errors
-    /// [`MapError::Request`]: those of [`Scene::read`].
+    /// [`MapError::Request`]: those of [`Grid::parse`].
     pub fn of_ensemble(scene_file: &Path, settings: Settings, chunk_cells: u64) -> Result<Self, MapError> {
-        let text = read_text("scene", scene_file, MAX_BYTES)?;
-        Self::new(scene_file, text, None, Some((settings, chunk_cells)), Maker::this())
+        let text = read_text("scene", scene_file, S::MOST_BYTES)?;
+        Self::new(scene_file, text, &Files::new(), None, Some((settings, chunk_cells)), Maker::this())
     }
 
     fn new(
         scene_file: &Path,
         text: String,
+        files: &Files,
         threshold: Option<f64>,
         ensemble: Option<(Settings, u64)>,
         maker: Maker,
     ) -> Result<Self, MapError> {
-        let mut scene = Scene::parse(scene_file, &text)?;
+        let mut scene = S::parse(scene_file, &text, files)?;
+        if ensemble.is_none() {
+            scene.is_map().map_err(|why| MapError::Request(format!("{}: {why}", scene_file.display())))?;
+        }
         if let Some(threshold) = threshold {
             let place = scene_file.display();
-            if scene.task.tolerance != Tolerance::Rounding {
-                let message =
-                    format!("threshold is given twice, as --threshold {} and in {place}: remove one", Short(threshold));
-                return Err(MapError::Request(message));
+            match scene.tolerance() {
+                Some(Tolerance::Rounding) => {}
+                Some(_) => {
+                    let message = format!(
+                        "threshold is given twice, as --threshold {} and in {place}: remove one",
+                        Short(threshold)
+                    );
+                    return Err(MapError::Request(message));
+                }
+                None => {
+                    let message =
+                        format!("--threshold needs `stability = true` in {place}: it decides what counts as stable");
+                    return Err(MapError::Request(message));
+                }
             }
-            if !scene.task.stability {
-                let message =
-                    format!("--threshold needs `stability = true` in {place}: it decides what counts as stable");
-                return Err(MapError::Request(message));
-            }
-            scene.task.tolerance = tolerance_from(threshold).map_err(MapError::Request)?;
+            scene.set_tolerance(tolerance_from(threshold).map_err(MapError::Request)?);
         }
-        if scene.refine.is_some() && ensemble.is_some() {
+        if scene.refined().is_some() && ensemble.is_some() {
             let message = format!(
                 "refine in {} is of maps: an ensemble is run at every cell of the grid; remove it, or give more points",
                 scene_file.display()
@@ -169,7 +157,7 @@ impl Plan {
         }
         let (ensemble, chunk_cells) = match ensemble {
             Some((settings, cells)) => (Some(settings), cells.max(least_cells(&scene))),
-            None => (None, chunk_cells(&scene)),
+            None => (None, scene.chunk_cells().max(least_cells(&scene))),
         };
         let mut decisive = parts(&scene, ensemble.as_ref());
         decisive.insert("format".to_owned(), FORMAT.into());
@@ -183,7 +171,7 @@ impl Plan {
     #[cfg(test)]
     pub fn by_version(scene_file: &Path, text: &str, version: &str) -> Self {
         let maker = Maker { version: version.to_owned(), ..Maker::this() };
-        Self::new(scene_file, text.to_owned(), None, None, maker).unwrap()
+        Self::new(scene_file, text.to_owned(), &Files::new(), None, None, maker).unwrap()
     }
 
     /// Number of cells.
@@ -216,14 +204,23 @@ impl Plan {
             chunks: self.chunks(),
             identity: format!("{:032x}", self.identity),
             scene: self.text.clone(),
+            files: self.scene.files(),
         };
         // Names, numbers and text: nothing that JSON could not hold.
         serde_json::to_string_pretty(&file).map_or_else(|_| String::new(), |text| text + "\n")
     }
 
+    /// Whether such a file, if it can be read, is of a scene of this kind.
+    pub fn is_one(text: &str) -> bool {
+        serde_json::from_str(text).is_ok_and(|file: File| S::is_one(&file.scene))
+    }
+
     /// The plan in such a file, or what is wrong with it.
     pub fn from_json(text: &str) -> Result<Self, String> {
         let file: File = serde_json::from_str(text).map_err(|error| format!("it is damaged ({error})"))?;
+        if !S::is_one(&file.scene) {
+            return Err("it is of another kind of scene".to_owned());
+        }
         if file.format != FORMAT {
             return Err(format!("its chunks have format {}, this program reads format {FORMAT}", file.format));
         }
@@ -231,7 +228,7 @@ impl Plan {
         let threshold = threshold.map_err(|error| format!("it is damaged (threshold: {error})"))?;
         let maker = file.maker.clone();
         let ensemble = file.ensemble.map(|settings| (settings, file.chunk_cells));
-        let plan = Self::new(Path::new(&file.scene_file), file.scene, threshold, ensemble, maker)
+        let plan = Self::new(Path::new(&file.scene_file), file.scene, &file.files, threshold, ensemble, maker)
             .map_err(|error| format!("its scene cannot be read by this version: {error}"))?;
         if (plan.cells(), plan.chunk_cells) != (file.cells, file.chunk_cells) {
             return Err(format!("mapgen {} cut it otherwise than this version does", file.maker.name()));
@@ -265,8 +262,8 @@ impl Plan {
 }
 
 /// All that decides what the cells hold.
-fn parts(scene: &Scene, ensemble: Option<&Settings>) -> Map<String, Value> {
-    let mut parts = scene_parts(scene);
+fn parts<S: Grid>(scene: &S, ensemble: Option<&Settings>) -> Map<String, Value> {
+    let mut parts = scene.parts();
     if let Some(settings) = ensemble {
         let settings = settings.iter().map(|(name, value)| (name.clone(), Value::from(value.as_str())));
         parts.insert("ensemble".to_owned(), settings.collect::<Map<_, _>>().into());
@@ -319,7 +316,7 @@ mod tests {
     "#;
 
     fn plan(text: &str, threshold: Option<f64>) -> Plan {
-        Plan::new(Path::new("map.toml"), text.to_owned(), threshold, None, Maker::this()).unwrap()
+        Plan::new(Path::new("map.toml"), text.to_owned(), &Files::new(), threshold, None, Maker::this()).unwrap()
     }
 
     #[test]
@@ -364,12 +361,16 @@ mod tests {
     fn a_plan_reads_back_and_damage_to_it_is_seen() {
         let plan = plan(TEXT, Some(0.1 + 0.2));
         let text = plan.to_json();
-        let back = Plan::from_json(&text).unwrap();
+        let back = Plan::<Scene>::from_json(&text).unwrap();
         assert!(back.identity == plan.identity && back.differences(&plan).is_none());
-        assert!(Plan::from_json(&text.replace("0.30000000000000004", "0.3")).is_err());
-        assert!(Plan::from_json(&text.replace("gamma1 = 0.2", "gamma1 = 0.3")).unwrap_err().contains("damaged"));
-        assert!(Plan::from_json(&text.replace("\"format\": 2", "\"format\": 3")).unwrap_err().contains("format 3"));
-        assert!(Plan::from_json(&text[..text.len() / 2]).unwrap_err().contains("damaged"));
+        assert!(Plan::<Scene>::from_json(&text.replace("0.30000000000000004", "0.3")).is_err());
+        assert!(
+            Plan::<Scene>::from_json(&text.replace("gamma1 = 0.2", "gamma1 = 0.3")).unwrap_err().contains("damaged")
+        );
+        assert!(
+            Plan::<Scene>::from_json(&text.replace("\"format\": 2", "\"format\": 3")).unwrap_err().contains("format 3")
+        );
+        assert!(Plan::<Scene>::from_json(&text[..text.len() / 2]).unwrap_err().contains("damaged"));
     }
 
     #[test]
@@ -380,7 +381,7 @@ mod tests {
         let expected =
             "another scene: model.gamma1 is 0.3 there, 0.2 here, compute.threshold is 0.5 there, absent here";
         assert_eq!(told, expected);
-        let other = Plan::by_version(Path::new("map.toml"), TEXT, "0.0.9");
+        let other = Plan::<Scene>::by_version(Path::new("map.toml"), TEXT, "0.0.9");
         assert!(here.differences(&other).unwrap().starts_with("another version of mapgen: 0.0.9 ("));
     }
 }

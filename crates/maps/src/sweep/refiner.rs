@@ -25,6 +25,7 @@ use super::engine::Job;
 use super::tiles::{Sample, Tiles};
 use crate::cell::{Cell, Class, Worker};
 use crate::extent::Extent;
+use crate::grid::Grid;
 use crate::scene::Scene;
 
 /// What all threads share: the cells of the grid that is refined, each computed once, and where more is to be seen than they show.

@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use super::plan::Plan;
 use crate::error::MapError;
+use crate::grid::Grid;
 
 /// One of several shares of a sweep: every `count`-th chunk, so that slow regions are spread over all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,7 +64,7 @@ impl Shard {
     pub const WHOLE: Self = Self { index: 0, count: 1 };
 
     /// Numbers of its chunks.
-    pub fn chunks(self, plan: &Plan) -> impl Iterator<Item = u64> + use<> {
+    pub fn chunks<S: Grid>(self, plan: &Plan<S>) -> impl Iterator<Item = u64> + use<S> {
         // More steps than any folder has chunks are as good as any number of them.
         (self.index..plan.chunks()).step_by(usize::try_from(self.count).unwrap_or(usize::MAX))
     }

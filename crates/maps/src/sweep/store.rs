@@ -15,7 +15,7 @@ use super::plan::PLAN_BEGINS;
 use super::plan::Plan;
 use crate::error::MapError;
 use crate::files::{self, Output, remove_if_abandoned};
-use crate::scene::MAX_BYTES;
+use crate::grid::Grid;
 use crate::summary::Summary;
 use crate::text::duration;
 use crate::text::open_plain;
@@ -30,8 +30,11 @@ const LOCK: &str = "lock";
 /// How often a folder that goes away while it is being taken is made again.
 const PATIENCE: u32 = 100;
 
-/// The most bytes of a plan: the text of the longest scene, quoted, where a quotation mark takes two, and a little besides.
-const MAX_PLAN: u64 = 2 * MAX_BYTES + (1 << 16);
+/// The most bytes of a plan of a scene: the longest text, and four files that it names, quoted, where a quotation mark takes two, and a
+/// little besides.
+const fn most_bytes<S: Grid>() -> u64 {
+    2 * 5 * S::MOST_BYTES + (1 << 16)
+}
 
 /// What a process means to do in the folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,7 +61,7 @@ impl Store {
     /// # Errors
     /// [`MapError::Request`]: the folder cannot be made, is that of another sweep, holds chunks and the claim is
     /// [`Claim::Fresh`], or another process has it. [`MapError::Computation`] if the plan cannot be written.
-    pub fn open(folder: &Path, plan: &Plan, claim: Claim) -> Result<Self, MapError> {
+    pub fn open<S: Grid>(folder: &Path, plan: &Plan<S>, claim: Claim) -> Result<Self, MapError> {
         let place = folder.display();
         if claim != Claim::Share && folder.is_symlink() {
             let message = format!(
@@ -108,7 +111,7 @@ impl Store {
         Err(MapError::Request(format!("{place} is made and removed by other processes all the time: stop them first")))
     }
 
-    fn take(&self, plan: &Plan, claim: Claim) -> Result<(), MapError> {
+    fn take<S: Grid>(&self, plan: &Plan<S>, claim: Claim) -> Result<(), MapError> {
         let place = self.folder.display();
         let entries = self.entries()?;
         if let Some((chunk, _)) = entries.iter().find(|(_, plain)| !plain) {
@@ -137,7 +140,7 @@ impl Store {
             };
         } else if claim != Claim::Share && chunks == 0 {
             // Nobody's work: the plan of a sweep that got nowhere binds nobody, whether or not it can be read.
-            match Self::plan(&self.folder) {
+            match Self::plan::<S>(&self.folder) {
                 Ok(other) if plan.differences(&other).is_none() => return Ok(()),
                 Err(error) if !is_of_mapgen(&path) => return Err(error),
                 _ => return Output::beside(&path)?.finish_with(plan.to_json().as_bytes()),
@@ -153,19 +156,34 @@ impl Store {
     }
 
     /// The plan in a folder of chunks.
-    pub fn plan(folder: &Path) -> Result<Plan, MapError> {
+    ///
+    /// # Errors
+    /// [`MapError::Request`] for a folder without one, or with another scene's.
+    pub fn plan<S: Grid>(folder: &Path) -> Result<Plan<S>, MapError> {
         let path = folder.join(PLAN);
-        let mut text = String::new();
-        let read = open_plain(&path).and_then(|file| file.take(MAX_PLAN).read_to_string(&mut text));
-        read.map_err(|error| {
-            let message = format!("{} is no folder of chunks: cannot read {PLAN}: {error}", folder.display());
-            MapError::Request(message)
-        })?;
-        Plan::from_json(&text).map_err(|why| {
+        Plan::from_json(&Self::plan_text::<S>(folder)?).map_err(|why| {
             let place = path.display();
             let advice = "name another --out to start afresh";
             MapError::Request(format!("{place} cannot be used: {why}; {advice}"))
         })
+    }
+
+    fn plan_text<S: Grid>(folder: &Path) -> Result<String, MapError> {
+        let mut text = String::new();
+        let read =
+            open_plain(&folder.join(PLAN)).and_then(|file| file.take(most_bytes::<S>()).read_to_string(&mut text));
+        read.map(|_| text).map_err(|error| {
+            let message = format!("{} is no folder of chunks: cannot read {PLAN}: {error}", folder.display());
+            MapError::Request(message)
+        })
+    }
+
+    /// Whether the chunks in a folder are of a scene of this kind, as far as its plan can be read.
+    ///
+    /// # Errors
+    /// [`MapError::Request`] for a folder without a plan.
+    pub fn is_of<S: Grid>(folder: &Path) -> Result<bool, MapError> {
+        Ok(Plan::<S>::is_one(&Self::plan_text::<S>(folder)?))
     }
 
     /// Sees to it that the disk has the plan, where the system can do so: before it has the first chunk. One that is lost
@@ -192,7 +210,7 @@ impl Store {
     }
 
     /// Starts a chunk.
-    pub fn writer(&self, plan: &Plan, chunk: u64) -> Result<Writer, MapError> {
+    pub fn writer<S: Grid>(&self, plan: &Plan<S>, chunk: u64) -> Result<Writer, MapError> {
         Writer::new(&Self::path(&self.folder, chunk), plan, chunk)
     }
 
@@ -218,10 +236,10 @@ impl Store {
     }
 
     /// Reads a chunk through and tells whether it can be trusted.
-    pub fn check<C: Content>(
+    pub fn check<S: Grid, C: Content<S>>(
         content: &C,
         folder: &Path,
-        plan: &Plan,
+        plan: &Plan<S>,
         chunk: u64,
         stop: &Stop,
     ) -> Result<Summary, Fault> {
@@ -230,7 +248,7 @@ impl Store {
 
     /// Removes what sweeps of `plan` have written there, also those that were killed, and the folder unless it holds anything
     /// else. Tells whether it does not.
-    pub fn remove(self, plan: &Plan) -> bool {
+    pub fn remove<S: Grid>(self, plan: &Plan<S>) -> bool {
         let ours = |name: &OsStr| name == PLAN || number(name).is_some_and(|chunk| chunk < plan.chunks());
         let mut others = false;
         for entry in files::entries(&self.folder).into_iter().flatten().flatten() {
@@ -324,6 +342,7 @@ fn number(name: &OsStr) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Scene;
     use crate::sweep::content::Cells;
 
     const TEXT: &str = "[model]\nsites = 3\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\n\
@@ -335,8 +354,8 @@ mod tests {
         let desk = tempfile::tempdir().unwrap();
         let (scene, folder) = (desk.path().join("scene.toml"), desk.path().join("parts"));
         fs::write(&scene, TEXT).unwrap();
-        let here = Plan::read(&scene, None).unwrap();
-        let there = Plan::by_version(&scene, TEXT, "0.0.9");
+        let here = Plan::<Scene>::read(&scene, None).unwrap();
+        let there = Plan::<Scene>::by_version(&scene, TEXT, "0.0.9");
         drop(Store::open(&folder, &there, Claim::Share).unwrap());
         fs::write(Store::path(&folder, 0), "").unwrap();
         for claim in [Claim::Resume, Claim::Share] {
@@ -358,7 +377,7 @@ mod tests {
         let desk = tempfile::tempdir().unwrap();
         let (scene, folder) = (desk.path().join("scene.toml"), desk.path().join("parts"));
         fs::write(&scene, TEXT).unwrap();
-        let plan = Plan::read(&scene, None).unwrap();
+        let plan = Plan::<Scene>::read(&scene, None).unwrap();
         fs::create_dir(&folder).unwrap();
         let others = [
             "+00001.chunk",
@@ -388,7 +407,7 @@ mod tests {
         let desk = tempfile::tempdir().unwrap();
         let (scene, folder) = (desk.path().join("scene.toml"), desk.path().join("parts"));
         fs::write(&scene, TEXT).unwrap();
-        let plan = Plan::read(&scene, None).unwrap();
+        let plan = Plan::<Scene>::read(&scene, None).unwrap();
         fs::create_dir(&folder).unwrap();
         let whole = plan.to_json();
         for (text, is_ours) in [
@@ -413,7 +432,7 @@ mod tests {
         let desk = tempfile::tempdir().unwrap();
         let (scene, folder) = (desk.path().join("scene.toml"), desk.path().join("parts"));
         fs::write(&scene, TEXT).unwrap();
-        let plan = Plan::read(&scene, None).unwrap();
+        let plan = Plan::<Scene>::read(&scene, None).unwrap();
         let first = Store::open(&folder, &plan, Claim::Fresh).unwrap();
         let told = Store::open(&folder, &plan, Claim::Share).unwrap_err().to_string();
         assert!(told.contains("another mapgen is at work in ") && told.contains("parts/lock, for 0."), "{told}");

@@ -12,6 +12,7 @@ use super::plan::Plan;
 use super::shard::Shard;
 use super::store::Store;
 use crate::error::MapError;
+use crate::grid::Grid;
 
 /// What there is to do for a shard.
 #[derive(Debug)]
@@ -29,10 +30,10 @@ impl Todo {
     ///
     /// # Errors
     /// [`MapError::Request`] for a chunk of another sweep.
-    pub fn of<C: Content>(
+    pub fn of<S: Grid, C: Content<S>>(
         content: &C,
-        job: &Job<'_>,
-        plan: &Plan,
+        job: &Job<'_, S>,
+        plan: &Plan<S>,
         store: &Store,
         shard: Shard,
     ) -> Result<Option<Self>, MapError> {
@@ -68,25 +69,25 @@ impl Todo {
 }
 
 /// A table that has got every row.
-pub struct Grown<'a, C: Content> {
+pub struct Grown<'a, C: Content<S>, S: Grid> {
     /// The table.
-    pub table: Assembly<'a, C>,
+    pub table: Assembly<'a, C, S>,
     /// The last chunk, closed and yet to be placed: once the table is in its place, nobody needs it.
     pub last: Writer,
 }
 
 /// How the work ended.
-pub struct Worked<'a, C: Content> {
+pub struct Worked<'a, C: Content<S>, S: Grid> {
     /// With all chunks, or why without.
     pub ended: Ended<MapError>,
     /// The table that has grown along, if all went well.
-    pub grown: Option<Grown<'a, C>>,
+    pub grown: Option<Grown<'a, C, S>>,
 }
 
 /// Where a chunk cannot be written, gives up the table for it.
-fn make_room<C: Content>(
+fn make_room<S: Grid, C: Content<S>>(
     written: Result<(), MapError>,
-    along: &mut Option<Assembly<'_, C>>,
+    along: &mut Option<Assembly<'_, C, S>>,
     chunk: &mut Writer,
 ) -> Result<(), MapError> {
     match written {
@@ -97,15 +98,15 @@ fn make_room<C: Content>(
 
 /// Computes `chunks`, each a file that appears whole or not at all. `tick` is called with each number of steps done. The
 /// rows go to the table `along`, too, if there is one: so none has to be read back.
-pub fn work<'a, C: Content>(
+pub fn work<'a, S: Grid, C: Content<S>>(
     content: &C,
-    job: &Job<'_>,
-    plan: &Plan,
+    job: &Job<'_, S>,
+    plan: &Plan<S>,
     store: &Store,
     chunks: &[u64],
     tick: impl Fn(u64) + Sync,
-    mut along: Option<Assembly<'a, C>>,
-) -> Worked<'a, C> {
+    mut along: Option<Assembly<'a, C, S>>,
+) -> Worked<'a, C, S> {
     // Chunks that others have put there since, where the file system has no locks, would be missing from it.
     along = along.filter(|_| chunks.len() as u64 == plan.chunks());
     let parts: Vec<_> = chunks.iter().map(|&chunk| plan.range(chunk)).collect();
@@ -183,7 +184,7 @@ mod tests {
             x = { parameter = \"omega\", from = 0.5, to = 3.0, points = 100 }\n\
             y = { parameter = \"gamma2\", values = [0.1] }\n[compute]\nfamilies = [\"double-sided\"]\n";
         std::fs::write(&scene, text).unwrap();
-        let plan = Plan::read(&scene, None).unwrap();
+        let plan: Plan = Plan::read(&scene, None).unwrap();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
         let store = Store::open(&desk.path().join("parts"), &plan, Claim::Fresh).unwrap();
         let todo = |stop| {
@@ -211,7 +212,7 @@ mod tests {
             x = { parameter = \"omega\", from = 0.5, to = 3.0, points = 36000 }\n\
             y = { parameter = \"gamma2\", values = [0.1, 0.2] }\n[compute]\nfamilies = [\"double-sided\"]\n";
         std::fs::write(&scene, text).unwrap();
-        let plan = Plan::read(&scene, None).unwrap();
+        let plan: Plan = Plan::read(&scene, None).unwrap();
         let (stop, pool) = (Stop::default(), rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap());
         let job = Job { scene: &plan.scene, pool: &pool, stop: &stop };
         let chunks: Vec<u64> = (0..plan.chunks()).collect();

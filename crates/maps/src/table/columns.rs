@@ -1,4 +1,4 @@
-//! The columns of a table: first the parameters, then what was found. A new one is a line here and a field of [`Cell`].
+//! The columns of a table: first the parameters, then what was found. A new one of a chain is a line here and a field of [`Cell`].
 
 use vibrochain_floquet::{Collision, Mechanism};
 use vibrochain_lattice::Parameter;
@@ -16,6 +16,8 @@ pub enum Value<'a> {
     Count(u64),
     /// One of a few words.
     Word(&'a str),
+    /// Any text.
+    Text(&'a str),
 }
 
 /// What the values of a column are.
@@ -27,11 +29,13 @@ pub enum Kind {
     Count,
     /// [`Value::Word`]
     Word,
+    /// [`Value::Text`]
+    Text,
 }
 
-/// A column of what was found.
+/// A column of what was found in a cell.
 #[derive(Debug, Clone, Copy)]
-pub struct Column {
+pub struct Column<T = Cell> {
     /// Its name in files.
     pub name: &'static str,
     /// What its values are.
@@ -39,13 +43,74 @@ pub struct Column {
     /// Whether a cell may have none.
     pub optional: bool,
     /// The value of a cell.
-    pub get: fn(&Cell) -> Option<Value<'static>>,
+    pub get: for<'a> fn(&'a T) -> Option<Value<'a>>,
     /// Puts a value into a cell; `None` for one that it cannot have.
-    pub set: fn(&mut Cell, Value<'_>) -> Option<()>,
+    pub set: fn(&mut T, Value<'_>) -> Option<()>,
 }
 
-/// The columns of every table.
-const COLUMNS: [Column; 6] = [
+/// What is found in the cells of a scene of any kind.
+pub(crate) trait Found {
+    /// What all kinds have.
+    fn found(&self) -> &Cell;
+
+    /// The same, to be filled in.
+    fn found_mut(&mut self) -> &mut Cell;
+}
+
+impl Found for Cell {
+    fn found(&self) -> &Cell {
+        self
+    }
+
+    fn found_mut(&mut self) -> &mut Cell {
+        self
+    }
+}
+
+/// How stability is lost, the spectral radius and the margin of what gives a cell its class, and how many there are.
+pub(crate) const fn common<T: Found>() -> [Column<T>; 4] {
+    [
+        Column {
+            name: "mechanism",
+            kind: Kind::Word,
+            optional: true,
+            get: |cell| Some(Value::Word(cell.found().mechanism?.name())),
+            set: |cell, value| {
+                let Value::Word(name) = value else { return None };
+                cell.found_mut().mechanism = Some(Mechanism::from_name(name)?);
+                Some(())
+            },
+        },
+        Column {
+            name: "spectral_radius",
+            kind: Kind::Number,
+            optional: true,
+            get: |cell| cell.found().spectral_radius.map(Value::Number),
+            set: |cell, value| number(&mut cell.found_mut().spectral_radius, value),
+        },
+        Column {
+            name: "margin",
+            kind: Kind::Number,
+            optional: true,
+            get: |cell| cell.found().margin.map(Value::Number),
+            set: |cell, value| number(&mut cell.found_mut().margin, value),
+        },
+        Column {
+            name: "solutions",
+            kind: Kind::Count,
+            optional: false,
+            get: |cell| Some(Value::Count(cell.found().solutions.into())),
+            set: |cell, value| {
+                let Value::Count(count) = value else { return None };
+                cell.found_mut().solutions = u32::try_from(count).ok()?;
+                Some(())
+            },
+        },
+    ]
+}
+
+/// The columns of every table, but for those [`common`] to all scenes.
+const COLUMNS: [Column; 2] = [
     Column {
         name: "class",
         kind: Kind::Word,
@@ -53,42 +118,6 @@ const COLUMNS: [Column; 6] = [
         get: |cell| Some(Value::Word(cell.class?.name())),
         set: |cell, value| {
             cell.class = Some(Class::ALL.into_iter().find(|class| value == Value::Word(class.name()))?);
-            Some(())
-        },
-    },
-    Column {
-        name: "mechanism",
-        kind: Kind::Word,
-        optional: true,
-        get: |cell| Some(Value::Word(cell.mechanism?.name())),
-        set: |cell, value| {
-            let Value::Word(name) = value else { return None };
-            cell.mechanism = Some(Mechanism::from_name(name)?);
-            Some(())
-        },
-    },
-    Column {
-        name: "spectral_radius",
-        kind: Kind::Number,
-        optional: true,
-        get: |cell| cell.spectral_radius.map(Value::Number),
-        set: |cell, value| number(&mut cell.spectral_radius, value),
-    },
-    Column {
-        name: "margin",
-        kind: Kind::Number,
-        optional: true,
-        get: |cell| cell.margin.map(Value::Number),
-        set: |cell, value| number(&mut cell.margin, value),
-    },
-    Column {
-        name: "solutions",
-        kind: Kind::Count,
-        optional: false,
-        get: |cell| Some(Value::Count(cell.solutions.into())),
-        set: |cell, value| {
-            let Value::Count(count) = value else { return None };
-            cell.solutions = u32::try_from(count).ok()?;
             Some(())
         },
     },
@@ -200,12 +229,12 @@ pub fn columns(scene: &Scene) -> impl Iterator<Item = Column> + use<> {
     let Task { impulse, collisions, .. } = scene.task;
     let further = IMPULSE.into_iter().filter(move |_| impulse);
     let refined = scene.refine.is_some();
-    let found = COLUMNS.into_iter().chain(further).chain(COLLISION.into_iter().filter(move |_| collisions));
+    let [class, status] = COLUMNS;
+    let found = [class]
+        .into_iter()
+        .chain(common())
+        .chain([status])
+        .chain(further)
+        .chain(COLLISION.into_iter().filter(move |_| collisions));
     found.chain(EXTENT.into_iter().filter(move |_| refined))
-}
-
-/// The names of all columns.
-#[must_use]
-pub fn names(scene: &Scene) -> Vec<&'static str> {
-    parameters(scene).iter().map(|parameter| parameter.name()).chain(columns(scene).map(|column| column.name)).collect()
 }

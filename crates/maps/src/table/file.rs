@@ -2,17 +2,16 @@
 
 use std::io::Write;
 use std::path::Path;
-use vibrochain_lattice::Point;
 
+use super::columns::Value;
+use super::fields::ColumnType;
 #[cfg(feature = "parquet")]
 use super::parquet::Columns;
-use crate::cell::Cell;
 use crate::error::MapError;
 #[cfg(feature = "compress")]
 use crate::files::Gzip;
 use crate::files::Output;
 use crate::files::ending;
-use crate::scene::Scene;
 
 /// The forms of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -92,25 +91,25 @@ pub fn stem(name: &str) -> &str {
 }
 
 impl TableFile {
-    /// As [`Output::create`]. At most `threads` threads compress what is written.
-    pub fn create(path: &Path, scene: &Scene, threads: usize) -> Result<Self, MapError> {
+    /// As [`Output::create`], of a table of these columns. At most `threads` threads compress what is written.
+    pub fn create(path: &Path, columns: &[ColumnType], threads: usize) -> Result<Self, MapError> {
         match Form::of(path)? {
             Form::Plain => Output::create(path).map(Self::Plain),
-            Form::Columns => Self::by_columns(path, scene),
+            Form::Columns => Self::by_columns(path, columns),
             form => Self::compressed(path, form, threads),
         }
     }
 
     #[cfg(feature = "parquet")]
-    fn by_columns(path: &Path, scene: &Scene) -> Result<Self, MapError> {
-        let columns = Columns::new(scene, Output::create(path)?);
+    fn by_columns(path: &Path, columns: &[ColumnType]) -> Result<Self, MapError> {
+        let columns = Columns::new(columns, Output::create(path)?);
         let columns =
             columns.map_err(|error| MapError::Computation(format!("cannot begin {}: {error}", path.display())))?;
         Ok(Self::Columns(Box::new(columns)))
     }
 
     #[cfg(not(feature = "parquet"))]
-    fn by_columns(path: &Path, _: &Scene) -> Result<Self, MapError> {
+    fn by_columns(path: &Path, _: &[ColumnType]) -> Result<Self, MapError> {
         let message = format!("{}: .parquet needs a build with the feature `parquet`", path.display());
         Err(MapError::Request(message))
     }
@@ -158,16 +157,16 @@ impl TableFile {
         }
     }
 
-    /// Takes the next cell, in a form that wants cells.
+    /// Takes the values of the next row, in a form that wants cells.
     ///
     /// # Errors
     /// [`MapError`] if it cannot be written.
-    pub fn cell(&mut self, point: &Point, cell: &Cell) -> Result<(), MapError> {
+    pub fn row<'a>(&mut self, values: impl Iterator<Item = Option<Value<'a>>>) -> Result<(), MapError> {
         match self {
             #[cfg(feature = "parquet")]
-            Self::Columns(columns) => columns.row(point, cell).map_err(|error| columns.output().unwritten(&error)),
+            Self::Columns(columns) => columns.row(values).map_err(|error| columns.output().unwritten(&error)),
             _ => {
-                let _ = (point, cell);
+                let _ = values;
                 Ok(())
             }
         }

@@ -9,12 +9,10 @@ use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
-use vibrochain_lattice::{Parameter, Point};
 
-use super::columns::{Column as Field, Kind, Value, columns, parameters};
-use crate::cell::Cell;
+use super::columns::{Kind, Value};
+use super::fields::ColumnType;
 use crate::files::Output;
-use crate::scene::Scene;
 
 /// Rows held in memory before they are written: readers skip and share such groups.
 const GROUP: usize = 1 << 17;
@@ -35,9 +33,6 @@ enum Values {
 /// A table by columns under way.
 pub struct Columns {
     writer: SerializedFileWriter<Output>,
-    parameters: Vec<Parameter>,
-    fields: Vec<Field>,
-    /// The parameters' and the fields'.
     columns: Vec<Column>,
     rows: usize,
 }
@@ -60,24 +55,22 @@ fn field(name: &str, physical: Physical, optional: bool) -> Result<Arc<Type>, Pa
 }
 
 impl Columns {
-    /// Starts the file of a scene's table.
-    pub fn new(scene: &Scene, output: Output) -> io::Result<Self> {
-        let (parameters, fields) = (parameters(scene), columns(scene).collect::<Vec<_>>());
-        let kinds = parameters.iter().map(|parameter| (parameter.name(), Kind::Number, false));
+    /// Starts the file of a table of these columns.
+    pub fn new(columns: &[ColumnType], output: Output) -> io::Result<Self> {
         let (mut types, mut list) = (Vec::new(), Vec::new());
-        for (name, kind, optional) in kinds.chain(fields.iter().map(|field| (field.name, field.kind, field.optional))) {
+        for ColumnType { name, kind, optional } in columns {
             let (physical, values) = match kind {
-                Kind::Word => (Physical::BYTE_ARRAY, Values::Words(Vec::new())),
+                Kind::Word | Kind::Text => (Physical::BYTE_ARRAY, Values::Words(Vec::new())),
                 Kind::Count => (Physical::INT64, Values::Counts(Vec::new())),
                 Kind::Number => (Physical::DOUBLE, Values::Numbers(Vec::new())),
             };
-            types.push(field(name, physical, optional).map_err(failed)?);
-            list.push(Column { values, present: Vec::new(), optional });
+            types.push(field(name, physical, *optional).map_err(failed)?);
+            list.push(Column { values, present: Vec::new(), optional: *optional });
         }
         let schema = Type::group_type_builder("table").with_fields(types).build().map_err(failed)?;
         let properties = WriterProperties::builder().set_compression(Compression::ZSTD(ZstdLevel::default())).build();
         let writer = SerializedFileWriter::new(output, Arc::new(schema), Arc::new(properties)).map_err(failed)?;
-        Ok(Self { writer, parameters, fields, columns: list, rows: 0 })
+        Ok(Self { writer, columns: list, rows: 0 })
     }
 
     /// The file.
@@ -95,17 +88,15 @@ impl Columns {
     ///
     /// # Errors
     /// Those of the file.
-    pub fn row(&mut self, point: &Point, cell: &Cell) -> io::Result<()> {
-        let places = self.parameters.iter().map(|parameter| Some(Value::Number(point.get(*parameter))));
-        let found = self.fields.iter().map(|field| (field.get)(cell));
-        for (column, value) in self.columns.iter_mut().zip(places.chain(found)) {
+    pub fn row<'a>(&mut self, values: impl Iterator<Item = Option<Value<'a>>>) -> io::Result<()> {
+        for (column, value) in self.columns.iter_mut().zip(values) {
             if column.optional {
                 column.present.push(i16::from(value.is_some()));
             }
             match (value, &mut column.values) {
                 (Some(Value::Number(number)), Values::Numbers(list)) => list.push(number),
                 (Some(Value::Count(count)), Values::Counts(list)) => list.push(count.cast_signed()),
-                (Some(Value::Word(word)), Values::Words(list)) => list.push(ByteArray::from(word)),
+                (Some(Value::Word(text) | Value::Text(text)), Values::Words(list)) => list.push(ByteArray::from(text)),
                 (None, _) if column.optional => {}
                 _ => return Err(io::Error::other("a column without its value")),
             }

@@ -1,12 +1,13 @@
 //! Rows of a table as text: written, and read back.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
-use vibrochain_lattice::{Parameter, Point};
-
-use super::columns::{Column, Kind, Value, columns, names, parameters};
+use super::columns::{Column, Kind, Value};
+use super::fields::{Layout, push_text, split};
 use crate::cell::Cell;
 use crate::extent::Extent;
+use crate::grid::Grid;
 use crate::lines::Lines;
 use crate::numbers::Number;
 use crate::scene::Scene;
@@ -21,9 +22,9 @@ pub(super) const ROW: usize = 112;
 
 /// The header of a scene's table, as it stands in the file.
 #[must_use]
-pub fn header(scene: &Scene) -> String {
+pub fn header<S: Grid>(scene: &S) -> String {
     // Names of plain letters need no quotes.
-    names(scene).join(",") + "\n"
+    Layout::new(scene).types(scene).into_iter().map(|column| column.name).collect::<Vec<_>>().join(",") + "\n"
 }
 
 /// Cells that follow each other, and the same as text.
@@ -62,29 +63,29 @@ impl Rows<Cell> {
 
 /// The parameters of cells that follow each other, in digits.
 #[derive(Debug)]
-struct Places {
-    parameters: Vec<Parameter>,
+struct Places<S: Grid> {
+    parameters: Vec<S::Parameter>,
     /// The one that the fastest axis varies.
-    fastest: Option<Parameter>,
+    fastest: Option<S::Parameter>,
     /// The digits that each parameter had last: all but the fastest axis stand still for a row of the map.
     last: Vec<(Option<u64>, Vec<u8>)>,
 }
 
-impl Places {
-    fn new(scene: &Scene) -> Self {
-        let parameters = parameters(scene);
-        let fastest = scene.axes.first().map(|axis| axis.parameter);
+impl<S: Grid> Places<S> {
+    fn new(scene: &S) -> Self {
+        let parameters = scene.places();
+        let fastest = scene.axes().first().map(|axis| axis.parameter);
         Self { last: vec![(None, Vec::new()); parameters.len()], parameters, fastest }
     }
 
     /// Those of a point, in the order of the columns; of the fastest axis they may be `known`.
-    fn of<'a>(&'a mut self, point: &Point, known: Option<&'a [u8]>) -> impl Iterator<Item = &'a [u8]> {
+    fn of<'a>(&'a mut self, point: &S::Point, known: Option<&'a [u8]>) -> impl Iterator<Item = &'a [u8]> {
         let Self { parameters, fastest, last } = self;
         parameters.iter().zip(last).map(move |(parameter, (last, digits))| {
             if let Some(known) = known.filter(|_| *fastest == Some(*parameter)) {
                 return known;
             }
-            let value = point.get(*parameter);
+            let value = S::value(point, *parameter);
             if *last != Some(value.to_bits()) {
                 *last = Some(value.to_bits());
                 digits.clear();
@@ -97,34 +98,34 @@ impl Places {
 
 /// Writes rows of cells; no value is ever written as 0 or NaN for want of one, its field is empty.
 #[derive(Debug)]
-pub struct Table {
-    places: Places,
-    columns: Vec<Column>,
+pub struct Table<S: Grid = Scene> {
+    places: Places<S>,
+    columns: Vec<Column<S::Cell>>,
     /// The rows written.
     pub text: Vec<u8>,
 }
 
-impl Table {
+impl<S: Grid> Table<S> {
     /// For rows alone, without the header.
     #[must_use]
-    pub fn new(scene: &Scene) -> Self {
-        Self { places: Places::new(scene), columns: columns(scene).collect(), text: Vec::new() }
+    pub fn new(scene: &S) -> Self {
+        Self { places: Places::new(scene), columns: scene.columns(), text: Vec::new() }
     }
 
-    /// Writes one cell. Neither names nor numbers need quotes.
-    pub fn write(&mut self, point: &Point, cell: &Cell) {
+    /// Writes one cell.
+    pub fn write(&mut self, point: &S::Point, cell: &S::Cell) {
         self.write_at(point, None, cell);
     }
 
     /// The same where the digits of the point's value on the fastest axis are known.
-    pub(super) fn write_at(&mut self, point: &Point, known: Option<&[u8]>, cell: &Cell) {
+    pub(super) fn write_at(&mut self, point: &S::Point, known: Option<&[u8]>, cell: &S::Cell) {
         for digits in self.places.of(point, known) {
             self.text.extend_from_slice(digits);
             self.text.push(b',');
         }
         for column in &self.columns {
             match (column.get)(cell) {
-                Some(Value::Word(word)) => self.text.extend_from_slice(word.as_bytes()),
+                Some(Value::Word(text) | Value::Text(text)) => push_text(&mut self.text, text),
                 Some(Value::Number(number)) => {
                     Number(number).push(&mut self.text);
                 }
@@ -162,23 +163,23 @@ fn push_count(text: &mut Vec<u8>, count: u64) {
 
 /// Reads rows against the cells they must be of, and counts them.
 #[derive(Debug)]
-pub struct Reader<'a> {
-    scene: &'a Scene,
+pub struct Reader<'a, S: Grid = Scene> {
+    scene: &'a S,
     cells: Range<u64>,
     next: u64,
     /// Cells of the finest grid, of the next one, that rows have been read of.
     within: u64,
-    places: Places,
-    columns: Vec<Column>,
+    places: Places<S>,
+    columns: Vec<Column<S::Cell>>,
     lines: Lines,
     counts: Summary,
 }
 
-impl<'a> Reader<'a> {
+impl<'a, S: Grid> Reader<'a, S> {
     /// For the rows of the cells numbered `cells`.
-    pub fn new(scene: &'a Scene, cells: Range<u64>) -> Self {
+    pub fn new(scene: &'a S, cells: Range<u64>) -> Self {
         let (next, places) = (cells.start, Places::new(scene));
-        let columns = columns(scene).collect();
+        let columns = scene.columns();
         Self { scene, cells, next, within: 0, places, columns, lines: Lines::default(), counts: Summary::default() }
     }
 
@@ -187,7 +188,7 @@ impl<'a> Reader<'a> {
     ///
     /// # Errors
     /// What is wrong with the first row that is not as it must be.
-    pub fn take(&mut self, bytes: &[u8], mut each: impl FnMut(u64, &Cell)) -> Result<(), String> {
+    pub fn take(&mut self, bytes: &[u8], mut each: impl FnMut(u64, &S::Cell)) -> Result<(), String> {
         let Self { scene, cells, next, within, places, columns, lines, counts } = self;
         lines.take(bytes, |row| {
             let number = counts.computed + 1;
@@ -196,21 +197,22 @@ impl<'a> Reader<'a> {
             }
             let mut read = || {
                 let row = std::str::from_utf8(row).map_err(|_| "it is no text".to_owned())?;
-                let mut fields = row.split(',');
+                let mut fields = split(row);
                 let Some(whole) = scene.extent(*next) else {
                     check_places(&mut fields, places.of(&scene.point(*next), None))?;
-                    return read_cell(fields, columns);
+                    return read_cell(fields, columns, S::untold());
                 };
-                let of_row = fields.clone();
-                let cell = read_cell(fields.skip(places.parameters.len()), columns)?;
-                let extent = cell.extent.filter(|extent| extent.begins(whole, *within));
+                let mut of_row = fields.clone();
+                let cell = read_cell(fields.skip(places.parameters.len()), columns, S::untold())?;
+                let extent = scene.shown(&cell).extent.filter(|extent| extent.begins(whole, *within));
                 let extent = extent.ok_or("it is not of the next leaf")?;
-                check_places(&mut of_row.clone(), places.of(&scene.sample(extent), None)).map(|()| cell)
+                check_places(&mut of_row, places.of(&scene.sample(*next, extent), None)).map(|()| cell)
             };
             let cell = read().map_err(|wrong| format!("row {number}: {wrong}"))?;
-            counts.count(&cell);
+            let shown = scene.shown(&cell);
+            counts.count(&shown);
             each(*next, &cell);
-            *within += cell.extent.map_or(1, Extent::cells);
+            *within += shown.extent.map_or(1, Extent::cells);
             if *within >= scene.cells_within() {
                 (*next, *within) = (*next + 1, 0);
             }
@@ -245,21 +247,24 @@ impl<'a> Reader<'a> {
 
 /// Whether the first fields of a row are `places`, or what is wrong with them.
 fn check_places<'a, 'b>(
-    fields: &mut impl Iterator<Item = &'a str>,
+    fields: &mut impl Iterator<Item = Cow<'a, str>>,
     mut places: impl Iterator<Item = &'b [u8]>,
 ) -> Result<(), String> {
     places.try_for_each(|digits| match fields.next().ok_or("it ends before its class")? {
         text if text.as_bytes() == digits => Ok(()),
         text => {
             let digits = String::from_utf8_lossy(digits);
-            Err(format!("it is of the cell at {} and not at {digits}", clipped(text, MOST_SHOWN)))
+            Err(format!("it is of the cell at {} and not at {digits}", clipped(&text, MOST_SHOWN)))
         }
     })
 }
 
 /// The cell that the other fields tell of, or what is wrong with them.
-fn read_cell<'a>(mut fields: impl Iterator<Item = &'a str>, columns: &[Column]) -> Result<Cell, String> {
-    let mut cell = Cell { class: None, ..Cell::EMPTY };
+fn read_cell<'a, T>(
+    mut fields: impl Iterator<Item = Cow<'a, str>>,
+    columns: &[Column<T>],
+    mut cell: T,
+) -> Result<T, String> {
     for column in columns {
         let text = fields.next().ok_or_else(|| format!("it ends before its {}", column.name))?;
         if text.is_empty() && column.optional {
@@ -268,15 +273,16 @@ fn read_cell<'a>(mut fields: impl Iterator<Item = &'a str>, columns: &[Column]) 
         let value = match column.kind {
             Kind::Number => text.parse().ok().filter(|number: &f64| number.is_finite()).map(Value::Number),
             Kind::Count => text.parse().ok().map(Value::Count),
-            Kind::Word => Some(Value::Word(text)),
+            Kind::Word => Some(Value::Word(&text)),
+            Kind::Text => Some(Value::Text(&text)),
         };
         value
             .and_then(|value| (column.set)(&mut cell, value))
-            .ok_or_else(|| format!("its {} is `{}`", column.name, clipped(text, MOST_SHOWN)))?;
+            .ok_or_else(|| format!("its {} is `{}`", column.name, clipped(&text, MOST_SHOWN)))?;
     }
     match fields.next() {
         None => Ok(cell),
-        Some(more) => Err(format!("it goes on after its last column with `{}`", clipped(more, MOST_SHOWN))),
+        Some(more) => Err(format!("it goes on after its last column with `{}`", clipped(&more, MOST_SHOWN))),
     }
 }
 
@@ -368,7 +374,7 @@ mod tests {
         let mut changed = 0;
         for (i, line) in lines.iter().enumerate().step_by(7) {
             let fields: Vec<&str> = line.split(',').collect();
-            assert_eq!(fields.len(), names(&scene).len());
+            assert_eq!(fields.len(), header(&scene).split(',').count());
             let with = |line: &str| [&lines[..i], &[line], &lines[i + 1..]].concat().join("\n") + "\n";
             let refused = |line: &str| {
                 let wrong = read(&scene, range.clone(), &with(line), &summary);

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::rows::{ROW, Rows, Table};
-use crate::cell::Cell;
+use crate::grid::Grid;
 use crate::numbers::Number;
 use crate::scene::Scene;
 
@@ -12,8 +12,8 @@ const MOST: usize = 1 << 15;
 
 /// Makes rows of cells, of any block of a scene and on any thread.
 #[derive(Debug)]
-pub struct RowWriter<'a> {
-    scene: &'a Scene,
+pub struct RowWriter<'a, S: Grid = Scene> {
+    scene: &'a S,
     /// Whether the cells are handed on with their rows.
     cells: bool,
     /// The digits of all values of the fastest axis, one after the other, and where each ends; none if they are too many, or if each is
@@ -22,12 +22,12 @@ pub struct RowWriter<'a> {
     ends: Vec<usize>,
 }
 
-impl<'a> RowWriter<'a> {
+impl<'a, S: Grid> RowWriter<'a, S> {
     /// For a scene; the cells themselves are handed on, too, if `cells` asks for them.
     #[must_use]
-    pub fn new(scene: &'a Scene, cells: bool) -> Self {
+    pub fn new(scene: &'a S, cells: bool) -> Self {
         let mut writer = Self { scene, cells, digits: Vec::new(), ends: Vec::new() };
-        let axis = scene.axes.first().filter(|axis| axis.points() <= MOST && scene.axes.len() > 1);
+        let axis = scene.axes().first().filter(|axis| axis.points() <= MOST && scene.axes().len() > 1);
         for value in axis.iter().flat_map(|axis| (0..axis.points()).map(|i| axis.value(i))) {
             Number(value).push(&mut writer.digits);
             writer.ends.push(writer.digits.len());
@@ -43,7 +43,7 @@ impl<'a> RowWriter<'a> {
 
     /// Rows of the cells numbered `range`.
     #[must_use]
-    pub fn rows(&self, range: Range<u64>, cells: &[Cell]) -> Rows {
+    pub fn rows(&self, range: Range<u64>, cells: &[S::Cell]) -> Rows<S::Cell> {
         let mut table = Table::new(self.scene);
         table.text.reserve(ROW * cells.len());
         let points = self.ends.len().max(1);
@@ -54,7 +54,7 @@ impl<'a> RowWriter<'a> {
             column = if column + 1 == points { 0 } else { column + 1 };
             row.is_some()
         });
-        let kept = if self.cells { range.clone().zip(cells.iter().copied()).collect() } else { Vec::new() };
+        let kept = if self.cells { range.clone().zip(cells.iter().cloned()).collect() } else { Vec::new() };
         Rows { range, cells: kept, text: table.text }
     }
 }

@@ -4,8 +4,7 @@ use std::ops::Range;
 
 use vibrochain_maps::cell::Class;
 use vibrochain_maps::scene::{Axis, Scene, Values};
-use vibrochain_maps::structure::StructureScene;
-use vibrochain_maps::structure::scene::StructureAxis;
+use vibrochain_maps::structure::{Setting, StructureScene};
 
 use crate::axes::axis::spanned;
 use crate::backend::format::PlotError;
@@ -112,10 +111,10 @@ impl Mapped for StructureScene {
     }
 
     fn axes(&self) -> Vec<MapAxis> {
-        let axis = |(axis, name): (&StructureAxis, &String)| MapAxis {
+        let axis = |(axis, name): (&Axis<Setting>, &String)| MapAxis {
             name: name.clone(),
-            label: self.label(axis.setting),
-            values: axis.values(),
+            label: self.label(axis.parameter),
+            values: axis.values.clone(),
         };
         self.axes.iter().zip(&self.axis_names).map(axis).collect()
     }

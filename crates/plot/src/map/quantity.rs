@@ -370,7 +370,7 @@ mod tests {
             let value = match (column.get)(&cell).unwrap() {
                 vibrochain_maps::table::Value::Number(number) => number.abs(),
                 vibrochain_maps::table::Value::Count(count) => count as f64,
-                vibrochain_maps::table::Value::Word(word) => panic!("{word}"),
+                value => panic!("{value:?}"),
             };
             assert_eq!(quantity.of(&cell), Some(value));
         }

@@ -14,7 +14,7 @@ class Fates(_Table):
     """What the runs from the breathers of a scene's cells have come to, as columns of the grid's shape.
 
     Columns are those of ``mapgen fate``'s tables (`columns`), by name: ``found["share_chaos"]``. Where there is no value a number is
-    NaN, a count 0 and a word empty. If runs start from one breather a cell at most (``breathers="class"``), each array has the grid's
+    NaN, a count 0 and a word empty. If runs start from one breather a cell at most (``breathers="class"`` or ``"rest"``), each array has the grid's
     shape; else those of breathers have one axis more, at its end, with a place for each physical breather of a cell, in their order.
 
     Attributes
@@ -70,9 +70,10 @@ def fate(
     Parameters
     ----------
     scene : str, os.PathLike or dict
-        A scene file, the manifest of a table, or a dictionary with the same keys (`read_scene`).
-    breathers : {"class", "every", "unstable"}
-        From which breathers of a cell runs start: the one that gives the cell its class, all physical ones, all unstable ones.
+        A scene file, of a chain or of a structure, the manifest of a table, or a dictionary with the same keys (`read_scene`).
+    breathers : {"class", "every", "unstable", "rest"}
+        From which breathers of a cell runs start: the one that gives the cell its class, all physical ones, all unstable ones; of a
+        structure also from rest, on none: "words" then tells what it settles on.
     starts : int
         Runs from each.
     perturb : float

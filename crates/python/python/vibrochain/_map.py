@@ -151,8 +151,7 @@ def sweep(
     line = _Progress() if progress is True else None
     told: Any = line or progress or None
     try:
-        of_structure = _vibrochain._structure_sweep(text, path, threads, told)
-        return Map(_vibrochain._sweep(text, path, threads, told) if of_structure is None else of_structure)
+        return Map(_vibrochain._sweep(text, path, threads, told))
     finally:
         if line:
             line.close()
@@ -301,9 +300,9 @@ class Map(_Table):
         super().__init__(parts)
         codes, words = self._words["class"]
         counts = np.bincount(codes.ravel() + 1, minlength=len(words) + 1)[1:]
-        self.classes: dict[str, int] = parts.get("classes") or {word: int(count) for word, count in zip(words, counts)}
+        self.classes: dict[str, int] = {word: int(count) for word, count in zip(words, counts)}
         self.statuses: dict[str, int] = parts["statuses"]
-        self.worst_residual: float = parts.get("worst_residual", np.nan)
+        self.worst_residual: float = parts["worst_residual"]
         # Classes as colours know them, and as the legend calls them.
         shown = parts.get("shown") or (codes, words, _vibrochain._class_words(list(words)))
         self._shown = np.reshape(shown[0], self.shape), tuple(shown[1]), tuple(shown[2])

@@ -196,7 +196,7 @@ def sweep_shares(
     Parameters
     ----------
     scene : str, os.PathLike or dict
-        A chain's scene file, or a dictionary with the same keys.
+        A scene file, of a chain or of a structure, or a dictionary with the same keys (`Structure.scene`).
     out : str or os.PathLike
         The table to write, in a folder that all workers see: ".csv", ".csv.gz", ".csv.zst".
     executor : object with ``submit(function, *arguments)``

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _vibrochain
 from ._errors import RequestError
+from ._fate import Fates, fate
 from ._map import Map, sweep
 from ._pictures import curve_pane, curves_there, draw, drawing
 
@@ -257,6 +258,14 @@ class StructureBranch:
         event, value, error, evidence, physical, period, psi, times, impulses, sides.
     ends : list of tuple (float, str)
         Where and how it ends at the first and behind the last point.
+    word : str
+        That of its first orbit.
+    force_periods : int
+        Periods of the load in one of it.
+    leaving : tuple of StructureBranch
+        The branches that leave it, and those that leave these, as far as they were asked for.
+    origin : tuple (int, float) or None
+        Which branch it leaves, 0 the first and then by their places in `leaving`, and where.
 
     Examples
     --------
@@ -278,13 +287,25 @@ class StructureBranch:
     stable: NDArray[np.bool_]
     events: list[dict[str, Any]]
     ends: list[tuple[float, str]]
-    # How many points lie before each event; the word; what stands at the axis and above the picture.
+    word: str = ""
+    force_periods: int = 1
+    leaving: tuple[StructureBranch, ...] = ()
+    origin: tuple[int, float] | None = None
+    # How many points lie before each event; how many branches lie before it; what stands at the axis and above the picture.
     _places: list[int] = field(default_factory=list)
-    _told: tuple[str, str, str] = field(default=("", "", ""))
+    _generation: int = 0
+    _told: tuple[str, str] = field(default=("", ""))
 
     @classmethod
-    def _of(cls, free: str, answer: dict[str, Any], word: str) -> StructureBranch:
-        points = answer["points"]
+    def _all(cls, free: str, answer: dict[str, Any]) -> StructureBranch:
+        """The first branch with all that leave it."""
+        told = answer["labels"][0], answer["heading"]
+        first, *others = answer["branches"]
+        return cls._of(free, first, told, tuple(cls._of(free, parts, told, ()) for parts in others))
+
+    @classmethod
+    def _of(cls, free: str, parts: dict[str, Any], told: tuple[str, str], leaving: tuple[StructureBranch, ...]) -> StructureBranch:
+        points = parts["points"]
         numbers = lambda values: np.array([np.nan if one is None else one for one in values], dtype=np.float64)  # noqa: E731
         stability = [point["stability"] or {} for point in points]
         return cls(
@@ -296,17 +317,21 @@ class StructureBranch:
             spectral_radius=numbers(one.get("spectral_radius") for one in stability),
             physical=np.array([point["physical"] is True for point in points]),
             stable=np.array([one.get("stable") is True and not one.get("marginal") for one in stability]),
-            events=answer["events"],
-            ends=[(value, name) for value, name in answer["ends"]],
-            _places=answer["places"],
-            _told=(word, answer["labels"][0], answer["heading"]),
+            events=parts["events"],
+            ends=[(value, name) for value, name in parts["ends"]],
+            word=parts["word"],
+            force_periods=parts["force_periods"],
+            leaving=leaving,
+            origin=None if parts["origin"] is None else (parts["origin"][0], parts["origin"][1]),
+            _places=parts["places"],
+            _generation=parts["generation"],
+            _told=told,
         )
 
     def __repr__(self) -> str:
-        return f"<StructureBranch of {self._told[0]} in {self.free}: {len(self.values)} points, {len(self.events)} events>"
+        return f"<StructureBranch of {self.word} in {self.free}: {len(self.values)} points, {len(self.events)} events>"
 
-    def _pane(self, show: str, all: bool) -> tuple[_vibrochain._Pane, str]:
-        word, label, heading = self._told
+    def _rows(self) -> tuple[str, int, int, list[Any]]:
         known = lambda value: None if np.isnan(value) else float(value)  # noqa: E731
         rows: list[tuple[Any, ...]] = [
             (None, value, hits, None, None, period, known(margin), physical, stable, known(radius))
@@ -323,11 +348,16 @@ class StructureBranch:
         for shift, (event, place) in enumerate(zip(self.events, self._places)):
             row = (event["event"], event["value"], event["impulses"], None, event["psi"], event["period"], None)
             rows.insert(place + shift, (*row, event["physical"], None, None))
-        return _vibrochain._branch_pane(label, [(word, 0, 1, rows)], show, all), heading
+        return self.word, self._generation, self.force_periods, rows
+
+    def _pane(self, show: str, all: bool) -> tuple[_vibrochain._Pane, str]:
+        label, heading = self._told
+        return _vibrochain._branch_pane(label, [branch._rows() for branch in (self, *self.leaving)], show, all), heading
 
     @drawing
     def plot(self, show: str = "impulse", ax: Axes | None = None, *, all: bool = False) -> Axes:
-        """Draws the branch over what varies, as ``mapgen branch --plot`` does: stable orbits solid, unstable dashed, events marked.
+        """Draws the branch, and those that leave it, over what varies, as ``mapgen branch --plot`` does: stable orbits solid, unstable
+        dashed, events marked.
 
         Parameters
         ----------
@@ -632,12 +662,13 @@ class Structure:
         free: list[str],
         ends: tuple[list[float], list[float]],
         events: list[str],
+        generations: int,
         tolerance: float,
         threshold: float,
     ) -> dict[str, Any]:
         near, psi, periods = orbit._start(omega)
         told = _vibrochain._structure_along(
-            self._scene(omega), near, psi, periods, free, *ends, events, tolerance, threshold
+            self._scene(omega), near, psi, periods, free, *ends, events, generations, tolerance, threshold
         )
         answer: dict[str, Any] = json.loads(told)
         return answer
@@ -651,9 +682,10 @@ class Structure:
         from_: float,
         to: float,
         events: tuple[str, ...] | list[str] = (),
+        generations: SupportsIndex = 0,
         threshold: float = 0.0,
     ) -> StructureBranch:
-        """An orbit as one number of the structure varies, followed both ways, with the events on it.
+        """An orbit as one number of the structure varies, followed both ways, with the events on it, and the branches that leave it.
 
         Parameters
         ----------
@@ -667,6 +699,8 @@ class Structure:
             From where to where, the start between.
         events : sequence of str
             grazing, pitchfork, period-doubling, neimark-sacker, fold; empty: all.
+        generations : int
+            How often a branch may leave another; 0 is the orbit's own alone.
         threshold : float
             Growth a period from which on an orbit counts as unstable.
 
@@ -687,10 +721,15 @@ class Structure:
         >>> branch = one.branch(one.orbits("0+", omega=2.325)[0], omega=2.325, free="load", from_=0.5, to=2)
         >>> branch.ends
         [(0.5, 'range'), (2.0, 'range')]
+        >>> both = one.branch(one.orbits("0+", omega=2.325)[0], omega=2.325, free="omega", from_=2.3, to=2.5, generations=1)
+        >>> [(leaving.word, leaving.force_periods) for leaving in both.leaving if leaving.physical.any()]
+        [('0+,0+', 2)]
         """
         ends = ([float(from_)], [float(to)])
-        answer = self._along(orbit, omega, [free], ends, list(events), 1e-4, threshold)
-        return StructureBranch._of(free, answer, orbit.word)
+        count = generations.__index__()
+        if not 0 <= count < 2**32:
+            raise RequestError(f"generations = {count} is out of range: give a whole number from 0")
+        return StructureBranch._all(free, self._along(orbit, omega, [free], ends, list(events), count, 1e-4, threshold))
 
     def curves(
         self,
@@ -740,7 +779,7 @@ class Structure:
         ['at the edge of the window', 'at the edge of the window']
         """
         ends = ([float(one) for one in from_], [float(one) for one in to])
-        answer = self._along(orbit, omega, list(free), ends, [event], float(tolerance), 0.0)
+        answer = self._along(orbit, omega, list(free), ends, [event], 0, float(tolerance), 0.0)
         told = answer["labels"], answer["heading"]
         return [StructureCurve._of((free[0], free[1]), parts, *told) for parts in answer["curves"]]
 
@@ -790,13 +829,99 @@ class Structure:
         >>> table, sorted(table.classes)
         (<Map of 200 cells: contact.0.upper (10) × omega (20)>, ['none', 'stable', 'unstable'])
         """
-        given = {"structure": self._structure, "contact": self._contacts, "force": self._force}
+        scene = self.scene(words, x, y, omega=omega, title=title, compute=compute)
+        return sweep(scene, threads=threads)
+
+    def fate(
+        self,
+        words: list[str] | tuple[str, ...],
+        x: tuple[str, float, float, int],
+        y: tuple[str, float, float, int] | None = None,
+        *,
+        omega: float | None = None,
+        **asked: Any,
+    ) -> Fates:
+        """What runs come to that start near the orbits of these words, or from rest, at each point of one or two numbers.
+
+        Parameters
+        ----------
+        words : sequence of str
+            The words to look for, as for `orbits`; ``"0+/2"`` over two periods of the load. Without any
+            runs start from rest.
+        x, y : tuple of (str, float, float, int)
+            A number as for `branch`, from where to where, and in how many values.
+        omega : float, optional
+            Frequency of the load, where it does not vary.
+        asked : dict
+            The keywords of `vibrochain.fate`: ``breathers``, ``starts``, ``periods``, ``perturb`` and so on.
+
+        Returns
+        -------
+        Fates
+
+        Raises
+        ------
+        RequestError
+            As `sweep`; for a value out of range.
+
+        Examples
+        --------
+        >>> import vibrochain as vc
+        >>> stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
+        >>> one = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])
+        >>> found = one.fate([], ("omega", 2.2, 2.4, 3), starts=1, periods=200)
+        >>> found["words"].tolist()
+        ['0+ 1', '0+ 1', '0+ 1']
+        """
+        if not words:
+            asked = {"breathers": "rest", **asked}
+        return fate(self.scene(words, x, y, omega=omega), **asked)
+
+    def scene(
+        self,
+        words: list[str] | tuple[str, ...],
+        x: tuple[str, float, float, int],
+        y: tuple[str, float, float, int] | None = None,
+        *,
+        omega: float | None = None,
+        title: str | None = None,
+        compute: Mapping[str, Any] | None = None,
+    ) -> dict[str, Any]:
+        """The scene of a map over the structure, which `vibrochain.sweep`, `vibrochain.fate` and `vibrochain.sweep_shares` take.
+
+        Parameters
+        ----------
+        words : sequence of str
+            The words to look for, as for `orbits`; ``"0+/2"`` over two periods of the load.
+        x, y : tuple of (str, float, float, int)
+            A number as for `branch`, from where to where, and in how many values.
+        omega : float, optional
+            Frequency of the load, where it does not vary.
+        title : str, optional
+            What stands above the picture.
+        compute : mapping, optional
+            More of the table ``compute``: ``{"threshold": 0.01}``, ``{"stability": False}``.
+
+        Returns
+        -------
+        dict
+            With the keys of a scene file; as JSON ``mapgen`` reads it.
+
+        Examples
+        --------
+        >>> import vibrochain as vc
+        >>> stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
+        >>> one = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])
+        >>> sorted(one.scene(["0+"], ("omega", 2.0, 3.0, 20)))
+        ['compute', 'contact', 'force', 'structure', 'sweep']
+        """
         axes = {"x": x} if y is None else {"x": x, "y": y}
         names = ("parameter", "from", "to", "points")
-        scene: dict[str, Any] = {**given, "sweep": {key: dict(zip(names, axis)) for key, axis in axes.items()}}
+        scene: dict[str, Any] = {"structure": self._structure, "contact": self._contacts, "force": self._force}
+        scene["sweep"] = {key: dict(zip(names, axis)) for key, axis in axes.items()}
         scene["compute"] = {"families": list(words), **(compute or {})}
         scene.update({key: value for key, value in (("omega", omega), ("title", title)) if value is not None})
-        return sweep(scene, threads=threads)
+        return scene
 
     def __repr__(self) -> str:
         parts = self._structure

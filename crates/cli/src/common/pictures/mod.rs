@@ -4,9 +4,9 @@ pub(crate) mod files;
 pub mod page_args;
 
 #[cfg(feature = "plot")]
-pub(crate) use with_pictures::{MapDrawing, Pictures};
+pub(crate) use with_pictures::Pictures;
 #[cfg(not(feature = "plot"))]
-pub(crate) use without_pictures::{MapDrawing, Pictures};
+pub(crate) use without_pictures::Pictures;
 
 #[cfg(feature = "plot")]
 mod with_pictures {
@@ -17,7 +17,9 @@ mod with_pictures {
     use vibrochain_maps::borders::{Border, Borders};
     use vibrochain_maps::caption::in_words;
     use vibrochain_maps::cell::Cell;
+    use vibrochain_maps::grid::Grid;
     use vibrochain_maps::scene::{Scene, Slice, Values};
+    use vibrochain_maps::structure::StructureScene;
     use vibrochain_maps::sweep::Watcher;
     use vibrochain_plot::{
         MapBorder, MapPicture, Mapped, OneAxisPicture, Page, Palette, PlotError, Quantity, Shown, is_shown,
@@ -38,18 +40,46 @@ mod with_pictures {
     const PLACES: usize = 10_000;
 
     /// Pictures to draw once all rows are known; no more is kept of them than is shown.
-    pub(crate) struct Pictures {
-        slice: Slice,
-        drawing: MapDrawing,
-        curves: bool,
-    }
-
-    /// The files of pictures of a map, and what is kept of its cells for them.
-    pub(crate) struct MapDrawing {
+    pub(crate) struct Pictures<S> {
+        /// What is swept.
+        whole: S,
+        scene: DrawnScene,
         files: Vec<(Page, PathBuf)>,
         palette: Palette,
         seen: Seen,
+        curves: bool,
         borders: Vec<MapBorder>,
+    }
+
+    /// What is drawn: a part of a chain's scene, or a structure's.
+    enum DrawnScene {
+        Slice(Box<Slice>),
+        Structure(Box<StructureScene>),
+    }
+
+    impl DrawnScene {
+        fn mapped(&self) -> &dyn Mapped {
+            match self {
+                Self::Slice(slice) => slice.scene(),
+                Self::Structure(scene) => &**scene,
+            }
+        }
+
+        /// The fastest axis.
+        fn axis(&self) -> Option<&Values> {
+            match self {
+                Self::Slice(slice) => slice.scene().axes.first().map(|axis| &axis.values),
+                Self::Structure(scene) => scene.axes.first().map(|axis| &axis.values),
+            }
+        }
+
+        /// The number in the picture of a cell of this number, if it is drawn.
+        fn cell(&self, number: u64) -> Option<u64> {
+            match self {
+                Self::Slice(slice) => slice.cell(number),
+                Self::Structure(_) => Some(number),
+            }
+        }
     }
 
     /// What is kept of the cells.
@@ -85,12 +115,11 @@ mod with_pictures {
         }
     }
 
-    impl Pictures {
+    impl Pictures<Scene> {
         /// Makes sure that they can be drawn and written.
         pub(crate) fn plan(wanted: &PictureArgs, show: QuantityName, scene: &Scene) -> Result<Self, CliError> {
             if wanted.files().next().is_none() {
-                let slice = Slice::of(scene, &[])?;
-                return Ok(Self { drawing: MapDrawing::plan(wanted, show, scene)?, slice, curves: false });
+                return Self::of(wanted, show, (scene, DrawnScene::Slice(Box::new(Slice::of(scene, &[])?))));
             }
             if scene.refine.is_some() && !wanted.slice.is_empty() {
                 return Err(refused(
@@ -98,9 +127,8 @@ mod with_pictures {
                 ));
             }
             let slice = slice(wanted, &scene.finest())?;
-            let drawing = MapDrawing::plan(wanted, show, slice.scene())?;
             if wanted.curves {
-                if let Seen::Cells(_) = drawing.seen {
+                if let [_] = slice.scene().axes.as_slice() {
                     let axis = slice.scene().axis_names();
                     return Err(refused(format!(
                         "--curves draws borders over a map of two axes, here is one, {axis}: leave it out"
@@ -108,7 +136,39 @@ mod with_pictures {
                 }
                 Borders::window(slice.scene()).map_err(|error| refused(format!("--curves: {error}")))?;
             }
-            Ok(Self { slice, drawing, curves: wanted.curves })
+            Self::of(wanted, show, (scene, DrawnScene::Slice(Box::new(slice))))
+        }
+    }
+
+    impl Pictures<StructureScene> {
+        /// The same of a structure.
+        pub(crate) fn of_structure(
+            wanted: &PictureArgs,
+            show: QuantityName,
+            scene: &StructureScene,
+        ) -> Result<Self, CliError> {
+            if wanted.curves || !wanted.slice.is_empty() {
+                let message = "--curves and --slice are of maps of chains without dashpots: leave them away";
+                return Err(refused(message.to_owned()));
+            }
+            Self::of(wanted, show, (scene, DrawnScene::Structure(Box::new(scene.clone()))))
+        }
+    }
+
+    impl<S: Grid> Pictures<S> {
+        fn of(wanted: &PictureArgs, show: QuantityName, (whole, scene): (&S, DrawnScene)) -> Result<Self, CliError> {
+            let palette = match wanted.palette {
+                PaletteName::Colour => Palette::Colour,
+                PaletteName::Paper => Palette::Paper,
+            };
+            let files = PictureFiles::named(wanted)?;
+            let seen = if files.is_empty() { Seen::Cells(Vec::new()) } else { kept(show, scene.mapped())? };
+            let curves = wanted.curves && !files.is_empty();
+            let pictures = Self { whole: whole.clone(), scene, files, palette, seen, curves, borders: Vec::new() };
+            if !pictures.files.is_empty() {
+                PictureFiles::open(&pictures.files)?.fit(|page| pictures.picture(page))?;
+            }
+            Ok(pictures)
         }
 
         /// Finds the borders that are to be drawn, if any; a line on them for the summary.
@@ -121,11 +181,12 @@ mod with_pictures {
             stop: &Stop,
             progress: bool,
         ) -> Result<String, CliError> {
+            let DrawnScene::Slice(slice) = &self.scene else { return Ok(String::new()) };
             if !self.curves {
                 return Ok(String::new());
             }
             let search = BorderSearch { tolerance: TOLERANCE, places: PLACES, special: false, stop, progress };
-            let (found, regions) = search.run(self.slice.scene(), pool)?;
+            let (found, regions) = search.run(slice.scene(), pool)?;
             let mut line = format!("\nborders {}", found.borders.len());
             let (changes, faces) = (found.unexplained.len(), regions.unexplained().len());
             if changes + faces > 0 {
@@ -136,52 +197,17 @@ mod with_pictures {
                 let parts = regions.border(number).iter().filter(|part| part.separates);
                 parts.map(|part| drawn(border, part.points.iter().map(|place| regions.window().point(*place))))
             });
-            self.drawing.borders = parts.collect();
+            self.borders = parts.collect();
             Ok(line)
         }
 
         /// Draws and writes them.
         pub(crate) fn finish(self) -> Result<(), CliError> {
-            let Self { slice, drawing, .. } = self;
-            drawing.finish(slice.scene())
-        }
-    }
-
-    impl MapDrawing {
-        /// Makes sure that they can be drawn and written.
-        pub(crate) fn plan(wanted: &PictureArgs, show: QuantityName, scene: &dyn Mapped) -> Result<Self, CliError> {
-            let palette = match wanted.palette {
-                PaletteName::Colour => Palette::Colour,
-                PaletteName::Paper => Palette::Paper,
-            };
-            let files = PictureFiles::named(wanted)?;
-            let seen = if files.is_empty() { Seen::Cells(Vec::new()) } else { kept(show, scene)? };
-            let drawing = Self { files, palette, seen, borders: Vec::new() };
-            if !drawing.files.is_empty() {
-                PictureFiles::open(&drawing.files)?.fit(|page| drawing.picture(scene, page))?;
-            }
-            Ok(drawing)
+            PictureFiles::open(&self.files)?.draw(|page| self.picture(page))
         }
 
-        /// Takes cell number `number`, one of a map that is drawn along these axes.
-        pub(crate) fn cell(&mut self, axes: &[&Values], number: u64, cell: &Cell) {
-            match &mut self.seen {
-                Seen::Map(shown) => shown.cell(number, cell),
-                Seen::Cells(cells) => {
-                    if axes.first().is_some_and(|axis| is_shown(axis, number)) {
-                        cells.push(*cell);
-                    }
-                }
-            }
-        }
-
-        /// Draws and writes them.
-        pub(crate) fn finish(self, scene: &dyn Mapped) -> Result<(), CliError> {
-            PictureFiles::open(&self.files)?.draw(|page| self.picture(scene, page))
-        }
-
-        fn picture(&self, scene: &dyn Mapped, page: Page) -> Result<Vec<u8>, PlotError> {
-            let (palette, borders) = (self.palette, self.borders.as_slice());
+        fn picture(&self, page: Page) -> Result<Vec<u8>, PlotError> {
+            let (scene, palette, borders) = (self.scene.mapped(), self.palette, self.borders.as_slice());
             match &self.seen {
                 Seen::Map(cells) => map_picture(&MapPicture { scene, cells, palette, borders }, page),
                 Seen::Cells(cells) => one_axis_picture(&OneAxisPicture { scene, cells }, page),
@@ -233,28 +259,31 @@ mod with_pictures {
         }
     }
 
-    impl Watcher for Pictures {
+    impl<S: Grid> Watcher<S::Cell> for Pictures<S> {
         fn looks(&self) -> bool {
-            !self.drawing.files.is_empty()
+            !self.files.is_empty()
         }
 
         fn begin(&mut self) {
-            match &mut self.drawing.seen {
+            match &mut self.seen {
                 Seen::Map(shown) => shown.clear(),
                 Seen::Cells(cells) => cells.clear(),
             }
         }
 
-        fn cell(&mut self, number: u64, cell: &Cell) {
-            if !self.looks() {
+        fn cell(&mut self, number: u64, cell: &S::Cell) {
+            if self.files.is_empty() {
                 return;
             }
-            match (&mut self.drawing.seen, cell.extent, self.slice.cell(number)) {
+            let cell = self.whole.shown(cell);
+            match (&mut self.seen, cell.extent, self.scene.cell(number)) {
                 // A map that is refined is drawn whole.
-                (Seen::Map(shown), Some(extent), _) => shown.square_of(extent, cell),
-                (_, _, Some(number)) => {
-                    let axes: Vec<&Values> = self.slice.scene().axes.iter().map(|axis| &axis.values).collect();
-                    self.drawing.cell(&axes, number, cell);
+                (Seen::Map(shown), Some(extent), _) => shown.square_of(extent, &cell),
+                (Seen::Map(shown), None, Some(number)) => shown.cell(number, &cell),
+                (Seen::Cells(cells), _, Some(number)) => {
+                    if self.scene.axis().is_some_and(|axis| is_shown(axis, number)) {
+                        cells.push(cell);
+                    }
                 }
                 (_, _, None) => {}
             }
@@ -264,10 +293,12 @@ mod with_pictures {
 
 #[cfg(not(feature = "plot"))]
 mod without_pictures {
+    use std::marker::PhantomData;
+
     use rayon::ThreadPool;
     use vibrochain_lattice::Stop;
-    use vibrochain_maps::cell::Cell;
-    use vibrochain_maps::scene::{Scene, Values};
+    use vibrochain_maps::scene::Scene;
+    use vibrochain_maps::structure::StructureScene;
     use vibrochain_maps::sweep::Watcher;
 
     use crate::args::{PictureArgs, QuantityName};
@@ -275,28 +306,25 @@ mod without_pictures {
     use crate::common::pictures::files::PictureFiles;
 
     /// This build draws nothing.
-    pub(crate) struct Pictures;
+    pub(crate) struct Pictures<S>(PhantomData<S>);
 
-    /// This build draws nothing.
-    pub(crate) struct MapDrawing;
-
-    impl MapDrawing {
-        pub(crate) fn plan<T>(wanted: &PictureArgs, _: QuantityName, _: &T) -> Result<Self, CliError> {
-            PictureFiles::asked(wanted).map(|_| Self)
-        }
-
-        pub(crate) fn cell(&mut self, _: &[&Values], _: u64, _: &Cell) {}
-
-        pub(crate) fn finish<T>(self, _: &T) -> Result<(), CliError> {
-            Ok(())
+    impl Pictures<Scene> {
+        pub(crate) fn plan(wanted: &PictureArgs, _: QuantityName, _: &Scene) -> Result<Self, CliError> {
+            PictureFiles::asked(wanted).map(|_| Self(PhantomData))
         }
     }
 
-    impl Pictures {
-        pub(crate) fn plan(wanted: &PictureArgs, _: QuantityName, _: &Scene) -> Result<Self, CliError> {
-            PictureFiles::asked(wanted).map(|_| Self)
+    impl Pictures<StructureScene> {
+        pub(crate) fn of_structure(
+            wanted: &PictureArgs,
+            _: QuantityName,
+            _: &StructureScene,
+        ) -> Result<Self, CliError> {
+            PictureFiles::asked(wanted).map(|_| Self(PhantomData))
         }
+    }
 
+    impl<S> Pictures<S> {
         pub(crate) fn find_borders(&mut self, _: &ThreadPool, _: &Stop, _: bool) -> Result<String, CliError> {
             Ok(String::new())
         }
@@ -306,13 +334,13 @@ mod without_pictures {
         }
     }
 
-    impl Watcher for Pictures {
+    impl<S, T> Watcher<T> for Pictures<S> {
         fn looks(&self) -> bool {
             false
         }
 
         fn begin(&mut self) {}
 
-        fn cell(&mut self, _: u64, _: &Cell) {}
+        fn cell(&mut self, _: u64, _: &T) {}
     }
 }

@@ -75,14 +75,14 @@ pub(super) fn range(
     [from, to]: [Option<f64>; 2],
 ) -> Result<[f64; 2], CliError> {
     let value = value_of(scene, setting)?;
-    let axis = scene.axes.iter().find(|axis| axis.setting == setting);
+    let axis = scene.axes.iter().find(|axis| axis.parameter == setting);
     let usual = match setting {
         Setting::RestitutionOfAll | Setting::Restitution(_) => [0.05, 1.0],
         _ if value == 0.0 => [0.0, 1.0],
         _ if value < 0.0 => [2.0 * value, 0.5 * value],
         _ => [0.5 * value, 2.0 * value],
     };
-    let [low, high] = axis.map_or(usual, |axis| [axis.from, axis.to]);
+    let [low, high] = axis.map_or(usual, |axis| axis.limits());
     let [low, high] = [from.unwrap_or(low.min(value)), to.unwrap_or(high.max(value))];
     if low <= value && value <= high && low < high {
         return Ok([low, high]);

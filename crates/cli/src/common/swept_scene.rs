@@ -1,0 +1,85 @@
+//! What commands over a map do with its scene besides computing it: of a chain, or of a structure.
+
+use rayon::ThreadPool;
+use serde_json::{Map, Value, json};
+use vibrochain_fate::Sectioned;
+use vibrochain_lattice::{Parameter, Stop};
+use vibrochain_maps::manifest::scene_parts;
+use vibrochain_maps::scene::Scene;
+use vibrochain_maps::structure::StructureScene;
+use vibrochain_maps::structure::answer::structure;
+use vibrochain_maps::sweep::{Plan, Swept};
+#[cfg(feature = "plot")]
+pub(crate) use vibrochain_plot::Mapped as Drawn;
+
+use crate::args::{PictureArgs, QuantityName};
+use crate::common::error::CliError;
+use crate::common::model::springs;
+use crate::common::pictures::Pictures;
+use crate::sweep::leaves::rows_per_cell;
+
+/// What can be drawn: nothing is, in this build.
+#[cfg(not(feature = "plot"))]
+pub(crate) trait Drawn {}
+
+#[cfg(not(feature = "plot"))]
+impl<S> Drawn for S {}
+
+/// A scene that commands over a map take.
+pub(crate) trait SweptScene: Swept + Sectioned + Drawn {
+    /// What a user may not expect of it.
+    fn remark(&self) -> Option<&'static str> {
+        None
+    }
+
+    /// How many rows a cell has on the average, where a grid is refined.
+    ///
+    /// # Errors
+    /// [`CliError::Interrupted`].
+    fn rows(_: &Plan<Self>, _: &ThreadPool, _: &Stop) -> Result<Option<f64>, CliError> {
+        Ok(None)
+    }
+
+    /// Pictures of its map.
+    ///
+    /// # Errors
+    /// [`CliError::Request`] for those that cannot be drawn or written.
+    fn pictures(&self, wanted: &PictureArgs, show: QuantityName) -> Result<Pictures<Self>, CliError>;
+
+    /// What it is, in the answer of an ensemble.
+    ///
+    /// # Errors
+    /// [`CliError::Request`] of a scene without a model.
+    fn about(&self) -> Result<Map<String, Value>, CliError>;
+}
+
+impl SweptScene for Scene {
+    fn remark(&self) -> Option<&'static str> {
+        let gamma2 = self.point(self.cells() - 1).get(Parameter::Gamma2);
+        springs(&self.base.layout, gamma2)
+    }
+
+    fn rows(plan: &Plan, pool: &ThreadPool, stop: &Stop) -> Result<Option<f64>, CliError> {
+        plan.scene.refine.map(|_| rows_per_cell(plan, pool, stop)).transpose()
+    }
+
+    fn pictures(&self, wanted: &PictureArgs, show: QuantityName) -> Result<Pictures<Self>, CliError> {
+        Pictures::plan(wanted, show, self)
+    }
+
+    fn about(&self) -> Result<Map<String, Value>, CliError> {
+        Ok(scene_parts(self))
+    }
+}
+
+impl SweptScene for StructureScene {
+    fn pictures(&self, wanted: &PictureArgs, show: QuantityName) -> Result<Pictures<Self>, CliError> {
+        Pictures::of_structure(wanted, show, self)
+    }
+
+    fn about(&self) -> Result<Map<String, Value>, CliError> {
+        let model = self.model().map_err(CliError::Request)?;
+        let about = [("structure", structure(self, &model)), ("axes", json!(self.axis_names))];
+        Ok(about.map(|(name, value)| (name.to_owned(), value)).into_iter().collect())
+    }
+}
