@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use rayon::ThreadPool;
+use rayon::prelude::*;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -11,9 +12,11 @@ use super::answers::read;
 use super::line::{Line, Setting};
 use vibrochain_explore::{Answers, Refusal};
 use vibrochain_lattice::Stop;
+use vibrochain_maps::grid::Grid;
 use vibrochain_maps::manifest::VERSION;
 use vibrochain_maps::numbers::Number;
-use vibrochain_maps::structure::{StructureMap, StructureScene};
+use vibrochain_maps::scene::{Axis, Values};
+use vibrochain_maps::structure::{self, StructureCell, StructureScene};
 
 /// Cells along a side of a tile: a cell takes up to a millisecond, and what is asked for is to be seen soon.
 const CELLS: usize = 32;
@@ -60,7 +63,7 @@ impl StructureProgram {
         if scene.axes.len() != 2 {
             return Err("a map to fly over has two axes: give [sweep] with x and y".to_owned());
         }
-        StructureMap::new(&scene)?;
+        scene.is_map()?;
         Ok(Self { scene, path, setting, pool })
     }
 
@@ -76,12 +79,16 @@ impl StructureProgram {
         }
         let mut scene = self.scene.clone();
         for (axis, number) in scene.axes.iter_mut().zip([x, y]) {
-            let step = (axis.to - axis.from) / (CELLS as f64 * side as f64);
-            let centre = |cell: usize| axis.from + (*number as f64 * CELLS as f64 + cell as f64 + 0.5) * step;
-            (axis.from, axis.to, axis.points) = (centre(0), centre(CELLS - 1), CELLS);
+            let [from, to] = ends(axis);
+            let step = (to - from) / (CELLS as f64 * side as f64);
+            let centre = |cell: usize| from + (*number as f64 * CELLS as f64 + cell as f64 + 0.5) * step;
+            axis.values = Values::Linear { from: centre(0), to: centre(CELLS - 1), points: CELLS };
         }
-        let map = StructureMap::new(&scene).map_err(Refusal::wrong)?;
-        let rows = self.pool.install(|| (0..CELLS).map(|row| map.row(row, stop)).collect::<Option<Vec<_>>>());
+        let row = |row: u64| {
+            let (mut worker, mut cells, width) = (scene.worker(stop), Vec::new(), CELLS as u64);
+            scene.compute(&mut worker, row * width..(row + 1) * width, stop, &mut cells).map(|()| cells)
+        };
+        let rows = self.pool.install(|| (0..CELLS as u64).into_par_iter().map(row).collect::<Option<Vec<_>>>());
         let rows = rows.ok_or_else(|| Refusal::new(503, "nobody waits for this tile any more"))?;
         let mut classes: Vec<String> = Vec::new();
         let mut place = |class: String| {
@@ -90,7 +97,7 @@ impl StructureProgram {
                 classes.len() - 1
             })
         };
-        let cells: Vec<usize> = rows.iter().flatten().map(|cell| place(cell.class())).collect();
+        let cells: Vec<usize> = rows.iter().flatten().map(|cell| place(told(cell))).collect();
         Ok(json!({ "classes": classes, "cells": cells }))
     }
 
@@ -109,6 +116,17 @@ impl StructureProgram {
     }
 }
 
+/// The first and last value of an axis.
+fn ends(axis: &Axis<structure::Setting>) -> [f64; 2] {
+    [0, axis.points() - 1].map(|place| axis.value(place))
+}
+
+/// The class of a cell, with the word behind it.
+fn told(cell: &StructureCell) -> String {
+    let word = cell.word.iter().map(|word| format!(" {word}"));
+    std::iter::once(cell.class.name().to_owned()).chain(word).collect()
+}
+
 impl Answers for StructureProgram {
     fn page(&self) -> &'static str {
         "structure.html"
@@ -116,7 +134,11 @@ impl Answers for StructureProgram {
 
     fn start(&self) -> Value {
         let axes = self.scene.axes.iter().zip(&self.scene.axis_names);
-        let axes: Value = axes.map(|(axis, name)| json!({ "name": name, "from": axis.from, "to": axis.to })).collect();
+        let axis = |(axis, name): (&Axis<structure::Setting>, &String)| {
+            let [from, to] = ends(axis);
+            json!({ "name": name, "from": from, "to": to })
+        };
+        let axes: Value = axes.map(axis).collect();
         json!({
             "heading": self.scene.heading(),
             "fixed": self.scene.fixed(),
