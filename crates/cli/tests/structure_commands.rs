@@ -317,7 +317,7 @@ fn runs_repeat_orbits_and_settle_on_them() {
     // From rest, where no word is named.
     let unnamed = TWO.replace("word = \"0+\"\n", "");
     fs::write(desk.path("other.toml"), unnamed).unwrap();
-    let settled = desk.run("simulate --scene other.toml --periods 4000 --json").with(0, &[]).out;
+    let settled = desk.run("simulate --scene other.toml --periods 4000 --impacts run.csv --json").with(0, &[]).out;
     let settled = written(&settled);
     let word = settled["repeats"]["word"].as_str().unwrap().to_owned();
     fs::write(desk.path("run.json"), settled.to_string()).unwrap();
@@ -326,6 +326,16 @@ fn runs_repeat_orbits_and_settle_on_them() {
     assert_eq!(found["word"], word.as_str());
     assert!(found["physical"] == true && found["stability"]["stable"] == true);
     assert!((impulse(found) - impulse(told)).abs() < 1e-5 * impulse(told).abs());
+    // The table of its impacts leads there as well, to an orbit begun at any of its impacts; one cut short says what it lacks.
+    let table = written(&desk.run("orbit --scene other.toml --near run.csv --json").with(0, &[]).out);
+    let sum = |solution: &Value| {
+        let impacts = solution["impacts"].as_array().unwrap();
+        impacts.iter().map(|impact| number(&impact["impulse"]).abs()).sum::<f64>()
+    };
+    let by_table = &table["solutions"][0];
+    assert!(by_table["physical"] == true && (sum(by_table) - sum(found)).abs() < 1e-10 * sum(found), "{by_table}");
+    fs::write(desk.path("cut.csv"), "time,contact,barrier\n0.5,0,upper\n").unwrap();
+    desk.run("orbit --scene other.toml --near cut.csv").with(2, &["cut.csv", "missing field `velocity_before`"]);
     // A state, and what is wrong with one.
     fs::write(desk.path("state.json"), "{\"displacement\": [0.1, 0.2], \"velocity\": [0, 1]}").unwrap();
     desk.run("simulate --scene scene.toml --state state.json --periods 3").with(0, &[]);

@@ -146,6 +146,14 @@ fn an_orbit_of_a_file_is_found_again_elsewhere() {
     let run = desk.run(&format!("simulate --near orbit.json --gamma2 0.02 {FORCED} --periods 5")).with(0, &[]);
     let distance = run.out.lines().find(|line| line.starts_with("largest distance")).unwrap();
     assert!(distance.rsplit(' ').next().unwrap().parse::<f64>().unwrap() < 1e-11, "{distance}");
+    // The table of a run of one orbit leads to it.
+    desk.run(&format!("simulate --near orbit.json --gamma2 0.02 {FORCED} --periods 5 --impacts run.csv")).with(0, &[]);
+    let table = orbit(&desk, &format!("--near run.csv --gamma2 0.021 {FORCED}"));
+    let sum = |answer: &Value| {
+        let impacts = answer["solutions"][0]["impacts"].as_array().unwrap();
+        impacts.iter().map(|impact| impact["impulse"].as_f64().unwrap().abs()).sum::<f64>()
+    };
+    assert!((sum(&table) - sum(&direct)).abs() < 1e-11, "{table}");
     // Losses that no force makes good: nothing is near.
     let lossy = FORCED.replace(" --amplitude 0.3", "");
     let _ = desk.run(&format!("orbit --near orbit.json --gamma2 0.02 {lossy}")).with(1, &["--near", "no orbit found"]);

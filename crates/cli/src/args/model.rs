@@ -206,8 +206,9 @@ pub struct WhichArgs {
     /// Periods of the force in one period of the word [default: 1; of `0-,0-`, the doubled family, 2].
     #[arg(long, help_heading = WHICH, value_name = "N", value_parser = force_periods, allow_negative_numbers = true)]
     pub force_periods: Option<u32>,
-    /// The breather near that of a file, as `mapgen orbit --json` writes it (its first solution), or an object with `impacts`
-    /// (site, barrier, time, impulse), `psi` and, of more than one period of the force, `period`.
+    /// The breather near that of a file, as `mapgen orbit --json` writes it (its first solution), an object with `impacts`
+    /// (site, barrier, time, impulse), `psi` and, of more than one period of the force, `period`, or the table that `mapgen simulate
+    /// --impacts` has written of a run that has settled on one.
     #[arg(long, help_heading = WHICH, value_name = "FILE", group = "which")]
     pub near: Option<PathBuf>,
 }

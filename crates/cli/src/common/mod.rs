@@ -7,6 +7,7 @@ pub(crate) mod chunked_run;
 pub mod console;
 pub mod entry;
 pub mod error;
+pub(crate) mod impact_table;
 pub mod model;
 pub mod pictures;
 pub(crate) mod progress;

@@ -9,6 +9,7 @@ use vibrochain_lattice::{Barrier, Model};
 use crate::args::WhichArgs;
 use crate::common::console::Console;
 use crate::common::error::CliError;
+use crate::common::impact_table::{self, Struck};
 use crate::common::schemas::{self, ORBIT, expect};
 use vibrochain_maps::cell::SYMMETRIC;
 use vibrochain_maps::followed::over;
@@ -85,9 +86,19 @@ pub(crate) fn find(
     let Some(path) = &which.near else {
         return Err(CliError::Request("give --family, --word, --near FILE or --scene FILE".to_owned()));
     };
-    let near = read(path, model)?;
-    found.orbits.push(finder.polish(&near).map_err(|error| CliError::from(error).about("--near"))?);
-    Ok((Word::of(&near).to_string(), found))
+    let mut polished = |near: &Orbit| finder.polish(near).map_err(|error| CliError::from(error).about("--near"));
+    let orbit = match table(path, model)? {
+        Some((periods, struck, hits)) => {
+            let wrong = |error: BreatherError| CliError::from(error).about("--near");
+            let lead = |psi: f64| polished(&Orbit::from_impulses(model, periods, psi, &hits).map_err(wrong)?);
+            let impulses = |orbit: &Orbit| orbit.impacts().iter().map(|impact| impact.impulse).collect();
+            impact_table::nearest(&struck, model.period(), lead, impulses)?
+        }
+        None => polished(&read(path, model)?)?,
+    };
+    let word = Word::of(&orbit).to_string();
+    found.orbits.push(orbit);
+    Ok((word, found))
 }
 
 /// A search; at a resonance, without one, what becomes there of the orbits beside it.
@@ -134,6 +145,25 @@ struct ImpactEntry {
     impulse: f64,
 }
 
+/// The place of a mass.
+fn place(model: &Model, site: usize, layer: usize) -> Result<usize, String> {
+    let layout = model.chain().layout();
+    layout.index(site, layer).ok_or_else(|| format!("{layout} have no site {site}:{layer}"))
+}
+
+/// The impacts that a run has settled on, if the file is the table of one.
+fn table(path: &Path, model: &Model) -> Result<Option<(u32, Vec<Struck>, Vec<Hit>)>, CliError> {
+    let text = std::fs::read_to_string(path).map_err(|error| CliError::file("cannot read orbit", path, &error))?;
+    if !impact_table::is_one(&text) {
+        return Ok(None);
+    }
+    let wrong = |what: String| CliError::Request(format!("{}: {what}", path.display()));
+    let (periods, struck) = impact_table::settled(&text, model.period()).map_err(wrong)?;
+    let hit = |one: &Struck| Ok(Hit::new(place(model, one.site, one.layer)?, one.barrier, one.time, one.impulse));
+    let hits = struck.iter().map(hit).collect::<Result<_, String>>().map_err(wrong)?;
+    Ok(Some((periods, struck, hits)))
+}
+
 /// The orbit of a file, with its impacts at the same parts of the period, as one of `model`: roughly.
 fn read(path: &Path, model: &Model) -> Result<Orbit, CliError> {
     let text = std::fs::read_to_string(path).map_err(|error| CliError::file("cannot read orbit", path, &error))?;
@@ -162,8 +192,7 @@ fn read(path: &Path, model: &Model) -> Result<Orbit, CliError> {
     for &ImpactEntry { site, layer, barrier: ref name, time, impulse } in &file.impacts {
         let barrier =
             Barrier::from_name(name).ok_or_else(|| wrong(&format!("`{name}` is no barrier, lower and upper are")))?;
-        let layout = model.chain().layout();
-        let place = layout.index(site, layer).ok_or_else(|| wrong(&format!("{layout} have no site {site}:{layer}")))?;
+        let place = place(model, site, layer).map_err(|why| wrong(&why))?;
         hits.push(Hit::new(place, barrier, time * stretch, impulse));
     }
     hits.sort_by(|one, other| one.time.total_cmp(&other.time));

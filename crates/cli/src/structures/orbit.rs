@@ -18,6 +18,7 @@ use super::answer::text;
 use crate::args::{OrbitArgs, WhichArgs};
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
+use crate::common::impact_table;
 use crate::orbit::multiplier_file::MultiplierFile;
 use crate::orbit::pictures::OrbitPictures;
 use crate::orbit::trajectory::OrbitTrajectory;
@@ -166,10 +167,16 @@ struct NearImpact {
     impulse: f64,
 }
 
-/// The orbit next to that of a file: what --json has printed, or an object with `impacts`.
+/// The orbit next to that of a file: what --json has printed, an object with `impacts`, or the table of a run that has settled on one.
 fn near(path: &Path, model: &StructureModel) -> Result<StructureOrbit, CliError> {
     let text = read_text("the orbit", path, MOST_BYTES)?;
     let wrong = |what: &dyn std::fmt::Display| CliError::Request(format!("{}: {what}", path.display()));
+    if impact_table::is_one(&text) {
+        let (periods, struck) = impact_table::settled(&text, model.period()).map_err(|why| wrong(&why))?;
+        let impacts: Vec<_> = struck.iter().map(|one| (one.site, one.barrier, one.time, one.impulse)).collect();
+        let lead = |psi: f64| StructureOrbit::near(model, periods, psi, &impacts);
+        return Ok(impact_table::nearest(&struck, model.period(), lead, StructureOrbit::impulses)?);
+    }
     let mut value: serde_json::Value = serde_json::from_str(&text).map_err(|error| wrong(&error))?;
     // What a run has settled on.
     if let Some(repeated) = value.get_mut("repeats").filter(|repeated| repeated.is_object()) {
