@@ -33,7 +33,7 @@ pub use sweep::{DrawArgs, MergeArgs, PaletteName, PictureArgs, SweepArgs};
     name = "mapgen",
     version,
     about,
-    after_help = "To begin: mapgen init plane.toml, then mapgen sweep plane.toml --out map.csv --plot map.png\n\
+    after_help = "`mapgen init plane.toml` writes a first scene, `mapgen sweep plane.toml --out map.csv --plot map.png` computes it.\n\
                   Everything is dimensionless: unit masses, barriers at asymmetry ± 1; a structure has its own units.\n\
                   Files appear whole or not at all; `-` is standard output (words then go to standard error), pipes and \
                   devices are written to directly, links are followed.\n\

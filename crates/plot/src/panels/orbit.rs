@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn legends_hide_nothing_and_long_captions_lose_nothing() {
-        let caption = "double-sided breather 1: N = 20, γ₁ = 0.2790465016543734, γ₂ = 0.13606569615937517, \
+        let caption = "Double-sided breather 1: N = 20, γ₁ = 0.2790465016543734, γ₂ = 0.13606569615937517, \
                        ω = 0.3456359754617771, a = 0.4, force 1:0.1:0,3:-0.03:0.5,5:0.01:0, e = 0.9; stable";
         let points = vec![(-1.0, 0.1), (0.0, 1.4), (1.0, 0.1)];
         let profile = |time: f64| Profile { name: format!("at t = {time:.4}"), instant: 0, points: points.clone() };
