@@ -88,7 +88,8 @@ pub(crate) fn find(
     };
     let mut polished = |near: &Orbit| finder.polish(near).map_err(|error| CliError::from(error).about("--near"));
     let orbit = match table(path, model)? {
-        Some((periods, struck, hits)) => {
+        Some((periods, struck)) => {
+            let hits = struck.iter().map(|one| hit(path, model, one)).collect::<Result<Vec<_>, _>>()?;
             let wrong = |error: BreatherError| CliError::from(error).about("--near");
             let lead = |psi: f64| polished(&Orbit::from_impulses(model, periods, psi, &hits).map_err(wrong)?);
             let impulses = |orbit: &Orbit| orbit.impacts().iter().map(|impact| impact.impulse).collect();
@@ -152,16 +153,20 @@ fn place(model: &Model, site: usize, layer: usize) -> Result<usize, String> {
 }
 
 /// The impacts that a run has settled on, if the file is the table of one.
-fn table(path: &Path, model: &Model) -> Result<Option<(u32, Vec<Struck>, Vec<Hit>)>, CliError> {
+fn table(path: &Path, model: &Model) -> Result<Option<(u32, Vec<Struck>)>, CliError> {
     let text = std::fs::read_to_string(path).map_err(|error| CliError::file("cannot read orbit", path, &error))?;
     if !impact_table::is_one(&text) {
         return Ok(None);
     }
-    let wrong = |what: String| CliError::Request(format!("{}: {what}", path.display()));
-    let (periods, struck) = impact_table::settled(&text, model.period()).map_err(wrong)?;
-    let hit = |one: &Struck| Ok(Hit::new(place(model, one.site, one.layer)?, one.barrier, one.time, one.impulse));
-    let hits = struck.iter().map(hit).collect::<Result<_, String>>().map_err(wrong)?;
-    Ok(Some((periods, struck, hits)))
+    let settled = impact_table::settled(&text, model.period());
+    settled.map(Some).map_err(|what| CliError::Request(format!("{}: {what}", path.display())))
+}
+
+/// An impact of such a table.
+fn hit(path: &Path, model: &Model, one: &Struck) -> Result<Hit, CliError> {
+    let place = place(model, one.site, one.layer);
+    let place = place.map_err(|what| CliError::Request(format!("{}: {what}", path.display())))?;
+    Ok(Hit::new(place, one.barrier, one.time, one.impulse))
 }
 
 /// The orbit of a file, with its impacts at the same parts of the period, as one of `model`: roughly.
