@@ -346,6 +346,78 @@ fn runs_repeat_orbits_and_settle_on_them() {
     desk.run("simulate --scene scene.toml --animate a.gif").with(2, &["--animate is of chains"]);
 }
 
+/// Next to a doubling of its period a run settles slowly, to and fro: impacts two periods apart are alike long before it has settled. And
+/// impacts at the very end of a period are of one period each.
+#[test]
+fn a_run_that_still_settles_is_not_told_to_repeat() {
+    let desk = Desk::new();
+    let scene = "omega = 1.1825\nword = \"0+\"\n[structure]\nmasses = [1]\nstiffness = [[1]]\ndamping = [[0.1]]\n\
+        [[contact]]\nat = 0\nupper = 0.1\nrestitution = 0.8\n[force]\nload = [1]\n";
+    fs::write(desk.path("scene.toml"), scene).unwrap();
+    fs::write(desk.path("rest.toml"), scene.replace("word = \"0+\"\n", "")).unwrap();
+    let found = written(&desk.run("orbit --scene scene.toml --json").with(0, &[]).out);
+    let orbit = found["solutions"].as_array().unwrap().iter().find(|solution| solution["physical"] == true).unwrap();
+    let radius = number(&orbit["stability"]["spectral_radius"]);
+    assert!(radius > 0.995 && radius < 1.0, "{radius}");
+    let velocity = 1.001 * number(&orbit["impacts"][0]["velocity_after"]);
+    let state = format!("{{\"displacement\": [0.1], \"velocity\": [{velocity}], \"psi\": {}}}", orbit["psi"]);
+    fs::write(desk.path("state.json"), state).unwrap();
+    let told = |periods: u32| {
+        let run = desk.run(&format!("simulate --scene rest.toml --state state.json --periods {periods}"));
+        run.with(0, &[]).out
+    };
+    for periods in [200, 500, 1000, 1500] {
+        assert!(told(periods).contains("it has not settled yet: its impacts are still moving by"), "{}", told(periods));
+    }
+    assert!(told(10_000).contains("it repeats 0+ every 1 period of the load"), "{}", told(10_000));
+}
+
+/// Another contact rests all the time: what the first one repeats is no word of the structure.
+#[test]
+fn a_run_with_a_contact_at_rest_has_no_word() {
+    let desk = Desk::new();
+    let scene = "omega = 0.9\n[structure]\nmass = [[1, 0], [0, 1]]\nstiffness = [[1, 0], [0, 1]]\ndamping = [[0.2, 0], [0, 0.2]]\n\
+        [[contact]]\nat = 0\nupper = 0.5\nrestitution = 0.5\n[[contact]]\nat = 1\nupper = 0.1\nrestitution = 0.3\n\
+        [force]\nload = [1, 0]\nstatic = [0, 1]\n";
+    fs::write(desk.path("scene.toml"), scene).unwrap();
+    fs::write(desk.path("state.json"), "{\"displacement\": [0, 0], \"velocity\": [0, 0]}").unwrap();
+    let line = "simulate --scene scene.toml --state state.json --periods 200";
+    desk.run(&format!("{line} --max-impacts 100000")).with(0, &[]);
+    let told = desk.run(line).with(0, &[]).out;
+    assert!(told.contains("1 sticks, 0 releases") && told.contains("a contact rests on its barrier"), "{told}");
+    let ran = written(&desk.run(&format!("{line} --json")).with(0, &[]).out);
+    assert_eq!(ran["repeats"], Value::Null);
+}
+
+/// Runs that would go on for ever end, with what was simulated: modes that feed themselves beyond what stops can hold, and a contact that
+/// is pressed and loses nothing. What impacts bound goes on.
+#[test]
+fn runs_without_an_end_are_told() {
+    let desk = Desk::new();
+    let scene = |damping: f64, e: f64, load: &str| {
+        format!(
+            "omega = 0.9\n[structure]\nmass = [[1, 0], [0, 1.4]]\nstiffness = [[1, -0.3], [-0.3, 0.8]]\n\
+             damping = [[{damping}, 0], [0, {damping}]]\n[[contact]]\nat = 1\nlower = 0.0\nupper = 1.3\nrestitution = {e}\n\
+             [force]\n{load}\n"
+        )
+    };
+    fs::write(desk.path("state.json"), "{\"displacement\": [0, 1e-9], \"velocity\": [0, 0]}").unwrap();
+    let run = |text: String| {
+        fs::write(desk.path("scene.toml"), text).unwrap();
+        let line = "simulate --scene scene.toml --state state.json --periods 100000 --impacts impacts.csv";
+        let told = desk.run(line).with(0, &[]).out;
+        (told, desk.read("impacts.csv").iter().filter(|byte| **byte == b'\n').count())
+    };
+    let (told, rows) = run(scene(-0.02, 0.8, "load = [0.5, 0]"));
+    assert!(told.contains("grows without bound") && rows > 1000, "{told}");
+    let (told, rows) = run(scene(0.02, 1.0, "load = [0.1, 0]\nstatic = [0, -5]"));
+    assert!(told.contains("contact 0 has hit its lower barrier 100000 times in a cascade"), "{told}");
+    assert!(told.contains("give it a restitution below 1") && rows > 100_000, "{told}");
+    let chain = "simulate --sites 5 --gamma1 1 --gamma2 .1 --omega 1.6 --asymmetry 0 --amplitude .2 --restitution .9 --damping -.02 \
+        --coupling-damping .05 --word 2+,2- --periods 3000 --json";
+    assert_eq!(written(&desk.run(chain).with(0, &[]).out)["outcome"], "time-reached");
+}
+
 /// A damped chain from flags: its run on a stable orbit is that orbit.
 #[test]
 fn a_damped_chain_runs_on_its_orbit() {

@@ -512,7 +512,38 @@ fn a_mode_that_feeds_itself_and_meets_no_stop_ends_the_run() {
     let mut simulation = StructureSimulation::new(structure, 1.0, 0.0, &[[0.5, 0.0], [1.0, 0.0]]).unwrap();
     let report = simulation.run(&until(&simulation, 1_000_000, 0.0), |_| {});
     assert_eq!(report.outcome, StructureOutcome::Diverged { mode: 1 });
-    assert!((report.time.to_f64() - 2302.0).abs() < 20.0, "{report:?}");
+    // 1e4 times its start, looked at once a turn.
+    assert!((report.time.to_f64() - 1e4f64.ln() / 0.1).abs() < 2.0 * TAU, "{report:?}");
+}
+
+#[test]
+fn a_mode_that_feeds_itself_and_is_stopped_goes_on() {
+    // The start is tiny, and the stops are seen by little of the mode: both walls hold it, beyond 1e4 times its start.
+    let shape = ModeShape { contacts: vec![1e-3], coordinates: vec![1e-3], still: 0.0 };
+    let stops = Contact { lower: Some(-1.0), upper: Some(1.0), restitution: 0.5 };
+    let modes = vec![LinearMode::oscillator(-0.1, 1.0, &shape, &[])];
+    let structure = ModalStructure::new(vec![stops], vec![], modes).unwrap();
+    let mut simulation = StructureSimulation::new(structure, 1.0, 0.0, &[[1e-6, 0.0]]).unwrap();
+    let report = simulation.run(&until(&simulation, 500, 0.0), |_| {});
+    assert_eq!(report.outcome, StructureOutcome::TimeReached);
+    assert!(report.work.impacts > 500, "{report:?}");
+}
+
+#[test]
+fn without_a_loss_many_impacts_a_period_are_too_many() {
+    let shape = ModeShape { contacts: vec![1.0], coordinates: vec![1.0], still: -1.0 };
+    let run = |restitution: f64, speed: f64, periods: u64| {
+        let table = Contact { lower: Some(0.0), upper: None, restitution };
+        let modes = vec![LinearMode::oscillator(0.0, 0.0, &shape, &[])];
+        let ball = ModalStructure::new(vec![table], vec![], modes).unwrap();
+        let mut simulation = StructureSimulation::new(ball, 1.0, 0.0, &[[0.0, speed]]).unwrap();
+        simulation.run(&until(&simulation, periods, 0.0), |_| {}).outcome
+    };
+    let cascade = StructureOutcome::Cascade { contact: 0, barrier: Barrier::Lower, bounces: 100_000 };
+    // Flights of twice the speed: 3·10⁵ a period, and 3·10⁴; with a loss it comes to rest.
+    assert_eq!(run(1.0, 1e-5, 1), cascade);
+    assert_eq!(run(1.0, 1e-4, 5), StructureOutcome::TimeReached);
+    assert_eq!(run(0.999, 1e-5, 1), StructureOutcome::TimeReached);
 }
 
 /// A light damped structure, pressed and driven, with contacts that chatter, rest and let go.

@@ -16,14 +16,35 @@ const SCHEMA: &str = "urn:vibrochain:structure-run:1";
 /// Periods of the load that one of what a run repeats may have.
 pub(super) const MOST_PERIODS: u64 = 32;
 
-/// By how much impacts that repeat may differ: times in periods of the load, impulses as a part of themselves.
+/// So often a pattern must be seen.
+pub(super) const REPETITIONS: u64 = 4;
+
+/// By how much impacts that repeat may differ, now and from then on: times in periods of the load, impulses as a part of themselves.
 const ALIKE: f64 = 1e-6;
+
+/// Differences below this are as good as rounding: they need not shrink.
+const EQUAL: f64 = 1e-10;
+
+/// What differs by more is another impact.
+const FAR: f64 = 1e-2;
 
 /// What the impacts at the end of a run repeat.
 pub(super) struct Settled {
     force_periods: u64,
     psi: f64,
     impacts: Vec<(usize, Barrier, f64, f64)>,
+}
+
+/// What a run has come to.
+pub(super) enum End {
+    /// An orbit.
+    Repeats(Settled),
+    /// Nearly: its impacts change by so much a period.
+    Moves(f64),
+    /// A contact rests on its barrier: no word says that.
+    Rests,
+    /// None of these.
+    Other,
 }
 
 impl Settled {
@@ -35,47 +56,81 @@ impl Settled {
     }
 }
 
-/// The shortest pattern that the last impacts repeat three times; `None` of rests, and of what does not repeat.
-pub(super) fn settled(model: &StructureModel, psi: f64, events: &[ContactEvent], end: Time) -> Option<Settled> {
+/// By how much two patterns differ; `None`: they are not of the same impacts.
+fn apart(a: &[(&ContactEvent, f64)], b: &[(&ContactEvent, f64)]) -> Option<f64> {
+    let same = |((a, _), (b, _)): (&(&ContactEvent, f64), &(&ContactEvent, f64))| {
+        [a.kind, b.kind] == [EventKind::Impact; 2] && (a.contact, a.barrier) == (b.contact, b.barrier)
+    };
+    let differ = |((a, from), (b, to)): (&(&ContactEvent, f64), &(&ContactEvent, f64))| {
+        let impulse = (a.impulse - b.impulse).abs();
+        (from - to).abs().max(if impulse == 0.0 { 0.0 } else { impulse / a.impulse.abs() })
+    };
+    let pairs = || a.iter().zip(b);
+    (a.len() == b.len() && pairs().all(same)).then(|| pairs().map(differ).fold(0.0, f64::max))
+}
+
+/// The part of a period that is farthest from all `times`, in periods: an impact at the border of a pattern would now be in, now out.
+fn quiet(times: impl Iterator<Item = f64>) -> f64 {
+    let mut parts: Vec<f64> = times.map(|time| time.rem_euclid(1.0)).collect();
+    parts.sort_by(f64::total_cmp);
+    let Some(first) = parts.first().copied() else { return 0.0 };
+    let next = parts.iter().skip(1).copied().chain([first + 1.0]);
+    let gaps = parts.iter().zip(next).map(|(part, next)| (next - part, 0.5 * (part + next)));
+    gaps.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(_, middle)| middle.rem_euclid(1.0))
+}
+
+/// The shortest pattern that the last impacts of a run repeat, and will: what they differ by from one repetition to the next shrinks so fast
+/// that all of it together is small; small against what shorter patterns miss, too. `rests`: whether a contact rests in the end.
+pub(super) fn settled(model: &StructureModel, psi: f64, events: &[ContactEvent], end: Time, rests: bool) -> End {
     let period = model.period();
     let since = |event: &ContactEvent| {
         (end.periods() as f64 - event.time.periods() as f64) + (end.offset() - event.time.offset()) / period
     };
-    for count in 1..=MOST_PERIODS {
-        let window = |number: u64| -> Vec<(&ContactEvent, f64)> {
-            let (from, to) = ((number + 1) as f64 * count as f64, number as f64 * count as f64);
+    let is_lately = |event: &ContactEvent| event.kind != EventKind::Impact && since(event) < REPETITIONS as f64;
+    if rests || events.iter().any(is_lately) {
+        return End::Rests;
+    }
+    let late = quiet(events.iter().map(since).filter(|since| *since < MOST_PERIODS as f64));
+    let since = |event: &ContactEvent| since(event) - late;
+    let seen = events.first().map_or(0.0, since);
+    // Of periods that do not repeat well enough, their differences.
+    let mut missed: Vec<(u64, f64)> = Vec::new();
+    for count in (1..=MOST_PERIODS).take_while(|count| (REPETITIONS * count) as f64 <= seen) {
+        let windows = [0, 1, 2, 3].map(|number: u64| -> Vec<(&ContactEvent, f64)> {
+            let (from, to) = (((number + 1) * count) as f64, (number * count) as f64);
             let inside = |event: &&ContactEvent| (to..from).contains(&since(event));
             events.iter().filter(inside).map(|event| (event, since(event) - to)).collect()
+        });
+        let [last, before, second, first] = &windows;
+        let differences = [apart(last, before), apart(before, second), apart(second, first)];
+        let ([Some(now), Some(then), Some(once)], false) = (differences, last.is_empty()) else { continue };
+        let shrinks = (now / then).max(then / once);
+        let left = if now <= EQUAL {
+            now
+        } else if shrinks < 1.0 {
+            now / (1.0 - shrinks)
+        } else {
+            f64::INFINITY
         };
-        let (last, before, first) = (window(0), window(1), window(2));
-        if last.is_empty() || events.first().is_none_or(|event| since(event) < 3.0 * count as f64) {
+        let is_shorter = |(shorter, by): &(u64, f64)| count % shorter == 0 && *by <= ALIKE.max(100.0 * left);
+        if left > ALIKE || missed.iter().any(is_shorter) {
+            missed.push((count, now));
             continue;
         }
-        let same = |a: &[(&ContactEvent, f64)], b: &[(&ContactEvent, f64)]| {
-            a.len() == b.len()
-                && a.iter().zip(b).all(|((a, from), (b, to))| {
-                    a.kind == EventKind::Impact
-                        && b.kind == EventKind::Impact
-                        && (a.contact, a.barrier) == (b.contact, b.barrier)
-                        && (from - to).abs() < ALIKE
-                        && (a.impulse - b.impulse).abs() < ALIKE * a.impulse.abs()
-                })
-        };
-        if same(&last, &before) && same(&before, &first) {
-            let begin = last[0].0.time;
-            let impacts = last.iter().map(|(event, _)| {
-                let lapse = (event.time.periods() as f64 - begin.periods() as f64) * period
-                    + (event.time.offset() - begin.offset());
-                (event.contact, event.barrier, lapse, event.impulse)
-            });
-            return Some(Settled {
-                force_periods: count,
-                psi: (psi + begin.offset()).rem_euclid(period),
-                impacts: impacts.collect(),
-            });
-        }
+        let begin = last[0].0.time;
+        let impacts = last.iter().map(|(event, _)| {
+            let lapse = (event.time.periods() as f64 - begin.periods() as f64) * period
+                + (event.time.offset() - begin.offset());
+            (event.contact, event.barrier, lapse, event.impulse)
+        });
+        return End::Repeats(Settled {
+            force_periods: count,
+            psi: (psi + begin.offset()).rem_euclid(period),
+            impacts: impacts.collect(),
+        });
     }
-    None
+    let nearly = missed.iter().filter(|(_, by)| *by < FAR).map(|(count, by)| by / *count as f64);
+    nearly.reduce(f64::min).map_or(End::Other, End::Moves)
 }
 
 fn outcome(outcome: &StructureOutcome) -> String {
@@ -87,12 +142,19 @@ fn outcome(outcome: &StructureOutcome) -> String {
                 "contacts {first} and {second} share a coordinate and hit at one instant: what comes of it depends on their order"
             )
         }
-        StructureOutcome::Cascade { contact, barrier, bounces } => {
+        StructureOutcome::Cascade { contact, barrier, bounces: 0 } => {
             format!(
-                "contact {contact} has hit its {barrier} barrier {bounces} times in a cascade that could not be resolved"
+                "impacts of contact {contact} on its {barrier} barrier follow each other at one instant without an end"
             )
         }
-        StructureOutcome::Diverged { mode } => format!("mode {mode} grows without bound"),
+        StructureOutcome::Cascade { contact, barrier, bounces } => {
+            format!(
+                "contact {contact} has hit its {barrier} barrier {bounces} times in a cascade that could not be resolved: pressed without a loss it bounces for ever; give it a restitution below 1, as 0.999"
+            )
+        }
+        StructureOutcome::Diverged { mode } => format!(
+            "mode {mode} grows without bound: it is beyond 1e4 times what barriers, loads and the start make of the modes, or 1e100"
+        ),
         StructureOutcome::WorkLimit => "the limit of work was reached".to_owned(),
     }
 }
@@ -113,7 +175,7 @@ pub(super) fn text(
     from: &str,
     report: &StructureReport,
     [impacts, sticks, releases]: [usize; 3],
-    settled: Option<&Settled>,
+    settled: &End,
 ) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
@@ -127,7 +189,7 @@ pub(super) fn text(
         let _ = writeln!(out, "ended: {}", outcome(&report.outcome));
     }
     match settled {
-        Some(settled) => {
+        End::Repeats(settled) => {
             let plural = if settled.force_periods == 1 { "" } else { "s" };
             let _ = writeln!(
                 out,
@@ -136,10 +198,18 @@ pub(super) fn text(
                 settled.force_periods
             );
         }
-        None if impacts > 0 => {
-            let _ = writeln!(out, "its last impacts do not repeat three times within {MOST_PERIODS} periods each");
+        End::Moves(by) => {
+            let _ = writeln!(out, "it has not settled yet: its impacts are still moving by {by:.1e} a period");
         }
-        None => {}
+        End::Rests => {
+            let _ =
+                writeln!(out, "a contact rests on its barrier in the last {REPETITIONS} periods: no word says that");
+        }
+        End::Other if impacts > 0 => {
+            let _ =
+                writeln!(out, "its last impacts do not repeat {REPETITIONS} times within {MOST_PERIODS} periods each");
+        }
+        End::Other => {}
     }
     out
 }
@@ -164,8 +234,9 @@ pub(super) fn answer(
     psi: f64,
     report: &StructureReport,
     [impacts, sticks, releases]: [usize; 3],
-    settled: Option<&Settled>,
+    settled: &End,
 ) -> Value {
+    let settled = if let End::Repeats(settled) = settled { Some(settled) } else { None };
     let repeated = settled.map(|settled| {
         let impacts = settled.impacts.iter().map(|(contact, barrier, time, impulse)| {
             json!({ "contact": contact, "barrier": barrier.name(), "time": time, "impulse": impulse })

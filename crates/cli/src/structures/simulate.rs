@@ -12,7 +12,7 @@ use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::text::read_text;
 
 use super::orbit::{columns, found};
-use super::run_answer::{MOST_PERIODS, answer, energy_text, settled, text};
+use super::run_answer::{MOST_PERIODS, REPETITIONS, answer, energy_text, settled, text};
 use super::run_plot::RunPlot;
 use crate::args::SimulateArgs;
 use crate::common::console::{Console, nothing_else};
@@ -102,12 +102,13 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
         report => report?,
     };
     kept.finish()?;
-    let settled = settled(&model, psi, &kept.events, report.time);
+    let rests = simulation.state().contacts.iter().any(|contact| contact.resting.is_some());
+    let settled = settled(&model, psi, &kept.events, report.time, rests);
     let told = if args.json {
-        let value = answer(scene, &model, psi, &report, kept.counts, settled.as_ref());
+        let value = answer(scene, &model, psi, &report, kept.counts, &settled);
         format!("{value:#}\n")
     } else {
-        let mut told = text(&model, &from, &report, kept.counts, settled.as_ref());
+        let mut told = text(&model, &from, &report, kept.counts, &settled);
         if let (Some(form), Some(balance)) = (&form, simulation.balance()) {
             told.push_str(&energy_text([before, form.energy(&simulation.state().modes)], &balance));
         }
@@ -279,8 +280,8 @@ impl Kept {
             table.write_record(row).map_err(unwritten)?;
         }
         if self.events.len() >= MANY {
-            // Three times the longest pattern, and the period under way.
-            let from = event.time.periods().saturating_sub(3 * MOST_PERIODS + 1);
+            // So often the longest pattern, and the period under way.
+            let from = event.time.periods().saturating_sub(REPETITIONS * MOST_PERIODS + 1);
             self.events.retain(|event| event.time.periods() >= from);
             if self.events.len() >= MANY {
                 // So many impacts a period repeat nothing that is worth a word.

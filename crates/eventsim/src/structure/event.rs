@@ -43,7 +43,9 @@ pub enum StructureOutcome {
         /// The other one.
         second: usize,
     },
-    /// A cascade of impacts could not be resolved.
+    /// A cascade of impacts could not be resolved: [`Limits::bounces`](crate::Limits::bounces) in a row. With e = 1 (or within 5e-5 of it) a
+    /// pressed contact bounces for ever: there its impacts are of one cascade if they would be more than that in a period, and within
+    /// 1e-3 of the fastest rate's unit of each other.
     Cascade {
         /// The contact.
         contact: usize,
@@ -52,7 +54,8 @@ pub enum StructureOutcome {
         /// Impacts of the cascade so far.
         bounces: u32,
     },
-    /// A mode that feeds itself and meets no stop has grown beyond 1e100.
+    /// A mode that feeds itself has grown beyond any use: beyond 1e4 times what barriers, loads and the start make of the modes (by its
+    /// own rate, where that is slower than the fastest one). A mode that does not feed itself: beyond 1e100.
     Diverged {
         /// The mode.
         mode: usize,

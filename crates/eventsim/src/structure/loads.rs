@@ -63,6 +63,16 @@ impl Loads {
         Self { rates, psi, given, answers }
     }
 
+    /// About how far the loads move mode `k`; a resonance counts as what is next to it.
+    pub(crate) fn response(&self, mode: &LinearMode, k: usize, omega: f64) -> f64 {
+        let of_load = |(w, load): (&f64, &[C; 2])| {
+            let distance =
+                mode.rates().map(|rate| (C::new(0.0, *w) - rate).norm()).into_iter().fold(f64::INFINITY, f64::min);
+            load[0].norm().max(load[1].norm()) / distance.max(NEAR * if *w == 0.0 { omega } else { *w })
+        };
+        self.rates.iter().zip(&self.given[k]).map(of_load).fold(0.0, f64::max)
+    }
+
     /// e^{iw(t+ψ)} of each load at a time within a period.
     pub(crate) fn turned(&self, offset: f64) -> Vec<C> {
         self.rates.iter().map(|w| C::cis(w * offset + w * self.psi)).collect()

@@ -9,6 +9,7 @@ use super::series::Series;
 use super::system::System;
 use super::tangent::{Alone, Company, StructureTangents};
 use crate::cascade::{Cascades, Pending};
+use crate::collision::CHATTER_TIME;
 use crate::event::{BOUNCE_TIME, EventKind, Limits, Work};
 use crate::ring::Contact;
 use crate::tangent::TangentError;
@@ -23,6 +24,10 @@ const ON: f64 = 16.0 * f64::EPSILON;
 
 /// Coordinates of modes beyond this are as good as infinite.
 const LARGEST: f64 = 1e100;
+
+/// Of a contact that loses nothing, flights shorter than this, in units of the fastest rate, and so short that a period holds more than
+/// [`Limits::bounces`] of them, are of one cascade: pressed it bounces for ever, where one that loses energy comes to rest.
+const PRESSED: f64 = 1e-3;
 
 /// Events in a row without any effect before the run gives up.
 const STALLS: u32 = 1000;
@@ -84,6 +89,8 @@ pub struct StructureSimulation {
     in_sequence: bool,
     cascades: Cascades,
     stalls: u32,
+    /// Coordinates of each mode beyond these have diverged.
+    reach: Vec<f64>,
     /// Events of the start, which the first run tells.
     untold: Vec<Change>,
 }
@@ -118,7 +125,9 @@ impl StructureSimulation {
             return range("the state of a mode", *value, "numbers between -1e100 and 1e100");
         }
         let psi = psi.rem_euclid(std::f64::consts::TAU / omega);
-        let mut motion = Motion::new(System::new(structure, omega, psi), modes.to_vec());
+        let system = System::new(structure, omega, psi);
+        let reach = system.reach(modes).into_iter().map(|reach| reach.min(LARGEST)).collect();
+        let mut motion = Motion::new(system, modes.to_vec());
         let mut touching = Vec::new();
         for contact in 0..motion.places.len() {
             let value = motion.places[contact].x;
@@ -149,7 +158,7 @@ impl StructureSimulation {
         motion.let_go(&mut untold);
         let cascades = Cascades::new(motion.places.len());
         motion.begin();
-        Ok(Self { motion, now: 0.0, in_sequence: false, cascades, stalls: 0, untold })
+        Ok(Self { motion, now: 0.0, in_sequence: false, cascades, stalls: 0, reach, untold })
     }
 
     /// Contacts that share coordinates and hit at one instant do so in the order of their numbers, again until none moves into its barrier,
@@ -286,8 +295,9 @@ impl StructureSimulation {
             if self.motion.work.windows >= flights {
                 return StructureOutcome::WorkLimit;
             }
-            if let Some(mode) = self.motion.flight.xi.iter().flatten().position(|xi| !is_sound(xi)) {
-                return StructureOutcome::Diverged { mode: mode / 2 };
+            let is_within = |(xi, reach): (&[f64; 2], &f64)| xi.iter().all(|xi| xi.abs() <= *reach);
+            if let Some(mode) = self.motion.flight.xi.iter().zip(&self.reach).position(|pair| !is_within(pair)) {
+                return StructureOutcome::Diverged { mode };
             }
             let target =
                 limits.until.map_or(f64::INFINITY, |time| self.motion.clock.until(time.periods(), time.offset()));
@@ -369,7 +379,12 @@ impl StructureSimulation {
             let (time, velocity_before, velocity_after) = (self.time(), before, after);
             observer(&ContactEvent { time, contact, barrier, velocity_before, velocity_after, impulse, kind });
             if kind == EventKind::Impact {
-                let wait = BOUNCE_TIME / self.motion.system.fastest;
+                // A cascade takes ln(from/to)/(1 − e) impacts from one length of its flights to another.
+                let loss = 1.0 - self.structure().contacts()[contact].restitution;
+                let is_resolved = loss * f64::from(limits.bounces) >= (BOUNCE_TIME / CHATTER_TIME).ln();
+                let (system, most) = (&self.motion.system, f64::from(limits.bounces));
+                let (bounce, pressed) = (BOUNCE_TIME / system.fastest, PRESSED / system.fastest);
+                let wait = if is_resolved { bounce } else { pressed.min(system.period() / most).max(bounce) };
                 let bounces = self.cascades.count(contact, barrier, &self.motion.clock, self.now, wait);
                 if bounces >= limits.bounces {
                     self.cascades.forget(contact);

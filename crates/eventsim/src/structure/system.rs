@@ -12,6 +12,11 @@ const ROUNDING: f64 = 1e-13;
 /// Units of the fastest rate in a window: so many certified steps at most pass between two looks at limits, some milliseconds.
 const LONGEST: f64 = 1e5;
 
+/// A mode that feeds itself has diverged once it is so often as large as barriers, loads and start make it: no picture shows the stops any
+/// more, and between two of them there would be ever more impacts a period. What impacts bound stays far below that: v/2d impacts in unit
+/// time take 1 − e² of the energy each, so v/d settles at the order of growth over 1 − e².
+const BEYOND_USE: f64 = 1e4;
+
 /// One damped sine or one sine that contacts are made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Term {
@@ -78,6 +83,29 @@ impl System {
         let lost = (0..contacts).map(|contact| lost(&structure, contact)).collect();
         let longest = (std::f64::consts::TAU / omega).min(1.0 / growth).min(LONGEST / fastest);
         Self { terms, swings, mobility, lost, fastest, longest, omega, loads, structure }
+    }
+
+    /// Of each mode the largest coordinate that is of use in a run from ξ; infinite where it does not feed itself.
+    pub(crate) fn reach(&self, start: &[[f64; 2]]) -> Vec<f64> {
+        let (modes, largest) = (self.structure.modes(), |xi: &[f64; 2]| xi[0].abs().max(xi[1].abs()));
+        let barriers: Vec<(usize, f64)> = (self.structure.contacts().iter().enumerate())
+            .flat_map(|(i, contact)| [contact.lower, contact.upper].into_iter().flatten().map(move |at| (i, at.abs())))
+            .collect();
+        let seen = |mode: &LinearMode, contact: usize| mode.rows[contact][0].hypot(mode.rows[contact][1]);
+        let all = |contact: usize| modes.iter().map(|mode| seen(mode, contact)).fold(0.0, f64::hypot);
+        let responses = modes.iter().enumerate().map(|(k, mode)| self.loads.response(mode, k, self.omega));
+        let usual = (start.iter().map(largest).chain(responses))
+            .chain(barriers.iter().map(|&(i, at)| at / all(i)).filter(|reach| reach.is_finite()))
+            .fold(0.0, f64::max);
+        let of_mode = |mode: &LinearMode| {
+            if mode.rates().iter().all(|rate| rate.re <= 0.0) || usual == 0.0 {
+                return f64::INFINITY;
+            }
+            // What it takes to reach a stop alone. An impact's velocity counts by the own rate of the mode.
+            let alone = barriers.iter().filter(|(i, _)| seen(mode, *i) > 0.0).map(|&(i, at)| at / seen(mode, i));
+            BEYOND_USE * alone.reduce(f64::min).unwrap_or(0.0).max(usual) * (self.fastest / mode.rate).max(1.0)
+        };
+        modes.iter().map(of_mode).collect()
     }
 
     pub(crate) fn period(&self) -> f64 {
