@@ -113,19 +113,33 @@ fn a_loss_of_symmetry_is_followed_as_a_curve() {
     let text = "omega = 1\nword = \"0+,0-\"\n[structure]\nmasses = [1]\nstiffness = [[0.05]]\n[[contact]]\nat = 0\nlower = -1\nupper = 1\n\
         restitution = 0.6\n[force]\nload = [1]\n";
     let scene = of_text(text);
-    let mut asked = 0;
+    let (mut refused, mut cusps) = (Vec::new(), Vec::new());
     for orbit in &orbits(&scene) {
         let branch = self::branch(&scene, (orbit, 1.0), Setting::Omega, [0.7, 1.6]);
         for lost in branch.events().filter(|one| one.event == Event::Pitchfork) {
             let settings = [Setting::Omega, "contact.0.upper".parse().unwrap()];
             let window = StructureWindow { from: [0.7, 0.5], to: [1.6, 1.5] };
             let start = [lost.value, 1.0];
-            let curve = structure_curve(lost, &family(&scene, &settings), start, window, 1e-3, &Stop::default());
-            assert!(curve.unwrap_err().to_string().contains("orbits of this symmetry"));
-            asked += 1;
+            match structure_curve(lost, &family(&scene, &settings), start, window, 1e-3, &Stop::default()) {
+                Err(error) => {
+                    assert!(error.to_string().contains("orbits of this symmetry"), "{error}");
+                    refused.push(lost.value);
+                }
+                // From an asymmetric orbit next to it: folds, of which it is the cusp.
+                Ok(curve) => {
+                    assert!(lost.error > 1e-12, "{}", lost.error);
+                    cusps.push(curve);
+                }
+            }
         }
     }
-    assert!(asked > 0);
+    assert!(!refused.is_empty());
+    for point in cusps.iter().flat_map(|curve| &curve.points) {
+        let (off, shift) = (refused[0] - point.values[0], (point.values[1] - 1.0).abs());
+        if (1e-6..1e-4).contains(&shift) {
+            assert!((0.04..0.09).contains(&(off / shift.powf(2.0 / 3.0))), "{:?}", point.values);
+        }
+    }
 }
 
 /// From another orbit of the branch and over another range rounding is another, and all told errors hold and are small.

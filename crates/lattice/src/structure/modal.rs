@@ -338,7 +338,7 @@ mod tests {
             let shape = ModeShape { contacts: vec![seen], coordinates: Vec::new(), still: C::default() };
             LinearMode::pole(C::new(-0.1, im), &shape, &[])
         };
-        let modes = vec![pole(1.0, C::new(0.7, 0.1)), pole(2.0, C::new(1e-17, 3e-17))];
+        let modes = vec![pole(1.0, C::new(0.7, -0.1)), pole(2.0, C::new(1e-17, 3e-17))];
         let structure = ModalStructure::new(vec![stop], Vec::new(), modes).unwrap();
         let felt = structure.felt(&[0]);
         assert_eq!((felt.modes.len(), felt.spared.len()), (1, 1));
