@@ -87,15 +87,18 @@ pub(crate) fn find(
         return Err(CliError::Request("give --family, --word, --near FILE or --scene FILE".to_owned()));
     };
     let mut polished = |near: &Orbit| finder.polish(near).map_err(|error| CliError::from(error).about("--near"));
-    let orbit = match table(path, model)? {
-        Some((periods, struck)) => {
-            let hits = struck.iter().map(|one| hit(path, model, one)).collect::<Result<Vec<_>, _>>()?;
-            let wrong = |error: BreatherError| CliError::from(error).about("--near");
-            let lead = |psi: f64| polished(&Orbit::from_impulses(model, periods, psi, &hits).map_err(wrong)?);
-            let impulses = |orbit: &Orbit| orbit.impacts().iter().map(|impact| impact.impulse).collect();
-            impact_table::nearest(&struck, model.period(), lead, impulses)?
-        }
-        None => polished(&read(path, model)?)?,
+    // Once: what comes through a pipe cannot be read again.
+    let text = std::fs::read_to_string(path).map_err(|error| CliError::file("cannot read orbit", path, &error))?;
+    let orbit = if impact_table::is_one(&text) {
+        let settled = impact_table::settled(&text, model.period());
+        let (periods, struck) = settled.map_err(|what| wrong(path, &what))?;
+        let hits = struck.iter().map(|one| hit(path, model, one)).collect::<Result<Vec<_>, _>>()?;
+        let about = |error: BreatherError| CliError::from(error).about("--near");
+        let lead = |psi: f64| polished(&Orbit::from_impulses(model, periods, psi, &hits).map_err(about)?);
+        let impulses = |orbit: &Orbit| orbit.impacts().iter().map(|impact| impact.impulse).collect();
+        impact_table::nearest(&struck, model.period(), lead, impulses)?
+    } else {
+        polished(&read(path, &text, model)?)?
     };
     let word = Word::of(&orbit).to_string();
     found.orbits.push(orbit);
@@ -152,31 +155,23 @@ fn place(model: &Model, site: usize, layer: usize) -> Result<usize, String> {
     layout.index(site, layer).ok_or_else(|| format!("{layout} have no site {site}:{layer}"))
 }
 
-/// The impacts that a run has settled on, if the file is the table of one.
-fn table(path: &Path, model: &Model) -> Result<Option<(u32, Vec<Struck>)>, CliError> {
-    let text = std::fs::read_to_string(path).map_err(|error| CliError::file("cannot read orbit", path, &error))?;
-    if !impact_table::is_one(&text) {
-        return Ok(None);
-    }
-    let settled = impact_table::settled(&text, model.period());
-    settled.map(Some).map_err(|what| CliError::Request(format!("{}: {what}", path.display())))
+fn wrong(path: &Path, what: &str) -> CliError {
+    CliError::Request(format!("{}: {what}", path.display()))
 }
 
-/// An impact of such a table.
+/// An impact of the table of a run.
 fn hit(path: &Path, model: &Model, one: &Struck) -> Result<Hit, CliError> {
-    let place = place(model, one.site, one.layer);
-    let place = place.map_err(|what| CliError::Request(format!("{}: {what}", path.display())))?;
+    let place = place(model, one.site, one.layer).map_err(|what| wrong(path, &what))?;
     Ok(Hit::new(place, one.barrier, one.time, one.impulse))
 }
 
 /// The orbit of a file, with its impacts at the same parts of the period, as one of `model`: roughly.
-fn read(path: &Path, model: &Model) -> Result<Orbit, CliError> {
-    let text = std::fs::read_to_string(path).map_err(|error| CliError::file("cannot read orbit", path, &error))?;
+fn read(path: &Path, text: &str, model: &Model) -> Result<Orbit, CliError> {
     let wrong = |what: &str| {
         let form = r#"give {"impacts":[{"site":0,"barrier":"upper","time":0,"impulse":-1.5},…],"psi":0,"period":4.2}"#;
-        CliError::Request(format!("{}: {what}; {form}", path.display()))
+        wrong(path, &format!("{what}; {form}"))
     };
-    let mut file: OrbitFile = serde_json::from_str(&text).map_err(|error| wrong(&plain(&error.to_string())))?;
+    let mut file: OrbitFile = serde_json::from_str(text).map_err(|error| wrong(&plain(&error.to_string())))?;
     expect(path, file.schema.as_deref(), ORBIT)?;
     if file.impacts.is_empty() && !file.solutions.is_empty() {
         file = file.solutions.swap_remove(0);
