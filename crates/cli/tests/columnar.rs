@@ -25,23 +25,9 @@ for name, values in columns.items():
 print(len(rows))
 "#;
 
-#[test]
-fn values_come_back_by_columns() {
-    let scene = SCENE
-        .replace("points = 300", "points = 100")
-        .replace("families", "stability = true\ncollisions = true\nimpulse = true\nfamilies");
-    let desk = Desk::with_scene(&scene);
-    desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
-    desk.run("sweep scene.toml --out map.parquet --quiet").with(0, &[]);
-    desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
-    desk.run("merge parts --out merged.parquet --quiet").with(0, &[]);
-    assert!(desk.read("map.parquet") == desk.read("merged.parquet"));
-    assert!(desk.read("map.parquet").len() * 2 < desk.read("map.csv").len());
-
+/// Holds every value of map.parquet against map.csv; how many there are, and columns.
+fn alike(desk: &Desk) -> (usize, usize) {
     let reader = SerializedFileReader::new(std::fs::File::open(desk.path("map.parquet")).unwrap()).unwrap();
-    assert_eq!(reader.metadata().file_metadata().num_rows(), 160_000);
-    assert_eq!(reader.metadata().num_row_groups(), 2);
-
     let mut rows = csv::Reader::from_path(desk.path("map.csv")).unwrap();
     let names: Vec<String> = rows.headers().unwrap().iter().map(str::to_owned).collect();
     let mut values = 0;
@@ -58,7 +44,42 @@ fn values_come_back_by_columns() {
             values += 1;
         }
     }
-    assert_eq!(values, 160_000 * names.len());
+    (values, names.len())
+}
+
+#[test]
+fn values_of_a_structures_map_come_back_by_columns() {
+    let desk = Desk::with_scene(
+        "omega = 0.9\n[structure]\nmass = [[1, 0], [0, 1.4]]\nstiffness = [[1, -0.3], [-0.3, 0.8]]\n\
+         damping = [[0.02, 0], [0, 0.02]]\n[[contact]]\nat = 1\nlower = -0.7\nupper = 1.3\nrestitution = 0.8\n\
+         [force]\nload = [0.5, 0]\n[sweep]\nx = { parameter = \"omega\", from = 0.4, to = 2.0, points = 12 }\n\
+         y = { parameter = \"contact.0.upper\", from = 0.2, to = 1.4, points = 10 }\n\
+         [compute]\nfamilies = [\"0+\", \"0+,0-\"]\n",
+    );
+    desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
+    desk.run("sweep scene.toml --out map.parquet --quiet").with(0, &[]);
+    let (values, columns) = alike(&desk);
+    assert_eq!(values, 120 * columns);
+}
+
+#[test]
+fn values_come_back_by_columns() {
+    let scene = SCENE
+        .replace("points = 300", "points = 100")
+        .replace("families", "stability = true\ncollisions = true\nimpulse = true\nfamilies");
+    let desk = Desk::with_scene(&scene);
+    desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
+    desk.run("sweep scene.toml --out map.parquet --quiet").with(0, &[]);
+    desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
+    desk.run("merge parts --out merged.parquet --quiet").with(0, &[]);
+    assert!(desk.read("map.parquet") == desk.read("merged.parquet"));
+    assert!(desk.read("map.parquet").len() * 2 < desk.read("map.csv").len());
+
+    let reader = SerializedFileReader::new(std::fs::File::open(desk.path("map.parquet")).unwrap()).unwrap();
+    assert_eq!(reader.metadata().file_metadata().num_rows(), 160_000);
+    assert_eq!(reader.metadata().num_row_groups(), 2);
+    let (values, columns) = alike(&desk);
+    assert_eq!(values, 160_000 * columns);
 
     // The same as a library reads it that shares no code with ours.
     let python = std::env::var("PYTHON").unwrap_or("python3".to_owned());

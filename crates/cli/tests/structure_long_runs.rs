@@ -246,32 +246,3 @@ fn a_diagram_is_the_orbit_where_one_is_settled_on() {
     fs::write(desk.path("other.toml"), damped).unwrap();
     desk.run("fate other.toml --diagram d.csv --carry").with(2, &["the modes change with damping"]);
 }
-
-#[cfg(feature = "parquet")]
-#[test]
-fn values_come_back_by_columns() {
-    use parquet::file::reader::{FileReader, SerializedFileReader};
-    use parquet::record::Field;
-
-    let desk = desk(&coarse([12, 10]));
-    desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
-    desk.run("sweep scene.toml --out map.parquet --quiet").with(0, &[]);
-    let reader = SerializedFileReader::new(fs::File::open(desk.path("map.parquet")).unwrap()).unwrap();
-    let mut rows = csv::Reader::from_path(desk.path("map.csv")).unwrap();
-    let names: Vec<String> = rows.headers().unwrap().iter().map(str::to_owned).collect();
-    let mut values = 0;
-    for (row, plain) in reader.get_row_iter(None).unwrap().zip(rows.records()) {
-        let (row, plain) = (row.unwrap(), plain.unwrap());
-        for (((name, field), wanted), text) in row.get_column_iter().zip(&names).zip(&plain) {
-            let same = match field {
-                Field::Null => text.is_empty(),
-                Field::Str(word) => word == text,
-                Field::Double(number) => text.parse().is_ok_and(|plain: f64| plain.to_bits() == number.to_bits()),
-                count => count.to_string() == text,
-            };
-            assert!(same && name == wanted, "{name} {field:?}, {wanted} {text}");
-            values += 1;
-        }
-    }
-    assert_eq!(values, 120 * names.len());
-}

@@ -3,25 +3,15 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 use std::collections::BTreeSet;
-use std::sync::Arc;
 
-use vibrochain_breather::{Family, StructureFamily, StructureOrbit, Word, breathers, structure_orbits};
+use vibrochain_breather::{Family, StructureOrbit, Word, breathers, structure_orbits};
 use vibrochain_floquet::{
     Course, Event, FollowedBranch, Special, SpecialPoint, StructureCourse, StructureWindow, Tolerance, Window, curve,
     diagram, structure_branch, structure_curve,
 };
 use vibrochain_lattice::{Chain, Model, Parameter, Stop};
+use vibrochain_maps::structure::along::family;
 use vibrochain_maps::structure::{Setting, StructureScene};
-
-/// The models of a scene as some of its numbers vary.
-fn family(scene: &StructureScene, settings: &[Setting]) -> StructureFamily {
-    let (scene, settings) = (scene.clone(), settings.to_vec());
-    Arc::new(move |values: &[f64]| {
-        let mut scene = scene.clone();
-        settings.iter().zip(values).try_for_each(|(setting, value)| scene.set(*setting, *value))?;
-        scene.model()
-    })
-}
 
 fn scene(text: &str) -> StructureScene {
     StructureScene::of_text(text, std::path::Path::new(".")).unwrap()

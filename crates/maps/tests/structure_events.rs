@@ -4,24 +4,15 @@
 
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use vibrochain_breather::{StructureFamily, StructureOrbit, structure_orbits};
+use vibrochain_breather::{StructureOrbit, structure_orbits};
 use vibrochain_floquet::{
     Complex, Diagram, End, Event, FollowedBranch, StructureCourse, StructureWindow, Tolerance, structure_branch,
     structure_curve, structure_diagram, structure_stability,
 };
 use vibrochain_lattice::Stop;
+use vibrochain_maps::structure::along::family;
 use vibrochain_maps::structure::{Setting, StructureScene};
-
-fn family(scene: &StructureScene, settings: &[Setting]) -> StructureFamily {
-    let (scene, settings) = (scene.clone(), settings.to_vec());
-    Arc::new(move |values: &[f64]| {
-        let mut scene = scene.clone();
-        settings.iter().zip(values).try_for_each(|(setting, value)| scene.set(*setting, *value))?;
-        scene.model()
-    })
-}
 
 fn scene(name: &str) -> StructureScene {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenes/structures");

@@ -1,4 +1,4 @@
-//! What commands over a map do with its scene besides computing it: of a chain, or of a structure.
+//! The scene of a map, of a chain or of a structure, as the commands take it that compute, draw and merge maps.
 
 use rayon::ThreadPool;
 use serde_json::{Map, Value, json};

@@ -18,7 +18,7 @@ use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::{Axis, Values};
 use vibrochain_maps::structure::{self, StructureCell, StructureScene};
 
-/// Cells along a side of a tile: a cell takes up to a millisecond, and what is asked for is to be seen soon.
+/// Cells along a side of a tile. A cell takes up to a millisecond, so that a tile is there within a second.
 const CELLS: usize = 32;
 
 /// The deepest tiles, whose cells are still different numbers.
