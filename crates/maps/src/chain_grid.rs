@@ -77,7 +77,7 @@ impl Grid for Scene {
         let slower = (self.base.sites() / FEW_SITES) as u64;
         let slower = if self.task.stability { slower.saturating_mul(slower) } else { slower };
         let most = CHUNK_CELLS * if self.is_conservative() { CONSERVATIVE } else { 1 };
-        // Along a border a cell has as many leaves as its side, and a quarter of the cells has one.
+        // A cell that a border passes has about as many leaves as its side has, and borders pass a quarter of the cells.
         let leaves = self.refine.map_or(1, |refine| (refine.size() / 4).max(1).into());
         (most / slower.max(1).next_power_of_two() / leaves).max(LEAST_CELLS)
     }

@@ -43,9 +43,9 @@ pub enum StructureOutcome {
         /// The other one.
         second: usize,
     },
-    /// A cascade of impacts could not be resolved: [`Limits::bounces`](crate::Limits::bounces) in a row. With e = 1 (or within 5e-5 of it) a
-    /// pressed contact bounces for ever: there its impacts are of one cascade if they would be more than that in a period, and within
-    /// 1e-3 of the fastest rate's unit of each other.
+    /// A cascade of impacts could not be resolved: [`Limits::bounces`](crate::Limits::bounces) in a row. A contact
+    /// that is pressed to its barrier with e = 1, or within 5e-5 of it, bounces for ever. Its impacts count as one cascade where each follows
+    /// the last so soon that a period would hold more than these, and within 1e-3 of the fastest rate's unit.
     Cascade {
         /// The contact.
         contact: usize,

@@ -101,7 +101,7 @@ impl System {
             if mode.rates().iter().all(|rate| rate.re <= 0.0) || usual == 0.0 {
                 return f64::INFINITY;
             }
-            // What it takes to reach a stop alone. An impact's velocity counts by the own rate of the mode.
+            // How large the mode must be to reach a stop without the others. A slow mode takes a larger coordinate for the same velocity.
             let alone = barriers.iter().filter(|(i, _)| seen(mode, *i) > 0.0).map(|&(i, at)| at / seen(mode, i));
             BEYOND_USE * alone.reduce(f64::min).unwrap_or(0.0).max(usual) * (self.fastest / mode.rate).max(1.0)
         };

@@ -73,8 +73,8 @@ pub(super) fn multipliers_there(orbit: &StructureOrbit) -> Option<Vec<Complex<f6
     told(&equations, orbit.is_conservative(), &[], Tolerance::Rounding).ok().map(|(_, multipliers)| multipliers)
 }
 
-/// What the equations answer with the errors of the orbit's data. Along folds, where the equations are singular, these have no bound to first
-/// order; the orbit itself is known there to the root of rounding.
+/// What the equations answer, given the errors of the orbit's data. On a fold the equations are singular and these errors have no bound to
+/// first order: there the orbit's times and impulses are known to the root of rounding.
 fn as_well_as_known<T>(
     orbit: &StructureOrbit,
     equations: &BlochEquations,

@@ -1,8 +1,8 @@
 //! Where symmetric orbits lose their symmetry, as a regular solution.
 //!
-//! There the orbit's equations F are singular in a direction that breaks the symmetry, and det J(1) does not change along it: both together are
-//! singular, too. One more equation and one more unknown make them regular: how uneven the orbit is must stay 0, and F + μψ = 0 with the left
-//! null vector ψ. As long as the symmetry holds, μ is 0.
+//! There the orbit's equations F are singular in a direction that breaks the symmetry, and det J(1) does not change along it: F = 0 and
+//! det J(1) = 0 together are singular, too. One more equation and one more unknown μ make them regular. The equation keeps the orbit as symmetric as
+//! it was; μ stands in F + μψ = 0, ψ the left null vector of F, and is 0 as long as both numbers keep the symmetry.
 
 use faer::Mat;
 use vibrochain_breather::StructureContinuation;

@@ -85,7 +85,7 @@ impl<'a> Iterator for Split<'a> {
         let ended = quoted.get(end..).is_some_and(|rest| rest.starts_with('"'));
         let rest = quoted.get(end + 1..).filter(|rest| ended && (rest.is_empty() || rest.starts_with(',')));
         let Some(rest) = rest else {
-            // Quotes that do not fit are no field of ours: the text says so by itself.
+            // The program writes no such quotes: the whole rest is handed on as one field, which the reader of the column refuses.
             self.0 = None;
             return Some(row.into());
         };
