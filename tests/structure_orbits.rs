@@ -7,7 +7,7 @@ use serde_json::Value;
 use vibrochain_breather::{
     StructureModel, StructureMotion, StructureOrbit, StructureSearch, Word, structure_admissibility, structure_orbits,
 };
-use vibrochain_floquet::{Complex, Tolerance, structure_stability, structure_verdict};
+use vibrochain_floquet::{Complex, Tolerance, structure_stability, structure_verdict, structure_verdict_within};
 use vibrochain_lattice::{Barrier, Contact, LinearMode, ModalStructure, ModeShape, Structure};
 use vibrochain_testkit::{Random, Structure as Dense, structures};
 
@@ -129,7 +129,7 @@ fn orbits_of_the_table_are_orbits() {
 
 #[test]
 fn multipliers_of_the_table_are_those_of_the_monodromy_matrix() {
-    let mut compared = 0;
+    let (mut compared, mut beyond) = (0, 0);
     for case in cases() {
         let orbit = case.refined();
         let stability = structure_stability(&orbit, Tolerance::Rounding).unwrap();
@@ -148,6 +148,14 @@ fn multipliers_of_the_table_are_those_of_the_monodromy_matrix() {
         );
         let mut open: Vec<_> = case.dense.monodromy().complex_eigenvalues().iter().copied().collect();
         assert_eq!(stability.multipliers.len(), open.len(), "{}", case.dense.name);
+        for reach in [1.0, 0.9 * radius, 1.1 * radius] {
+            let within = structure_verdict_within(&orbit, reach, Tolerance::Rounding).unwrap();
+            let real = |sign: f64| open.iter().filter(|mu| mu.im == 0.0 && sign * mu.re > reach).count();
+            let is_beyond = within.is_none();
+            assert!(within.is_none_or(|verdict| verdict == alone), "{}", case.dense.name);
+            assert!(!is_beyond || real(1.0) + real(-1.0) > 0, "{}: {reach}", case.dense.name);
+            beyond += usize::from(is_beyond);
+        }
         for z in &stability.multipliers {
             let distance = |w: &Complex<f64>| (w - z).norm();
             let nearest = (0..open.len()).min_by(|&i, &j| distance(&open[i]).total_cmp(&distance(&open[j]))).unwrap();
@@ -156,7 +164,7 @@ fn multipliers_of_the_table_are_those_of_the_monodromy_matrix() {
             compared += 1;
         }
     }
-    assert!(compared > 150, "{compared}");
+    assert!(compared > 150 && beyond >= 4, "{compared} {beyond}");
 }
 
 #[test]

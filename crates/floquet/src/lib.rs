@@ -99,7 +99,7 @@ pub use stripes::{
 };
 pub use structures::{
     StructureCourse, StructureCurve, StructureWindow, structure_branch, structure_curve, structure_diagram,
-    structure_stability, structure_verdict,
+    structure_stability, structure_verdict, structure_verdict_within,
 };
 pub use verdict::{Mechanism, Method, Tolerance, Verdict};
 pub use zeros::SecularError;

@@ -12,9 +12,11 @@
 //! | `refine` | one zero, or several close ones, with errors |
 //! | `solve` | all of them, counted |
 //! | `leading` | those that lead alone, for a verdict |
+//! | `beyond` | whether one is surely beyond some modulus, by a sign |
 //! | `multipliers` | [`ImpactSpectrum`]: the multipliers of impacts on any linear structure |
 //! | `verdict` | stable or not |
 
+mod beyond;
 mod function;
 mod leading;
 mod multipliers;
@@ -24,6 +26,7 @@ mod solve;
 mod starts;
 mod verdict;
 
+pub(crate) use beyond::{SURE, is_surely_beyond};
 pub(crate) use function::SpectralFunction;
 pub use multipliers::ImpactSpectrum;
 pub(crate) use refine::Origin;

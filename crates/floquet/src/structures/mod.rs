@@ -26,4 +26,4 @@ mod unfolding;
 
 pub use curve::{StructureCurve, StructureWindow, structure_curve};
 pub use diagram::{StructureCourse, structure_branch, structure_diagram};
-pub use stability::{structure_stability, structure_verdict};
+pub use stability::{structure_stability, structure_verdict, structure_verdict_within};

@@ -6,7 +6,7 @@ use vibrochain_breather::{BlochEquations, Condition, ImpactError, StructureImpac
 
 use crate::analyser::Stability;
 use crate::error::FloquetError;
-use crate::spectrum::{Origin, origins, told, verdict};
+use crate::spectrum::{Origin, is_surely_beyond, origins, told, verdict};
 use crate::verdict::{Tolerance, Verdict};
 use crate::zeros::{SecularError, excess};
 
@@ -52,19 +52,44 @@ pub fn structure_stability(orbit: &StructureOrbit, tolerance: Tolerance) -> Resu
     Ok(Stability { verdict, multipliers })
 }
 
-/// The verdict of [`structure_stability`] alone: what a map asks for.
+/// The verdict of [`structure_stability`] alone.
 ///
 /// # Errors
 /// As [`structure_stability`].
 pub fn structure_verdict(orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Verdict, FloquetError> {
-    let (equations, spared) = orbit.bloch_equations();
+    decided(orbit, &orbit.bloch_equations(), tolerance)
+}
+
+/// The same of an orbit whose spectral radius is not surely beyond `reach`: `None` says that a real multiplier is, and none is worked out.
+/// A map asks so: of two orbits that are born in a fold one has such a multiplier, and a sign takes a small part of what a verdict takes.
+///
+/// # Errors
+/// As [`structure_stability`].
+pub fn structure_verdict_within(
+    orbit: &StructureOrbit,
+    reach: f64,
+    tolerance: Tolerance,
+) -> Result<Option<Verdict>, FloquetError> {
+    let equations = orbit.bloch_equations();
+    if !orbit.is_conservative() && is_surely_beyond(&equations.0, reach) {
+        return Ok(None);
+    }
+    decided(orbit, &equations, tolerance).map(Some)
+}
+
+/// The verdict by the orbit's equations and the rates of the modes that these leave out.
+fn decided(
+    orbit: &StructureOrbit,
+    (equations, spared): &(BlochEquations, Vec<[Complex<f64>; 2]>),
+    tolerance: Tolerance,
+) -> Result<Verdict, FloquetError> {
     let conservative = orbit.is_conservative();
-    let told = as_well_as_known(orbit, &equations, |data| verdict(&equations, conservative, data, tolerance));
+    let told = as_well_as_known(orbit, equations, |data| verdict(equations, conservative, data, tolerance));
     let told = told.map_err(FloquetError::Uncounted)?;
-    let with = |told, pair: [Complex<f64>; 2]| {
-        with_spared(told, pair, pair.map(|rate| (rate * orbit.period()).exp()), tolerance)
+    let with = |told, pair: &[Complex<f64>; 2]| {
+        with_spared(told, *pair, pair.map(|rate| (rate * orbit.period()).exp()), tolerance)
     };
-    Ok(spared.into_iter().fold(told, with))
+    Ok(spared.iter().fold(told, with))
 }
 
 /// The multipliers of the modes that the orbit's impacts feel, as it stands: along folds its errors have no bound, and tell nothing of these.

@@ -104,23 +104,12 @@ impl Structure {
                 self.poles(&shapes, &squares, &damping)?
             }
         };
-        let modes = modes.into_iter().map(|mode| self.without_rounding(&lower, mode)).collect();
+        // How much each contact may see.
+        let reach = |weights: &DVector<f64>| lower.solve_lower_triangular(weights).map_or(0.0, |seen| seen.norm());
+        let reaches: Vec<f64> = self.contacts.iter().map(|(weights, _)| reach(weights)).collect();
+        let modes = modes.into_iter().map(|mode| without_rounding(&lower, &reaches, mode)).collect();
         let contacts = self.contacts.iter().map(|(_, contact)| *contact).collect();
         ModalStructure::new(contacts, self.loads.iter().map(|(number, _)| *number).collect(), modes)
-    }
-
-    /// A mode that a contact sees by rounding of its shape alone is not seen: one that grows would be felt in the end.
-    fn without_rounding(&self, lower: &DMatrix<f64>, mut mode: LinearMode) -> LinearMode {
-        let part = |i: usize| DVector::from_iterator(mode.coordinates.len(), mode.coordinates.iter().map(|row| row[i]));
-        let size = [0, 1].map(|i| lower.tr_mul(&part(i)).norm_squared()).iter().sum::<f64>().sqrt();
-        for (number, (weights, _)) in self.contacts.iter().enumerate() {
-            let reach = lower.solve_lower_triangular(weights).map_or(0.0, |weights| weights.norm());
-            let [first, second] = mode.rows[number];
-            if first.hypot(second) <= UNFELT * reach * size {
-                (mode.rows[number], mode.columns[number]) = ([0.0; 2], [0.0; 2]);
-            }
-        }
-        mode
     }
 
     /// Coordinates ξ of all modes of a state (q, q′); `modal` is what [`Structure::modal`] made of it.
@@ -363,6 +352,20 @@ impl Structure {
         modes.sort_by(|a, b| a.rates()[0].norm().total_cmp(&b.rates()[0].norm()));
         Ok(modes)
     }
+}
+
+/// A mode that a contact sees by rounding of its shape alone is not seen: one that grows would be felt in the end. M = LLᵀ, and a contact
+/// may see |L⁻¹w| of a mode of length 1.
+fn without_rounding(lower: &DMatrix<f64>, reaches: &[f64], mut mode: LinearMode) -> LinearMode {
+    let part = |i: usize| DVector::from_iterator(mode.coordinates.len(), mode.coordinates.iter().map(|row| row[i]));
+    let size = [0, 1].map(|i| lower.tr_mul(&part(i)).norm_squared()).iter().sum::<f64>().sqrt();
+    for (number, reach) in reaches.iter().enumerate() {
+        let [first, second] = mode.rows[number];
+        if first.hypot(second) <= UNFELT * reach * size {
+            (mode.rows[number], mode.columns[number]) = ([0.0; 2], [0.0; 2]);
+        }
+    }
+    mode
 }
 
 fn finite(what: &str, mut values: impl Iterator<Item = f64>) -> Result<(), StructureError> {

@@ -5,8 +5,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use serde_json::{Map, Value as Json};
-use vibrochain_breather::{StructureModel, Word, structure_candidates, structure_is_physical};
-use vibrochain_floquet::{Tolerance, Verdict, structure_verdict};
+use vibrochain_breather::{StructureModel, StructureOrbit, Word, structure_candidates, structure_is_physical};
+use vibrochain_floquet::{Tolerance, Verdict, structure_verdict, structure_verdict_within};
 use vibrochain_lattice::Stop;
 
 use super::scene::{MOST_BYTES, StructureScene};
@@ -157,11 +157,44 @@ impl RowOfModels {
     }
 }
 
+/// The best orbit so far.
+struct Best {
+    /// The number of its word.
+    word: usize,
+    margin: Option<f64>,
+    told: Told,
+}
+
+/// What is known of its stability.
+enum Told {
+    Verdict(Verdict),
+    /// Surely unstable; the verdict is worked out where no better orbit comes.
+    Unstable(Box<StructureOrbit>),
+    /// Not asked, or not worked out.
+    Nothing,
+}
+
+impl Told {
+    /// A stable orbit wins, then one that may be, of several the first.
+    fn rank(&self) -> usize {
+        match self {
+            Self::Verdict(verdict) if verdict.stable => 2,
+            Self::Verdict(verdict) if verdict.marginal => 1,
+            _ => 0,
+        }
+    }
+}
+
+/// An orbit whose spectral radius is this much beyond the border of stability is unstable whatever the verdict's error: most verdicts need
+/// not be worked out.
+const BEYOND: f64 = 1.05;
+
 /// One point.
 fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
     let mut cell = StructureCell::EMPTY;
-    let mut best: Option<(usize, Option<Verdict>, Option<f64>)> = None;
-    for (number, asked) in scene.words.iter().enumerate() {
+    let mut best: Option<Best> = None;
+    let unstable = BEYOND * (1.0 + Option::from(scene.tolerance).unwrap_or(0.0));
+    for (word, asked) in scene.words.iter().enumerate() {
         let found = match structure_candidates(model, &asked.0, asked.1) {
             Ok(found) => found,
             Err(error) => {
@@ -180,28 +213,34 @@ fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
             };
             cell.found.solutions += 1;
             cell.found.residual = cell.found.residual.max(orbit.violation());
-            let verdict = if scene.stability {
-                match structure_verdict(orbit, scene.tolerance) {
-                    Ok(verdict) => Some(verdict),
-                    Err(error) => {
-                        cell.trouble = Some(error.to_string());
-                        None
-                    }
+            let rank = best.as_ref().map(|best| best.told.rank());
+            if rank == Some(2) || (rank.is_some() && !scene.stability) {
+                continue;
+            }
+            let told = match scene.stability.then(|| structure_verdict_within(orbit, unstable, scene.tolerance)) {
+                None => Told::Nothing,
+                Some(Ok(Some(verdict))) => Told::Verdict(verdict),
+                Some(Ok(None)) => Told::Unstable(Box::new(orbit.clone())),
+                Some(Err(error)) => {
+                    cell.trouble = Some(error.to_string());
+                    Told::Nothing
                 }
-            } else {
-                None
             };
-            let rank = |verdict: &Option<Verdict>| {
-                verdict.map_or(0, |verdict| if verdict.stable { 2 } else { usize::from(verdict.marginal) })
-            };
-            if best.as_ref().is_none_or(|(_, other, _)| rank(&verdict) > rank(other)) {
-                best = Some((number, verdict, physical.margin));
+            if rank.is_none_or(|rank| told.rank() > rank) {
+                best = Some(Best { word, margin: physical.margin, told });
             }
         }
     }
-    let Some((number, verdict, margin)) = best else {
+    let Some(Best { word, margin, told }) = best else {
         let class = if cell.trouble.is_some() { StructureClass::Unknown } else { StructureClass::None };
         return StructureCell { class, ..cell };
+    };
+    let verdict = match told {
+        Told::Verdict(verdict) => Some(verdict),
+        Told::Unstable(orbit) => {
+            structure_verdict(&orbit, scene.tolerance).map_err(|error| cell.trouble = Some(error.to_string())).ok()
+        }
+        Told::Nothing => None,
     };
     let class = match verdict {
         None => StructureClass::Physical,
@@ -215,7 +254,7 @@ fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
         margin,
         ..cell.found
     };
-    StructureCell { class, word: scene.names().get(number).cloned(), found, ..cell }
+    StructureCell { class, word: scene.names().get(word).cloned(), found, ..cell }
 }
 
 impl Grid for StructureScene {

@@ -1,11 +1,6 @@
-//! Whether an orbit surely has a real multiplier beyond some modulus: one sign, or two, and no multiplier worked out.
-//!
-//! det(z−M) = f(z) det(z−R), see [`crate::map_paths::one_contact::impact_matrix`]. M is real and of even size, so that det(z−M) is positive far out on the real
-//! axis, on either side; det(z−R), whose zeros are pairs on the circle, is positive on all of it but them. Hence f(±r) < 0, r > 1, leaves
-//! an odd number of real multipliers beyond ±r.
-//!
-//! A map asks so of orbits that are no better than one it has. Of two that are born in a fold one has such a multiplier; a sign takes a
-//! small part of what a verdict takes.
+//! Whether an orbit surely has a real multiplier beyond some modulus, as [`crate::spectrum::is_surely_beyond`] tells it: a map asks so of orbits that
+//! are no better than one it has. Of two that are born in a fold one has such a multiplier; a sign takes a small part of what a verdict
+//! takes.
 
 use nalgebra::Complex;
 use vibrochain_breather::Prepared;
@@ -13,10 +8,7 @@ use vibrochain_breather::Prepared;
 use crate::linear::determinant_and_condition;
 use crate::map_paths::one_contact::impact_matrix::ImpactMatrix;
 use crate::map_paths::one_contact::verdict::ForcedSecular;
-
-/// Relative errors of the determinant up to this, as far as they are told by its condition, leave no doubt about its sign: what entries
-/// lose where their own terms cancel, far from the poles a digit or two, has room.
-const SURE: f64 = 1e-7;
+use crate::spectrum::SURE;
 
 impl ForcedSecular {
     /// A real multiplier is surely beyond `reach` or −`reach`, which is more than 1. No says nothing.
