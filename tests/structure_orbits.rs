@@ -129,7 +129,7 @@ fn orbits_of_the_table_are_orbits() {
 
 #[test]
 fn multipliers_of_the_table_are_those_of_the_monodromy_matrix() {
-    let (mut compared, mut beyond) = (0, 0);
+    let mut compared = 0;
     for case in cases() {
         let orbit = case.refined();
         let stability = structure_stability(&orbit, Tolerance::Rounding).unwrap();
@@ -148,14 +148,6 @@ fn multipliers_of_the_table_are_those_of_the_monodromy_matrix() {
         );
         let mut open: Vec<_> = case.dense.monodromy().complex_eigenvalues().iter().copied().collect();
         assert_eq!(stability.multipliers.len(), open.len(), "{}", case.dense.name);
-        for reach in [1.0, 0.9 * radius, 1.1 * radius] {
-            let within = structure_verdict_within(&orbit, reach, Tolerance::Rounding).unwrap();
-            let real = |sign: f64| open.iter().filter(|mu| mu.im == 0.0 && sign * mu.re > reach).count();
-            let is_beyond = within.is_none();
-            assert!(within.is_none_or(|verdict| verdict == alone), "{}", case.dense.name);
-            assert!(!is_beyond || real(1.0) + real(-1.0) > 0, "{}: {reach}", case.dense.name);
-            beyond += usize::from(is_beyond);
-        }
         for z in &stability.multipliers {
             let distance = |w: &Complex<f64>| (w - z).norm();
             let nearest = (0..open.len()).min_by(|&i, &j| distance(&open[i]).total_cmp(&distance(&open[j]))).unwrap();
@@ -164,7 +156,7 @@ fn multipliers_of_the_table_are_those_of_the_monodromy_matrix() {
             compared += 1;
         }
     }
-    assert!(compared > 150 && beyond >= 4, "{compared} {beyond}");
+    assert!(compared > 150, "{compared}");
 }
 
 #[test]
@@ -226,7 +218,7 @@ fn motion_between_impacts_is_that_of_the_state_matrix() {
 #[test]
 fn random_structures_have_the_multipliers_of_their_matrices() {
     let mut random = Random(37);
-    let mut compared = 0;
+    let (mut compared, mut beyond) = (0, 0);
     for _ in 0..150 {
         let dense = random.structure();
         // Every contact as often as it is hit, at the places where it is: barriers that the orbit meets.
@@ -267,6 +259,14 @@ fn random_structures_have_the_multipliers_of_their_matrices() {
         let stability = structure_stability(&orbit, Tolerance::Rounding).unwrap();
         let mut open: Vec<_> = dense.monodromy().complex_eigenvalues().iter().copied().collect();
         let radius = stability.multipliers[0].norm();
+        for reach in [1.0, 0.9 * radius, 1.1 * radius] {
+            let within = structure_verdict_within(&orbit, reach, Tolerance::Rounding).unwrap();
+            let real = |sign: f64| open.iter().filter(|mu| mu.im == 0.0 && sign * mu.re > reach).count();
+            let is_beyond = within.is_none();
+            assert!(within.is_none_or(|verdict| verdict.stable == stability.verdict.stable), "{dense:?}");
+            assert!(!is_beyond || real(1.0) + real(-1.0) > 0, "{reach} {dense:?}");
+            beyond += usize::from(is_beyond);
+        }
         for z in &stability.multipliers {
             let distance = |w: &Complex<f64>| (w - z).norm();
             let nearest = (0..open.len()).min_by(|&i, &j| distance(&open[i]).total_cmp(&distance(&open[j]))).unwrap();
@@ -275,7 +275,7 @@ fn random_structures_have_the_multipliers_of_their_matrices() {
         }
         compared += 1;
     }
-    assert!(compared > 40, "{compared}");
+    assert!(compared > 40 && beyond > 20, "{compared} {beyond}");
 }
 
 /// Newton's method from many starts finds no orbit of two impacts that a complete list lacks.

@@ -214,6 +214,47 @@ fn an_axis_keeps_the_name_that_the_scene_gives_it() {
     has(&words(&desk, "map.svg"), &["3 masses (N = 2)", "c = 0.01", "A"]);
 }
 
+/// Values one by one, equal ratios and a third axis, as a chain without dashpots has them: each row is the point that it names.
+#[test]
+fn axes_are_those_of_chains() {
+    let model = "sites = 3\ngamma1 = 0.2\ngamma2 = 0.1\nasymmetry = 0.4\nrestitution = 0.9\namplitude = 0.1\n";
+    let sweep = |axes: &str| {
+        format!("[model]\n{model}[sweep]\n{axes}[compute]\nfamilies = [\"double-sided\", \"single-sided\"]\n")
+    };
+    let log = "{ parameter = \"damping\", from = 0.001, to = 0.1, points = 3, spacing = \"log\" }";
+    let list = "{ parameter = \"omega\", values = [1.7, 1.2] }";
+    let third = "{ parameter = \"restitution\", values = [0.9, 0.8] }";
+    let model_without = model.replace("restitution = 0.9\n", "");
+    let scene = sweep(&format!("x = {list}\ny = {log}\naxes = [{third}]\n")).replace(model, &model_without);
+    let desk = Desk::with_scene(&scene);
+    desk.run("sweep scene.toml --out all.csv").with(0, &["12 cells"]);
+    let all = String::from_utf8(desk.read("all.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = all.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    assert!(all.starts_with("omega,damping,restitution,class,") && rows.len() == 12, "{all}");
+    let mut found = 0;
+    for row in &rows {
+        let [omega, damping, restitution] = [row[0], row[1], row[2]];
+        let one = model.replace("restitution = 0.9", &format!("restitution = {restitution}\ndamping = {damping}"));
+        let alone = sweep(&format!("x = {{ parameter = \"omega\", values = [{omega}] }}\n")).replace(model, &one);
+        fs::write(desk.path("one.toml"), alone).unwrap();
+        desk.run("sweep one.toml --out one.csv").with(0, &[]);
+        let told = String::from_utf8(desk.read("one.csv")).unwrap();
+        assert_eq!(told.lines().nth(1).unwrap(), format!("{omega},{}", row[3..].join(",")));
+        found += usize::from(row[3] != "none");
+    }
+    assert!(found >= 5, "{all}");
+    for (axes, told) in [
+        (format!("x = {}\n", log.replace("log", "cubic")), "`cubic` is not a spacing"),
+        (format!("x = {log}\ny = {log}\n"), "damping is swept twice"),
+        ("x = { parameter = \"damping\", values = [0.1, 0.1] }\n".to_owned(), "listed twice"),
+        ("x = { parameter = \"damping\", from = 0 }\n".to_owned(), "damping has no values yet"),
+    ] {
+        fs::write(desk.path("wrong.toml"), sweep(&axes)).unwrap();
+        let ran = desk.run("sweep wrong.toml --out wrong.csv");
+        assert!(ran.code == Some(2) && ran.err.contains(told), "{axes}: {}", ran.err);
+    }
+}
+
 /// Entries of matrices and loads are numbers like others; a chain on a wall is one with dashpots, or asked so.
 #[test]
 fn entries_and_ends_are_those_of_the_scene_that_says_so() {

@@ -1,7 +1,7 @@
 //! Axes of a sweep.
 
 use serde::{Serialize, Serializer};
-use vibrochain_lattice::Parameter;
+use vibrochain_lattice::{Parameter, Short};
 
 /// The most points of one axis.
 pub const MAX_POINTS: usize = 1_000_000;
@@ -54,6 +54,88 @@ fn logarithmic<S: Serializer>(from: &f64, to: &f64, points: &usize, serializer: 
         spacing: &'static str,
     }
     Spaced { from: *from, to: *to, points: *points, spacing: "log" }.serialize(serializer)
+}
+
+/// The keys of an axis, as a file gives them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Key {
+    From,
+    To,
+    Points,
+    Spacing,
+    Values,
+    /// One of the values.
+    Value(usize),
+    /// The axis, which lacks one.
+    Axis,
+}
+
+/// What a file gives of the values of an axis.
+#[derive(Debug, Default)]
+pub(crate) struct GivenAxis<'a> {
+    pub(crate) from: Option<f64>,
+    pub(crate) to: Option<f64>,
+    pub(crate) points: Option<i64>,
+    pub(crate) spacing: Option<&'a str>,
+    pub(crate) values: Option<Vec<f64>>,
+}
+
+impl GivenAxis<'_> {
+    /// The values of the axis of this name; else what is wrong, and where.
+    pub(crate) fn values(self, name: &str) -> Result<Values, (Key, String)> {
+        let Self { from, to, points, spacing, values } = self;
+        if let Some(values) = values {
+            let rest = [(Key::From, from.is_some()), (Key::To, to.is_some())];
+            let rest = rest.into_iter().chain([(Key::Points, points.is_some()), (Key::Spacing, spacing.is_some())]);
+            return match rest.into_iter().find(|(_, given)| *given) {
+                Some((key, _)) => {
+                    Err((key, "values is given as well: give either values, or from, to and points".to_owned()))
+                }
+                None => list(values),
+            };
+        }
+        let (Some(from), Some(to), Some(points)) = (from, to, points) else {
+            return Err((Key::Axis, format!("{name} has no values yet: give from, to and points, or values")));
+        };
+        let count = usize::try_from(points).ok().filter(|count| (2..=MAX_POINTS).contains(count));
+        let Some(points) = count else {
+            let range = format!("points = {points} is out of range: give a whole number from 2 to {MAX_POINTS}");
+            return Err((Key::Points, range));
+        };
+        if !from.is_finite() || !to.is_finite() || from >= to {
+            let message =
+                format!("from = {}, to = {} is not a range: give finite values with from < to", Short(from), Short(to));
+            return Err((Key::From, message));
+        }
+        match spacing.unwrap_or("linear") {
+            "linear" => Ok(Values::Linear { from, to, points }),
+            "log" if from > 0.0 => Ok(Values::Logarithmic { from, to, points }),
+            "log" => {
+                let message =
+                    format!("from = {} has no logarithm: give a positive one with spacing = \"log\"", Short(from));
+                Err((Key::From, message))
+            }
+            other => Err((Key::Spacing, format!("`{other}` is not a spacing: give \"linear\" or \"log\""))),
+        }
+    }
+}
+
+/// Values one by one.
+fn list(values: Vec<f64>) -> Result<Values, (Key, String)> {
+    let count = values.len();
+    if !(1..=MAX_POINTS).contains(&count) {
+        return Err((Key::Values, format!("values has {count} numbers: give 1 to {MAX_POINTS}")));
+    }
+    if let Some(at) = values.iter().position(|value| !value.is_finite()) {
+        return Err((Key::Value(at), format!("{} is out of range: give finite values", Short(values[at]))));
+    }
+    let mut order: Vec<usize> = (0..count).collect();
+    // Equal ones in the order of the file, so that the second is the one pointed at.
+    order.sort_by(|&a, &b| (values[a] + 0.0).total_cmp(&(values[b] + 0.0)));
+    if let Some(pair) = order.windows(2).find(|pair| values[pair[0]] == values[pair[1]]) {
+        return Err((Key::Value(pair[1]), format!("{} is listed twice: remove one", Short(values[pair[1]]))));
+    }
+    Ok(Values::List(values))
 }
 
 impl Values {

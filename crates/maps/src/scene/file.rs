@@ -16,7 +16,7 @@ use vibrochain_lattice::{Ends, Force, Harmonic, Layout, MAX_HARMONIC, MAX_SITES,
 use crate::cell::{SYMMETRIC, Task};
 use crate::error::MapError;
 use crate::numbers::plain;
-use crate::scene::axis::{self, Axis, MAX_POINTS};
+use crate::scene::axis::{Axis, GivenAxis, Key};
 use crate::scene::data::Data;
 use crate::text::{clipped, excerpt};
 
@@ -326,65 +326,29 @@ impl Source<'_> {
             let known = Parameter::ALL.map(Parameter::name).join(", ");
             self.error(table.parameter.span(), format!("`{name}` cannot be swept: give one of {known}"))
         })?;
-        if let Some(list) = &table.values {
-            let ends = [table.from.as_ref().map(Spanned::span), table.to.as_ref().map(Spanned::span)];
-            let rest = [table.points.as_ref().map(Spanned::span), table.spacing.as_ref().map(Spanned::span)];
-            if let Some(span) = ends.into_iter().chain(rest).flatten().next() {
-                return Err(self.error(span, "values is given as well: give either values, or from, to and points"));
-            }
-            return Ok(Axis { parameter, values: self.list(list)? });
-        }
-        let (Some(from_value), Some(to_value), Some(points_value)) = (&table.from, &table.to, &table.points) else {
-            let message = format!("{name} has no values yet: give from, to and points, or values");
-            return Err(self.error(span, message));
+        let number = |value: &Option<Spanned<f64>>| value.as_ref().map(|value| *value.get_ref());
+        let given = GivenAxis {
+            from: number(&table.from),
+            to: number(&table.to),
+            points: table.points.as_ref().map(|points| *points.get_ref()),
+            spacing: table.spacing.as_ref().map(|spacing| spacing.get_ref().as_str()),
+            values: table.values.as_ref().map(|list| list.get_ref().iter().map(|value| *value.get_ref()).collect()),
         };
-        let points = *points_value.get_ref();
-        let count = usize::try_from(points).ok().filter(|count| (2..=MAX_POINTS).contains(count));
-        let points = count.ok_or_else(|| {
-            let range = format!("points = {points} is out of range: give a whole number from 2 to {MAX_POINTS}");
-            self.error(points_value.span(), range)
-        })?;
-        let (from, to) = (*from_value.get_ref(), *to_value.get_ref());
-        if !from.is_finite() || !to.is_finite() || from >= to {
-            let message =
-                format!("from = {}, to = {} is not a range: give finite values with from < to", Short(from), Short(to));
-            return Err(self.error(from_value.span(), message));
-        }
-        let spacing = table.spacing.as_ref();
-        let values = match spacing.map_or("linear", |spacing| spacing.get_ref()) {
-            "linear" => axis::Values::Linear { from, to, points },
-            "log" if from > 0.0 => axis::Values::Logarithmic { from, to, points },
-            "log" => {
-                let message =
-                    format!("from = {} has no logarithm: give a positive one with spacing = \"log\"", Short(from));
-                return Err(self.error(from_value.span(), message));
-            }
-            other => {
-                let message = format!("`{other}` is not a spacing: give \"linear\" or \"log\"");
-                return Err(self.error(spacing.map_or(span, Spanned::span), message));
+        let place = |key| {
+            let list = || table.values.as_ref();
+            match key {
+                Key::From => table.from.as_ref().map(Spanned::span),
+                Key::To => table.to.as_ref().map(Spanned::span),
+                Key::Points => table.points.as_ref().map(Spanned::span),
+                Key::Spacing => table.spacing.as_ref().map(Spanned::span),
+                Key::Values => list().map(Spanned::span),
+                Key::Value(at) => list().map(|list| list.get_ref()[at].span()),
+                Key::Axis => None,
             }
         };
+        let values = given.values(name);
+        let values = values.map_err(|(key, message)| self.error(place(key).unwrap_or(span), message))?;
         Ok(Axis { parameter, values })
-    }
-
-    fn list(&self, list: &Spanned<Vec<Spanned<f64>>>) -> Result<axis::Values, MapError> {
-        let count = list.get_ref().len();
-        if !(1..=MAX_POINTS).contains(&count) {
-            return Err(self.error(list.span(), format!("values has {count} numbers: give 1 to {MAX_POINTS}")));
-        }
-        if let Some(value) = list.get_ref().iter().find(|value| !value.get_ref().is_finite()) {
-            return Err(
-                self.error(value.span(), format!("{} is out of range: give finite values", Short(*value.get_ref())))
-            );
-        }
-        let mut sorted: Vec<_> = list.get_ref().iter().collect();
-        // Equal ones in the order of the file, so that the second is the one pointed at.
-        sorted.sort_by(|a, b| (a.get_ref() + 0.0).total_cmp(&(b.get_ref() + 0.0)));
-        if let Some(pair) = sorted.windows(2).find(|pair| pair[0].get_ref() == pair[1].get_ref()) {
-            let message = format!("{} is listed twice: remove one", Short(*pair[1].get_ref()));
-            return Err(self.error(pair[1].span(), message));
-        }
-        Ok(axis::Values::List(list.get_ref().iter().map(|value| *value.get_ref()).collect()))
     }
 
     /// A word of this chain, in its canonical form.

@@ -16,6 +16,7 @@ use toml::Spanned;
 use vibrochain_floquet::{OrderFinder, Tolerance};
 use vibrochain_lattice::{Model, Parameter, Part, Point, Row};
 
+pub(crate) use crate::scene::axis::GivenAxis;
 pub use crate::scene::axis::{Axis, MAX_POINTS, Values};
 pub use crate::scene::file::{MAX_BYTES, Source, tolerance_from};
 pub use crate::scene::given::Given;

@@ -123,7 +123,7 @@ const COLUMNS: [Column<StructureCell>; 3] = [
 #[derive(Debug, Default)]
 pub struct RowOfModels {
     row: Option<u64>,
-    /// With the slow axis where it is there.
+    /// With the slow axes where they are.
     scene: Option<Result<StructureScene, String>>,
     /// Along a row of frequencies the structure is the same: its model at one of them.
     base: Option<StructureModel>,
@@ -139,9 +139,11 @@ impl RowOfModels {
         let points = fast.map_or(1, |axis| axis.points() as u64);
         let (column, row) = ((cell % points) as usize, cell / points);
         if self.row != Some(row) {
-            let mut scene = whole.clone();
-            let slow = whole.axes.get(1).map(|axis| scene.set(axis.parameter, axis.value(row as usize)));
-            let scene = slow.unwrap_or(Ok(())).map(|()| scene);
+            let point = whole.point(cell).into_iter().skip(1);
+            let scene = point.into_iter().try_fold(whole.clone(), |mut scene, (parameter, value)| {
+                scene.set(parameter, value)?;
+                Ok(scene)
+            });
             let omega_alone = fast.is_some_and(|axis| axis.parameter == Setting::Omega);
             self.base = scene.as_ref().ok().filter(|_| omega_alone).and_then(|scene| scene.model().ok());
             (self.row, self.scene) = (Some(row), Some(scene));

@@ -13,7 +13,7 @@ use vibrochain_lattice::{Complex, Contact, EnergyForm, ModalStructure};
 use super::definition::{ChainTable, ContactTable, Definition, ForceTable, Named, StructureTable};
 use super::setting::Setting;
 use crate::grid::Files;
-use crate::scene::{Axis, Values, tolerance_from};
+use crate::scene::{Axis, GivenAxis, tolerance_from};
 
 /// The most bytes of a scene, and of a file that it names.
 pub const MOST_BYTES: u64 = 64 << 20;
@@ -24,9 +24,6 @@ const MOST_CELLS: u64 = 100_000_000;
 /// What a scene may hold; a manifest has more.
 const KEYS: [&str; 10] =
     ["title", "omega", "word", "force_periods", "structure", "contact", "force", "model", "sweep", "compute"];
-
-/// The most points of an axis.
-const MOST_POINTS: usize = 100_000;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -49,12 +46,19 @@ struct File {
 pub(super) struct SweepTable {
     x: AxisTable,
     y: Option<AxisTable>,
+    #[serde(default)]
+    axes: Vec<AxisTable>,
 }
 
 impl SweepTable {
+    /// All axes, the fastest first.
+    fn all(&self) -> impl Iterator<Item = &AxisTable> {
+        std::iter::once(&self.x).chain(&self.y).chain(&self.axes)
+    }
+
     /// Whether an axis is of one of these names.
     pub(super) fn varies(&self, names: &[&str]) -> bool {
-        std::iter::once(&self.x).chain(&self.y).any(|axis| names.contains(&axis.parameter.as_str()))
+        self.all().any(|axis| names.contains(&axis.parameter.as_str()))
     }
 }
 
@@ -62,9 +66,21 @@ impl SweepTable {
 #[serde(deny_unknown_fields)]
 struct AxisTable {
     parameter: String,
-    from: f64,
-    to: f64,
-    points: usize,
+    from: Option<f64>,
+    to: Option<f64>,
+    points: Option<i64>,
+    spacing: Option<String>,
+    values: Option<Vec<f64>>,
+}
+
+impl AxisTable {
+    fn axis(&self) -> Result<Axis<Setting>, String> {
+        let Self { parameter, from, to, points, spacing, values } = self;
+        let (spacing, values) = (spacing.as_deref(), values.clone());
+        let given = GivenAxis { from: *from, to: *to, points: *points, spacing, values };
+        let values = given.values(parameter).map_err(|(_, message)| format!("axis {parameter}: {message}"))?;
+        Ok(Axis { parameter: parameter.parse()?, values })
+    }
 }
 
 #[derive(Deserialize)]
@@ -184,19 +200,16 @@ impl StructureScene {
         };
         let words = compute.map_or(Ok(Vec::new()), |compute| compute.families.iter().map(of_map).collect())?;
         let tolerance = compute.and_then(|compute| compute.threshold).map(tolerance_from).transpose()?;
-        let sweep = || sweep.iter().flat_map(|sweep| std::iter::once(&sweep.x).chain(&sweep.y));
-        let axis = |axis: &AxisTable| -> Result<Axis<Setting>, String> {
-            let AxisTable { parameter, from, to, points } = axis;
-            let rises = from.is_finite() && to.is_finite() && from < to;
-            if !rises || !(2..=MOST_POINTS).contains(points) {
-                return Err(format!("axis {parameter}: give from < to and 2 to {MOST_POINTS} points"));
+        let sweep = || sweep.iter().flat_map(|sweep| sweep.all());
+        let axes = sweep().map(AxisTable::axis).collect::<Result<Vec<_>, _>>()?;
+        for (i, Axis { parameter, .. }) in axes.iter().enumerate() {
+            if axes[..i].iter().any(|earlier| earlier.parameter == *parameter) {
+                return Err(format!("{parameter} is swept twice: give different parameters"));
             }
-            let values = Values::Linear { from: *from, to: *to, points: *points };
-            Ok(Axis { parameter: parameter.parse()?, values })
-        };
-        let axes = sweep().map(axis).collect::<Result<Vec<_>, _>>()?;
+        }
         self.axis_names = sweep().map(|axis| axis.parameter.clone()).collect();
-        let points = axes.iter().map(|axis| axis.points() as u64).product::<u64>();
+        let points = axes.iter().try_fold(1_u64, |points, axis| points.checked_mul(axis.points() as u64));
+        let points = points.unwrap_or(u64::MAX);
         if points > MOST_CELLS {
             return Err(format!("the map has {points} points: give at most {MOST_CELLS}"));
         }
@@ -208,8 +221,9 @@ impl StructureScene {
         self.axes = axes.clone();
         // Every end of an axis is asked once, so that a map does not begin in vain.
         for axis in &axes {
-            self.clone().set(axis.parameter, axis.first())?;
-            self.clone().set(axis.parameter, axis.last())?;
+            for end in axis.limits() {
+                self.clone().set(axis.parameter, end)?;
+            }
             if axis.parameter == Setting::Omega && self.omega.is_none() {
                 self.omega = Some(axis.first());
             }
