@@ -21,7 +21,6 @@ use crate::common::pictures::page_args::{PICTURES, PageArgs};
 pub use events::{AlongArgs, BranchArgs, CurveArgs, CurvesArgs, LocateArgs};
 pub use model::{ModelArgs, ParameterArgs, RowEnds, SiteFamily, StructureArgs, WhichArgs};
 pub use quantity::QuantityName;
-#[cfg(feature = "plot")]
 pub(crate) use quantity::{OF_BRANCHES, OF_MAPS, SHOWN, of_orbits};
 pub use runs::{Direction, FateArgs, SectionName, SimulateArgs, StartFrom};
 pub use setup::{CompletionsArgs, InitArgs, ManArgs, STUDIES, SchemaArgs, StudyArgs};

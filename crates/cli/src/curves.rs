@@ -221,7 +221,6 @@ impl Answer<'_> {
     }
 }
 
-#[cfg(feature = "plot")]
 fn draw(files: PictureFiles, scene: &Scene, regions: &Regions<Lives>) -> Result<(), CliError> {
     use vibrochain_plot::{Palette, RegionsPicture, Tile, regions_picture};
     if files.is_empty() {
@@ -233,17 +232,6 @@ fn draw(files: PictureFiles, scene: &Scene, regions: &Regions<Lives>) -> Result<
 }
 
 /// Makes sure that the picture can be made.
-#[cfg(feature = "plot")]
 fn fits(files: &PictureFiles, scene: &Scene) -> Result<(), CliError> {
     files.fit(|page| vibrochain_plot::regions_fit(scene, page))
-}
-
-#[cfg(not(feature = "plot"))]
-fn fits(_: &PictureFiles, _: &Scene) -> Result<(), CliError> {
-    Ok(())
-}
-
-#[cfg(not(feature = "plot"))]
-fn draw(_: PictureFiles, _: &Scene, _: &Regions<Lives>) -> Result<(), CliError> {
-    Ok(())
 }

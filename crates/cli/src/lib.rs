@@ -22,7 +22,6 @@ pub mod program;
 pub mod schema;
 pub mod setup;
 pub mod simulate;
-#[cfg(feature = "plot")]
 pub mod stripes;
 mod structures;
 pub mod sweep;

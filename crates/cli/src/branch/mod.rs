@@ -1,6 +1,5 @@
 //! `mapgen branch`: a branch of breathers as one parameter varies, with all events on it and what branches off.
 
-#[cfg_attr(not(feature = "plot"), allow(dead_code, reason = "only pictures are drawn from what is read"))]
 pub(crate) mod table;
 
 use std::fmt::Write as _;
@@ -17,9 +16,7 @@ use vibrochain_maps::followed::title;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::criterion;
 
-#[cfg(feature = "plot")]
-use crate::args::of_orbits;
-use crate::args::{BranchArgs, QuantityName};
+use crate::args::{BranchArgs, QuantityName, of_orbits};
 use crate::branch::table::{HEADER, Table, write};
 use crate::common::answer::{EndAnswer, StartAnswer, printed};
 use crate::common::console::{Console, nothing_else};
@@ -254,7 +251,6 @@ fn as_text(start: &Start, course: &Course, diagram: &Diagram, all: bool) -> Stri
 }
 
 /// The picture of a table.
-#[cfg(feature = "plot")]
 pub(crate) fn picture(table: &Table, free: Parameter, shown: &[QuantityName], all: bool) -> vibrochain_plot::Curves {
     let Table { about, branches } = table;
     let (heading, x) = (about.heading.clone(), format!("{} {}", free.meaning(), free.symbol()));
@@ -262,7 +258,6 @@ pub(crate) fn picture(table: &Table, free: Parameter, shown: &[QuantityName], al
     vibrochain_plot::diagram_curves(&diagram, &of_orbits(shown), all)
 }
 
-#[cfg(feature = "plot")]
 fn draw(files: PictureFiles, args: &BranchArgs, course: &Course, table: &Table) -> Result<(), CliError> {
     if files.is_empty() {
         return Ok(());
@@ -272,7 +267,6 @@ fn draw(files: PictureFiles, args: &BranchArgs, course: &Course, table: &Table) 
 }
 
 /// Makes sure that the picture can be made.
-#[cfg(feature = "plot")]
 fn fits(files: &PictureFiles, args: &BranchArgs, course: &Course) -> Result<(), CliError> {
     let about = crate::branch::table::About {
         free: course.free,
@@ -283,14 +277,4 @@ fn fits(files: &PictureFiles, args: &BranchArgs, course: &Course) -> Result<(), 
     let nothing = Table { about, branches: Vec::new() };
     let picture = picture(&nothing, course.free, &args.show, args.all);
     files.fit(|page| vibrochain_plot::curves_picture(&picture, page))
-}
-
-#[cfg(not(feature = "plot"))]
-fn fits(_: &PictureFiles, _: &BranchArgs, _: &Course) -> Result<(), CliError> {
-    Ok(())
-}
-
-#[cfg(not(feature = "plot"))]
-fn draw(_: PictureFiles, _: &BranchArgs, _: &Course, _: &Table) -> Result<(), CliError> {
-    Ok(())
 }

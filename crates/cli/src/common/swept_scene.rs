@@ -9,8 +9,7 @@ use vibrochain_maps::scene::Scene;
 use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::structure::answer::structure;
 use vibrochain_maps::sweep::{Plan, Swept};
-#[cfg(feature = "plot")]
-pub(crate) use vibrochain_plot::Mapped as Drawn;
+use vibrochain_plot::Mapped;
 
 use crate::args::{PictureArgs, QuantityName};
 use crate::common::error::CliError;
@@ -18,15 +17,8 @@ use crate::common::model::springs;
 use crate::common::pictures::Pictures;
 use crate::sweep::leaves::rows_per_cell;
 
-/// What can be drawn: nothing is, in this build.
-#[cfg(not(feature = "plot"))]
-pub(crate) trait Drawn {}
-
-#[cfg(not(feature = "plot"))]
-impl<S> Drawn for S {}
-
 /// A scene that commands over a map take.
-pub(crate) trait SweptScene: Swept + Sectioned + Drawn {
+pub(crate) trait SweptScene: Swept + Sectioned + Mapped {
     /// What a user may not expect of it.
     fn remark(&self) -> Option<&'static str> {
         None

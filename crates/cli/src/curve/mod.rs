@@ -1,6 +1,5 @@
 //! `mapgen curve`: the curve of an event as two parameters vary.
 
-#[cfg_attr(not(feature = "plot"), allow(dead_code, reason = "only pictures are drawn from what is read"))]
 pub(crate) mod table;
 
 use std::fmt::Write as _;
@@ -11,7 +10,6 @@ use vibrochain_floquet::{EventCurve, Located, Search, Walk, Window, curve_along,
 use vibrochain_lattice::{Parameter, Short};
 use vibrochain_maps::caption::{in_common, in_words};
 use vibrochain_maps::files::{CsvFile, distinct};
-#[cfg(feature = "plot")]
 use vibrochain_maps::followed::curve_rows;
 use vibrochain_maps::numbers::Number;
 
@@ -186,12 +184,10 @@ pub(crate) fn told<O>(out: &mut String, [first, second]: [&str; 2], curves: &[Ev
 }
 
 /// What stands at the axes of a window.
-#[cfg(feature = "plot")]
 pub(crate) fn labels(window: &Window) -> [String; 2] {
     window.parameters.map(|parameter| format!("{} {}", parameter.meaning(), parameter.symbol()))
 }
 
-#[cfg(feature = "plot")]
 fn draw(files: PictureFiles, heading: &str, curves: &Curves) -> Result<(), CliError> {
     if files.is_empty() {
         return Ok(());
@@ -206,7 +202,6 @@ fn draw(files: PictureFiles, heading: &str, curves: &Curves) -> Result<(), CliEr
 }
 
 /// Makes sure that the picture can be made.
-#[cfg(feature = "plot")]
 fn fits(files: &PictureFiles, curves: &Curves) -> Result<(), CliError> {
     files.fit(|page| {
         vibrochain_plot::curves_picture(
@@ -214,14 +209,4 @@ fn fits(files: &PictureFiles, curves: &Curves) -> Result<(), CliError> {
             page,
         )
     })
-}
-
-#[cfg(not(feature = "plot"))]
-fn fits(_: &PictureFiles, _: &Curves) -> Result<(), CliError> {
-    Ok(())
-}
-
-#[cfg(not(feature = "plot"))]
-fn draw(_: PictureFiles, _: &str, _: &Curves) -> Result<(), CliError> {
-    Ok(())
 }

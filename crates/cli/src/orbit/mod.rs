@@ -4,7 +4,6 @@ mod answer;
 pub(crate) mod modes;
 pub(crate) mod multiplier_file;
 pub(crate) mod pictures;
-#[cfg(feature = "plot")]
 pub(crate) mod plots;
 pub(crate) mod trajectory;
 

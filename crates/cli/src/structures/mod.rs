@@ -3,7 +3,6 @@
 pub(crate) mod along;
 pub(crate) mod answer;
 pub(crate) mod orbit;
-#[cfg(feature = "plot")]
 mod pictures;
 mod run_answer;
 mod run_plot;

@@ -27,7 +27,6 @@ use crate::orbit::trajectory::OrbitTrajectory;
 const MOST_BYTES: u64 = 16 << 20;
 
 /// A solution with what it is of, as pictures take it.
-#[cfg_attr(not(feature = "plot"), expect(dead_code, reason = "this build draws nothing"))]
 pub(super) struct Drawn<'a> {
     pub(super) answered: &'a Answered<'a>,
     pub(super) scene: &'a StructureScene,

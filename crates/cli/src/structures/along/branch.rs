@@ -9,7 +9,6 @@ use vibrochain_floquet::{
     Diagram, DiagramPoint, End, Event, FollowedBranch, Origin, Station, Unresolved, structure_branch, structure_diagram,
 };
 use vibrochain_maps::files::{CsvFile, distinct};
-#[cfg(feature = "plot")]
 use vibrochain_maps::followed::{BranchName, branch_row};
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::structure::along::{EventEntry, Named, family};
@@ -17,9 +16,7 @@ use vibrochain_maps::structure::answer::structure;
 use vibrochain_maps::structure::{Setting, StructureScene};
 
 use super::{Start, course, events_text, range, start};
-#[cfg(feature = "plot")]
-use crate::args::of_orbits;
-use crate::args::{BranchArgs, LocateArgs, QuantityName};
+use crate::args::{BranchArgs, LocateArgs, QuantityName, of_orbits};
 use crate::branch::table::{HEADER, write};
 use crate::common::answer::{EndAnswer, printed};
 use crate::common::console::{Console, nothing_else};
@@ -251,7 +248,6 @@ fn as_text(start: &Start<'_>, found: &Diagram<StructureOrbit>, all: bool) -> Str
     out
 }
 
-#[cfg(feature = "plot")]
 fn draw(
     files: PictureFiles,
     start: &Start<'_>,
@@ -278,15 +274,4 @@ fn draw(
     };
     let picture = vibrochain_plot::diagram_curves(&drawn, &of_orbits(show), all);
     files.draw(|page| vibrochain_plot::curves_picture(&picture, page))
-}
-
-#[cfg(not(feature = "plot"))]
-fn draw(
-    _: PictureFiles,
-    _: &Start<'_>,
-    _: &Diagram<StructureOrbit>,
-    _: &[QuantityName],
-    _: bool,
-) -> Result<(), CliError> {
-    Ok(())
 }

@@ -5,10 +5,8 @@ use std::fmt::Write as _;
 use serde::Serialize;
 use serde_json::Value;
 use vibrochain_floquet::{CurveError, Event, StructureCurve, StructureWindow, structure_branch};
-#[cfg(feature = "plot")]
 use vibrochain_maps::caption::in_words;
 use vibrochain_maps::files::{CsvFile, distinct};
-#[cfg(feature = "plot")]
 use vibrochain_maps::followed::curve_rows;
 use vibrochain_maps::structure::along::{Named, curves, family};
 use vibrochain_maps::structure::answer::structure;
@@ -107,7 +105,6 @@ fn as_text(event: Event, start: &Start<'_>, [first, second]: &[String; 2], curve
     out
 }
 
-#[cfg(feature = "plot")]
 fn draw(
     files: PictureFiles,
     start: &Start<'_>,
@@ -123,15 +120,4 @@ fn draw(
     let heading = format!("{event}{}", start.fixed(&settings));
     let picture = vibrochain_plot::event_curves(&heading, labels, (window.from, window.to), &curve_rows(curves));
     files.draw(|page| vibrochain_plot::curves_picture(&picture, page))
-}
-
-#[cfg(not(feature = "plot"))]
-fn draw(
-    _: PictureFiles,
-    _: &Start<'_>,
-    _: [Setting; 2],
-    _: &StructureWindow,
-    _: &[StructureCurve],
-) -> Result<(), CliError> {
-    Ok(())
 }
