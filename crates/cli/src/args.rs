@@ -18,7 +18,7 @@ use crate::common::tips;
 
 use crate::common::pictures::page_args::{PICTURES, PageArgs};
 
-pub use events::{AlongArgs, BranchArgs, CurveArgs, CurvesArgs, LocateArgs};
+pub use events::{AlongArgs, BranchArgs, CurveArgs, CurvesArgs, Free, LocateArgs};
 pub use model::{ModelArgs, ParameterArgs, RowEnds, SiteFamily, StructureArgs, WhichArgs};
 pub use quantity::QuantityName;
 pub(crate) use quantity::{OF_BRANCHES, OF_MAPS, SHOWN, of_orbits};

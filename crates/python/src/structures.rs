@@ -228,7 +228,7 @@ pub(crate) fn _structure_along(
         let followed = match free[..] {
             [(first, _), (second, value)] => {
                 let window = StructureWindow { from: [start[0], start[1]], to: [stop_at[0], stop_at[1]] };
-                curves(&scene, ([first, second], value), &found.branches[0], (window, tolerance), stop)?
+                curves(&scene, ([first, second], value), found.branches[0].events(), (window, tolerance), stop)?
             }
             _ => Vec::new(),
         };

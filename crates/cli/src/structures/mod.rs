@@ -1,6 +1,5 @@
 //! Any linear structure with stops: what `orbit`, `sweep` and others do for a scene with `[structure]`, and for a chain with dashpots.
 
-pub(crate) mod along;
 pub(crate) mod answer;
 pub(crate) mod orbit;
 mod pictures;

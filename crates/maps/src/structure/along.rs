@@ -2,11 +2,9 @@
 
 use std::sync::Arc;
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use vibrochain_breather::{StructureFamily, StructureOrbit};
-use vibrochain_floquet::{
-    CurveError, Evidence, FollowedBranch, Located, StructureCurve, StructureWindow, Verdict, structure_curve,
-};
+use vibrochain_floquet::{CurveError, Evidence, Located, StructureCurve, StructureWindow, Verdict, structure_curve};
 use vibrochain_lattice::Stop;
 
 use super::scene::StructureScene;
@@ -86,30 +84,20 @@ impl EventEntry {
     }
 }
 
-/// A number of the structure, as its name.
-#[derive(Clone, Copy)]
-pub struct Named(pub Setting);
-
-impl Serialize for Named {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(&self.0)
-    }
-}
-
-/// The curves of all events of a branch along the first of two numbers, each followed once. `value` is where the second number is.
+/// The curves of all these events along the first of two numbers, each followed once. `value` is where the second number is.
 ///
 /// # Errors
 /// [`CurveError`]
-pub fn curves(
+pub fn curves<'a>(
     scene: &StructureScene,
     (settings, value): ([Setting; 2], f64),
-    found: &FollowedBranch<StructureOrbit>,
+    located: impl IntoIterator<Item = &'a Located<StructureOrbit>>,
     (window, tolerance): (StructureWindow, f64),
     stop: &Stop,
 ) -> Result<Vec<StructureCurve>, CurveError> {
     let models = family(scene, &settings);
     let mut curves: Vec<StructureCurve> = Vec::new();
-    for located in found.events() {
+    for located in located {
         let place = [located.value, value];
         if !curves.iter().any(|curve| curve.passes((place, &located.orbit), tolerance, |values| window.parts(values))) {
             curves.push(structure_curve(located, &models, place, window, tolerance, stop)?);
