@@ -9,11 +9,10 @@ use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
 
 use crate::along::{
-    Along, ChainAlong, Events, FIRST, StructureAlong, answer, checked_range, ending, ends, evidence_text, object,
-    value_text,
+    Along, ChainAlong, Events, FIRST, StructureAlong, answer, checked_range, ending, ends, evidence_text, value_text,
 };
 use crate::args::LocateArgs;
-use crate::common::answer::printed;
+use crate::common::answer::{object, printed};
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::schemas::{LOCATE, STRUCTURE_BRANCH};

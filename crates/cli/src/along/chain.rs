@@ -12,8 +12,9 @@ use vibrochain_maps::followed::title;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::criterion;
 
-use super::{Along, Events, FIRST, Start, around, object, picked};
+use super::{Along, Events, FIRST, Start, around, picked};
 use crate::args::{AlongArgs, Free};
+use crate::common::answer::object;
 use crate::common::console::Console;
 use crate::common::error::CliError;
 use crate::common::model::{Chosen, chosen};

@@ -13,6 +13,7 @@ use vibrochain_lattice::{Short, Stop};
 use vibrochain_maps::numbers::Number;
 
 use crate::args::{AlongArgs, Free};
+use crate::common::answer::object;
 use crate::common::console::Console;
 use crate::common::error::CliError;
 
@@ -172,11 +173,6 @@ pub(crate) fn answer<A: Along>(along: &A, schema: &str, free: Value) -> Map<Stri
     let mut answer = object([("schema", json!(schema)), ("free", free)]);
     answer.extend(along.head());
     answer
-}
-
-/// Keys with values, in this order.
-pub(crate) fn object<const N: usize>(keys: [(&str, Value); N]) -> Map<String, Value> {
-    keys.map(|(key, value)| (key.to_owned(), value)).into_iter().collect()
 }
 
 /// Where and how the way along a parameter ended.

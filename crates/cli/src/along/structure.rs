@@ -12,8 +12,9 @@ use vibrochain_maps::structure::along::{EventEntry, curves, family};
 use vibrochain_maps::structure::answer::structure;
 use vibrochain_maps::structure::{Setting, StructureScene};
 
-use super::{Along, Events, FIRST, Start, checked_range, object, picked};
+use super::{Along, Events, FIRST, Start, checked_range, picked};
 use crate::args::{AlongArgs, Free};
+use crate::common::answer::object;
 use crate::common::console::Console;
 use crate::common::error::CliError;
 use crate::structures::orbit::found;

@@ -11,11 +11,11 @@ use vibrochain_maps::followed::{BranchName, BranchRow, branch_row};
 use vibrochain_plot::curves_picture;
 
 use crate::along::{
-    Along, ChainAlong, FIRST, StructureAlong, answer, checked_range, ending, ends, evidence_text, object, value_text,
+    Along, ChainAlong, FIRST, StructureAlong, answer, checked_range, ending, ends, evidence_text, value_text,
 };
 use crate::args::{BranchArgs, QuantityName, of_orbits};
 use crate::branch::table::{About, HEADER, write};
-use crate::common::answer::printed;
+use crate::common::answer::{object, printed};
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;

@@ -11,9 +11,9 @@ use vibrochain_maps::followed::curve_rows;
 use vibrochain_maps::numbers::Number;
 use vibrochain_plot::{curves_picture, event_curves};
 
-use crate::along::{Along, ChainAlong, Events, FIRST, SECOND, StructureAlong, answer, checked_range, ending, object};
+use crate::along::{Along, ChainAlong, Events, FIRST, SECOND, StructureAlong, answer, checked_range, ending};
 use crate::args::CurveArgs;
-use crate::common::answer::printed;
+use crate::common::answer::{object, printed};
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
