@@ -67,33 +67,6 @@ pub(crate) fn trajectory_columns(sites: usize) -> impl Iterator<Item = String> {
     std::iter::once("time".to_owned()).chain(columns("displacement")).chain(columns("velocity"))
 }
 
-/// These columns, one row a sample.
-pub(crate) struct Trajectory {
-    file: CsvFile,
-    start: f64,
-    displacement: Vec<f64>,
-    velocity: Vec<f64>,
-}
-
-impl Trajectory {
-    pub(crate) fn open(path: &Path, start: f64, model: &Model) -> Result<Self, CliError> {
-        let sites = model.chain().sites();
-        let file = CsvFile::create("--trajectory", path, trajectory_columns(sites))?;
-        Ok(Self { file, start, displacement: vec![0.0; sites], velocity: vec![0.0; sites] })
-    }
-
-    pub(crate) fn write(&mut self, simulation: &Simulation) -> Result<(), CliError> {
-        simulation.read(&mut self.displacement, &mut self.velocity);
-        let time = simulation.time().on_clock(self.start);
-        let row = std::iter::once(&time).chain(&self.displacement).chain(&self.velocity).map(f64::to_string);
-        Ok(self.file.row(row)?)
-    }
-
-    pub(crate) fn finish(self) -> Result<(), CliError> {
-        Ok(self.file.finish()?)
-    }
-}
-
 /// Periods at the end of the run of which the impacting mass is shown.
 const SHOWN: f64 = 8.0;
 
