@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use clap::error::ErrorKind;
 
-use crate::args::{Cli, Command, STUDIES, read};
+use crate::args::{Cli, Command, read};
 use crate::common::console::Console;
 use crate::common::error::CliError;
 use crate::common::threads::{cores, number};
@@ -75,9 +75,5 @@ fn command(command: &Command, console: &mut Console<'_>) -> Result<(), CliError>
         Command::Init(args) => setup::init(args, console),
         Command::Completions(args) => setup::completions(args, console),
         Command::Man(args) => setup::man(args, console),
-        Command::Study(_) => Err(CliError::Request(format!(
-            "{} are studies, a program of their own: cargo run --locked --release -p vibrochain-studies -- --help",
-            STUDIES.join(", ")
-        ))),
     }
 }

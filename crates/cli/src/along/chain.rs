@@ -12,7 +12,7 @@ use vibrochain_maps::followed::title;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::criterion;
 
-use super::{Along, Events, FIRST, Start, around, picked};
+use super::{Along, Events, FIRST, Start, around, begun};
 use crate::args::{AlongArgs, Free};
 use crate::common::answer::object;
 use crate::common::console::Console;
@@ -81,15 +81,9 @@ impl Along for ChainAlong {
         around(FIRST, free.name(), model.get(free), asked(&chosen, free, [args.from, args.to]))?;
         let mut finder = Finder::new(model.chain().sites()).until(stop);
         let (_, found) = which::find(&which, model, &mut finder, None)?;
-        if let Some(reason) = found.completeness.reason() {
-            return Err(CliError::IllPosed(format!("no orbit to start from: {reason}")));
-        }
-        if found.orbits.is_empty() {
-            let message = format!("no orbit was found to start from, and the list is {}", found.completeness);
-            return Err(CliError::IllPosed(message));
-        }
+        let orbits = which::some(found)?;
         let is_physical = |orbit: &Orbit| Ok(finder.quick_admissibility(orbit)?.is_physical());
-        let start = picked((found.orbits, ""), args.solution, is_physical)?;
+        let start = begun((orbits, ""), args, is_physical)?;
         Ok(Self { start, chosen })
     }
 

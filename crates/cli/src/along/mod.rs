@@ -113,7 +113,7 @@ pub(crate) trait Along: Sized {
 }
 
 /// The solution asked for, physical or not; otherwise the first physical one.
-fn picked<O>(
+pub(crate) fn picked<O>(
     (orbits, of): (Vec<O>, &str),
     solution: Option<usize>,
     mut is_physical: impl FnMut(&O) -> Result<bool, CliError>,
@@ -128,9 +128,21 @@ fn picked<O>(
             return Ok(Start { orbit, number, count });
         }
     }
-    Err(CliError::IllPosed(format!(
-        "none of the {count} orbits{of} is physical; --solution K starts from one that is not, `mapgen orbit` lists them"
-    )))
+    Err(CliError::IllPosed(format!("none of the {count} orbits{of} is physical")))
+}
+
+/// [`picked`], with how to start from others.
+fn begun<O>(
+    orbits: (Vec<O>, &str),
+    args: &AlongArgs,
+    is_physical: impl FnMut(&O) -> Result<bool, CliError>,
+) -> Result<Start<O>, CliError> {
+    picked(orbits, args.solution, is_physical).map_err(|error| match error {
+        CliError::IllPosed(none) => {
+            CliError::IllPosed(format!("{none}; --solution K starts from one that is not, `mapgen orbit` lists them"))
+        }
+        error => error,
+    })
 }
 
 /// The range that is searched must hold the start; what does not is told by its flag.

@@ -12,7 +12,7 @@ use vibrochain_maps::structure::along::{EventEntry, curves, family};
 use vibrochain_maps::structure::answer::structure;
 use vibrochain_maps::structure::{Setting, StructureScene};
 
-use super::{Along, Events, FIRST, Start, checked_range, picked};
+use super::{Along, Events, FIRST, Start, begun, checked_range};
 use crate::args::{AlongArgs, Free};
 use crate::common::answer::object;
 use crate::common::console::Console;
@@ -64,7 +64,7 @@ impl Along for StructureAlong {
             return Err(CliError::IllPosed(format!("no orbit of {word} was found to start from")));
         }
         let is_physical = |orbit: &StructureOrbit| Ok(structure_is_physical(orbit)?.is_physical());
-        let start = picked((found.orbits, &format!(" of {word}")), args.solution, is_physical)?;
+        let start = begun((found.orbits, &format!(" of {word}")), args, is_physical)?;
         let along = Self { scene, start, word };
         checked_range(&along, free, FIRST, [args.from, args.to])?;
         Ok(along)

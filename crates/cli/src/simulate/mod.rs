@@ -16,6 +16,7 @@ use vibrochain_fate::{End, LOOKED_AT, Pattern, Witness};
 use vibrochain_floquet::{Analyser, Tolerance};
 use vibrochain_lattice::{Model, Short, Stop};
 
+use crate::along::{Start, picked};
 use crate::args::{Direction, SimulateArgs};
 use crate::common::answer::printed;
 use crate::common::caption::perturbed;
@@ -29,7 +30,7 @@ use crate::simulate::follow::{Reached, Run};
 use crate::simulate::pace::interrupted;
 use crate::simulate::recording::{ImpactTable, Plot, orbit_time, trajectory_columns};
 use crate::simulate::section::{Section, Sectioned};
-use crate::simulate::start::{Start, leading_mode_at};
+use crate::simulate::start::{Start as State, leading_mode_at};
 use crate::structures;
 use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::numbers::Number;
@@ -126,56 +127,29 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     }
 }
 
-/// The orbit that a run begins on, its number among all solutions, and theirs.
-struct Home {
-    orbit: Orbit,
-    number: usize,
-    count: usize,
-}
-
 /// The state to start from and the orbit to compare with.
 fn starting_point(
     args: &SimulateArgs,
     chosen: &Chosen,
     stop: &Stop,
     console: &mut Console<'_>,
-) -> Result<(Start, Option<Home>), CliError> {
+) -> Result<(State, Option<Start<Orbit>>), CliError> {
     if let Some(path) = &args.state {
         return Ok((start::read(path, args.psi)?, None));
     }
     let (model, which) = (&chosen.model, which::wanted(&args.which, chosen.scene.as_ref())?);
     let mut finder = Finder::new(model.chain().sites()).until(stop);
-    let (_, mut found) = which::find(&which, model, &mut finder, Some(console))?;
-    let count = found.orbits.len();
-    let mut taken = None;
-    for (i, orbit) in found.orbits.drain(..).enumerate() {
-        let physical = finder.admissibility(&orbit)?.is_physical();
-        if args.solution.map_or(physical, |number| number == i + 1) {
-            taken = Some((Home { orbit, number: i + 1, count }, physical));
-            break;
-        }
+    let orbits = which::some(which::find(&which, model, &mut finder, Some(console))?.1)?;
+    let is_physical = |orbit: &Orbit| Ok(finder.admissibility(orbit)?.is_physical());
+    let home = picked((orbits, ""), args.solution, is_physical).map_err(|error| match error {
+        CliError::IllPosed(none) => CliError::IllPosed(format!("no orbit to start from: {none}")),
+        error => error,
+    })?;
+    if args.solution.is_some() && !finder.admissibility(&home.orbit)?.is_physical() {
+        return Err(CliError::Request(format!("solution {} is not physical; `mapgen orbit` tells why", home.number)));
     }
-    let home = match (taken, args.solution, found.completeness.reason()) {
-        (Some((home, true)), _, _) => home,
-        (Some((_, false)), Some(number), _) => {
-            return Err(CliError::Request(format!("solution {number} is not physical; `mapgen orbit` tells why")));
-        }
-        (_, Some(number), None) if count > 0 => {
-            return Err(CliError::Request(format!(
-                "--solution {number} is out of range: there are {count}, give 1 to {count}"
-            )));
-        }
-        (_, _, Some(reason)) => return Err(CliError::IllPosed(format!("no orbit to start from: {reason}"))),
-        _ if count == 0 => {
-            let message = format!("no orbit was found to start from, and the list is {}", found.completeness);
-            return Err(CliError::IllPosed(message));
-        }
-        _ => {
-            return Err(CliError::IllPosed(format!("no orbit to start from: none of {count} solutions is physical")));
-        }
-    };
     let orbit = &home.orbit;
-    let mut start = Start::on(orbit)?;
+    let mut start = State::on(orbit)?;
     if let Some(size) = args.perturb {
         if !size.is_finite() {
             return Err(CliError::Request(format!("--perturb {} is out of range: give a finite size", Short(size))));
@@ -284,7 +258,7 @@ struct Told<'a> {
     stopped: bool,
     /// Time of the start, on the clock of the orbit.
     start: f64,
-    home: Option<&'a Home>,
+    home: Option<&'a Start<Orbit>>,
     fate: vibrochain_fate::Outcome,
     /// From the orbit, at the end.
     distance: Option<f64>,
@@ -363,7 +337,7 @@ impl Told<'_> {
         let (work, time, model) = (self.simulation.work(), self.simulation.time(), self.simulation.model());
         let mut out = String::new();
         let from = match self.home {
-            Some(Home { orbit, number, count }) => format!("{} breather, solution {number} of {count}", orbit.name()),
+            Some(Start { orbit, number, count }) => format!("{} breather, solution {number} of {count}", orbit.name()),
             None => "from a state".to_owned(),
         };
         let _ = writeln!(out, "{from}{}; {model}", perturbed(self.args));
