@@ -12,12 +12,13 @@ use crate::along::{
     Along, ChainAlong, Events, FIRST, StructureAlong, answer, checked_range, ending, ends, evidence_text, value_text,
 };
 use crate::args::LocateArgs;
-use crate::common::answer::{object, printed};
+use crate::common::answer::printed;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::schemas::{LOCATE, STRUCTURE_BRANCH};
 use crate::structures;
 use crate::sweep::report::counted;
+use vibrochain_maps::manifest::object;
 
 /// Runs the subcommand.
 ///
@@ -83,7 +84,7 @@ fn json_of<A: Along>(
         ("range", json!(range)),
         (if A::OF_CHAINS { "points" } else { "events" }, found.located.iter().map(A::event).collect()),
         ("unresolved", json!(found.unresolved)),
-        ("ends", json!(ends(free, along.start().orbit.force_periods(), &found.ends))),
+        ("ends", ends(free, along.start().orbit.force_periods(), &found.ends)),
     ]));
     if A::OF_CHAINS {
         let [evaluations, spectra] = found.counts.map(|count| json!(count));

@@ -14,11 +14,11 @@ use vibrochain_maps::scene::criterion;
 
 use super::{Along, Events, FIRST, Start, around, begun};
 use crate::args::{AlongArgs, Free};
-use crate::common::answer::object;
 use crate::common::console::Console;
 use crate::common::error::CliError;
 use crate::common::model::{Chosen, chosen};
 use crate::common::which;
+use vibrochain_maps::manifest::object;
 
 /// A breather, and where its model comes from.
 pub(crate) struct ChainAlong {

@@ -3,7 +3,6 @@
 mod chain;
 mod structure;
 
-use serde::Serialize;
 use serde_json::{Map, Value, json};
 use vibrochain_floquet::{
     Diagram, End, Event, EventCurve, Evidence, Followed, Located, StructureCourse, StructureWindow, Tolerance,
@@ -13,9 +12,9 @@ use vibrochain_lattice::{Short, Stop};
 use vibrochain_maps::numbers::Number;
 
 use crate::args::{AlongArgs, Free};
-use crate::common::answer::object;
 use crate::common::console::Console;
 use crate::common::error::CliError;
+use vibrochain_maps::manifest::object;
 
 pub(crate) use chain::{ChainAlong, labels};
 pub(crate) use structure::StructureAlong;
@@ -187,21 +186,9 @@ pub(crate) fn answer<A: Along>(along: &A, schema: &str, free: Value) -> Map<Stri
     answer
 }
 
-/// Where and how the way along a parameter ended.
-#[derive(Serialize)]
-pub(crate) struct EndAnswer {
-    value: f64,
-    reason: &'static str,
-    message: String,
-}
-
-/// All ends of a way of orbits of so many periods of the force.
-pub(crate) fn ends(free: &str, force_periods: u32, ends: &[(f64, End)]) -> Vec<EndAnswer> {
-    let answer = |(value, end): &(f64, End)| EndAnswer {
-        value: *value,
-        reason: end.name(),
-        message: ending(free, force_periods, *value, end),
-    };
+/// Where and how a way of orbits of so many periods of the force ended.
+pub(crate) fn ends(free: &str, force_periods: u32, ends: &[(f64, End)]) -> Value {
+    let answer = |(value, end): &(f64, End)| json!({ "value": value, "reason": end.name(), "message": ending(free, force_periods, *value, end) });
     ends.iter().map(answer).collect()
 }
 

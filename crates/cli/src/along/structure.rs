@@ -8,16 +8,16 @@ use vibrochain_floquet::{
 use vibrochain_lattice::{Short, Stop};
 use vibrochain_maps::caption::in_words;
 use vibrochain_maps::scene::tolerance_from;
-use vibrochain_maps::structure::along::{EventEntry, curves, family};
+use vibrochain_maps::structure::along::{curves, event, family};
 use vibrochain_maps::structure::answer::structure;
 use vibrochain_maps::structure::{Setting, StructureScene};
 
 use super::{Along, Events, FIRST, Start, begun, checked_range};
 use crate::args::{AlongArgs, Free};
-use crate::common::answer::object;
 use crate::common::console::Console;
 use crate::common::error::CliError;
 use crate::structures::orbit::found;
+use vibrochain_maps::manifest::object;
 
 /// An orbit of a scene's structure.
 pub(crate) struct StructureAlong {
@@ -123,7 +123,7 @@ impl Along for StructureAlong {
     }
 
     fn event(found: &Located<StructureOrbit>) -> Value {
-        json!(EventEntry::of(found))
+        event(found)
     }
 
     fn title(orbit: &StructureOrbit) -> String {

@@ -15,7 +15,7 @@ use crate::along::{
 };
 use crate::args::{BranchArgs, QuantityName, of_orbits};
 use crate::branch::table::{About, HEADER, write};
-use crate::common::answer::{object, printed};
+use crate::common::answer::printed;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
@@ -23,6 +23,7 @@ use crate::common::schemas::{BRANCH, STRUCTURE_BRANCH};
 use crate::common::table_manifest::{Manifest, beside};
 use crate::structures;
 use crate::sweep::report::counted;
+use vibrochain_maps::manifest::object;
 use vibrochain_maps::numbers::Number;
 
 /// Runs the subcommand.
@@ -117,7 +118,7 @@ fn on_branch<A: Along>(free: &str, branch: &FollowedBranch<A::Orbit>) -> Map<Str
         ("points", json!(branch.points().collect::<Vec<_>>())),
         ("events", branch.events().map(A::event).collect()),
         ("unresolved", json!(branch.unresolved)),
-        ("ends", json!(ends(free, periods(branch), &branch.ends))),
+        ("ends", ends(free, periods(branch), &branch.ends)),
     ])
 }
 

@@ -1,7 +1,7 @@
 //! Answers in JSON: what those of several commands have in common.
 
 use serde::Serialize;
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use crate::common::error::CliError;
 
@@ -14,7 +14,10 @@ pub(crate) fn printed(answer: &impl Serialize) -> Result<String, CliError> {
     Ok(text + "\n")
 }
 
-/// Keys with values, in this order.
-pub(crate) fn object<const N: usize>(keys: [(&str, Value); N]) -> Map<String, Value> {
-    keys.map(|(key, value)| (key.to_owned(), value)).into_iter().collect()
+/// An object with the keys of another one behind its own.
+pub(crate) fn joined(mut value: Value, more: Value) -> Value {
+    if let (Value::Object(keys), Value::Object(more)) = (&mut value, more) {
+        keys.extend(more);
+    }
+    value
 }

@@ -4,7 +4,7 @@ use rayon::ThreadPool;
 use serde_json::{Map, Value, json};
 use vibrochain_fate::Sectioned;
 use vibrochain_lattice::{Parameter, Stop};
-use vibrochain_maps::manifest::scene_parts;
+use vibrochain_maps::manifest::{object, scene_parts};
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::structure::answer::structure;
@@ -71,7 +71,6 @@ impl SweptScene for StructureScene {
 
     fn about(&self) -> Result<Map<String, Value>, CliError> {
         let model = self.model().map_err(CliError::Request)?;
-        let about = [("structure", structure(self, &model)), ("axes", json!(self.axis_names))];
-        Ok(about.map(|(name, value)| (name.to_owned(), value)).into_iter().collect())
+        Ok(object([("structure", structure(self, &model)), ("axes", json!(self.axis_names))]))
     }
 }

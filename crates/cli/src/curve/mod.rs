@@ -13,7 +13,7 @@ use vibrochain_plot::{curves_picture, event_curves};
 
 use crate::along::{Along, ChainAlong, Events, FIRST, SECOND, StructureAlong, answer, checked_range, ending};
 use crate::args::CurveArgs;
-use crate::common::answer::{object, printed};
+use crate::common::answer::printed;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
@@ -21,6 +21,7 @@ use crate::common::schemas::{CURVE, STRUCTURE_CURVE};
 use crate::common::table_manifest::{Manifest, beside};
 use crate::curve::table::{About, header, write};
 use crate::structures;
+use vibrochain_maps::manifest::object;
 
 /// Runs the subcommand.
 ///

@@ -20,7 +20,7 @@ use crate::common::error::CliError;
 use crate::common::model::chosen;
 use crate::common::solution::Solution;
 use crate::common::which;
-use crate::orbit::answer::OrbitAnswer;
+use crate::orbit::answer::answer;
 use crate::orbit::modes::OrbitModes;
 use crate::orbit::multiplier_file::MultiplierFile;
 use crate::orbit::pictures::OrbitPictures;
@@ -72,11 +72,8 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         stop.heard().map_err(BreatherError::from)?;
         solutions.push(Solution { orbit, admissibility, condition, multipliers, modes, phases });
     }
-    let text = if args.json {
-        printed(&OrbitAnswer::new(&model, &solutions, &found))?
-    } else {
-        text(&model, &name, &solutions, &found)
-    };
+    let text =
+        if args.json { printed(&answer(&model, &solutions, &found))? } else { text(&model, &name, &solutions, &found) };
     console.answer(&text, args.json, taken)?;
     if let Some(file) = file {
         file.of_solutions(&solutions, &mut finder)?;

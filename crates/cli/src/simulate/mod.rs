@@ -9,12 +9,12 @@ pub mod start;
 
 use std::fmt::Write as _;
 
-use serde::Serialize;
+use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Motion, Orbit};
 use vibrochain_eventsim::{Limits, Outcome, Report, Simulation, Time};
 use vibrochain_fate::{End, LOOKED_AT, Pattern, Witness};
 use vibrochain_floquet::{Analyser, Tolerance};
-use vibrochain_lattice::{Model, Short, Stop};
+use vibrochain_lattice::{Short, Stop};
 
 use crate::along::{Start, picked};
 use crate::args::{Direction, SimulateArgs};
@@ -265,37 +265,9 @@ struct Told<'a> {
     events: u64,
 }
 
-/// The same as JSON, with the state at the end.
-#[derive(Serialize)]
-struct SimulateAnswer<'a> {
-    schema: &'static str,
-    outcome: &'static str,
-    parameters: &'a Model,
-    solution: Option<usize>,
-    start: f64,
-    periods: u64,
-    offset: f64,
-    events: u64,
-    impacts: u64,
-    sticks: u64,
-    releases: u64,
-    energy: f64,
-    left: Option<f64>,
-    end: Option<&'static str>,
-    word: Option<String>,
-    distance: Option<f64>,
-    state: StateAnswer,
-}
-
-#[derive(Serialize)]
-struct StateAnswer {
-    displacement: Vec<f64>,
-    velocity: Vec<f64>,
-    psi: f64,
-}
-
 impl Told<'_> {
-    fn answer(&self) -> SimulateAnswer<'_> {
+    /// As JSON, with the state at the end.
+    fn answer(&self) -> Value {
         let (simulation, fate) = (self.simulation, &self.fate);
         let (work, time, state) = (simulation.work(), simulation.time(), simulation.state());
         let outcome = match self.report.outcome {
@@ -311,25 +283,25 @@ impl Told<'_> {
         };
         // The force repeats: its phase at the end needs no whole periods.
         let psi = (state.psi + time.offset()).rem_euclid(simulation.model().period());
-        SimulateAnswer {
-            schema: SIMULATE,
-            outcome,
-            parameters: simulation.model(),
-            solution: self.home.map(|home| home.number),
-            start: self.start,
-            periods: time.periods(),
-            offset: time.offset(),
-            events: self.events,
-            impacts: work.impacts,
-            sticks: work.sticks,
-            releases: work.releases,
-            energy: simulation.energy(),
-            left: fate.left,
-            end: fate.end.as_ref().map(End::name),
-            word,
-            distance: self.distance,
-            state: StateAnswer { displacement: state.displacement, velocity: state.velocity, psi },
-        }
+        json!({
+            "schema": SIMULATE,
+            "outcome": outcome,
+            "parameters": simulation.model(),
+            "solution": self.home.map(|home| home.number),
+            "start": self.start,
+            "periods": time.periods(),
+            "offset": time.offset(),
+            "events": self.events,
+            "impacts": work.impacts,
+            "sticks": work.sticks,
+            "releases": work.releases,
+            "energy": simulation.energy(),
+            "left": fate.left,
+            "end": fate.end.as_ref().map(End::name),
+            "word": word,
+            "distance": self.distance,
+            "state": { "displacement": state.displacement, "velocity": state.velocity, "psi": psi },
+        })
     }
 
     /// For people. Writing to a String cannot fail.

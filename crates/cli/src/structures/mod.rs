@@ -15,8 +15,8 @@ use vibrochain_lattice::Parameter::{self, Amplitude, Asymmetry, Gamma1, Gamma2, 
 use vibrochain_maps::structure::{Setting, StructureScene};
 
 use crate::args::{ModelArgs, RowEnds, StructureArgs};
-use crate::common::answer::object;
 use crate::common::error::CliError;
+use vibrochain_maps::manifest::object;
 
 /// The structure that is asked about: a scene's, or a chain with what flags add to it; `None` of a plain chain.
 ///

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use serde::Serialize;
+use serde_json::{Value, json};
 use vibrochain_breather::{StructureFamily, StructureOrbit};
 use vibrochain_floquet::{CurveError, Evidence, Located, StructureCurve, StructureWindow, Verdict, structure_curve};
 use vibrochain_lattice::Stop;
@@ -21,67 +21,30 @@ pub fn family(scene: &StructureScene, settings: &[Setting]) -> StructureFamily {
     })
 }
 
-/// What shows an event, as JSON has it.
-#[derive(Serialize)]
-#[serde(untagged)]
-enum EvidenceEntry {
-    Multiplier { multiplier: [f64; 2] },
-    Touch { contact: usize, barrier: &'static str, time: f64 },
-    Impact { impact: usize },
-}
-
-impl EvidenceEntry {
-    fn of(evidence: Evidence) -> Self {
-        match evidence {
-            Evidence::Multiplier(mu) => Self::Multiplier { multiplier: [mu.re, mu.im] },
-            Evidence::Touch(touch) => {
-                Self::Touch { contact: touch.site, barrier: touch.barrier.name(), time: touch.time }
-            }
-            Evidence::Impact(impact) => Self::Impact { impact },
-        }
-    }
-}
-
-/// A verdict on one side of an event.
-#[derive(Serialize)]
-struct SideEntry {
-    value: f64,
-    stability: Verdict,
-}
-
 /// An event as JSON has it.
-#[derive(Serialize)]
-pub struct EventEntry {
-    event: &'static str,
-    value: f64,
-    error: Option<f64>,
-    evidence: EvidenceEntry,
-    physical: Option<bool>,
-    period: f64,
-    psi: Option<f64>,
-    times: Vec<f64>,
-    impulses: Vec<f64>,
-    sides: Vec<SideEntry>,
-}
-
-impl EventEntry {
-    /// Of an event that was located.
-    #[must_use]
-    pub fn of(found: &Located<StructureOrbit>) -> Self {
-        let sides = found.verdicts.iter();
-        Self {
-            event: found.event.name(),
-            value: found.value,
-            error: Some(found.error).filter(|error| error.is_finite()),
-            evidence: EvidenceEntry::of(found.evidence),
-            physical: found.physical,
-            period: found.orbit.period(),
-            psi: found.orbit.psi(),
-            times: found.orbit.impacts().iter().map(|impact| impact.time).collect(),
-            impulses: found.orbit.impulses(),
-            sides: sides.map(|(value, verdict)| SideEntry { value: *value, stability: *verdict }).collect(),
+#[must_use]
+pub fn event(found: &Located<StructureOrbit>) -> Value {
+    let evidence = match found.evidence {
+        Evidence::Multiplier(mu) => json!({ "multiplier": [mu.re, mu.im] }),
+        Evidence::Touch(touch) => {
+            json!({ "contact": touch.site, "barrier": touch.barrier.name(), "time": touch.time })
         }
-    }
+        Evidence::Impact(impact) => json!({ "impact": impact }),
+    };
+    let side = |(value, verdict): &(f64, Verdict)| json!({ "value": value, "stability": verdict });
+    let times = found.orbit.impacts().iter().map(|impact| json!(impact.time));
+    json!({
+        "event": found.event.name(),
+        "value": found.value,
+        "error": found.error,
+        "evidence": evidence,
+        "physical": found.physical,
+        "period": found.orbit.period(),
+        "psi": found.orbit.psi(),
+        "times": times.collect::<Value>(),
+        "impulses": found.orbit.impulses(),
+        "sides": found.verdicts.iter().map(side).collect::<Value>(),
+    })
 }
 
 /// The curves of all these events along the first of two numbers, each followed once. `value` is where the second number is.
