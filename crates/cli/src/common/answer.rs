@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use serde_json::Value;
+use vibrochain_floquet::Verdict;
 
 use crate::common::error::CliError;
 
@@ -20,4 +21,24 @@ pub(crate) fn joined(mut value: Value, more: Value) -> Value {
         keys.extend(more);
     }
     value
+}
+
+/// An estimated error for people: from 1 on, or without bound, nothing is known.
+pub(crate) fn estimate(error: f64) -> String {
+    if error < 1.0 { format!("{error:.0e}") } else { "unknown".to_owned() }
+}
+
+/// A verdict for people.
+pub(crate) fn told_verdict(verdict: &Verdict) -> String {
+    let how = match verdict.mechanism {
+        Some(mechanism) => format!("unstable ({})", mechanism.name()),
+        None if verdict.marginal => "marginal (closer to the border than its own error)".to_owned(),
+        None => "stable".to_owned(),
+    };
+    // Structure puts it on the circle exactly, or the eigenvalue has an error.
+    let error = match verdict.resolution {
+        0.0 => String::new(),
+        resolution => format!(" ± {}", estimate(resolution)),
+    };
+    format!("{how}: spectral radius {}{error}", verdict.spectral_radius)
 }

@@ -1,6 +1,5 @@
 //! `mapgen simulate` of a structure: every impact from a state or an orbit on, and what the run settles on.
 
-use serde::Deserialize;
 use vibrochain_breather::{StructureModel, StructureMotion, StructureOrbit, structure_admissibility};
 use vibrochain_eventsim::{
     ContactEvent, EventKind, Limits, StructureOutcome, StructureReport, StructureSimulation, StructureState, Time,
@@ -8,7 +7,6 @@ use vibrochain_eventsim::{
 use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::structure::StructureScene;
-use vibrochain_maps::text::read_text;
 
 use super::orbit::{columns, found};
 use super::run_answer::{MOST_PERIODS, REPETITIONS, answer, energy_text, settled, text};
@@ -19,9 +17,7 @@ use crate::common::error::CliError;
 use crate::simulate::follow::{Reached, Run, checked, follow};
 use crate::simulate::pace::interrupted;
 use crate::simulate::section::{Section, Sectioned};
-
-/// The most bytes of a state.
-const MOST_BYTES: u64 = 16 << 20;
+use crate::simulate::start::{Start as State, read};
 
 /// Periods of a run, of which there are fewer.
 const MOST: f64 = 1e15;
@@ -118,19 +114,10 @@ struct Start {
 fn start(args: &SimulateArgs, scene: &StructureScene, model: &StructureModel) -> Result<Start, CliError> {
     let of_no_orbit = |psi, modes, from| Ok(Start { psi, modes, from, orbit: None });
     if let Some(path) = &args.state {
-        #[derive(Deserialize)]
-        struct State {
-            displacement: Vec<f64>,
-            velocity: Vec<f64>,
-            #[serde(default)]
-            psi: f64,
-        }
-        let text = read_text("the state", path, MOST_BYTES)?;
-        let state: State =
-            serde_json::from_str(&text).map_err(|error| CliError::Request(format!("{}: {error}", path.display())))?;
-        let modes = scene.modes_of(&state.displacement, &state.velocity);
+        let State { displacement, velocity, psi, .. } = read(path, args.psi)?;
+        let modes = scene.modes_of(&displacement, &velocity);
         let modes = modes.map_err(|why| CliError::Request(format!("{}: {why}", path.display())))?;
-        return of_no_orbit(args.psi.unwrap_or(state.psi), modes, format!("the state of {}", path.display()));
+        return of_no_orbit(psi, modes, format!("the state of {}", path.display()));
     }
     let named = args.which.family.is_some() || args.which.word.is_some() || args.which.near.is_some();
     if !named && scene.word.is_none() {
