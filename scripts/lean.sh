@@ -33,8 +33,6 @@ echo "|---|---|---|---|"
 for layer in lattice breather floquet eventsim; do
     row "\`vibrochain-$layer\`" "vibrochain-$layer"
 done
-# The full program last: it is the one that stays.
-row "\`vibrochain-cli\` without features" vibrochain-cli --no-default-features
 row "\`vibrochain-cli\`" vibrochain-cli
 
 # "name", "time: [low mean high]" and "name: x allocations a cell" of the benchmark, a line each.

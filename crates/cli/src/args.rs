@@ -18,13 +18,12 @@ use crate::common::tips;
 
 use crate::common::pictures::page_args::{PICTURES, PageArgs};
 
-pub use events::{AlongArgs, BranchArgs, CurveArgs, CurvesArgs, LocateArgs};
+pub use events::{AlongArgs, BranchArgs, CurveArgs, CurvesArgs, Free, LocateArgs};
 pub use model::{ModelArgs, ParameterArgs, RowEnds, SiteFamily, StructureArgs, WhichArgs};
 pub use quantity::QuantityName;
-#[cfg(feature = "plot")]
 pub(crate) use quantity::{OF_BRANCHES, OF_MAPS, SHOWN, of_orbits};
 pub use runs::{Direction, FateArgs, SectionName, SimulateArgs, StartFrom};
-pub use setup::{CompletionsArgs, InitArgs, ManArgs, STUDIES, SchemaArgs, StudyArgs};
+pub use setup::{CompletionsArgs, InitArgs, ManArgs, SchemaArgs};
 pub use sweep::{DrawArgs, MergeArgs, PaletteName, PictureArgs, SweepArgs};
 
 /// Existence and stability of breathers in vibro-impact chains.
@@ -114,9 +113,6 @@ pub enum Command {
     Man(ManArgs),
     /// Print the JSON Schema of what is written or read; without a name, list them.
     Schema(SchemaArgs),
-    /// Commands that have become studies.
-    #[command(hide = true, aliases = STUDIES)]
-    Study(StudyArgs),
 }
 
 /// Arguments of `mapgen stripes`.

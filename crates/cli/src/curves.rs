@@ -3,13 +3,13 @@
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
-use serde::Serialize;
+use serde_json::{Value, json};
 use vibrochain_lattice::{Parameter, Short};
-use vibrochain_maps::borders::{Border, BorderKind, Borders, MergedStripes, UnexplainedChange};
+use vibrochain_maps::borders::{Border, BorderKind, Borders, UnexplainedChange};
 use vibrochain_maps::cell::Class;
 use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_maps::numbers::Number;
-use vibrochain_maps::regions::{Area, Regions};
+use vibrochain_maps::regions::Regions;
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::sweep::Plan;
 
@@ -108,17 +108,6 @@ struct Answer<'a> {
     time: Duration,
 }
 
-/// The same as JSON.
-#[derive(Serialize)]
-struct CurvesAnswer<'a> {
-    schema: &'static str,
-    free: [Parameter; 2],
-    borders: &'a [Border],
-    areas: &'a [Area<Lives>],
-    unexplained: &'a [UnexplainedChange],
-    unresolved: &'a [MergedStripes],
-}
-
 fn class_name(class: Lives) -> &'static str {
     class.map_or("unknown", Class::name)
 }
@@ -148,9 +137,17 @@ impl Answer<'_> {
         counts
     }
 
-    fn told(&self) -> CurvesAnswer<'_> {
-        let Borders { parameters: free, borders, unexplained, unresolved, .. } = self.borders;
-        CurvesAnswer { schema: CURVES, free: *free, borders, areas: self.regions.areas(), unexplained, unresolved }
+    /// As JSON.
+    fn told(&self) -> Value {
+        let Borders { parameters, borders, unexplained, unresolved, .. } = self.borders;
+        json!({
+            "schema": CURVES,
+            "free": parameters,
+            "borders": borders,
+            "areas": self.regions.areas(),
+            "unexplained": unexplained,
+            "unresolved": unresolved,
+        })
     }
 
     /// The answer for people. Writing to a String cannot fail.
@@ -221,7 +218,6 @@ impl Answer<'_> {
     }
 }
 
-#[cfg(feature = "plot")]
 fn draw(files: PictureFiles, scene: &Scene, regions: &Regions<Lives>) -> Result<(), CliError> {
     use vibrochain_plot::{Palette, RegionsPicture, Tile, regions_picture};
     if files.is_empty() {
@@ -233,17 +229,6 @@ fn draw(files: PictureFiles, scene: &Scene, regions: &Regions<Lives>) -> Result<
 }
 
 /// Makes sure that the picture can be made.
-#[cfg(feature = "plot")]
 fn fits(files: &PictureFiles, scene: &Scene) -> Result<(), CliError> {
     files.fit(|page| vibrochain_plot::regions_fit(scene, page))
-}
-
-#[cfg(not(feature = "plot"))]
-fn fits(_: &PictureFiles, _: &Scene) -> Result<(), CliError> {
-    Ok(())
-}
-
-#[cfg(not(feature = "plot"))]
-fn draw(_: PictureFiles, _: &Scene, _: &Regions<Lives>) -> Result<(), CliError> {
-    Ok(())
 }

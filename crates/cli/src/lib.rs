@@ -2,12 +2,14 @@
 
 // | folder or file | holds |
 // |---|---|
+// | `along` | an orbit to start from as its numbers vary, of a chain or of a structure: for `locate`, `branch` and `curve` |
 // | `common` | what commands share: console, models and orbits asked for, pictures, tables in chunks, schemas |
 // | `args`, `program` | the command line; the whole program as a function |
 // | `orbit`, `sweep`, `branch`, `curve`, `fate`, `simulate`, `stripes`, `explore`, `setup` | a command and its parts; `sweep` has `merge` and `draw`, too |
 // | `structures` | what commands do for a structure of any kind, and for a chain with dashpots |
 // | `curves`, `locate`, `schema`, `words` | commands of one file |
 
+mod along;
 pub mod args;
 pub mod branch;
 pub mod common;
@@ -22,7 +24,6 @@ pub mod program;
 pub mod schema;
 pub mod setup;
 pub mod simulate;
-#[cfg(feature = "plot")]
 pub mod stripes;
 mod structures;
 pub mod sweep;

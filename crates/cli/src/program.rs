@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use clap::error::ErrorKind;
 
-use crate::args::{Cli, Command, STUDIES, read};
+use crate::args::{Cli, Command, read};
 use crate::common::console::Console;
 use crate::common::error::CliError;
 use crate::common::threads::{cores, number};
@@ -55,7 +55,6 @@ fn command(command: &Command, console: &mut Console<'_>) -> Result<(), CliError>
     match command {
         Command::Sweep(args) => sweep::run(args, console),
         Command::Merge(args) => merge::run(args, console),
-        #[cfg(feature = "plot")]
         Command::Draw(args) => crate::sweep::draw::run(args, console),
         Command::Orbit(args) => orbit::run(args, console),
         Command::Words(args) => words::run(args, console),
@@ -66,12 +65,7 @@ fn command(command: &Command, console: &mut Console<'_>) -> Result<(), CliError>
         Command::Simulate(args) => simulate::run(args, console),
         Command::Schema(args) => schema::run(args, console),
         Command::Fate(args) => fate::run(args, console),
-        #[cfg(feature = "plot")]
         Command::Stripes(args) => crate::stripes::run(args, console),
-        #[cfg(not(feature = "plot"))]
-        Command::Draw(_) | Command::Stripes(_) => {
-            Err(CliError::Request("this build draws nothing: build with the feature `plot`".to_owned()))
-        }
         #[cfg(feature = "explore")]
         Command::Explore(args) => crate::explore::run(args, console),
         #[cfg(not(feature = "explore"))]
@@ -81,9 +75,5 @@ fn command(command: &Command, console: &mut Console<'_>) -> Result<(), CliError>
         Command::Init(args) => setup::init(args, console),
         Command::Completions(args) => setup::completions(args, console),
         Command::Man(args) => setup::man(args, console),
-        Command::Study(_) => Err(CliError::Request(format!(
-            "{} are studies, a program of their own: cargo run --locked --release -p vibrochain-studies -- --help",
-            STUDIES.join(", ")
-        ))),
     }
 }

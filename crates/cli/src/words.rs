@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use serde::Serialize;
+use serde_json::json;
 use vibrochain_breather::{BreatherError, Family, Finder, Found, NoBreather, Obstruction, Wanted, Word};
 use vibrochain_floquet::{Analyser, Mechanism, Tolerance, Verdict};
 use vibrochain_lattice::{Layout, Model, Parameter, Stop};
@@ -41,17 +42,6 @@ struct Row {
     verdict: Option<Verdict>,
 }
 
-/// The answer as JSON: how many words there are up to symmetry, how many orbits they have, and those that are listed.
-#[derive(Serialize)]
-struct WordsAnswer<'a> {
-    schema: &'static str,
-    parameters: &'a Model,
-    words: usize,
-    orbits: usize,
-    unsearched: &'a [String],
-    solutions: Vec<&'a Row>,
-}
-
 impl Row {
     fn is_stable(&self) -> bool {
         self.verdict.as_ref().is_some_and(|verdict| verdict.stable)
@@ -82,10 +72,16 @@ pub fn run(args: &WordsArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     }
     let (rows, unsearched) = rows(&model, &words, tolerance, &stop)?;
     let answer = if args.json {
-        let solutions = rows.iter().filter(|row| args.all || row.physical).collect();
-        let (words, orbits) = (words.len(), rows.len());
-        let (parameters, unsearched) = (&model, &unsearched);
-        printed(&WordsAnswer { schema: WORDS, parameters, words, orbits, unsearched, solutions })?
+        // How many words there are up to symmetry, how many orbits they have, and those that are listed.
+        let listed: Vec<&Row> = rows.iter().filter(|row| args.all || row.physical).collect();
+        printed(&json!({
+            "schema": WORDS,
+            "parameters": model,
+            "words": words.len(),
+            "orbits": rows.len(),
+            "unsearched": unsearched,
+            "solutions": listed,
+        }))?
     } else {
         text(&words, &rows, &unsearched, args.all)
     };

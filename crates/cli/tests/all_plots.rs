@@ -1,5 +1,4 @@
 //! `mapgen orbit --all-plots`: its files, and what is on them.
-#![cfg(feature = "plot")]
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use std::fs;

@@ -130,7 +130,6 @@ fn wrong_axes() {
     }
 }
 
-#[cfg(feature = "plot")]
 #[test]
 fn pictures_have_axes_of_any_spacing_but_no_third() {
     let three = format!("{MODEL}[sweep]\nx = {OMEGA}\ny = {GAMMA2}\naxes = [{ASYMMETRY}]\n{COMPUTE}");

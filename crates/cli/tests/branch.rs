@@ -266,7 +266,6 @@ fn growth_below_a_threshold_counts_as_stable() {
     assert!(0 < strict && strict < all, "{strict} {all}");
 }
 
-#[cfg(feature = "plot")]
 #[test]
 fn pictures_of_every_quantity() {
     let folder = tempdir().unwrap();
@@ -320,9 +319,7 @@ fn wrong_requests() {
     wrong("--free amplitude --solution 3", "there are 2, give 1 to 2");
     wrong("--free amplitude --threshold -1", "growth");
     // A table into a folder.
-    if cfg!(feature = "plot") {
-        wrong(&format!("--free amplitude --plot {}", file("branch.gif")), "end the name in .png, .svg or .pdf");
-    }
+    wrong(&format!("--free amplitude --plot {}", file("branch.gif")), "end the name in .png, .svg or .pdf");
     let table = folder.path().display();
     wrong(&format!("--free amplitude --csv {table}"), "it is a folder; name a file");
     let both = file("both.png");

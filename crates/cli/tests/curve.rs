@@ -75,7 +75,7 @@ fn wrong_requests_say_what_to_do() {
     curve("fold", "--free amplitude --and restitution --and-from .3")
         .assert()
         .code(2)
-        .stderr(contains("--and-from 0.3 and --and-to 1 are no range around restitution = 0.25"));
+        .stderr(contains("--and-from 0.3 is above restitution = 0.25, where the search starts"));
     curve("fold", "--free amplitude --and restitution --and-to 2").assert().code(2).stderr(contains("--and-to"));
     curve("fold", "--free amplitude --and restitution --tolerance .5")
         .assert()

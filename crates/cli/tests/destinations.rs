@@ -36,18 +36,16 @@ fn options() -> Vec<(String, &'static str)> {
         (format!("{simulate} --impacts FILE"), "csv"),
         (format!("{simulate} --trajectory FILE"), "csv"),
     ];
-    if cfg!(feature = "plot") {
-        all.extend([
-            ("sweep scene.toml --out elsewhere/map.csv --png FILE --quiet".to_owned(), "png"),
-            ("sweep scene.toml --out elsewhere/map.csv --svg FILE --quiet".to_owned(), "svg"),
-            ("merge parts --out elsewhere/map.csv --png FILE --quiet".to_owned(), "png"),
-            ("sweep scene.toml --out elsewhere/map.csv --pdf FILE --quiet".to_owned(), "pdf"),
-            (format!("{orbit} --plot FILE"), "png"),
-            (format!("{simulate} --plot FILE"), "png"),
-            ("stripes scene.toml --plot FILE".to_owned(), "png"),
-            ("stripes scene.toml --plot elsewhere/lines.png --csv FILE".to_owned(), "csv"),
-        ]);
-    }
+    all.extend([
+        ("sweep scene.toml --out elsewhere/map.csv --png FILE --quiet".to_owned(), "png"),
+        ("sweep scene.toml --out elsewhere/map.csv --svg FILE --quiet".to_owned(), "svg"),
+        ("merge parts --out elsewhere/map.csv --png FILE --quiet".to_owned(), "png"),
+        ("sweep scene.toml --out elsewhere/map.csv --pdf FILE --quiet".to_owned(), "pdf"),
+        (format!("{orbit} --plot FILE"), "png"),
+        (format!("{simulate} --plot FILE"), "png"),
+        ("stripes scene.toml --plot FILE".to_owned(), "png"),
+        ("stripes scene.toml --plot elsewhere/lines.png --csv FILE".to_owned(), "csv"),
+    ]);
     if cfg!(feature = "compress") {
         all.push(("sweep scene.toml --out FILE --quiet".to_owned(), "csv.gz"));
     }
@@ -269,12 +267,10 @@ fn endings_that_promise_something_else_are_refused() {
         ("sweep scene.toml --shard 0/1 --out -".to_owned(), "--out - is standard output: name a folder"),
         ("sweep scene.toml --shard 0/1 --out scene.toml".to_owned(), "the scene and --out"),
     ];
-    if cfg!(feature = "plot") {
-        folders.extend([
-            (format!("{orbit} a.png"), "--all-plots a.png ends as a file does"),
-            (format!("{orbit} -"), "--all-plots - is standard output"),
-        ]);
-    }
+    folders.extend([
+        (format!("{orbit} a.png"), "--all-plots a.png ends as a file does"),
+        (format!("{orbit} -"), "--all-plots - is standard output"),
+    ]);
     for (line, told) in folders {
         desk.run(&line).with(2, &[told]);
     }
@@ -322,25 +318,20 @@ fn no_file_has_two_uses_by_whatever_names() {
         (format!("{simulate} --impacts - --trajectory -"), "--impacts and --trajectory"),
         (format!("{simulate} --impacts pipe.csv --trajectory ./pipe.csv"), "--impacts and --trajectory"),
     ];
-    if cfg!(feature = "plot") {
-        cases.extend([
-            ("sweep scene.toml --out - --png -".to_owned(), "--out and --png"),
-            ("sweep scene.toml --out map.csv --png - --svg /proc/self/fd/1".to_owned(), "--png and --svg"),
-            ("sweep scene.toml --out map --png map".to_owned(), "--out and --png"),
-            ("sweep scene.toml --out map.csv --png map.csv.parts".to_owned(), "the folder of chunks and --png"),
-            ("merge parts --out map --svg new/../map".to_owned(), "--out and --svg"),
-            ("stripes scene.csv --plot elsewhere/a.png --csv folder/../scene.csv".to_owned(), "the scene and --out"),
-            ("stripes scene.toml --map scene.csv --plot a.png --csv link.csv".to_owned(), "--map and --out"),
-            ("stripes scene.toml --plot - --csv -".to_owned(), "--plot and --out"),
-            (format!("{orbit} --multipliers - --plot -"), "--multipliers and --plot"),
-            (format!("{orbit} --multipliers pipe.csv --plot pipe.csv"), "--multipliers and --plot"),
-            (format!("{orbit} --plot pics --all-plots pics"), "--plot and --all-plots"),
-            (
-                format!("{orbit} --plot new/../pics/solution-1-trace.png --all-plots pics"),
-                "a name that --all-plots uses",
-            ),
-        ]);
-    }
+    cases.extend([
+        ("sweep scene.toml --out - --png -".to_owned(), "--out and --png"),
+        ("sweep scene.toml --out map.csv --png - --svg /proc/self/fd/1".to_owned(), "--png and --svg"),
+        ("sweep scene.toml --out map --png map".to_owned(), "--out and --png"),
+        ("sweep scene.toml --out map.csv --png map.csv.parts".to_owned(), "the folder of chunks and --png"),
+        ("merge parts --out map --svg new/../map".to_owned(), "--out and --svg"),
+        ("stripes scene.csv --plot elsewhere/a.png --csv folder/../scene.csv".to_owned(), "the scene and --out"),
+        ("stripes scene.toml --map scene.csv --plot a.png --csv link.csv".to_owned(), "--map and --out"),
+        ("stripes scene.toml --plot - --csv -".to_owned(), "--plot and --out"),
+        (format!("{orbit} --multipliers - --plot -"), "--multipliers and --plot"),
+        (format!("{orbit} --multipliers pipe.csv --plot pipe.csv"), "--multipliers and --plot"),
+        (format!("{orbit} --plot pics --all-plots pics"), "--plot and --all-plots"),
+        (format!("{orbit} --plot new/../pics/solution-1-trace.png --all-plots pics"), "a name that --all-plots uses"),
+    ]);
     for (line, told) in cases {
         desk.run(&line).with(2, &[told]);
         assert_eq!((desk.names("."), desk.names("elsewhere"), desk.names("parts")), before, "{line}");

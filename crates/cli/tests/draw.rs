@@ -1,5 +1,4 @@
 //! `mapgen draw`: every table with a picture is drawn again from it, byte for byte, and none that is damaged.
-#![cfg(feature = "plot")]
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use std::fs;

@@ -1,5 +1,4 @@
 //! The pictures of the documents are those that the program draws: each command of docs/gallery.md is run and its picture compared.
-#![cfg(feature = "plot")]
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use std::fs;

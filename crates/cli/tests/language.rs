@@ -77,7 +77,10 @@ fn version_and_time_are_told_to_those_who_ask() {
     assert_eq!(desk.run("--version").out.lines().count(), 1);
     for line in ["--version --verbose", "-v --version"] {
         let about = desk.run(line).with(0, &[]).out;
-        assert!(about.contains("revision") && about.contains("feature plot") && about.contains("cores "), "{about}");
+        assert!(
+            about.contains("revision") && about.contains("feature compress") && about.contains("cores "),
+            "{about}"
+        );
     }
     let ran =
         desk.run(&format!("orbit --family double-sided {MODEL} --verbose --threads 3")).with(0, &["at most 3 threads"]);
@@ -207,11 +210,7 @@ fn the_documents_show_commands_that_the_program_understands() {
 fn what_a_build_lacks_is_told_by_its_feature() {
     let desk = Desk::new();
     let about = desk.run("--version --verbose").with(0, &[]).out;
-    for (feature, there) in [
-        ("plot", cfg!(feature = "plot")),
-        ("explore", cfg!(feature = "explore")),
-        ("parquet", cfg!(feature = "parquet")),
-    ] {
+    for (feature, there) in [("explore", cfg!(feature = "explore")), ("parquet", cfg!(feature = "parquet"))] {
         let told = if there { "yes" } else { "no" };
         let line = about.lines().find(|line| line.starts_with(&format!("feature {feature} "))).unwrap();
         assert_eq!(line.split_whitespace().nth(2), Some(told), "{line}");
@@ -275,24 +274,22 @@ fn names_of_before_go_on_working_and_help_does_not_show_them() {
     };
     alike("sweep scene.toml --csv map.csv", "sweep scene.toml --out map.csv", &["map.csv"]);
     let orbit = format!("orbit --family double-sided {MODEL}");
-    if cfg!(feature = "plot") {
-        alike(
-            "sweep scene.toml --out map.csv --png a.png --svg a.svg --pdf a.pdf --color spectral-radius",
-            "sweep scene.toml --out map.csv --plot a.png --plot a.svg --plot a.pdf --show spectral_radius",
-            &["a.png", "a.svg", "a.pdf"],
-        );
-        alike("draw map.csv --svg a.svg --color margin", "draw map.csv --plot a.svg --show margin", &["a.svg"]);
-        alike(
-            "stripes scene.toml --out a.svg --csv lines.csv",
-            "stripes scene.toml --plot a.svg --out lines.csv",
-            &["a.svg", "lines.csv"],
-        );
-        alike(
-            &format!("{orbit} --all-plots p --svg"),
-            &format!("{orbit} --all-plots p --format svg"),
-            &["p/solution-1-profile.svg"],
-        );
-    }
+    alike(
+        "sweep scene.toml --out map.csv --png a.png --svg a.svg --pdf a.pdf --color spectral-radius",
+        "sweep scene.toml --out map.csv --plot a.png --plot a.svg --plot a.pdf --show spectral_radius",
+        &["a.png", "a.svg", "a.pdf"],
+    );
+    alike("draw map.csv --svg a.svg --color margin", "draw map.csv --plot a.svg --show margin", &["a.svg"]);
+    alike(
+        "stripes scene.toml --out a.svg --csv lines.csv",
+        "stripes scene.toml --plot a.svg --out lines.csv",
+        &["a.svg", "lines.csv"],
+    );
+    alike(
+        &format!("{orbit} --all-plots p --svg"),
+        &format!("{orbit} --all-plots p --format svg"),
+        &["p/solution-1-profile.svg"],
+    );
     let locate = format!("locate --event fold --free omega --family double-sided {MODEL}");
     alike(&format!("{locate} --csv a.csv"), &format!("{locate} --out a.csv"), &["a.csv"]);
     assert!(same >= 2);
@@ -324,9 +321,7 @@ fn quiet_commands_say_nothing_and_write_what_is_asked_for() {
         "fate scene.toml --starts 1 --periods 20".to_owned(),
         "init new.toml".to_owned(),
     ];
-    if cfg!(feature = "plot") {
-        quiet.push("stripes scene.toml".to_owned());
-    }
+    quiet.push("stripes scene.toml".to_owned());
     for line in &quiet {
         let loud = desk.run(line).with(0, &[]);
         assert!(!(loud.out + &loud.err).is_empty(), "{line}");

@@ -406,7 +406,7 @@ fn plan(line: &[OsString], work: f64) -> Plan {
         }
         // Minutes of work, tested elsewhere.
         Ok(Command::Init(_) | Command::Completions(_) | Command::Man(_)) => Plan::Whole,
-        Ok(Command::Study(_) | Command::Stripes(_)) => Plan::Parameters,
+        Ok(Command::Stripes(_)) => Plan::Parameters,
         Ok(Command::Schema(_)) => Plan::Whole,
     }
 }

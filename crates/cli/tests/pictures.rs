@@ -1,5 +1,4 @@
 //! What `sweep` and `merge` draw: one axis as curves, a slice of three, a number as colours, borders over cells.
-#![cfg(feature = "plot")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 use std::collections::BTreeMap;

@@ -74,7 +74,6 @@ fn what_is_missing_is_named_with_the_command_that_makes_it() {
     assert_eq!(desk.json("map.manifest.json")["compute"]["threshold"], 0.01);
 }
 
-#[cfg(feature = "plot")]
 #[test]
 fn pictures_of_merged_tables_are_the_same_as_well() {
     let desk = Desk::with_scene(SCENE);

@@ -274,7 +274,6 @@ fn long_work_says_how_long_it_takes_and_stops_when_told_to() {
     assert!(rest.contains("error: interrupted: the run ends after"), "{rest}");
 }
 
-#[cfg(feature = "plot")]
 #[test]
 fn a_long_run_is_drawn_by_amplitudes_and_a_short_one_as_it_is() {
     let folder = tempfile::tempdir().unwrap();

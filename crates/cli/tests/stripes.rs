@@ -1,5 +1,4 @@
 //! `mapgen stripes`, the modes that `mapgen orbit` tells of, and the columns of collisions on a map.
-#![cfg(feature = "plot")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -158,7 +158,7 @@ fn what_is_wrong_is_told() {
         ("branch --scene scene.toml --free contact.3.upper", "no such number"),
         ("branch --scene scene.toml --free gamma1", "no such number"),
         ("branch --scene scene.toml --free omega --generations 2", "--switch"),
-        ("branch --scene scene.toml --free omega --from 3", "is not in the range"),
+        ("branch --scene scene.toml --free omega --from 3", "is above omega"),
         ("locate --scene scene.toml --free omega --event fold --solution 9", "--solution 9 is out of range"),
         ("curve --scene scene.toml --free omega --and omega --event fold", "--free and --and are both omega"),
         ("curve --scene scene.toml --free omega --and load --event fold --tolerance 1", "tolerance"),

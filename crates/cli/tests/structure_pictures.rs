@@ -1,5 +1,4 @@
 //! Pictures and tables of structures: orbits, runs, maps and fates.
-#![cfg(feature = "plot")]
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use std::fs;

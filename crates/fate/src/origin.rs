@@ -178,23 +178,30 @@ impl Run for Simulation {
     }
 }
 
-impl Riding for Tangents {
-    fn vector(&self, i: usize) -> Option<Vec<f64>> {
-        Self::vector(self, i).map(|(u, v)| [u, v].concat())
-    }
+macro_rules! riding {
+    ($tangents:ty, $joined:expr) => {
+        impl Riding for $tangents {
+            fn vector(&self, i: usize) -> Option<Vec<f64>> {
+                Self::vector(self, i).map($joined)
+            }
 
-    fn orthonormalise(&mut self) -> &[f64] {
-        Self::orthonormalise(self)
-    }
+            fn orthonormalise(&mut self) -> &[f64] {
+                Self::orthonormalise(self)
+            }
 
-    fn growth(&self) -> &[f64] {
-        Self::growth(self)
-    }
+            fn growth(&self) -> &[f64] {
+                Self::growth(self)
+            }
 
-    fn has_grazed(&self) -> bool {
-        Self::has_grazed(self)
-    }
+            fn has_grazed(&self) -> bool {
+                Self::has_grazed(self)
+            }
+        }
+    };
 }
+
+riding!(Tangents, |(u, v)| [u, v].concat());
+riding!(StructureTangents, |modes| modes.into_iter().flatten().collect());
 
 /// An orbit of a structure, or its rest under the static load.
 #[derive(Debug, Clone)]
@@ -330,24 +337,6 @@ impl Run for StructureSimulation {
             _ => Reached::Unresolved,
         };
         Some((ended, report.work))
-    }
-}
-
-impl Riding for StructureTangents {
-    fn vector(&self, i: usize) -> Option<Vec<f64>> {
-        Self::vector(self, i).map(|modes| modes.into_iter().flatten().collect())
-    }
-
-    fn orthonormalise(&mut self) -> &[f64] {
-        Self::orthonormalise(self)
-    }
-
-    fn growth(&self) -> &[f64] {
-        Self::growth(self)
-    }
-
-    fn has_grazed(&self) -> bool {
-        Self::has_grazed(self)
     }
 }
 

@@ -1,15 +1,12 @@
 //! The JSON file beside a table: everything needed to know where the table came from and to make it again.
 
-use std::ops::Not;
-
 use serde::Serialize;
 use serde_json::{Map, Value, json};
-use vibrochain_floquet::Tolerance;
 use vibrochain_lattice::{Parameter, PointPart};
 
 use crate::cell::Status;
 use crate::grid::{Grid, Refined};
-use crate::scene::{Axis, Refine, Scene};
+use crate::scene::Scene;
 use crate::summary::Summary;
 
 /// The program's version.
@@ -54,27 +51,15 @@ pub struct Effort {
     pub wall_seconds: f64,
 }
 
-#[derive(Serialize)]
-struct Sweep<'a> {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    x: Option<&'a Axis>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    y: Option<&'a Axis>,
-    #[serde(skip_serializing_if = "<[Axis]>::is_empty")]
-    axes: &'a [Axis],
-    #[serde(skip_serializing_if = "Option::is_none")]
-    refine: Option<Refine>,
+/// Keys with values, in this order.
+#[must_use]
+pub fn object<const N: usize>(keys: [(&str, Value); N]) -> Map<String, Value> {
+    keys.map(|(key, value)| (key.to_owned(), value)).into_iter().collect()
 }
 
-#[derive(Serialize)]
-struct Compute {
-    families: Vec<String>,
-    stability: bool,
-    threshold: Tolerance,
-    #[serde(skip_serializing_if = "Not::not")]
-    collisions: bool,
-    #[serde(skip_serializing_if = "Not::not")]
-    impulse: bool,
+/// The same without those that are null.
+fn given<const N: usize>(keys: [(&str, Value); N]) -> Map<String, Value> {
+    object(keys).into_iter().filter(|(_, value)| !value.is_null()).collect()
 }
 
 /// Everything of a scene that decides what its table holds: `model`, `sweep`, `compute`.
@@ -84,64 +69,45 @@ pub fn scene_parts(scene: &Scene) -> Map<String, Value> {
     let model = PointPart { point: &scene.base, parameters: [Vec::new(), fixed] };
     let (axes, task) = (&scene.axes, &scene.task);
     let rest = axes.get(2..).unwrap_or_default();
-    let sweep = Sweep { x: axes.first(), y: axes.get(1), axes: rest, refine: scene.refine };
-    let compute = Compute {
-        families: task.family_names().collect(),
-        stability: task.stability,
-        threshold: task.tolerance,
-        collisions: task.collisions,
-        impulse: task.impulse,
-    };
-    let parts = [("model", json!(model)), ("sweep", json!(sweep)), ("compute", json!(compute))];
-    parts.into_iter().map(|(name, part)| (name.to_owned(), part)).collect()
-}
-
-#[derive(Serialize)]
-struct Manifest<'a> {
-    schema: &'a str,
-    program: &'a str,
-    version: &'a str,
-    revision: Option<&'a str>,
-    scene: &'a str,
-    title: Option<&'a str>,
-    #[serde(flatten)]
-    parts: Map<String, Value>,
-    cells: u64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    refinement: Option<Refinement>,
-    classes: Map<String, Value>,
-    statuses: Map<String, Value>,
-    worst_residual: f64,
-    #[serde(flatten)]
-    effort: Option<Effort>,
-}
-
-/// What a grid that is refined has become.
-#[derive(Serialize)]
-struct Refinement {
-    grid: Vec<usize>,
-    leaves: u64,
-    may_miss: String,
+    let rest = (!rest.is_empty()).then_some(rest);
+    let [x, y] = [axes.first(), axes.get(1)].map(|axis| json!(axis));
+    let sweep = given([("x", x), ("y", y), ("axes", json!(rest)), ("refine", json!(scene.refine))]);
+    let mut compute = object([
+        ("families", task.family_names().collect()),
+        ("stability", json!(task.stability)),
+        ("threshold", json!(task.tolerance)),
+    ]);
+    let asked = [("collisions", task.collisions), ("impulse", task.impulse)];
+    compute.extend(asked.into_iter().filter(|(_, asked)| *asked).map(|(key, _)| (key.to_owned(), json!(true))));
+    object([("model", json!(model)), ("sweep", sweep.into()), ("compute", compute.into())])
 }
 
 /// The manifest as a JSON value.
 pub fn manifest<S: Grid>(run: &Run<'_, S>) -> Value {
     let (scene, summary) = (run.scene, run.summary);
-    let refinement = |Refined { grid, may_miss }| Refinement { grid, leaves: summary.computed, may_miss };
-    let count = |(name, count): (&str, u64)| (count > 0).then(|| (name.to_owned(), count.into()));
-    json!(Manifest {
-        schema: SCHEMA,
-        program: "mapgen",
-        version: run.version,
-        revision: run.revision,
-        scene: run.scene_file,
-        title: scene.title(),
-        parts: scene.parts(),
-        cells: scene.cells() * scene.cells_within(),
-        refinement: scene.refined().map(refinement),
-        classes: summary.by_name(S::class_name).into_iter().filter_map(count).collect(),
-        statuses: Status::ALL.iter().map(|status| status.name()).zip(summary.statuses).filter_map(count).collect(),
-        worst_residual: summary.worst_residual,
-        effort: run.effort,
-    })
+    let refinement =
+        |Refined { grid, may_miss }| json!({ "grid": grid, "leaves": summary.computed, "may_miss": may_miss });
+    let count = |(name, count): (&str, u64)| (count > 0).then(|| (name.to_owned(), Value::from(count)));
+    let classes: Map<_, _> = summary.by_name(S::class_name).into_iter().filter_map(count).collect();
+    let statuses = Status::ALL.iter().map(|status| status.name()).zip(summary.statuses);
+    let mut told = object([
+        ("schema", json!(SCHEMA)),
+        ("program", json!("mapgen")),
+        ("version", json!(run.version)),
+        ("revision", json!(run.revision)),
+        ("scene", json!(run.scene_file)),
+        ("title", json!(scene.title())),
+    ]);
+    told.extend(scene.parts());
+    told.extend(object([("cells", json!(scene.cells() * scene.cells_within()))]));
+    told.extend(given([("refinement", json!(scene.refined().map(refinement)))]));
+    told.extend(object([
+        ("classes", classes.into()),
+        ("statuses", statuses.filter_map(count).collect()),
+        ("worst_residual", json!(summary.worst_residual)),
+    ]));
+    if let Value::Object(effort) = json!(run.effort) {
+        told.extend(effort);
+    }
+    told.into()
 }

@@ -1,7 +1,6 @@
 //! All borders of a scene's window, and what lives between them.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
@@ -13,7 +12,7 @@ use vibrochain_maps::borders::{Asked, Border, Borders};
 use vibrochain_maps::cell::Class;
 use vibrochain_maps::regions::{Region, Regions};
 
-use crate::call::long;
+use crate::call::counted;
 use crate::failure::{Failure, whole};
 use crate::scenes::scene;
 use crate::sweep::{pool, thread_count};
@@ -205,26 +204,15 @@ pub(crate) fn _curves(
     let places = whole("places", places, 0, i64::MAX)? as usize;
     let scene = scene::<vibrochain_maps::scene::Scene>(text.as_deref(), &path)?;
     let caption = [scene.heading(), scene.fixed(), scene.criterion()];
-    let told = Arc::new([AtomicU64::new(0), AtomicU64::new(0)]);
-    let work = {
-        let told = told.clone();
-        move |stop: &Stop| -> Result<_, Failure> {
-            let tell = |done: usize, all: usize| {
-                told[0].store(done as u64, Ordering::Relaxed);
-                told[1].store(all as u64, Ordering::Relaxed);
-            };
-            let asked = Asked { tolerance, places, special, stop, told: &|_, _, done, all| tell(done, all) };
-            Ok(pool(count)?.install(|| Borders::of_scene(&scene, &asked))?)
-        }
+    let work = move |stop: &Stop, told: &[AtomicU64; 2]| -> Result<_, Failure> {
+        let tell = |done: usize, all: usize| {
+            told[0].store(done as u64, Ordering::Relaxed);
+            told[1].store(all as u64, Ordering::Relaxed);
+        };
+        let asked = Asked { tolerance, places, special, stop, told: &|_, _, done, all| tell(done, all) };
+        Ok(pool(count)?.install(|| Borders::of_scene(&scene, &asked))?)
     };
-    let look = |_: Python<'_>| match progress {
-        Some(progress) => {
-            let [done, all] = [0, 1].map(|i| told[i].load(Ordering::Relaxed));
-            progress.call1((done.min(all), all.max(1))).map(drop)
-        }
-        None => Ok(()),
-    };
-    let (found, regions): (Borders, Regions<Option<Class>>) = long(py, look, work)?;
+    let (found, regions): (Borders, Regions<Option<Class>>) = counted(py, progress, 0, work)?;
     Ok(PyBorders {
         free: found.parameters,
         stripes: found.stripes(),

@@ -2,7 +2,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
@@ -48,7 +48,30 @@ where
     }
 }
 
-/// The same with nothing to do while waiting and no use for the flag. What is a matter of milliseconds on a chain such as `model`'s
+/// [`long`]; `progress` is told now and then how many of how many steps are done, of which `work` keeps count.
+pub(crate) fn counted<T, E>(
+    py: Python<'_>,
+    progress: Option<&Bound<'_, PyAny>>,
+    steps: u64,
+    work: impl FnOnce(&Stop, &[AtomicU64; 2]) -> Result<T, E> + Send + 'static,
+) -> PyResult<T>
+where
+    T: Send + 'static,
+    E: Into<Failure>,
+{
+    let told = Arc::new([AtomicU64::new(0), AtomicU64::new(steps)]);
+    let counts = told.clone();
+    let look = |_: Python<'_>| match progress {
+        Some(progress) => {
+            let [done, all] = [0, 1].map(|i| told[i].load(Ordering::Relaxed));
+            progress.call1((done.min(all), all.max(1))).map(drop)
+        }
+        None => Ok(()),
+    };
+    long(py, look, move |stop| work(stop, &counts))
+}
+
+/// [`long`] with nothing to do while waiting and no use for the flag. What is a matter of milliseconds on a chain such as `model`'s
 /// is done at once: to wake a thread and be woken by it costs more than most orbits.
 pub(crate) fn call<T, E>(
     py: Python<'_>,

@@ -15,7 +15,7 @@ use vibrochain_maps::scene::Scene;
 use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::sweep::{Ended, Job};
 
-use crate::call::long;
+use crate::call::counted;
 use crate::failure::{Failure, named, natural, whole};
 use crate::scenes::{CellsScene, grid, is_of_structure, scene, unrefined};
 use crate::sweep::{NO_WORD, pool, thread_count};
@@ -92,16 +92,9 @@ fn fates_of<'py, S: CellsScene>(py: Python<'py>, scene: S, asked: Asked<'_, 'py>
         );
         return Err(Failure::TooLarge(message).into());
     }
-    let done = Arc::new(AtomicU64::new(0));
-    let work = {
-        let (scene, done) = (scene.clone(), done.clone());
-        move |stop: &Stop| compute(&*scene, &ensemble, from, count, &done, stop)
-    };
-    let look = |_: Python<'_>| match progress {
-        Some(progress) => progress.call1((done.load(Ordering::Relaxed), cells * starts)).map(drop),
-        None => Ok(()),
-    };
-    let found = long(py, look, work)?;
+    let computed = scene.clone();
+    let work = move |stop: &Stop, [done, _]: &[AtomicU64; 2]| compute(&*computed, &ensemble, from, count, done, stop);
+    let found = counted(py, progress, cells * starts, work)?;
     let parts = PyDict::new(py);
     grid(&parts, &*scene)?;
     let places = places(&found, from);

@@ -4,18 +4,17 @@ use std::path::Path;
 
 use numpy::{IntoPyArray, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
-use serde::Serialize;
+use serde_json::{Value, json};
 use vibrochain_breather::{
     StructureFound, StructureModel, StructureMotion, StructureOrbit, StructureOrbitError, StructureSearch, Word,
     structure_orbits,
 };
 use vibrochain_floquet::{
-    Diagram, DiagramPoint, Event, FollowedBranch, Station, StructureCourse, StructureCurve, StructureWindow, Tolerance,
-    structure_diagram,
+    Diagram, Event, FollowedBranch, Station, StructureCourse, StructureWindow, Tolerance, structure_diagram,
 };
 use vibrochain_lattice::{Barrier, Stop, StructureError};
-use vibrochain_maps::structure::along::{EventEntry, curves, family};
-use vibrochain_maps::structure::answer::json;
+use vibrochain_maps::structure::along::{curves, event, family};
+use vibrochain_maps::structure::answer::json as answer_of;
 use vibrochain_maps::structure::{Answered, Setting, StructureScene};
 
 use crate::call::long;
@@ -70,7 +69,9 @@ pub(crate) fn _structure(
         };
         let answered = found.orbits.iter().map(|orbit| Answered::new(orbit, tolerance));
         let answered = answered.collect::<Result<Vec<_>, StructureOrbitError>>()?;
-        Ok::<String, Failure>(json(&scene, &model, word.as_deref().unwrap_or("near"), &found, &answered).to_string())
+        Ok::<String, Failure>(
+            answer_of(&scene, &model, word.as_deref().unwrap_or("near"), &found, &answered).to_string(),
+        )
     };
     long(py, |_| Ok(()), work)
 }
@@ -141,48 +142,19 @@ pub(crate) fn places<O>(stations: &[Station<O>]) -> Vec<usize> {
     before.filter(|(station, _)| matches!(station, Station::Event(_))).map(|(_, points)| points).collect()
 }
 
-/// What one number of a structure, or two, do to an orbit: the answer of `_structure_along`.
-#[derive(Serialize)]
-struct Along<'a> {
-    /// The orbit's own branch first.
-    branches: Vec<BranchParts<'a>>,
-    complete: bool,
-    curves: Vec<StructureCurve>,
-    /// What stands at the axes, and above the picture.
-    labels: Vec<String>,
-    heading: String,
-}
-
-/// A branch of orbits.
-#[derive(Serialize)]
-struct BranchParts<'a> {
-    word: String,
-    generation: u32,
-    force_periods: u32,
-    /// The branch that it leaves, and where.
-    origin: Option<(usize, f64)>,
-    points: Vec<&'a DiagramPoint<StructureOrbit>>,
-    events: Vec<EventEntry>,
-    /// How many points lie before each event.
-    places: Vec<usize>,
-    ends: Vec<(f64, &'static str)>,
-}
-
-impl<'a> BranchParts<'a> {
-    fn of(found: &'a Diagram<StructureOrbit>, branch: &'a FollowedBranch<StructureOrbit>) -> Self {
-        let first = branch.points().next().map(|point| &point.orbit);
-        let origin = branch.origin.and_then(|origin| Some((origin.branch, found.event_at(origin)?.value)));
-        Self {
-            word: first.map_or(String::new(), StructureOrbit::word),
-            generation: branch.generation,
-            force_periods: first.map_or(1, StructureOrbit::force_periods),
-            origin,
-            points: branch.points().collect(),
-            events: branch.events().map(EventEntry::of).collect(),
-            places: places(&branch.stations),
-            ends: branch.ends.iter().map(|(value, end)| (*value, end.name())).collect(),
-        }
-    }
+/// A branch of orbits: with the branch that it leaves, and where; and how many points lie before each event.
+fn told(found: &Diagram<StructureOrbit>, branch: &FollowedBranch<StructureOrbit>) -> Value {
+    let first = branch.points().next().map(|point| &point.orbit);
+    json!({
+        "word": first.map_or(String::new(), StructureOrbit::word),
+        "generation": branch.generation,
+        "force_periods": first.map_or(1, StructureOrbit::force_periods),
+        "origin": branch.origin.and_then(|origin| Some((origin.branch, found.event_at(origin)?.value))),
+        "points": branch.points().collect::<Vec<_>>(),
+        "events": branch.events().map(event).collect::<Value>(),
+        "places": places(&branch.stations),
+        "ends": branch.ends.iter().map(|(value, end)| (*value, end.name())).collect::<Vec<_>>(),
+    })
 }
 
 /// The branch of an orbit along a number of the structure in `scene`, with so many generations of those that leave it, and, over two
@@ -228,18 +200,20 @@ pub(crate) fn _structure_along(
         let followed = match free[..] {
             [(first, _), (second, value)] => {
                 let window = StructureWindow { from: [start[0], start[1]], to: [stop_at[0], stop_at[1]] };
-                curves(&scene, ([first, second], value), &found.branches[0], (window, tolerance), stop)?
+                curves(&scene, ([first, second], value), found.branches[0].events(), (window, tolerance), stop)?
             }
             _ => Vec::new(),
         };
-        let answer = Along {
-            branches: found.branches.iter().map(|branch| BranchParts::of(&found, branch)).collect(),
-            complete: found.complete,
-            curves: followed,
-            labels: free.iter().map(|(setting, _)| scene.label(*setting)).collect(),
-            heading: scene.fixed_but(&orbit.word(), &free.iter().map(|(setting, _)| *setting).collect::<Vec<_>>()),
-        };
-        serde_json::to_string(&answer).map_err(|error| Failure::Other(error.to_string()))
+        let settings: Vec<Setting> = free.iter().map(|(setting, _)| *setting).collect();
+        // The orbit's own branch first; what stands at the axes, and above the picture.
+        let answer = json!({
+            "branches": found.branches.iter().map(|branch| told(&found, branch)).collect::<Value>(),
+            "complete": found.complete,
+            "curves": followed,
+            "labels": settings.iter().map(|setting| scene.label(*setting)).collect::<Vec<_>>(),
+            "heading": scene.fixed_but(&orbit.word(), &settings),
+        });
+        Ok::<_, Failure>(answer.to_string())
     };
     long(py, |_| Ok(()), work)
 }

@@ -18,7 +18,7 @@ use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::{Ended, sweep};
 use vibrochain_maps::table::{Column, Kind, Value};
 
-use crate::call::long;
+use crate::call::counted;
 use crate::failure::{Failure, whole};
 use crate::scenes::{CellsScene, grid, is_of_structure, scene, unrefined};
 
@@ -134,16 +134,9 @@ fn map_of<'py, S: CellsScene>(
     if cells > MOST_CELLS {
         return Err(too_large(cells).into());
     }
-    let done = Arc::new(AtomicU64::new(0));
-    let work = {
-        let (scene, done) = (scene.clone(), done.clone());
-        move |stop: &Stop| compute(&*scene, count, &done, stop)
-    };
-    let look = |_: Python<'_>| match progress {
-        Some(progress) => progress.call1((done.load(Ordering::Relaxed), cells)).map(drop),
-        None => Ok(()),
-    };
-    let Computed { columns, classes, summary } = long(py, look, work)?;
+    let computed = scene.clone();
+    let work = move |stop: &Stop, [done, _]: &[AtomicU64; 2]| compute(&*computed, count, done, stop);
+    let Computed { columns, classes, summary } = counted(py, progress, cells, work)?;
     let map = PyDict::new(py);
     grid(&map, &*scene)?;
     let columns = columns.into_iter().map(|column| Ok((column.column.name, column.into_python(py)?)));

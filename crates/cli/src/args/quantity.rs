@@ -34,12 +34,10 @@ pub(crate) const OF_BRANCHES: [QuantityName; 5] = [Impulse, Phi, Psi, Margin, Sp
 pub(crate) const ALL: [QuantityName; 7] = [Class, SpectralRadius, Margin, Impulse, Solutions, Phi, Psi];
 
 /// What a bifurcation diagram shows unless it is asked for something else.
-#[cfg(feature = "plot")]
 pub(crate) const SHOWN: [QuantityName; 2] = [Impulse, SpectralRadius];
 pub(super) const SHOWN_NAMES: &str = "impulse,spectral_radius";
 
 /// Those of orbits, by the same names.
-#[cfg(feature = "plot")]
 pub(crate) fn of_orbits(shown: &[QuantityName]) -> Vec<vibrochain_plot::OrbitQuantity> {
     shown.iter().filter_map(|one| vibrochain_plot::OrbitQuantity::from_name(&one.to_string())).collect()
 }

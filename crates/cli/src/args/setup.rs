@@ -1,6 +1,5 @@
 //! What is done once: `init`, `completions`, `man`, `schema`; and commands that have become studies.
 
-use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -33,22 +32,10 @@ pub struct ManArgs {
     pub folder: PathBuf,
 }
 
-/// What is computed by the program `studies`.
-pub const STUDIES: [&str; 4] = ["validate", "figures", "errata", "accuracy"];
-
 /// Arguments of `mapgen schema`.
 #[derive(Debug, Args)]
 pub struct SchemaArgs {
     /// Of what.
     #[arg(value_parser = PossibleValuesParser::new(crate::common::schemas::names()))]
     pub name: Option<String>,
-}
-
-/// What was asked of a study.
-#[derive(Debug, Args)]
-#[command(disable_help_flag = true)]
-pub struct StudyArgs {
-    /// Its arguments.
-    #[arg(trailing_var_arg = true, allow_hyphen_values = true, num_args = 0..)]
-    pub arguments: Vec<OsString>,
 }

@@ -1,12 +1,12 @@
 //! The table of a bifurcation diagram: what `mapgen branch` writes, and all that its picture is drawn from.
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
-use vibrochain_floquet::{Diagram, Event, Followed, FollowedBranch, Station};
-use vibrochain_lattice::{Model, Parameter};
+use serde_json::Value;
+use vibrochain_floquet::{Event, Followed, FollowedBranch, Station};
+use vibrochain_lattice::Parameter;
 use vibrochain_maps::fields::Fields;
 use vibrochain_maps::files::CsvFile;
-use vibrochain_maps::followed::{BranchName, BranchRow as Row, branch_row as row, title};
+use vibrochain_maps::followed::{BranchName, BranchRow as Row, branch_row as row};
 
 use crate::common::error::CliError;
 
@@ -30,9 +30,9 @@ pub(crate) const HEADER: [&str; 15] = [
 
 /// What the rows do not say.
 #[derive(Serialize, Deserialize)]
-pub(crate) struct About {
-    /// The parameter that varies.
-    pub(crate) free: Parameter,
+pub(crate) struct About<F = Parameter> {
+    /// What varies.
+    pub(crate) free: F,
     /// All that is fixed, for people; and the start.
     pub(crate) heading: String,
     pub(crate) parameters: Value,
@@ -68,23 +68,6 @@ fn read(fields: &mut Fields<'_, &str>, about: &About) -> Result<(usize, Row), St
 }
 
 impl Table {
-    pub(crate) fn new(free: Parameter, heading: String, model: &Model, diagram: &Diagram) -> Self {
-        let periods = |branch: &FollowedBranch| branch.points().next().map_or(1, |point| point.orbit.force_periods());
-        let name = |branch: &FollowedBranch| BranchName {
-            name: branch.points().next().map_or_else(String::new, |point| title(&point.orbit)),
-            generation: branch.generation,
-            force_periods: periods(branch),
-        };
-        let branches = diagram.branches.iter().map(name).collect();
-        let about = About { free, heading, parameters: json!(model), branches };
-        let rows = |branch: &FollowedBranch| branch.stations.iter().map(row).collect();
-        Self { about, branches: diagram.branches.iter().map(rows).collect() }
-    }
-
-    pub(crate) fn rows(&self) -> u64 {
-        self.branches.iter().map(|rows| rows.len() as u64).sum()
-    }
-
     /// Reads a row of a table.
     pub(crate) fn take(&mut self, fields: &mut Fields<'_, &str>) -> Result<(), String> {
         let (number, row) = read(fields, &self.about)?;

@@ -1,9 +1,8 @@
 //! Answers in JSON: what those of several commands have in common.
 
 use serde::Serialize;
-use vibrochain_breather::Family;
-use vibrochain_floquet::End;
-use vibrochain_lattice::Model;
+use serde_json::Value;
+use vibrochain_floquet::Verdict;
 
 use crate::common::error::CliError;
 
@@ -16,30 +15,30 @@ pub(crate) fn printed(answer: &impl Serialize) -> Result<String, CliError> {
     Ok(text + "\n")
 }
 
-/// The orbit from which a branch or a curve is followed.
-#[derive(Serialize)]
-pub(crate) struct StartAnswer<'a> {
-    pub(crate) parameters: &'a Model,
-    pub(crate) family: Family,
-    /// Its number in the list of `mapgen orbit`, from 1.
-    pub(crate) solution: usize,
-}
-
-/// Where and how the way along a parameter ended.
-#[derive(Serialize)]
-pub(crate) struct EndAnswer {
-    value: f64,
-    reason: &'static str,
-    message: String,
-}
-
-impl EndAnswer {
-    /// Of several ways; `message` tells in words how one ended.
-    pub(crate) fn of<'a>(
-        ends: impl IntoIterator<Item = &'a (f64, End)>,
-        message: impl Fn(f64, &End) -> String,
-    ) -> Vec<Self> {
-        let answer = |&(value, ref end): &(f64, End)| Self { value, reason: end.name(), message: message(value, end) };
-        ends.into_iter().map(answer).collect()
+/// An object with the keys of another one behind its own.
+pub(crate) fn joined(mut value: Value, more: Value) -> Value {
+    if let (Value::Object(keys), Value::Object(more)) = (&mut value, more) {
+        keys.extend(more);
     }
+    value
+}
+
+/// An estimated error for people: from 1 on, or without bound, nothing is known.
+pub(crate) fn estimate(error: f64) -> String {
+    if error < 1.0 { format!("{error:.0e}") } else { "unknown".to_owned() }
+}
+
+/// A verdict for people.
+pub(crate) fn told_verdict(verdict: &Verdict) -> String {
+    let how = match verdict.mechanism {
+        Some(mechanism) => format!("unstable ({})", mechanism.name()),
+        None if verdict.marginal => "marginal (closer to the border than its own error)".to_owned(),
+        None => "stable".to_owned(),
+    };
+    // Structure puts it on the circle exactly, or the eigenvalue has an error.
+    let error = match verdict.resolution {
+        0.0 => String::new(),
+        resolution => format!(" ± {}", estimate(resolution)),
+    };
+    format!("{how}: spectral radius {}{error}", verdict.spectral_radius)
 }

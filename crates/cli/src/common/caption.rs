@@ -1,16 +1,13 @@
 //! What captions say of models and orbits.
 
 use vibrochain_breather::{Impact, Orbit};
-#[cfg(feature = "plot")]
 use vibrochain_lattice::Model;
 use vibrochain_lattice::{Short, Spectrum, far_motion};
-#[cfg(feature = "plot")]
 use vibrochain_maps::caption::describe;
 
 use crate::args::{Direction, SimulateArgs};
 
 /// What a run is of: the breather it starts on, and how it is perturbed.
-#[cfg(feature = "plot")]
 pub(crate) fn describe_run(args: &SimulateArgs, model: &Model, orbit: Option<&Orbit>) -> String {
     let whose = orbit.map_or("from a state".to_owned(), |orbit| format!("{} breather", orbit.name()));
     format!("{whose}: {}{}", describe(model), perturbed(args))

@@ -14,9 +14,7 @@ pub(crate) mod progress;
 pub mod schemas;
 pub(crate) mod solution;
 pub(crate) mod swept_scene;
-#[cfg_attr(not(feature = "plot"), allow(dead_code, reason = "only pictures are drawn from what is read"))]
 pub(crate) mod table_manifest;
-#[cfg(feature = "plot")]
 pub(crate) mod table_rows;
 pub mod threads;
 pub(crate) mod tips;

@@ -4,13 +4,12 @@ use rayon::ThreadPool;
 use serde_json::{Map, Value, json};
 use vibrochain_fate::Sectioned;
 use vibrochain_lattice::{Parameter, Stop};
-use vibrochain_maps::manifest::scene_parts;
+use vibrochain_maps::manifest::{object, scene_parts};
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::structure::answer::structure;
 use vibrochain_maps::sweep::{Plan, Swept};
-#[cfg(feature = "plot")]
-pub(crate) use vibrochain_plot::Mapped as Drawn;
+use vibrochain_plot::Mapped;
 
 use crate::args::{PictureArgs, QuantityName};
 use crate::common::error::CliError;
@@ -18,15 +17,8 @@ use crate::common::model::springs;
 use crate::common::pictures::Pictures;
 use crate::sweep::leaves::rows_per_cell;
 
-/// What can be drawn: nothing is, in this build.
-#[cfg(not(feature = "plot"))]
-pub(crate) trait Drawn {}
-
-#[cfg(not(feature = "plot"))]
-impl<S> Drawn for S {}
-
 /// A scene that commands over a map take.
-pub(crate) trait SweptScene: Swept + Sectioned + Drawn {
+pub(crate) trait SweptScene: Swept + Sectioned + Mapped {
     /// What a user may not expect of it.
     fn remark(&self) -> Option<&'static str> {
         None
@@ -79,7 +71,6 @@ impl SweptScene for StructureScene {
 
     fn about(&self) -> Result<Map<String, Value>, CliError> {
         let model = self.model().map_err(CliError::Request)?;
-        let about = [("structure", structure(self, &model)), ("axes", json!(self.axis_names))];
-        Ok(about.map(|(name, value)| (name.to_owned(), value)).into_iter().collect())
+        Ok(object([("structure", structure(self, &model)), ("axes", json!(self.axis_names))]))
     }
 }

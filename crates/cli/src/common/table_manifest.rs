@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 use vibrochain_fate::Ensemble;
 use vibrochain_maps::files::Output;
 use vibrochain_maps::grid::Grid;
@@ -15,7 +15,7 @@ use vibrochain_maps::scene::MAX_BYTES;
 use vibrochain_maps::table::stem;
 use vibrochain_maps::text::{clipped, read_text};
 
-use crate::common::answer::printed;
+use crate::common::answer::{joined, printed};
 use crate::common::chunked_run::place;
 use crate::common::error::CliError;
 use crate::common::schemas::{TABLE, expect};
@@ -48,23 +48,10 @@ impl Manifest {
     /// Writes what a table of `command` with so many rows is of.
     pub(crate) fn finish(self, command: &str, rows: u64, about: &impl Serialize) -> Result<(), CliError> {
         let Some(file) = self.0 else { return Ok(()) };
-        let (schema, program, version, revision) = (TABLE, "mapgen", VERSION, REVISION);
-        let all = printed(&Whole { schema, program, version, revision, command, rows, about })?;
-        Ok(file.finish_with(all.as_bytes())?)
+        let program = json!({ "schema": TABLE, "program": "mapgen", "version": VERSION, "revision": REVISION });
+        let all = joined(joined(program, json!({ "command": command, "rows": rows })), json!(about));
+        Ok(file.finish_with(printed(&all)?.as_bytes())?)
     }
-}
-
-/// All of a manifest.
-#[derive(Serialize)]
-struct Whole<'a, T> {
-    schema: &'a str,
-    program: &'a str,
-    version: &'a str,
-    revision: Option<&'a str>,
-    command: &'a str,
-    rows: u64,
-    #[serde(flatten)]
-    about: &'a T,
 }
 
 /// What every manifest has.

@@ -25,9 +25,13 @@ const CALLED: [(&[&str], &str, &str); 3] = [
     (&["color", "colour"], "show", "what a picture shows is --show"),
 ];
 
-/// Commands that are flags of another.
-const WITHIN: [(&[&str], &str); 2] = [
+/// Commands that are flags of another, or another program's.
+const WITHIN: [(&[&str], &str); 3] = [
     (&["animate", "animation", "movie", "gif"], "a run that moves is `mapgen simulate … --animate run.gif`"),
+    (
+        &["validate", "figures", "errata", "accuracy"],
+        "validate, figures, errata and accuracy are studies, a program of their own: cargo run --locked --release -p vibrochain-studies -- --help",
+    ),
     (&["plot", "picture"], "a table is drawn by `mapgen draw`, an answer by --plot of its own command"),
 ];
 

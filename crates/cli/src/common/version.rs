@@ -5,8 +5,7 @@ use vibrochain_maps::manifest::{REVISION, VERSION, target};
 use crate::common::threads::{VARIABLE, cores};
 
 /// Features of the build, and whether they are in.
-const FEATURES: [(&str, bool, &str); 4] = [
-    ("plot", cfg!(feature = "plot"), "pictures"),
+const FEATURES: [(&str, bool, &str); 3] = [
     ("compress", cfg!(feature = "compress"), "tables named .gz and .zst"),
     ("explore", cfg!(feature = "explore"), "maps in a browser"),
     ("parquet", cfg!(feature = "parquet"), "tables named .parquet"),

@@ -105,6 +105,21 @@ pub(crate) fn find(
     Ok((word, found))
 }
 
+/// The orbits that were found, of which there is one.
+///
+/// # Errors
+/// [`CliError::IllPosed`] where there is none.
+pub(crate) fn some(found: Found) -> Result<Vec<Orbit>, CliError> {
+    let Found { orbits, completeness, .. } = found;
+    match completeness.reason() {
+        Some(reason) => Err(CliError::IllPosed(format!("no orbit to start from: {reason}"))),
+        None if orbits.is_empty() => {
+            Err(CliError::IllPosed(format!("no orbit was found to start from, and the list is {completeness}")))
+        }
+        None => Ok(orbits),
+    }
+}
+
 /// A search; at a resonance, without one, what becomes there of the orbits beside it.
 fn search(
     model: &Model,

@@ -17,10 +17,10 @@ pub(crate) fn header(parameters: [&str; 2]) -> [&str; 12] {
 
 /// What the rows do not say.
 #[derive(Serialize, Deserialize)]
-pub(crate) struct About {
+pub(crate) struct About<W = Window> {
     /// That was looked at.
     #[serde(flatten)]
-    pub(crate) window: Window,
+    pub(crate) window: W,
     /// All that is fixed, for people; and the start.
     pub(crate) heading: String,
     pub(crate) parameters: Value,

@@ -3,39 +3,20 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use serde::Serialize;
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 use vibrochain_breather::Word;
 use vibrochain_fate::{CellFates, End, Ensemble};
 use vibrochain_lattice::Short;
 
 use crate::common::schemas::FATE;
 use crate::sweep::report::counted;
+use vibrochain_maps::manifest::object;
 
 /// Words of other breathers that people are told.
 const SHOWN: usize = 8;
 
 /// An exponent that is not known better than this is not compared.
 const KNOWN: f64 = 1e-6;
-
-/// What an ensemble has come to, as JSON.
-#[derive(Serialize)]
-pub(crate) struct FateAnswer<'a> {
-    schema: &'static str,
-    #[serde(flatten)]
-    about: Map<String, Value>,
-    ensemble: &'a Ensemble,
-    cells: u64,
-    cells_with_breather: u64,
-    breathers: u64,
-    runs: u64,
-    ends: Map<String, Value>,
-    words: Map<String, Value>,
-    left: u64,
-    leave_time: Option<f64>,
-    exponents_compared: u64,
-    exponent_difference: Option<f64>,
-}
 
 /// Counts of all cells.
 #[derive(Debug, Default)]
@@ -131,22 +112,24 @@ impl Totals {
     }
 
     /// As JSON, with `about`, which says what it is of.
-    pub(crate) fn answer<'a>(&self, about: Map<String, Value>, ensemble: &'a Ensemble) -> FateAnswer<'a> {
-        let count = |(name, count): (String, u64)| (name, Value::from(count));
-        FateAnswer {
-            schema: FATE,
-            about,
-            ensemble,
-            cells: self.cells,
-            cells_with_breather: self.with,
-            breathers: self.breathers,
-            runs: self.runs(),
-            ends: End::NAMES.iter().zip(self.ends).map(|(name, runs)| count(((*name).to_owned(), runs))).collect(),
-            words: self.words().into_iter().map(|(word, runs)| count((word.to_string(), runs))).collect(),
-            left: self.left,
-            leave_time: self.leave_time(),
-            exponents_compared: self.compared,
-            exponent_difference: (self.compared > 0).then_some(self.difference),
-        }
+    pub(crate) fn answer(&self, about: Map<String, Value>, ensemble: &Ensemble) -> Map<String, Value> {
+        let ends = End::NAMES.iter().zip(self.ends).map(|(name, runs)| ((*name).to_owned(), json!(runs)));
+        let words = self.words().into_iter().map(|(word, runs)| (word.to_string(), json!(runs)));
+        let mut told = object([("schema", json!(FATE))]);
+        told.extend(about);
+        told.extend(object([
+            ("ensemble", json!(ensemble)),
+            ("cells", json!(self.cells)),
+            ("cells_with_breather", json!(self.with)),
+            ("breathers", json!(self.breathers)),
+            ("runs", json!(self.runs())),
+            ("ends", ends.collect()),
+            ("words", words.collect()),
+            ("left", json!(self.left)),
+            ("leave_time", json!(self.leave_time())),
+            ("exponents_compared", json!(self.compared)),
+            ("exponent_difference", json!((self.compared > 0).then_some(self.difference))),
+        ]));
+        told
     }
 }

@@ -4,7 +4,6 @@ mod answer;
 pub(crate) mod modes;
 pub(crate) mod multiplier_file;
 pub(crate) mod pictures;
-#[cfg(feature = "plot")]
 pub(crate) mod plots;
 pub(crate) mod trajectory;
 
@@ -15,20 +14,19 @@ use vibrochain_floquet::{Analyser, Complex, Mechanism, Multipliers, Verdict, lea
 use vibrochain_lattice::Model;
 
 use crate::args::OrbitArgs;
-use crate::common::answer::printed;
-use crate::common::console::{Console, nothing_else};
+use crate::common::answer::{estimate, printed, told_verdict};
+use crate::common::console::Console;
 use crate::common::error::CliError;
 use crate::common::model::chosen;
 use crate::common::solution::Solution;
 use crate::common::which;
-use crate::orbit::answer::OrbitAnswer;
+use crate::orbit::answer::answer;
 use crate::orbit::modes::OrbitModes;
 use crate::orbit::multiplier_file::MultiplierFile;
-use crate::orbit::pictures::OrbitPictures;
+use crate::orbit::pictures::{OrbitPictures, apart};
 use crate::orbit::trajectory::OrbitTrajectory;
 use crate::simulate::recording::trajectory_columns;
 use crate::structures;
-use vibrochain_maps::files::distinct;
 use vibrochain_maps::numbers::Number;
 
 /// Runs the subcommand.
@@ -43,16 +41,7 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     let model = chosen.model;
     let which = which::wanted(&args.which, chosen.scene.as_ref())?;
     let tolerance = chosen.tolerance(args.threshold)?;
-    let taken = distinct(
-        &[("--scene", args.model.scene.as_deref()), ("--near", args.which.near.as_deref())],
-        &[
-            ("--multipliers", args.multipliers.as_deref()),
-            ("--plot", args.plot.as_deref()),
-            ("--all-plots", args.all_plots.as_deref()),
-            ("--trajectory", args.trajectory.as_deref()),
-        ],
-    )?;
-    nothing_else(args.json, taken)?;
+    let taken = apart(args)?;
     let stop = (console.interrupt)()?;
     let file = args.multipliers.as_deref().map(MultiplierFile::create).transpose()?;
     let trajectory = OrbitTrajectory::open(args, trajectory_columns(model.chain().sites()))?;
@@ -73,11 +62,8 @@ pub fn run(args: &OrbitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
         stop.heard().map_err(BreatherError::from)?;
         solutions.push(Solution { orbit, admissibility, condition, multipliers, modes, phases });
     }
-    let text = if args.json {
-        printed(&OrbitAnswer::new(&model, &solutions, &found))?
-    } else {
-        text(&model, &name, &solutions, &found)
-    };
+    let text =
+        if args.json { printed(&answer(&model, &solutions, &found))? } else { text(&model, &name, &solutions, &found) };
     console.answer(&text, args.json, taken)?;
     if let Some(file) = file {
         file.of_solutions(&solutions, &mut finder)?;
@@ -118,11 +104,6 @@ fn drifting(
         && orbit.model().chain().sites() <= MOST_MASSES;
     let mode = if asked { leading_modes(orbit, 1)?.pop() } else { None };
     Ok(mode.map(|mode| phases(orbit, &mode, finder)).transpose()?)
-}
-
-/// An estimated error for people: from 1 on, or without bound, nothing is known.
-fn estimate(error: f64) -> String {
-    if error < 1.0 { format!("{error:.0e}") } else { "unknown".to_owned() }
 }
 
 fn complex(z: Complex<f64>) -> String {
@@ -189,22 +170,7 @@ fn text(model: &Model, name: &str, solutions: &[Solution], found: &Found) -> Str
         let _ = writeln!(out, "  {}", solution.admissibility.told(&layout));
         let _ = match &solution.multipliers {
             Ok(Multipliers { verdict, .. }) => {
-                let how = match verdict.mechanism {
-                    Some(mechanism) => format!("unstable ({})", mechanism.name()),
-                    None if verdict.marginal => "marginal (closer to the border than its own error)".to_owned(),
-                    None => "stable".to_owned(),
-                };
-                // Structure puts it on the circle exactly, or the eigenvalue has an error.
-                let error = match verdict.resolution {
-                    0.0 => String::new(),
-                    resolution => format!(" ± {}", estimate(resolution)),
-                };
-                writeln!(
-                    out,
-                    "  {how}: spectral radius {}{error}, leading multiplier {}",
-                    verdict.spectral_radius,
-                    complex(verdict.leading)
-                )
+                writeln!(out, "  {}, leading multiplier {}", told_verdict(verdict), complex(verdict.leading))
             }
             Err(error) => writeln!(out, "  stability unknown: {error}"),
         };

@@ -4,6 +4,7 @@
 use std::fmt;
 
 use serde::Serialize;
+use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Orbit};
 use vibrochain_floquet::{Collision, Complex, DressedModes, OwnMode, Secular, Signature, bare_signature, felt_modes};
 
@@ -23,15 +24,6 @@ pub(super) struct ModeAnswer {
     dressed: Option<f64>,
     /// That of the multiplier of Ω̃_k.
     signature: Option<Signature>,
-}
-
-/// The mode that the breather has drawn out of the band. Above it there is no other: its number is that of the last mode.
-#[derive(Serialize)]
-pub(super) struct OwnModeAnswer {
-    mode: usize,
-    frequency: f64,
-    signature: Option<Signature>,
-    loss: f64,
 }
 
 /// All of them.
@@ -98,9 +90,11 @@ impl OrbitModes {
         Some(Self { count, modes, own, own_signature, collision, omega })
     }
 
-    pub(super) fn own(&self) -> Option<OwnModeAnswer> {
+    /// The mode that the breather has drawn out of the band. Above it there is no other: its number is that of the last mode.
+    pub(super) fn own(&self) -> Option<Value> {
         let OwnMode { frequency, loss } = self.own?;
-        Some(OwnModeAnswer { mode: self.count - 1, frequency, signature: self.own_signature, loss })
+        let (mode, signature) = (self.count - 1, self.own_signature);
+        Some(json!({ "mode": mode, "frequency": frequency, "signature": signature, "loss": loss }))
     }
 }
 

@@ -1,155 +1,133 @@
 //! The pictures of `mapgen orbit`, of a chain or of a structure: --plot and --all-plots.
 
-#[cfg(feature = "plot")]
-pub(crate) use with_plot::{Folder, OrbitPictures, Pictured};
-#[cfg(not(feature = "plot"))]
-pub(crate) use without_plot::OrbitPictures;
+use std::path::{Path, PathBuf};
 
-#[cfg(feature = "plot")]
-mod with_plot {
-    use std::path::{Path, PathBuf};
+use vibrochain_maps::files::{Output, distinct, name_within, promises_folder};
+use vibrochain_plot::{Curves, Format, OrbitPanels, Page, Pane, curves_picture, orbit_picture};
 
-    use crate::args::{FormatName, OrbitArgs};
-    use crate::common::console::Console;
-    use crate::common::error::CliError;
-    use vibrochain_maps::files::Output;
-    use vibrochain_maps::files::{name_within, promises_folder};
-    use vibrochain_plot::{Curves, Format, OrbitPanels, Page, Pane, curves_picture, orbit_picture};
+use crate::args::{FormatName, OrbitArgs};
+use crate::common::console::{Console, nothing_else};
+use crate::common::error::CliError;
 
-    /// Orbits beyond this are left to the printed list.
-    const MOST: usize = 8;
+/// Orbits beyond this are left to the printed list.
+const MOST: usize = 8;
 
-    /// Begins the names of all files of --all-plots.
-    const NAME: &str = "solution-";
+/// Begins the names of all files of --all-plots.
+const NAME: &str = "solution-";
 
-    fn computation(error: impl std::fmt::Display) -> CliError {
-        CliError::Computation(error.to_string())
+/// Sees to it that no file of the command is another. Tells whether one is standard output.
+pub(crate) fn apart(args: &OrbitArgs) -> Result<bool, CliError> {
+    let taken = distinct(
+        &[("--scene", args.model.scene.as_deref()), ("--near", args.which.near.as_deref())],
+        &[
+            ("--multipliers", args.multipliers.as_deref()),
+            ("--plot", args.plot.as_deref()),
+            ("--all-plots", args.all_plots.as_deref()),
+            ("--trajectory", args.trajectory.as_deref()),
+        ],
+    )?;
+    nothing_else(args.json, taken)?;
+    Ok(taken)
+}
+
+fn computation(error: impl std::fmt::Display) -> CliError {
+    CliError::Computation(error.to_string())
+}
+
+/// The folder of the pictures of one solution.
+pub(crate) struct Folder<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) page: Page,
+    /// Of the solution, from 1.
+    pub(crate) number: usize,
+    /// Above every picture.
+    pub(crate) title: String,
+}
+
+impl Folder<'_> {
+    /// Writes the picture `name` of panels side by side.
+    ///
+    /// # Errors
+    /// [`CliError`].
+    pub(crate) fn save(&self, name: &str, pane: (u32, u32), panes: Vec<Pane>) -> Result<(), CliError> {
+        let columns = panes.len();
+        let picture = Curves { title: self.title.clone(), panes, columns, pane, ..Curves::default() };
+        self.write(name, &curves_picture(&picture, self.page).map_err(computation)?)
     }
 
-    /// The folder of the pictures of one solution.
-    pub(crate) struct Folder<'a> {
-        pub(crate) path: &'a Path,
-        pub(crate) page: Page,
-        /// Of the solution, from 1.
-        pub(crate) number: usize,
-        /// Above every picture.
-        pub(crate) title: String,
-    }
-
-    impl Folder<'_> {
-        /// Writes the picture `name` of panels side by side.
-        ///
-        /// # Errors
-        /// [`CliError`].
-        pub(crate) fn save(&self, name: &str, pane: (u32, u32), panes: Vec<Pane>) -> Result<(), CliError> {
-            let columns = panes.len();
-            let picture = Curves { title: self.title.clone(), panes, columns, pane, ..Curves::default() };
-            self.write(name, &curves_picture(&picture, self.page).map_err(computation)?)
-        }
-
-        /// Writes the picture `name`.
-        ///
-        /// # Errors
-        /// [`CliError`].
-        pub(crate) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), CliError> {
-            let (number, ending) = (self.number, self.page.format.ending());
-            Ok(Output::create(&self.path.join(format!("{NAME}{number}-{name}.{ending}")))?.finish_with(bytes)?)
-        }
-    }
-
-    /// A solution that can be drawn.
-    pub(crate) trait Pictured {
-        /// Its panels in the picture of all, solution `number` from 1.
-        fn panels(&self, number: usize) -> Result<OrbitPanels, CliError>;
-
-        /// Writes its own pictures into a folder.
-        fn write(&self, folder: &Path, page: Page, number: usize) -> Result<(), CliError>;
-    }
-
-    pub(crate) struct OrbitPictures {
-        one: Option<(Page, Output)>,
-        /// The folder of --all-plots.
-        all: Option<(Page, PathBuf)>,
-    }
-
-    impl OrbitPictures {
-        /// # Errors
-        /// [`CliError::Request`] of files that cannot be written, or of a page that cannot be.
-        pub(crate) fn open(args: &OrbitArgs) -> Result<Self, CliError> {
-            let page = args.page.page(match args.format {
-                _ if args.svg => Format::Svg,
-                FormatName::Png => Format::Png,
-                FormatName::Svg => Format::Svg,
-                FormatName::Pdf => Format::Pdf,
-            })?;
-            args.page.checked(args.plot.is_some() || args.all_plots.is_some(), "--plot or --all-plots")?;
-            if let (Some(folder), Some(plot)) = (&args.all_plots, &args.plot)
-                && name_within(folder, plot).is_some_and(|name| name.to_string_lossy().starts_with(NAME))
-            {
-                let message = format!("--plot {} is a name that --all-plots uses: name another", plot.display());
-                return Err(CliError::Request(message));
-            }
-            let all = args.all_plots.as_deref().map(|folder| {
-                promises_folder("--all-plots", folder)?;
-                std::fs::create_dir_all(folder)
-                    .map_err(|error| CliError::file("cannot make folder", folder, &error))?;
-                Ok::<_, CliError>((page, folder.to_owned()))
-            });
-            let one = args.plot.as_deref().map(|plot| args.page.open("--plot", Some(plot))).transpose()?.flatten();
-            if let Some((page, _)) = &one {
-                let nothing = OrbitPanels { caption: String::new(), panes: vec![Pane::default(); 2] };
-                orbit_picture(&[nothing], page.to_measure()).map_err(|error| CliError::Request(error.0))?;
-            }
-            Ok(Self { one, all: all.transpose()? })
-        }
-
-        /// # Errors
-        /// [`CliError`] of what cannot be drawn or written.
-        pub(crate) fn finish(self, solutions: &[impl Pictured], console: &mut Console<'_>) -> Result<(), CliError> {
-            let drawn = || solutions.iter().zip(1..).take(MOST);
-            if let Some((page, folder)) = &self.all {
-                drawn().try_for_each(|(solution, number)| solution.write(folder, *page, number))?;
-                let (drawn, folder) = (solutions.len().min(MOST), folder.display());
-                console.summary(&format!("pictures of {drawn} of {} solutions are in {folder}", solutions.len()));
-            }
-            let Some((page, file)) = self.one else { return Ok(()) };
-            let panels = drawn().map(|(solution, number)| solution.panels(number)).collect::<Result<Vec<_>, _>>()?;
-            if panels.is_empty() {
-                // The answer has been printed; that there is nothing to draw is not a failure.
-                let path = file.path().display();
-                console.remark(&format!("nothing to plot: there is no solution, {path} was not written"));
-                return Ok(());
-            }
-            let bytes = orbit_picture(&panels, page).map_err(computation)?;
-            Ok(file.finish_with(&bytes)?)
-        }
+    /// Writes the picture `name`.
+    ///
+    /// # Errors
+    /// [`CliError`].
+    pub(crate) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), CliError> {
+        let (number, ending) = (self.number, self.page.format.ending());
+        Ok(Output::create(&self.path.join(format!("{NAME}{number}-{name}.{ending}")))?.finish_with(bytes)?)
     }
 }
 
-#[cfg(not(feature = "plot"))]
-mod without_plot {
-    use crate::args::OrbitArgs;
-    use crate::common::console::Console;
-    use crate::common::error::CliError;
+/// A solution that can be drawn.
+pub(crate) trait Pictured {
+    /// Its panels in the picture of all, solution `number` from 1.
+    fn panels(&self, number: usize) -> Result<OrbitPanels, CliError>;
 
-    /// What this build does not draw.
-    pub(crate) trait Pictured {}
+    /// Writes its own pictures into a folder.
+    fn write(&self, folder: &Path, page: Page, number: usize) -> Result<(), CliError>;
+}
 
-    impl<T> Pictured for T {}
+pub(crate) struct OrbitPictures {
+    one: Option<(Page, Output)>,
+    /// The folder of --all-plots.
+    all: Option<(Page, PathBuf)>,
+}
 
-    pub(crate) struct OrbitPictures;
-
-    impl OrbitPictures {
-        pub(crate) fn open(args: &OrbitArgs) -> Result<Self, CliError> {
-            if args.plot.is_some() || args.all_plots.is_some() {
-                let message = "--plot and --all-plots need a build with the feature `plot`";
-                return Err(CliError::Request(message.to_owned()));
-            }
-            Ok(Self)
+impl OrbitPictures {
+    /// # Errors
+    /// [`CliError::Request`] of files that cannot be written, or of a page that cannot be.
+    pub(crate) fn open(args: &OrbitArgs) -> Result<Self, CliError> {
+        let page = args.page.page(match args.format {
+            _ if args.svg => Format::Svg,
+            FormatName::Png => Format::Png,
+            FormatName::Svg => Format::Svg,
+            FormatName::Pdf => Format::Pdf,
+        })?;
+        args.page.checked(args.plot.is_some() || args.all_plots.is_some(), "--plot or --all-plots")?;
+        if let (Some(folder), Some(plot)) = (&args.all_plots, &args.plot)
+            && name_within(folder, plot).is_some_and(|name| name.to_string_lossy().starts_with(NAME))
+        {
+            let message = format!("--plot {} is a name that --all-plots uses: name another", plot.display());
+            return Err(CliError::Request(message));
         }
-
-        pub(crate) fn finish(self, _: &[impl Pictured], _: &mut Console<'_>) -> Result<(), CliError> {
-            Ok(())
+        let all = args.all_plots.as_deref().map(|folder| {
+            promises_folder("--all-plots", folder)?;
+            std::fs::create_dir_all(folder).map_err(|error| CliError::file("cannot make folder", folder, &error))?;
+            Ok::<_, CliError>((page, folder.to_owned()))
+        });
+        let one = args.plot.as_deref().map(|plot| args.page.open("--plot", Some(plot))).transpose()?.flatten();
+        if let Some((page, _)) = &one {
+            let nothing = OrbitPanels { caption: String::new(), panes: vec![Pane::default(); 2] };
+            orbit_picture(&[nothing], page.to_measure()).map_err(|error| CliError::Request(error.0))?;
         }
+        Ok(Self { one, all: all.transpose()? })
+    }
+
+    /// # Errors
+    /// [`CliError`] of what cannot be drawn or written.
+    pub(crate) fn finish(self, solutions: &[impl Pictured], console: &mut Console<'_>) -> Result<(), CliError> {
+        let drawn = || solutions.iter().zip(1..).take(MOST);
+        if let Some((page, folder)) = &self.all {
+            drawn().try_for_each(|(solution, number)| solution.write(folder, *page, number))?;
+            let (drawn, folder) = (solutions.len().min(MOST), folder.display());
+            console.summary(&format!("pictures of {drawn} of {} solutions are in {folder}", solutions.len()));
+        }
+        let Some((page, file)) = self.one else { return Ok(()) };
+        let panels = drawn().map(|(solution, number)| solution.panels(number)).collect::<Result<Vec<_>, _>>()?;
+        if panels.is_empty() {
+            // The answer has been printed; that there is nothing to draw is not a failure.
+            let path = file.path().display();
+            console.remark(&format!("nothing to plot: there is no solution, {path} was not written"));
+            return Ok(());
+        }
+        let bytes = orbit_picture(&panels, page).map_err(computation)?;
+        Ok(file.finish_with(&bytes)?)
     }
 }

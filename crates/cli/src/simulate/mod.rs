@@ -1,6 +1,7 @@
 //! `mapgen simulate`: an event-driven run from an orbit or from any state.
 
 pub(crate) mod animate;
+pub(crate) mod follow;
 pub(crate) mod pace;
 pub mod recording;
 pub(crate) mod section;
@@ -8,32 +9,31 @@ pub mod start;
 
 use std::fmt::Write as _;
 
-use serde::Serialize;
+use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Motion, Orbit};
-use vibrochain_eventsim::{Event, Limits, Outcome, Report, Simulation, Time};
+use vibrochain_eventsim::{Limits, Outcome, Report, Simulation, Time};
 use vibrochain_fate::{End, LOOKED_AT, Pattern, Witness};
 use vibrochain_floquet::{Analyser, Tolerance};
-use vibrochain_lattice::{Model, Short, Stop};
+use vibrochain_lattice::{Short, Stop};
 
+use crate::along::{Start, picked};
 use crate::args::{Direction, SimulateArgs};
 use crate::common::answer::printed;
 use crate::common::caption::perturbed;
-use crate::common::console::{Console, nothing_else};
+use crate::common::console::Console;
 use crate::common::error::CliError;
 use crate::common::model::{Chosen, chosen};
 use crate::common::schemas::SIMULATE;
 use crate::common::which;
 use crate::simulate::animate::Film;
-use crate::simulate::pace::{Pace, interrupted};
-use crate::simulate::recording::{ImpactTable, Plot, Trajectory, orbit_time};
+use crate::simulate::follow::{Reached, Run};
+use crate::simulate::pace::interrupted;
+use crate::simulate::recording::{ImpactTable, Plot, orbit_time, trajectory_columns};
 use crate::simulate::section::{Section, Sectioned};
-use crate::simulate::start::{Start, leading_mode_at};
+use crate::simulate::start::{Start as State, leading_mode_at};
 use crate::structures;
-use vibrochain_maps::files::distinct;
+use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::numbers::Number;
-
-/// Samples that may be asked for in all; more would be centuries of work.
-const MAX_STEPS: u64 = 1 << 48;
 
 /// Windows of flight that a run may need at least, impacts aside; of a single mass 1e15 are some three years.
 const MAX_WINDOWS: f64 = 1e15;
@@ -48,40 +48,12 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     }
     let chosen = chosen(&args.model, console)?;
     let model = chosen.model;
-    if args.samples == 0 || args.samples > 1_000_000 {
-        let message = format!("--samples {} is out of range: give a whole number from 1 to 1000000", args.samples);
-        return Err(CliError::Request(message));
-    }
+    let taken = follow::checked(args)?;
     let periods = args.periods;
-    if !(periods >= 0.0 && periods.is_finite()) {
-        return Err(CliError::Request(format!("--periods {periods} is out of range: give a number from 0")));
-    }
-    if periods * args.samples as f64 > MAX_STEPS as f64 {
-        let message = format!(
-            "--periods {periods} with {} samples each is out of range: give at most {MAX_STEPS} samples in all",
-            args.samples
-        );
-        return Err(CliError::Request(message));
-    }
-    let taken = distinct(
-        &[
-            ("--scene", args.model.scene.as_deref()),
-            ("--near", args.which.near.as_deref()),
-            ("--state", args.state.as_deref()),
-        ],
-        &[
-            ("--impacts", args.impacts.as_deref()),
-            ("--trajectory", args.trajectory.as_deref()),
-            ("--section", args.section.as_deref()),
-            ("--plot", args.plot.as_deref()),
-            ("--animate", args.animate.as_deref()),
-        ],
-    )?;
-    nothing_else(args.json, taken)?;
     let stop = (console.interrupt)()?;
     let (start, home) = starting_point(args, &chosen, &stop, console)?;
     let orbit = home.as_ref().map(|home| &home.orbit);
-    let mut simulation = Simulation::new(&model, start.psi, &start.displacement, &start.velocity)
+    let simulation = Simulation::new(&model, start.psi, &start.displacement, &start.velocity)
         .map_err(|error| CliError::Request(error.to_string()))?;
     let end = Time::new(&model, periods.trunc() as u64, periods.fract());
     let windows = simulation.least_windows(end);
@@ -94,100 +66,51 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
         )));
     }
 
-    let mut impacts = args.impacts.as_deref().map(|path| ImpactTable::open(path, start.time, &model)).transpose()?;
-    let mut trajectory =
-        args.trajectory.as_deref().map(|path| Trajectory::open(path, start.time, &model)).transpose()?;
+    let impacts = args.impacts.as_deref().map(|path| ImpactTable::open(path, start.time, &model)).transpose()?;
+    let sites = model.chain().sites();
+    let columns = || trajectory_columns(sites);
+    let trajectory = args.trajectory.as_deref();
+    let trajectory = trajectory.map(|path| CsvFile::create("--trajectory", path, columns())).transpose()?;
     let sectioned = Sectioned {
         period: model.period(),
         psi: start.psi,
         start: start.time,
-        count: model.chain().sites(),
+        count: sites,
         home: orbit.map_or(vec![0], Orbit::hit_sites),
         names: ["site", "displacement", "velocity"],
     };
-    let mut section = Section::open(args, sectioned)?;
-    let mut plot = Plot::open(args, &model, orbit, &start)?;
-    let mut film = Film::open(args, &model, orbit)?;
+    let section = Section::open(args, sectioned)?;
+    let plot = Plot::open(args, &model, orbit, &start)?;
+    let film = Film::open(args, &model, orbit)?;
 
-    // Samples if somebody wants them, the last one at the end; otherwise the end alone.
+    // Samples if somebody wants them, otherwise the end alone.
     let samples = if trajectory.is_some() || plot.is_wanted() || film.is_wanted() { args.samples } else { 0 };
-    let sampled = (periods * samples as f64) as u64;
-    let total = sampled + u64::from(samples == 0 || sampled as f64 / (samples as f64) < periods);
-    let mut pace = Pace::new(periods, args.max_impacts, console);
-    let portion = Limits::portion(model.chain().sites());
-    let mut counts = Counts::default();
     let pattern = orbit.map(Pattern::of);
-    let mut witness = Witness::new(&model, pattern.as_ref().map(|pattern| (pattern, start.time)));
-    let mut observe = |event: &Event,
-                       impacts: &mut Option<ImpactTable>,
-                       section: &mut Option<Section>,
-                       plot: &mut Plot,
-                       film: &mut Film| {
-        counts.see(event, impacts);
-        witness.see(event);
-        plot.hit(event);
-        film.hit(event);
-        section.iter_mut().for_each(|section| section.see(event));
-    };
-    let begin = Limits::until(Time::new(&model, 0, 0.0));
-    let mut report = simulation.run(&begin, |event| observe(event, &mut impacts, &mut section, &mut plot, &mut film));
-    let mut step = 0_u64;
-    let mut stopped = false;
-    loop {
-        trajectory.iter_mut().try_for_each(|trajectory| trajectory.write(&simulation))?;
-        plot.see(&simulation);
-        film.see(&simulation);
-        let unwritten = impacts.as_mut().and_then(|table| table.failure.take());
-        if let Some(error) = unwritten.or_else(|| section.as_mut().and_then(Section::failed)) {
-            return Err(error);
-        }
-        if stopped || report.outcome != Outcome::TimeReached || step >= total {
-            break;
-        }
-        step += 1;
-        let time = if step > sampled {
-            end
-        } else {
-            Time::new(&model, step / samples, (step % samples) as f64 / samples as f64)
-        };
-        // In portions of work, so that Ctrl-C is heard however long a period takes; with the looks of the section on the way.
-        loop {
-            let look = section.as_ref().and_then(|section| section.due(time));
-            let left = args.max_impacts.map_or(u64::MAX, |most| most.saturating_sub(report.work.impacts));
-            let limits = Limits { until: look.or(Some(time)), impacts: left, flights: portion, ..Limits::default() };
-            report = simulation.run(&limits, |event| observe(event, &mut impacts, &mut section, &mut plot, &mut film));
-            stopped = stop.is_raised();
-            pace.see(&report, console);
-            if let (Some(_), Outcome::TimeReached, Some(section)) = (look, report.outcome, &mut section) {
-                let state = simulation.state();
-                section.look(simulation.time(), &state.displacement, &state.velocity)?;
-            } else if report.outcome != Outcome::WorkLimit {
-                break;
-            }
-            if stopped {
-                break;
-            }
-        }
-    }
-    pace.finish();
+    let witness = Witness::new(&model, pattern.as_ref().map(|pattern| (pattern, start.time)));
+    let (report, state) = (None, [vec![0.0; sites], vec![0.0; sites]]);
+    let (start, events) = (start.time, 0);
+    let mut run = Kept { simulation, report, start, state, impacts, trajectory, section, plot, film, witness, events };
+    let stopped = follow::follow(&mut run, args, (samples, Limits::portion(sites)), &stop, console)?;
+    let Kept { simulation, report, impacts, trajectory, section, plot, film, witness, events, .. } = run;
+    let Some(report) = report else { return Ok(()) };
 
     // What was simulated is kept, however the run ended.
     impacts.map_or(Ok(()), ImpactTable::finish)?;
-    trajectory.map_or(Ok(()), Trajectory::finish)?;
+    trajectory.map_or(Ok(()), CsvFile::finish)?;
     section.map_or(Ok(()), Section::finish)?;
     plot.finish()?;
     film.finish()?;
-    let distance = orbit.map(|orbit| deviation(orbit, &simulation, start.time)).transpose()?;
+    let distance = orbit.map(|orbit| deviation(orbit, &simulation, start)).transpose()?;
     let told = Told {
         args,
         simulation: &simulation,
         report: &report,
         stopped,
-        start: start.time,
+        start,
         home: home.as_ref(),
         fate: witness.outcome(simulation.time()),
         distance,
-        events: counts.events,
+        events,
     };
     let text = if args.json { printed(&told.answer())? } else { told.text(console.verbose) };
     console.answer(&text, args.json, taken)?;
@@ -204,56 +127,29 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     }
 }
 
-/// The orbit that a run begins on, its number among all solutions, and theirs.
-struct Home {
-    orbit: Orbit,
-    number: usize,
-    count: usize,
-}
-
 /// The state to start from and the orbit to compare with.
 fn starting_point(
     args: &SimulateArgs,
     chosen: &Chosen,
     stop: &Stop,
     console: &mut Console<'_>,
-) -> Result<(Start, Option<Home>), CliError> {
+) -> Result<(State, Option<Start<Orbit>>), CliError> {
     if let Some(path) = &args.state {
         return Ok((start::read(path, args.psi)?, None));
     }
     let (model, which) = (&chosen.model, which::wanted(&args.which, chosen.scene.as_ref())?);
     let mut finder = Finder::new(model.chain().sites()).until(stop);
-    let (_, mut found) = which::find(&which, model, &mut finder, Some(console))?;
-    let count = found.orbits.len();
-    let mut taken = None;
-    for (i, orbit) in found.orbits.drain(..).enumerate() {
-        let physical = finder.admissibility(&orbit)?.is_physical();
-        if args.solution.map_or(physical, |number| number == i + 1) {
-            taken = Some((Home { orbit, number: i + 1, count }, physical));
-            break;
-        }
+    let orbits = which::some(which::find(&which, model, &mut finder, Some(console))?.1)?;
+    let is_physical = |orbit: &Orbit| Ok(finder.admissibility(orbit)?.is_physical());
+    let home = picked((orbits, ""), args.solution, is_physical).map_err(|error| match error {
+        CliError::IllPosed(none) => CliError::IllPosed(format!("no orbit to start from: {none}")),
+        error => error,
+    })?;
+    if args.solution.is_some() && !finder.admissibility(&home.orbit)?.is_physical() {
+        return Err(CliError::Request(format!("solution {} is not physical; `mapgen orbit` tells why", home.number)));
     }
-    let home = match (taken, args.solution, found.completeness.reason()) {
-        (Some((home, true)), _, _) => home,
-        (Some((_, false)), Some(number), _) => {
-            return Err(CliError::Request(format!("solution {number} is not physical; `mapgen orbit` tells why")));
-        }
-        (_, Some(number), None) if count > 0 => {
-            return Err(CliError::Request(format!(
-                "--solution {number} is out of range: there are {count}, give 1 to {count}"
-            )));
-        }
-        (_, _, Some(reason)) => return Err(CliError::IllPosed(format!("no orbit to start from: {reason}"))),
-        _ if count == 0 => {
-            let message = format!("no orbit was found to start from, and the list is {}", found.completeness);
-            return Err(CliError::IllPosed(message));
-        }
-        _ => {
-            return Err(CliError::IllPosed(format!("no orbit to start from: none of {count} solutions is physical")));
-        }
-    };
     let orbit = &home.orbit;
-    let mut start = Start::on(orbit)?;
+    let mut start = State::on(orbit)?;
     if let Some(size) = args.perturb {
         if !size.is_finite() {
             return Err(CliError::Request(format!("--perturb {} is out of range: give a finite size", Short(size))));
@@ -283,19 +179,74 @@ fn deviation(orbit: &Orbit, simulation: &Simulation, start: f64) -> Result<f64, 
     Ok(masses.map(|(n, u)| (u - motion.site(n).displacement).abs()).fold(0.0, f64::max))
 }
 
-/// What is there of a run that was interrupted.
-/// Events seen.
-#[derive(Debug, Default)]
-struct Counts {
+/// A run with what is kept of it.
+struct Kept<'a> {
+    simulation: Simulation,
+    report: Option<Report>,
+    /// Time of the start, on the clock of the orbit.
+    start: f64,
+    /// Displacements and velocities at a sample.
+    state: [Vec<f64>; 2],
+    impacts: Option<ImpactTable>,
+    trajectory: Option<CsvFile>,
+    section: Option<Section>,
+    plot: Plot,
+    film: Film,
+    witness: Witness<'a>,
     events: u64,
 }
 
-impl Counts {
-    fn see(&mut self, event: &Event, table: &mut Option<ImpactTable>) {
-        self.events += 1;
-        if let Some(table) = table {
-            table.write(event);
+impl Run for Kept<'_> {
+    fn time_of(&self, periods: u64, part: f64) -> Time {
+        Time::new(self.simulation.model(), periods, part)
+    }
+
+    fn advance(&mut self, limits: &Limits) -> Result<Reached, CliError> {
+        let Self { simulation, impacts, section, plot, film, witness, events, .. } = self;
+        let report = simulation.run(limits, |event| {
+            *events += 1;
+            impacts.iter_mut().for_each(|table| table.write(event));
+            witness.see(event);
+            plot.hit(event);
+            film.hit(event);
+            section.iter_mut().for_each(|section| section.see(event));
+        });
+        let unwritten = impacts.as_mut().and_then(|table| table.failure.take());
+        if let Some(error) = unwritten.or_else(|| section.as_mut().and_then(Section::failed)) {
+            return Err(error);
         }
+        let reached = match report.outcome {
+            Outcome::TimeReached => Reached::Time,
+            Outcome::WorkLimit => Reached::Portion,
+            Outcome::ImpactsReached | Outcome::Cascade { .. } => Reached::End,
+        };
+        self.report = Some(report);
+        Ok(reached)
+    }
+
+    fn now(&self) -> (Time, u64) {
+        (self.simulation.time(), self.simulation.work().impacts)
+    }
+
+    fn look(&mut self) -> Result<(), CliError> {
+        if let Some(table) = &mut self.trajectory {
+            let [displacement, velocity] = &mut self.state;
+            self.simulation.read(displacement, velocity);
+            let time = self.simulation.time().on_clock(self.start);
+            table.row(std::iter::once(&time).chain(displacement.iter()).chain(velocity.iter()).map(f64::to_string))?;
+        }
+        self.plot.see(&self.simulation);
+        self.film.see(&self.simulation);
+        Ok(())
+    }
+
+    fn section(&mut self) -> Option<&mut Section> {
+        self.section.as_mut()
+    }
+
+    fn state(&self) -> [Vec<f64>; 2] {
+        let state = self.simulation.state();
+        [state.displacement, state.velocity]
     }
 }
 
@@ -307,44 +258,16 @@ struct Told<'a> {
     stopped: bool,
     /// Time of the start, on the clock of the orbit.
     start: f64,
-    home: Option<&'a Home>,
+    home: Option<&'a Start<Orbit>>,
     fate: vibrochain_fate::Outcome,
     /// From the orbit, at the end.
     distance: Option<f64>,
     events: u64,
 }
 
-/// The same as JSON, with the state at the end.
-#[derive(Serialize)]
-struct SimulateAnswer<'a> {
-    schema: &'static str,
-    outcome: &'static str,
-    parameters: &'a Model,
-    solution: Option<usize>,
-    start: f64,
-    periods: u64,
-    offset: f64,
-    events: u64,
-    impacts: u64,
-    sticks: u64,
-    releases: u64,
-    energy: f64,
-    left: Option<f64>,
-    end: Option<&'static str>,
-    word: Option<String>,
-    distance: Option<f64>,
-    state: StateAnswer,
-}
-
-#[derive(Serialize)]
-struct StateAnswer {
-    displacement: Vec<f64>,
-    velocity: Vec<f64>,
-    psi: f64,
-}
-
 impl Told<'_> {
-    fn answer(&self) -> SimulateAnswer<'_> {
+    /// As JSON, with the state at the end.
+    fn answer(&self) -> Value {
         let (simulation, fate) = (self.simulation, &self.fate);
         let (work, time, state) = (simulation.work(), simulation.time(), simulation.state());
         let outcome = match self.report.outcome {
@@ -360,25 +283,25 @@ impl Told<'_> {
         };
         // The force repeats: its phase at the end needs no whole periods.
         let psi = (state.psi + time.offset()).rem_euclid(simulation.model().period());
-        SimulateAnswer {
-            schema: SIMULATE,
-            outcome,
-            parameters: simulation.model(),
-            solution: self.home.map(|home| home.number),
-            start: self.start,
-            periods: time.periods(),
-            offset: time.offset(),
-            events: self.events,
-            impacts: work.impacts,
-            sticks: work.sticks,
-            releases: work.releases,
-            energy: simulation.energy(),
-            left: fate.left,
-            end: fate.end.as_ref().map(End::name),
-            word,
-            distance: self.distance,
-            state: StateAnswer { displacement: state.displacement, velocity: state.velocity, psi },
-        }
+        json!({
+            "schema": SIMULATE,
+            "outcome": outcome,
+            "parameters": simulation.model(),
+            "solution": self.home.map(|home| home.number),
+            "start": self.start,
+            "periods": time.periods(),
+            "offset": time.offset(),
+            "events": self.events,
+            "impacts": work.impacts,
+            "sticks": work.sticks,
+            "releases": work.releases,
+            "energy": simulation.energy(),
+            "left": fate.left,
+            "end": fate.end.as_ref().map(End::name),
+            "word": word,
+            "distance": self.distance,
+            "state": { "displacement": state.displacement, "velocity": state.velocity, "psi": psi },
+        })
     }
 
     /// For people. Writing to a String cannot fail.
@@ -386,7 +309,7 @@ impl Told<'_> {
         let (work, time, model) = (self.simulation.work(), self.simulation.time(), self.simulation.model());
         let mut out = String::new();
         let from = match self.home {
-            Some(Home { orbit, number, count }) => format!("{} breather, solution {number} of {count}", orbit.name()),
+            Some(Start { orbit, number, count }) => format!("{} breather, solution {number} of {count}", orbit.name()),
             None => "from a state".to_owned(),
         };
         let _ = writeln!(out, "{from}{}; {model}", perturbed(self.args));

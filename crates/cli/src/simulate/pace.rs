@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
-use vibrochain_eventsim::{Report, Time};
+use vibrochain_eventsim::Time;
 
 use crate::args::SimulateArgs;
 use crate::common::console::Console;
@@ -41,7 +41,7 @@ impl Pace {
     }
 
     /// Tells, if it is time to.
-    pub(crate) fn see(&mut self, report: &Report, console: &mut Console<'_>) {
+    pub(crate) fn see(&mut self, time: Time, impacts: u64, console: &mut Console<'_>) {
         let elapsed = self.begun.elapsed();
         // The bar draws itself less often than it is told.
         let due = if console.progress { Duration::from_millis(100) } else { elapsed };
@@ -49,8 +49,8 @@ impl Pace {
             return;
         }
         self.next = elapsed + due;
-        let part = self.part(report);
-        let text = self.text(report, part, elapsed);
+        let part = self.part(time, impacts);
+        let text = self.text(time, impacts, part, elapsed);
         if console.progress {
             self.bar.set_position((part * STEPS as f64) as u64);
             self.bar.set_message(text);
@@ -65,17 +65,17 @@ impl Pace {
     }
 
     /// The part of the run that is done.
-    fn part(&self, report: &Report) -> f64 {
-        let time = (report.time.periods() as f64 + report.time.part()) / self.periods.max(f64::MIN_POSITIVE);
-        let impacts = self.impacts.map_or(0.0, |most| report.work.impacts as f64 / most.max(1) as f64);
+    fn part(&self, time: Time, impacts: u64) -> f64 {
+        let time = (time.periods() as f64 + time.part()) / self.periods.max(f64::MIN_POSITIVE);
+        let impacts = self.impacts.map_or(0.0, |most| impacts as f64 / most.max(1) as f64);
         time.max(impacts).min(1.0)
     }
 
-    fn text(&self, report: &Report, part: f64, elapsed: Duration) -> String {
+    fn text(&self, time: Time, impacts: u64, part: f64, elapsed: Duration) -> String {
         let left = elapsed.as_secs_f64() * (1.0 - part) / part;
         let left =
             if left.is_finite() { format!("about {} left", duration(left)) } else { "no end in sight".to_owned() };
-        format!("{} of {} periods, {} impacts, {left}", periods(report.time), self.periods, report.work.impacts)
+        format!("{} of {} periods, {} impacts, {left}", periods(time), self.periods, impacts)
     }
 }
 
@@ -93,7 +93,6 @@ pub(crate) fn interrupted(args: &SimulateArgs, time: Time) -> CliError {
 
 #[cfg(test)]
 mod tests {
-    use vibrochain_eventsim::{Outcome, Work};
     use vibrochain_lattice::{Chain, Model};
 
     use super::*;
@@ -102,9 +101,8 @@ mod tests {
     fn what_is_left_follows_from_time_or_impacts_whichever_end_is_nearer() {
         let model = Model::conservative(Chain::new(1, 1.0, 0.0).unwrap(), 2.0, 0.0).unwrap();
         let quiet = |pace: &Pace, part: f64, impacts: u64, seconds: u64| {
-            let work = Work { impacts, ..Work::default() };
-            let report = Report { outcome: Outcome::WorkLimit, time: Time::new(&model, 0, part), work };
-            pace.text(&report, pace.part(&report), Duration::from_secs(seconds))
+            let time = Time::new(&model, 0, part);
+            pace.text(time, impacts, pace.part(time, impacts), Duration::from_secs(seconds))
         };
         let (mut out, mut err) = (Vec::new(), Vec::new());
         let interrupt = crate::common::console::ctrl_c;

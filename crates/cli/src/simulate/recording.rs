@@ -2,14 +2,16 @@
 
 use std::path::Path;
 
-use vibrochain_breather::Orbit;
+use vibrochain_breather::{Impact, Motion, Orbit};
 use vibrochain_eventsim::{Event, Simulation, Time};
-use vibrochain_lattice::{Layout, Model};
+use vibrochain_lattice::{Barrier, Layout, Model};
+use vibrochain_maps::files::{CsvFile, Output};
+use vibrochain_plot::field::FieldWriter;
+use vibrochain_plot::{Page, RunPicture, run_picture};
 
 use crate::args::SimulateArgs;
 use crate::common::error::CliError;
 use crate::simulate::start::Start;
-use vibrochain_maps::files::CsvFile;
 
 /// The time on an orbit's own clock: whole periods are taken off before they cost digits.
 pub fn orbit_time(orbit: &Orbit, time: Time, start: f64) -> f64 {
@@ -65,227 +67,150 @@ pub(crate) fn trajectory_columns(sites: usize) -> impl Iterator<Item = String> {
     std::iter::once("time".to_owned()).chain(columns("displacement")).chain(columns("velocity"))
 }
 
-/// These columns, one row a sample.
-pub(crate) struct Trajectory {
-    file: CsvFile,
+/// Periods at the end of the run of which the impacting mass is shown.
+const SHOWN: f64 = 8.0;
+
+/// Points of its trace at most: some for every pixel.
+const POINTS: f64 = 8000.0;
+
+/// Collects what the picture needs, and no more of a long run.
+pub(crate) struct Plot(Option<Collected>);
+
+struct Collected {
+    page: Page,
+    file: Output,
+    title: String,
+    barriers: (f64, f64),
+    periods: f64,
+    simulated: Vec<(f64, f64)>,
+    analytic: Vec<(f64, f64)>,
+    field: FieldWriter,
+    orbit: Option<(Orbit, Motion)>,
+    home: usize,
     start: f64,
-    displacement: Vec<f64>,
-    velocity: Vec<f64>,
+    /// Samples from one point of the trace to the next.
+    stride: u64,
+    seen: u64,
+    scratch: (Vec<f64>, Vec<f64>),
 }
 
-impl Trajectory {
-    pub(crate) fn open(path: &Path, start: f64, model: &Model) -> Result<Self, CliError> {
+impl Plot {
+    pub(crate) fn open(
+        args: &SimulateArgs,
+        model: &Model,
+        orbit: Option<&Orbit>,
+        start: &Start,
+    ) -> Result<Self, CliError> {
+        args.page.checked(args.plot.is_some() || args.animate.is_some(), "--plot or --animate")?;
+        let Some(path) = args.plot.as_deref() else { return Ok(Self(None)) };
+        let Some((page, file)) = args.page.open("--plot", Some(path))? else { return Ok(Self(None)) };
+        let motion = orbit.map(|orbit| Motion::of(orbit).map(|motion| (orbit.clone(), motion))).transpose()?;
         let sites = model.chain().sites();
-        let file = CsvFile::create("--trajectory", path, trajectory_columns(sites))?;
-        Ok(Self { file, start, displacement: vec![0.0; sites], velocity: vec![0.0; sites] })
+        let title = crate::common::caption::describe_run(args, model, orbit);
+        let barriers = (model.asymmetry() - 1.0, model.asymmetry() + 1.0);
+        let empty = || FieldWriter::new(model.chain(), args.periods, args.samples);
+        let nothing = RunPicture {
+            title: title.clone(),
+            barriers,
+            simulated: Vec::new(),
+            analytic: Vec::new(),
+            field: empty().finish(),
+            periods: args.periods,
+        };
+        run_picture(&nothing, page.to_measure()).map_err(|error| CliError::Request(error.0))?;
+        Ok(Self(Some(Collected {
+            page,
+            file,
+            title,
+            barriers,
+            periods: args.periods,
+            simulated: Vec::new(),
+            analytic: Vec::new(),
+            field: empty(),
+            home: orbit.and_then(Orbit::impact_site).unwrap_or(0),
+            orbit: motion,
+            start: start.time,
+            stride: ((SHOWN * args.samples as f64 / POINTS) as u64).max(1),
+            seen: 0,
+            scratch: (vec![0.0; sites], vec![0.0; sites]),
+        })))
     }
 
-    pub(crate) fn write(&mut self, simulation: &Simulation) -> Result<(), CliError> {
-        simulation.read(&mut self.displacement, &mut self.velocity);
-        let time = simulation.time().on_clock(self.start);
-        let row = std::iter::once(&time).chain(&self.displacement).chain(&self.velocity).map(f64::to_string);
-        Ok(self.file.row(row)?)
+    pub(crate) fn is_wanted(&self) -> bool {
+        self.0.is_some()
+    }
+
+    /// Between samples the tips of a trace, which are its impacts, would be cut off.
+    pub(crate) fn hit(&mut self, event: &Event) {
+        let Some(collected) = &mut self.0 else { return };
+        let periods = event.time.periods() as f64 + event.time.part();
+        if event.site != collected.home || periods < collected.periods - SHOWN {
+            return;
+        }
+        let point = (periods, place(collected.barriers, event.barrier));
+        // Of a mass that bounces on a barrier nobody sees each.
+        let seen = |last: &(f64, f64)| last.1 == point.1 && point.0 - last.0 < SHOWN / POINTS;
+        if !collected.simulated.last().is_some_and(seen) {
+            collected.simulated.push(point);
+        }
+    }
+
+    pub(crate) fn see(&mut self, simulation: &Simulation) {
+        let Some(collected) = &mut self.0 else { return };
+        let time = simulation.time();
+        let periods = time.periods() as f64 + time.part();
+        let trace = periods >= collected.periods - SHOWN - 1e-9 && collected.seen.is_multiple_of(collected.stride);
+        collected.seen += 1;
+        if trace || collected.field.wants() {
+            simulation.read(&mut collected.scratch.0, &mut collected.scratch.1);
+        }
+        let u = &collected.scratch.0;
+        collected.field.see(u, periods);
+        if trace {
+            collected.simulated.push((periods, u.get(collected.home).copied().unwrap_or(0.0)));
+            if let Some((orbit, motion)) = &mut collected.orbit {
+                let now = motion.at(collected.home, orbit_time(orbit, time, collected.start));
+                collected.analytic.push((periods, now.displacement));
+            }
+        }
     }
 
     pub(crate) fn finish(self) -> Result<(), CliError> {
-        Ok(self.file.finish()?)
+        let Some(collected) = self.0 else { return Ok(()) };
+        let tips = collected.tips();
+        let Collected { page, file, title, barriers, periods, simulated, mut analytic, field, .. } = collected;
+        analytic.extend(tips);
+        analytic.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let picture = RunPicture { title, barriers, simulated, analytic, field: field.finish(), periods };
+        let bytes = run_picture(&picture, page).map_err(|error| CliError::Computation(error.to_string()))?;
+        Ok(file.finish_with(&bytes)?)
     }
 }
 
-#[cfg(feature = "plot")]
-pub(crate) use with_plot::Plot;
-#[cfg(not(feature = "plot"))]
-pub(crate) use without_plot::Plot;
-
-#[cfg(feature = "plot")]
-mod with_plot {
-    use vibrochain_breather::{Impact, Motion, Orbit};
-    use vibrochain_eventsim::{Event, Simulation};
-    use vibrochain_lattice::{Barrier, Model};
-
-    use super::{CliError, SimulateArgs, Start, orbit_time};
-    use vibrochain_maps::files::Output;
-    use vibrochain_plot::field::FieldWriter;
-    use vibrochain_plot::{Page, RunPicture, run_picture};
-
-    /// Periods at the end of the run of which the impacting mass is shown.
-    const SHOWN: f64 = 8.0;
-
-    /// Points of its trace at most: some for every pixel.
-    const POINTS: f64 = 8000.0;
-
-    /// Collects what the picture needs, and no more of a long run.
-    pub(crate) struct Plot(Option<Collected>);
-
-    struct Collected {
-        page: Page,
-        file: Output,
-        title: String,
-        barriers: (f64, f64),
-        periods: f64,
-        simulated: Vec<(f64, f64)>,
-        analytic: Vec<(f64, f64)>,
-        field: FieldWriter,
-        orbit: Option<(Orbit, Motion)>,
-        home: usize,
-        start: f64,
-        /// Samples from one point of the trace to the next.
-        stride: u64,
-        seen: u64,
-        scratch: (Vec<f64>, Vec<f64>),
-    }
-
-    impl Plot {
-        pub(crate) fn open(
-            args: &SimulateArgs,
-            model: &Model,
-            orbit: Option<&Orbit>,
-            start: &Start,
-        ) -> Result<Self, CliError> {
-            args.page.checked(args.plot.is_some() || args.animate.is_some(), "--plot or --animate")?;
-            let Some(path) = args.plot.as_deref() else { return Ok(Self(None)) };
-            let Some((page, file)) = args.page.open("--plot", Some(path))? else { return Ok(Self(None)) };
-            let motion = orbit.map(|orbit| Motion::of(orbit).map(|motion| (orbit.clone(), motion))).transpose()?;
-            let sites = model.chain().sites();
-            let title = crate::common::caption::describe_run(args, model, orbit);
-            let barriers = (model.asymmetry() - 1.0, model.asymmetry() + 1.0);
-            let empty = || FieldWriter::new(model.chain(), args.periods, args.samples);
-            let nothing = RunPicture {
-                title: title.clone(),
-                barriers,
-                simulated: Vec::new(),
-                analytic: Vec::new(),
-                field: empty().finish(),
-                periods: args.periods,
-            };
-            run_picture(&nothing, page.to_measure()).map_err(|error| CliError::Request(error.0))?;
-            Ok(Self(Some(Collected {
-                page,
-                file,
-                title,
-                barriers,
-                periods: args.periods,
-                simulated: Vec::new(),
-                analytic: Vec::new(),
-                field: empty(),
-                home: orbit.and_then(Orbit::impact_site).unwrap_or(0),
-                orbit: motion,
-                start: start.time,
-                stride: ((SHOWN * args.samples as f64 / POINTS) as u64).max(1),
-                seen: 0,
-                scratch: (vec![0.0; sites], vec![0.0; sites]),
-            })))
-        }
-
-        pub(crate) fn is_wanted(&self) -> bool {
-            self.0.is_some()
-        }
-
-        /// Between samples the tips of a trace, which are its impacts, would be cut off.
-        pub(crate) fn hit(&mut self, event: &Event) {
-            let Some(collected) = &mut self.0 else { return };
-            let periods = event.time.periods() as f64 + event.time.part();
-            if event.site != collected.home || periods < collected.periods - SHOWN {
-                return;
-            }
-            let point = (periods, place(collected.barriers, event.barrier));
-            // Of a mass that bounces on a barrier nobody sees each.
-            let seen = |last: &(f64, f64)| last.1 == point.1 && point.0 - last.0 < SHOWN / POINTS;
-            if !collected.simulated.last().is_some_and(seen) {
-                collected.simulated.push(point);
-            }
-        }
-
-        pub(crate) fn see(&mut self, simulation: &Simulation) {
-            let Some(collected) = &mut self.0 else { return };
-            let time = simulation.time();
-            let periods = time.periods() as f64 + time.part();
-            let trace = periods >= collected.periods - SHOWN - 1e-9 && collected.seen.is_multiple_of(collected.stride);
-            collected.seen += 1;
-            if trace || collected.field.wants() {
-                simulation.read(&mut collected.scratch.0, &mut collected.scratch.1);
-            }
-            let u = &collected.scratch.0;
-            collected.field.see(u, periods);
-            if trace {
-                collected.simulated.push((periods, u.get(collected.home).copied().unwrap_or(0.0)));
-                if let Some((orbit, motion)) = &mut collected.orbit {
-                    let now = motion.at(collected.home, orbit_time(orbit, time, collected.start));
-                    collected.analytic.push((periods, now.displacement));
-                }
-            }
-        }
-
-        pub(crate) fn finish(self) -> Result<(), CliError> {
-            let Some(collected) = self.0 else { return Ok(()) };
-            let tips = collected.tips();
-            let Collected { page, file, title, barriers, periods, simulated, mut analytic, field, .. } = collected;
-            analytic.extend(tips);
-            analytic.sort_by(|one, other| one.0.total_cmp(&other.0));
-            let picture = RunPicture { title, barriers, simulated, analytic, field: field.finish(), periods };
-            let bytes = run_picture(&picture, page).map_err(|error| CliError::Computation(error.to_string()))?;
-            Ok(file.finish_with(&bytes)?)
-        }
-    }
-
-    impl Collected {
-        /// The impacts of the orbit's own mass within its trace.
-        fn tips(&self) -> Vec<(f64, f64)> {
-            let (Some((orbit, _)), Some(first), Some(last)) =
-                (&self.orbit, self.analytic.first(), self.analytic.last())
-            else {
-                return Vec::new();
-            };
-            let (period, every) = (orbit.model().period(), f64::from(orbit.force_periods()));
-            let own = orbit.impacts().iter().filter(|impact| impact.site == self.home);
-            let of = |impact: &Impact| {
-                let at = (impact.time - self.start) / period;
-                let next = at + every * ((first.0 - at) / every).ceil();
-                let height = place(self.barriers, impact.barrier);
-                let rounds = ((last.0 - next) / every).floor().clamp(-1.0, SHOWN) as i64;
-                (0..=rounds).map(move |k| (next + k as f64 * every, height))
-            };
-            own.flat_map(of).collect()
-        }
-    }
-
-    /// Where a barrier is.
-    fn place((lower, upper): (f64, f64), barrier: Barrier) -> f64 {
-        match barrier {
-            Barrier::Lower => lower,
-            Barrier::Upper => upper,
-        }
+impl Collected {
+    /// The impacts of the orbit's own mass within its trace.
+    fn tips(&self) -> Vec<(f64, f64)> {
+        let (Some((orbit, _)), Some(first), Some(last)) = (&self.orbit, self.analytic.first(), self.analytic.last())
+        else {
+            return Vec::new();
+        };
+        let (period, every) = (orbit.model().period(), f64::from(orbit.force_periods()));
+        let own = orbit.impacts().iter().filter(|impact| impact.site == self.home);
+        let of = |impact: &Impact| {
+            let at = (impact.time - self.start) / period;
+            let next = at + every * ((first.0 - at) / every).ceil();
+            let height = place(self.barriers, impact.barrier);
+            let rounds = ((last.0 - next) / every).floor().clamp(-1.0, SHOWN) as i64;
+            (0..=rounds).map(move |k| (next + k as f64 * every, height))
+        };
+        own.flat_map(of).collect()
     }
 }
 
-#[cfg(not(feature = "plot"))]
-mod without_plot {
-    use vibrochain_breather::Orbit;
-    use vibrochain_eventsim::{Event, Simulation};
-    use vibrochain_lattice::Model;
-
-    use super::{CliError, SimulateArgs, Start};
-
-    pub(crate) struct Plot;
-
-    impl Plot {
-        pub(crate) fn open(args: &SimulateArgs, _: &Model, _: Option<&Orbit>, _: &Start) -> Result<Self, CliError> {
-            match args.plot {
-                Some(_) => Err(CliError::Request("--plot needs a build with the feature `plot`".to_owned())),
-                None => Ok(Self),
-            }
-        }
-
-        pub(crate) fn is_wanted(&self) -> bool {
-            false
-        }
-
-        pub(crate) fn hit(&mut self, _: &Event) {}
-
-        pub(crate) fn see(&mut self, _: &Simulation) {}
-
-        pub(crate) fn finish(self) -> Result<(), CliError> {
-            Ok(())
-        }
+/// Where a barrier is.
+fn place((lower, upper): (f64, f64), barrier: Barrier) -> f64 {
+    match barrier {
+        Barrier::Lower => lower,
+        Barrier::Upper => upper,
     }
 }

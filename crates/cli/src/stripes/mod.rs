@@ -32,10 +32,10 @@ use crate::stripes::cells::cells;
 use crate::stripes::evidence::evidence;
 use crate::stripes::lines::{Line, joined, rows};
 use crate::stripes::request::Request;
-use crate::stripes::table::table;
+use crate::stripes::table::write;
 use crate::stripes::widths::HEADER;
 use crate::structures;
-use vibrochain_maps::files::{CsvFile, Output, distinct, promises};
+use vibrochain_maps::files::{CsvFile, distinct};
 use vibrochain_plot::{Format, MapLine, MapPicture, Palette, Shown, Tile, map_with_lines};
 
 pub(crate) use crate::stripes::table::COLUMNS;
@@ -62,14 +62,11 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
             ("--widths", args.widths.as_deref()),
         ],
     )?;
-    if let Some(table) = out {
-        promises("--out", table, "a table as plain CSV", &["csv"])?;
-    }
     let stop = (console.interrupt)()?;
     // Destinations first: an impossible one should not cost a computation.
     let picture = PictureFiles::one("--plot", plot, &args.page)?;
     fits(&picture, &request)?;
-    let csv = out.map(Output::create).transpose()?;
+    let table = out.map(|path| CsvFile::create("--out", path, COLUMNS)).transpose()?;
     let manifest = Manifest::create(manifest.as_deref())?;
     let widths = args.widths.as_deref().map(|path| CsvFile::create("--widths", path, HEADER)).transpose()?;
     let pool = threads(console.threads)?;
@@ -82,10 +79,8 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
         let bar = widths::progress(&request, console.progress);
         text += &widths::write(widths, &request, &pool, &stop, &bar)?;
     }
-    if let Some(csv) = csv {
-        let (table, rows) = table(&lines)?;
-        csv.finish_with(&table)?;
-        manifest.finish(LINES, rows, &OfScene::new(&request.scene, None))?;
+    if let Some(table) = table {
+        manifest.finish(LINES, write(table, &lines)?, &OfScene::new(&request.scene, None))?;
     }
     draw(picture, &request, &tiles, &lines, args.all)?;
     console.answer(&text, false, taken)

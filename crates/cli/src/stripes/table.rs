@@ -2,6 +2,7 @@
 
 use vibrochain_breather::Family;
 use vibrochain_maps::fields::Fields;
+use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::numbers::Number;
 
 use crate::common::error::CliError;
@@ -11,36 +12,24 @@ use crate::stripes::lines::{Line, LinePoint};
 pub(crate) const COLUMNS: [&str; 9] =
     ["family", "mode1", "mode2", "harmonic", "sum", "gamma2", "omega", "signature_product", "line"];
 
-/// The table, and its number of rows.
+/// Writes the table; its number of rows.
 ///
 /// # Errors
-/// [`CliError::Computation`].
-pub(super) fn table(lines: &[Line]) -> Result<(Vec<u8>, u64), CliError> {
-    let failed = |error: &dyn std::fmt::Display| CliError::Computation(format!("could not write the lines: {error}"));
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(COLUMNS).map_err(|error| failed(&error))?;
+/// [`CliError`] of a file that cannot be written.
+pub(super) fn write(mut table: CsvFile, lines: &[Line]) -> Result<u64, CliError> {
     let mut rows = 0;
-    for (number, line) in lines.iter().enumerate() {
-        let (k, l) = line.modes;
+    for (line, number) in lines.iter().zip(1..) {
+        let (family, (k, l), harmonic) = (line.family, line.modes, line.harmonic);
         // On a sum the multipliers that meet are e^{iΩT} of one mode and e^{−iΩT} of the other.
-        let product = if line.sum { "-1" } else { "1" };
+        let product = if line.sum { -1 } else { 1 };
         for point in &line.points {
-            let record = [
-                line.family.name().to_owned(),
-                k.to_string(),
-                l.to_string(),
-                line.harmonic.to_string(),
-                line.sum.to_string(),
-                Number(point.gamma2).to_string(),
-                Number(point.omega).to_string(),
-                product.to_owned(),
-                (number + 1).to_string(),
-            ];
-            writer.write_record(&record).map_err(|error| failed(&error))?;
+            let [gamma2, omega] = [point.gamma2, point.omega].map(|value| Number(value).to_string());
+            table.record(&(family.name(), k, l, harmonic, line.sum, gamma2, omega, product, number))?;
             rows += 1;
         }
     }
-    Ok((writer.into_inner().map_err(|error| failed(&error))?, rows))
+    table.finish()?;
+    Ok(rows)
 }
 
 /// Reads a row of it.

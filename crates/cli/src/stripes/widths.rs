@@ -112,7 +112,7 @@ pub(super) fn write(
             some.into_par_iter().map(one).collect()
         });
         for (row, families) in some.iter().zip(found?) {
-            let gamma2 = Number(request.gamma2.value(*row as f64)).to_string();
+            let gamma2 = number(request.gamma2.value(*row as f64));
             for (family, row) in families {
                 if !all.iter().any(|summary| summary.family == family) {
                     let widths = [f64::INFINITY, 0.0];
@@ -121,15 +121,18 @@ pub(super) fn write(
                 all.iter_mut()
                     .filter(|summary| summary.family == family)
                     .for_each(|summary| summary.add(&row, request.omega.step.abs()));
-                for stripe in &row.stripes {
-                    table.row(of_stripe(family, &gamma2, stripe))?;
+                let name = family.name();
+                for Stripe { pair, centre, error, edges, ends, half_width, growth, resolved, .. } in &row.stripes {
+                    let (k, l, j) = pair.map_or((None, None, None), |((k, l), j)| (Some(k), Some(l), Some(j)));
+                    let [centre, error, width, growth] = [*centre, *error, 2.0 * half_width, *growth].map(number);
+                    let ([low, high], [from, to]) = (edges.map(number), ends.map(end));
+                    table.record(&(
+                        name, &gamma2, k, l, j, centre, error, low, high, from, to, width, growth, resolved,
+                    ))?;
                 }
-                for [low, high] in row.unresolved {
-                    let [low, high, empty] = [Number(low).to_string(), Number(high).to_string(), String::new()];
-                    let mut fields = vec![family.name().to_owned(), gamma2.clone()];
-                    fields.extend(std::iter::repeat_n(empty.clone(), 5).chain([low, high]));
-                    fields.extend(std::iter::repeat_n(empty, 4).chain(["false".to_owned()]));
-                    table.row(fields)?;
+                for edges in row.unresolved {
+                    let [low, high] = edges.map(number);
+                    table.record(&(name, &gamma2, "", "", "", "", "", low, high, "", "", "", "", false))?;
                 }
             }
         }
@@ -162,19 +165,13 @@ fn of_row(request: &Request, row: usize, stop: &Stop) -> Result<Vec<(Family, Str
     Ok(found)
 }
 
-fn of_stripe(family: Family, gamma2: &str, stripe: &Stripe) -> Vec<String> {
-    let [k, l, j] = match stripe.pair {
-        Some(((k, l), j)) => [k, l, j].map(|number| number.to_string()),
-        None => [(); 3].map(|()| String::new()),
-    };
-    let [low, high] = stripe.edges.map(|edge| Number(edge).to_string());
-    let [low_end, high_end] = stripe.ends.map(|end| match end {
-        StripeEnd::Edge => "edge".to_owned(),
-        StripeEnd::Open => "open".to_owned(),
-    });
-    let [centre, error, width, growth] =
-        [stripe.centre, stripe.error, 2.0 * stripe.half_width, stripe.growth].map(|value| Number(value).to_string());
-    let mut fields = vec![family.name().to_owned(), gamma2.to_owned(), k, l, j, centre, error];
-    fields.extend([low, high, low_end, high_end, width, growth, stripe.resolved.to_string()]);
-    fields
+fn number(value: f64) -> String {
+    Number(value).to_string()
+}
+
+fn end(end: StripeEnd) -> &'static str {
+    match end {
+        StripeEnd::Edge => "edge",
+        StripeEnd::Open => "open",
+    }
 }

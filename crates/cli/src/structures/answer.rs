@@ -7,6 +7,8 @@ use vibrochain_maps::numbers::Number;
 use vibrochain_maps::structure::answer::told;
 use vibrochain_maps::structure::{Answered, StructureScene};
 
+use crate::common::answer::told_verdict;
+
 fn how(search: StructureSearch) -> String {
     match search {
         StructureSearch::ClosedForm => "complete, by closed form".to_owned(),
@@ -77,17 +79,7 @@ pub(crate) fn text(
             (None, None) => writeln!(out, "  physical"),
         };
         let _ = match &one.stability {
-            Ok(stability) => {
-                let verdict = stability.verdict;
-                let how = match verdict.mechanism {
-                    Some(mechanism) => format!("unstable ({})", mechanism.name()),
-                    None if verdict.marginal => "marginal (closer to the border than its own error)".to_owned(),
-                    None => "stable".to_owned(),
-                };
-                let error =
-                    if verdict.resolution > 0.0 { format!(" ± {:.0e}", verdict.resolution) } else { String::new() };
-                writeln!(out, "  {how}: spectral radius {}{error}", verdict.spectral_radius)
-            }
+            Ok(stability) => writeln!(out, "  {}", told_verdict(&stability.verdict)),
             Err(error) => writeln!(out, "  stability unknown: {error}"),
         };
         let worst =

@@ -1,9 +1,7 @@
 //! Any linear structure with stops: what `orbit`, `sweep` and others do for a scene with `[structure]`, and for a chain with dashpots.
 
-pub(crate) mod along;
 pub(crate) mod answer;
 pub(crate) mod orbit;
-#[cfg(feature = "plot")]
 mod pictures;
 mod run_answer;
 mod run_plot;
@@ -11,11 +9,14 @@ pub(crate) mod simulate;
 
 use std::path::Path;
 
-use vibrochain_lattice::{Contact, Ends, Parameter};
-use vibrochain_maps::structure::{ChainTable, MOST_MASSES, Setting, StructureScene};
+use serde_json::json;
+use vibrochain_lattice::Ends;
+use vibrochain_lattice::Parameter::{self, Amplitude, Asymmetry, Gamma1, Gamma2, Restitution};
+use vibrochain_maps::structure::{Setting, StructureScene};
 
-use crate::args::{ModelArgs, RowEnds};
+use crate::args::{ModelArgs, RowEnds, StructureArgs};
 use crate::common::error::CliError;
+use vibrochain_maps::manifest::object;
 
 /// The structure that is asked about: a scene's, or a chain with what flags add to it; `None` of a plain chain.
 ///
@@ -89,7 +90,6 @@ fn refusal() -> CliError {
 /// A chain with dashpots, a static force, or stops of its own.
 fn chain(args: &ModelArgs) -> Result<StructureScene, CliError> {
     let extra = &args.structure;
-    let missing = |name: &str| CliError::Request(format!("{name} is missing: give --{name}"));
     if args.scene.is_some() {
         let message =
             "a scene's chain takes no dashpots: write it as [structure] with chain = { … }, or give all by flags";
@@ -99,47 +99,35 @@ fn chain(args: &ModelArgs) -> Result<StructureScene, CliError> {
         let message = "dashpots, static forces and stops of their own are of one row under a plain force: leave --layers and --force away";
         return Err(CliError::Request(message.to_owned()));
     }
-    let value = |parameter: Parameter| -> Result<Option<f64>, CliError> {
-        let given = args.values.get(parameter);
-        given.map(|value| parameter.check(value).map(|()| value)).transpose().map_err(CliError::from)
-    };
-    let sites = args.sites.ok_or_else(|| missing("sites"))?;
-    let sites = usize::try_from(sites)
-        .map_err(|_| CliError::Request(format!("sites = {sites} is out of range: give a whole number from 1")))?;
-    if !(1..=MOST_MASSES).contains(&sites) {
-        let message = format!(
-            "sites = {sites} is out of range: with dashpots or stops of its own a chain has 1 to {MOST_MASSES} masses"
-        );
-        return Err(CliError::Request(message));
+    let sites = args.sites.ok_or_else(|| CliError::Request("sites is missing: give --sites".to_owned()))?;
+    if sites < 1 {
+        return Err(CliError::Request(format!("sites = {sites} is out of range: give a whole number from 1")));
     }
-    let asymmetry = value(Parameter::Asymmetry)?;
-    let by = |own: Option<f64>, side: f64| own.or_else(|| asymmetry.map(|a| a + side));
-    let (lower, upper) = (by(extra.lower, -1.0), by(extra.upper, 1.0));
-    let amplitude = value(Parameter::Amplitude)?.unwrap_or(0.0);
-    let restitution = value(Parameter::Restitution)?;
-    let restitution = match restitution {
-        Some(restitution) => restitution,
-        None if amplitude == 0.0 => 1.0,
-        None => return Err(missing("restitution")),
-    };
-    if let Some(stop) = extra.stops.iter().find(|stop| **stop >= sites) {
-        return Err(CliError::Request(format!(
-            "--stops: site {stop} does not exist: this chain has the sites 0 to {}",
-            sites.saturating_sub(1)
-        )));
+    let value = |parameter: Parameter| args.values.get(parameter);
+    let parameters = [Gamma1, Gamma2, Asymmetry, Amplitude, Restitution];
+    for (parameter, value) in parameters.into_iter().filter_map(|parameter| Some((parameter, value(parameter)?))) {
+        parameter.check(value)?;
     }
-    let contact = |site: usize| {
-        let stopped = extra.stops.is_empty() || extra.stops.contains(&site);
-        if stopped { Contact { lower, upper, restitution } } else { Contact { lower: None, upper: None, restitution } }
-    };
-    let table = ChainTable {
-        sites,
-        gamma1: value(Parameter::Gamma1)?.ok_or_else(|| missing("gamma1"))?,
-        gamma2: value(Parameter::Gamma2)?.ok_or_else(|| missing("gamma2"))?,
-        ends: args.ends.unwrap_or(RowEnds::Alike(Ends::Closed)).name().to_owned(),
-        damping: extra.damping.unwrap_or(0.0),
-        coupling_damping: extra.coupling_damping.unwrap_or(0.0),
-    };
-    let contacts = (0..sites).map(contact).collect();
-    StructureScene::of_chain(table, contacts, amplitude, extra.static_force.unwrap_or(0.0)).map_err(CliError::Request)
+    let StructureArgs { damping, coupling_damping, static_force, stops, lower, upper, .. } = extra;
+    let own = [damping, coupling_damping, static_force, lower, upper];
+    if let Some(value) = own.into_iter().flatten().find(|value| !value.is_finite()) {
+        return Err(CliError::Request(format!("{value} is out of range: give finite numbers")));
+    }
+    let is_forced = value(Amplitude).is_some_and(|amplitude| amplitude != 0.0);
+    let model = object([
+        ("sites", json!(sites)),
+        ("ends", json!(args.ends.unwrap_or(RowEnds::Alike(Ends::Closed)).name())),
+        ("gamma1", json!(value(Gamma1))),
+        ("gamma2", json!(value(Gamma2))),
+        ("asymmetry", json!(value(Asymmetry))),
+        ("amplitude", json!(value(Amplitude))),
+        ("restitution", json!(value(Restitution).or((!is_forced).then_some(1.0)))),
+        ("damping", json!(damping)),
+        ("coupling_damping", json!(coupling_damping)),
+        ("static_force", json!(static_force)),
+        ("stops", json!(stops)),
+        ("lower", json!(lower)),
+        ("upper", json!(upper)),
+    ]);
+    StructureScene::of_model(model).map_err(CliError::Request)
 }

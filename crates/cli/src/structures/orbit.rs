@@ -8,7 +8,6 @@ use vibrochain_breather::{
     Word, structure_orbits,
 };
 use vibrochain_lattice::Barrier;
-use vibrochain_maps::files::distinct;
 use vibrochain_maps::scene::tolerance_from;
 use vibrochain_maps::structure::answer::json;
 use vibrochain_maps::structure::{Answered, StructureScene};
@@ -16,18 +15,17 @@ use vibrochain_maps::text::read_text;
 
 use super::answer::text;
 use crate::args::{OrbitArgs, WhichArgs};
-use crate::common::console::{Console, nothing_else};
+use crate::common::console::Console;
 use crate::common::error::CliError;
 use crate::common::impact_table;
 use crate::orbit::multiplier_file::MultiplierFile;
-use crate::orbit::pictures::OrbitPictures;
+use crate::orbit::pictures::{OrbitPictures, apart};
 use crate::orbit::trajectory::OrbitTrajectory;
 
 /// The most bytes of a file with an orbit.
 const MOST_BYTES: u64 = 16 << 20;
 
 /// A solution with what it is of, as pictures take it.
-#[cfg_attr(not(feature = "plot"), expect(dead_code, reason = "this build draws nothing"))]
 pub(super) struct Drawn<'a> {
     pub(super) answered: &'a Answered<'a>,
     pub(super) scene: &'a StructureScene,
@@ -39,16 +37,7 @@ pub(super) struct Drawn<'a> {
 /// # Errors
 /// [`CliError`]; that there is no orbit is an answer.
 pub(crate) fn run(args: &OrbitArgs, scene: &StructureScene, console: &mut Console<'_>) -> Result<(), CliError> {
-    let taken = distinct(
-        &[("--scene", args.model.scene.as_deref()), ("--near", args.which.near.as_deref())],
-        &[
-            ("--multipliers", args.multipliers.as_deref()),
-            ("--plot", args.plot.as_deref()),
-            ("--all-plots", args.all_plots.as_deref()),
-            ("--trajectory", args.trajectory.as_deref()),
-        ],
-    )?;
-    nothing_else(args.json, taken)?;
+    let taken = apart(args)?;
     let stop = (console.interrupt)()?;
     let model = scene.model().map_err(CliError::Request)?;
     let tolerance = args.threshold.map_or(Ok(scene.tolerance), tolerance_from).map_err(CliError::Request)?;

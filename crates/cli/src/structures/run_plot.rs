@@ -1,223 +1,172 @@
 //! The picture of a structure's run: a contact at its end, over the orbit it began on, and the velocities of all impacts.
 
-#[cfg(feature = "plot")]
-pub(super) use with_plot::RunPlot;
-#[cfg(not(feature = "plot"))]
-pub(super) use without_plot::RunPlot;
+use vibrochain_breather::{StructureModel, StructureMotion, StructureOrbit};
+use vibrochain_eventsim::{ContactEvent, ContactState, Time};
+use vibrochain_lattice::Contact;
+use vibrochain_maps::files::Output;
+use vibrochain_maps::structure::StructureScene;
+use vibrochain_plot::{Curves, Mark, Page, Pane, Series, Stroke, curves_picture, run_trace};
 
-#[cfg(feature = "plot")]
-mod with_plot {
-    use vibrochain_breather::{StructureModel, StructureMotion, StructureOrbit};
-    use vibrochain_eventsim::{ContactEvent, ContactState, Time};
-    use vibrochain_lattice::Contact;
-    use vibrochain_maps::files::Output;
-    use vibrochain_maps::structure::StructureScene;
-    use vibrochain_plot::{Curves, Mark, Page, Pane, Series, Stroke, curves_picture, run_trace};
+use crate::args::SimulateArgs;
+use crate::common::error::CliError;
 
-    use crate::args::SimulateArgs;
-    use crate::common::error::CliError;
+/// Periods at the end of the run of which the contact is shown.
+const SHOWN: f64 = 8.0;
 
-    /// Periods at the end of the run of which the contact is shown.
-    const SHOWN: f64 = 8.0;
+/// Points of its trace at most, and impacts of each contact: some for every pixel.
+const POINTS: usize = 8000;
+const IMPACTS: usize = 40_000;
 
-    /// Points of its trace at most, and impacts of each contact: some for every pixel.
-    const POINTS: usize = 8000;
-    const IMPACTS: usize = 40_000;
+/// Contacts that have a colour.
+const CONTACTS: usize = 5;
 
-    /// Contacts that have a colour.
-    const CONTACTS: usize = 5;
+/// Collects what the picture needs.
+#[derive(Default)]
+pub(super) struct RunPlot(Option<Box<Collected>>);
 
-    /// Collects what the picture needs.
-    #[derive(Default)]
-    pub(in super::super) struct RunPlot(Option<Box<Collected>>);
+struct Collected {
+    page: Page,
+    file: Output,
+    title: String,
+    home: usize,
+    contact: Contact,
+    periods: f64,
+    simulated: Vec<(f64, f64)>,
+    analytic: Vec<(f64, f64)>,
+    orbit: Option<(StructureOrbit, f64)>,
+    /// Of each contact that hits, in the order of their first impacts: how fast it is before each.
+    velocities: Vec<(usize, Thinned)>,
+}
 
-    struct Collected {
-        page: Page,
-        file: Output,
-        title: String,
-        home: usize,
-        contact: Contact,
-        periods: f64,
-        simulated: Vec<(f64, f64)>,
-        analytic: Vec<(f64, f64)>,
-        orbit: Option<(StructureOrbit, f64)>,
-        /// Of each contact that hits, in the order of their first impacts: how fast it is before each.
-        velocities: Vec<(usize, Thinned)>,
-    }
+/// Points of which every other one is dropped, again and again, once there are too many.
+struct Thinned {
+    points: Vec<(f64, f64)>,
+    stride: u64,
+    seen: u64,
+}
 
-    /// Points of which every other one is dropped, again and again, once there are too many.
-    struct Thinned {
-        points: Vec<(f64, f64)>,
-        stride: u64,
-        seen: u64,
-    }
-
-    impl Thinned {
-        fn push(&mut self, point: (f64, f64)) {
-            if self.seen.is_multiple_of(self.stride) {
-                if self.points.len() == IMPACTS {
-                    let mut keep = false;
-                    self.points.retain(|_| {
-                        keep = !keep;
-                        keep
-                    });
-                    self.stride *= 2;
-                }
-                self.points.push(point);
+impl Thinned {
+    fn push(&mut self, point: (f64, f64)) {
+        if self.seen.is_multiple_of(self.stride) {
+            if self.points.len() == IMPACTS {
+                let mut keep = false;
+                self.points.retain(|_| {
+                    keep = !keep;
+                    keep
+                });
+                self.stride *= 2;
             }
-            self.seen += 1;
+            self.points.push(point);
         }
-    }
-
-    impl RunPlot {
-        /// Of a run that begins at `from`, of which contact `home` is traced; on an orbit, at a time of its own clock.
-        pub(in super::super) fn open(
-            args: &SimulateArgs,
-            scene: &StructureScene,
-            model: &StructureModel,
-            (from, home): (&str, usize),
-            orbit: Option<(StructureOrbit, f64)>,
-        ) -> Result<Self, CliError> {
-            args.page.checked(args.plot.is_some(), "--plot")?;
-            let opened = args.page.open("--plot", args.plot.as_deref())?;
-            let Some((page, file)) = opened else { return Ok(Self(None)) };
-            let title = format!("{}, from {from}: {}", scene.heading(), scene.here());
-            let collected = Collected {
-                page,
-                file,
-                title,
-                home,
-                contact: model.structure().contacts()[home],
-                periods: args.periods,
-                simulated: Vec::new(),
-                analytic: Vec::new(),
-                orbit,
-                velocities: Vec::new(),
-            };
-            let measured = curves_picture(&collected.picture(), page.to_measure());
-            measured.map_err(|error| CliError::Request(error.0))?;
-            Ok(Self(Some(Box::new(collected))))
-        }
-
-        pub(in super::super) fn is_wanted(&self) -> bool {
-            self.0.is_some()
-        }
-
-        pub(in super::super) fn hit(&mut self, event: &ContactEvent) {
-            let Some(collected) = &mut self.0 else { return };
-            let periods = event.time.periods() as f64 + event.time.part();
-            // Between samples the tips of a trace, which are its impacts, would be cut off.
-            let tip = collected.contact.barrier(event.barrier).filter(|_| event.contact == collected.home);
-            if let Some(tip) = tip {
-                collected.trace(periods, tip);
-            }
-            let velocities = &mut collected.velocities;
-            let known = velocities.iter().position(|(contact, _)| *contact == event.contact);
-            let at = known.unwrap_or(velocities.len());
-            if at == velocities.len() && at < CONTACTS {
-                velocities.push((event.contact, Thinned { points: Vec::new(), stride: 1, seen: 0 }));
-            }
-            if let Some((_, velocities)) = velocities.get_mut(at) {
-                velocities.push((periods, event.velocity_before));
-            }
-        }
-
-        pub(in super::super) fn look(&mut self, time: Time, contacts: &[ContactState]) -> Result<(), CliError> {
-            let Some(collected) = &mut self.0 else { return Ok(()) };
-            let periods = time.periods() as f64 + time.part();
-            if let Some(contact) = contacts.get(collected.home) {
-                collected.trace(periods, contact.place);
-            }
-            let Some((orbit, start)) = &collected.orbit else { return Ok(()) };
-            if periods >= collected.periods - SHOWN && collected.analytic.len() < POINTS {
-                let rounds = time.periods() % u64::from(orbit.force_periods());
-                let now = rounds as f64 * orbit.model().period() + time.offset() + start;
-                let (motion, now) = (StructureMotion::new(orbit)?, now.rem_euclid(orbit.period()));
-                let i = orbit.impacts().partition_point(|impact| impact.time <= now).saturating_sub(1);
-                let [place, ..] = motion.contact(collected.home, i, now - orbit.impacts()[i].time);
-                collected.analytic.push((periods, place));
-            }
-            Ok(())
-        }
-
-        pub(in super::super) fn finish(self) -> Result<(), CliError> {
-            let Some(collected) = self.0 else { return Ok(()) };
-            let bytes = curves_picture(&collected.picture(), collected.page);
-            let bytes = bytes.map_err(|error| CliError::Computation(error.to_string()))?;
-            Ok(collected.file.finish_with(&bytes)?)
-        }
-    }
-
-    impl Collected {
-        fn trace(&mut self, periods: f64, place: f64) {
-            if periods >= self.periods - SHOWN && self.simulated.len() < POINTS {
-                self.simulated.push((periods, place));
-            }
-        }
-
-        fn picture(&self) -> Curves {
-            let levels = [self.contact.lower, self.contact.upper].into_iter().flatten().collect();
-            let trace = run_trace(&format!("g of contact {}", self.home), &self.simulated, &self.analytic, levels);
-            let dots = |(colour, (contact, velocities)): (usize, &(usize, Thinned))| Series {
-                name: if self.velocities.len() > 1 { format!("contact {contact}") } else { String::new() },
-                colour,
-                stroke: Stroke::None,
-                mark: if velocities.points.len() > 400 { Mark::Dot } else { Mark::Small(colour) },
-                points: velocities.points.clone(),
-            };
-            let impacts = Pane {
-                x: "time in periods (whole run)".to_owned(),
-                y: "velocity g′ before impacts".to_owned(),
-                x_range: Some(0.0..self.periods.max(1e-9)),
-                levels: vec![0.0],
-                series: self.velocities.iter().enumerate().map(dots).collect(),
-                ..Pane::default()
-            };
-            let panes = vec![trace, impacts];
-            Curves { title: self.title.clone(), panes, columns: 1, pane: (1100, 400), ..Curves::default() }
-        }
+        self.seen += 1;
     }
 }
 
-#[cfg(not(feature = "plot"))]
-mod without_plot {
-    use vibrochain_breather::{StructureModel, StructureOrbit};
-    use vibrochain_eventsim::{ContactEvent, ContactState, Time};
-    use vibrochain_maps::structure::StructureScene;
+impl RunPlot {
+    /// Of a run that begins at `from`, of which contact `home` is traced; on an orbit, at a time of its own clock.
+    pub(super) fn open(
+        args: &SimulateArgs,
+        scene: &StructureScene,
+        model: &StructureModel,
+        (from, home): (&str, usize),
+        orbit: Option<(StructureOrbit, f64)>,
+    ) -> Result<Self, CliError> {
+        args.page.checked(args.plot.is_some(), "--plot")?;
+        let opened = args.page.open("--plot", args.plot.as_deref())?;
+        let Some((page, file)) = opened else { return Ok(Self(None)) };
+        let title = format!("{}, from {from}: {}", scene.heading(), scene.here());
+        let collected = Collected {
+            page,
+            file,
+            title,
+            home,
+            contact: model.structure().contacts()[home],
+            periods: args.periods,
+            simulated: Vec::new(),
+            analytic: Vec::new(),
+            orbit,
+            velocities: Vec::new(),
+        };
+        let measured = curves_picture(&collected.picture(), page.to_measure());
+        measured.map_err(|error| CliError::Request(error.0))?;
+        Ok(Self(Some(Box::new(collected))))
+    }
 
-    use crate::args::SimulateArgs;
-    use crate::common::error::CliError;
+    pub(super) fn is_wanted(&self) -> bool {
+        self.0.is_some()
+    }
 
-    /// This build draws nothing.
-    #[derive(Default)]
-    pub(in super::super) struct RunPlot(());
-
-    impl RunPlot {
-        pub(in super::super) fn open(
-            args: &SimulateArgs,
-            _: &StructureScene,
-            _: &StructureModel,
-            _: (&str, usize),
-            _: Option<(StructureOrbit, f64)>,
-        ) -> Result<Self, CliError> {
-            match args.plot {
-                Some(_) => Err(CliError::Request("--plot needs a build with the feature `plot`".to_owned())),
-                None => Ok(Self(())),
-            }
+    pub(super) fn hit(&mut self, event: &ContactEvent) {
+        let Some(collected) = &mut self.0 else { return };
+        let periods = event.time.periods() as f64 + event.time.part();
+        // Between samples the tips of a trace, which are its impacts, would be cut off.
+        let tip = collected.contact.barrier(event.barrier).filter(|_| event.contact == collected.home);
+        if let Some(tip) = tip {
+            collected.trace(periods, tip);
         }
-
-        pub(in super::super) fn is_wanted(&self) -> bool {
-            false
+        let velocities = &mut collected.velocities;
+        let known = velocities.iter().position(|(contact, _)| *contact == event.contact);
+        let at = known.unwrap_or(velocities.len());
+        if at == velocities.len() && at < CONTACTS {
+            velocities.push((event.contact, Thinned { points: Vec::new(), stride: 1, seen: 0 }));
         }
-
-        pub(in super::super) fn hit(&mut self, _: &ContactEvent) {}
-
-        pub(in super::super) fn look(&mut self, _: Time, _: &[ContactState]) -> Result<(), CliError> {
-            Ok(())
+        if let Some((_, velocities)) = velocities.get_mut(at) {
+            velocities.push((periods, event.velocity_before));
         }
+    }
 
-        pub(in super::super) fn finish(self) -> Result<(), CliError> {
-            Ok(())
+    pub(super) fn look(&mut self, time: Time, contacts: &[ContactState]) -> Result<(), CliError> {
+        let Some(collected) = &mut self.0 else { return Ok(()) };
+        let periods = time.periods() as f64 + time.part();
+        if let Some(contact) = contacts.get(collected.home) {
+            collected.trace(periods, contact.place);
         }
+        let Some((orbit, start)) = &collected.orbit else { return Ok(()) };
+        if periods >= collected.periods - SHOWN && collected.analytic.len() < POINTS {
+            let rounds = time.periods() % u64::from(orbit.force_periods());
+            let now = rounds as f64 * orbit.model().period() + time.offset() + start;
+            let (motion, now) = (StructureMotion::new(orbit)?, now.rem_euclid(orbit.period()));
+            let i = orbit.impacts().partition_point(|impact| impact.time <= now).saturating_sub(1);
+            let [place, ..] = motion.contact(collected.home, i, now - orbit.impacts()[i].time);
+            collected.analytic.push((periods, place));
+        }
+        Ok(())
+    }
+
+    pub(super) fn finish(self) -> Result<(), CliError> {
+        let Some(collected) = self.0 else { return Ok(()) };
+        let bytes = curves_picture(&collected.picture(), collected.page);
+        let bytes = bytes.map_err(|error| CliError::Computation(error.to_string()))?;
+        Ok(collected.file.finish_with(&bytes)?)
+    }
+}
+
+impl Collected {
+    fn trace(&mut self, periods: f64, place: f64) {
+        if periods >= self.periods - SHOWN && self.simulated.len() < POINTS {
+            self.simulated.push((periods, place));
+        }
+    }
+
+    fn picture(&self) -> Curves {
+        let levels = [self.contact.lower, self.contact.upper].into_iter().flatten().collect();
+        let trace = run_trace(&format!("g of contact {}", self.home), &self.simulated, &self.analytic, levels);
+        let dots = |(colour, (contact, velocities)): (usize, &(usize, Thinned))| Series {
+            name: if self.velocities.len() > 1 { format!("contact {contact}") } else { String::new() },
+            colour,
+            stroke: Stroke::None,
+            mark: if velocities.points.len() > 400 { Mark::Dot } else { Mark::Small(colour) },
+            points: velocities.points.clone(),
+        };
+        let impacts = Pane {
+            x: "time in periods (whole run)".to_owned(),
+            y: "velocity g′ before impacts".to_owned(),
+            x_range: Some(0.0..self.periods.max(1e-9)),
+            levels: vec![0.0],
+            series: self.velocities.iter().enumerate().map(dots).collect(),
+            ..Pane::default()
+        };
+        let panes = vec![trace, impacts];
+        Curves { title: self.title.clone(), panes, columns: 1, pane: (1100, 400), ..Curves::default() }
     }
 }

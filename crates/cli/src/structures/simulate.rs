@@ -1,27 +1,26 @@
 //! `mapgen simulate` of a structure: every impact from a state or an orbit on, and what the run settles on.
 
-use serde::Deserialize;
 use vibrochain_breather::{StructureModel, StructureMotion, StructureOrbit, structure_admissibility};
 use vibrochain_eventsim::{
     ContactEvent, EventKind, Limits, StructureOutcome, StructureReport, StructureSimulation, StructureState, Time,
 };
-use vibrochain_lattice::Stop;
-use vibrochain_maps::files::{CsvFile, Output, distinct, promises};
+use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::structure::StructureScene;
-use vibrochain_maps::text::read_text;
 
 use super::orbit::{columns, found};
 use super::run_answer::{MOST_PERIODS, REPETITIONS, answer, energy_text, settled, text};
 use super::run_plot::RunPlot;
 use crate::args::SimulateArgs;
-use crate::common::console::{Console, nothing_else};
+use crate::common::console::Console;
 use crate::common::error::CliError;
+use crate::simulate::follow::{Reached, Run, checked, follow};
 use crate::simulate::pace::interrupted;
 use crate::simulate::section::{Section, Sectioned};
+use crate::simulate::start::{Start as State, read};
 
-/// The most bytes of a state.
-const MOST_BYTES: u64 = 16 << 20;
+/// Periods of a run, of which there are fewer.
+const MOST: f64 = 1e15;
 
 /// Flights between two looks at a request to stop.
 const FLIGHTS: u64 = 20_000;
@@ -38,29 +37,11 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
         );
         return Err(CliError::Request(message));
     }
-    if !(1..=1_000_000).contains(&args.samples) {
-        let message = format!("--samples {} is out of range: give a whole number from 1 to 1000000", args.samples);
+    if args.periods >= MOST {
+        let message = format!("--periods {} is out of range: give a number from 0 to {MOST:e}", args.periods);
         return Err(CliError::Request(message));
     }
-    let periods = args.periods;
-    if !(0.0..1e15).contains(&periods) {
-        return Err(CliError::Request(format!("--periods {periods} is out of range: give a number from 0 to 1e15")));
-    }
-    let taken = distinct(
-        &[
-            ("--scene", args.model.scene.as_deref()),
-            ("--state", args.state.as_deref()),
-            ("--near", args.which.near.as_deref()),
-        ],
-        &[
-            ("--impacts", args.impacts.as_deref()),
-            ("--trajectory", args.trajectory.as_deref()),
-            ("--section", args.section.as_deref()),
-            ("--plot", args.plot.as_deref()),
-        ],
-    )?;
-    nothing_else(args.json, taken)?;
-    args.impacts.as_deref().map(|path| promises("--impacts", path, "a table", &["csv"])).transpose()?;
+    let taken = checked(args)?;
     let model = scene.model().map_err(CliError::Request)?;
     let Start { psi, modes, from, orbit } = start(args, scene, &model)?;
     let structure = (**model.structure()).clone();
@@ -73,7 +54,8 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
         simulation = simulation.with_balance(form.clone());
     }
     let stop = (console.interrupt)()?;
-    let table = args.impacts.as_deref().map(Output::create).transpose()?;
+    let names = ["time", "contact", "barrier", "velocity_before", "velocity_after", "impulse", "kind"];
+    let table = args.impacts.as_deref().map(|path| CsvFile::create("--impacts", path, names)).transpose()?;
     let trajectory = args.trajectory.as_deref();
     let trajectory = trajectory.map(|path| CsvFile::create("--trajectory", path, columns(&model))).transpose()?;
     let hit = orbit.as_ref().map_or(vec![0], |(orbit, _)| {
@@ -92,68 +74,30 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
     };
     let section = Section::open(args, section)?;
     let plot = RunPlot::open(args, scene, &model, (&from, hit[0]), orbit)?;
-    let mut kept = Kept { trajectory, section, plot, ..Kept::new(table)? };
-    let report = match sampled(&mut simulation, args, &stop, &mut kept) {
-        // What was simulated is kept.
-        Err(CliError::Interrupted) => {
-            kept.finish()?;
-            return Err(interrupted(args, simulation.time()));
-        }
-        report => report?,
-    };
-    kept.finish()?;
+    let samples = if trajectory.is_some() || plot.is_wanted() { args.samples } else { 0 };
+    let (report, counts, events) = (None, [0; 3], Vec::new());
+    let mut kept = Kept { simulation, report, table, trajectory, section, plot, counts, events };
+    let stopped = follow(&mut kept, args, (samples, FLIGHTS), &stop, console)?;
+    let Kept { mut simulation, report, table, trajectory, section, plot, counts, events } = kept;
+    // What was simulated is kept.
+    trajectory.map_or(Ok(()), CsvFile::finish)?;
+    section.map_or(Ok(()), Section::finish)?;
+    plot.finish()?;
+    table.map_or(Ok(()), CsvFile::finish)?;
+    let Some(report) = report.filter(|_| !stopped) else { return Err(interrupted(args, simulation.time())) };
     let rests = simulation.state().contacts.iter().any(|contact| contact.resting.is_some());
-    let settled = settled(&model, psi, &kept.events, report.time, rests);
+    let settled = settled(&model, psi, &events, report.time, rests);
     let told = if args.json {
-        let value = answer(scene, &model, psi, &report, kept.counts, &settled);
+        let value = answer(scene, &model, psi, &report, counts, &settled);
         format!("{value:#}\n")
     } else {
-        let mut told = text(&model, &from, &report, kept.counts, &settled);
+        let mut told = text(&model, &from, &report, counts, &settled);
         if let (Some(form), Some(balance)) = (&form, simulation.balance()) {
             told.push_str(&energy_text([before, form.energy(&simulation.state().modes)], &balance));
         }
         told
     };
     console.answer(&told, args.json, taken)
-}
-
-/// The run, looked at once a sample where somebody wants that, and where the section does.
-fn sampled(
-    simulation: &mut StructureSimulation,
-    args: &SimulateArgs,
-    stop: &Stop,
-    kept: &mut Kept,
-) -> Result<StructureReport, CliError> {
-    let (periods, samples) = (args.periods, args.samples);
-    let end = simulation.time_of(periods as u64, periods.fract());
-    let steps = if kept.is_sampled() { (periods * samples as f64) as u64 } else { 0 };
-    let mut step = 0;
-    kept.look(simulation)?;
-    loop {
-        step += 1;
-        let is_last = step > steps;
-        let until =
-            if is_last { end } else { simulation.time_of(step / samples, (step % samples) as f64 / samples as f64) };
-        while let Some(due) = kept.section.as_ref().and_then(|section| section.due(until)) {
-            let report = follow(simulation, due, args.max_impacts, stop, kept)?;
-            if report.outcome != StructureOutcome::TimeReached {
-                return Ok(report);
-            }
-            let contacts = simulation.state().contacts;
-            let (places, velocities): (Vec<f64>, Vec<f64>) =
-                contacts.iter().map(|contact| (contact.place, contact.velocity)).unzip();
-            kept.section.iter_mut().try_for_each(|section| section.look(due, &places, &velocities))?;
-        }
-        let report = follow(simulation, until, args.max_impacts, stop, kept)?;
-        // The last sample is at the end, once.
-        let is_double = is_last && steps > 0 && (periods * samples as f64).fract() == 0.0;
-        if !is_double {
-            kept.look(simulation)?;
-        }
-        if is_last || report.outcome != StructureOutcome::TimeReached {
-            return Ok(report);
-        }
-    }
 }
 
 /// Where a run begins.
@@ -170,19 +114,10 @@ struct Start {
 fn start(args: &SimulateArgs, scene: &StructureScene, model: &StructureModel) -> Result<Start, CliError> {
     let of_no_orbit = |psi, modes, from| Ok(Start { psi, modes, from, orbit: None });
     if let Some(path) = &args.state {
-        #[derive(Deserialize)]
-        struct State {
-            displacement: Vec<f64>,
-            velocity: Vec<f64>,
-            #[serde(default)]
-            psi: f64,
-        }
-        let text = read_text("the state", path, MOST_BYTES)?;
-        let state: State =
-            serde_json::from_str(&text).map_err(|error| CliError::Request(format!("{}: {error}", path.display())))?;
-        let modes = scene.modes_of(&state.displacement, &state.velocity);
+        let State { displacement, velocity, psi, .. } = read(path, args.psi)?;
+        let modes = scene.modes_of(&displacement, &velocity);
         let modes = modes.map_err(|why| CliError::Request(format!("{}: {why}", path.display())))?;
-        return of_no_orbit(args.psi.unwrap_or(state.psi), modes, format!("the state of {}", path.display()));
+        return of_no_orbit(psi, modes, format!("the state of {}", path.display()));
     }
     let named = args.which.family.is_some() || args.which.word.is_some() || args.which.near.is_some();
     if !named && scene.word.is_none() {
@@ -210,9 +145,11 @@ fn start(args: &SimulateArgs, scene: &StructureScene, model: &StructureModel) ->
     Ok(Start { psi, modes, from: format!("the orbit {word}"), orbit: Some((orbit.clone(), time)) })
 }
 
-/// What is kept of a run: the table's rows as they come, counts, and the events of as many periods as may repeat.
+/// A run with what is kept of it: the table's rows as they come, counts, and the events of as many periods as may repeat.
 struct Kept {
-    table: Option<csv::Writer<Output>>,
+    simulation: StructureSimulation,
+    report: Option<StructureReport>,
+    table: Option<CsvFile>,
     trajectory: Option<CsvFile>,
     section: Option<Section>,
     plot: RunPlot,
@@ -223,27 +160,47 @@ struct Kept {
 /// Events are thinned out once there are this many.
 const MANY: usize = 1 << 16;
 
-impl Kept {
-    fn new(table: Option<Output>) -> Result<Self, CliError> {
-        let mut table = table.map(csv::Writer::from_writer);
-        if let Some(table) = &mut table {
-            let names = ["time", "contact", "barrier", "velocity_before", "velocity_after", "impulse", "kind"];
-            table.write_record(names).map_err(unwritten)?;
-        }
-        let (trajectory, section, plot) = (None, None, RunPlot::default());
-        Ok(Self { table, trajectory, section, plot, counts: [0; 3], events: Vec::new() })
+impl Run for Kept {
+    fn time_of(&self, periods: u64, part: f64) -> Time {
+        self.simulation.time_of(periods, part)
     }
 
-    fn is_sampled(&self) -> bool {
-        self.trajectory.is_some() || self.plot.is_wanted()
+    fn advance(&mut self, limits: &Limits) -> Result<Reached, CliError> {
+        let Self { simulation, table, section, plot, counts, events, .. } = self;
+        let mut failed = Ok(());
+        let report = simulation.run(limits, |event| {
+            counts[event.kind as usize] += 1;
+            if event.kind == EventKind::Impact {
+                plot.hit(event);
+                let velocities = [event.velocity_before, event.velocity_after];
+                let section = section.iter_mut();
+                section.for_each(|section| section.hit(event.time, event.contact, event.barrier, velocities));
+            }
+            if let (Some(table), Ok(())) = (table.as_mut(), &failed) {
+                failed = table.row(row(event));
+            }
+            keep(events, event);
+        });
+        failed?;
+        section.as_mut().and_then(Section::failed).map_or(Ok(()), Err)?;
+        let reached = match report.outcome {
+            StructureOutcome::TimeReached => Reached::Time,
+            StructureOutcome::WorkLimit => Reached::Portion,
+            _ => Reached::End,
+        };
+        self.report = Some(report);
+        Ok(reached)
     }
 
-    /// Takes a sample.
-    fn look(&mut self, simulation: &StructureSimulation) -> Result<(), CliError> {
-        if !self.is_sampled() {
+    fn now(&self) -> (Time, u64) {
+        (self.simulation.time(), self.counts[0] as u64)
+    }
+
+    fn look(&mut self) -> Result<(), CliError> {
+        if self.trajectory.is_none() && !self.plot.is_wanted() {
             return Ok(());
         }
-        let StructureState { place, velocity, contacts, time, .. } = simulation.state();
+        let StructureState { place, velocity, contacts, time, .. } = self.simulation.state();
         self.plot.look(time, &contacts)?;
         let Some(table) = &mut self.trajectory else { return Ok(()) };
         let (places, velocities) = contacts.iter().map(|contact| (contact.place, contact.velocity)).unzip();
@@ -251,84 +208,41 @@ impl Kept {
         Ok(table.row(all.iter().flatten().map(f64::to_string))?)
     }
 
-    fn take(&mut self, event: &ContactEvent) -> Result<(), CliError> {
-        let place = match event.kind {
-            EventKind::Impact => 0,
-            EventKind::Stick => 1,
-            EventKind::Release => 2,
-        };
-        self.counts[place] += 1;
-        if event.kind == EventKind::Impact {
-            self.plot.hit(event);
-            let velocities = [event.velocity_before, event.velocity_after];
-            if let Some(section) = &mut self.section {
-                section.hit(event.time, event.contact, event.barrier, velocities);
-                section.failed().map_or(Ok(()), Err)?;
-            }
-        }
-        if let Some(table) = &mut self.table {
-            let number = |x: f64| Number(x).to_string();
-            let row = [
-                number(event.time.to_f64()),
-                event.contact.to_string(),
-                event.barrier.name().to_owned(),
-                number(event.velocity_before),
-                number(event.velocity_after),
-                number(event.impulse),
-                event.kind.name().to_owned(),
-            ];
-            table.write_record(row).map_err(unwritten)?;
-        }
-        if self.events.len() >= MANY {
-            // So often the longest pattern, and the period under way.
-            let from = event.time.periods().saturating_sub(REPETITIONS * MOST_PERIODS + 1);
-            self.events.retain(|event| event.time.periods() >= from);
-            if self.events.len() >= MANY {
-                // So many impacts a period repeat nothing that is worth a word.
-                self.events.drain(..MANY / 2);
-            }
-        }
-        self.events.push(*event);
-        Ok(())
+    fn section(&mut self) -> Option<&mut Section> {
+        self.section.as_mut()
     }
 
-    fn finish(&mut self) -> Result<(), CliError> {
-        self.trajectory.take().map_or(Ok(()), CsvFile::finish)?;
-        self.section.take().map_or(Ok(()), Section::finish)?;
-        std::mem::take(&mut self.plot).finish()?;
-        let Some(table) = self.table.take() else { return Ok(()) };
-        let file = table.into_inner().map_err(|error| CliError::Computation(error.to_string()))?;
-        Ok(file.commit()?)
+    fn state(&self) -> [Vec<f64>; 2] {
+        let contacts = self.simulation.state().contacts;
+        let (places, velocities) = contacts.iter().map(|contact| (contact.place, contact.velocity)).unzip();
+        [places, velocities]
     }
 }
 
-fn unwritten(error: csv::Error) -> CliError {
-    CliError::Computation(error.to_string())
+/// A row of the table of impacts.
+fn row(event: &ContactEvent) -> [String; 7] {
+    let number = |x: f64| Number(x).to_string();
+    [
+        number(event.time.to_f64()),
+        event.contact.to_string(),
+        event.barrier.name().to_owned(),
+        number(event.velocity_before),
+        number(event.velocity_after),
+        number(event.impulse),
+        event.kind.name().to_owned(),
+    ]
 }
 
-/// The run, looked at for a request to stop.
-fn follow(
-    simulation: &mut StructureSimulation,
-    until: Time,
-    most: Option<u64>,
-    stop: &Stop,
-    kept: &mut Kept,
-) -> Result<StructureReport, CliError> {
-    loop {
-        let left = most.map_or(u64::MAX, |most| most.saturating_sub(kept.counts[0] as u64));
-        let limits = Limits { until: Some(until), impacts: left, flights: FLIGHTS, ..Limits::default() };
-        let mut failed = Ok(());
-        let report = simulation.run(&limits, |event| {
-            if failed.is_ok() {
-                failed = kept.take(event);
-            }
-        });
-        failed?;
-        if stop.is_raised() {
-            return Err(CliError::Interrupted);
-        }
-        if report.outcome != StructureOutcome::WorkLimit {
-            return Ok(report);
+/// Keeps an event among those of as many periods as may repeat.
+fn keep(events: &mut Vec<ContactEvent>, event: &ContactEvent) {
+    if events.len() >= MANY {
+        // So often the longest pattern, and the period under way.
+        let from = event.time.periods().saturating_sub(REPETITIONS * MOST_PERIODS + 1);
+        events.retain(|event| event.time.periods() >= from);
+        if events.len() >= MANY {
+            // So many impacts a period repeat nothing that is worth a word.
+            events.drain(..MANY / 2);
         }
     }
+    events.push(*event);
 }

@@ -12,7 +12,9 @@ use vibrochain_maps::sweep::{Cells, Watcher};
 use vibrochain_maps::text::read_text;
 use vibrochain_plot::curves_picture;
 
+use crate::along::labels;
 use crate::args::{DrawArgs, OF_BRANCHES, QuantityName, SHOWN};
+use crate::branch::drawn;
 use crate::branch::table::Table;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
@@ -226,7 +228,6 @@ fn section<S: SweptScene>(files: PictureFiles, table: TableRows, source: &Path) 
 
 fn branch(args: &DrawArgs, table: TableRows, source: &Path) -> Result<String, CliError> {
     let (rows, about): (_, crate::branch::table::About) = read(source, "branch")?;
-    let free = about.free;
     let branches = about.branches.iter().map(|_| Vec::new()).collect();
     let mut diagram = Table { about, branches };
     table.rows(rows, |fields| diagram.take(fields))?;
@@ -235,7 +236,9 @@ fn branch(args: &DrawArgs, table: TableRows, source: &Path) -> Result<String, Cl
         return Err(CliError::Request(format!("--show {other} is of maps: of a branch give some of {known}")));
     }
     let shown = if args.show.is_empty() { &SHOWN[..] } else { &args.show };
-    let picture = crate::branch::picture(&diagram, free, shown, args.all);
+    let Table { about, branches } = &diagram;
+    let [label, _] = labels([about.free; 2]);
+    let picture = drawn((about.heading.clone(), label), (&about.branches, branches), shown, args.all);
     PictureFiles::asked(&args.pictures)?.draw(|page| curves_picture(&picture, page))?;
     Ok(format!("{} branches of {rows} points and events", diagram.branches.len()))
 }
@@ -250,7 +253,7 @@ fn curve(files: PictureFiles, table: TableRows, source: &Path) -> Result<String,
     let mut curves = Vec::new();
     table.rows(rows, |fields| crate::curve::table::take(&mut curves, fields))?;
     let picture =
-        vibrochain_plot::event_curves(&about.heading, crate::curve::labels(&window), (window.from, window.to), &curves);
+        vibrochain_plot::event_curves(&about.heading, labels(window.parameters), (window.from, window.to), &curves);
     files.draw(|page| curves_picture(&picture, page))?;
     Ok(format!("{} of {}", counted(curves.len(), "curve"), counted(rows, "point")))
 }

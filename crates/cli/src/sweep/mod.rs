@@ -1,6 +1,5 @@
 //! `mapgen sweep`: scene → plan → chunks → files → summary.
 
-#[cfg(feature = "plot")]
 pub mod draw;
 pub(crate) mod estimate;
 pub(crate) mod leaves;

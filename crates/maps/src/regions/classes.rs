@@ -1,11 +1,10 @@
 //! What lives in the faces of a window cut by borders.
 
-use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap};
 
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 
-use crate::regions::gaps::{GAP, Neck};
+use crate::regions::gaps::{GAP, Neck, Widest};
 use crate::regions::plane::{Regions, Unexplained};
 use crate::regions::smooth::Place;
 use crate::regions::subdivision::{Face, OUTSIDE, Subdivision, THIN};
@@ -211,15 +210,15 @@ impl Subdivision {
             .collect();
         let mut next = BinaryHeap::new();
         let known: Vec<u32> = (0..class_of.len() as u32).filter(|&face| class_of[face as usize].is_some()).collect();
-        let push = |next: &mut BinaryHeap<Common>, face: u32| {
+        let push = |next: &mut BinaryHeap<Widest<[u32; 2]>>, face: u32| {
             let first = common.partition_point(|(faces, _)| faces[0] < face);
             let own = common[first..].iter().take_while(|(faces, _)| faces[0] == face);
-            next.extend(own.map(|&(faces, length)| Common { length, faces }));
+            next.extend(own.map(|&(faces, length)| Widest { width: length, what: faces }));
         };
         for face in known {
             push(&mut next, face);
         }
-        while let Some(Common { faces: [from, to], .. }) = next.pop() {
+        while let Some(Widest { what: [from, to], .. }) = next.pop() {
             if class_of[to as usize].is_none() {
                 class_of[to as usize] = class_of[from as usize];
                 push(&mut next, to);
@@ -227,26 +226,5 @@ impl Subdivision {
         }
         // The whole window is one piece, and not all of it is thin.
         class_of.into_iter().map(|class| class.unwrap_or(0)).collect()
-    }
-}
-
-/// What a face with a class and a thin one have in common; the longest is the greatest.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Common {
-    length: f64,
-    faces: [u32; 2],
-}
-
-impl Eq for Common {}
-
-impl Ord for Common {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.length.total_cmp(&other.length).then_with(|| other.faces.cmp(&self.faces))
-    }
-}
-
-impl PartialOrd for Common {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
     }
 }

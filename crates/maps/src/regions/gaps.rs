@@ -23,22 +23,22 @@ pub(crate) struct Neck {
     pub(crate) between: [[f64; 2]; 2],
 }
 
-/// A triangle on a way, by how wide the way to it is.
+/// What is taken up the widest first, of as wide ones the least.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Reached {
-    width: f64,
-    side: u32,
+pub(crate) struct Widest<T> {
+    pub(crate) width: f64,
+    pub(crate) what: T,
 }
 
-impl Eq for Reached {}
+impl<T: PartialEq> Eq for Widest<T> {}
 
-impl Ord for Reached {
+impl<T: Ord> Ord for Widest<T> {
     fn cmp(&self, other: &Self) -> Ordering {
-        self.width.total_cmp(&other.width).then_with(|| other.side.cmp(&self.side))
+        self.width.total_cmp(&other.width).then_with(|| other.what.cmp(&self.what))
     }
 }
 
-impl PartialOrd for Reached {
+impl<T: Ord> PartialOrd for Widest<T> {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
@@ -59,10 +59,10 @@ impl Subdivision {
     fn way(&self, from: u32, to: u32) -> Vec<u32> {
         let (from, to) = (self.name(from), self.name(to));
         let mut came: HashMap<u32, u32> = HashMap::new();
-        let mut next = BinaryHeap::from([Reached { width: f64::INFINITY, side: from }]);
+        let mut next = BinaryHeap::from([Widest { width: f64::INFINITY, what: from }]);
         let mut done = std::collections::HashSet::new();
         let mut widths: HashMap<u32, f64> = HashMap::from([(from, f64::INFINITY)]);
-        while let Some(Reached { width, side: triangle }) = next.pop() {
+        while let Some(Widest { width, what: triangle }) = next.pop() {
             if triangle == to {
                 break;
             }
@@ -78,7 +78,7 @@ impl Subdivision {
                 if widths.get(&other).is_none_or(|known| *known < width) {
                     widths.insert(other, width);
                     came.insert(other, side);
-                    next.push(Reached { width, side: other });
+                    next.push(Widest { width, what: other });
                 }
             }
         }

@@ -34,12 +34,9 @@ struct Model {
     restitution: Option<f64>,
     #[serde(default)]
     forcing: Forcing,
-    #[serde(default)]
-    damping: f64,
-    #[serde(default)]
-    coupling_damping: f64,
-    #[serde(default)]
-    static_force: f64,
+    damping: Option<f64>,
+    coupling_damping: Option<f64>,
+    static_force: Option<f64>,
     #[serde(default)]
     stops: Vec<usize>,
     lower: Option<f64>,
@@ -68,6 +65,16 @@ pub(super) fn is_one(scene: &Map<String, Value>) -> bool {
     in_model || model.is_some() && swept
 }
 
+impl StructureScene {
+    /// The scene of what `[model]` has in one of these.
+    ///
+    /// # Errors
+    /// What is wrong in it.
+    pub fn of_model(model: Map<String, Value>) -> Result<Self, String> {
+        read([("model".to_owned(), model.into())].into_iter().collect())
+    }
+}
+
 /// The scene of all that a file says.
 pub(super) fn read(told: Map<String, Value>) -> Result<StructureScene, String> {
     let File { title, model, sweep, compute } =
@@ -77,7 +84,7 @@ pub(super) fn read(told: Map<String, Value>) -> Result<StructureScene, String> {
     let given = |name: &str, value: Option<f64>| match value {
         Some(value) => Ok(value),
         None if varies(&[name]) => Ok(0.5),
-        None => Err(format!("{name} is missing from [model]")),
+        None => Err(format!("{name} is missing: give it in [model], or by --{name}")),
     };
     let amplitude = model.amplitude.or(model.forcing.amplitude);
     let forced = amplitude.is_some() || varies(&["amplitude", "load"]);
@@ -85,7 +92,7 @@ pub(super) fn read(told: Map<String, Value>) -> Result<StructureScene, String> {
     let restitution = match restitution {
         Some(restitution) => restitution,
         None if varies(&["restitution"]) || !forced => 1.0,
-        None => return Err("restitution is missing from [model]: a force needs it".to_owned()),
+        None => return Err("restitution is missing: a force needs it in [model], or by --restitution".to_owned()),
     };
     let asymmetry = if varies(&["asymmetry"]) { Some(model.asymmetry.unwrap_or(0.0)) } else { model.asymmetry };
     let by = |own: Option<f64>, side: f64| own.or_else(|| asymmetry.map(|a| a + side));
@@ -112,11 +119,12 @@ pub(super) fn read(told: Map<String, Value>) -> Result<StructureScene, String> {
         gamma1: given("gamma1", model.gamma1)?,
         gamma2: given("gamma2", model.gamma2)?,
         ends: model.ends.clone(),
-        damping: model.damping,
-        coupling_damping: model.coupling_damping,
+        damping: model.damping.unwrap_or(0.0),
+        coupling_damping: model.coupling_damping.unwrap_or(0.0),
     };
     let contacts = (0..model.sites).map(contact).collect();
-    let mut scene = StructureScene::of_chain(chain, contacts, amplitude.unwrap_or(0.0), model.static_force)?;
+    let mut scene =
+        StructureScene::of_chain(chain, contacts, amplitude.unwrap_or(0.0), model.static_force.unwrap_or(0.0))?;
     scene.title = title;
     if let Some(omega) = model.omega {
         scene.set(Setting::Omega, omega)?;

@@ -142,9 +142,9 @@ struct TermTable {
 /// A structure as it was given.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Definition {
-    Matrices(Structure),
+    /// By matrices, perhaps those of a chain.
+    Matrices(Box<Structure>, Option<ChainTable>),
     Modes(ModalStructure),
-    Chain { chain: ChainTable, structure: Box<Structure> },
 }
 
 impl Definition {
@@ -220,7 +220,7 @@ impl Definition {
             loads: force.loads(n)?,
             mass,
         };
-        Ok(Self::Matrices(structure))
+        Ok(Self::Matrices(Box::new(structure), None))
     }
 
     fn of_modes(
@@ -337,42 +337,36 @@ impl Definition {
             static_load,
             loads,
         };
-        Ok(Self::Chain { chain, structure: Box::new(structure) })
+        Ok(Self::Matrices(Box::new(structure), Some(chain)))
     }
 
     /// Its modes with all dashpots times `damping`.
     pub(super) fn modal(&self, damping: f64) -> Result<ModalStructure, String> {
-        let structure = match self {
+        let modal = match self {
+            Self::Modes(modal) if damping == 1.0 => return Ok(modal.clone()),
             Self::Modes(modal) => {
-                if damping == 1.0 {
-                    return Ok(modal.clone());
-                }
                 let modes = modal.modes().iter().map(|mode| mode.damped_times(damping)).collect();
-                return ModalStructure::new(modal.contacts().to_vec(), modal.harmonics().to_vec(), modes)
-                    .map_err(|error| error.to_string());
+                ModalStructure::new(modal.contacts().to_vec(), modal.harmonics().to_vec(), modes)
             }
-            // Its dashpots are its own numbers.
-            Self::Chain { structure, .. } => return structure.modal().map_err(|error| error.to_string()),
-            Self::Matrices(structure) => structure,
+            Self::Matrices(structure, _) => damped_times(structure, damping).modal(),
         };
-        let scaled = Structure { damping: &structure.damping * damping, ..structure.clone() };
-        scaled.modal().map_err(|error| error.to_string())
+        modal.map_err(|error| error.to_string())
     }
 
     /// A chain with other numbers; `None` of what is no chain.
     pub(super) fn with_chain(&self, change: impl Fn(&mut ChainTable)) -> Option<Result<Self, String>> {
-        let Self::Chain { chain, structure } = self else { return None };
+        let Self::Matrices(structure, Some(chain)) = self else { return None };
         let mut chain = chain.clone();
         change(&mut chain);
-        let Structure { contacts, static_load, loads, .. } = (**structure).clone();
+        let Structure { contacts, static_load, loads, .. } = Structure::clone(structure);
         Some(Self::of_chain(chain, contacts, static_load, loads))
     }
 
     /// The matrices that are given as such, which can be changed; `None` of modes and of chains.
     fn matrices(&self) -> Option<&Structure> {
         match self {
-            Self::Matrices(structure) => Some(structure),
-            Self::Modes(_) | Self::Chain { .. } => None,
+            Self::Matrices(structure, None) => Some(structure),
+            Self::Matrices(_, Some(_)) | Self::Modes(_) => None,
         }
     }
 
@@ -415,7 +409,7 @@ impl Definition {
             return Err(format!("{setting} {what}"));
         }
         let mut changed = self.clone();
-        let Self::Matrices(structure) = &mut changed else { return Err(format!("{setting} is of matrices")) };
+        let Self::Matrices(structure, None) = &mut changed else { return Err(format!("{setting} is of matrices")) };
         let n = structure.mass.nrows();
         match setting {
             Setting::Entry(matrix, i, j) => {
@@ -449,8 +443,8 @@ impl Definition {
     /// The chain, if it is one.
     pub(super) fn chain(&self) -> Option<&ChainTable> {
         match self {
-            Self::Chain { chain, .. } => Some(chain),
-            Self::Matrices(_) | Self::Modes(_) => None,
+            Self::Matrices(_, chain) => chain.as_ref(),
+            Self::Modes(_) => None,
         }
     }
 
@@ -462,13 +456,11 @@ impl Definition {
         velocity: &[f64],
         damping: f64,
     ) -> Result<Vec<[f64; 2]>, String> {
-        let structure = match self {
-            Self::Modes(_) => return Err("a modal model has no coordinates: start on an orbit, or at rest".to_owned()),
-            Self::Matrices(structure) => Structure { damping: &structure.damping * damping, ..structure.clone() },
-            Self::Chain { structure, .. } => (**structure).clone(),
+        let Self::Matrices(structure, _) = self else {
+            return Err("a modal model has no coordinates: start on an orbit, or at rest".to_owned());
         };
         let [place, velocity] = [place, velocity].map(DVector::from_row_slice);
-        structure.project(modal, &place, &velocity).map_err(|error| error.to_string())
+        damped_times(structure, damping).project(modal, &place, &velocity).map_err(|error| error.to_string())
     }
 
     /// The energy, and the powers of loads and dashpots scaled by these factors. `None` for a modal model with complex shapes: they do not
@@ -477,14 +469,10 @@ impl Definition {
         if let Some(form) = modal.energy_form() {
             return Some(form);
         }
-        let given = self.matrices()?;
+        let Self::Matrices(given, _) = self else { return None };
         let loads = given.loads.iter().map(|(harmonic, load_of)| (*harmonic, load_of * C::new(load, 0.0)));
-        let structure = Structure {
-            damping: &given.damping * damping,
-            static_load: &given.static_load * still,
-            loads: loads.collect(),
-            ..given.clone()
-        };
+        let static_load = &given.static_load * still;
+        let structure = Structure { static_load, loads: loads.collect(), ..damped_times(given, damping) };
         Some(structure.energy_form(modal))
     }
 
@@ -492,10 +480,14 @@ impl Definition {
     pub(super) fn contacts(&self) -> Vec<Contact> {
         match self {
             Self::Modes(modal) => modal.contacts().to_vec(),
-            Self::Matrices(structure) => structure.contacts.iter().map(|(_, contact)| *contact).collect(),
-            Self::Chain { structure, .. } => structure.contacts.iter().map(|(_, contact)| *contact).collect(),
+            Self::Matrices(structure, _) => structure.contacts.iter().map(|(_, contact)| *contact).collect(),
         }
     }
+}
+
+/// With all dashpots times `damping`; those of a chain, which are its own numbers, times 1.
+fn damped_times(structure: &Structure, damping: f64) -> Structure {
+    Structure { damping: &structure.damping * damping, ..structure.clone() }
 }
 
 fn matrix(name: &str, given: &MatrixGiven, files: &Named<'_>) -> Result<DMatrix<f64>, String> {

@@ -103,47 +103,49 @@ fn layout(chain: &ChainTable) -> String {
 }
 
 impl StructureScene {
+    /// The parameter of a plain chain that a number is.
+    fn parameter(&self, setting: Setting) -> Option<Parameter> {
+        match setting {
+            Setting::Omega => Some(Parameter::Omega),
+            Setting::Gamma1 => Some(Parameter::Gamma1),
+            Setting::Gamma2 => Some(Parameter::Gamma2),
+            Setting::Asymmetry => Some(Parameter::Asymmetry),
+            Setting::RestitutionOfAll => Some(Parameter::Restitution),
+            Setting::Load if self.is_uniform() => Some(Parameter::Amplitude),
+            _ => None,
+        }
+    }
+
     /// The letter of a number, or its name, on pictures: a chain's own, or of what multiplies loads and dashpots.
     fn symbol(&self, setting: Setting) -> String {
-        let symbol = |parameter: Parameter| parameter.symbol().to_owned();
         match setting {
-            Setting::Omega => symbol(Parameter::Omega),
-            Setting::Gamma1 => symbol(Parameter::Gamma1),
-            Setting::Gamma2 => symbol(Parameter::Gamma2),
-            Setting::Asymmetry => symbol(Parameter::Asymmetry),
-            Setting::RestitutionOfAll => symbol(Parameter::Restitution),
-            Setting::Load if self.is_uniform() => symbol(Parameter::Amplitude),
             Setting::Static if self.is_uniform() => "s".to_owned(),
             Setting::Damping if self.is_chain() => "c".to_owned(),
             Setting::CouplingDamping => "c₂".to_owned(),
-            Setting::Load => "factor of the load".to_owned(),
+            Setting::Load if !self.is_uniform() => "factor of the load".to_owned(),
             Setting::Static => "factor of the static load".to_owned(),
             Setting::Damping => "factor of the damping".to_owned(),
-            own => own.to_string(),
+            own => self.parameter(own).map_or_else(|| own.to_string(), |parameter| parameter.symbol().to_owned()),
         }
     }
 
     /// What stands at an axis of it.
     #[must_use]
     pub fn label(&self, setting: Setting) -> String {
-        let meaning = match setting {
-            Setting::Omega => Parameter::Omega.meaning(),
-            Setting::Gamma1 => Parameter::Gamma1.meaning(),
-            Setting::Gamma2 => Parameter::Gamma2.meaning(),
-            Setting::Asymmetry => Parameter::Asymmetry.meaning(),
-            Setting::RestitutionOfAll => Parameter::Restitution.meaning(),
-            Setting::Load if self.is_uniform() => Parameter::Amplitude.meaning(),
-            Setting::Static if self.is_uniform() => "static force",
-            Setting::Damping if self.is_chain() => "damping",
-            Setting::CouplingDamping => "damping between neighbours",
-            Setting::Lower(contact) => return format!("lower barrier of contact {contact}"),
-            Setting::Upper(contact) => return format!("upper barrier of contact {contact}"),
-            Setting::Restitution(contact) => return format!("restitution of contact {contact}"),
-            Setting::LoadOf(coordinate) => return format!("load on coordinate {coordinate}"),
-            Setting::StaticOf(coordinate) => return format!("static load on coordinate {coordinate}"),
-            Setting::Entry(matrix, row, column) => return format!("{} at ({row}, {column})", matrix.name()),
-            _ => return self.symbol(setting),
-        };
-        format!("{meaning} {}", self.symbol(setting))
+        match setting {
+            Setting::Static if self.is_uniform() => "static force s".to_owned(),
+            Setting::Damping if self.is_chain() => "damping c".to_owned(),
+            Setting::CouplingDamping => "damping between neighbours c₂".to_owned(),
+            Setting::Lower(contact) => format!("lower barrier of contact {contact}"),
+            Setting::Upper(contact) => format!("upper barrier of contact {contact}"),
+            Setting::Restitution(contact) => format!("restitution of contact {contact}"),
+            Setting::LoadOf(coordinate) => format!("load on coordinate {coordinate}"),
+            Setting::StaticOf(coordinate) => format!("static load on coordinate {coordinate}"),
+            Setting::Entry(matrix, row, column) => format!("{} at ({row}, {column})", matrix.name()),
+            _ => {
+                let meaning = self.parameter(setting).map_or(String::new(), |one| format!("{} ", one.meaning()));
+                meaning + &self.symbol(setting)
+            }
+        }
     }
 }

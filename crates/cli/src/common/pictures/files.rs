@@ -1,12 +1,13 @@
 //! The files that a picture goes to, opened before anything is computed for it.
 
-#[cfg(feature = "plot")]
-pub(crate) use with_plot::PictureFiles;
-#[cfg(not(feature = "plot"))]
-pub(crate) use without_plot::PictureFiles;
+use std::path::{Path, PathBuf};
+
+use vibrochain_maps::files::Output;
+use vibrochain_plot::{Format, Page, PlotError};
 
 use crate::args::{PaletteName, PictureArgs};
 use crate::common::error::CliError;
+use crate::common::pictures::page_args::PageArgs;
 
 /// Refuses what is of maps alone, where another picture is drawn: that of `what`. `show` tells whether --show was given.
 pub(crate) fn of_no_map(wanted: &PictureArgs, show: bool, what: &str) -> Result<(), CliError> {
@@ -23,113 +24,73 @@ pub(crate) fn of_no_map(wanted: &PictureArgs, show: bool, what: &str) -> Result<
     }
 }
 
-#[cfg(feature = "plot")]
-mod with_plot {
-    use std::path::{Path, PathBuf};
+/// Files, each with what it is drawn for.
+pub(crate) struct PictureFiles(Vec<(Page, Output)>);
 
-    use vibrochain_maps::files::Output;
-    use vibrochain_plot::{Format, Page, PlotError};
-
-    use crate::args::PictureArgs;
-    use crate::common::error::CliError;
-    use crate::common::pictures::page_args::PageArgs;
-
-    /// Files, each with what it is drawn for.
-    pub(crate) struct PictureFiles(Vec<(Page, Output)>);
-
-    impl PictureFiles {
-        /// The one that `flag` names, if it does.
-        ///
-        /// # Errors
-        /// [`CliError::Request`] of a file that cannot be written, or of a page that cannot be.
-        pub(crate) fn one(flag: &str, path: Option<&Path>, page: &PageArgs) -> Result<Self, CliError> {
-            Ok(Self(page.open(flag, path)?.into_iter().collect()))
-        }
-
-        /// Those of --plot, and of --png, --svg and --pdf.
-        ///
-        /// # Errors
-        /// As [`PictureFiles::one`].
-        pub(crate) fn asked(wanted: &PictureArgs) -> Result<Self, CliError> {
-            Self::open(&Self::named(wanted)?)
-        }
-
-        /// The names that these flags give, each with what is drawn for it.
-        ///
-        /// # Errors
-        /// [`CliError::Request`] of a name that promises something else, or of a page that cannot be.
-        pub(crate) fn named(wanted: &PictureArgs) -> Result<Vec<(Page, PathBuf)>, CliError> {
-            wanted.page.checked(wanted.files().next().is_some(), "--plot")?;
-            let page = |(flag, path): (&'static str, &Path)| {
-                let once = [("--png", Format::Png), ("--svg", Format::Svg), ("--pdf", Format::Pdf)];
-                let format = match once.into_iter().find(|(name, _)| *name == flag) {
-                    Some((_, format)) => format.promised(path).map(|()| format)?,
-                    None => Format::asked(flag, path)?,
-                };
-                Ok((wanted.page.page(format)?, path.to_owned()))
-            };
-            wanted.files().map(page).collect()
-        }
-
-        /// Opens files that were named.
-        ///
-        /// # Errors
-        /// [`CliError::Request`] of a file that cannot be written.
-        pub(crate) fn open(named: &[(Page, PathBuf)]) -> Result<Self, CliError> {
-            let open = |(page, path): &(Page, PathBuf)| Ok((*page, Output::create(path)?));
-            Ok(Self(named.iter().map(open).collect::<Result<_, CliError>>()?))
-        }
-
-        pub(crate) fn is_empty(&self) -> bool {
-            self.0.is_empty()
-        }
-
-        /// Makes sure that a picture can be made for each, drawn as yet of nothing.
-        ///
-        /// # Errors
-        /// [`CliError::Request`] of a picture that is too large.
-        pub(crate) fn fit(&self, picture: impl Fn(Page) -> Result<Vec<u8>, PlotError>) -> Result<(), CliError> {
-            let fits = |(page, _): &(Page, Output)| picture(page.to_measure()).map(drop);
-            self.0.iter().try_for_each(fits).map_err(|error| CliError::Request(error.0))
-        }
-
-        /// Draws a picture into each.
-        ///
-        /// # Errors
-        /// [`CliError::Computation`] of a picture that cannot be drawn, or a file that cannot be written.
-        pub(crate) fn draw(self, picture: impl Fn(Page) -> Result<Vec<u8>, PlotError>) -> Result<(), CliError> {
-            for (page, file) in self.0 {
-                file.finish_with(&picture(page).map_err(|error| CliError::Computation(error.to_string()))?)?;
-            }
-            Ok(())
-        }
+impl PictureFiles {
+    /// The one that `flag` names, if it does.
+    ///
+    /// # Errors
+    /// [`CliError::Request`] of a file that cannot be written, or of a page that cannot be.
+    pub(crate) fn one(flag: &str, path: Option<&Path>, page: &PageArgs) -> Result<Self, CliError> {
+        Ok(Self(page.open(flag, path)?.into_iter().collect()))
     }
-}
 
-#[cfg(not(feature = "plot"))]
-mod without_plot {
-    use std::path::Path;
+    /// Those of --plot, and of --png, --svg and --pdf.
+    ///
+    /// # Errors
+    /// As [`PictureFiles::one`].
+    pub(crate) fn asked(wanted: &PictureArgs) -> Result<Self, CliError> {
+        Self::open(&Self::named(wanted)?)
+    }
 
-    use crate::args::PictureArgs;
-    use crate::common::error::CliError;
-    use crate::common::pictures::page_args::PageArgs;
+    /// The names that these flags give, each with what is drawn for it.
+    ///
+    /// # Errors
+    /// [`CliError::Request`] of a name that promises something else, or of a page that cannot be.
+    pub(crate) fn named(wanted: &PictureArgs) -> Result<Vec<(Page, PathBuf)>, CliError> {
+        wanted.page.checked(wanted.files().next().is_some(), "--plot")?;
+        let page = |(flag, path): (&'static str, &Path)| {
+            let once = [("--png", Format::Png), ("--svg", Format::Svg), ("--pdf", Format::Pdf)];
+            let format = match once.into_iter().find(|(name, _)| *name == flag) {
+                Some((_, format)) => format.promised(path).map(|()| format)?,
+                None => Format::asked(flag, path)?,
+            };
+            Ok((wanted.page.page(format)?, path.to_owned()))
+        };
+        wanted.files().map(page).collect()
+    }
 
-    /// This build draws nothing.
-    pub(crate) struct PictureFiles;
+    /// Opens files that were named.
+    ///
+    /// # Errors
+    /// [`CliError::Request`] of a file that cannot be written.
+    pub(crate) fn open(named: &[(Page, PathBuf)]) -> Result<Self, CliError> {
+        let open = |(page, path): &(Page, PathBuf)| Ok((*page, Output::create(path)?));
+        Ok(Self(named.iter().map(open).collect::<Result<_, CliError>>()?))
+    }
 
-    impl PictureFiles {
-        pub(crate) fn one(flag: &str, path: Option<&Path>, _: &PageArgs) -> Result<Self, CliError> {
-            match path {
-                Some(_) => Err(CliError::Request(format!("{flag} needs a build with the feature `plot`"))),
-                None => Ok(Self),
-            }
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Makes sure that a picture can be made for each, drawn as yet of nothing.
+    ///
+    /// # Errors
+    /// [`CliError::Request`] of a picture that is too large.
+    pub(crate) fn fit(&self, picture: impl Fn(Page) -> Result<Vec<u8>, PlotError>) -> Result<(), CliError> {
+        let fits = |(page, _): &(Page, Output)| picture(page.to_measure()).map(drop);
+        self.0.iter().try_for_each(fits).map_err(|error| CliError::Request(error.0))
+    }
+
+    /// Draws a picture into each.
+    ///
+    /// # Errors
+    /// [`CliError::Computation`] of a picture that cannot be drawn, or a file that cannot be written.
+    pub(crate) fn draw(self, picture: impl Fn(Page) -> Result<Vec<u8>, PlotError>) -> Result<(), CliError> {
+        for (page, file) in self.0 {
+            file.finish_with(&picture(page).map_err(|error| CliError::Computation(error.to_string()))?)?;
         }
-
-        pub(crate) fn asked(wanted: &PictureArgs) -> Result<Self, CliError> {
-            if wanted.files().next().is_some() {
-                return Err(CliError::Request("--plot needs a build with the feature `plot`".to_owned()));
-            }
-            Ok(Self)
-        }
+        Ok(())
     }
 }

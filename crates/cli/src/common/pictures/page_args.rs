@@ -1,8 +1,12 @@
 //! What pictures are made for, on the command line: width, resolution, letters.
 
+use std::path::Path;
+
 use clap::{Args, ValueEnum};
 use vibrochain_lattice::Short;
+use vibrochain_maps::files::Output;
 use vibrochain_maps::numbers::real;
+use vibrochain_plot::{Format, Page, Purpose};
 
 use crate::common::error::CliError;
 
@@ -62,7 +66,6 @@ impl Length {
     }
 
     /// Whether it is measured on paper.
-    #[cfg(feature = "plot")]
     fn is_of_paper(self) -> bool {
         self.unit.0 != "px"
     }
@@ -133,59 +136,48 @@ impl PageArgs {
     }
 }
 
-#[cfg(feature = "plot")]
-mod with_plot {
-    use std::path::Path;
+/// Pixels across that any viewer opens.
+const MOST_ACROSS: f64 = 20_000.0;
 
-    use vibrochain_maps::files::Output;
-    use vibrochain_plot::{Format, Page, Purpose};
-
-    use super::{Length, PageArgs, StyleName};
-    use crate::common::error::CliError;
-
-    /// Pixels across that any viewer opens.
-    const MOST_ACROSS: f64 = 20_000.0;
-
-    impl PageArgs {
-        /// The page of a picture of this kind.
-        ///
-        /// # Errors
-        /// [`CliError::Request`] for more pixels than any viewer opens: known before anything is computed.
-        pub(crate) fn page(&self, format: Format) -> Result<Page, CliError> {
-            let purpose = match (self.style, self.width) {
-                // Letters of a screen would fill a column.
-                (None, Some(width)) if width.is_of_paper() => Purpose::Paper(width.units() * 25.4 / 96.0),
-                (None | Some(StyleName::Screen), _) => Purpose::Screen,
-                (Some(StyleName::Column), _) => Purpose::Column,
-                (Some(StyleName::Page), _) => Purpose::Page,
-                (Some(StyleName::Slide), _) => Purpose::Slide,
-            };
-            let page = purpose.page(format);
-            let page = Page {
-                width: self.width.map(Length::units).or(page.width),
-                dpi: self.dpi.unwrap_or(page.dpi),
-                font: self.font_size.map_or(page.font, |points| points * 96.0 / 72.0),
-                letters: self.letters,
-                ..page
-            };
-            let across = page.width.unwrap_or(0.0) * page.dpi / 96.0;
-            if across > MOST_ACROSS {
-                return Err(CliError::Request(format!(
-                    "--width and --dpi make a picture {across:.0} pixels across, at most {MOST_ACROSS} are drawn: give less of one"
-                )));
-            }
-            Ok(page)
+impl PageArgs {
+    /// The page of a picture of this kind.
+    ///
+    /// # Errors
+    /// [`CliError::Request`] for more pixels than any viewer opens: known before anything is computed.
+    pub(crate) fn page(&self, format: Format) -> Result<Page, CliError> {
+        let purpose = match (self.style, self.width) {
+            // Letters of a screen would fill a column.
+            (None, Some(width)) if width.is_of_paper() => Purpose::Paper(width.units() * 25.4 / 96.0),
+            (None | Some(StyleName::Screen), _) => Purpose::Screen,
+            (Some(StyleName::Column), _) => Purpose::Column,
+            (Some(StyleName::Page), _) => Purpose::Page,
+            (Some(StyleName::Slide), _) => Purpose::Slide,
+        };
+        let page = purpose.page(format);
+        let page = Page {
+            width: self.width.map(Length::units).or(page.width),
+            dpi: self.dpi.unwrap_or(page.dpi),
+            font: self.font_size.map_or(page.font, |points| points * 96.0 / 72.0),
+            letters: self.letters,
+            ..page
+        };
+        let across = page.width.unwrap_or(0.0) * page.dpi / 96.0;
+        if across > MOST_ACROSS {
+            return Err(CliError::Request(format!(
+                "--width and --dpi make a picture {across:.0} pixels across, at most {MOST_ACROSS} are drawn: give less of one"
+            )));
         }
+        Ok(page)
+    }
 
-        /// Opens the file of a picture that was asked for with `flag`.
-        ///
-        /// # Errors
-        /// [`CliError::Request`].
-        pub(crate) fn open(&self, flag: &str, path: Option<&Path>) -> Result<Option<(Page, Output)>, CliError> {
-            self.checked(path.is_some(), flag)?;
-            let opened = vibrochain_plot::open(flag, path)?;
-            opened.map(|(format, file)| Ok((self.page(format)?, file))).transpose()
-        }
+    /// Opens the file of a picture that was asked for with `flag`.
+    ///
+    /// # Errors
+    /// [`CliError::Request`].
+    pub(crate) fn open(&self, flag: &str, path: Option<&Path>) -> Result<Option<(Page, Output)>, CliError> {
+        self.checked(path.is_some(), flag)?;
+        let opened = vibrochain_plot::open(flag, path)?;
+        opened.map(|(format, file)| Ok((self.page(format)?, file))).transpose()
     }
 }
 
@@ -204,9 +196,7 @@ mod tests {
     }
 
     #[test]
-    #[cfg(feature = "plot")]
     fn a_width_on_paper_is_for_print() {
-        use vibrochain_plot::Format;
         let page = |width: &str, style: Option<StyleName>, dpi: Option<f64>| {
             let args = PageArgs { width: length(width).ok(), style, dpi, ..PageArgs::default() };
             assert!(args.words().contains(&format!("--width {width}")));

@@ -1,0 +1,197 @@
+//! Breathers of a chain as its parameters vary.
+
+use serde_json::{Map, Value, json};
+use vibrochain_breather::{Finder, Orbit};
+use vibrochain_floquet::{
+    Course, Diagram, Event, EventCurve, Located, Search, StructureCourse, StructureWindow, Tolerance, Walk, Window,
+    curve_along, diagram_until, locate_until,
+};
+use vibrochain_lattice::{Model, Parameter, Stop};
+use vibrochain_maps::caption::{describe_without, in_common, in_words};
+use vibrochain_maps::followed::title;
+use vibrochain_maps::numbers::Number;
+use vibrochain_maps::scene::criterion;
+
+use super::{Along, Events, FIRST, Start, around, begun};
+use crate::args::{AlongArgs, Free};
+use crate::common::console::Console;
+use crate::common::error::CliError;
+use crate::common::model::{Chosen, chosen};
+use crate::common::which;
+use vibrochain_maps::manifest::object;
+
+/// A breather, and where its model comes from.
+pub(crate) struct ChainAlong {
+    start: Start<Orbit>,
+    chosen: Chosen,
+}
+
+/// The range of a parameter: as flags have it, or else as the scene sweeps it.
+fn asked(chosen: &Chosen, parameter: Parameter, flags: [Option<f64>; 2]) -> [Option<f64>; 2] {
+    let axis = chosen.scene.as_ref().and_then(|scene| scene.axis(parameter));
+    let [least, most] = axis.map_or([None; 2], |axis| axis.limits().map(Some));
+    [flags[0].or(least), flags[1].or(most)]
+}
+
+/// What stands at the axes of a window.
+pub(crate) fn labels(parameters: [Parameter; 2]) -> [String; 2] {
+    parameters.map(|parameter| format!("{} {}", parameter.meaning(), parameter.symbol()))
+}
+
+/// All parameters but the free one.
+fn fixed(model: &Model, free: Parameter) -> String {
+    let said = |parameter: Parameter| match parameter {
+        Parameter::Amplitude if model.force().cosine_amplitude().is_none() => {
+            Some(format!("force = {}", model.force()))
+        }
+        parameter if parameter == free => None,
+        parameter => Some(format!("{} = {}", parameter.name(), Number(model.get(parameter)))),
+    };
+    let said: Vec<String> = Parameter::of(model.chain().layers()).iter().copied().filter_map(said).collect();
+    said.join(", ")
+}
+
+impl Along for ChainAlong {
+    type Orbit = Orbit;
+    type Free = Parameter;
+    type Scene = ();
+    const OF_CHAINS: bool = true;
+
+    fn free(flag: Free) -> Result<Parameter, CliError> {
+        flag.parameter()
+    }
+
+    fn name(free: Parameter) -> String {
+        free.name().to_owned()
+    }
+
+    fn label(&self, free: Parameter) -> String {
+        labels([free; 2])[0].clone()
+    }
+
+    fn begin(args: &AlongArgs, (): (), stop: &Stop, console: &mut Console<'_>) -> Result<Self, CliError> {
+        let chosen = chosen(&args.model, console)?;
+        let which = which::wanted(&args.which, chosen.scene.as_ref())?;
+        let (model, free) = (&chosen.model, args.free.parameter()?);
+        for (flag, value) in FIRST.into_iter().zip([args.from, args.to]) {
+            let Some(value) = value else { continue };
+            // In the range of the parameter, told before any work.
+            model.with(free, value).map_err(|error| CliError::Request(format!("{flag}: {error}")))?;
+        }
+        around(FIRST, free.name(), model.get(free), asked(&chosen, free, [args.from, args.to]))?;
+        let mut finder = Finder::new(model.chain().sites()).until(stop);
+        let (_, found) = which::find(&which, model, &mut finder, None)?;
+        let orbits = which::some(found)?;
+        let is_physical = |orbit: &Orbit| Ok(finder.quick_admissibility(orbit)?.is_physical());
+        let start = begun((orbits, ""), args, is_physical)?;
+        Ok(Self { start, chosen })
+    }
+
+    fn start(&self) -> &Start<Orbit> {
+        &self.start
+    }
+
+    fn value(&self, free: Parameter) -> Result<f64, CliError> {
+        Ok(self.start.orbit.model().get(free))
+    }
+
+    fn allows(&self, free: Parameter, value: f64) -> Result<(), String> {
+        self.start.orbit.model().with(free, value).map(drop).map_err(|error| error.to_string())
+    }
+
+    fn range(&self, free: Parameter, flags: [Option<f64>; 2]) -> Result<[f64; 2], CliError> {
+        let Search { from, to, .. } = Search::new(&self.start.orbit, Event::Fold, free);
+        let [least, most] = asked(&self.chosen, free, flags);
+        Ok([least.unwrap_or(from), most.unwrap_or(to)])
+    }
+
+    fn tolerance(&self, threshold: Option<f64>) -> Result<Tolerance, CliError> {
+        self.chosen.tolerance(threshold)
+    }
+
+    fn fixed(&self, free: Parameter) -> String {
+        let orbit = &self.start.orbit;
+        let model = orbit.model();
+        format!("{} breathers, {}, {}", orbit.name(), model.chain().layout(), fixed(model, free))
+    }
+
+    fn over_branches(&self, free: Parameter, tolerance: Tolerance) -> String {
+        let fixed = describe_without(self.start.orbit.model(), free);
+        format!("branches of breathers, {fixed}, {}", criterion(tolerance))
+    }
+
+    fn over_curves(&self, _: [Parameter; 2], curves: &[EventCurve]) -> String {
+        let event = curves.first().map_or(String::new(), |curve| {
+            format!("{} of {} breathers, ", in_words(curve.event.name()), self.start.orbit.name())
+        });
+        let ends = curves.iter().flat_map(|curve| [curve.points.first(), curve.points.last()]).flatten();
+        let mut models: Vec<_> = ends.map(|point| point.orbit.model()).collect();
+        models.push(self.start.orbit.model());
+        format!("{event}{}", in_common(&models))
+    }
+
+    fn head(&self) -> Map<String, Value> {
+        let Start { orbit, number, .. } = &self.start;
+        let mut head = object([("parameters", json!(orbit.model())), ("solution", json!(number))]);
+        head.extend(Self::kind(orbit));
+        head
+    }
+
+    fn kind(orbit: &Orbit) -> Map<String, Value> {
+        let mut kind = object([("family", json!(orbit.family()))]);
+        kind.extend(orbit.word().map(|word| ("word".to_owned(), json!(word))));
+        kind
+    }
+
+    fn event(found: &Located) -> Value {
+        json!(found)
+    }
+
+    fn title(orbit: &Orbit) -> String {
+        title(orbit)
+    }
+
+    fn place(orbit: &Orbit, number: usize) -> String {
+        format!("site {}", orbit.model().chain().layout().name(number))
+    }
+
+    fn told(orbit: &Orbit) -> String {
+        orbit.to_string()
+    }
+
+    fn diagram(&self, free: Parameter, course: &StructureCourse, stop: &Stop) -> Result<Diagram, CliError> {
+        let StructureCourse { from, to, events, generations, tolerance } = course.clone();
+        Ok(diagram_until(&self.start.orbit, &Course { free, from, to, events, generations, tolerance }, stop)?)
+    }
+
+    fn located(
+        &self,
+        event: Event,
+        free: Parameter,
+        [from, to]: [f64; 2],
+        stop: &Stop,
+    ) -> Result<Events<Orbit>, CliError> {
+        let found = locate_until(&self.start.orbit, &Search { event, free, from, to }, stop)?;
+        let counts = [found.evaluations, found.spectra];
+        Ok(Events { located: found.located, unresolved: found.unresolved, ends: found.ends.into(), counts })
+    }
+
+    fn curves(
+        &self,
+        parameters: [Parameter; 2],
+        located: &[Located],
+        (StructureWindow { from, to }, tolerance): (StructureWindow, f64),
+        stop: &Stop,
+    ) -> Result<Vec<EventCurve>, CliError> {
+        let window = Window { parameters, from, to };
+        let walk = Walk { stop: stop.clone(), ..Walk::new(window, tolerance) };
+        let mut curves: Vec<EventCurve> = Vec::new();
+        for located in located {
+            let place = (window.place(located.orbit.model()), &located.orbit);
+            if !curves.iter().any(|curve| curve.passes(place, tolerance, |values| window.parts(values))) {
+                curves.push(curve_along(&located.orbit, located.event, located.evidence, &walk)?);
+            }
+        }
+        Ok(curves)
+    }
+}

@@ -1,0 +1,121 @@
+//! A run from its start to its end: what is the same for chains and structures.
+
+use vibrochain_eventsim::{Limits, Time};
+use vibrochain_lattice::Stop;
+use vibrochain_maps::files::distinct;
+
+use crate::args::SimulateArgs;
+use crate::common::console::{Console, nothing_else};
+use crate::common::error::CliError;
+use crate::simulate::pace::Pace;
+use crate::simulate::section::Section;
+
+/// Samples that may be asked for in all; more would be centuries of work.
+const MAX_STEPS: u64 = 1 << 48;
+
+/// Checks how long the run is and what files it has; whether standard output is taken by one.
+pub(crate) fn checked(args: &SimulateArgs) -> Result<bool, CliError> {
+    let (samples, periods) = (args.samples, args.periods);
+    let out_of_range = |what: String| Err(CliError::Request(what));
+    if samples == 0 || samples > 1_000_000 {
+        return out_of_range(format!("--samples {samples} is out of range: give a whole number from 1 to 1000000"));
+    }
+    if !(periods >= 0.0 && periods.is_finite()) {
+        return out_of_range(format!("--periods {periods} is out of range: give a number from 0"));
+    }
+    if periods * samples as f64 > MAX_STEPS as f64 {
+        return out_of_range(format!(
+            "--periods {periods} with {samples} samples each is out of range: give at most {MAX_STEPS} samples in all"
+        ));
+    }
+    let taken = distinct(
+        &[
+            ("--scene", args.model.scene.as_deref()),
+            ("--near", args.which.near.as_deref()),
+            ("--state", args.state.as_deref()),
+        ],
+        &[
+            ("--impacts", args.impacts.as_deref()),
+            ("--trajectory", args.trajectory.as_deref()),
+            ("--section", args.section.as_deref()),
+            ("--plot", args.plot.as_deref()),
+            ("--animate", args.animate.as_deref()),
+        ],
+    )?;
+    nothing_else(args.json, taken)?;
+    Ok(taken)
+}
+
+/// How far a simulation has come.
+#[derive(PartialEq)]
+pub(crate) enum Reached {
+    /// The time that was asked for.
+    Time,
+    /// The end of a portion of work.
+    Portion,
+    /// Its end.
+    End,
+}
+
+/// A simulation with what is kept of it.
+pub(crate) trait Run {
+    /// `periods` periods of the force and the `part` of one more, as a limit.
+    fn time_of(&self, periods: u64, part: f64) -> Time;
+    /// Goes on to these limits, and takes note of all events.
+    fn advance(&mut self, limits: &Limits) -> Result<Reached, CliError>;
+    /// Present time, and the impacts up to it.
+    fn now(&self) -> (Time, u64);
+    /// Takes a sample.
+    fn look(&mut self) -> Result<(), CliError>;
+    fn section(&mut self) -> Option<&mut Section>;
+    /// Places and velocities of all masses or contacts.
+    fn state(&self) -> [Vec<f64>; 2];
+}
+
+/// Runs to the end, with so many samples a period (0: a look at the end alone), in portions of work, so that Ctrl-C is heard however long a
+/// period takes. Whether it was.
+pub(crate) fn follow(
+    run: &mut impl Run,
+    args: &SimulateArgs,
+    (samples, portion): (u64, u64),
+    stop: &Stop,
+    console: &mut Console<'_>,
+) -> Result<bool, CliError> {
+    let periods = args.periods;
+    let end = run.time_of(periods.trunc() as u64, periods.fract());
+    // The last sample is at the end.
+    let sampled = (periods * samples as f64) as u64;
+    let total = sampled + u64::from(samples == 0 || sampled as f64 / (samples as f64) < periods);
+    let mut pace = Pace::new(periods, args.max_impacts, console);
+    let mut reached = run.advance(&Limits::until(run.time_of(0, 0.0)))?;
+    let (mut step, mut stopped) = (0, false);
+    loop {
+        run.look()?;
+        if stopped || reached != Reached::Time || step >= total {
+            pace.finish();
+            return Ok(stopped);
+        }
+        step += 1;
+        let part = (step % samples.max(1)) as f64 / samples as f64;
+        let time = if step > sampled { end } else { run.time_of(step / samples, part) };
+        // With the looks of the section on the way.
+        loop {
+            let look = run.section().and_then(|section| section.due(time));
+            let left = args.max_impacts.map_or(u64::MAX, |most| most.saturating_sub(run.now().1));
+            let until = look.or(Some(time));
+            reached = run.advance(&Limits { until, impacts: left, flights: portion, ..Limits::default() })?;
+            stopped = stop.is_raised();
+            let (now, impacts) = run.now();
+            pace.see(now, impacts, console);
+            if look.is_some() && reached == Reached::Time {
+                let [places, velocities] = run.state();
+                run.section().map_or(Ok(()), |section| section.look(now, &places, &velocities))?;
+            } else if reached != Reached::Portion {
+                break;
+            }
+            if stopped {
+                break;
+            }
+        }
+    }
+}
