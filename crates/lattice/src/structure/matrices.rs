@@ -16,7 +16,8 @@ use crate::kernel::turn::Turn;
 
 type C = Complex<f64>;
 
-/// Entries of D off the diagonal below this part of what the dashpots are, are rounding.
+/// Entries of D below this part of the largest are rounding: off the diagonal, and on it of a rigid mode. With a dashpot of 1e-17 that would
+/// have coordinates of 1e17, and the force on a contact at rest no digits.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// What a contact sees of a mode below this part of what it may see is rounding of the eigenvectors.
@@ -94,8 +95,13 @@ impl Structure {
         let modes = if self.damping.is_empty() {
             self.oscillators(&shapes, &squares, &vec![0.0; n])?
         } else {
-            let damping = shapes.transpose() * &self.damping * &shapes;
+            let mut damping = shapes.transpose() * &self.damping * &shapes;
             let size = damping.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()));
+            for k in (0..n).filter(|&k| squares[k] == 0.0) {
+                if damping[(k, k)].abs() <= ROUNDING * n as f64 * size {
+                    damping[(k, k)] = 0.0;
+                }
+            }
             let off = |i: usize, j: usize| i != j && damping[(i, j)].abs() > ROUNDING * n as f64 * size;
             if (0..n).all(|i| (0..n).all(|j| !off(i, j))) {
                 let decays = as_one((0..n).map(|k| 0.5 * damping[(k, k)]));
