@@ -271,17 +271,13 @@ impl Structure {
         ModeShape {
             contacts: self.contacts.iter().map(|(weights, _)| weights.dot(shape)).collect(),
             coordinates: shape.iter().copied().collect(),
-            still: if self.static_load.is_empty() { 0.0 } else { self.static_load.dot(shape) },
+            still: unless_rounding(self.static_load.iter().zip(shape).map(|(s, shape)| C::new(s * shape, 0.0))).re,
         }
     }
 
     /// φᵀf of each harmonic; none where it is rounding of its terms.
     fn loads(&self, shape: &DVector<f64>) -> Vec<C> {
-        let of = |load: &DVector<C>| {
-            let terms = load.iter().zip(shape).map(|(f, shape)| f * *shape);
-            let (sum, size) = terms.fold((C::default(), 0.0), |(sum, size), term| (sum + term, size + term.norm()));
-            if sum.norm() > 4.0 * f64::EPSILON * size { sum } else { C::default() }
-        };
+        let of = |load: &DVector<C>| unless_rounding(load.iter().zip(shape).map(|(f, shape)| f * *shape));
         self.loads.iter().map(|(_, load)| of(load)).collect()
     }
 
@@ -369,6 +365,12 @@ impl Structure {
         modes.sort_by(|a, b| a.rates()[0].norm().total_cmp(&b.rates()[0].norm()));
         Ok(modes)
     }
+}
+
+/// A sum; 0 where it is rounding of its terms: a rigid mode would be pushed by it for ever.
+fn unless_rounding(terms: impl Iterator<Item = C>) -> C {
+    let (sum, size) = terms.fold((C::default(), 0.0), |(sum, size), term| (sum + term, size + term.norm()));
+    if sum.norm() > 4.0 * f64::EPSILON * size { sum } else { C::default() }
 }
 
 fn finite(what: &str, mut values: impl Iterator<Item = f64>) -> Result<(), StructureError> {
