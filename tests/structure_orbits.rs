@@ -3,11 +3,14 @@
 
 use std::sync::Arc;
 
+use nalgebra::{DMatrix, DVector};
 use serde_json::Value;
 use vibrochain_breather::{
     StructureModel, StructureMotion, StructureOrbit, StructureSearch, Word, structure_admissibility, structure_orbits,
 };
-use vibrochain_floquet::{Complex, Tolerance, structure_stability, structure_verdict, structure_verdict_within};
+use vibrochain_floquet::{
+    Complex, Tolerance, Verdict, structure_stability, structure_verdict, structure_verdict_within,
+};
 use vibrochain_lattice::{Barrier, Contact, LinearMode, ModalStructure, ModeShape, Structure};
 use vibrochain_testkit::{Random, Structure as Dense, structures};
 
@@ -378,4 +381,54 @@ fn many_modes_and_contacts() {
         }
     }
     assert!(checked >= 4, "{checked}");
+}
+
+/// Two bodies that nothing holds, as a gear pair, are one in their distance: two rigid modes, of which the contact sees one combination.
+#[test]
+fn two_free_bodies_have_the_orbits_of_their_distance() {
+    let orbits = |structure: &Structure, word: &str| {
+        let model = StructureModel::new(Arc::new(structure.modal().unwrap()), 3.0).unwrap();
+        structure_orbits(&model, &word.parse().unwrap(), 1).unwrap().orbits
+    };
+    let contact = Contact { lower: Some(-0.05), upper: Some(0.07), restitution: 0.7 };
+    let (mut compared, mut physical) = (0, 0);
+    for (masses, damping) in [([1.0, 1.0], 0.1), ([1.0, 3.0], 0.1), ([0.7, 1.9], 0.0), ([500.0, 3000.0], 0.3)] {
+        let reduced = masses[0] * masses[1] / (masses[0] + masses[1]);
+        let of = |mass: &[f64], weights: &[f64], load: &[f64], still: &[f64]| Structure {
+            mass: DMatrix::from_diagonal(&DVector::from_column_slice(mass)),
+            damping: DMatrix::from_diagonal(&DVector::from_column_slice(mass)) * damping,
+            stiffness: DMatrix::zeros(mass.len(), mass.len()),
+            contacts: vec![(DVector::from_column_slice(weights), contact)],
+            static_load: DVector::from_column_slice(still) * reduced,
+            loads: vec![(1, DVector::from_column_slice(load).map(|load| Complex::new(load * reduced, 0.0)))],
+        };
+        let both = of(&masses, &[1.0, -1.0], &[0.4 * masses[0] / reduced, 0.0], &[0.05, -0.05]);
+        let distance = of(&[reduced], &[1.0], &[0.4], &[0.05]);
+        for word in ["0+", "0-", "0+,0-", "0-,0-"] {
+            let (found, wanted) = (orbits(&both, word), orbits(&distance, word));
+            assert_eq!(found.len(), wanted.len(), "{masses:?} {damping} {word}");
+            for (one, other) in found.iter().zip(&wanted) {
+                for (a, b) in one.impacts().iter().zip(other.impacts()) {
+                    let far = (a.impulse - b.impulse).abs() / reduced + (a.time - b.time).abs();
+                    assert!(far < 1e-10, "{masses:?} {damping} {word}: {a:?} {b:?}");
+                }
+                let is_physical = |orbit| structure_admissibility(orbit).unwrap().is_physical();
+                assert_eq!(is_physical(one), is_physical(other), "{masses:?} {damping} {word}");
+                physical += u32::from(is_physical(one));
+                let [all, own] = [one, other].map(|orbit| structure_stability(orbit, Tolerance::Rounding).unwrap());
+                for multiplier in &own.multipliers {
+                    let near = all.multipliers.iter().map(|z| (z - multiplier).norm()).fold(f64::INFINITY, f64::min);
+                    assert!(
+                        near < 1e-7 * (1.0 + multiplier.norm()),
+                        "{masses:?} {damping} {word}: {multiplier} {all:?}"
+                    );
+                }
+                // Where both stand together is neutral: next to dashpots that is told as marginal.
+                let is_bounded = |verdict: &Verdict| verdict.stable || verdict.marginal;
+                assert_eq!(is_bounded(&all.verdict), is_bounded(&own.verdict), "{masses:?} {damping} {word}");
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 16 && physical > 4, "{compared} {physical}");
 }

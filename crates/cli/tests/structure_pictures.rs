@@ -196,6 +196,7 @@ fn fates_of_structures_are_counted_and_drawn() {
     desk.run(&format!("{line} --out one.csv --threads 1")).with(0, &[]);
     assert_eq!(desk.read("r.csv"), desk.read("one.csv"));
     assert!(told.contains("impact words of `another`") && told.contains("0+,0-"), "{told}");
+    assert!(told.contains("), from rest, 24 runs of 200 periods") && !told.contains("breather"), "{told}");
     has(&words(&desk, "w.svg"), &["0+,0-", "from rest"]);
     for (flags, told) in [("--diagram d.csv", "needs a scene with one axis"), ("--periods 5", "--periods 5")] {
         let ran = desk.run(&format!("fate scene.toml {flags}"));

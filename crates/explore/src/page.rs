@@ -13,11 +13,11 @@ const PICTURE: &str = "image/svg+xml";
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
 macro_rules! files {
-    ($($name:literal $kind:ident $file:literal),* $(,)?) => {
+    ($($name:literal $kind:ident $($part:literal)+),* $(,)?) => {
         /// The file of that name.
         pub(crate) fn file(name: &str) -> Option<File> {
             match name {
-                $($name => Some(File { kind: $kind, text: include_str!(concat!("../page/", $file)) }),)*
+                $($name => Some(File { kind: $kind, text: concat!($(include_str!(concat!("../page/", $part))),+) }),)*
                 _ => None,
             }
         }
@@ -25,7 +25,7 @@ macro_rules! files {
 }
 
 files! {
-    "" HTML "index.html",
+    "" HTML "head.html" "index.html",
     "icon.svg" PICTURE "icon.svg",
     "style.css" STYLE "style.css",
     "main.js" SCRIPT "main.js",
@@ -43,6 +43,6 @@ files! {
     "run.js" SCRIPT "run.js",
     "overlays.js" SCRIPT "overlays.js",
     "take.js" SCRIPT "take.js",
-    "structure.html" HTML "structure.html",
+    "structure.html" HTML "head.html" "structure.html",
     "structure.js" SCRIPT "structure.js",
 }

@@ -52,7 +52,7 @@ def test_page(page, tmp_path, monkeypatch):
     assert blocks, f"{page} has no example in Python"
     os.symlink(ROOT / "scenes", tmp_path / "scenes")
     # Scenes of the page's own.
-    for name, scene in re.findall(r'^```toml title="(.*?)"\n(.*?)^```$', text, re.DOTALL | re.MULTILINE):
+    for name, scene in re.findall(r'^```toml title="(out/.*?)"\n(.*?)^```$', text, re.DOTALL | re.MULTILINE):
         path = tmp_path / name
         path.parent.mkdir(exist_ok=True)
         path.write_text(scene)

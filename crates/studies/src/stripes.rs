@@ -205,11 +205,11 @@ fn drawn() -> Result<Curves, CliError> {
     Ok(Curves {
         title: format!("Stripes of double-sided breathers, a mode against itself, γ₁ = {GAMMA1}"),
         panes: vec![
-            pane("γ₂ = 0.1, a = 0.4".to_owned(), "ω", "M ln|μ|", over_omega(0.1, 0.4)?),
+            pane("γ₂ = 0.1, a = 0.4".to_owned(), "frequency ω", "M ln|μ|, M masses", over_omega(0.1, 0.4)?),
             pane(
                 "q = π/2, a = 0.4 (above) and 0.04".to_owned(),
                 "log₁₀ γ₂/γ₁",
-                "M × width",
+                "M × width in ω",
                 over_coupling([0.4, 0.04])?,
             ),
         ],

@@ -62,15 +62,15 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<(), CliErro
 const HEADING: &str = "# Closed forms against simulation
 
 Printed by `studies validate`. Each row is a physical orbit in closed form (`vibrochain-breather`), its multipliers
-(`vibrochain-floquet`) and an event-driven simulation (`vibrochain-eventsim`) that knows neither. Distances are rounding's, of which
-another machine has another: they are given to one digit, and rates to those that all have in common.
+(`vibrochain-floquet`) and an event-driven simulation (`vibrochain-eventsim`) that knows neither. Distances are rounding, which differs
+between machines: they are given to one digit, and rates to the digits that do not differ.
 
 - *closure*: largest distance of displacements and velocities from the start after one period of the orbit;
-- *drift*: the same after 1000 periods, where rounding has not been blown up to visible size by an instability
-  (|μ|^1000 below 1000);
+- *drift*: the same after 1000 periods, unless an instability has made rounding visible
+  (|μ|^1000 above 1000);
 - *multipliers*: largest distance of a multiplier μ from the nearest one of the simulated return map, over max(1, |μ|);
-  the map's Jacobian is taken by central differences; multipliers within 1e-3 of 1 are left out, where a conservative orbit has a defective pair
-  that differences split;
+  the map's Jacobian is taken by central differences; multipliers within 1e-3 of 1 are left out, because differences split the defective pair of a
+  conservative orbit;
 - *growth*: rate per period at which a perturbation of 1e-8 along the leading eigenvector grows in the simulation, measured
   until it is 1e-5 or for 1000 periods, beside the leading |μ|; for orbits with |μ| above 1.0001.
 

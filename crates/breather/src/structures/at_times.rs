@@ -34,8 +34,8 @@ impl Impacts<'_> {
                 (place[j], law[j]) = (jet[0], weight * jet[1]);
             }
             law[i] += equations.mobility(contact);
-            for (k, mode) in equations.rigid.iter().enumerate() {
-                place[n + k] = Equations::shape(mode, contact);
+            for (k, drift) in equations.rigid.iter().enumerate() {
+                place[n + k] = drift.shapes[contact];
             }
             if let Some((rate, swing)) = load {
                 let there = swing[contact] * Complex::from_polar(1.0, rate * times[i]);
@@ -47,13 +47,13 @@ impl Impacts<'_> {
             linear.right.push(equations.model.barrier(contact, barrier)? - equations.still(contact));
             laws.push(law);
         }
-        for mode in &equations.rigid {
+        for drift in &equations.rigid {
             let mut row = zeros(columns);
             for (j, &(contact, _)) in self.letters.iter().enumerate() {
-                row[j] = Equations::shape(mode, contact);
+                row[j] = drift.shapes[contact];
             }
             linear.rows.push(row);
-            linear.right.push(-Equations::push(mode) * equations.period());
+            linear.right.push(-drift.push * equations.period());
         }
         if load.is_some() {
             for law in laws {

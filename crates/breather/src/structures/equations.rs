@@ -6,15 +6,18 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Barrier, Complex, LinearMode, StructureError};
+use vibrochain_lattice::{Barrier, Complex, LinearMode, ModalStructure, StructureError};
 
 use super::error::StructureOrbitError;
 use super::model::StructureModel;
 use super::periodic_kernel::PeriodicKernel;
 use super::response::Response;
-use crate::equations::linear::{Matrix, Vector, zeros};
+use crate::equations::linear::{Matrix, Vector, dot, zeros};
 
 type C = Complex<f64>;
+
+/// Parts of a vector below this are rounding of the shapes it is made of.
+const SAME: f64 = 1e-12;
 
 /// An impact as its equations know it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,13 +54,72 @@ pub(super) struct Arrival {
     pub(super) sizes: [f64; 3],
 }
 
+/// A motion that nothing holds and contacts of the orbit feel: of several rigid modes, as two free bodies have them, a combination. There are as
+/// many as these contacts tell apart: what they do not see has no offset.
+#[derive(Debug, Clone)]
+pub(super) struct Drift {
+    /// What of each rigid mode is in it.
+    parts: Vector,
+    /// Of each contact.
+    pub(super) shapes: Vec<f64>,
+    /// What the static load does to it.
+    pub(super) push: f64,
+}
+
+impl Drift {
+    /// Those that `contacts` tell apart.
+    ///
+    /// # Errors
+    /// [`StructureOrbitError::Unbalanced`] where a static load pushes what none of them feels.
+    fn felt(structure: &ModalStructure, contacts: &[usize]) -> Result<Vec<Self>, StructureOrbitError> {
+        let modes: Vec<&LinearMode> = structure.modes().iter().filter(|mode| mode.is_rigid()).collect();
+        let without = |mut vector: Vector, basis: &[Vector]| {
+            for own in basis {
+                let part = dot(own, &vector);
+                vector.iter_mut().zip(own).for_each(|(entry, own)| *entry -= part * own);
+            }
+            vector
+        };
+        let mut basis: Vec<Vector> = Vec::new();
+        for &contact in contacts {
+            let seen: Vector = modes.iter().map(|mode| Equations::shape(mode, contact)).collect();
+            let size = dot(&seen, &seen).sqrt();
+            let left = without(without(seen, &basis), &basis);
+            let length = dot(&left, &left).sqrt();
+            if length > SAME * size {
+                basis.push(left.iter().map(|entry| entry / length).collect());
+            }
+        }
+        let felt = |mode: &LinearMode| contacts.iter().any(|contact| Equations::shape(mode, *contact) != 0.0);
+        let own: Vec<usize> = (0..modes.len()).filter(|&k| felt(modes[k])).collect();
+        if own.len() == basis.len() {
+            let unit = |&k: &usize| (0..modes.len()).map(|l| if l == k { 1.0 } else { 0.0 }).collect();
+            basis = own.iter().map(unit).collect();
+        }
+        // What nothing holds and nothing hits must not be pushed.
+        let push: Vector = modes.iter().map(|mode| Equations::push(mode)).collect();
+        let most = push.iter().fold(0.0, |most: f64, push| most.max(push.abs()));
+        if without(push.clone(), &basis).iter().any(|left| left.abs() > SAME * most) {
+            return Err(StructureOrbitError::Unbalanced);
+        }
+        let of = |parts: Vector| {
+            let whole =
+                |of: &dyn Fn(&LinearMode) -> f64| parts.iter().zip(&modes).map(|(part, mode)| part * of(mode)).sum();
+            let all = 0..structure.contacts().len();
+            let shapes = all.map(|contact| whole(&|mode| Equations::shape(mode, contact))).collect();
+            let push = whole(&Equations::push);
+            Self { parts, shapes, push }
+        };
+        Ok(basis.into_iter().map(of).collect())
+    }
+}
+
 /// The equations of a model's orbits of one period.
 #[derive(Debug, Clone)]
 pub(super) struct Equations<'a> {
     pub(super) model: &'a StructureModel,
     pub(super) response: Arc<Response>,
-    /// Rigid modes that a contact of the orbit feels.
-    pub(super) rigid: Vec<&'a LinearMode>,
+    pub(super) rigid: Vec<Drift>,
     pub(super) forced: bool,
     /// Without loads one of Newton's laws follows from the others: that of this impact, which must not lose its impulse.
     pub(super) left_out: usize,
@@ -90,13 +152,7 @@ impl<'a> Equations<'a> {
         contacts.sort_unstable();
         contacts.dedup();
         let response = model.response(&contacts, force_periods)?;
-        let felt = |mode: &&LinearMode| contacts.iter().any(|contact| Self::shape(mode, *contact) != 0.0);
-        let all = structure.modes().iter().filter(|mode| mode.is_rigid());
-        let (rigid, unfelt): (Vec<_>, Vec<_>) = all.partition(felt);
-        // What nothing holds and nothing hits must not be pushed.
-        if unfelt.into_iter().any(|mode| Self::push(mode) != 0.0) {
-            return Err(StructureOrbitError::Unbalanced);
-        }
+        let rigid = Drift::felt(structure, &contacts)?;
         let forced = structure.is_forced();
         Ok(Self { model, response, rigid, forced, left_out: 0 })
     }
@@ -152,22 +208,17 @@ impl<'a> Equations<'a> {
         2 * impacts - 1 + usize::from(self.forced) + self.rigid.len()
     }
 
-    /// Offsets of all rigid modes, 0 of those that no contact of the orbit feels.
+    /// Offsets of all rigid modes.
     pub(super) fn all_offsets(&self, felt: &[f64]) -> SmallVec<[f64; 1]> {
-        let mut own = felt.iter();
-        let of = |mode: &LinearMode| {
-            let is_felt = self.rigid.iter().any(|one| std::ptr::eq(*one, mode));
-            if is_felt { own.next().copied().unwrap_or(0.0) } else { 0.0 }
-        };
-        let rigid = self.model.structure().modes().iter().filter(|mode| mode.is_rigid());
-        rigid.map(of).collect()
+        let count = self.model.structure().modes().iter().filter(|mode| mode.is_rigid()).count();
+        let of = |mode: usize| self.rigid.iter().zip(felt).map(|(drift, offset)| drift.parts[mode] * offset).sum();
+        (0..count).map(of).collect()
     }
 
-    /// Of the offsets of all rigid modes those that a contact of the orbit feels.
+    /// Of the offsets of all rigid modes what contacts of the orbit feel.
     pub(super) fn felt_offsets(&self, all: &[f64]) -> SmallVec<[f64; 1]> {
-        let is_felt = |mode: &LinearMode| self.rigid.iter().any(|one| std::ptr::eq(*one, mode));
-        let rigid = self.model.structure().modes().iter().filter(|mode| mode.is_rigid());
-        rigid.zip(all).filter(|(mode, _)| is_felt(mode)).map(|(_, offset)| *offset).collect()
+        let of = |drift: &Drift| drift.parts.iter().zip(all).map(|(part, offset)| part * offset).sum();
+        self.rigid.iter().map(of).collect()
     }
 
     /// φ of a rigid mode at a contact.
@@ -229,8 +280,8 @@ impl<'a> Equations<'a> {
                     gradient[order][psi] += load[order + 1];
                 }
             }
-            for (place, mode) in self.rigid.iter().enumerate() {
-                let shape = Self::shape(mode, strike.contact);
+            for (place, drift) in self.rigid.iter().enumerate() {
+                let shape = drift.shapes[strike.contact];
                 sums[0] += shape * point.offsets[place];
                 sizes[0] += (shape * point.offsets[place]).abs();
                 gradient[0][first_offset + place] += shape;
@@ -258,13 +309,13 @@ impl<'a> Equations<'a> {
                 sizes,
             });
         }
-        for (place, mode) in self.rigid.iter().enumerate() {
+        for (place, drift) in self.rigid.iter().enumerate() {
             let row = 2 * n - laws_left_out + place;
-            let push = Self::push(mode) * self.period();
+            let push = drift.push * self.period();
             system.rows[row] = push;
             system.sizes[row] = push.abs();
             for (j, strike) in point.strikes.iter().enumerate() {
-                let shape = Self::shape(mode, strike.contact);
+                let shape = drift.shapes[strike.contact];
                 system.rows[row] += shape * strike.impulse;
                 system.sizes[row] += (shape * strike.impulse).abs();
                 system.jacobian[(row, j)] = shape;

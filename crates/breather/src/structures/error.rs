@@ -40,10 +40,7 @@ pub enum StructureOrbitError {
     )]
     AtOnce,
     /// Losses and nothing that restores them.
-    #[error(
-        "without a load that changes only a structure without losses has orbits of a given frequency: give a load, or restitution 1 and no \
-         dashpots"
-    )]
+    #[error("losses end every motion without a load that changes: give a load, or restitution 1 and no dashpots")]
     LossWithoutLoad,
     /// The conditions at the impacts do not determine the impulses.
     #[error(
@@ -52,7 +49,7 @@ pub enum StructureOrbitError {
     Singular,
     /// The load moves none of the contacts that are to be hit.
     #[error(
-        "the load moves none of the contacts of this word: nothing tells its phase; leave the load away, or give another word"
+        "the load moves none of the contacts of this word: nothing tells its phase; leave the load out, or give another word"
     )]
     Unfelt,
     /// Impacts that are not in the order of time within one period.

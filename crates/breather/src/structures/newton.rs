@@ -52,7 +52,7 @@ impl Equations<'_> {
         }
         let system = self.system(&point)?;
         let count = self.rigid.len();
-        let shape = |k: usize, i: usize| Self::shape(self.rigid[k], point.strikes[i].contact);
+        let shape = |k: usize, i: usize| self.rigid[k].shapes[point.strikes[i].contact];
         let matrix = Matrix::from_fn(count, |k, l| (0..point.strikes.len()).map(|i| shape(k, i) * shape(l, i)).sum());
         let right: Vector =
             (0..count).map(|k| (0..point.strikes.len()).map(|i| -shape(k, i) * system.rows[i]).sum()).collect();

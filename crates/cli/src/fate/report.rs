@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use serde_json::{Map, Value, json};
 use vibrochain_breather::Word;
-use vibrochain_fate::{CellFates, End, Ensemble};
+use vibrochain_fate::{CellFates, End, Ensemble, From};
 use vibrochain_lattice::Short;
 
 use crate::common::schemas::FATE;
@@ -25,6 +25,8 @@ pub(crate) struct Totals {
     /// Cells with a breather to start from, and breathers.
     with: u64,
     breathers: u64,
+    /// Of these, those that are none: runs from rest.
+    at_rest: u64,
     ends: [u64; End::NAMES.len()],
     words: BTreeMap<Word, u64>,
     left: u64,
@@ -41,6 +43,7 @@ impl Totals {
         self.with += u64::from(!cell.breathers.is_empty());
         for breather in &cell.breathers {
             self.breathers += 1;
+            self.at_rest += u64::from(breather.name == From::Rest.name());
             self.ends.iter_mut().zip(breather.ends).for_each(|(sum, count)| *sum += u64::from(count));
             for (word, count) in &breather.words {
                 *self.words.entry(word.clone()).or_default() += u64::from(*count);
@@ -76,12 +79,14 @@ impl Totals {
         let runs = self.runs();
         let mut out = String::new();
         let Ensemble { size, periods, seed, .. } = *ensemble;
+        let start = match self.at_rest {
+            0 => format!("{} with a breather to start from; {}", self.with, counted(self.breathers, "breather")),
+            _ => "from rest".to_owned(),
+        };
         let _ = writeln!(
             out,
-            "{} ({grid}), {} with a breather to start from; {}, {} of {periods} periods, perturbed by {} from seed {seed}",
+            "{} ({grid}), {start}, {} of {periods} periods, perturbed by {} from seed {seed}",
             counted(self.cells, "cell"),
-            self.with,
-            counted(self.breathers, "breather"),
             counted(runs, "run"),
             Short(size)
         );

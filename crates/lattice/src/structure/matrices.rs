@@ -16,7 +16,8 @@ use crate::kernel::turn::Turn;
 
 type C = Complex<f64>;
 
-/// Entries of D off the diagonal below this part of what the dashpots are, are rounding.
+/// Entries of D below this part of the largest are rounding: off the diagonal, and on it of a rigid mode. With a dashpot of 1e-17 that would
+/// have coordinates of 1e17, and the force on a contact at rest no digits.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// What a contact sees of a mode below this part of what it may see is rounding of the eigenvectors.
@@ -94,8 +95,13 @@ impl Structure {
         let modes = if self.damping.is_empty() {
             self.oscillators(&shapes, &squares, &vec![0.0; n])?
         } else {
-            let damping = shapes.transpose() * &self.damping * &shapes;
+            let mut damping = shapes.transpose() * &self.damping * &shapes;
             let size = damping.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()));
+            for k in (0..n).filter(|&k| squares[k] == 0.0) {
+                if damping[(k, k)].abs() <= ROUNDING * n as f64 * size {
+                    damping[(k, k)] = 0.0;
+                }
+            }
             let off = |i: usize, j: usize| i != j && damping[(i, j)].abs() > ROUNDING * n as f64 * size;
             if (0..n).all(|i| (0..n).all(|j| !off(i, j))) {
                 let decays = as_one((0..n).map(|k| 0.5 * damping[(k, k)]));
@@ -254,17 +260,13 @@ impl Structure {
         ModeShape {
             contacts: self.contacts.iter().map(|(weights, _)| weights.dot(shape)).collect(),
             coordinates: shape.iter().copied().collect(),
-            still: if self.static_load.is_empty() { 0.0 } else { self.static_load.dot(shape) },
+            still: unless_rounding(self.static_load.iter().zip(shape).map(|(s, shape)| C::new(s * shape, 0.0))).re,
         }
     }
 
     /// φᵀf of each harmonic; none where it is rounding of its terms.
     fn loads(&self, shape: &DVector<f64>) -> Vec<C> {
-        let of = |load: &DVector<C>| {
-            let terms = load.iter().zip(shape).map(|(f, shape)| f * *shape);
-            let (sum, size) = terms.fold((C::default(), 0.0), |(sum, size), term| (sum + term, size + term.norm()));
-            if sum.norm() > 4.0 * f64::EPSILON * size { sum } else { C::default() }
-        };
+        let of = |load: &DVector<C>| unless_rounding(load.iter().zip(shape).map(|(f, shape)| f * *shape));
         self.loads.iter().map(|(_, load)| of(load)).collect()
     }
 
@@ -366,6 +368,12 @@ fn without_rounding(lower: &DMatrix<f64>, reaches: &[f64], mut mode: LinearMode)
         }
     }
     mode
+}
+
+/// A sum; 0 where it is rounding of its terms: a rigid mode would be pushed by it for ever.
+fn unless_rounding(terms: impl Iterator<Item = C>) -> C {
+    let (sum, size) = terms.fold((C::default(), 0.0), |(sum, size), term| (sum + term, size + term.norm()));
+    if sum.norm() > 4.0 * f64::EPSILON * size { sum } else { C::default() }
 }
 
 fn finite(what: &str, mut values: impl Iterator<Item = f64>) -> Result<(), StructureError> {

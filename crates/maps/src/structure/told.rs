@@ -36,7 +36,7 @@ impl StructureScene {
     /// Which orbits of what, and what is fixed while these numbers vary.
     #[must_use]
     pub fn fixed_but(&self, word: &str, varied: &[Setting]) -> String {
-        format!("{word} of {}, {}", self.heading(), self.told(&|setting| varied.contains(&setting)))
+        format!("{}, {word}: {}", self.heading(), self.told(&|setting| varied.contains(&setting)))
     }
 
     fn told(&self, swept: &dyn Fn(Setting) -> bool) -> String {

@@ -49,8 +49,9 @@ def needed(package: str, method: str) -> Any:
         raise ImportError(message, name=package) from error
 
 
-# What the docstrings of all methods `plot` have in common, behind their own arguments and before their own errors.
-_DRAWN = """\
+# What docstrings of several methods have in common, by the name that stands in them for it.
+_SHARED = {
+    "drawn": """\
 ax : matplotlib.axes.Axes, optional
     Where to draw; a new figure if not given.
 
@@ -61,21 +62,51 @@ matplotlib.axes.Axes
 Raises
 ------
 ImportError
-    Without matplotlib."""
+    Without matplotlib.""",
+    "all": """\
+all : bool
+    Whether orbits that are not physical are drawn, too.""",
+    "curve": """\
+Parts whose orbits are not physical are grey and dashed; points of codimension two are marked. On axes that show a curve
+already it has the next colour.
 
-_Plot = TypeVar("_Plot", bound=Callable[..., Any])
+Parameters
+----------""",
+    "axes": """\
+words : sequence of str
+    The words to look for, as for `orbits`; ``"0+/2"`` over two periods of the load.
+x, y : tuple of (str, float, float, int)
+    A number as for `branch`, from where to where, and in how many values.
+omega : float, optional
+    Frequency of the load, where it does not vary.""",
+    "titled": """\
+title : str, optional
+    What stands above the picture.
+compute : mapping, optional
+    More of a scene's table ``compute``: ``{"threshold": 0.01}``, ``{"stability": False}``.""",
+}
+
+_Method = TypeVar("_Method", bound=Callable[..., Any])
 
 
-def drawing(method: _Plot) -> _Plot:
-    """A method that draws: it needs matplotlib, and where its docstring has ``{drawn}`` it says what all of them say."""
+def sharing(method: _Method) -> _Method:
+    """A method whose docstring says what others say, too: ``{drawn}`` stands for `_SHARED`'s text of that name."""
+    text = inspect.cleandoc(method.__doc__ or "")
+    for name, shared in _SHARED.items():
+        text = text.replace(f"{{{name}}}", shared)
+    method.__doc__ = text
+    return method
+
+
+def drawing(method: _Method) -> _Method:
+    """A method that draws: it needs matplotlib."""
 
     @functools.wraps(method)
     def plot(self: Any, *arguments: Any, **named: Any) -> Any:
         needed("matplotlib", f"{type(self).__name__}.plot")
         return method(self, *arguments, **named)
 
-    plot.__doc__ = inspect.cleandoc(method.__doc__ or "").replace("{drawn}", _DRAWN)
-    return cast(_Plot, plot)
+    return cast(_Method, sharing(plot))
 
 
 def colour(rgb: Iterable[int]) -> str:
@@ -276,8 +307,7 @@ class _Plots:
             ----------
             show : {"impulse", "phi", "psi", "margin", "spectral_radius"}
                 What stands along the vertical axis; impulses have a line each.
-            all : bool
-                Whether orbits that are not physical are drawn, too.
+            {all}
             {drawn}
             RequestError
                 For another word.
@@ -302,11 +332,7 @@ class _Plots:
         def plot(self: Any, ax: Axes | None = None) -> Axes:
             """Draws the curve in the plane of its two parameters, as ``mapgen curve --plot`` does.
 
-            Parts whose orbits are not physical are grey and dashed; points of codimension two are marked. On axes that show a curve
-            already it has the next colour.
-
-            Parameters
-            ----------
+            {curve}
             {drawn}
 
             Examples

@@ -14,7 +14,7 @@ from . import _vibrochain
 from ._errors import RequestError
 from ._fate import Fates, fate
 from ._map import Map, sweep
-from ._pictures import curve_pane, curves_there, draw, drawing
+from ._pictures import curve_pane, curves_there, draw, drawing, sharing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -363,8 +363,7 @@ class StructureBranch:
         ----------
         show : {"impulse", "margin", "spectral_radius"}
             What stands along the vertical axis; impulses have a line each.
-        all : bool
-            Whether orbits that are not physical are drawn, too.
+        {all}
         {drawn}
         RequestError
             For another word.
@@ -445,11 +444,7 @@ class StructureCurve:
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draws the curve in the plane of its two numbers, as ``mapgen curve --plot`` does.
 
-        Parts whose orbits are not physical are grey and dashed; points of codimension two are marked. On axes that show a curve already
-        it has the next colour.
-
-        Parameters
-        ----------
+        {curve}
         {drawn}
 
         Examples
@@ -783,6 +778,7 @@ class Structure:
         told = answer["labels"], answer["heading"]
         return [StructureCurve._of((free[0], free[1]), parts, *told) for parts in answer["curves"]]
 
+    @sharing
     def sweep(
         self,
         words: list[str] | tuple[str, ...],
@@ -798,16 +794,8 @@ class Structure:
 
         Parameters
         ----------
-        words : sequence of str
-            The words to look for, as for `orbits`; ``"0+/2"`` over two periods of the load.
-        x, y : tuple of (str, float, float, int)
-            A number as for `branch`, from where to where, and in how many values.
-        omega : float, optional
-            Frequency of the load, where it does not vary.
-        title : str, optional
-            What stands above the picture.
-        compute : mapping, optional
-            More of a scene's table ``compute``: ``{"threshold": 0.01}``, ``{"stability": False}``.
+        {axes}
+        {titled}
         threads : int, optional
             Threads to compute on, one a core if not given.
 
@@ -832,6 +820,7 @@ class Structure:
         scene = self.scene(words, x, y, omega=omega, title=title, compute=compute)
         return sweep(scene, threads=threads)
 
+    @sharing
     def fate(
         self,
         words: list[str] | tuple[str, ...],
@@ -841,17 +830,11 @@ class Structure:
         omega: float | None = None,
         **asked: Any,
     ) -> Fates:
-        """What runs come to that start near the orbits of these words, or from rest, at each point of one or two numbers.
+        """What runs come to that start near the orbits of these words, or without words from rest, at each point of one or two numbers.
 
         Parameters
         ----------
-        words : sequence of str
-            The words to look for, as for `orbits`; ``"0+/2"`` over two periods of the load. Without any
-            runs start from rest.
-        x, y : tuple of (str, float, float, int)
-            A number as for `branch`, from where to where, and in how many values.
-        omega : float, optional
-            Frequency of the load, where it does not vary.
+        {axes}
         asked : dict
             The keywords of `vibrochain.fate`: ``breathers``, ``starts``, ``periods``, ``perturb`` and so on.
 
@@ -877,6 +860,7 @@ class Structure:
             asked = {"breathers": "rest", **asked}
         return fate(self.scene(words, x, y, omega=omega), **asked)
 
+    @sharing
     def scene(
         self,
         words: list[str] | tuple[str, ...],
@@ -891,16 +875,8 @@ class Structure:
 
         Parameters
         ----------
-        words : sequence of str
-            The words to look for, as for `orbits`; ``"0+/2"`` over two periods of the load.
-        x, y : tuple of (str, float, float, int)
-            A number as for `branch`, from where to where, and in how many values.
-        omega : float, optional
-            Frequency of the load, where it does not vary.
-        title : str, optional
-            What stands above the picture.
-        compute : mapping, optional
-            More of the table ``compute``: ``{"threshold": 0.01}``, ``{"stability": False}``.
+        {axes}
+        {titled}
 
         Returns
         -------

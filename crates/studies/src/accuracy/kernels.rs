@@ -14,12 +14,12 @@ use vibrochain_cli::common::error::CliError;
 pub(super) const SUITE: Suite = Suite {
     name: "kernels",
     title: "Kernels of the impulse response",
-    prose: "The three numbers on which every breather hangs, χ₁(φ), χ₂ and χ₃(φ), at φ = 0.3 T: at the paper's defaults (N \
+    prose: "The three numbers on which every breather depends, χ₁(φ), χ₂ and χ₃(φ), at φ = 0.3 T: at the paper's defaults (N \
             = 20, γ₁ = 0.2, γ₂ = 0.1, ω = 1.5), with stiff coupling (γ₂ = 20, ω = 1.3), and at a low frequency (ω = 0.11). \
             The truth is the same sum over modes in 57 digits.\n\n- *series*: the paper's Fourier series of J \
             harmonics;\n- *series, leading tail summed*: with Σ 1/j² in closed form;\n- *harmonics, four tails summed*: \
             with four powers of 1/j²;\n- *closed form*: one sine a mode, what the program uses.\n\nThe plain series errs \
-            by 0.4/J in χ₂, 2e-4 with the paper's 2000 harmonics. Four powers of its tail mend that where the band lies \
+            by 0.4/J in χ₂, 2e-4 with the paper's 2000 harmonics. Four powers of its tail correct that where the band lies \
             below ω; elsewhere they cancel each other. The closed form has all the digits that the parameters define, in \
             about the time of ten harmonics.",
     error: "absolute error of the kernel",

@@ -117,9 +117,10 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<(), CliErro
     }
     if everything {
         match std::fs::read_to_string(folder.join(LEAN)) {
-            Ok(text) => document
-                .sections
-                .push(Section { title: "What a scene pays for".to_owned(), blocks: vec![Block::Prose(text)] }),
+            Ok(text) => document.sections.push(Section {
+                title: "What is compiled, and what a cell allocates".to_owned(),
+                blocks: vec![Block::Prose(text)],
+            }),
             Err(_) => {
                 let path = folder.join(LEAN).display().to_string();
                 console

@@ -71,8 +71,8 @@ Formulas that are not listed hold as printed.
 ## Formulas
 
 Both versions are evaluated on exact kernels at orbits that the program finds by other means. *printed* and *mended* are the
-errors of either; a right formula leaves rounding, of which one digit is given: another machine has another. So have the last digits
-of what is quoted.
+errors of both; a right formula leaves rounding, given to one digit, since it differs between machines. So do the last digits of quoted
+answers.
 
 | where | printed | holds | error of | printed | mended |
 |---|---|---|---|---|---|

@@ -118,7 +118,7 @@ fn number(value: Option<f64>) -> String {
 }
 
 /// What the section is about.
-pub(crate) const PROSE: &str = "Corners where formulas lose their footing, each answer against 57 digits (the far field against 360). The \
+pub(crate) const PROSE: &str = "Corners where formulas lose digits; each answer is compared with 57 digits (the far field with 360). The \
     error promised is the program's own estimate: for kernels four units in the last place times the condition number, for orbits \
     `condition`, for spectral radii `resolution`; for the far field, the long simulation and the single oscillator by hand a bound that \
     belongs to the case. A kernel must keep its promise; estimates may be exceeded tenfold. Where there is no number, the point has no \
