@@ -281,72 +281,77 @@ fn random_structures_have_the_multipliers_of_their_matrices() {
     assert!(compared > 40 && beyond > 20, "{compared} {beyond}");
 }
 
-/// Newton's method from many starts finds no orbit of two impacts that a complete list lacks.
+/// Newton's method from many starts finds no orbit of two or three impacts that a complete list lacks.
 #[test]
-fn complete_lists_of_two_impacts_lack_nothing_that_starts_lead_to() {
+fn complete_lists_of_two_and_three_impacts_lack_nothing_that_starts_lead_to() {
     let mut random = Random(73);
-    let (mut complete, mut led, mut listed) = (0, 0, 0);
-    for case in cases().iter().filter(|case| case.dense.load.iter().any(|load| *load != 0.0)) {
+    let (mut complete, mut led, mut listed) = ([0; 2], [0; 2], [0; 2]);
+    for case in cases() {
         let model = case.model();
-        let contacts = model.structure().contacts().len();
-        for _ in 0..4 {
+        let contacts = model.structure().contacts();
+        let is_forced = case.dense.load.iter().any(|load| *load != 0.0);
+        for round in 0..6 {
             let letter = |random: &mut Random| {
-                let contact = random.below(contacts.min(3));
-                let upper = model.structure().contacts()[contact].upper.is_some();
-                let lower = model.structure().contacts()[contact].lower.is_some();
+                let contact = random.below(contacts.len().min(3));
+                let (upper, lower) = (contacts[contact].upper.is_some(), contacts[contact].lower.is_some());
                 let side = if upper && (!lower || random.chance(0.5)) { Barrier::Upper } else { Barrier::Lower };
                 (contact, side)
             };
-            let letters = [letter(&mut random), letter(&mut random)];
-            let name = |(contact, side): (usize, Barrier)| {
-                format!("{contact}{}", if side == Barrier::Upper { '+' } else { '-' })
+            let n = 2 + round % 2;
+            let letters: Vec<_> = (0..n).map(|_| letter(&mut random)).collect();
+            let name = |(contact, side): &(usize, Barrier)| {
+                format!("{contact}{}", if *side == Barrier::Upper { '+' } else { '-' })
             };
-            let word: Word = format!("{},{}", name(letters[0]), name(letters[1])).parse().unwrap();
+            let word: Word = letters.iter().map(name).collect::<Vec<_>>().join(",").parse().unwrap();
             let periods = 1 + random.below(2) as u32;
-            let found = structure_orbits(&model, &word, periods).unwrap();
-            let StructureSearch::Enclosures { unresolved, .. } = found.search else { continue };
-            complete += 1;
-            listed += found.orbits.len();
-            for _ in 0..60 {
+            let Ok(found) = structure_orbits(&model, &word, periods) else { continue };
+            let (StructureSearch::Enclosures { .. } | StructureSearch::BranchAndPrune { .. }) = found.search else {
+                continue;
+            };
+            println!("{} {word}/{periods}: {} orbits, {:?}", case.dense.name, found.orbits.len(), found.search);
+            complete[n - 2] += usize::from(found.search.is_complete());
+            listed[n - 2] += found.orbits.len();
+            for _ in 0..60 * (n - 1) {
                 let period = model.period() * f64::from(periods);
+                let mut times: Vec<f64> = (1..n).map(|_| random.between(0.0, period)).chain([0.0]).collect();
+                times.sort_by(f64::total_cmp);
                 let size = random.log(0.01, 10.0);
-                let start = letters.map(|(contact, side)| (contact, side, 0.0, -side.sign() * size));
-                let mut start = start.to_vec();
-                start[1].2 = random.between(0.0, period);
-                let Ok(orbit) = StructureOrbit::near(&model, periods, random.between(0.0, model.period()), &start)
-                else {
-                    continue;
+                let start = letters.iter().zip(&times).map(|(&(c, side), time)| (c, side, *time, -side.sign() * size));
+                let start: Vec<_> = start.collect();
+                let psi = if is_forced { random.between(0.0, model.period()) } else { 0.0 };
+                let Ok(orbit) = StructureOrbit::near(&model, periods, psi, &start) else { continue };
+                let impacts = orbit.impacts();
+                let apart = |orbit: &StructureOrbit, i: usize| {
+                    orbit.impacts().get(i + 1).map_or(period, |next| next.time) - orbit.impacts()[i].time
                 };
-                let phi = orbit.impacts()[1].time;
-                if !(1e-3 * period..period * (1.0 - 1e-3)).contains(&phi) {
+                let pulls = impacts.iter().any(|impact| impact.barrier.sign() * impact.impulse > -1e-7);
+                if (0..n).any(|i| apart(&orbit, i) < 1e-3 * period) || n == 3 && pulls {
                     continue;
                 }
-                led += 1;
-                let same = |other: &StructureOrbit| {
-                    let near = |a: f64, b: f64| (a - b).abs() < 1e-6 * (1.0 + a.abs());
-                    let later = other.impacts()[1].time;
-                    let alike = |turn: usize| {
-                        (0..2).all(|i| near(orbit.impacts()[i].impulse, other.impacts()[(i + turn) % 2].impulse))
-                    };
-                    near(later, phi) && alike(0) || letters[0] == letters[1] && near(later, period - phi) && alike(1)
+                led[n - 2] += 1;
+                let near = |a: f64, b: f64| (a - b).abs() < 1e-6 * (1.0 + a.abs());
+                let alike = |other: &StructureOrbit, turn: usize| {
+                    (0..n).all(|i| {
+                        let j = (i + turn) % n;
+                        letters[i] == letters[j]
+                            && near(impacts[i].impulse, other.impacts()[j].impulse)
+                            && near(apart(&orbit, i), apart(other, j))
+                    })
                 };
-                let twice = letters[0] == letters[1] && (phi - 0.5 * period).abs() < 1e-6 * period;
-                if twice && (orbit.impacts()[0].impulse - orbit.impacts()[1].impulse).abs() < 1e-6 {
-                    // An orbit of half the period.
-                    continue;
-                }
+                // An orbit of a part of the period is not listed.
                 assert!(
-                    unresolved > 0 || found.orbits.iter().any(same),
-                    "{} {word} over {periods}: {:?} not in {:?}",
+                    !found.search.is_complete()
+                        || alike(&orbit, 1)
+                        || found.orbits.iter().any(|other| (0..n).any(|turn| alike(other, turn))),
+                    "{} {word} over {periods}: {impacts:?} not in {:?}",
                     case.dense.name,
-                    orbit.impacts(),
                     found.orbits.iter().map(|orbit| orbit.impacts().to_vec()).collect::<Vec<_>>()
                 );
             }
         }
     }
-    println!("{complete} lists, {listed} orbits, {led} starts led to one");
-    assert!(complete > 25 && led > 200, "{complete} {listed} {led}");
+    println!("{complete:?} lists, {listed:?} orbits, {led:?} starts led to one");
+    assert!(complete[0] > 25 && led[0] > 200 && complete[1] > 25 && led[1] > 20, "{complete:?} {listed:?} {led:?}");
 }
 
 /// 300 modes over six decades of frequency and ten contacts: most have died out within a period, and none is lost.

@@ -16,7 +16,7 @@ use vibrochain_maps::scene::Scene;
 use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::{Ended, sweep};
-use vibrochain_maps::table::{Column, Kind, Value};
+use vibrochain_maps::table::{Codes, Column, Kind, Numbers, Value};
 
 use crate::call::counted;
 use crate::failure::{Failure, whole};
@@ -28,7 +28,7 @@ const MOST_CELLS: u64 = 100_000_000;
 /// The most threads that may be asked for, as of `mapgen`.
 const MOST_THREADS: i64 = 1024;
 
-/// The code of a word that a cell does not have, as pandas has it.
+/// The code of a class that a cell does not have, as of a word: as pandas has it.
 pub(crate) const NO_WORD: i8 = -1;
 
 /// The values of a column, as they grow.
@@ -36,8 +36,7 @@ enum Values {
     /// Numbers, and counts that may be missing: NaN there.
     Numbers(Vec<f64>),
     Counts(Vec<u32>),
-    /// Codes of words, and the words.
-    Words(Vec<i8>, Vec<String>),
+    Words(Codes),
     Texts(Vec<String>),
 }
 
@@ -55,7 +54,7 @@ impl<T> Growing<T> {
             Ok(values)
         }
         let values = match (column.kind, column.optional) {
-            (Kind::Word, _) => Values::Words(room(cells)?, Vec::new()),
+            (Kind::Word, _) => Values::Words(Codes::with_room(cells).map_err(|_| too_large(cells as u64))?),
             (Kind::Text, _) => Values::Texts(room(cells)?),
             (Kind::Count, false) => Values::Counts(room(cells)?),
             (Kind::Number, _) | (Kind::Count, true) => Values::Numbers(room(cells)?),
@@ -74,14 +73,8 @@ impl<T> Growing<T> {
                 counts.push(u32::try_from(count).unwrap_or(u32::MAX))
             }
             (Values::Counts(counts), _) => counts.push(0),
-            (Values::Words(codes, words), Some(Value::Word(word))) => {
-                let known = words.iter().position(|known| known == word);
-                codes.push(known.unwrap_or_else(|| {
-                    words.push(word.to_owned());
-                    words.len() - 1
-                }) as i8);
-            }
-            (Values::Words(codes, _), _) => codes.push(NO_WORD),
+            (Values::Words(codes), Some(Value::Word(word))) => codes.push(Some(word)),
+            (Values::Words(codes), _) => codes.push(None),
             (Values::Texts(texts), Some(Value::Text(text))) => texts.push(text.to_owned()),
             (Values::Texts(texts), _) => texts.push(String::new()),
         }
@@ -92,7 +85,10 @@ impl<T> Growing<T> {
         Ok(match self.values {
             Values::Numbers(numbers) => numbers.into_pyarray(py).into_any(),
             Values::Counts(counts) => counts.into_pyarray(py).into_any(),
-            Values::Words(codes, words) => (codes.into_pyarray(py), words).into_pyobject(py)?.into_any(),
+            Values::Words(codes) => match codes.into_parts() {
+                (Numbers::Small(codes), words) => (codes.into_pyarray(py), words).into_pyobject(py)?.into_any(),
+                (Numbers::Large(codes), words) => (codes.into_pyarray(py), words).into_pyobject(py)?.into_any(),
+            },
             Values::Texts(texts) => texts.into_pyobject(py)?.into_any(),
         })
     }

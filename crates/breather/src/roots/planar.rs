@@ -22,6 +22,11 @@ pub(crate) trait Planar {
     /// What depends on x alone on an interval; kept while a rectangle is cut across y.
     type Strip: Clone;
 
+    /// Enclosures after which what is left is not looked at: more than any sound problem needs.
+    fn budget(&self) -> usize {
+        400_000
+    }
+
     /// The parts that depend on x alone, on an interval with this centre and radius.
     fn strip(&self, centre: f64, radius: f64) -> Self::Strip;
 
@@ -70,9 +75,6 @@ pub(crate) struct PlanarZeros {
     /// Once raised, what is left is not looked at.
     pub(crate) stop: Stop,
 }
-
-/// Enclosures that no sound problem needs.
-const BUDGET: usize = 400_000;
 
 /// Rectangles that rounding blurs, up to which they are joined to places.
 const MOST_BLURRED: usize = 2048;
@@ -161,7 +163,7 @@ impl PlanarZeros {
                 let rectangle = Rectangle { low: [column.low[0], row[0]], high: [column.high[0], row[1]] };
                 stack.push((rectangle, Some(strip.clone())));
                 while let Some((rectangle, strip)) = stack.pop() {
-                    if self.evaluations - started > BUDGET || self.stop.is_raised() {
+                    if self.evaluations - started > problem.budget() || self.stop.is_raised() {
                         self.exhausted += 1;
                     } else {
                         self.examine(&search, rectangle, strip, &mut stack, &mut blurred);

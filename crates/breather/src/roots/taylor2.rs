@@ -43,8 +43,53 @@ impl Patch {
         patch
     }
 
+    /// A function of x + y: value and slope at the centre, bound of the second derivative, error of the value.
+    pub(crate) fn of_sum(jet: [f64; 3], doubt: f64, radius: [f64; 2]) -> Self {
+        let [value, first, second_bound] = jet;
+        let rounding = 8.0 * f64::EPSILON * value.abs() + doubt;
+        Self { value, slope: [first; 2], bend: [second_bound; 3], rounding, radius }
+    }
+
     pub(crate) fn constant(value: f64, radius: [f64; 2]) -> Self {
         Self { value, slope: [0.0; 2], bend: [0.0; 3], rounding: 0.0, radius }
+    }
+
+    /// The same with a larger error.
+    pub(crate) fn doubted(self, doubt: f64) -> Self {
+        Self { rounding: self.rounding + doubt, ..self }
+    }
+
+    /// What is known of a function that may be anything, as this one may vanish: where to halve for that to end.
+    pub(crate) fn unknown(self) -> Self {
+        let ([x, y], [r, s], [dx, dy]) = (self.slope.map(f64::abs), self.radius, self.slope_radius());
+        let size = (self.value.abs() + self.rounding).max(f64::MIN_POSITIVE);
+        let bend = [(x + dx) / r, 0.0, (y + dy) / s].map(|bend| if bend.is_finite() { bend } else { 0.0 });
+        Self { value: 0.0, slope: [0.0; 2], bend: bend.map(|bend| bend / size), rounding: self.rounding / size, ..self }
+    }
+
+    /// 1/f; `None` where f may vanish.
+    pub(crate) fn reciprocal(&self) -> Option<Self> {
+        let least = self.value.abs() - self.tilt() - self.curvature() - self.rounding;
+        if !(self.excludes_zero() && least > 0.0) {
+            return None;
+        }
+        let ([x, y], [dx, dy]) = (self.slope.map(f64::abs), self.slope_radius());
+        let [square, cube] = [least.powi(-2), 2.0 * least.powi(-3)];
+        let (x, y) = (x + dx, y + dy);
+        let mixed = [x * x, x * y, y * y];
+        let value = self.value.recip();
+        Some(Self {
+            value,
+            slope: self.slope.map(|slope| -slope * value * value),
+            bend: std::array::from_fn(|i| self.bend[i] * square + mixed[i] * cube),
+            rounding: self.rounding * square + f64::EPSILON * value.abs(),
+            radius: self.radius,
+        })
+    }
+
+    /// The sign that the function has all over the rectangle; 0 if it may have either.
+    pub(crate) fn sign(&self) -> f64 {
+        if self.excludes_zero() { self.value.signum() } else { 0.0 }
     }
 
     /// The same on a rectangle of another width in a direction that the function does not depend on.
@@ -64,6 +109,10 @@ impl Patch {
 
     pub(crate) fn shifted(self, constant: f64) -> Self {
         self + Self::constant(constant, self.radius)
+    }
+
+    pub(crate) fn radius(&self) -> [f64; 2] {
+        self.radius
     }
 
     /// Half widths of the slopes' enclosures.
@@ -161,14 +210,19 @@ mod tests {
             for r in [[0.5, 0.2], [0.1, 0.1], [1e-3, 1e-2]] {
                 let sin = Patch::wave(0, x0.sin(), -x0.cos(), 1.0, 0.0, r);
                 let cos = Patch::wave(1, (3.0 * y0).cos(), (3.0 * y0).sin(), 3.0, 0.0, r);
-                let f = sin * cos.shifted(-0.3) + cos.scaled(2.0) - sin;
+                // 1/(2 + sin(x + y)) as well.
+                let both = Patch::of_sum([(x0 + y0).sin(), (x0 + y0).cos(), 1.0], 0.0, r);
+                let inverse = both.shifted(2.0).reciprocal().unwrap();
+                let f = sin * cos.shifted(-0.3) + cos.scaled(2.0) - sin + inverse;
                 for i in -20..=20 {
                     for j in -20..=20 {
                         let (x, y) = (f64::from(i) / 20.0 * r[0], f64::from(j) / 20.0 * r[1]);
                         let (sx, cx) = (x0 + x).sin_cos();
                         let (sy, cy) = (3.0 * (y0 + y)).sin_cos();
-                        let value = sx * (cy - 0.3) + 2.0 * cy - sx;
-                        let slopes = [cx * (cy - 0.3) - cx, -3.0 * sx * sy - 6.0 * sy];
+                        let (sin, cos) = (x0 + x + y0 + y).sin_cos();
+                        let (inverse, rise) = ((2.0 + sin).recip(), -cos / ((2.0 + sin) * (2.0 + sin)));
+                        let value = sx * (cy - 0.3) + 2.0 * cy - sx + inverse;
+                        let slopes = [cx * (cy - 0.3) - cx + rise, -3.0 * sx * sy - 6.0 * sy + rise];
                         let middle = f.value + f.slope[0] * x + f.slope[1] * y;
                         assert!((value - middle).abs() <= f.curvature() + f.rounding + 1e-15);
                         assert!(value.abs() <= f.bound() + 1e-15);

@@ -14,6 +14,14 @@ pub(super) struct Impacts<'a> {
 }
 
 impl Impacts<'_> {
+    /// Stops less what is still, of every impact.
+    pub(super) fn places(&self) -> Option<SmallVec<[f64; 4]>> {
+        let place = |&(contact, barrier): &(usize, Barrier)| {
+            Some(self.equations.model.barrier(contact, barrier).ok()? - self.equations.still(contact))
+        };
+        self.letters.iter().map(place).collect()
+    }
+
     /// The linear equations of impulses, offsets and, under a load, (c, s), at given times.
     pub(super) fn linear(&self, times: &[f64]) -> Result<Linear, StructureOrbitError> {
         let equations = self.equations;

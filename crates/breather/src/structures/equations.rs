@@ -179,6 +179,12 @@ impl<'a> Equations<'a> {
         self.response.mobility(contact).unwrap_or_else(|| self.model.structure().mobility(contact, contact))
     }
 
+    /// What a contact does to itself a period later: K, and 1/m + (1+e)K′.
+    pub(super) fn own(&self, contact: usize) -> [f64; 2] {
+        let (jet, _) = self.kernel().jet(contact, contact, 0.0);
+        [jet[0], self.mobility(contact) + (1.0 + self.restitution(contact)) * jet[1]]
+    }
+
     pub(super) fn restitution(&self, contact: usize) -> f64 {
         self.model.structure().contacts()[contact].restitution
     }

@@ -15,9 +15,10 @@
 //! | `equations` | rows and Jacobian of an orbit's impacts |
 //! | `orbit` | [`StructureOrbit`], and how far it can be trusted |
 //! | `newton` | from impacts nearby to an orbit |
-//! | `search` | all orbits of one or two impacts; of more, those that starts lead to |
+//! | `search` | all orbits of up to three impacts; of more, those that starts lead to |
 //! | `at_times` | impulses, offsets and phase at given times |
 //! | `two_impacts` | the proof that no two impacts are missing |
+//! | `three_impacts` | the same of three |
 //! | `scan`, `starts` | where there is no proof |
 //! | `flight` | [`StructureMotion`]: every contact at any time |
 //! | `windows` | one flight as polynomials |
@@ -40,5 +41,6 @@ mod response;
 mod scan;
 pub(crate) mod search;
 mod starts;
+mod three_impacts;
 mod two_impacts;
 mod windows;

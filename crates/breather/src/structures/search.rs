@@ -1,4 +1,4 @@
-//! All orbits of one impact or two, and those of longer words that starts lead to.
+//! All orbits of up to three impacts, and those of longer words that starts lead to.
 //!
 //! Under a load of one harmonic, (c, s) = (cos, sin) of jωψ: impulses, offsets, c and s obey linear equations once the times are given, and
 //! c² + s² = 1 is left. Of one impact that is a quadratic equation; of two the zeros of one analytic function of the time between them,
@@ -7,7 +7,7 @@
 //! F(φ) = Δ²(c² + s² − 1),      Δ the determinant of the linear equations.
 //! ```
 //!
-//! Without loads the positions give the impulses, and one of Newton's laws is left.
+//! Without loads the positions give the impulses, and one of Newton's laws is left. Of three impacts two functions of two times are left.
 
 use smallvec::SmallVec;
 use vibrochain_lattice::Barrier;
@@ -17,6 +17,7 @@ use super::equations::{Equations, Point};
 use super::error::StructureOrbitError;
 use super::model::StructureModel;
 use super::orbit::StructureOrbit;
+use super::three_impacts::ThreeImpacts;
 use super::two_impacts::Function;
 use crate::word::Word;
 
@@ -39,6 +40,14 @@ pub enum StructureSearch {
         /// Places left open.
         unresolved: usize,
     },
+    /// Enclosures of two functions of two times show on rectangles where they have no common zero and that each one found is alone: the list is
+    /// complete but for the same.
+    BranchAndPrune {
+        /// Rectangles enclosed.
+        boxes: usize,
+        /// Places left open.
+        unresolved: usize,
+    },
     /// A function of one variable has been looked at in so many places: what lies between two of them may be missed.
     Scan {
         /// How many.
@@ -51,6 +60,17 @@ pub enum StructureSearch {
     },
 }
 
+impl StructureSearch {
+    /// Whether the list holds all that there are: where it is empty there is none.
+    pub fn is_complete(self) -> bool {
+        match self {
+            Self::ClosedForm => true,
+            Self::Enclosures { unresolved, .. } | Self::BranchAndPrune { unresolved, .. } => unresolved == 0,
+            Self::HalfPeriod | Self::Scan { .. } | Self::Starts { .. } => false,
+        }
+    }
+}
+
 /// Orbits of a word.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StructureFound {
@@ -61,7 +81,7 @@ pub struct StructureFound {
 }
 
 /// All orbits of a word that are found: contacts stand in place of sites. Those of one impact or two are listed with their signs as they are,
-/// pulled or not; of longer words only those whose barriers push. An orbit is listed once, whichever impact it begins with, and not where it
+/// pulled or not; of longer words only those whose barriers push. Of three impacts that takes some hundredths of a second, and up to two. An orbit is listed once, whichever impact it begins with, and not where it
 /// repeats itself sooner.
 ///
 /// # Errors
@@ -92,6 +112,16 @@ enum Wanted {
     Pushing,
 }
 
+impl Wanted {
+    /// Rectangles on which three impacts may be sought, a few microseconds each: as long as starts take for a map, and a second or two for one list.
+    fn boxes(self) -> usize {
+        match self {
+            Self::All => 400_000,
+            Self::Pushing => 40_000,
+        }
+    }
+}
+
 fn found(
     model: &StructureModel,
     word: &Word,
@@ -118,7 +148,7 @@ fn found(
     let contacts: SmallVec<[usize; 4]> = letters.iter().map(|(contact, _)| *contact).collect();
     equations.off_resonance(&contacts)?;
     let impacts = Impacts { equations: &equations, letters };
-    let (starts, mut search) = if letters_at_once(word) { impacts.reversible(word)? } else { impacts.begin()? };
+    let (starts, mut search) = if letters_at_once(word) { impacts.reversible(word)? } else { impacts.begin(wanted)? };
     let mut orbits: Vec<StructureOrbit> = Vec::new();
     for Start { point, is_zero } in starts {
         if wanted == Wanted::Pushing && point.pulls() {
@@ -126,7 +156,9 @@ fn found(
         }
         let Ok(solved) = equations.solve(point) else {
             // A zero whose orbit is not reached is told, not dropped.
-            if let StructureSearch::Enclosures { unresolved, .. } = &mut search {
+            if let StructureSearch::Enclosures { unresolved, .. } | StructureSearch::BranchAndPrune { unresolved, .. } =
+                &mut search
+            {
                 *unresolved += usize::from(is_zero);
             }
             continue;
@@ -136,7 +168,7 @@ fn found(
         let in_order = letters_at_once(word) || orbit.impacts().windows(2).all(|pair| pair[1].time > pair[0].time);
         let sound = in_order
             && orbit.impacts().last().is_some_and(|last| last.time < orbit.period())
-            && !(pulls && matches!(search, StructureSearch::Starts { .. }));
+            && !(pulls && matches!(search, StructureSearch::Starts { .. } | StructureSearch::BranchAndPrune { .. }));
         // An impulse below its own error is none.
         let hits = orbit.impacts().iter().all(|impact| impact.impulse.abs() > impact.impulse_error);
         let new = || !orbits.iter().any(|other| (0..word.letters().count()).any(|turn| is_same(other, &orbit, turn)));
@@ -217,7 +249,7 @@ impl From<Point> for Start {
 pub(super) type Starts = Result<(Vec<Start>, StructureSearch), StructureOrbitError>;
 
 impl Impacts<'_> {
-    fn begin(&self) -> Starts {
+    fn begin(&self, wanted: Wanted) -> Starts {
         let single = self.equations.single().is_some();
         match (self.letters.len(), self.equations.forced) {
             (1, true) if single => {
@@ -230,6 +262,7 @@ impl Impacts<'_> {
             }
             (2, true) if single => self.proved().unwrap_or_else(|| self.scan()),
             (2, false) => self.scan(),
+            (3, _) => self.proved_in_the_plane(wanted.boxes()).unwrap_or_else(|| self.starts()),
             _ => self.starts(),
         }
     }
@@ -248,11 +281,8 @@ impl Impacts<'_> {
     /// Zeros of the function of the time between two impacts, all of them; `None` where it cannot be enclosed, or takes too long.
     fn proved(&self) -> Option<Starts> {
         let contacts = [self.letters[0].0, self.letters[1].0];
-        let place = |i: usize| {
-            let (contact, barrier) = self.letters[i];
-            Some(self.equations.model.barrier(contact, barrier).ok()? - self.equations.still(contact))
-        };
-        let function = Function::new(self.equations, contacts, [place(0)?, place(1)?])?;
+        let places = self.places()?;
+        let function = Function::new(self.equations, contacts, [places[0], places[1]])?;
         let zeros = function.zeros();
         if zeros.exhausted > 0 {
             return None;
@@ -288,5 +318,31 @@ impl Impacts<'_> {
         let found = starts();
         let search = StructureSearch::Enclosures { intervals: zeros.intervals, unresolved };
         Some(found.map(|starts| (starts, search)))
+    }
+
+    /// Zeros of the two functions of the times between three impacts; `None` where they cannot be enclosed, or that takes too long.
+    fn proved_in_the_plane(&self, boxes: usize) -> Option<Starts> {
+        let functions = ThreeImpacts::new(self, boxes)?;
+        let zeros = functions.zeros();
+        if zeros.exhausted > 0 {
+            return None;
+        }
+        let (mut starts, mut open): (Vec<Start>, usize) = (Vec::new(), zeros.unresolved.len());
+        let times = |[x, y]: [f64; 2]| [0.0, x, x + y];
+        if functions.double {
+            match self.on_a_line(&times([self.equations.period() / 3.0; 2])) {
+                Ok(points) => starts.extend(points.into_iter().map(Start::from)),
+                Err(error) => return Some(Err(error)),
+            }
+        }
+        for (at, is_zero) in
+            zeros.simple.iter().map(|at| (at, true)).chain(zeros.unresolved.iter().map(|at| (at, false)))
+        {
+            match functions.numbers(*at) {
+                Some(numbers) => starts.push(Start { point: self.point(&times(*at), &numbers), is_zero }),
+                None => open += usize::from(is_zero),
+            }
+        }
+        Some(Ok((starts, StructureSearch::BranchAndPrune { boxes: zeros.boxes, unresolved: open })))
     }
 }

@@ -29,10 +29,15 @@ type C = Complex<f64>;
 const COINCIDENT: f64 = 1e-4;
 
 /// Intervals are not halved below this part of the period.
-const RESOLUTION: f64 = 1e-11;
+pub(super) const RESOLUTION: f64 = 1e-11;
 
 /// Intervals to begin with: where modes are far faster than the load, they have died out in nearly all of them.
 const MOST_PIECES: usize = 512;
+
+/// The part of the period from which on two impacts can be told from one.
+pub(super) fn told_apart(of_one_contact: bool) -> f64 {
+    if of_one_contact { COINCIDENT } else { RESOLUTION }
+}
 
 /// F of two impacts.
 pub(super) struct Function {
@@ -74,10 +79,7 @@ impl Function {
             return None;
         }
         let weights = contacts.map(|contact| 1.0 + equations.restitution(contact));
-        let own = [0, 1].map(|i| {
-            let (jet, _) = equations.kernel().jet(contacts[i], contacts[i], 0.0);
-            [jet[0], equations.mobility(contacts[i]) + weights[i] * jet[1]]
-        });
+        let own = contacts.map(|contact| equations.own(contact));
         let period = equations.period();
         Some(Self {
             period,
@@ -89,7 +91,7 @@ impl Function {
             fast: weights.map(|weight| rate * weight),
             places,
             own,
-            least: period * if contacts[0] == contacts[1] { COINCIDENT } else { RESOLUTION },
+            least: period * told_apart(contacts[0] == contacts[1]),
         })
     }
 

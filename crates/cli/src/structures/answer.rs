@@ -18,7 +18,10 @@ fn how(search: StructureSearch) -> String {
         StructureSearch::Enclosures { intervals, unresolved: 0 } => {
             format!("complete, by enclosures on {intervals} intervals")
         }
-        StructureSearch::Enclosures { unresolved, .. } => {
+        StructureSearch::BranchAndPrune { boxes, unresolved: 0 } => {
+            format!("complete, by branch and prune in the plane, {boxes} boxes")
+        }
+        StructureSearch::Enclosures { unresolved, .. } | StructureSearch::BranchAndPrune { unresolved, .. } => {
             format!("complete but for {unresolved} places where two more may have merged: next to a fold")
         }
         StructureSearch::Scan { places } => {
@@ -44,7 +47,7 @@ pub(crate) fn text(
     // Writing to a String cannot fail.
     let _ = writeln!(out, "{heading}: {}, {}", scene.heading(), scene.here());
     let physical = answered.iter().filter(|one| one.admissibility.is_physical()).count();
-    let none = matches!(found.search, StructureSearch::ClosedForm | StructureSearch::Enclosures { unresolved: 0, .. });
+    let none = found.search.is_complete();
     let _ = match (answered.len(), none) {
         (0, true) if model.structure().is_forced() => {
             writeln!(out, "none: no phase of the load meets the conditions at the impacts")

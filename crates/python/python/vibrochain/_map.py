@@ -189,7 +189,7 @@ class _Table:
         self.shape = tuple(len(values) for values in self.coords.values())
         self._places: dict[str, float] = dict(parts["parameters"])
         self._numbers: dict[str, NDArray[Any]] = {}
-        self._words: dict[str, tuple[NDArray[np.int8], tuple[str, ...]]] = {}
+        self._words: dict[str, tuple[NDArray[np.signedinteger[Any]], tuple[str, ...]]] = {}
         self._texts: dict[str, NDArray[np.str_]] = {}
         for name, values in parts["columns"]:
             if isinstance(values, tuple):
@@ -232,7 +232,7 @@ class _Table:
         axes = " × ".join(f"{name} ({len(values)})" for name, values in self.coords.items())
         return f"<{type(self).__name__} of {len(self)} cells: {axes}>"
 
-    def codes(self, name: str) -> tuple[NDArray[np.int8], tuple[str, ...]]:
+    def codes(self, name: str) -> tuple[NDArray[np.signedinteger[Any]], tuple[str, ...]]:
         """A column of words as numbers.
 
         Parameters
@@ -242,7 +242,7 @@ class _Table:
 
         Returns
         -------
-        codes : numpy.ndarray of int8, of the grid's shape
+        codes : numpy.ndarray of int8, of int32 where there are more than 128 words, of the grid's shape
             For each cell the place of its word in `words`; -1 where it has none.
         words : tuple of str
 
@@ -524,7 +524,7 @@ def _classes(
     x: NDArray[Any],
     y: NDArray[Any],
     classes: tuple[NDArray[np.int8], tuple[str, ...], tuple[str, ...]],
-    mechanisms: tuple[NDArray[np.int8], tuple[str, ...]],
+    mechanisms: tuple[NDArray[np.signedinteger[Any]], tuple[str, ...]],
 ) -> None:
     from matplotlib import rc_context
     from matplotlib.colors import ListedColormap

@@ -210,7 +210,8 @@ class StructureOrbits:
     orbits : tuple of StructureOrbit
         The orbits, physical or not.
     search : dict
-        by: "closed-form" and "enclosures" (with unresolved = 0) are complete, "half-period", "scan" and "starts" need not be.
+        by: "closed-form", "enclosures" and "branch-and-prune" (with unresolved = 0) are complete, "half-period", "scan" and "starts"
+        need not be.
 
     Examples
     --------
