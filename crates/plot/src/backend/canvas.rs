@@ -8,7 +8,9 @@ use vibrochain_maps::files::Output;
 use crate::backend::drawing::Drawing;
 use crate::backend::format::{Format, PlotError};
 use crate::backend::page::Page;
-use crate::{backend::pdf, backend::pixels, backend::svg};
+use crate::backend::svg;
+#[cfg(feature = "files")]
+use crate::backend::{pdf, pixels};
 
 /// Opens the file of a picture that was asked for with `flag`; its ending says what kind it is.
 ///
@@ -25,12 +27,14 @@ pub fn open(flag: &str, path: Option<&Path>) -> Result<Option<(Format, Output)>,
 /// [`PlotError`] of a picture that has no size, or more pixels than any viewer shows.
 pub fn render(drawing: &Drawing, page: &Page) -> Result<Vec<u8>, PlotError> {
     page.holds(drawing.size)?;
-    if page.measures {
-        return Ok(Vec::new());
-    }
     match page.format {
-        Format::Png => pixels::png_of(drawing, page.scale()),
+        #[cfg(not(feature = "files"))]
+        Format::Png | Format::Pdf => Err(PlotError::not_built()),
+        _ if page.measures => Ok(Vec::new()),
         Format::Svg => Ok(svg::svg(drawing)),
+        #[cfg(feature = "files")]
+        Format::Png => pixels::png_of(drawing, page.scale()),
+        #[cfg(feature = "files")]
         Format::Pdf => Ok(pdf::pdf(drawing)),
     }
 }

@@ -11,6 +11,13 @@ use vibrochain_maps::files::{Destination, promises};
 #[error("could not draw the picture: {0}")]
 pub struct PlotError(pub String);
 
+#[cfg(not(feature = "files"))]
+impl PlotError {
+    pub(crate) fn not_built() -> Self {
+        Self("this build draws SVG alone: end the name in .svg, or build with the feature `pictures`".to_owned())
+    }
+}
+
 /// The kinds of picture files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {

@@ -6,7 +6,10 @@ pub mod drawing;
 pub(crate) mod format;
 pub(crate) mod markers;
 pub(crate) mod page;
+#[cfg(feature = "files")]
 pub(crate) mod pdf;
+#[cfg(feature = "files")]
 pub(crate) mod pixels;
+pub(crate) mod png;
 pub(crate) mod strokes;
 pub(crate) mod svg;

@@ -8,6 +8,7 @@ use tiny_skia::{
 use crate::backend::coverage::parts;
 use crate::backend::drawing::{Drawing, Element, Fill, Image, Line, Pattern, Place, Rgb, Shape, Words};
 use crate::backend::format::PlotError;
+use crate::backend::png::png;
 use crate::text::font::{Pen, outline, set};
 use crate::text::typeset::corner;
 
@@ -38,21 +39,6 @@ pub(crate) fn over(ground: &Pixmap, drawing: &Drawing, scale: f64) -> Pixmap {
     let mut painter = Painter { pixmap: ground.clone(), scale, mask: None, patterns: &drawing.patterns };
     painter.elements(&drawing.elements);
     painter.pixmap
-}
-
-/// The bytes of a PNG; it tells how many dots of it make an inch.
-pub(crate) fn png([width, height]: [u32; 2], rgb: &[u8], dpi: Option<f64>) -> Option<Vec<u8>> {
-    let mut file = Vec::new();
-    let mut encoder = png::Encoder::new(&mut file, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::Balanced);
-    if let Some(dpi) = dpi {
-        let dots = (dpi / 0.0254).round() as u32;
-        encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: dots, yppu: dots, unit: png::Unit::Meter }));
-    }
-    encoder.write_header().ok()?.write_image_data(rgb).ok()?;
-    Some(file)
 }
 
 struct Painter<'a> {

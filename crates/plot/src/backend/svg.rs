@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use crate::backend::drawing::{Drawing, Element, Fill, Image, Line, Place, Rgb, Shape, Words};
-use crate::backend::pixels::png;
+use crate::backend::png::png;
 use crate::text::font::{Pen, outline, set};
 use crate::text::typeset::corner;
 

@@ -2,6 +2,7 @@
 
 pub(crate) mod backdrop;
 pub(crate) mod motion;
+#[cfg(feature = "files")]
 pub(crate) mod pixels;
 pub(crate) mod svg;
 
@@ -25,17 +26,20 @@ pub fn animation(picture: &Animation, moving: Moving, page: impl Into<Page>) -> 
     }
     let stage = Stage::new(picture, layers, page);
     page.holds(stage.ground.size)?;
-    if page.measures {
-        return Ok(Vec::new());
-    }
     match moving {
+        #[cfg(not(feature = "files"))]
+        Moving::Gif | Moving::Png => Err(PlotError::not_built()),
+        _ if page.measures => Ok(Vec::new()),
         Moving::Svg => Ok(stage.svg()),
+        #[cfg(feature = "files")]
         Moving::Gif => stage.gif(),
+        #[cfg(feature = "files")]
         Moving::Png => stage.png(),
     }
 }
 
 #[cfg(test)]
+#[cfg(feature = "files")]
 mod tests {
     use super::*;
     use crate::backend::drawing::Place;

@@ -5,12 +5,50 @@ use std::collections::HashMap;
 
 use tiny_skia::Pixmap;
 
-use crate::backend::drawing::Rgb;
+use crate::backend::drawing::{Drawing, Line, Rgb};
 use crate::backend::format::PlotError;
-use crate::moving::backdrop::Stage;
+use crate::backend::pixels::{over, raster};
+use crate::map::palette::LINES;
+use crate::moving::backdrop::{HIT, JOINED, Stage};
 use crate::moving::motion::RATE;
 
 impl Stage<'_> {
+    /// What moves, at an instant.
+    fn drawing(&self, at: usize, impacts: &[(usize, bool)]) -> Drawing {
+        let mut drawing = Drawing::new(self.ground.size, "");
+        let u = &self.picture.instants[at].displacement;
+        let place = |mass: usize| self.place(mass, u.get(mass).copied().unwrap_or(0.0));
+        if self.picture.length <= JOINED {
+            for row in self.rows() {
+                drawing
+                    .line(row.iter().filter_map(|mass| place(*mass)).collect(), Line::new(LINES[5], self.page.px(1.0)));
+            }
+        }
+        for &impact in impacts {
+            let glow = self.glow(at, impact);
+            if let (true, Some(centre)) = (glow > 0.0, self.barrier(impact)) {
+                let ring = Line { opacity: glow, ..Line::new(HIT, self.page.px(3.0)) };
+                drawing.circle(centre, self.radius + self.page.px(4.0), None, Some(ring));
+            }
+        }
+        for mass in 0..u.len() {
+            if let Some(centre) = place(mass) {
+                drawing.circle(centre, self.radius, Some(LINES[0]), None);
+            }
+        }
+        let [from, to, y] = self.clock;
+        let part = (at + 1) as f64 / self.picture.instants.len() as f64;
+        drawing.line(vec![[from, y], [from + part * (to - from), y]], Line::new(LINES[1], self.page.px(2.0)));
+        drawing
+    }
+
+    /// All pictures, as pixels.
+    fn pixmaps(&self) -> Result<impl Iterator<Item = Pixmap> + '_, PlotError> {
+        let (ground, impacts) = (raster(&self.ground, self.page.scale())?, self.impacts());
+        let scale = self.page.scale();
+        Ok((0..self.picture.instants.len()).map(move |at| over(&ground, &self.drawing(at, &impacts), scale)))
+    }
+
     /// The bytes of an APNG.
     pub(crate) fn png(&self) -> Result<Vec<u8>, PlotError> {
         let failed = |error: png::EncodingError| PlotError(error.to_string());
