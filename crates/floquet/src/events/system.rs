@@ -196,26 +196,25 @@ where
         Ok((rows, here.orbit))
     }
 
-    /// Rounding of the rows at `z`, where the event is, and what Newton's method has left of them; and their derivatives.
-    fn known_at(&mut self, z: &[f64]) -> Result<(Vector, Evaluation<AtEvent<S::Orbit>, Vector>), BranchError> {
+    /// The equations at `z`, where the event is, with rounding of the rows and what Newton's method has left of them.
+    fn known_at(&mut self, z: &[f64]) -> Result<Evaluation<AtEvent<S::Orbit>, Vector>, BranchError> {
         let (own, mark) = self.parts(z);
         let base = self.base.evaluate(&own)?;
         let values = rounding(self.test, &base, mark);
-        let here = self.evaluate(z)?;
-        let mut errors = here.kept.clone();
-        errors[self.base.size()..].iter_mut().zip(values).for_each(|(error, value)| *error = value);
-        errors.iter_mut().zip(&here.rows).for_each(|(error, left)| *error = error.max(left.abs()));
-        Ok((errors, here))
+        let mut here = self.evaluate(z)?;
+        here.kept[self.base.size()..].iter_mut().zip(values).for_each(|(error, value)| *error = value);
+        here.kept.iter_mut().zip(&here.rows).for_each(|(error, left)| *error = error.max(left.abs()));
+        Ok(here)
     }
 
     /// What rounding does to both numbers at a point of a curve, in their units.
     pub(crate) fn error(&mut self, point: &ManifoldPoint<AtEvent<S::Orbit>, 1>) -> Option<f64> {
         let z = point.coordinates();
-        let (errors, here) = self.known_at(z).ok()?;
+        let here = self.known_at(z).ok()?;
         let bordered = self.bordered(z, &here, point.tangents()).ok()?.transposed();
         let of_number = |place: usize| {
             let row = bordered.solve(&unit(z.len(), place))?;
-            Some(row.iter().zip(&errors).map(|(row, error)| row.abs() * error).sum::<f64>())
+            Some(row.iter().zip(&here.kept).map(|(row, error)| row.abs() * error).sum::<f64>())
         };
         Some(of_number(z.len() - 2)?.hypot(of_number(z.len() - 1)?))
     }
@@ -309,10 +308,10 @@ where
     let mut system = EventSystem::new(base.clone(), test, z, mark);
     let start = system.origin()?;
     let z = system.newton(&start, &[], reach, false)?;
-    let (errors, here) = system.known_at(&z)?;
+    let here = system.known_at(&z)?;
     let last = z.len() - 1;
     let row = here.matrix.transposed().solve(&unit(z.len(), last)).ok_or(BranchError::NoConvergence)?;
-    let error: f64 = row.iter().zip(&errors).map(|(row, error)| row.abs() * error).sum();
+    let error: f64 = row.iter().zip(&here.kept).map(|(row, error)| row.abs() * error).sum();
     let (coordinates, _) = system.parts(&z);
     let value = z[last];
     Ok(Solved { at: here.orbit, coordinates, value, error: error * system.units[last] + f64::EPSILON * value.abs() })
