@@ -114,7 +114,7 @@ fn what_branches_off_is_what_runs_come_to() {
         let stable: Vec<&Value> = (branch["points"].as_array().unwrap().iter())
             .filter(|point| point["physical"] == true && point["stability"]["stable"] == true)
             .collect();
-        let point = stable[stable.len() / 2];
+        let point = stable[stable.len() / 3];
         // The same scene without a word: from rest.
         let text = fs::read_to_string(desk.path(scene)).unwrap();
         fs::write(

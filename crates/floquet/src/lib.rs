@@ -51,6 +51,7 @@ mod bracket;
 mod curve;
 mod eigenvectors;
 mod error;
+mod events;
 mod followed;
 mod linear;
 mod locate;

@@ -97,15 +97,16 @@ pub(crate) fn determinant(matrix: &mut [C], size: usize) -> C {
     eliminate(matrix, size, Pivots::Partial).map_or(C::default(), |factors| factors.determinant(matrix, size))
 }
 
-/// By how much errors of the entries move a determinant that is next to 0; the matrix is used up.
-pub(crate) fn moved_by(matrix: &mut [C], errors: &[f64], size: usize) -> f64 {
-    let Some(order) = eliminate(matrix, size, Pivots::Full) else { return f64::INFINITY };
-    let pivots: f64 = (0..size - 1).map(|i| matrix[i * (size + 1)].norm()).product();
+/// The derivatives of a determinant that is next to 0 by its entries; the matrix is used up.
+pub(crate) fn cofactors(matrix: &mut [C], size: usize) -> Option<Vec<C>> {
+    let order = eliminate(matrix, size, Pivots::Full)?;
+    let pivots: C = (0..size - 1).map(|i| matrix[i * (size + 1)]).product();
     let [x, y] = Factors::null_vectors(matrix, size);
-    let entries = x.iter().zip(&order.rows).flat_map(|(x, row)| {
-        y.iter().zip(&order.columns).map(move |(y, column)| x.norm() * y.norm() * errors[row * size + column])
-    });
-    pivots * entries.sum::<f64>()
+    let mut cofactors = vec![C::default(); size * size];
+    for (x, row) in x.iter().zip(&order.rows) {
+        y.iter().zip(&order.columns).for_each(|(y, column)| cofactors[row * size + column] = pivots * x * y);
+    }
+    Some(cofactors)
 }
 
 /// As [`determinant`], with Σ|B⁻¹_ji||B_ij|, by which relative errors of the entries are multiplied. `sizes` is scratch space.
@@ -151,6 +152,9 @@ mod tests {
     fn a_singular_determinant_moves_by_its_cofactors() {
         let real = |x: f64| C::new(x, 0.0);
         let mut diagonal: Vec<C> = [1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0].map(real).to_vec();
+        let moved_by = |matrix: &mut Vec<C>, errors: &[f64], size: usize| -> f64 {
+            cofactors(matrix, size).unwrap().iter().zip(errors).map(|(factor, error)| factor.norm() * error).sum()
+        };
         assert!((moved_by(&mut diagonal, &[1e-3; 9], 3) - 2e-3).abs() < 1e-18);
         // (1, 2; 2, 4): cofactors 4, −2, −2, 1.
         let mut whole: Vec<C> = [1.0, 2.0, 2.0, 4.0].map(real).to_vec();

@@ -63,7 +63,8 @@ fn sagitta(curve: &EventCurve, i: usize, window: &Window) -> Option<f64> {
 
 #[test]
 fn straight_lines_between_points_err_by_no_more_than_asked() {
-    let plane = Window { parameters: [Parameter::Omega, Parameter::Amplitude], from: [0.8, 0.02], to: [1.6, 0.6] };
+    // Nearer to the modes the curve lies in many folds, and others double within what is searched.
+    let plane = Window { parameters: [Parameter::Omega, Parameter::Amplitude], from: [1.02, 0.02], to: [1.6, 0.6] };
     let (single, double) = (first(&forced(1.07, 0.8, 0.165, 0.25), Family::SingleSided), Family::DoubleSided);
     let cases = [
         (single.clone(), Event::Grazing, Parameter::Amplitude, amplitudes_and_restitutions()),
@@ -90,7 +91,10 @@ fn straight_lines_between_points_err_by_no_more_than_asked() {
         let curve = followed(&orbit, event, free, &window, TOLERANCE);
         assert!(curve.points.len() > 100, "{event} {}", curve.points.len());
         let (mut checked, mut worst) = (0, 0.0_f64);
-        for _ in 0..12 {
+        for _ in 0..24 {
+            if checked >= 12 {
+                break;
+            }
             let i = (random.unit() * (curve.points.len() - 1) as f64) as usize;
             if let Some(apart) = sagitta(&curve, i, &window) {
                 (checked, worst) = (checked + 1, worst.max(apart));
@@ -194,6 +198,44 @@ fn impulses_that_are_rounding_all_along_end_no_curve() {
             assert!(followed > 0, "{from} {start}");
         }
     }
+}
+
+/// Their orbit lasts however far it is followed: once a curve of period doublings crept there for fifty thousand points.
+#[test]
+fn a_curve_ends_where_impulses_grow_without_bound() {
+    let (window, orbit) = (frequencies_and_couplings(), first(&conservative(6, 0.15, 1.3), Family::DoubleSided));
+    let found = locate(&orbit, &Search::new(&orbit, Event::PeriodDoubling, Parameter::Omega)).unwrap();
+    let mut unbounded = 0;
+    for located in &found.located {
+        let curve = curve(&located.orbit, Event::PeriodDoubling, located.evidence, &window, 1e-4).unwrap();
+        assert!(curve.points.len() < 5000 && !curve.ends.contains(&CurveEnd::Long), "{}", curve.points.len());
+        for (end, point) in curve.ends.iter().zip([curve.points.first(), curve.points.last()]) {
+            if *end == CurveEnd::Unbounded {
+                assert!(point.unwrap().orbit.impulses()[0].abs() > 1e3);
+                unbounded += 1;
+            }
+        }
+    }
+    assert!(unbounded >= 2, "{unbounded}");
+}
+
+/// Towards the modes resonances fold it again and again; it was lost at ω = 1.0104 once.
+#[test]
+fn a_curve_goes_on_between_resonances() {
+    let plane = Window { parameters: [Parameter::Amplitude, Parameter::Omega], from: [0.02, 0.8], to: [0.6, 1.6] };
+    let single = first(&forced(1.07, 0.8, 0.165, 0.25), Family::SingleSided);
+    let curve = followed(&single, Event::PeriodDoubling, Parameter::Amplitude, &plane, 1e-6);
+    let beyond: Vec<_> = curve.points.iter().filter(|point| point.values[1] < 1.0103).collect();
+    assert!(beyond.len() > 100 && beyond.iter().any(|point| point.values[1] < 1.005), "{}", beyond.len());
+    let mut random = Random(7);
+    let doubles = |_: &usize| {
+        let point = beyond[random.below(beyond.len())];
+        let all = stability(&point.orbit, Tolerance::Rounding).unwrap().multipliers;
+        all.iter().any(|mu| (mu + 1.0).norm() < 1e-6)
+    };
+    // Next to grazing orbits multipliers lose digits.
+    let count = (0..40).filter(doubles).count();
+    assert!(count >= 36, "{count}");
 }
 
 #[test]

@@ -160,7 +160,6 @@ impl From<LocateError> for Failure {
 impl From<CurveError> for Failure {
     fn from(error: CurveError) -> Self {
         match error {
-            CurveError::Floquet(floquet) => floquet.into(),
             CurveError::Branch(branch) => branch.into(),
             CurveError::NotThere(_) => Self::NotConverged(error.to_string()),
             CurveError::Outside { .. } | CurveError::Same(_) | CurveError::NoForce(_) | CurveError::Tolerance(_) => {

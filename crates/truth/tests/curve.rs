@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use vibrochain_breather::{Branch, Family, Hit, Orbit, breathers};
 use vibrochain_floquet::{CurvePoint, Event, EventCurve, Search, Window, curve, locate};
-use vibrochain_lattice::{Chain, Model, Parameter};
+use vibrochain_lattice::{Chain, Model, Parameter, Spectrum};
 use vibrochain_testkit::Random;
 use vibrochain_truth::{Complex, DEFAULT_BITS, TrueOrbit, TrueSpectrum};
 
@@ -63,6 +63,23 @@ fn cases() -> Vec<(Model, Family, Event, Window)> {
     ]
 }
 
+/// Whether the event is within the error of a point, along the axis that the curve crosses; `None` where no branch leads to both sides.
+fn encloses(curve: &EventCurve, i: usize, window: &Window) -> Option<bool> {
+    let (point, from, to) = (&curve.points[i], &curve.points[i - 1], &curve.points[i + 1]);
+    let [dx, dy] = [0, 1].map(|k| (to.values[k] - from.values[k]).abs() / window.sides()[k]);
+    // Farther, as the curve crosses it aslant.
+    let axis = usize::from(dx > dy);
+    let reach = point.error * window.sides()[axis] * dx.hypot(dy) / dx.max(dy);
+    let free = window.parameters[axis];
+    let mut branch = Branch::through(&point.orbit, free, window.sides()[axis]).unwrap();
+    let start = branch.start().ok()?;
+    let mut beside = |sign: f64| {
+        let there = branch.at(&start, point.values[axis] + sign * reach).ok()?;
+        Some(side(there.orbit(), curve.event, point))
+    };
+    Some(beside(1.0)? != beside(-1.0)?)
+}
+
 /// Looks at `each` points of every curve, at random; how many in all.
 fn check(each: usize) -> usize {
     let mut random = Random(23);
@@ -72,19 +89,9 @@ fn check(each: usize) -> usize {
         let (mut checked, mut vague) = (0, 0);
         for _ in 0..2 * each {
             let i = 1 + random.below(curve.points.len() - 2);
-            let (point, from, to) = (&curve.points[i], &curve.points[i - 1], &curve.points[i + 1]);
-            let [dx, dy] = [0, 1].map(|k| (to.values[k] - from.values[k]).abs() / window.sides()[k]);
-            // Along the axis that the curve crosses; farther, as it crosses it aslant.
-            let axis = usize::from(dx > dy);
-            let reach = point.error * window.sides()[axis] * dx.hypot(dy) / dx.max(dy);
-            let free = window.parameters[axis];
-            let mut branch = Branch::through(&point.orbit, free, window.sides()[axis]).unwrap();
-            let Ok(start) = branch.start() else { continue };
-            let sides = [1.0, -1.0].map(|sign| {
-                let there = branch.at(&start, point.values[axis] + sign * reach).unwrap();
-                side(there.orbit(), event, point)
-            });
-            assert!(sides[0] != sides[1], "{event} at {:?} ± {:e}", point.values, point.error);
+            let point = &curve.points[i];
+            let Some(enclosed) = encloses(&curve, i, &window) else { continue };
+            assert!(enclosed, "{event} at {:?} ± {:e}", point.values, point.error);
             checked += 1;
             vague += usize::from(point.error > 1e-9);
             if checked == each {
@@ -95,6 +102,34 @@ fn check(each: usize) -> usize {
         all += checked;
     }
     all
+}
+
+/// Towards a resonance all derivatives grow without bound.
+#[test]
+fn next_to_a_resonance_events_are_where_curves_say() {
+    let model = Model::conservative(Chain::new(6, 0.2, 0.15).unwrap(), 1.3, 0.4).unwrap();
+    let orbit = &breathers(&model, Family::DoubleSided).unwrap().orbits[0];
+    let window = Window { parameters: [Parameter::Omega, Parameter::Gamma2], from: [0.4, 0.0], to: [3.0, 0.3] };
+    let found = locate(orbit, &Search::new(orbit, Event::PeriodDoubling, Parameter::Omega)).unwrap();
+    let (mut checked, mut claimed) = (0, 0);
+    for located in &found.located {
+        let curve = curve(&located.orbit, located.event, located.evidence, &window, 1e-4).unwrap();
+        let near = |i: &usize| {
+            let chain = curve.points[*i].orbit.model().chain();
+            let ratios = Spectrum::new(*chain).frequencies().to_vec();
+            let apart = |frequency: f64| (frequency / curve.points[*i].orbit.frequency()).fract();
+            ratios.into_iter().map(apart).any(|part| part > 0.0 && part.min(1.0 - part) < 3e-3)
+        };
+        let next: Vec<usize> = (1..curve.points.len() - 1).filter(near).collect();
+        for &i in next.iter().step_by(next.len().div_ceil(12).max(1)) {
+            let point = &curve.points[i];
+            let Some(enclosed) = encloses(&curve, i, &window) else { continue };
+            assert!(enclosed, "at {:?} ± {:e}", point.values, point.error);
+            checked += 1;
+            claimed += usize::from(point.error < 1e-9);
+        }
+    }
+    assert!(checked >= 6 && claimed == checked, "{checked} {claimed}");
 }
 
 #[test]

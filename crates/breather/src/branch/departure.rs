@@ -106,10 +106,10 @@ impl<S: System> Manifold<S, 1> {
         let mut direction = bordered.solve(&unit(size + 1, size)).ok_or(BranchError::NoConvergence)?;
         direction[size] = 0.0;
         Ok(ManifoldPoint {
+            determinant: here.all().determinant(),
             orbit: here.orbit,
             coordinates,
             tangents: [normed(direction)],
-            determinant: here.full_determinant,
             fold_determinant: 0.0,
             // A branch point: its neighbours have either sign.
             orientation: 0.0,

@@ -18,7 +18,6 @@
 pub(crate) mod at_resonance;
 pub(crate) mod departure;
 pub(crate) mod resonances;
-pub(crate) mod surface;
 
 use vibrochain_lattice::{Parameter, Stop};
 

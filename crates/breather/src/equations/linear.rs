@@ -22,7 +22,7 @@ pub fn unit(size: usize, place: usize) -> Vector {
 }
 
 /// Σ a_i b_i
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 

@@ -181,7 +181,7 @@ impl System for StructureContinuation {
                 matrix.row_mut(i).iter_mut().zip(&units).for_each(|(entry, unit)| *entry *= unit);
             }
             let orbit = StructureOrbit::new(equations, periods, (point, here))?;
-            Ok(Evaluation { orbit, rows, full_determinant: matrix.determinant(), matrix, kept })
+            Ok(Evaluation { orbit, rows, matrix, full: None, kept })
         })
     }
 

@@ -1,7 +1,7 @@
 //! The equations of a chain's orbits as a [`System`]: in the orbit's unknowns and the parameters that are free.
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Model, Parameter};
+use vibrochain_lattice::{Model, Parameter, Stop};
 
 use crate::equations::linear::{Vector, zeros};
 use crate::equations::unknowns::{Template, Unknowns};
@@ -18,7 +18,7 @@ use crate::tracer::system::{Evaluation, System};
 pub struct Continuation {
     pub(crate) finder: Finder,
     pub(crate) origin: Orbit,
-    /// One along a branch, two on a surface.
+    /// One along a branch, two along a curve of an event.
     pub(crate) free: SmallVec<[Parameter; 2]>,
     /// Another parameter, and its ratio to the first of these, which it keeps.
     pub(crate) tied: Option<(Parameter, f64)>,
@@ -42,6 +42,18 @@ fn impulse_unit(orbit: &Orbit) -> f64 {
 type Places = SmallVec<[usize; 2]>;
 
 impl Continuation {
+    /// The equations of an orbit of any word with `free` parameters, until `stop` is raised. With each stands its unit, the length along it that
+    /// counts like a change of order 1 of the orbit.
+    ///
+    /// # Errors
+    /// [`BranchError::Breather`] at a resonance, which an orbit that exists has already passed.
+    pub fn through(orbit: &Orbit, free: &[(Parameter, f64)], stop: &Stop) -> Result<Self, BranchError> {
+        let (unknowns, which) = (Unknowns::of(orbit), free.iter().map(|one| one.0).collect::<Vec<_>>());
+        let mut equations = Self::new(orbit, free, unknowns, Reduction::of(orbit, &which, &unknowns))?;
+        equations.finder = equations.finder.until(stop);
+        Ok(equations)
+    }
+
     /// The equations of `orbit` with `free` parameters, each with its unit: the length along it that counts like a change of order 1 of
     /// the orbit.
     pub(crate) fn new(
@@ -171,8 +183,7 @@ impl System for Continuation {
             full.row_mut(i).iter_mut().zip(&self.full_units).for_each(|(entry, unit)| *entry *= unit);
         }
         let matrix = self.reduction.matrix(&full);
-        let full_determinant = full.determinant();
-        Ok(Evaluation { orbit, rows, matrix, full_determinant, kept })
+        Ok(Evaluation { orbit, rows, matrix, full: Some(full), kept })
     }
 
     fn row_errors(&self, here: &Evaluation<Orbit, Places>) -> Vector {

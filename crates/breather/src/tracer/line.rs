@@ -51,6 +51,11 @@ pub trait Line {
     /// The step to a point about a length ahead of the last; `None` where a shorter one may succeed.
     fn ahead(&mut self, passed: &[Self::Point], length: f64) -> Option<Step<Self::Point, Self::End>>;
 
+    /// The longest step from the last of some points.
+    fn longest(&self, _passed: &[Self::Point]) -> f64 {
+        Self::LONGEST
+    }
+
     /// By what the straight line between the last two of three points errs, as a part of the window's sides.
     fn bend(&self, through: [&Self::Point; 3]) -> f64;
 
@@ -105,7 +110,7 @@ pub fn trace<L: Line>(line: &mut L, start: L::Point, tolerance: f64) -> (Vec<L::
             return (passed, L::LONG);
         }
         crawling = if length < CRAWL { crawling + 1 } else { 0 };
-        pace.lengthen(wanted, L::LONGEST);
+        pace.lengthen(wanted, line.longest(&passed));
     }
     let end = line.lost(&passed);
     (passed, end)

@@ -1,4 +1,4 @@
-//! Orbits over N free parameters: a curve of one, a surface of two.
+//! Orbits over N free parameters: a curve of one.
 //!
 //! With x the unknowns of the orbit's equations F and λ the parameters, they are F(z) = 0 in z = (x, λ), each coordinate in its natural
 //! unit. From a point z₀ with N orthogonal unit tangents τ the others are described by the lengths σ along them,
@@ -11,7 +11,7 @@
 
 use std::array::from_fn;
 
-use crate::equations::linear::{Vector, dot, unit};
+use crate::equations::linear::{Matrix, Vector, dot, unit};
 use crate::error::BranchError;
 use crate::tracer::system::System;
 
@@ -77,8 +77,8 @@ impl<O, const N: usize> ManifoldPoint<O, N> {
     }
 }
 
-/// The solutions of one system over N parameters, to be followed step by step: a [`Branch`](crate::Branch), a
-/// [`Surface`](crate::Surface), or a [`StructureBranch`](crate::StructureBranch).
+/// The solutions of one system over N parameters, to be followed step by step: a [`Branch`](crate::Branch)
+/// or a [`StructureBranch`](crate::StructureBranch).
 #[derive(Debug, Clone)]
 pub struct Manifold<S, const N: usize> {
     pub(crate) equations: S,
@@ -165,12 +165,13 @@ impl<S: System, const N: usize> Manifold<S, N> {
         for (k, tangent) in tangents.iter().enumerate() {
             bordered.row_mut(first + k).copy_from_slice(tangent);
         }
+        let fold_determinant = here.matrix.determinant();
         Ok(ManifoldPoint {
+            determinant: here.full.as_ref().map_or(fold_determinant, Matrix::determinant),
+            fold_determinant,
             orbit: here.orbit,
             coordinates: z,
             tangents,
-            determinant: here.full_determinant,
-            fold_determinant: here.matrix.determinant(),
             orientation: bordered.determinant().signum(),
         })
     }

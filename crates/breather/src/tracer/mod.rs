@@ -1,4 +1,4 @@
-//! The one predictor–corrector: orbits over one free parameter, a branch, or over two, a surface; and lines through a window of two.
+//! The one predictor–corrector: orbits over one free parameter, a branch, and events over two, a curve; and lines through a window of two.
 //!
 //! | module | holds |
 //! |---|---|

@@ -1,7 +1,6 @@
 //! What is followed: equations F(x, λ) = 0 in unknowns x and free parameters λ, and Newton's method for them.
 
-use crate::equations::linear::dot;
-pub use crate::equations::linear::{Matrix, Vector, unit, zeros};
+pub use crate::equations::linear::{Matrix, Vector, dot, unit, zeros};
 use crate::error::BranchError;
 
 /// Step of difference quotients in the parameters, relative: error and rounding balance. Newton's method needs no more
@@ -25,10 +24,17 @@ pub struct Evaluation<O, K> {
     pub rows: Vector,
     /// ∂F/∂x, columns in units.
     pub matrix: Matrix,
-    /// Of the equations without any symmetry that is kept to.
-    pub full_determinant: f64,
+    /// The same of the equations without the symmetry that is kept to, if one is.
+    pub full: Option<Matrix>,
     /// What errors of the rows are worked out from.
     pub kept: K,
+}
+
+impl<O, K> Evaluation<O, K> {
+    /// ∂F/∂x of the equations without any symmetry that is kept to.
+    pub fn all(&self) -> &Matrix {
+        self.full.as_ref().unwrap_or(&self.matrix)
+    }
 }
 
 /// Orbits' equations as far as they are followed. z = (x, λ), each coordinate in its natural unit.

@@ -140,7 +140,6 @@ impl From<CurveError> for CliError {
             CurveError::Outside { .. } | CurveError::Same(_) | CurveError::NoForce(_) | CurveError::Tolerance(_) => {
                 Self::Request(error.to_string())
             }
-            CurveError::Floquet(floquet) => floquet.into(),
             CurveError::Branch(BranchError::Breather(breather)) => breather.into(),
             CurveError::NotThere(_) | CurveError::Branch(_) => Self::Computation(error.to_string()),
         }

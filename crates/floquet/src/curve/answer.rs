@@ -6,7 +6,6 @@ use thiserror::Error;
 use vibrochain_breather::{BranchError, BreatherError, Orbit};
 use vibrochain_lattice::{Model, Parameter, Resonance, Short, Stop, Stopped};
 
-use crate::error::FloquetError;
 use crate::followed::Followed;
 use crate::locate::{Event, Evidence};
 
@@ -167,8 +166,6 @@ pub enum CurveEnd {
     Long,
     /// Newton's method lost the orbit.
     Lost(BranchError),
-    /// What vanishes at the event could not be computed any further.
-    Unwatched(FloquetError),
 }
 
 impl fmt::Display for CurveEnd {
@@ -185,7 +182,6 @@ impl fmt::Display for CurveEnd {
             Self::Halted => f.write_str("where it need go no farther"),
             Self::Long => f.write_str("unfinished: it is too long"),
             Self::Lost(error) => write!(f, "lost: {error}"),
-            Self::Unwatched(error) => write!(f, "not to be computed any further: {error}"),
         }
     }
 }
@@ -264,12 +260,9 @@ pub enum CurveError {
     /// The start is not on the curve.
     #[error("no {} could be found next to the start", .0.name())]
     NotThere(Event),
-    /// The surface of orbits could not be laid.
+    /// There are no orbits to follow.
     #[error(transparent)]
     Branch(#[from] BranchError),
-    /// The multipliers could not be computed.
-    #[error(transparent)]
-    Floquet(#[from] FloquetError),
 }
 
 impl From<Stopped> for CurveError {

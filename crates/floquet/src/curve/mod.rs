@@ -3,25 +3,20 @@
 //! | module | holds |
 //! |---|---|
 //! | `answer` | [`Window`], [`Walk`], [`EventCurve`] with its points, its special points and its ends |
-//! | `signal` | what vanishes all along the curve |
-//! | `walker` | who walks, and what is known of a point |
-//! | `walk` | steps along it: from what lies behind to what lies ahead, and onto it |
-//! | `both_ways` | the curve through a start, to both its ends |
-//! | `special` | where something else happens on it: points of codimension two |
-//! | `error` | how well its points are known |
+//! | `watcher` | who looks at orbits on the way |
+//! | `way` | the curve through a start, both ways to its ends, with points of codimension two |
+//! | `chain` | [`curve`] of a chain's orbits |
 //!
-//! The orbits at two free parameters make a surface ([`vibrochain_breather::Surface`]), on which the event's function g vanishes along a
-//! curve. From the last points the next one is extrapolated in the tangents' plane; across the way there g = 0 is solved by secants.
-//! So nothing is special where the curve turns in the parameters, not even a cusp, where it stands still in both. A step is as long as a
-//! straight line between its ends may be.
+//! The orbit's equations with what vanishes at the event are one system, with two numbers free: a branch of its solutions is the curve. So nothing
+//! is special where the curve turns in the parameters, not even a cusp, where it stands still in both. A step is as long as a straight line
+//! between its ends may be.
 
 mod answer;
-mod both_ways;
-mod error;
-mod signal;
-mod special;
-mod walk;
-mod walker;
+mod chain;
+mod watcher;
+mod way;
 
 pub use answer::{CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint, Walk, Window};
-pub use both_ways::{curve, curve_along};
+pub use chain::{curve, curve_along};
+pub(crate) use watcher::{TOUCHES, UNBOUNDED, Watcher, strongest};
+pub(crate) use way::{Asked, followed};

@@ -41,5 +41,4 @@ pub use course::{Course, Diagram, DiagramPoint, FollowedBranch, Origin, Station,
 pub(crate) use diagram::{Traced, Tracing, grown};
 pub use diagram::{diagram, diagram_until};
 pub use follow::{locate, locate_until};
-pub(crate) use polish::Polisher;
 pub(crate) use switch::first_step;

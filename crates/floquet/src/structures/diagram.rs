@@ -9,15 +9,16 @@ use vibrochain_breather::{
     Approach, BranchError, Departure, Pace, StructureBranch, StructureBranchPoint, StructureFamily, StructureOrbit,
     structure_admissibility, structure_is_physical,
 };
-use vibrochain_lattice::{Resonance, Stop, Turn};
+use vibrochain_lattice::Stop;
 
+use super::curve::OfStructures;
 use super::ends::Ahead;
-use super::event::{Solved, solve};
 use super::seen::{At, Seen, changes, described, guesses, touch_between, value};
 use super::stability::structure_stability;
 use super::switch::departure;
-use super::test_function::{Test, another_one, minus_one, speed};
 use crate::bracket::{crossing, zero};
+use crate::curve::{TOUCHES, UNBOUNDED, Watcher, strongest};
+use crate::events::{AtEvent, EventOrbit, Solved, Test, another_one, minus_one, solve};
 use crate::locate::{
     Diagram, End, Event, Evidence, FollowedBranch, LocateError, Located, Station, Traced, Tracing, Unresolved,
     first_step, grown,
@@ -41,15 +42,8 @@ const CRAWL: f64 = 1e-6;
 /// Steps at most in one direction.
 const MOST_STEPS: usize = 20_000;
 
-/// An orbit whose impulses have grown by this factor is on its way to infinity, one whose impulses are this small on its way to none.
-pub(super) const UNBOUNDED: f64 = 1e4;
-pub(super) const FAINT: f64 = 1e-9;
-
-/// A branch that is lost this near to the resonance of a mode, as a part of its frequency, ends there.
+/// The orbit at which a branch ends is no farther than this from where it turned back, as a part of the range.
 const NEAR: f64 = 1e-3;
-
-/// A contact no farther beyond a barrier than this part of what it moves by touches it.
-pub(super) const TOUCHES: f64 = 1e-9;
 
 /// Beside an event where symmetry is lost symmetric orbits are taken up this far, as a part of the range.
 const ASIDE: f64 = 1e-3;
@@ -217,14 +211,14 @@ impl Follower<'_> {
             return Ok((stations, (point.value(), End::Range)));
         }
         let mut pace = Pace::new(0.25 * Pace::LONGEST);
-        let first = strength(point.orbit());
+        let first = OfStructures.strength(point.orbit());
         for step in 0..MOST_STEPS {
             self.stop.heard()?;
             let (next, last) = match self.advance(&point, pace.length()) {
                 Ok(next) => next,
                 Err(error) => {
                     self.stop.heard()?;
-                    let (shorter, resonance) = (pace.shorten(), resonance_at(point.orbit()));
+                    let (shorter, resonance) = (pace.shorten(), point.orbit().resonance());
                     let near = pace.length() < CRAWL && resonance.is_some();
                     if shorter && !near {
                         continue;
@@ -252,12 +246,12 @@ impl Follower<'_> {
             stations.extend(found.into_iter().map(|(_, located)| Station::Event(located)));
             stations.push(Station::Point(described(&next, &next_seen)));
             (point, seen) = (next, next_seen);
-            let strength = strength(point.orbit());
+            let strength = strongest(point.orbit());
             let end = match () {
                 () if closed => End::Closed,
                 () if last => End::Range,
                 () if strength > UNBOUNDED * first => End::Unbounded,
-                () if strength < FAINT * first => End::ImpulsesVanish,
+                () if strength < OfStructures::FAINT * first => End::ImpulsesVanish,
                 () => {
                     // Impulses that grow without bound set a longer scale, as long as the number does not move far.
                     let growth = (strength / first).clamp(1.0, 1.0 / point.heading().abs());
@@ -383,7 +377,7 @@ impl Follower<'_> {
         Ok(found)
     }
 
-    fn length_to(&mut self, from: &StructureBranchPoint, solved: &Solved) -> f64 {
+    fn length_to(&mut self, from: &StructureBranchPoint, solved: &Solved<StructureOrbit>) -> f64 {
         let chord = self.branch.chord_to(from, &solved.coordinates);
         self.branch.along(from, &chord)
     }
@@ -395,7 +389,7 @@ impl Follower<'_> {
         from: At<'_>,
         to: At<'_>,
         halvings: usize,
-    ) -> Result<Option<(Test, Solved)>, LocateError> {
+    ) -> Result<Option<(Test, Solved<StructureOrbit>)>, LocateError> {
         let length = self.branch.length_between(from.0, to.0);
         // What is nearest at one end need not be what touches first.
         let test = if matches!(test, Test::Touch(..)) { touch_between(from, to).unwrap_or(test) } else { test };
@@ -434,10 +428,10 @@ impl Follower<'_> {
     }
 
     /// Where Newton's method cannot lead, as to a point where symmetric orbits lose their symmetry: the zero along the branch.
-    fn bracketed(&mut self, test: Test, from: &StructureBranchPoint, length: f64) -> Option<Solved> {
+    fn bracketed(&mut self, test: Test, from: &StructureBranchPoint, length: f64) -> Option<Solved<StructureOrbit>> {
         let read = |point: &StructureBranchPoint| match test {
             Test::One => Some(point.determinant()),
-            Test::MinusOne => Some(minus_one(point.orbit())),
+            Test::MinusOne => minus_one(point.orbit()).ok(),
             Test::AnotherOne => another_one(point.orbit()),
             _ => None,
         };
@@ -452,12 +446,12 @@ impl Follower<'_> {
         let point = self.branch.step(from, s).ok()?;
         let range = self.course.to - self.course.from;
         let error = along * point.heading().abs() * range + f64::EPSILON * point.value().abs();
-        let at = super::event::AtEvent { orbit: point.orbit().clone(), mark: None, determinant: 0.0 };
+        let at = AtEvent { orbit: point.orbit().clone(), mark: None, determinant: 0.0, fold_determinant: 0.0 };
         Some(Solved { at, coordinates: point.coordinates().into(), value: point.value(), error })
     }
 
     /// The multiplier of an event, if it is where it should be; of a grazing that which touches.
-    fn evidence(&self, test: Test, solved: &Solved) -> Result<Option<Evidence>, LocateError> {
+    fn evidence(&self, test: Test, solved: &Solved<StructureOrbit>) -> Result<Option<Evidence>, LocateError> {
         let orbit = &solved.at.orbit;
         let goal = match test {
             Test::Velocity(i) => return Ok(Some(Evidence::Impact(i))),
@@ -465,7 +459,7 @@ impl Follower<'_> {
                 let time = solved.at.mark.unwrap_or(0.0).rem_euclid(1.0) * orbit.period();
                 return Ok(Some(Evidence::Touch(Approach { site, barrier, time })));
             }
-            Test::One | Test::AnotherOne => C::new(1.0, 0.0),
+            Test::Fold | Test::One | Test::AnotherOne => C::new(1.0, 0.0),
             Test::MinusOne => C::new(-1.0, 0.0),
             Test::Circle | Test::Collision => C::from_polar(1.0, solved.at.mark.unwrap_or(0.0)),
         };
@@ -478,11 +472,11 @@ impl Follower<'_> {
     }
 
     /// Whether a zero of the test function is an event.
-    fn is_seen(&self, test: Test, solved: &Solved) -> Result<bool, LocateError> {
+    fn is_seen(&self, test: Test, solved: &Solved<StructureOrbit>) -> Result<bool, LocateError> {
         if matches!(test, Test::Touch(..)) {
             // Another contact may be beyond its barrier already.
             let orbit = &solved.at.orbit;
-            let room = TOUCHES * speed(orbit) / orbit.model().omega();
+            let room = TOUCHES * orbit.speed() / orbit.model().omega();
             let margin = structure_admissibility(orbit).ok().and_then(|told| told.margin);
             return Ok(margin.is_some_and(|margin| margin >= -room));
         }
@@ -494,7 +488,7 @@ impl Follower<'_> {
         event: Event,
         test: Test,
         (from, along): (&StructureBranchPoint, f64),
-        solved: &Solved,
+        solved: &Solved<StructureOrbit>,
     ) -> Result<Option<Located<StructureOrbit>>, LocateError> {
         let Some(evidence) = self.evidence(test, solved)? else { return Ok(None) };
         let physical = structure_is_physical(&solved.at.orbit).ok().map(|told| told.is_physical());
@@ -518,22 +512,4 @@ impl Follower<'_> {
             evaluations: self.branch.evaluations(),
         }))
     }
-}
-
-pub(super) fn strength(orbit: &StructureOrbit) -> f64 {
-    orbit.impacts().iter().map(|impact| impact.impulse.abs()).fold(f64::MIN_POSITIVE, f64::max)
-}
-
-/// The mode that nothing damps whose frequency the orbit has come to.
-pub(super) fn resonance_at(orbit: &StructureOrbit) -> Option<Resonance> {
-    let omega = std::f64::consts::TAU / orbit.period();
-    let modes = orbit.model().structure().modes().iter().enumerate();
-    let free = modes.filter(|(_, mode)| mode.decay == 0.0 && mode.turn == Turn::Circular);
-    free.map(|(mode, one)| {
-        let harmonic = (one.rate / omega).round();
-        let distance = (-harmonic).mul_add(omega, one.rate);
-        Resonance { harmonic: harmonic as u64, mode, frequency: one.rate, omega, distance }
-    })
-    .filter(|one| one.harmonic > 0 && one.distance.abs() <= NEAR * one.frequency)
-    .min_by(|a, b| a.distance.abs().total_cmp(&b.distance.abs()))
 }

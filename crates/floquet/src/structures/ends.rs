@@ -8,9 +8,8 @@ use vibrochain_breather::{
 };
 use vibrochain_lattice::Stop;
 
-use super::event::{Solved, solve};
 use super::stability::structure_stability;
-use super::test_function::{Test, speed};
+use crate::events::{EventOrbit, Solved, Test, solve};
 use crate::locate::{End, Event, Evidence, Located};
 use crate::verdict::Tolerance;
 
@@ -35,7 +34,7 @@ impl Ahead<'_> {
     /// of both there are none beyond.
     pub(super) fn merging(&self, point: &StructureBranchPoint) -> Option<(End, Located<StructureOrbit>)> {
         let (orbit, impacts) = (point.orbit(), point.orbit().impacts());
-        let (period, slow, last) = (orbit.period(), MERGING * speed(orbit), impacts.len() - 1);
+        let (period, slow, last) = (orbit.period(), MERGING * orbit.speed(), impacts.len() - 1);
         let merge = |i: usize, j: usize| {
             let (one, other) = (&impacts[i], &impacts[j]);
             let apart = (other.time - one.time).rem_euclid(period);
@@ -69,8 +68,8 @@ impl Ahead<'_> {
         Some(self.told(event, Evidence::Multiplier(nearest.unwrap_or(goal)), solved, point))
     }
 
-    fn solved(&self, simpler: &StructureOrbit, test: Test, value: f64) -> Option<Solved> {
-        let through = || -> Result<Solved, BranchError> {
+    fn solved(&self, simpler: &StructureOrbit, test: Test, value: f64) -> Option<Solved<StructureOrbit>> {
+        let through = || -> Result<Solved<StructureOrbit>, BranchError> {
             let family = self.family.clone();
             let mut base = StructureContinuation::through(simpler, family, &[value], &[self.range], self.stop)?;
             let z = base.origin()?;
@@ -83,7 +82,7 @@ impl Ahead<'_> {
         &self,
         event: Event,
         evidence: Evidence,
-        solved: Solved,
+        solved: Solved<StructureOrbit>,
         point: &StructureBranchPoint,
     ) -> Located<StructureOrbit> {
         let beside = structure_stability(point.orbit(), self.tolerance).ok();

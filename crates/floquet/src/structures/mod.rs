@@ -3,10 +3,6 @@
 //! | module | holds |
 //! |---|---|
 //! | `stability` | all multipliers, and what they say |
-//! | `test_function` | what vanishes at each event |
-//! | `event` | the orbit's equations with a test function: an event is a point, over two numbers a curve |
-//! | `unfolding` | what makes the equations regular where symmetry is lost |
-//! | `rounding` | what rounding does to a test function |
 //! | `ends` | the event at which a branch comes to simpler orbits |
 //! | `seen` | what is seen at a point, and what that tells of a step |
 //! | `diagram` | a branch with its events, and the branches that leave it |
@@ -16,13 +12,9 @@
 mod curve;
 mod diagram;
 mod ends;
-mod event;
-mod rounding;
 mod seen;
 mod stability;
 mod switch;
-mod test_function;
-mod unfolding;
 
 pub use curve::{StructureCurve, StructureWindow, structure_curve};
 pub use diagram::{StructureCourse, structure_branch, structure_diagram};

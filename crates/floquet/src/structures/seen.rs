@@ -4,8 +4,8 @@ use nalgebra::Complex;
 use vibrochain_breather::{Approach, StructureBranchPoint, StructureOrbit, structure_admissibility};
 
 use super::stability::structure_stability;
-use super::test_function::{Test, another_one, minus_one};
 use crate::analyser::Stability;
+use crate::events::{EventOrbit, Test, another_one, minus_one};
 use crate::locate::DiagramPoint;
 use crate::verdict::Tolerance;
 
@@ -42,7 +42,7 @@ impl Seen {
         let orbit = point.orbit();
         let admissibility = structure_admissibility(orbit).ok();
         let stability = structure_stability(orbit, tolerance).ok();
-        let lossless = orbit.model().structure().is_lossless();
+        let lossless = orbit.is_lossless();
         let off = |mu: &&C| {
             let beyond = mu.norm() - 1.0;
             if lossless { beyond.abs() > OFF_LOSSLESS && mu.im.abs() > OFF_LOSSLESS } else { beyond > OFF }
@@ -55,7 +55,7 @@ impl Seen {
             physical: admissibility.map(|told| told.is_physical()),
             stability,
             velocities,
-            minus_one: minus_one(orbit),
+            minus_one: minus_one(orbit).unwrap_or(f64::NAN),
             another_one: another_one(orbit),
             outside,
         }
@@ -65,6 +65,7 @@ impl Seen {
 /// The value of a test function at a point, where it is one number that changes its sign.
 pub(super) fn value(test: Test, (point, seen): At<'_>) -> Option<f64> {
     match test {
+        Test::Fold => Some(point.fold_determinant()),
         Test::One => Some(point.determinant()),
         Test::AnotherOne => seen.another_one,
         Test::MinusOne => Some(seen.minus_one),

@@ -3,7 +3,7 @@
 use vibrochain_breather::{Approach, Departure, Hit, StructureMotion, StructureOrbit};
 use vibrochain_lattice::Barrier;
 
-use super::test_function::speed;
+use crate::events::EventOrbit;
 use crate::locate::{Event, Evidence, Located};
 
 /// A contact touches a barrier where it is this near to it, over the fastest velocity and ω, and its own velocity this small: a located grazing is
@@ -21,7 +21,7 @@ pub(super) fn departure(located: &Located<StructureOrbit>) -> Option<Departure> 
         (Event::Grazing, Evidence::Touch(touch)) => Some(Departure::Touching(touching(orbit, &touch)?)),
         (Event::Grazing, Evidence::Impact(lost)) => {
             // Where all are lost nothing is left.
-            let slow = STILL * speed(orbit);
+            let slow = STILL * orbit.speed();
             let left = orbit.impacts().iter().any(|impact| impact.velocity_before.abs() > slow);
             left.then_some(Departure::Without(lost))
         }
@@ -36,7 +36,7 @@ pub(super) fn departure(located: &Located<StructureOrbit>) -> Option<Departure> 
 fn touching(orbit: &StructureOrbit, touch: &Approach) -> Option<Vec<Hit>> {
     let (model, period) = (orbit.model(), orbit.period());
     let motion = StructureMotion::new(orbit).ok()?;
-    let speed = speed(orbit);
+    let speed = orbit.speed();
     let mut hits: Vec<Hit> = Vec::new();
     for time in [touch.time, period - touch.time, touch.time + 0.5 * period, 1.5 * period - touch.time] {
         let time = time.rem_euclid(period);

@@ -5,9 +5,9 @@
 //! it was; μ stands in F + μψ = 0, ψ the left null vector of F, and is 0 as long as both numbers keep the symmetry.
 
 use faer::Mat;
-use vibrochain_breather::StructureContinuation;
-use vibrochain_breather::StructureOrbit;
 use vibrochain_breather::system::{Matrix, System, Vector};
+
+use super::orbit::EventOrbit;
 
 /// An orbit less uneven than this is symmetric but for rounding.
 const EVEN: f64 = 1e-6;
@@ -27,7 +27,10 @@ pub(super) struct Unfolding {
 
 impl Unfolding {
     /// `None` where the orbit at `z` is not symmetric, or its null vector is.
-    pub(super) fn of(base: &mut StructureContinuation, z: &[f64]) -> Option<Self> {
+    pub(super) fn of<S: System>(base: &mut S, z: &[f64]) -> Option<Self>
+    where
+        S::Orbit: EventOrbit,
+    {
         let here = base.evaluate(z).ok()?;
         let even = here.orbit.unevenness();
         if even.is_empty() || even.iter().any(|part| part.abs() > EVEN) {
@@ -46,7 +49,7 @@ impl Unfolding {
     }
 
     /// How uneven an orbit is.
-    pub(super) fn value(&self, orbit: &StructureOrbit) -> f64 {
+    pub(super) fn value(&self, orbit: &impl EventOrbit) -> f64 {
         self.weights.iter().zip(orbit.unevenness()).map(|(weight, part)| weight * part).sum()
     }
 }

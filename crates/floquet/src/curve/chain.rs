@@ -1,0 +1,117 @@
+//! Curves of events of a chain's orbits.
+
+use nalgebra::Complex;
+use vibrochain_breather::{Admissibility, Continuation, Finder, Orbit};
+use vibrochain_lattice::Parameter;
+
+use super::answer::{CurveError, EventCurve, Walk, Window};
+use super::watcher::Watcher;
+use super::way::{Asked, followed};
+use crate::analyser::Analyser;
+use crate::events::EventOrbit;
+use crate::locate::spectrum_events::half_sums;
+use crate::locate::{Event, Evidence};
+
+/// Impulses of a chain are about to vanish against those of a tenth of the force's own speed.
+const OWN_SPEED: f64 = 0.1;
+
+/// Follows the event at `orbit` both ways through a window of two parameters. `evidence` is what shows it
+/// ([`Located`](crate::Located)); `tolerance` is how far a straight line between neighbouring points may be from the curve, as a part
+/// of the window's sides.
+///
+/// # Errors
+/// [`CurveError`]. What stops the curve on its way is its end, not an error.
+///
+/// ```
+/// use vibrochain_breather::{Family, breathers};
+/// use vibrochain_floquet::{Event, Search, Window, curve, locate};
+/// use vibrochain_lattice::{Chain, Model, Parameter};
+/// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.07, 0.8, 0.165, 0.25)?;
+/// let orbit = &breathers(&model, Family::SingleSided)?.orbits[0];
+/// let found = locate(orbit, &Search::new(orbit, Event::PeriodDoubling, Parameter::Amplitude))?;
+/// let window = Window { parameters: [Parameter::Amplitude, Parameter::Restitution], from: [0.1, 0.2], to: [0.3, 0.3] };
+/// let doubling = curve(&found.located[0].orbit, Event::PeriodDoubling, found.located[0].evidence, &window, 1e-4)?;
+/// assert!(doubling.points.len() > 10 && doubling.points.iter().all(|point| point.error < 1e-9));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn curve(
+    orbit: &Orbit,
+    event: Event,
+    evidence: Evidence,
+    window: &Window,
+    tolerance: f64,
+) -> Result<EventCurve, CurveError> {
+    curve_along(orbit, event, evidence, &Walk::new(*window, tolerance))
+}
+
+/// The same, no farther and with no more on the way than is asked for.
+///
+/// # Errors
+/// As [`curve`].
+pub fn curve_along(orbit: &Orbit, event: Event, evidence: Evidence, walk: &Walk<'_>) -> Result<EventCurve, CurveError> {
+    let &Walk { window, tolerance, special, until, ref stop } = walk;
+    check(orbit, &window, tolerance)?;
+    let sides = window.sides();
+    let base = Continuation::through(orbit, &[0, 1].map(|i| (window.parameters[i], sides[i])), stop)?;
+    let finder = Finder::new(orbit.model().chain().sites()).until(stop);
+    let watcher = OfChains { finder, analyser: Analyser::default(), spectra: 0 };
+    let uncoupled = (0..2).find(|&i| window.parameters[i] == Parameter::Gamma2 && window.from[i] == 0.0);
+    let window = [window.from, window.to];
+    let asked = Asked { event, evidence, window, tolerance, uncoupled, special, until };
+    let curve = followed((base, orbit), watcher, &asked);
+    // On the way a failure is an end.
+    stop.heard()?;
+    curve
+}
+
+fn check(orbit: &Orbit, window: &Window, tolerance: f64) -> Result<(), CurveError> {
+    let [one, other] = window.parameters;
+    if one == other {
+        return Err(CurveError::Same(one));
+    }
+    if !(1e-12..=1e-2).contains(&tolerance) {
+        return Err(CurveError::Tolerance(tolerance));
+    }
+    let conservative = orbit.model().is_conservative();
+    for (i, parameter) in window.parameters.into_iter().enumerate() {
+        let (value, from, to) = (orbit.model().get(parameter), window.from[i], window.to[i]);
+        if !(from <= value && value <= to && from < to) {
+            return Err(CurveError::Outside { parameter, value, from, to });
+        }
+        if conservative && matches!(parameter, Parameter::Amplitude | Parameter::Restitution) {
+            return Err(CurveError::NoForce(parameter));
+        }
+    }
+    Ok(())
+}
+
+/// Looks at a chain's orbits.
+struct OfChains {
+    finder: Finder,
+    analyser: Analyser,
+    spectra: usize,
+}
+
+impl Watcher for OfChains {
+    type Orbit = Orbit;
+    const FAINT: f64 = 1e-6;
+
+    fn admissibility(&mut self, orbit: &Orbit) -> Option<Admissibility> {
+        self.finder.admissibility(orbit).ok()
+    }
+
+    fn values(&mut self, orbit: &Orbit) -> Option<Vec<Complex<f64>>> {
+        self.spectra += 1;
+        self.analyser.dense.solve(orbit, &mut self.finder).ok()?;
+        let values = self.analyser.dense.values.clone();
+        Some(if orbit.is_lossless() { half_sums(&values, orbit.is_reversible()) } else { values })
+    }
+
+    fn strength(&self, orbit: &Orbit) -> f64 {
+        orbit.strength().max(OWN_SPEED * orbit.model().omega())
+    }
+
+    fn spectra(&self) -> usize {
+        self.spectra
+    }
+}

@@ -1,0 +1,143 @@
+//! det J(e^{iθ}) made regular, and what rounding does to it.
+//!
+//! Rows are divided by the lengths they would have without resonance; each mode's poles p are taken away by (z−p₁)(z−p₂)/z, over its size
+//! where z is far from them; and columns are measured by impulses, whose signs are taken away.
+
+use nalgebra::Complex;
+use vibrochain_breather::BlochEquations;
+
+use super::orbit::EventOrbit;
+use crate::linear::{cofactors, determinant};
+
+type C = Complex<f64>;
+
+/// A mode's poles farther from a multiplier than this leave its size alone.
+const NEAR: f64 = 0.05;
+
+/// Rounding of an entry, with room for the few operations that it takes.
+const ENTRY: f64 = 4.0 * f64::EPSILON;
+
+/// J(e^{iθ}) and its derivative by θ, and what makes its determinant regular.
+pub(super) struct Regular<'a> {
+    equations: &'a BlochEquations,
+    z: C,
+    size: usize,
+    matrix: Vec<C>,
+    slopes: Vec<C>,
+    /// Of the rows.
+    lengths: Vec<f64>,
+    factor: C,
+}
+
+impl<'a> Regular<'a> {
+    pub(super) fn of(orbit: &impl EventOrbit, equations: &'a BlochEquations, theta: f64) -> Self {
+        let z = if theta == std::f64::consts::PI { C::new(-1.0, 0.0) } else { C::from_polar(1.0, theta) };
+        let (size, modes) = (equations.size(), equations.kernel().modes());
+        let (mut matrix, mut slopes) = (Vec::new(), Vec::new());
+        equations.fill(z, &mut matrix, Some(&mut slopes));
+        let mut terms: Vec<f64> = equations.constant(false).iter().map(|entry| entry.abs()).collect();
+        let mut factor = C::new(orbit.arrivals().iter().map(|arrival| arrival.impulse.signum()).product(), 0.0);
+        for (k, mode) in modes.iter().enumerate() {
+            let (rows, columns) = (equations.rows(k), equations.columns(k));
+            for (row, line) in rows.iter().zip(terms.chunks_mut(size)) {
+                line.iter_mut().zip(columns).for_each(|(entry, column)| {
+                    *entry += mode.coordinates.reach(*row, *column);
+                });
+            }
+            let [one, other] = mode.poles();
+            let away = (z - one) * (z - other) / z;
+            factor *= away / away.norm().hypot(NEAR);
+        }
+        let length = |terms: &[f64]| terms.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
+        let lengths: Vec<f64> = terms.chunks(size).map(length).collect();
+        for ((row, slope), length) in matrix.chunks_mut(size).zip(slopes.chunks_mut(size)).zip(&lengths) {
+            row.iter_mut().for_each(|entry| *entry /= *length);
+            // dz/dθ = iz
+            slope.iter_mut().for_each(|entry| *entry *= C::i() * z / *length);
+        }
+        Self { equations, z, size, matrix, slopes, lengths, factor }
+    }
+
+    /// The determinant and its derivative where it vanishes. Both are real without losses.
+    pub(super) fn values(mut self) -> [C; 2] {
+        let size = self.size;
+        let slope: C = (0..size)
+            .map(|i| {
+                let mut one = self.matrix.clone();
+                one[i * size..(i + 1) * size].copy_from_slice(&self.slopes[i * size..(i + 1) * size]);
+                determinant(&mut one, size)
+            })
+            .sum();
+        [determinant(&mut self.matrix, size) * self.factor, slope * self.factor]
+    }
+
+    /// What rounding does to the determinant next to 0, with the worst signs; but a simple pole moves all entries together. `left_out` is the
+    /// row of an acceleration that the equations do not hold.
+    pub(super) fn rounding(mut self, left_out: Option<usize>) -> f64 {
+        let (size, equations, z) = (self.size, self.equations, self.z);
+        let Some(mut minors) = cofactors(&mut self.matrix, size) else { return f64::INFINITY };
+        minors.chunks_mut(size).zip(&self.lengths).for_each(|(row, length)| row.iter_mut().for_each(|x| *x /= *length));
+        let mut errors = entry_errors(equations, z, false);
+        for (i, slide) in slide_errors(equations).into_iter().enumerate().filter(|(i, _)| left_out != Some(2 * i + 1)) {
+            errors[(2 * i + 1) * (size + 1)] += slide;
+        }
+        let own: f64 = minors.iter().zip(errors).map(|(minor, error)| minor.norm() * error).sum();
+        let modes = equations.kernel().modes().iter().enumerate();
+        let apart = modes.filter(|(_, mode)| !mode.coordinates.are_parabolic());
+        let of_poles = apart.flat_map(|(k, mode)| [0, 1].map(|which| (k, mode, which))).map(|(k, mode, which)| {
+            let complex = |pair: &[f64; 2]| pair.map(|x| C::new(x, 0.0));
+            let given =
+                equations.columns(k).iter().map(|column| mode.coordinates.given_to_pole(which, complex(column)));
+            let given: Vec<C> = given.collect();
+            let moved: C = (equations.rows(k).iter().zip(minors.chunks(size)))
+                .map(|(row, minors)| {
+                    let through: C = minors.iter().zip(&given).map(|(minor, given)| minor * given).sum();
+                    mode.coordinates.seen_of_pole(which, complex(row)) * through
+                })
+                .sum();
+            // The derivative of p/(z−p).
+            let slope = z / (z - mode.poles()[which]).powi(2);
+            (slope * moved).norm() * mode.pole_errors()[which]
+        });
+        (own + of_poles.sum::<f64>()) * self.factor.norm()
+    }
+}
+
+/// Errors of the entries of J(z): of the shapes and flights of modes, and of the sums; and of the poles, but of simple ones only if these are
+/// asked for.
+fn entry_errors(equations: &BlochEquations, z: C, simple: bool) -> Vec<f64> {
+    let mut errors: Vec<f64> = equations.constant(false).iter().map(|entry| ENTRY * entry.abs()).collect();
+    for (k, mode) in equations.kernel().modes().iter().enumerate() {
+        // Sums of the past have 1/(z−p), and its error is that of the pole.
+        let near = mode.poles().map(|pole| (z - pole).norm().recip());
+        let near = near[0].max(near[1]).max(1.0);
+        // A pole at z itself is that of a rigid mode, of which accelerations say nothing.
+        if !near.is_finite() {
+            continue;
+        }
+        let flights = ENTRY * (1.0 + (mode.rate + mode.decay.abs()) * equations.kernel().period());
+        let of_pole = if simple || mode.coordinates.are_parabolic() { mode.pole_error * near } else { 0.0 };
+        let own = near * (flights + mode.shape_error + of_pole);
+        let (rows, columns) = (equations.rows(k), equations.columns(k));
+        for (row, line) in rows.iter().zip(errors.chunks_mut(equations.size())) {
+            let reach = |column: &[f64; 2]| mode.coordinates.reach(*row, *column);
+            line.iter_mut().zip(columns).for_each(|(error, column)| *error += own * reach(column));
+        }
+    }
+    errors
+}
+
+/// Errors of the accelerations over ωP that J(z) holds: as they are summed, which is what J(1) makes of the past impacts.
+fn slide_errors(equations: &BlochEquations) -> Vec<f64> {
+    if let Some(errors) = equations.slide_errors() {
+        return errors.to_vec();
+    }
+    let (size, impacts) = (equations.size(), equations.impacts());
+    let errors = entry_errors(equations, C::new(1.0, 0.0), true);
+    let of = |i: usize| {
+        let row = &errors[(2 * i + 1) * size..(2 * i + 2) * size];
+        let sums: f64 = impacts.iter().enumerate().map(|(j, other)| row[2 * j + 1] * other.impulse.abs()).sum();
+        (sums + 2.0 * ENTRY * impacts[i].acceleration_before.abs() / equations.omega()) / impacts[i].impulse.abs()
+    };
+    (0..impacts.len()).map(of).collect()
+}

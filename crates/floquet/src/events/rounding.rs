@@ -1,0 +1,60 @@
+//! What rounding does to a test function where it vanishes.
+//!
+//! A determinant next to 0 changes by Σ adj(A)_ji δA_ij. It may be far below 1 all about: of an orbit of many impacts it is a product of many
+//! small pivots, so that an absolute bound tells nothing.
+
+use nalgebra::Complex;
+use smallvec::smallvec;
+use vibrochain_breather::system::{Evaluation, Matrix};
+
+use super::orbit::EventOrbit;
+use super::regular::Regular;
+use super::test_function::{REAL, Test, Values};
+use crate::linear::cofactors;
+
+/// Of a test function of order 1.
+pub(super) const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// Of an entry of the orbit's own equations, as a part of its row.
+const ENTRY: f64 = 8.0 * f64::EPSILON;
+
+/// Of each value of a test function.
+pub(super) fn rounding<O: EventOrbit, K>(test: Test, here: &Evaluation<O, K>, mark: Option<f64>) -> Values {
+    told(test, here, mark).unwrap_or_else(|| smallvec![ROUNDING; 2])
+}
+
+fn told<O: EventOrbit, K>(test: Test, here: &Evaluation<O, K>, mark: Option<f64>) -> Option<Values> {
+    let orbit = &here.orbit;
+    let regular = |theta: f64| Some(Regular::of(orbit, &orbit.linearised().ok()?, theta).rounding(None));
+    Some(match test {
+        Test::Fold => smallvec![of_equations(&here.matrix)],
+        Test::One => smallvec![of_equations(here.all())],
+        Test::AnotherOne => {
+            let (equations, shift) = orbit.linearised().ok()?.without_shift()?;
+            smallvec![Regular::of(orbit, &equations, 0.0).rounding(Some(shift.place))]
+        }
+        Test::MinusOne => smallvec![regular(std::f64::consts::PI)?],
+        Test::Circle | Test::Collision => {
+            let error = regular(mark?)?;
+            smallvec![error, error / mark?.sin().abs().max(REAL)]
+        }
+        Test::Velocity(i) => smallvec![orbit.arrivals().get(i)?.velocity_error? / orbit.speed()],
+        Test::Touch(contact, _) => {
+            let error = orbit.place_error(contact, mark?.rem_euclid(1.0) * orbit.period())?;
+            smallvec![error * orbit.omega() / orbit.speed(); 2]
+        }
+    })
+}
+
+/// Of det J(1), its rows scaled to length 1.
+fn of_equations(matrix: &Matrix) -> f64 {
+    let size = matrix.size();
+    let mut entries = Vec::with_capacity(size * size);
+    for i in 0..size {
+        let row = matrix.row(i);
+        let length = row.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
+        entries.extend(row.iter().map(|entry| Complex::new(entry / length, 0.0)));
+    }
+    let moved = |factors: Vec<Complex<f64>>| factors.iter().map(|factor| ENTRY * factor.norm()).sum();
+    cofactors(&mut entries, size).map_or(f64::INFINITY, moved)
+}

@@ -1,0 +1,125 @@
+//! What vanishes at an event of an orbit.
+//!
+//! det J(z₀) vanishes where z₀ is a multiplier, on grazing orbits like elsewhere: with the sign of the impulses it goes smoothly on where one
+//! of them vanishes, so that nothing here knows of the square root that maps of such orbits have.
+
+use nalgebra::Complex;
+use smallvec::{SmallVec, smallvec};
+use vibrochain_breather::system::Evaluation;
+use vibrochain_breather::{BlochEquations, BranchError};
+use vibrochain_lattice::Barrier;
+
+use super::orbit::EventOrbit;
+use super::regular::Regular;
+use crate::locate::Event;
+
+type C = Complex<f64>;
+
+/// Next to the real axis the imaginary part is its derivative.
+pub(super) const REAL: f64 = 1e-6;
+
+/// Values of a test function.
+pub(crate) type Values = SmallVec<[f64; 2]>;
+
+/// Of an event what vanishes there, in unknowns of the orbit and perhaps one more, its mark.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Test {
+    /// det J(1) of the orbit's own equations, among orbits of the symmetry that is kept to: where the branch turns back.
+    Fold,
+    /// det J(1) of all of them: a multiplier +1, where the branch turns back or another leaves it.
+    One,
+    /// det J(1) without the orbit's own derivative, of one that may begin at any time: another multiplier +1, as where its energy is extreme.
+    AnotherOne,
+    /// det J(−1)
+    MinusOne,
+    /// det J(e^{iθ}), which is complex; the mark is θ. Its imaginary part, an odd function, is divided by sin θ.
+    Circle,
+    /// The same and its derivative by θ, of an orbit without losses, where it is real; the mark is θ.
+    Collision,
+    /// The velocity before an impact.
+    Velocity(usize),
+    /// The distance of a contact to a barrier where it turns round; the mark is when, in periods.
+    Touch(usize, Barrier),
+}
+
+impl Test {
+    /// Of an event as it is known by a mark.
+    pub(crate) fn event(self, turns: bool) -> Event {
+        match self {
+            Self::Fold => Event::Fold,
+            Self::One if turns => Event::Fold,
+            Self::One | Self::AnotherOne => Event::Pitchfork,
+            Self::MinusOne => Event::PeriodDoubling,
+            Self::Circle | Self::Collision => Event::NeimarkSacker,
+            Self::Velocity(_) | Self::Touch(..) => Event::Grazing,
+        }
+    }
+
+    /// Whether it has a mark.
+    pub(crate) fn is_marked(self) -> bool {
+        matches!(self, Self::Circle | Self::Collision | Self::Touch(..))
+    }
+
+    /// θ of the multiplier e^{iθ} that it looks at.
+    pub(super) fn angle(self, mark: Option<f64>) -> f64 {
+        match self {
+            Self::MinusOne => std::f64::consts::PI,
+            Self::Circle | Self::Collision => mark.unwrap_or(0.0),
+            _ => 0.0,
+        }
+    }
+
+    /// Its values at an orbit, each over a size of its own.
+    pub(crate) fn values<O: EventOrbit, K>(
+        self,
+        here: &Evaluation<O, K>,
+        mark: Option<f64>,
+    ) -> Result<Values, BranchError> {
+        let (orbit, mark) = (&here.orbit, mark.unwrap_or(0.0));
+        Ok(match self {
+            Self::Fold => smallvec![here.matrix.determinant()],
+            Self::One => smallvec![here.all().determinant()],
+            Self::AnotherOne => smallvec![another_one(orbit).ok_or(BranchError::NoConvergence)?],
+            Self::MinusOne => smallvec![minus_one(orbit)?],
+            Self::Circle => {
+                let [value, slope] = at(orbit, &orbit.linearised()?, mark);
+                // Where the pair turns real both are 0.
+                let odd = if mark.sin().abs() > REAL { value.im / mark.sin() } else { slope.im / mark.cos() };
+                smallvec![value.re, odd]
+            }
+            Self::Collision => {
+                let [value, slope] = at(orbit, &orbit.linearised()?, mark);
+                smallvec![value.re, slope.re / mark.sin()]
+            }
+            Self::Velocity(i) => {
+                let arrival = *orbit.arrivals().get(i).ok_or(BranchError::NoConvergence)?;
+                smallvec![arrival.velocity / orbit.speed()]
+            }
+            Self::Touch(contact, barrier) => {
+                let wall = orbit.wall(contact, barrier)?;
+                let [place, velocity] = orbit.state(contact, mark.rem_euclid(1.0) * orbit.period())?;
+                let speed = orbit.speed();
+                smallvec![(wall - place) * orbit.omega() / speed, velocity / speed]
+            }
+        })
+    }
+}
+
+/// det J(−1), which is real, made regular.
+pub(crate) fn minus_one(orbit: &impl EventOrbit) -> Result<f64, BranchError> {
+    Ok(at(orbit, &orbit.linearised()?, std::f64::consts::PI)[0].re)
+}
+
+/// det J(1) without the orbit's own derivative; `None` of orbits that have a phase, and where a mode's pole is 1.
+pub(crate) fn another_one(orbit: &impl EventOrbit) -> Option<f64> {
+    if !orbit.is_conservative() {
+        return None;
+    }
+    let (equations, _) = orbit.linearised().ok()?.without_shift()?;
+    Some(at(orbit, &equations, 0.0)[0].re)
+}
+
+/// det J(e^{iθ}) made regular, and its derivative by θ where it vanishes.
+fn at(orbit: &impl EventOrbit, equations: &BlochEquations, theta: f64) -> [C; 2] {
+    Regular::of(orbit, equations, theta).values()
+}
