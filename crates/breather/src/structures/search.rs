@@ -81,8 +81,8 @@ pub struct StructureFound {
 }
 
 /// All orbits of a word that are found: contacts stand in place of sites. Those of one impact or two are listed with their signs as they are,
-/// pulled or not; of longer words only those whose barriers push. Of three impacts that takes some hundredths of a second, and up to two. An orbit is listed once, whichever impact it begins with, and not where it
-/// repeats itself sooner.
+/// pulled or not; of longer words only those whose barriers push. An orbit is listed once, whichever impact it begins with, and not where it
+/// repeats itself sooner. Of three impacts a list takes some hundredths of a second, and up to two seconds.
 ///
 /// # Errors
 /// [`StructureOrbitError`].
