@@ -318,9 +318,9 @@ def test_a_curve_of_events(mapgen):
 
 
 def test_borders(mapgen):
-    scene, options = "scenes/conservative-n5.toml", {"tolerance": 1e-5, "places": 2000}
+    scene, options = "scenes/conservative-n5.toml", {"tolerance": 5e-6, "places": 2000}
     ours = vc.curves(scene, special=True, threads=2, **options)
-    theirs = written(mapgen, run(mapgen, "curves", scene, "--tolerance", 1e-5, "--places", 2000, "--json").stdout)
+    theirs = written(mapgen, run(mapgen, "curves", scene, "--tolerance", 5e-6, "--places", 2000, "--json").stdout)
     assert len(ours.borders) == len(theirs["borders"]) > 20
     for one, other in zip(ours.borders, theirs["borders"]):
         assert (one.family, one.event, list(one.ends)) == (other["family"], other["event"], other["ends"])
