@@ -20,7 +20,7 @@ use crate::error::FloquetError;
 use crate::map_paths::{ForcedSecular, LARGE, MOST_IMPACTS, Pair, Partners, Secular};
 use crate::reference::dense::{Dense, is_reduced, uncoupled};
 use crate::reference::monodromy::MAX_DIMENSION;
-use crate::spectrum::spectrum;
+use crate::spectrum::{BEYOND, spectrum};
 use crate::symmetry::{breaks_symmetry, is_symmetric};
 use crate::verdict::{Mechanism, Method, Question, Tolerance, Verdict};
 use crate::zeros::SecularError;
@@ -320,10 +320,6 @@ impl Analyser {
         Ok((verdict, if thorough { self.forced.multipliers().0.to_vec() } else { Vec::new() }))
     }
 }
-
-/// How far beyond a spectral radius another is looked for that is surely larger: no poles are near there, and no verdict's error is as
-/// large.
-const BEYOND: f64 = 1.05;
 
 /// Masses beyond which all multipliers, or the verdict on a word of several sites, may take a tenth of a second.
 const QUICK: usize = 256;

@@ -123,7 +123,7 @@ impl EventOrbit for Orbit {
         Ok([mass.displacement, mass.velocity])
     }
 
-    /// By the sums over modes of what each impact does, and the force by its size and its phase.
+    /// How large the terms are that the displacement is summed of: those of each impact, over all modes, and that of the force.
     fn place_error(&self, contact: usize, time: f64) -> Option<f64> {
         let response = response(self).ok()?;
         let [place, _] = self.state(contact, time).ok()?;

@@ -14,6 +14,10 @@ use crate::zeros::modulus;
 /// lose where their own terms cancel, far from the poles a digit or two, has room.
 pub(crate) const SURE: f64 = 1e-7;
 
+/// How far beyond a spectral radius another is looked for that is surely larger: no poles are near there, and no verdict's error is as
+/// large.
+pub(crate) const BEYOND: f64 = 1.05;
+
 /// A real multiplier is surely beyond `reach` or −`reach`, and all poles are not. No says nothing.
 pub(crate) fn is_surely_beyond(equations: &BlochEquations, reach: f64) -> bool {
     let modes = equations.kernel().modes();
@@ -34,10 +38,9 @@ pub(crate) fn is_surely_beyond(equations: &BlochEquations, reach: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use vibrochain_breather::LinearImpact;
-    use vibrochain_lattice::BlochKernel;
     use vibrochain_testkit::Random;
 
+    use super::super::random_equations;
     use super::super::solve::zeros;
     use super::*;
 
@@ -47,22 +50,7 @@ mod tests {
         let mut random = Random(67);
         let (mut yes, mut turned, mut no, mut missed) = (0, 0, 0, 0);
         for _ in 0..600 {
-            let (modes, contacts, period) = (1 + random.below(9), 1 + random.below(2), random.between(1.0, 8.0));
-            let mut kernel = BlochKernel::new(period, contacts);
-            for _ in 0..modes {
-                let shapes: Vec<f64> = (0..contacts).map(|_| random.between(-1.0, 1.0)).collect();
-                kernel.push_oscillator(random.log(0.3, 30.0), random.log(1e-4, 1.5), &shapes);
-            }
-            let impacts: Vec<LinearImpact> = (0..1 + random.below(3))
-                .map(|i| LinearImpact {
-                    contact: random.below(contacts),
-                    time: period * (i as f64 + random.between(0.0, 0.9)) / 3.0,
-                    impulse: random.between(0.2, 2.0),
-                    restitution: random.between(0.3, 1.0),
-                    acceleration_before: random.between(-1.0, 1.0),
-                })
-                .collect();
-            let equations = BlochEquations::new(kernel, impacts);
+            let equations = random_equations(&mut random, 1.5);
             let all = zeros(&equations, false, &[]);
             if !all.certified {
                 continue;

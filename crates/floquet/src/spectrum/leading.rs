@@ -217,10 +217,9 @@ fn discs(form: &Rational, poles: &[C], roots: &[C]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use vibrochain_breather::{BlochEquations, LinearImpact};
-    use vibrochain_lattice::BlochKernel;
     use vibrochain_testkit::Random;
 
+    use super::super::random_equations;
     use super::super::solve::zeros;
     use super::*;
 
@@ -230,23 +229,7 @@ mod tests {
         let mut random = Random(61);
         let (mut quick, mut all) = (0, 0);
         for _ in 0..400 {
-            let (modes, contacts, period) = (1 + random.below(9), 1 + random.below(2), random.between(1.0, 8.0));
-            let mut kernel = BlochKernel::new(period, contacts);
-            for _ in 0..modes {
-                let shapes: Vec<f64> = (0..contacts).map(|_| random.between(-1.0, 1.0)).collect();
-                // Some die within a period.
-                kernel.push_oscillator(random.log(0.3, 30.0), random.log(1e-4, 0.9), &shapes);
-            }
-            let impacts: Vec<LinearImpact> = (0..1 + random.below(3))
-                .map(|i| LinearImpact {
-                    contact: random.below(contacts),
-                    time: period * (i as f64 + random.between(0.0, 0.9)) / 3.0,
-                    impulse: random.between(0.2, 2.0),
-                    restitution: random.between(0.3, 1.0),
-                    acceleration_before: random.between(-1.0, 1.0),
-                })
-                .collect();
-            let equations = BlochEquations::new(kernel, impacts);
+            let equations = random_equations(&mut random, 0.9);
             let thorough = zeros(&equations, false, &[]);
             if !thorough.certified {
                 continue;

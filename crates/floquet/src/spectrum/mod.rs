@@ -26,8 +26,29 @@ mod solve;
 mod starts;
 mod verdict;
 
-pub(crate) use beyond::{SURE, is_surely_beyond};
+pub(crate) use beyond::{BEYOND, SURE, is_surely_beyond};
 pub(crate) use function::SpectralFunction;
 pub use multipliers::ImpactSpectrum;
 pub(crate) use refine::Origin;
 pub(crate) use verdict::{origins, spectrum, told, verdict};
+
+/// Equations of one impact to three at one contact or two, over modes damped up to `most` times critically; some die within a period.
+#[cfg(test)]
+fn random_equations(random: &mut vibrochain_testkit::Random, most: f64) -> vibrochain_breather::BlochEquations {
+    let (modes, contacts, period) = (1 + random.below(9), 1 + random.below(2), random.between(1.0, 8.0));
+    let mut kernel = vibrochain_lattice::BlochKernel::new(period, contacts);
+    for _ in 0..modes {
+        let shapes: Vec<f64> = (0..contacts).map(|_| random.between(-1.0, 1.0)).collect();
+        kernel.push_oscillator(random.log(0.3, 30.0), random.log(1e-4, most), &shapes);
+    }
+    let impacts = (0..1 + random.below(3))
+        .map(|i| vibrochain_breather::LinearImpact {
+            contact: random.below(contacts),
+            time: period * (i as f64 + random.between(0.0, 0.9)) / 3.0,
+            impulse: random.between(0.2, 2.0),
+            restitution: random.between(0.3, 1.0),
+            acceleration_before: random.between(-1.0, 1.0),
+        })
+        .collect();
+    vibrochain_breather::BlochEquations::new(kernel, impacts)
+}

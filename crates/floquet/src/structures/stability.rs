@@ -6,7 +6,7 @@ use vibrochain_breather::{BlochEquations, Condition, ImpactError, StructureImpac
 
 use crate::analyser::Stability;
 use crate::error::FloquetError;
-use crate::spectrum::{Origin, is_surely_beyond, origins, told, verdict};
+use crate::spectrum::{BEYOND, Origin, is_surely_beyond, origins, told, verdict};
 use crate::verdict::{Tolerance, Verdict};
 use crate::zeros::{SecularError, excess};
 
@@ -60,7 +60,7 @@ pub fn structure_verdict(orbit: &StructureOrbit, tolerance: Tolerance) -> Result
     decided(orbit, &orbit.bloch_equations(), tolerance)
 }
 
-/// The same of an orbit whose spectral radius is not surely beyond `reach`: `None` says that a real multiplier is, and none is worked out.
+/// The same of an orbit whose spectral radius is not surely beyond `reach`: `None` says that a real multiplier is, by 5 %, and none is worked out.
 /// A map asks so: of two orbits that are born in a fold one has such a multiplier, and a sign takes a small part of what a verdict takes.
 ///
 /// # Errors
@@ -71,7 +71,7 @@ pub fn structure_verdict_within(
     tolerance: Tolerance,
 ) -> Result<Option<Verdict>, FloquetError> {
     let equations = orbit.bloch_equations();
-    if !orbit.is_conservative() && is_surely_beyond(&equations.0, reach) {
+    if !orbit.is_conservative() && is_surely_beyond(&equations.0, BEYOND * reach) {
         return Ok(None);
     }
     decided(orbit, &equations, tolerance).map(Some)

@@ -187,15 +187,11 @@ impl Told {
     }
 }
 
-/// An orbit whose spectral radius is this much beyond the border of stability is unstable whatever the verdict's error: most verdicts need
-/// not be worked out.
-const BEYOND: f64 = 1.05;
-
 /// One point.
 fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
     let mut cell = StructureCell::EMPTY;
     let mut best: Option<Best> = None;
-    let unstable = BEYOND * (1.0 + Option::from(scene.tolerance).unwrap_or(0.0));
+    let unstable = 1.0 + Option::from(scene.tolerance).unwrap_or(0.0);
     for (word, asked) in scene.words.iter().enumerate() {
         let found = match structure_candidates(model, &asked.0, asked.1) {
             Ok(found) => found,
