@@ -184,7 +184,7 @@ impl Analyser {
     }
 
     /// Verdict and, if `thorough`, the non-trivial multipliers of the space that feels impacts.
-    fn decide(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Answer, FloquetError> {
+    pub(crate) fn decide(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Answer, FloquetError> {
         if !takes_long(question) {
             return self.decide_here(question, finder);
         }

@@ -1,26 +1,13 @@
-//! The zero of a continuous function between two points where its signs differ: Brent's method; and what its rounding is seen to be.
+//! The zero of a continuous function between two points where its signs differ: Brent's method.
 
 /// Evaluations at most; halving alone needs 60.
 const MOST: usize = 120;
 
 /// A function at its zero, over its values on both sides: more, and it jumped.
-pub(crate) const JUMP: f64 = 1e-3;
+const JUMP: f64 = 1e-3;
 
-/// Worst case over what a few samples show.
-pub(crate) const SAFETY: f64 = 4.0;
-
-/// Distance at which rounding is sampled: far enough for it to be another one, near enough for the function to be a straight line.
-pub(crate) const SAMPLE_STEP: f64 = 1e-9;
-
-/// Rounding of the data.
-pub(crate) const DATA_ROUNDING: f64 = 2.0 * f64::EPSILON;
-
-/// The largest distance of some values from their mean.
-pub(crate) fn spread(values: impl Iterator<Item = f64>) -> f64 {
-    let values: Vec<f64> = values.collect();
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    values.iter().map(|value| (value - mean).abs()).fold(0.0, f64::max)
-}
+/// Worst case over what rounding is seen to be.
+const SAFETY: f64 = 4.0;
 
 /// A point and the function's value there.
 pub(crate) type Sample = (f64, f64);

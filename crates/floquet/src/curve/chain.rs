@@ -1,19 +1,12 @@
 //! Curves of events of a chain's orbits.
 
-use nalgebra::Complex;
-use vibrochain_breather::{Admissibility, Continuation, Finder, Orbit};
+use vibrochain_breather::{Continuation, Orbit};
 use vibrochain_lattice::Parameter;
 
 use super::answer::{CurveError, EventCurve, Walk, Window};
-use super::watcher::Watcher;
 use super::way::{Asked, followed};
-use crate::analyser::Analyser;
-use crate::events::EventOrbit;
-use crate::locate::spectrum_events::half_sums;
+use crate::events::OfChains;
 use crate::locate::{Event, Evidence};
-
-/// Impulses of a chain are about to vanish against those of a tenth of the force's own speed.
-const OWN_SPEED: f64 = 0.1;
 
 /// Follows the event at `orbit` both ways through a window of two parameters. `evidence` is what shows it
 /// ([`Located`](crate::Located)); `tolerance` is how far a straight line between neighbouring points may be from the curve, as a part
@@ -53,8 +46,7 @@ pub fn curve_along(orbit: &Orbit, event: Event, evidence: Evidence, walk: &Walk<
     check(orbit, &window, tolerance)?;
     let sides = window.sides();
     let base = Continuation::through(orbit, &[0, 1].map(|i| (window.parameters[i], sides[i])), stop)?;
-    let finder = Finder::new(orbit.model().chain().sites()).until(stop);
-    let watcher = OfChains { finder, analyser: Analyser::default(), spectra: 0 };
+    let watcher = OfChains::new(orbit.model().chain().sites(), stop);
     let uncoupled = (0..2).find(|&i| window.parameters[i] == Parameter::Gamma2 && window.from[i] == 0.0);
     let window = [window.from, window.to];
     let asked = Asked { event, evidence, window, tolerance, uncoupled, special, until };
@@ -83,35 +75,4 @@ fn check(orbit: &Orbit, window: &Window, tolerance: f64) -> Result<(), CurveErro
         }
     }
     Ok(())
-}
-
-/// Looks at a chain's orbits.
-struct OfChains {
-    finder: Finder,
-    analyser: Analyser,
-    spectra: usize,
-}
-
-impl Watcher for OfChains {
-    type Orbit = Orbit;
-    const FAINT: f64 = 1e-6;
-
-    fn admissibility(&mut self, orbit: &Orbit) -> Option<Admissibility> {
-        self.finder.admissibility(orbit).ok()
-    }
-
-    fn values(&mut self, orbit: &Orbit) -> Option<Vec<Complex<f64>>> {
-        self.spectra += 1;
-        self.analyser.dense.solve(orbit, &mut self.finder).ok()?;
-        let values = self.analyser.dense.values.clone();
-        Some(if orbit.is_lossless() { half_sums(&values, orbit.is_reversible()) } else { values })
-    }
-
-    fn strength(&self, orbit: &Orbit) -> f64 {
-        orbit.strength().max(OWN_SPEED * orbit.model().omega())
-    }
-
-    fn spectra(&self) -> usize {
-        self.spectra
-    }
 }

@@ -3,7 +3,6 @@
 //! | module | holds |
 //! |---|---|
 //! | `answer` | [`Window`], [`Walk`], [`EventCurve`] with its points, its special points and its ends |
-//! | `watcher` | who looks at orbits on the way |
 //! | `way` | the curve through a start, both ways to its ends, with points of codimension two |
 //! | `chain` | [`curve`] of a chain's orbits |
 //!
@@ -13,10 +12,8 @@
 
 mod answer;
 mod chain;
-mod watcher;
 mod way;
 
 pub use answer::{CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint, Walk, Window};
 pub use chain::{curve, curve_along};
-pub(crate) use watcher::{TOUCHES, UNBOUNDED, Watcher, strongest};
 pub(crate) use way::{Asked, followed};

@@ -7,12 +7,14 @@ use vibrochain_breather::system::{System, Vector, dot, unit, zeros};
 use vibrochain_breather::{Admissibility, BranchError, Manifold, ManifoldPoint, Obstruction};
 
 use super::answer::{CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint};
-use super::watcher::{TOUCHES, UNBOUNDED, Watcher, strongest};
 use crate::bracket::crossing;
-use crate::events::{AtEvent, EventOrbit, EventSystem, Test, another_one, minus_one};
+use crate::events::half_sums::upper_half;
+use crate::events::{
+    AtEvent, EventOrbit, EventSystem, TOUCHES, Test, UNBOUNDED, Watcher, another_one, minus_one, strongest,
+};
 use crate::followed::Followed;
-use crate::locate::spectrum_events::upper_half;
 use crate::locate::{Event, Evidence};
+use crate::verdict::Tolerance;
 
 type C = Complex<f64>;
 
@@ -250,7 +252,7 @@ where
             }
         };
         let (speed, event) = (orbit.speed(), self.asked.event);
-        let told = self.watcher.admissibility(orbit);
+        let told = self.watcher.admissibility(orbit).ok();
         let physical = told.as_ref().map(|told| is_physical(told, orbit));
         if let (true, Some(theta)) = (self.has_angle(), *mark) {
             // There the curve ends.
@@ -289,7 +291,7 @@ where
                 add(Special::With(Event::Pitchfork), 1, another_one(orbit).unwrap_or(f64::NAN));
             }
             // Where multipliers cannot be computed no special point is reported; the curve itself does not need them.
-            let values = self.watcher.values(orbit).unwrap_or_default();
+            let values = self.watcher.spectrum(orbit, Tolerance::Rounding).map(|(values, _)| values).unwrap_or_default();
             self.multipliers(&values, orbit.is_lossless(), &mut add);
         }
         Seen { monitors, physical }
@@ -420,7 +422,7 @@ where
 
     fn described(&mut self, foot: &Foot<W::Orbit>, error: f64) -> CurvePoint<W::Orbit> {
         let AtEvent { orbit, mark, .. } = foot.orbit();
-        let told = self.watcher.admissibility(orbit);
+        let told = self.watcher.admissibility(orbit).ok();
         let physical = told.map(|told| is_physical(&told, orbit));
         let angle = mark.filter(|_| self.has_angle()).map(|theta| theta.clamp(0.0, std::f64::consts::PI));
         let angle = angle.map(|theta| theta / std::f64::consts::PI);

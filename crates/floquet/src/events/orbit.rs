@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 use smallvec::SmallVec;
 use vibrochain_breather::{
-    BlochEquations, BranchError, BreatherError, Impact, Motion, Orbit, StructureMotion, StructureOrbit,
+    BlochEquations, BranchError, BreatherError, Family, Impact, Motion, Orbit, StructureMotion, StructureOrbit,
 };
 use vibrochain_lattice::{Barrier, ImpulseResponse, Resonance, Spectrum};
 
@@ -39,12 +39,18 @@ pub(crate) trait EventOrbit: Followed {
     fn wall(&self, contact: usize, barrier: Barrier) -> Result<f64, BranchError>;
     /// Place and velocity of a contact at a time within the period.
     fn state(&self, contact: usize, time: f64) -> Result<[f64; 2], BranchError>;
+    /// Those of all contacts.
+    fn states(&self, time: f64) -> Result<Vec<[f64; 2]>, BranchError>;
 
     /// What rounding does to that place; `None` where no bound of it is known but its size.
     fn place_error(&self, contact: usize, time: f64) -> Option<f64>;
 
     /// How far it is from repeating or mirroring itself half a period later; of none where its own equations keep that.
     fn unevenness(&self) -> Vec<f64>;
+    /// Whether a more symmetric orbit lies between this one and another of its branch.
+    fn is_across(&self, other: &Self) -> bool;
+    /// Whether others of less symmetry may leave it at a multiplier +1.
+    fn may_lose_symmetry(&self) -> bool;
 
     /// Of each mode the pole λ of its motion, the upper of two.
     fn rates(&self) -> Vec<Complex<f64>>;
@@ -123,6 +129,13 @@ impl EventOrbit for Orbit {
         Ok([mass.displacement, mass.velocity])
     }
 
+    fn states(&self, time: f64) -> Result<Vec<[f64; 2]>, BranchError> {
+        let mut motion = Motion::of(self)?;
+        let _ = motion.at(0, time);
+        let of = (0..motion.sites()).map(|site| motion.site(site));
+        Ok(of.map(|mass| [mass.displacement, mass.velocity]).collect())
+    }
+
     /// How large the terms are that the displacement is summed of: those of each impact, over all modes, and that of the force.
     fn place_error(&self, contact: usize, time: f64) -> Option<f64> {
         let response = response(self).ok()?;
@@ -138,6 +151,15 @@ impl EventOrbit for Orbit {
 
     fn unevenness(&self) -> Vec<f64> {
         Vec::new()
+    }
+
+    fn is_across(&self, other: &Self) -> bool {
+        let side = |orbit: &Self| orbit.phi().map_or(0.0, |phi| phi - 0.5 * orbit.period());
+        side(self) * side(other) < 0.0
+    }
+
+    fn may_lose_symmetry(&self) -> bool {
+        self.family() == Family::DoubleSided
     }
 
     fn rates(&self) -> Vec<Complex<f64>> {
@@ -179,12 +201,16 @@ impl EventOrbit for StructureOrbit {
     }
 
     fn state(&self, contact: usize, time: f64) -> Result<[f64; 2], BranchError> {
-        let motion = StructureMotion::new(self)?;
-        let impacts = self.impacts();
-        let last = impacts.iter().rposition(|impact| impact.time <= time).unwrap_or(impacts.len() - 1);
-        let since = (time - impacts[last].time).rem_euclid(self.period());
+        let (motion, (last, since)) = (StructureMotion::new(self)?, flight(self, time));
         let [place, velocity, _] = motion.contact(contact, last, since);
         Ok([place, velocity])
+    }
+
+    fn states(&self, time: f64) -> Result<Vec<[f64; 2]>, BranchError> {
+        let (motion, (last, since)) = (StructureMotion::new(self)?, flight(self, time));
+        let contacts = 0..self.model().structure().contacts().len();
+        let of = contacts.map(|contact| motion.contact(contact, last, since));
+        Ok(of.map(|[place, velocity, _]| [place, velocity]).collect())
     }
 
     fn place_error(&self, _contact: usize, _time: f64) -> Option<f64> {
@@ -195,7 +221,22 @@ impl EventOrbit for StructureOrbit {
         self.unevenness()
     }
 
+    fn is_across(&self, other: &Self) -> bool {
+        self.is_across(other)
+    }
+
+    fn may_lose_symmetry(&self) -> bool {
+        true
+    }
+
     fn rates(&self) -> Vec<Complex<f64>> {
         self.model().structure().modes().iter().map(|mode| mode.rates()[0]).collect()
     }
+}
+
+/// The impact before a time within the period, and how long ago it was.
+fn flight(orbit: &StructureOrbit, time: f64) -> (usize, f64) {
+    let impacts = orbit.impacts();
+    let last = impacts.iter().rposition(|impact| impact.time <= time).unwrap_or(impacts.len() - 1);
+    (last, (time - impacts[last].time).rem_euclid(orbit.period()))
 }

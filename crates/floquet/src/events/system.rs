@@ -156,8 +156,8 @@ where
         Ok(high.iter().zip(&low).map(|(high, low)| (high - low) / apart).collect())
     }
 
-    /// Derivatives in units by a number that is free, `z[at]`, whose unit stands at `place`: by differences over one step and over two, of the orbit's
-    /// equations F as (fF)′ = f′F + fF′, where f takes their poles away.
+    /// Derivatives in units by a number that is free, `z[at]`, whose unit stands at `place`: by differences over one step and over two, of all
+    /// rows F as (fF)′ = f′F + fF′, where f takes their poles away.
     fn by_number(
         &mut self,
         (z, at): (&[f64], usize),
@@ -165,14 +165,12 @@ where
         here: &[f64],
         mut rows: impl FnMut(&mut Self, &[f64]) -> Result<(Vector, S::Orbit), BranchError>,
     ) -> Result<Vector, BranchError> {
-        let (unit, size) = (self.units[place], self.base.size());
+        let unit = self.units[place];
         let (factor, modes) = self.poles.clone();
         // A window may be far shorter than the number.
         let step = self.step * (z[at] / unit).abs().max(1e-2);
-        let regular = |rows: &[f64], factor: f64| -> Vector {
-            let each = rows.iter().enumerate().map(|(i, row)| if i < size { factor * row } else { *row });
-            each.chain([factor]).collect()
-        };
+        let regular =
+            |rows: &[f64], factor: f64| -> Vector { rows.iter().map(|row| factor * row).chain([factor]).collect() };
         let centre = regular(here, factor);
         let mut over = |step: f64| {
             self.difference(&centre, step, |system, h| {
@@ -185,7 +183,7 @@ where
         let (near, far) = (over(step)?, over(2.0 * step)?);
         let mut slopes: Vector = near.iter().zip(&far).map(|(near, far)| near + (near - far) / 3.0).collect();
         let of_factor = slopes.pop().unwrap_or(0.0);
-        slopes.iter_mut().zip(here).take(size).for_each(|(slope, row)| *slope = (*slope - of_factor * row) / factor);
+        slopes.iter_mut().zip(here).for_each(|(slope, row)| *slope = (*slope - of_factor * row) / factor);
         Ok(slopes)
     }
 

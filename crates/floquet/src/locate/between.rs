@@ -4,11 +4,15 @@
 //! The parabola through the three values tells how far the function departs from its chords; where twice that could carry it to 0
 //! and back, the step is halved. Halves that are near a touching zero are halved again.
 
-use vibrochain_breather::BranchPoint;
+use vibrochain_lattice::Barrier;
 
-use super::answer::{Event, LocateError, Unresolved};
-use super::follower::{Follower, Observation, Passed};
-use super::spectrum_events::upper_half;
+use super::answer::{Event, LocateError};
+use super::course::Station;
+use super::follower::{At, Ends, Follower, Point};
+use super::seen::{Seen, value};
+use super::settle::Found;
+use crate::events::half_sums::upper_half;
+use crate::events::{EventOrbit, Test};
 
 /// Halvings of a step at most: two zeros closer than this part of it stay hidden.
 const DEEPEST: u32 = 12;
@@ -25,46 +29,44 @@ const STEEPEST: f64 = 4.0;
 /// Growth per period that rounding of a multiplier may feign.
 const NOISE: f64 = 1e-9;
 
-impl Follower {
+impl<E: Ends> Follower<E> {
     /// All events on the way to `next`, and what is seen there.
-    pub(super) fn watch(
-        &mut self,
-        from: (&BranchPoint, &Observation),
-        next: &BranchPoint,
-    ) -> Result<Observation, LocateError> {
+    pub(super) fn watch(&mut self, from: At<'_, E>, next: &Point<E>) -> Result<Seen, LocateError> {
         let seen = self.look(next)?;
-        if self.whole {
+        if self.stretch.whole {
             self.halved(from, (next, &seen), 0)?;
-            self.passed.push(Passed::Point(next.clone()));
+            self.pass(next, &seen);
         } else {
-            self.all_between(from, (next, &seen))?;
+            let found = self.all_between(from, (next, &seen))?;
+            self.passed.extend(found.into_iter().map(|(_, located)| Station::Event(located)));
         }
         Ok(seen)
     }
 
-    fn halved(
-        &mut self,
-        from: (&BranchPoint, &Observation),
-        to: (&BranchPoint, &Observation),
-        depth: u32,
-    ) -> Result<(), LocateError> {
+    /// Keeps a point.
+    pub(super) fn pass(&mut self, point: &Point<E>, seen: &Seen) {
+        let point = self.described(point, seen);
+        self.passed.push(Station::Point(point));
+    }
+
+    fn halved(&mut self, from: At<'_, E>, to: At<'_, E>, depth: u32) -> Result<(), LocateError> {
         let length = self.branch.length_between(from.0, to.0);
-        let middle = self.branch.step(from.0, 0.5 * length)?;
+        let middle = self.at(from.0, 0.5 * length)?;
         let seen = self.look(&middle)?;
         let between = (&middle, &seen);
-        let clear = depth >= DEEPEST || self.is_clear(middle.orbit().model().loss(), [from.1, &seen, to.1]);
+        let clear = depth >= DEEPEST || self.is_clear([from, between, to]);
         // A stripe at ±1, however thin, shows in the signatures at both sides of it.
         for (part, (from, to)) in [(from, between), (between, to)].into_iter().enumerate() {
             if part == 1 {
-                self.passed.push(Passed::Point(middle.clone()));
+                self.pass(&middle, &seen);
             }
             let hidden = self.hides_stripe(from.1, to.1, depth);
             if depth >= THINNEST && hidden {
-                let (low, high) = (from.0.value().min(to.0.value()), from.0.value().max(to.0.value()));
-                self.unresolved.push(Unresolved { from: low, to: high });
+                self.hidden(from.0.value(), to.0.value());
             }
             if clear && (depth >= THINNEST || !hidden && !self.hides_doubling(from, to, depth)?) {
-                self.all_between(from, to)?;
+                let found = self.all_between(from, to)?;
+                self.pass_events(from.0, found);
             } else {
                 self.halved(from, to, depth + 1)?;
             }
@@ -72,26 +74,50 @@ impl Follower {
         Ok(())
     }
 
+    /// Keeps events of a step. Between two of them there is something to see, however near to each other they are.
+    fn pass_events(&mut self, from: &Point<E>, found: Vec<Found<E>>) {
+        let mut last = None;
+        for (at, located) in found {
+            let middle = last.map(|last: f64| self.at(from, 0.5 * (last + at)));
+            if let Some(Ok(middle)) = middle {
+                let seen = self.look(&middle).unwrap_or_default();
+                self.pass(&middle, &seen);
+            }
+            self.passed.push(Station::Event(located));
+            last = Some(at);
+        }
+    }
+
+    /// All events between two neighbouring points, in the order of the way.
+    pub(super) fn all_between(&mut self, from: At<'_, E>, to: At<'_, E>) -> Result<Vec<Found<E>>, LocateError> {
+        let mut found = Vec::new();
+        self.zeros_between(from, to, &mut found)?;
+        if self.watches(Event::NeimarkSacker) {
+            if from.0.orbit().is_lossless() && to.0.orbit().is_lossless() {
+                self.collisions(from, to, &mut found)?;
+            } else {
+                self.crossings(from, to, &mut found)?;
+            }
+        }
+        found.sort_by(|one, other| one.0.total_cmp(&other.0));
+        Ok(found)
+    }
+
     /// No function that is watched can vanish twice within either half of a step.
-    fn is_clear(&self, loss: f64, [from, middle, to]: [&Observation; 3]) -> bool {
+    fn is_clear(&self, [from, middle, to]: [At<'_, E>; 3]) -> bool {
+        let lossless = middle.0.orbit().is_lossless();
         let (mut clear, mut clear_of_edges) = (true, true);
         let mut hold = |values: [f64; 3]| clear &= no_pair(values);
-        if self.watches(Event::Grazing) {
-            for ((a, m), b) in from.velocities.iter().zip(&middle.velocities).zip(&to.velocities) {
-                hold([*a, *m, *b]);
-            }
-            if let (Some(a), Some(m), Some(b)) = (from.margin, middle.margin, to.margin) {
+        let mut tests: Vec<Test> = (0..from.1.velocities.len()).map(Test::Velocity).collect();
+        tests.extend([Test::Touch(0, Barrier::Lower), Test::One, Test::AnotherOne, Test::MinusOne]);
+        for test in tests {
+            let [a, m, b] = [from, middle, to].map(|at| value::<E>(test, at));
+            if let (Some(a), Some(m), Some(b)) = (a, m, b) {
                 hold([a, m, b]);
             }
         }
-        hold([from.equations, middle.equations, to.equations]);
-        for &(event, (log, sign)) in &from.determinants {
-            let relative = |seen: &Observation| seen.determinant(event).map(|(other, sign)| sign * (other - log).exp());
-            if let (Some(m), Some(b)) = (relative(middle), relative(to)) {
-                hold([sign, m, b]);
-            }
-        }
         // Two pairs that close on the circle and part again.
+        let [from, middle, to] = [from.1, middle.1, to.1];
         if from.openings.len() == middle.openings.len() && middle.openings.len() == to.openings.len() {
             for ((a, m), b) in from.openings.iter().zip(&middle.openings).zip(&to.openings) {
                 hold([*a, *m, *b]);
@@ -99,8 +125,7 @@ impl Follower {
                 clear_of_edges &= a.max(*m).max(*b) <= STEEPEST * a.min(*m).min(*b);
             }
         }
-        let elastic = loss == 0.0;
-        let [a, m, b] = [from, middle, to].map(|seen| if elastic { Vec::new() } else { growths(seen) });
+        let [a, m, b] = [from, middle, to].map(|seen| if lossless { Vec::new() } else { growths(seen) });
         for ((a, m), b) in a.iter().zip(&m).zip(&b) {
             if a.abs().max(m.abs()).max(b.abs()) > NOISE {
                 hold([*a, *m, *b]);
@@ -111,7 +136,7 @@ impl Follower {
 }
 
 /// With losses, ln|μ| of the complex pairs, the largest first: each is a continuous function of the way, whichever pair it is.
-fn growths(seen: &Observation) -> Vec<f64> {
+fn growths(seen: &Seen) -> Vec<f64> {
     let mut growths: Vec<f64> = upper_half(&seen.values).iter().map(|value| value.norm().ln()).collect();
     growths.sort_by(|a, b| b.total_cmp(a));
     growths

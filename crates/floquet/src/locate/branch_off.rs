@@ -4,10 +4,11 @@
 //! parameter ([`Branch::leaving`]): no other orbit can be taken for them, and the bend tells the side.
 
 use vibrochain_breather::{Branch, BranchPoint, Family, Orbit};
+use vibrochain_lattice::Parameter;
 
 use super::answer::{BranchedOrbit, Branching, Event};
-use super::follower::Follower;
 use super::switch::bifurcation;
+use crate::events::{OfChains, Watcher};
 use crate::verdict::Tolerance;
 
 /// The first step along the new branch, the factor by which it shrinks, and how often at most: down to 1e-6, where rounding of
@@ -28,53 +29,45 @@ const TOGETHER: f64 = 1e-9;
 /// Bends at a step and at its half agree to this part where the curve is a parabola.
 const PARABOLA: f64 = 0.2;
 
-impl Follower {
-    /// The orbits that branch off, if it is known how they do: at `distance` in the parameter where they reach that far, otherwise
-    /// as near as they do.
-    pub(super) fn branch_off(&mut self, event: Event, orbit: &Orbit, distance: f64) -> Option<Branching> {
-        let pair = event == Event::Pitchfork;
-        let (mut branch, start) = self.leaving(event, orbit)?;
-        let (length, bend) = (0..TRIES).find_map(|i| {
-            let length = FIRST * SHRINK.powi(i);
-            Some((length, bend(&mut branch, &start, length)?))
-        })?;
-        // Of a family, a doubled orbit is listed with its second impact in the second half. Of a word the two ways give one
-        // orbit, begun at other times.
-        let named = start.orbit().family() != Family::Word;
-        let late = |point: &BranchPoint| point.orbit().phi().is_some_and(|phi| phi > 0.5 * point.orbit().period());
-        let ways = [start.clone(), start.reversed()];
-        let mut points = [distance, bend.abs() * length * length].into_iter().find_map(|distance| {
-            let points: Option<Vec<_>> = ways.iter().map(|way| reach(&mut branch, way, bend, distance)).collect();
-            // Both of a pair at one value.
-            let together =
-                |points: &[BranchPoint]| (points[0].value() - points[1].value()).abs() <= TOGETHER * distance;
-            let apart = |points: &[BranchPoint]| !named || late(&points[0]) != late(&points[1]);
-            points.filter(|points| apart(points) && (!pair || together(points)))
-        })?;
-        if !pair {
-            points.retain(|point| !named || late(point));
-            points.truncate(1);
-        }
-        let value = points.first()?.value();
-        points.sort_by(|a, b| a.orbit().phi().unwrap_or(0.0).total_cmp(&b.orbit().phi().unwrap_or(0.0)));
-        let orbits = points.into_iter().map(|point| {
-            let (orbit, finder) = (point.orbit().clone(), &mut self.finder);
-            let physical = finder.admissibility(&orbit).ok().map(|answer| answer.is_physical());
-            let stability = self.analyser.stability(&orbit, finder, Tolerance::Rounding);
-            BranchedOrbit { orbit, physical, verdict: stability.ok().map(|answer| answer.verdict) }
-        });
-        Some(Branching { value, above: bend > 0.0, orbits: orbits.collect() })
+/// The orbits that branch off, if it is known how they do: at `distance` in the parameter where they reach that far, otherwise
+/// as near as they do. `unit` is the length along the parameter that counts like a change of order 1 of the orbit.
+pub(super) fn branch_off(
+    watcher: &mut OfChains,
+    (event, orbit): (Event, &Orbit),
+    (free, unit): (Parameter, f64),
+    distance: f64,
+) -> Option<Branching> {
+    let pair = event == Event::Pitchfork;
+    let (branch, start) = Branch::leaving(orbit, &bifurcation(event, orbit)?, free, unit).ok()?;
+    let mut branch = branch.until(watcher.finder.stop());
+    let (length, bend) = (0..TRIES).find_map(|i| {
+        let length = FIRST * SHRINK.powi(i);
+        Some((length, bend(&mut branch, &start, length)?))
+    })?;
+    // Of a family, a doubled orbit is listed with its second impact in the second half. Of a word the two ways give one
+    // orbit, begun at other times.
+    let named = start.orbit().family() != Family::Word;
+    let late = |point: &BranchPoint| point.orbit().phi().is_some_and(|phi| phi > 0.5 * point.orbit().period());
+    let ways = [start.clone(), start.reversed()];
+    let mut points = [distance, bend.abs() * length * length].into_iter().find_map(|distance| {
+        let points: Option<Vec<_>> = ways.iter().map(|way| reach(&mut branch, way, bend, distance)).collect();
+        // Both of a pair at one value.
+        let together = |points: &[BranchPoint]| (points[0].value() - points[1].value()).abs() <= TOGETHER * distance;
+        let apart = |points: &[BranchPoint]| !named || late(&points[0]) != late(&points[1]);
+        points.filter(|points| apart(points) && (!pair || together(points)))
+    })?;
+    if !pair {
+        points.retain(|point| !named || late(point));
+        points.truncate(1);
     }
-
-    /// The branch that leaves an orbit at a bifurcation, and the point where it does; `None` where none is known to.
-    pub(super) fn leaving(&self, event: Event, orbit: &Orbit) -> Option<(Branch, BranchPoint)> {
-        let departure = bifurcation(event, orbit)?;
-        // The orbit sets the scale, however short the range is.
-        let unit = orbit.model().get(self.free).abs().max(self.range());
-        Branch::leaving(orbit, &departure, self.free, unit)
-            .ok()
-            .map(|(branch, start)| (branch.until(self.stop()), start))
-    }
+    let value = points.first()?.value();
+    points.sort_by(|a, b| a.orbit().phi().unwrap_or(0.0).total_cmp(&b.orbit().phi().unwrap_or(0.0)));
+    let orbits = points.into_iter().map(|point| {
+        let orbit = point.orbit().clone();
+        let physical = watcher.admissibility(&orbit).ok().map(|answer| answer.is_physical());
+        BranchedOrbit { physical, verdict: watcher.verdict(&orbit, Tolerance::Rounding).ok(), orbit }
+    });
+    Some(Branching { value, above: bend > 0.0, orbits: orbits.collect() })
 }
 
 /// The point at `distance` in the parameter, on the side that the bend leads to.

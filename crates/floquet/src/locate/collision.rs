@@ -9,15 +9,14 @@
 //! those off the circle have. It does so without an event, too, where they drift past a pair that stays: so halving ends sooner.
 
 use nalgebra::Complex;
-use vibrochain_breather::{BranchPoint, Orbit};
 
-use super::answer::{Event, LocateError, Unresolved};
-use super::follower::{Follower, Observation};
-use super::spectrum_events::{SPLIT, collided, complex_count, half_sums};
-use super::watch::{HALVINGS, Test};
-use crate::FloquetError;
-use crate::multipliers::odd_multipliers;
-use crate::stripes::{Signature, signature};
+use super::answer::{Event, Evidence, LocateError};
+use super::follower::{At, Ends, Follower, Order, OrbitOf, Point};
+use super::seen::Seen;
+use super::settle::Found;
+use crate::events::half_sums::{SPLIT, collided, complex_count};
+use crate::events::{EventOrbit, Solved, Test, Watcher};
+use crate::stripes::Signature;
 
 /// Halvings of a step in search of a stripe: to the rounding of its length.
 const DEEPEST: u32 = 45;
@@ -28,20 +27,13 @@ const APART: u32 = 10;
 /// Halvings of a step by which other events in it are set apart from a doubling that hides.
 const ASIDE: u32 = 5;
 
-/// An edge is looked for by its own function in a part of a step halved so often: there it is alone but for thin stripes, which the
-/// order tells of.
+/// An edge is looked for by Newton's method in a part of a step halved so often: there it is alone but for thin stripes, which the order
+/// tells of.
 const ALONE: u32 = 8;
 
 /// From so many halvings on, two that have changed places are looked for where they come nearest to each other; in so many steps.
 const NEARBY: u32 = 3;
 const PARABOLAS: usize = 24;
-
-/// As near as this a pair is that of a mode that the impacts do not reach.
-const SPARED: f64 = 1e-10;
-
-/// How far from an edge a collision is looked at first, as a part of the step, and by how much farther then.
-const REACH: f64 = 1e-4;
-const FARTHER: f64 = 4.0;
 
 /// How near to an edge, as a part of what is beside it, the order is told at first, and if it cannot be.
 const NEXT_TO: [f64; 3] = [1e-3, 1e-2, 1e-1];
@@ -50,9 +42,6 @@ const NEXT_TO: [f64; 3] = [1e-3, 1e-2, 1e-1];
 const BESIDE: [f64; 3] = [0.45, 0.6, 0.3];
 
 type Sums = Vec<Complex<f64>>;
-
-/// Pairs in the order of Re ν: the signature of one on the circle, nothing of two off it.
-type Order = Vec<Option<Signature>>;
 
 /// A place on a step.
 #[derive(Debug, Clone)]
@@ -69,28 +58,22 @@ impl Place {
     }
 }
 
-/// The edge of a stripe.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Edge {
-    pub(super) at: f64,
-    pub(super) test: Test,
-    /// Distance to the next one, or the length of the step.
-    pub(super) alone: f64,
-}
-
-impl Follower {
+impl<E: Ends> Follower<E> {
     /// All collisions in a step.
     pub(super) fn collisions(
         &mut self,
-        (point, seen): (&BranchPoint, &Observation),
-        (next, next_seen): (&BranchPoint, &Observation),
-    ) -> Result<Vec<Edge>, LocateError> {
+        (point, seen): At<'_, E>,
+        (next, next_seen): At<'_, E>,
+        found: &mut Vec<Found<E>>,
+    ) -> Result<(), LocateError> {
         let length = self.branch.length_between(point, next);
         let first = self.place(0.0, point.orbit(), &seen.values)?;
         let last = self.place(length, next.orbit(), &next_seen.values)?;
-        let told = |place: &Place, seen: &Observation| place.order.is_some() || seen.order.is_some();
-        self.untold += usize::from(!told(&first, seen) || !told(&last, next_seen));
-        let (mut parts, mut edges) = (vec![(first, last, 0)], Vec::<Edge>::new());
+        if E::SIGNED {
+            let told = |place: &Place, seen: &Seen| place.order.is_some() || seen.order.is_some();
+            self.untold += usize::from(!told(&first, seen) || !told(&last, next_seen));
+        }
+        let (mut parts, mut edges) = (vec![(first, last, 0)], Vec::new());
         while let Some((from, to, depth)) = parts.pop() {
             let event = match from.off_circle().abs_diff(to.off_circle()) {
                 0 => {
@@ -110,11 +93,11 @@ impl Follower {
                     certain
                 }
                 2 if depth >= ALONE => {
-                    if let Some(edge) = self.edge(point, length, [&from, &to])? {
-                        edges.push(edge);
+                    if let Some((at, solved, evidence)) = self.edge((point, next), length, [&from, &to]) {
+                        edges.push((at, solved, evidence));
                         // On both sides of it there may be stripes besides.
                         if depth < DEEPEST {
-                            let [before, behind] = [&from, &to].map(|end| self.next_to(point, edge.at, end));
+                            let [before, behind] = [&from, &to].map(|end| self.next_to(point, at, end));
                             parts.extend(behind?.map(|behind| (behind, to, depth + 1)));
                             parts.extend(before?.map(|before| (from, before, depth + 1)));
                         }
@@ -132,33 +115,38 @@ impl Follower {
                 parts.push((middle.clone(), to, depth + 1));
                 parts.push((from, middle, depth + 1));
             } else if event {
-                let (from, to) = (self.branch.step(point, from.s)?.value(), self.branch.step(point, to.s)?.value());
-                self.unresolved.push(Unresolved { from: from.min(to), to: from.max(to) });
+                self.hidden_between(point, from.s, to.s);
             }
         }
-        edges.sort_by(|one, other| one.at.total_cmp(&other.at));
-        for i in 1..edges.len() {
-            let apart = edges[i].at - edges[i - 1].at;
-            edges[i].alone = edges[i].alone.min(apart);
-            edges[i - 1].alone = edges[i - 1].alone.min(apart);
+        edges.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let places: Vec<f64> = edges.iter().map(|edge| edge.0).collect();
+        for (i, (at, solved, evidence)) in edges.into_iter().enumerate() {
+            let neighbours = [i.checked_sub(1), Some(i + 1)].into_iter().flatten().filter_map(|i| places.get(i));
+            let alone = neighbours.map(|other| (other - at).abs()).fold(length, f64::min);
+            if solved.error <= alone * self.range() {
+                found.push((at, self.told(Event::NeimarkSacker, (point, at), solved, evidence)));
+            } else {
+                // It is there, but the stripe is too thin for its digits.
+                self.hidden_between(point, (at - alone).max(0.0), (at + alone).min(length));
+            }
         }
-        Ok(edges)
+        Ok(())
     }
 
     /// Whether between two points a pair has left the circle at −1 or +1, against itself, and come back. It has the other signature then:
     /// the balance of signatures tells, while as many pairs as before are beyond either end.
     pub(super) fn hides_doubling(
         &mut self,
-        from: (&BranchPoint, &Observation),
-        to: (&BranchPoint, &Observation),
+        from: At<'_, E>,
+        to: At<'_, E>,
         depth: u32,
     ) -> Result<bool, LocateError> {
         let orbit = from.0.orbit();
         let at_ends = [Event::PeriodDoubling, Event::Pitchfork].into_iter().any(|event| self.watches(event));
-        if !at_ends || orbit.model().loss() != 0.0 {
+        if !E::SIGNED || !at_ends || !orbit.is_lossless() {
             return Ok(false);
         }
-        let mut told = |(point, seen): (&BranchPoint, &Observation)| -> Result<_, LocateError> {
+        let mut told = |(point, seen): At<'_, E>| -> Result<_, LocateError> {
             let place = self.place(0.0, point.orbit(), &seen.values)?;
             let beyond = [-1.0, 1.0]
                 .map(|end| place.sums.iter().filter(|nu| nu.im.abs() <= SPLIT && nu.re * end >= 1.0).count());
@@ -172,9 +160,9 @@ impl Follower {
 
     /// Whether a stripe lies between two points of orbits of several sites, besides what changes the number off the circle: the order of
     /// signatures tells. Off the circle it changes, too, where one drifts past another.
-    pub(super) fn hides_stripe(&self, from: &Observation, to: &Observation, depth: u32) -> bool {
+    pub(super) fn hides_stripe(&self, from: &Seen, to: &Seen, depth: u32) -> bool {
         let (Some(before), Some(behind)) = (from.order, to.order) else { return false };
-        let off = |seen: &Observation| {
+        let off = |seen: &Seen| {
             let beyond = |end: f64| seen.values.iter().filter(|nu| nu.im == 0.0 && nu.re * end >= 1.0).count();
             (seen.openings.len(), beyond(-1.0), beyond(1.0))
         };
@@ -185,7 +173,7 @@ impl Follower {
     }
 
     /// A place on the side of `end` so near to an edge as the order can be told.
-    fn next_to(&mut self, point: &BranchPoint, edge: f64, end: &Place) -> Result<Option<Place>, LocateError> {
+    fn next_to(&mut self, point: &Point<E>, edge: f64, end: &Place) -> Result<Option<Place>, LocateError> {
         for share in NEXT_TO {
             let place = self.place_at(point, edge + share * (end.s - edge))?;
             if place.order.is_some() && place.off_circle() == end.off_circle() {
@@ -196,7 +184,7 @@ impl Follower {
     }
 
     /// Where the two meet that have changed places between two places: the least (ν₁ − ν₂)², by parabolas through three points.
-    fn meeting(&mut self, point: &BranchPoint, [from, to]: [&Place; 2]) -> Result<Option<Place>, LocateError> {
+    fn meeting(&mut self, point: &Point<E>, [from, to]: [&Place; 2]) -> Result<Option<Place>, LocateError> {
         let (Some(before), Some(after)) = (&from.order, &to.order) else { return Ok(None) };
         let swapped = on_circle(before).zip(on_circle(after)).position(|(a, b)| a != b);
         let Some(first) = swapped else { return Ok(None) };
@@ -237,54 +225,28 @@ impl Follower {
     }
 
     /// The end of a stripe between two places, of which one is inside.
-    fn edge(&mut self, point: &BranchPoint, length: f64, [from, to]: [&Place; 2]) -> Result<Option<Edge>, LocateError> {
-        let (mut low, mut on, mut high, mut off) = (from.s, from.sums.clone(), to.s, to.sums.clone());
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            let sums = self.sums(point, middle)?;
-            if complex_count(&sums) == complex_count(&on) {
-                (low, on) = (middle, sums);
-            } else {
-                (high, off) = (middle, sums);
-            }
-        }
-        let (fewer, more) = if complex_count(&on) < complex_count(&off) { (&on, &off) } else { (&off, &on) };
-        let Some(centre) = collided(fewer, more) else { return Ok(None) };
-        let test = Test::Collision { centre: centre.re };
-        // Far enough out for the two to be told from one: they count as one until they are apart by the root of rounding.
-        let mut reach = REACH * length;
-        let ends = loop {
-            let (low, high) = ((low - reach).max(from.s), (high + reach).min(to.s));
-            let mut ends = [(low, 0.0), (high, 0.0)];
-            for (s, value) in &mut ends {
-                let there = self.branch.step(point, *s)?;
-                *value = self.value(test, &there, *s)?;
-            }
-            if (ends[0].1 > 0.0) != (ends[1].1 > 0.0) {
-                break ends;
-            }
-            if low == from.s && high == to.s {
-                return Ok(None);
-            }
-            reach *= FARTHER;
-        };
-        let at = self.zero_of(test, point, ends[0], ends[1])?;
-        Ok(Some(Edge { at, test, alone: length }))
+    fn edge(
+        &mut self,
+        (point, next): (&Point<E>, &Point<E>),
+        length: f64,
+        [from, to]: [&Place; 2],
+    ) -> Option<(f64, Solved<OrbitOf<E>>, Evidence)> {
+        let (fewer, more) = if from.off_circle() < to.off_circle() { (from, to) } else { (to, from) };
+        let angle = collided(&fewer.sums, &more.sums)?.re.clamp(-1.0, 1.0).acos();
+        let share = 0.5 * (from.s + to.s) / length;
+        let (solved, evidence) = self.solved(Test::Collision, (point, next), share, Some(angle))?;
+        let at = self.length_to(point, &solved);
+        (from.s..=to.s).contains(&at).then_some((at, solved, evidence))
     }
 
-    fn sums(&mut self, point: &BranchPoint, s: f64) -> Result<Sums, LocateError> {
-        let there = self.branch.step(point, s)?;
-        Ok(half_sums(&self.spectrum(there.orbit())?, there.orbit().is_reversible()))
-    }
-
-    fn place_at(&mut self, point: &BranchPoint, s: f64) -> Result<Place, LocateError> {
-        let there = self.branch.step(point, s)?;
-        let values = self.spectrum(there.orbit())?;
+    fn place_at(&mut self, point: &Point<E>, s: f64) -> Result<Place, LocateError> {
+        let there = self.at(point, s)?;
+        let (values, _) = self.watcher.spectrum(there.orbit(), self.stretch.tolerance)?;
         self.place(s, there.orbit(), &values)
     }
 
     /// The middle, or where the order can be told beside it.
-    fn between_places(&mut self, point: &BranchPoint, from: f64, to: f64) -> Result<Place, LocateError> {
+    fn between_places(&mut self, point: &Point<E>, from: f64, to: f64) -> Result<Place, LocateError> {
         let mut place = self.place_at(point, 0.5 * (from + to))?;
         for share in BESIDE {
             if place.order.is_none() {
@@ -294,31 +256,8 @@ impl Follower {
         Ok(place)
     }
 
-    fn place(&mut self, s: f64, orbit: &Orbit, values: &[Complex<f64>]) -> Result<Place, LocateError> {
-        let sums = half_sums(values, orbit.is_reversible());
-        let order = self.order(orbit, &sums)?;
-        Ok(Place { s, sums, order })
-    }
-
-    fn order(&mut self, orbit: &Orbit, sums: &[Complex<f64>]) -> Result<Option<Order>, LocateError> {
-        if orbit.impact_site().is_none() {
-            return Ok(None);
-        }
-        // Off rings the matrix knows modes, too, that the impacts do not reach.
-        let spared = if orbit.centre().is_some() { None } else { odd_multipliers(orbit) }.unwrap_or_default();
-        let moves = |nu: &&Complex<f64>| nu.im > SPLIT || nu.im.abs() <= SPLIT && nu.re.abs() < 1.0;
-        let mut pairs: Vec<Complex<f64>> = sums.iter().filter(moves).copied().collect();
-        pairs.retain(|nu| spared.iter().all(|mode| (mode.re - nu.re).abs() > SPARED));
-        pairs.sort_by(|a, b| a.re.total_cmp(&b.re));
-        let prepared = self.finder.prepared(orbit).map_err(FloquetError::from)?;
-        let told = |nu: &Complex<f64>| {
-            if nu.im > SPLIT {
-                return Some(None);
-            }
-            let multiplier = Complex::new(nu.re, ((1.0 - nu.re) * (1.0 + nu.re)).sqrt());
-            signature(prepared, multiplier).map(Some)
-        };
-        Ok(pairs.iter().map(told).collect())
+    fn place(&mut self, s: f64, orbit: &OrbitOf<E>, half_sums: &[Complex<f64>]) -> Result<Place, LocateError> {
+        Ok(Place { s, sums: half_sums.to_vec(), order: self.ends.signatures(orbit, half_sums)? })
     }
 }
 

@@ -1,121 +1,146 @@
-//! Who walks along a branch, and what is seen on the way.
+//! Who follows a branch, and what its orbits have of their own, a chain's or a structure's.
 
 use nalgebra::Complex;
-use smallvec::SmallVec;
-use vibrochain_breather::{Branch, BranchPoint, Finder, Orbit};
-use vibrochain_lattice::{Parameter, Stop};
+use vibrochain_breather::system::System;
+use vibrochain_breather::{BranchError, Manifold, ManifoldPoint};
+use vibrochain_lattice::{Resonance, Stop};
 
-use super::answer::{Event, Located, Unresolved};
-use crate::analyser::Analyser;
-use crate::stripes::{OrderFinder, SignatureOrder};
+use super::answer::{Branching, End, Event, LocateError, Located, Unresolved};
+use super::course::{DiagramPoint, Station};
+use super::seen::Seen;
+use crate::events::{EventOrbit, Watcher};
+use crate::stripes::{Signature, SignatureOrder};
+use crate::verdict::Tolerance;
 
-/// The branch, what is watched along it, and work space.
-pub(super) struct Follower {
-    pub(super) branch: Branch,
-    pub(super) free: Parameter,
-    /// Least and largest value of the free parameter.
-    pub(super) from: f64,
-    pub(super) to: f64,
-    pub(super) events: Vec<Event>,
+/// Pairs in the order of Re ν: the signature of one on the circle, nothing of two off it.
+pub(crate) type Order = Vec<Option<Signature>>;
+
+/// The orbits of an [`Ends`].
+pub(crate) type OrbitOf<E> = <<E as Ends>::Watcher as Watcher>::Orbit;
+
+/// A branch of them, and a point of it.
+pub(crate) type Track<E> = Manifold<<E as Ends>::System, 1>;
+pub(crate) type Point<E> = ManifoldPoint<OrbitOf<E>, 1>;
+
+/// A point with what is seen there.
+pub(super) type At<'a, E> = (&'a Point<E>, &'a Seen);
+
+/// How a branch may end, by an event of other orbits there.
+pub(crate) struct Ended<O> {
+    pub(crate) value: f64,
+    pub(crate) end: End,
+    pub(crate) event: Option<Located<O>>,
+}
+
+/// What stands at the ends of branches, and beside them.
+pub(crate) trait Ends: Sized {
+    /// Who looks at orbits.
+    type Watcher: Watcher<Orbit: EventOrbit>;
+    /// Their equations.
+    type System: System<Orbit = OrbitOf<Self>> + Clone;
+    /// Impulses this small, against the first, are none.
+    const VANISHED: f64;
+    /// Whether Krein signatures of orbits without losses can be told.
+    const SIGNED: bool;
+
+    /// The resonance between two points, and where it is.
+    fn resonance_between(branch: &Track<Self>, from: &Point<Self>, to: &Point<Self>) -> Option<(f64, Resonance)>;
+    /// The resonance right ahead of a point, behind which there is none that could tell.
+    fn resonance_ahead(&self, branch: &Track<Self>, point: &Point<Self>) -> Option<(f64, Resonance)>;
+    /// Simpler orbits right ahead, of impulses that vanish, where the branch is lost; the `first` orbit was so strong.
+    fn simpler_ahead(&mut self, point: &Point<Self>, first: f64) -> Option<Ended<OrbitOf<Self>>>;
+    /// The event of more symmetric orbits that the branch comes to between two points, near `value`.
+    fn meeting(
+        &mut self,
+        between: [&Point<Self>; 2],
+        length: f64,
+        value: f64,
+    ) -> Result<Option<Located<OrbitOf<Self>>>, LocateError>;
+    /// The orbits that branch off at an event, some `distance` away.
+    fn branching(&mut self, event: Event, orbit: &OrbitOf<Self>, distance: f64) -> Option<Branching<OrbitOf<Self>>>;
+    /// Of impacts at several places, the order of Krein signatures along the circle.
+    fn order(&mut self, _orbit: &OrbitOf<Self>) -> Option<SignatureOrder> {
+        None
+    }
+    /// The signatures of pairs, by their ν; `None` where one cannot be told.
+    fn signatures(
+        &mut self,
+        _orbit: &OrbitOf<Self>,
+        _half_sums: &[Complex<f64>],
+    ) -> Result<Option<Order>, LocateError> {
+        Ok(None)
+    }
+    /// Orbits worked out beside the branch.
+    fn evaluations(&self) -> usize;
+    /// Spectra of these.
+    fn spectra(&self) -> usize;
+}
+
+/// How far a branch is followed, and what for.
+#[derive(Debug, Clone)]
+pub(crate) struct Stretch {
+    /// Least and largest value.
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    pub(crate) events: Vec<Event>,
+    pub(crate) tolerance: Tolerance,
     /// The branch is followed round its folds, all its points are kept, and every step is looked at in its middle, too.
-    pub(super) whole: bool,
-    pub(super) analyser: Analyser,
-    pub(super) finder: Finder,
-    pub(super) orders: OrderFinder,
-    pub(super) passed: Vec<Passed>,
-    pub(super) unresolved: Vec<Unresolved>,
+    pub(crate) whole: bool,
+}
+
+/// The branch, what is watched along it, and what has been passed.
+pub(crate) struct Follower<E: Ends> {
+    pub(crate) branch: Track<E>,
+    pub(crate) watcher: E::Watcher,
+    pub(crate) ends: E,
+    pub(crate) stretch: Stretch,
+    pub(crate) stop: Stop,
+    pub(crate) passed: Vec<Station<OrbitOf<E>>>,
+    pub(crate) unresolved: Vec<Unresolved>,
     /// Steps without loss at an end of which Krein signatures could not be told.
-    pub(super) untold: usize,
-    /// Orbits assembled on other branches.
-    pub(super) others: usize,
-    pub(super) spectra: usize,
+    pub(crate) untold: usize,
 }
 
-/// What the way has passed.
-pub(super) enum Passed {
-    /// A point, where the whole branch is asked for.
-    Point(BranchPoint),
-    Event(Located),
-}
-
-impl Passed {
-    pub(super) fn event(self) -> Option<Located> {
-        match self {
-            Self::Point(_) => None,
-            Self::Event(located) => Some(located),
-        }
-    }
-}
-
-/// What was seen at a point.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Observation {
-    /// Velocity before each impact, towards its barrier.
-    pub(super) velocities: Vec<f64>,
-    pub(super) margin: Option<f64>,
-    pub(super) equations: f64,
-    /// ln|D| and the sign of D, det(A + shift) made regular, of an event that has a shift.
-    pub(super) determinants: SmallVec<[(Event, (f64, f64)); 2]>,
-    /// Eigenvalues: μ, or ν of a reversible orbit.
-    pub(super) values: Vec<Complex<f64>>,
-    /// Without loss, (Im ν)² of the pairs off the circle, by Re ν.
-    pub(super) openings: Vec<f64>,
-    /// Of impacts at several sites, the order of Krein signatures along the circle.
-    pub(super) order: Option<SignatureOrder>,
-}
-
-impl Observation {
-    /// The determinant that shows an event.
-    pub(super) fn determinant(&self, event: Event) -> Option<(f64, f64)> {
-        self.determinants.iter().find(|(of, _)| *of == event).map(|(_, determinant)| *determinant)
-    }
-}
-
-impl Follower {
-    pub(super) fn new(branch: Branch, (from, to): (f64, f64), events: Vec<Event>, stop: &Stop) -> Self {
-        let finder = Finder::new(branch.sites()).until(stop);
-        let branch = branch.until(stop);
-        let (free, analyser) = (branch.free(), Analyser::default());
-        let (passed, unresolved) = (Vec::new(), Vec::new());
-        Self {
-            branch,
-            free,
-            from,
-            to,
-            events,
-            whole: false,
-            analyser,
-            finder,
-            orders: OrderFinder::default(),
-            passed,
-            unresolved,
-            untold: 0,
-            others: 0,
-            spectra: 0,
-        }
-    }
-
-    /// What ends its work early, which everything it works with looks at.
-    pub(super) fn stop(&self) -> &Stop {
-        self.finder.stop()
+impl<E: Ends> Follower<E> {
+    pub(crate) fn new(branch: Track<E>, watcher: E::Watcher, ends: E, stretch: Stretch, stop: &Stop) -> Self {
+        let (passed, unresolved, stop) = (Vec::new(), Vec::new(), stop.clone());
+        Self { branch, watcher, ends, stretch, stop, passed, unresolved, untold: 0 }
     }
 
     pub(super) fn watches(&self, event: Event) -> bool {
-        self.events.contains(&event)
+        self.stretch.events.contains(&event)
     }
 
     /// Length of the range.
     pub(super) fn range(&self) -> f64 {
-        self.to - self.from
+        self.stretch.to - self.stretch.from
     }
-}
 
-/// The shift s of det(A + s) that shows an event, for those that the spectrum shows; `None` where the orbit's own equations
-/// do. A holds μ, or ν of a reversible orbit, which are both ±1 together.
-pub(super) fn shift_of(event: Event, orbit: &Orbit) -> Option<f64> {
-    match event {
-        Event::PeriodDoubling => Some(1.0),
-        Event::Pitchfork if orbit.model().is_conservative() => Some(-1.0),
-        _ => None,
+    pub(crate) fn evaluations(&self) -> usize {
+        self.branch.evaluations() + self.ends.evaluations()
+    }
+
+    pub(crate) fn spectra(&self) -> usize {
+        self.watcher.spectra() + self.ends.spectra()
+    }
+
+    /// There may be an event between two points that rounding hides.
+    pub(super) fn hidden(&mut self, one: f64, other: f64) {
+        self.unresolved.push(Unresolved { from: one.min(other), to: one.max(other) });
+    }
+
+    /// A point as a diagram has it.
+    pub(super) fn described(&mut self, point: &Point<E>, seen: &Seen) -> DiagramPoint<OrbitOf<E>> {
+        let orbit = point.orbit();
+        let own = seen.admissibility.is_none().then(|| self.watcher.admissibility(orbit).ok()).flatten();
+        let told = seen.admissibility.as_ref().or(own.as_ref());
+        let (margin, physical) = (told.and_then(|told| told.margin), told.map(|told| told.is_physical()));
+        let verdict = seen.verdict.or_else(|| self.watcher.verdict(orbit, self.stretch.tolerance).ok());
+        DiagramPoint { value: point.value(), orbit: orbit.clone(), margin, physical, verdict }
+    }
+
+    /// The point of a branch at a length along a step from `from`.
+    pub(super) fn at(&mut self, from: &Point<E>, s: f64) -> Result<Point<E>, BranchError> {
+        self.branch.step(from, s)
     }
 }

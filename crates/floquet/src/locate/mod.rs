@@ -21,24 +21,24 @@
 //! branch. That is found as a pitchfork, too, but nothing is handed over: nothing branches off.
 
 mod answer;
+mod beside_resonance;
 mod between;
 mod branch_off;
+mod chain;
 mod collision;
 mod course;
+mod crossings;
 mod diagram;
 mod follow;
-mod follower;
-mod polish;
+pub(crate) mod follower;
+mod seen;
 #[cfg(feature = "serde")]
 mod serde_impl;
 mod settle;
-pub(crate) mod spectrum_events;
 mod switch;
-mod watch;
 
 pub use answer::{Answer, BranchedOrbit, Branching, End, Event, Evidence, LocateError, Located, Search, Unresolved};
+pub use chain::{locate, locate_until};
 pub use course::{Course, Diagram, DiagramPoint, FollowedBranch, Origin, Station, is_physical_about};
-pub(crate) use diagram::{Traced, Tracing, grown};
+pub(crate) use diagram::{Tracing, both_ways, grown};
 pub use diagram::{diagram, diagram_until};
-pub use follow::{locate, locate_until};
-pub(crate) use switch::first_step;

@@ -1,253 +1,250 @@
-//! From a zero to an answer: whether it is an event, its error, and what there is to say about it.
+//! Events of a step: where a test function changes its sign Newton's method solves the orbit's equations together with it, and the step is halved
+//! until the solution lies in it.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Branch, BranchPoint, Pace};
-use vibrochain_lattice::Parameter;
+use vibrochain_breather::{Approach, Pace};
 
-use super::answer::{Event, Evidence, LocateError, Located, Unresolved};
-use super::follower::Follower;
-use super::watch::Test;
-use crate::bracket::{DATA_ROUNDING, JUMP, SAFETY, SAMPLE_STEP, spread};
-use crate::verdict::{Tolerance, Verdict};
+use super::answer::{Event, Evidence, LocateError, Located};
+use super::follower::{At, Ends, Follower, OrbitOf, Point};
+use super::seen::{changes, marks, touch_between, value};
+use crate::bracket::crossing;
+use crate::events::{AtEvent, EventOrbit, Solved, TOUCHES, Test, Watcher, solve};
+use crate::followed::Followed;
+use crate::verdict::Verdict;
 use crate::zeros::Nu;
 
-/// A multiplier farther than this from where it should be is not the zero of the function but a pole.
+type C = Complex<f64>;
+
+/// A multiplier farther than this from where it should be is not the zero of the function.
 const POLE: f64 = 1e-4;
 
-/// Points to each side at which the function's rounding is sampled.
-const SAMPLES: i32 = 4;
+/// How often a step is halved until Newton's method finds the event in it.
+const HALVINGS: usize = 8;
 
-/// A loss that damps pairs by no more than a thousand roundings of a multiplier, of matrices whose norm is as large as a million.
-const LEAST_LOSS: f64 = 1e-9;
+/// Lengths as short as this are rounding.
+pub(super) const SETTLED: f64 = 1e-6;
 
-/// Where both sides of a zero have one sign, they are looked at this much closer.
-const CLOSER: f64 = 0.03;
-
-/// The relative step by which the effect of rounding of the data is seen.
-const DATA_STEP: f64 = 1e-7;
+/// How far beside an event another one of its kind is looked for, as a part of the step; and so many at most.
+const BESIDE: f64 = 1e-4;
+const MOST_IN_STEP: usize = 32;
 
 /// A small step away from an event, as a part of the parameter.
 const AWAY: f64 = 1e-4;
 
-/// How well the zero of a function is known.
-pub(super) enum Known {
-    /// To this error of the parameter.
-    To(f64),
-    /// The function does not change its sign, or jumps.
-    NoZero,
-    /// It changes its sign, but rounding hides where.
-    NotResolved,
+/// An event, and its length along the step.
+pub(super) type Found<E> = (f64, Located<OrbitOf<E>>);
+
+/// What a change of sign comes to.
+pub(super) enum Settled<E: Ends> {
+    /// An event, and what shows it.
+    At(Solved<OrbitOf<E>>, Evidence),
+    /// A jump, as where an equation has a pole.
+    Nothing,
+    /// Rounding hides it.
+    Hidden,
 }
 
-impl Follower {
-    /// The event at `s` along a step: checked, with its error. `None` for a pole or another false alarm.
-    pub(super) fn settle(
+impl<E: Ends> Follower<E> {
+    /// The events of all test functions of one value between two points.
+    pub(super) fn zeros_between(
         &mut self,
-        event: Event,
-        point: &BranchPoint,
-        length: f64,
-        (s, test): (f64, Test),
-    ) -> Result<Option<Located>, LocateError> {
-        let there = self.branch.step(point, s)?;
-        let sign = match test {
-            Test::Impact(i) => Evidence::Impact(i),
-            Test::Margin => match self.finder.admissibility(there.orbit())?.closest {
-                Some(closest) => Evidence::Touch(closest),
-                None => return Ok(None),
-            },
-            Test::Equations => self.nearest_to(&there, Complex::new(1.0, 0.0))?,
-            Test::Shifted { shift, .. } => self.nearest_to(&there, Complex::new(-shift, 0.0))?,
-            Test::Modulus { ends } => match self.followed(ends, there.orbit(), s)? {
-                Some(multiplier) => Evidence::Multiplier(multiplier),
-                None => return Ok(None),
-            },
-            Test::Collision { centre } => {
-                let angle = centre.clamp(-1.0, 1.0).acos();
-                self.nearest_to(&there, Complex::from_polar(1.0, angle))?
-            }
+        from: At<'_, E>,
+        to: At<'_, E>,
+        found: &mut Vec<Found<E>>,
+    ) -> Result<(), LocateError> {
+        let turns = from.0.heading() * to.0.heading() <= 0.0;
+        // An orbit that may begin at any time has another +1 where the rest of its equations says so.
+        let one = match from.1.another_one {
+            _ if turns => Test::Fold,
+            Some(_) => Test::AnotherOne,
+            None => Test::One,
         };
-        if let Evidence::Multiplier(multiplier) = sign {
-            let goal = match test {
-                Test::Modulus { .. } => multiplier / multiplier.norm(),
-                Test::Collision { centre } => Complex::from_polar(1.0, centre.clamp(-1.0, 1.0).acos()),
-                Test::Shifted { shift, .. } => Complex::new(-shift, 0.0),
-                _ => Complex::new(1.0, 0.0),
-            };
-            if !self.is_at(sign, goal, &there)? {
-                return Ok(None);
-            }
+        let mut tests = vec![one, Test::MinusOne];
+        tests.extend((0..from.1.velocities.len()).map(Test::Velocity));
+        tests.retain(|test| changes::<E>(*test, from, to));
+        tests.extend(touch_between::<E>(from, to));
+        tests.retain(|test| self.watches(test.event(turns)));
+        for test in tests {
+            self.zeros_of(test, from, to, MOST_IN_STEP, found)?;
         }
-        match self.error(point, length, s, test, &there)? {
-            Known::To(error) => self.describe(event, &there, error, sign).map(Some),
-            // Both sides of a collision have been seen: it is there, but too thin a stripe for its digits.
-            Known::NoZero if !matches!(test, Test::Collision { .. }) => Ok(None),
-            Known::NoZero | Known::NotResolved => {
-                let (low, high) = if length < s { (s - length, s + length) } else { (0.0, length) };
-                let ends = [low, high].map(|s| self.branch.step(point, s).map_or(there.value(), |end| end.value()));
-                self.unresolved.push(Unresolved { from: ends[0].min(ends[1]), to: ends[0].max(ends[1]) });
-                Ok(None)
-            }
-        }
+        Ok(())
     }
 
-    /// Whether the multiplier told is where it should be.
-    pub(super) fn is_at(
-        &self,
-        evidence: Evidence,
-        goal: Complex<f64>,
-        point: &BranchPoint,
-    ) -> Result<bool, LocateError> {
-        let Evidence::Multiplier(multiplier) = evidence else { return Ok(false) };
-        // Written so that a multiplier that is not a number is no event either.
-        Ok((multiplier - goal).norm() <= POLE * (1.0 + self.analyser_norm(point)?.ln()))
-    }
-
-    /// Norm of the matrix whose eigenvalues were last worked out.
-    pub(super) fn analyser_norm(&self, point: &BranchPoint) -> Result<f64, LocateError> {
-        Ok(self.analyser.dense.matrix_of(point.orbit()).norm().max(1.0))
-    }
-
-    /// The multiplier nearest to `goal`.
-    pub(super) fn nearest_to(&mut self, point: &BranchPoint, goal: Complex<f64>) -> Result<Evidence, LocateError> {
-        let orbit = point.orbit();
-        let values = self.spectrum(orbit)?;
-        let multipliers = values.iter().flat_map(|&value| {
-            let [large, small] = if orbit.is_reversible() { Nu::of(value).multipliers() } else { [value, value] };
-            [large, small]
-        });
-        let nearest = multipliers.min_by(|a, b| (a - goal).norm_sqr().total_cmp(&(b - goal).norm_sqr()));
-        nearest.map(Evidence::Multiplier).ok_or(LocateError::NoMultiplier)
-    }
-
-    /// Error of the parameter at a zero: rounding of the function and of the parameter along the curve, as samples show
-    /// them, over the function's slope.
-    pub(super) fn error(
+    /// The events of one of them, which changes its sign between two points.
+    fn zeros_of(
         &mut self,
-        point: &BranchPoint,
-        length: f64,
-        s: f64,
         test: Test,
-        there: &BranchPoint,
-    ) -> Result<Known, LocateError> {
-        // With so little loss all pairs are about as near to the circle as rounding brings them: which of them crosses it, nothing tells.
-        let loss = there.orbit().model().loss();
-        if matches!(test, Test::Modulus { .. }) && loss > 0.0 && loss < LEAST_LOSS {
-            return Ok(Known::NotResolved);
-        }
-        let mut samples = Vec::new();
-        for k in -SAMPLES..=SAMPLES {
-            let at = s + f64::from(k) * SAMPLE_STEP.min(1e-3 * length);
-            // Past the end of the parameter's range there are none.
-            let Ok(sample) = self.branch.step(point, at) else { continue };
-            samples.push((at - s, self.value(test, &sample, at)?, sample.value()));
-        }
-        let reach = 1e-3 * length;
-        let mut side = |at: f64| -> Result<(f64, f64), LocateError> {
-            let sample = self.branch.step(point, at)?;
-            Ok((self.value(test, &sample, at)?, sample.value()))
-        };
-        let (mut reach, mut below, mut above) = (reach, side(s - reach), side(s + reach));
-        let same = |below: &Result<(f64, f64), _>, above: &Result<(f64, f64), _>| match (below, above) {
-            (Ok((below, _)), Ok((above, _))) => (*below > 0.0) == (*above > 0.0),
-            // One-sided next to such an end.
-            _ => false,
-        };
-        if same(&below, &above) {
-            // Another zero may be as near.
-            reach *= CLOSER;
-            (below, above) = (side(s - reach), side(s + reach));
-            if same(&below, &above) {
-                let size = |side: &Result<(f64, f64), _>| side.as_ref().map_or(0.0, |(value, _)| value.abs());
-                let noise = spread(samples.iter().map(|sample| sample.1));
-                // In a step as short as rounding neither side tells.
-                let hidden = size(&below).max(size(&above)) <= SAFETY * noise;
-                return Ok(if hidden { Known::NotResolved } else { Known::NoZero });
+        from: At<'_, E>,
+        to: At<'_, E>,
+        most: usize,
+        found: &mut Vec<Found<E>>,
+    ) -> Result<(), LocateError> {
+        let (solved, evidence) = match self.settle(test, from, to, HALVINGS)? {
+            Settled::At(solved, evidence) => (solved, evidence),
+            Settled::Nothing => return Ok(()),
+            Settled::Hidden => {
+                self.hidden(from.0.value(), to.0.value());
+                return Ok(());
             }
-        }
-        let (from, to) = (if below.is_ok() { s - reach } else { s }, if above.is_ok() { s + reach } else { s });
-        let (low, high) = (below.or_else(|_| side(s))?, above.or_else(|_| side(s))?);
-        // A pair that was taken for another one makes a jump, an impulse that vanishes a pole of the determinant: no zeros.
-        let here = self.value(test, there, s)?.abs();
-        let (slope, pace) = ((high.0 - low.0) / (to - from), (high.1 - low.1) / (to - from));
-        // Departures from the straight line through their mean.
-        let scatter = |of: fn(&(f64, f64, f64)) -> f64, slope: f64| {
-            spread(samples.iter().map(|sample| of(sample) - slope * sample.0))
         };
-        let (of_value, of_parameter) = (scatter(|sample| sample.1, slope), scatter(|sample| sample.2, pace));
-        // What rounding leaves at the zero is no jump.
-        if here > JUMP * low.0.abs().max(high.0.abs()) && here > SAFETY * of_value {
-            return Ok(Known::NoZero);
+        let length = self.branch.length_between(from.0, to.0);
+        let along = self.length_to(from.0, &solved);
+        if found.iter().any(|(other, located)| located.event == test.event(false) && (other - along).abs() <= SETTLED) {
+            return Ok(());
         }
-        // Rounding that all samples share, such as that of the period, is a change of the data.
-        let data = self.sensitivity(s, test, there)?;
-        let along = (SAFETY * of_value + DATA_ROUNDING * data) / slope.abs();
-        // Not a number is no claim, either.
-        Ok(if along <= to - from {
-            Known::To(along * pace.abs() + SAFETY * of_parameter + DATA_ROUNDING * there.value().abs())
-        } else {
-            Known::NotResolved
-        })
-    }
-
-    /// Σ |p ∂/∂p| of the function over all other parameters p of the model.
-    pub(super) fn sensitivity(&mut self, s: f64, test: Test, there: &BranchPoint) -> Result<f64, LocateError> {
-        let (orbit, here) = (there.orbit(), self.value(test, there, s)?);
-        let mut sum = 0.0;
-        for parameter in Parameter::ALL {
-            let value = orbit.model().get(parameter);
-            let absent =
-                orbit.model().is_conservative() && matches!(parameter, Parameter::Amplitude | Parameter::Restitution);
-            if parameter == self.free || value == 0.0 || absent {
+        let turns = test == Test::Fold;
+        let located = self.told(test.event(turns), (from.0, along), solved, evidence);
+        found.push((along, located));
+        // Of three that are near each other it may be any.
+        for (end, s) in [(from, along - BESIDE * length), (to, along + BESIDE * length)] {
+            let outside = if end.0.value() == from.0.value() { s <= 0.0 } else { s >= length };
+            if most == 0 || turns || outside {
                 continue;
             }
-            // Downwards: restitution may be 1.
-            let step = DATA_STEP * value;
-            let mut across = Branch::through(orbit, parameter, value)?.until(self.stop());
-            // Where the change breaks a symmetry there is no such orbit at a pitchfork, nor rounding that would do it.
-            let moved = across.start().and_then(|start| across.at(&start, value - step));
-            self.others += across.evaluations();
-            let Ok(moved) = moved else { continue };
-            sum += (self.value(test, &moved, s)? - here).abs() / DATA_STEP;
+            let Ok(beside) = self.at(from.0, s) else { continue };
+            let (Some(here), Some(there)) = (self.read(test, &beside), value::<E>(test, end)) else { continue };
+            if (here > 0.0) != (there > 0.0) {
+                let seen = self.look(&beside)?;
+                let beside = (&beside, &seen);
+                let (low, high) = if s < along { (end, beside) } else { (beside, end) };
+                self.zeros_of(test, low, high, most - 1, found)?;
+            }
         }
-        Ok(sum)
+        Ok(())
     }
 
-    /// The answer at a point.
-    pub(super) fn describe(
+    pub(super) fn length_to(&mut self, from: &Point<E>, solved: &Solved<OrbitOf<E>>) -> f64 {
+        let chord = self.branch.chord_to(from, &solved.coordinates);
+        self.branch.along(from, &chord)
+    }
+
+    /// The event of a test function between two points where it changes its sign.
+    pub(super) fn settle(
+        &mut self,
+        test: Test,
+        from: At<'_, E>,
+        to: At<'_, E>,
+        halvings: usize,
+    ) -> Result<Settled<E>, LocateError> {
+        // What is nearest at one end need not be what touches first.
+        let test = if matches!(test, Test::Touch(..)) { touch_between::<E>(from, to).unwrap_or(test) } else { test };
+        let share = match (value::<E>(test, from), value::<E>(test, to)) {
+            (Some(a), Some(b)) if a != b => (a / (a - b)).clamp(0.0, 1.0),
+            _ => 0.5,
+        };
+        for mark in marks::<E>(test, [from, to]) {
+            if let Some((solved, evidence)) = self.solved(test, (from.0, to.0), share, mark) {
+                return Ok(Settled::At(solved, evidence));
+            }
+        }
+        self.stop.heard()?;
+        let length = self.branch.length_between(from.0, to.0);
+        if halvings == 0 {
+            return Ok(self.bracketed(test, from.0, length));
+        }
+        let Ok(middle) = self.at(from.0, 0.5 * length) else { return Ok(Settled::Hidden) };
+        let seen = self.look(&middle)?;
+        let middle = (&middle, &seen);
+        let before =
+            changes::<E>(test, from, middle) || matches!(test, Test::Touch(..)) && touch_between::<E>(from, middle).is_some();
+        let (from, to) = if before { (from, middle) } else { (middle, to) };
+        self.settle(test, from, to, halvings - 1)
+    }
+
+    /// The solution in a step, from a guess at a share of it.
+    pub(super) fn solved(
+        &mut self,
+        test: Test,
+        (from, to): (&Point<E>, &Point<E>),
+        share: f64,
+        mark: Option<f64>,
+    ) -> Option<(Solved<OrbitOf<E>>, Evidence)> {
+        let length = self.branch.length_between(from, to);
+        let ends = from.coordinates().iter().zip(to.coordinates());
+        let mut z: Vec<f64> = ends.map(|(a, b)| a + share * (b - a)).collect();
+        if test == Test::One
+            && let Ok(there) = self.at(from, share * length)
+        {
+            // Symmetric orbits are told by their symmetry, which a chord loses.
+            z = there.coordinates().to_vec();
+        }
+        let reach = (2.0 * length).max(SETTLED);
+        let solved = solve(self.branch.system(), test, (&z, mark), reach).ok()?;
+        let solved = self.beside_resonance(test, from, solved)?;
+        let along = self.length_to(from, &solved);
+        let evidence = if (-SETTLED..=length + SETTLED).contains(&along) { self.evidence(test, &solved) } else { None };
+        evidence.map(|evidence| (solved, evidence))
+    }
+
+    /// Where Newton's method cannot lead, as to a point where symmetric orbits lose their symmetry: the zero along the branch.
+    fn bracketed(&mut self, test: Test, from: &Point<E>, length: f64) -> Settled<E> {
+        if !matches!(test, Test::One | Test::MinusOne | Test::AnotherOne) {
+            return Settled::Hidden;
+        }
+        let mut at = |s: f64| {
+            let point = self.at(from, s).ok()?;
+            self.read(test, &point)
+        };
+        let (Some(first), Some(last)) = (at(0.0), at(length)) else { return Settled::Hidden };
+        if (first > 0.0) == (last > 0.0) {
+            return Settled::Hidden;
+        }
+        let Some((s, along)) = crossing([first, last], length, at) else { return Settled::Nothing };
+        let Ok(point) = self.at(from, s) else { return Settled::Hidden };
+        let error = along * point.heading().abs() * self.range() + f64::EPSILON * point.value().abs();
+        let at = AtEvent { orbit: point.orbit().clone(), mark: None, determinant: 0.0, fold_determinant: 0.0 };
+        let solved = Solved { at, coordinates: point.coordinates().into(), value: point.value(), error };
+        self.evidence(test, &solved).map_or(Settled::Nothing, |evidence| Settled::At(solved, evidence))
+    }
+
+    /// The multiplier of an event, if it is where it should be; of a grazing that which touches, if nothing else is beyond a barrier.
+    pub(super) fn evidence(&mut self, test: Test, solved: &Solved<OrbitOf<E>>) -> Option<Evidence> {
+        let orbit = &solved.at.orbit;
+        let goal = match test {
+            Test::Velocity(i) => return Some(Evidence::Impact(i)),
+            Test::Touch(site, barrier) => {
+                let time = solved.at.mark.unwrap_or(0.0).rem_euclid(1.0) * orbit.period();
+                let room = TOUCHES * orbit.speed() / orbit.omega();
+                self.watcher.admissibility(orbit).ok()?.margin.filter(|margin| *margin >= -room)?;
+                return Some(Evidence::Touch(Approach { site, barrier, time }));
+            }
+            Test::Fold | Test::One | Test::AnotherOne => C::new(1.0, 0.0),
+            Test::MinusOne => C::new(-1.0, 0.0),
+            Test::Circle | Test::Collision => C::from_polar(1.0, solved.at.mark.unwrap_or(0.0)),
+        };
+        // Two that meet are known to the root of rounding, and may not be told apart.
+        let Ok((values, _)) = self.watcher.spectrum(orbit, self.stretch.tolerance) else {
+            return Some(Evidence::Multiplier(goal));
+        };
+        let lossless = orbit.is_lossless();
+        let both = |value: C| if lossless { Nu::of(value).multipliers() } else { [value; 2] };
+        let multipliers = values.into_iter().flat_map(both).flat_map(|mu| [mu, mu.conj()]);
+        let nearest = multipliers.min_by(|a, b| (a - goal).norm().total_cmp(&(b - goal).norm()))?;
+        ((nearest - goal).norm() <= POLE).then_some(Evidence::Multiplier(nearest))
+    }
+
+    /// The event at a length along a step.
+    pub(super) fn told(
         &mut self,
         event: Event,
-        there: &BranchPoint,
-        error: f64,
+        (from, along): (&Point<E>, f64),
+        solved: Solved<OrbitOf<E>>,
         evidence: Evidence,
-    ) -> Result<Located, LocateError> {
-        let verdicts = self.verdicts(there);
-        let physical = self.finder.admissibility(there.orbit()).ok().map(|answer| answer.is_physical());
-        let distance = AWAY * there.value().abs().max(1e-2 * self.range());
-        let branching = self.branch_off(event, there.orbit(), distance);
-        Ok(Located {
-            event,
-            value: there.value(),
-            error,
-            orbit: there.orbit().clone(),
-            evidence,
-            physical,
-            verdicts,
-            branching,
-            evaluations: self.evaluations(),
-        })
-    }
-
-    /// Verdicts a small step away on either side, of those that exist and can be judged.
-    pub(super) fn verdicts(&mut self, there: &BranchPoint) -> Vec<(f64, Verdict)> {
-        let mut verdicts = Vec::new();
-        for sign in [-1.0, 1.0] {
+    ) -> Located<OrbitOf<E>> {
+        let Solved { at: AtEvent { orbit, .. }, value, error, .. } = solved;
+        let physical = self.watcher.admissibility(&orbit).ok().map(|told| told.is_physical());
+        let mut verdicts: Vec<(f64, Verdict)> = Vec::new();
+        for side in [-1e-2, 1e-2] {
             // Along the curve: at a fold both sides lie on one side in the parameter.
-            let Ok(side) = self.branch.step(there, sign * 1e-2 * Pace::LONGEST) else { continue };
-            if let Ok(verdict) = self.analyser.verdict(side.orbit(), &mut self.finder, Tolerance::Rounding) {
-                verdicts.push((side.value(), verdict));
+            let Ok(point) = self.at(from, along + side * Pace::LONGEST) else { continue };
+            if let Ok(verdict) = self.watcher.verdict(point.orbit(), self.stretch.tolerance) {
+                verdicts.push((point.value(), verdict));
             }
         }
         verdicts.sort_by(|a, b| a.0.total_cmp(&b.0));
-        verdicts
+        let distance = AWAY * value.abs().max(1e-2 * self.range());
+        let branching = self.ends.branching(event, &orbit, distance);
+        let evaluations = self.evaluations();
+        Located { event, value, error, orbit, evidence, physical, verdicts, branching, evaluations }
     }
 }

@@ -1,17 +1,18 @@
 //! At which events branches leave another, and the first step along one.
 
 use vibrochain_breather::system::System;
-use vibrochain_breather::{Approach, Departure, Family, Hit, Manifold, ManifoldPoint, Motion, Orbit};
+use vibrochain_breather::{Approach, Departure, Hit, Manifold, ManifoldPoint};
 use vibrochain_lattice::Barrier;
 
 use super::answer::{Event, Evidence, Located};
+use crate::events::EventOrbit;
 
-/// A mass touches a barrier where it is this near to it, and its velocity over ω this small: a located grazing is known to rounding,
-/// its time, a square root, to half the digits.
+/// A contact touches a barrier where it is this near to it, over the fastest velocity and ω, and its own velocity this small: a located grazing is
+/// known to rounding, its time, a square root, to half the digits.
 const TOUCHING: f64 = 1e-9;
 const STILL: f64 = 1e-4;
 
-/// Two impacts of one mass within this part of the period are one.
+/// Two impacts of one contact within this part of the period are one.
 const TOGETHER: f64 = 1e-4;
 
 /// The first step along a branch that leaves another, in units: far enough for the two to be told apart. Where it is too long, as
@@ -21,45 +22,48 @@ const SHRINK: f64 = 0.25;
 const TRIES: i32 = 6;
 
 /// How orbits of less symmetry leave one at a bifurcation, if they do.
-pub(super) fn bifurcation(event: Event, orbit: &Orbit) -> Option<Departure> {
+pub(super) fn bifurcation(event: Event, orbit: &impl EventOrbit) -> Option<Departure> {
     match event {
-        Event::PeriodDoubling if !orbit.model().is_conservative() => Some(Departure::PeriodDoubling),
-        Event::Pitchfork if orbit.family() == Family::DoubleSided => Some(Departure::Pitchfork),
+        Event::PeriodDoubling if !orbit.is_conservative() => Some(Departure::PeriodDoubling),
+        Event::Pitchfork if orbit.may_lose_symmetry() => Some(Departure::Pitchfork),
         _ => None,
     }
 }
 
 /// How orbits of another kind leave a branch at an event, if they do.
-pub(super) fn departure(located: &Located) -> Option<Departure> {
+pub(super) fn departure(located: &Located<impl EventOrbit>) -> Option<Departure> {
     let orbit = &located.orbit;
     match (located.event, located.evidence) {
         (Event::Grazing, Evidence::Touch(touch)) => Some(Departure::Touching(touching(orbit, &touch)?)),
-        (Event::Grazing, Evidence::Impact(lost)) if orbit.impacts().len() > 1 => Some(Departure::Without(lost)),
+        (Event::Grazing, Evidence::Impact(lost)) => {
+            // Where all are lost nothing is left.
+            let slow = STILL * orbit.speed();
+            let left = orbit.arrivals().iter().any(|arrival| arrival.velocity.abs() > slow);
+            left.then_some(Departure::Without(lost))
+        }
         (event, _) => bifurcation(event, orbit),
     }
 }
 
-/// All masses that touch a barrier where one does: symmetry may have several do it at once, or at the mirror image of its time.
-fn touching(orbit: &Orbit, touch: &Approach) -> Option<Vec<Hit>> {
-    let period = orbit.period();
-    let mut motion = Motion::of(orbit).ok()?;
+/// All contacts that touch a barrier where one does: symmetry may have several do it at once, half a period later, or at the mirror image of its
+/// time.
+fn touching(orbit: &impl EventOrbit, touch: &Approach) -> Option<Vec<Hit>> {
+    let (period, speed, own) = (orbit.period(), orbit.speed(), orbit.hits());
     let mut hits: Vec<Hit> = Vec::new();
     for time in [touch.time, period - touch.time, touch.time + 0.5 * period, 1.5 * period - touch.time] {
         let time = time.rem_euclid(period);
-        let _ = motion.at(0, time);
-        for site in 0..motion.sites() {
-            let mass = motion.site(site);
+        for (contact, [place, velocity]) in orbit.states(time).ok()?.into_iter().enumerate() {
             for barrier in [Barrier::Lower, Barrier::Upper] {
-                let near = (mass.displacement - orbit.model().barrier(barrier)).abs() <= TOUCHING
-                    && mass.velocity.abs() <= STILL * orbit.model().omega();
+                let near = orbit.wall(contact, barrier).is_ok_and(|wall| {
+                    (place - wall).abs() * orbit.omega() <= TOUCHING * speed && velocity.abs() <= STILL * speed
+                });
                 let apart = |other: f64| {
                     let apart = (other - time).rem_euclid(period);
                     apart.min(period - apart) > TOGETHER * period
                 };
-                let impacts = orbit.impacts().iter().filter(|impact| impact.site == site).map(|impact| impact.time);
-                let known = hits.iter().filter(|hit| hit.site == site).map(|hit| hit.time);
-                if near && impacts.chain(known).all(apart) {
-                    hits.push(Hit::new(site, barrier, time, 0.0));
+                let known = || own.iter().chain(&hits).filter(|hit| hit.site == contact).map(|hit| hit.time);
+                if near && known().all(apart) {
+                    hits.push(Hit::new(contact, barrier, time, 0.0));
                 }
             }
         }

@@ -1,16 +1,11 @@
 //! An event of a structure's orbits, followed through a window of two numbers of the structure.
 
-use nalgebra::Complex;
-use vibrochain_breather::{
-    Admissibility, BranchError, StructureContinuation, StructureFamily, StructureOrbit, structure_admissibility,
-};
+use vibrochain_breather::{BranchError, StructureContinuation, StructureFamily, StructureOrbit};
 use vibrochain_lattice::Stop;
 
-use super::stability::multipliers_there;
-use crate::curve::{Asked, CurveError, EventCurve, Watcher, followed, strongest};
-use crate::events::EventOrbit;
+use super::watcher::OfStructures;
+use crate::curve::{Asked, CurveError, EventCurve, followed};
 use crate::locate::Located;
-use crate::locate::spectrum_events::half_sums;
 
 /// A curve of an event of a structure's orbits.
 pub type StructureCurve = EventCurve<StructureOrbit>;
@@ -62,33 +57,8 @@ pub fn structure_curve(
     let &Located { event, evidence, ref orbit, .. } = located;
     let until = &|_: [f64; 2], _: Option<bool>| false;
     let asked = Asked { event, evidence, window: [from, to], tolerance, uncoupled: None, special: true, until };
-    let curve = followed((base, orbit), OfStructures, &asked);
+    let curve = followed((base, orbit), OfStructures::default(), &asked);
     // On the way a failure is an end.
     stop.heard()?;
     curve
-}
-
-/// Looks at a structure's orbits.
-pub(super) struct OfStructures;
-
-impl Watcher for OfStructures {
-    type Orbit = StructureOrbit;
-    const FAINT: f64 = 1e-9;
-
-    fn admissibility(&mut self, orbit: &StructureOrbit) -> Option<Admissibility> {
-        structure_admissibility(orbit).ok()
-    }
-
-    fn values(&mut self, orbit: &StructureOrbit) -> Option<Vec<Complex<f64>>> {
-        let values = multipliers_there(orbit)?;
-        Some(if orbit.is_lossless() { half_sums(&values, false) } else { values })
-    }
-
-    fn strength(&self, orbit: &StructureOrbit) -> f64 {
-        strongest(orbit).max(f64::MIN_POSITIVE)
-    }
-
-    fn spectra(&self) -> usize {
-        0
-    }
 }

@@ -4,13 +4,16 @@
 use nalgebra::Complex;
 use vibrochain_breather::system::System;
 use vibrochain_breather::{
-    BranchError, StructureBranchPoint, StructureContinuation, StructureFamily, StructureOrbit, structure_is_physical,
+    BranchError, StructureBranch, StructureBranchPoint, StructureContinuation, StructureFamily, StructureOrbit,
+    structure_is_physical,
 };
-use vibrochain_lattice::Stop;
+use vibrochain_lattice::{Resonance, Stop};
 
 use super::stability::structure_stability;
+use super::watcher::OfStructures;
 use crate::events::{EventOrbit, Solved, Test, solve};
-use crate::locate::{End, Event, Evidence, Located};
+use crate::locate::follower::{Ended, Ends};
+use crate::locate::{Branching, End, Event, Evidence, LocateError, Located};
 use crate::verdict::Tolerance;
 
 /// Two impacts of one contact this near to each other, as a part of the period, and this slow, against what moves there, are about to vanish: the
@@ -20,19 +23,39 @@ const MERGING: f64 = 1e-3;
 /// How far from the last orbit the simpler one may be, in units.
 const REACH: f64 = 0.1;
 
-/// Where the branch is followed.
-pub(super) struct Ahead<'a> {
-    pub(super) family: &'a StructureFamily,
+/// The orbit at which a branch ends is no farther than this from where it turned back, as a part of the range.
+const NEAR: f64 = 1e-3;
+
+/// Branches of a structure's orbits.
+pub(super) struct OfStructure {
+    pub(super) family: StructureFamily,
     /// The length of the range.
     pub(super) range: f64,
     pub(super) tolerance: Tolerance,
-    pub(super) stop: &'a Stop,
+    pub(super) stop: Stop,
 }
 
-impl Ahead<'_> {
+impl Ends for OfStructure {
+    type Watcher = OfStructures;
+    type System = StructureContinuation;
+    const VANISHED: f64 = 1e-9;
+    const SIGNED: bool = false;
+
+    fn resonance_between(
+        _: &StructureBranch,
+        _: &StructureBranchPoint,
+        _: &StructureBranchPoint,
+    ) -> Option<(f64, Resonance)> {
+        None
+    }
+
+    fn resonance_ahead(&self, _: &StructureBranch, point: &StructureBranchPoint) -> Option<(f64, Resonance)> {
+        Some((point.value(), point.orbit().resonance()?))
+    }
+
     /// The grazing at which two impacts next to each other vanish together. On both sides of it, and of one of the two alone, there are orbits;
     /// of both there are none beyond.
-    pub(super) fn merging(&self, point: &StructureBranchPoint) -> Option<(End, Located<StructureOrbit>)> {
+    fn simpler_ahead(&mut self, point: &StructureBranchPoint, _first: f64) -> Option<Ended<StructureOrbit>> {
         let (orbit, impacts) = (point.orbit(), point.orbit().impacts());
         let (period, slow, last) = (orbit.period(), MERGING * orbit.speed(), impacts.len() - 1);
         let merge = |i: usize, j: usize| {
@@ -51,11 +74,37 @@ impl Ahead<'_> {
             return None;
         }
         let end = if impacts.len() == 2 { End::ImpulsesVanish } else { End::Grazing };
-        Some((end, self.told(Event::Grazing, Evidence::Impact(kept), solved, point)))
+        let event = self.told(Event::Grazing, Evidence::Impact(kept), solved, point);
+        Some(Ended { value: event.value, end, event: Some(event) })
     }
 
     /// The event of simpler orbits at which this branch, which turns back there, leaves them.
-    pub(super) fn meeting(&self, point: &StructureBranchPoint) -> Option<Located<StructureOrbit>> {
+    fn meeting(
+        &mut self,
+        [point, next]: [&StructureBranchPoint; 2],
+        _length: f64,
+        value: f64,
+    ) -> Result<Option<Located<StructureOrbit>>, LocateError> {
+        let nearest = if point.heading().abs() < next.heading().abs() { point } else { next };
+        let met = self.evened(nearest);
+        Ok(met.filter(|met| (met.value - value).abs() <= NEAR * self.range))
+    }
+
+    fn branching(&mut self, _: Event, _: &StructureOrbit, _: f64) -> Option<Branching<StructureOrbit>> {
+        None
+    }
+
+    fn evaluations(&self) -> usize {
+        0
+    }
+
+    fn spectra(&self) -> usize {
+        0
+    }
+}
+
+impl OfStructure {
+    fn evened(&self, point: &StructureBranchPoint) -> Option<Located<StructureOrbit>> {
         let orbit = point.orbit();
         let simpler = orbit.evened()?.ok()?;
         let doubled = simpler.force_periods() < orbit.force_periods();
@@ -71,7 +120,7 @@ impl Ahead<'_> {
     fn solved(&self, simpler: &StructureOrbit, test: Test, value: f64) -> Option<Solved<StructureOrbit>> {
         let through = || -> Result<Solved<StructureOrbit>, BranchError> {
             let family = self.family.clone();
-            let mut base = StructureContinuation::through(simpler, family, &[value], &[self.range], self.stop)?;
+            let mut base = StructureContinuation::through(simpler, family, &[value], &[self.range], &self.stop)?;
             let z = base.origin()?;
             solve(&base, test, (&z, None), REACH)
         };

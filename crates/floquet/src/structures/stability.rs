@@ -92,10 +92,23 @@ fn decided(
     Ok(spared.iter().fold(told, with))
 }
 
-/// The multipliers of the modes that the orbit's impacts feel, as it stands: along folds its errors have no bound, and tell nothing of these.
-pub(super) fn multipliers_there(orbit: &StructureOrbit) -> Option<Vec<Complex<f64>>> {
-    let (equations, _) = orbit.bloch_equations();
-    told(&equations, orbit.is_conservative(), &[], Tolerance::Rounding).ok().map(|(_, multipliers)| multipliers)
+/// The multipliers of the modes that the orbit's impacts feel, and the verdict on all. Along folds errors may have no bound; then the multipliers are
+/// told as the orbit stands, with no verdict.
+pub(super) fn felt_multipliers(
+    orbit: &StructureOrbit,
+    tolerance: Tolerance,
+) -> Result<(Vec<Complex<f64>>, Option<Verdict>), FloquetError> {
+    let (equations, spared) = orbit.bloch_equations();
+    let conservative = orbit.is_conservative();
+    if let Ok((verdict, multipliers)) =
+        as_well_as_known(orbit, &equations, |data| told(&equations, conservative, data, tolerance))
+    {
+        let both = |pair: &[Complex<f64>; 2]| pair.map(|rate| (rate * orbit.period()).exp());
+        let verdict = spared.iter().fold(verdict, |told, pair| with_spared(told, *pair, both(pair), tolerance));
+        return Ok((multipliers, Some(verdict)));
+    }
+    let there = told(&equations, conservative, &[], Tolerance::Rounding).map_err(FloquetError::Uncounted)?;
+    Ok((there.1, None))
 }
 
 /// What the equations answer, given the errors of the orbit's data. On a fold the equations are singular and these errors have no bound to

@@ -34,7 +34,6 @@ use smallvec::SmallVec;
 use vibrochain_breather::{Impact, Prepared};
 use vibrochain_lattice::Shapes;
 
-use crate::linear::determinant;
 use crate::map_paths::modes::{Mode, Modes};
 use crate::saltation::Saltation;
 
@@ -167,12 +166,6 @@ impl ImpactMatrix {
             self.entries[at + size] += *kappa;
         }
         Some(())
-    }
-
-    /// det K̂(z); `None` at a pole.
-    pub(crate) fn determinant(&mut self, z: C) -> Option<C> {
-        self.fill(z)?;
-        Some(determinant(&mut self.entries, 2 * self.impacts))
     }
 
     /// |1 − p/z||1 − p̄/z| of the nearest pair of poles: about twice the distance to a pole on the circle.

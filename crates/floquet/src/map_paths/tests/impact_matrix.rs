@@ -8,12 +8,15 @@ use vibrochain_testkit::{Ranges, Values};
 
 use super::forced::forced_cases;
 use super::*;
-use crate::map_paths::{ImpactMatrix, Residues, SecularMultipliers};
+use crate::linear::determinant;
+use crate::map_paths::one_contact::impact_matrix::ImpactMatrix;
+use crate::map_paths::{Residues, SecularMultipliers};
 
 /// det(z−M)/det(z−R) = (1+e)^{2n} det K̂(z).
 fn secular(matrix: &mut ImpactMatrix, orbit: &Orbit, z: Complex<f64>) -> Complex<f64> {
     let scale = (1.0 + orbit.model().restitution()).powi(2 * orbit.impacts().len() as i32);
-    matrix.determinant(z).unwrap() * scale
+    matrix.fill(z).unwrap();
+    determinant(&mut matrix.entries, 2 * matrix.impacts) * scale
 }
 
 /// Four places, inside and outside the circle.

@@ -1,15 +1,20 @@
-//! Who looks at orbits along a curve.
+//! Who looks at orbits along a branch or a curve.
 
 use nalgebra::Complex;
 use vibrochain_breather::Admissibility;
 
-use crate::events::EventOrbit;
+use super::orbit::EventOrbit;
+use crate::locate::LocateError;
+use crate::verdict::{Tolerance, Verdict};
 
 /// A contact no farther beyond a barrier than this part of what it moves by touches it.
 pub(crate) const TOUCHES: f64 = 1e-9;
 
 /// An orbit whose impulses have grown by this factor is on its way to infinity.
 pub(crate) const UNBOUNDED: f64 = 1e4;
+
+/// Multipliers, and the verdict if it comes with them.
+pub(crate) type Spectrum = (Vec<Complex<f64>>, Option<Verdict>);
 
 /// Looks at orbits.
 pub(crate) trait Watcher {
@@ -19,12 +24,14 @@ pub(crate) trait Watcher {
     const FAINT: f64;
 
     /// Whether an orbit is physical, and what is nearest to a barrier.
-    fn admissibility(&mut self, orbit: &Self::Orbit) -> Option<Admissibility>;
+    fn admissibility(&mut self, orbit: &Self::Orbit) -> Result<Admissibility, LocateError>;
     /// Multipliers of the modes that feel the impacts; without losses ν = ½(μ + 1/μ) of each pair.
-    fn values(&mut self, orbit: &Self::Orbit) -> Option<Vec<Complex<f64>>>;
+    fn spectrum(&mut self, orbit: &Self::Orbit, tolerance: Tolerance) -> Result<Spectrum, LocateError>;
+    /// The verdict.
+    fn verdict(&mut self, orbit: &Self::Orbit, tolerance: Tolerance) -> Result<Verdict, LocateError>;
     /// What impulses are compared to.
     fn strength(&self, orbit: &Self::Orbit) -> f64;
-    /// Eigenvalue problems solved.
+    /// Spectra worked out.
     fn spectra(&self) -> usize;
 }
 

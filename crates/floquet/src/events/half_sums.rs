@@ -1,10 +1,7 @@
 //! Multipliers on their way: which pair crosses the circle between two points, which two collide on it, and functions of
 //! them that change sign there.
 
-use nalgebra::{Complex, DMatrix, LU};
-use vibrochain_breather::Orbit;
-
-use crate::reference::square::Square;
+use nalgebra::Complex;
 
 /// The least imaginary part of one of a pair, and the largest distance from the circle of one that lies on it: the root of
 /// rounding, by which a double eigenvalue may split.
@@ -15,30 +12,6 @@ const ON_CIRCLE: f64 = 1e-12;
 
 /// A match is clear if it is closer than this part of the distance to the next eigenvalue.
 const CLEAR: f64 = 0.4;
-
-/// ln|D| and the sign of D = det(A + shift) ΠP_i, A the orbit's matrix. The determinant is linear in each κ_i ∝ 1/P_i: alone it has a
-/// pole where an impulse P_i vanishes, and changes its sign there without a zero. D is regular.
-pub(crate) fn regular_determinant(orbit: &Orbit, matrix: &Square, shift: f64) -> (f64, f64) {
-    let impulses = orbit.impacts().iter().map(|impact| impact.impulse);
-    let (log, sign) = log_determinant(matrix, shift);
-    impulses.fold((log, sign), |(log, sign), impulse| (log + impulse.abs().ln(), sign * impulse.signum()))
-}
-
-/// ln|det(A + shift)| and the sign of the determinant.
-fn log_determinant(matrix: &Square, shift: f64) -> (f64, f64) {
-    let n = matrix.size();
-    let shifted = DMatrix::from_fn(n, n, |i, j| if i == j { matrix.at(i, j) + shift } else { matrix.at(i, j) });
-    let factors = LU::new(shifted);
-    let upper = factors.u();
-    let mut sign: f64 = factors.p().determinant();
-    let mut logarithm = 0.0;
-    for i in 0..n {
-        let pivot = upper[(i, i)];
-        sign *= pivot.signum();
-        logarithm += pivot.abs().ln();
-    }
-    (logarithm, sign)
-}
 
 /// One of each complex pair, the one above the real axis.
 pub(crate) fn upper_half(values: &[Complex<f64>]) -> Vec<Complex<f64>> {
@@ -78,7 +51,10 @@ pub(crate) fn crossing(from: &[Complex<f64>], to: &[Complex<f64>]) -> Crossing {
     let mut unclear = [-1, 1].iter().all(|&side| count(from, side) != count(to, side));
     for (i, value) in from.iter().enumerate() {
         let Some((j, distance)) = nearest(*value, to) else { continue };
-        if outside(value) * outside(&to[j]) >= 0 {
+        let sides = [outside(value), outside(&to[j])];
+        if sides[0] * sides[1] >= 0 {
+            // One that grows, and then cannot be told from the circle, may have crossed it.
+            unclear |= sides[0] != sides[1] && sides.contains(&1);
             continue;
         }
         let back = nearest(to[j], from).is_some_and(|(back, _)| back == i);
@@ -88,12 +64,6 @@ pub(crate) fn crossing(from: &[Complex<f64>], to: &[Complex<f64>]) -> Crossing {
         unclear = true;
     }
     if unclear { Crossing::Unclear } else { Crossing::None }
-}
-
-/// The eigenvalue of the upper half plane nearest to `expected`.
-pub(crate) fn follow(expected: Complex<f64>, values: &[Complex<f64>]) -> Option<Complex<f64>> {
-    let above = values.iter().copied().filter(|value| value.im > 0.0);
-    above.min_by(|a, b| (a - expected).norm_sqr().total_cmp(&(b - expected).norm_sqr()))
 }
 
 /// ν = ½(μ + 1/μ), one for each pair μ, 1/μ of a spectrum without loss, those on the circle made real.
@@ -133,33 +103,9 @@ pub(crate) fn collided(on: &[Complex<f64>], off: &[Complex<f64>]) -> Option<Comp
     complex(off).into_iter().max_by(|a, b| lonely(a).total_cmp(&lonely(b)))
 }
 
-/// (ν₁−ν₂)² of the two nearest to `centre`: positive while both are real, negative once they are conjugate.
-pub(crate) fn discriminant(centre: f64, half_sums: &[Complex<f64>]) -> Option<f64> {
-    let mut sorted: Vec<Complex<f64>> = half_sums.to_vec();
-    sorted.sort_by(|a, b| (a - centre).norm_sqr().total_cmp(&(b - centre).norm_sqr()));
-    match sorted.as_slice() {
-        [a, b, ..] => {
-            let difference = a - b;
-            Some((difference * difference).re)
-        }
-        _ => None,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn determinants_by_hand() {
-        let matrix = Square::from_rows(3, vec![0.0, 2.0, 1.0, 3.0, -1.0, 4.0, 1.0, 1.0, 1.0]).unwrap();
-        let (logarithm, sign) = log_determinant(&matrix, 0.0);
-        assert!((logarithm - 6f64.ln()).abs() < 1e-14 && sign == 1.0);
-        // det(A − 1) = −1(−2·0 − 4) − 2(3·0 − 4) + 1(3 + 2) = 17
-        let (logarithm, sign) = log_determinant(&matrix, -1.0);
-        assert!((logarithm - 17f64.ln()).abs() < 1e-14 && sign == 1.0, "{logarithm} {sign}");
-        assert_eq!(log_determinant(&Square::from_rows(1, vec![-1.0]).unwrap(), 0.0), (0.0, -1.0));
-    }
 
     #[test]
     fn a_pair_that_crosses_is_told_from_its_neighbours() {
@@ -179,15 +125,12 @@ mod tests {
     }
 
     #[test]
-    fn colliding_pairs_make_a_function_that_changes_sign() {
+    fn pairs_that_collide_are_told_from_others() {
         // ν = ±√d + 0.3
         let half_sums = |d: f64| {
             let root = Complex::new(d, 0.0).sqrt();
             vec![Complex::new(-0.8, 0.0), root + 0.3, -root + 0.3]
         };
-        for d in [1e-4, 1e-6, -1e-6, -1e-4] {
-            assert!((discriminant(0.3, &half_sums(d)).unwrap() - 4.0 * d).abs() < 1e-15);
-        }
         let off = half_sums(-1e-4);
         assert_eq!((complex_count(&off), complex_count(&half_sums(1e-4))), (2, 0));
         assert!((collided(&half_sums(1e-4), &off).unwrap().re - 0.3).abs() < 1e-12);

@@ -1,0 +1,124 @@
+//! What is seen at a point of a branch, and what that tells of the step to the next one.
+
+use nalgebra::Complex;
+use vibrochain_breather::Admissibility;
+
+use super::answer::{Event, LocateError};
+use super::follower::{At, Ends, Follower, Point};
+use crate::events::half_sums::upper_half;
+use crate::events::{EventOrbit, Test, Watcher, another_one, minus_one};
+use crate::followed::Followed;
+use crate::stripes::SignatureOrder;
+use crate::verdict::Verdict;
+
+/// What was seen at a point, as far as the events that are watched ask for it.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Seen {
+    /// Velocity before each impact, towards its barrier.
+    pub(super) velocities: Vec<f64>,
+    pub(super) admissibility: Option<Admissibility>,
+    pub(super) minus_one: Option<f64>,
+    pub(super) another_one: Option<f64>,
+    /// Multipliers, or without losses ν of each pair.
+    pub(super) values: Vec<Complex<f64>>,
+    /// Without loss, (Im ν)² of the pairs off the circle, by Re ν.
+    pub(super) openings: Vec<f64>,
+    /// Of impacts at several sites, the order of Krein signatures along the circle.
+    pub(super) order: Option<SignatureOrder>,
+    /// Where it comes with the multipliers.
+    pub(super) verdict: Option<Verdict>,
+}
+
+impl<E: Ends> Follower<E> {
+    /// What is to be known of a point.
+    pub(super) fn look(&mut self, point: &Point<E>) -> Result<Seen, LocateError> {
+        let (orbit, whole) = (point.orbit(), self.stretch.whole);
+        let mut seen = Seen::default();
+        if self.watches(Event::Grazing) {
+            seen.velocities = velocities(orbit);
+            seen.admissibility = Some(self.watcher.admissibility(orbit)?);
+        }
+        if self.watches(Event::PeriodDoubling) {
+            seen.minus_one = Some(minus_one(orbit)?);
+        }
+        if self.watches(Event::Pitchfork) {
+            seen.another_one = another_one(orbit);
+        }
+        // Signatures tell of thin stripes of any kind.
+        let lossless = orbit.is_lossless();
+        let signed = whole && lossless && (seen.minus_one.is_some() || seen.another_one.is_some());
+        if self.watches(Event::NeimarkSacker) || signed {
+            (seen.values, seen.verdict) = self.watcher.spectrum(orbit, self.stretch.tolerance)?;
+        }
+        if lossless && !seen.values.is_empty() {
+            let mut off = upper_half(&seen.values);
+            off.sort_by(|a, b| a.re.total_cmp(&b.re));
+            seen.openings = off.iter().map(|nu| nu.im * nu.im).collect();
+            if whole {
+                seen.order = self.ends.order(orbit);
+            }
+        }
+        Ok(seen)
+    }
+
+    /// A test function of one value at a point.
+    pub(super) fn read(&mut self, test: Test, point: &Point<E>) -> Option<f64> {
+        match test {
+            Test::Velocity(i) => velocities(point.orbit()).get(i).copied(),
+            Test::Touch(..) => Some(margin(&self.watcher.admissibility(point.orbit()).ok()?)),
+            Test::MinusOne => minus_one(point.orbit()).ok(),
+            Test::AnotherOne => another_one(point.orbit()),
+            _ => value::<E>(test, (point, &Seen::default())),
+        }
+    }
+}
+
+fn velocities(orbit: &impl EventOrbit) -> Vec<f64> {
+    let arrivals = orbit.arrivals();
+    orbit.hits().iter().zip(arrivals).map(|(hit, arrival)| hit.barrier.sign() * arrival.velocity).collect()
+}
+
+/// An impact that turned its sign has no margin: beyond grazing.
+fn margin(told: &Admissibility) -> f64 {
+    told.margin.unwrap_or(-1.0)
+}
+
+/// The value of a test function at a point, where it is one number that changes its sign.
+pub(super) fn value<E: Ends>(test: Test, (point, seen): At<'_, E>) -> Option<f64> {
+    match test {
+        Test::Fold => Some(point.fold_determinant()),
+        Test::One => Some(point.determinant()),
+        Test::AnotherOne => seen.another_one,
+        Test::MinusOne => seen.minus_one,
+        Test::Velocity(i) => seen.velocities.get(i).copied(),
+        Test::Touch(..) => seen.admissibility.as_ref().and_then(|told| told.margin),
+        Test::Circle | Test::Collision => None,
+    }
+}
+
+/// Whether a test function changes its sign between two points.
+pub(super) fn changes<E: Ends>(test: Test, from: At<'_, E>, to: At<'_, E>) -> bool {
+    let values = (value::<E>(test, from), value::<E>(test, to));
+    matches!(values, (Some(a), Some(b)) if (a > 0.0) != (b > 0.0))
+}
+
+/// What touches where the least distance changes its sign.
+pub(super) fn touch_between<E: Ends>(from: At<'_, E>, to: At<'_, E>) -> Option<Test> {
+    let margin = |at: At<'_, E>| at.1.admissibility.as_ref()?.margin;
+    let (before, after) = (margin(from)?, margin(to)?);
+    let beyond = if before <= 0.0 { from.1 } else { to.1 };
+    let closest = beyond.admissibility.as_ref()?.closest;
+    let touch = closest.filter(|_| (before > 0.0) != (after > 0.0))?;
+    Some(Test::Touch(touch.site, touch.barrier))
+}
+
+/// Marks by which a touch between two points may be found, the likeliest first.
+pub(super) fn marks<E: Ends>(test: Test, ends: [At<'_, E>; 2]) -> Vec<Option<f64>> {
+    let Test::Touch(site, barrier) = test else { return vec![None] };
+    let of = |(point, seen): At<'_, E>| {
+        let closest = seen.admissibility.as_ref()?.closest;
+        let closest = closest.filter(|one| (one.site, one.barrier) == (site, barrier))?;
+        Some(Some(closest.time / point.orbit().period()))
+    };
+    ends.into_iter().filter_map(of).collect()
+}
