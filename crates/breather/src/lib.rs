@@ -84,8 +84,8 @@ pub use structures::orbit::{StructureImpact, StructureOrbit};
 pub use structures::search::{StructureFound, StructureSearch, structure_candidates, structure_orbits};
 pub use tracer::corrector::Continuation;
 pub use tracer::line;
-pub use tracer::manifold::{Manifold, ManifoldPoint};
 pub use tracer::pace::Pace;
+pub use tracer::solution_curve::{SolutionCurve, SolutionPoint};
 #[doc(hidden)]
 pub use tracer::system;
 /// What orbits are asked of, so that this crate can be used alone.

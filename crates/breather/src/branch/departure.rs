@@ -22,8 +22,8 @@ use crate::equations::unknowns::{Unknowns, static_displacement};
 use crate::error::BranchError;
 use crate::orbit::{Draft, Family, Hit, Orbit, SIMULTANEOUS};
 use crate::search::finder::Finder;
-use crate::tracer::manifold::{Manifold, ManifoldPoint, normed};
 use crate::tracer::reduction::Reduction;
+use crate::tracer::solution_curve::{SolutionCurve, SolutionPoint, normed};
 use crate::tracer::system::System;
 
 /// A border that is not orthogonal to n in any symmetry: no two of its entries are alike, none is small.
@@ -79,7 +79,7 @@ impl Branch {
             }
         };
         let unknowns = Unknowns::free(&origin);
-        let mut branch = Self::with(&origin, [(free, unit_length)], unknowns, Reduction::none(&unknowns))?;
+        let mut branch = Self::with(&origin, (free, unit_length), unknowns, Reduction::none(&unknowns))?;
         let point = branch.along_null_vector()?;
         Ok((branch, point))
     }
@@ -92,9 +92,9 @@ impl Branch {
     }
 }
 
-impl<S: System> Manifold<S, 1> {
+impl<S: System> SolutionCurve<S> {
     /// The origin, where ∂F/∂x is singular, heading along the null vector.
-    pub(crate) fn along_null_vector(&mut self) -> Result<ManifoldPoint<S::Orbit, 1>, BranchError> {
+    pub(crate) fn along_null_vector(&mut self) -> Result<SolutionPoint<S::Orbit>, BranchError> {
         let coordinates = self.equations.origin()?;
         // (∂F/∂x b; cᵀ 0)(n; g) = (0; 1), regular where ∂F/∂x is singular.
         let size = self.equations.size();
@@ -105,11 +105,11 @@ impl<S: System> Manifold<S, 1> {
         let bordered = here.matrix.bordered(&border, &last_row);
         let mut direction = bordered.solve(&unit(size + 1, size)).ok_or(BranchError::NoConvergence)?;
         direction[size] = 0.0;
-        Ok(ManifoldPoint {
+        Ok(SolutionPoint {
             determinant: here.all().determinant(),
             orbit: here.orbit,
             coordinates,
-            tangents: [normed(direction)],
+            tangent: normed(direction),
             fold_determinant: 0.0,
             // A branch point: its neighbours have either sign.
             orientation: 0.0,

@@ -11,7 +11,7 @@ use super::model::StructureModel;
 use super::orbit::{StructureImpact, StructureOrbit};
 use crate::equations::linear::{Vector, dot};
 use crate::error::{BranchError, BreatherError};
-use crate::tracer::manifold::{Manifold, ManifoldPoint};
+use crate::tracer::solution_curve::{SolutionCurve, SolutionPoint};
 use crate::tracer::system::{Evaluation, System};
 
 /// Impulses are measured by the strongest, and by this part of what a barrier as far as the contact's own would take.
@@ -27,10 +27,10 @@ const MOVED: f64 = 1e-3;
 pub type StructureFamily = Arc<dyn Fn(&[f64]) -> Result<StructureModel, String> + Send + Sync>;
 
 /// A point of a structure's branch.
-pub type StructureBranchPoint = ManifoldPoint<StructureOrbit, 1>;
+pub type StructureBranchPoint = SolutionPoint<StructureOrbit>;
 
 /// The orbits of one word of a structure as one number of it varies.
-pub type StructureBranch = Manifold<StructureContinuation, 1>;
+pub type StructureBranch = SolutionCurve<StructureContinuation>;
 
 /// The equations of a word's orbits, with as many numbers of the structure free as units are given.
 #[derive(Clone)]

@@ -56,7 +56,7 @@ impl StructureBranch {
         };
         let point = branch.along_null_vector()?;
         let matrix = branch.equations.evaluate(point.coordinates())?.matrix;
-        if is_null_vector(&matrix, &point.tangents()[0]) { Ok((branch, point)) } else { Err(BranchError::Family) }
+        if is_null_vector(&matrix, point.tangent()) { Ok((branch, point)) } else { Err(BranchError::Family) }
     }
 }
 

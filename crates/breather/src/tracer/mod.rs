@@ -4,14 +4,14 @@
 //! |---|---|
 //! | `corrector` | the equations of a chain's orbits, with free parameters |
 //! | `line` | lines through a window of two parameters, point by point |
-//! | `manifold` | steps along tangents, and the points they lead to |
 //! | `pace` | how long steps are |
+//! | `solution_curve` | steps along tangents, and the points they lead to |
 //! | `reduction` | orbits of a symmetry among themselves |
 //! | `system` | any equations that are followed, and Newton's method |
 
 pub(crate) mod corrector;
 pub mod line;
-pub(crate) mod manifold;
 pub(crate) mod pace;
 pub(crate) mod reduction;
+pub(crate) mod solution_curve;
 pub mod system;

@@ -78,9 +78,9 @@ pub trait System {
         to.iter().zip(from).zip(self.units()).map(|((to, from), unit)| (to - from) / unit).collect()
     }
 
-    /// ∂F/∂λ in units, one of the free parameters, by differences; one-sided at the end of the parameter's range.
-    fn parameter_column(&mut self, z: &[f64], here: &[f64], which: usize) -> Result<Vector, BranchError> {
-        let m = self.size() + which;
+    /// ∂F/∂λ in units, by differences; one-sided at the end of the parameter's range.
+    fn parameter_column(&mut self, z: &[f64], here: &[f64]) -> Result<Vector, BranchError> {
+        let m = self.size();
         let step = DIFFERENCE * z[m].abs().max(1e-2 * self.units()[m]);
         let mut side = |sign: f64| {
             let mut moved = Vector::from(z);
@@ -97,34 +97,35 @@ pub trait System {
         Ok(high.iter().zip(&low).map(|(high, low)| (high - low) * scale).collect())
     }
 
-    /// ∂F/∂z at `z` above as many rows as parameters are free.
+    /// ∂F/∂z at `z` above a row, if a parameter is free.
     fn bordered(
         &mut self,
         z: &[f64],
         here: &Evaluation<Self::Orbit, Self::Kept>,
-        rows: &[Vector],
+        row: Option<&Vector>,
     ) -> Result<Matrix, BranchError> {
-        let (mut matrix, m) = (here.matrix.clone(), self.size());
-        for (which, row) in rows.iter().enumerate() {
-            let mut column = self.parameter_column(z, &here.rows, which)?;
-            column.extend(rows[..which].iter().map(|above| above[m + which]));
-            matrix = matrix.bordered(&column, row);
-        }
-        Ok(matrix)
+        let Some(row) = row else { return Ok(here.matrix.clone()) };
+        Ok(here.matrix.bordered(&self.parameter_column(z, &here.rows)?, row))
     }
 
-    /// Newton's method for F(z) = 0, ρ·(z − z₀) = 0 for each of the rows ρ, in units, from z₀ = `predicted`; the orbit is no farther than
-    /// `reach` from there. `known` says that z₀ itself is an orbit.
-    fn newton(&mut self, predicted: &[f64], rows: &[Vector], reach: f64, known: bool) -> Result<Vector, BranchError> {
+    /// Newton's method for F(z) = 0 and, if a parameter is free, ρ·(z − z₀) = 0 with the row ρ, in units, from z₀ = `predicted`; the orbit is no
+    /// farther than `reach` from there. `known` says that z₀ itself is an orbit.
+    fn newton(
+        &mut self,
+        predicted: &[f64],
+        row: Option<&Vector>,
+        reach: f64,
+        known: bool,
+    ) -> Result<Vector, BranchError> {
         let mut z = Vector::from(predicted);
         let mut last = f64::INFINITY;
         for _ in 0..STEPS {
             let here = self.evaluate(&z)?;
             let exact = last < NOISE && self.holds(&here);
-            let bordered = self.bordered(&z, &here, rows)?;
+            let bordered = self.bordered(&z, &here, row)?;
             let mut right: Vector = here.rows.iter().map(|x| -x).collect();
             let moved = self.chord(predicted, &z);
-            right.extend(rows.iter().map(|row| -dot(row, &moved)));
+            right.extend(row.map(|row| -dot(row, &moved)));
             let change = bordered.solve(&right).ok_or(BranchError::NoConvergence)?;
             let size = change.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
             z.iter_mut().zip(&change).zip(self.units()).for_each(|((z, change), unit)| *z += change * unit);

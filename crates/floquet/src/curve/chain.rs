@@ -4,7 +4,8 @@ use vibrochain_breather::{Continuation, Orbit};
 use vibrochain_lattice::Parameter;
 
 use super::answer::{CurveError, EventCurve, Walk, Window};
-use super::way::{Asked, followed};
+use super::tracer::Asked;
+use super::way::followed;
 use crate::events::OfChains;
 use crate::locate::{Event, Evidence};
 

@@ -3,7 +3,9 @@
 //! | module | holds |
 //! |---|---|
 //! | `answer` | [`Window`], [`Walk`], [`EventCurve`] with its points, its special points and its ends |
-//! | `way` | the curve through a start, both ways to its ends, with points of codimension two |
+//! | `tracer` | what is followed, from point to point |
+//! | `monitors` | what else happens on the way: points of codimension two |
+//! | `way` | the curve through a start, both ways to its ends |
 //! | `chain` | [`curve`] of a chain's orbits |
 //!
 //! The orbit's equations with what vanishes at the event are one system, with two numbers free: a branch of its solutions is the curve. So nothing
@@ -12,8 +14,11 @@
 
 mod answer;
 mod chain;
+mod monitors;
+mod tracer;
 mod way;
 
 pub use answer::{CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint, Walk, Window};
 pub use chain::{curve, curve_along};
-pub(crate) use way::{Asked, followed};
+pub(crate) use tracer::Asked;
+pub(crate) use way::followed;

@@ -5,7 +5,7 @@
 
 use smallvec::SmallVec;
 use vibrochain_breather::system::{Evaluation, Matrix, System, Vector, unit};
-use vibrochain_breather::{BranchError, ManifoldPoint};
+use vibrochain_breather::{BranchError, SolutionPoint};
 
 use super::orbit::EventOrbit;
 use super::rounding::{ROUNDING, rounding};
@@ -206,10 +206,10 @@ where
     }
 
     /// What rounding does to both numbers at a point of a curve, in their units.
-    pub(crate) fn error(&mut self, point: &ManifoldPoint<AtEvent<S::Orbit>, 1>) -> Option<f64> {
+    pub(crate) fn error(&mut self, point: &SolutionPoint<AtEvent<S::Orbit>>) -> Option<f64> {
         let z = point.coordinates();
         let here = self.known_at(z).ok()?;
-        let bordered = self.bordered(z, &here, point.tangents()).ok()?.transposed();
+        let bordered = self.bordered(z, &here, Some(point.tangent())).ok()?.transposed();
         let of_number = |place: usize| {
             let row = bordered.solve(&unit(z.len(), place))?;
             Some(row.iter().zip(&here.kept).map(|(row, error)| row.abs() * error).sum::<f64>())
@@ -267,8 +267,8 @@ where
     }
 
     /// Over the step about the last orbit.
-    fn parameter_column(&mut self, z: &[f64], here: &[f64], which: usize) -> Result<Vector, BranchError> {
-        let place = self.size() + which;
+    fn parameter_column(&mut self, z: &[f64], here: &[f64]) -> Result<Vector, BranchError> {
+        let place = self.size();
         self.by_number((z, place), place, here, |system, moved| {
             let (own, mark) = system.parts(moved);
             system.all_rows(&own, mark)
@@ -305,7 +305,7 @@ where
 {
     let mut system = EventSystem::new(base.clone(), test, z, mark);
     let start = system.origin()?;
-    let z = system.newton(&start, &[], reach, false)?;
+    let z = system.newton(&start, None, reach, false)?;
     let here = system.known_at(&z)?;
     let last = z.len() - 1;
     let row = here.matrix.transposed().solve(&unit(z.len(), last)).ok_or(BranchError::NoConvergence)?;

@@ -11,7 +11,7 @@
 use nalgebra::Complex;
 
 use super::answer::{Event, Evidence, LocateError};
-use super::follower::{At, Ends, Follower, Order, OrbitOf, Point};
+use super::follower::{At, Ends, Follower, OrbitOf, Order, Point};
 use super::seen::Seen;
 use super::settle::Found;
 use crate::events::half_sums::{SPLIT, collided, complex_count};
@@ -135,12 +135,7 @@ impl<E: Ends> Follower<E> {
 
     /// Whether between two points a pair has left the circle at −1 or +1, against itself, and come back. It has the other signature then:
     /// the balance of signatures tells, while as many pairs as before are beyond either end.
-    pub(super) fn hides_doubling(
-        &mut self,
-        from: At<'_, E>,
-        to: At<'_, E>,
-        depth: u32,
-    ) -> Result<bool, LocateError> {
+    pub(super) fn hides_doubling(&mut self, from: At<'_, E>, to: At<'_, E>, depth: u32) -> Result<bool, LocateError> {
         let orbit = from.0.orbit();
         let at_ends = [Event::PeriodDoubling, Event::Pitchfork].into_iter().any(|event| self.watches(event));
         if !E::SIGNED || !at_ends || !orbit.is_lossless() {

@@ -28,8 +28,7 @@ impl<E: Ends> Follower<E> {
     ) -> Result<(), LocateError> {
         let length = self.branch.length_between(from.0, to.0);
         let mut parts = Vec::new();
-        if let (Some(low), Some(high)) =
-            (self.end(from.0, from, 0.0, length)?, self.end(from.0, to, length, -length)?)
+        if let (Some(low), Some(high)) = (self.end(from.0, from, 0.0, length)?, self.end(from.0, to, length, -length)?)
         {
             parts.push((low, high, 0));
         }

@@ -75,7 +75,10 @@ pub(crate) trait Tracing {
     /// Who follows a branch.
     fn follower(&self, branch: Track<Self::Ends>) -> Follower<Self::Ends>;
     /// The branch through the orbit of an event, and a point to begin at.
-    fn through(&self, located: &Located<OrbitOf<Self::Ends>>) -> Result<(Track<Self::Ends>, Point<Self::Ends>), BranchError>;
+    fn through(
+        &self,
+        located: &Located<OrbitOf<Self::Ends>>,
+    ) -> Result<(Track<Self::Ends>, Point<Self::Ends>), BranchError>;
     /// The branch that leaves at an event, and where it does.
     fn leaving(
         &self,
@@ -180,11 +183,7 @@ impl<O: Followed> Diagram<O> {
 }
 
 /// Takes up the branch that leaves at an event, if one does.
-fn switch<T: Tracing>(
-    diagram: &mut Diagram<OrbitOf<T::Ends>>,
-    tracing: &T,
-    origin: Origin,
-) -> Result<(), LocateError> {
+fn switch<T: Tracing>(diagram: &mut Diagram<OrbitOf<T::Ends>>, tracing: &T, origin: Origin) -> Result<(), LocateError> {
     let parent = &diagram.branches[origin.branch];
     let Station::Event(located) = &parent.stations[origin.station] else { return Ok(()) };
     let Some(departure) = departure(located).filter(|_| parent.is_physical_about(origin.station)) else {

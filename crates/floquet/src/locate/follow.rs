@@ -146,7 +146,10 @@ impl<E: Ends> Follower<E> {
         };
         let way = (fold.value, End::Fold { error: fold.error });
         let along = self.length_to(from.0, &fold);
-        let before = self.all_between(from, (next, &seen))?.into_iter().filter(|(at, one)| *at < along && one.event != Event::Fold);
+        let before = self
+            .all_between(from, (next, &seen))?
+            .into_iter()
+            .filter(|(at, one)| *at < along && one.event != Event::Fold);
         self.passed.extend(before.map(|(_, located)| Station::Event(located)));
         if self.watches(Event::Fold) {
             let fold = self.told(Event::Fold, (from.0, along), fold, evidence);
@@ -188,4 +191,3 @@ impl<E: Ends> Follower<E> {
 pub(super) fn upwards<E: Ends>(point: Point<E>) -> Point<E> {
     if point.heading() < 0.0 { point.reversed() } else { point }
 }
-

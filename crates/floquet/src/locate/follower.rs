@@ -2,7 +2,7 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::system::System;
-use vibrochain_breather::{BranchError, Manifold, ManifoldPoint};
+use vibrochain_breather::{BranchError, SolutionCurve, SolutionPoint};
 use vibrochain_lattice::{Resonance, Stop};
 
 use super::answer::{Branching, End, Event, LocateError, Located, Unresolved};
@@ -19,8 +19,8 @@ pub(crate) type Order = Vec<Option<Signature>>;
 pub(crate) type OrbitOf<E> = <<E as Ends>::Watcher as Watcher>::Orbit;
 
 /// A branch of them, and a point of it.
-pub(crate) type Track<E> = Manifold<<E as Ends>::System, 1>;
-pub(crate) type Point<E> = ManifoldPoint<OrbitOf<E>, 1>;
+pub(crate) type Track<E> = SolutionCurve<<E as Ends>::System>;
+pub(crate) type Point<E> = SolutionPoint<OrbitOf<E>>;
 
 /// A point with what is seen there.
 pub(super) type At<'a, E> = (&'a Point<E>, &'a Seen);

@@ -1,18 +1,20 @@
 //! Where a branch of orbits bifurcates: the value of one parameter at which a multiplier meets +1, −1 or the circle, at which
 //! a mass touches a barrier, or at which the branch turns back.
 //!
-//! | event | what vanishes |
+//! | module | holds |
 //! |---|---|
-//! | fold | det ∂F/∂x of the orbit's equations, solved together with them; the branch ends there in the parameter |
-//! | pitchfork | det ∂F/∂x where the branch goes on; for conservative orbits det(ν−1) times all impulses |
-//! | period doubling | det(M+1) on the even subspace, for conservative orbits det(ν+1), times all impulses |
-//! | Neimark–Sacker | \|μ\|² − 1 of one pair, followed; without loss (ν₁−ν₂)² of the two that collide |
-//! | grazing | the smallest distance of any mass to a barrier, or the velocity before an impact |
+//! | `answer`, `course` | what is asked, and what is answered |
+//! | `follower` | who follows a branch; what a chain's and a structure's have of their own |
+//! | `follow` | steps, folds and ends, one way |
+//! | `seen`, `between` | what is seen at a point; steps so short that no pair of events hides |
+//! | `settle`, `beside_resonance` | events where a test function changes its sign |
+//! | `crossings`, `collision` | pairs of multipliers that cross the circle; without losses, that meet on it |
+//! | `diagram`, `switch`, `branch_off` | the branches that leave a branch |
+//! | `chain` | branches of a chain's orbits |
 //!
-//! The branch is followed both ways from the start by its length ([`vibrochain_breather::Branch`]); where a function
-//! changes sign the zero is bracketed and found by Brent's method in that length. The error of the parameter is what
-//! rounding is seen to do to function and parameter next to the zero, and what rounding of all other parameters would do.
-//! One that is wider than the distance over which the sign was seen to change is no claim ([`Unresolved`]).
+//! The branch is followed both ways from the start by its length ([`vibrochain_breather::Branch`]); where a test function (`events`)
+//! changes its sign, the orbit's equations are solved together with it. The error of the parameter is what rounding of both does to it.
+//! One that is wider than the step is no claim ([`Unresolved`]).
 //!
 //! At a period doubling of a single-sided orbit the doubled orbit is handed over, at a pitchfork of a double-sided one the
 //! pair of asymmetric orbits, on the side where they exist.

@@ -114,8 +114,7 @@ impl<E: Ends> Follower<E> {
     }
 
     pub(super) fn length_to(&mut self, from: &Point<E>, solved: &Solved<OrbitOf<E>>) -> f64 {
-        let chord = self.branch.chord_to(from, &solved.coordinates);
-        self.branch.along(from, &chord)
+        self.branch.length_to(from, &solved.coordinates)
     }
 
     /// The event of a test function between two points where it changes its sign.
@@ -145,8 +144,8 @@ impl<E: Ends> Follower<E> {
         let Ok(middle) = self.at(from.0, 0.5 * length) else { return Ok(Settled::Hidden) };
         let seen = self.look(&middle)?;
         let middle = (&middle, &seen);
-        let before =
-            changes::<E>(test, from, middle) || matches!(test, Test::Touch(..)) && touch_between::<E>(from, middle).is_some();
+        let before = changes::<E>(test, from, middle)
+            || matches!(test, Test::Touch(..)) && touch_between::<E>(from, middle).is_some();
         let (from, to) = if before { (from, middle) } else { (middle, to) };
         self.settle(test, from, to, halvings - 1)
     }

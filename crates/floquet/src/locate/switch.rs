@@ -1,7 +1,7 @@
 //! At which events branches leave another, and the first step along one.
 
 use vibrochain_breather::system::System;
-use vibrochain_breather::{Approach, Departure, Hit, Manifold, ManifoldPoint};
+use vibrochain_breather::{Approach, Departure, Hit, SolutionCurve, SolutionPoint};
 use vibrochain_lattice::Barrier;
 
 use super::answer::{Event, Evidence, Located};
@@ -73,11 +73,11 @@ fn touching(orbit: &impl EventOrbit, touch: &Approach) -> Option<Vec<Hit>> {
 
 /// The first point of a branch that leaves another, on the side where its orbits are.
 pub(crate) fn first_step<S: System>(
-    branch: &mut Manifold<S, 1>,
-    start: &ManifoldPoint<S::Orbit, 1>,
+    branch: &mut SolutionCurve<S>,
+    start: &SolutionPoint<S::Orbit>,
     departure: &Departure,
     mut is_physical: impl FnMut(&S::Orbit) -> bool,
-) -> Option<ManifoldPoint<S::Orbit, 1>> {
+) -> Option<SolutionPoint<S::Orbit>> {
     let mut taken = |sign: f64| (0..TRIES).find_map(|i| branch.step(start, sign * FIRST * SHRINK.powi(i)).ok());
     if matches!(departure, Departure::Pitchfork | Departure::PeriodDoubling) {
         // The other way leads to the same orbits, mirrored or begun later.

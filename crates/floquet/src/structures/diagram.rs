@@ -98,13 +98,15 @@ impl Tracing for StructureTracing<'_> {
     fn follower(&self, branch: StructureBranch) -> Follower<OfStructure> {
         let StructureCourse { from, to, ref events, tolerance, .. } = *self.course;
         let stretch = Stretch { from, to, events: events.clone(), tolerance, whole: true };
-        let ends =
-            OfStructure { family: self.family.clone(), range: self.range(), tolerance, stop: self.stop.clone() };
+        let ends = OfStructure { family: self.family.clone(), range: self.range(), tolerance, stop: self.stop.clone() };
         Follower::new(branch, OfStructures::default(), ends, stretch, self.stop)
     }
 
     /// Right where symmetry is lost there are two directions; beside it the symmetric orbits have one.
-    fn through(&self, located: &Located<StructureOrbit>) -> Result<(StructureBranch, StructureBranchPoint), BranchError> {
+    fn through(
+        &self,
+        located: &Located<StructureOrbit>,
+    ) -> Result<(StructureBranch, StructureBranchPoint), BranchError> {
         let StructureCourse { from, to, .. } = *self.course;
         let aside = if located.value < 0.5 * (from + to) { ASIDE } else { -ASIDE };
         let value = located.value + aside * self.range();
@@ -112,7 +114,7 @@ impl Tracing for StructureTracing<'_> {
         let mut z = Vector::from(branch.system().origin()?);
         let last = z.len() - 1;
         z[last] = value;
-        let beside = branch.correct(&z, &[unit(last + 1, last)], 1.0, false)?;
+        let beside = branch.correct(&z, &unit(last + 1, last), 1.0, false)?;
         let mut branch = self.branch(beside.orbit(), value)?;
         let point = branch.start()?;
         Ok((branch, point))

@@ -140,7 +140,7 @@ fn follow_in(
         }
         if next.is_err() {
             // A word with a symmetry passes points where others branch off that lack it.
-            let over = OVER.iter().find_map(|&length| along.step_along(&point, [length]).ok());
+            let over = OVER.iter().find_map(|&length| along.leap(&point, length).ok());
             next = over.filter(|next| next.value() < target).ok_or(BranchError::NoConvergence);
             pace = Pace::new(OVER[0]);
         }
@@ -150,12 +150,11 @@ fn follow_in(
             return ended(here, near.map_or(End::Lost, |(_, resonance)| End::Resonance(resonance)));
         };
         if next.heading() <= 0.0 {
-            let near = |fold: &BranchPoint| (fold.value() - point.value()).abs() < LONGEST * target;
-            let there = along.fold(&next).ok().filter(near).map_or(point.value(), |fold| fold.value());
+            let there = last_value(&mut along, &point, &next, |there| there.heading() > 0.0);
             return ended(there, End::Fold);
         }
         if let Some(site) = grazing(&next) {
-            let there = grazing_value(&mut along, &point, &next);
+            let there = last_value(&mut along, &point, &next, |there| grazing(there).is_none());
             // Where a harmonic meets a mode all impulses vanish.
             let reach = NEAR * there;
             let resonance = along.resonance_within(&point, there + reach);
@@ -191,16 +190,17 @@ fn grazing(point: &BranchPoint) -> Option<usize> {
     point.orbit().impacts().iter().find(|impact| !impact.is_right_signed()).map(|impact| impact.site)
 }
 
-/// The coupling between the two points where an impact loses its velocity.
-fn grazing_value(along: &mut Branch, from: &BranchPoint, to: &BranchPoint) -> f64 {
-    let (mut low, mut high) = (from.clone(), to.value());
+/// The coupling between two points up to which something holds that does at the first.
+fn last_value(along: &mut Branch, from: &BranchPoint, to: &BranchPoint, holds: impl Fn(&BranchPoint) -> bool) -> f64 {
+    let (mut low, mut high) = (0.0, along.length_between(from, to));
+    let mut value = from.value();
     // Bisection: each halves what is left of a step of a tenth.
     for _ in 0..44 {
-        let middle = 0.5 * (low.value() + high);
-        match along.at(&low, middle) {
-            Ok(point) if grazing(&point).is_none() => low = point,
+        let middle = 0.5 * (low + high);
+        match along.step(from, middle) {
+            Ok(point) if holds(&point) => (low, value) = (middle, point.value()),
             _ => high = middle,
         }
     }
-    0.5 * (low.value() + high)
+    value
 }

@@ -1,0 +1,128 @@
+//! What else happens along a curve: monitors, which change their sign where it does.
+
+use nalgebra::Complex;
+use vibrochain_breather::system::System;
+
+use super::answer::Special;
+use super::tracer::{Foot, Tracer, is_physical};
+use crate::events::half_sums::upper_half;
+use crate::events::{AtEvent, EventOrbit, TOUCHES, Test, Watcher, another_one, minus_one};
+use crate::followed::Followed;
+use crate::locate::Event;
+use crate::verdict::Tolerance;
+
+type C = Complex<f64>;
+
+/// The least growth that tells a pair from the circle.
+const GROWTH: f64 = 1e-12;
+
+/// Something that happens on a curve where its value changes the sign.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Monitor {
+    pub(super) special: Special,
+    /// Which of several of one kind.
+    which: usize,
+    pub(super) value: f64,
+}
+
+impl Monitor {
+    pub(super) fn is(&self, other: &Self) -> bool {
+        (self.special, self.which) == (other.special, other.which)
+    }
+}
+
+/// What is seen at a foot.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Seen {
+    pub(super) monitors: Vec<Monitor>,
+    /// Whether the orbit is physical, touches aside.
+    pub(super) physical: Option<bool>,
+}
+
+impl<S, W> Tracer<'_, S, W>
+where
+    S: System<Orbit = W::Orbit>,
+    W: Watcher,
+{
+    pub(super) fn seen(&mut self, foot: &Foot<W::Orbit>) -> Seen {
+        let AtEvent { orbit, mark, determinant, fold_determinant } = foot.orbit();
+        let mut monitors = Vec::new();
+        let mut add = |special, which, value: f64| {
+            if value.is_finite() {
+                monitors.push(Monitor { special, which, value });
+            }
+        };
+        let (speed, event) = (orbit.speed(), self.asked.event);
+        let told = self.watcher.admissibility(orbit).ok();
+        let physical = told.as_ref().map(|told| is_physical(told, orbit));
+        if let (true, Some(theta)) = (self.has_angle(), *mark) {
+            // There the curve ends.
+            add(Special::OneToOne, 0, theta);
+            add(Special::OneToTwo, 0, std::f64::consts::PI - theta);
+        }
+        if !self.asked.special {
+            return Seen { monitors, physical };
+        }
+        for (i, (arrival, hit)) in orbit.arrivals().iter().zip(orbit.hits()).enumerate() {
+            if !self.grazing.contains(&i) {
+                add(Special::With(Event::Grazing), 1 + i, hit.barrier.sign() * arrival.velocity / speed);
+            }
+        }
+        // Where one touches all along, be it with an impact, others are told once they are beyond.
+        let own = if event == Event::Grazing { TOUCHES } else { 0.0 };
+        if let Some(margin) = told.and_then(|told| told.margin) {
+            add(Special::With(Event::Grazing), 0, margin * orbit.omega() / speed + own);
+        }
+        if let (true, Some(theta)) = (self.has_angle(), *mark) {
+            add(Special::OneToThree, 0, theta.cos() + 0.5);
+            add(Special::OneToFour, 0, theta.cos());
+        }
+        if !matches!(event, Event::Fold | Event::Pitchfork) && !orbit.is_conservative() {
+            add(Special::With(Event::Fold), 0, *fold_determinant);
+            if determinant != fold_determinant {
+                add(Special::With(Event::Pitchfork), 0, determinant / fold_determinant);
+            }
+        }
+        // An impact without velocity leaves no multiplier that could be told.
+        if !matches!(self.test, Test::Velocity(_)) {
+            if self.test != Test::MinusOne {
+                add(Special::With(Event::PeriodDoubling), 0, minus_one(orbit).unwrap_or(f64::NAN));
+            }
+            if self.test != Test::AnotherOne {
+                add(Special::With(Event::Pitchfork), 1, another_one(orbit).unwrap_or(f64::NAN));
+            }
+            // Where multipliers cannot be computed no special point is reported; the curve itself does not need them.
+            let values =
+                self.watcher.spectrum(orbit, Tolerance::Rounding).map(|(values, _)| values).unwrap_or_default();
+            self.multipliers(&values, orbit.is_lossless(), &mut add);
+        }
+        Seen { monitors, physical }
+    }
+
+    /// Another multiplier where the curve's own is, and pairs on the circle.
+    fn multipliers(&self, values: &[C], lossless: bool, add: &mut dyn FnMut(Special, usize, f64)) {
+        let own = match self.test {
+            Test::Fold | Test::One | Test::AnotherOne => Some((1.0, Special::OneToOne)),
+            Test::MinusOne => Some((-1.0, Special::OneToTwo)),
+            _ => None,
+        };
+        if let (Some((goal, strong)), false) = (own, values.is_empty()) {
+            // All but the nearest.
+            let distance = |value: &C| (value - goal).norm();
+            let nearest = values.iter().map(distance).fold(f64::INFINITY, f64::min);
+            let rest = values.iter().filter(|value| distance(value) > nearest);
+            add(strong, 0, rest.map(|value| (value - goal) / (1.0 + value.norm())).product::<C>().re);
+        }
+        if lossless {
+            return;
+        }
+        let growths = upper_half(values).into_iter().map(|value| value.norm().ln());
+        let mut growths: Vec<f64> = growths.filter(|growth| growth.abs() > GROWTH).collect();
+        if self.test == Test::Circle {
+            let own = growths.iter().map(|growth| growth.abs()).fold(f64::INFINITY, f64::min);
+            growths.retain(|growth| growth.abs() > own);
+        }
+        growths.sort_by(|a, b| b.total_cmp(a));
+        growths.into_iter().enumerate().for_each(|(k, growth)| add(Special::With(Event::NeimarkSacker), k, growth));
+    }
+}

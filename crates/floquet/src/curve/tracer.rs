@@ -1,0 +1,217 @@
+//! From point to point of a curve.
+
+use vibrochain_breather::system::{System, Vector, dot, zeros};
+use vibrochain_breather::{Admissibility, BranchError, Obstruction, SolutionCurve, SolutionPoint};
+
+use super::answer::CurvePoint;
+use crate::bracket::crossing;
+use crate::events::{AtEvent, EventOrbit, EventSystem, TOUCHES, Test, Watcher};
+use crate::locate::{Event, Evidence};
+
+/// The error is worked out at every so many points; between two it is no more than this times the larger of theirs.
+const EVERY: usize = 16;
+const BETWEEN: f64 = 2.0;
+
+/// What holds symmetric orbits together, in units of their equations, is no more than this: rounding.
+pub(super) const PUSHED: f64 = 1e-8;
+
+/// The curve may be this part of a step away from where it was foreseen.
+const ASTRAY: f64 = 0.1;
+
+/// Cosine of the angle by which it may turn in a step.
+const STRAIGHT: f64 = 0.9;
+
+/// Feet through which the next one is foreseen, each farther from the next than this part of the step.
+const THROUGH: usize = 4;
+const CROWDED: f64 = 0.1;
+
+/// A point of a curve.
+pub(super) type Foot<O> = SolutionPoint<AtEvent<O>>;
+
+fn norm(vector: &[f64]) -> f64 {
+    dot(vector, vector).sqrt()
+}
+
+/// Values of both numbers.
+pub(super) fn values<O>(foot: &Foot<O>) -> [f64; 2] {
+    let z = foot.coordinates();
+    [z[z.len() - 2], z[z.len() - 1]]
+}
+
+/// What is followed, and how.
+pub(crate) struct Asked<'a> {
+    pub(crate) event: Event,
+    pub(crate) evidence: Evidence,
+    /// Least and largest values of both numbers.
+    pub(crate) window: [[f64; 2]; 2],
+    pub(crate) tolerance: f64,
+    /// The number at whose least value masses are not coupled, if it is that.
+    pub(crate) uncoupled: Option<usize>,
+    /// Whether points of codimension two are looked for.
+    pub(crate) special: bool,
+    /// Told of each point, whether the curve need go no farther.
+    pub(crate) until: &'a dyn Fn([f64; 2], Option<bool>) -> bool,
+}
+
+impl Asked<'_> {
+    pub(super) fn parts(&self, values: [f64; 2]) -> [f64; 2] {
+        let [from, to] = self.window;
+        [0, 1].map(|i| (values[i] - from[i]) / (to[i] - from[i]))
+    }
+
+    pub(super) fn holds(&self, values: [f64; 2]) -> bool {
+        let [from, to] = self.window;
+        (0..2).all(|i| (from[i]..=to[i]).contains(&values[i]))
+    }
+}
+
+/// Whether an orbit is physical, touches aside.
+pub(super) fn is_physical(told: &Admissibility, orbit: &impl EventOrbit) -> bool {
+    match told.obstruction {
+        None => true,
+        Some(Obstruction::Crossing { excess, .. }) => excess <= TOUCHES * orbit.speed() / orbit.omega(),
+        Some(Obstruction::WrongSign { velocity_before, .. }) => velocity_before.abs() <= TOUCHES * orbit.speed(),
+    }
+}
+
+/// Who follows a curve.
+pub(super) struct Tracer<'a, S, W>
+where
+    S: System<Orbit = W::Orbit>,
+    W: Watcher,
+{
+    pub(super) manifold: SolutionCurve<EventSystem<S>>,
+    pub(super) watcher: W,
+    pub(super) test: Test,
+    pub(super) asked: &'a Asked<'a>,
+    /// Impulses of the first orbit.
+    pub(super) strength: f64,
+    /// All impulses vanish all along.
+    pub(super) vanish: bool,
+    /// The impacts that have no velocity all along.
+    pub(super) grazing: Vec<usize>,
+}
+
+impl<S, W> Tracer<'_, S, W>
+where
+    S: System<Orbit = W::Orbit>,
+    W: Watcher,
+{
+    pub(super) fn has_angle(&self) -> bool {
+        matches!(self.test, Test::Circle | Test::Collision)
+    }
+
+    /// Where the curve is expected, a length ahead of the last of some feet: through several of them, as edges of stripes are near to each other.
+    pub(super) fn foreseen(&self, feet: &[Foot<W::Orbit>], length: f64) -> Option<Vector> {
+        let last = feet.last()?;
+        // Those that nearly are one place tell nothing of how it bends.
+        let mut places = vec![(0.0, last)];
+        let (mut at, mut apart) = (0.0, 0.0);
+        for pair in feet.windows(2).rev() {
+            let step = self.manifold.distance(&pair[0], &pair[1]);
+            (at, apart) = (at - step, apart + step);
+            if apart > CROWDED * length.abs() {
+                places.push((at, &pair[0]));
+                apart = 0.0;
+            }
+            if places.len() == THROUGH {
+                break;
+            }
+        }
+        if places.len() == 1 {
+            return Some(self.manifold.ahead(last, length));
+        }
+        let mut sum = zeros(last.coordinates().len());
+        for (i, (at, foot)) in places.iter().enumerate() {
+            let others = places.iter().enumerate().filter(|(j, _)| *j != i);
+            let weight: f64 = others.map(|(_, (other, _))| (length - other) / (at - other)).product();
+            sum.iter_mut().zip(foot.coordinates()).for_each(|(sum, x)| *sum += weight * x);
+        }
+        Some(sum)
+    }
+
+    /// The foot a length ahead of the last of some feet.
+    pub(super) fn advance(&mut self, feet: &[Foot<W::Orbit>], length: f64) -> Result<Foot<W::Orbit>, BranchError> {
+        let foreseen = self.foreseen(feet, length).ok_or(BranchError::NoConvergence)?;
+        self.advance_to(feet, &foreseen)
+    }
+
+    /// The foot near where it is foreseen, across the way there.
+    pub(super) fn advance_to(
+        &mut self,
+        feet: &[Foot<W::Orbit>],
+        foreseen: &[f64],
+    ) -> Result<Foot<W::Orbit>, BranchError> {
+        let last = feet.last().ok_or(BranchError::NoConvergence)?;
+        let way = self.manifold.chord_to(last, foreseen);
+        let length = norm(&way);
+        let direction = way.iter().map(|x| x / length).collect();
+        let next = self.manifold.correct(foreseen, &direction, ASTRAY * length, false)?;
+        // It does not turn back between two points.
+        let back = feet.len().checked_sub(2).map(|i| self.manifold.chord_to(last, feet[i].coordinates()));
+        let turns = |back: Vector| -dot(&back, &way) < STRAIGHT * length * norm(&back);
+        // Symmetry is lost with the numbers themselves: no symmetric orbits are there that could lose it.
+        let pushed = self.manifold.system().push(next.orbit()).abs() > PUSHED;
+        if pushed || back.is_some_and(turns) { Err(BranchError::NoConvergence) } else { Ok(next) }
+    }
+
+    /// Where on a step from the last of some feet a function vanishes that has these values at its ends.
+    pub(super) fn located(
+        &mut self,
+        feet: &[Foot<W::Orbit>],
+        length: f64,
+        ends: [f64; 2],
+        mut value: impl FnMut(&mut Self, &Foot<W::Orbit>) -> Option<f64>,
+    ) -> Option<(Foot<W::Orbit>, f64)> {
+        let (s, error) = crossing(ends, length, |s| {
+            let foot = self.advance(feet, s).ok()?;
+            value(self, &foot)
+        })?;
+        Some((self.advance(feet, s).ok()?, error.min(length)))
+    }
+
+    /// How the curve goes on in the plane of both numbers.
+    pub(super) fn heading(&self, foot: &Foot<W::Orbit>) -> [f64; 2] {
+        let tangent = foot.tangent();
+        [tangent[tangent.len() - 2], tangent[tangent.len() - 1]]
+    }
+
+    /// Two folds meet where the curve turns back in both numbers.
+    pub(super) fn cusp(
+        &mut self,
+        feet: &[Foot<W::Orbit>],
+        to: &Foot<W::Orbit>,
+        length: f64,
+    ) -> Option<(Foot<W::Orbit>, f64)> {
+        let before = self.heading(feet.last()?);
+        let against = |[x, y]: [f64; 2]| x * before[0] + y * before[1];
+        let ends = [against(before), against(self.heading(to))];
+        if ends[1] > 0.0 {
+            return None;
+        }
+        self.located(feet, length, ends, |tracer, foot| Some(against(tracer.heading(foot))))
+    }
+
+    /// The error at each of the feet, as a part of the window's sides.
+    pub(super) fn errors(&mut self, feet: &[Foot<W::Orbit>]) -> Vec<f64> {
+        let last = feet.len().saturating_sub(1);
+        let places: Vec<usize> = (0..last).step_by(EVERY).chain([last]).collect();
+        let told: Vec<f64> =
+            places.iter().map(|&i| self.manifold.system().error(&feet[i]).unwrap_or(f64::INFINITY)).collect();
+        let mut errors = vec![f64::INFINITY; feet.len()];
+        for (pair, told) in places.windows(2).zip(told.windows(2)) {
+            errors[pair[0]..=pair[1]].fill(BETWEEN * told[0].max(told[1]));
+        }
+        places.iter().zip(&told).for_each(|(&i, error)| errors[i] = *error);
+        errors
+    }
+
+    pub(super) fn described(&mut self, foot: &Foot<W::Orbit>, error: f64) -> CurvePoint<W::Orbit> {
+        let AtEvent { orbit, mark, .. } = foot.orbit();
+        let told = self.watcher.admissibility(orbit).ok();
+        let physical = told.map(|told| is_physical(&told, orbit));
+        let angle = mark.filter(|_| self.has_angle()).map(|theta| theta.clamp(0.0, std::f64::consts::PI));
+        let angle = angle.map(|theta| theta / std::f64::consts::PI);
+        CurvePoint { values: values(foot), error, orbit: orbit.clone(), angle, physical }
+    }
+}
