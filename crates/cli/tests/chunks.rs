@@ -152,7 +152,16 @@ fn chunks_of_another_scene_are_refused_by_what_differs() {
     let other = Desk::with_scene(&SCENE.replace("gamma1 = 0.2", "gamma1 = 0.25"));
     other.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
     fs::copy(other.path("parts/000002.chunk"), desk.path("map.csv.parts/000002.chunk")).unwrap();
-    change("[model]", "title = \"what a picture is called and # remarks do not matter\"\n[model]");
+    // What a picture is called does not matter, nor do remarks, the order of keys and how a number is spelled.
+    let words = "asymmetry = 4e-1 # a remark\ngamma1 = 2e-1\n[compute]\nfamilies = [\"single-sided\", \"double-sided\"]\n[sweep]";
+    fs::write(
+        desk.path("scene.toml"),
+        format!(
+            "title = \"a title\"\n{}",
+            SCENE.split("[compute]").next().unwrap().replace("gamma1 = 0.2\nasymmetry = 0.4\n[sweep]", words)
+        ),
+    )
+    .unwrap();
     desk.run(&format!("{SWEEP} --resume")).with(2, &["000002.chunk is a chunk of another scene or version"]);
     fs::remove_file(desk.path("map.csv.parts/000002.chunk")).unwrap();
     desk.run(&format!("{SWEEP} --resume")).with(0, &[]);

@@ -6,6 +6,7 @@ use std::process::Command;
 
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
+use vibrochain_testkit::scenes::FATE;
 use vibrochain_testkit::{Desk, SCENE};
 
 /// Compares every value; numbers must be the same to the last bit, and what is missing must be missing.
@@ -60,6 +61,20 @@ fn values_of_a_structures_map_come_back_by_columns() {
     desk.run("sweep scene.toml --out map.parquet --quiet").with(0, &[]);
     let (values, columns) = alike(&desk);
     assert_eq!(values, 120 * columns);
+}
+
+/// Rows of breathers, of cells without any, and the chunks of an interrupted run.
+#[test]
+fn values_of_fates_come_back_by_columns() {
+    let desk = Desk::with_scene(FATE);
+    let line = "fate scene.toml --breathers every --starts 2 --periods 40 --quiet";
+    ["map.csv", "map.parquet"].iter().for_each(|name| drop(desk.run(&format!("{line} --out {name}")).with(0, &[])));
+    let (values, columns) = alike(&desk);
+    let rows = String::from_utf8(desk.read("map.csv")).unwrap().lines().count() - 1;
+    assert!(columns > 20 && rows > 12 && values == rows * columns, "{values} {rows} {columns}");
+    desk.run(&format!("{line} --out parts --shard 0/1")).with(0, &[]);
+    desk.run("merge parts --out merged.parquet --quiet").with(0, &[]);
+    assert!(desk.read("map.parquet") == desk.read("merged.parquet"));
 }
 
 #[test]

@@ -73,7 +73,6 @@ fn what_cannot_be_asked_is_refused_with_what_can() {
         ("fate scene.toml --perturb -.1", "--perturb -0.1 is out of range: give a size from 0 to 1"),
         ("fate scene.toml --transient 1", "--transient 1 is out of range: give a share from 0 to 0.95"),
         ("fate scene.toml --tolerance 2", "--tolerance 2 is out of range"),
-        ("fate scene.toml --csv map.parquet", "map.parquet: the table of an ensemble is not written by columns"),
         ("fate scene.toml --resume", "--out"),
         ("fate scene.toml --csv - --resume", "--resume has nothing to go on with: --out - is no plain file"),
         ("fate scene.toml --csv parts --shard 2/2", "there is no shard 2 of 2"),

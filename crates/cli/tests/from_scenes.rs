@@ -195,3 +195,23 @@ fn what_is_wrong_in_json_is_told_by_its_key() {
     let ran = desk.run("orbit --family double-sided --scene model.json").with(0, &[]);
     assert!(ran.out.contains("restitution = 1\n"), "{}", ran.out);
 }
+
+/// A name that is nearly that of a file, or of one in a folder beside; and a file that is of another program.
+#[test]
+fn the_file_that_was_meant_is_named() {
+    let desk = Desk::with_scene(SCENE);
+    fs::create_dir(desk.path("scenes")).unwrap();
+    fs::write(desk.path("scenes/ring.toml"), SCENE).unwrap();
+    let other = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/figures/figure-1.toml")).unwrap();
+    fs::write(desk.path("figure-1.toml"), other).unwrap();
+    for (line, told) in [
+        ("orbit --scene scne.toml", "did you mean scene.toml?"),
+        ("sweep scene/ring.tml --out map.csv", "did you mean scenes/ring.toml?"),
+        ("orbit --scene ring.toml", "did you mean scenes/ring.toml?"),
+        ("orbit --scene figure-1.toml", "figure-1.toml: it sets a figure of the paper, which `studies figures"),
+    ] {
+        desk.run(line).with(2, &[told]);
+    }
+    let told = desk.run("orbit --scene nothing.toml").with(2, &["cannot read"]).err.clone();
+    assert!(!told.contains("did you mean"), "{told}");
+}

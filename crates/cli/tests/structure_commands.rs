@@ -200,7 +200,7 @@ fn a_map_is_a_row_a_point() {
     desk.run("sweep scene.toml --out map.csv").with(0, &["36 cells"]);
     let text = String::from_utf8(desk.read("map.csv")).unwrap();
     let rows: Vec<&str> = text.lines().collect();
-    assert_eq!(rows[0], "omega,contact.0.upper,class,word,mechanism,spectral_radius,margin,solutions,trouble");
+    assert_eq!(rows[0], "omega,contact.0.upper,class,word,mechanism,spectral_radius,margin,solutions,status,trouble");
     assert_eq!(rows.len(), 37);
     assert!(rows[1].starts_with("0.6,0.5,") && rows[36].starts_with("1.4,0.8,"), "{} {}", rows[1], rows[36]);
     let physical = rows[1..].iter().filter(|row| !row.contains(",none,")).count();
@@ -211,6 +211,23 @@ fn a_map_is_a_row_a_point() {
     let told = desk
         .run(&format!("orbit --scene scene.toml --omega {} --set contact.0.upper={} --word 0+", parts[0], parts[1]));
     assert!(told.with(0, &[]).out.contains(&format!("stable: spectral radius {}", parts[5])), "{stable}");
+}
+
+/// Where a list is not known to be complete, a map says so at each point and in all.
+#[test]
+fn a_map_tells_where_its_lists_are_complete() {
+    let sweep = "[sweep]\nx = { parameter = \"omega\", from = 0.6, to = 1.4, points = 5 }\n[compute]\nfamilies = ";
+    let desk = Desk::with_scene(&format!("{TWO}{sweep}[\"0+\", \"0+,0-\"]\n"));
+    let four = ["0+,0-", "0+,0-,0+,0-"]
+        .map(|word| desk.run(&format!("orbit --scene scene.toml --word {word}")).with(0, &[]).out);
+    assert!(four[0].contains("the list is complete") && !four[1].contains("the list is complete"), "{four:?}");
+    assert!(!desk.run("sweep scene.toml --out map.csv").with(0, &[]).err.contains("status"));
+    assert_eq!(desk.json("map.manifest.json")["statuses"], serde_json::json!({ "ok": 5 }));
+    desk.scene(&format!("{TWO}{sweep}[\"0+\", \"0+,0-,0+,0-\"]\n"));
+    desk.run("sweep scene.toml --out map.csv").with(0, &["status incomplete               5"]);
+    assert_eq!(desk.json("map.manifest.json")["statuses"], serde_json::json!({ "incomplete": 5 }));
+    let table = String::from_utf8(desk.read("map.csv")).unwrap();
+    assert_eq!(table.matches(",incomplete,\n").count(), 5, "{table}");
 }
 
 #[test]
@@ -372,6 +389,45 @@ fn a_run_that_still_settles_is_not_told_to_repeat() {
     assert!(told(10_000).contains("it repeats 0+ every 1 period of the load"), "{}", told(10_000));
 }
 
+/// About a neutral orbit a run goes round a torus, whatever looks alike for a while. An unstable orbit is followed for a while, and that is told
+/// as far as rounding differs, too.
+#[test]
+fn what_repeats_is_no_matter_of_luck() {
+    let elastic =
+        "[structure]\nmasses = [1]\nstiffness = [[1]]\n[[contact]]\nat = 0\nupper = 0.1\n[force]\nload = [1]\n";
+    let desk = Desk::with_scene(elastic);
+    fs::write(desk.path("on.toml"), format!("word = \"0+\"\n{elastic}")).unwrap();
+    let mut moving = 0;
+    for omega in ["1.8", "2.1", "2.2"] {
+        let ran = desk.run(&format!("simulate --scene on.toml --omega {omega} --periods 177")).with(0, &[]).out;
+        assert!(ran.ends_with("it repeats 0+ every 1 period of the load\n"), "{ran}");
+        let found = written(&desk.run(&format!("orbit --scene on.toml --omega {omega} --json")).with(0, &[]).out);
+        let orbit = found["solutions"].as_array().unwrap().iter().find(|one| one["physical"] == true).unwrap();
+        for beside in [1e-6, 1e-8] {
+            let velocity = (1.0 + beside) * number(&orbit["impacts"][0]["velocity_after"]);
+            let state = format!("{{\"displacement\": [0.1], \"velocity\": [{velocity}], \"psi\": {}}}", orbit["psi"]);
+            fs::write(desk.path("state.json"), state).unwrap();
+            for periods in [50, 100, 130, 177, 250] {
+                let line =
+                    format!("simulate --scene scene.toml --omega {omega} --state state.json --periods {periods}");
+                let ran = desk.run(&line).with(0, &[]).out;
+                moving += usize::from(ran.contains("it has not settled yet"));
+            }
+        }
+    }
+    assert_eq!(moving, 3 * 2 * 5);
+    let pair = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/structures/impact-pair.toml");
+    for omega in ["2.463637451552706", "2.4636374515527004"] {
+        for periods in [10, 20, 24] {
+            let line = format!("simulate --scene {pair} --omega {omega} --periods {periods}");
+            let told = desk.run(&line).with(0, &[]).out;
+            assert!(told.ends_with("1 period of the load: an unstable orbit, which it will leave\n"), "{told}");
+            let repeats = &written(&desk.run(&format!("{line} --json")).with(0, &[]).out)["repeats"];
+            assert!(repeats["stable"] == false && repeats["word"] == "0-,0+", "{repeats}");
+        }
+    }
+}
+
 /// Another contact rests all the time: what the first one repeats is no word of the structure.
 #[test]
 fn a_run_with_a_contact_at_rest_has_no_word() {
@@ -432,20 +488,49 @@ fn a_damped_chain_runs_on_its_orbit() {
 fn what_impacts_do_not_feel_is_left_out() {
     let desk = Desk::new();
     let tail = "upper = 0.1\nrestitution = 0.8\n[force]\n";
-    // Two free masses that meet, and their distance alone: half the mass, the same load on it.
-    let two = format!(
-        "[structure]\nmasses = [1, 1]\nstiffness = [[1, -1], [-1, 1]]\n[[contact]]\nbetween = [0, 1]\n{tail}load = [1, -1]\n"
-    );
-    let one = format!("[structure]\nmasses = [0.5]\nstiffness = [[1]]\n[[contact]]\nat = 0\n{tail}load = [1]\n");
-    let told = [two, one].map(|scene| {
-        fs::write(desk.path("scene.toml"), format!("omega = 2.4\nword = \"0+\"\n{scene}")).unwrap();
-        let answer = written(&desk.run("orbit --scene scene.toml --json").with(0, &[]).out);
-        let mut impulses: Vec<f64> =
-            answer["solutions"].as_array().unwrap().iter().map(|one| number(&one["impacts"][0]["impulse"])).collect();
-        impulses.sort_by(f64::total_cmp);
-        impulses
-    });
-    assert!(told[0].len() == 2 && told[0].iter().zip(&told[1]).all(|(a, b)| (a - b).abs() < 1e-12), "{told:?}");
+    // Two free masses that meet, and their distance alone: half the mass, the same load on it. Nothing brings them back together, whether
+    // dashpots hold the whole or not.
+    for [between, ground] in [[0.0, 0.0], [0.1, 0.0], [0.0, 0.1], [0.1, 0.1]] {
+        let (own, cross, one) = (between + ground, -between, between + 0.5 * ground);
+        let two = format!(
+            "[structure]\nmasses = [1, 1]\nstiffness = [[1, -1], [-1, 1]]\ndamping = [[{own}, {cross}], [{cross}, {own}]]\n\
+             [[contact]]\nbetween = [0, 1]\n{tail}load = [1, -1]\n"
+        );
+        let one = format!(
+            "[structure]\nmasses = [0.5]\nstiffness = [[1]]\ndamping = [[{one}]]\n[[contact]]\nat = 0\n{tail}load = [1]\n"
+        );
+        let told = [&two, &one].map(|scene| {
+            fs::write(desk.path("scene.toml"), format!("omega = 2.4\nword = \"0+\"\n{scene}")).unwrap();
+            let answer = written(&desk.run("orbit --scene scene.toml --json").with(0, &[]).out);
+            let told = |one: &Value| {
+                let (impact, stability) = (&one["impacts"][0], &one["stability"]);
+                assert_eq!(stability["marginal"], false, "{stability}");
+                [number(&impact["impulse"]), number(&impact["velocity_after"]), number(&stability["spectral_radius"])]
+            };
+            let mut all: Vec<[f64; 3]> = answer["solutions"].as_array().unwrap().iter().map(told).collect();
+            all.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            all
+        });
+        let alike = |(a, b): (&[f64; 3], &[f64; 3])| {
+            // The motion of the whole dies at its own rate.
+            let whole = if ground > 0.0 { (-ground * std::f64::consts::TAU / 2.4).exp() } else { 0.0 };
+            (a[0] - b[0]).abs() < 1e-12 && (a[2] - b[2].max(whole)).abs() < 1e-12
+        };
+        assert!(told[0].len() == 2 && told[0].iter().zip(&told[1]).all(alike), "{told:?}");
+        // As a run has it, on its way or not.
+        let Some(&[impulse, after, _]) = told[1].iter().find(|one| one[0] < 0.0) else { panic!("{told:?}") };
+        fs::write(desk.path("two.toml"), two).unwrap();
+        let [left, right] = [0.7 + 0.5 * after, 0.7 - 0.5 * after];
+        let state = format!("{{\"displacement\": [5.1, 5.0], \"velocity\": [{left}, {right}], \"psi\": 0}}");
+        fs::write(desk.path("state.json"), state).unwrap();
+        let ran =
+            desk.run("simulate --scene two.toml --omega 2.4 --state state.json --periods 900 --json").with(0, &[]).out;
+        let repeats = &written(&ran)["repeats"];
+        assert!(
+            repeats["stable"] == true && (number(&repeats["impacts"][0]["impulse"]) - impulse).abs() < 1e-6,
+            "{repeats}"
+        );
+    }
     // A middle mass between two alike, dashpots that are not proportional: the modes against each other are not felt.
     let three = "[structure]\nmasses = [1, 1, 1]\nstiffness = [[1.3, -0.3, 0], [-0.3, 1.6, -0.3], [0, -0.3, 1.3]]\n\
         damping = [[0.2, 0, 0], [0, 0.01, 0], [0, 0, 0.2]]\n[[contact]]\nat = 1\n";

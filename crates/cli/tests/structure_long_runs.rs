@@ -154,7 +154,7 @@ fn another_scene_is_told_by_what_differs() {
     desk.run("sweep scene.toml --out parts --shard 0/2 --quiet").with(0, &[]);
     let shard = "sweep scene.toml --out parts --shard 1/2";
     for (change, to, told) in [
-        ("upper = 1.3", "upper = 1.2", "contact is [{"),
+        ("upper = 1.3", "upper = 1.2", "contact.0.upper is 1.3 there, 1.2 here"),
         ("from = 0.4", "from = 0.5", "sweep.x.from is 0.4 there, 0.5 here"),
         ("\"0+\", ", "", "compute.families is [\"0+\",\"0+,0-\"] there, [\"0+,0-\"] here"),
     ] {
@@ -171,8 +171,12 @@ fn another_scene_is_told_by_what_differs() {
         y = { parameter = \"gamma2\", values = [0.1] }\n[compute]\nfamilies = [\"double-sided\"]\n",
     );
     desk.run(shard).with(2, &["it is of another kind of scene", "name another --out"]);
-    // What is there is left as it was, and a title or a remark is no other scene.
-    desk.scene(&format!("# a remark\ntitle = \"A title\"\n{scene}"));
+    // What is there is left as it was, and a title, a remark or the same in other words is no other scene.
+    let other =
+        scene.replace("omega = 0.9", "omega = 9e-1").replace("mass = [[1, 0], [0, 1.4]]", "masses = [1.0, 1.4]");
+    let other = other.replace("lower = -0.7\nupper = 1.3\n", "upper = 1.30\nlower = -7e-1\n");
+    assert!(["9e-1", "masses", "1.30"].iter().all(|word| other.contains(word)));
+    desk.scene(&format!("# a remark\ntitle = \"A title\"\n{other}"));
     desk.run(shard).with(0, &[]);
     desk.run("merge parts --out map.csv --quiet").with(0, &[]);
 }

@@ -6,12 +6,12 @@ use std::path::Path;
 use vibrochain_maps::error::MapError;
 use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::{Block, Content, Ended, Job, Settings, Sink};
-use vibrochain_maps::table::{Form, Rows, TableFile};
+use vibrochain_maps::table::{ColumnType, Rows, TableFile};
 
 use crate::ensemble::Ensemble;
 use crate::fates::{CellFates, Ensembled, From, of_parts};
 use crate::reader::Reader;
-use crate::table::{header, text};
+use crate::table::{header, rows, text, types};
 
 /// Periods of all runs of a chunk: some seconds of work on rings of some twenty masses, which an interruption may cost.
 const CHUNK_PERIODS: u64 = 1 << 16;
@@ -79,7 +79,7 @@ impl Fates {
 
 impl<S: Ensembled> Content<S> for Fates {
     type Item = CellFates;
-    type Layout = ();
+    type Layout = Vec<ColumnType>;
     type Reader<'a>
         = Reader<'a, S>
     where
@@ -90,21 +90,26 @@ impl<S: Ensembled> Content<S> for Fates {
         header(scene).join(",") + "\n"
     }
 
-    fn create(&self, out: &Path, _: &S, threads: usize) -> Result<TableFile, MapError> {
-        if Form::of(out)? == Form::Columns {
-            let name = out.display();
-            let message = format!(
-                "{name}: the table of an ensemble is not written by columns; end the name in .csv, .csv.gz or .csv.zst"
-            );
-            return Err(MapError::Request(message));
-        }
-        TableFile::create(out, &[], threads)
+    fn create(&self, out: &Path, scene: &S, threads: usize) -> Result<TableFile, MapError> {
+        TableFile::create(out, &types(scene), threads)
     }
 
-    fn layout(&self, _: &S) {}
+    fn layout(&self, scene: &S) -> Vec<ColumnType> {
+        types(scene)
+    }
 
-    /// No form of this table wants items.
-    fn put(&self, _: &mut TableFile, _: (&S, &()), _: u64, _: &CellFates) -> Result<(), MapError> {
+    /// The values are those of the rows of text.
+    fn put(
+        &self,
+        table: &mut TableFile,
+        (scene, columns): (&S, &Vec<ColumnType>),
+        _: u64,
+        cell: &CellFates,
+    ) -> Result<(), MapError> {
+        for row in rows(scene, cell) {
+            let fields = columns.iter().zip(&row);
+            table.row(fields.map(|(column, text)| column.kind.value(text).filter(|_| !text.is_empty())))?;
+        }
         Ok(())
     }
 

@@ -3,24 +3,47 @@
 use vibrochain_maps::error::MapError;
 use vibrochain_maps::grid::Grid;
 use vibrochain_maps::numbers::Number;
+use vibrochain_maps::table::{ColumnType, Kind};
 
 use crate::end::End;
 use crate::fates::{BreatherFates, CellFates};
 
+/// What is told of a cell, before the breather's own.
+const OF_CELL: [(&str, Kind); 2] = [("solutions", Kind::Count), ("status", Kind::Word)];
+
+/// What is told of a breather before the shares of its runs, and after them.
+const BEFORE: [(&str, Kind); 8] = [
+    ("number", Kind::Count),
+    ("breather", Kind::Word),
+    ("spectral_radius", Kind::Number),
+    ("predicted_exponent", Kind::Number),
+    ("measured_exponent", Kind::Number),
+    ("measured_error", Kind::Number),
+    ("starts", Kind::Count),
+    ("end", Kind::Word),
+];
+const AFTER: [(&str, Kind); 5] = [
+    ("words", Kind::Text),
+    ("left", Kind::Count),
+    ("leave_time", Kind::Number),
+    ("leave_error", Kind::Number),
+    ("chaos_exponent", Kind::Number),
+];
+
+/// The columns: the point of a cell, what lives there, and what becomes of one of its breathers, if it has any.
+pub(crate) fn types<S: Grid>(scene: &S) -> Vec<ColumnType> {
+    let column = |optional| move |(name, kind)| ColumnType { name, kind, optional };
+    let named = |(name, kind): (&str, Kind)| (name.to_owned(), kind);
+    let places = scene.places().into_iter().map(|parameter| (scene.name_of(parameter), Kind::Number));
+    let shares = End::NAMES.iter().map(|name| (format!("share_{}", name.replace('-', "_")), Kind::Number));
+    let of_breather = BEFORE.into_iter().map(named).chain(shares).chain(AFTER.into_iter().map(named));
+    places.chain(OF_CELL.into_iter().map(named)).map(column(false)).chain(of_breather.map(column(true))).collect()
+}
+
 /// The names of the columns.
 #[must_use]
 pub fn header<S: Grid>(scene: &S) -> Vec<String> {
-    scene.places().into_iter().map(|parameter| scene.name_of(parameter)).chain(columns()).collect()
-}
-
-/// Those after the point of a cell.
-fn columns() -> impl Iterator<Item = String> {
-    let before = ["solutions", "status", "number", "breather", "spectral_radius"];
-    let exponents = ["predicted_exponent", "measured_exponent", "measured_error", "starts", "end"];
-    let after = ["words", "left", "leave_time", "leave_error", "chaos_exponent"];
-    let named = |names: [&'static str; 5]| names.into_iter().map(str::to_owned);
-    let shares = End::NAMES.iter().map(|name| format!("share_{}", name.replace('-', "_")));
-    named(before).chain(named(exponents)).chain(shares).chain(named(after))
+    types(scene).into_iter().map(|column| column.name).collect()
 }
 
 /// The rows of a cell, as they stand in the file.
@@ -61,7 +84,7 @@ pub fn rows<S: Grid>(scene: &S, cell: &CellFates) -> Vec<Vec<String>> {
         point.iter().cloned().chain(found()).chain(before).chain(exponents).chain(shares).chain(after).collect()
     };
     if cell.breathers.is_empty() {
-        let empty = vec![String::new(); columns().count() - found().len()];
+        let empty = vec![String::new(); BEFORE.len() + End::NAMES.len() + AFTER.len()];
         return vec![point.iter().cloned().chain(found()).chain(empty).collect()];
     }
     cell.breathers.iter().map(row).collect()

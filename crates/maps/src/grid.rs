@@ -61,6 +61,11 @@ pub trait Grid: Clone + Debug + Send + Sync {
     /// All that decides what its table holds, as manifests have it.
     fn parts(&self) -> Map<String, Value>;
 
+    /// The same for all scenes that mean the same, whatever words they have for it.
+    fn meaning(&self) -> Map<String, Value> {
+        self.parts()
+    }
+
     /// The axes, the fastest first.
     fn axes(&self) -> &[Axis<Self::Parameter>];
 

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::error::MapError;
 
@@ -12,7 +12,11 @@ use crate::error::MapError;
 /// # Errors
 /// [`MapError::Request`] for a file that cannot be read, or is longer.
 pub fn read_text(what: &str, path: &Path, most: u64) -> Result<String, MapError> {
-    let failed = |error: &io::Error| MapError::file(&format!("cannot read {what}"), path, error);
+    let failed = |error: &io::Error| {
+        let meant = like(path).filter(|_| error.kind() == io::ErrorKind::NotFound);
+        let meant = meant.map_or(String::new(), |meant| format!(": did you mean {}?", meant.display()));
+        MapError::Request(format!("cannot read {what} {}: {error}{meant}", path.display()))
+    };
     let mut bytes = Vec::new();
     File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes)).map_err(|error| failed(&error))?;
     if bytes.len() as u64 > most {
@@ -20,6 +24,22 @@ pub fn read_text(what: &str, path: &Path, most: u64) -> Result<String, MapError>
         return Err(MapError::Request(message));
     }
     String::from_utf8(bytes).map_err(|error| failed(&io::Error::new(io::ErrorKind::InvalidData, error.utf8_error())))
+}
+
+/// Entries of a folder that are looked at for a name.
+const MOST_ENTRIES: usize = 10_000;
+
+/// What is there of nearly that name, or of that name in a folder beside it.
+fn like(path: &Path) -> Option<PathBuf> {
+    if path.as_os_str().is_empty() || path.exists() {
+        return Some(path.to_owned());
+    }
+    let (folder, name) = (like(path.parent()?)?, path.file_name()?.to_str()?);
+    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { &folder };
+    let entries = here.read_dir().ok()?.take(MOST_ENTRIES).flatten();
+    let names: Vec<String> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+    let beside = || names.iter().map(|beside| folder.join(beside).join(name)).find(|path| path.exists());
+    closest(name, names.iter().map(String::as_str)).map(|name| folder.join(name)).or_else(beside)
 }
 
 /// Opens a file to read, and nothing else: a FIFO would keep its reader waiting for ever.

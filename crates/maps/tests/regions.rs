@@ -264,6 +264,20 @@ fn a_missing_border_is_told_with_points_on_both_sides() {
     }
 }
 
+/// A curve that is followed to where another one is known ends up to three tolerances aside of it: no gap is left to pass through.
+#[test]
+fn an_end_some_tolerances_aside_is_joined() {
+    for tolerance in [1e-6, 1e-5, 1e-4] {
+        let end = [0.5 - 3.0 * tolerance, 0.5];
+        let borders = [vec![[0.0, 0.5], [0.2, 0.5], end], vec![[0.5, 0.0], [0.5, 0.3], [0.5, 1.0]]];
+        let cut = Subdivision::new(unit(), &borders, tolerance).unwrap();
+        let class = |(): &mut (), [x, y]: Place| if x > 0.5 { 2 } else { u32::from(y > 0.5) };
+        let regions = cut.classified(2000, || (), class);
+        assert!(regions.unexplained().is_empty() && regions.closed().is_empty(), "{tolerance}");
+        assert_eq!(regions.areas().len(), 3);
+    }
+}
+
 #[test]
 fn what_separates_nothing_leaves_no_trace_in_regions() {
     let mut random = Rng::with_seed(8);

@@ -55,8 +55,8 @@ pub enum StartFrom {
 pub struct FateArgs {
     /// Scene file (TOML), see scenes/.
     pub scene: PathBuf,
-    /// Table to write (.csv; .csv.gz or .csv.zst, compressed), a row a breather. `-` is standard output, which keeps no chunks. With
-    /// --shard: folder of chunks.
+    /// Table to write (.csv; .csv.gz or .csv.zst, compressed; .parquet, by columns), a row a breather. `-` is standard
+    /// output, which keeps no chunks. With --shard: folder of chunks.
     #[arg(long, alias = "csv", value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Go on with the chunks that an interrupted run has left, or start afresh where there are none.

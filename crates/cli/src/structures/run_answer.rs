@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
-use vibrochain_breather::StructureModel;
+use vibrochain_breather::{StructureModel, StructureOrbit};
 use vibrochain_eventsim::{ContactEvent, EnergyBalance, EventKind, StructureOutcome, StructureReport, Time};
+use vibrochain_floquet::{Tolerance, Verdict, structure_verdict};
 use vibrochain_lattice::{Barrier, Short};
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::structure::StructureScene;
@@ -19,10 +20,10 @@ pub(super) const MOST_PERIODS: u64 = 32;
 /// So often a pattern must be seen.
 pub(super) const REPETITIONS: u64 = 4;
 
-/// By how much impacts that repeat may differ, now and from then on: times in periods of the load, impulses as a part of themselves.
+/// How far impacts that repeat may be from an orbit that holds them: times in periods of the load, impulses as a part of themselves.
 const ALIKE: f64 = 1e-6;
 
-/// Differences below this are as good as rounding: they need not shrink.
+/// Differences below this are as good as rounding: no orbit need hold the impacts.
 const EQUAL: f64 = 1e-10;
 
 /// What differs by more is another impact.
@@ -30,6 +31,8 @@ const FAR: f64 = 1e-2;
 
 /// What the impacts at the end of a run repeat.
 pub(super) struct Settled {
+    /// Whether the orbit that holds them is, if that is known.
+    stable: Option<bool>,
     force_periods: u64,
     psi: f64,
     impacts: Vec<(usize, Barrier, f64, f64)>,
@@ -75,12 +78,30 @@ fn quiet(times: impl Iterator<Item = f64>) -> f64 {
     parts.sort_by(f64::total_cmp);
     let Some(first) = parts.first().copied() else { return 0.0 };
     let next = parts.iter().skip(1).copied().chain([first + 1.0]);
-    let gaps = parts.iter().zip(next).map(|(part, next)| (next - part, 0.5 * (part + next)));
-    gaps.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(_, middle)| middle.rem_euclid(1.0))
+    let gaps: Vec<(f64, f64)> = parts.iter().zip(next).map(|(part, next)| (next - part, 0.5 * (part + next))).collect();
+    let widest = gaps.iter().fold(0.0, |most: f64, (gap, _)| most.max(*gap));
+    // Of gaps that are alike the first, whatever rounding makes of them.
+    gaps.iter().find(|(gap, _)| *gap >= widest - ALIKE).map_or(0.0, |(_, middle)| middle.rem_euclid(1.0))
 }
 
-/// The shortest pattern that the last impacts of a run repeat, and will: what they differ by from one repetition to the next shrinks so fast
-/// that all of it together is small; small against what shorter patterns miss, too. `rests`: whether a contact rests in the end.
+impl Settled {
+    /// The verdict on the orbit that holds these impacts: Newton's method finds it from here. Differences from one repetition to the next
+    /// tell less: rounding makes them shrink or grow, and on a torus they may shrink for long.
+    fn verdict(&self, model: &StructureModel) -> Option<Verdict> {
+        let orbit = StructureOrbit::near(model, self.force_periods as u32, self.psi, &self.impacts).ok()?;
+        let period = model.period();
+        let late = orbit.psi().map_or(0.0, |psi| (psi - self.psi + 0.5 * period).rem_euclid(period) - 0.5 * period);
+        let off = self.impacts.iter().zip(orbit.impacts()).map(|((.., time, impulse), own)| {
+            let impulse = (own.impulse - impulse).abs() / own.impulse.abs();
+            ((own.time - time + late).abs() / period).max(impulse)
+        });
+        let is_near = off.fold(0.0, f64::max) <= ALIKE;
+        is_near.then(|| structure_verdict(&orbit, Tolerance::Rounding).ok()).flatten()
+    }
+}
+
+/// The shortest pattern that the last impacts of a run repeat: next to an orbit that is stable or not, or, where that is neutral or unknown, to
+/// rounding. `rests`: whether a contact rests in the end.
 pub(super) fn settled(model: &StructureModel, psi: f64, events: &[ContactEvent], end: Time, rests: bool) -> End {
     let period = model.period();
     let since = |event: &ContactEvent| {
@@ -104,30 +125,28 @@ pub(super) fn settled(model: &StructureModel, psi: f64, events: &[ContactEvent],
         let [last, before, second, first] = &windows;
         let differences = [apart(last, before), apart(before, second), apart(second, first)];
         let ([Some(now), Some(then), Some(once)], false) = (differences, last.is_empty()) else { continue };
-        let shrinks = (now / then).max(then / once);
-        let left = if now <= EQUAL {
-            now
-        } else if shrinks < 1.0 {
-            now / (1.0 - shrinks)
-        } else {
-            f64::INFINITY
-        };
-        let is_shorter = |(shorter, by): &(u64, f64)| count % shorter == 0 && *by <= ALIKE.max(100.0 * left);
-        if left > ALIKE || missed.iter().any(is_shorter) {
-            missed.push((count, now));
-            continue;
-        }
         let begin = last[0].0.time;
         let impacts = last.iter().map(|(event, _)| {
             let lapse = (event.time.periods() as f64 - begin.periods() as f64) * period
                 + (event.time.offset() - begin.offset());
             (event.contact, event.barrier, lapse, event.impulse)
         });
-        return End::Repeats(Settled {
+        let mut settled = Settled {
+            stable: None,
             force_periods: count,
             psi: (psi + begin.offset()).rem_euclid(period),
             impacts: impacts.collect(),
-        });
+        };
+        let is_shorter = |(shorter, by): &(u64, f64)| count % shorter == 0 && *by <= ALIKE;
+        let is_equal = now.max(then).max(once) <= EQUAL && !missed.iter().any(is_shorter);
+        let verdict = if now <= FAR { settled.verdict(model) } else { None };
+        let verdict = verdict.filter(|verdict| !verdict.marginal);
+        // About a neutral orbit there may be tori.
+        if is_equal || verdict.is_some_and(|verdict| verdict.growth() != 0.0) {
+            settled.stable = verdict.map(|verdict| verdict.stable);
+            return End::Repeats(settled);
+        }
+        missed.push((count, now));
     }
     let nearly = missed.iter().filter(|(_, by)| *by < FAR).map(|(count, by)| by / *count as f64);
     nearly.reduce(f64::min).map_or(End::Other, End::Moves)
@@ -191,9 +210,10 @@ pub(super) fn text(
     match settled {
         End::Repeats(settled) => {
             let plural = if settled.force_periods == 1 { "" } else { "s" };
+            let held = if settled.stable == Some(false) { ": an unstable orbit, which it will leave" } else { "" };
             let _ = writeln!(
                 out,
-                "it repeats {} every {} period{plural} of the load",
+                "it repeats {} every {} period{plural} of the load{held}",
                 settled.word(),
                 settled.force_periods
             );
@@ -243,6 +263,7 @@ pub(super) fn answer(
         });
         json!({
             "word": settled.word(),
+            "stable": settled.stable,
             "period": settled.force_periods as f64 * model.period(),
             "psi": settled.psi,
             "impacts": impacts.collect::<Vec<_>>(),

@@ -63,7 +63,7 @@ impl Kind {
             Ok(Self::Ends)
         } else if is_diagram() {
             Ok(Self::Section)
-        } else if has("class") && (has("status") || has("trouble")) {
+        } else if has("class") && has("status") {
             Ok(Self::Cells)
         } else if columns.first() == Some(&"border") {
             Err("it has the borders of a window, and not what lives between them, which is what the picture of `mapgen curves` shows: \

@@ -143,12 +143,11 @@ fn data(orbit: &StructureOrbit, equations: &BlochEquations, most: f64) -> Vec<Or
     origins(equations, &Condition { origins: each.collect(), ..Condition::default() })
 }
 
-/// Of a mode without a dashpot that is spared, the multipliers are on the circle, and decide nothing.
+/// Of a mode without a dashpot that is spared, the multipliers are on the circle, and decide nothing; nor does the 1 of a motion of the whole
+/// that nothing brings back, which is neutral by symmetry: of its pair the other decides.
 fn with_spared(verdict: Verdict, pair: [Complex<f64>; 2], both: [Complex<f64>; 2], tolerance: Tolerance) -> Verdict {
-    if pair.iter().all(|rate| rate.re == 0.0) {
-        return verdict;
-    }
-    let leading = if both[0].norm() > both[1].norm() { both[0] } else { both[1] };
+    let deciding = pair.into_iter().zip(both).filter(|(rate, _)| rate.re != 0.0).map(|(_, multiplier)| multiplier);
+    let Some(leading) = deciding.max_by(|a, b| a.norm().total_cmp(&b.norm())) else { return verdict };
     let error = 8.0 * f64::EPSILON * leading.norm();
     verdict.or_worse(Verdict::of_growth(leading, excess(leading), error, tolerance))
 }

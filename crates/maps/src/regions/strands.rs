@@ -10,9 +10,11 @@ use crate::error::MapError;
 use crate::regions::boxes::{BoxTree, bounds};
 use crate::regions::smooth::{Arc, Place, along, dot, length, minus};
 
-/// An end this near a border, or the edge of the window, is joined to it: ten times the error of chords as they usually come. One
-/// that is joined without need is a spur, which separates nothing.
+/// An end this near a border, or the edge of the window, is joined to it: ten times the error of chords as they usually come, or as many
+/// tolerances: a curve that meets another at no angle ends two of them aside, where that is known. One that is joined without need is a spur,
+/// which separates nothing.
 const JOINED: f64 = 1e-5;
+const TOLERANCES: f64 = 4.0;
 
 /// What two points may be apart by rounding alone: those of events are good to about a thousandth of a billionth.
 const ROUNDING: f64 = 4e-12;
@@ -91,7 +93,7 @@ pub(crate) fn strands(borders: &[Vec<Place>], tolerance: f64) -> Result<Vec<Vec<
     let mut strands = Strands::new(borders.iter().map(Vec::as_slice).chain([EDGE.as_slice()]), tolerance)?;
     let crossings = strands.cross()?;
     strands.meet(&crossings)?;
-    strands.join();
+    strands.join(JOINED.max(TOLERANCES * tolerance));
     // The edge itself stays where it is, to the last digit.
     strands.borders.pop();
     Ok(strands.borders.iter().map(Border::points).chain([EDGE.to_vec()]).collect())
@@ -232,7 +234,7 @@ impl Strands {
     }
 
     /// Joins the ends of open borders to what they come near.
-    fn join(&mut self) {
+    fn join(&mut self, reach: f64) {
         for border in 0..self.borders.len() {
             let range = self.borders[border].chords.clone();
             if self.borders[border].closed || range.is_empty() {
@@ -245,16 +247,16 @@ impl Strands {
                 }
                 let mut best: Option<(f64, Place, (usize, usize, f64))> = None;
                 let along_border = if side == 0 { 0.0 } else { self.borders[border].length };
-                self.tree.meeting(bounds([end; 2], JOINED), |i| {
+                self.tree.meeting(bounds([end; 2], reach), |i| {
                     let chord = &self.chords[i];
                     // What leads to the end is no other border; a loop's beginning is.
-                    if chord.border == border && (chord.before - along_border).abs() < 10.0 * JOINED + chord.length() {
+                    if chord.border == border && (chord.before - along_border).abs() < 10.0 * reach + chord.length() {
                         return;
                     }
                     let u = chord.on_arc(chord.foot_on(self.arc(i), end).0.clamp(0.0, 1.0));
                     let place = self.arc(i).at(u);
                     let distance = length(minus(place, end));
-                    if distance < best.map_or(JOINED, |(least, ..)| least) {
+                    if distance < best.map_or(reach, |(least, ..)| least) {
                         best = Some((distance, place, (chord.border, chord.arc, u)));
                     }
                 });

@@ -47,7 +47,7 @@ impl Subdivision {
     /// Cuts a window by borders, each a curve through its points in the units of the axes, closed if the last point is the first.
     /// Between neighbours a curve is taken for a cubic where it is smooth, and drawn by chords that err by less than `tolerance`,
     /// a part of the window, as the points themselves should. Borders may cross, touch, run side by side, leave the window, end
-    /// anywhere (less than 1e-5 of the window from another one they end on it), and separate nothing.
+    /// anywhere (less than 1e-5 of the window or four tolerances from another one they end on it), and separate nothing.
     ///
     /// # Errors
     /// [`MapError::Request`] for a point that is not finite, a tolerance out of range, borders that need millions of corners.

@@ -214,7 +214,14 @@ impl File {
     pub(super) fn read<'a>(path: &'a Path, text: &'a str) -> Result<(Self, Source<'a>, bool), MapError> {
         if !text.trim_start().starts_with('{') {
             let source = Source { path, text };
-            let file = toml::from_str(text).map_err(|error| source.unreadable(&error))?;
+            let of_figure = || toml::from_str(text).is_ok_and(|all: Map<String, Value>| all.contains_key("figure"));
+            let file = toml::from_str(text).map_err(|error| match of_figure() {
+                true => MapError::Request(format!(
+                    "{}: it sets a figure of the paper, which `studies figures` draws; give a scene with [model] or [structure] alone",
+                    path.display()
+                )),
+                false => source.unreadable(&error),
+            })?;
             return Ok((file, source, false));
         }
         let wrong = |what: &dyn fmt::Display| MapError::Request(format!("manifest {}: {what}", path.display()));

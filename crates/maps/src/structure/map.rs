@@ -5,7 +5,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use serde_json::{Map, Value as Json};
-use vibrochain_breather::{StructureModel, StructureOrbit, Word, structure_candidates, structure_is_physical};
+use vibrochain_breather::{
+    StructureModel, StructureOrbit, StructureSearch, Word, structure_candidates, structure_is_physical,
+};
 use vibrochain_floquet::{Tolerance, Verdict, structure_verdict, structure_verdict_within};
 use vibrochain_lattice::Stop;
 
@@ -60,7 +62,7 @@ pub struct StructureCell {
     /// Why something could not be worked out.
     pub trouble: Option<String>,
     /// How the best orbit's stability is lost, its spectral radius and margin; the number of physical orbits of the words asked for, and
-    /// their largest residual. Its class and status are those of [`Grid::shown`].
+    /// their largest residual; whether the lists are complete, and nothing was left open. Its class is that of [`Grid::shown`].
     pub found: Cell,
 }
 
@@ -79,6 +81,16 @@ impl StructureCell {
 
     fn troubled(why: String) -> Self {
         Self { class: StructureClass::Unknown, trouble: Some(why), ..Self::EMPTY }
+    }
+
+    /// Its status: that of its lists, unless it has trouble of its own.
+    fn judged(mut self) -> Self {
+        self.found.status = match (&self.trouble, self.class) {
+            (Some(_), _) => Status::IllConditioned,
+            (None, StructureClass::Marginal) => Status::Marginal,
+            (None, _) => self.found.status,
+        };
+        self
     }
 }
 
@@ -187,6 +199,15 @@ impl Told {
     }
 }
 
+/// What a list says of its cell.
+fn status_of(search: StructureSearch) -> Status {
+    match search {
+        search if search.is_complete() => Status::Ok,
+        StructureSearch::Enclosures { .. } | StructureSearch::BranchAndPrune { .. } => Status::Unresolved,
+        _ => Status::Incomplete,
+    }
+}
+
 /// One point.
 fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
     let mut cell = StructureCell::EMPTY;
@@ -200,6 +221,7 @@ fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
                 continue;
             }
         };
+        cell.found.status = cell.found.status.max(status_of(found.search));
         for orbit in &found.orbits {
             let physical = match structure_is_physical(orbit) {
                 Ok(answer) if answer.is_physical() => answer,
@@ -283,6 +305,10 @@ impl Grid for StructureScene {
         Self::parts(self)
     }
 
+    fn meaning(&self) -> Map<String, Json> {
+        [("scene".to_owned(), Self::meaning(self).into())].into_iter().collect()
+    }
+
     fn axes(&self) -> &[Axis<Setting>] {
         &self.axes
     }
@@ -362,12 +388,7 @@ impl Grid for StructureScene {
             StructureClass::Stable => of([Class::StableDouble, Class::StableSingle, Class::StableWord]),
             StructureClass::Unstable => of([Class::UnstableDouble, Class::UnstableSingle, Class::UnstableWord]),
         };
-        let status = match (&cell.trouble, cell.class) {
-            (Some(_), _) => Status::IllConditioned,
-            (None, StructureClass::Marginal) => Status::Marginal,
-            (None, _) => Status::Ok,
-        };
-        Cell { class, status, ..cell.found }
+        Cell { class, ..cell.found }
     }
 
     fn class_name(class: Class) -> &'static str {
@@ -397,7 +418,7 @@ impl Grid for StructureScene {
                 return None;
             }
             let model = row.model(self, number);
-            cells.push(model.map_or_else(StructureCell::troubled, |model| cell_of(self, &model)));
+            cells.push(model.map_or_else(StructureCell::troubled, |model| cell_of(self, &model)).judged());
         }
         Some(())
     }

@@ -306,6 +306,15 @@ impl StructureScene {
         parts
     }
 
+    /// A checksum of all that decides what its table holds: of what was read, not of the words that said it.
+    pub(super) fn meaning(&self) -> String {
+        let Self { definition, contacts, omega, load, still, damping, stability, tolerance, axes, axis_names, .. } =
+            self;
+        let structure = (definition, contacts, omega, load, still, damping, self.uniform);
+        let text = format!("{structure:?} {:?}", (self.asked(), stability, tolerance, axes, axis_names));
+        format!("xxh3 {:032x}", xxhash_rust::xxh3::xxh3_128(text.as_bytes()))
+    }
+
     /// The same with another threshold.
     pub(super) fn with_tolerance(&mut self, tolerance: Tolerance) {
         self.tolerance = tolerance;

@@ -159,7 +159,7 @@ impl<S: Grid> Plan<S> {
             Some((settings, cells)) => (Some(settings), cells.max(least_cells(&scene))),
             None => (None, scene.chunk_cells().max(least_cells(&scene))),
         };
-        let mut decisive = parts(&scene, ensemble.as_ref());
+        let mut decisive = with_ensemble(scene.meaning(), ensemble.as_ref());
         decisive.insert("format".to_owned(), FORMAT.into());
         decisive.insert("maker".to_owned(), maker.name().into());
         decisive.insert("chunk_cells".to_owned(), chunk_cells.into());
@@ -234,7 +234,9 @@ impl<S: Grid> Plan<S> {
             return Err(format!("mapgen {} cut it otherwise than this version does", file.maker.name()));
         }
         if format!("{:032x}", plan.identity) != file.identity {
-            return Err("it is damaged (what it asks for is not what it was made for)".to_owned());
+            return Err(
+                "it is damaged, or of another version (what it asks for is not what it was made for)".to_owned()
+            );
         }
         Ok(plan)
     }
@@ -249,21 +251,22 @@ impl<S: Grid> Plan<S> {
             let (here, there) = (self.maker.name(), other.maker.name());
             let _ = write!(told, "another version of mapgen: {there} there, {here} here");
         }
-        let [here, there] = [self, other].map(|plan| parts(&plan.scene, plan.ensemble.as_ref()).into());
+        let [here, there] = [self, other].map(|plan| with_ensemble(plan.scene.parts(), plan.ensemble.as_ref()).into());
         let mut list = Vec::new();
         compare("", &here, &there, &mut list);
         if !list.is_empty() {
             let what = if self.ensemble == other.ensemble { "scene" } else { "ensemble" };
             let and = if told.is_empty() { "" } else { "; and " };
-            let _ = write!(told, "{and}another {what}: {}", list.join(", "));
+            let more = if list.len() > MOST_TOLD { ", …" } else { "" };
+            list.truncate(MOST_TOLD);
+            let _ = write!(told, "{and}another {what}: {}{more}", list.join(", "));
         }
         Some(told)
     }
 }
 
 /// All that decides what the cells hold.
-fn parts<S: Grid>(scene: &S, ensemble: Option<&Settings>) -> Map<String, Value> {
-    let mut parts = scene.parts();
+fn with_ensemble(mut parts: Map<String, Value>, ensemble: Option<&Settings>) -> Map<String, Value> {
     if let Some(settings) = ensemble {
         let settings = settings.iter().map(|(name, value)| (name.clone(), Value::from(value.as_str())));
         parts.insert("ensemble".to_owned(), settings.collect::<Map<_, _>>().into());
@@ -273,6 +276,9 @@ fn parts<S: Grid>(scene: &S, ensemble: Option<&Settings>) -> Map<String, Value> 
 
 /// Characters shown of a value that differs: a list may have a hundred thousand numbers.
 const MOST_SHOWN: usize = 80;
+
+/// Values that differ, told at most: all entries of a matrix may.
+const MOST_TOLD: usize = 8;
 
 /// Lists the values that differ, by the path of their keys.
 fn compare(path: &str, here: &Value, there: &Value, list: &mut Vec<String>) {
@@ -287,7 +293,12 @@ fn compare(path: &str, here: &Value, there: &Value, list: &mut Vec<String>) {
                 compare(&path, here.unwrap_or(&Value::Null), there.unwrap_or(&Value::Null), list);
             }
         }
-        _ if here == there => {}
+        (Value::Array(ours), Value::Array(theirs)) if ours.len() == theirs.len() => {
+            let pairs = ours.iter().zip(theirs).enumerate();
+            pairs.for_each(|(i, (here, there))| compare(&format!("{path}.{i}"), here, there, list));
+        }
+        // 1 is 1.0.
+        _ if here == there || here.as_f64().is_some_and(|here| there.as_f64() == Some(here)) => {}
         _ => {
             let value = |value: &Value| match value {
                 Value::Null => "absent".to_owned(),

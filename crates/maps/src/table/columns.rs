@@ -33,6 +33,18 @@ pub enum Kind {
     Text,
 }
 
+impl Kind {
+    /// The value in a field; `None` of one that has none.
+    pub fn value(self, text: &str) -> Option<Value<'_>> {
+        match self {
+            Self::Number => text.parse().ok().filter(|number: &f64| number.is_finite()).map(Value::Number),
+            Self::Count => text.parse().ok().map(Value::Count),
+            Self::Word => Some(Value::Word(text)),
+            Self::Text => Some(Value::Text(text)),
+        }
+    }
+}
+
 /// A column of what was found in a cell.
 #[derive(Debug, Clone, Copy)]
 pub struct Column<T = Cell> {
@@ -67,8 +79,8 @@ impl Found for Cell {
     }
 }
 
-/// How stability is lost, the spectral radius and the margin of what gives a cell its class, and how many there are.
-pub(crate) const fn common<T: Found>() -> [Column<T>; 4] {
+/// How stability is lost, the spectral radius and the margin of what gives a cell its class, how many there are, and the status.
+pub(crate) const fn common<T: Found>() -> [Column<T>; 5] {
     [
         Column {
             name: "mechanism",
@@ -106,32 +118,31 @@ pub(crate) const fn common<T: Found>() -> [Column<T>; 4] {
                 Some(())
             },
         },
+        Column {
+            name: "status",
+            kind: Kind::Word,
+            optional: false,
+            get: |cell| Some(Value::Word(cell.found().status.name())),
+            set: |cell, value| {
+                let Value::Word(name) = value else { return None };
+                cell.found_mut().status = Status::from_name(name)?;
+                Some(())
+            },
+        },
     ]
 }
 
-/// The columns of every table, but for those [`common`] to all scenes.
-const COLUMNS: [Column; 2] = [
-    Column {
-        name: "class",
-        kind: Kind::Word,
-        optional: true,
-        get: |cell| Some(Value::Word(cell.class?.name())),
-        set: |cell, value| {
-            cell.class = Some(Class::ALL.into_iter().find(|class| value == Value::Word(class.name()))?);
-            Some(())
-        },
+/// The first column of what was found.
+const CLASS: Column = Column {
+    name: "class",
+    kind: Kind::Word,
+    optional: true,
+    get: |cell| Some(Value::Word(cell.class?.name())),
+    set: |cell, value| {
+        cell.class = Some(Class::ALL.into_iter().find(|class| value == Value::Word(class.name()))?);
+        Some(())
     },
-    Column {
-        name: "status",
-        kind: Kind::Word,
-        optional: false,
-        get: |cell| Some(Value::Word(cell.status.name())),
-        set: |cell, value| {
-            cell.status = Status::ALL.into_iter().find(|status| value == Value::Word(status.name()))?;
-            Some(())
-        },
-    },
-];
+};
 
 /// Further columns where the modes that have collided are asked for.
 const COLLISION: [Column; 3] = [
@@ -229,12 +240,7 @@ pub fn columns(scene: &Scene) -> impl Iterator<Item = Column> + use<> {
     let Task { impulse, collisions, .. } = scene.task;
     let further = IMPULSE.into_iter().filter(move |_| impulse);
     let refined = scene.refine.is_some();
-    let [class, status] = COLUMNS;
-    let found = [class]
-        .into_iter()
-        .chain(common())
-        .chain([status])
-        .chain(further)
-        .chain(COLLISION.into_iter().filter(move |_| collisions));
+    let found = [CLASS].into_iter().chain(common()).chain(further);
+    let found = found.chain(COLLISION.into_iter().filter(move |_| collisions));
     found.chain(EXTENT.into_iter().filter(move |_| refined))
 }

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use super::columns::{Column, Kind, Value};
+use super::columns::{Column, Value};
 use super::fields::{Layout, push_text, split};
 use crate::cell::Cell;
 use crate::extent::Extent;
@@ -270,12 +270,7 @@ fn read_cell<'a, T>(
         if text.is_empty() && column.optional {
             continue;
         }
-        let value = match column.kind {
-            Kind::Number => text.parse().ok().filter(|number: &f64| number.is_finite()).map(Value::Number),
-            Kind::Count => text.parse().ok().map(Value::Count),
-            Kind::Word => Some(Value::Word(&text)),
-            Kind::Text => Some(Value::Text(&text)),
-        };
+        let value = column.kind.value(&text);
         value
             .and_then(|value| (column.set)(&mut cell, value))
             .ok_or_else(|| format!("its {} is `{}`", column.name, clipped(&text, MOST_SHOWN)))?;
