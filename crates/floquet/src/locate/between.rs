@@ -8,8 +8,8 @@ use vibrochain_lattice::Barrier;
 
 use super::answer::{Event, LocateError};
 use super::course::Station;
-use super::follower::{At, Ends, Follower, Point};
-use super::seen::{Seen, value};
+use super::follower::{At, Ends, Follower, Point, Seen};
+use super::seen::value;
 use super::settle::Found;
 use crate::events::half_sums::upper_half;
 use crate::events::{EventOrbit, Test};
@@ -33,18 +33,16 @@ impl<E: Ends> Follower<E> {
     /// All events on the way to `next`, and what is seen there.
     pub(super) fn watch(&mut self, from: At<'_, E>, next: &Point<E>) -> Result<Seen, LocateError> {
         let seen = self.look(next)?;
-        if self.stretch.whole {
-            self.halved(from, (next, &seen), 0)?;
-            self.pass(next, &seen);
-        } else {
-            let found = self.all_between(from, (next, &seen))?;
-            self.passed.extend(found.into_iter().map(|(_, located)| Station::Event(located)));
-        }
+        self.halved(from, (next, &seen), 0)?;
+        self.pass(next, &seen);
         Ok(seen)
     }
 
-    /// Keeps a point.
+    /// Keeps a point, if points are kept.
     pub(super) fn pass(&mut self, point: &Point<E>, seen: &Seen) {
+        if !self.stretch.whole {
+            return;
+        }
         let point = self.described(point, seen);
         self.passed.push(Station::Point(point));
     }
@@ -78,7 +76,7 @@ impl<E: Ends> Follower<E> {
     fn pass_events(&mut self, from: &Point<E>, found: Vec<Found<E>>) {
         let mut last = None;
         for (at, located) in found {
-            let middle = last.map(|last: f64| self.at(from, 0.5 * (last + at)));
+            let middle = last.filter(|_| self.stretch.whole).map(|last: f64| self.at(from, 0.5 * (last + at)));
             if let Some(Ok(middle)) = middle {
                 let seen = self.look(&middle).unwrap_or_default();
                 self.pass(&middle, &seen);

@@ -32,8 +32,7 @@ const LEAST: f64 = 1e-9;
 /// As near as this a pair is that of a mode that the impacts do not reach.
 const SPARED: f64 = 1e-10;
 
-/// Follows the branch of `orbit` both ways, to the ends of the range or of the branch, and collects all events. Two that
-/// cancel within one step (a fiftieth of the range at most) are not seen.
+/// Follows the branch of `orbit` both ways, to the ends of the range or to a fold or another end of the branch, and collects all events.
 ///
 /// # Errors
 /// [`LocateError`].

@@ -11,8 +11,7 @@
 use nalgebra::Complex;
 
 use super::answer::{Event, Evidence, LocateError};
-use super::follower::{At, Ends, Follower, OrbitOf, Order, Point};
-use super::seen::Seen;
+use super::follower::{At, Ends, Follower, OrbitOf, Order, Point, Seen};
 use super::settle::Found;
 use crate::events::half_sums::{SPLIT, collided, complex_count};
 use crate::events::{EventOrbit, Solved, Test, Watcher};

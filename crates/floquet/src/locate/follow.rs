@@ -4,8 +4,7 @@ use vibrochain_breather::{BranchError, Pace};
 
 use super::answer::{End, Event, LocateError};
 use super::course::Station;
-use super::follower::{At, Ended, Ends, Follower, Point};
-use super::seen::Seen;
+use super::follower::{At, Ended, Ends, Follower, Point, Seen};
 use super::settle::{SETTLED, Settled};
 use crate::bracket::zero;
 use crate::events::{EventOrbit, Test, UNBOUNDED, strongest};

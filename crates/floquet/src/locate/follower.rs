@@ -2,15 +2,14 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::system::System;
-use vibrochain_breather::{BranchError, SolutionCurve, SolutionPoint};
+use vibrochain_breather::{Admissibility, BranchError, SolutionCurve, SolutionPoint};
 use vibrochain_lattice::{Resonance, Stop};
 
 use super::answer::{Branching, End, Event, LocateError, Located, Unresolved};
 use super::course::{DiagramPoint, Station};
-use super::seen::Seen;
 use crate::events::{EventOrbit, Watcher};
 use crate::stripes::{Signature, SignatureOrder};
-use crate::verdict::Tolerance;
+use crate::verdict::{Tolerance, Verdict};
 
 /// Pairs in the order of Re ν: the signature of one on the circle, nothing of two off it.
 pub(crate) type Order = Vec<Option<Signature>>;
@@ -21,6 +20,24 @@ pub(crate) type OrbitOf<E> = <<E as Ends>::Watcher as Watcher>::Orbit;
 /// A branch of them, and a point of it.
 pub(crate) type Track<E> = SolutionCurve<<E as Ends>::System>;
 pub(crate) type Point<E> = SolutionPoint<OrbitOf<E>>;
+
+/// What was seen at a point, as far as the events that are watched ask for it.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Seen {
+    /// Velocity before each impact, towards its barrier.
+    pub(super) velocities: Vec<f64>,
+    pub(super) admissibility: Option<Admissibility>,
+    pub(super) minus_one: Option<f64>,
+    pub(super) another_one: Option<f64>,
+    /// Multipliers, or without losses ν of each pair.
+    pub(super) values: Vec<Complex<f64>>,
+    /// Without loss, (Im ν)² of the pairs off the circle, by Re ν.
+    pub(super) openings: Vec<f64>,
+    /// Of impacts at several sites, the order of Krein signatures along the circle.
+    pub(super) order: Option<SignatureOrder>,
+    /// Where it comes with the multipliers.
+    pub(super) verdict: Option<Verdict>,
+}
 
 /// A point with what is seen there.
 pub(super) type At<'a, E> = (&'a Point<E>, &'a Seen);
@@ -84,7 +101,7 @@ pub(crate) struct Stretch {
     pub(crate) to: f64,
     pub(crate) events: Vec<Event>,
     pub(crate) tolerance: Tolerance,
-    /// The branch is followed round its folds, all its points are kept, and every step is looked at in its middle, too.
+    /// The branch is followed round its folds, and all its points are kept.
     pub(crate) whole: bool,
 }
 
@@ -124,9 +141,17 @@ impl<E: Ends> Follower<E> {
         self.watcher.spectra() + self.ends.spectra()
     }
 
-    /// There may be an event between two points that rounding hides.
+    /// There may be an event between two points that rounding hides. Ranges that touch are one.
     pub(super) fn hidden(&mut self, one: f64, other: f64) {
-        self.unresolved.push(Unresolved { from: one.min(other), to: one.max(other) });
+        let (mut from, mut to) = (one.min(other), one.max(other));
+        self.unresolved.retain(|range| {
+            let apart = range.to < from || to < range.from;
+            if !apart {
+                (from, to) = (from.min(range.from), to.max(range.to));
+            }
+            apart
+        });
+        self.unresolved.push(Unresolved { from, to });
     }
 
     /// A point as a diagram has it.

@@ -1,38 +1,17 @@
 //! What is seen at a point of a branch, and what that tells of the step to the next one.
 
-use nalgebra::Complex;
 use vibrochain_breather::Admissibility;
 
 use super::answer::{Event, LocateError};
-use super::follower::{At, Ends, Follower, Point};
+use super::follower::{At, Ends, Follower, Point, Seen};
 use crate::events::half_sums::upper_half;
 use crate::events::{EventOrbit, Test, Watcher, another_one, minus_one};
 use crate::followed::Followed;
-use crate::stripes::SignatureOrder;
-use crate::verdict::Verdict;
-
-/// What was seen at a point, as far as the events that are watched ask for it.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Seen {
-    /// Velocity before each impact, towards its barrier.
-    pub(super) velocities: Vec<f64>,
-    pub(super) admissibility: Option<Admissibility>,
-    pub(super) minus_one: Option<f64>,
-    pub(super) another_one: Option<f64>,
-    /// Multipliers, or without losses ν of each pair.
-    pub(super) values: Vec<Complex<f64>>,
-    /// Without loss, (Im ν)² of the pairs off the circle, by Re ν.
-    pub(super) openings: Vec<f64>,
-    /// Of impacts at several sites, the order of Krein signatures along the circle.
-    pub(super) order: Option<SignatureOrder>,
-    /// Where it comes with the multipliers.
-    pub(super) verdict: Option<Verdict>,
-}
 
 impl<E: Ends> Follower<E> {
     /// What is to be known of a point.
     pub(super) fn look(&mut self, point: &Point<E>) -> Result<Seen, LocateError> {
-        let (orbit, whole) = (point.orbit(), self.stretch.whole);
+        let orbit = point.orbit();
         let mut seen = Seen::default();
         if self.watches(Event::Grazing) {
             seen.velocities = velocities(orbit);
@@ -46,7 +25,7 @@ impl<E: Ends> Follower<E> {
         }
         // Signatures tell of thin stripes of any kind.
         let lossless = orbit.is_lossless();
-        let signed = whole && lossless && (seen.minus_one.is_some() || seen.another_one.is_some());
+        let signed = lossless && (seen.minus_one.is_some() || seen.another_one.is_some());
         if self.watches(Event::NeimarkSacker) || signed {
             (seen.values, seen.verdict) = self.watcher.spectrum(orbit, self.stretch.tolerance)?;
         }
@@ -54,9 +33,7 @@ impl<E: Ends> Follower<E> {
             let mut off = upper_half(&seen.values);
             off.sort_by(|a, b| a.re.total_cmp(&b.re));
             seen.openings = off.iter().map(|nu| nu.im * nu.im).collect();
-            if whole {
-                seen.order = self.ends.order(orbit);
-            }
+            seen.order = self.ends.order(orbit);
         }
         Ok(seen)
     }

@@ -24,6 +24,12 @@ const HALVINGS: usize = 8;
 /// Lengths as short as this are rounding.
 pub(super) const SETTLED: f64 = 1e-6;
 
+/// A solution may be this part of a step outside it, where the event is at its end.
+const SLACK: f64 = 1e-3;
+
+/// An event whose error is more than this part of the step is not claimed: rounding may have made it.
+const CLAIMED: f64 = 1e-2;
+
 /// How far beside an event another one of its kind is looked for, as a part of the step; and so many at most.
 const BESIDE: f64 = 1e-4;
 const MOST_IN_STEP: usize = 32;
@@ -89,6 +95,10 @@ impl<E: Ends> Follower<E> {
         };
         let length = self.branch.length_between(from.0, to.0);
         let along = self.length_to(from.0, &solved);
+        if test != Test::Fold && solved.error > CLAIMED * length * self.range() {
+            self.hidden(from.0.value(), to.0.value());
+            return Ok(());
+        }
         if found.iter().any(|(other, located)| located.event == test.event(false) && (other - along).abs() <= SETTLED) {
             return Ok(());
         }
@@ -171,7 +181,9 @@ impl<E: Ends> Follower<E> {
         let solved = solve(self.branch.system(), test, (&z, mark), reach).ok()?;
         let solved = self.beside_resonance(test, from, solved)?;
         let along = self.length_to(from, &solved);
-        let evidence = if (-SETTLED..=length + SETTLED).contains(&along) { self.evidence(test, &solved) } else { None };
+        // Two events may be nearer to each other than any fixed length.
+        let slack = SETTLED.min(SLACK * length);
+        let evidence = if (-slack..=length + slack).contains(&along) { self.evidence(test, &solved) } else { None };
         evidence.map(|evidence| (solved, evidence))
     }
 
@@ -219,7 +231,8 @@ impl<E: Ends> Follower<E> {
         let both = |value: C| if lossless { Nu::of(value).multipliers() } else { [value; 2] };
         let multipliers = values.into_iter().flat_map(both).flat_map(|mu| [mu, mu.conj()]);
         let nearest = multipliers.min_by(|a, b| (a - goal).norm().total_cmp(&(b - goal).norm()))?;
-        ((nearest - goal).norm() <= POLE).then_some(Evidence::Multiplier(nearest))
+        // Without losses two meet there, which are known to the root of rounding.
+        ((nearest - goal).norm() <= POLE).then_some(Evidence::Multiplier(if lossless { goal } else { nearest }))
     }
 
     /// The event at a length along a step.

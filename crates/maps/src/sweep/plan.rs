@@ -283,6 +283,13 @@ const MOST_TOLD: usize = 8;
 /// Lists the values that differ, by the path of their keys.
 fn compare(path: &str, here: &Value, there: &Value, list: &mut Vec<String>) {
     let none = Map::new();
+    let whole = || {
+        let value = |value: &Value| match value {
+            Value::Null => "absent".to_owned(),
+            value => clipped(&value.to_string(), MOST_SHOWN).into_owned(),
+        };
+        format!("{path} is {} there, {} here", value(there), value(here))
+    };
     match (here, there) {
         (Value::Object(ours), theirs) => {
             let theirs = theirs.as_object().unwrap_or(&none);
@@ -295,17 +302,15 @@ fn compare(path: &str, here: &Value, there: &Value, list: &mut Vec<String>) {
         }
         (Value::Array(ours), Value::Array(theirs)) if ours.len() == theirs.len() => {
             let pairs = ours.iter().zip(theirs).enumerate();
-            pairs.for_each(|(i, (here, there))| compare(&format!("{path}.{i}"), here, there, list));
+            let mut each = Vec::new();
+            pairs.for_each(|(i, (here, there))| compare(&format!("{path}.{i}"), here, there, &mut each));
+            // Contacts by their keys, numbers of a list together.
+            let named = ours.iter().any(Value::is_object);
+            list.extend(if named || each.is_empty() { each } else { vec![whole()] });
         }
         // 1 is 1.0.
         _ if here == there || here.as_f64().is_some_and(|here| there.as_f64() == Some(here)) => {}
-        _ => {
-            let value = |value: &Value| match value {
-                Value::Null => "absent".to_owned(),
-                value => clipped(&value.to_string(), MOST_SHOWN).into_owned(),
-            };
-            list.push(format!("{path} is {} there, {} here", value(there), value(here)));
-        }
+        _ => list.push(whole()),
     }
 }
 
