@@ -115,7 +115,8 @@ fn every_claim_holds(event: Event, families: &[Family], seed: u64, wanted: usize
                 )
             };
             for other in &answer.located[..i] {
-                let near = 1e-5 * found.value.abs();
+                // Two that are apart by more than their errors are two: each shows by a change of sign.
+                let near = 16.0 * (found.error + other.error) + 1e-12 * found.value.abs();
                 let known = (other.value - found.value).abs() < near && sign_distance(other, found) < 1e-3;
                 if known {
                     println!("twice: {} {}", story(), other.value);

@@ -18,6 +18,9 @@ const MOST_STEPS: usize = 20_000;
 /// How often a step with a fold is halved until Newton's method finds it.
 const HALVINGS: usize = 8;
 
+/// A heading this small against the other end's is that of a place where the branch turns.
+const STILL: f64 = 1e-2;
+
 /// The value at which a way ends, and why.
 type Way = (f64, End);
 
@@ -60,15 +63,26 @@ impl<E: Ends> Follower<E> {
             }
             let closed = self.stretch.whole && step > 0 && self.closes(start, &point, &next);
             let next = if closed { start.clone() } else { next };
-            let next_seen = match self.passage((&point, &seen), &next) {
-                Ok(Passage::On(next_seen)) => next_seen,
+            let before = (self.passed.len(), self.unresolved.clone(), self.untold);
+            let failed = match self.passage((&point, &seen), &next) {
+                Ok(Passage::On(next_seen)) => {
+                    (point, seen) = (next, next_seen);
+                    None
+                }
                 Ok(Passage::Ends(way)) => return Ok(way),
-                // A failure on the way ends the way, it does not undo what was found before.
-                Err(LocateError::Branch(error)) => return Ok(self.given_up(&point, first, End::Lost(error))),
-                Err(LocateError::Floquet(error)) => return Ok(self.given_up(&point, first, End::Unwatched(error))),
+                Err(LocateError::Branch(error)) => Some(End::Lost(error)),
+                Err(LocateError::Floquet(error)) => Some(End::Unwatched(error)),
                 Err(other) => return Err(other),
             };
-            (point, seen) = (next, next_seen);
+            if let Some(failed) = failed {
+                // A failure undoes its step, not what was found before.
+                self.passed.truncate(before.0);
+                (self.unresolved, self.untold) = (before.1, before.2);
+                if pace.shorten() {
+                    continue;
+                }
+                return Ok(self.given_up(&point, first, failed));
+            }
             let growth = strongest(point.orbit()) / first;
             let end = match () {
                 () if closed => End::Closed,
@@ -133,8 +147,15 @@ impl<E: Ends> Follower<E> {
     /// followed.
     fn passage(&mut self, from: At<'_, E>, next: &Point<E>) -> Result<Passage, LocateError> {
         let turns = from.0.heading() * next.heading() <= 0.0;
-        if turns && let Some(way) = self.mirrored(from.0, next)? {
-            return Ok(Passage::Ends(way));
+        if turns {
+            // A point that happens to be where it turns tells by rounding alone: its neighbour beyond tells better.
+            let half = 0.5 * self.branch.length_between(from.0, next);
+            let still = |one: &Point<E>, other: &Point<E>| one.heading().abs() < STILL * other.heading().abs();
+            let before = if still(from.0, next) { self.at(from.0, -half).ok() } else { None };
+            let behind = if still(next, from.0) { self.at(next, half).ok() } else { None };
+            if let Some(way) = self.mirrored(before.as_ref().unwrap_or(from.0), behind.as_ref().unwrap_or(next))? {
+                return Ok(Passage::Ends(way));
+            }
         }
         if !turns || self.stretch.whole {
             return Ok(Passage::On(self.watch(from, next)?));
