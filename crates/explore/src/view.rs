@@ -38,12 +38,10 @@ const MOST_WORDS: usize = 32;
 /// # Errors
 /// [`Refusal`] with the most there may be.
 pub fn fits(sites: usize, words: &[Word]) -> Result<(), Refusal> {
-    if words.len() > MOST_WORDS {
-        return Err(Refusal::wrong(format!(
-            "{} words are too many to look at: give at most {MOST_WORDS}",
-            words.len()
-        )));
-    }
+    ensure!(
+        words.len() <= MOST_WORDS,
+        Refusal::wrong(format!("{} words are too many to look at: give at most {MOST_WORDS}", words.len()))
+    );
     let is_dense = |word: &Word| word.letters().any(|letter| word.letters().any(|other| other.site != letter.site));
     let (most, with) =
         if words.iter().any(is_dense) { (MOST_DENSE, ", with a word of several sites,") } else { (MOST_SITES, "") };
@@ -85,9 +83,7 @@ impl View {
     /// # Ok::<(), vibrochain_explore::Refusal>(())
     /// ```
     pub fn read(scene: &Value) -> Result<Self, Refusal> {
-        if !scene.is_object() {
-            return Err(Refusal::wrong("scene is missing: give an object with model, sweep and compute"));
-        }
+        ensure!(scene.is_object(), Refusal::wrong("scene is missing: give an object with model, sweep and compute"));
         if let Some(key) = nothing(scene, &mut String::new()) {
             return Err(Refusal::wrong(format!("{key} is null: give a value")));
         }

@@ -93,10 +93,9 @@ impl<S: Ensembled> Content<S> for Fates {
     fn create(&self, out: &Path, _: &S, threads: usize) -> Result<TableFile, MapError> {
         if Form::of(out)? == Form::Columns {
             let name = out.display();
-            let message = format!(
+            refuse!(
                 "{name}: the table of an ensemble is not written by columns; end the name in .csv, .csv.gz or .csv.zst"
             );
-            return Err(MapError::Request(message));
         }
         TableFile::create(out, &[], threads)
     }

@@ -357,11 +357,10 @@ impl Ensembled for Scene {
     type Origin = Breather;
 
     fn takes(&self, ensemble: &Ensemble, from: From) -> Result<(), String> {
-        if from == From::Rest {
-            let message =
-                "--breathers rest is of structures, and of chains with dashpots: give class, every or unstable";
-            return Err(message.to_owned());
-        }
+        ensure!(
+            from != From::Rest,
+            "--breathers rest is of structures, and of chains with dashpots: give class, every or unstable"
+        );
         ensemble.check(self.base.sites()).map_err(|error| error.to_string())
     }
 

@@ -74,9 +74,7 @@ impl<S: Grid> ReadRows<CellFates> for Reader<'_, S> {
 
     /// (A table tells no class of its cells.)
     fn finish(self, summary: &Summary, each: &mut dyn FnMut(u64, &CellFates)) -> Result<(), String> {
-        if self.whole(each)?.statuses != summary.statuses {
-            return Err("its counts are not those of its rows".to_owned());
-        }
+        ensure!(self.whole(each)?.statuses == summary.statuses, "its counts are not those of its rows");
         Ok(())
     }
 }
@@ -118,12 +116,8 @@ impl<S: Grid> Rows<'_, S> {
             return Ok(());
         }
         self.hand_on(each);
-        if !self.cells.contains(&self.next) {
-            return Err(format!("it is of more than its {} cells", self.cells.end - self.cells.start));
-        }
-        if !is_at(self.next) {
-            return Err("it is of another cell".to_owned());
-        }
+        ensure!(self.cells.contains(&self.next), "it is of more than its {} cells", self.cells.end - self.cells.start);
+        ensure!(is_at(self.next), "it is of another cell");
         let cell = Cell { solutions, status, ..UNTOLD };
         self.current = Some(CellFates { number: self.next, cell, breathers: breather.into_iter().collect() });
         self.next += 1;
@@ -137,9 +131,7 @@ impl<S: Grid> Rows<'_, S> {
         let (spectral_radius, predicted) = (fields.number()?, fields.number()?);
         let measured = fields.pair()?;
         let starts: u64 = fields.value()?;
-        if starts != self.starts {
-            return Err(format!("it is of {starts} runs and not of {}", self.starts));
-        }
+        ensure!(starts == self.starts, "it is of {starts} runs and not of {}", self.starts);
         let dominant = fields.text().to_owned();
         let mut ends = [0; End::NAMES.len()];
         for count in &mut ends {

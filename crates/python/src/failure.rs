@@ -78,6 +78,13 @@ impl From<Failure> for PyErr {
     }
 }
 
+/// A message alone is about a request.
+impl From<String> for Failure {
+    fn from(message: String) -> Self {
+        Self::Request(message)
+    }
+}
+
 impl From<ParameterError> for Failure {
     fn from(error: ParameterError) -> Self {
         Self::Request(error.to_string())

@@ -21,11 +21,10 @@ pub(crate) fn items<'py>(name: &str, value: &Bound<'py, PyAny>, most: usize) -> 
     let length = length(value)
         .filter(|_| !value.is_instance_of::<PyString>())
         .ok_or_else(|| PyTypeError::new_err(format!("{name} is {}: give a sequence", kind(value))))?;
-    if length > most {
-        return Err(
-            Failure::request(format!("{name}: {} items are too many: give at most {most}", told(length))).into()
-        );
-    }
+    ensure!(
+        length <= most,
+        Failure::request(format!("{name}: {} items are too many: give at most {most}", told(length))).into()
+    );
     // No more than it says it has.
     value.try_iter()?.take(length).collect()
 }

@@ -109,8 +109,8 @@ pub(crate) fn _frequencies<'py>(py: Python<'py>, model: PyRef<'_, PyModel>) -> B
 #[pyfunction]
 pub(crate) fn _structure_frequencies(py: Python<'_>, scene: String) -> PyResult<Vec<f64>> {
     let work = move |_: &Stop| {
-        let scene = StructureScene::of_text(&scene, Path::new(".")).map_err(Failure::Request)?;
-        let structure = scene.structure().map_err(Failure::Request)?;
+        let scene = StructureScene::of_text(&scene, Path::new("."))?;
+        let structure = scene.structure()?;
         let swinging = structure.modes().iter().filter(|mode| mode.turn.sign() > 0.0);
         let mut rates: Vec<f64> = swinging.map(|mode| mode.rate).collect();
         rates.sort_by(f64::total_cmp);

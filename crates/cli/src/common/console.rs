@@ -87,8 +87,7 @@ impl<'a> Console<'a> {
 /// JSON is not printed where a file goes already.
 pub(crate) fn nothing_else(json: bool, taken: bool) -> Result<(), CliError> {
     if json && taken {
-        let message = "--json prints to standard output, where another file goes: name a file for that one";
-        return Err(CliError::Request(message.to_owned()));
+        refuse!("--json prints to standard output, where another file goes: name a file for that one");
     }
     Ok(())
 }

@@ -46,12 +46,8 @@ fn follow<A: Along>(args: &CurveArgs, scene: A::Scene, console: &mut Console<'_>
     let free = [A::free(args.along.free)?, A::free(args.and)?];
     let names = free.map(A::name);
     let [first, second] = [names[0].as_str(), names[1].as_str()];
-    if first == second {
-        return Err(CliError::Request(format!("--free and --and are both {first}: give two parameters")));
-    }
-    if !(1e-12..=0.01).contains(&args.tolerance) {
-        return Err(CurveError::Tolerance(args.tolerance).into());
-    }
+    ensure!(first != second, "--free and --and are both {first}: give two parameters");
+    ensure!((1e-12..=0.01).contains(&args.tolerance), CurveError::Tolerance(args.tolerance).into());
     let stop = (console.interrupt)()?;
     let file = args.out.as_deref().map(|path| CsvFile::create("--out", path, header([first, second]))).transpose()?;
     let manifest = Manifest::create(manifest.as_deref())?;

@@ -60,9 +60,7 @@ impl StructureProgram {
         setting: Setting,
         pool: ThreadPool,
     ) -> Result<Self, String> {
-        if scene.axes.len() != 2 {
-            return Err("a map to fly over has two axes: give [sweep] with x and y".to_owned());
-        }
+        ensure!(scene.axes.len() == 2, "a map to fly over has two axes: give [sweep] with x and y");
         scene.is_map()?;
         Ok(Self { scene, path, setting, pool })
     }

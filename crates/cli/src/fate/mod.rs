@@ -71,9 +71,7 @@ fn of_scene<S: SweptScene>(args: &FateArgs, console: &mut Console<'_>) -> Result
     let runs = scene.cells().saturating_mul(args.starts);
     if args.diagram.is_none() && runs > MAX_RUNS {
         let cells = scene.cells();
-        let message =
-            format!("{cells} cells with --starts {} are {runs} runs, the limit is {MAX_RUNS}: give fewer", args.starts);
-        return Err(CliError::Request(message));
+        refuse!("{cells} cells with --starts {} are {runs} runs, the limit is {MAX_RUNS}: give fewer", args.starts);
     }
     // (That of a shard is a folder.)
     let table = args.out.as_deref().filter(|_| args.shard.is_none());
@@ -286,12 +284,9 @@ fn diagram<S: SweptScene>(
     };
     let most = args.periods.min(MAX_POINTS);
     let points = args.points.unwrap_or(POINTS.min(most));
-    if !(1..=most).contains(&points) {
-        let message = format!("--points {points} is out of range: give a whole number from 1 to {most}");
-        return Err(CliError::Request(message));
-    }
+    ensure!((1..=most).contains(&points), "--points {points} is out of range: give a whole number from 1 to {most}");
     if args.carry {
-        scene.carries().map_err(CliError::Request)?;
+        scene.carries()?;
     }
     let diagram = Diagram { scene, ensemble, points, carry: args.carry };
     let sites = scene.watched();
@@ -331,9 +326,7 @@ fn diagram<S: SweptScene>(
         file.finish()?;
         manifest.finish(SECTION, rows, &OfScene::new(scene, Some(ensemble)))?;
     }
-    if stopped {
-        return Err(kept(&args.diagram, args.plot.is_some(), cells, scene.cells()));
-    }
+    ensure!(!stopped, kept(&args.diagram, args.plot.is_some(), cells, scene.cells()));
     let carried = if args.carry { ", each from the end of the one before" } else { "" };
     let mut text = format!("{cells} runs of {} periods{carried}, {points} points each\n", args.periods);
     if incomplete > 0 {

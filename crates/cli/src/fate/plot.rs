@@ -74,10 +74,9 @@ impl Plot {
         let cells = points.iter().fold(1, |product: u64, points| product.saturating_mul(*points as u64));
         let fits = axes == 1 || axes == 2 && longest <= MOST_VALUES;
         if !files.is_empty() && (!fits || cells > MOST_CELLS) {
-            let message = format!(
+            refuse!(
                 "a picture of ends needs one axis, or two of at most {MOST_VALUES} values each; the scene has {axes}, of up to {longest} values"
             );
-            return Err(CliError::Request(message));
         }
         Self::new(files, scene, false)
     }

@@ -94,8 +94,7 @@ impl OrbitPictures {
         if let (Some(folder), Some(plot)) = (&args.all_plots, &args.plot)
             && name_within(folder, plot).is_some_and(|name| name.to_string_lossy().starts_with(NAME))
         {
-            let message = format!("--plot {} is a name that --all-plots uses: name another", plot.display());
-            return Err(CliError::Request(message));
+            refuse!("--plot {} is a name that --all-plots uses: name another", plot.display());
         }
         let all = args.all_plots.as_deref().map(|folder| {
             promises_folder("--all-plots", folder)?;

@@ -45,8 +45,7 @@ impl Film {
         let chain = model.chain();
         let masses = chain.sites();
         if masses > MOST_MASSES {
-            let message = format!("--animate {name}: {masses} masses cannot be told apart, at most {MOST_MASSES} can");
-            return Err(CliError::Request(message));
+            refuse!("--animate {name}: {masses} masses cannot be told apart, at most {MOST_MASSES} can");
         }
         let lowest = if chain.is_ring() { -(masses.saturating_sub(1) as i64 / 2) } else { 0 };
         let barriers = (model.asymmetry() - 1.0, model.asymmetry() + 1.0);

@@ -151,9 +151,7 @@ fn starting_point(
     let orbit = &home.orbit;
     let mut start = State::on(orbit)?;
     if let Some(size) = args.perturb {
-        if !size.is_finite() {
-            return Err(CliError::Request(format!("--perturb {} is out of range: give a finite size", Short(size))));
-        }
+        ensure!(size.is_finite(), "--perturb {} is out of range: give a finite size", Short(size));
         match args.direction {
             Direction::Random => start.perturb_at_random(model, size, args.seed),
             Direction::Unstable => {

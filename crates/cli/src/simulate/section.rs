@@ -47,14 +47,9 @@ impl Section {
         let Some(path) = &args.section else { return Ok(None) };
         let (skip, phase) = (args.skip, args.section_phase);
         if !(skip >= 0.0 && skip <= args.periods) {
-            let message = format!("--skip {skip} is out of range: give a number of periods from 0 to {}", args.periods);
-            return Err(CliError::Request(message));
+            refuse!("--skip {skip} is out of range: give a number of periods from 0 to {}", args.periods);
         }
-        if !(0.0..1.0).contains(&phase) {
-            return Err(CliError::Request(format!(
-                "--section-phase {phase} is out of range: give a part from 0, below 1"
-            )));
-        }
+        ensure!((0.0..1.0).contains(&phase), "--section-phase {phase} is out of range: give a part from 0, below 1");
         let mut sites = args.section_sites.clone();
         if sites.is_empty() {
             sites = home;
@@ -63,13 +58,9 @@ impl Section {
         sites.dedup();
         let last = count.saturating_sub(1);
         if let Some(site) = sites.iter().find(|site| **site > last) {
-            return Err(CliError::Request(format!(
-                "--section-sites {site} does not exist: give sites from 0 to {last}"
-            )));
+            refuse!("--section-sites {site} does not exist: give sites from 0 to {last}");
         }
-        if sites.len() > MAX_SITES {
-            return Err(CliError::Request(format!("--section-sites has more than {MAX_SITES} sites: give fewer")));
-        }
+        ensure!(sites.len() <= MAX_SITES, "--section-sites has more than {MAX_SITES} sites: give fewer");
         let columns = |name: &str| sites.iter().map(|site| format!("{name}_{site}")).collect::<Vec<_>>();
         let words = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
         let (strobe, header) = match args.section_at {

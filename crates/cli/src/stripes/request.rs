@@ -46,11 +46,10 @@ impl Request {
         let scene = Scene::read(path)?;
         let name = path.display();
         let wrong = |what: &str| CliError::Request(format!("{name}: {what}"));
-        if !scene.is_conservative() {
-            return Err(wrong(
-                "stripes are collisions of modes without loss: give a scene without force and with elastic impacts",
-            ));
-        }
+        ensure!(
+            scene.is_conservative(),
+            wrong("stripes are collisions of modes without loss: give a scene without force and with elastic impacts")
+        );
         let cells = scene.cells();
         if cells > MOST_CELLS {
             return Err(wrong(&format!("the map has {cells} cells and is held whole: give at most {MOST_CELLS}")));

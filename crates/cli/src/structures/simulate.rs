@@ -32,23 +32,19 @@ const FLIGHTS: u64 = 20_000;
 pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Console<'_>) -> Result<(), CliError> {
     let others = [("animate", args.animate.is_some()), ("perturb", args.perturb.is_some())];
     if let Some((flag, _)) = others.iter().find(|(_, given)| *given) {
-        let message = format!(
+        refuse!(
             "--{flag} is of chains without dashpots: a structure's run has --impacts, --trajectory, --section, --plot and --json"
         );
-        return Err(CliError::Request(message));
     }
-    if args.periods >= MOST {
-        let message = format!("--periods {} is out of range: give a number from 0 to {MOST:e}", args.periods);
-        return Err(CliError::Request(message));
-    }
+    ensure!(args.periods < MOST, "--periods {} is out of range: give a number from 0 to {MOST:e}", args.periods);
     let taken = checked(args)?;
-    let model = scene.model().map_err(CliError::Request)?;
+    let model = scene.model()?;
     let Start { psi, modes, from, orbit } = start(args, scene, &model)?;
     let structure = (**model.structure()).clone();
     let simulation = StructureSimulation::new(structure, model.omega(), psi, &modes);
     let mut simulation = simulation.map_err(|error| CliError::Request(error.to_string()))?;
     // Keeping account costs more than the flights.
-    let form = if console.verbose { scene.energy_form().map_err(CliError::Request)? } else { None };
+    let form = if console.verbose { scene.energy_form()? } else { None };
     let before = form.as_ref().map_or(0.0, |form| form.energy(&modes));
     if let Some(form) = &form {
         simulation = simulation.with_balance(form.clone());

@@ -118,9 +118,7 @@ impl Kind {
 pub fn run(args: &DrawArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let wanted = &args.pictures;
     let outputs = wanted.beside(&[]);
-    if outputs.is_empty() {
-        return Err(CliError::Request("nothing is asked for: give --plot FILE, .png, .svg or .pdf".to_owned()));
-    }
+    ensure!(!outputs.is_empty(), "nothing is asked for: give --plot FILE, .png, .svg or .pdf");
     let manifest = manifest_path(&args.table);
     let source = args.scene.as_deref().unwrap_or(&manifest);
     let inputs =
@@ -131,9 +129,7 @@ pub fn run(args: &DrawArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     kind.takes(args)?;
     if args.scene.is_none() && !manifest.exists() {
         let what = if kind == Kind::Cells { "the scene of the table" } else { "its manifest" };
-        let message =
-            format!("{} is not there, which says what the table is of: give {what} by --scene", manifest.display());
-        return Err(CliError::Request(message));
+        refuse!("{} is not there, which says what the table is of: give {what} by --scene", manifest.display());
     }
     let is_structure = StructureScene::is_at(source);
     let told = match kind {

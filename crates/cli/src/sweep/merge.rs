@@ -115,8 +115,7 @@ fn apart(args: &MergeArgs, manifest_file: Option<&Path>) -> Result<bool, CliErro
     for (flag, path) in outputs {
         let Some(path) = path else { continue };
         if name_within(&args.folder, path).is_some_and(|name| Store::owns(&name)) {
-            let message = format!("{flag} and a chunk are the same file, {}: name another", path.display());
-            return Err(CliError::Request(message));
+            refuse!("{flag} and a chunk are the same file, {}: name another", path.display());
         }
     }
     Ok(taken)
@@ -135,12 +134,8 @@ fn assembled<S: Grid, C: Content<S>>(
     let mut assembly = Assembly::begin(content, plan, &args.out, pool.current_num_threads(), watcher)?;
     let check = |chunk| Store::check(content, &args.folder, plan, chunk, &stop).err().map(|fault| (chunk, fault));
     let faults: Vec<(u64, Fault)> = pool.install(|| (0..plan.chunks()).into_par_iter().filter_map(check).collect());
-    if faults.iter().any(|(_, fault)| matches!(fault, Fault::Stopped)) {
-        return Err(CliError::Interrupted);
-    }
-    if !faults.is_empty() {
-        return Err(incomplete(args, plan, &faults));
-    }
+    ensure!(!faults.iter().any(|(_, fault)| matches!(fault, Fault::Stopped)), CliError::Interrupted);
+    ensure!(faults.is_empty(), incomplete(args, plan, &faults));
     match assembly.chunks(&args.folder, &stop) {
         Ok(summary) => Ok((assembly.into_table(), summary, stop)),
         Err(Unassembled::Stopped) => Err(CliError::Interrupted),

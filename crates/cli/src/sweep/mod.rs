@@ -118,9 +118,7 @@ impl<S: SweptScene> Sweep<'_, S> {
     fn streamed(&self, console: &mut Console<'_>) -> Result<(), CliError> {
         let (out, scene) = (self.out, &self.plan.scene);
         let name = out.display();
-        if self.args.resume {
-            return Err(nothing_to_resume("--out", out));
-        }
+        ensure!(!self.args.resume, nothing_to_resume("--out", out));
         let wanted = &self.args.pictures;
         let taken = distinct(&[("the scene", Some(&self.args.scene))], &wanted.beside(&[("--out", Some(out))]))?;
         nothing_else(self.args.json, taken)?;

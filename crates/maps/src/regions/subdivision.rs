@@ -62,9 +62,7 @@ impl Subdivision {
             // Far outside, where nobody looks, chords are of no use either.
             if let Some(i) = own.iter().position(|place| !place.iter().all(|part| part.abs() < 1e6)) {
                 let [x, y] = border[i];
-                let message =
-                    format!("point {i} of border {number}, ({x}, {y}), has no place: give points near the window");
-                return Err(MapError::Request(message));
+                refuse!("point {i} of border {number}, ({x}, {y}), has no place: give points near the window");
             }
             places.push(own);
         }

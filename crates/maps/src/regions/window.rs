@@ -79,13 +79,10 @@ impl Window {
                 1 => "one axis".to_owned(),
                 axes => format!("{axes} axes"),
             };
-            return Err(MapError::Request(format!(
-                "borders and regions lie in a plane, but the scene has {axes}: give x and y, and none besides"
-            )));
+            refuse!("borders and regions lie in a plane, but the scene has {axes}: give x and y, and none besides");
         };
         let [Some(x), Some(y)] = plane.map(Side::of) else {
-            let message = "regions lie between two ends of each axis, but one has a list of values: give from and to";
-            return Err(MapError::Request(message.to_owned()));
+            refuse!("regions lie between two ends of each axis, but one has a list of values: give from and to");
         };
         Ok(Self { sides: [x, y] })
     }

@@ -192,9 +192,7 @@ impl<'a, S: Grid> Reader<'a, S> {
         let Self { scene, cells, next, within, places, columns, lines, counts } = self;
         lines.take(bytes, |row| {
             let number = counts.computed + 1;
-            if !cells.contains(next) {
-                return Err(format!("it has more rows than its {} cells", cells.end - cells.start));
-            }
+            ensure!(cells.contains(next), "it has more rows than its {} cells", cells.end - cells.start);
             let mut read = || {
                 let row = std::str::from_utf8(row).map_err(|_| "it is no text".to_owned())?;
                 let mut fields = split(row);

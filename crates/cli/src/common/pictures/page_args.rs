@@ -162,11 +162,10 @@ impl PageArgs {
             ..page
         };
         let across = page.width.unwrap_or(0.0) * page.dpi / 96.0;
-        if across > MOST_ACROSS {
-            return Err(CliError::Request(format!(
-                "--width and --dpi make a picture {across:.0} pixels across, at most {MOST_ACROSS} are drawn: give less of one"
-            )));
-        }
+        ensure!(
+            across <= MOST_ACROSS,
+            "--width and --dpi make a picture {across:.0} pixels across, at most {MOST_ACROSS} are drawn: give less of one"
+        );
         Ok(page)
     }
 
