@@ -93,7 +93,7 @@ impl Course {
             return Err(Failure::TooLarge(format!(
                 "{} periods of omega = {} take {windows:.0e} windows of flight, the limit is {MOST_WINDOWS:.0e}: give fewer \
                  periods, or max_impacts",
-                Short(end.periods() as f64 + end.part()),
+                Short(end.in_periods()),
                 Short(model.omega())
             )));
         }

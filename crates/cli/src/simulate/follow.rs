@@ -16,18 +16,13 @@ const MAX_STEPS: u64 = 1 << 48;
 /// Checks how long the run is and what files it has; whether standard output is taken by one.
 pub(crate) fn checked(args: &SimulateArgs) -> Result<bool, CliError> {
     let (samples, periods) = (args.samples, args.periods);
-    let out_of_range = |what: String| Err(CliError::Request(what));
-    if samples == 0 || samples > 1_000_000 {
-        return out_of_range(format!("--samples {samples} is out of range: give a whole number from 1 to 1000000"));
-    }
-    if !(periods >= 0.0 && periods.is_finite()) {
-        return out_of_range(format!("--periods {periods} is out of range: give a number from 0"));
-    }
-    if periods * samples as f64 > MAX_STEPS as f64 {
-        return out_of_range(format!(
-            "--periods {periods} with {samples} samples each is out of range: give at most {MAX_STEPS} samples in all"
-        ));
-    }
+    let allowed = (1..=1_000_000).contains(&samples);
+    ensure!(allowed, "--samples {samples} is out of range: give a whole number from 1 to 1000000");
+    ensure!((0.0..=f64::MAX).contains(&periods), "--periods {periods} is out of range: give a number from 0");
+    ensure!(
+        periods * samples as f64 <= MAX_STEPS as f64,
+        "--periods {periods} with {samples} samples each is out of range: give at most {MAX_STEPS} samples in all"
+    );
     let taken = distinct(
         &[
             ("--scene", args.model.scene.as_deref()),

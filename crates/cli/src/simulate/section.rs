@@ -68,7 +68,7 @@ impl Section {
                 let strobe = Strobe::of_period(period, psi, phase);
                 // The phase is less than a period away.
                 let first = ((skip.floor() as u64).saturating_sub(1)..=skip.ceil() as u64)
-                    .find(|&i| part(strobe.time(i)) >= skip);
+                    .find(|&i| strobe.time(i).in_periods() >= skip);
                 let header = [words(&["time", "period", "phase"]), columns(place), columns(velocity)].concat();
                 (Some((strobe, first.unwrap_or(skip.ceil() as u64))), header)
             }
@@ -115,7 +115,7 @@ impl Section {
 
     /// Takes note of an impact.
     pub(crate) fn hit(&mut self, time: Time, site: usize, barrier: Barrier, velocities: [f64; 2]) {
-        let wanted = self.strobe.is_none() && part(time) >= self.skip && self.sites.binary_search(&site).is_ok();
+        let wanted = self.strobe.is_none() && time.in_periods() >= self.skip && self.sites.binary_search(&site).is_ok();
         if !wanted {
             return;
         }
@@ -134,9 +134,4 @@ impl Section {
     pub(crate) fn finish(self) -> Result<(), CliError> {
         Ok(self.file.finish()?)
     }
-}
-
-/// A time in periods.
-fn part(time: Time) -> f64 {
-    time.periods() as f64 + time.part()
 }

@@ -70,7 +70,7 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
     };
     let section = Section::open(args, section)?;
     let plot = RunPlot::open(args, scene, &model, (&from, hit[0]), orbit)?;
-    let samples = if trajectory.is_some() || plot.is_wanted() { args.samples } else { 0 };
+    let samples = if trajectory.is_some() || plot.is_some() { args.samples } else { 0 };
     let (report, counts, events) = (None, [0; 3], Vec::new());
     let mut kept = Kept { simulation, report, table, trajectory, section, plot, counts, events };
     let stopped = follow(&mut kept, args, (samples, FLIGHTS), &stop, console)?;
@@ -78,7 +78,7 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
     // What was simulated is kept.
     trajectory.map_or(Ok(()), CsvFile::finish)?;
     section.map_or(Ok(()), Section::finish)?;
-    plot.finish()?;
+    plot.map_or(Ok(()), RunPlot::finish)?;
     table.map_or(Ok(()), CsvFile::finish)?;
     let Some(report) = report.filter(|_| !stopped) else { return Err(interrupted(args, simulation.time())) };
     let rests = simulation.state().contacts.iter().any(|contact| contact.resting.is_some());
@@ -148,7 +148,7 @@ struct Kept {
     table: Option<CsvFile>,
     trajectory: Option<CsvFile>,
     section: Option<Section>,
-    plot: RunPlot,
+    plot: Option<RunPlot>,
     counts: [usize; 3],
     events: Vec<ContactEvent>,
 }
@@ -167,7 +167,7 @@ impl Run for Kept {
         let report = simulation.run(limits, |event| {
             counts[event.kind as usize] += 1;
             if event.kind == EventKind::Impact {
-                plot.hit(event);
+                plot.iter_mut().for_each(|plot| plot.hit(event));
                 let velocities = [event.velocity_before, event.velocity_after];
                 let section = section.iter_mut();
                 section.for_each(|section| section.hit(event.time, event.contact, event.barrier, velocities));
@@ -193,11 +193,11 @@ impl Run for Kept {
     }
 
     fn look(&mut self) -> Result<(), CliError> {
-        if self.trajectory.is_none() && !self.plot.is_wanted() {
+        if self.trajectory.is_none() && self.plot.is_none() {
             return Ok(());
         }
         let StructureState { place, velocity, contacts, time, .. } = self.simulation.state();
-        self.plot.look(time, &contacts)?;
+        self.plot.as_mut().map_or(Ok(()), |plot| plot.look(time, &contacts))?;
         let Some(table) = &mut self.trajectory else { return Ok(()) };
         let (places, velocities) = contacts.iter().map(|contact| (contact.place, contact.velocity)).unzip();
         let all: [Vec<f64>; 5] = [vec![time.to_f64()], places, velocities, place, velocity];
