@@ -248,11 +248,11 @@ fn curves(asked: &Window) -> Result<Line, Refusal> {
 }
 
 fn stripes(asked: &Window) -> Result<Line, Refusal> {
-    Ok(about("stripes", asked)?.output("csv", "stripes.csv").output("plot", "stripes.png"))
+    Ok(about("stripes", asked)?.output("out", "stripes.csv").output("plot", "stripes.png"))
 }
 
 fn sweep(asked: &Window) -> Result<Line, Refusal> {
-    let line = about("sweep", asked)?.output("out", "map.csv").output("svg", "map.svg");
+    let line = about("sweep", asked)?.output("out", "map.csv").output("plot", "map.svg");
     let line = match &asked.color {
         Some(color) => line.flag("color", color),
         None => line,

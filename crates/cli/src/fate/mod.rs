@@ -16,7 +16,7 @@ use vibrochain_maps::scene::Scene;
 use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::sweep::{Content, Ended, Job, Plan, Settings, Watcher};
 
-use crate::args::{FateArgs, StartFrom};
+use crate::args::FateArgs;
 use crate::common::answer::printed;
 use crate::common::chunked_run::{ChunkedRun, nothing_to_resume, parts_path, place, quoted, shard_of};
 use crate::common::console::{Console, nothing_else};
@@ -105,13 +105,7 @@ fn asked(args: &FateArgs) -> Fates {
         tolerance: args.tolerance,
         leave: args.leave,
     };
-    let from = match args.breathers {
-        StartFrom::Class => From::Class,
-        StartFrom::Every => From::Every,
-        StartFrom::Unstable => From::Unstable,
-        StartFrom::Rest => From::Rest,
-    };
-    Fates { ensemble, from }
+    Fates { ensemble, from: args.breathers }
 }
 
 /// The command that computes chunks of an ensemble, but for its last words.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use vibrochain_maps::files::{Output, distinct, name_within, promises_folder};
 use vibrochain_plot::{Curves, Format, OrbitPanels, Page, Pane, curves_picture, orbit_picture};
 
-use crate::args::{FormatName, OrbitArgs};
+use crate::args::OrbitArgs;
 use crate::common::console::{Console, nothing_else};
 use crate::common::error::CliError;
 
@@ -60,7 +60,7 @@ impl Folder<'_> {
     /// # Errors
     /// [`CliError`].
     pub(crate) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), CliError> {
-        let (number, ending) = (self.number, self.page.format.ending());
+        let (number, ending) = (self.number, self.page.format);
         Ok(Output::create(&self.path.join(format!("{NAME}{number}-{name}.{ending}")))?.finish_with(bytes)?)
     }
 }
@@ -84,12 +84,7 @@ impl OrbitPictures {
     /// # Errors
     /// [`CliError::Request`] of files that cannot be written, or of a page that cannot be.
     pub(crate) fn open(args: &OrbitArgs) -> Result<Self, CliError> {
-        let page = args.page.page(match args.format {
-            _ if args.svg => Format::Svg,
-            FormatName::Png => Format::Png,
-            FormatName::Svg => Format::Svg,
-            FormatName::Pdf => Format::Pdf,
-        })?;
+        let page = args.page.page(if args.svg { Format::Svg } else { args.format })?;
         args.page.checked(args.plot.is_some() || args.all_plots.is_some(), "--plot or --all-plots")?;
         if let (Some(folder), Some(plot)) = (&args.all_plots, &args.plot)
             && name_within(folder, plot).is_some_and(|name| name.to_string_lossy().starts_with(NAME))

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use vibrochain_maps::files::Output;
-use vibrochain_plot::{Format, Page, PlotError};
+use vibrochain_plot::{Format, Page, Palette, PlotError};
 
-use crate::args::{PaletteName, PictureArgs};
+use crate::args::PictureArgs;
 use crate::common::error::CliError;
 use crate::common::pictures::page_args::PageArgs;
 
@@ -16,7 +16,7 @@ pub(crate) fn of_no_map(wanted: &PictureArgs, show: bool, what: &str) -> Result<
         ("--slice", !slice.is_empty()),
         ("--show", show),
         ("--curves", *curves),
-        ("--palette", *palette != PaletteName::default()),
+        ("--palette", *palette != Palette::default()),
     ];
     match of_maps.iter().find(|(_, given)| *given) {
         Some((flag, _)) => Err(CliError::Request(format!("{flag} is of maps, {what}: leave it out"))),
@@ -36,7 +36,7 @@ impl PictureFiles {
         Ok(Self(page.open(flag, path)?.into_iter().collect()))
     }
 
-    /// Those of --plot, and of --png, --svg and --pdf.
+    /// Those of --plot.
     ///
     /// # Errors
     /// As [`PictureFiles::one`].
@@ -44,21 +44,14 @@ impl PictureFiles {
         Self::open(&Self::named(wanted)?)
     }
 
-    /// The names that these flags give, each with what is drawn for it.
+    /// The names that --plot gives, each with what is drawn for it.
     ///
     /// # Errors
     /// [`CliError::Request`] of a name that promises something else, or of a page that cannot be.
     pub(crate) fn named(wanted: &PictureArgs) -> Result<Vec<(Page, PathBuf)>, CliError> {
-        wanted.page.checked(wanted.files().next().is_some(), "--plot")?;
-        let page = |(flag, path): (&'static str, &Path)| {
-            let once = [("--png", Format::Png), ("--svg", Format::Svg), ("--pdf", Format::Pdf)];
-            let format = match once.into_iter().find(|(name, _)| *name == flag) {
-                Some((_, format)) => format.promised(path).map(|()| format)?,
-                None => Format::asked(flag, path)?,
-            };
-            Ok((wanted.page.page(format)?, path.to_owned()))
-        };
-        wanted.files().map(page).collect()
+        wanted.page.checked(!wanted.plot.is_empty(), "--plot")?;
+        let page = |path: &PathBuf| Ok((wanted.page.page(Format::asked("--plot", path)?)?, path.clone()));
+        wanted.plot.iter().map(page).collect()
     }
 
     /// Opens files that were named.
