@@ -101,12 +101,9 @@ impl Plot {
             }
         })?;
         let named = |name: &str| name.replace("breather", scene.orbit());
-        let share = |(colour, name): (usize, &&str)| Series {
-            name: named(name),
-            colour,
-            stroke: Stroke::Solid(2),
-            mark: if cells > MARKED { Mark::None } else { Mark::Small(colour) },
-            points: Vec::new(),
+        let share = |(colour, name): (usize, &&str)| {
+            let mark = if cells > MARKED { Mark::None } else { Mark::Small(colour) };
+            Series { mark, ..Series::line(named(name), colour, Stroke::Solid(2), []) }
         };
         let shares = WORDS.iter().enumerate().map(share).collect();
         Ok(Self { files, cells: Vec::new(), by_word: false, shares, points: Vec::new(), axis, is_diagram })
@@ -180,8 +177,7 @@ impl Plot {
             series.points.sort_by(|a, b| a.0.total_cmp(&b.0));
         }
         let (y, scale, series) = if self.is_diagram {
-            let (name, points) = (String::new(), self.points);
-            let dots = Series { name, colour: 0, stroke: Stroke::None, mark: Mark::Dot, points };
+            let dots = Series::marks("", 0, Mark::Dot, self.points);
             ("displacement, once a period", Scale::Linear, vec![dots])
         } else {
             let shown = |series: &Series| series.points.iter().any(|point| point.1 > 0.0);

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::common::error::CliError;
+use vibrochain_breather::Family;
 use vibrochain_floquet::felt_modes;
 use vibrochain_lattice::Parameter;
 use vibrochain_maps::scene::{Axis, Scene, Values};
@@ -97,12 +98,7 @@ fn steps(axis: &Axis) -> Option<Steps> {
 }
 
 /// What is known of a tile's orbit: its family.
-pub(super) fn family(tile: &Tile) -> Option<vibrochain_breather::Family> {
-    use vibrochain_breather::Family;
-    use vibrochain_maps::cell::Class;
-    match tile.class? {
-        Class::StableDouble | Class::UnstableDouble | Class::Double => Some(Family::DoubleSided),
-        Class::StableSingle | Class::UnstableSingle | Class::Single => Some(Family::SingleSided),
-        Class::None | Class::StableWord | Class::UnstableWord | Class::Word => None,
-    }
+pub(super) fn family(tile: &Tile) -> Option<Family> {
+    let (family, _) = tile.class?.parts()?;
+    Some(family).filter(|family| *family != Family::Word)
 }

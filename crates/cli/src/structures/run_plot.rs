@@ -5,7 +5,7 @@ use vibrochain_eventsim::{ContactEvent, ContactState, Time};
 use vibrochain_lattice::Contact;
 use vibrochain_maps::files::Output;
 use vibrochain_maps::structure::StructureScene;
-use vibrochain_plot::{Curves, Mark, Page, Pane, Series, Stroke, curves_picture, run_trace};
+use vibrochain_plot::{Curves, Mark, Page, Pane, Series, curves_picture, run_trace};
 
 use crate::args::SimulateArgs;
 use crate::common::error::CliError;
@@ -139,12 +139,10 @@ impl RunPlot {
     fn picture(&self) -> Curves {
         let levels = [self.contact.lower, self.contact.upper].into_iter().flatten().collect();
         let trace = run_trace(&format!("g of contact {}", self.home), &self.simulated, &self.analytic, levels);
-        let dots = |(colour, (contact, velocities)): (usize, &(usize, Thinned))| Series {
-            name: if self.velocities.len() > 1 { format!("contact {contact}") } else { String::new() },
-            colour,
-            stroke: Stroke::None,
-            mark: if velocities.points.len() > 400 { Mark::Dot } else { Mark::Small(colour) },
-            points: velocities.points.clone(),
+        let dots = |(colour, (contact, velocities)): (usize, &(usize, Thinned))| {
+            let name = if self.velocities.len() > 1 { format!("contact {contact}") } else { String::new() };
+            let mark = if velocities.points.len() > 400 { Mark::Dot } else { Mark::Small(colour) };
+            Series::marks(name, colour, mark, velocities.points.iter().copied())
         };
         let impacts = Pane {
             x: "time in periods (whole run)".to_owned(),
