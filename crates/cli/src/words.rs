@@ -10,12 +10,12 @@ use vibrochain_lattice::{Layout, Model, Parameter, Stop};
 
 use crate::args::{SiteFamily, WordsArgs};
 use crate::common::answer::printed;
-use crate::common::console::{Console, nothing_else};
+use crate::common::console::{Console, destinations};
 use crate::common::error::CliError;
 use crate::common::model::chosen;
 use crate::common::schemas::WORDS;
 use crate::sweep::report::counted;
-use vibrochain_maps::files::{CsvFile, distinct};
+use vibrochain_maps::files::CsvFile;
 
 /// The most words that are looked at, before symmetry makes them fewer: some minutes of work.
 const MOST: f64 = 1e5;
@@ -57,8 +57,8 @@ pub fn run(args: &WordsArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     let model = chosen.model;
     let families = families(args, &model.chain().layout())?;
     let tolerance = chosen.tolerance(args.threshold)?;
-    let taken = distinct(&[("--scene", args.model.scene.as_deref())], &[("--out", args.out.as_deref())])?;
-    nothing_else(args.json, taken)?;
+    let taken =
+        destinations(args.json, &[("--scene", args.model.scene.as_deref())], &[("--out", args.out.as_deref())])?;
     let stop = (console.interrupt)()?;
     let file = args.out.as_deref().map(|path| CsvFile::create("--out", path, HEADER)).transpose()?;
     let words = Word::enumerate(&model, args.sites_used, args.reach, &families)

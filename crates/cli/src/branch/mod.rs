@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use serde_json::{Map, Value, json};
 use vibrochain_floquet::{Diagram, Event, Followed, FollowedBranch, Origin, Station, StructureCourse};
-use vibrochain_maps::files::{CsvFile, distinct};
+use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::followed::{BranchName, BranchRow, branch_row};
 use vibrochain_plot::curves_picture;
 
@@ -16,7 +16,7 @@ use crate::along::{
 use crate::args::{BranchArgs, QuantityName, of_orbits};
 use crate::branch::table::{About, HEADER, write};
 use crate::common::answer::printed;
-use crate::common::console::{Console, nothing_else};
+use crate::common::console::{Console, destinations};
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
 use crate::common::schemas::{BRANCH, STRUCTURE_BRANCH};
@@ -44,8 +44,7 @@ fn follow<A: Along>(args: &BranchArgs, scene: A::Scene, console: &mut Console<'_
         ("the manifest of --out", manifest.as_deref()),
         ("--plot", args.plot.as_deref()),
     ];
-    let taken = distinct(&args.along.reads(), &files)?;
-    nothing_else(args.json, taken)?;
+    let taken = destinations(args.json, &args.along.reads(), &files)?;
     let stop = (console.interrupt)()?;
     let file = args.out.as_deref().map(|path| CsvFile::create("--out", path, HEADER)).transpose()?;
     let manifest = Manifest::create(manifest.as_deref())?;

@@ -2,12 +2,13 @@
 
 use std::fmt;
 use std::io::{self, Write};
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 
 use crate::common::error::CliError;
 use vibrochain_lattice::Stop;
-use vibrochain_maps::files::halt_on;
+use vibrochain_maps::files::{distinct, halt_on};
 use vibrochain_maps::text::printable;
 
 /// The surroundings of a run. The program's are the terminal and its Ctrl-C; a test brings its own.
@@ -84,12 +85,15 @@ impl<'a> Console<'a> {
     }
 }
 
-/// JSON is not printed where a file goes already.
-pub(crate) fn nothing_else(json: bool, taken: bool) -> Result<(), CliError> {
-    if json && taken {
-        refuse!("--json prints to standard output, where another file goes: name a file for that one");
-    }
-    Ok(())
+/// [`distinct`], and JSON is not printed where a file goes already.
+pub(crate) fn destinations(
+    json: bool,
+    inputs: &[(&'static str, Option<&Path>)],
+    outputs: &[(&'static str, Option<&Path>)],
+) -> Result<bool, CliError> {
+    let taken = distinct(inputs, outputs)?;
+    ensure!(!(json && taken), "--json prints to standard output, where another file goes: name a file for that one");
+    Ok(taken)
 }
 
 /// Raised by signals; or why it cannot be.

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 use vibrochain_floquet::{CurveError, Event, EventCurve, Followed, StructureWindow};
-use vibrochain_maps::files::{CsvFile, distinct};
+use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::followed::curve_rows;
 use vibrochain_maps::numbers::Number;
 use vibrochain_plot::{curves_picture, event_curves};
@@ -14,7 +14,7 @@ use vibrochain_plot::{curves_picture, event_curves};
 use crate::along::{Along, ChainAlong, Events, FIRST, SECOND, StructureAlong, answer, checked_range, ending};
 use crate::args::CurveArgs;
 use crate::common::answer::printed;
-use crate::common::console::{Console, nothing_else};
+use crate::common::console::{Console, destinations};
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
 use crate::common::schemas::{CURVE, STRUCTURE_CURVE};
@@ -41,8 +41,7 @@ fn follow<A: Along>(args: &CurveArgs, scene: A::Scene, console: &mut Console<'_>
         ("the manifest of --out", manifest.as_deref()),
         ("--plot", args.plot.as_deref()),
     ];
-    let taken = distinct(&args.along.reads(), &files)?;
-    nothing_else(args.json, taken)?;
+    let taken = destinations(args.json, &args.along.reads(), &files)?;
     let free = [A::free(args.along.free)?, A::free(args.and)?];
     let names = free.map(A::name);
     let [first, second] = [names[0].as_str(), names[1].as_str()];

@@ -9,7 +9,7 @@ use rayon::ThreadPool;
 use vibrochain_fate::{CellFates, Diagram, Ensemble, Fates, From, MAX_POINTS};
 use vibrochain_lattice::Stop;
 use vibrochain_maps::error::MapError;
-use vibrochain_maps::files::{CsvFile, distinct};
+use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::grid::Grid;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::Scene;
@@ -19,7 +19,7 @@ use vibrochain_maps::sweep::{Content, Ended, Job, Plan, Settings, Watcher};
 use crate::args::FateArgs;
 use crate::common::answer::printed;
 use crate::common::chunked_run::{ChunkedRun, nothing_to_resume, parts_path, place, quoted, shard_of};
-use crate::common::console::{Console, nothing_else};
+use crate::common::console::{Console, destinations};
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
 use crate::common::progress::counter;
@@ -86,8 +86,7 @@ fn of_scene<S: SweptScene>(args: &FateArgs, console: &mut Console<'_>) -> Result
         ("the manifest of --diagram", manifests[1].as_deref()),
         ("--plot", args.plot.as_deref()),
     ];
-    let taken = distinct(&[("the scene", Some(&args.scene))], &files)?;
-    nothing_else(args.json, taken)?;
+    let taken = destinations(args.json, &[("the scene", Some(&args.scene))], &files)?;
     match args.diagram.as_deref() {
         Some(path) => diagram(args, path, scene, ensemble, taken, console),
         None => Ends { args, plan: &plan, fates: &fates, taken }.run(place.as_deref(), console),

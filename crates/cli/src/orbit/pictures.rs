@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use vibrochain_maps::files::{Output, distinct, name_within, promises_folder};
+use vibrochain_maps::files::{Output, name_within, promises_folder};
 use vibrochain_plot::{Curves, Format, OrbitPanels, Page, Pane, curves_picture, orbit_picture};
 
 use crate::args::OrbitArgs;
-use crate::common::console::{Console, nothing_else};
+use crate::common::console::{Console, destinations};
 use crate::common::error::CliError;
 
 /// Orbits beyond this are left to the printed list.
@@ -17,7 +17,8 @@ const NAME: &str = "solution-";
 
 /// Sees to it that no file of the command is another. Tells whether one is standard output.
 pub(crate) fn apart(args: &OrbitArgs) -> Result<bool, CliError> {
-    let taken = distinct(
+    destinations(
+        args.json,
         &[("--scene", args.model.scene.as_deref()), ("--near", args.which.near.as_deref())],
         &[
             ("--multipliers", args.multipliers.as_deref()),
@@ -25,9 +26,7 @@ pub(crate) fn apart(args: &OrbitArgs) -> Result<bool, CliError> {
             ("--all-plots", args.all_plots.as_deref()),
             ("--trajectory", args.trajectory.as_deref()),
         ],
-    )?;
-    nothing_else(args.json, taken)?;
-    Ok(taken)
+    )
 }
 
 fn computation(error: impl std::fmt::Display) -> CliError {

@@ -2,10 +2,9 @@
 
 use vibrochain_eventsim::{Limits, Time};
 use vibrochain_lattice::Stop;
-use vibrochain_maps::files::distinct;
 
 use crate::args::SimulateArgs;
-use crate::common::console::{Console, nothing_else};
+use crate::common::console::{Console, destinations};
 use crate::common::error::CliError;
 use crate::simulate::pace::Pace;
 use crate::simulate::section::Section;
@@ -23,7 +22,8 @@ pub(crate) fn checked(args: &SimulateArgs) -> Result<bool, CliError> {
         periods * samples as f64 <= MAX_STEPS as f64,
         "--periods {periods} with {samples} samples each is out of range: give at most {MAX_STEPS} samples in all"
     );
-    let taken = distinct(
+    destinations(
+        args.json,
         &[
             ("--scene", args.model.scene.as_deref()),
             ("--near", args.which.near.as_deref()),
@@ -36,9 +36,7 @@ pub(crate) fn checked(args: &SimulateArgs) -> Result<bool, CliError> {
             ("--plot", args.plot.as_deref()),
             ("--animate", args.animate.as_deref()),
         ],
-    )?;
-    nothing_else(args.json, taken)?;
-    Ok(taken)
+    )
 }
 
 /// How far a simulation has come.

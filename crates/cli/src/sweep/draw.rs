@@ -4,7 +4,6 @@ use std::path::Path;
 
 use vibrochain_fate::{Ensemble, Fates, From};
 use vibrochain_lattice::Parameter;
-use vibrochain_maps::files::distinct;
 use vibrochain_maps::grid::{Files, Grid};
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::structure::StructureScene;
@@ -16,7 +15,7 @@ use crate::along::labels;
 use crate::args::{DrawArgs, OF_BRANCHES, QuantityName, SHOWN};
 use crate::branch::drawn;
 use crate::branch::table::Table;
-use crate::common::console::{Console, nothing_else};
+use crate::common::console::{Console, destinations};
 use crate::common::error::CliError;
 use crate::common::pictures::files::{PictureFiles, of_no_map};
 use crate::common::swept_scene::SweptScene;
@@ -123,7 +122,7 @@ pub fn run(args: &DrawArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let source = args.scene.as_deref().unwrap_or(&manifest);
     let inputs =
         [("the table", Some(args.table.as_path())), ("the scene", Some(source)), ("--map", args.map.as_deref())];
-    nothing_else(false, distinct(&inputs, &outputs)?)?;
+    destinations(false, &inputs, &outputs)?;
     let table = TableRows::open("table", &args.table)?;
     let kind = Kind::of(&table.columns()).map_err(|what| table.wrong(&what))?;
     kind.takes(args)?;
