@@ -10,6 +10,7 @@ use vibrochain_eventsim::StateError;
 use vibrochain_floquet::{CurveError, FloquetError, LocateError};
 use vibrochain_lattice::{ParameterError, Resonance};
 use vibrochain_maps::error::MapError;
+use vibrochain_plot::PlotError;
 
 mod raised {
     use pyo3::import_exception;
@@ -85,27 +86,22 @@ impl From<String> for Failure {
     }
 }
 
-impl From<ParameterError> for Failure {
-    fn from(error: ParameterError) -> Self {
-        Self::Request(error.to_string())
-    }
+/// What is wrong with a request, whatever it is.
+macro_rules! requests {
+    ($($error:ty),*) => {
+        $(impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                Self::Request(error.to_string())
+            }
+        })*
+    };
 }
+
+requests!(ParameterError, WordError, StateError, PlotError);
 
 impl From<Resonance> for Failure {
     fn from(error: Resonance) -> Self {
         Self::Resonance(error)
-    }
-}
-
-impl From<WordError> for Failure {
-    fn from(error: WordError) -> Self {
-        Self::Request(error.to_string())
-    }
-}
-
-impl From<StateError> for Failure {
-    fn from(error: StateError) -> Self {
-        Self::Request(error.to_string())
     }
 }
 
