@@ -20,8 +20,8 @@
 use thiserror::Error;
 use vibrochain_lattice::{Ends, Model};
 
-use crate::collision::Change;
-use crate::directions::{Directions, MAX_VECTORS, random_vectors};
+use crate::cascade::Change;
+use crate::directions::Directions;
 use crate::engine::Engine;
 use crate::event::EventKind;
 use crate::series::{Extent, Rows, links};
@@ -95,11 +95,7 @@ impl Tangents {
     /// # Errors
     /// [`TangentError::Count`] if there are none, more than 4096 or more than two a mass.
     pub fn random(model: &Model, count: usize, seed: u64) -> Result<Self, TangentError> {
-        let sites = model.chain().sites();
-        Self::checked(count, sites)?;
-        let mut tangents = Self::with(model, random_vectors(count, sites, seed));
-        tangents.directions.begin();
-        Ok(tangents)
+        Ok(Self::with(model, Directions::random(count, model.chain().sites(), seed)?))
     }
 
     /// Of given directions, displacements and velocities, which need be neither orthogonal nor of length 1.
@@ -107,35 +103,19 @@ impl Tangents {
     /// # Errors
     /// [`TangentError::Count`], [`TangentError::Entries`].
     pub fn of(model: &Model, vectors: &[(Vec<f64>, Vec<f64>)]) -> Result<Self, TangentError> {
-        let sites = model.chain().sites();
-        Self::checked(vectors.len(), sites)?;
         let scale = Units::new(model).scale;
-        let mut own = Vec::with_capacity(vectors.len());
-        for (vector, (u, v)) in vectors.iter().enumerate() {
-            let v: Vec<f64> = v.iter().map(|v| v / scale).collect();
-            let whole = u.len() == sites && v.len() == sites;
-            let length = u.iter().chain(&v).map(|x| x * x).sum::<f64>();
-            if !(whole && length > 0.0 && length.is_finite()) {
-                return Err(TangentError::Entries { vector, sites });
-            }
-            own.push([u.clone(), v]);
-        }
-        Ok(Self::with(model, own))
+        let own = vectors.iter().map(|(u, v)| [u.clone(), v.iter().map(|v| v / scale).collect()]);
+        Ok(Self::with(model, Directions::of(own.collect(), model.chain().sites())?))
     }
 
-    fn checked(count: usize, sites: usize) -> Result<(), TangentError> {
-        let most = (2 * sites).min(MAX_VECTORS);
-        if (1..=most).contains(&count) { Ok(()) } else { Err(TangentError::Count { count, most }) }
-    }
-
-    fn with(model: &Model, vectors: Vec<[Vec<f64>; 2]>) -> Self {
+    fn with(model: &Model, directions: Directions) -> Self {
         let units = Units::new(model);
         let sites = model.chain().sites();
         Self {
             model: *model,
             links: links(&units.chain),
             horizons: units.free_horizons(),
-            directions: Directions::new(vectors),
+            directions,
             rows: Rows::new(sites),
             scratch: [vec![0.0; sites], vec![0.0; sites]],
             units,
@@ -209,7 +189,7 @@ impl Tangents {
     }
 
     fn change(&mut self, change: &Change) {
-        let &Change { site, before, acceleration, kind, .. } = change;
+        let &Change { site, before, force: acceleration, kind, .. } = change;
         match kind {
             EventKind::Impact if before == 0.0 => self.directions.grazed = true,
             EventKind::Impact => {

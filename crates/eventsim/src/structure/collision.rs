@@ -14,6 +14,7 @@
 use super::approach::Place;
 use super::motion::{Due, Motion};
 use super::series::Series;
+use crate::cascade::Change;
 use crate::collision::CHATTER_TIME;
 use crate::event::EventKind;
 use crate::ring::Contact;
@@ -25,19 +26,6 @@ const STILL: f64 = 1e-12;
 
 /// Impacts of one sequence.
 const SEQUENCE: u32 = 100_000;
-
-/// What became of one contact.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Change {
-    pub(crate) contact: usize,
-    pub(crate) barrier: Barrier,
-    pub(crate) before: f64,
-    pub(crate) after: f64,
-    pub(crate) impulse: f64,
-    pub(crate) kind: EventKind,
-    /// How much later than now: the limit of a cascade.
-    pub(crate) delay: f64,
-}
 
 /// A contact at its barrier when contacts hit.
 #[derive(Debug, Clone, Copy)]
@@ -60,12 +48,6 @@ enum Role {
 impl Party {
     fn sign(&self) -> f64 {
         self.barrier.sign()
-    }
-}
-
-impl Change {
-    pub(crate) fn still(contact: usize, barrier: Barrier, kind: EventKind, delay: f64) -> Self {
-        Self { contact, barrier, before: 0.0, after: 0.0, impulse: 0.0, kind, delay }
     }
 }
 
@@ -233,7 +215,8 @@ impl Motion {
             ledger.impact(-0.5 * impulse * (before + after));
         }
         self.work.impacts += 1;
-        changes.push(Change { contact, barrier, before, after, impulse, kind: EventKind::Impact, delay: 0.0 });
+        let (site, force, kind) = (contact, impulse, EventKind::Impact);
+        changes.push(Change { site, barrier, before, after, force, kind, delay: 0.0 });
     }
 
     /// What a contact on its barrier does after the impacts there.
@@ -521,7 +504,7 @@ mod tests {
                 let mut changes = Vec::new();
                 motion.collide(&mut changes).unwrap();
                 let impacts = |c: usize| {
-                    changes.iter().filter(|change| change.contact == c && change.kind == EventKind::Impact).count()
+                    changes.iter().filter(|change| change.site == c && change.kind == EventKind::Impact).count()
                 };
                 assert!((0..count).all(|c| impacts(c) == once[c]), "{round}: {made:?} {changes:?}");
                 let (_, end) = ends[0].as_ref().unwrap();
