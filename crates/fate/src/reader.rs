@@ -66,9 +66,7 @@ impl<S: Grid> ReadRows<CellFates> for Reader<'_, S> {
         let Self { mut rows, lines } = self;
         rows.hand_on(each);
         let (begin, end) = (rows.cells.start, rows.cells.end);
-        if rows.next != end || !lines.ended() {
-            return Err(format!("it has rows of {} cells for {}", rows.next - begin, end - begin));
-        }
+        ensure!(rows.next == end && lines.ended(), "it has rows of {} cells for {}", rows.next - begin, end - begin);
         Ok(rows.counts)
     }
 
@@ -110,7 +108,7 @@ impl<S: Grid> Rows<'_, S> {
             && cell.breathers.last().is_some_and(|last| last.number < breather.number)
         {
             if (cell.cell.solutions, cell.cell.status) != (solutions, status) {
-                return Err("it tells another status of the cell than the row before".to_owned());
+                refuse!("it tells another status of the cell than the row before");
             }
             cell.breathers.extend([breather.clone()]);
             return Ok(());
@@ -161,9 +159,7 @@ impl<S: Grid> Rows<'_, S> {
             chaos_exponent: fields.number()?,
         };
         let told = breather.dominant().map_or("", |kind| End::NAMES[kind]);
-        if u64::from(breather.runs()) != starts || told != dominant {
-            return Err("its shares are not those of its runs".to_owned());
-        }
+        ensure!(u64::from(breather.runs()) == starts && told == dominant, "its shares are not those of its runs");
         Ok(Some(breather))
     }
 }

@@ -55,7 +55,7 @@ pub struct SweepArgs {
 /// Reads a value of an axis, as in `asymmetry=0.4`.
 fn axis_value(text: &str) -> Result<(Parameter, f64), String> {
     let Some((name, value)) = text.split_once('=') else {
-        return Err("not a parameter with its value: give one such as asymmetry=0.4".to_owned());
+        refuse!("not a parameter with its value: give one such as asymmetry=0.4");
     };
     let known = || format!("`{name}` is no parameter: give one of {}", Parameter::ALL.map(Parameter::name).join(", "));
     Ok((Parameter::from_name(name).ok_or_else(known)?, real(value)?))

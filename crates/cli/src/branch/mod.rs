@@ -51,11 +51,10 @@ fn follow<A: Along>(args: &BranchArgs, scene: A::Scene, console: &mut Console<'_
     let pictures = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
     let free = A::free(args.along.free)?;
     let along = A::begin(&args.along, scene, &stop, console)?;
-    if args.plot.is_some() && args.show.contains(&QuantityName::Psi) && along.start().orbit.is_conservative() {
-        let message =
-            "--show psi: there is no force whose phase could be shown; give impulse, phi, margin or spectral_radius";
-        return Err(CliError::Request(message.to_owned()));
-    }
+    ensure!(
+        args.plot.is_none() || !args.show.contains(&QuantityName::Psi) || !along.start().orbit.is_conservative(),
+        "--show psi: there is no force whose phase could be shown; give impulse, phi, margin or spectral_radius"
+    );
     let [from, to] = checked_range(&along, free, FIRST, [args.along.from, args.along.to])?;
     let events = Event::ALL.into_iter().filter(|one| args.events.is_empty() || args.events.contains(one)).collect();
     let generations = if args.switch { args.generations } else { 0 };

@@ -195,14 +195,13 @@ impl<S: Grid, C: Content<S>> ChunkedRun<'_, C, S> {
         }
         let store = Store::open(folder, self.plan, Claim::Share)?;
         let there = store.present()?;
-        if !self.resume && shard.chunks(self.plan).any(|chunk| there.contains(&chunk)) {
-            refuse!(
-                "{} holds chunks of shard {}/{} already: go on with them by --resume, or name another folder to compute them again",
-                folder.display(),
-                shard.index,
-                shard.count
-            );
-        }
+        ensure!(
+            self.resume || !shard.chunks(self.plan).any(|chunk| there.contains(&chunk)),
+            "{} holds chunks of shard {}/{} already: go on with them by --resume, or name another folder to compute them again",
+            folder.display(),
+            shard.index,
+            shard.count
+        );
         let effort = self.compute(&store, shard, console, None)?.effort;
         let Shard { index, count } = shard;
         let (chunks, all) = (shard.chunks(self.plan).count(), self.plan.chunks());

@@ -75,16 +75,15 @@ pub(crate) fn find(
             search(model, &mut found, |model, found| finder.find_word(model, &canonical, Wanted::All, found))?;
             return Ok((canonical.to_string(), found));
         };
-        if model.is_conservative() && periods > 1 {
-            let message =
-                "--force-periods counts periods of a force: without one the word's period is 2π/omega, give omega/N";
-            return Err(CliError::Request(message.to_owned()));
-        }
+        ensure!(
+            !model.is_conservative() || periods <= 1,
+            "--force-periods counts periods of a force: without one the word's period is 2π/omega, give omega/N"
+        );
         search(model, &mut found, |model, found| finder.find_word_over(model, &canonical, periods, found))?;
         return Ok((over(&canonical.to_string(), periods), found));
     }
     let Some(path) = &which.near else {
-        return Err(CliError::Request("give --family, --word, --near FILE or --scene FILE".to_owned()));
+        refuse!("give --family, --word, --near FILE or --scene FILE");
     };
     let mut polished = |near: &Orbit| finder.polish(near).map_err(|error| CliError::from(error).about("--near"));
     // Once: what comes through a pipe cannot be read again.

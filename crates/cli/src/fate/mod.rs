@@ -60,7 +60,7 @@ fn of_scene<S: SweptScene>(args: &FateArgs, console: &mut Console<'_>) -> Result
     // (clap does not ask for --diagram where something is given that conflicts with it.)
     if args.diagram.is_none() && (args.carry || args.points.is_some()) {
         let flag = if args.carry { "--carry" } else { "--points" };
-        return Err(CliError::Request(format!("{flag} is of a diagram: give --diagram FILE, too, without --starts")));
+        refuse!("{flag} is of a diagram: give --diagram FILE, too, without --starts");
     }
     // Where a diagram has no orbit to start from it starts from rest.
     let takes = |from| scene.takes(ensemble, from).map_err(CliError::Request);
@@ -273,7 +273,7 @@ fn diagram<S: SweptScene>(
 ) -> Result<(), CliError> {
     let [axis] = Grid::axes(scene) else {
         let axes = Grid::axes(scene).len();
-        return Err(CliError::Request(format!("--diagram needs a scene with one axis, this one has {axes}")));
+        refuse!("--diagram needs a scene with one axis, this one has {axes}");
     };
     let most = args.periods.min(MAX_POINTS);
     let points = args.points.unwrap_or(POINTS.min(most));

@@ -73,11 +73,10 @@ impl Plot {
         let (axes, longest) = (points.len(), points.iter().max().copied().unwrap_or(0));
         let cells = points.iter().fold(1, |product: u64, points| product.saturating_mul(*points as u64));
         let fits = axes == 1 || axes == 2 && longest <= MOST_VALUES;
-        if !files.is_empty() && (!fits || cells > MOST_CELLS) {
-            refuse!(
-                "a picture of ends needs one axis, or two of at most {MOST_VALUES} values each; the scene has {axes}, of up to {longest} values"
-            );
-        }
+        ensure!(
+            files.is_empty() || fits && cells <= MOST_CELLS,
+            "a picture of ends needs one axis, or two of at most {MOST_VALUES} values each; the scene has {axes}, of up to {longest} values"
+        );
         Self::new(files, scene, false)
     }
 

@@ -57,14 +57,13 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
         .map_err(|error| CliError::Request(error.to_string()))?;
     let end = Time::new(&model, periods.trunc() as u64, periods.fract());
     let windows = simulation.least_windows(end);
-    if windows > MAX_WINDOWS && args.max_impacts.is_none() {
-        refuse!(
-            "--periods {periods} is out of range here: a period of omega = {} is so long against the swing of a mass that they take {windows:.0e} windows of flight, the limit is {MAX_WINDOWS:.0e}; give at most {:.0e}, or --max-impacts",
-            Number(model.omega()),
-            // Half of it, so that the one digit is not rounded beyond the limit.
-            0.5 * periods / windows * MAX_WINDOWS
-        );
-    }
+    ensure!(
+        windows <= MAX_WINDOWS || args.max_impacts.is_some(),
+        "--periods {periods} is out of range here: a period of omega = {} is so long against the swing of a mass that they take {windows:.0e} windows of flight, the limit is {MAX_WINDOWS:.0e}; give at most {:.0e}, or --max-impacts",
+        Number(model.omega()),
+        // Half of it, so that the one digit is not rounded beyond the limit.
+        0.5 * periods / windows * MAX_WINDOWS
+    );
 
     let impacts = args.impacts.as_deref().map(|path| ImpactTable::open(path, start.time, &model)).transpose()?;
     let sites = model.chain().sites();
@@ -156,11 +155,10 @@ fn starting_point(
             Direction::Random => start.perturb_at_random(model, size, args.seed),
             Direction::Unstable => {
                 let verdict = Analyser::default().stability(orbit, &mut finder, Tolerance::Rounding)?.verdict;
-                if verdict.stable {
-                    refuse!(
-                        "--direction unstable: this breather is stable, it has no such direction; use --direction random"
-                    );
-                }
+                ensure!(
+                    !verdict.stable,
+                    "--direction unstable: this breather is stable, it has no such direction; use --direction random"
+                );
                 let mode = leading_mode_at(orbit, start.time, stop)?;
                 start.perturb_along(model, size, &mode);
             }

@@ -105,7 +105,7 @@ fn chain(args: &ModelArgs) -> Result<StructureScene, CliError> {
     let StructureArgs { damping, coupling_damping, static_force, stops, lower, upper, .. } = extra;
     let own = [damping, coupling_damping, static_force, lower, upper];
     if let Some(value) = own.into_iter().flatten().find(|value| !value.is_finite()) {
-        return Err(CliError::Request(format!("{value} is out of range: give finite numbers")));
+        refuse!("{value} is out of range: give finite numbers");
     }
     let is_forced = value(Amplitude).is_some_and(|amplitude| amplitude != 0.0);
     let model = object([

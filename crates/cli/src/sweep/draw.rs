@@ -100,7 +100,7 @@ impl Kind {
         ];
         if let Some((flag, _, whose, _)) = flags.iter().find(|(_, given, _, taken)| *given && !taken) {
             let name = self.name();
-            return Err(CliError::Request(format!("{flag} is of tables {whose}, this is one of {name}: leave it out")));
+            refuse!("{flag} is of tables {whose}, this is one of {name}: leave it out");
         }
         if self == Self::Cells {
             Ok(())
@@ -172,7 +172,7 @@ fn cells<S: SweptScene>(
         [] => QuantityName::default(),
         [one] => *one,
         [..] => {
-            return Err(CliError::Request("--show: the cells of a map have one colour: give one of these".to_owned()));
+            refuse!("--show: the cells of a map have one colour: give one of these");
         }
     };
     let stop = (console.interrupt)()?;
@@ -228,7 +228,7 @@ fn branch(args: &DrawArgs, table: TableRows, source: &Path) -> Result<String, Cl
     table.rows(rows, |fields| diagram.take(fields))?;
     if let Some(other) = args.show.iter().find(|name| !OF_BRANCHES.contains(name)) {
         let known = OF_BRANCHES.map(|name| name.to_string()).join(", ");
-        return Err(CliError::Request(format!("--show {other} is of maps: of a branch give some of {known}")));
+        refuse!("--show {other} is of maps: of a branch give some of {known}");
     }
     let shown = if args.show.is_empty() { &SHOWN[..] } else { &args.show };
     let Table { about, branches } = &diagram;

@@ -56,7 +56,7 @@ fn swept<S: SweptScene>(args: &SweepArgs, console: &mut Console<'_>) -> Result<(
         return console.print(&estimate);
     }
     let Some(out) = &args.out else {
-        return Err(CliError::Request("--out is missing: name the table to write".to_owned()));
+        refuse!("--out is missing: name the table to write");
     };
     let sweep = Sweep { args, out, plan: &plan, pool: &pool };
     match shard {

@@ -44,8 +44,7 @@ impl Borders {
     pub fn of_scene(scene: &Scene, asked: &Asked<'_>) -> Result<(Self, Regions<Option<Class>>), MapError> {
         let (window, ends) = Self::window(scene)?;
         if !(1e-9..=1e-3).contains(&asked.tolerance) {
-            let advice = "give a part of the window from 1e-9 to 0.001";
-            return Err(MapError::Request(format!("a tolerance of {} is out of range: {advice}", asked.tolerance)));
+            refuse!("a tolerance of {} is out of range: give a part of the window from 1e-9 to 0.001", asked.tolerance);
         }
         ensure!(asked.places <= MOST_ASKED, "{} places are out of range: give at most {MOST_ASKED}", asked.places);
         let parameters = [scene.axes[0].parameter, scene.axes[1].parameter];

@@ -62,8 +62,7 @@ impl Window {
     pub fn new(x: [f64; 2], y: [f64; 2]) -> Result<Self, MapError> {
         for [from, to] in [x, y] {
             if !(from < to && (to - from).is_finite()) {
-                let advice = "give finite ends, the smaller one first";
-                return Err(MapError::Request(format!("a window from {from} to {to} holds nothing: {advice}")));
+                refuse!("a window from {from} to {to} holds nothing: give finite ends, the smaller one first");
             }
         }
         Ok(Self { sides: [x, y].map(|[from, to]| Side::Linear { from, to }) })

@@ -50,7 +50,7 @@ impl Slice {
             let name = parameter.name();
             let Some(number) = scene.axes.iter().position(|axis| axis.parameter == parameter) else {
                 let known = scene.axis_names();
-                return Err(MapError::Request(format!("{name} is no axis of the scene: give one of {known}")));
+                refuse!("{name} is no axis of the scene: give one of {known}");
             };
             ensure!(axes[number].1.is_none(), "{name} is given twice: give each axis one value");
             let at = place(&scene.axes[number], value)?;

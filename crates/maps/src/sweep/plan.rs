@@ -142,12 +142,11 @@ impl<S: Grid> Plan<S> {
             }
             scene.set_tolerance(tolerance_from(threshold)?);
         }
-        if scene.refined().is_some() && ensemble.is_some() {
-            refuse!(
-                "refine in {} is of maps: an ensemble is run at every cell of the grid; remove it, or give more points",
-                scene_file.display()
-            );
-        }
+        ensure!(
+            scene.refined().is_none() || ensemble.is_none(),
+            "refine in {} is of maps: an ensemble is run at every cell of the grid; remove it, or give more points",
+            scene_file.display()
+        );
         let (ensemble, chunk_cells) = match ensemble {
             Some((settings, cells)) => (Some(settings), cells.max(least_cells(&scene))),
             None => (None, scene.chunk_cells().max(least_cells(&scene))),
@@ -220,10 +219,10 @@ impl<S: Grid> Plan<S> {
         let plan = Self::new(Path::new(&file.scene_file), file.scene, &file.files, threshold, ensemble, maker)
             .map_err(|error| format!("its scene cannot be read by this version: {error}"))?;
         if (plan.cells(), plan.chunk_cells) != (file.cells, file.chunk_cells) {
-            return Err(format!("mapgen {} cut it otherwise than this version does", file.maker.name()));
+            refuse!("mapgen {} cut it otherwise than this version does", file.maker.name());
         }
         if format!("{:032x}", plan.identity) != file.identity {
-            return Err("it is damaged (what it asks for is not what it was made for)".to_owned());
+            refuse!("it is damaged (what it asks for is not what it was made for)");
         }
         Ok(plan)
     }

@@ -63,11 +63,10 @@ impl Store {
     /// [`Claim::Fresh`], or another process has it. [`MapError::Computation`] if the plan cannot be written.
     pub fn open<S: Grid>(folder: &Path, plan: &Plan<S>, claim: Claim) -> Result<Self, MapError> {
         let place = folder.display();
-        if claim != Claim::Share && folder.is_symlink() {
-            refuse!(
-                "{place} is a link, where a sweep makes a folder of chunks and removes it when it is done: name another --out"
-            );
-        }
+        ensure!(
+            claim == Claim::Share || !folder.is_symlink(),
+            "{place} is a link, where a sweep makes a folder of chunks and removes it when it is done: name another --out"
+        );
         if folder.exists() && !folder.is_dir() {
             refuse!("{place} is a file, where a folder of chunks would be: name another --out");
         }
@@ -116,11 +115,10 @@ impl Store {
             refuse!("{} is no plain file, where a chunk would be: name another --out", path.display());
         }
         let chunks = entries.len();
-        if claim == Claim::Fresh && chunks > 0 {
-            refuse!(
-                "{place} holds {chunks} chunks of an unfinished sweep: go on with it by --resume, or name another --out to start afresh"
-            );
-        }
+        ensure!(
+            claim != Claim::Fresh || chunks == 0,
+            "{place} holds {chunks} chunks of an unfinished sweep: go on with it by --resume, or name another --out to start afresh"
+        );
         let path = self.folder.join(PLAN);
         let new = path.symlink_metadata().is_err_and(|error| error.kind() == io::ErrorKind::NotFound);
         if new {

@@ -225,7 +225,7 @@ impl<'a, S: Grid> Reader<'a, S> {
     pub fn whole(self) -> Result<Summary, String> {
         let Self { cells, next, lines, counts, .. } = self;
         if next != cells.end || !lines.ended() {
-            return Err(format!("it has {} rows for {} cells", next - cells.start, cells.end - cells.start));
+            refuse!("it has {} rows for {} cells", next - cells.start, cells.end - cells.start);
         }
         Ok(counts)
     }
@@ -237,7 +237,7 @@ impl<'a, S: Grid> Reader<'a, S> {
     pub fn finish(self, summary: &Summary) -> Result<(), String> {
         let counts = self.whole()?;
         if (counts.classes, counts.statuses, counts.slow) != (summary.classes, summary.statuses, summary.slow) {
-            return Err("its counts are not those of its rows".to_owned());
+            refuse!("its counts are not those of its rows");
         }
         Ok(())
     }

@@ -81,7 +81,7 @@ fn length(text: &str) -> Result<Length, String> {
     let found = UNITS.iter().find_map(|unit| Some((text.strip_suffix(unit.0)?, unit)));
     let Some((number, unit)) = found else {
         let is_number = real(text.trim()).is_ok();
-        return Err(format!("{}: {advice}", if is_number { "no unit" } else { "not a length" }));
+        refuse!("{}: {advice}", if is_number { "no unit" } else { "not a length" });
     };
     let number = real(number.trim()).map_err(|error| format!("{error}: {advice}"))?;
     let length = Length { number, unit };
