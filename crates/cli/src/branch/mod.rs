@@ -46,7 +46,7 @@ fn follow<A: Along>(args: &BranchArgs, scene: A::Scene, console: &mut Console<'_
     ];
     let taken = destinations(args.json, &args.along.reads(), &files)?;
     let stop = (console.interrupt)()?;
-    let file = args.out.as_deref().map(|path| CsvFile::create("--out", path, HEADER)).transpose()?;
+    let file = args.out.as_deref().map(|path| CsvFile::create("--out", path, HEADER.split(','))).transpose()?;
     let manifest = Manifest::create(manifest.as_deref())?;
     let pictures = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
     let free = A::free(args.along.free)?;

@@ -24,10 +24,11 @@ const FAMILIES: [Family; 3] = [Family::DoubleSided, Family::SingleSided, Family:
 /// # Errors
 /// [`CliError::Request`] where neither says it.
 pub(crate) fn wanted(which: &WhichArgs, scene: Option<&Given>) -> Result<WhichArgs, CliError> {
-    let request = |message: String| Err(CliError::Request(message));
-    if which.force_periods.is_some() && (which.family.is_some() || which.near.is_some()) {
-        return request("--force-periods says how long a word is: give it with --word".to_owned());
-    }
+    let is_of_word = which.family.is_none() && which.near.is_none();
+    ensure!(
+        which.force_periods.is_none() || is_of_word,
+        "--force-periods says how long a word is: give it with --word"
+    );
     let Some(scene) = scene.filter(|_| which.family.is_none() && which.word.is_none() && which.near.is_none()) else {
         return Ok(which.clone());
     };
@@ -37,7 +38,7 @@ pub(crate) fn wanted(which: &WhichArgs, scene: Option<&Given>) -> Result<WhichAr
     }
     let path = scene.path.display();
     match scene.families.as_slice() {
-        [] => request(format!("{path} does not say which breathers: give --family, --word or --near")),
+        [] => refuse!("{path} does not say which breathers: give --family, --word or --near"),
         [one] if one == SYMMETRIC => Ok(WhichArgs { family: Some(Family::DoubleSided), ..none }),
         [one] => match FAMILIES.into_iter().find(|family| family.name() == one) {
             Some(family) => Ok(WhichArgs { family: Some(family), ..none }),
@@ -46,7 +47,7 @@ pub(crate) fn wanted(which: &WhichArgs, scene: Option<&Given>) -> Result<WhichAr
                 Ok(WhichArgs { word: Some(word), force_periods: which.force_periods, ..none })
             }
         },
-        several => request(format!("{path} has {}: say which by --family, --word or --near", several.join(", "))),
+        several => refuse!("{path} has {}: say which by --family, --word or --near", several.join(", ")),
     }
 }
 

@@ -52,7 +52,7 @@ impl Kind {
             let [x, y] = [2, 3].map(|i| columns.get(i).copied().and_then(Parameter::from_name));
             x.zip(y).is_some_and(|(x, y)| columns == crate::curve::table::header([x.name(), y.name()]))
         };
-        if columns == crate::branch::table::HEADER {
+        if columns.join(",") == crate::branch::table::HEADER {
             Ok(Self::Branch)
         } else if columns == stripes::COLUMNS {
             Ok(Self::Lines)
