@@ -204,8 +204,7 @@ fn within(name: &str, value: &Bound<'_, PyAny>, least: i128, most: i128) -> PyRe
     };
     number.filter(|number| (least..=most).contains(number)).ok_or_else(|| {
         let value = value.str().map_or_else(|_| "it".to_owned(), |text| text.to_string());
-        let message = format!("{name} = {value} is out of range: give a whole number from {least} to {most}");
-        Failure::request(message).into()
+        Failure::request(format!("{name} = {value} is out of range: give a whole number from {least} to {most}")).into()
     })
 }
 

@@ -55,13 +55,10 @@ pub(crate) fn room<T>(count: Option<usize>) -> Result<Vec<T>, Failure> {
     let mut values = Vec::new();
     match count {
         Some(count) if count <= MOST_NUMBERS && values.try_reserve_exact(count).is_ok() => Ok(values),
-        _ => {
-            let message = format!(
-                "an array of {} numbers does not fit: give fewer times or sites, at most {MOST_NUMBERS} numbers in all",
-                count.map_or_else(|| "too many".to_owned(), |count| count.to_string())
-            );
-            Err(Failure::TooLarge(message))
-        }
+        _ => Err(Failure::TooLarge(format!(
+            "an array of {} numbers does not fit: give fewer times or sites, at most {MOST_NUMBERS} numbers in all",
+            count.map_or_else(|| "too many".to_owned(), |count| count.to_string())
+        ))),
     }
 }
 

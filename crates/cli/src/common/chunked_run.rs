@@ -84,8 +84,7 @@ pub(crate) fn shard_of(flag: Option<ShardFlag>) -> Result<(Option<Shard>, Option
 /// Refuses to go on with a table that keeps no chunks.
 pub(crate) fn nothing_to_resume(flag: &str, out: &Path) -> CliError {
     let name = out.display();
-    let message = format!("--resume has nothing to go on with: {flag} {name} is no plain file, no chunks are kept");
-    CliError::Request(message)
+    CliError::Request(format!("--resume has nothing to go on with: {flag} {name} is no plain file, no chunks are kept"))
 }
 
 impl<S: Grid, C: Content<S>> ChunkedRun<'_, C, S> {

@@ -156,8 +156,7 @@ impl Store {
         let path = folder.join(PLAN);
         Plan::from_json(&Self::plan_text::<S>(folder)?).map_err(|why| {
             let place = path.display();
-            let advice = "name another --out to start afresh";
-            MapError::Request(format!("{place} cannot be used: {why}; {advice}"))
+            MapError::Request(format!("{place} cannot be used: {why}; name another --out to start afresh"))
         })
     }
 
