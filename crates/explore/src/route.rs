@@ -213,7 +213,7 @@ where
     let bytes = match whole {
         Ok(whole) => whole.to_bytes(),
         Err(error) if error.is::<LengthLimitError>() => return Err(large()),
-        Err(_) => return Err(Refusal::wrong("the request ends before its end")),
+        Err(_) => refuse!("the request ends before its end"),
     };
     serde_json::from_slice(&bytes).map_err(|error| Refusal::wrong(format!("the request is no JSON: {error}")))
 }

@@ -73,7 +73,7 @@ impl StructureProgram {
     fn cells(&self, Tile { z, x, y }: &Tile, stop: &Stop) -> Result<Value, Refusal> {
         let side = 1_i64 << (*z).min(DEEPEST);
         if *z > DEEPEST || [x, y].into_iter().any(|number| !(-side..2 * side).contains(number)) {
-            return Err(Refusal::wrong("there is no such tile: z is 0 to 40, x and y from -2^z to 2·2^z − 1"));
+            refuse!("there is no such tile: z is 0 to 40, x and y from -2^z to 2·2^z − 1");
         }
         let mut scene = self.scene.clone();
         for (axis, number) in scene.axes.iter_mut().zip([x, y]) {
