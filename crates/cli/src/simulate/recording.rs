@@ -5,13 +5,14 @@ use std::path::Path;
 use vibrochain_breather::{Impact, Motion, Orbit};
 use vibrochain_eventsim::{Event, Simulation, Time};
 use vibrochain_lattice::{Barrier, Layout, Model};
-use vibrochain_maps::files::{CsvFile, Output};
+use vibrochain_maps::files::CsvFile;
 use vibrochain_plot::field::FieldWriter;
-use vibrochain_plot::{Page, RunPicture, run_picture};
+use vibrochain_plot::{RunPicture, run_picture};
 
 use crate::args::SimulateArgs;
 use crate::common::caption::describe_run;
 use crate::common::error::CliError;
+use crate::common::pictures::files::PictureFiles;
 use crate::simulate::start::Start;
 
 /// The time on an orbit's own clock: whole periods are taken off before they cost digits.
@@ -94,8 +95,7 @@ impl Every {
 
 /// Collects what the picture needs, and no more of a long run.
 pub(crate) struct Plot {
-    page: Page,
-    file: Output,
+    files: PictureFiles,
     /// Without its field, until the end.
     picture: RunPicture,
     field: FieldWriter,
@@ -116,7 +116,7 @@ impl Plot {
     ) -> Result<Option<Self>, CliError> {
         args.page.checked(args.plot.is_some() || args.animate.is_some(), "--plot or --animate")?;
         let Some(path) = args.plot.as_deref() else { return Ok(None) };
-        let Some((page, file)) = args.page.open("--plot", Some(path))? else { return Ok(None) };
+        let files = PictureFiles::one("--plot", Some(path), &args.page)?;
         let motion = orbit.map(|orbit| Motion::of(orbit).map(|motion| (orbit.clone(), motion))).transpose()?;
         let sites = model.chain().sites();
         let field = || FieldWriter::new(model.chain(), args.periods, args.samples);
@@ -128,10 +128,9 @@ impl Plot {
             field: field().finish(),
             periods: args.periods,
         };
-        run_picture(&picture, page.to_measure()).map_err(|error| CliError::Request(error.0))?;
+        files.fit(|page| run_picture(&picture, page))?;
         Ok(Some(Self {
-            page,
-            file,
+            files,
             picture,
             field: field(),
             home: orbit.and_then(Orbit::impact_site).unwrap_or(0),
@@ -177,12 +176,11 @@ impl Plot {
 
     pub(crate) fn finish(self) -> Result<(), CliError> {
         let tips = self.tips();
-        let Self { page, file, mut picture, field, .. } = self;
+        let Self { files, mut picture, field, .. } = self;
         picture.analytic.extend(tips);
         picture.analytic.sort_by(|one, other| one.0.total_cmp(&other.0));
         picture.field = field.finish();
-        let bytes = run_picture(&picture, page).map_err(|error| CliError::Computation(error.to_string()))?;
-        Ok(file.finish_with(&bytes)?)
+        files.draw(|page| run_picture(&picture, page))
     }
 
     /// The impacts of the orbit's own mass within its trace.

@@ -3,12 +3,12 @@
 use vibrochain_breather::{StructureModel, StructureMotion, StructureOrbit};
 use vibrochain_eventsim::{ContactEvent, ContactState, Time};
 use vibrochain_lattice::Contact;
-use vibrochain_maps::files::Output;
 use vibrochain_maps::structure::StructureScene;
-use vibrochain_plot::{Curves, Mark, Page, Pane, Series, curves_picture, run_trace};
+use vibrochain_plot::{Curves, Mark, Pane, Series, curves_picture, run_trace};
 
 use crate::args::SimulateArgs;
 use crate::common::error::CliError;
+use crate::common::pictures::files::PictureFiles;
 
 /// Periods at the end of the run of which the contact is shown.
 const SHOWN: f64 = 8.0;
@@ -22,8 +22,7 @@ const CONTACTS: usize = 5;
 
 /// Collects what the picture needs.
 pub(super) struct RunPlot {
-    page: Page,
-    file: Output,
+    files: PictureFiles,
     title: String,
     home: usize,
     contact: Contact,
@@ -68,13 +67,13 @@ impl RunPlot {
         (from, home): (&str, usize),
         orbit: Option<(StructureOrbit, f64)>,
     ) -> Result<Option<Self>, CliError> {
-        args.page.checked(args.plot.is_some(), "--plot")?;
-        let opened = args.page.open("--plot", args.plot.as_deref())?;
-        let Some((page, file)) = opened else { return Ok(None) };
+        let files = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
+        if files.is_empty() {
+            return Ok(None);
+        }
         let title = format!("{}, from {from}: {}", scene.heading(), scene.here());
         let plot = Self {
-            page,
-            file,
+            files,
             title,
             home,
             contact: model.structure().contacts()[home],
@@ -84,8 +83,7 @@ impl RunPlot {
             orbit,
             velocities: Vec::new(),
         };
-        let measured = curves_picture(&plot.picture(), page.to_measure());
-        measured.map_err(|error| CliError::Request(error.0))?;
+        plot.files.fit(|page| curves_picture(&plot.picture(), page))?;
         Ok(Some(plot))
     }
 
@@ -125,9 +123,8 @@ impl RunPlot {
     }
 
     pub(super) fn finish(self) -> Result<(), CliError> {
-        let bytes = curves_picture(&self.picture(), self.page);
-        let bytes = bytes.map_err(|error| CliError::Computation(error.to_string()))?;
-        Ok(self.file.finish_with(&bytes)?)
+        let picture = self.picture();
+        self.files.draw(|page| curves_picture(&picture, page))
     }
 
     fn trace(&mut self, periods: f64, place: f64) {
