@@ -1,7 +1,7 @@
 //! Directions of small perturbations: what each has grown, and how they are kept apart. Of a chain a vector is displacements and velocities,
 //! of a structure both coordinates of all modes.
 
-use crate::tangent::TangentError;
+use crate::error::TangentError;
 use crate::units::spread;
 
 /// The most tangent vectors, lest their number be asked for with too many digits.

@@ -2,10 +2,10 @@
 
 use crate::cascade::{Cascades, Change};
 use crate::engine::Engine;
-use crate::error::StateError;
+use crate::error::{StateError, TangentError};
 use crate::event::{BOUNCE_TIME, Event, Limits, Outcome, Report, Work};
 use crate::ring::{FORGET, Ring};
-use crate::tangent::{Alone, Company, TangentError, Tangents};
+use crate::tangent::{Alone, Company, Tangents};
 use crate::time::Time;
 use crate::units::Units;
 use vibrochain_lattice::{Barrier, Layout, Model};

@@ -17,42 +17,16 @@
 //! event `stick` on. The instants of that and of its release move with the perturbation, but velocity (and at the release
 //! acceleration, too) vanishes there, so that they count to second order only.
 
-use thiserror::Error;
 use vibrochain_lattice::{Ends, Model};
 
 use crate::cascade::Change;
 use crate::directions::Directions;
 use crate::engine::Engine;
+use crate::error::TangentError;
 use crate::event::EventKind;
 use crate::series::{Extent, Rows, links};
 use crate::units::{MAX_ORDER, ORDERS, Units};
 use crate::weights::Weights;
-
-/// What is wrong with tangent vectors.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-pub enum TangentError {
-    /// None, more than the lattice has directions, or more than anybody looks at.
-    #[error("{count} tangent vectors: give 1 to {most}")]
-    Count {
-        /// How many were asked for.
-        count: usize,
-        /// How many there can be.
-        most: usize,
-    },
-    /// Not one finite number a mass in each of displacement and velocity, or all of them zero.
-    #[error(
-        "tangent vector {vector} has not one finite number a mass in displacement and velocity, or nothing but zeros; the lattice has {sites} masses"
-    )]
-    Entries {
-        /// Number of the vector, from 0.
-        vector: usize,
-        /// Masses of the lattice.
-        sites: usize,
-    },
-    /// They belong to another model.
-    #[error("the tangent vectors belong to another model than the simulation")]
-    OtherModel,
-}
 
 /// Tangent vectors of a run: small perturbations of its state, carried along by [`Simulation::run_with`](crate::Simulation::run_with).
 ///

@@ -9,9 +9,9 @@ use super::system::System;
 use super::tangent::{Alone, Company, StructureTangents};
 use crate::cascade::{Cascades, Change};
 use crate::collision::CHATTER_TIME;
+use crate::error::TangentError;
 use crate::event::{BOUNCE_TIME, Limits, Work};
 use crate::ring::Contact;
-use crate::tangent::TangentError;
 use crate::time::Time;
 use vibrochain_lattice::{Barrier, EnergyForm, ModalStructure};
 

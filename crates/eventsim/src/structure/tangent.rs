@@ -24,9 +24,9 @@ use super::series::Series;
 use super::system::System;
 use crate::cascade::Change;
 use crate::directions::Directions;
+use crate::error::TangentError;
 use crate::event::EventKind;
 use crate::ring::Contact;
-use crate::tangent::TangentError;
 use vibrochain_lattice::{Barrier, ModalStructure};
 
 /// An impulse that another contact sees by less than this part of its terms is rounding.
