@@ -48,12 +48,14 @@ macro_rules! refuse {
 #[macro_export]
 macro_rules! ensure {
     ($holds:expr, $error:literal $($words:tt)*) => {
-        if !$holds {
+        let holds: bool = $holds;
+        if !holds {
             $crate::refuse!($error $($words)*)
         }
     };
     ($holds:expr, $error:expr) => {
-        if !$holds {
+        let holds: bool = $holds;
+        if !holds {
             return Err($error);
         }
     };
