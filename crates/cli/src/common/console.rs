@@ -1,6 +1,5 @@
 //! What a run has besides its files: where answers and remarks go, and how it learns that it is to stop.
 
-use std::fmt;
 use std::io::{self, Write};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -27,12 +26,6 @@ pub struct Console<'a> {
     pub threads: Option<usize>,
     /// Hands out what tells long work to stop. Asked only by commands that look at it, before they begin a file.
     pub interrupt: &'a dyn Fn() -> Result<Stop, CliError>,
-}
-
-impl fmt::Debug for Console<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Console").field("progress", &self.progress).finish_non_exhaustive()
-    }
 }
 
 impl<'a> Console<'a> {
