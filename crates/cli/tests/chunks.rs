@@ -251,7 +251,7 @@ mod signals {
             let desk = Desk::with_scene(&slow());
             let mut child = desk.start("sweep scene.toml --out map.csv --png map.png");
             desk.await_chunks(&mut child, "map.csv.parts", 3);
-            let told = "--out map.csv --plot map.png --resume";
+            let told = "--out map.csv --png map.png --resume";
             let ran = signal(child, name).with(130, &["interrupted: ", "chunks are finished, in map.csv.parts", told]);
             let chunks = desk.chunks("map.csv.parts");
             assert!(chunks >= 3 && ran.err.contains(&format!("{chunks} of 293 chunks")), "{ran:?}");

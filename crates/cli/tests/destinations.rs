@@ -37,8 +37,10 @@ fn options() -> Vec<(String, &'static str)> {
         (format!("{simulate} --trajectory FILE"), "csv"),
     ];
     all.extend([
-        ("sweep scene.toml --out elsewhere/map.csv --plot FILE --quiet".to_owned(), "png"),
-        ("merge parts --out elsewhere/map.csv --plot FILE --quiet".to_owned(), "png"),
+        ("sweep scene.toml --out elsewhere/map.csv --png FILE --quiet".to_owned(), "png"),
+        ("sweep scene.toml --out elsewhere/map.csv --svg FILE --quiet".to_owned(), "svg"),
+        ("merge parts --out elsewhere/map.csv --png FILE --quiet".to_owned(), "png"),
+        ("sweep scene.toml --out elsewhere/map.csv --pdf FILE --quiet".to_owned(), "pdf"),
         (format!("{orbit} --plot FILE"), "png"),
         (format!("{simulate} --plot FILE"), "png"),
         ("stripes scene.toml --plot FILE".to_owned(), "png"),
@@ -246,11 +248,11 @@ fn endings_that_promise_something_else_are_refused() {
     let mut asked = 0;
     for (line, ending) in options() {
         let others = ["csv", "csv.gz", "png", "svg", "jpg", "md", "json", "h5", "toml", "GIF", "pdf", "5"];
-        // A table may be compressed, a picture has any of three forms.
+        // A table may be compressed, a picture of --plot and of stripes have either form.
         let either = |other: &str| match ending {
             _ if other == ending => true,
             "csv" | "csv.gz" if line.contains("--out FILE --quiet") => other.starts_with("csv"),
-            "png" => other == "svg" || other == "pdf",
+            "png" if !line.contains("--png") => other == "svg" || other == "pdf",
             _ => false,
         };
         for other in others.into_iter().filter(|other| !either(other)) {
@@ -317,11 +319,11 @@ fn no_file_has_two_uses_by_whatever_names() {
         (format!("{simulate} --impacts pipe.csv --trajectory ./pipe.csv"), "--impacts and --trajectory"),
     ];
     cases.extend([
-        ("sweep scene.toml --out - --plot -".to_owned(), "--out and --plot"),
-        ("sweep scene.toml --out map.csv --plot - --plot /proc/self/fd/1".to_owned(), "--plot and --plot"),
-        ("sweep scene.toml --out map --plot map".to_owned(), "--out and --plot"),
-        ("sweep scene.toml --out map.csv --plot map.csv.parts".to_owned(), "the folder of chunks and --plot"),
-        ("merge parts --out map --plot new/../map".to_owned(), "--out and --plot"),
+        ("sweep scene.toml --out - --png -".to_owned(), "--out and --png"),
+        ("sweep scene.toml --out map.csv --png - --svg /proc/self/fd/1".to_owned(), "--png and --svg"),
+        ("sweep scene.toml --out map --png map".to_owned(), "--out and --png"),
+        ("sweep scene.toml --out map.csv --png map.csv.parts".to_owned(), "the folder of chunks and --png"),
+        ("merge parts --out map --svg new/../map".to_owned(), "--out and --svg"),
         ("stripes scene.csv --plot elsewhere/a.png --csv folder/../scene.csv".to_owned(), "the scene and --out"),
         ("stripes scene.toml --map scene.csv --plot a.png --csv link.csv".to_owned(), "--map and --out"),
         ("stripes scene.toml --plot - --csv -".to_owned(), "--plot and --out"),

@@ -683,11 +683,11 @@ fn no_file_may_have_two_uses() {
     let same = desk.path("map.csv");
     sweep(&desk, &scene, &["--png", same.to_str().unwrap()])
         .code(2)
-        .stderr(contains("--out and --plot are the same file"));
+        .stderr(contains("--out and --png are the same file"));
     let manifest = desk.path("map.manifest.json");
     sweep(&desk, &scene, &["--svg", manifest.to_str().unwrap()])
         .code(2)
-        .stderr(contains("the manifest of --out and --plot"));
+        .stderr(contains("the manifest of --out and --svg"));
     let onto = mapgen(&[]).arg("sweep").arg(&scene).arg("--out").arg(&scene).assert();
     onto.code(2).stderr(contains("the scene and --out are the same file"));
     assert_eq!(desk.names("."), ["scene.toml"]);

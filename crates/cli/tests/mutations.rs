@@ -23,7 +23,7 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use tempfile::TempDir;
 use vibrochain_breather::{Family, Word};
-use vibrochain_cli::args::{Cli, Command, read};
+use vibrochain_cli::args::{Cli, Command, PictureArgs, read};
 use vibrochain_cli::common::console::Console;
 use vibrochain_cli::common::error::CliError;
 use vibrochain_cli::common::model;
@@ -338,7 +338,9 @@ fn plan(line: &[OsString], work: f64) -> Plan {
                 windows_most = windows_most.max(corner.model().map_or(1.0, |model| windows(&model, false)));
             }
             // A picture takes longer than its cells, threads longer than they are worth.
-            let pictures = !args.pictures.plot.is_empty() || threads.is_none_or(|threads| threads > 4);
+            let PictureArgs { png, svg, pdf, .. } = &args.pictures;
+            let pictures =
+                [png, svg, pdf].iter().any(|file| file.is_some()) || threads.is_none_or(|threads| threads > 4);
             let cost = scene.cells() as f64 * scene.base.sites() as f64 * windows_most;
             of(if pictures { f64::INFINITY } else { cost }, Plan::Stopped)
         }
@@ -398,8 +400,10 @@ fn plan(line: &[OsString], work: f64) -> Plan {
         // What is there is read, nothing is computed; pictures take longer.
         // The same.
         Ok(Command::Draw(_)) => Plan::Stopped,
-        Ok(Command::Merge(args)) if args.pictures.plot.is_empty() => Plan::Whole,
-        Ok(Command::Merge(_)) => Plan::Stopped,
+        Ok(Command::Merge(args)) => {
+            let PictureArgs { png, svg, pdf, .. } = &args.pictures;
+            if [png, svg, pdf].iter().any(|file| file.is_some()) { Plan::Stopped } else { Plan::Whole }
+        }
         // Minutes of work, tested elsewhere.
         Ok(Command::Init(_) | Command::Completions(_) | Command::Man(_)) => Plan::Whole,
         Ok(Command::Stripes(_)) => Plan::Parameters,

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{ArgGroup, Args};
 use vibrochain_lattice::Parameter;
 use vibrochain_maps::numbers::real;
 use vibrochain_maps::sweep::ShardFlag;
@@ -33,7 +33,7 @@ pub struct SweepArgs {
     pub resume: bool,
     /// Compute one share of the chunks: shard i of n, from 0, or `slurm` for the share of a job array's task. Then `mapgen
     /// merge` makes the table.
-    #[arg(long, value_name = "i/n", conflicts_with = "plot", allow_hyphen_values = true)]
+    #[arg(long, value_name = "i/n", conflicts_with_all = ["plot", "png", "svg", "pdf"], allow_hyphen_values = true)]
     pub shard: Option<ShardFlag>,
     /// Compute a few cells only, and tell how many there are, how long they will take and how much they will fill.
     #[arg(long)]
@@ -45,7 +45,7 @@ pub struct SweepArgs {
     #[command(flatten)]
     pub pictures: PictureArgs,
     /// What colours the cells of a map, a column of the table.
-    #[arg(long, alias = "color", help_heading = PICTURES, value_name = "COLUMN", default_value_t, requires = "plot", value_parser = among(&OF_MAPS))]
+    #[arg(long, alias = "color", help_heading = PICTURES, value_name = "COLUMN", default_value_t, requires = "picture", value_parser = among(&OF_MAPS))]
     pub show: QuantityName,
     /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
     #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
@@ -63,16 +63,26 @@ fn axis_value(text: &str) -> Result<(Parameter, f64), String> {
 
 /// Pictures of a map.
 #[derive(Debug, Clone, Args)]
+#[command(group = ArgGroup::new("picture").args(["plot", "png", "svg", "pdf"]).multiple(true))]
 pub struct PictureArgs {
     /// Picture, .png, .svg or .pdf; again for one of another kind. A map over two axes; over one, curves of |μ|, margin and (with
     /// `impulse = true`) impulse.
-    #[arg(long, aliases = ["png", "svg", "pdf"], help_heading = PICTURES, value_name = "FILE")]
+    #[arg(long, help_heading = PICTURES, value_name = "FILE")]
     pub plot: Vec<PathBuf>,
+    /// What --plot FILE.png was once.
+    #[arg(long, hide = true, value_name = "FILE")]
+    pub png: Option<PathBuf>,
+    /// What --plot FILE.svg was once.
+    #[arg(long, hide = true, value_name = "FILE")]
+    pub svg: Option<PathBuf>,
+    /// What --plot FILE.pdf was once.
+    #[arg(long, hide = true, value_name = "FILE")]
+    pub pdf: Option<PathBuf>,
     /// Draw the cells at this value of an axis; again for further axes, until one or two are left. The table stays whole.
-    #[arg(long, help_heading = PICTURES, value_name = "PARAMETER=VALUE", value_parser = axis_value, requires = "plot")]
+    #[arg(long, help_heading = PICTURES, value_name = "PARAMETER=VALUE", value_parser = axis_value, requires = "picture")]
     pub slice: Vec<(Parameter, f64)>,
     /// Draw the borders of the map over its cells, which `mapgen curves` finds; both axes must be equally spaced.
-    #[arg(long, help_heading = PICTURES, requires = "plot")]
+    #[arg(long, help_heading = PICTURES, requires = "picture")]
     pub curves: bool,
     /// Colours of the pictures of maps.
     #[arg(long, help_heading = PICTURES, value_parser = by_name(PALETTES, Palette::name), default_value_t)]
@@ -85,7 +95,9 @@ pub struct PictureArgs {
 impl PictureArgs {
     /// The files that were asked for, each with its flag.
     pub(crate) fn files(&self) -> impl Iterator<Item = (&'static str, &Path)> {
-        self.plot.iter().map(|path| ("--plot", path.as_path()))
+        let once = [("--png", &self.png), ("--svg", &self.svg), ("--pdf", &self.pdf)];
+        let once = once.into_iter().filter_map(|(flag, path)| Some((flag, path.as_deref()?)));
+        self.plot.iter().map(|path| ("--plot", path.as_path())).chain(once)
     }
 
     /// `others` and these, for what looks at all files of a command.
@@ -110,7 +122,7 @@ pub struct MergeArgs {
     #[command(flatten)]
     pub pictures: PictureArgs,
     /// What colours the cells of a map, a column of the table.
-    #[arg(long, alias = "color", help_heading = PICTURES, value_name = "COLUMN", default_value_t, requires = "plot", value_parser = among(&OF_MAPS))]
+    #[arg(long, alias = "color", help_heading = PICTURES, value_name = "COLUMN", default_value_t, requires = "picture", value_parser = among(&OF_MAPS))]
     pub show: QuantityName,
     /// Print JSON instead of a summary: the manifest of a sweep, what an ensemble has come to.
     #[arg(long)]

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use vibrochain_maps::files::Output;
+use vibrochain_maps::files::{Output, promises};
 use vibrochain_plot::{Format, Page, Palette, PlotError};
 
 use crate::args::PictureArgs;
@@ -36,7 +36,7 @@ impl PictureFiles {
         Ok(Self(page.open(flag, path)?.into_iter().collect()))
     }
 
-    /// Those of --plot.
+    /// Those of --plot, and of --png, --svg and --pdf.
     ///
     /// # Errors
     /// As [`PictureFiles::one`].
@@ -44,14 +44,20 @@ impl PictureFiles {
         Self::open(&Self::named(wanted)?)
     }
 
-    /// The names that --plot gives, each with what is drawn for it.
+    /// The names that these flags give, each with what is drawn for it.
     ///
     /// # Errors
     /// [`CliError::Request`] of a name that promises something else, or of a page that cannot be.
     pub(crate) fn named(wanted: &PictureArgs) -> Result<Vec<(Page, PathBuf)>, CliError> {
-        wanted.page.checked(!wanted.plot.is_empty(), "--plot")?;
-        let page = |path: &PathBuf| Ok((wanted.page.page(Format::asked("--plot", path)?)?, path.clone()));
-        wanted.plot.iter().map(page).collect()
+        wanted.page.checked(wanted.files().next().is_some(), "--plot")?;
+        let page = |(flag, path): (&'static str, &Path)| {
+            let format = match Format::from_name(flag.trim_start_matches('-')) {
+                Some(format) => promises(flag, path, "a picture", &[format.name()]).map(|()| format)?,
+                None => Format::asked(flag, path)?,
+            };
+            Ok((wanted.page.page(format)?, path.to_owned()))
+        };
+        wanted.files().map(page).collect()
     }
 
     /// Opens files that were named.

@@ -110,7 +110,7 @@ fn slice(wanted: &PictureArgs, scene: &Scene) -> Result<Slice, CliError> {
 impl Pictures<Scene> {
     /// Makes sure that they can be drawn and written.
     pub(crate) fn plan(wanted: &PictureArgs, show: QuantityName, scene: &Scene) -> Result<Self, CliError> {
-        if wanted.plot.is_empty() {
+        if wanted.files().next().is_none() {
             return Self::of(wanted, show, (scene, DrawnScene::Slice(Box::new(Slice::of(scene, &[])?))));
         }
         if scene.refine.is_some() && !wanted.slice.is_empty() {
