@@ -5,8 +5,6 @@ use vibrochain_floquet::Mechanism;
 
 use vibrochain_maps::cell::{Cell, Class};
 
-use crate::map::classes::parts;
-
 /// A set of colours for the classes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Palette {
@@ -65,19 +63,23 @@ impl Palette {
     }
 
     fn class(self, class: Option<Class>) -> Rgb {
-        let Some(class) = class else { return [204, 121, 167] };
-        // Of double-sided, single-sided and other words, stable or not known, and unstable.
-        let (nothing, families) = match self {
-            Self::Colour => (
-                [255, 255, 255],
-                [[[16, 50, 98], [236, 138, 60]], [[46, 134, 171], [250, 224, 120]], [[0, 110, 84], [235, 168, 204]]],
-            ),
-            Self::Paper => (
-                [0, 0, 0],
-                [[[70, 70, 70], [200, 200, 200]], [[135, 135, 135], [255, 255, 255]], [[35, 35, 35], [227, 227, 227]]],
-            ),
-        };
-        parts(class).map_or(nothing, |(family, stable)| families[family][usize::from(stable == Some(false))])
+        match (self, class) {
+            (Self::Colour, Some(Class::None)) => [255, 255, 255],
+            (Self::Colour, Some(Class::StableDouble | Class::Double)) => [16, 50, 98],
+            (Self::Colour, Some(Class::StableSingle | Class::Single)) => [46, 134, 171],
+            (Self::Colour, Some(Class::UnstableDouble)) => [236, 138, 60],
+            (Self::Colour, Some(Class::UnstableSingle)) => [250, 224, 120],
+            (Self::Colour, Some(Class::StableWord | Class::Word)) => [0, 110, 84],
+            (Self::Colour, Some(Class::UnstableWord)) => [235, 168, 204],
+            (Self::Paper, Some(Class::StableWord | Class::Word)) => [35, 35, 35],
+            (Self::Paper, Some(Class::UnstableWord)) => [227, 227, 227],
+            (Self::Paper, Some(Class::None)) => [0, 0, 0],
+            (Self::Paper, Some(Class::StableDouble | Class::Double)) => [70, 70, 70],
+            (Self::Paper, Some(Class::StableSingle | Class::Single)) => [135, 135, 135],
+            (Self::Paper, Some(Class::UnstableDouble)) => [200, 200, 200],
+            (Self::Paper, Some(Class::UnstableSingle)) => [255, 255, 255],
+            (_, None) => [204, 121, 167],
+        }
     }
 
     /// Colour of the pixel (x, y) of a tile.
