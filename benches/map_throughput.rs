@@ -11,27 +11,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use vibrochain::lattice::{Chain, Spectrum, Stop};
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::sweep::{Ended, sweep};
-
-/// The paper's map on a coarser grid.
-fn scene(sites: usize, forced: bool, stability: bool) -> Scene {
-    let forcing = if forced { "forcing = { amplitude = 0.1, restitution = 0.9 }" } else { "" };
-    let text = format!(
-        r#"
-        [model]
-        sites = {sites}
-        gamma1 = 0.2
-        asymmetry = 0.4
-        {forcing}
-        [sweep]
-        x = {{ parameter = "omega",  from = 0.4, to = 3.0, points = 100 }}
-        y = {{ parameter = "gamma2", from = 0.0, to = 0.3, points = 48 }}
-        [compute]
-        families = ["double-sided", "single-sided"]
-        stability = {stability}
-        "#
-    );
-    Scene::parse(Path::new("bench"), &text).unwrap()
-}
+use vibrochain_testkit::paper_map;
 
 fn maps(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("map");
@@ -39,7 +19,8 @@ fn maps(criterion: &mut Criterion) {
     for (sites, forced) in [6, 11, 21, 41].into_iter().flat_map(|sites| [(sites, false), (sites, true)]) {
         for stability in [false, true] {
             for threads in [1, 2] {
-                let scene = scene(sites, forced, stability);
+                let text = paper_map(sites, forced, [100, 48], stability);
+                let scene = Scene::parse(Path::new("bench"), &text).unwrap();
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 let model = if forced { "forced" } else { "conservative" };
                 let work = if stability { "stability" } else { "existence" };

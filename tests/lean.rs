@@ -7,6 +7,7 @@ use std::path::Path;
 use allocation_counter::measure;
 use vibrochain_maps::cell::Worker;
 use vibrochain_maps::scene::Scene;
+use vibrochain_testkit::paper_map;
 
 /// A kind of map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,23 +31,7 @@ impl Kind {
 
     /// The paper's map on a coarser grid.
     fn scene(self) -> Scene {
-        let forcing = if self.forced { "forcing = { amplitude = 0.1, restitution = 0.9 }" } else { "" };
-        let text = format!(
-            r#"
-            [model]
-            sites = 21
-            gamma1 = 0.2
-            asymmetry = 0.4
-            {forcing}
-            [sweep]
-            x = {{ parameter = "omega",  from = 0.4, to = 3.0, points = 40 }}
-            y = {{ parameter = "gamma2", from = 0.0, to = 0.3, points = 24 }}
-            [compute]
-            families = ["double-sided", "single-sided"]
-            stability = {}
-            "#,
-            self.stability
-        );
+        let text = paper_map(21, self.forced, [40, 24], self.stability);
         Scene::parse(Path::new("lean"), &text).unwrap()
     }
 

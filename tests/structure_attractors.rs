@@ -46,20 +46,10 @@ fn random_structure(random: &mut Random) -> Dense {
         .collect();
     let omega = random.between(0.4, 2.0);
     Dense {
-        name: "random".to_owned(),
-        mass,
-        damping,
-        stiffness,
-        contacts,
-        limits: Vec::new(),
         load: DVector::from_fn(n, |_, _| random.between(-1.0, 1.0)),
         static_load: DVector::from_fn(n, |_, _| random.between(-0.1, 0.1)),
-        omega,
-        psi: 0.0,
-        period: TAU / omega,
-        impacts: Vec::new(),
-        multipliers: Vec::new(),
         physical: true,
+        ..Dense::without_orbit([mass, damping, stiffness], contacts, omega)
     }
 }
 
@@ -297,14 +287,7 @@ fn attractors(seed: u64, wanted: usize) -> Tally {
         let mut dense = random_structure(&mut random);
         let limits = stops(&dense, &mut random);
         dense.limits = limits.iter().map(|stops| (stops.lower, stops.upper, stops.restitution)).collect();
-        let structure = Structure {
-            mass: dense.mass.clone(),
-            damping: dense.damping.clone(),
-            stiffness: dense.stiffness.clone(),
-            contacts: dense.contacts.iter().cloned().zip(limits).collect(),
-            static_load: dense.static_load.clone(),
-            loads: vec![(1, dense.load.map(|load| Complex::new(load, 0.0)))],
-        };
+        let structure = dense.linear();
         match settled(&dense, &structure, &mut random) {
             Ok((events, periods)) => tally.check(dense, &structure, &events, periods),
             Err(why) => *tally.without.entry(why).or_default() += 1,

@@ -10,21 +10,23 @@ mod sweep;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgGroup, Args, Parser, Subcommand};
 
 use vibrochain_maps::numbers::{real, whole};
+use vibrochain_plot::Format;
 
 use crate::common::tips;
 
 use crate::common::pictures::page_args::{PICTURES, PageArgs};
+use quantity::{Meanings, by_name};
 
 pub use events::{AlongArgs, BranchArgs, CurveArgs, CurvesArgs, Free, LocateArgs};
 pub use model::{ModelArgs, ParameterArgs, RowEnds, SiteFamily, StructureArgs, WhichArgs};
 pub use quantity::QuantityName;
 pub(crate) use quantity::{OF_BRANCHES, OF_MAPS, SHOWN, of_orbits};
-pub use runs::{Direction, FateArgs, SectionName, SimulateArgs, StartFrom};
+pub use runs::{Direction, FateArgs, SectionName, SimulateArgs};
 pub use setup::{CompletionsArgs, InitArgs, ManArgs, SchemaArgs};
-pub use sweep::{DrawArgs, MergeArgs, PaletteName, PictureArgs, SweepArgs};
+pub use sweep::{DrawArgs, MergeArgs, PictureArgs, SweepArgs};
 
 /// Existence and stability of breathers in vibro-impact chains.
 #[derive(Debug, Parser)]
@@ -191,8 +193,8 @@ pub struct OrbitArgs {
     #[arg(long, help_heading = PICTURES, value_name = "DIR")]
     pub all_plots: Option<PathBuf>,
     /// Kind of the pictures of --all-plots.
-    #[arg(long, help_heading = PICTURES, value_name = "KIND", value_enum, default_value_t, requires = "all_plots")]
-    pub format: FormatName,
+    #[arg(long, help_heading = PICTURES, value_name = "KIND", value_parser = by_name(FORMATS, Format::name), default_value_t = Format::Png, requires = "all_plots")]
+    pub format: Format,
     /// What --format svg was once.
     #[arg(long, hide = true, requires = "all_plots", conflicts_with = "format")]
     pub svg: bool,
@@ -208,16 +210,8 @@ pub struct OrbitArgs {
 }
 
 /// Kinds of the pictures of `--all-plots`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub enum FormatName {
-    /// Pixels.
-    #[default]
-    Png,
-    /// Vectors.
-    Svg,
-    /// Vectors, as printers and journals take them.
-    Pdf,
-}
+const FORMATS: Meanings<Format> =
+    &[(Format::Png, "Pixels"), (Format::Svg, "Vectors"), (Format::Pdf, "Vectors, as printers and journals take them")];
 
 /// Arguments of `mapgen words`.
 #[derive(Debug, Args)]

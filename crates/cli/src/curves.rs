@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use vibrochain_lattice::{Parameter, Short};
 use vibrochain_maps::borders::{Border, BorderKind, Borders, UnexplainedChange};
 use vibrochain_maps::cell::Class;
-use vibrochain_maps::files::{CsvFile, distinct};
+use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::regions::Regions;
 use vibrochain_maps::scene::Scene;
@@ -16,7 +16,7 @@ use vibrochain_maps::sweep::Plan;
 use crate::args::CurvesArgs;
 use crate::common::answer::printed;
 use crate::common::border_search::BorderSearch;
-use crate::common::console::{Console, nothing_else};
+use crate::common::console::{Console, destinations};
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
 use crate::common::schemas::CURVES;
@@ -38,8 +38,7 @@ pub fn run(args: &CurvesArgs, console: &mut Console<'_>) -> Result<(), CliError>
     let scene = Plan::<Scene>::read(&args.scene, args.threshold)?.scene;
     let files =
         [("--out", args.out.as_deref()), ("--points", args.points.as_deref()), ("--plot", args.plot.as_deref())];
-    let taken = distinct(&[("the scene", Some(&args.scene))], &files)?;
-    nothing_else(args.json, taken)?;
+    let taken = destinations(args.json, &[("the scene", Some(&args.scene))], &files)?;
     let names = match scene.axes.as_slice() {
         [x, y] => [x, y].map(|axis| axis.parameter.name()),
         _ => ["x", "y"],

@@ -9,6 +9,10 @@
 // | `structures` | what commands do for a structure of any kind, and for a chain with dashpots |
 // | `curves`, `locate`, `schema`, `words` | commands of one file |
 
+// Its `ensure!` and `refuse!`.
+#[macro_use]
+extern crate vibrochain_maps;
+
 mod along;
 pub mod args;
 pub mod branch;

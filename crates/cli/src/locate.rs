@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use vibrochain_floquet::{BranchedOrbit, Event, Evidence, Followed, Located, Verdict};
-use vibrochain_maps::files::{CsvFile, distinct};
+use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::numbers::Number;
 
 use crate::along::{
@@ -13,7 +13,7 @@ use crate::along::{
 };
 use crate::args::LocateArgs;
 use crate::common::answer::printed;
-use crate::common::console::{Console, nothing_else};
+use crate::common::console::{Console, destinations};
 use crate::common::error::CliError;
 use crate::common::schemas::{LOCATE, STRUCTURE_BRANCH};
 use crate::structures;
@@ -32,8 +32,7 @@ pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError>
 }
 
 fn locate<A: Along>(args: &LocateArgs, scene: A::Scene, console: &mut Console<'_>) -> Result<(), CliError> {
-    let taken = distinct(&args.along.reads(), &[("--out", args.out.as_deref())])?;
-    nothing_else(args.json, taken)?;
+    let taken = destinations(args.json, &args.along.reads(), &[("--out", args.out.as_deref())])?;
     let free = A::free(args.along.free)?;
     let name = A::name(free);
     let stop = (console.interrupt)()?;

@@ -10,12 +10,12 @@ use vibrochain_lattice::{Layout, Model, Parameter, Stop};
 
 use crate::args::{SiteFamily, WordsArgs};
 use crate::common::answer::printed;
-use crate::common::console::{Console, nothing_else};
+use crate::common::console::{Console, destinations};
 use crate::common::error::CliError;
 use crate::common::model::chosen;
 use crate::common::schemas::WORDS;
 use crate::sweep::report::counted;
-use vibrochain_maps::files::{CsvFile, distinct};
+use vibrochain_maps::files::CsvFile;
 
 /// The most words that are looked at, before symmetry makes them fewer: some minutes of work.
 const MOST: f64 = 1e5;
@@ -57,16 +57,16 @@ pub fn run(args: &WordsArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     let model = chosen.model;
     let families = families(args, &model.chain().layout())?;
     let tolerance = chosen.tolerance(args.threshold)?;
-    let taken = distinct(&[("--scene", args.model.scene.as_deref())], &[("--out", args.out.as_deref())])?;
-    nothing_else(args.json, taken)?;
+    let taken =
+        destinations(args.json, &[("--scene", args.model.scene.as_deref())], &[("--out", args.out.as_deref())])?;
     let stop = (console.interrupt)()?;
     let file = args.out.as_deref().map(|path| CsvFile::create("--out", path, HEADER)).transpose()?;
     let words = Word::enumerate(&model, args.sites_used, args.reach, &families)
         .map_err(|error| CliError::Request(error.to_string()))?;
-    if args.from_zero && !model.is_conservative() {
-        let message = "--from-zero follows words without force and losses; under a force the search does, and `mapgen orbit --word` tells what ends each branch";
-        return Err(CliError::Request(message.to_owned()));
-    }
+    ensure!(
+        !args.from_zero || model.is_conservative(),
+        "--from-zero follows words without force and losses; under a force the search does, and `mapgen orbit --word` tells what ends each branch"
+    );
     if args.from_zero {
         return console.answer(&fates(&model, &words, &stop)?, false, taken);
     }
@@ -100,22 +100,14 @@ fn families(args: &WordsArgs, layout: &Layout) -> Result<Vec<Family>, CliError> 
     let asked = |name| args.families.contains(&name) || args.families.contains(&SiteFamily::Either);
     let known = [(SiteFamily::DoubleSided, Family::DoubleSided), (SiteFamily::SingleSided, Family::SingleSided)];
     let families: Vec<_> = known.into_iter().filter_map(|(name, family)| asked(name).then_some(family)).collect();
-    let request = |message: String| Err(CliError::Request(message));
     let last = layout.length.saturating_sub(1);
-    if args.reach > last {
-        let reach = args.reach;
-        return request(format!("--reach {reach} is out of range: sites of this chain are at most {last} apart"));
-    }
-    let most = (args.reach + 1) * layout.layers;
-    if args.sites_used == 0 || args.sites_used > most {
-        return request(format!(
-            "--sites-used {} is out of range: --reach {} has room for 1 to {most}",
-            args.sites_used, args.reach
-        ));
-    }
-    if Word::combinations(layout, args.sites_used, args.reach, &families) > MOST {
-        return request(format!("these are more than {MOST} words: give fewer sites, a smaller reach or one family"));
-    }
+    let (sites, reach) = (args.sites_used, args.reach);
+    ensure!(reach <= last, "--reach {reach} is out of range: sites of this chain are at most {last} apart");
+    let most = (reach + 1) * layout.layers;
+    let has_room = (1..=most).contains(&sites);
+    ensure!(has_room, "--sites-used {sites} is out of range: --reach {reach} has room for 1 to {most}");
+    let count = Word::combinations(layout, sites, reach, &families);
+    ensure!(count <= MOST, "these are more than {MOST} words: give fewer sites, a smaller reach or one family");
     Ok(families)
 }
 

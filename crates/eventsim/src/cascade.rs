@@ -1,5 +1,6 @@
 //! Cascades of impacts on one barrier: how many there were, and the limits that are still ahead.
 
+use crate::event::EventKind;
 use crate::time::Clock;
 use vibrochain_lattice::Barrier;
 
@@ -12,11 +13,31 @@ struct Bounces {
     offset: f64,
 }
 
-/// A rest whose event is not due yet.
+/// What became of one mass, in internal units, or of one contact of a structure.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Pending {
+pub(crate) struct Change {
     pub(crate) site: usize,
     pub(crate) barrier: Barrier,
+    pub(crate) before: f64,
+    pub(crate) after: f64,
+    /// Of an impact: of a mass its acceleration, which does not change, of a contact the impulse.
+    pub(crate) force: f64,
+    pub(crate) kind: EventKind,
+    /// How much later than the contact: the limit of a cascade.
+    pub(crate) delay: f64,
+}
+
+impl Change {
+    pub(crate) fn still(site: usize, barrier: Barrier, kind: EventKind, delay: f64) -> Self {
+        Self { site, barrier, before: 0.0, after: 0.0, force: 0.0, kind, delay }
+    }
+}
+
+/// A rest whose event is not due yet.
+#[derive(Debug, Clone, Copy)]
+struct Pending {
+    site: usize,
+    barrier: Barrier,
     at: f64,
 }
 
@@ -42,20 +63,51 @@ impl Cascades {
         self.pending.iter().map(|pending| pending.at).fold(f64::INFINITY, f64::min)
     }
 
-    /// Those that have come to rest by `at`.
-    pub(crate) fn rested_by(&mut self, at: f64) -> Vec<Pending> {
-        self.take(|pending| pending.at <= at)
+    /// Tells of those that have come to rest by `at`.
+    pub(crate) fn rested_by(&mut self, at: f64, observe: impl FnMut(&Change)) {
+        self.take(|pending| pending.at <= at, observe);
     }
 
-    /// Those of one site, whose rest ends before its own cascade did: the end is now.
-    pub(crate) fn cut_short(&mut self, site: usize) -> Vec<Pending> {
-        self.take(|pending| pending.site == site)
+    fn take(&mut self, is_due: impl Fn(&Pending) -> bool, mut observe: impl FnMut(&Change)) {
+        self.pending.retain(|pending| {
+            if is_due(pending) {
+                observe(&Change::still(pending.site, pending.barrier, EventKind::Stick, 0.0));
+            }
+            !is_due(pending)
+        });
     }
 
-    fn take(&mut self, is_due: impl Fn(&Pending) -> bool) -> Vec<Pending> {
-        let due = self.pending.iter().copied().filter(&is_due).collect();
-        self.pending.retain(|pending| !is_due(pending));
-        due
+    /// Tells of changes at `now`, but for the rests that are still ahead, and counts bounces: the first cascade that has as many as `most`, each
+    /// within what `wait` says of its site.
+    pub(crate) fn tell(
+        &mut self,
+        changes: &[Change],
+        (clock, now): (&Clock, f64),
+        most: u32,
+        wait: impl Fn(usize) -> f64,
+        mut observe: impl FnMut(&Change),
+    ) -> Option<(usize, Barrier, u32)> {
+        let mut cascade = None;
+        for change in changes {
+            let &Change { site, barrier, kind, delay, .. } = change;
+            if kind == EventKind::Stick && delay > 0.0 {
+                self.rest_at(site, barrier, now + delay);
+                continue;
+            }
+            if kind == EventKind::Release {
+                // A release before the end of its own cascade: then that end is now.
+                self.take(|pending| pending.site == site, &mut observe);
+            }
+            observe(change);
+            if kind == EventKind::Impact {
+                let bounces = self.count(site, barrier, clock, now, wait(site));
+                if bounces >= most {
+                    self.bounces[site] = None;
+                    cascade = cascade.or(Some((site, barrier, bounces)));
+                }
+            }
+        }
+        cascade
     }
 
     /// The base moves on.
@@ -64,7 +116,7 @@ impl Cascades {
     }
 
     /// Counts an impact at `now`: how many there were in succession, each within `wait` of the one before.
-    pub(crate) fn count(&mut self, site: usize, barrier: Barrier, clock: &Clock, now: f64, wait: f64) -> u32 {
+    fn count(&mut self, site: usize, barrier: Barrier, clock: &Clock, now: f64, wait: f64) -> u32 {
         let (periods, offset) = clock.after(now);
         let count = match self.bounces[site] {
             Some(last) if last.barrier == barrier && now - clock.until(last.periods, last.offset) < wait => {
@@ -74,10 +126,5 @@ impl Cascades {
         };
         self.bounces[site] = Some(Bounces { barrier, count, periods, offset });
         count
-    }
-
-    /// Begins to count anew.
-    pub(crate) fn forget(&mut self, site: usize) {
-        self.bounces[site] = None;
     }
 }

@@ -21,6 +21,7 @@
 //! with zero velocity and acceleration, and what decides is the next derivative *after* all jumps at this
 //! instant: an impact of a neighbour can press the mass back at once.
 
+use crate::cascade::Change;
 use crate::engine::{Due, Engine};
 use crate::event::EventKind;
 use crate::time::two_sum;
@@ -29,20 +30,6 @@ use vibrochain_lattice::Barrier;
 /// An accumulation of impacts is completed at its limit when so much time is left of it, in units of
 /// 1/√(γ₁+4γ₂+4γ₃) (or 1/ω where the force is faster).
 pub const CHATTER_TIME: f64 = 1e-8;
-
-/// What became of one mass; velocities in internal units.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Change {
-    pub(crate) site: usize,
-    pub(crate) barrier: Barrier,
-    pub(crate) before: f64,
-    pub(crate) after: f64,
-    /// Of an impact, which does not change it.
-    pub(crate) acceleration: f64,
-    pub(crate) kind: EventKind,
-    /// How much later than the contact: the limit of a cascade.
-    pub(crate) delay: f64,
-}
 
 /// Velocity with which a mass meets a barrier that its series misses by `gap` = barrier − x, under the acceleration
 /// `a`: never one that leaves it.
@@ -91,12 +78,12 @@ impl Engine {
         self.fastest = self.fastest.max(before.abs());
         self.work.impacts += 1;
         let kind = EventKind::Impact;
-        changes.push(Change { site, barrier, before, after, acceleration, kind, delay: 0.0 });
+        changes.push(Change { site, barrier, before, after, force: acceleration, kind, delay: 0.0 });
     }
 
     fn part(&mut self, contact: &Due, changes: &mut Vec<Change>) {
         let &Due { site, barrier, release, pull } = contact;
-        let still = |kind, delay| Change { site, barrier, before: 0.0, after: 0.0, acceleration: 0.0, kind, delay };
+        let still = |kind, delay| Change::still(site, barrier, kind, delay);
         if release {
             // Its force is zero now, and was positive before; or zero, too, until a far neighbour set out.
             let tendency = self.ring.tendency(&self.units, &self.force, site, barrier, 3);

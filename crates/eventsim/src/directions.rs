@@ -1,10 +1,11 @@
 //! Directions of small perturbations: what each has grown, and how they are kept apart. Of a chain a vector is displacements and velocities,
 //! of a structure both coordinates of all modes.
 
+use crate::error::TangentError;
 use crate::units::spread;
 
 /// The most tangent vectors, lest their number be asked for with too many digits.
-pub(crate) const MAX_VECTORS: usize = 4096;
+const MAX_VECTORS: usize = 4096;
 
 /// Once the longest has grown, or the shortest shrunk, so many times, vectors are made orthonormal anew: neighbours in
 /// direction would otherwise lose as many digits.
@@ -20,25 +21,33 @@ pub(crate) struct Directions {
     pub(crate) grazed: bool,
 }
 
-/// `count` vectors of `size` pairs of numbers; the same seed gives the same ones.
-pub(crate) fn random_vectors(count: usize, size: usize, mut seed: u64) -> Vec<[Vec<f64>; 2]> {
-    // The first numbers of neighbouring seeds are neighbours, too.
-    (0..4).for_each(|_| {
-        spread(&mut seed);
-    });
-    let mut entries = || (0..size).map(|_| spread(&mut seed)).collect();
-    (0..count).map(|_| [entries(), entries()]).collect()
-}
-
 impl Directions {
-    pub(crate) fn new(vectors: Vec<[Vec<f64>; 2]>) -> Self {
-        Self { logs: vec![0.0; vectors.len()], vectors, grazed: false }
+    /// Given ones of `size` pairs of numbers each.
+    pub(crate) fn of(vectors: Vec<[Vec<f64>; 2]>, size: usize) -> Result<Self, TangentError> {
+        checked(vectors.len(), size)?;
+        let is_wrong = |vector: &[Vec<f64>; 2]| {
+            let length = dot(vector, vector);
+            vector.iter().any(|part| part.len() != size) || !(length > 0.0 && length.is_finite())
+        };
+        if let Some(vector) = vectors.iter().position(is_wrong) {
+            return Err(TangentError::Entries { vector, sites: size });
+        }
+        Ok(Self { logs: vec![0.0; vectors.len()], vectors, grazed: false })
     }
 
-    /// Makes them orthonormal; what that takes is no growth.
-    pub(crate) fn begin(&mut self) {
-        self.orthonormalise();
-        self.logs.fill(0.0);
+    /// `count` orthonormal ones in random directions; the same seed gives the same ones.
+    pub(crate) fn random(count: usize, size: usize, mut seed: u64) -> Result<Self, TangentError> {
+        checked(count, size)?;
+        // The first numbers of neighbouring seeds are neighbours, too.
+        (0..4).for_each(|_| {
+            spread(&mut seed);
+        });
+        let mut entries = || (0..size).map(|_| spread(&mut seed)).collect();
+        let mut directions = Self::of((0..count).map(|_| [entries(), entries()]).collect(), size)?;
+        // What that takes is no growth.
+        directions.orthonormalise();
+        directions.logs.fill(0.0);
+        Ok(directions)
     }
 
     pub(crate) fn orthonormalise(&mut self) -> &[f64] {
@@ -73,6 +82,11 @@ impl Directions {
             self.orthonormalise();
         }
     }
+}
+
+fn checked(count: usize, size: usize) -> Result<(), TangentError> {
+    let most = (2 * size).min(MAX_VECTORS);
+    if (1..=most).contains(&count) { Ok(()) } else { Err(TangentError::Count { count, most }) }
 }
 
 fn dot(one: &[Vec<f64>; 2], other: &[Vec<f64>; 2]) -> f64 {

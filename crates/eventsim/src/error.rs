@@ -70,3 +70,29 @@ pub enum StateError {
 fn of_mass(name: &str, site: usize, layout: &Layout) -> String {
     if name == "psi" { name.to_owned() } else { format!("{name} of site {}", layout.name(site)) }
 }
+
+/// What is wrong with tangent vectors.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum TangentError {
+    /// None, more than the lattice has directions, or more than anybody looks at.
+    #[error("{count} tangent vectors: give 1 to {most}")]
+    Count {
+        /// How many were asked for.
+        count: usize,
+        /// How many there can be.
+        most: usize,
+    },
+    /// Not one finite number a mass in each of displacement and velocity, or all of them zero.
+    #[error(
+        "tangent vector {vector} has not one finite number a mass in displacement and velocity, or nothing but zeros; the lattice has {sites} masses"
+    )]
+    Entries {
+        /// Number of the vector, from 0.
+        vector: usize,
+        /// Masses of the lattice.
+        sites: usize,
+    },
+    /// They belong to another model.
+    #[error("the tangent vectors belong to another model than the simulation")]
+    OtherModel,
+}

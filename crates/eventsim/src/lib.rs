@@ -100,7 +100,7 @@ mod watch;
 mod weights;
 
 pub use collision::CHATTER_TIME;
-pub use error::StateError;
+pub use error::{StateError, TangentError};
 pub use event::{BOUNCE_TIME, Event, EventKind, Limits, MAX_BOUNCES, MAX_FLIGHTS, Outcome, Report, Work};
 pub use growth::{Exponent, Growth};
 pub use simulation::{Simulation, State};
@@ -108,5 +108,5 @@ pub use structure::{
     ContactEvent, ContactState, EnergyBalance, StructureOutcome, StructureReport, StructureSimulation, StructureState,
     StructureStateError, StructureTangents,
 };
-pub use tangent::{TangentError, Tangents};
+pub use tangent::Tangents;
 pub use time::Time;

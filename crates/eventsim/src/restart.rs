@@ -11,7 +11,7 @@
 use std::ops::Range;
 
 use crate::bound;
-use crate::collision::Change;
+use crate::cascade::Change;
 use crate::engine::Engine;
 use crate::ring::Contact;
 use crate::series::{Extent, LANES};

@@ -1,12 +1,11 @@
 //! The event loop and its public face.
 
-use crate::cascade::{Cascades, Pending};
-use crate::collision::Change;
+use crate::cascade::{Cascades, Change};
 use crate::engine::Engine;
-use crate::error::StateError;
-use crate::event::{BOUNCE_TIME, Event, EventKind, Limits, Outcome, Report, Work};
+use crate::error::{StateError, TangentError};
+use crate::event::{BOUNCE_TIME, Event, Limits, Outcome, Report, Work};
 use crate::ring::{FORGET, Ring};
-use crate::tangent::{Alone, Company, TangentError, Tangents};
+use crate::tangent::{Alone, Company, Tangents};
 use crate::time::Time;
 use crate::units::Units;
 use vibrochain_lattice::{Barrier, Layout, Model};
@@ -295,8 +294,8 @@ impl Simulation {
             } else if pending <= limit {
                 self.now = self.now.max(pending);
                 self.told = pending;
-                let rested = self.cascades.rested_by(pending);
-                self.tell_rests(&rested, observer);
+                let (time, scale) = (self.time(), self.engine.units.scale);
+                self.cascades.rested_by(pending, |change| observer(&event(change, time, scale)));
             } else if target <= horizon {
                 self.now = self.now.max(target);
                 return Outcome::TimeReached;
@@ -347,51 +346,23 @@ impl Simulation {
 
     /// Reports `changes` at the present time and counts bounces.
     fn tell(&mut self, changes: &[Change], limits: &Limits, observer: &mut impl FnMut(&Event)) -> Option<Outcome> {
-        let scale = self.engine.units.scale;
-        let mut outcome = None;
-        for change in changes {
-            let &Change { site, barrier, before, after, kind, delay, .. } = change;
-            if kind == EventKind::Stick && delay > 0.0 {
-                self.cascades.rest_at(site, barrier, self.now + delay);
-                continue;
-            }
-            if kind == EventKind::Release {
-                // A release before the end of its own cascade: then that end is now.
-                let rested = self.cascades.cut_short(site);
-                self.tell_rests(&rested, observer);
-            }
-            let event = Event {
-                time: self.time(),
-                site,
-                barrier,
-                velocity_before: before * scale,
-                velocity_after: after * scale,
-                kind,
-            };
-            observer(&event);
-            if kind == EventKind::Impact {
-                let wait = BOUNCE_TIME / self.engine.units.rate;
-                let bounces = self.cascades.count(site, barrier, &self.engine.clock, self.now, wait);
-                if bounces >= limits.bounces {
-                    self.cascades.forget(site);
-                    outcome = outcome.or(Some(Outcome::Cascade { site, barrier, bounces }));
-                }
-            }
-        }
-        outcome
-    }
-
-    fn tell_rests(&self, rested: &[Pending], observer: &mut impl FnMut(&Event)) {
-        let (time, kind) = (self.time(), EventKind::Stick);
-        for &Pending { site, barrier, .. } in rested {
-            observer(&Event { time, site, barrier, velocity_before: 0.0, velocity_after: 0.0, kind });
-        }
+        let (time, &Units { scale, rate, .. }) = (self.time(), &self.engine.units);
+        let (now, wait) = ((&self.engine.clock, self.now), BOUNCE_TIME / rate);
+        let observe = |change: &Change| observer(&event(change, time, scale));
+        let cascade = self.cascades.tell(changes, now, limits.bounces, |_| wait, observe);
+        cascade.map(|(site, barrier, bounces)| Outcome::Cascade { site, barrier, bounces })
     }
 
     fn time_at(&self, s: f64) -> Time {
         let (periods, offset) = self.engine.clock.after(s);
         Time::from_parts(periods, offset / self.engine.units.scale, self.model.period())
     }
+}
+
+/// What is told of a change at `time`, where velocities are in so many internal units.
+fn event(change: &Change, time: Time, scale: f64) -> Event {
+    let &Change { site, barrier, before, after, kind, .. } = change;
+    Event { time, site, barrier, velocity_before: before * scale, velocity_after: after * scale, kind }
 }
 
 /// Puts a mass at `u`, measured from a barrier if it is near one.

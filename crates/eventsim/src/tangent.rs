@@ -17,42 +17,16 @@
 //! event `stick` on. The instants of that and of its release move with the perturbation, but velocity (and at the release
 //! acceleration, too) vanishes there, so that they count to second order only.
 
-use thiserror::Error;
 use vibrochain_lattice::{Ends, Model};
 
-use crate::collision::Change;
-use crate::directions::{Directions, MAX_VECTORS, random_vectors};
+use crate::cascade::Change;
+use crate::directions::Directions;
 use crate::engine::Engine;
+use crate::error::TangentError;
 use crate::event::EventKind;
 use crate::series::{Extent, Rows, links};
 use crate::units::{MAX_ORDER, ORDERS, Units};
 use crate::weights::Weights;
-
-/// What is wrong with tangent vectors.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-pub enum TangentError {
-    /// None, more than the lattice has directions, or more than anybody looks at.
-    #[error("{count} tangent vectors: give 1 to {most}")]
-    Count {
-        /// How many were asked for.
-        count: usize,
-        /// How many there can be.
-        most: usize,
-    },
-    /// Not one finite number a mass in each of displacement and velocity, or all of them zero.
-    #[error(
-        "tangent vector {vector} has not one finite number a mass in displacement and velocity, or nothing but zeros; the lattice has {sites} masses"
-    )]
-    Entries {
-        /// Number of the vector, from 0.
-        vector: usize,
-        /// Masses of the lattice.
-        sites: usize,
-    },
-    /// They belong to another model.
-    #[error("the tangent vectors belong to another model than the simulation")]
-    OtherModel,
-}
 
 /// Tangent vectors of a run: small perturbations of its state, carried along by [`Simulation::run_with`](crate::Simulation::run_with).
 ///
@@ -95,11 +69,7 @@ impl Tangents {
     /// # Errors
     /// [`TangentError::Count`] if there are none, more than 4096 or more than two a mass.
     pub fn random(model: &Model, count: usize, seed: u64) -> Result<Self, TangentError> {
-        let sites = model.chain().sites();
-        Self::checked(count, sites)?;
-        let mut tangents = Self::with(model, random_vectors(count, sites, seed));
-        tangents.directions.begin();
-        Ok(tangents)
+        Ok(Self::with(model, Directions::random(count, model.chain().sites(), seed)?))
     }
 
     /// Of given directions, displacements and velocities, which need be neither orthogonal nor of length 1.
@@ -107,35 +77,19 @@ impl Tangents {
     /// # Errors
     /// [`TangentError::Count`], [`TangentError::Entries`].
     pub fn of(model: &Model, vectors: &[(Vec<f64>, Vec<f64>)]) -> Result<Self, TangentError> {
-        let sites = model.chain().sites();
-        Self::checked(vectors.len(), sites)?;
         let scale = Units::new(model).scale;
-        let mut own = Vec::with_capacity(vectors.len());
-        for (vector, (u, v)) in vectors.iter().enumerate() {
-            let v: Vec<f64> = v.iter().map(|v| v / scale).collect();
-            let whole = u.len() == sites && v.len() == sites;
-            let length = u.iter().chain(&v).map(|x| x * x).sum::<f64>();
-            if !(whole && length > 0.0 && length.is_finite()) {
-                return Err(TangentError::Entries { vector, sites });
-            }
-            own.push([u.clone(), v]);
-        }
-        Ok(Self::with(model, own))
+        let own = vectors.iter().map(|(u, v)| [u.clone(), v.iter().map(|v| v / scale).collect()]);
+        Ok(Self::with(model, Directions::of(own.collect(), model.chain().sites())?))
     }
 
-    fn checked(count: usize, sites: usize) -> Result<(), TangentError> {
-        let most = (2 * sites).min(MAX_VECTORS);
-        if (1..=most).contains(&count) { Ok(()) } else { Err(TangentError::Count { count, most }) }
-    }
-
-    fn with(model: &Model, vectors: Vec<[Vec<f64>; 2]>) -> Self {
+    fn with(model: &Model, directions: Directions) -> Self {
         let units = Units::new(model);
         let sites = model.chain().sites();
         Self {
             model: *model,
             links: links(&units.chain),
             horizons: units.free_horizons(),
-            directions: Directions::new(vectors),
+            directions,
             rows: Rows::new(sites),
             scratch: [vec![0.0; sites], vec![0.0; sites]],
             units,
@@ -209,7 +163,7 @@ impl Tangents {
     }
 
     fn change(&mut self, change: &Change) {
-        let &Change { site, before, acceleration, kind, .. } = change;
+        let &Change { site, before, force: acceleration, kind, .. } = change;
         match kind {
             EventKind::Impact if before == 0.0 => self.directions.grazed = true,
             EventKind::Impact => {

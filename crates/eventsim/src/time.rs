@@ -63,6 +63,11 @@ impl Time {
         self.offset / self.period
     }
 
+    /// The time as one number, in periods.
+    pub fn in_periods(&self) -> f64 {
+        self.periods as f64 + self.part()
+    }
+
     /// The time as one number, in the units of 1/ω.
     pub fn to_f64(&self) -> f64 {
         self.periods as f64 * self.period + self.offset

@@ -43,15 +43,7 @@ fn contact(weights: &[f64], lower: Option<f64>, upper: Option<f64>, restitution:
 fn orbits_of_the_table_repeat_their_impacts_for_ten_periods() {
     let mut compared = 0;
     for case in structures().iter().filter(|case| case.physical) {
-        let limits = case.limits.iter().map(|&(lower, upper, restitution)| Contact { lower, upper, restitution });
-        let structure = Structure {
-            mass: case.mass.clone(),
-            damping: case.damping.clone(),
-            stiffness: case.stiffness.clone(),
-            contacts: case.contacts.iter().cloned().zip(limits).collect(),
-            static_load: case.static_load.clone(),
-            loads: harmonic(&case.load),
-        };
+        let structure = case.linear();
         let n = case.size();
         let start = &case.states()[0];
         let mut simulation =

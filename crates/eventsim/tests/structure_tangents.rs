@@ -91,16 +91,7 @@ fn tangents_are_the_difference_of_neighbouring_runs() {
 fn a_period_of_an_orbit_has_the_multipliers_of_the_dense_matrix() {
     let (mut compared, mut complex) = (0, 0);
     for case in structures().iter().filter(|case| case.physical) {
-        let limits = case.limits.iter().map(|&(lower, upper, restitution)| Contact { lower, upper, restitution });
-        let load = case.load.map(|f| Complex::new(f, 0.0));
-        let structure = Structure {
-            mass: case.mass.clone(),
-            damping: case.damping.clone(),
-            stiffness: case.stiffness.clone(),
-            contacts: case.contacts.iter().cloned().zip(limits).collect(),
-            static_load: case.static_load.clone(),
-            loads: if case.load.amax() == 0.0 { vec![] } else { vec![(1, load)] },
-        };
+        let structure = case.linear();
         let (n, modal) = (case.size(), structure.modal().unwrap());
         let start = &case.states()[0];
         let modes = structure.project(&modal, &start.rows(0, n).into_owned(), &start.rows(n, n).into_owned()).unwrap();

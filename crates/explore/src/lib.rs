@@ -15,6 +15,10 @@
 // | `answers`, `route` | from a request to its answer |
 // | `connection`, `server` | connections |
 
+// Its `ensure!` and `refuse!`.
+#[macro_use]
+extern crate vibrochain_maps;
+
 mod answers;
 mod colours;
 mod connection;

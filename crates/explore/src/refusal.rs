@@ -25,3 +25,10 @@ impl Refusal {
         Self::new(400, message)
     }
 }
+
+/// A message alone is about what was asked.
+impl From<String> for Refusal {
+    fn from(message: String) -> Self {
+        Self::wrong(message)
+    }
+}

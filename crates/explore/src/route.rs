@@ -207,15 +207,13 @@ where
     B::Error: Into<Box<dyn std::error::Error + Send + Sync>>,
 {
     let large = || Refusal::new(413, format!("a request has at most {MOST_ASKED} bytes"));
-    if body.size_hint().lower() > MOST_ASKED as u64 {
-        return Err(large());
-    }
+    ensure!(body.size_hint().lower() <= MOST_ASKED as u64, large());
     let slow = |_| Refusal::new(408, "the request has not arrived in time");
     let whole = timeout(PATIENCE, Limited::new(body, MOST_ASKED).collect()).await.map_err(slow)?;
     let bytes = match whole {
         Ok(whole) => whole.to_bytes(),
         Err(error) if error.is::<LengthLimitError>() => return Err(large()),
-        Err(_) => return Err(Refusal::wrong("the request ends before its end")),
+        Err(_) => refuse!("the request ends before its end"),
     };
     serde_json::from_slice(&bytes).map_err(|error| Refusal::wrong(format!("the request is no JSON: {error}")))
 }

@@ -22,9 +22,7 @@ pub(crate) fn asked(scene: &Scene, name: &str) -> Result<Quantity, Refusal> {
     let quantity = Quantity::from_name(name).filter(|quantity| KNOWN.contains(quantity)).ok_or_else(|| {
         Refusal::wrong(format!("color = {name} is unknown: give {}", KNOWN.map(Quantity::name).join(", ")))
     })?;
-    if scene.cells() > MOST_CELLS {
-        return Err(Refusal::wrong(format!("the scene has {} cells: give at most {MOST_CELLS} here", scene.cells())));
-    }
+    ensure!(scene.cells() <= MOST_CELLS, "the scene has {} cells: give at most {MOST_CELLS} here", scene.cells());
     let lacks = |key| Refusal::wrong(format!("color = {name}: the scene does not compute it; add {key}"));
     quantity.of_scene(scene).map_err(lacks)?;
     Ok(quantity)

@@ -38,12 +38,7 @@ const MOST_WORDS: usize = 32;
 /// # Errors
 /// [`Refusal`] with the most there may be.
 pub fn fits(sites: usize, words: &[Word]) -> Result<(), Refusal> {
-    if words.len() > MOST_WORDS {
-        return Err(Refusal::wrong(format!(
-            "{} words are too many to look at: give at most {MOST_WORDS}",
-            words.len()
-        )));
-    }
+    ensure!(words.len() <= MOST_WORDS, "{} words are too many to look at: give at most {MOST_WORDS}", words.len());
     let is_dense = |word: &Word| word.letters().any(|letter| word.letters().any(|other| other.site != letter.site));
     let (most, with) =
         if words.iter().any(is_dense) { (MOST_DENSE, ", with a word of several sites,") } else { (MOST_SITES, "") };
@@ -85,11 +80,9 @@ impl View {
     /// # Ok::<(), vibrochain_explore::Refusal>(())
     /// ```
     pub fn read(scene: &Value) -> Result<Self, Refusal> {
-        if !scene.is_object() {
-            return Err(Refusal::wrong("scene is missing: give an object with model, sweep and compute"));
-        }
+        ensure!(scene.is_object(), "scene is missing: give an object with model, sweep and compute");
         if let Some(key) = nothing(scene, &mut String::new()) {
-            return Err(Refusal::wrong(format!("{key} is null: give a value")));
+            refuse!("{key} is null: give a value");
         }
         let parsed = Scene::of_data(Path::new("scene"), scene);
         Self::of(&parsed.map_err(|error| Refusal::wrong(error.to_string().trim_start_matches("scene: ")))?)
@@ -102,8 +95,7 @@ impl View {
     pub fn of(scene: &Scene) -> Result<Self, Refusal> {
         fits(scene.base.sites(), &scene.task.words)?;
         let [x, y, ..] = scene.axes.as_slice() else {
-            let message = "a map to fly over has two axes: give a scene with x and y";
-            return Err(Refusal::wrong(message));
+            refuse!("a map to fly over has two axes: give a scene with x and y");
         };
         let (limits, mut scene) = ([x.limits(), y.limits()], scene.clone());
         scene.axes.truncate(2);
@@ -113,9 +105,7 @@ impl View {
             let halvings = ((to - from) / (CELLS as f64 * finest)).log2().floor();
             if halvings.is_nan() || halvings < 0.0 {
                 let name = axis.parameter.name();
-                return Err(Refusal::wrong(format!(
-                    "{name} from {from} to {to} is too narrow: neighbouring cells would be the same number"
-                )));
+                refuse!("{name} from {from} to {to} is too narrow: neighbouring cells would be the same number");
             }
             deepest = deepest.min(halvings as u32);
             axis.values = Values::Linear { from, to, points: axis.points().max(2) };
@@ -151,19 +141,14 @@ impl View {
     /// # Errors
     /// [`Refusal`] for a z that is too deep, and for a tile that is farther from the window than the window is wide.
     pub fn tile(&self, z: u32, x: i64, y: i64) -> Result<Scene, Refusal> {
-        if z > self.deepest {
-            let message = format!("z = {z} is out of range: give a whole number from 0 to {}", self.deepest);
-            return Err(Refusal::wrong(message));
-        }
+        ensure!(z <= self.deepest, "z = {z} is out of range: give a whole number from 0 to {}", self.deepest);
         let side = 1_i64 << z;
         let mut scene = self.scene.clone();
         let numbers = [("x", x), ("y", y)];
         for ((axis, limits), (name, number)) in scene.axes.iter_mut().zip(self.limits).zip(numbers) {
             let (least, most) = (-BESIDE * side, (1 + BESIDE) * side - 1);
             if !(least..=most).contains(&number) {
-                return Err(Refusal::wrong(format!(
-                    "{name} = {number} is out of range: give a whole number from {least} to {most} with z = {z}"
-                )));
+                refuse!("{name} = {number} is out of range: give a whole number from {least} to {most} with z = {z}");
             }
             axis.values = part(limits, z, number);
         }

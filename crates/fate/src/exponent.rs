@@ -108,9 +108,7 @@ pub(crate) fn measure_from<O: Origin>(origin: &O, periods: u64, stop: &Stop) -> 
             (run, since, grown, before) = (started()?, 0, 0.0, 0);
         }
         since += 1;
-        if stop.is_raised() {
-            return Err(Unmeasured::Stopped);
-        }
+        ensure!(!stop.is_raised(), Unmeasured::Stopped);
         // (An orbit's period is one or two of the force, or a few.)
         let limits = Limits::until(run.time_of(since * track.span));
         let (ended, work) = run.advance(Some(&mut tangents), &limits, &mut |_| {}).ok_or(Unmeasured::NotFollowed)?;

@@ -155,6 +155,15 @@ pub(crate) struct Departure<O> {
     pub(crate) home: Home<O>,
 }
 
+impl<O> Departure<O> {
+    /// From an orbit of this period, as far as its stability is known.
+    pub(crate) fn of(number: u32, name: String, known: Option<&Stability>, period: f64, home: Home<O>) -> Self {
+        let spectral_radius = known.map(|known| known.verdict.spectral_radius);
+        let predicted = known.and_then(|known| predicted(known, period));
+        Self { number, name, spectral_radius, predicted, measured: true, home }
+    }
+}
+
 /// A cell before its runs.
 pub struct Found<O> {
     pub(crate) cell: Cell,
@@ -357,11 +366,10 @@ impl Ensembled for Scene {
     type Origin = Breather;
 
     fn takes(&self, ensemble: &Ensemble, from: From) -> Result<(), String> {
-        if from == From::Rest {
-            let message =
-                "--breathers rest is of structures, and of chains with dashpots: give class, every or unstable";
-            return Err(message.to_owned());
-        }
+        ensure!(
+            from != From::Rest,
+            "--breathers rest is of structures, and of chains with dashpots: give class, every or unstable"
+        );
         ensemble.check(self.base.sites()).map_err(|error| error.to_string())
     }
 
@@ -393,13 +401,11 @@ fn departure(number: u32, orbit: &Orbit, tolerance: Tolerance, stop: &Stop) -> O
     let mut finder = Finder::new(orbit.model().chain().sites()).until(stop);
     let known = Analyser::default().stability(orbit, &mut finder, tolerance).ok();
     let unstable = known.as_ref().is_some_and(|known| !known.verdict.stable && !known.verdict.marginal);
-    let spectral_radius = known.as_ref().map(|known| known.verdict.spectral_radius);
-    let predicted = known.and_then(|known| predicted(&known, orbit.period()));
-    Some((Departure { number, name: orbit.name(), spectral_radius, predicted, measured: true, home }, unstable))
+    Some((Departure::of(number, orbit.name(), known.as_ref(), orbit.period(), home), unstable))
 }
 
 /// ln|μ|/T of the largest multiplier.
-pub(crate) fn predicted(known: &Stability, period: f64) -> Option<f64> {
+fn predicted(known: &Stability, period: f64) -> Option<f64> {
     let largest = known.multipliers.iter().map(|multiplier| multiplier.norm()).reduce(f64::max)?;
     // On the circle exactly, as structure keeps it, it has no rounding.
     Some(if known.verdict.spectral_radius == 1.0 { 0.0 } else { largest.ln() / period })

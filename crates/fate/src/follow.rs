@@ -103,7 +103,7 @@ impl<'a> Follower<'a> {
     pub(crate) fn see(&mut self, event: &Event) {
         let is_watched = self.left.is_none() && !self.track.instants.is_empty();
         if is_watched && self.deviation(event) > self.limit {
-            self.left = Some(event.time.periods() as f64 + event.time.part());
+            self.left = Some(event.time.in_periods());
         }
     }
 
@@ -142,7 +142,7 @@ impl<'a> Follower<'a> {
         let waited = self.since_last(time).unwrap_or_else(|| time.to_f64());
         let is_watched = self.left.is_none() && !self.track.instants.is_empty();
         if is_watched && waited > (1.0 + self.limit) * self.track.period {
-            self.left = Some(time.periods() as f64 + time.part());
+            self.left = Some(time.in_periods());
         }
     }
 }

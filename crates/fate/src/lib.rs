@@ -35,6 +35,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+// Its `ensure!` and `refuse!`.
+#[macro_use]
+extern crate vibrochain_maps;
+
 mod content;
 mod diagram;
 mod end;

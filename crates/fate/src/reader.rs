@@ -66,17 +66,13 @@ impl<S: Grid> ReadRows<CellFates> for Reader<'_, S> {
         let Self { mut rows, lines } = self;
         rows.hand_on(each);
         let (begin, end) = (rows.cells.start, rows.cells.end);
-        if rows.next != end || !lines.ended() {
-            return Err(format!("it has rows of {} cells for {}", rows.next - begin, end - begin));
-        }
+        ensure!(rows.next == end && lines.ended(), "it has rows of {} cells for {}", rows.next - begin, end - begin);
         Ok(rows.counts)
     }
 
     /// (A table tells no class of its cells.)
     fn finish(self, summary: &Summary, each: &mut dyn FnMut(u64, &CellFates)) -> Result<(), String> {
-        if self.whole(each)?.statuses != summary.statuses {
-            return Err("its counts are not those of its rows".to_owned());
-        }
+        ensure!(self.whole(each)?.statuses == summary.statuses, "its counts are not those of its rows");
         Ok(())
     }
 }
@@ -112,18 +108,14 @@ impl<S: Grid> Rows<'_, S> {
             && cell.breathers.last().is_some_and(|last| last.number < breather.number)
         {
             if (cell.cell.solutions, cell.cell.status) != (solutions, status) {
-                return Err("it tells another status of the cell than the row before".to_owned());
+                refuse!("it tells another status of the cell than the row before");
             }
             cell.breathers.extend([breather.clone()]);
             return Ok(());
         }
         self.hand_on(each);
-        if !self.cells.contains(&self.next) {
-            return Err(format!("it is of more than its {} cells", self.cells.end - self.cells.start));
-        }
-        if !is_at(self.next) {
-            return Err("it is of another cell".to_owned());
-        }
+        ensure!(self.cells.contains(&self.next), "it is of more than its {} cells", self.cells.end - self.cells.start);
+        ensure!(is_at(self.next), "it is of another cell");
         let cell = Cell { solutions, status, ..UNTOLD };
         self.current = Some(CellFates { number: self.next, cell, breathers: breather.into_iter().collect() });
         self.next += 1;
@@ -137,9 +129,7 @@ impl<S: Grid> Rows<'_, S> {
         let (spectral_radius, predicted) = (fields.number()?, fields.number()?);
         let measured = fields.pair()?;
         let starts: u64 = fields.value()?;
-        if starts != self.starts {
-            return Err(format!("it is of {starts} runs and not of {}", self.starts));
-        }
+        ensure!(starts == self.starts, "it is of {starts} runs and not of {}", self.starts);
         let dominant = fields.text().to_owned();
         let mut ends = [0; End::NAMES.len()];
         for count in &mut ends {
@@ -169,9 +159,7 @@ impl<S: Grid> Rows<'_, S> {
             chaos_exponent: fields.number()?,
         };
         let told = breather.dominant().map_or("", |kind| End::NAMES[kind]);
-        if u64::from(breather.runs()) != starts || told != dominant {
-            return Err("its shares are not those of its runs".to_owned());
-        }
+        ensure!(u64::from(breather.runs()) == starts && told == dominant, "its shares are not those of its runs");
         Ok(Some(breather))
     }
 }

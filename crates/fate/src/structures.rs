@@ -11,7 +11,7 @@ use vibrochain_maps::structure::{Setting, StructureScene};
 
 use crate::diagram::Sectioned;
 use crate::ensemble::Ensemble;
-use crate::fates::{Departure, Ensembled, Found, From, predicted};
+use crate::fates::{Departure, Ensembled, Found, From};
 use crate::origin::{OfStructure, Origin};
 use crate::run::Home;
 use crate::section::Strobe;
@@ -34,14 +34,7 @@ fn departures(scene: &StructureScene, model: &StructureModel) -> (Vec<Judged>, S
             let Ok(home) = Home::of_structure(orbit) else { continue };
             let known = structure_stability(orbit, scene.tolerance).ok();
             let verdict = known.as_ref().map(|known| known.verdict);
-            let departure = Departure {
-                number: all.len() as u32 + 1,
-                name: orbit.name(),
-                spectral_radius: verdict.map(|verdict| verdict.spectral_radius),
-                predicted: known.and_then(|known| predicted(&known, orbit.period())),
-                measured: true,
-                home,
-            };
+            let departure = Departure::of(all.len() as u32 + 1, orbit.name(), known.as_ref(), orbit.period(), home);
             all.push((departure, verdict.filter(|verdict| !verdict.marginal).map(|verdict| verdict.stable)));
         }
     }
@@ -72,14 +65,8 @@ impl Ensembled for StructureScene {
             return Some(Found { cell, departures: Vec::new() });
         };
         if from == From::Rest {
-            let rest = Departure {
-                number: 1,
-                name: From::Rest.name().to_owned(),
-                spectral_radius: None,
-                predicted: None,
-                measured: false,
-                home: Home::at_rest(&model),
-            };
+            let rest = Departure::of(1, From::Rest.name().to_owned(), None, 0.0, Home::at_rest(&model));
+            let rest = Departure { measured: false, ..rest };
             return Some(Found { cell: Cell::EMPTY, departures: vec![rest] });
         }
         let (mut all, status) = departures(self, &model);

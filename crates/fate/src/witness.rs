@@ -49,10 +49,6 @@ pub struct Witness<'a> {
     rest: Option<Event>,
 }
 
-fn periods(time: Time) -> f64 {
-    time.periods() as f64 + time.part()
-}
-
 impl<'a> Witness<'a> {
     /// Of a run of `model`, from a breather at the time `start` of its own clock, or from anywhere.
     #[must_use]
@@ -74,7 +70,7 @@ impl<'a> Witness<'a> {
 
     /// Takes note of an event.
     pub fn see(&mut self, event: &Event) {
-        let now = periods(event.time);
+        let now = event.time.in_periods();
         self.last = Some(now);
         if let Some((.., follower)) = &mut self.pattern {
             follower.see(event);
@@ -90,7 +86,7 @@ impl<'a> Witness<'a> {
     /// What the run has come to, which ends at `now`.
     #[must_use]
     pub fn outcome(mut self, now: Time) -> Outcome {
-        let (tolerance, from) = (Ensemble::default().tolerance, periods(now) - LOOKED_AT as f64);
+        let (tolerance, from) = (Ensemble::default().tolerance, now.in_periods() - LOOKED_AT as f64);
         let mut left = None;
         let mut span = 1.0;
         if let Some((track, _, follower)) = &mut self.pattern {
@@ -100,11 +96,11 @@ impl<'a> Witness<'a> {
             // What never came is missed from the last event on.
             left = left.or(follower.left().map(|_| self.last.unwrap_or(0.0)));
         }
-        if periods(now) < LEAST * span {
+        if now.in_periods() < LEAST * span {
             return Outcome { left, end: None };
         }
         self.latest.forget(from);
-        if let Some(rest) = self.rest.filter(|rest| periods(rest.time) >= from) {
+        if let Some(rest) = self.rest.filter(|rest| rest.time.in_periods() >= from) {
             self.latest.see(&rest, self.close);
         }
         if self.latest.is_empty() {

@@ -7,23 +7,14 @@ use std::sync::Arc;
 use vibrochain_breather::{StructureModel, StructureOrbit, structure_is_physical};
 use vibrochain_fate::{End, Ensemble, Home, measure_structure};
 use vibrochain_floquet::{Tolerance, structure_stability};
-use vibrochain_lattice::{Barrier, Complex, Contact, Stop, Structure};
+use vibrochain_lattice::{Barrier, Complex, Contact, Stop};
 use vibrochain_testkit::structures;
 
 /// Physical orbits of the table.
 fn orbits() -> Vec<(String, StructureOrbit)> {
     let mut all = Vec::new();
     for case in structures().into_iter().filter(|case| case.physical) {
-        let limits = case.limits.iter().map(|&(lower, upper, restitution)| Contact { lower, upper, restitution });
-        let load = case.load.map(|f| Complex::new(f, 0.0));
-        let structure = Structure {
-            mass: case.mass.clone(),
-            damping: case.damping.clone(),
-            stiffness: case.stiffness.clone(),
-            contacts: case.contacts.iter().cloned().zip(limits).collect(),
-            static_load: case.static_load.clone(),
-            loads: if case.load.amax() == 0.0 { vec![] } else { vec![(1, load)] },
-        };
+        let structure = case.linear();
         let model = StructureModel::new(Arc::new(structure.modal().unwrap()), case.omega).unwrap();
         let impact = |impact: &vibrochain_testkit::StructureImpact| {
             let (lower, ..) = case.limits[impact.contact];

@@ -90,6 +90,14 @@ impl Class {
             (_, None) => Self::Double,
         }
     }
+
+    /// The family of the breather that gives the class, and whether it is stable where that was asked; `None` without a breather.
+    #[must_use]
+    pub fn parts(self) -> Option<(Family, Option<bool>)> {
+        let families = [Family::DoubleSided, Family::SingleSided, Family::Word].into_iter();
+        let mut all = families.flat_map(|family| [Some(true), Some(false), None].map(|stable| (family, stable)));
+        all.find(|&(family, stable)| Self::of(family, stable) == self)
+    }
 }
 
 /// Whether a cell is what it seems, the `status` column.

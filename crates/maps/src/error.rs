@@ -28,3 +28,35 @@ impl MapError {
         Self::Request(format!("{what} {}: {error}", path.display()))
     }
 }
+
+/// A message alone is about a request: so [`ensure!`](crate::ensure) and [`refuse!`](crate::refuse) have it.
+impl From<String> for MapError {
+    fn from(message: String) -> Self {
+        Self::Request(message)
+    }
+}
+
+/// Returns a message as the error of its function, as `format!` words it.
+#[macro_export]
+macro_rules! refuse {
+    ($($words:tt)+) => {
+        return Err(format!($($words)+).into())
+    };
+}
+
+/// Returns the error, or a message as [`refuse!`](crate::refuse) does, unless a condition holds.
+#[macro_export]
+macro_rules! ensure {
+    ($holds:expr, $error:literal $($words:tt)*) => {
+        let holds: bool = $holds;
+        if !holds {
+            $crate::refuse!($error $($words)*)
+        }
+    };
+    ($holds:expr, $error:expr) => {
+        let holds: bool = $holds;
+        if !holds {
+            return Err($error);
+        }
+    };
+}

@@ -26,9 +26,7 @@ impl<'a, N: AsRef<str>> Fields<'a, N> {
     /// # Errors
     /// How many it has.
     pub fn of(names: &'a [N], record: &'a csv::StringRecord) -> Result<Self, String> {
-        if record.len() != names.len() {
-            return Err(format!("it has {} fields and not {}", record.len(), names.len()));
-        }
+        ensure!(record.len() == names.len(), "it has {} fields and not {}", record.len(), names.len());
         Ok(Self { names: names.iter(), values: record.iter() })
     }
 

@@ -25,11 +25,14 @@
 //! | `text`, `lines`, `fields` | text from outside, read and shown; lines of text that comes in pieces; fields of a row |
 //! | `error` | why there is none |
 
+// The first, so that all have its macros.
+#[macro_use]
+pub mod error;
+
 pub mod borders;
 pub mod caption;
 pub mod cell;
 mod chain_grid;
-pub mod error;
 pub mod extent;
 pub mod fields;
 pub mod files;

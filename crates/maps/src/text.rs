@@ -19,10 +19,7 @@ pub fn read_text(what: &str, path: &Path, most: u64) -> Result<String, MapError>
     };
     let mut bytes = Vec::new();
     File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes)).map_err(|error| failed(&error))?;
-    if bytes.len() as u64 > most {
-        let message = format!("{what} {} has more than the {most} bytes that it may have", path.display());
-        return Err(MapError::Request(message));
-    }
+    ensure!(bytes.len() as u64 <= most, "{what} {} has more than the {most} bytes that it may have", path.display());
     String::from_utf8(bytes).map_err(|error| failed(&io::Error::new(io::ErrorKind::InvalidData, error.utf8_error())))
 }
 
@@ -47,9 +44,7 @@ fn like(path: &Path) -> Option<PathBuf> {
 /// # Errors
 /// Those of the system; one in its words for a folder, a FIFO or a device.
 pub fn open_plain(path: &Path) -> io::Result<File> {
-    if !path.metadata()?.is_file() {
-        return Err(io::Error::other("it is no plain file"));
-    }
+    ensure!(path.metadata()?.is_file(), io::Error::other("it is no plain file"));
     File::open(path)
 }
 

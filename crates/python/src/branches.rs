@@ -221,7 +221,7 @@ pub(crate) fn branch(
     let generations = generations.map_or(Ok(0), |count| whole("generations", count, 0, i64::from(u32::MAX)))?;
     course.generations = generations as u32;
     if let Some(threshold) = threshold {
-        course.tolerance = tolerance_from(threshold).map_err(Failure::Request)?;
+        course.tolerance = tolerance_from(threshold).map_err(Failure::from)?;
     }
     let follow = move |stop: &Stop| diagram_until(&orbit, &course, stop);
     let answer = long(py, |_| Ok(()), follow)?;

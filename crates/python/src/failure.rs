@@ -10,6 +10,7 @@ use vibrochain_eventsim::StateError;
 use vibrochain_floquet::{CurveError, FloquetError, LocateError};
 use vibrochain_lattice::{ParameterError, Resonance};
 use vibrochain_maps::error::MapError;
+use vibrochain_plot::PlotError;
 
 mod raised {
     use pyo3::import_exception;
@@ -78,27 +79,29 @@ impl From<Failure> for PyErr {
     }
 }
 
-impl From<ParameterError> for Failure {
-    fn from(error: ParameterError) -> Self {
-        Self::Request(error.to_string())
+/// A message alone is about a request.
+impl From<String> for Failure {
+    fn from(message: String) -> Self {
+        Self::Request(message)
     }
 }
+
+/// What is wrong with a request, whatever it is.
+macro_rules! requests {
+    ($($error:ty),*) => {
+        $(impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                Self::Request(error.to_string())
+            }
+        })*
+    };
+}
+
+requests!(ParameterError, WordError, StateError, PlotError);
 
 impl From<Resonance> for Failure {
     fn from(error: Resonance) -> Self {
         Self::Resonance(error)
-    }
-}
-
-impl From<WordError> for Failure {
-    fn from(error: WordError) -> Self {
-        Self::Request(error.to_string())
-    }
-}
-
-impl From<StateError> for Failure {
-    fn from(error: StateError) -> Self {
-        Self::Request(error.to_string())
     }
 }
 
@@ -201,8 +204,7 @@ fn within(name: &str, value: &Bound<'_, PyAny>, least: i128, most: i128) -> PyRe
     };
     number.filter(|number| (least..=most).contains(number)).ok_or_else(|| {
         let value = value.str().map_or_else(|_| "it".to_owned(), |text| text.to_string());
-        let message = format!("{name} = {value} is out of range: give a whole number from {least} to {most}");
-        Failure::request(message).into()
+        Failure::request(format!("{name} = {value} is out of range: give a whole number from {least} to {most}")).into()
     })
 }
 

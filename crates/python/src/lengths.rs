@@ -21,11 +21,10 @@ pub(crate) fn items<'py>(name: &str, value: &Bound<'py, PyAny>, most: usize) -> 
     let length = length(value)
         .filter(|_| !value.is_instance_of::<PyString>())
         .ok_or_else(|| PyTypeError::new_err(format!("{name} is {}: give a sequence", kind(value))))?;
-    if length > most {
-        return Err(
-            Failure::request(format!("{name}: {} items are too many: give at most {most}", told(length))).into()
-        );
-    }
+    ensure!(
+        length <= most,
+        Failure::request(format!("{name}: {} items are too many: give at most {most}", told(length))).into()
+    );
     // No more than it says it has.
     value.try_iter()?.take(length).collect()
 }
@@ -56,13 +55,10 @@ pub(crate) fn room<T>(count: Option<usize>) -> Result<Vec<T>, Failure> {
     let mut values = Vec::new();
     match count {
         Some(count) if count <= MOST_NUMBERS && values.try_reserve_exact(count).is_ok() => Ok(values),
-        _ => {
-            let message = format!(
-                "an array of {} numbers does not fit: give fewer times or sites, at most {MOST_NUMBERS} numbers in all",
-                count.map_or_else(|| "too many".to_owned(), |count| count.to_string())
-            );
-            Err(Failure::TooLarge(message))
-        }
+        _ => Err(Failure::TooLarge(format!(
+            "an array of {} numbers does not fit: give fewer times or sites, at most {MOST_NUMBERS} numbers in all",
+            count.map_or_else(|| "too many".to_owned(), |count| count.to_string())
+        ))),
     }
 }
 

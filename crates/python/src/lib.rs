@@ -17,6 +17,10 @@
 // | `pickle` | copies and pickles of all values |
 // | `failure` | errors as exceptions |
 
+// Its `ensure!` and `refuse!`.
+#[macro_use]
+extern crate vibrochain_maps;
+
 mod answers;
 mod borders;
 mod branches;

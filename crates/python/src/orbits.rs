@@ -359,7 +359,7 @@ impl PyOrbit {
     fn stability<'py>(&self, py: Python<'py>, threshold: Option<f64>) -> PyResult<Bound<'py, PyStability>> {
         let tolerance = match threshold {
             None => Tolerance::Rounding,
-            Some(threshold) => tolerance_from(threshold).map_err(Failure::Request)?,
+            Some(threshold) => tolerance_from(threshold).map_err(Failure::from)?,
         };
         let orbit = self.0.clone();
         let answer = call(py, self.0.model(), move || stability(&orbit, tolerance))?;

@@ -6,7 +6,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use vibrochain_breather::{admissibility, structure_admissibility};
-use vibrochain_floquet::{Event, Mechanism, Tolerance, stability, structure_stability};
+use vibrochain_floquet::{Event, FloquetError, Mechanism, Stability, Tolerance, stability, structure_stability};
 use vibrochain_lattice::{Parameter, Spectrum, Stop};
 use vibrochain_maps::caption::{describe, in_common, in_words};
 use vibrochain_maps::cell::Class;
@@ -34,12 +34,6 @@ const PANE: f64 = 430.0;
 
 /// The colours of a map of displacements.
 const SHADES: i32 = 128;
-
-impl From<PlotError> for Failure {
-    fn from(error: PlotError) -> Self {
-        Self::Request(error.to_string())
-    }
-}
 
 /// A class by its name; that of no class is one that is not known.
 fn class(name: &str) -> Option<Class> {
@@ -109,8 +103,8 @@ pub(crate) fn _frequencies<'py>(py: Python<'py>, model: PyRef<'_, PyModel>) -> B
 #[pyfunction]
 pub(crate) fn _structure_frequencies(py: Python<'_>, scene: String) -> PyResult<Vec<f64>> {
     let work = move |_: &Stop| {
-        let scene = StructureScene::of_text(&scene, Path::new(".")).map_err(Failure::Request)?;
-        let structure = scene.structure().map_err(Failure::Request)?;
+        let scene = StructureScene::of_text(&scene, Path::new("."))?;
+        let structure = scene.structure()?;
         let swinging = structure.modes().iter().filter(|mode| mode.turn.sign() > 0.0);
         let mut rates: Vec<f64> = swinging.map(|mode| mode.rate).collect();
         rates.sort_by(f64::total_cmp);
@@ -216,36 +210,35 @@ impl PyPane {
 pub(crate) fn _orbit_pane(py: Python<'_>, orbit: PyRef<'_, PyOrbit>, what: &str) -> PyResult<(PyPane, String)> {
     let (orbit, what) = (orbit.0.clone(), what.to_owned());
     let work = move |_: &Stop| {
-        let admissibility = admissibility(&orbit)?;
-        // (A grazing orbit has no verdict, and a picture all the same.)
-        let stability = stability(&orbit, Tolerance::Rounding);
-        let verdict = stability.as_ref().ok().map(|stability| &stability.verdict);
-        // The panel of multipliers says it itself.
-        let state = match what.as_str() {
-            "multipliers" => String::new(),
-            _ => format!("; {}", state(admissibility.is_physical(), verdict)),
-        };
-        let caption = format!("{} breather: {}{state}", title(&orbit), describe(orbit.model()));
+        let (is_physical, stability) = (admissibility(&orbit)?.is_physical(), stability(&orbit, Tolerance::Rounding));
         let [profile, motion] = orbit_panes(&orbit)?;
-        let pane = match what.as_str() {
-            "motion" => motion,
-            "profile" => profile,
-            "portrait" => orbit_flights(&orbit)?.1,
-            "multipliers" => {
-                let stability = stability?;
-                multiplier_pane(&stability.multipliers, &stability.verdict)
-            }
-            other => return Err(unknown(other)),
-        };
-        Ok::<_, Failure>((PyPane(pane), caption))
+        let panes = [("motion", motion), ("profile", profile), ("portrait", orbit_flights(&orbit)?.1)];
+        let (pane, state) = asked(&what, is_physical, stability, panes)?;
+        Ok::<_, Failure>((pane, format!("{} breather: {}{state}", title(&orbit), describe(orbit.model()))))
     };
     long(py, |_| Ok(()), work)
 }
 
-fn unknown(what: &str) -> Failure {
-    Failure::request(format!(
-        "what = {what:?} is unknown: give one of \"motion\", \"profile\", \"portrait\", \"multipliers\" (of structures without \"profile\")"
-    ))
+/// The panel that is asked for, and for its caption how the orbit lives.
+fn asked<const N: usize>(
+    what: &str,
+    is_physical: bool,
+    stability: Result<Stability, FloquetError>,
+    panes: [(&str, Pane); N],
+) -> Result<(PyPane, String), Failure> {
+    // The panel of multipliers says it itself.
+    if what == "multipliers" {
+        let Stability { multipliers, verdict, .. } = stability?;
+        return Ok((PyPane(multiplier_pane(&multipliers, &verdict)), String::new()));
+    }
+    // (A grazing orbit has no verdict, and a picture all the same.)
+    let verdict = stability.as_ref().ok().map(|stability| &stability.verdict);
+    match panes.into_iter().find(|(name, _)| *name == what) {
+        Some((_, pane)) => Ok((PyPane(pane), format!("; {}", state(is_physical, verdict)))),
+        None => refuse!(
+            "what = {what:?} is unknown: give one of \"motion\", \"profile\", \"portrait\", \"multipliers\" (of structures without \"profile\")"
+        ),
+    }
 }
 
 /// A panel of a structure's orbit, with what captions say of it.
@@ -262,24 +255,10 @@ pub(crate) fn _structure_pane(
         let (scene, orbit) = structure_orbit(&scene, &near, psi, force_periods)?;
         let admissibility = structure_admissibility(&orbit)?;
         let stability = structure_stability(&orbit, Tolerance::Rounding);
-        let verdict = stability.as_ref().ok().map(|stability| &stability.verdict);
-        // The panel of multipliers says it itself.
-        let state = match what.as_str() {
-            "multipliers" => String::new(),
-            _ => format!("; {}", state(admissibility.is_physical(), verdict)),
-        };
-        let caption = format!("{}, {}: {}{state}", scene.heading(), orbit.word(), scene.here());
         let [motion, portrait] = contact_panes(&orbit, admissibility.obstruction.as_ref())?.swap_remove(0);
-        let pane = match what.as_str() {
-            "motion" => motion,
-            "portrait" => portrait,
-            "multipliers" => {
-                let stability = stability?;
-                multiplier_pane(&stability.multipliers, &stability.verdict)
-            }
-            other => return Err(unknown(other)),
-        };
-        Ok::<_, Failure>((PyPane(pane), caption))
+        let panes = [("motion", motion), ("portrait", portrait)];
+        let (pane, state) = asked(&what, admissibility.is_physical(), stability, panes)?;
+        Ok::<_, Failure>((pane, format!("{}, {}: {}{state}", scene.heading(), orbit.word(), scene.here())))
     };
     long(py, |_| Ok(()), work)
 }

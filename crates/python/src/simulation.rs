@@ -93,7 +93,7 @@ impl Course {
             return Err(Failure::TooLarge(format!(
                 "{} periods of omega = {} take {windows:.0e} windows of flight, the limit is {MOST_WINDOWS:.0e}: give fewer \
                  periods, or max_impacts",
-                Short(end.periods() as f64 + end.part()),
+                Short(end.in_periods()),
                 Short(model.omega())
             )));
         }
@@ -157,8 +157,7 @@ fn looks(
     let Some(times) = times else {
         let periods = periods.unwrap_or(20.0);
         if !(periods >= 0.0 && periods.is_finite()) {
-            let message = format!("periods = {} is out of range: give a number from 0", Short(periods));
-            return Err(Failure::request(message));
+            refuse!("periods = {} is out of range: give a number from 0", Short(periods));
         }
         let count = periods * samples as f64;
         let mut all: Vec<Time> = room((count < 1e15).then_some(count as usize))?;
@@ -175,9 +174,7 @@ fn looks(
     for time in times {
         if !(time >= before && time.is_finite()) {
             let (time, before) = (Short(time), Short(before));
-            return Err(Failure::request(format!(
-                "times: {time} comes after {before}: give finite times that rise from the start of the run"
-            )));
+            refuse!("times: {time} comes after {before}: give finite times that rise from the start of the run");
         }
         before = time;
         let part = (time - start) / model.period();

@@ -53,9 +53,9 @@ pub(crate) fn _structure(
     psi: f64,
 ) -> PyResult<String> {
     let work = move |_: &Stop| {
-        let scene = StructureScene::of_text(&scene, Path::new(".")).map_err(Failure::Request)?;
-        let model = scene.model().map_err(Failure::Request)?;
-        let tolerance = vibrochain_maps::scene::tolerance_from(threshold).map_err(Failure::Request)?;
+        let scene = StructureScene::of_text(&scene, Path::new("."))?;
+        let model = scene.model()?;
+        let tolerance = vibrochain_maps::scene::tolerance_from(threshold)?;
         let tolerance = if threshold == 0.0 { Tolerance::Rounding } else { tolerance };
         let found = match &word {
             Some(word) => {
@@ -114,8 +114,8 @@ pub(crate) fn structure_orbit(
     psi: f64,
     force_periods: u32,
 ) -> Result<(StructureScene, StructureOrbit), Failure> {
-    let scene = StructureScene::of_text(scene, Path::new(".")).map_err(Failure::Request)?;
-    let orbit = orbit_near(&scene.model().map_err(Failure::Request)?, force_periods, psi, near)?;
+    let scene = StructureScene::of_text(scene, Path::new("."))?;
+    let orbit = orbit_near(&scene.model()?, force_periods, psi, near)?;
     Ok((scene, orbit))
 }
 
@@ -127,9 +127,7 @@ fn orbit_near(model: &StructureModel, force_periods: u32, psi: f64, near: &[Hit]
         Ok((*contact, named.ok_or_else(wrong)?, *time, *impulse))
     });
     let impacts = impacts.collect::<Result<Vec<_>, Failure>>()?;
-    if impacts.is_empty() {
-        return Err(Failure::request("there are no impacts to begin near: give a word, or an orbit"));
-    }
+    ensure!(!impacts.is_empty(), "there are no impacts to begin near: give a word, or an orbit");
     Ok(StructureOrbit::near(model, force_periods, psi, &impacts)?)
 }
 
@@ -177,10 +175,10 @@ pub(crate) fn _structure_along(
     threshold: f64,
 ) -> PyResult<String> {
     let work = move |stop: &Stop| {
-        let scene = StructureScene::of_text(&scene, Path::new(".")).map_err(Failure::Request)?;
-        let model = scene.model().map_err(Failure::Request)?;
+        let scene = StructureScene::of_text(&scene, Path::new("."))?;
+        let model = scene.model()?;
         let named = |name: &String| {
-            let setting: Setting = name.parse().map_err(Failure::Request)?;
+            let setting: Setting = name.parse()?;
             let value = scene.get(setting);
             Ok((setting, value.ok_or_else(|| Failure::Request(format!("{name}: this structure has no such number")))?))
         };
@@ -191,7 +189,7 @@ pub(crate) fn _structure_along(
         if wanted.is_empty() {
             wanted = Event::ALL.to_vec();
         }
-        let growth = vibrochain_maps::scene::tolerance_from(threshold).map_err(Failure::Request)?;
+        let growth = vibrochain_maps::scene::tolerance_from(threshold)?;
         let growth = if threshold == 0.0 { Tolerance::Rounding } else { growth };
         let orbit = orbit_near(&model, force_periods, psi, &near)?;
         let (setting, value) = free[0];

@@ -125,11 +125,9 @@ fn map_of<'py, S: CellsScene>(
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     unrefined(&scene)?;
-    scene.is_map().map_err(Failure::Request)?;
+    scene.is_map().map_err(Failure::from)?;
     let (cells, scene) = (Grid::cells(&scene), Arc::new(scene));
-    if cells > MOST_CELLS {
-        return Err(too_large(cells).into());
-    }
+    ensure!(cells <= MOST_CELLS, too_large(cells).into());
     let computed = scene.clone();
     let work = move |stop: &Stop, [done, _]: &[AtomicU64; 2]| compute(&*computed, count, done, stop);
     let Computed { columns, classes, summary } = counted(py, progress, cells, work)?;

@@ -18,7 +18,7 @@ mod words;
 
 pub use desk::*;
 pub use digest::Digest;
-pub use models::{Meeting, Ranges, Values};
+pub use models::{Meeting, Ranges, Values, paper_map};
 pub use net::Net;
 pub use picture::{Cells, Picture};
 pub use random::Random;

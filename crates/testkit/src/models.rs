@@ -124,6 +124,27 @@ impl Random {
     }
 }
 
+/// The scene of the paper's map over so many points.
+#[must_use]
+pub fn paper_map(sites: usize, forced: bool, [columns, rows]: [usize; 2], stability: bool) -> String {
+    let forcing = if forced { "forcing = { amplitude = 0.1, restitution = 0.9 }" } else { "" };
+    format!(
+        r#"
+        [model]
+        sites = {sites}
+        gamma1 = 0.2
+        asymmetry = 0.4
+        {forcing}
+        [sweep]
+        x = {{ parameter = "omega",  from = 0.4, to = 3.0, points = {columns} }}
+        y = {{ parameter = "gamma2", from = 0.0, to = 0.3, points = {rows} }}
+        [compute]
+        families = ["double-sided", "single-sided"]
+        stability = {stability}
+        "#
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,6 +2,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 use serde_json::Value;
+use vibrochain_lattice::Contact;
 
 use crate::random::Random;
 
@@ -106,6 +107,49 @@ fn structure(value: &Value) -> Structure {
     }
 }
 
+impl Structure {
+    /// One whose orbit is still to be found, without stops, loads and phase.
+    #[must_use]
+    pub fn without_orbit(
+        [mass, damping, stiffness]: [DMatrix<f64>; 3],
+        contacts: Vec<DVector<f64>>,
+        omega: f64,
+    ) -> Self {
+        let none = DVector::zeros(mass.nrows());
+        Self {
+            name: "random".to_owned(),
+            mass,
+            damping,
+            stiffness,
+            contacts,
+            limits: Vec::new(),
+            load: none.clone(),
+            static_load: none,
+            omega,
+            psi: 0.0,
+            period: std::f64::consts::TAU / omega,
+            impacts: Vec::new(),
+            multipliers: Vec::new(),
+            physical: false,
+        }
+    }
+
+    /// As the library takes it.
+    #[must_use]
+    pub fn linear(&self) -> vibrochain_lattice::Structure {
+        let stops = self.limits.iter().map(|&(lower, upper, restitution)| Contact { lower, upper, restitution });
+        let load = self.load.map(|f| Complex::new(f, 0.0));
+        vibrochain_lattice::Structure {
+            mass: self.mass.clone(),
+            damping: self.damping.clone(),
+            stiffness: self.stiffness.clone(),
+            contacts: self.contacts.iter().cloned().zip(stops).collect(),
+            static_load: self.static_load.clone(),
+            loads: if self.load.amax() == 0.0 { vec![] } else { vec![(1, load)] },
+        }
+    }
+}
+
 /// All structures of the table.
 #[must_use]
 pub fn structures() -> Vec<Structure> {
@@ -141,20 +185,11 @@ impl Random {
             })
             .collect();
         let mut structure = Structure {
-            name: "random".to_owned(),
-            mass,
-            damping,
-            stiffness,
-            contacts,
-            limits: Vec::new(),
             load: DVector::from_fn(size, |_, _| self.between(-2.0, 2.0)),
             static_load: DVector::from_fn(size, |_, _| self.between(-0.2, 0.2)),
-            omega,
             psi: self.between(0.0, period),
-            period,
             impacts,
-            multipliers: Vec::new(),
-            physical: false,
+            ..Structure::without_orbit([mass, damping, stiffness], contacts, omega)
         };
         // Newton's law is linear in the impulses.
         let velocities =

@@ -119,8 +119,7 @@ pub(crate) fn picked<O>(
 ) -> Result<Start<O>, CliError> {
     let count = orbits.len();
     if let Some(number) = solution.filter(|&number| number == 0 || number > count) {
-        let message = format!("--solution {number} is out of range: there are {count}, give 1 to {count}");
-        return Err(CliError::Request(message));
+        refuse!("--solution {number} is out of range: there are {count}, give 1 to {count}");
     }
     for (orbit, number) in orbits.into_iter().zip(1..) {
         if solution.map_or_else(|| is_physical(&orbit), |wanted| Ok(wanted == number))? {

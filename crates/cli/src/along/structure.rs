@@ -58,11 +58,9 @@ impl Along for StructureAlong {
             // In the range of the number, told before any work.
             scene.clone().set(free, end).map_err(|why| CliError::Request(format!("{flag}: {why}")))?;
         }
-        let model = scene.model().map_err(CliError::Request)?;
+        let model = scene.model()?;
         let (found, word, _) = found(&args.which, &scene, &model)?;
-        if found.orbits.is_empty() {
-            return Err(CliError::IllPosed(format!("no orbit of {word} was found to start from")));
-        }
+        ensure!(!found.orbits.is_empty(), CliError::IllPosed(format!("no orbit of {word} was found to start from")));
         let is_physical = |orbit: &StructureOrbit| Ok(structure_is_physical(orbit)?.is_physical());
         let start = begun((found.orbits, &format!(" of {word}")), args, is_physical)?;
         let along = Self { scene, start, word };

@@ -42,10 +42,7 @@ impl Free {
         match self {
             Self::Parameter(parameter) => Ok(parameter),
             Self::Setting(setting) => {
-                let message = format!(
-                    "{setting} is a number of structures: give --scene with [structure], or dashpots by --damping"
-                );
-                Err(CliError::Request(message))
+                refuse!("{setting} is a number of structures: give --scene with [structure], or dashpots by --damping")
             }
         }
     }

@@ -3,10 +3,12 @@
 use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, ValueEnum};
+use vibrochain_fate::From;
 use vibrochain_maps::numbers::{real, whole};
 use vibrochain_maps::sweep::ShardFlag;
 
 use super::model::{ModelArgs, WhichArgs};
+use super::quantity::{Meanings, by_name};
 use crate::common::pictures::page_args::{PICTURES, PageArgs};
 
 /// Direction of a perturbation.
@@ -30,18 +32,12 @@ pub enum SectionName {
 }
 
 /// Breathers of a cell from which runs start.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub enum StartFrom {
-    /// The one that gives the cell its class: a stable one, if there is one.
-    #[default]
-    Class,
-    /// Every physical one.
-    Every,
-    /// Every unstable one.
-    Unstable,
-    /// None: a structure at rest under its static load, to see what it settles on.
-    Rest,
-}
+const STARTS: Meanings<From> = &[
+    (From::Class, "The one that gives the cell its class: a stable one, if there is one"),
+    (From::Every, "Every physical one"),
+    (From::Unstable, "Every unstable one"),
+    (From::Rest, "None: a structure at rest under its static load, to see what it settles on"),
+];
 
 /// Arguments of `mapgen fate`.
 #[derive(Debug, Args)]
@@ -73,8 +69,8 @@ pub struct FateArgs {
     #[command(flatten)]
     pub page: PageArgs,
     /// From which breathers of a cell runs start.
-    #[arg(long, value_enum, default_value_t)]
-    pub breathers: StartFrom,
+    #[arg(long, value_parser = by_name(STARTS, From::name), default_value_t)]
+    pub breathers: From,
     /// Runs from each breather.
     #[arg(long, value_name = "K", default_value_t = 16, value_parser = whole::<u64>, allow_negative_numbers = true)]
     pub starts: u64,

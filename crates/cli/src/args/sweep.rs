@@ -2,23 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{ArgGroup, Args, ValueEnum};
+use clap::{ArgGroup, Args};
 use vibrochain_lattice::Parameter;
 use vibrochain_maps::numbers::real;
 use vibrochain_maps::sweep::ShardFlag;
+use vibrochain_plot::Palette;
 
-use super::quantity::{ALL, OF_MAPS, QuantityName, among};
+use super::quantity::{ALL, Meanings, OF_MAPS, QuantityName, among, by_name};
 use crate::common::pictures::page_args::{PICTURES, PageArgs};
 
 /// Colours of a map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub enum PaletteName {
-    /// Readable in grey and by colour-blind eyes.
-    #[default]
-    Colour,
-    /// The paper's greys.
-    Paper,
-}
+const PALETTES: Meanings<Palette> =
+    &[(Palette::Colour, "Readable in grey and by colour-blind eyes"), (Palette::Paper, "The paper's greys")];
 
 /// Arguments of `mapgen sweep`.
 #[derive(Debug, Args)]
@@ -60,7 +55,7 @@ pub struct SweepArgs {
 /// Reads a value of an axis, as in `asymmetry=0.4`.
 fn axis_value(text: &str) -> Result<(Parameter, f64), String> {
     let Some((name, value)) = text.split_once('=') else {
-        return Err("not a parameter with its value: give one such as asymmetry=0.4".to_owned());
+        refuse!("not a parameter with its value: give one such as asymmetry=0.4");
     };
     let known = || format!("`{name}` is no parameter: give one of {}", Parameter::ALL.map(Parameter::name).join(", "));
     Ok((Parameter::from_name(name).ok_or_else(known)?, real(value)?))
@@ -90,8 +85,8 @@ pub struct PictureArgs {
     #[arg(long, help_heading = PICTURES, requires = "picture")]
     pub curves: bool,
     /// Colours of the pictures of maps.
-    #[arg(long, help_heading = PICTURES, value_enum, default_value_t)]
-    pub palette: PaletteName,
+    #[arg(long, help_heading = PICTURES, value_parser = by_name(PALETTES, Palette::name), default_value_t)]
+    pub palette: Palette,
     /// How they are made.
     #[command(flatten)]
     pub page: PageArgs,

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use serde_json::{Map, Value, json};
 use vibrochain_floquet::{Diagram, Event, Followed, FollowedBranch, Origin, Station, StructureCourse};
-use vibrochain_maps::files::{CsvFile, distinct};
+use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::followed::{BranchName, BranchRow, branch_row};
 use vibrochain_plot::curves_picture;
 
@@ -16,7 +16,7 @@ use crate::along::{
 use crate::args::{BranchArgs, QuantityName, of_orbits};
 use crate::branch::table::{About, HEADER, write};
 use crate::common::answer::printed;
-use crate::common::console::{Console, nothing_else};
+use crate::common::console::{Console, destinations};
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
 use crate::common::schemas::{BRANCH, STRUCTURE_BRANCH};
@@ -44,19 +44,17 @@ fn follow<A: Along>(args: &BranchArgs, scene: A::Scene, console: &mut Console<'_
         ("the manifest of --out", manifest.as_deref()),
         ("--plot", args.plot.as_deref()),
     ];
-    let taken = distinct(&args.along.reads(), &files)?;
-    nothing_else(args.json, taken)?;
+    let taken = destinations(args.json, &args.along.reads(), &files)?;
     let stop = (console.interrupt)()?;
-    let file = args.out.as_deref().map(|path| CsvFile::create("--out", path, HEADER)).transpose()?;
+    let file = args.out.as_deref().map(|path| CsvFile::create("--out", path, HEADER.split(','))).transpose()?;
     let manifest = Manifest::create(manifest.as_deref())?;
     let pictures = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
     let free = A::free(args.along.free)?;
     let along = A::begin(&args.along, scene, &stop, console)?;
-    if args.plot.is_some() && args.show.contains(&QuantityName::Psi) && along.start().orbit.is_conservative() {
-        let message =
-            "--show psi: there is no force whose phase could be shown; give impulse, phi, margin or spectral_radius";
-        return Err(CliError::Request(message.to_owned()));
-    }
+    ensure!(
+        args.plot.is_none() || !args.show.contains(&QuantityName::Psi) || !along.start().orbit.is_conservative(),
+        "--show psi: there is no force whose phase could be shown; give impulse, phi, margin or spectral_radius"
+    );
     let [from, to] = checked_range(&along, free, FIRST, [args.along.from, args.along.to])?;
     let events = Event::ALL.into_iter().filter(|one| args.events.is_empty() || args.events.contains(one)).collect();
     let generations = if args.switch { args.generations } else { 0 };

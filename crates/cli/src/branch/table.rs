@@ -10,23 +10,7 @@ use vibrochain_maps::followed::{BranchName, BranchRow as Row, branch_row as row}
 
 use crate::common::error::CliError;
 
-pub(crate) const HEADER: [&str; 15] = [
-    "branch",
-    "generation",
-    "event",
-    "value",
-    "error",
-    "impulse",
-    "impulses",
-    "phi",
-    "psi",
-    "period",
-    "margin",
-    "physical",
-    "stable",
-    "mechanism",
-    "spectral_radius",
-];
+pub(crate) const HEADER: &str = "branch,generation,event,value,error,impulse,impulses,phi,psi,period,margin,physical,stable,mechanism,spectral_radius";
 
 /// What the rows do not say.
 #[derive(Serialize, Deserialize)]

@@ -44,9 +44,7 @@ impl BorderSearch<'_> {
         let found = pool.install(|| Borders::of_scene(scene, &asked));
         bar.finish();
         let (borders, regions) = found?;
-        if borders.interrupted {
-            return Err(CliError::Interrupted);
-        }
+        ensure!(!borders.interrupted, CliError::Interrupted);
         Ok((borders, regions))
     }
 }

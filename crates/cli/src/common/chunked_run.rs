@@ -84,8 +84,7 @@ pub(crate) fn shard_of(flag: Option<ShardFlag>) -> Result<(Option<Shard>, Option
 /// Refuses to go on with a table that keeps no chunks.
 pub(crate) fn nothing_to_resume(flag: &str, out: &Path) -> CliError {
     let name = out.display();
-    let message = format!("--resume has nothing to go on with: {flag} {name} is no plain file, no chunks are kept");
-    CliError::Request(message)
+    CliError::Request(format!("--resume has nothing to go on with: {flag} {name} is no plain file, no chunks are kept"))
 }
 
 impl<S: Grid, C: Content<S>> ChunkedRun<'_, C, S> {
@@ -195,15 +194,13 @@ impl<S: Grid, C: Content<S>> ChunkedRun<'_, C, S> {
         }
         let store = Store::open(folder, self.plan, Claim::Share)?;
         let there = store.present()?;
-        if !self.resume && shard.chunks(self.plan).any(|chunk| there.contains(&chunk)) {
-            let message = format!(
-                "{} holds chunks of shard {}/{} already: go on with them by --resume, or name another folder to compute them again",
-                folder.display(),
-                shard.index,
-                shard.count
-            );
-            return Err(CliError::Request(message));
-        }
+        ensure!(
+            self.resume || !shard.chunks(self.plan).any(|chunk| there.contains(&chunk)),
+            "{} holds chunks of shard {}/{} already: go on with them by --resume, or name another folder to compute them again",
+            folder.display(),
+            shard.index,
+            shard.count
+        );
         let effort = self.compute(&store, shard, console, None)?.effort;
         let Shard { index, count } = shard;
         let (chunks, all) = (shard.chunks(self.plan).count(), self.plan.chunks());

@@ -1,13 +1,13 @@
 //! What a run has besides its files: where answers and remarks go, and how it learns that it is to stop.
 
-use std::fmt;
 use std::io::{self, Write};
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 
 use crate::common::error::CliError;
 use vibrochain_lattice::Stop;
-use vibrochain_maps::files::halt_on;
+use vibrochain_maps::files::{distinct, halt_on};
 use vibrochain_maps::text::printable;
 
 /// The surroundings of a run. The program's are the terminal and its Ctrl-C; a test brings its own.
@@ -26,12 +26,6 @@ pub struct Console<'a> {
     pub threads: Option<usize>,
     /// Hands out what tells long work to stop. Asked only by commands that look at it, before they begin a file.
     pub interrupt: &'a dyn Fn() -> Result<Stop, CliError>,
-}
-
-impl fmt::Debug for Console<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Console").field("progress", &self.progress).finish_non_exhaustive()
-    }
 }
 
 impl<'a> Console<'a> {
@@ -84,13 +78,15 @@ impl<'a> Console<'a> {
     }
 }
 
-/// JSON is not printed where a file goes already.
-pub(crate) fn nothing_else(json: bool, taken: bool) -> Result<(), CliError> {
-    if json && taken {
-        let message = "--json prints to standard output, where another file goes: name a file for that one";
-        return Err(CliError::Request(message.to_owned()));
-    }
-    Ok(())
+/// [`distinct`], and JSON is not printed where a file goes already.
+pub(crate) fn destinations(
+    json: bool,
+    inputs: &[(&'static str, Option<&Path>)],
+    outputs: &[(&'static str, Option<&Path>)],
+) -> Result<bool, CliError> {
+    let taken = distinct(inputs, outputs)?;
+    ensure!(!(json && taken), "--json prints to standard output, where another file goes: name a file for that one");
+    Ok(taken)
 }
 
 /// Raised by signals; or why it cannot be.

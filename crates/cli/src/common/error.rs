@@ -66,6 +66,13 @@ impl CliError {
     }
 }
 
+/// A message alone is about a request.
+impl From<String> for CliError {
+    fn from(message: String) -> Self {
+        Self::Request(message)
+    }
+}
+
 impl From<MapError> for CliError {
     fn from(error: MapError) -> Self {
         match error {

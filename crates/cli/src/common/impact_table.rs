@@ -61,12 +61,12 @@ pub(crate) fn settled(text: &str, period: f64) -> Result<(u32, Vec<Struck>), Str
         // The masses of a chain are 1.
         let impulse = impulse.unwrap_or(velocity_after - velocity_before);
         if !(time.is_finite() && impulse.is_finite()) {
-            return Err(format!("the impact at t = {time} with the impulse {impulse} is none: give finite numbers"));
+            refuse!("the impact at t = {time} with the impulse {impulse} is none: give finite numbers");
         }
         all.push(Struck { site, layer, barrier, time, impulse });
     }
     all.sort_by(|one, other| one.time.total_cmp(&other.time));
-    let Some(end) = all.last().map(|last| last.time) else { return Err("the table has no impacts".to_owned()) };
+    let Some(end) = all.last().map(|last| last.time) else { refuse!("the table has no impacts") };
     let largest = all.iter().map(|one| one.impulse.abs()).fold(0.0, f64::max);
     let of_last = |lapse: f64| all.partition_point(|one| one.time <= end - lapse + ALIKE * period);
     for periods in 1..=MOST_PERIODS {

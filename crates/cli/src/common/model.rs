@@ -80,8 +80,7 @@ pub fn model(args: &ModelArgs) -> Result<Chosen, CliError> {
     }
     let absent = |parameter: &Parameter| !Parameter::of(layout.layers).contains(parameter);
     if let Some(parameter) = Parameter::ALL.into_iter().filter(absent).find(|one| args.values.get(*one).is_some()) {
-        let message = format!("--{} couples layers, of which there is one: give --layers, too", parameter.flag());
-        return Err(CliError::Request(message));
+        refuse!("--{} couples layers, of which there is one: give --layers, too", parameter.flag());
     }
     // A force by its harmonics, unless the flags have a plain one.
     let amplitude = args.values.get(Parameter::Amplitude);
@@ -146,9 +145,7 @@ fn layout(args: &ModelArgs, given: Option<&Given>) -> Result<Layout, CliError> {
     let layers = count("layers", args.layers, there.map(|there| there.layers), MAX_SITES / length)?;
     if layers > MAX_SITES / length {
         let most = MAX_SITES / layers;
-        return Err(CliError::Request(format!(
-            "sites = {length} is out of range: in {layers} layers give a whole number from 1 to {most}"
-        )));
+        refuse!("sites = {length} is out of range: in {layers} layers give a whole number from 1 to {most}");
     }
     Ok(Layout {
         length,

@@ -70,7 +70,7 @@ impl SweptScene for StructureScene {
     }
 
     fn about(&self) -> Result<Map<String, Value>, CliError> {
-        let model = self.model().map_err(CliError::Request)?;
+        let model = self.model()?;
         Ok(object([("structure", structure(self, &model)), ("axes", json!(self.axis_names))]))
     }
 }

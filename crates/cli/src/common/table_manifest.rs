@@ -75,9 +75,7 @@ pub(crate) fn read<T: DeserializeOwned>(path: &Path, command: &str) -> Result<(u
     let (told, Some(rows)) = (common.command.unwrap_or_default(), common.rows) else {
         return Err(wrong("it does not say how many rows the table has"));
     };
-    if told != command {
-        return Err(wrong(&format!("it is of a table of {told}, the table is one of {command}")));
-    }
+    ensure!(told == command, wrong(&format!("it is of a table of {told}, the table is one of {command}")));
     Ok((rows, serde_json::from_str(&text).map_err(unreadable)?))
 }
 

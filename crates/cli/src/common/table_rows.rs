@@ -41,9 +41,7 @@ impl TableRows {
         let packed = path
             .extension()
             .is_some_and(|end| ["gz", "zst", "parquet"].iter().any(|known| end.eq_ignore_ascii_case(known)));
-        if packed {
-            return Err(wrong("only .csv is read here: unpack it first, or sweep to .csv"));
-        }
+        ensure!(!packed, wrong("only .csv is read here: unpack it first, or sweep to .csv"));
         let file: Box<dyn Read> = if path.as_os_str() == "-" {
             Box::new(io::stdin())
         } else {
@@ -121,9 +119,7 @@ impl TableRows {
             Fields::of(&columns, &record).and_then(|mut fields| each(&mut fields)).map_err(|what| of_row(&what))?;
             count += 1;
         }
-        if count != told {
-            return Err(wrong(format!("it has {count} rows, its manifest says {told}")));
-        }
+        ensure!(count == told, wrong(format!("it has {count} rows, its manifest says {told}")));
         Ok(())
     }
 }

@@ -24,10 +24,11 @@ const FAMILIES: [Family; 3] = [Family::DoubleSided, Family::SingleSided, Family:
 /// # Errors
 /// [`CliError::Request`] where neither says it.
 pub(crate) fn wanted(which: &WhichArgs, scene: Option<&Given>) -> Result<WhichArgs, CliError> {
-    let request = |message: String| Err(CliError::Request(message));
-    if which.force_periods.is_some() && (which.family.is_some() || which.near.is_some()) {
-        return request("--force-periods says how long a word is: give it with --word".to_owned());
-    }
+    let is_of_word = which.family.is_none() && which.near.is_none();
+    ensure!(
+        which.force_periods.is_none() || is_of_word,
+        "--force-periods says how long a word is: give it with --word"
+    );
     let Some(scene) = scene.filter(|_| which.family.is_none() && which.word.is_none() && which.near.is_none()) else {
         return Ok(which.clone());
     };
@@ -37,7 +38,7 @@ pub(crate) fn wanted(which: &WhichArgs, scene: Option<&Given>) -> Result<WhichAr
     }
     let path = scene.path.display();
     match scene.families.as_slice() {
-        [] => request(format!("{path} does not say which breathers: give --family, --word or --near")),
+        [] => refuse!("{path} does not say which breathers: give --family, --word or --near"),
         [one] if one == SYMMETRIC => Ok(WhichArgs { family: Some(Family::DoubleSided), ..none }),
         [one] => match FAMILIES.into_iter().find(|family| family.name() == one) {
             Some(family) => Ok(WhichArgs { family: Some(family), ..none }),
@@ -46,7 +47,7 @@ pub(crate) fn wanted(which: &WhichArgs, scene: Option<&Given>) -> Result<WhichAr
                 Ok(WhichArgs { word: Some(word), force_periods: which.force_periods, ..none })
             }
         },
-        several => request(format!("{path} has {}: say which by --family, --word or --near", several.join(", "))),
+        several => refuse!("{path} has {}: say which by --family, --word or --near", several.join(", ")),
     }
 }
 
@@ -75,16 +76,15 @@ pub(crate) fn find(
             search(model, &mut found, |model, found| finder.find_word(model, &canonical, Wanted::All, found))?;
             return Ok((canonical.to_string(), found));
         };
-        if model.is_conservative() && periods > 1 {
-            let message =
-                "--force-periods counts periods of a force: without one the word's period is 2π/omega, give omega/N";
-            return Err(CliError::Request(message.to_owned()));
-        }
+        ensure!(
+            !model.is_conservative() || periods <= 1,
+            "--force-periods counts periods of a force: without one the word's period is 2π/omega, give omega/N"
+        );
         search(model, &mut found, |model, found| finder.find_word_over(model, &canonical, periods, found))?;
         return Ok((over(&canonical.to_string(), periods), found));
     }
     let Some(path) = &which.near else {
-        return Err(CliError::Request("give --family, --word, --near FILE or --scene FILE".to_owned()));
+        refuse!("give --family, --word, --near FILE or --scene FILE");
     };
     let mut polished = |near: &Orbit| finder.polish(near).map_err(|error| CliError::from(error).about("--near"));
     // Once: what comes through a pipe cannot be read again.

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 use vibrochain_floquet::{CurveError, Event, EventCurve, Followed, StructureWindow};
-use vibrochain_maps::files::{CsvFile, distinct};
+use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::followed::curve_rows;
 use vibrochain_maps::numbers::Number;
 use vibrochain_plot::{curves_picture, event_curves};
@@ -14,7 +14,7 @@ use vibrochain_plot::{curves_picture, event_curves};
 use crate::along::{Along, ChainAlong, Events, FIRST, SECOND, StructureAlong, answer, checked_range, ending};
 use crate::args::CurveArgs;
 use crate::common::answer::printed;
-use crate::common::console::{Console, nothing_else};
+use crate::common::console::{Console, destinations};
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
 use crate::common::schemas::{CURVE, STRUCTURE_CURVE};
@@ -41,17 +41,12 @@ fn follow<A: Along>(args: &CurveArgs, scene: A::Scene, console: &mut Console<'_>
         ("the manifest of --out", manifest.as_deref()),
         ("--plot", args.plot.as_deref()),
     ];
-    let taken = distinct(&args.along.reads(), &files)?;
-    nothing_else(args.json, taken)?;
+    let taken = destinations(args.json, &args.along.reads(), &files)?;
     let free = [A::free(args.along.free)?, A::free(args.and)?];
     let names = free.map(A::name);
     let [first, second] = [names[0].as_str(), names[1].as_str()];
-    if first == second {
-        return Err(CliError::Request(format!("--free and --and are both {first}: give two parameters")));
-    }
-    if !(1e-12..=0.01).contains(&args.tolerance) {
-        return Err(CurveError::Tolerance(args.tolerance).into());
-    }
+    ensure!(first != second, "--free and --and are both {first}: give two parameters");
+    ensure!((1e-12..=0.01).contains(&args.tolerance), CurveError::Tolerance(args.tolerance).into());
     let stop = (console.interrupt)()?;
     let file = args.out.as_deref().map(|path| CsvFile::create("--out", path, header([first, second]))).transpose()?;
     let manifest = Manifest::create(manifest.as_deref())?;

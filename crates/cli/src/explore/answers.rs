@@ -130,7 +130,7 @@ fn keys() -> Vec<&'static str> {
 fn with_model(mut line: Line, model: &Map<String, Value>, words: &[Word]) -> Result<Line, Refusal> {
     let known = keys();
     if let Some(key) = model.keys().find(|key| !known.contains(&key.as_str())) {
-        return Err(Refusal::wrong(format!("model has no {key}: it has {}", known.join(", "))));
+        refuse!("model has no {key}: it has {}", known.join(", "));
     }
     fits(masses(model)?, words)?;
     for key in known {
@@ -141,14 +141,14 @@ fn with_model(mut line: Line, model: &Map<String, Value>, words: &[Word]) -> Res
             Some(Value::Number(number)) if !WORDS.contains(&key) => match (number.as_u64(), number.as_f64()) {
                 (Some(whole), _) => line.flag(&flag, whole),
                 (None, Some(value)) => line.flag(&flag, Number(value)),
-                (None, None) => return Err(Refusal::wrong(format!("{key} = {number} is out of range"))),
+                (None, None) => refuse!("{key} = {number} is out of range"),
             },
             Some(Value::String(text)) if WORDS.contains(&key) => line.flag(&flag, text),
             Some(Value::String(_)) if key != "force" => {
                 let text = &model[key];
-                return Err(Refusal::wrong(format!("{key} = {text} is a text: give a number, without quotes")));
+                refuse!("{key} = {text} is a text: give a number, without quotes");
             }
-            Some(other) => return Err(Refusal::wrong(format!("{key} = {other} is no value of it"))),
+            Some(other) => refuse!("{key} = {other} is no value of it"),
         };
     }
     Ok(line)
@@ -228,9 +228,7 @@ fn simulate(run: &Run) -> Result<Line, Refusal> {
 fn window(asked: &Window) -> Result<View, Refusal> {
     let view = View::read(&asked.scene)?;
     let points = view.scene().axes.iter().map(Axis::points).max().unwrap_or(0);
-    if points > MOST_CELLS {
-        return Err(Refusal::wrong(format!("points = {points} is out of range: give at most {MOST_CELLS} here")));
-    }
+    ensure!(points <= MOST_CELLS, "points = {points} is out of range: give at most {MOST_CELLS} here");
     Ok(view)
 }
 
@@ -248,11 +246,11 @@ fn curves(asked: &Window) -> Result<Line, Refusal> {
 }
 
 fn stripes(asked: &Window) -> Result<Line, Refusal> {
-    Ok(about("stripes", asked)?.output("csv", "stripes.csv").output("plot", "stripes.png"))
+    Ok(about("stripes", asked)?.output("out", "stripes.csv").output("plot", "stripes.png"))
 }
 
 fn sweep(asked: &Window) -> Result<Line, Refusal> {
-    let line = about("sweep", asked)?.output("out", "map.csv").output("svg", "map.svg");
+    let line = about("sweep", asked)?.output("out", "map.csv").output("plot", "map.svg");
     let line = match &asked.color {
         Some(color) => line.flag("color", color),
         None => line,

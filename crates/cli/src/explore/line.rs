@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Map, Value, json};
 
 use super::folder::Folder;
+use crate::common::chunked_run::quoted;
 use vibrochain_explore::Refusal;
 use vibrochain_lattice::Stop;
 
@@ -64,7 +65,7 @@ impl Line {
         let word = |word: &Word| match word {
             Word::File(name) => (*name).to_owned(),
             Word::Plain(text) => match text.split_once('=') {
-                Some((flag, value)) => format!("{flag} {}", quoted(value)),
+                Some((flag, value)) => format!("{flag} {}", quoted(Path::new(value))),
                 None => text.clone(),
             },
         };
@@ -213,16 +214,6 @@ fn bytes(folder: &Path) -> u64 {
 /// A text without the folder in it, of which nobody has heard.
 fn clean(text: &str, folder: &Path) -> String {
     text.replace(&format!("{}{}", folder.display(), std::path::MAIN_SEPARATOR), "")
-}
-
-/// A word for a shell.
-fn quoted(text: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "+-.,:_/".contains(c);
-    if !text.is_empty() && text.chars().all(plain) {
-        text.to_owned()
-    } else {
-        format!("'{}'", text.replace('\'', "'\\''"))
-    }
 }
 
 #[cfg(test)]

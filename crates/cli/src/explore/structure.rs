@@ -60,9 +60,7 @@ impl StructureProgram {
         setting: Setting,
         pool: ThreadPool,
     ) -> Result<Self, String> {
-        if scene.axes.len() != 2 {
-            return Err("a map to fly over has two axes: give [sweep] with x and y".to_owned());
-        }
+        ensure!(scene.axes.len() == 2, "a map to fly over has two axes: give [sweep] with x and y");
         scene.is_map()?;
         Ok(Self { scene, path, setting, pool })
     }
@@ -75,7 +73,7 @@ impl StructureProgram {
     fn cells(&self, Tile { z, x, y }: &Tile, stop: &Stop) -> Result<Value, Refusal> {
         let side = 1_i64 << (*z).min(DEEPEST);
         if *z > DEEPEST || [x, y].into_iter().any(|number| !(-side..2 * side).contains(number)) {
-            return Err(Refusal::wrong("there is no such tile: z is 0 to 40, x and y from -2^z to 2·2^z − 1"));
+            refuse!("there is no such tile: z is 0 to 40, x and y from -2^z to 2·2^z − 1");
         }
         let mut scene = self.scene.clone();
         for (axis, number) in scene.axes.iter_mut().zip([x, y]) {

@@ -22,7 +22,7 @@ pub(super) fn toml_of(view: &View) -> Result<String, Refusal> {
 /// Scene, command and Python of a map.
 pub(super) fn of_map(view: &View) -> Result<Value, Refusal> {
     let scene = toml_of(view)?;
-    let command = Line::of_view("sweep", scene.clone()).output("out", "map.csv").output("png", "map.png").shown();
+    let command = Line::of_view("sweep", scene.clone()).output("out", "map.csv").output("plot", "map.png").shown();
     let python = format!("import vibrochain as vc\n\ntable = vc.sweep(\"{VIEW}\")\ntable.plot()\n");
     Ok(json!({ "scene": scene, "command": command, "python": python }))
 }

@@ -9,17 +9,17 @@ use rayon::ThreadPool;
 use vibrochain_fate::{CellFates, Diagram, Ensemble, Fates, From, MAX_POINTS};
 use vibrochain_lattice::Stop;
 use vibrochain_maps::error::MapError;
-use vibrochain_maps::files::{CsvFile, distinct};
+use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::grid::Grid;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::sweep::{Content, Ended, Job, Plan, Settings, Watcher};
 
-use crate::args::{FateArgs, StartFrom};
+use crate::args::FateArgs;
 use crate::common::answer::printed;
 use crate::common::chunked_run::{ChunkedRun, nothing_to_resume, parts_path, place, quoted, shard_of};
-use crate::common::console::{Console, nothing_else};
+use crate::common::console::{Console, destinations};
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
 use crate::common::progress::counter;
@@ -60,7 +60,7 @@ fn of_scene<S: SweptScene>(args: &FateArgs, console: &mut Console<'_>) -> Result
     // (clap does not ask for --diagram where something is given that conflicts with it.)
     if args.diagram.is_none() && (args.carry || args.points.is_some()) {
         let flag = if args.carry { "--carry" } else { "--points" };
-        return Err(CliError::Request(format!("{flag} is of a diagram: give --diagram FILE, too, without --starts")));
+        refuse!("{flag} is of a diagram: give --diagram FILE, too, without --starts");
     }
     // Where a diagram has no orbit to start from it starts from rest.
     let takes = |from| scene.takes(ensemble, from).map_err(CliError::Request);
@@ -71,9 +71,7 @@ fn of_scene<S: SweptScene>(args: &FateArgs, console: &mut Console<'_>) -> Result
     let runs = scene.cells().saturating_mul(args.starts);
     if args.diagram.is_none() && runs > MAX_RUNS {
         let cells = scene.cells();
-        let message =
-            format!("{cells} cells with --starts {} are {runs} runs, the limit is {MAX_RUNS}: give fewer", args.starts);
-        return Err(CliError::Request(message));
+        refuse!("{cells} cells with --starts {} are {runs} runs, the limit is {MAX_RUNS}: give fewer", args.starts);
     }
     // (That of a shard is a folder.)
     let table = args.out.as_deref().filter(|_| args.shard.is_none());
@@ -88,8 +86,7 @@ fn of_scene<S: SweptScene>(args: &FateArgs, console: &mut Console<'_>) -> Result
         ("the manifest of --diagram", manifests[1].as_deref()),
         ("--plot", args.plot.as_deref()),
     ];
-    let taken = distinct(&[("the scene", Some(&args.scene))], &files)?;
-    nothing_else(args.json, taken)?;
+    let taken = destinations(args.json, &[("the scene", Some(&args.scene))], &files)?;
     match args.diagram.as_deref() {
         Some(path) => diagram(args, path, scene, ensemble, taken, console),
         None => Ends { args, plan: &plan, fates: &fates, taken }.run(place.as_deref(), console),
@@ -107,13 +104,7 @@ fn asked(args: &FateArgs) -> Fates {
         tolerance: args.tolerance,
         leave: args.leave,
     };
-    let from = match args.breathers {
-        StartFrom::Class => From::Class,
-        StartFrom::Every => From::Every,
-        StartFrom::Unstable => From::Unstable,
-        StartFrom::Rest => From::Rest,
-    };
-    Fates { ensemble, from }
+    Fates { ensemble, from: args.breathers }
 }
 
 /// The command that computes chunks of an ensemble, but for its last words.
@@ -282,16 +273,13 @@ fn diagram<S: SweptScene>(
 ) -> Result<(), CliError> {
     let [axis] = Grid::axes(scene) else {
         let axes = Grid::axes(scene).len();
-        return Err(CliError::Request(format!("--diagram needs a scene with one axis, this one has {axes}")));
+        refuse!("--diagram needs a scene with one axis, this one has {axes}");
     };
     let most = args.periods.min(MAX_POINTS);
     let points = args.points.unwrap_or(POINTS.min(most));
-    if !(1..=most).contains(&points) {
-        let message = format!("--points {points} is out of range: give a whole number from 1 to {most}");
-        return Err(CliError::Request(message));
-    }
+    ensure!((1..=most).contains(&points), "--points {points} is out of range: give a whole number from 1 to {most}");
     if args.carry {
-        scene.carries().map_err(CliError::Request)?;
+        scene.carries()?;
     }
     let diagram = Diagram { scene, ensemble, points, carry: args.carry };
     let sites = scene.watched();
@@ -331,9 +319,7 @@ fn diagram<S: SweptScene>(
         file.finish()?;
         manifest.finish(SECTION, rows, &OfScene::new(scene, Some(ensemble)))?;
     }
-    if stopped {
-        return Err(kept(&args.diagram, args.plot.is_some(), cells, scene.cells()));
-    }
+    ensure!(!stopped, kept(&args.diagram, args.plot.is_some(), cells, scene.cells()));
     let carried = if args.carry { ", each from the end of the one before" } else { "" };
     let mut text = format!("{cells} runs of {} periods{carried}, {points} points each\n", args.periods);
     if incomplete > 0 {

@@ -73,12 +73,10 @@ impl Plot {
         let (axes, longest) = (points.len(), points.iter().max().copied().unwrap_or(0));
         let cells = points.iter().fold(1, |product: u64, points| product.saturating_mul(*points as u64));
         let fits = axes == 1 || axes == 2 && longest <= MOST_VALUES;
-        if !files.is_empty() && (!fits || cells > MOST_CELLS) {
-            let message = format!(
-                "a picture of ends needs one axis, or two of at most {MOST_VALUES} values each; the scene has {axes}, of up to {longest} values"
-            );
-            return Err(CliError::Request(message));
-        }
+        ensure!(
+            files.is_empty() || fits && cells <= MOST_CELLS,
+            "a picture of ends needs one axis, or two of at most {MOST_VALUES} values each; the scene has {axes}, of up to {longest} values"
+        );
         Self::new(files, scene, false)
     }
 
@@ -102,12 +100,9 @@ impl Plot {
             }
         })?;
         let named = |name: &str| name.replace("breather", scene.orbit());
-        let share = |(colour, name): (usize, &&str)| Series {
-            name: named(name),
-            colour,
-            stroke: Stroke::Solid(2),
-            mark: if cells > MARKED { Mark::None } else { Mark::Small(colour) },
-            points: Vec::new(),
+        let share = |(colour, name): (usize, &&str)| {
+            let mark = if cells > MARKED { Mark::None } else { Mark::Small(colour) };
+            Series { mark, ..Series::line(named(name), colour, Stroke::Solid(2), []) }
         };
         let shares = WORDS.iter().enumerate().map(share).collect();
         Ok(Self { files, cells: Vec::new(), by_word: false, shares, points: Vec::new(), axis, is_diagram })
@@ -181,8 +176,7 @@ impl Plot {
             series.points.sort_by(|a, b| a.0.total_cmp(&b.0));
         }
         let (y, scale, series) = if self.is_diagram {
-            let (name, points) = (String::new(), self.points);
-            let dots = Series { name, colour: 0, stroke: Stroke::None, mark: Mark::Dot, points };
+            let dots = Series::marks("", 0, Mark::Dot, self.points);
             ("displacement, once a period", Scale::Linear, vec![dots])
         } else {
             let shown = |series: &Series| series.points.iter().any(|point| point.1 > 0.0);

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use vibrochain_maps::files::{Output, distinct, name_within, promises_folder};
+use vibrochain_maps::files::{Output, name_within, promises_folder};
 use vibrochain_plot::{Curves, Format, OrbitPanels, Page, Pane, curves_picture, orbit_picture};
 
-use crate::args::{FormatName, OrbitArgs};
-use crate::common::console::{Console, nothing_else};
+use crate::args::OrbitArgs;
+use crate::common::console::{Console, destinations};
 use crate::common::error::CliError;
 
 /// Orbits beyond this are left to the printed list.
@@ -17,7 +17,8 @@ const NAME: &str = "solution-";
 
 /// Sees to it that no file of the command is another. Tells whether one is standard output.
 pub(crate) fn apart(args: &OrbitArgs) -> Result<bool, CliError> {
-    let taken = distinct(
+    destinations(
+        args.json,
         &[("--scene", args.model.scene.as_deref()), ("--near", args.which.near.as_deref())],
         &[
             ("--multipliers", args.multipliers.as_deref()),
@@ -25,9 +26,7 @@ pub(crate) fn apart(args: &OrbitArgs) -> Result<bool, CliError> {
             ("--all-plots", args.all_plots.as_deref()),
             ("--trajectory", args.trajectory.as_deref()),
         ],
-    )?;
-    nothing_else(args.json, taken)?;
-    Ok(taken)
+    )
 }
 
 fn computation(error: impl std::fmt::Display) -> CliError {
@@ -60,7 +59,7 @@ impl Folder<'_> {
     /// # Errors
     /// [`CliError`].
     pub(crate) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), CliError> {
-        let (number, ending) = (self.number, self.page.format.ending());
+        let (number, ending) = (self.number, self.page.format);
         Ok(Output::create(&self.path.join(format!("{NAME}{number}-{name}.{ending}")))?.finish_with(bytes)?)
     }
 }
@@ -84,18 +83,12 @@ impl OrbitPictures {
     /// # Errors
     /// [`CliError::Request`] of files that cannot be written, or of a page that cannot be.
     pub(crate) fn open(args: &OrbitArgs) -> Result<Self, CliError> {
-        let page = args.page.page(match args.format {
-            _ if args.svg => Format::Svg,
-            FormatName::Png => Format::Png,
-            FormatName::Svg => Format::Svg,
-            FormatName::Pdf => Format::Pdf,
-        })?;
+        let page = args.page.page(if args.svg { Format::Svg } else { args.format })?;
         args.page.checked(args.plot.is_some() || args.all_plots.is_some(), "--plot or --all-plots")?;
         if let (Some(folder), Some(plot)) = (&args.all_plots, &args.plot)
             && name_within(folder, plot).is_some_and(|name| name.to_string_lossy().starts_with(NAME))
         {
-            let message = format!("--plot {} is a name that --all-plots uses: name another", plot.display());
-            return Err(CliError::Request(message));
+            refuse!("--plot {} is a name that --all-plots uses: name another", plot.display());
         }
         let all = args.all_plots.as_deref().map(|folder| {
             promises_folder("--all-plots", folder)?;

@@ -95,12 +95,9 @@ fn eigenvector(orbit: &Orbit, leading: Complex<f64>) -> Result<Vec<Pane>, CliErr
         _ => (0..orbit.model().chain().sites()).map(|n| (n as f64, n)).collect(),
     };
     let x = if orbit.model().chain().layers() == 1 { along(orbit) } else { "site, layer after layer" };
-    let part = |name: &str, colour, stroke, mark, of: &dyn Fn(usize) -> f64| Series {
-        name: name.to_owned(),
-        colour,
-        stroke,
-        mark,
-        points: row.iter().map(|&(n, site)| (n, of(site))).collect(),
+    let part = |name: &str, colour, stroke, mark, of: &dyn Fn(usize) -> f64| {
+        let points = row.iter().map(|&(n, site)| (n, of(site)));
+        Series { mark, ..Series::line(name, colour, stroke, points) }
     };
     let panel = |caption: &str, letter: &str, values: &[Complex<f64>]| {
         let mut series = vec![part("real part", 0, Stroke::Solid(2), Mark::Filled(0), &|n| values[n].re)];
@@ -129,20 +126,12 @@ fn decay_pane(orbit: &Orbit) -> Result<Pane, BreatherError> {
         let uniform = orbit.steady().at(impact.site).value(impact.time + orbit.psi().unwrap_or(0.0));
         let v = motion.displacements(impact.time);
         let field = |n: usize| if n == 0 { v[home] - uniform } else { beside(orbit, &spectrum, n, impact.time) };
-        let points = (0..chain.even_modes()).map(|n| (n as f64, field(n).abs())).collect();
-        let (stroke, mark) =
-            if i == 0 { (Stroke::Solid(2), Mark::Filled(0)) } else { (Stroke::Solid(2), Mark::Filled(3)) };
-        all.push(Series {
-            name: format!("impact on the {}", impact_name(orbit, impact)),
-            colour: i,
-            stroke,
-            mark,
-            points,
-        });
+        let points = (0..chain.even_modes()).map(|n| (n as f64, field(n).abs()));
+        let name = format!("impact on the {}", impact_name(orbit, impact));
+        all.push(Series { mark: Mark::Filled(3 * i.min(1)), ..Series::line(name, i, Stroke::Solid(2), points) });
         if i == 0 {
             let modal = (0..chain.even_modes()).map(|n| (n as f64, (v[(home + n) % chain.sites()] - uniform).abs()));
-            let (name, stroke, mark) = ("the same by the sum over modes".to_owned(), Stroke::None, Mark::Hollow(1));
-            all.push(Series { name, colour: 4, stroke, mark, points: modal.collect() });
+            all.push(Series::marks("the same by the sum over modes", 4, Mark::Hollow(1), modal));
         }
     }
     let caption = match slowest(orbit) {

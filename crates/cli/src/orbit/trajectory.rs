@@ -18,8 +18,7 @@ impl OrbitTrajectory {
     pub(crate) fn open(args: &OrbitArgs, columns: impl Iterator<Item = String>) -> Result<Option<Self>, CliError> {
         let samples = args.samples;
         if !(1..=MOST_SAMPLES).contains(&samples) {
-            let message = format!("--samples {samples} is out of range: give a whole number from 1 to {MOST_SAMPLES}");
-            return Err(CliError::Request(message));
+            refuse!("--samples {samples} is out of range: give a whole number from 1 to {MOST_SAMPLES}");
         }
         let Some(path) = &args.trajectory else { return Ok(None) };
         let columns = std::iter::once("solution".to_owned()).chain(columns);

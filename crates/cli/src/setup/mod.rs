@@ -23,9 +23,7 @@ pub fn init(args: &InitArgs, console: &mut Console<'_>) -> Result<(), CliError> 
     let mut file = Output::create(path)?;
     std::io::Write::write_all(&mut file, SCENE.as_bytes()).map_err(|error| file.unwritten(&error))?;
     let name = path.display();
-    if !file.commit_new()? {
-        return Err(CliError::Request(format!("{name} is there already, and is left as it is: give another name")));
-    }
+    ensure!(file.commit_new()?, "{name} is there already, and is left as it is: give another name");
     if path != Path::new("-") {
         console.summary(&format!("next: mapgen sweep {name} --out map.csv --plot map.png"));
     }

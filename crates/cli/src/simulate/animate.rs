@@ -7,7 +7,9 @@ use vibrochain_maps::files::Output;
 use vibrochain_plot::{Animation, Format, Instant, MOST_MASSES, Moving, Page, animation};
 
 use crate::args::SimulateArgs;
+use crate::common::caption::describe_run;
 use crate::common::error::CliError;
+use crate::simulate::recording::Every;
 
 /// Periods of the run that are shown, the last ones: longer, and nobody looks to the end.
 const SHOWN: f64 = 12.0;
@@ -16,93 +18,79 @@ const SHOWN: f64 = 12.0;
 const PICTURES: u64 = 64;
 
 /// What is collected of a run.
-pub(crate) struct Film(Option<Reel>);
-
-struct Reel {
+pub(crate) struct Film {
     moving: Moving,
     file: Output,
     page: Page,
     picture: Animation,
     /// Periods of the whole run.
     periods: f64,
-    /// Samples from one picture to the next.
-    stride: u64,
-    seen: u64,
+    /// The samples that are pictures.
+    shown: Every,
     impacts: Vec<(usize, bool)>,
     velocity: Vec<f64>,
 }
 
 impl Film {
-    pub(crate) fn open(args: &SimulateArgs, model: &Model, orbit: Option<&Orbit>) -> Result<Self, CliError> {
-        let Some(path) = args.animate.as_deref() else { return Ok(Self(None)) };
+    pub(crate) fn open(args: &SimulateArgs, model: &Model, orbit: Option<&Orbit>) -> Result<Option<Self>, CliError> {
+        let Some(path) = args.animate.as_deref() else { return Ok(None) };
         let name = path.display();
         let Some(moving) = Moving::of(path) else {
-            let advice = "the kind of moving picture is not known; end the name in .gif, .png or .svg";
-            return Err(CliError::Request(format!("--animate {name}: {advice}")));
+            refuse!("--animate {name}: the kind of moving picture is not known; end the name in .gif, .png or .svg");
         };
         args.page.checked(true, "--animate")?;
         let page = args.page.page(Format::Png)?;
         let chain = model.chain();
         let masses = chain.sites();
         if masses > MOST_MASSES {
-            let message = format!("--animate {name}: {masses} masses cannot be told apart, at most {MOST_MASSES} can");
-            return Err(CliError::Request(message));
+            refuse!("--animate {name}: {masses} masses cannot be told apart, at most {MOST_MASSES} can");
         }
-        let lowest = if chain.is_ring() { -(masses.saturating_sub(1) as i64 / 2) } else { 0 };
-        let barriers = (model.asymmetry() - 1.0, model.asymmetry() + 1.0);
-        let title = crate::common::caption::describe_run(args, model, orbit);
-        let still = vec![Instant { displacement: vec![0.0; masses], impacts: Vec::new() }];
-        let of = |instants| Animation { title: title.clone(), barriers, length: chain.length(), lowest, instants };
-        animation(&of(still), moving, page.to_measure()).map_err(|error| CliError::Request(error.0))?;
-        Ok(Self(Some(Reel {
+        let mut picture = Animation {
+            title: describe_run(args, model, orbit),
+            barriers: (model.asymmetry() - 1.0, model.asymmetry() + 1.0),
+            length: chain.length(),
+            lowest: if chain.is_ring() { -(masses.saturating_sub(1) as i64 / 2) } else { 0 },
+            instants: vec![Instant { displacement: vec![0.0; masses], impacts: Vec::new() }],
+        };
+        animation(&picture, moving, page.to_measure()).map_err(|error| CliError::Request(error.0))?;
+        picture.instants.clear();
+        Ok(Some(Self {
             moving,
             file: Output::create(path)?,
             page,
-            picture: of(Vec::new()),
+            picture,
             periods: args.periods,
-            stride: args.samples.div_ceil(PICTURES).max(1),
-            seen: 0,
+            shown: Every::new(args.samples.div_ceil(PICTURES)),
             impacts: Vec::new(),
             velocity: vec![0.0; masses],
-        })))
-    }
-
-    pub(crate) fn is_wanted(&self) -> bool {
-        self.0.is_some()
+        }))
     }
 
     pub(crate) fn hit(&mut self, event: &Event) {
-        if let Some(reel) = &mut self.0 {
-            let impact = (event.site, event.barrier == Barrier::Upper);
-            if !reel.impacts.contains(&impact) {
-                reel.impacts.push(impact);
-            }
+        let impact = (event.site, event.barrier == Barrier::Upper);
+        if !self.impacts.contains(&impact) {
+            self.impacts.push(impact);
         }
     }
 
     pub(crate) fn see(&mut self, simulation: &Simulation) {
-        let Some(reel) = &mut self.0 else { return };
-        let due = reel.seen.is_multiple_of(reel.stride);
-        reel.seen += 1;
-        if !due {
+        if !self.shown.is_due() {
             return;
         }
-        let time = simulation.time();
-        let left = reel.periods - (time.periods() as f64 + time.part());
-        let impacts = std::mem::take(&mut reel.impacts);
+        let left = self.periods - simulation.time().in_periods();
+        let impacts = std::mem::take(&mut self.impacts);
         // The end of a whole number of periods is the beginning of the next round.
-        if left < SHOWN + 1e-9 && (left > 1e-9 || reel.picture.instants.is_empty()) {
-            let mut displacement = vec![0.0; reel.velocity.len()];
-            simulation.read(&mut displacement, &mut reel.velocity);
-            reel.picture.instants.push(Instant { displacement, impacts });
-        } else if let (true, Some(first)) = (left <= 1e-9, reel.picture.instants.first_mut()) {
+        if left < SHOWN + 1e-9 && (left > 1e-9 || self.picture.instants.is_empty()) {
+            let mut displacement = vec![0.0; self.velocity.len()];
+            simulation.read(&mut displacement, &mut self.velocity);
+            self.picture.instants.push(Instant { displacement, impacts });
+        } else if let (true, Some(first)) = (left <= 1e-9, self.picture.instants.first_mut()) {
             first.impacts.extend(impacts);
         }
     }
 
     pub(crate) fn finish(self) -> Result<(), CliError> {
-        let Some(Reel { moving, file, page, picture, .. }) = self.0 else { return Ok(()) };
-        let bytes = animation(&picture, moving, page).map_err(|error| CliError::Computation(error.to_string()))?;
-        Ok(file.finish_with(&bytes)?)
+        let bytes = animation(&self.picture, self.moving, self.page);
+        Ok(self.file.finish_with(&bytes.map_err(|error| CliError::Computation(error.to_string()))?)?)
     }
 }

@@ -2,10 +2,9 @@
 
 use vibrochain_eventsim::{Limits, Time};
 use vibrochain_lattice::Stop;
-use vibrochain_maps::files::distinct;
 
 use crate::args::SimulateArgs;
-use crate::common::console::{Console, nothing_else};
+use crate::common::console::{Console, destinations};
 use crate::common::error::CliError;
 use crate::simulate::pace::Pace;
 use crate::simulate::section::Section;
@@ -16,19 +15,15 @@ const MAX_STEPS: u64 = 1 << 48;
 /// Checks how long the run is and what files it has; whether standard output is taken by one.
 pub(crate) fn checked(args: &SimulateArgs) -> Result<bool, CliError> {
     let (samples, periods) = (args.samples, args.periods);
-    let out_of_range = |what: String| Err(CliError::Request(what));
-    if samples == 0 || samples > 1_000_000 {
-        return out_of_range(format!("--samples {samples} is out of range: give a whole number from 1 to 1000000"));
-    }
-    if !(periods >= 0.0 && periods.is_finite()) {
-        return out_of_range(format!("--periods {periods} is out of range: give a number from 0"));
-    }
-    if periods * samples as f64 > MAX_STEPS as f64 {
-        return out_of_range(format!(
-            "--periods {periods} with {samples} samples each is out of range: give at most {MAX_STEPS} samples in all"
-        ));
-    }
-    let taken = distinct(
+    let allowed = (1..=1_000_000).contains(&samples);
+    ensure!(allowed, "--samples {samples} is out of range: give a whole number from 1 to 1000000");
+    ensure!((0.0..=f64::MAX).contains(&periods), "--periods {periods} is out of range: give a number from 0");
+    ensure!(
+        periods * samples as f64 <= MAX_STEPS as f64,
+        "--periods {periods} with {samples} samples each is out of range: give at most {MAX_STEPS} samples in all"
+    );
+    destinations(
+        args.json,
         &[
             ("--scene", args.model.scene.as_deref()),
             ("--near", args.which.near.as_deref()),
@@ -41,9 +36,7 @@ pub(crate) fn checked(args: &SimulateArgs) -> Result<bool, CliError> {
             ("--plot", args.plot.as_deref()),
             ("--animate", args.animate.as_deref()),
         ],
-    )?;
-    nothing_else(args.json, taken)?;
-    Ok(taken)
+    )
 }
 
 /// How far a simulation has come.

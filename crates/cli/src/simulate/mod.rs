@@ -57,14 +57,13 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
         .map_err(|error| CliError::Request(error.to_string()))?;
     let end = Time::new(&model, periods.trunc() as u64, periods.fract());
     let windows = simulation.least_windows(end);
-    if windows > MAX_WINDOWS && args.max_impacts.is_none() {
-        return Err(CliError::Request(format!(
-            "--periods {periods} is out of range here: a period of omega = {} is so long against the swing of a mass that they take {windows:.0e} windows of flight, the limit is {MAX_WINDOWS:.0e}; give at most {:.0e}, or --max-impacts",
-            Number(model.omega()),
-            // Half of it, so that the one digit is not rounded beyond the limit.
-            0.5 * periods / windows * MAX_WINDOWS
-        )));
-    }
+    ensure!(
+        windows <= MAX_WINDOWS || args.max_impacts.is_some(),
+        "--periods {periods} is out of range here: a period of omega = {} is so long against the swing of a mass that they take {windows:.0e} windows of flight, the limit is {MAX_WINDOWS:.0e}; give at most {:.0e}, or --max-impacts",
+        Number(model.omega()),
+        // Half of it, so that the one digit is not rounded beyond the limit.
+        0.5 * periods / windows * MAX_WINDOWS
+    );
 
     let impacts = args.impacts.as_deref().map(|path| ImpactTable::open(path, start.time, &model)).transpose()?;
     let sites = model.chain().sites();
@@ -84,7 +83,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     let film = Film::open(args, &model, orbit)?;
 
     // Samples if somebody wants them, otherwise the end alone.
-    let samples = if trajectory.is_some() || plot.is_wanted() || film.is_wanted() { args.samples } else { 0 };
+    let samples = if trajectory.is_some() || plot.is_some() || film.is_some() { args.samples } else { 0 };
     let pattern = orbit.map(Pattern::of);
     let witness = Witness::new(&model, pattern.as_ref().map(|pattern| (pattern, start.time)));
     let (report, state) = (None, [vec![0.0; sites], vec![0.0; sites]]);
@@ -98,8 +97,8 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     impacts.map_or(Ok(()), ImpactTable::finish)?;
     trajectory.map_or(Ok(()), CsvFile::finish)?;
     section.map_or(Ok(()), Section::finish)?;
-    plot.finish()?;
-    film.finish()?;
+    plot.map_or(Ok(()), Plot::finish)?;
+    film.map_or(Ok(()), Film::finish)?;
     let distance = orbit.map(|orbit| deviation(orbit, &simulation, start)).transpose()?;
     let told = Told {
         args,
@@ -146,22 +145,20 @@ fn starting_point(
         error => error,
     })?;
     if args.solution.is_some() && !finder.admissibility(&home.orbit)?.is_physical() {
-        return Err(CliError::Request(format!("solution {} is not physical; `mapgen orbit` tells why", home.number)));
+        refuse!("solution {} is not physical; `mapgen orbit` tells why", home.number);
     }
     let orbit = &home.orbit;
     let mut start = State::on(orbit)?;
     if let Some(size) = args.perturb {
-        if !size.is_finite() {
-            return Err(CliError::Request(format!("--perturb {} is out of range: give a finite size", Short(size))));
-        }
+        ensure!(size.is_finite(), "--perturb {} is out of range: give a finite size", Short(size));
         match args.direction {
             Direction::Random => start.perturb_at_random(model, size, args.seed),
             Direction::Unstable => {
                 let verdict = Analyser::default().stability(orbit, &mut finder, Tolerance::Rounding)?.verdict;
-                if verdict.stable {
-                    let message = "--direction unstable: this breather is stable, it has no such direction; use --direction random";
-                    return Err(CliError::Request(message.to_owned()));
-                }
+                ensure!(
+                    !verdict.stable,
+                    "--direction unstable: this breather is stable, it has no such direction; use --direction random"
+                );
                 let mode = leading_mode_at(orbit, start.time, stop)?;
                 start.perturb_along(model, size, &mode);
             }
@@ -190,8 +187,8 @@ struct Kept<'a> {
     impacts: Option<ImpactTable>,
     trajectory: Option<CsvFile>,
     section: Option<Section>,
-    plot: Plot,
-    film: Film,
+    plot: Option<Plot>,
+    film: Option<Film>,
     witness: Witness<'a>,
     events: u64,
 }
@@ -207,8 +204,8 @@ impl Run for Kept<'_> {
             *events += 1;
             impacts.iter_mut().for_each(|table| table.write(event));
             witness.see(event);
-            plot.hit(event);
-            film.hit(event);
+            plot.iter_mut().for_each(|plot| plot.hit(event));
+            film.iter_mut().for_each(|film| film.hit(event));
             section.iter_mut().for_each(|section| section.see(event));
         });
         let unwritten = impacts.as_mut().and_then(|table| table.failure.take());
@@ -235,8 +232,8 @@ impl Run for Kept<'_> {
             let time = self.simulation.time().on_clock(self.start);
             table.row(std::iter::once(&time).chain(displacement.iter()).chain(velocity.iter()).map(f64::to_string))?;
         }
-        self.plot.see(&self.simulation);
-        self.film.see(&self.simulation);
+        self.plot.iter_mut().for_each(|plot| plot.see(&self.simulation));
+        self.film.iter_mut().for_each(|film| film.see(&self.simulation));
         Ok(())
     }
 

@@ -20,7 +20,7 @@ const STEPS: u64 = 1_000_000;
 
 /// A time in periods, in digits that tell it from zero.
 pub(crate) fn periods(time: Time) -> String {
-    let periods = time.periods() as f64 + time.part();
+    let periods = time.in_periods();
     if periods == 0.0 || periods >= 1e-3 { format!("{periods:.6}") } else { format!("{periods:.3e}") }
 }
 
@@ -66,7 +66,7 @@ impl Pace {
 
     /// The part of the run that is done.
     fn part(&self, time: Time, impacts: u64) -> f64 {
-        let time = (time.periods() as f64 + time.part()) / self.periods.max(f64::MIN_POSITIVE);
+        let time = time.in_periods() / self.periods.max(f64::MIN_POSITIVE);
         let impacts = self.impacts.map_or(0.0, |most| impacts as f64 / most.max(1) as f64);
         time.max(impacts).min(1.0)
     }

@@ -5,12 +5,14 @@ use std::path::Path;
 use vibrochain_breather::{Impact, Motion, Orbit};
 use vibrochain_eventsim::{Event, Simulation, Time};
 use vibrochain_lattice::{Barrier, Layout, Model};
-use vibrochain_maps::files::{CsvFile, Output};
+use vibrochain_maps::files::CsvFile;
 use vibrochain_plot::field::FieldWriter;
-use vibrochain_plot::{Page, RunPicture, run_picture};
+use vibrochain_plot::{RunPicture, run_picture};
 
 use crate::args::SimulateArgs;
+use crate::common::caption::describe_run;
 use crate::common::error::CliError;
+use crate::common::pictures::files::PictureFiles;
 use crate::simulate::start::Start;
 
 /// The time on an orbit's own clock: whole periods are taken off before they cost digits.
@@ -73,24 +75,35 @@ const SHOWN: f64 = 8.0;
 /// Points of its trace at most: some for every pixel.
 const POINTS: f64 = 8000.0;
 
-/// Collects what the picture needs, and no more of a long run.
-pub(crate) struct Plot(Option<Collected>);
+/// One of so many samples.
+pub(crate) struct Every {
+    stride: u64,
+    seen: u64,
+}
 
-struct Collected {
-    page: Page,
-    file: Output,
-    title: String,
-    barriers: (f64, f64),
-    periods: f64,
-    simulated: Vec<(f64, f64)>,
-    analytic: Vec<(f64, f64)>,
+impl Every {
+    pub(crate) fn new(stride: u64) -> Self {
+        Self { stride: stride.max(1), seen: 0 }
+    }
+
+    /// Whether it is this one.
+    pub(crate) fn is_due(&mut self) -> bool {
+        self.seen += 1;
+        (self.seen - 1).is_multiple_of(self.stride)
+    }
+}
+
+/// Collects what the picture needs, and no more of a long run.
+pub(crate) struct Plot {
+    files: PictureFiles,
+    /// Without its field, until the end.
+    picture: RunPicture,
     field: FieldWriter,
     orbit: Option<(Orbit, Motion)>,
     home: usize,
     start: f64,
-    /// Samples from one point of the trace to the next.
-    stride: u64,
-    seen: u64,
+    /// The samples that are points of the trace.
+    traced: Every,
     scratch: (Vec<f64>, Vec<f64>),
 }
 
@@ -100,98 +113,80 @@ impl Plot {
         model: &Model,
         orbit: Option<&Orbit>,
         start: &Start,
-    ) -> Result<Self, CliError> {
+    ) -> Result<Option<Self>, CliError> {
         args.page.checked(args.plot.is_some() || args.animate.is_some(), "--plot or --animate")?;
-        let Some(path) = args.plot.as_deref() else { return Ok(Self(None)) };
-        let Some((page, file)) = args.page.open("--plot", Some(path))? else { return Ok(Self(None)) };
+        let Some(path) = args.plot.as_deref() else { return Ok(None) };
+        let files = PictureFiles::one("--plot", Some(path), &args.page)?;
         let motion = orbit.map(|orbit| Motion::of(orbit).map(|motion| (orbit.clone(), motion))).transpose()?;
         let sites = model.chain().sites();
-        let title = crate::common::caption::describe_run(args, model, orbit);
-        let barriers = (model.asymmetry() - 1.0, model.asymmetry() + 1.0);
-        let empty = || FieldWriter::new(model.chain(), args.periods, args.samples);
-        let nothing = RunPicture {
-            title: title.clone(),
-            barriers,
+        let field = || FieldWriter::new(model.chain(), args.periods, args.samples);
+        let picture = RunPicture {
+            title: describe_run(args, model, orbit),
+            barriers: (model.asymmetry() - 1.0, model.asymmetry() + 1.0),
             simulated: Vec::new(),
             analytic: Vec::new(),
-            field: empty().finish(),
+            field: field().finish(),
             periods: args.periods,
         };
-        run_picture(&nothing, page.to_measure()).map_err(|error| CliError::Request(error.0))?;
-        Ok(Self(Some(Collected {
-            page,
-            file,
-            title,
-            barriers,
-            periods: args.periods,
-            simulated: Vec::new(),
-            analytic: Vec::new(),
-            field: empty(),
+        files.fit(|page| run_picture(&picture, page))?;
+        Ok(Some(Self {
+            files,
+            picture,
+            field: field(),
             home: orbit.and_then(Orbit::impact_site).unwrap_or(0),
             orbit: motion,
             start: start.time,
-            stride: ((SHOWN * args.samples as f64 / POINTS) as u64).max(1),
-            seen: 0,
+            traced: Every::new((SHOWN * args.samples as f64 / POINTS) as u64),
             scratch: (vec![0.0; sites], vec![0.0; sites]),
-        })))
-    }
-
-    pub(crate) fn is_wanted(&self) -> bool {
-        self.0.is_some()
+        }))
     }
 
     /// Between samples the tips of a trace, which are its impacts, would be cut off.
     pub(crate) fn hit(&mut self, event: &Event) {
-        let Some(collected) = &mut self.0 else { return };
-        let periods = event.time.periods() as f64 + event.time.part();
-        if event.site != collected.home || periods < collected.periods - SHOWN {
+        let RunPicture { barriers, simulated, periods: end, .. } = &mut self.picture;
+        let periods = event.time.in_periods();
+        if event.site != self.home || periods < *end - SHOWN {
             return;
         }
-        let point = (periods, place(collected.barriers, event.barrier));
+        let point = (periods, place(*barriers, event.barrier));
         // Of a mass that bounces on a barrier nobody sees each.
         let seen = |last: &(f64, f64)| last.1 == point.1 && point.0 - last.0 < SHOWN / POINTS;
-        if !collected.simulated.last().is_some_and(seen) {
-            collected.simulated.push(point);
+        if !simulated.last().is_some_and(seen) {
+            simulated.push(point);
         }
     }
 
     pub(crate) fn see(&mut self, simulation: &Simulation) {
-        let Some(collected) = &mut self.0 else { return };
         let time = simulation.time();
-        let periods = time.periods() as f64 + time.part();
-        let trace = periods >= collected.periods - SHOWN - 1e-9 && collected.seen.is_multiple_of(collected.stride);
-        collected.seen += 1;
-        if trace || collected.field.wants() {
-            simulation.read(&mut collected.scratch.0, &mut collected.scratch.1);
+        let periods = time.in_periods();
+        let trace = self.traced.is_due() && periods >= self.picture.periods - SHOWN - 1e-9;
+        if trace || self.field.wants() {
+            simulation.read(&mut self.scratch.0, &mut self.scratch.1);
         }
-        let u = &collected.scratch.0;
-        collected.field.see(u, periods);
+        let u = &self.scratch.0;
+        self.field.see(u, periods);
         if trace {
-            collected.simulated.push((periods, u.get(collected.home).copied().unwrap_or(0.0)));
-            if let Some((orbit, motion)) = &mut collected.orbit {
-                let now = motion.at(collected.home, orbit_time(orbit, time, collected.start));
-                collected.analytic.push((periods, now.displacement));
+            self.picture.simulated.push((periods, u.get(self.home).copied().unwrap_or(0.0)));
+            if let Some((orbit, motion)) = &mut self.orbit {
+                let now = motion.at(self.home, orbit_time(orbit, time, self.start));
+                self.picture.analytic.push((periods, now.displacement));
             }
         }
     }
 
     pub(crate) fn finish(self) -> Result<(), CliError> {
-        let Some(collected) = self.0 else { return Ok(()) };
-        let tips = collected.tips();
-        let Collected { page, file, title, barriers, periods, simulated, mut analytic, field, .. } = collected;
-        analytic.extend(tips);
-        analytic.sort_by(|one, other| one.0.total_cmp(&other.0));
-        let picture = RunPicture { title, barriers, simulated, analytic, field: field.finish(), periods };
-        let bytes = run_picture(&picture, page).map_err(|error| CliError::Computation(error.to_string()))?;
-        Ok(file.finish_with(&bytes)?)
+        let tips = self.tips();
+        let Self { files, mut picture, field, .. } = self;
+        picture.analytic.extend(tips);
+        picture.analytic.sort_by(|one, other| one.0.total_cmp(&other.0));
+        picture.field = field.finish();
+        files.draw(|page| run_picture(&picture, page))
     }
-}
 
-impl Collected {
     /// The impacts of the orbit's own mass within its trace.
     fn tips(&self) -> Vec<(f64, f64)> {
-        let (Some((orbit, _)), Some(first), Some(last)) = (&self.orbit, self.analytic.first(), self.analytic.last())
-        else {
+        let RunPicture { barriers, analytic, .. } = &self.picture;
+        let (Some((orbit, _)), Some(first), Some(last)) = (&self.orbit, analytic.first(), analytic.last()) else {
             return Vec::new();
         };
         let (period, every) = (orbit.model().period(), f64::from(orbit.force_periods()));
@@ -199,7 +194,7 @@ impl Collected {
         let of = |impact: &Impact| {
             let at = (impact.time - self.start) / period;
             let next = at + every * ((first.0 - at) / every).ceil();
-            let height = place(self.barriers, impact.barrier);
+            let height = place(*barriers, impact.barrier);
             let rounds = ((last.0 - next) / every).floor().clamp(-1.0, SHOWN) as i64;
             (0..=rounds).map(move |k| (next + k as f64 * every, height))
         };

@@ -47,14 +47,9 @@ impl Section {
         let Some(path) = &args.section else { return Ok(None) };
         let (skip, phase) = (args.skip, args.section_phase);
         if !(skip >= 0.0 && skip <= args.periods) {
-            let message = format!("--skip {skip} is out of range: give a number of periods from 0 to {}", args.periods);
-            return Err(CliError::Request(message));
+            refuse!("--skip {skip} is out of range: give a number of periods from 0 to {}", args.periods);
         }
-        if !(0.0..1.0).contains(&phase) {
-            return Err(CliError::Request(format!(
-                "--section-phase {phase} is out of range: give a part from 0, below 1"
-            )));
-        }
+        ensure!((0.0..1.0).contains(&phase), "--section-phase {phase} is out of range: give a part from 0, below 1");
         let mut sites = args.section_sites.clone();
         if sites.is_empty() {
             sites = home;
@@ -63,13 +58,9 @@ impl Section {
         sites.dedup();
         let last = count.saturating_sub(1);
         if let Some(site) = sites.iter().find(|site| **site > last) {
-            return Err(CliError::Request(format!(
-                "--section-sites {site} does not exist: give sites from 0 to {last}"
-            )));
+            refuse!("--section-sites {site} does not exist: give sites from 0 to {last}");
         }
-        if sites.len() > MAX_SITES {
-            return Err(CliError::Request(format!("--section-sites has more than {MAX_SITES} sites: give fewer")));
-        }
+        ensure!(sites.len() <= MAX_SITES, "--section-sites has more than {MAX_SITES} sites: give fewer");
         let columns = |name: &str| sites.iter().map(|site| format!("{name}_{site}")).collect::<Vec<_>>();
         let words = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
         let (strobe, header) = match args.section_at {
@@ -77,7 +68,7 @@ impl Section {
                 let strobe = Strobe::of_period(period, psi, phase);
                 // The phase is less than a period away.
                 let first = ((skip.floor() as u64).saturating_sub(1)..=skip.ceil() as u64)
-                    .find(|&i| part(strobe.time(i)) >= skip);
+                    .find(|&i| strobe.time(i).in_periods() >= skip);
                 let header = [words(&["time", "period", "phase"]), columns(place), columns(velocity)].concat();
                 (Some((strobe, first.unwrap_or(skip.ceil() as u64))), header)
             }
@@ -124,7 +115,7 @@ impl Section {
 
     /// Takes note of an impact.
     pub(crate) fn hit(&mut self, time: Time, site: usize, barrier: Barrier, velocities: [f64; 2]) {
-        let wanted = self.strobe.is_none() && part(time) >= self.skip && self.sites.binary_search(&site).is_ok();
+        let wanted = self.strobe.is_none() && time.in_periods() >= self.skip && self.sites.binary_search(&site).is_ok();
         if !wanted {
             return;
         }
@@ -143,9 +134,4 @@ impl Section {
     pub(crate) fn finish(self) -> Result<(), CliError> {
         Ok(self.file.finish()?)
     }
-}
-
-/// A time in periods.
-fn part(time: Time) -> f64 {
-    time.periods() as f64 + time.part()
 }

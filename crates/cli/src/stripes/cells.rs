@@ -54,9 +54,6 @@ pub(super) fn read(request: &Request, path: &Path) -> Result<Vec<Tile>, CliError
         without |= matches!(cell.class, Some(Class::Double | Class::Single));
         tiles.push(Tile::from(cell));
     })?;
-    if without {
-        let advice = "it was made without stability; make it again with stability = true";
-        return Err(CliError::Request(format!("--map {}: {advice}", path.display())));
-    }
+    ensure!(!without, "--map {}: it was made without stability; make it again with stability = true", path.display());
     Ok(tiles)
 }

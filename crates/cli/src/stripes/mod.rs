@@ -68,7 +68,7 @@ pub fn run(args: &StripesArgs, console: &mut Console<'_>) -> Result<(), CliError
     fits(&picture, &request)?;
     let table = out.map(|path| CsvFile::create("--out", path, COLUMNS)).transpose()?;
     let manifest = Manifest::create(manifest.as_deref())?;
-    let widths = args.widths.as_deref().map(|path| CsvFile::create("--widths", path, HEADER)).transpose()?;
+    let widths = args.widths.as_deref().map(|path| CsvFile::create("--widths", path, HEADER.split(','))).transpose()?;
     let pool = threads(console.threads)?;
     let tiles = cells(&request, args.map.as_deref(), &pool, &stop)?;
     let rows = rows(&request, &tiles, &pool, &stop)?;

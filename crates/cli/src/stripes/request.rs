@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::common::error::CliError;
+use vibrochain_breather::Family;
 use vibrochain_floquet::felt_modes;
 use vibrochain_lattice::Parameter;
 use vibrochain_maps::scene::{Axis, Scene, Values};
@@ -46,11 +47,10 @@ impl Request {
         let scene = Scene::read(path)?;
         let name = path.display();
         let wrong = |what: &str| CliError::Request(format!("{name}: {what}"));
-        if !scene.is_conservative() {
-            return Err(wrong(
-                "stripes are collisions of modes without loss: give a scene without force and with elastic impacts",
-            ));
-        }
+        ensure!(
+            scene.is_conservative(),
+            wrong("stripes are collisions of modes without loss: give a scene without force and with elastic impacts")
+        );
         let cells = scene.cells();
         if cells > MOST_CELLS {
             return Err(wrong(&format!("the map has {cells} cells and is held whole: give at most {MOST_CELLS}")));
@@ -98,12 +98,7 @@ fn steps(axis: &Axis) -> Option<Steps> {
 }
 
 /// What is known of a tile's orbit: its family.
-pub(super) fn family(tile: &Tile) -> Option<vibrochain_breather::Family> {
-    use vibrochain_breather::Family;
-    use vibrochain_maps::cell::Class;
-    match tile.class? {
-        Class::StableDouble | Class::UnstableDouble | Class::Double => Some(Family::DoubleSided),
-        Class::StableSingle | Class::UnstableSingle | Class::Single => Some(Family::SingleSided),
-        Class::None | Class::StableWord | Class::UnstableWord | Class::Word => None,
-    }
+pub(super) fn family(tile: &Tile) -> Option<Family> {
+    let (family, _) = tile.class?.parts()?;
+    Some(family).filter(|family| *family != Family::Word)
 }

@@ -52,7 +52,7 @@ pub(super) fn take(lines: &mut Vec<Line>, fields: &mut Fields<'_, &str>) -> Resu
     }
     if let Some(line) = lines.last_mut() {
         if (line.family, line.modes, line.harmonic, line.sum) != (family, modes, harmonic, sum) {
-            return Err(format!("line {number} is of other modes than in the row before"));
+            refuse!("line {number} is of other modes than in the row before");
         }
         line.points.push(LinePoint { omega, gamma2 });
     }

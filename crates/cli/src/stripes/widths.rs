@@ -15,22 +15,8 @@ use crate::common::error::CliError;
 use crate::common::progress::counter;
 use crate::stripes::request::Request;
 
-pub(super) const HEADER: [&str; 14] = [
-    "family",
-    "gamma2",
-    "mode1",
-    "mode2",
-    "harmonic",
-    "centre",
-    "error",
-    "lower",
-    "upper",
-    "lower_end",
-    "upper_end",
-    "width",
-    "growth",
-    "resolved",
-];
+pub(super) const HEADER: &str =
+    "family,gamma2,mode1,mode2,harmonic,centre,error,lower,upper,lower_end,upper_end,width,growth,resolved";
 
 /// Points a unit of ω at which a row is looked at, and at least so many in a cell: breathers that are physical over a shorter stretch are
 /// not seen.

@@ -30,23 +30,20 @@ pub(crate) fn asked(args: &ModelArgs) -> Result<Option<StructureScene>, CliError
             let flag = of_chain.filter(|one| args.values.get(*one).is_some()).map(Parameter::flag).next();
             let flag = flag.or_else(|| args.sites.map(|_| "sites".to_owned()));
             if let Some(flag) = flag.or_else(|| args.of_structures().map(str::to_owned)) {
-                let message = format!(
+                refuse!(
                     "--{flag} is of chains, and the scene holds a structure: change its numbers by --set NAME=VALUE"
                 );
-                return Err(CliError::Request(message));
             }
             scene
         }
         None if args.of_structures().is_some() => chain(args)?,
         None if !args.structure.set.is_empty() => {
-            return Err(CliError::Request(
-                "--set changes the numbers of a structure: give --scene with [structure]".to_owned(),
-            ));
+            refuse!("--set changes the numbers of a structure: give --scene with [structure]");
         }
         None => return Ok(None),
     };
     if let Some(omega) = args.values.get(Parameter::Omega) {
-        scene.set(Setting::Omega, omega).map_err(CliError::Request)?;
+        scene.set(Setting::Omega, omega)?;
     }
     for text in &args.structure.set {
         let (name, value) =
@@ -90,19 +87,16 @@ fn refusal() -> CliError {
 /// A chain with dashpots, a static force, or stops of its own.
 fn chain(args: &ModelArgs) -> Result<StructureScene, CliError> {
     let extra = &args.structure;
-    if args.scene.is_some() {
-        let message =
-            "a scene's chain takes no dashpots: write it as [structure] with chain = { … }, or give all by flags";
-        return Err(CliError::Request(message.to_owned()));
-    }
+    ensure!(
+        args.scene.is_none(),
+        "a scene's chain takes no dashpots: write it as [structure] with chain = {{ … }}, or give all by flags"
+    );
     if args.layers.is_some_and(|layers| layers != 1) || args.force.is_some() {
         let message = "dashpots, static forces and stops of their own are of one row under a plain force: leave --layers and --force away";
         return Err(CliError::Request(message.to_owned()));
     }
     let sites = args.sites.ok_or_else(|| CliError::Request("sites is missing: give --sites".to_owned()))?;
-    if sites < 1 {
-        return Err(CliError::Request(format!("sites = {sites} is out of range: give a whole number from 1")));
-    }
+    ensure!(sites >= 1, "sites = {sites} is out of range: give a whole number from 1");
     let value = |parameter: Parameter| args.values.get(parameter);
     let parameters = [Gamma1, Gamma2, Asymmetry, Amplitude, Restitution];
     for (parameter, value) in parameters.into_iter().filter_map(|parameter| Some((parameter, value(parameter)?))) {
@@ -111,7 +105,7 @@ fn chain(args: &ModelArgs) -> Result<StructureScene, CliError> {
     let StructureArgs { damping, coupling_damping, static_force, stops, lower, upper, .. } = extra;
     let own = [damping, coupling_damping, static_force, lower, upper];
     if let Some(value) = own.into_iter().flatten().find(|value| !value.is_finite()) {
-        return Err(CliError::Request(format!("{value} is out of range: give finite numbers")));
+        refuse!("{value} is out of range: give finite numbers");
     }
     let is_forced = value(Amplitude).is_some_and(|amplitude| amplitude != 0.0);
     let model = object([

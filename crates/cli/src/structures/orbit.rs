@@ -39,8 +39,8 @@ pub(super) struct Drawn<'a> {
 pub(crate) fn run(args: &OrbitArgs, scene: &StructureScene, console: &mut Console<'_>) -> Result<(), CliError> {
     let taken = apart(args)?;
     let stop = (console.interrupt)()?;
-    let model = scene.model().map_err(CliError::Request)?;
-    let tolerance = args.threshold.map_or(Ok(scene.tolerance), tolerance_from).map_err(CliError::Request)?;
+    let model = scene.model()?;
+    let tolerance = args.threshold.map_or(Ok(scene.tolerance), tolerance_from)?;
     let file = args.multipliers.as_deref().map(MultiplierFile::create).transpose()?;
     let trajectory = OrbitTrajectory::open(args, columns(&model))?;
     let pictures = OrbitPictures::open(args)?;
@@ -128,9 +128,7 @@ pub(crate) fn found(
         (None, None, Some(word), _) => (word.clone(), scene.force_periods),
         (None, None, None, [(word, periods)]) => (word.clone(), *periods),
         _ => {
-            return Err(CliError::Request(
-                "which orbits? give --word, as in 0+ or 0-,1+: contacts and their barriers".to_owned(),
-            ));
+            refuse!("which orbits? give --word, as in 0+ or 0-,1+: contacts and their barriers");
         }
     };
     let periods = which.force_periods.unwrap_or(periods);
@@ -175,9 +173,7 @@ fn near(path: &Path, model: &StructureModel) -> Result<StructureOrbit, CliError>
         value = first.take();
     }
     let near: Near = serde_json::from_value(value).map_err(|error| wrong(&error))?;
-    if near.impacts.is_empty() {
-        return Err(wrong(&"it has no impacts"));
-    }
+    ensure!(!near.impacts.is_empty(), wrong(&"it has no impacts"));
     let impacts: Vec<(usize, Barrier, f64, f64)> = near
         .impacts
         .iter()

@@ -3,12 +3,12 @@
 use vibrochain_breather::{StructureModel, StructureMotion, StructureOrbit};
 use vibrochain_eventsim::{ContactEvent, ContactState, Time};
 use vibrochain_lattice::Contact;
-use vibrochain_maps::files::Output;
 use vibrochain_maps::structure::StructureScene;
-use vibrochain_plot::{Curves, Mark, Page, Pane, Series, Stroke, curves_picture, run_trace};
+use vibrochain_plot::{Curves, Mark, Pane, Series, curves_picture, run_trace};
 
 use crate::args::SimulateArgs;
 use crate::common::error::CliError;
+use crate::common::pictures::files::PictureFiles;
 
 /// Periods at the end of the run of which the contact is shown.
 const SHOWN: f64 = 8.0;
@@ -21,12 +21,8 @@ const IMPACTS: usize = 40_000;
 const CONTACTS: usize = 5;
 
 /// Collects what the picture needs.
-#[derive(Default)]
-pub(super) struct RunPlot(Option<Box<Collected>>);
-
-struct Collected {
-    page: Page,
-    file: Output,
+pub(super) struct RunPlot {
+    files: PictureFiles,
     title: String,
     home: usize,
     contact: Contact,
@@ -70,14 +66,14 @@ impl RunPlot {
         model: &StructureModel,
         (from, home): (&str, usize),
         orbit: Option<(StructureOrbit, f64)>,
-    ) -> Result<Self, CliError> {
-        args.page.checked(args.plot.is_some(), "--plot")?;
-        let opened = args.page.open("--plot", args.plot.as_deref())?;
-        let Some((page, file)) = opened else { return Ok(Self(None)) };
+    ) -> Result<Option<Self>, CliError> {
+        let files = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
+        if files.is_empty() {
+            return Ok(None);
+        }
         let title = format!("{}, from {from}: {}", scene.heading(), scene.here());
-        let collected = Collected {
-            page,
-            file,
+        let plot = Self {
+            files,
             title,
             home,
             contact: model.structure().contacts()[home],
@@ -87,24 +83,18 @@ impl RunPlot {
             orbit,
             velocities: Vec::new(),
         };
-        let measured = curves_picture(&collected.picture(), page.to_measure());
-        measured.map_err(|error| CliError::Request(error.0))?;
-        Ok(Self(Some(Box::new(collected))))
-    }
-
-    pub(super) fn is_wanted(&self) -> bool {
-        self.0.is_some()
+        plot.files.fit(|page| curves_picture(&plot.picture(), page))?;
+        Ok(Some(plot))
     }
 
     pub(super) fn hit(&mut self, event: &ContactEvent) {
-        let Some(collected) = &mut self.0 else { return };
-        let periods = event.time.periods() as f64 + event.time.part();
+        let periods = event.time.in_periods();
         // Between samples the tips of a trace, which are its impacts, would be cut off.
-        let tip = collected.contact.barrier(event.barrier).filter(|_| event.contact == collected.home);
+        let tip = self.contact.barrier(event.barrier).filter(|_| event.contact == self.home);
         if let Some(tip) = tip {
-            collected.trace(periods, tip);
+            self.trace(periods, tip);
         }
-        let velocities = &mut collected.velocities;
+        let velocities = &mut self.velocities;
         let known = velocities.iter().position(|(contact, _)| *contact == event.contact);
         let at = known.unwrap_or(velocities.len());
         if at == velocities.len() && at < CONTACTS {
@@ -116,32 +106,27 @@ impl RunPlot {
     }
 
     pub(super) fn look(&mut self, time: Time, contacts: &[ContactState]) -> Result<(), CliError> {
-        let Some(collected) = &mut self.0 else { return Ok(()) };
-        let periods = time.periods() as f64 + time.part();
-        if let Some(contact) = contacts.get(collected.home) {
-            collected.trace(periods, contact.place);
+        let periods = time.in_periods();
+        if let Some(contact) = contacts.get(self.home) {
+            self.trace(periods, contact.place);
         }
-        let Some((orbit, start)) = &collected.orbit else { return Ok(()) };
-        if periods >= collected.periods - SHOWN && collected.analytic.len() < POINTS {
+        let Some((orbit, start)) = &self.orbit else { return Ok(()) };
+        if periods >= self.periods - SHOWN && self.analytic.len() < POINTS {
             let rounds = time.periods() % u64::from(orbit.force_periods());
             let now = rounds as f64 * orbit.model().period() + time.offset() + start;
             let (motion, now) = (StructureMotion::new(orbit)?, now.rem_euclid(orbit.period()));
             let i = orbit.impacts().partition_point(|impact| impact.time <= now).saturating_sub(1);
-            let [place, ..] = motion.contact(collected.home, i, now - orbit.impacts()[i].time);
-            collected.analytic.push((periods, place));
+            let [place, ..] = motion.contact(self.home, i, now - orbit.impacts()[i].time);
+            self.analytic.push((periods, place));
         }
         Ok(())
     }
 
     pub(super) fn finish(self) -> Result<(), CliError> {
-        let Some(collected) = self.0 else { return Ok(()) };
-        let bytes = curves_picture(&collected.picture(), collected.page);
-        let bytes = bytes.map_err(|error| CliError::Computation(error.to_string()))?;
-        Ok(collected.file.finish_with(&bytes)?)
+        let picture = self.picture();
+        self.files.draw(|page| curves_picture(&picture, page))
     }
-}
 
-impl Collected {
     fn trace(&mut self, periods: f64, place: f64) {
         if periods >= self.periods - SHOWN && self.simulated.len() < POINTS {
             self.simulated.push((periods, place));
@@ -151,12 +136,10 @@ impl Collected {
     fn picture(&self) -> Curves {
         let levels = [self.contact.lower, self.contact.upper].into_iter().flatten().collect();
         let trace = run_trace(&format!("g of contact {}", self.home), &self.simulated, &self.analytic, levels);
-        let dots = |(colour, (contact, velocities)): (usize, &(usize, Thinned))| Series {
-            name: if self.velocities.len() > 1 { format!("contact {contact}") } else { String::new() },
-            colour,
-            stroke: Stroke::None,
-            mark: if velocities.points.len() > 400 { Mark::Dot } else { Mark::Small(colour) },
-            points: velocities.points.clone(),
+        let dots = |(colour, (contact, velocities)): (usize, &(usize, Thinned))| {
+            let name = if self.velocities.len() > 1 { format!("contact {contact}") } else { String::new() };
+            let mark = if velocities.points.len() > 400 { Mark::Dot } else { Mark::Small(colour) };
+            Series::marks(name, colour, mark, velocities.points.iter().copied())
         };
         let impacts = Pane {
             x: "time in periods (whole run)".to_owned(),

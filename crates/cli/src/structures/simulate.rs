@@ -32,23 +32,19 @@ const FLIGHTS: u64 = 20_000;
 pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Console<'_>) -> Result<(), CliError> {
     let others = [("animate", args.animate.is_some()), ("perturb", args.perturb.is_some())];
     if let Some((flag, _)) = others.iter().find(|(_, given)| *given) {
-        let message = format!(
+        refuse!(
             "--{flag} is of chains without dashpots: a structure's run has --impacts, --trajectory, --section, --plot and --json"
         );
-        return Err(CliError::Request(message));
     }
-    if args.periods >= MOST {
-        let message = format!("--periods {} is out of range: give a number from 0 to {MOST:e}", args.periods);
-        return Err(CliError::Request(message));
-    }
+    ensure!(args.periods < MOST, "--periods {} is out of range: give a number from 0 to {MOST:e}", args.periods);
     let taken = checked(args)?;
-    let model = scene.model().map_err(CliError::Request)?;
+    let model = scene.model()?;
     let Start { psi, modes, from, orbit } = start(args, scene, &model)?;
     let structure = (**model.structure()).clone();
     let simulation = StructureSimulation::new(structure, model.omega(), psi, &modes);
     let mut simulation = simulation.map_err(|error| CliError::Request(error.to_string()))?;
     // Keeping account costs more than the flights.
-    let form = if console.verbose { scene.energy_form().map_err(CliError::Request)? } else { None };
+    let form = if console.verbose { scene.energy_form()? } else { None };
     let before = form.as_ref().map_or(0.0, |form| form.energy(&modes));
     if let Some(form) = &form {
         simulation = simulation.with_balance(form.clone());
@@ -74,7 +70,7 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
     };
     let section = Section::open(args, section)?;
     let plot = RunPlot::open(args, scene, &model, (&from, hit[0]), orbit)?;
-    let samples = if trajectory.is_some() || plot.is_wanted() { args.samples } else { 0 };
+    let samples = if trajectory.is_some() || plot.is_some() { args.samples } else { 0 };
     let (report, counts, events) = (None, [0; 3], Vec::new());
     let mut kept = Kept { simulation, report, table, trajectory, section, plot, counts, events };
     let stopped = follow(&mut kept, args, (samples, FLIGHTS), &stop, console)?;
@@ -82,7 +78,7 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
     // What was simulated is kept.
     trajectory.map_or(Ok(()), CsvFile::finish)?;
     section.map_or(Ok(()), Section::finish)?;
-    plot.finish()?;
+    plot.map_or(Ok(()), RunPlot::finish)?;
     table.map_or(Ok(()), CsvFile::finish)?;
     let Some(report) = report.filter(|_| !stopped) else { return Err(interrupted(args, simulation.time())) };
     let rests = simulation.state().contacts.iter().any(|contact| contact.resting.is_some());
@@ -152,7 +148,7 @@ struct Kept {
     table: Option<CsvFile>,
     trajectory: Option<CsvFile>,
     section: Option<Section>,
-    plot: RunPlot,
+    plot: Option<RunPlot>,
     counts: [usize; 3],
     events: Vec<ContactEvent>,
 }
@@ -171,7 +167,7 @@ impl Run for Kept {
         let report = simulation.run(limits, |event| {
             counts[event.kind as usize] += 1;
             if event.kind == EventKind::Impact {
-                plot.hit(event);
+                plot.iter_mut().for_each(|plot| plot.hit(event));
                 let velocities = [event.velocity_before, event.velocity_after];
                 let section = section.iter_mut();
                 section.for_each(|section| section.hit(event.time, event.contact, event.barrier, velocities));
@@ -197,11 +193,11 @@ impl Run for Kept {
     }
 
     fn look(&mut self) -> Result<(), CliError> {
-        if self.trajectory.is_none() && !self.plot.is_wanted() {
+        if self.trajectory.is_none() && self.plot.is_none() {
             return Ok(());
         }
         let StructureState { place, velocity, contacts, time, .. } = self.simulation.state();
-        self.plot.look(time, &contacts)?;
+        self.plot.as_mut().map_or(Ok(()), |plot| plot.look(time, &contacts))?;
         let Some(table) = &mut self.trajectory else { return Ok(()) };
         let (places, velocities) = contacts.iter().map(|contact| (contact.place, contact.velocity)).unzip();
         let all: [Vec<f64>; 5] = [vec![time.to_f64()], places, velocities, place, velocity];

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use vibrochain_fate::{Ensemble, Fates, From};
 use vibrochain_lattice::Parameter;
-use vibrochain_maps::files::distinct;
 use vibrochain_maps::grid::{Files, Grid};
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::structure::StructureScene;
@@ -16,7 +15,7 @@ use crate::along::labels;
 use crate::args::{DrawArgs, OF_BRANCHES, QuantityName, SHOWN};
 use crate::branch::drawn;
 use crate::branch::table::Table;
-use crate::common::console::{Console, nothing_else};
+use crate::common::console::{Console, destinations};
 use crate::common::error::CliError;
 use crate::common::pictures::files::{PictureFiles, of_no_map};
 use crate::common::swept_scene::SweptScene;
@@ -53,7 +52,7 @@ impl Kind {
             let [x, y] = [2, 3].map(|i| columns.get(i).copied().and_then(Parameter::from_name));
             x.zip(y).is_some_and(|(x, y)| columns == crate::curve::table::header([x.name(), y.name()]))
         };
-        if columns == crate::branch::table::HEADER {
+        if columns.join(",") == crate::branch::table::HEADER {
             Ok(Self::Branch)
         } else if columns == stripes::COLUMNS {
             Ok(Self::Lines)
@@ -101,7 +100,7 @@ impl Kind {
         ];
         if let Some((flag, _, whose, _)) = flags.iter().find(|(_, given, _, taken)| *given && !taken) {
             let name = self.name();
-            return Err(CliError::Request(format!("{flag} is of tables {whose}, this is one of {name}: leave it out")));
+            refuse!("{flag} is of tables {whose}, this is one of {name}: leave it out");
         }
         if self == Self::Cells {
             Ok(())
@@ -118,22 +117,18 @@ impl Kind {
 pub fn run(args: &DrawArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let wanted = &args.pictures;
     let outputs = wanted.beside(&[]);
-    if outputs.is_empty() {
-        return Err(CliError::Request("nothing is asked for: give --plot FILE, .png, .svg or .pdf".to_owned()));
-    }
+    ensure!(!outputs.is_empty(), "nothing is asked for: give --plot FILE, .png, .svg or .pdf");
     let manifest = manifest_path(&args.table);
     let source = args.scene.as_deref().unwrap_or(&manifest);
     let inputs =
         [("the table", Some(args.table.as_path())), ("the scene", Some(source)), ("--map", args.map.as_deref())];
-    nothing_else(false, distinct(&inputs, &outputs)?)?;
+    destinations(false, &inputs, &outputs)?;
     let table = TableRows::open("table", &args.table)?;
     let kind = Kind::of(&table.columns()).map_err(|what| table.wrong(&what))?;
     kind.takes(args)?;
     if args.scene.is_none() && !manifest.exists() {
         let what = if kind == Kind::Cells { "the scene of the table" } else { "its manifest" };
-        let message =
-            format!("{} is not there, which says what the table is of: give {what} by --scene", manifest.display());
-        return Err(CliError::Request(message));
+        refuse!("{} is not there, which says what the table is of: give {what} by --scene", manifest.display());
     }
     let is_structure = StructureScene::is_at(source);
     let told = match kind {
@@ -177,7 +172,7 @@ fn cells<S: SweptScene>(
         [] => QuantityName::default(),
         [one] => *one,
         [..] => {
-            return Err(CliError::Request("--show: the cells of a map have one colour: give one of these".to_owned()));
+            refuse!("--show: the cells of a map have one colour: give one of these");
         }
     };
     let stop = (console.interrupt)()?;
@@ -233,7 +228,7 @@ fn branch(args: &DrawArgs, table: TableRows, source: &Path) -> Result<String, Cl
     table.rows(rows, |fields| diagram.take(fields))?;
     if let Some(other) = args.show.iter().find(|name| !OF_BRANCHES.contains(name)) {
         let known = OF_BRANCHES.map(|name| name.to_string()).join(", ");
-        return Err(CliError::Request(format!("--show {other} is of maps: of a branch give some of {known}")));
+        refuse!("--show {other} is of maps: of a branch give some of {known}");
     }
     let shown = if args.show.is_empty() { &SHOWN[..] } else { &args.show };
     let Table { about, branches } = &diagram;

@@ -9,7 +9,7 @@ use vibrochain_lattice::{Short, Stop};
 
 use crate::args::{MergeArgs, QuantityName};
 use crate::common::chunked_run::quoted;
-use crate::common::console::{Console, nothing_else};
+use crate::common::console::{Console, destinations};
 use crate::common::error::CliError;
 use crate::common::pictures::files::{PictureFiles, of_no_map};
 use crate::common::swept_scene::SweptScene;
@@ -19,7 +19,7 @@ use crate::fate::{self, Seen};
 use crate::sweep::report::report;
 use crate::sweep::{manifest_text, tell};
 use vibrochain_maps::files::Output;
-use vibrochain_maps::files::{distinct, name_within};
+use vibrochain_maps::files::name_within;
 use vibrochain_maps::grid::Grid;
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::structure::StructureScene;
@@ -110,13 +110,11 @@ fn ensemble<S: SweptScene>(
 fn apart(args: &MergeArgs, manifest_file: Option<&Path>) -> Result<bool, CliError> {
     let outputs =
         args.pictures.beside(&[("--out", Some(args.out.as_path())), ("the manifest of --out", manifest_file)]);
-    let taken = distinct(&[("the folder of chunks", Some(&args.folder))], &outputs)?;
-    nothing_else(args.json, taken)?;
+    let taken = destinations(args.json, &[("the folder of chunks", Some(&args.folder))], &outputs)?;
     for (flag, path) in outputs {
         let Some(path) = path else { continue };
         if name_within(&args.folder, path).is_some_and(|name| Store::owns(&name)) {
-            let message = format!("{flag} and a chunk are the same file, {}: name another", path.display());
-            return Err(CliError::Request(message));
+            refuse!("{flag} and a chunk are the same file, {}: name another", path.display());
         }
     }
     Ok(taken)
@@ -135,12 +133,8 @@ fn assembled<S: Grid, C: Content<S>>(
     let mut assembly = Assembly::begin(content, plan, &args.out, pool.current_num_threads(), watcher)?;
     let check = |chunk| Store::check(content, &args.folder, plan, chunk, &stop).err().map(|fault| (chunk, fault));
     let faults: Vec<(u64, Fault)> = pool.install(|| (0..plan.chunks()).into_par_iter().filter_map(check).collect());
-    if faults.iter().any(|(_, fault)| matches!(fault, Fault::Stopped)) {
-        return Err(CliError::Interrupted);
-    }
-    if !faults.is_empty() {
-        return Err(incomplete(args, plan, &faults));
-    }
+    ensure!(!faults.iter().any(|(_, fault)| matches!(fault, Fault::Stopped)), CliError::Interrupted);
+    ensure!(faults.is_empty(), incomplete(args, plan, &faults));
     match assembly.chunks(&args.folder, &stop) {
         Ok(summary) => Ok((assembly.into_table(), summary, stop)),
         Err(Unassembled::Stopped) => Err(CliError::Interrupted),

@@ -13,7 +13,7 @@ use vibrochain_lattice::{Short, Stop};
 
 use crate::args::{QuantityName, SweepArgs};
 use crate::common::chunked_run::{ChunkedRun, nothing_to_resume, parts_path, place, quoted, shard_of};
-use crate::common::console::{Console, nothing_else};
+use crate::common::console::{Console, destinations};
 use crate::common::error::CliError;
 use crate::common::swept_scene::SweptScene;
 use crate::common::table_manifest::manifest_path;
@@ -56,7 +56,7 @@ fn swept<S: SweptScene>(args: &SweepArgs, console: &mut Console<'_>) -> Result<(
         return console.print(&estimate);
     }
     let Some(out) = &args.out else {
-        return Err(CliError::Request("--out is missing: name the table to write".to_owned()));
+        refuse!("--out is missing: name the table to write");
     };
     let sweep = Sweep { args, out, plan: &plan, pool: &pool };
     match shard {
@@ -92,8 +92,7 @@ impl<S: SweptScene> Sweep<'_, S> {
         let (chunks, manifest) =
             (("the folder of chunks", Some(&*parts)), ("the manifest of --out", Some(&*manifest_file)));
         let outputs = wanted.beside(&[("--out", Some(out)), manifest, chunks]);
-        let taken = distinct(&[("the scene", Some(&self.args.scene))], &outputs)?;
-        nothing_else(self.args.json, taken)?;
+        destinations(self.args.json, &[("the scene", Some(&self.args.scene))], &outputs)?;
         Form::of(out)?;
         let stop = (console.interrupt)()?;
         // Destinations first: an impossible one should not cost a computation.
@@ -118,12 +117,13 @@ impl<S: SweptScene> Sweep<'_, S> {
     fn streamed(&self, console: &mut Console<'_>) -> Result<(), CliError> {
         let (out, scene) = (self.out, &self.plan.scene);
         let name = out.display();
-        if self.args.resume {
-            return Err(nothing_to_resume("--out", out));
-        }
+        ensure!(!self.args.resume, nothing_to_resume("--out", out));
         let wanted = &self.args.pictures;
-        let taken = distinct(&[("the scene", Some(&self.args.scene))], &wanted.beside(&[("--out", Some(out))]))?;
-        nothing_else(self.args.json, taken)?;
+        let taken = destinations(
+            self.args.json,
+            &[("the scene", Some(&self.args.scene))],
+            &wanted.beside(&[("--out", Some(out))]),
+        )?;
         let stop = (console.interrupt)()?;
         let mut pictures = scene.pictures(wanted, self.args.show)?;
         // Two kinds of lines on one terminal are none.

@@ -1,4 +1,4 @@
-//! Impacts of a structure, chatter, rest and release.
+//! Impacts of a structure.
 //!
 //! **Impact.** An impulse P = −(1+e) m g′⁻ at the contact, m = 1/(wᵀM⁻¹w): it changes the velocity of every contact that shares a coordinate.
 //! The modes are not moved: where rounding has put the barrier is where it is until the contact is back, so no energy is made.
@@ -7,17 +7,14 @@
 //! order of their numbers, those at rest among them, again and again until none moves outward. A velocity below 1e-12 of the first is none, and
 //! so is one that the force on a contact at rest takes off within [`CHATTER_TIME`]: contacts that chatter together would never end.
 //! Without coordinates in common the order does not matter.
-//!
-//! **Chatter, rest, release** are those of the chain ([`crate::collision`]), with accelerations that know dashpots and the forces of other
-//! contacts at rest. A contact that comes to rest may take another one's load off: whose force would pull is released at once.
 
 use super::approach::Place;
 use super::motion::{Due, Motion};
 use super::series::Series;
+use crate::cascade::Change;
 use crate::collision::CHATTER_TIME;
 use crate::event::EventKind;
 use crate::ring::Contact;
-use crate::units::MAX_ORDER;
 use vibrochain_lattice::Barrier;
 
 /// In a sequence, velocity relative to the first one's that is none.
@@ -25,19 +22,6 @@ const STILL: f64 = 1e-12;
 
 /// Impacts of one sequence.
 const SEQUENCE: u32 = 100_000;
-
-/// What became of one contact.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Change {
-    pub(crate) contact: usize,
-    pub(crate) barrier: Barrier,
-    pub(crate) before: f64,
-    pub(crate) after: f64,
-    pub(crate) impulse: f64,
-    pub(crate) kind: EventKind,
-    /// How much later than now: the limit of a cascade.
-    pub(crate) delay: f64,
-}
 
 /// A contact at its barrier when contacts hit.
 #[derive(Debug, Clone, Copy)]
@@ -60,12 +44,6 @@ enum Role {
 impl Party {
     fn sign(&self) -> f64 {
         self.barrier.sign()
-    }
-}
-
-impl Change {
-    pub(crate) fn still(contact: usize, barrier: Barrier, kind: EventKind, delay: f64) -> Self {
-        Self { contact, barrier, before: 0.0, after: 0.0, impulse: 0.0, kind, delay }
     }
 }
 
@@ -157,7 +135,7 @@ impl Motion {
     }
 
     /// g′ outward.
-    fn outward(&self, contact: usize, barrier: Barrier) -> f64 {
+    pub(super) fn outward(&self, contact: usize, barrier: Barrier) -> f64 {
         let v = self.places[contact].v.unwrap_or_else(|| self.flight.velocity(&self.system, contact));
         barrier.sign() * v
     }
@@ -233,98 +211,8 @@ impl Motion {
             ledger.impact(-0.5 * impulse * (before + after));
         }
         self.work.impacts += 1;
-        changes.push(Change { contact, barrier, before, after, impulse, kind: EventKind::Impact, delay: 0.0 });
-    }
-
-    /// What a contact on its barrier does after the impacts there.
-    fn part(&mut self, contact: usize, barrier: Barrier, changes: &mut Vec<Change>) {
-        let outward = self.outward(contact, barrier);
-        if outward == 0.0 {
-            self.settle(contact, barrier, changes);
-            return;
-        }
-        self.places[contact].touch = Contact::Leaving(barrier, 1);
-        let loss = 1.0 - self.system.structure.contacts()[contact].restitution;
-        if loss > 0.0 {
-            let series = Series::tendencies(&self.system, &self.flight, &self.places);
-            let (c, h) = (series.contacts[contact], series.length);
-            let pressing = 2.0 * barrier.sign() * c[2] / (h * h);
-            let jerk = 6.0 * c[3].abs() / (h * h * h);
-            if pressing > 0.0 {
-                let left = 2.0 * outward.abs() / (pressing * loss);
-                if left * (self.system.fastest + jerk / pressing) < CHATTER_TIME {
-                    self.rest(contact, barrier, left, changes);
-                }
-            }
-        }
-    }
-
-    /// A contact on its barrier without velocity: it rests, or leaves.
-    pub(crate) fn settle(&mut self, contact: usize, barrier: Barrier, changes: &mut Vec<Change>) {
-        self.places[contact].v = Some(0.0);
-        self.places[contact].touch = Contact::Free;
-        match Series::tendencies(&self.system, &self.flight, &self.places).tendency(contact, barrier, 2) {
-            Some((order, false)) => self.places[contact].touch = Contact::Leaving(barrier, order),
-            _ => self.rest(contact, barrier, 0.0, changes),
-        }
-    }
-
-    fn rest(&mut self, contact: usize, barrier: Barrier, delay: f64, changes: &mut Vec<Change>) {
-        if let Some(ledger) = &mut self.ledger {
-            let v = self.places[contact].v.unwrap_or(0.0);
-            ledger.impact(0.5 * v * v / self.system.mobility(contact, contact));
-        }
-        let place = &mut self.places[contact];
-        (place.x, place.v, place.reference) = (0.0, Some(0.0), Some(barrier));
-        place.touch = Contact::Resting(barrier);
-        self.work.sticks += 1;
-        changes.push(Change::still(contact, barrier, EventKind::Stick, delay));
-        self.hold(&[]);
-    }
-
-    /// Lets a contact leave its barrier with the first derivative, from `order` on, that does not vanish; if that points outward it stays.
-    fn release(&mut self, contact: usize, barrier: Barrier, order: usize, pull: Option<u8>, changes: &mut Vec<Change>) {
-        let before = self.places[contact].touch;
-        self.places[contact].touch = Contact::Free;
-        self.places[contact].v = Some(0.0);
-        let series = Series::tendencies(&self.system, &self.flight, &self.places);
-        let tendency = series.tendency(contact, barrier, order);
-        if let Some((order, false)) = tendency.or(pull.map(|order| (order, false))) {
-            self.places[contact].touch = Contact::Leaving(barrier, order);
-            self.work.releases += 1;
-            changes.push(Change::still(contact, barrier, EventKind::Release, 0.0));
-        } else {
-            self.places[contact].touch = before;
-        }
-    }
-
-    /// Lets the forces of all contacts on their barriers agree: releases those at rest that their barriers would have to pull, the strongest
-    /// pull first, and puts at rest those that were about to leave and are pressed now that others rest.
-    pub(crate) fn let_go(&mut self, changes: &mut Vec<Change>) {
-        for _ in 0..4 * self.places.len() {
-            let is_soft = |place: &Place| matches!(place.touch, Contact::Resting(_) | Contact::Leaving(_, 2..));
-            if !self.places.iter().any(is_soft) {
-                return;
-            }
-            let series = Series::tendencies(&self.system, &self.flight, &self.places);
-            let is_pulled = |(contact, _, force): &&(usize, Barrier, [f64; MAX_ORDER + 1])| {
-                force[0] < -series.force_doubt(&self.system, *contact)
-            };
-            let pulled = series.forces.iter().filter(is_pulled).min_by(|a, b| a.2[0].total_cmp(&b.2[0]));
-            if let Some(&(contact, barrier, _)) = pulled {
-                self.release(contact, barrier, 2, Some(2), changes);
-                continue;
-            }
-            let pressed = self.places.iter().enumerate().find_map(|(contact, place)| match place.touch {
-                Contact::Leaving(barrier, 2..) => {
-                    let tendency = series.tendency(contact, barrier, 2)?;
-                    tendency.1.then_some((contact, barrier))
-                }
-                _ => None,
-            });
-            let Some((contact, barrier)) = pressed else { return };
-            self.rest(contact, barrier, 0.0, changes);
-        }
+        let (site, force, kind) = (contact, impulse, EventKind::Impact);
+        changes.push(Change { site, barrier, before, after, force, kind, delay: 0.0 });
     }
 }
 
@@ -521,7 +409,7 @@ mod tests {
                 let mut changes = Vec::new();
                 motion.collide(&mut changes).unwrap();
                 let impacts = |c: usize| {
-                    changes.iter().filter(|change| change.contact == c && change.kind == EventKind::Impact).count()
+                    changes.iter().filter(|change| change.site == c && change.kind == EventKind::Impact).count()
                 };
                 assert!((0..count).all(|c| impacts(c) == once[c]), "{round}: {made:?} {changes:?}");
                 let (_, end) = ends[0].as_ref().unwrap();

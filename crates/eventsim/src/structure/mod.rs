@@ -13,7 +13,8 @@
 //! | `series` | Taylor series with resting contacts |
 //! | `balance` | work of the loads, what dashpots and impacts take |
 //! | `motion` | the state between events: modes, contacts, clock |
-//! | `collision` | impacts, in sequence where contacts share coordinates; chatter, rest and release |
+//! | `collision` | impacts, in sequence where contacts share coordinates |
+//! | `rest` | chatter, rest and release |
 //! | `event` | what a run reports |
 //! | `tangent` | small perturbations of a run, to first order |
 //! | `simulation` | the event loop and its public face |
@@ -25,6 +26,7 @@ mod event;
 mod flight;
 mod loads;
 mod motion;
+mod rest;
 mod series;
 mod simulation;
 mod system;

@@ -2,17 +2,16 @@
 
 use super::approach::Place;
 use super::balance::{EnergyBalance, Ledger};
-use super::collision::Change;
 use super::event::{ContactEvent, StructureOutcome, StructureReport, StructureStateError};
 use super::motion::Motion;
 use super::series::Series;
 use super::system::System;
 use super::tangent::{Alone, Company, StructureTangents};
-use crate::cascade::{Cascades, Pending};
+use crate::cascade::{Cascades, Change};
 use crate::collision::CHATTER_TIME;
-use crate::event::{BOUNCE_TIME, EventKind, Limits, Work};
+use crate::error::TangentError;
+use crate::event::{BOUNCE_TIME, Limits, Work};
 use crate::ring::Contact;
-use crate::tangent::TangentError;
 use crate::time::Time;
 use vibrochain_lattice::{Barrier, EnergyForm, ModalStructure};
 
@@ -310,8 +309,8 @@ impl StructureSimulation {
                 }
             } else if pending <= limit {
                 self.now = self.now.max(pending);
-                let rested = self.cascades.rested_by(pending);
-                self.tell_rests(&rested, observer);
+                let time = self.time();
+                self.cascades.rested_by(pending, |change| observer(&event(change, time)));
             } else if target <= horizon {
                 self.now = self.now.max(target);
                 return StructureOutcome::TimeReached;
@@ -364,49 +363,30 @@ impl StructureSimulation {
         limits: &Limits,
         observer: &mut impl FnMut(&ContactEvent),
     ) -> Option<StructureOutcome> {
-        let mut outcome = None;
-        for change in changes {
-            let &Change { contact, barrier, before, after, impulse, kind, delay } = change;
-            if kind == EventKind::Stick && delay > 0.0 {
-                self.cascades.rest_at(contact, barrier, self.now + delay);
-                continue;
-            }
-            if kind == EventKind::Release {
-                // A release before the end of its own cascade: then that end is now.
-                let rested = self.cascades.cut_short(contact);
-                self.tell_rests(&rested, observer);
-            }
-            let (time, velocity_before, velocity_after) = (self.time(), before, after);
-            observer(&ContactEvent { time, contact, barrier, velocity_before, velocity_after, impulse, kind });
-            if kind == EventKind::Impact {
-                // A cascade takes ln(from/to)/(1 − e) impacts from one length of its flights to another.
-                let loss = 1.0 - self.structure().contacts()[contact].restitution;
-                let is_resolved = loss * f64::from(limits.bounces) >= (BOUNCE_TIME / CHATTER_TIME).ln();
-                let (system, most) = (&self.motion.system, f64::from(limits.bounces));
-                let (bounce, pressed) = (BOUNCE_TIME / system.fastest, PRESSED / system.fastest);
-                let wait = if is_resolved { bounce } else { pressed.min(system.period() / most).max(bounce) };
-                let bounces = self.cascades.count(contact, barrier, &self.motion.clock, self.now, wait);
-                if bounces >= limits.bounces {
-                    self.cascades.forget(contact);
-                    outcome = outcome.or(Some(StructureOutcome::Cascade { contact, barrier, bounces }));
-                }
-            }
-        }
-        outcome
-    }
-
-    fn tell_rests(&self, rested: &[Pending], observer: &mut impl FnMut(&ContactEvent)) {
-        let (time, kind) = (self.time(), EventKind::Stick);
-        for &Pending { site: contact, barrier, .. } in rested {
-            let (velocity_before, velocity_after, impulse) = (0.0, 0.0, 0.0);
-            observer(&ContactEvent { time, contact, barrier, velocity_before, velocity_after, impulse, kind });
-        }
+        let (time, now, system) = (self.time(), (&self.motion.clock, self.now), &self.motion.system);
+        let wait = |contact: usize| {
+            // A cascade takes ln(from/to)/(1 − e) impacts from one length of its flights to another.
+            let loss = 1.0 - system.structure.contacts()[contact].restitution;
+            let most = f64::from(limits.bounces);
+            let is_resolved = loss * most >= (BOUNCE_TIME / CHATTER_TIME).ln();
+            let (bounce, pressed) = (BOUNCE_TIME / system.fastest, PRESSED / system.fastest);
+            if is_resolved { bounce } else { pressed.min(system.period() / most).max(bounce) }
+        };
+        let observe = |change: &Change| observer(&event(change, time));
+        let cascade = self.cascades.tell(changes, now, limits.bounces, wait, observe);
+        cascade.map(|(contact, barrier, bounces)| StructureOutcome::Cascade { contact, barrier, bounces })
     }
 
     fn time_at(&self, s: f64) -> Time {
         let (periods, offset) = self.motion.clock.after(s);
         Time::from_parts(periods, offset, self.motion.system.period())
     }
+}
+
+/// What is told of a change at `time`.
+fn event(change: &Change, time: Time) -> ContactEvent {
+    let &Change { site: contact, barrier, before, after, force: impulse, kind, .. } = change;
+    ContactEvent { time, contact, barrier, velocity_before: before, velocity_after: after, impulse, kind }
 }
 
 /// Neither infinite nor as good as that, nor not a number.

@@ -18,15 +18,15 @@
 //! second order only, as for a chain ([`crate::Tangents`]).
 
 use super::approach::Place;
-use super::collision::Change;
 use super::flight::Flight;
 use super::motion::Motion;
 use super::series::Series;
 use super::system::System;
-use crate::directions::{Directions, MAX_VECTORS, random_vectors};
+use crate::cascade::Change;
+use crate::directions::Directions;
+use crate::error::TangentError;
 use crate::event::EventKind;
 use crate::ring::Contact;
-use crate::tangent::TangentError;
 use vibrochain_lattice::{Barrier, ModalStructure};
 
 /// An impulse that another contact sees by less than this part of its terms is rounding.
@@ -67,10 +67,7 @@ impl StructureTangents {
     /// # Errors
     /// [`TangentError::Count`] if there are none, more than 4096 or more than two a mode.
     pub fn random(structure: &ModalStructure, count: usize, seed: u64) -> Result<Self, TangentError> {
-        Self::checked(structure, count)?;
-        let mut tangents = Self::with(structure, random_vectors(count, structure.modes().len(), seed));
-        tangents.directions.begin();
-        Ok(tangents)
+        Ok(Self::with(structure, Directions::random(count, structure.modes().len(), seed)?))
     }
 
     /// Of given perturbations of the coordinates of all modes.
@@ -78,27 +75,14 @@ impl StructureTangents {
     /// # Errors
     /// [`TangentError::Count`], [`TangentError::Entries`].
     pub fn of(structure: &ModalStructure, vectors: &[Vec<[f64; 2]>]) -> Result<Self, TangentError> {
-        Self::checked(structure, vectors.len())?;
-        let sites = structure.modes().len();
-        let length = |given: &[[f64; 2]]| given.iter().flatten().map(|x| x * x).sum::<f64>();
-        let is_wrong =
-            |given: &Vec<[f64; 2]>| given.len() != sites || length(given) == 0.0 || !length(given).is_finite();
-        if let Some(vector) = vectors.iter().position(is_wrong) {
-            return Err(TangentError::Entries { vector, sites });
-        }
         let own = vectors.iter().map(|given| [0, 1].map(|i| given.iter().map(|xi| xi[i]).collect()));
-        Ok(Self::with(structure, own.collect()))
+        Ok(Self::with(structure, Directions::of(own.collect(), structure.modes().len())?))
     }
 
-    fn checked(structure: &ModalStructure, count: usize) -> Result<(), TangentError> {
-        let most = (2 * structure.modes().len()).min(MAX_VECTORS);
-        if (1..=most).contains(&count) { Ok(()) } else { Err(TangentError::Count { count, most }) }
-    }
-
-    fn with(structure: &ModalStructure, vectors: Vec<[Vec<f64>; 2]>) -> Self {
+    fn with(structure: &ModalStructure, directions: Directions) -> Self {
         // The clock is the run's own: without loads any frequency will do.
         let system = System::new(structure.with_loads_times(0.0, 0.0), 1.0, 0.0);
-        Self { directions: Directions::new(vectors), system }
+        Self { directions, system }
     }
 
     /// Number of vectors.
@@ -283,30 +267,28 @@ impl Company for Riders<'_> {
     fn meet(&mut self, motion: &Motion, changes: &[Change]) {
         let hits: Vec<&Change> = changes.iter().filter(|change| change.kind == EventKind::Impact).collect();
         let released = changes.iter().filter(|change| change.kind == EventKind::Release);
-        let released: Vec<usize> = released.map(|change| change.contact).collect();
+        let released: Vec<usize> = released.map(|change| change.site).collect();
         // Of several impacts nobody says which one has released it.
         if hits.len() > 1 && !released.is_empty() {
             self.tangents.directions.grazed = true;
         }
         for (i, hit) in hits.iter().enumerate() {
             let together = hits[..i].iter().any(|other| {
-                other.contact == hit.contact
-                    || self.sees(hit.contact, other.contact)
-                    || self.sees(other.contact, hit.contact)
+                other.site == hit.site || self.sees(hit.site, other.site) || self.sees(other.site, hit.site)
             });
             if hit.before == 0.0 || together {
                 self.tangents.directions.grazed = true;
                 continue;
             }
-            let acceleration = self.before.get(hit.contact).copied().unwrap_or(0.0);
-            let restitution = motion.system.structure.contacts()[hit.contact].restitution;
+            let acceleration = self.before.get(hit.site).copied().unwrap_or(0.0);
+            let restitution = motion.system.structure.contacts()[hit.site].restitution;
             let forces = &self.forces;
             self.tangents.each(|system, flight| {
-                let (place, velocity) = (flight.place(system, hit.contact), flight.velocity(system, hit.contact));
+                let (place, velocity) = (flight.place(system, hit.site), flight.velocity(system, hit.site));
                 let earlier = place / hit.before;
                 let change = (1.0 + restitution) * (acceleration * earlier - velocity);
-                flight.strike(system, hit.contact, system.impulse(hit.contact, change));
-                flight.shift(system, hit.contact, hit.impulse * earlier);
+                flight.strike(system, hit.site, system.impulse(hit.site, change));
+                flight.shift(system, hit.site, hit.force * earlier);
                 for &contact in &released {
                     flight.strike(system, contact, -forces[contact] * earlier);
                 }

@@ -30,8 +30,7 @@ impl Borders {
         let mut ends = [[0.0; 2]; 2];
         for (end, axis) in ends.iter_mut().zip(&scene.axes) {
             let Values::Linear { from, to, .. } = axis.values else {
-                let message = "borders are followed along equally spaced axes: give both by from, to and points";
-                return Err(MapError::Request(message.to_owned()));
+                refuse!("borders are followed along equally spaced axes: give both by from, to and points");
             };
             *end = [from, to];
         }
@@ -45,13 +44,9 @@ impl Borders {
     pub fn of_scene(scene: &Scene, asked: &Asked<'_>) -> Result<(Self, Regions<Option<Class>>), MapError> {
         let (window, ends) = Self::window(scene)?;
         if !(1e-9..=1e-3).contains(&asked.tolerance) {
-            let advice = "give a part of the window from 1e-9 to 0.001";
-            return Err(MapError::Request(format!("a tolerance of {} is out of range: {advice}", asked.tolerance)));
+            refuse!("a tolerance of {} is out of range: give a part of the window from 1e-9 to 0.001", asked.tolerance);
         }
-        if asked.places > MOST_ASKED {
-            let message = format!("{} places are out of range: give at most {MOST_ASKED}", asked.places);
-            return Err(MapError::Request(message));
-        }
+        ensure!(asked.places <= MOST_ASKED, "{} places are out of range: give at most {MOST_ASKED}", asked.places);
         let parameters = [scene.axes[0].parameter, scene.axes[1].parameter];
         let plane =
             vibrochain_floquet::Window { parameters, from: [ends[0][0], ends[1][0]], to: [ends[0][1], ends[1][1]] };

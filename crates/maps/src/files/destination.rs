@@ -152,8 +152,7 @@ pub fn distinct(inputs: &Named<'_>, outputs: &Named<'_>) -> Result<bool, MapErro
             _ => resolved(path),
         };
         if let Some((other, _)) = seen.iter().find(|(_, earlier)| *earlier == place) {
-            let message = format!("{other} and {flag} are the same file, {}: name another", path.display());
-            return Err(MapError::Request(message));
+            refuse!("{other} and {flag} are the same file, {}: name another", path.display());
         }
         seen.push((flag, place));
     }

@@ -98,10 +98,7 @@ pub(crate) fn noded(borders: &[Vec<Node>]) -> Result<Noded, MapError> {
                 nodes.extend(crossing(chord, chords[j]));
             }
         });
-        if nodes.len() > ends + MOST {
-            let advice = "give fewer curves";
-            return Err(MapError::Request(format!("the borders cross more than {MOST} times: {advice}")));
-        }
+        ensure!(nodes.len() <= ends + MOST, "the borders cross more than {MOST} times: give fewer curves");
     }
     nodes.sort_unstable();
     nodes.dedup();

@@ -120,9 +120,7 @@ impl Strands {
             for (number, arc) in arcs.iter().enumerate() {
                 // The sagitta falls with the square of the number of parts.
                 let parts = (arc.sagitta() / tolerance).sqrt().ceil().max(1.0);
-                if chords.len() as f64 + parts > MOST as f64 {
-                    return Err(too_many());
-                }
+                ensure!(chords.len() as f64 + parts <= MOST as f64, too_many());
                 let inner = (1..parts as usize).map(|i| i as f64 / parts);
                 let inner: Vec<(f64, Place)> = inner.map(|u| (u, arc.at(u))).collect();
                 for i in 0..=inner.len() {
@@ -167,9 +165,7 @@ impl Strands {
                 found.extend(crossing(arcs).map(|places| ([i, j], places)));
             });
         }
-        if self.chords.len() + 2 * found.len() > MOST {
-            return Err(too_many());
-        }
+        ensure!(self.chords.len() + 2 * found.len() <= MOST, too_many());
         let mut places = Vec::with_capacity(found.len());
         for (chords, on_arcs) in found {
             // The same corner of both, not one a step of the grid beside the other.
@@ -219,9 +215,7 @@ impl Strands {
                 }
             });
             count += feet.len();
-            if count > MOST {
-                return Err(too_many());
-            }
+            ensure!(count <= MOST, too_many());
             for (i, u, foot) in feet {
                 let Chord { border, arc, .. } = self.chords[i];
                 self.borders[border].corners[arc].push((u, foot));

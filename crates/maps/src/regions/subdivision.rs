@@ -53,8 +53,7 @@ impl Subdivision {
     /// [`MapError::Request`] for a point that is not finite, a tolerance out of range, borders that need millions of corners.
     pub fn new(window: Window, borders: &[Vec<[f64; 2]>], tolerance: f64) -> Result<Self, MapError> {
         if !(1e-12..=1e-2).contains(&tolerance) {
-            let advice = "give a part of the window from 1e-12 to 0.01";
-            return Err(MapError::Request(format!("a tolerance of {tolerance} is out of range: {advice}")));
+            refuse!("a tolerance of {tolerance} is out of range: give a part of the window from 1e-12 to 0.01");
         }
         let mut places = Vec::with_capacity(borders.len());
         for (number, border) in borders.iter().enumerate() {
@@ -62,9 +61,7 @@ impl Subdivision {
             // Far outside, where nobody looks, chords are of no use either.
             if let Some(i) = own.iter().position(|place| !place.iter().all(|part| part.abs() < 1e6)) {
                 let [x, y] = border[i];
-                let message =
-                    format!("point {i} of border {number}, ({x}, {y}), has no place: give points near the window");
-                return Err(MapError::Request(message));
+                refuse!("point {i} of border {number}, ({x}, {y}), has no place: give points near the window");
             }
             places.push(own);
         }

@@ -62,8 +62,7 @@ impl Window {
     pub fn new(x: [f64; 2], y: [f64; 2]) -> Result<Self, MapError> {
         for [from, to] in [x, y] {
             if !(from < to && (to - from).is_finite()) {
-                let advice = "give finite ends, the smaller one first";
-                return Err(MapError::Request(format!("a window from {from} to {to} holds nothing: {advice}")));
+                refuse!("a window from {from} to {to} holds nothing: give finite ends, the smaller one first");
             }
         }
         Ok(Self { sides: [x, y].map(|[from, to]| Side::Linear { from, to }) })
@@ -79,13 +78,10 @@ impl Window {
                 1 => "one axis".to_owned(),
                 axes => format!("{axes} axes"),
             };
-            return Err(MapError::Request(format!(
-                "borders and regions lie in a plane, but the scene has {axes}: give x and y, and none besides"
-            )));
+            refuse!("borders and regions lie in a plane, but the scene has {axes}: give x and y, and none besides");
         };
         let [Some(x), Some(y)] = plane.map(Side::of) else {
-            let message = "regions lie between two ends of each axis, but one has a list of values: give from and to";
-            return Err(MapError::Request(message.to_owned()));
+            refuse!("regions lie between two ends of each axis, but one has a list of values: give from and to");
         };
         Ok(Self { sides: [x, y] })
     }

@@ -110,11 +110,10 @@ impl GivenAxis<'_> {
         match spacing.unwrap_or("linear") {
             "linear" => Ok(Values::Linear { from, to, points }),
             "log" if from > 0.0 => Ok(Values::Logarithmic { from, to, points }),
-            "log" => {
-                let message =
-                    format!("from = {} has no logarithm: give a positive one with spacing = \"log\"", Short(from));
-                Err((Key::From, message))
-            }
+            "log" => Err((
+                Key::From,
+                format!("from = {} has no logarithm: give a positive one with spacing = \"log\"", Short(from)),
+            )),
             other => Err((Key::Spacing, format!("`{other}` is not a spacing: give \"linear\" or \"log\""))),
         }
     }

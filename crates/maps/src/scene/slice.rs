@@ -50,11 +50,9 @@ impl Slice {
             let name = parameter.name();
             let Some(number) = scene.axes.iter().position(|axis| axis.parameter == parameter) else {
                 let known = scene.axis_names();
-                return Err(MapError::Request(format!("{name} is no axis of the scene: give one of {known}")));
+                refuse!("{name} is no axis of the scene: give one of {known}");
             };
-            if axes[number].1.is_some() {
-                return Err(MapError::Request(format!("{name} is given twice: give each axis one value")));
-            }
+            ensure!(axes[number].1.is_none(), "{name} is given twice: give each axis one value");
             let at = place(&scene.axes[number], value)?;
             axes[number].1 = Some(at as u64);
             sliced.base = sliced.base.with(parameter, scene.axes[number].value(at));

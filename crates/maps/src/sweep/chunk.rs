@@ -206,9 +206,7 @@ pub(super) fn read<S: Grid, E: From<Fault>>(
     mut take: impl FnMut(&[u8]) -> Result<(), E>,
 ) -> Result<Summary, E> {
     // Opening reads both ends of the file: many thousand times, on a slow disk, after the signal.
-    if stop.is_raised() {
-        return Err(Fault::Stopped.into());
-    }
+    ensure!(!stop.is_raised(), Fault::Stopped.into());
     let Opened { file, first, tail } = open(path)?;
     let mut reader = Hashed { inner: BufReader::new(file), hash: Box::default() };
     let found = chunk_of(plan, &first);
@@ -219,13 +217,9 @@ pub(super) fn read<S: Grid, E: From<Fault>>(
     for (mut left, rows) in [(first.len() as u64, false), (before, ours), (tail.summary.len() as u64, false)] {
         let mut buffer = vec![0; (1 << 16).min(left as usize)];
         while left > 0 {
-            if stop.is_raised() {
-                return Err(Fault::Stopped.into());
-            }
+            ensure!(!stop.is_raised(), Fault::Stopped.into());
             let some = reader.by_ref().take(left).read(&mut buffer).map_err(Fault::from)?;
-            if some == 0 {
-                return Err(damaged("it is cut short").into());
-            }
+            ensure!(some != 0, damaged("it is cut short").into());
             if rows {
                 take(&buffer[..some])?;
             }
@@ -285,12 +279,8 @@ struct Tail {
 fn open(path: &Path) -> Result<Opened, Fault> {
     let mut file = open_plain(path)?;
     let length = file.metadata()?.len();
-    if length == 0 {
-        return Err(damaged("it is empty"));
-    }
-    if length <= CHECKSUM {
-        return Err(damaged("it is cut short"));
-    }
+    ensure!(length != 0, damaged("it is empty"));
+    ensure!(length > CHECKSUM, damaged("it is cut short"));
     let mut first = Vec::new();
     BufReader::new((&mut file).take(HEAD.min(length - CHECKSUM))).read_until(b'\n', &mut first)?;
     file.seek(SeekFrom::Start(length.saturating_sub(TAIL)))?;
@@ -299,9 +289,7 @@ fn open(path: &Path) -> Result<Opened, Fault> {
     file.seek(SeekFrom::Start(0))?;
     let split = end.len().saturating_sub(CHECKSUM as usize);
     let checksum = String::from_utf8_lossy(&end[split..]).into_owned();
-    if !checksum.starts_with("checksum ") {
-        return Err(damaged("it does not end as it should"));
-    }
+    ensure!(checksum.starts_with("checksum "), damaged("it does not end as it should"));
     let before = &end[..split];
     let line = before.strip_suffix(b"\n").unwrap_or(before);
     let at = line.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);

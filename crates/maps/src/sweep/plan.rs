@@ -134,27 +134,19 @@ impl<S: Grid> Plan<S> {
             match scene.tolerance() {
                 Some(Tolerance::Rounding) => {}
                 Some(_) => {
-                    let message = format!(
-                        "threshold is given twice, as --threshold {} and in {place}: remove one",
-                        Short(threshold)
-                    );
-                    return Err(MapError::Request(message));
+                    refuse!("threshold is given twice, as --threshold {} and in {place}: remove one", Short(threshold));
                 }
                 None => {
-                    let message =
-                        format!("--threshold needs `stability = true` in {place}: it decides what counts as stable");
-                    return Err(MapError::Request(message));
+                    refuse!("--threshold needs `stability = true` in {place}: it decides what counts as stable");
                 }
             }
-            scene.set_tolerance(tolerance_from(threshold).map_err(MapError::Request)?);
+            scene.set_tolerance(tolerance_from(threshold)?);
         }
-        if scene.refined().is_some() && ensemble.is_some() {
-            let message = format!(
-                "refine in {} is of maps: an ensemble is run at every cell of the grid; remove it, or give more points",
-                scene_file.display()
-            );
-            return Err(MapError::Request(message));
-        }
+        ensure!(
+            scene.refined().is_none() || ensemble.is_none(),
+            "refine in {} is of maps: an ensemble is run at every cell of the grid; remove it, or give more points",
+            scene_file.display()
+        );
         let (ensemble, chunk_cells) = match ensemble {
             Some((settings, cells)) => (Some(settings), cells.max(least_cells(&scene))),
             None => (None, scene.chunk_cells().max(least_cells(&scene))),
@@ -218,12 +210,8 @@ impl<S: Grid> Plan<S> {
     /// The plan in such a file, or what is wrong with it.
     pub fn from_json(text: &str) -> Result<Self, String> {
         let file: File = serde_json::from_str(text).map_err(|error| format!("it is damaged ({error})"))?;
-        if !S::is_one(&file.scene) {
-            return Err("it is of another kind of scene".to_owned());
-        }
-        if file.format != FORMAT {
-            return Err(format!("its chunks have format {}, this program reads format {FORMAT}", file.format));
-        }
+        ensure!(S::is_one(&file.scene), "it is of another kind of scene");
+        ensure!(file.format == FORMAT, "its chunks have format {}, this program reads format {FORMAT}", file.format);
         let threshold = file.threshold.as_deref().map(str::parse).transpose();
         let threshold = threshold.map_err(|error| format!("it is damaged (threshold: {error})"))?;
         let maker = file.maker.clone();
@@ -231,12 +219,10 @@ impl<S: Grid> Plan<S> {
         let plan = Self::new(Path::new(&file.scene_file), file.scene, &file.files, threshold, ensemble, maker)
             .map_err(|error| format!("its scene cannot be read by this version: {error}"))?;
         if (plan.cells(), plan.chunk_cells) != (file.cells, file.chunk_cells) {
-            return Err(format!("mapgen {} cut it otherwise than this version does", file.maker.name()));
+            refuse!("mapgen {} cut it otherwise than this version does", file.maker.name());
         }
         if format!("{:032x}", plan.identity) != file.identity {
-            return Err(
-                "it is damaged, or of another version (what it asks for is not what it was made for)".to_owned()
-            );
+            refuse!("it is damaged, or of another version (what it asks for is not what it was made for)");
         }
         Ok(plan)
     }

@@ -93,10 +93,9 @@ impl Shard {
             Some(count) => Ok(Self { index: (task - least) / step, count }),
             None => {
                 let count = count.map_or_else(String::new, |count| format!("{count} of them, "));
-                let message = format!(
+                refuse!(
                     "the job array has gaps (task {task}; {count}from {least} to {most} in steps of {step}): number its tasks evenly, as in `sbatch --array=0-7` or `1-15:2`, or give --shard i/n"
-                );
-                Err(MapError::Request(message))
+                )
             }
         }
     }

@@ -63,16 +63,12 @@ impl Store {
     /// [`Claim::Fresh`], or another process has it. [`MapError::Computation`] if the plan cannot be written.
     pub fn open<S: Grid>(folder: &Path, plan: &Plan<S>, claim: Claim) -> Result<Self, MapError> {
         let place = folder.display();
-        if claim != Claim::Share && folder.is_symlink() {
-            let message = format!(
-                "{place} is a link, where a sweep makes a folder of chunks and removes it when it is done: name another --out"
-            );
-            return Err(MapError::Request(message));
-        }
+        ensure!(
+            claim == Claim::Share || !folder.is_symlink(),
+            "{place} is a link, where a sweep makes a folder of chunks and removes it when it is done: name another --out"
+        );
         if folder.exists() && !folder.is_dir() {
-            return Err(MapError::Request(format!(
-                "{place} is a file, where a folder of chunks would be: name another --out"
-            )));
+            refuse!("{place} is a file, where a folder of chunks would be: name another --out");
         }
         let new = !folder.exists();
         let store = Self::locked(folder, claim)?;
@@ -116,16 +112,13 @@ impl Store {
         let entries = self.entries()?;
         if let Some((chunk, _)) = entries.iter().find(|(_, plain)| !plain) {
             let path = Self::path(&self.folder, *chunk);
-            let message = format!("{} is no plain file, where a chunk would be: name another --out", path.display());
-            return Err(MapError::Request(message));
+            refuse!("{} is no plain file, where a chunk would be: name another --out", path.display());
         }
         let chunks = entries.len();
-        if claim == Claim::Fresh && chunks > 0 {
-            let message = format!(
-                "{place} holds {chunks} chunks of an unfinished sweep: go on with it by --resume, or name another --out to start afresh"
-            );
-            return Err(MapError::Request(message));
-        }
+        ensure!(
+            claim != Claim::Fresh || chunks == 0,
+            "{place} holds {chunks} chunks of an unfinished sweep: go on with it by --resume, or name another --out to start afresh"
+        );
         let path = self.folder.join(PLAN);
         let new = path.symlink_metadata().is_err_and(|error| error.kind() == io::ErrorKind::NotFound);
         if new {
@@ -163,8 +156,7 @@ impl Store {
         let path = folder.join(PLAN);
         Plan::from_json(&Self::plan_text::<S>(folder)?).map_err(|why| {
             let place = path.display();
-            let advice = "name another --out to start afresh";
-            MapError::Request(format!("{place} cannot be used: {why}; {advice}"))
+            MapError::Request(format!("{place} cannot be used: {why}; name another --out to start afresh"))
         })
     }
 
@@ -274,9 +266,7 @@ impl Store {
 /// Opens the file to lock, and makes it if it is not there. Whoever may write in the folder may open it and nobody else: a
 /// lock needs no more than that, and somebody who may only read could otherwise hold up a sweep for ever.
 fn open_lock(folder: &Path, path: &Path) -> io::Result<File> {
-    if path.symlink_metadata().is_ok_and(|about| !about.is_file()) {
-        return Err(io::Error::other("it is no plain file"));
-    }
+    ensure!(!path.symlink_metadata().is_ok_and(|about| !about.is_file()), io::Error::other("it is no plain file"));
     let mut options = File::options();
     options.read(true).write(true).create(true).truncate(false);
     #[cfg(unix)]

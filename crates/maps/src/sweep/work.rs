@@ -54,9 +54,7 @@ impl Todo {
                     continue;
                 }
                 Err(Fault::Foreign) => {
-                    let message =
-                        format!("{} is a chunk of another scene or version: name another --out", path.display());
-                    return Err(MapError::Request(message));
+                    refuse!("{} is a chunk of another scene or version: name another --out", path.display());
                 }
                 Err(Fault::Stopped) => return Ok(None),
                 Err(Fault::Missing) => {}

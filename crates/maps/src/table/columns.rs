@@ -79,6 +79,32 @@ impl Found for Cell {
     }
 }
 
+/// A column of a number that a cell may have, read at one place and written at another.
+macro_rules! number {
+    ($name:literal, $cell:ident => $read:expr, $write:expr) => {
+        Column {
+            name: $name,
+            kind: Kind::Number,
+            optional: true,
+            get: |$cell| $read.map(Value::Number),
+            set: |$cell, value| number(&mut $write, value),
+        }
+    };
+}
+
+/// A column of a count within a part that a cell may have, whose function writes it.
+macro_rules! count {
+    ($name:literal, $optional:literal, $part:ident.$($place:tt)+) => {
+        Column {
+            name: $name,
+            kind: Kind::Count,
+            optional: $optional,
+            get: |cell| Some(Value::Count(cell.$part?.$($place)+ as u64)),
+            set: |cell, value| $part(cell, value, |part| &mut part.$($place)+),
+        }
+    };
+}
+
 /// How stability is lost, the spectral radius and the margin of what gives a cell its class, how many there are, and the status.
 pub(crate) const fn common<T: Found>() -> [Column<T>; 5] {
     [
@@ -93,20 +119,8 @@ pub(crate) const fn common<T: Found>() -> [Column<T>; 5] {
                 Some(())
             },
         },
-        Column {
-            name: "spectral_radius",
-            kind: Kind::Number,
-            optional: true,
-            get: |cell| cell.found().spectral_radius.map(Value::Number),
-            set: |cell, value| number(&mut cell.found_mut().spectral_radius, value),
-        },
-        Column {
-            name: "margin",
-            kind: Kind::Number,
-            optional: true,
-            get: |cell| cell.found().margin.map(Value::Number),
-            set: |cell, value| number(&mut cell.found_mut().margin, value),
-        },
+        number!("spectral_radius", cell => cell.found().spectral_radius, cell.found_mut().spectral_radius),
+        number!("margin", cell => cell.found().margin, cell.found_mut().margin),
         Column {
             name: "solutions",
             kind: Kind::Count,
@@ -146,61 +160,19 @@ const CLASS: Column = Column {
 
 /// Further columns where the modes that have collided are asked for.
 const COLLISION: [Column; 3] = [
-    Column {
-        name: "mode1",
-        kind: Kind::Count,
-        optional: true,
-        get: |cell| Some(Value::Count(cell.collision?.modes.0 as u64)),
-        set: |cell, value| collision(cell, value, |collision| &mut collision.modes.0),
-    },
-    Column {
-        name: "mode2",
-        kind: Kind::Count,
-        optional: true,
-        get: |cell| Some(Value::Count(cell.collision?.modes.1 as u64)),
-        set: |cell, value| collision(cell, value, |collision| &mut collision.modes.1),
-    },
-    Column {
-        name: "harmonic",
-        kind: Kind::Count,
-        optional: true,
-        get: |cell| Some(Value::Count(cell.collision?.harmonic as u64)),
-        set: |cell, value| collision(cell, value, |collision| &mut collision.harmonic),
-    },
+    count!("mode1", true, collision.modes.0),
+    count!("mode2", true, collision.modes.1),
+    count!("harmonic", true, collision.harmonic),
 ];
 
 /// A further column where it is asked for.
-const IMPULSE: [Column; 1] = [Column {
-    name: "impulse",
-    kind: Kind::Number,
-    optional: true,
-    get: |cell| cell.impulse.map(Value::Number),
-    set: |cell, value| number(&mut cell.impulse, value),
-}];
+const IMPULSE: [Column; 1] = [number!("impulse", cell => cell.impulse, cell.impulse)];
 
 /// Further columns where the grid is refined: what a leaf stands for.
 const EXTENT: [Column; 3] = [
-    Column {
-        name: "cell_column",
-        kind: Kind::Count,
-        optional: false,
-        get: |cell| Some(Value::Count(cell.extent?.column.into())),
-        set: |cell, value| extent(cell, value, |extent| &mut extent.column),
-    },
-    Column {
-        name: "cell_row",
-        kind: Kind::Count,
-        optional: false,
-        get: |cell| Some(Value::Count(cell.extent?.row.into())),
-        set: |cell, value| extent(cell, value, |extent| &mut extent.row),
-    },
-    Column {
-        name: "cell_size",
-        kind: Kind::Count,
-        optional: false,
-        get: |cell| Some(Value::Count(cell.extent?.size.into())),
-        set: |cell, value| extent(cell, value, |extent| &mut extent.size),
-    },
+    count!("cell_column", false, extent.column),
+    count!("cell_row", false, extent.row),
+    count!("cell_size", false, extent.size),
 ];
 
 fn extent(cell: &mut Cell, value: Value<'_>, place: fn(&mut Extent) -> &mut u32) -> Option<()> {

@@ -110,8 +110,7 @@ impl TableFile {
 
     #[cfg(not(feature = "parquet"))]
     fn by_columns(path: &Path, _: &[ColumnType]) -> Result<Self, MapError> {
-        let message = format!("{}: .parquet needs a build with the feature `parquet`", path.display());
-        Err(MapError::Request(message))
+        refuse!("{}: .parquet needs a build with the feature `parquet`", path.display())
     }
 
     #[cfg(feature = "compress")]
@@ -131,8 +130,7 @@ impl TableFile {
 
     #[cfg(not(feature = "compress"))]
     fn compressed(path: &Path, _: Form, _: usize) -> Result<Self, MapError> {
-        let message = format!("{}: compression needs a build with the feature `compress`", path.display());
-        Err(MapError::Request(message))
+        refuse!("{}: compression needs a build with the feature `compress`", path.display())
     }
 
     fn output(&self) -> &Output {

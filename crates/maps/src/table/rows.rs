@@ -192,9 +192,7 @@ impl<'a, S: Grid> Reader<'a, S> {
         let Self { scene, cells, next, within, places, columns, lines, counts } = self;
         lines.take(bytes, |row| {
             let number = counts.computed + 1;
-            if !cells.contains(next) {
-                return Err(format!("it has more rows than its {} cells", cells.end - cells.start));
-            }
+            ensure!(cells.contains(next), "it has more rows than its {} cells", cells.end - cells.start);
             let mut read = || {
                 let row = std::str::from_utf8(row).map_err(|_| "it is no text".to_owned())?;
                 let mut fields = split(row);
@@ -227,7 +225,7 @@ impl<'a, S: Grid> Reader<'a, S> {
     pub fn whole(self) -> Result<Summary, String> {
         let Self { cells, next, lines, counts, .. } = self;
         if next != cells.end || !lines.ended() {
-            return Err(format!("it has {} rows for {} cells", next - cells.start, cells.end - cells.start));
+            refuse!("it has {} rows for {} cells", next - cells.start, cells.end - cells.start);
         }
         Ok(counts)
     }
@@ -239,7 +237,7 @@ impl<'a, S: Grid> Reader<'a, S> {
     pub fn finish(self, summary: &Summary) -> Result<(), String> {
         let counts = self.whole()?;
         if (counts.classes, counts.statuses, counts.slow) != (summary.classes, summary.statuses, summary.slow) {
-            return Err("its counts are not those of its rows".to_owned());
+            refuse!("its counts are not those of its rows");
         }
         Ok(())
     }

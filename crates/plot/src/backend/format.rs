@@ -4,7 +4,7 @@ use std::path::Path;
 
 use thiserror::Error;
 use vibrochain_maps::error::MapError;
-use vibrochain_maps::files::{Destination, promises};
+use vibrochain_maps::files::Destination;
 
 /// A picture that could not be drawn.
 #[derive(Debug, Clone, Error)]
@@ -29,24 +29,13 @@ pub enum Format {
     Pdf,
 }
 
+// As names of such files end.
+vibrochain_lattice::names!(Format { Png "png", Svg "svg", Pdf "pdf" });
+
 impl Format {
     /// By the file's ending, `.png`, `.svg` or `.pdf`.
     pub fn of(path: &Path) -> Option<Self> {
-        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
-            "png" => Some(Self::Png),
-            "svg" => Some(Self::Svg),
-            "pdf" => Some(Self::Pdf),
-            _ => None,
-        }
-    }
-
-    /// How names of such files end.
-    pub fn ending(self) -> &'static str {
-        match self {
-            Self::Png => "png",
-            Self::Svg => "svg",
-            Self::Pdf => "pdf",
-        }
+        Self::from_name(&path.extension()?.to_str()?.to_ascii_lowercase())
     }
 
     /// As the end of the name that `flag` gives says; what has no ending and is no plain file gets a PNG.
@@ -60,21 +49,9 @@ impl Format {
         if path.extension().is_none() && !matches!(Destination::of(path)?, Destination::Plain(_)) {
             return Ok(Self::Png);
         }
-        let name = path.display();
-        let advice = "the kind of picture is not known; end the name in .png, .svg or .pdf";
-        Err(MapError::Request(format!("{flag} {name}: {advice}")))
-    }
-
-    /// Makes sure that a name given to the flag of this format, --png, --svg or --pdf, promises nothing else.
-    ///
-    /// # Errors
-    /// [`MapError::Request`].
-    pub fn promised(self, path: &Path) -> Result<(), MapError> {
-        match self {
-            Self::Png => promises("--png", path, "a picture of pixels", &["png"])?,
-            Self::Svg => promises("--svg", path, "a picture of vectors", &["svg"])?,
-            Self::Pdf => promises("--pdf", path, "a picture for print", &["pdf"])?,
-        }
-        Ok(())
+        vibrochain_maps::refuse!(
+            "{flag} {}: the kind of picture is not known; end the name in .png, .svg or .pdf",
+            path.display()
+        )
     }
 }

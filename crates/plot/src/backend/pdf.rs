@@ -5,11 +5,11 @@ use std::io::Write;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use pdf_writer::types::{LineJoinStyle, PaintType, TilingType};
-use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
+use pdf_writer::{Content, Dict, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
 
 use crate::backend::drawing::{Drawing, Element, Fill, Image, Line, Pattern, Place, Rgb, Shape, Words};
 use crate::backend::page::POINT;
-use crate::text::font::{Pen, outline, set};
+use crate::text::font::{Step, outline, set};
 use crate::text::typeset::corner;
 
 /// A circle is drawn by four curves; their control points are so many radii from their ends.
@@ -38,21 +38,9 @@ pub(crate) fn pdf(drawing: &Drawing) -> Vec<u8> {
     let mut leaf = file.page(page);
     leaf.parent(pages).media_box(Rect::new(0.0, 0.0, width, height)).contents(stream);
     let mut resources = leaf.resources();
-    let mut named = resources.x_objects();
-    for (i, id) in image_refs.iter().enumerate() {
-        named.pair(Name(format!("I{i}").as_bytes()), *id);
-    }
-    named.finish();
-    let mut named = resources.patterns();
-    for (i, id) in pattern_refs.iter().enumerate() {
-        named.pair(Name(format!("P{i}").as_bytes()), *id);
-    }
-    named.finish();
-    let mut named = resources.ext_g_states();
-    for (i, id) in opacity_refs.iter().enumerate() {
-        named.pair(Name(format!("G{i}").as_bytes()), *id);
-    }
-    named.finish();
+    named(resources.x_objects(), 'I', &image_refs);
+    named(resources.patterns(), 'P', &pattern_refs);
+    named(resources.ext_g_states(), 'G', &opacity_refs);
     resources.finish();
     leaf.finish();
     file.stream(stream, &packed(&content.finish())).filter(Filter::FlateDecode);
@@ -71,6 +59,13 @@ pub(crate) fn pdf(drawing: &Drawing) -> Vec<u8> {
         file.ext_graphics(*id).stroking_alpha(opacity as f32);
     }
     file.finish()
+}
+
+/// Names objects by a letter and their number.
+fn named(mut names: Dict<'_>, letter: char, objects: &[Ref]) {
+    for (i, id) in objects.iter().enumerate() {
+        names.pair(Name(format!("{letter}{i}").as_bytes()), *id);
+    }
 }
 
 fn packed(bytes: &[u8]) -> Vec<u8> {
@@ -228,38 +223,20 @@ impl<'a> Writer<'a> {
         let turned = if words.upwards { [0.0, -size, -size, 0.0, x, y] } else { [size, 0.0, 0.0, -size, x, y] };
         self.content.save_state().set_fill_rgb(r, g, b).transform(turned);
         for letter in setting.letters {
-            outline(letter.glyph, &mut Letters { content: &mut self.content, at: letter.at });
+            let at = |to: [f64; 2]| [0, 1].map(|i| (letter.at[i] + to[i]) as f32);
+            for step in outline(letter.glyph) {
+                match step {
+                    Step::Start(to) => self.content.move_to(at(to)[0], at(to)[1]),
+                    Step::Line(to) => self.content.line_to(at(to)[0], at(to)[1]),
+                    Step::Curve(places) => {
+                        let [[a, b], [c, d], [x, y]] = places.map(at);
+                        self.content.cubic_to(a, b, c, d, x, y)
+                    }
+                    Step::Close => self.content.close_path(),
+                };
+            }
         }
         self.content.fill_nonzero().restore_state();
-    }
-}
-
-struct Letters<'a> {
-    content: &'a mut Content,
-    at: [f64; 2],
-}
-
-impl Letters<'_> {
-    fn place(&self, to: [f64; 2]) -> [f32; 2] {
-        [0, 1].map(|i| (self.at[i] + to[i]) as f32)
-    }
-}
-
-impl Pen for Letters<'_> {
-    fn start(&mut self, to: [f64; 2]) {
-        let [x, y] = self.place(to);
-        self.content.move_to(x, y);
-    }
-    fn line(&mut self, to: [f64; 2]) {
-        let [x, y] = self.place(to);
-        self.content.line_to(x, y);
-    }
-    fn curve(&mut self, one: [f64; 2], two: [f64; 2], to: [f64; 2]) {
-        let ([a, b], [c, d], [x, y]) = (self.place(one), self.place(two), self.place(to));
-        self.content.cubic_to(a, b, c, d, x, y);
-    }
-    fn close(&mut self) {
-        self.content.close_path();
     }
 }
 

@@ -9,7 +9,7 @@ use crate::backend::coverage::parts;
 use crate::backend::drawing::{Drawing, Element, Fill, Image, Line, Pattern, Place, Rgb, Shape, Words};
 use crate::backend::format::PlotError;
 use crate::backend::png::png;
-use crate::text::font::{Pen, outline, set};
+use crate::text::font::{Step, outline, set};
 use crate::text::typeset::corner;
 
 /// The bytes of a PNG with so many pixels for each unit.
@@ -173,12 +173,22 @@ impl Painter<'_> {
     fn words(&mut self, words: &Words) {
         let setting = set(&words.text);
         let [x, y] = corner(words, setting.width).map(|place| (place * self.scale) as f32);
-        let mut builder = Letters { path: PathBuilder::new(), at: [0.0; 2], size: words.size * self.scale };
+        let (mut path, size) = (PathBuilder::new(), words.size * self.scale);
         for letter in setting.letters {
-            builder.at = letter.at;
-            outline(letter.glyph, &mut builder);
+            let at = |[x, y]: Place| [((letter.at[0] + x) * size) as f32, (-(letter.at[1] + y) * size) as f32];
+            for step in outline(letter.glyph) {
+                match step {
+                    Step::Start(to) => path.move_to(at(to)[0], at(to)[1]),
+                    Step::Line(to) => path.line_to(at(to)[0], at(to)[1]),
+                    Step::Curve(places) => {
+                        let [[a, b], [c, d], [x, y]] = places.map(at);
+                        path.cubic_to(a, b, c, d, x, y);
+                    }
+                    Step::Close => path.close(),
+                }
+            }
         }
-        let Some(path) = builder.path.finish() else { return };
+        let Some(path) = path.finish() else { return };
         let turn = if words.upwards {
             Transform::from_row(0.0, -1.0, 1.0, 0.0, x, y)
         } else {
@@ -235,37 +245,6 @@ fn fitted_to([columns, rows]: [u32; 2], rgb: &[u8], [width, height]: [u32; 2]) -
         }
     }
     all
-}
-
-/// The outlines of a line of letters.
-struct Letters {
-    path: PathBuilder,
-    at: [f64; 2],
-    size: f64,
-}
-
-impl Letters {
-    fn place(&self, [x, y]: [f64; 2]) -> [f32; 2] {
-        [((self.at[0] + x) * self.size) as f32, (-(self.at[1] + y) * self.size) as f32]
-    }
-}
-
-impl Pen for Letters {
-    fn start(&mut self, to: [f64; 2]) {
-        let [x, y] = self.place(to);
-        self.path.move_to(x, y);
-    }
-    fn line(&mut self, to: [f64; 2]) {
-        let [x, y] = self.place(to);
-        self.path.line_to(x, y);
-    }
-    fn curve(&mut self, one: [f64; 2], two: [f64; 2], to: [f64; 2]) {
-        let ([a, b], [c, d], [x, y]) = (self.place(one), self.place(two), self.place(to));
-        self.path.cubic_to(a, b, c, d, x, y);
-    }
-    fn close(&mut self) {
-        self.path.close();
-    }
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 use crate::backend::drawing::{Drawing, Element, Fill, Image, Line, Place, Rgb, Shape, Words};
 use crate::backend::png::png;
-use crate::text::font::{Pen, outline, set};
+use crate::text::font::{Step, outline, set};
 use crate::text::typeset::corner;
 
 /// Units of an em in outlines of letters.
@@ -38,9 +38,7 @@ pub(crate) fn with_elements(drawing: &Drawing, over: &str) -> Vec<u8> {
         );
     }
     for &letter in &body.letters {
-        let mut path = Outline(String::new());
-        outline(letter, &mut path);
-        let _ = writeln!(text, "<path id=\"g{letter}\" d=\"{}\"/>", path.0);
+        let _ = writeln!(text, "<path id=\"g{letter}\" d=\"{}\"/>", drawn(letter));
     }
     let _ = write!(
         text,
@@ -192,32 +190,21 @@ fn style(fill: Option<Fill>, line: Option<Line>) -> String {
     text
 }
 
-/// An outline in thousandths of an em, downwards.
-struct Outline(String);
-
-impl Outline {
-    fn to(&mut self, command: char, places: &[[f64; 2]]) {
-        self.0.push(command);
-        for (i, [x, y]) in places.iter().enumerate() {
-            let space = if i == 0 { "" } else { " " };
-            let _ = write!(self.0, "{space}{} {}", (x * EM).round(), (-y * EM).round() + 0.0);
-        }
+/// The outline of a letter in thousandths of an em, downwards.
+fn drawn(letter: u16) -> String {
+    let mut text = String::new();
+    for step in outline(letter) {
+        let (command, places) = match &step {
+            Step::Start(to) => ('M', std::slice::from_ref(to)),
+            Step::Line(to) => ('L', std::slice::from_ref(to)),
+            Step::Curve(places) => ('C', &places[..]),
+            Step::Close => ('Z', &[][..]),
+        };
+        let places = places.iter().map(|[x, y]| format!("{} {}", (x * EM).round(), (-y * EM).round() + 0.0));
+        text.push(command);
+        text += &places.collect::<Vec<_>>().join(" ");
     }
-}
-
-impl Pen for Outline {
-    fn start(&mut self, to: [f64; 2]) {
-        self.to('M', &[to]);
-    }
-    fn line(&mut self, to: [f64; 2]) {
-        self.to('L', &[to]);
-    }
-    fn curve(&mut self, one: [f64; 2], two: [f64; 2], to: [f64; 2]) {
-        self.to('C', &[one, two, to]);
-    }
-    fn close(&mut self) {
-        self.0.push('Z');
-    }
+    text
 }
 
 /// Bytes as letters, three as four.

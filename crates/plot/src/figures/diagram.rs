@@ -134,27 +134,20 @@ fn title(branches: &[Branch<'_>]) -> String {
 
 fn pane(quantity: OrbitQuantity, all: bool, table: &Diagram<'_>) -> Pane {
     let mut series: Vec<Series> = Vec::new();
-    let plain = |name: &str, colour, stroke| Series {
-        name: name.to_owned(),
-        colour,
-        stroke,
-        mark: Mark::None,
-        points: Vec::new(),
-    };
     let colours: BTreeSet<usize> = branches(table).map(|branch| colour(&branch.about.name)).collect();
     let alone = table.rows.len() == 1;
     for one in colours {
         let of_it: Vec<Branch<'_>> = branches(table).filter(|branch| colour(&branch.about.name) == one).collect();
         let title = if alone { of_it[0].about.name.clone() } else { title(&of_it) };
-        series.push(plain(&title, one, Stroke::Solid(3)));
+        series.push(Series::line(title, one, Stroke::Solid(3), []));
         series.extend(of_it.into_iter().flat_map(|branch| curves(quantity, one, branch, all)));
     }
     let used = |wanted: Kind| branches(table).flat_map(|branch| branch.rows).any(|row| kind(row) == Some(wanted));
     if used(Kind::Unstable) {
-        series.push(plain("unstable", GREY, Stroke::Dashed(2)));
+        series.push(Series::line("unstable", GREY, Stroke::Dashed(2), []));
     }
     if all && used(Kind::NotPhysical) {
-        series.push(plain("not physical", GREY, Stroke::Solid(1)));
+        series.push(Series::line("not physical", GREY, Stroke::Solid(1), []));
     }
     let count = branches(table).flat_map(|branch| branch.rows).filter(|row| row.event.is_some()).count();
     let mark = if count > CROWD { Mark::Small } else { Mark::Filled };
@@ -165,18 +158,7 @@ fn pane(quantity: OrbitQuantity, all: bool, table: &Diagram<'_>) -> Pane {
         OrbitQuantity::SpectralRadius => (Scale::about_one(&series), vec![1.0]),
         _ => (Scale::Linear, Vec::new()),
     };
-    Pane {
-        caption: String::new(),
-        x: table.x.clone(),
-        y: label(quantity).to_owned(),
-        x_range: None,
-        x_log: false,
-        scale,
-        levels,
-        uprights: Vec::new(),
-        round: false,
-        series,
-    }
+    Pane { x: table.x.clone(), y: label(quantity).to_owned(), scale, levels, series, ..Pane::default() }
 }
 
 /// The quantity at a row of a branch: what only points know of an event is 1 or between its neighbours.
@@ -255,7 +237,7 @@ fn curves(quantity: OrbitQuantity, colour: usize, branch: Branch<'_>, all: bool)
                 drawn.push(to);
             }
             if !drawn.is_empty() {
-                series.push(Series { name: String::new(), colour, stroke, mark: Mark::None, points: drawn });
+                series.push(Series::line("", colour, stroke, drawn));
             }
         }
     }
@@ -274,8 +256,7 @@ fn events(quantity: OrbitQuantity, event: Event, mark: Mark, table: &Diagram<'_>
             points.extend(heights(quantity, branch, at).into_iter().reduce(f64::max).map(|y| (found.value, y)));
         }
     }
-    let name = in_words(event.name());
-    (!points.is_empty()).then_some(Series { name, colour: MARKS, stroke: Stroke::None, mark, points })
+    (!points.is_empty()).then(|| Series::marks(in_words(event.name()), MARKS, mark, points))
 }
 
 #[cfg(test)]

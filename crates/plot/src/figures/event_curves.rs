@@ -41,12 +41,11 @@ fn series(curves: &[Vec<Row>]) -> Vec<Series> {
         // Of two curves of one colour the later is thicker.
         let (turn, place) = (i / CURVES.len(), i % CURVES.len());
         let (colour, stroke) = (CURVES[place], Stroke::Solid(2 + 2 * turn.min(3) as u32));
-        all.push(Series { name, colour, stroke, mark: Mark::None, points: line(true) });
-        let (colour, stroke) = (GREY, Stroke::Dashed(2));
+        all.push(Series::line(name, colour, stroke, line(true)));
         // All of them have one entry.
         let is_told = all.iter().any(|series| series.name == NOT_PHYSICAL);
-        let name = if is_seen(&line(false)) && !is_told { NOT_PHYSICAL } else { "" }.to_owned();
-        all.push(Series { name, colour, stroke, mark: Mark::None, points: line(false) });
+        let name = if is_seen(&line(false)) && !is_told { NOT_PHYSICAL } else { "" };
+        all.push(Series::line(name, GREY, Stroke::Dashed(2), line(false)));
         for Row { values: [x, y], special, .. } in curve {
             for name in special {
                 marks.entry(name).or_default().push((*x, *y));
@@ -54,8 +53,7 @@ fn series(curves: &[Vec<Row>]) -> Vec<Series> {
         }
     }
     for (shape, (name, points)) in marks.into_iter().enumerate() {
-        let (name, stroke, mark) = (in_words(name), Stroke::None, Mark::Filled(shape));
-        all.push(Series { name, colour: MARKS, stroke, mark, points });
+        all.push(Series::marks(in_words(name), MARKS, Mark::Filled(shape), points));
     }
     all
 }

@@ -159,24 +159,20 @@ pub fn orbit_flights(orbit: &Orbit) -> Result<(Pane, Pane), BreatherError> {
 #[must_use]
 pub fn multiplier_pane(all: &[Complex<f64>], verdict: &Verdict) -> Pane {
     let circle = (0..=CIRCLE).map(|k| std::f64::consts::TAU * f64::from(k) / f64::from(CIRCLE));
-    let circle = circle.map(|t| (t.cos(), t.sin())).collect();
     let place = |z: &Complex<f64>| (z.re, z.im);
     let leading = all.iter().filter(|z| verdict.mechanism.is_some() && same(z, &verdict.leading));
     let leading: Vec<_> = leading.map(place).collect();
-    let all = all.iter().map(place).collect();
-    let series =
-        |name: &str, colour, stroke, mark, points| Series { name: name.to_owned(), colour, stroke, mark, points };
     let state = verdict.mechanism.map_or(if verdict.stable { "stable" } else { "marginal" }.to_owned(), |mechanism| {
         format!("unstable, {}", loss(mechanism))
     });
     let caption =
         format!("{state}; |μ| = {:.9}, leading μ = {}", verdict.spectral_radius, in_six_digits(verdict.leading));
     let mut all = vec![
-        series("unit circle", 5, Stroke::Solid(1), Mark::None, circle),
-        series("multipliers", 0, Stroke::None, Mark::Filled(0), all),
+        Series::line("unit circle", 5, Stroke::Solid(1), circle.map(|t| (t.cos(), t.sin()))),
+        Series::marks("multipliers", 0, Mark::Filled(0), all.iter().map(place)),
     ];
     if !leading.is_empty() {
-        all.push(series("leading", 1, Stroke::None, Mark::Hollow(3), leading));
+        all.push(Series::marks("leading", 1, Mark::Hollow(3), leading));
     }
     Pane { round: true, ..Pane::titled(&caption, "Re μ", "Im μ", all) }
 }

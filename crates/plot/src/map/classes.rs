@@ -1,10 +1,17 @@
 //! What legends call classes of cells, and how stability is lost.
 
+use vibrochain_breather::Family;
 use vibrochain_floquet::Mechanism;
 use vibrochain_maps::cell::Class;
 
 pub(crate) const NOTHING: &str = "no physical breather";
 pub(crate) const UNKNOWN: &str = "not computed (see status)";
+
+/// Which family gives a class, 0 the double-sided, 1 the single-sided, 2 other words, and whether it is stable.
+pub(crate) fn parts(class: Class) -> Option<(usize, Option<bool>)> {
+    let place = |family| [Family::DoubleSided, Family::SingleSided].iter().position(|one| *one == family).unwrap_or(2);
+    class.parts().map(|(family, stable)| (place(family), stable))
+}
 
 /// A class as the legend of a picture with these classes has it.
 pub fn class_words<I: Iterator<Item = Class>>(class: Option<Class>, all: impl Fn() -> I) -> &'static str {

@@ -8,7 +8,7 @@ use vibrochain_maps::structure::{Setting, StructureScene};
 
 use crate::axes::axis::spanned;
 use crate::backend::format::PlotError;
-use crate::map::classes::{NOTHING, class_words};
+use crate::map::classes::{NOTHING, class_words, parts};
 use crate::map::quantity::Quantity;
 
 /// An axis of a map.
@@ -126,18 +126,8 @@ impl Mapped for StructureScene {
     /// The first word has the colours of double-sided breathers, the second those of single-sided ones, all others those of words.
     fn class(&self, class: Class, _: &[Class]) -> String {
         let words: Vec<String> = self.words.iter().map(|(word, _)| word.to_string()).collect();
-        let (how, place) = match class {
-            Class::None => return NOTHING.replace("breather", "orbit"),
-            Class::StableDouble => ("stable ", 0),
-            Class::StableSingle => ("stable ", 1),
-            Class::StableWord => ("stable ", 2),
-            Class::UnstableDouble => ("unstable ", 0),
-            Class::UnstableSingle => ("unstable ", 1),
-            Class::UnstableWord => ("unstable ", 2),
-            Class::Double => ("", 0),
-            Class::Single => ("", 1),
-            Class::Word => ("", 2),
-        };
+        let Some((place, stable)) = parts(class) else { return NOTHING.replace("breather", "orbit") };
+        let how = stable.map_or("", |stable| if stable { "stable " } else { "unstable " });
         match words.get(place) {
             Some(word) if place < 2 || words.len() == 3 => format!("{how}{word}"),
             _ => format!("{how}{}", if how.is_empty() { "other words" } else { "orbits of other words" }),

@@ -6,7 +6,7 @@ use vibrochain_maps::scene::Values;
 use crate::axes::axis::place;
 use crate::backend::format::PlotError;
 use crate::backend::page::Page;
-use crate::map::classes::UNKNOWN;
+use crate::map::classes::{UNKNOWN, parts};
 use crate::map::mapped::{MapAxis, Mapped, about};
 use crate::map::quantity::Quantity;
 use crate::panels::curves::{Curves, Mark, Pane, Scale, Series, Stroke};
@@ -24,22 +24,15 @@ pub struct OneAxisPicture<'a> {
 /// Width and height of a panel, in pixels.
 const PANE: (u32, u32) = (1100, 400);
 
-/// Colours of families, and of what has none.
-const DOUBLE: usize = 0;
-const SINGLE: usize = 1;
-const WORD: usize = 2;
+/// The colour of what has no family.
 const UNKNOWN_COLOUR: usize = 5;
 
 /// How breathers of a class are drawn: stable ones by solid lines, unstable ones by dashed ones, the families in a colour each.
 fn look(class: Option<Class>) -> (usize, Stroke) {
-    match class {
-        Some(Class::StableDouble | Class::Double) => (DOUBLE, Stroke::Solid(3)),
-        Some(Class::UnstableDouble) => (DOUBLE, Stroke::Dashed(2)),
-        Some(Class::StableSingle | Class::Single) => (SINGLE, Stroke::Solid(3)),
-        Some(Class::UnstableSingle) => (SINGLE, Stroke::Dashed(2)),
-        Some(Class::StableWord | Class::Word) => (WORD, Stroke::Solid(3)),
-        Some(Class::UnstableWord) => (WORD, Stroke::Dashed(2)),
-        Some(Class::None) | None => (UNKNOWN_COLOUR, Stroke::Solid(1)),
+    match class.and_then(parts) {
+        Some((family, Some(false))) => (family, Stroke::Dashed(2)),
+        Some((family, _)) => (family, Stroke::Solid(3)),
+        None => (UNKNOWN_COLOUR, Stroke::Solid(1)),
     }
 }
 
@@ -93,13 +86,11 @@ fn pane(quantity: Quantity, scene: &dyn Mapped, axis: &MapAxis, cells: &[(f64, &
         let (colour, stroke) = look(class);
         if named {
             let name = class.map_or("class not known".to_owned(), |class| scene.class(class, &all));
-            let points = line(&points, class, change);
-            series.push(Series { name, colour, stroke, mark: Mark::None, points });
+            series.push(Series::line(name, colour, stroke, line(&points, class, change)));
         }
         let lone = lone(&points, class);
         if !lone.is_empty() {
-            let (name, mark) = (String::new(), Mark::Small(0));
-            series.push(Series { name, colour, stroke: Stroke::None, mark, points: lone });
+            series.push(Series::marks("", colour, Mark::Small(0), lone));
         }
     }
     series.extend(missing(&points));
@@ -173,8 +164,7 @@ fn missing(cells: &[Drawn]) -> Option<Series> {
     let unknown = cells.iter().filter(|cell| cell.class.is_none() && cell.height.is_none());
     let points: Vec<(f64, f64)> =
         unknown.flat_map(|cell| [(cell.place, low), (cell.place, high), (f64::NAN, f64::NAN)]).collect();
-    let (name, colour, stroke) = (UNKNOWN.to_owned(), UNKNOWN_COLOUR, Stroke::Solid(1));
-    (!points.is_empty()).then_some(Series { name, colour, stroke, mark: Mark::None, points })
+    (!points.is_empty()).then(|| Series::line(UNKNOWN, UNKNOWN_COLOUR, Stroke::Solid(1), points))
 }
 
 #[cfg(test)]

@@ -15,6 +15,8 @@ pub enum Palette {
     Paper,
 }
 
+vibrochain_lattice::names!(Palette { Colour "colour", Paper "paper" });
+
 /// What is drawn in one cell: its class, and the mechanism of instability as a texture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tile {

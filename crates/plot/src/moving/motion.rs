@@ -13,15 +13,12 @@ pub enum Moving {
     Svg,
 }
 
+vibrochain_lattice::names!(Moving { Gif "gif", Png "png", Svg "svg" });
+
 impl Moving {
     /// By the file's ending, `.gif`, `.png` or `.svg`.
     pub fn of(path: &Path) -> Option<Self> {
-        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
-            "gif" => Some(Self::Gif),
-            "png" => Some(Self::Png),
-            "svg" => Some(Self::Svg),
-            _ => None,
-        }
+        Self::from_name(&path.extension()?.to_str()?.to_ascii_lowercase())
     }
 }
 

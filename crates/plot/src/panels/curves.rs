@@ -141,6 +141,28 @@ pub struct Series {
     pub points: Vec<(f64, f64)>,
 }
 
+impl Series {
+    /// A line.
+    pub fn line(
+        name: impl Into<String>,
+        colour: usize,
+        stroke: Stroke,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        Self { name: name.into(), colour, stroke, mark: Mark::None, points: points.into_iter().collect() }
+    }
+
+    /// Points without a line.
+    pub fn marks(
+        name: impl Into<String>,
+        colour: usize,
+        mark: Mark,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        Self { mark, ..Self::line(name, colour, Stroke::None, points) }
+    }
+}
+
 /// Multipliers are drawn linearly where of those beyond 1 this many in a hundred are below `FAR`, up to so many times as far from
 /// 1 as these are, and at least so far; otherwise by logarithms.
 const MOST_OF_IT: usize = 80;
@@ -165,14 +187,7 @@ mod tests {
     /// Ends of the scale of multipliers: ten that are 1.01 and one of another height.
     fn ends(height: f64) -> Range<f64> {
         let points = std::iter::repeat_n(1.01, 10).chain([1.0, height]).enumerate().map(|(i, y)| (i as f64, y));
-        let series = Series {
-            name: String::new(),
-            colour: 0,
-            stroke: Stroke::Solid(1),
-            mark: Mark::None,
-            points: points.collect(),
-        };
-        match Scale::about_one(&[series]) {
+        match Scale::about_one(&[Series::line("", 0, Stroke::Solid(1), points)]) {
             Scale::Between(ends) => ends,
             other => panic!("{other:?}"),
         }
@@ -182,9 +197,8 @@ mod tests {
     #[test]
     fn growths_of_several_orders_are_drawn_by_logarithms() {
         let scale = |heights: &[f64]| {
-            let points = heights.iter().enumerate().map(|(i, y)| (i as f64, *y)).collect();
-            let (name, stroke, mark) = (String::new(), Stroke::Solid(1), Mark::None);
-            Scale::about_one(&[Series { name, colour: 0, stroke, mark, points }])
+            let points = heights.iter().enumerate().map(|(i, y)| (i as f64, *y));
+            Scale::about_one(&[Series::line("", 0, Stroke::Solid(1), points)])
         };
         assert_eq!(scale(&[1.0, 1.0, 1.003, 1.004, 1.8, 2.5, 3.0, 2.0]), Scale::AboutOne(1e-3));
         assert_eq!(scale(&[0.9, 20.0, 300.0, 1e4]), Scale::AboutOne(COARSEST));

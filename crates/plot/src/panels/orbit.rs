@@ -56,10 +56,6 @@ pub fn orbit_picture(orbits: &[OrbitPanels], page: impl Into<Page>) -> Result<Ve
     curves_picture(&Curves { panes, columns: 2, pane: PANEL, headings, ..Curves::default() }, page)
 }
 
-fn pane(x: &str, y: &str, series: Vec<Series>) -> Pane {
-    Pane { x: x.to_owned(), y: y.to_owned(), series, ..Pane::default() }
-}
-
 /// Displacements along a chain at the instants of impacts, over what `x` names.
 pub fn profile_pane(x: &str, profiles: Vec<Profile>) -> Pane {
     let series = profiles.into_iter().enumerate().map(|(colour, Profile { name, instant, points })| {
@@ -67,7 +63,7 @@ pub fn profile_pane(x: &str, profiles: Vec<Profile>) -> Pane {
             if instant == 0 { (Stroke::Solid(2), Mark::Filled(0)) } else { (Stroke::Dashed(2), Mark::Hollow(3)) };
         Series { name, colour, stroke, mark, points }
     });
-    pane(x, "displacement uₙ", series.collect())
+    Pane::titled("", x, "displacement uₙ", series.collect())
 }
 
 /// Places over a period. One trace alone needs no name.
@@ -76,15 +72,14 @@ pub fn trace_pane(y: &str, traces: &[Trace]) -> Pane {
     for (colour, trace) in traces.iter().enumerate() {
         // Masses that move alike lie on each other: the later ones are dashed.
         let stroke = if colour == 0 { Stroke::Solid(2) } else { Stroke::Dashed(2) };
-        let name = if traces.len() == 1 { String::new() } else { trace.name.clone() };
-        let points = trace.flights.iter().flatten().map(|[time, place, _]| (*time, *place)).collect();
-        series.push(Series { name, colour, stroke, mark: Mark::None, points });
+        let name = if traces.len() == 1 { "" } else { &trace.name };
+        let points = trace.flights.iter().flatten().map(|[time, place, _]| (*time, *place));
+        series.push(Series::line(name, colour, stroke, points));
         if !trace.impacts.is_empty() {
-            let (name, mark) = (String::new(), Mark::Filled(colour));
-            series.push(Series { name, colour, stroke: Stroke::None, mark, points: trace.impacts.clone() });
+            series.push(Series::marks("", colour, Mark::Filled(colour), trace.impacts.iter().copied()));
         }
     }
-    Pane { x_range: Some(0.0..1.0), ..pane("time, in periods of the orbit", y, series) }
+    Pane { x_range: Some(0.0..1.0), ..Pane::titled("", "time, in periods of the orbit", y, series) }
 }
 
 /// Velocity over place of one mass or contact, impacts as jumps.
@@ -105,16 +100,14 @@ pub fn portrait_pane(x: &str, y: &str, trace: &Trace) -> Pane {
         }
         last = points.last();
     }
-    let series =
-        |name: &str, colour, stroke, mark, points| Series { name: name.to_owned(), colour, stroke, mark, points };
     let all = vec![
-        series("flight", 0, Stroke::Solid(2), Mark::None, flight),
+        Series::line("flight", 0, Stroke::Solid(2), flight),
         // In the colour of its marks: barriers, on which it lies, are grey and dashed.
-        series("impact", 1, Stroke::Dashed(2), Mark::None, jumps),
-        series("before", 1, Stroke::None, Mark::Filled(3), before),
-        series("after", 1, Stroke::None, Mark::Hollow(0), after),
+        Series::line("impact", 1, Stroke::Dashed(2), jumps),
+        Series::marks("before", 1, Mark::Filled(3), before),
+        Series::marks("after", 1, Mark::Hollow(0), after),
     ];
-    pane(x, y, all)
+    Pane::titled("", x, y, all)
 }
 
 #[cfg(test)]

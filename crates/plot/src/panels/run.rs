@@ -5,7 +5,7 @@ use crate::backend::canvas::render;
 use crate::backend::drawing::Drawing;
 use crate::backend::format::PlotError;
 use crate::backend::page::Page;
-use crate::panels::curves::{Mark, Pane, Scale, Series, Stroke};
+use crate::panels::curves::{Pane, Scale, Series, Stroke};
 use crate::panels::draw_pane;
 use crate::panels::field::Field;
 use crate::panels::spacetime::{BAR, Panel, WIDTH};
@@ -74,19 +74,10 @@ pub fn run_trace(y: &str, simulated: &[(f64, f64)], analytic: &[(f64, f64)], lev
     let first = simulated.first().map_or(0.0, |point| point.0);
     let last = simulated.last().map_or(1.0, |point| point.0).max(first + 1e-9);
     let series = [("analytic orbit", analytic, 1, 6), ("simulation", simulated, 0, 2)];
-    let line = |(name, points, colour, wide): (&str, &[(f64, f64)], usize, u32)| Series {
-        name: name.to_owned(),
-        colour,
-        stroke: Stroke::Solid(wide),
-        mark: Mark::None,
-        points: points.to_vec(),
-    };
-    Pane {
-        x: "time in periods (end of the run)".to_owned(),
-        y: y.to_owned(),
-        x_range: Some(first..last),
-        levels,
-        series: series.into_iter().filter(|(_, points, ..)| !points.is_empty()).map(line).collect(),
-        ..Pane::default()
-    }
+    let drawn = series.into_iter().filter(|(_, points, ..)| !points.is_empty());
+    let lines = drawn.map(|(name, points, colour, wide): (&str, &[(f64, f64)], _, _)| {
+        Series::line(name, colour, Stroke::Solid(wide), points.iter().copied())
+    });
+    let pane = Pane::titled("", "time in periods (end of the run)", y, lines.collect());
+    Pane { x_range: Some(first..last), levels, ..pane }
 }

@@ -57,84 +57,69 @@ pub(crate) fn width(text: &str) -> f64 {
     set(text).width
 }
 
-/// The outline of a letter in em, upwards from where it stands, told to `pen`.
-pub(crate) fn outline(glyph: u16, pen: &mut impl Pen) {
-    let Some(font) = font() else { return };
-    let em = 1.0 / f64::from(font.units_per_em());
-    let Some(found) = font.outline_glyphs().get(GlyphId::from(glyph)) else { return };
+/// A step of an outline.
+pub(crate) enum Step {
+    Start([f64; 2]),
+    Line([f64; 2]),
+    /// Two control points, and the end.
+    Curve([[f64; 2]; 3]),
+    Close,
+}
+
+/// The outline of a letter in em, upwards from where it stands.
+pub(crate) fn outline(glyph: u16) -> Vec<Step> {
+    let Some(font) = font() else { return Vec::new() };
+    let Some(found) = font.outline_glyphs().get(GlyphId::from(glyph)) else { return Vec::new() };
+    let mut scaled = Scaled { steps: Vec::new(), em: 1.0 / f64::from(font.units_per_em()), last: [0.0; 2] };
     // It fails for broken outlines alone: those of this font are drawn by a test.
-    let _ = found.draw(&DrawOptions::new(), DrawMemory::Scratch, &mut Scaled { pen, em, last: [0.0; 2] });
+    let _ = found.draw(&DrawOptions::new(), DrawMemory::Scratch, &mut scaled);
+    scaled.steps
 }
 
-/// What follows an outline.
-pub(crate) trait Pen {
-    fn start(&mut self, to: [f64; 2]);
-    fn line(&mut self, to: [f64; 2]);
-    /// By two control points.
-    fn curve(&mut self, one: [f64; 2], two: [f64; 2], to: [f64; 2]);
-    fn close(&mut self);
-}
-
-struct Scaled<'a, P> {
-    pen: &'a mut P,
+struct Scaled {
+    steps: Vec<Step>,
     em: f64,
     last: [f64; 2],
 }
 
-impl<P: Pen> Scaled<'_, P> {
+impl Scaled {
     fn at(&self, x: f32, y: f32) -> [f64; 2] {
         [f64::from(x) * self.em, f64::from(y) * self.em]
     }
 }
 
-impl<P: Pen> PathSink for Scaled<'_, P> {
+impl PathSink for Scaled {
     fn move_to(&mut self, x: f32, y: f32) {
         self.last = self.at(x, y);
-        self.pen.start(self.last);
+        self.steps.push(Step::Start(self.last));
     }
 
     fn line_to(&mut self, x: f32, y: f32) {
         self.last = self.at(x, y);
-        self.pen.line(self.last);
+        self.steps.push(Step::Line(self.last));
     }
 
     fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
         let (from, by, to) = (self.last, self.at(x1, y1), self.at(x, y));
         // The same curve by two control points.
         let toward = |end: [f64; 2]| [0, 1].map(|i| end[i] + 2.0 / 3.0 * (by[i] - end[i]));
-        self.pen.curve(toward(from), toward(to), to);
+        self.steps.push(Step::Curve([toward(from), toward(to), to]));
         self.last = to;
     }
 
     fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
         self.last = self.at(x, y);
-        self.pen.curve(self.at(x1, y1), self.at(x2, y2), self.last);
+        self.steps.push(Step::Curve([self.at(x1, y1), self.at(x2, y2), self.last]));
     }
 
     fn close(&mut self) {
-        self.pen.close();
+        self.steps.push(Step::Close);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[derive(Default)]
-    struct Extent(Vec<[f64; 2]>);
-
-    impl Pen for Extent {
-        fn start(&mut self, to: [f64; 2]) {
-            self.0.push(to);
-        }
-        fn line(&mut self, to: [f64; 2]) {
-            self.0.push(to);
-        }
-        fn curve(&mut self, one: [f64; 2], two: [f64; 2], to: [f64; 2]) {
-            self.0.extend([one, two, to]);
-        }
-        fn close(&mut self) {}
-    }
 
     #[test]
     fn the_font_has_every_letter_of_the_symbols() {
@@ -156,10 +141,14 @@ mod tests {
             .letters
             .iter()
             .map(|letter| {
-                let mut extent = Extent::default();
-                outline(letter.glyph, &mut extent);
-                let xs = extent.0.iter().map(|place| place[0] + letter.at[0]);
-                let ys = extent.0.iter().map(|place| place[1] + letter.at[1]);
+                let places = outline(letter.glyph).into_iter().flat_map(|step| match step {
+                    Step::Start(to) | Step::Line(to) => vec![to],
+                    Step::Curve(places) => places.to_vec(),
+                    Step::Close => Vec::new(),
+                });
+                let places: Vec<_> = places.collect();
+                let xs = places.iter().map(|place| place[0] + letter.at[0]);
+                let ys = places.iter().map(|place| place[1] + letter.at[1]);
                 let (low, high) = xs.fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(x), h.max(x)));
                 (0.5 * (low + high), high - low, ys.fold(f64::MIN, f64::max))
             })

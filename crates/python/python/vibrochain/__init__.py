@@ -15,7 +15,8 @@ from . import _html  # noqa: F401  (what notebooks show)
 from ._map import Map, read_scene, sweep
 from ._program import Explorer, explore, sweep_shares
 from ._run import Run, simulate
-from ._structure import Contact, Structure, StructureBranch, StructureCurve, StructureOrbit, StructureOrbits
+from ._structure import Contact, Structure
+from ._structure_orbits import StructureBranch, StructureCurve, StructureOrbit, StructureOrbits
 from ._words import words
 from ._vibrochain import (
     Admissibility,

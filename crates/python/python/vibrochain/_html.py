@@ -13,7 +13,8 @@ from ._errors import VibrochainError
 from ._map import Map
 from ._pictures import STYLE, branch_pane, class_colour, event_pane, orbit_panes
 from ._run import Run
-from ._structure import Structure, StructureBranch, StructureOrbit
+from ._structure import Structure
+from ._structure_orbits import StructureBranch, StructureOrbit
 from ._vibrochain import Branch, Diagram, EventCurve, Model, Orbit, _Pane
 
 # Of larger chains an orbit's verdict takes more than a blink.

@@ -202,7 +202,7 @@ struct Files {
 type Pictures = [(Format, Output); 2];
 
 fn pictures(folder: &Path, name: &str) -> Result<Pictures, CliError> {
-    let open = |format: Format| Output::create(&folder.join(format!("{name}.{}", format.ending())));
+    let open = |format: Format| Output::create(&folder.join(format!("{name}.{format}")));
     Ok([(Format::Png, open(Format::Png)?), (Format::Svg, open(Format::Svg)?)])
 }
 

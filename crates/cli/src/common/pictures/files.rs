@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use vibrochain_maps::files::Output;
-use vibrochain_plot::{Format, Page, PlotError};
+use vibrochain_maps::files::{Output, promises};
+use vibrochain_plot::{Format, Page, Palette, PlotError};
 
-use crate::args::{PaletteName, PictureArgs};
+use crate::args::PictureArgs;
 use crate::common::error::CliError;
 use crate::common::pictures::page_args::PageArgs;
 
@@ -16,7 +16,7 @@ pub(crate) fn of_no_map(wanted: &PictureArgs, show: bool, what: &str) -> Result<
         ("--slice", !slice.is_empty()),
         ("--show", show),
         ("--curves", *curves),
-        ("--palette", *palette != PaletteName::default()),
+        ("--palette", *palette != Palette::default()),
     ];
     match of_maps.iter().find(|(_, given)| *given) {
         Some((flag, _)) => Err(CliError::Request(format!("{flag} is of maps, {what}: leave it out"))),
@@ -51,9 +51,8 @@ impl PictureFiles {
     pub(crate) fn named(wanted: &PictureArgs) -> Result<Vec<(Page, PathBuf)>, CliError> {
         wanted.page.checked(wanted.files().next().is_some(), "--plot")?;
         let page = |(flag, path): (&'static str, &Path)| {
-            let once = [("--png", Format::Png), ("--svg", Format::Svg), ("--pdf", Format::Pdf)];
-            let format = match once.into_iter().find(|(name, _)| *name == flag) {
-                Some((_, format)) => format.promised(path).map(|()| format)?,
+            let format = match Format::from_name(flag.trim_start_matches('-')) {
+                Some(format) => promises(flag, path, "a picture", &[format.name()]).map(|()| format)?,
                 None => Format::asked(flag, path)?,
             };
             Ok((wanted.page.page(format)?, path.to_owned()))

@@ -19,7 +19,7 @@ use vibrochain_plot::{
     one_axis_picture,
 };
 
-use crate::args::{OF_MAPS, PaletteName, PictureArgs, QuantityName};
+use crate::args::{OF_MAPS, PictureArgs, QuantityName};
 use crate::common::border_search::BorderSearch;
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
@@ -147,14 +147,11 @@ impl Pictures<StructureScene> {
 
 impl<S: Grid> Pictures<S> {
     fn of(wanted: &PictureArgs, show: QuantityName, (whole, scene): (&S, DrawnScene)) -> Result<Self, CliError> {
-        let palette = match wanted.palette {
-            PaletteName::Colour => Palette::Colour,
-            PaletteName::Paper => Palette::Paper,
-        };
         let files = PictureFiles::named(wanted)?;
         let seen = if files.is_empty() { Seen::Cells(Vec::new()) } else { kept(show, scene.mapped())? };
         let curves = wanted.curves && !files.is_empty();
-        let pictures = Self { whole: whole.clone(), scene, files, palette, seen, curves, borders: Vec::new() };
+        let pictures =
+            Self { whole: whole.clone(), scene, files, palette: wanted.palette, seen, curves, borders: Vec::new() };
         if !pictures.files.is_empty() {
             PictureFiles::open(&pictures.files)?.fit(|page| pictures.picture(page))?;
         }

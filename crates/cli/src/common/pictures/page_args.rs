@@ -81,7 +81,7 @@ fn length(text: &str) -> Result<Length, String> {
     let found = UNITS.iter().find_map(|unit| Some((text.strip_suffix(unit.0)?, unit)));
     let Some((number, unit)) = found else {
         let is_number = real(text.trim()).is_ok();
-        return Err(format!("{}: {advice}", if is_number { "no unit" } else { "not a length" }));
+        refuse!("{}: {advice}", if is_number { "no unit" } else { "not a length" });
     };
     let number = real(number.trim()).map_err(|error| format!("{error}: {advice}"))?;
     let length = Length { number, unit };
@@ -89,18 +89,6 @@ fn length(text: &str) -> Result<Length, String> {
 }
 
 impl PageArgs {
-    /// The first of these flags that was given.
-    fn given(&self) -> Option<&'static str> {
-        let flags = [
-            (self.style.is_some(), "--style"),
-            (self.width.is_some(), "--width"),
-            (self.dpi.is_some(), "--dpi"),
-            (self.font_size.is_some(), "--font-size"),
-            (self.letters, "--letters"),
-        ];
-        flags.into_iter().find_map(|(given, flag)| given.then_some(flag))
-    }
-
     /// These flags, as they were given.
     pub(crate) fn words(&self) -> Vec<String> {
         let style = self.style.and_then(|style| style.to_possible_value());
@@ -116,8 +104,8 @@ impl PageArgs {
     /// # Errors
     /// [`CliError::Request`].
     pub(crate) fn checked(&self, is_drawn: bool, flag: &str) -> Result<(), CliError> {
-        if let (false, Some(given)) = (is_drawn, self.given()) {
-            return Err(CliError::Request(format!("{given} is of pictures: ask for one with {flag}, or leave it out")));
+        if let (false, Some(given)) = (is_drawn, self.words().first().and_then(|words| words.split(' ').next())) {
+            refuse!("{given} is of pictures: ask for one with {flag}, or leave it out");
         }
         let within = |flag: &str, value: Option<f64>, (low, high): (f64, f64), unit: &str| match value {
             Some(value) if !(low..=high).contains(&value) => {
@@ -129,7 +117,7 @@ impl PageArgs {
             && !(WIDTHS.0..=WIDTHS.1).contains(&width)
         {
             let millimetres = Short((width * 25.4 / 96.0 * 1e6).round() / 1e6);
-            return Err(CliError::Request(format!("--width of {millimetres} mm: give 20 mm to 2 m, 75px to 7600px")));
+            refuse!("--width of {millimetres} mm: give 20 mm to 2 m, 75px to 7600px");
         }
         within("--dpi", self.dpi, DPI, "")?;
         within("--font-size", self.font_size, FONT, " points")
@@ -162,11 +150,10 @@ impl PageArgs {
             ..page
         };
         let across = page.width.unwrap_or(0.0) * page.dpi / 96.0;
-        if across > MOST_ACROSS {
-            return Err(CliError::Request(format!(
-                "--width and --dpi make a picture {across:.0} pixels across, at most {MOST_ACROSS} are drawn: give less of one"
-            )));
-        }
+        ensure!(
+            across <= MOST_ACROSS,
+            "--width and --dpi make a picture {across:.0} pixels across, at most {MOST_ACROSS} are drawn: give less of one"
+        );
         Ok(page)
     }
 

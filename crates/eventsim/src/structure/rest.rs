@@ -1,0 +1,112 @@
+//! Chatter, rest and release of a structure's contacts: those of the chain ([`crate::collision`]), with accelerations that know dashpots and the
+//! forces of other contacts at rest. A contact that comes to rest may take another one's load off: whose force would pull is released at once.
+
+use super::approach::Place;
+use super::motion::Motion;
+use super::series::Series;
+use crate::cascade::Change;
+use crate::collision::CHATTER_TIME;
+use crate::event::EventKind;
+use crate::ring::Contact;
+use crate::units::MAX_ORDER;
+use vibrochain_lattice::Barrier;
+
+impl Motion {
+    /// What a contact on its barrier does after the impacts there.
+    pub(super) fn part(&mut self, contact: usize, barrier: Barrier, changes: &mut Vec<Change>) {
+        let outward = self.outward(contact, barrier);
+        if outward == 0.0 {
+            self.settle(contact, barrier, changes);
+            return;
+        }
+        self.places[contact].touch = Contact::Leaving(barrier, 1);
+        let loss = 1.0 - self.system.structure.contacts()[contact].restitution;
+        if loss > 0.0 {
+            let series = Series::tendencies(&self.system, &self.flight, &self.places);
+            let (c, h) = (series.contacts[contact], series.length);
+            let pressing = 2.0 * barrier.sign() * c[2] / (h * h);
+            let jerk = 6.0 * c[3].abs() / (h * h * h);
+            if pressing > 0.0 {
+                let left = 2.0 * outward.abs() / (pressing * loss);
+                if left * (self.system.fastest + jerk / pressing) < CHATTER_TIME {
+                    self.rest(contact, barrier, left, changes);
+                }
+            }
+        }
+    }
+
+    /// A contact on its barrier without velocity: it rests, or leaves.
+    pub(crate) fn settle(&mut self, contact: usize, barrier: Barrier, changes: &mut Vec<Change>) {
+        self.places[contact].v = Some(0.0);
+        self.places[contact].touch = Contact::Free;
+        match Series::tendencies(&self.system, &self.flight, &self.places).tendency(contact, barrier, 2) {
+            Some((order, false)) => self.places[contact].touch = Contact::Leaving(barrier, order),
+            _ => self.rest(contact, barrier, 0.0, changes),
+        }
+    }
+
+    fn rest(&mut self, contact: usize, barrier: Barrier, delay: f64, changes: &mut Vec<Change>) {
+        if let Some(ledger) = &mut self.ledger {
+            let v = self.places[contact].v.unwrap_or(0.0);
+            ledger.impact(0.5 * v * v / self.system.mobility(contact, contact));
+        }
+        let place = &mut self.places[contact];
+        (place.x, place.v, place.reference) = (0.0, Some(0.0), Some(barrier));
+        place.touch = Contact::Resting(barrier);
+        self.work.sticks += 1;
+        changes.push(Change::still(contact, barrier, EventKind::Stick, delay));
+        self.hold(&[]);
+    }
+
+    /// Lets a contact leave its barrier with the first derivative, from `order` on, that does not vanish; if that points outward it stays.
+    pub(super) fn release(
+        &mut self,
+        contact: usize,
+        barrier: Barrier,
+        order: usize,
+        pull: Option<u8>,
+        changes: &mut Vec<Change>,
+    ) {
+        let before = self.places[contact].touch;
+        self.places[contact].touch = Contact::Free;
+        self.places[contact].v = Some(0.0);
+        let series = Series::tendencies(&self.system, &self.flight, &self.places);
+        let tendency = series.tendency(contact, barrier, order);
+        if let Some((order, false)) = tendency.or(pull.map(|order| (order, false))) {
+            self.places[contact].touch = Contact::Leaving(barrier, order);
+            self.work.releases += 1;
+            changes.push(Change::still(contact, barrier, EventKind::Release, 0.0));
+        } else {
+            self.places[contact].touch = before;
+        }
+    }
+
+    /// Lets the forces of all contacts on their barriers agree: releases those at rest that their barriers would have to pull, the strongest
+    /// pull first, and puts at rest those that were about to leave and are pressed now that others rest.
+    pub(crate) fn let_go(&mut self, changes: &mut Vec<Change>) {
+        for _ in 0..4 * self.places.len() {
+            let is_soft = |place: &Place| matches!(place.touch, Contact::Resting(_) | Contact::Leaving(_, 2..));
+            if !self.places.iter().any(is_soft) {
+                return;
+            }
+            let series = Series::tendencies(&self.system, &self.flight, &self.places);
+            let is_pulled = |(contact, _, force): &&(usize, Barrier, [f64; MAX_ORDER + 1])| {
+                force[0] < -series.force_doubt(&self.system, *contact)
+            };
+            let pulled = series.forces.iter().filter(is_pulled).min_by(|a, b| a.2[0].total_cmp(&b.2[0]));
+            if let Some(&(contact, barrier, _)) = pulled {
+                self.release(contact, barrier, 2, Some(2), changes);
+                continue;
+            }
+            let pressed = self.places.iter().enumerate().find_map(|(contact, place)| match place.touch {
+                Contact::Leaving(barrier, 2..) => {
+                    let tendency = series.tendency(contact, barrier, 2)?;
+                    tendency.1.then_some((contact, barrier))
+                }
+                _ => None,
+            });
+            let Some((contact, barrier)) = pressed else { return };
+            self.rest(contact, barrier, 0.0, changes);
+        }
+    }
+}
