@@ -22,7 +22,7 @@ pub(super) type Lanes = SmallVec<[Lane; 4]>;
 
 /// What contacts see of an orbit's flights: the modes and the motion under a load, which is one mode more, that nothing damps.
 pub(super) struct View {
-    /// How the parts move, and behind each mode its number among those that are felt.
+    /// How each part moves, and the number of each mode among those that are felt.
     flows: SmallVec<[(Turn, f64, f64); 16]>,
     numbers: SmallVec<[usize; 16]>,
     /// From this one on contacts see both coordinates, before it the first alone.
