@@ -74,12 +74,15 @@ fn same(a: &StructureOrbit, b: &StructureOrbit) -> bool {
         let later = if i == 2 { orbit.period() } else { orbit.impacts()[i + 1].time };
         later - orbit.impacts()[i].time
     };
+    // Newton's method may end where conditions are met but times are known poorly.
+    let errors = a.impacts().iter().chain(b.impacts()).map(|impact| 2.0 * impact.time_error);
+    let room = errors.fold(1e-6 * a.period(), f64::max);
     (0..3).any(|turn| {
         (0..3).all(|i| {
             let (own, other) = (&a.impacts()[i], &b.impacts()[(i + turn) % 3]);
             (own.contact, own.barrier) == (other.contact, other.barrier)
                 && (own.impulse - other.impulse).abs() < 1e-6 * (1.0 + own.impulse.abs())
-                && (apart(a, i) - apart(b, (i + turn) % 3)).abs() < 1e-6 * a.period()
+                && (apart(a, i) - apart(b, (i + turn) % 3)).abs() < room
         })
     })
 }
@@ -109,7 +112,7 @@ impl Tally {
         }
         self.complete += 1;
         self.orbits += found.orbits.len();
-        let led = led_to(model, letters, periods, 1000, random);
+        let led = led_to(model, letters, periods, 1000, &mut Random(random.below(1 << 20) as u64));
         for orbit in &led {
             self.led += 1;
             assert!(
@@ -151,14 +154,23 @@ fn complete_lists_of_random_structures_lack_nothing_that_starts_lead_to() {
 fn complete_lists_of_free_motions_lack_nothing_that_starts_lead_to() {
     let mut random = Random(29);
     let mut tally = Tally::default();
-    for round in 0..24 {
-        let mut mode = || {
+    for round in 0..80 {
+        let angles = [(); 3].map(|()| random.between(0.0, std::f64::consts::TAU));
+        // Two masses that feel nothing of an impact at the other one, at once, or two places of a continuum.
+        let of_masses = round % 2 == 1;
+        let [[a, b], [c, d], [e, f]] = angles.map(|angle| [angle.cos(), angle.sin()]);
+        let rotation = [[a * c, b * c, d], [-b * e - a * d * f, a * e - b * d * f, c * f]];
+        let mut mode = |k: usize| {
             let frequency = random.log(0.3, 3.0);
-            let contacts = vec![random.between(-1.0, 1.0), random.between(-1.0, 1.0)];
+            let contacts = if of_masses {
+                rotation.map(|row| row[k]).to_vec()
+            } else {
+                vec![random.between(-1.0, 1.0), random.between(-1.0, 1.0)]
+            };
             let shape = ModeShape { contacts, coordinates: Vec::new(), still: random.between(-0.1, 0.1) };
             LinearMode::oscillator(0.0, frequency * frequency, &shape, &[])
         };
-        let modes = (0..3).map(|_| mode()).collect();
+        let modes = (0..3).map(&mut mode).collect();
         let contact = || Contact { lower: Some(-0.3), upper: Some(0.2), restitution: 1.0 };
         let structure = ModalStructure::new(vec![contact(), contact()], vec![], modes).unwrap();
         let model = StructureModel::new(Arc::new(structure), random.between(0.5, 3.0)).unwrap();
@@ -166,5 +178,5 @@ fn complete_lists_of_free_motions_lack_nothing_that_starts_lead_to() {
         tally.compare(&format!("free {round}"), &model, &letters, 1, &mut random);
     }
     println!("{tally:?}");
-    assert!(tally.complete > 10 && tally.led > 5, "{tally:?}");
+    assert!(tally.lists > 70 && tally.complete == tally.lists && tally.led > 40, "{tally:?}");
 }

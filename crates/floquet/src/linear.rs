@@ -2,6 +2,9 @@
 //! without allocation up to eight. (nalgebra's LU of fixed sizes takes 610 instructions instead of 1000 for a determinant of 3 × 3 and 1980
 //! instead of 2250 for 5 × 5, half a percent of a sweep of forced orbits; it has neither the other two nor the other sizes in one routine.)
 
+use std::iter::Sum;
+use std::ops::{Add, Mul, Neg, Sub, SubAssign};
+
 use nalgebra::Complex;
 use smallvec::{SmallVec, smallvec};
 
@@ -9,6 +12,51 @@ type C = Complex<f64>;
 
 /// Rows up to which nothing is allocated: two for each of eight impacts, and one.
 const MOST: usize = 17;
+
+/// What matrices are of: complex numbers, or real ones for a part of the work.
+pub(crate) trait Entry:
+    Copy + Default + Sum + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> + SubAssign
+{
+    const ONE: Self;
+
+    fn size(self) -> f64;
+
+    fn square_of_size(self) -> f64;
+
+    fn inverse(self) -> Self;
+}
+
+impl Entry for C {
+    const ONE: Self = Self { re: 1.0, im: 0.0 };
+
+    fn size(self) -> f64 {
+        self.norm()
+    }
+
+    fn square_of_size(self) -> f64 {
+        self.norm_sqr()
+    }
+
+    fn inverse(self) -> Self {
+        self.inv()
+    }
+}
+
+impl Entry for f64 {
+    const ONE: Self = 1.0;
+
+    fn size(self) -> f64 {
+        self.abs()
+    }
+
+    fn square_of_size(self) -> f64 {
+        self * self
+    }
+
+    fn inverse(self) -> Self {
+        self.recip()
+    }
+}
 
 /// Where pivots are sought.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,7 +76,7 @@ pub(crate) struct Factors {
 
 /// Factors a matrix in place; `None` where a pivot but the last is 0 or not a number.
 #[inline]
-pub(crate) fn eliminate(matrix: &mut [C], size: usize, pivots: Pivots) -> Option<Factors> {
+pub(crate) fn eliminate<T: Entry>(matrix: &mut [T], size: usize, pivots: Pivots) -> Option<Factors> {
     let order = || (0..size).collect::<SmallVec<[usize; MOST]>>();
     let mut factors = Factors { rows: order(), columns: order(), odd: false };
     for step in 0..size.saturating_sub(1) {
@@ -36,7 +84,7 @@ pub(crate) fn eliminate(matrix: &mut [C], size: usize, pivots: Pivots) -> Option
         let columns = if pivots == Pivots::Full { step..size } else { step..step + 1 };
         for row in step..size {
             for column in columns.clone() {
-                let modulus = matrix[row * size + column].norm_sqr();
+                let modulus = matrix[row * size + column].square_of_size();
                 if modulus > largest {
                     (at, largest) = ((row, column), modulus);
                 }
@@ -57,13 +105,13 @@ pub(crate) fn eliminate(matrix: &mut [C], size: usize, pivots: Pivots) -> Option
         }
         let (head, tail) = matrix.split_at_mut((step + 1) * size);
         let above = &head[step * size + step..];
-        let inverse = above[0].inv();
+        let inverse = above[0].inverse();
         for row in tail.chunks_exact_mut(size) {
             let row = &mut row[step..];
             let factor = row[0] * inverse;
             row[0] = factor;
             for (entry, above) in row.iter_mut().zip(above).skip(1) {
-                *entry -= factor * above;
+                *entry -= factor * *above;
             }
         }
     }
@@ -71,8 +119,8 @@ pub(crate) fn eliminate(matrix: &mut [C], size: usize, pivots: Pivots) -> Option
 }
 
 impl Factors {
-    fn determinant(&self, matrix: &[C], size: usize) -> C {
-        let one = C::new(if self.odd { -1.0 } else { 1.0 }, 0.0);
+    fn determinant<T: Entry>(&self, matrix: &[T], size: usize) -> T {
+        let one = if self.odd { -T::ONE } else { T::ONE };
         (0..size).fold(one, |product, i| product * matrix[i * size + i])
     }
 
@@ -110,23 +158,23 @@ pub(crate) fn cofactors(matrix: &mut [C], size: usize) -> Option<Vec<C>> {
 }
 
 /// As [`determinant`], with Σ|B⁻¹_ji||B_ij|, by which relative errors of the entries are multiplied. `sizes` is scratch space.
-pub(crate) fn determinant_and_condition(matrix: &mut [C], sizes: &mut Vec<f64>, size: usize) -> (C, f64) {
+pub(crate) fn determinant_and_condition<T: Entry>(matrix: &mut [T], sizes: &mut Vec<f64>, size: usize) -> (T, f64) {
     sizes.clear();
-    sizes.extend(matrix.iter().map(|entry| entry.norm()));
-    let Some(factors) = eliminate(matrix, size, Pivots::Partial) else { return (C::default(), f64::INFINITY) };
+    sizes.extend(matrix.iter().map(|entry| entry.size()));
+    let Some(factors) = eliminate(matrix, size, Pivots::Partial) else { return (T::default(), f64::INFINITY) };
     let mut condition = 0.0;
     for (unit, row) in factors.rows.iter().enumerate() {
         // A column of B⁻¹.
-        let mut v: SmallVec<[C; MOST]> = smallvec![C::default(); size];
-        v[unit] = C::new(1.0, 0.0);
+        let mut v: SmallVec<[T; MOST]> = smallvec![T::default(); size];
+        v[unit] = T::ONE;
         for i in unit + 1..size {
-            v[i] = -(unit..i).map(|j| matrix[i * size + j] * v[j]).sum::<C>();
+            v[i] = -(unit..i).map(|j| matrix[i * size + j] * v[j]).sum::<T>();
         }
         for i in (0..size).rev() {
-            let rest: C = (i + 1..size).map(|j| matrix[i * size + j] * v[j]).sum();
-            v[i] = (v[i] - rest) * matrix[i * size + i].inv();
+            let rest: T = (i + 1..size).map(|j| matrix[i * size + j] * v[j]).sum();
+            v[i] = (v[i] - rest) * matrix[i * size + i].inverse();
         }
-        condition += v.iter().zip(&sizes[row * size..]).map(|(v, size)| v.norm() * size).sum::<f64>();
+        condition += v.iter().zip(&sizes[row * size..]).map(|(v, size)| v.size() * size).sum::<f64>();
     }
     (factors.determinant(matrix, size), condition)
 }

@@ -112,7 +112,9 @@ impl BlochEquations {
                 sliding.resize(size * size, 0.0);
                 send_on((&kernel, k, died), (&impacts, &since), &mut outside, &mut sliding);
             }
-            let alive = |t: f64| only(died.map(|died| !died), mode.flight(t));
+            // At the cut itself nothing has moved.
+            let alive =
+                |t: f64| only(died.map(|died| !died), if t == 0.0 { coordinates.unit() } else { mode.flight(t) });
             let from = rows.len();
             for (impact, t) in impacts.iter().zip(&since) {
                 let place = coordinates.seen(kernel.row(k, impact.contact), alive(*t));
@@ -355,6 +357,22 @@ impl BlochEquations {
                     for (entry, column) in line.iter_mut().zip(columns) {
                         *entry -= seen[0] * column[0] + seen[1] * column[1];
                     }
+                }
+            }
+        }
+    }
+
+    /// [`fill`](Self::fill) at a real z outside all poles, in real numbers: for a small part of the work.
+    pub fn fill_real(&self, z: f64, matrix: &mut Vec<f64>) {
+        matrix.clear();
+        matrix.extend(self.constant(false));
+        for (k, mode) in self.kernel.modes().iter().enumerate() {
+            let coordinates = mode.coordinates;
+            let past = coordinates.product(mode.period, coordinates.real_resolvent(mode.period, z));
+            for (line, row) in matrix.chunks_exact_mut(self.size()).zip(self.rows(k)) {
+                let seen = coordinates.seen(*row, past);
+                for (entry, column) in line.iter_mut().zip(self.columns(k)) {
+                    *entry += seen[0] * column[0] + seen[1] * column[1];
                 }
             }
         }

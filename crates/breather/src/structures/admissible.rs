@@ -4,14 +4,17 @@
 //! those of a chain's masses are. Otherwise, with d the distance to a barrier and B ≥ |g″| on the rest of a flight, d stays positive until the
 //! root of d + d′h − Bh²/2: steps to these roots pass no contact.
 
+use smallvec::smallvec;
 use vibrochain_lattice::Barrier;
+use wide::f64x4;
 
 use super::error::StructureOrbitError;
 use super::flight::StructureMotion;
 use super::orbit::StructureOrbit;
-use super::windows::Windows;
+use super::windows::{Lanes, View, Windows};
 use crate::admissible::answer::{Admissibility, Approach, Obstruction};
 use crate::admissible::check::Depth;
+use crate::lanes::{LANES, Number, four};
 use crate::motion::polynomial::{Polynomial, turning_points, with_overlap};
 
 /// Distances below this part of a contact's reach are a touch.
@@ -56,11 +59,12 @@ fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, Structur
     let motion = StructureMotion::new(orbit)?;
     let mut search = Search { orbit, motion: &motion, closest: None, pending: Vec::new(), depth };
     let order = search.order();
+    let view = View::new(&motion, &order);
     for i in 0..impacts.len() {
         if motion.until_next(i) <= TOGETHER * orbit.period() || search.is_decided() {
             continue;
         }
-        match Windows::new(&motion, i, &order) {
+        match view.as_ref().and_then(|view| Windows::new(view, &motion, i)) {
             Some(mut windows) => search.by_windows(&mut windows, &order, i),
             None => search.by_steps(i)?,
         }
@@ -124,10 +128,11 @@ impl Search<'_> {
     }
 
     /// Turning points of the contacts' polynomials, window by window.
-    fn by_windows(&mut self, windows: &mut Windows, order: &[usize], i: usize) {
+    fn by_windows(&mut self, windows: &mut Windows<'_>, order: &[usize], i: usize) {
         let begins = self.orbit.impacts()[i].time;
         let whole = self.motion.until_next(i);
-        let [excursions, fourths] = windows.bounds();
+        let bounds = windows.bounds();
+        let [excursions, fourths] = bounds.each_ref().map(|lanes| lanes.as_flattened());
         let mut watched: Vec<Watched> = Vec::with_capacity(order.len());
         for (place, [here, end]) in windows.ends(order.len()).into_iter().enumerate() {
             let contact = order[place];
@@ -154,26 +159,38 @@ impl Search<'_> {
             return;
         }
         windows.keep(&mut watched.iter_mut().map(|own| &mut own.place));
+        // Of all of them, four at a time.
+        let lanes = |pad: f64, of: fn(&Watched) -> f64| {
+            let mut lanes: Lanes = smallvec![[pad; LANES]; watched.len().div_ceil(LANES)];
+            lanes.as_flattened_mut().iter_mut().zip(&watched).for_each(|(slot, own)| *slot = of(own));
+            lanes
+        };
+        let [lower, upper] = [
+            lanes(f64::NEG_INFINITY, |own| own.stops[0].map_or(f64::NEG_INFINITY, |(_, stop)| stop)),
+            lanes(f64::INFINITY, |own| own.stops[1].map_or(f64::INFINITY, |(_, stop)| stop)),
+        ];
+        let fourths = lanes(0.0, |own| own.fourth);
+        let mut here = [lanes(0.0, |own| own.here[0]), lanes(0.0, |own| own.here[1])];
+        let mut there = here.clone();
         let mut pending = std::mem::take(&mut self.pending);
-        let mut ends: Vec<[f64; 2]> = Vec::with_capacity(watched.len());
         loop {
-            ends.clear();
-            windows.pass(watched.iter().map(|own| own.place), |end| ends.push(end));
-            for (own, end) in watched.iter_mut().zip(&ends) {
-                let begin = std::mem::replace(&mut own.here, *end);
-                let passage = Passage::new(begin, *end, windows.length, own.fourth);
-                if !passage.may_turn() {
-                    continue;
-                }
-                let mut polynomial: Option<Polynomial> = None;
-                for (barrier, stop) in own.stops.into_iter().flatten() {
-                    if self.closest.as_ref().is_some_and(|(least, _)| passage.room(barrier, stop) >= *least) {
+            let sighted = windows.pass();
+            there[0].copy_from_slice(&sighted.places);
+            there[1].copy_from_slice(&sighted.velocities);
+            for (group, four_watched) in watched.chunks(LANES).enumerate() {
+                let [begin, end] = [&here, &there].map(|both| both.each_ref().map(|lanes| four(lanes[group])));
+                let passages = Passage::new(begin, end, windows.length, four(fourths[group]));
+                let rooms = [(Barrier::Lower, &lower), (Barrier::Upper, &upper)]
+                    .map(|(barrier, stops)| passages.room(barrier, four(stops[group])));
+                let room = (-(-rooms[0]).at_least(-rooms[1])).to_array();
+                for (lane, own) in four_watched.iter().enumerate() {
+                    if self.closest.as_ref().is_some_and(|(least, _)| room[lane] >= *least) {
                         continue;
                     }
-                    let own_polynomial = polynomial.get_or_insert_with(|| windows.polynomial(own.place));
-                    self.turns(windows, own_polynomial, (own.contact, barrier, stop), begins, &mut pending);
+                    self.pass(windows, own, passages.of(lane), begins, &mut pending);
                 }
             }
+            std::mem::swap(&mut here, &mut there);
             if self.is_decided() || !windows.advance() {
                 break;
             }
@@ -181,10 +198,32 @@ impl Search<'_> {
         self.pending = pending;
     }
 
+    /// Looks at one contact on a window.
+    fn pass(
+        &mut self,
+        windows: &mut Windows<'_>,
+        own: &Watched,
+        passage: Passage<f64>,
+        begins: f64,
+        pending: &mut Vec<(f64, f64)>,
+    ) {
+        if !passage.may_turn() {
+            return;
+        }
+        let mut polynomial: Option<Polynomial> = None;
+        for (barrier, stop) in own.stops.into_iter().flatten() {
+            if self.closest.as_ref().is_some_and(|(least, _)| passage.room(barrier, stop) >= *least) {
+                continue;
+            }
+            let own_polynomial = polynomial.get_or_insert_with(|| windows.polynomial(own.place));
+            self.turns(windows, own_polynomial, (own.contact, barrier, stop), begins, pending);
+        }
+    }
+
     /// Takes note of the turning points on a window.
     fn turns(
         &mut self,
-        windows: &Windows,
+        windows: &Windows<'_>,
         polynomial: &Polynomial,
         (contact, barrier, stop): (usize, Barrier, f64),
         begins: f64,
@@ -242,21 +281,37 @@ struct Watched {
 }
 
 /// The cubic that has a contact's place and velocity at both ends of a window, by Bézier's four points, between which it stays, and how far
-/// the contact can be from it: h⁴/384 times a bound of |g⁗|, and √3h³/216 times that in its velocity.
-struct Passage {
-    points: [f64; 4],
-    off: f64,
+/// the contact can be from it: h⁴/384 times a bound of |g⁗|, and √3h³/216 times that in its velocity. Of one contact, or of four.
+struct Passage<T> {
+    points: [T; 4],
+    off: T,
     length: f64,
 }
 
-impl Passage {
-    fn new([place, velocity]: [f64; 2], [end, last]: [f64; 2], length: f64, fourth: f64) -> Self {
+impl<T: Number> Passage<T> {
+    fn new([place, velocity]: [T; 2], [end, last]: [T; 2], length: f64, fourth: T) -> Self {
         let third = length / 3.0;
         // What rounding adds is as small against the terms as this.
-        let off = (fourth * length.powi(4) / 384.0) * (1.0 + 1e-9) + 1e-14 * (place.abs() + end.abs());
-        Self { points: [place, place + third * velocity, end - third * last, end], off, length }
+        let off = (fourth * length.powi(4) / T::of(384.0)) * (1.0 + 1e-9) + (place.modulus() + end.modulus()) * 1e-14;
+        Self { points: [place, place + velocity * third, end - last * third, end], off, length }
     }
 
+    /// How much room it surely leaves before a barrier.
+    fn room(&self, barrier: Barrier, stop: T) -> T {
+        let [a, b, c, d] = self.points.map(|place| (place - stop) * barrier.sign());
+        -(a.at_least(b).at_least(c.at_least(d))) - self.off
+    }
+}
+
+impl Passage<f64x4> {
+    /// That of one of the four.
+    fn of(&self, lane: usize) -> Passage<f64> {
+        let own = |four: f64x4| four.to_array()[lane];
+        Passage { points: self.points.map(own), off: own(self.off), length: self.length }
+    }
+}
+
+impl Passage<f64> {
     /// Whether the velocity may vanish.
     fn may_turn(&self) -> bool {
         let [a, b, c, d] = self.points;
@@ -264,11 +319,6 @@ impl Passage {
         // √3/216 of what is 1/384 in place.
         let off = self.off * 3.08 / self.length;
         !(slopes.iter().all(|slope| *slope > off) || slopes.iter().all(|slope| *slope < -off))
-    }
-
-    /// How much room it surely leaves before a barrier.
-    fn room(&self, barrier: Barrier, stop: f64) -> f64 {
-        self.points.iter().map(|place| barrier.sign() * (stop - place)).fold(f64::INFINITY, f64::min) - self.off
     }
 }
 

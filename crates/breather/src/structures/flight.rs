@@ -44,6 +44,11 @@ impl<'a> StructureMotion<'a> {
         modes.zip(self.states[i].iter().copied())
     }
 
+    /// The states of these modes just after an impact.
+    pub(super) fn states(&self, i: usize) -> &[[f64; 2]] {
+        &self.states[i]
+    }
+
     /// Time from impact `i` to the next one.
     pub fn until_next(&self, i: usize) -> f64 {
         let impacts = self.orbit.impacts();

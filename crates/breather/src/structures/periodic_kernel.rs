@@ -159,13 +159,16 @@ impl PeriodicKernel {
             for (way, (to, from, mut motion, sign)) in ways.into_iter().enumerate() {
                 let (row, column) = (mode.rows[to], mode.columns[from]);
                 let reach = flight * length(row) * length(column);
+                // row·column and row·J·column
+                let [plain, turned] =
+                    [[1.0, 0.0], [0.0, 1.0]].map(|[even, odd]| turn.pair(row, Turned { even, odd }, column));
                 for (order, part) in parts[way].iter_mut().enumerate() {
                     let by = if order % 2 == 1 { sign } else { 1.0 };
-                    *part = [Turned { even: by, odd: 0.0 }, Turned { even: 0.0, odd: by }]
-                        .map(|unit| turn.pair(row, turn.product(unit, motion), column));
+                    let Turned { even, odd } = motion;
+                    *part = [even * plain + odd * turned, even * turned - turn.sign() * odd * plain].map(|x| by * x);
                     let size = motion.even.abs() + motion.odd.abs();
                     if let Some(doubt) = between.doubts[way].get_mut(order) {
-                        *doubt += 4.0 * f64::EPSILON * (1.0 + sum.steep) * reach * size;
+                        *doubt += 6.0 * f64::EPSILON * (1.0 + sum.steep) * reach * size;
                     }
                     motion = turn.product(motion, mode.generator());
                 }
@@ -183,7 +186,8 @@ impl PeriodicKernel {
                 Turn::Hyperbolic => mode.decay - mode.rate,
                 Turn::Parabolic => 0.0,
             };
-            between.modes.push(Both { turn, decay: mode.decay, rate: mode.rate, parts, slowest, fourth });
+            let left = (-mode.decay * self.period).exp();
+            between.modes.push(Both { turn, decay: mode.decay, rate: mode.rate, left, parts, slowest, fourth });
         }
         Some(between)
     }
@@ -226,11 +230,16 @@ struct Both {
     turn: Turn,
     decay: f64,
     rate: f64,
+    /// What is left of it after a period.
+    left: f64,
     parts: [[[f64; 2]; 4]; 2],
     /// The rate at which all of it dies, and bounds of the fourth derivatives where it has not.
     slowest: f64,
     fourth: [f64; 2],
 }
+
+/// Far above the least number that keeps its digits.
+const LEFT: f64 = 1e-200;
 
 /// e^{−45} = 3e-20: what has died so far adds nothing to sums.
 const DEAD: f64 = 45.0;
@@ -243,13 +252,13 @@ impl Between {
         let nearest = [0, 1].map(|way| (0..LANES).map(|i| ways[way][i] - radii[i]).fold(f64::INFINITY, f64::min));
         // Many modes of a structure often lose alike.
         let mut lost: Option<((f64, f64), Losses)> = None;
-        for Both { turn, decay, rate, parts, slowest, fourth } in &self.modes {
+        for Both { turn, decay, rate, left, parts, slowest, fourth } in &self.modes {
             if nearest.iter().all(|t| slowest * t > DEAD) {
                 continue;
             }
             let losses = match lost {
                 Some((of, losses)) if of == (*decay, *slowest) => losses,
-                _ => Self::losses((*decay, *slowest), &ways, radii),
+                _ => Self::losses((*decay, *slowest, *left), &ways, radii),
             };
             lost = Some(((*decay, *slowest), losses));
             let moved = match turn.turns(*rate, places) {
@@ -275,10 +284,12 @@ impl Between {
     }
 
     /// What a mode has lost at four places and at their nearest ends, either way.
-    fn losses((decay, slowest): (f64, f64), ways: &[Lane; 2], radii: Lane) -> Losses {
+    fn losses((decay, slowest, left): (f64, f64, f64), ways: &[Lane; 2], radii: Lane) -> Losses {
         let of = |rate: f64, t: f64| if rate == 0.0 { 1.0 } else { (-rate * t).exp() };
-        ways.map(|times| {
-            let at = times.map(|t| of(decay, t));
+        let there = ways[0].map(|t| of(decay, t));
+        // What is lost on both ways is what a period takes, as long as numbers hold it.
+        let back = if left > LEFT { there.map(|there| left / there) } else { ways[1].map(|t| of(decay, t)) };
+        [(there, ways[0]), (back, ways[1])].map(|(at, times)| {
             let ends: Lane = std::array::from_fn(|i| {
                 let way = radii[i].min(times[i]);
                 let gained = slowest * way;

@@ -288,11 +288,12 @@ impl Impacts<'_> {
             return None;
         }
         let half = 0.5 * self.equations.period();
-        let mut unresolved = zeros.unresolved.iter().filter(|phi| (*phi - half).abs() > SAME * half).count();
+        let is_half = |phi: &&f64| (*phi - half).abs() <= SAME * half;
+        let mut unresolved = zeros.unresolved.iter().filter(|phi| !is_half(phi)).count();
         let mut starts = || -> Result<Vec<Start>, StructureOrbitError> {
             let mut starts: Vec<Start> = Vec::new();
-            // A structure that is its own mirror image has a double zero there.
-            if function.may_vanish(half, SAME * half) {
+            // A structure that is its own mirror image has a double zero there, one of the places that may be one.
+            if zeros.simple.iter().chain(&zeros.unresolved).any(|phi| is_half(&phi)) {
                 starts.extend(self.on_a_line(&[0.0, half])?.into_iter().map(Start::from));
             }
             // Those next to half a period apart come first.

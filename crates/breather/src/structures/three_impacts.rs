@@ -31,6 +31,10 @@ const PIECES: [usize; 2] = [6, 48];
 /// Of the period, next to a third of it: see [`ThreeImpacts::double`].
 const ALIKE: f64 = 1e-6;
 
+/// Without loads and losses two contacts may be hit at one instant: such a zero, which is no orbit of three instants, is on the border of the
+/// times, where it would not be told from one inside. So these go on beyond it, by this part of the period.
+const BEYOND: f64 = 1e-6;
+
 /// A pivot below this part of the largest number is 0 but for rounding.
 const DOUBLE: f64 = 1e-10;
 
@@ -45,6 +49,8 @@ pub(super) struct ThreeImpacts {
     weights: [f64; 3],
     /// Of each contact with itself, a period later: K, and 1/m + (1+e)K′.
     own: [[f64; 2]; 3],
+    /// 1/m of each contact: the size of Newton's laws. Without a load both kernels in one of them may vanish at once.
+    mobilities: [f64; 3],
     /// Stops less what is still.
     places: [f64; 3],
     /// Which way impulses push.
@@ -106,9 +112,13 @@ impl ThreeImpacts {
             swings: contacts.map(|contact| load.map_or_else(C::default, |(_, swing)| swing[contact])),
             weights: contacts.map(|contact| 1.0 + equations.restitution(contact)),
             own: contacts.map(|contact| equations.own(contact)),
+            mobilities: contacts.map(|contact| equations.mobility(contact)),
             places: [places[0], places[1], places[2]],
             push: letters.map(|(_, barrier)| -barrier.sign()),
-            least: [[0, 1], [1, 2], [2, 0]].map(|[i, j]| period * told_apart(contacts[i] == contacts[j])),
+            least: [[0, 1], [1, 2], [2, 0]].map(|[i, j]| {
+                let of_one_contact = contacts[i] == contacts[j];
+                period * if of_one_contact || load.is_some() { told_apart(of_one_contact) } else { -BEYOND }
+            }),
             alike: letters.iter().all(|letter| *letter == letters[0]),
             rows: 5 + usize::from(load.is_some()),
             columns: 3 + 2 * usize::from(load.is_some()) + usize::from(!homogeneous),
@@ -129,9 +139,12 @@ impl ThreeImpacts {
         let pieces = [shortest / self.period, 1.0].map(|part| (part * pieces as f64) as usize);
         let [x, y] = [[first, shortest], [second, self.period - first - third]];
         zeros.find(self, x, y, pieces.map(|count| count.clamp(PIECES[0], PIECES[1])), RESOLUTION * self.period);
-        let inside = |[x, y]: &[f64; 2]| x + y <= self.period - third;
-        zeros.simple.retain(inside);
-        zeros.unresolved.retain(inside);
+        let inside = |[x, y]: &[f64; 2], least: f64| {
+            let rest = self.period - x - y;
+            rest >= third && [*x, *y, rest].iter().all(|apart| *apart >= least * self.period)
+        };
+        zeros.simple.retain(|at| inside(at, RESOLUTION));
+        zeros.unresolved.retain(|at| inside(at, -0.5 * BEYOND));
         zeros
     }
 
@@ -162,6 +175,20 @@ impl ThreeImpacts {
     fn is_alike(&self, at: [f64; 2], radius: [f64; 2]) -> bool {
         let third = self.period / 3.0;
         self.double && (0..2).all(|i| (at[i] - third).abs() + radius[i] < ALIKE * self.period)
+    }
+
+    /// Whether an impulse surely pulls and another one pushes.
+    fn pulls(&self, reduced: &Reduced) -> bool {
+        let signs = [0, 1, 2].map(|i| reduced.numbers[i].sign() * self.push[i]);
+        let h = if self.has_h() { reduced.numbers[self.columns - 1].sign() } else { 0.0 };
+        let signs = [signs[0], signs[1], signs[2], h];
+        signs.contains(&1.0) && signs.contains(&-1.0)
+    }
+
+    /// Whether, without a load, the first law is broken, which follows from the others unless its impulse is 0. As ΣP_i g′_i = 0 whatever the
+    /// impulses, it is what the first one does in the two `laws` that are kept, times the impulses of these.
+    fn breaks_a_law(&self, laws: &[Patch; 2], reduced: &Reduced) -> bool {
+        self.rate == 0.0 && (laws[0] * reduced.numbers[1] + laws[1] * reduced.numbers[2]).excludes_zero()
     }
 
     fn has_h(&self) -> bool {
@@ -254,7 +281,8 @@ impl ThreeImpacts {
         let (rows, columns) = (self.rows, self.columns);
         let mut values = [[0.0; 2 * MOST]; MOST];
         for i in 0..rows {
-            let largest = table[i][..columns].iter().map(|x| x.value.abs()).fold(f64::MIN_POSITIVE, f64::max);
+            let least = if i < 3 { f64::MIN_POSITIVE } else { self.mobilities[i + 3 - rows] };
+            let largest = table[i][..columns].iter().map(|x| x.value.abs()).fold(least, f64::max);
             for j in 0..columns {
                 values[i][j] = table[i][j].value / largest;
             }
@@ -363,18 +391,18 @@ impl Planar for ThreeImpacts {
         let none = Some(([Patch::constant(1.0, radius); 2], true));
         let rest = self.period - x - y + radius[0] + radius[1];
         let is_turned = self.alike && x - radius[0] > (y + radius[1]).min(rest);
-        if rest < self.least[2] || is_turned || self.is_alike([x, y], radius) {
+        // At a single point, where Newton's method passes by, nothing is excluded: zeros may be on a border of what is.
+        let excludes = radius != [0.0; 2];
+        if excludes && (rest < self.least[2] || is_turned || self.is_alike([x, y], radius)) {
             return none;
         }
-        let reduced = match self.reduced(self.table(first, load, [x, y], radius)) {
+        let table = self.table(first, load, [x, y], radius);
+        let laws = [table[3][0], table[4][0]];
+        let reduced = match self.reduced(table) {
             Ok(reduced) => reduced,
             Err(pivot) => return Some(([pivot.unknown(); 2], false)),
         };
-        // Impulses of which one pulls and another one pushes.
-        let signs = [0, 1, 2].map(|i| reduced.numbers[i].sign() * self.push[i]);
-        let h = if self.has_h() { reduced.numbers[self.columns - 1].sign() } else { 0.0 };
-        let signs = [signs[0], signs[1], signs[2], h];
-        if signs.contains(&1.0) && signs.contains(&-1.0) {
+        if excludes && (self.pulls(&reduced) || self.breaks_a_law(&laws, &reduced)) {
             return none;
         }
         Some((reduced.left, true))

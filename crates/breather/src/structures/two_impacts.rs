@@ -108,13 +108,6 @@ impl Function {
         zeros
     }
 
-    /// Whether F may vanish within `reach` of φ.
-    pub(super) fn may_vanish(&self, phi: f64, reach: f64) -> bool {
-        let [there, back, waves] =
-            self.pieces([phi; LANES], [reach; LANES]).map(|pair| pair.map(|piece| piece.function));
-        self.clearance([there, back], waves).to_array()[0] <= 0.0
-    }
-
     /// Minors of the columns of P₁ and P₂ in the rows that change, and Δ.
     fn minors<T: Algebra>(&self, [there, back]: [[T; 2]; 2], [along, across]: [T; 2]) -> Minors<T> {
         let ([w1, w2], [n1, n2]) = (self.fast, self.squares);

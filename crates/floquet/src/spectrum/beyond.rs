@@ -3,7 +3,6 @@
 //! M is real and of even size, so that det(z−M) is positive far out on the real axis, on either side, and so is det(z−R) beyond all poles.
 //! Hence f(±r) < 0 there leaves an odd number of real multipliers beyond ±r.
 
-use nalgebra::Complex;
 use vibrochain_breather::BlochEquations;
 
 use super::starts::NEGLIGIBLE;
@@ -28,21 +27,53 @@ pub(crate) fn is_surely_beyond(equations: &BlochEquations, reach: f64) -> bool {
     let shapes = modes.iter().map(|mode| mode.shape_error).fold(0.0, f64::max);
     let (mut matrix, mut sizes) = (Vec::new(), Vec::new());
     [reach, -reach].into_iter().any(|z| {
-        let z = Complex::new(z, 0.0);
-        let of_poles = poles().map(|(pole, error)| error / modulus(z - pole)).fold(0.0, f64::max);
-        equations.fill(z, &mut matrix, None);
+        let of_poles = poles().map(|(pole, error)| error / modulus(pole - z)).fold(0.0, f64::max);
+        equations.fill_real(z, &mut matrix);
         let (value, condition) = determinant_and_condition(&mut matrix, &mut sizes, equations.size());
-        value.re < 0.0 && condition * (16.0 * f64::EPSILON + of_poles + shapes) < SURE
+        value < 0.0 && condition * (16.0 * f64::EPSILON + of_poles + shapes) < SURE
     })
 }
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Complex;
+    use vibrochain_breather::LinearImpact;
+    use vibrochain_lattice::BlochKernel;
     use vibrochain_testkit::Random;
 
     use super::super::random_equations;
     use super::super::solve::zeros;
     use super::*;
+
+    /// Modes below, at, little and far above critical damping: J at a real point and its determinant are those of complex numbers.
+    #[test]
+    fn a_real_point_is_one_of_the_plane() {
+        let mut kernel = BlochKernel::new(4.0, 2);
+        for (frequency, damping) in [(1.3, 0.1), (0.8, 1.0), (0.3, 1.05), (2.0, 3.0)] {
+            kernel.push_oscillator(frequency, damping, &[0.7, -0.4]);
+        }
+        let impact = |contact: usize, time: f64, acceleration_before: f64| LinearImpact {
+            contact,
+            time,
+            impulse: 0.6,
+            restitution: 0.8,
+            acceleration_before,
+        };
+        let equations = BlochEquations::new(kernel, vec![impact(0, 0.0, 0.3), impact(1, 1.7, -0.2)]);
+        let (mut real, mut complex, mut sizes, mut checked) = (Vec::new(), Vec::new(), Vec::new(), 0);
+        for z in [1.05, -1.05, 3.0, -0.98, 40.0] {
+            equations.fill_real(z, &mut real);
+            equations.fill(Complex::new(z, 0.0), &mut complex, None);
+            for (real, complex) in real.iter().zip(&complex) {
+                assert!((complex - real).norm() < 1e-14 * (1.0 + real.abs()), "{z}: {real} {complex}");
+                checked += 1;
+            }
+            let (one, condition) = determinant_and_condition(&mut real, &mut sizes, 4);
+            let (other, known) = determinant_and_condition(&mut complex, &mut sizes, 4);
+            assert!((other - one).norm() < 1e-14 * condition * one.abs() && (condition / known - 1.0).abs() < 1e-10);
+        }
+        assert_eq!(checked, 5 * 16);
+    }
 
     /// Against all multipliers.
     #[test]

@@ -144,6 +144,24 @@ impl Coordinates {
         }
     }
 
+    /// (z − R)⁻¹ at a real z.
+    pub fn real_resolvent(self, number: Turned, z: f64) -> Turned {
+        let (way, odd) = (z - number.even, number.odd);
+        let square = match self {
+            Self::Shared(Turn::Circular) => way * way + odd * odd,
+            // By the two poles.
+            Self::Shared(Turn::Hyperbolic) => (way - odd) * (way + odd),
+            Self::Shared(Turn::Parabolic) => way * way,
+            Self::Apart => return Turned { even: way.recip(), odd: (z - odd).recip() },
+        };
+        Turned { even: way / square, odd: odd / square }
+    }
+
+    /// 1
+    pub fn unit(self) -> Turned {
+        Turned { even: 1.0, odd: if self == Self::Apart { 1.0 } else { 0.0 } }
+    }
+
     /// The component of a row along the eigenvector of the first or second pole. The two poles must differ.
     pub fn seen_of_pole(self, which: usize, row: [C; 2]) -> C {
         match self {

@@ -262,21 +262,12 @@ impl ModalStructure {
     /// # Errors
     /// [`StructureError::Resonance`] where a mode that nothing damps is met.
     pub fn steady(&self, place: usize, omega: f64) -> Result<Vec<[C; 2]>, StructureError> {
-        let harmonic = self.harmonics[place];
-        let w = f64::from(harmonic) * omega;
-        let of_mode = |(k, mode): (usize, &LinearMode)| {
-            let load = mode.loads[place];
-            if load == [C::default(); 2] {
-                return Ok(load);
-            }
-            let distance =
-                mode.rates().map(|rate| (C::new(0.0, w) - rate).norm()).into_iter().fold(f64::INFINITY, f64::min);
-            if distance <= RESONANCE_TOLERANCE * w {
-                return Err(StructureError::Resonance { harmonic, mode: k, frequency: mode.rate, omega });
-            }
-            Ok(mode.steady(w, load))
-        };
-        self.modes.iter().enumerate().map(of_mode).collect()
+        let mut all = vec![[C::default(); 2]; self.modes.len()];
+        for driven in self.driven(place, omega) {
+            let (k, xi) = driven?;
+            all[k] = xi;
+        }
+        Ok(all)
     }
 
     /// The motion of each contact under that harmonic, complex.
@@ -284,16 +275,27 @@ impl ModalStructure {
     /// # Errors
     /// As [`ModalStructure::steady`].
     pub fn steady_at(&self, place: usize, omega: f64) -> Result<Vec<C>, StructureError> {
-        let all = self.steady(place, omega)?;
-        let driven: Vec<_> = self.modes.iter().zip(&all).filter(|(_, xi)| **xi != [C::default(); 2]).collect();
-        let at = |contact: usize| {
-            let terms = driven.iter().map(|(mode, xi)| {
-                let row = mode.rows[contact];
-                xi[0] * row[0] + xi[1] * row[1]
-            });
-            terms.sum()
-        };
-        Ok((0..self.contacts.len()).map(at).collect())
+        let mut sums = vec![C::default(); self.contacts.len()];
+        for driven in self.driven(place, omega) {
+            let (k, xi) = driven?;
+            sums.iter_mut().zip(&self.modes[k].rows).for_each(|(sum, row)| *sum += xi[0] * row[0] + xi[1] * row[1]);
+        }
+        Ok(sums)
+    }
+
+    /// Numbers and coordinates of the modes that it drives.
+    fn driven(&self, place: usize, omega: f64) -> impl Iterator<Item = Result<(usize, [C; 2]), StructureError>> {
+        let harmonic = self.harmonics[place];
+        let w = f64::from(harmonic) * omega;
+        let driven = self.modes.iter().enumerate().filter(move |(_, mode)| mode.loads[place] != [C::default(); 2]);
+        driven.map(move |(k, mode)| {
+            let distance =
+                mode.rates().map(|rate| (C::new(0.0, w) - rate).norm()).into_iter().fold(f64::INFINITY, f64::min);
+            if distance <= RESONANCE_TOLERANCE * w {
+                return Err(StructureError::Resonance { harmonic, mode: k, frequency: mode.rate, omega });
+            }
+            Ok((k, mode.steady(w, mode.loads[place])))
+        })
     }
 
     /// Coordinates ξ of all modes under the static load alone; of a rigid one 0.
