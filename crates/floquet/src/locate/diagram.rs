@@ -67,6 +67,9 @@ pub(crate) struct Traced<O> {
     pub(crate) spectra: usize,
 }
 
+/// A branch, and the point of it to begin at.
+pub(crate) type Begun<E> = (Track<E>, Point<E>);
+
 /// Which branches a diagram has: those of a chain's orbits, or of a structure's.
 pub(crate) trait Tracing {
     /// What stands at their ends.
@@ -75,16 +78,13 @@ pub(crate) trait Tracing {
     /// Who follows a branch.
     fn follower(&self, branch: Track<Self::Ends>) -> Follower<Self::Ends>;
     /// The branch through the orbit of an event, and a point to begin at.
-    fn through(
-        &self,
-        located: &Located<OrbitOf<Self::Ends>>,
-    ) -> Result<(Track<Self::Ends>, Point<Self::Ends>), BranchError>;
+    fn through(&self, located: &Located<OrbitOf<Self::Ends>>) -> Result<Begun<Self::Ends>, BranchError>;
     /// The branch that leaves at an event, and where it does.
     fn leaving(
         &self,
         located: &Located<OrbitOf<Self::Ends>>,
         departure: &Departure,
-    ) -> Result<(Track<Self::Ends>, Point<Self::Ends>), BranchError>;
+    ) -> Result<Begun<Self::Ends>, BranchError>;
 }
 
 /// A branch from a point of it to both sides.

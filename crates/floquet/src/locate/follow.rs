@@ -27,7 +27,7 @@ type Way = (f64, End);
 /// What became of a step.
 enum Passage {
     /// It goes on; what is seen at its end.
-    On(Seen),
+    On(Box<Seen>),
     /// The branch ends.
     Ends(Way),
 }
@@ -66,7 +66,7 @@ impl<E: Ends> Follower<E> {
             let before = (self.passed.len(), self.unresolved.clone(), self.untold);
             let failed = match self.passage((&point, &seen), &next) {
                 Ok(Passage::On(next_seen)) => {
-                    (point, seen) = (next, next_seen);
+                    (point, seen) = (next, *next_seen);
                     None
                 }
                 Ok(Passage::Ends(way)) => return Ok(way),
@@ -158,7 +158,7 @@ impl<E: Ends> Follower<E> {
             }
         }
         if !turns || self.stretch.whole {
-            return Ok(Passage::On(self.watch(from, next)?));
+            return Ok(Passage::On(self.watch(from, next)?.into()));
         }
         let seen = self.look(next)?;
         let Settled::At(fold, evidence) = self.settle(Test::Fold, from, (next, &seen), HALVINGS)? else {
