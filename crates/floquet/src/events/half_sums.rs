@@ -8,7 +8,7 @@ use nalgebra::Complex;
 pub(crate) const SPLIT: f64 = 1e-7;
 
 /// A pair that is closer to the circle than this at both ends of a step stays on it: it hardly feels the impacts.
-const ON_CIRCLE: f64 = 1e-12;
+pub(crate) const ON_CIRCLE: f64 = 1e-12;
 
 /// A match is clear if it is closer than this part of the distance to the next eigenvalue.
 const CLEAR: f64 = 0.4;

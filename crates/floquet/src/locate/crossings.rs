@@ -6,7 +6,7 @@ use vibrochain_breather::{BranchError, BreatherError};
 use super::answer::{Event, LocateError};
 use super::follower::{At, Ends, Follower, Point};
 use super::settle::Found;
-use crate::events::half_sums::{Crossing, crossing, upper_half};
+use crate::events::half_sums::{Crossing, ON_CIRCLE, crossing, upper_half};
 use crate::events::{EventOrbit, Test, Watcher};
 
 /// Halvings of a step within which two multipliers must become distinguishable.
@@ -15,8 +15,21 @@ const HALVINGS: usize = 30;
 /// How far beside a crossing others are looked for, as a part of the step.
 const BESIDE: f64 = 1e-4;
 
-/// A place on a step: its length, and one of each pair of multipliers there.
-type Place = (f64, Vec<Complex<f64>>);
+/// A place on a step.
+#[derive(Debug, Clone)]
+struct Place {
+    s: f64,
+    /// One of each pair of multipliers.
+    pairs: Vec<Complex<f64>>,
+    /// Multipliers outside the circle, real ones among them.
+    outside: usize,
+}
+
+impl Place {
+    fn of(s: f64, values: &[Complex<f64>]) -> Self {
+        Self { s, pairs: upper_half(values), outside: values.iter().filter(|mu| mu.norm() > 1.0 + ON_CIRCLE).count() }
+    }
+}
 
 impl<E: Ends> Follower<E> {
     /// All crossings between two points.
@@ -33,24 +46,24 @@ impl<E: Ends> Follower<E> {
             parts.push((low, high, 0));
         }
         while let Some((low, high, depth)) = parts.pop() {
-            match crossing(&low.1, &high.1) {
+            match crossing(&low.pairs, &high.pairs) {
                 Crossing::None => continue,
                 Crossing::Pair(one, other) => {
-                    let Some((along, located)) = self.crossing_of((from.0, to.0), [(low.0, one), (high.0, other)])
+                    let Some((along, located)) = self.crossing_of((from.0, to.0), [(low.s, one), (high.s, other)])
                     else {
                         if depth < HALVINGS {
                             self.halve(from.0, (low, high, depth), &mut parts)?;
                         } else {
-                            self.hidden_between(from.0, low.0, high.0);
+                            self.hidden_between(from.0, low.s, high.s);
                         }
                         continue;
                     };
                     // Others may be on both sides of it.
-                    let beside = BESIDE * (high.0 - low.0);
+                    let beside = BESIDE * (high.s - low.s);
                     found.push((along, located));
                     for (end, s) in [(low, along - beside), (high, along + beside)] {
                         let before = s < along;
-                        let outside = if before { s <= end.0 } else { s >= end.0 };
+                        let outside = if before { s <= end.s } else { s >= end.s };
                         if depth >= HALVINGS || outside {
                             continue;
                         }
@@ -59,8 +72,11 @@ impl<E: Ends> Follower<E> {
                     }
                 }
                 Crossing::Unclear if depth < HALVINGS => self.halve(from.0, (low, high, depth), &mut parts)?,
-                // So near to each other two may have crossed, or not.
-                Crossing::Unclear => self.hidden_between(from.0, low.0, high.0),
+                // So near to each other which has crossed is not told, but that a pair has is.
+                Crossing::Unclear if low.outside.abs_diff(high.outside) > 1 => {
+                    self.hidden_between(from.0, low.s, high.s);
+                }
+                Crossing::Unclear => {}
             }
         }
         Ok(())
@@ -69,8 +85,7 @@ impl<E: Ends> Follower<E> {
     /// An end of a step. Where losses end there all multipliers come to the circle: just before they have not.
     fn end(&mut self, from: &Point<E>, end: At<'_, E>, s: f64, length: f64) -> Result<Option<Place>, LocateError> {
         if !end.0.orbit().is_lossless() {
-            let values = upper_half(&end.1.values);
-            return Ok((!end.1.values.is_empty()).then_some((s, values)));
+            return Ok((!end.1.values.is_empty()).then(|| Place::of(s, &end.1.values)));
         }
         self.pairs_at(from, s + BESIDE * length)
     }
@@ -81,7 +96,7 @@ impl<E: Ends> Follower<E> {
         (low, high, depth): (Place, Place, usize),
         parts: &mut Vec<(Place, Place, usize)>,
     ) -> Result<(), LocateError> {
-        let Some(middle) = self.pairs_at(from, 0.5 * (low.0 + high.0))? else { return Ok(()) };
+        let Some(middle) = self.pairs_at(from, 0.5 * (low.s + high.s))? else { return Ok(()) };
         parts.push((middle.clone(), high, depth + 1));
         parts.push((low, middle, depth + 1));
         Ok(())
@@ -93,7 +108,7 @@ impl<E: Ends> Follower<E> {
             Err(BranchError::Breather(BreatherError::Parameter(_))) => return Ok(None),
             there => there?,
         };
-        Ok(Some((s, upper_half(&self.watcher.spectrum(there.orbit(), self.stretch.tolerance)?.0))))
+        Ok(Some(Place::of(s, &self.watcher.spectrum(there.orbit(), self.stretch.tolerance)?.0)))
     }
 
     /// The crossing of the pair that goes from one value to another.
