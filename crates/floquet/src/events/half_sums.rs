@@ -8,7 +8,7 @@ use nalgebra::Complex;
 pub(crate) const SPLIT: f64 = 1e-7;
 
 /// A pair that is closer to the circle than this at both ends of a step stays on it: it hardly feels the impacts.
-pub(crate) const ON_CIRCLE: f64 = 1e-12;
+const ON_CIRCLE: f64 = 1e-12;
 
 /// A match is clear if it is closer than this part of the distance to the next eigenvalue.
 const CLEAR: f64 = 0.4;
@@ -40,18 +40,19 @@ fn gap(i: usize, values: &[Complex<f64>]) -> f64 {
     others.fold(2.0 * values[i].im, f64::min)
 }
 
+/// −1 inside the circle, 0 on it, 1 outside.
+pub(crate) fn side(value: &Complex<f64>) -> i32 {
+    let excess = value.norm_sqr() - 1.0;
+    if excess.abs() < ON_CIRCLE { 0 } else { 1 - 2 * i32::from(excess < 0.0) }
+}
+
 /// Compares two spectra of the upper half plane.
 pub(crate) fn crossing(from: &[Complex<f64>], to: &[Complex<f64>]) -> Crossing {
-    // Inside, on and outside the circle.
-    let outside = |value: &Complex<f64>| {
-        let excess = value.norm_sqr() - 1.0;
-        if excess.abs() < ON_CIRCLE { 0 } else { 1 - 2 * i32::from(excess < 0.0) }
-    };
-    let count = |values: &[Complex<f64>], side: i32| values.iter().filter(|value| outside(value) == side).count();
-    let mut unclear = [-1, 1].iter().all(|&side| count(from, side) != count(to, side));
+    let count = |values: &[Complex<f64>], of: i32| values.iter().filter(|value| side(value) == of).count();
+    let mut unclear = [-1, 1].iter().all(|&of| count(from, of) != count(to, of));
     for (i, value) in from.iter().enumerate() {
         let Some((j, distance)) = nearest(*value, to) else { continue };
-        let sides = [outside(value), outside(&to[j])];
+        let sides = [side(value), side(&to[j])];
         if sides[0] * sides[1] >= 0 {
             // One that grows, and then cannot be told from the circle, may have crossed it.
             unclear |= sides[0] != sides[1] && sides.contains(&1);

@@ -6,7 +6,7 @@ use vibrochain_breather::{BranchError, BreatherError};
 use super::answer::{Event, LocateError};
 use super::follower::{At, Ends, Follower, Point};
 use super::settle::Found;
-use crate::events::half_sums::{Crossing, ON_CIRCLE, crossing, upper_half};
+use crate::events::half_sums::{Crossing, crossing, side, upper_half};
 use crate::events::{EventOrbit, Test, Watcher};
 
 /// Halvings of a step within which two multipliers must become distinguishable.
@@ -27,7 +27,7 @@ struct Place {
 
 impl Place {
     fn of(s: f64, values: &[Complex<f64>]) -> Self {
-        Self { s, pairs: upper_half(values), outside: values.iter().filter(|mu| mu.norm() > 1.0 + ON_CIRCLE).count() }
+        Self { s, pairs: upper_half(values), outside: values.iter().filter(|mu| side(mu) > 0).count() }
     }
 }
 
