@@ -301,3 +301,28 @@ fn neimark_sacker_points_where_an_impact_has_no_speed() {
         assert_eq!(holds(found, event, free, 1.0), Some(true), "{} ± {:e}", found.value, found.error);
     }
 }
+
+/// Without force: edges of thin stripes, told to the last digit.
+#[test]
+fn period_doublings_of_a_conservative_orbit() {
+    let model = Model::conservative(Chain::new(11, 0.2, 0.1).unwrap(), 1.3, 0.4).unwrap();
+    let orbit = &breathers(&model, Family::DoubleSided).unwrap().orbits[0];
+    let search = Search { event: Event::PeriodDoubling, free: Parameter::Omega, from: 1.05, to: 1.6 };
+    let answer = locate(orbit, &search).unwrap();
+    let condition = |orbit: &Orbit, value: f64| {
+        let there = model.with(Parameter::Omega, value).unwrap();
+        let part = there.period() / orbit.model().period();
+        let hits: Vec<Hit> =
+            orbit.impacts().iter().map(|hit| Hit { time: part * hit.time, ..Hit::from(hit) }).collect();
+        let moved = Orbit::from_impulses(&there, 1, 0.0, &hits).unwrap();
+        let spectrum = TrueSpectrum::new(&TrueOrbit::refine(&moved, DEFAULT_BITS).unwrap()).unwrap();
+        spectrum.characteristic(&Complex::new(-1.0, 0.0, 256)).unwrap().re.is_negative()
+    };
+    for one in &answer.located {
+        let reach = one.error.max(f64::EPSILON * one.value);
+        let [below, above] = [-reach, reach].map(|by| condition(&one.orbit, one.value + by));
+        println!("{} ± {:e}: {below} {above}", one.value, one.error);
+        assert!(below != above && one.error < 1e-12, "{} ± {:e}", one.value, one.error);
+    }
+    assert!(answer.located.len() >= 4, "{}", answer.located.len());
+}
