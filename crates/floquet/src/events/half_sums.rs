@@ -1,5 +1,4 @@
-//! Multipliers on their way: which pair crosses the circle between two points, which two collide on it, and functions of
-//! them that change sign there.
+//! Multipliers on their way: which pair crosses the circle between two points, and which two collide on it.
 
 use nalgebra::Complex;
 
