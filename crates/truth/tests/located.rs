@@ -302,7 +302,7 @@ fn neimark_sacker_points_where_an_impact_has_no_speed() {
     }
 }
 
-/// Without force: edges of thin stripes, told to the last digit.
+/// Without force: the edges of thin stripes are known to some units of the last digit.
 #[test]
 fn period_doublings_of_a_conservative_orbit() {
     let model = Model::conservative(Chain::new(11, 0.2, 0.1).unwrap(), 1.3, 0.4).unwrap();

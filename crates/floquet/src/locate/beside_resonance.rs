@@ -1,5 +1,6 @@
 //! Events beside a resonance. There derivatives by the parameter and by the orbit's unknowns are large and nearly cancel along the branch, so that
-//! Newton's method in all unknowns ends early: it goes on along the branch, where they are one derivative.
+//! Newton's method in all unknowns stops too early. A second Newton's method, in the length along the branch, takes over: its one derivative has
+//! nothing to cancel.
 
 use vibrochain_breather::system::{System, Vector};
 
@@ -31,7 +32,7 @@ impl<E: Ends> Follower<E> {
         let room = orbit.room(mark.filter(|_| test.is_marked() && !matches!(test, Test::Touch(..))).unwrap_or(0.0));
         let (mut s, mut mark, mut last) = (self.length_to(from, &solved), *mark, f64::INFINITY);
         for _ in 0..STEPS {
-            let heading = self.at(from, s).ok()?.heading().abs().max(f64::EPSILON);
+            let heading = self.branch.step(from, s).ok()?.heading().abs().max(f64::EPSILON);
             let h = (SHARE * room * solved.value.abs() / (heading * self.range())).min(LONGEST);
             let here = self.tested(test, from, s, mark)?;
             let slope = difference(&self.tested(test, from, s - h, mark)?, &self.tested(test, from, s + h, mark)?, h);
@@ -56,7 +57,7 @@ impl<E: Ends> Follower<E> {
                 break;
             }
         }
-        let point = self.at(from, s).ok()?;
+        let point = self.branch.step(from, s).ok()?;
         // The last step is what rounding has left.
         let error = solved.error.max(last * point.heading().abs() * self.range());
         let at = AtEvent { orbit: point.orbit().clone(), mark, ..solved.at };
@@ -64,7 +65,7 @@ impl<E: Ends> Follower<E> {
     }
 
     fn tested(&mut self, test: Test, from: &Point<E>, s: f64, mark: Option<f64>) -> Option<Vector> {
-        let point = self.at(from, s).ok()?;
+        let point = self.branch.step(from, s).ok()?;
         let here = self.branch.system().evaluate(point.coordinates()).ok()?;
         Some(test.values(&here, mark).ok()?.into_iter().collect())
     }

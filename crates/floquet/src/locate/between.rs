@@ -49,7 +49,7 @@ impl<E: Ends> Follower<E> {
 
     fn halved(&mut self, from: At<'_, E>, to: At<'_, E>, depth: u32) -> Result<(), LocateError> {
         let length = self.branch.length_between(from.0, to.0);
-        let middle = self.at(from.0, 0.5 * length)?;
+        let middle = self.branch.step(from.0, 0.5 * length)?;
         let seen = self.look(&middle)?;
         let between = (&middle, &seen);
         let clear = depth >= DEEPEST || self.is_clear([from, between, to]);
@@ -76,7 +76,7 @@ impl<E: Ends> Follower<E> {
     fn pass_events(&mut self, from: &Point<E>, found: Vec<Found<E>>) {
         let mut last = None;
         for (at, located) in found {
-            let middle = last.filter(|_| self.stretch.whole).map(|last: f64| self.at(from, 0.5 * (last + at)));
+            let middle = last.filter(|_| self.stretch.whole).map(|last: f64| self.branch.step(from, 0.5 * (last + at)));
             if let Some(Ok(middle)) = middle {
                 let seen = self.look(&middle).unwrap_or_default();
                 self.pass(&middle, &seen);

@@ -234,7 +234,7 @@ impl<E: Ends> Follower<E> {
     }
 
     fn place_at(&mut self, point: &Point<E>, s: f64) -> Result<Place, LocateError> {
-        let there = self.at(point, s)?;
+        let there = self.branch.step(point, s)?;
         let (values, _) = self.watcher.spectrum(there.orbit(), self.stretch.tolerance)?;
         self.place(s, there.orbit(), &values)
     }

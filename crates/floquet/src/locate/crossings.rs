@@ -5,15 +5,12 @@ use vibrochain_breather::{BranchError, BreatherError};
 
 use super::answer::{Event, LocateError};
 use super::follower::{At, Ends, Follower, Point};
-use super::settle::Found;
+use super::settle::{BESIDE, Found};
 use crate::events::half_sums::{Crossing, crossing, side, upper_half};
 use crate::events::{EventOrbit, Test, Watcher};
 
 /// Halvings of a step within which two multipliers must become distinguishable.
 const HALVINGS: usize = 30;
-
-/// How far beside a crossing others are looked for, as a part of the step.
-const BESIDE: f64 = 1e-4;
 
 /// A place on a step.
 #[derive(Debug, Clone)]
@@ -72,7 +69,7 @@ impl<E: Ends> Follower<E> {
                     }
                 }
                 Crossing::Unclear if depth < HALVINGS => self.halve(from.0, (low, high, depth), &mut parts)?,
-                // So near to each other which has crossed is not told, but that a pair has is.
+                // The pairs are too near to each other to tell which one has crossed; their number tells that one has.
                 Crossing::Unclear if low.outside.abs_diff(high.outside) > 1 => {
                     self.hidden_between(from.0, low.s, high.s);
                 }
@@ -104,7 +101,7 @@ impl<E: Ends> Follower<E> {
 
     /// `None` at the end of what a parameter may be: beyond it there is nothing to cross to.
     fn pairs_at(&mut self, from: &Point<E>, s: f64) -> Result<Option<Place>, LocateError> {
-        let there = match self.at(from, s) {
+        let there = match self.branch.step(from, s) {
             Err(BranchError::Breather(BreatherError::Parameter(_))) => return Ok(None),
             there => there?,
         };
@@ -133,7 +130,7 @@ impl<E: Ends> Follower<E> {
     }
 
     pub(super) fn hidden_between(&mut self, from: &Point<E>, low: f64, high: f64) {
-        let ends = [low, high].map(|s| self.at(from, s).map_or(from.value(), |end| end.value()));
+        let ends = [low, high].map(|s| self.branch.step(from, s).map_or(from.value(), |end| end.value()));
         self.hidden(ends[0], ends[1]);
     }
 }

@@ -138,7 +138,7 @@ impl<E: Ends> Follower<E> {
         let (to_start, to_next) = (self.branch.length_between(point, start), self.branch.length_between(point, next));
         0.0 < to_start
             && to_start <= to_next
-            && self.at(point, to_start).is_ok_and(|there| {
+            && self.branch.step(point, to_start).is_ok_and(|there| {
                 self.branch.distance(&there, start) <= SETTLED && there.heading() * start.heading() >= 0.0
             })
     }
@@ -151,8 +151,8 @@ impl<E: Ends> Follower<E> {
             // A point that happens to be where it turns tells by rounding alone: its neighbour beyond tells better.
             let half = 0.5 * self.branch.length_between(from.0, next);
             let still = |one: &Point<E>, other: &Point<E>| one.heading().abs() < STILL * other.heading().abs();
-            let before = if still(from.0, next) { self.at(from.0, -half).ok() } else { None };
-            let behind = if still(next, from.0) { self.at(next, half).ok() } else { None };
+            let before = if still(from.0, next) { self.branch.step(from.0, -half).ok() } else { None };
+            let behind = if still(next, from.0) { self.branch.step(next, half).ok() } else { None };
             if let Some(way) = self.mirrored(before.as_ref().unwrap_or(from.0), behind.as_ref().unwrap_or(next))? {
                 return Ok(Passage::Ends(way));
             }

@@ -2,7 +2,7 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::system::System;
-use vibrochain_breather::{Admissibility, BranchError, SolutionCurve, SolutionPoint};
+use vibrochain_breather::{Admissibility, SolutionCurve, SolutionPoint};
 use vibrochain_lattice::{Resonance, Stop};
 
 use super::answer::{Branching, End, Event, LocateError, Located, Unresolved};
@@ -88,9 +88,13 @@ pub(crate) trait Ends: Sized {
         Ok(None)
     }
     /// Orbits worked out beside the branch.
-    fn evaluations(&self) -> usize;
+    fn evaluations(&self) -> usize {
+        0
+    }
     /// Spectra of these.
-    fn spectra(&self) -> usize;
+    fn spectra(&self) -> usize {
+        0
+    }
 }
 
 /// How far a branch is followed, and what for.
@@ -141,7 +145,7 @@ impl<E: Ends> Follower<E> {
         self.watcher.spectra() + self.ends.spectra()
     }
 
-    /// There may be an event between two points that rounding hides. Ranges that touch are one.
+    /// Tells a range in which rounding may hide an event. Ranges that touch become one.
     pub(super) fn hidden(&mut self, one: f64, other: f64) {
         let (mut from, mut to) = (one.min(other), one.max(other));
         self.unresolved.retain(|range| {
@@ -162,10 +166,5 @@ impl<E: Ends> Follower<E> {
         let (margin, physical) = (told.and_then(|told| told.margin), told.map(|told| told.is_physical()));
         let verdict = seen.verdict.or_else(|| self.watcher.verdict(orbit, self.stretch.tolerance).ok());
         DiagramPoint { value: point.value(), orbit: orbit.clone(), margin, physical, verdict }
-    }
-
-    /// The point of a branch at a length along a step from `from`.
-    pub(super) fn at(&mut self, from: &Point<E>, s: f64) -> Result<Point<E>, BranchError> {
-        self.branch.step(from, s)
     }
 }

@@ -31,7 +31,7 @@ const SLACK: f64 = 1e-3;
 const CLAIMED: f64 = 1e-2;
 
 /// How far beside an event another one of its kind is looked for, as a part of the step; and so many at most.
-const BESIDE: f64 = 1e-4;
+pub(super) const BESIDE: f64 = 1e-4;
 const MOST_IN_STEP: usize = 32;
 
 /// A small step away from an event, as a part of the parameter.
@@ -85,33 +85,30 @@ impl<E: Ends> Follower<E> {
         most: usize,
         found: &mut Vec<Found<E>>,
     ) -> Result<(), LocateError> {
+        let (length, turns) = (self.branch.length_between(from.0, to.0), test == Test::Fold);
         let (solved, evidence) = match self.settle(test, from, to, HALVINGS)? {
-            Settled::At(solved, evidence) => (solved, evidence),
+            Settled::At(solved, evidence) if turns || solved.error <= CLAIMED * length * self.range() => {
+                (solved, evidence)
+            }
             Settled::Nothing => return Ok(()),
-            Settled::Hidden => {
+            Settled::At(..) | Settled::Hidden => {
                 self.hidden(from.0.value(), to.0.value());
                 return Ok(());
             }
         };
-        let length = self.branch.length_between(from.0, to.0);
         let along = self.length_to(from.0, &solved);
-        if test != Test::Fold && solved.error > CLAIMED * length * self.range() {
-            self.hidden(from.0.value(), to.0.value());
-            return Ok(());
-        }
         if found.iter().any(|(other, located)| located.event == test.event(false) && (other - along).abs() <= SETTLED) {
             return Ok(());
         }
-        let turns = test == Test::Fold;
         let located = self.told(test.event(turns), (from.0, along), solved, evidence);
         found.push((along, located));
         // Of three that are near each other it may be any.
         for (end, s) in [(from, along - BESIDE * length), (to, along + BESIDE * length)] {
-            let outside = if end.0.value() == from.0.value() { s <= 0.0 } else { s >= length };
+            let outside = if s < along { s <= 0.0 } else { s >= length };
             if most == 0 || turns || outside {
                 continue;
             }
-            let Ok(beside) = self.at(from.0, s) else { continue };
+            let Ok(beside) = self.branch.step(from.0, s) else { continue };
             let (Some(here), Some(there)) = (self.read(test, &beside), value::<E>(test, end)) else { continue };
             if (here > 0.0) != (there > 0.0) {
                 let seen = self.look(&beside)?;
@@ -135,7 +132,7 @@ impl<E: Ends> Follower<E> {
         to: At<'_, E>,
         halvings: usize,
     ) -> Result<Settled<E>, LocateError> {
-        // What is nearest at one end need not be what touches first.
+        // The contact that is nearest to its barrier at one end may not be the one that touches first.
         let test = if matches!(test, Test::Touch(..)) { touch_between::<E>(from, to).unwrap_or(test) } else { test };
         let share = match (value::<E>(test, from), value::<E>(test, to)) {
             (Some(a), Some(b)) if a != b => (a / (a - b)).clamp(0.0, 1.0),
@@ -151,7 +148,7 @@ impl<E: Ends> Follower<E> {
         if halvings == 0 {
             return Ok(self.bracketed(test, from.0, length));
         }
-        let Ok(middle) = self.at(from.0, 0.5 * length) else { return Ok(Settled::Hidden) };
+        let Ok(middle) = self.branch.step(from.0, 0.5 * length) else { return Ok(Settled::Hidden) };
         let seen = self.look(&middle)?;
         let middle = (&middle, &seen);
         let before = changes::<E>(test, from, middle)
@@ -172,7 +169,7 @@ impl<E: Ends> Follower<E> {
         let ends = from.coordinates().iter().zip(to.coordinates());
         let mut z: Vec<f64> = ends.map(|(a, b)| a + share * (b - a)).collect();
         if test == Test::One
-            && let Ok(there) = self.at(from, share * length)
+            && let Ok(there) = self.branch.step(from, share * length)
         {
             // Symmetric orbits are told by their symmetry, which a chord loses.
             z = there.coordinates().to_vec();
@@ -181,7 +178,7 @@ impl<E: Ends> Follower<E> {
         let solved = solve(self.branch.system(), test, (&z, mark), reach).ok()?;
         let solved = self.beside_resonance(test, from, solved)?;
         let along = self.length_to(from, &solved);
-        // Two events may be nearer to each other than any fixed length.
+        // A fixed length would let in a neighbour: events may be as near to each other as they like.
         let slack = SETTLED.min(SLACK * length);
         let evidence = if (-slack..=length + slack).contains(&along) { self.evidence(test, &solved) } else { None };
         evidence.map(|evidence| (solved, evidence))
@@ -193,7 +190,7 @@ impl<E: Ends> Follower<E> {
             return Settled::Hidden;
         }
         let mut at = |s: f64| {
-            let point = self.at(from, s).ok()?;
+            let point = self.branch.step(from, s).ok()?;
             self.read(test, &point)
         };
         let (Some(first), Some(last)) = (at(0.0), at(length)) else { return Settled::Hidden };
@@ -201,7 +198,7 @@ impl<E: Ends> Follower<E> {
             return Settled::Hidden;
         }
         let Some((s, along)) = crossing([first, last], length, at) else { return Settled::Nothing };
-        let Ok(point) = self.at(from, s) else { return Settled::Hidden };
+        let Ok(point) = self.branch.step(from, s) else { return Settled::Hidden };
         let error = along * point.heading().abs() * self.range() + f64::EPSILON * point.value().abs();
         let at = AtEvent { orbit: point.orbit().clone(), mark: None, determinant: 0.0, fold_determinant: 0.0 };
         let solved = Solved { at, coordinates: point.coordinates().into(), value: point.value(), error };
@@ -248,7 +245,7 @@ impl<E: Ends> Follower<E> {
         let mut verdicts: Vec<(f64, Verdict)> = Vec::new();
         for side in [-1e-2, 1e-2] {
             // Along the curve: at a fold both sides lie on one side in the parameter.
-            let Ok(point) = self.at(from, along + side * Pace::LONGEST) else { continue };
+            let Ok(point) = self.branch.step(from, along + side * Pace::LONGEST) else { continue };
             if let Ok(verdict) = self.watcher.verdict(point.orbit(), self.stretch.tolerance) {
                 verdicts.push((point.value(), verdict));
             }

@@ -93,14 +93,6 @@ impl Ends for OfStructure {
     fn branching(&mut self, _: Event, _: &StructureOrbit, _: f64) -> Option<Branching<StructureOrbit>> {
         None
     }
-
-    fn evaluations(&self) -> usize {
-        0
-    }
-
-    fn spectra(&self) -> usize {
-        0
-    }
 }
 
 impl OfStructure {
