@@ -10,7 +10,8 @@ use vibrochain_lattice::Stop;
 use wide::f64x4;
 
 use crate::lanes::{LANES, Lane};
-use crate::roots::enclosure::{Dual, Enclosure};
+use crate::roots::dual::Dual;
+use crate::roots::taylor::Taylor;
 
 /// How far function and derivative stay away from 0 on an interval: neither has a zero there where this is positive.
 #[derive(Debug, Clone, Copy)]
@@ -20,25 +21,30 @@ pub(crate) struct Clearance {
     pub(crate) derivative: f64,
     /// A number of the sign that the function surely has at either end; 0 where that is not known.
     pub(crate) ends: [f64; 2],
+    /// Function and derivative at the centre.
+    pub(crate) centre: (f64, f64),
 }
 
 impl Clearance {
     /// Those of four enclosures.
-    pub(crate) fn of(enclosed: &Dual<Enclosure<f64x4>>) -> [Self; LANES] {
+    pub(crate) fn of(enclosed: &Dual<Taylor<1, f64x4>>) -> [Self; LANES] {
         let [functions, derivatives] =
             [enclosed.function, enclosed.derivative].map(|enclosure| enclosure.clearance().to_array());
         let (ends, doubt) = enclosed.function.ends();
         let (ends, doubt) = (ends.map(f64x4::to_array), doubt.to_array());
+        let (value, slope) = enclosed.at_centre();
+        let (value, slope) = (value.to_array(), slope.to_array());
         std::array::from_fn(|i| Self {
             function: functions[i],
             derivative: derivatives[i],
             ends: ends.map(|end| sure(end[i], doubt[i])),
+            centre: (value[i], slope[i]),
         })
     }
 
     /// Of a function that has no zero there.
     pub(crate) fn away(function: f64) -> Self {
-        Self { function, derivative: 0.0, ends: [0.0; 2] }
+        Self { function, derivative: 0.0, ends: [0.0; 2], centre: (function, 0.0) }
     }
 }
 
@@ -50,10 +56,12 @@ fn sure(value: f64, doubt: f64) -> f64 {
 /// Of functions that know nothing of four intervals at a time.
 pub(crate) fn one_by_one(centres: Lane, radii: Lane, enclose: impl Fn(f64, f64) -> Dual) -> [Clearance; LANES] {
     std::array::from_fn(|i| {
-        let Dual { function, derivative } = enclose(centres[i], radii[i]);
+        let enclosed = enclose(centres[i], radii[i]);
+        let Dual { function, derivative } = enclosed;
         let (ends, doubt) = function.ends();
         let ends = ends.map(|end| sure(end, doubt));
-        Clearance { function: function.clearance(), derivative: derivative.clearance(), ends }
+        let [function, derivative] = [function.clearance(), derivative.clearance()];
+        Clearance { function, derivative, ends, centre: enclosed.at_centre() }
     })
 }
 
@@ -155,7 +163,7 @@ impl Zeros {
                     continue;
                 }
                 if clearances[i].derivative > 0.0 {
-                    if let Some(zero) = self.bracketed(f, low, high, clearances[i].ends) {
+                    if let Some(zero) = self.bracketed(f, [low, centre, high], &clearances[i]) {
                         self.places.push(Place { zero, width: resolution(zero), simple: true });
                     }
                 } else if radius <= resolution(centre) {
@@ -172,18 +180,16 @@ impl Zeros {
         }
     }
 
-    /// The zero of a monotone function on an interval, if its sign changes: Newton kept inside the bracket. `ends` are of the signs that it
-    /// has there, where they are known.
-    fn bracketed(&mut self, f: &impl Enclosed, mut low: f64, mut high: f64, ends: [f64; 2]) -> Option<f64> {
-        let at = |x: f64| f.at(x);
+    /// The zero of a monotone function on an interval, by its ends and its middle, if its sign changes: Newton kept inside the bracket.
+    fn bracketed(&mut self, f: &impl Enclosed, [mut low, mut x, mut high]: [f64; 3], known: &Clearance) -> Option<f64> {
         let mut end = |x: f64, known: f64| {
             if known != 0.0 {
                 return known;
             }
             self.evaluations += 1;
-            at(x).0
+            f.at(x).0
         };
-        let (f_low, f_high) = (end(low, ends[0]), end(high, ends[1]));
+        let (f_low, f_high) = (end(low, known.ends[0]), end(high, known.ends[1]));
         if f_low == 0.0 {
             return Some(low);
         }
@@ -193,10 +199,9 @@ impl Zeros {
         if (f_low < 0.0) == (f_high < 0.0) {
             return None;
         }
-        let (mut x, mut last) = (0.5 * (low + high), f64::INFINITY);
+        let (mut at, mut last) = (known.centre, f64::INFINITY);
         for _ in 0..100 {
-            self.evaluations += 1;
-            let (value, slope) = at(x);
+            let (value, slope) = at;
             if value == 0.0 {
                 return Some(x);
             }
@@ -218,6 +223,8 @@ impl Zeros {
                 return Some(middle);
             }
             (x, last) = if inside { (newton, step) } else { (middle, f64::INFINITY) };
+            at = f.at(x);
+            self.evaluations += 1;
         }
         Some(x)
     }
@@ -241,7 +248,7 @@ fn push_distinct(list: &mut Vec<f64>, value: f64, width: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::roots::enclosure::Algebra;
+    use crate::roots::dual::Algebra;
 
     /// sin²x − level: pairs of zeros that merge as the level goes to 0.
     struct Pairs {

@@ -15,7 +15,7 @@
 
 use vibrochain_lattice::Stop;
 
-use crate::roots::taylor2::Patch;
+use crate::roots::patch::Patch;
 
 /// Two functions with enclosures, which may be written down in several ways.
 pub(crate) trait Planar {
@@ -202,10 +202,10 @@ impl PlanarZeros {
                 Verdict::Singular => {}
             }
             for patch in &patches {
-                let (part, size) = (patch.curvature_shares(), patch.bound().max(f64::MIN_POSITIVE));
+                let (part, size) = (patch.shares(), patch.bound().max(f64::MIN_POSITIVE));
                 shares = [shares[0] + part[0] / size, shares[1] + part[1] / size];
             }
-            is_blurred &= patches.iter().all(|patch| patch.rounding >= patch.curvature());
+            is_blurred &= patches.iter().all(Patch::is_blurred);
             if best.is_some_and(|best| best.alone) {
                 break;
             }
@@ -264,7 +264,7 @@ impl PlanarZeros {
             };
             self.evaluations += 1;
             let Some(inverse) = inverse(&patches, [1.0; 2]) else { return false };
-            let moved = apply(&inverse, patches.map(|patch| patch.value));
+            let moved = apply(&inverse, patches.map(|patch| patch.value()));
             z = [z[0] - moved[0], z[1] - moved[1]];
             let outside = (0..2).any(|i| (z[i] - centre[i]).abs() > 2.0 * radius[i]);
             let size = (moved[0] / radius[0]).abs().max((moved[1] / radius[1]).abs());
@@ -331,7 +331,7 @@ impl PlanarZeros {
 
 /// A⁻¹ of the slopes in units of the radii; `None` where there is none.
 fn inverse(patches: &[Patch; 2], radius: [f64; 2]) -> Option<[[f64; 2]; 2]> {
-    let [[a, b], [c, d]] = patches.each_ref().map(|patch| [patch.slope[0] * radius[0], patch.slope[1] * radius[1]]);
+    let [[a, b], [c, d]] = patches.each_ref().map(|patch| [patch.slope()[0] * radius[0], patch.slope()[1] * radius[1]]);
     let (first, second) = (a.abs().max(b.abs()), c.abs().max(d.abs()));
     // Rows of very different sizes must not underflow the determinant.
     let ([a, b], [c, d]) = ([a / first, b / first], [c / second, d / second]);
@@ -356,14 +356,14 @@ fn judge(patches: &[Patch; 2], radius: [f64; 2], form: usize) -> Verdict {
         return Verdict::Empty;
     }
     let Some(inverse) = inverse(patches, radius) else { return Verdict::Singular };
-    let middle = apply(&inverse, patches.map(|patch| -patch.value));
-    let reach = spread(&inverse, patches.map(|patch| patch.curvature() + patch.rounding));
+    let middle = apply(&inverse, patches.map(|patch| -patch.value()));
+    let reach = spread(&inverse, patches.map(|patch| patch.rest()));
     let blur = spread(&inverse, patches.map(|patch| patch.rounding));
     if (0..2).any(|i| middle[i].abs() > 1.0 + reach[i] + 1e-12) {
         return Verdict::Empty;
     }
     let [first, second] = patches.each_ref().map(|patch| {
-        let [x, y] = patch.slope_radius();
+        let [x, y] = patch.swing();
         [x * radius[0], y * radius[1]]
     });
     let rows = inverse.map(|row| {
@@ -397,6 +397,7 @@ fn shrunk(rectangle: &Rectangle, linear: &Linear, narrow: [bool; 2]) -> Option<R
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::roots::patch::Piece;
 
     /// sin x = level and cos 3y = sin²x·bend: pairs in x and in y, that merge as level → 1.
     struct Waves {
@@ -411,8 +412,8 @@ mod tests {
         }
 
         fn enclose(&self, _: &(f64, f64), at: [f64; 2], radius: [f64; 2], form: usize) -> Option<([Patch; 2], bool)> {
-            let sin = Patch::wave(0, at[0].sin(), -at[0].cos(), 1.0, 0.0, radius);
-            let cos = Patch::wave(1, (3.0 * at[1]).cos(), (3.0 * at[1]).sin(), 3.0, 0.0, radius);
+            let sin = Piece::wave([at[0].sin(), -at[0].cos()], 1.0, 1.0).along(0, radius);
+            let cos = Piece::wave([(3.0 * at[1]).cos(), (3.0 * at[1]).sin()], 3.0, 1.0).along(1, radius);
             (form == 0).then(|| ([sin.shifted(-self.level), cos - (sin * sin).scaled(0.5)], true))
         }
     }

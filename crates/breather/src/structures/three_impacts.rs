@@ -14,8 +14,8 @@ use super::at_times::Impacts;
 use super::periodic_kernel::Between;
 use super::two_impacts::{RESOLUTION, told_apart};
 use crate::lanes::LANES;
+use crate::roots::patch::{Patch, Piece};
 use crate::roots::planar::{Planar, PlanarZeros};
-use crate::roots::taylor2::Patch;
 
 type C = Complex<f64>;
 
@@ -64,13 +64,6 @@ pub(super) struct ThreeImpacts {
     rows: usize,
     columns: usize,
     budget: usize,
-}
-
-/// A function of one variable on an interval: its value and slope at the centre, a bound of its second derivative; and the error of the value.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Piece {
-    jet: [f64; 3],
-    doubt: f64,
 }
 
 /// Of a pair of impacts: K and (1+e)K′ at the later one, and at the earlier one.
@@ -152,7 +145,7 @@ impl ThreeImpacts {
     pub(super) fn numbers(&self, [x, y]: [f64; 2]) -> Option<Vec<f64>> {
         let table = self.table(&self.pair(0, x, 0.0), &self.load(1, x), [x, y], [0.0; 2]);
         let Reduced { numbers, .. } = self.reduced(table).ok()?;
-        let numbers = numbers.map(|number| number.value);
+        let numbers = numbers.map(|number| number.value());
         let [c, s] = [3, 4].map(|place| if self.rate > 0.0 { numbers[place] } else { 0.0 });
         let size = if self.has_h() {
             numbers[self.columns - 1]
@@ -203,17 +196,17 @@ impl ThreeImpacts {
         [0, 1].map(|way| {
             let [value, slope, bend, third] = jets[way].map(|lanes| lanes.to_array()[0]);
             let [of_value, of_slope, _] = self.between[pair].doubts[way];
-            let third_bound = third.abs() + reach * fourths[way].to_array()[0];
-            let second_bound = bend.abs() + reach * third_bound;
+            let fourth = fourths[way].to_array()[0];
+            let third_bound = third.abs() + reach * fourth;
             // Back, the slope in time is the opposite of that in the time apart.
             let by = self.weights[PAIRS[pair][1 - way]] * [1.0, -1.0][way];
             let moved = |[value, slope, bend]: [f64; 3]| {
-                [value + beyond * (slope + 0.5 * beyond * bend), slope + beyond * bend]
+                [value + beyond * (slope + 0.5 * beyond * bend), slope + beyond * bend, bend]
             };
-            let ([place, rise], [speed, bent]) = (moved([value, slope, bend]), moved([slope, bend, third]));
+            let (place, law) = (moved([value, slope, bend]), moved([slope, bend, third]).map(|x| by * x));
             [
-                Piece { jet: [place, rise, second_bound], doubt: of_value },
-                Piece { jet: [by * speed, by * bent, by.abs() * third_bound], doubt: by.abs() * of_slope },
+                Piece { jet: place, third: third_bound, doubt: of_value },
+                Piece { jet: law, third: by.abs() * fourth, doubt: by.abs() * of_slope },
             ]
         })
     }
@@ -222,20 +215,17 @@ impl ThreeImpacts {
     fn load(&self, impact: usize, t: f64) -> Load {
         let (swing, rate) = (self.swings[impact], self.rate);
         let there = swing * C::from_polar(1.0, rate * t);
-        let (size, doubt) = (swing.norm(), f64::EPSILON * (8.0 + rate * t) * swing.norm());
-        let bend = rate * rate * size;
-        [
-            Piece { jet: [there.re, -rate * there.im, bend], doubt },
-            Piece { jet: [there.im, rate * there.re, bend], doubt },
-        ]
+        let doubt = f64::EPSILON * (8.0 + rate * t) * swing.norm();
+        [[there.re, there.im], [there.im, -there.re]]
+            .map(|parts| Piece { doubt, ..Piece::wave(parts, rate, swing.norm()) })
     }
 
     /// W about these times.
     fn table(&self, first: &Pair, load: &Load, [x, y]: [f64; 2], radius: [f64; 2]) -> Table {
         let (both, width) = (x + y, radius[0] + radius[1]);
-        let patch = |axis: usize, Piece { jet, doubt }: Piece| match axis {
-            2 => Patch::of_sum(jet, doubt, radius),
-            _ => Patch::along(axis, jet, radius).doubted(doubt),
+        let patch = |axis: usize, piece: Piece| match axis {
+            2 => piece.of([true; 2], radius),
+            _ => piece.along(axis, radius),
         };
         let constant = |value: f64| Patch::constant(value, radius).doubted(8.0 * f64::EPSILON * value.abs());
         let mut table = [[Patch::constant(0.0, radius); MOST]; MOST];
@@ -282,9 +272,9 @@ impl ThreeImpacts {
         let mut values = [[0.0; 2 * MOST]; MOST];
         for i in 0..rows {
             let least = if i < 3 { f64::MIN_POSITIVE } else { self.mobilities[i + 3 - rows] };
-            let largest = table[i][..columns].iter().map(|x| x.value.abs()).fold(least, f64::max);
+            let largest = table[i][..columns].iter().map(|x| x.value().abs()).fold(least, f64::max);
             for j in 0..columns {
-                values[i][j] = table[i][j].value / largest;
+                values[i][j] = table[i][j].value() / largest;
             }
             values[i][columns + i] = largest.recip();
         }

@@ -20,8 +20,9 @@ use wide::f64x4;
 use super::equations::Equations;
 use super::periodic_kernel::Between;
 use crate::lanes::{LANES, Lane, ZERO, all, four};
-use crate::roots::enclosure::{Algebra, Dual, Enclosure};
+use crate::roots::dual::{Algebra, Dual};
 use crate::roots::interval::{Clearance, Enclosed, Zeros};
+use crate::roots::taylor::Taylor;
 
 type C = Complex<f64>;
 
@@ -148,13 +149,13 @@ impl Function {
 
     /// How far F stays away from 0 on four intervals: by the enclosure of F itself, or by those of C, S and Δ one by one, which on long
     /// intervals say more.
-    fn clearance(&self, kernels: [[Enclosure<f64x4>; 2]; 2], waves: [Enclosure<f64x4>; 2]) -> f64x4 {
+    fn clearance(&self, kernels: [[Taylor<1, f64x4>; 2]; 2], waves: [Taylor<1, f64x4>; 2]) -> f64x4 {
         let minors = self.minors(kernels, waves);
         if self.is_homogeneous() {
             return minors.whole.clearance();
         }
         let ([c, s], whole) = (self.phases(&minors, waves), minors.whole);
-        let least = |one: Enclosure<f64x4>| one.clearance().fast_max(ZERO);
+        let least = |one: Taylor<1, f64x4>| one.clearance().fast_max(ZERO);
         let [above, below] = [least(c) * least(c) + least(s) * least(s), whole.most() * whole.most()];
         let inside = least(whole) * least(whole) - (c.most() * c.most() + s.most() * s.most());
         let by_one = (above - below).fast_max(inside);
@@ -162,7 +163,7 @@ impl Function {
     }
 
     /// Enclosures of what F is made of, about four φ.
-    fn pieces(&self, phis: Lane, radii: Lane) -> [[Dual<Enclosure<f64x4>>; 2]; 3] {
+    fn pieces(&self, phis: Lane, radii: Lane) -> [[Dual<Taylor<1, f64x4>>; 2]; 3] {
         let radius = four(radii);
         let (jets, fourths) = self.between.jets(phis, radii);
         let kernels = [0, 1].map(|way| {

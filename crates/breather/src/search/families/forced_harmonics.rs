@@ -18,7 +18,7 @@ use vibrochain_lattice::{ImpulseResponse, Model, Wave};
 use crate::error::NoBreather;
 use crate::lanes::{LANES, Lane};
 use crate::orbit::Draft;
-use crate::roots::enclosure::{Algebra, Dual};
+use crate::roots::dual::{Algebra, Dual};
 use crate::roots::interval::{Clearance, Enclosed, Zeros, one_by_one};
 use crate::roots::planar::PlanarZeros;
 use crate::search::families::conservative::single_sided_draft;

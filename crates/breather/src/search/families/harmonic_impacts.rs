@@ -29,8 +29,8 @@
 use smallvec::SmallVec;
 use vibrochain_lattice::{ImpulseResponse, MAX_HARMONICS, Model, Wave};
 
+use crate::roots::patch::{Patch, Piece};
 use crate::roots::planar::{Planar, PlanarZeros};
-use crate::roots::taylor2::Patch;
 use crate::search::families::pattern::Pattern;
 use crate::search::families::two_impacts::TwoImpactSolution;
 
@@ -93,8 +93,9 @@ impl<'a> HarmonicImpacts<'a> {
             let phase = term.rate * tau + term.phase;
             let error = f64::EPSILON * ((term.rate * tau).abs() + term.phase.abs());
             let (sin, cos) = phase.sin_cos();
-            let cos_a = Patch::wave(1, cos, sin, term.rate, error, radius);
-            let sin_a = Patch::wave(1, sin, -cos, term.rate, error, radius);
+            let wave = |parts: [f64; 2]| Piece::wave(parts, term.rate, 1.0).along(1, radius);
+            let cos_a = wave([cos, sin]).doubted(error * sin.abs());
+            let sin_a = wave([sin, -cos]).doubted(error * cos.abs());
             let (g, v) = (term.amplitude, term.rate * term.amplitude);
             waves[0] = waves[0] + (cos_a * cos_h).scaled(g);
             waves[1] = waves[1] + (sin_a * sin_h).scaled(g);
@@ -134,19 +135,19 @@ impl<'a> HarmonicImpacts<'a> {
         let strip = self.strip(delta, 0.0);
         let [p, r, v1, v2] = self.right_sides(&strip, tau, [0.0; 2]);
         let [d, chi3, sum] = strip.kernels;
-        let norm = chi3.value * chi3.value + self.loss * self.loss;
+        let norm = chi3.value() * chi3.value() + self.loss * self.loss;
         let x = if !d.excludes_zero() && norm > 0.0 {
-            (chi3.value * v1.value - self.loss * v2.value) / norm
+            (chi3.value() * v1.value() - self.loss * v2.value()) / norm
         } else {
-            p.value / d.value
+            p.value() / d.value()
         };
         let (y, displacement) = if sum.excludes_zero() || self.stiffness == 0.0 {
             // gΣ (Y/g) = R: finite for γ₁ = 0, where Y itself is 0.
-            let mean = self.waves(&strip, tau, [0.0; 2])[0].value;
+            let mean = self.waves(&strip, tau, [0.0; 2])[0].value();
             let rest = if self.pattern.is_alike() { self.gap + mean } else { self.asymmetry - mean };
-            (r.value / sum.value, 4.0 * rest / sum.value)
+            (r.value() / sum.value(), 4.0 * rest / sum.value())
         } else {
-            let y = (self.loss * v1.value + chi3.value * v2.value) / norm;
+            let y = (self.loss * v1.value() + chi3.value() * v2.value()) / norm;
             (y, 4.0 * y / self.stiffness)
         };
         let (half_sum, half_difference, static_displacement) =
@@ -163,17 +164,16 @@ impl Planar for HarmonicImpacts<'_> {
     fn strip(&self, delta: f64, width: f64) -> Strip {
         let radius = [width, 0.0];
         let jet = self.response.jet_from_half(delta);
-        // Second derivatives on the interval, by the third and a bound of the fourth.
-        let third = jet.third.abs() + self.fourth * width;
-        let kernel = Patch::along(0, [jet.value, jet.slope, jet.curvature.abs() + third * width], radius);
-        let chi3 = Patch::along(0, [jet.slope, jet.curvature, third], radius).scaled(2.0);
+        let along = |jet: [f64; 3], third: f64| Piece { jet, third, doubt: 0.0 }.along(0, radius);
+        let kernel = along([jet.value, jet.slope, jet.curvature], jet.third.abs() + self.fourth * width);
+        let chi3 = along([jet.slope, jet.curvature, jet.third], self.fourth).scaled(2.0);
         let difference = kernel.shifted(-self.at_impulse).scaled(2.0);
         let sum = kernel.shifted(self.at_impulse).scaled(-2.0 * self.stiffness).shifted(-4.0);
         let halves = |(term, &sign): (&vibrochain_lattice::WaveTerm, &f64)| {
             let rate = 0.5 * term.rate;
             let (sin, cos) = (rate * delta).sin_cos();
-            let cosine = Patch::wave(0, cos, sin, rate, 0.0, radius);
-            let sine = Patch::wave(0, sin, -cos, rate, 0.0, radius);
+            let wave = |parts: [f64; 2]| Piece::wave(parts, rate, 1.0).along(0, radius);
+            let (cosine, sine) = (wave([cos, sin]), wave([sin, -cos]));
             // h_j = jnπ/2 + jωδ/2, of n periods of the force
             if self.pattern.turns_round() { (sine.scaled(-sign), cosine.scaled(sign)) } else { (-cosine, -sine) }
         };

@@ -23,7 +23,7 @@
 use vibrochain_lattice::{Model, sine_over};
 
 use crate::lanes::{LANES, Lane};
-use crate::roots::enclosure::{Algebra, Dual};
+use crate::roots::dual::{Algebra, Dual};
 use crate::roots::interval::{Clearance, Enclosed, Zeros, one_by_one};
 use crate::search::families::pattern::Pattern;
 
@@ -156,6 +156,39 @@ impl Enclosed for OneMass {
 
 impl OneMass {
     fn enclose(&self, delta: f64, radius: f64) -> Dual {
-        self.condition(self.cramer(|cos, sin, rate| Dual::wave(cos, sin, rate, 1.0, radius), delta))
+        self.condition(self.cramer(|cos, sin, rate| Dual::wave(cos, sin, rate, cos.hypot(sin), radius), delta))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use vibrochain_lattice::Chain;
+
+    use super::*;
+
+    /// What an interval is told to be holds at its points, whatever the sizes of the waves.
+    #[test]
+    fn models_of_intervals_contain_the_condition_at_points() {
+        let mut checked = 0;
+        for (omega, gamma1) in [(0.7, 1.0), (1.9, 0.2), (1.0, 0.9), (2.0, 9.0)] {
+            for pattern in [Pattern::DOUBLE_SIDED, Pattern::DOUBLED] {
+                let model = Model::forced(Chain::new(1, gamma1, 0.0).unwrap(), omega, 0.3, 0.2, 0.8).unwrap();
+                let problem = OneMass::new(pattern, &model).unwrap();
+                for part in [-0.8, -0.1, 0.37, 0.6] {
+                    let (centre, radius) = (0.5 * part * problem.period, 0.02 * problem.period);
+                    let around = problem.enclose(centre, radius);
+                    for i in -20..=20 {
+                        let x = f64::from(i) / 20.0 * radius;
+                        let at = problem.at(centre + x);
+                        for (told, at) in [(around.function, at.0), (around.derivative, at.1)] {
+                            let away = (at - told.value - told.slope[0] * x).abs();
+                            assert!(away <= told.rest * (1.0 + 1e-9), "{omega} {part} {x}: {away:e} {told:?}");
+                        }
+                        checked += 1;
+                    }
+                }
+            }
+        }
+        assert_eq!(checked, 4 * 2 * 4 * 41);
     }
 }

@@ -40,7 +40,7 @@ const MOST_TERMS: usize = 100_000_000;
 /// Intervals longer than this part of their distance to a place where all s vanish take s/δ, others s itself, which is known better.
 const NEAR: f64 = 0.25;
 
-/// Rounding of kernels relative to their terms: eight times what enclosures allow for (`enclosure`).
+/// Rounding of kernels relative to their terms: eight times what enclosures allow for (`taylor`).
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// Adds the places of 0 < δ < T/2 where all rows may vanish to the unresolved ones; with `judged` those alone where every impulse can

@@ -39,8 +39,9 @@ use wide::f64x4;
 
 use crate::lanes::{LANES, Lane};
 use crate::orbit::Draft;
-use crate::roots::enclosure::{Algebra, Dual, Enclosure};
+use crate::roots::dual::{Algebra, Dual};
 use crate::roots::interval::{Clearance, Enclosed, Zeros};
+use crate::roots::taylor::Taylor;
 use crate::search::families::conservative::two_impact_draft;
 use crate::search::families::pattern::Pattern;
 
@@ -109,7 +110,7 @@ impl<'a> TwoImpacts<'a> {
     }
 
     /// D, χ₃, Σ·g, sin h and cos h about four δ.
-    fn pieces(&self, deltas: Lane, radii: Lane) -> [Dual<Enclosure<f64x4>>; 5] {
+    fn pieces(&self, deltas: Lane, radii: Lane) -> [Dual<Taylor<1, f64x4>>; 5] {
         let [value, slope, curvature, third] = self.response.jets_from_half(deltas).map(f64x4::from);
         let (radius, fourth) = (f64x4::from(radii), f64x4::splat(self.fourth));
         let kernel = Dual::from_jet([value, slope, curvature, third], fourth, radius);

@@ -27,7 +27,7 @@ use wide::f64x4;
 
 use crate::lanes::{LANES, Lane};
 use crate::orbit::Draft;
-use crate::roots::enclosure::Dual;
+use crate::roots::dual::Dual;
 use crate::roots::interval::{Clearance, Enclosed, Zeros};
 use crate::search::families::conservative::{impulses, two_impact_draft};
 use crate::search::families::pattern::Pattern;
