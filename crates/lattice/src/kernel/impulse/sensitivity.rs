@@ -4,7 +4,7 @@
 //! term cos x/(2Ω sin y), y = ΩT/2, x = Ω(t−T/2), answers to a relative change of y with y cot y, which next to a
 //! resonance is Ω/|Ω−jω|, and to one of x with x tan x.
 
-use crate::kernel::impulse::{ImpulseResponse, KernelJet};
+use super::{ImpulseResponse, KernelJet};
 use crate::simd::small::{cubic_defect, sinc};
 
 impl ImpulseResponse {
