@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use super::damped_chain;
-use super::definition::Named;
-use super::scene::{MOST_BYTES, StructureScene, told};
+use super::StructureScene;
+use super::text::told;
 use crate::error::MapError;
 use crate::grid::Files;
+use crate::structure::damped_chain;
+use crate::structure::named::{MOST_BYTES, Named};
 use crate::text::read_text;
 
 impl StructureScene {
@@ -25,7 +26,7 @@ impl StructureScene {
     }
 
     /// The same of a text.
-    pub(super) fn is_scene(text: &str) -> bool {
+    pub(in crate::structure) fn is_scene(text: &str) -> bool {
         // What is no table at all is told by those who read chains. Of JSON, answers of commands speak of structures, too.
         told(text).is_ok_and(|told| {
             let is_answer = told.contains_key("schema");
@@ -34,7 +35,7 @@ impl StructureScene {
     }
 
     /// The scene of a text with the files `kept`, or those beside `path`.
-    pub(super) fn checked(path: &Path, text: &str, kept: &Files) -> Result<Self, MapError> {
+    pub(in crate::structure) fn checked(path: &Path, text: &str, kept: &Files) -> Result<Self, MapError> {
         let read = || {
             if !told(text)?.contains_key("structure") {
                 return damped_chain::read(told(text)?);
