@@ -51,10 +51,13 @@ pub(super) fn largest(number: Turned) -> f64 {
     number.even.abs().max(number.odd.abs())
 }
 
-/// What impacts send straight on to later ones of the same period in the coordinates of a mode that die before the next.
+/// What impacts, `since` the cut, send straight on to later ones of the same period in the coordinates of mode `k` that die before the next.
 pub(super) fn send_on(
-    (kernel, k, died): (&BlochKernel, usize, [bool; 2]),
-    (impacts, since): (&[LinearImpact], &[f64]),
+    kernel: &BlochKernel,
+    k: usize,
+    died: [bool; 2],
+    impacts: &[LinearImpact],
+    since: &[f64],
     outside: &mut [f64],
     sliding: &mut [f64],
 ) {
