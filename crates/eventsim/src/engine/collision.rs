@@ -21,8 +21,8 @@
 //! with zero velocity and acceleration, and what decides is the next derivative *after* all jumps at this
 //! instant: an impact of a neighbour can press the mass back at once.
 
+use super::{Due, Engine};
 use crate::cascade::Change;
-use crate::engine::{Due, Engine};
 use crate::event::EventKind;
 use crate::time::two_sum;
 use vibrochain_lattice::Barrier;

@@ -10,9 +10,9 @@
 
 use std::ops::Range;
 
+use super::Engine;
 use crate::bound;
 use crate::cascade::Change;
-use crate::engine::Engine;
 use crate::ring::Contact;
 use crate::series::{Extent, LANES};
 use crate::units::spread;
