@@ -4,13 +4,16 @@
 //! in time. Then one of two ways:
 //!
 //! - a conservative breather's half period, unless it is long or the ring is, by values on a grid and each mass's own bounds
-//!   between its nodes (`grid`);
+//!   between its nodes (`on_grid`);
 //! - everything else by windows of one radian of the fastest motion, in which the motion of every mass is a polynomial, exact
-//!   to rounding, with bounds of its own (`window`): far masses of a forced ring move little, however close to a barrier the
+//!   to rounding, with bounds of its own (`by_windows`): far masses of a forced ring move little, however close to a barrier the
 //!   force has them all swing.
 //!
 //! Either passes over a mass, or an interval, that cannot come closer than the smallest distance known so far, or cannot
 //! have a turning point, and isolates the turning points of what is left (`polynomial`).
+
+mod by_windows;
+mod on_grid;
 
 use vibrochain_lattice::{Barrier, Chain, DistinctMasses, Stop};
 
@@ -19,7 +22,6 @@ use crate::admissible::grid::{Flight, Grid, MOST_MODES};
 use crate::error::BreatherError;
 use crate::lanes::Lane;
 use crate::motion::Motion;
-use crate::motion::polynomial::{turning_points, with_overlap};
 use crate::motion::window::Window;
 use crate::orbit::{Orbit, Reflection};
 
@@ -88,19 +90,6 @@ const RESOLUTION: f64 = 8.0 * f64::EPSILON;
 /// Closest approaches that differ by less than this, relative to them beyond 1, are alike but for rounding of the orbit itself.
 const ALIKE: f64 = 64.0 * f64::EPSILON;
 
-/// A window's length in radians of the fastest motion; with it the polynomials' order is enough.
-const WINDOW: f64 = 1.0;
-
-/// A mass slower than this, in the window's units, where an interval begins with another's impact, turns right there, for what a
-/// displacement can tell: 1e-18 of it is missing. By rounding the turning point may be in neither interval.
-const STILL: f64 = 1e-9;
-
-/// Impacts closer than this part of the period are at one instant.
-const SIMULTANEOUS: f64 = 1e-9;
-
-/// Windows that are looked at before a motion is declared too stiff to be followed.
-const MAX_WINDOWS: f64 = 5e6;
-
 impl Watch {
     /// Decides for `orbit`, whose motion `motion` holds.
     pub(crate) fn check(
@@ -161,155 +150,6 @@ impl Watch {
         }
         self.on_grid(flight, impacts, Depth::First, &mut closest);
         Some(closest.distance).filter(|distance| distance.is_finite())
-    }
-
-    fn by_windows(
-        &mut self,
-        orbit: &Orbit,
-        motion: &mut Motion,
-        depth: Depth,
-        horizon: f64,
-        closest: &mut Closest,
-    ) -> Result<(), BreatherError> {
-        let model = orbit.model();
-        let a = model.asymmetry();
-        let is_hit = |site: usize| orbit.impacts().iter().any(|impact| impact.site == site);
-        let hit_at = |site: usize, t: f64| {
-            let then = |time: f64| (time - t).abs() <= SIMULTANEOUS * orbit.period();
-            orbit.impacts().iter().any(|impact| impact.site == site && then(impact.time))
-        };
-        let turns_back = orbit.is_reversible() && horizon == 0.5 * orbit.period();
-        let goes_on = orbit.is_reversible() && !turns_back;
-        let rate = motion.top_frequency() / WINDOW;
-        if horizon * rate > MAX_WINDOWS {
-            return Err(BreatherError::TooStiff { windows: horizon * rate, limit: MAX_WINDOWS });
-        }
-        // A ring whose modes all stand still takes its unit from the period.
-        self.window.set_rate(rate.max(1.0 / horizon));
-        let force = model.force_wave();
-        let unit = self.window.unit();
-        'search: for interval in 0..motion.intervals() {
-            let (start, length) = motion.interval(interval);
-            if start >= horizon {
-                break;
-            }
-            let length = length.min(horizon - start);
-            let windows = 1 + (length * rate) as usize;
-            // In the window's units of time.
-            let step = length / windows as f64 / unit;
-            self.window.set(&self.watched, motion, interval, 0.0);
-            for w in 0..windows {
-                self.stop.heard()?;
-                let elapsed = length * (w as f64 / windows as f64);
-                if w > 0 {
-                    self.window.advance(&self.watched, motion, interval, elapsed);
-                }
-                for (i, &site) in self.watched.sites().iter().enumerate() {
-                    let still = || self.window.velocity(i).abs() < STILL;
-                    if !is_hit(site) || w == 0 && !hit_at(site, start) && still() {
-                        closest.note(a, site, start + elapsed, self.window.displacement(i));
-                    }
-                }
-                let pushes = self.window.pushes(&force, motion.force_time(interval, elapsed));
-                for block in self.window.blocks(&self.watched) {
-                    self.window.expand(&self.watched, model, &pushes, block.clone());
-                    self.window.enclose(step);
-                    for i in block {
-                        let (low, high) = self.window.range(i);
-                        if (1.0 - (high - a)).min(1.0 + (low - a)) < closest.distance - RESOLUTION {
-                            let (polynomial, site) = (self.window.polynomial(i), self.watched.sites()[i]);
-                            turning_points(
-                                &polynomial,
-                                with_overlap(step, [w > 0, w + 1 < windows || goes_on]),
-                                &mut self.pending,
-                                closest.distance,
-                                &mut |s, displacement| {
-                                    closest.note(a, site, start + elapsed + s * unit, displacement);
-                                    closest.distance
-                                },
-                                a,
-                            );
-                        }
-                    }
-                }
-                if depth == Depth::First && closest.distance <= 0.0 {
-                    break 'search;
-                }
-            }
-            // The end of the last window: masses that are not hit may turn right there, and at a reversible half period
-            // those do that are hit at its other end alone.
-            let turns = turns_back && start + length >= horizon;
-            let late = |site: usize| orbit.impacts().iter().any(|impact| impact.site == site && impact.time > 0.0);
-            for (i, &site) in self.watched.sites().iter().enumerate() {
-                if !is_hit(site) || turns && !late(site) {
-                    closest.note(a, site, start + length, self.window.final_displacement(i));
-                }
-            }
-        }
-        // An impact's interval may reach beyond the period.
-        closest.time = closest.time.rem_euclid(orbit.period());
-        Ok(())
-    }
-
-    /// The flight that `self.grid` holds.
-    fn on_grid(&mut self, flight: Flight<'_>, impacts: Impacts, depth: Depth, closest: &mut Closest) {
-        let Self { watched, grid, pending, near, .. } = self;
-        let (a, masses) = (impacts.asymmetry, watched.sites().len());
-        let (last, step) = (grid.intervals(), grid.step());
-        let time = |node: usize| node as f64 * step;
-        let site = |mass: usize| watched.sites()[mass];
-        // Every mass turns at both ends, by symmetry, the one that is hit only where it is not.
-        let turns = |mass: usize| [mass > 0, mass > 0 || impacts.one];
-        for (end, node) in [0, last].into_iter().enumerate() {
-            for (mass, &value) in grid.node(node).iter().enumerate().take(masses).skip(usize::from(!turns(0)[end])) {
-                if distance(a, value) < closest.distance {
-                    closest.note(a, site(mass), time(node), value);
-                }
-            }
-        }
-        if depth == Depth::First && closest.distance < -RESOLUTION {
-            return;
-        }
-        near.clear();
-        let far = closest.distance - RESOLUTION;
-        near.extend(
-            (0..masses).zip(grid.reaches(a)).filter(|(mass, reach)| *mass == 0 || **reach < far).map(|(mass, _)| mass),
-        );
-        for &mass in &*near {
-            let (slack, turns) = (grid.slack(mass), turns(mass));
-            // B₂h²/2, and what rounding makes of values.
-            let apart = 4.0 * slack + RESOLUTION;
-            let mut value = grid.value(mass);
-            for interval in 0..last {
-                let here = std::mem::replace(&mut value, grid.value((interval + 1) * grid.stride() + mass));
-                let ends = [here, value].map(|value| distance(a, value));
-                // Where it is not hit, any place counts; the ends are noted.
-                if mass > 0 && ends[0] < closest.distance {
-                    closest.note(a, site(mass), time(interval), here);
-                }
-                if depth == Depth::First && interval > 0 && ends[0] < -RESOLUTION {
-                    closest.note(a, site(mass), time(interval), here);
-                    return;
-                }
-                if ends[0].min(ends[1]) - slack >= closest.distance - RESOLUTION || (value - here).abs() > apart {
-                    continue;
-                }
-                if grid.is_monotone((flight, mass), interval, grid.fourth(flight, watched, mass), turns) {
-                    continue;
-                }
-                let polynomial = grid.polynomial(flight, mass, interval);
-                let so_far = closest.distance;
-                let mut note = |s: f64, displacement: f64| {
-                    closest.note(a, site(mass), time(interval) + s * step, displacement);
-                    closest.distance
-                };
-                let range = with_overlap(1.0, [interval > 0, interval + 1 < last]);
-                turning_points(&polynomial, range, pending, so_far, &mut note, a);
-                if depth == Depth::First && closest.distance <= 0.0 {
-                    return;
-                }
-            }
-        }
     }
 }
 
