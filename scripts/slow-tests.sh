@@ -7,7 +7,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 most=${1:-unlimited}
 
-mapfile -t files < <(grep -lr 'fn slow_' tests crates/*/tests --include='*.rs' | sed -E 's|/all/.*|/all.rs|; s|.*/||; s|\.rs$||' | sort -u)
+mapfile -t files < <(grep -lr 'fn slow_' tests crates/*/tests --include='*.rs' | sed -E 's#^(.*/)?tests/##; s#/.*##; s#\.rs$##' | sort -u)
 test "${#files[@]}" -ge 10
 first=$(($(git rev-list --count HEAD 2>/dev/null || echo 0) % ${#files[@]}))
 

@@ -49,6 +49,10 @@ fn items(text: &str, is_root: bool, all: &mut BTreeSet<String>) {
     let (mut inside, mut is_listed) = ("", false);
     for (i, line) in lines.iter().enumerate() {
         let word = line.trim_start();
+        // What is hidden ends nothing.
+        if word.is_empty() {
+            continue;
+        }
         let depth = line.len() - word.len();
         if depth == 0 {
             // Variants, and what a trait asks for, need no word to be public.
@@ -73,7 +77,8 @@ fn items(text: &str, is_root: bool, all: &mut BTreeSet<String>) {
             item = format!("{item}{}{more}", if is_tight { "" } else { " " });
         }
         let head = if with_braces { &item } else { item.split(" {").next().unwrap() };
-        let head = if head.contains("const ") { head.split(" = ").next().unwrap() } else { head };
+        let is_value = head.trim_start_matches("pub ").starts_with("const ") && !head.contains("fn ");
+        let head = if is_value { head.split(" = ").next().unwrap() } else { head };
         let head = head.trim_end_matches([',', ';']).replace(",)", ")").replace(",}", "}");
         let inside = inside.strip_prefix("pub ").unwrap_or(inside);
         all.insert(if depth == 0 { head } else { format!("{inside}: {head}") });

@@ -1,5 +1,5 @@
 //! Large rings: spectra that are complete by certificates which share nothing with the search, in memory that grows like
-//! the ring. (Against dense matrices: `secular::tests` of `vibrochain-floquet`.)
+//! the ring. (Against dense matrices: `map_paths::tests` of `vibrochain-floquet`.)
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use vibrochain::breather::{Family, Finder, Found};

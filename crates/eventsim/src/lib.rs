@@ -81,14 +81,12 @@
 
 mod bound;
 mod cascade;
-mod collision;
 mod directions;
 mod engine;
 mod error;
 mod event;
 mod growth;
 mod queue;
-mod restart;
 mod ring;
 mod series;
 mod simulation;
@@ -99,7 +97,7 @@ mod units;
 mod watch;
 mod weights;
 
-pub use collision::CHATTER_TIME;
+pub use engine::CHATTER_TIME;
 pub use error::{StateError, TangentError};
 pub use event::{BOUNCE_TIME, Event, EventKind, Limits, MAX_BOUNCES, MAX_FLIGHTS, Outcome, Report, Work};
 pub use growth::{Exponent, Growth};

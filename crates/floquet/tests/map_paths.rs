@@ -1,10 +1,10 @@
-//! What maps need faster, held against all zeros of the impacts' determinant: breathers at one site without force, with losses, and pairs
-//! that a reflection exchanges.
+//! What maps and large rings need faster, held against all zeros of the impacts' determinant: breathers at one site without force, with
+//! losses, pairs that a reflection exchanges, and rings whose sums go over poles far apart at once.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{Finder, Found, Wanted, Word};
-use vibrochain_floquet::{Analyser, FloquetError, Method, Tolerance};
-use vibrochain_lattice::Chain;
+use vibrochain_breather::{BlochEquations, Family, Finder, Found, Wanted, Word};
+use vibrochain_floquet::{Analyser, FloquetError, ImpactSpectrum, Method, Tolerance};
+use vibrochain_lattice::{Chain, Model};
 use vibrochain_testkit::{Meeting, Random, Ranges, Values};
 
 #[derive(Debug, Default)]
@@ -113,4 +113,42 @@ fn breathers_with_losses() {
         Some(random.of(&["S+,S-", "S-", "S-,S-"]).replace('S', &site))
     });
     assert!(tally.is_sound(), "{tally:?}");
+}
+
+/// 301 modes that feel the impacts: more than any sum over pairs is taken of.
+#[test]
+fn large_rings_have_the_multipliers_of_the_spectrum() {
+    let (mut finder, mut found, mut analyser) = (Finder::new(601), Found::default(), Analyser::default());
+    let (mut compared, mut unstable) = (0, 0);
+    for (omega, gamma2, amplitude) in [(0.8, 0.1, 0.0), (1.5, 0.1, 0.0), (0.9, 0.01, 0.0), (1.5, 0.1, 0.1)] {
+        let chain = Chain::new(601, 0.2, gamma2).unwrap();
+        let model = match amplitude > 0.0 {
+            true => Model::forced(chain, omega, 0.4, amplitude, 0.9).unwrap(),
+            false => Model::conservative(chain, omega, 0.4).unwrap(),
+        };
+        for family in [Family::SingleSided, Family::DoubleSided] {
+            finder.find_symmetric(&model, family, &mut found).unwrap();
+            let Some(orbit) = found.orbits.first() else { continue };
+            let own = analyser.stability(orbit, &mut finder, Tolerance::Rounding).unwrap();
+            assert_eq!(own.verdict.method, Method::Secular);
+            let (equations, _) = BlochEquations::of(orbit, finder.prepared(orbit).unwrap().response());
+            let spectrum = if amplitude > 0.0 {
+                ImpactSpectrum::new(&equations)
+            } else {
+                ImpactSpectrum::conservative(&equations)
+            };
+            if !spectrum.is_certified {
+                continue;
+            }
+            for (mu, error) in spectrum.multipliers.iter().zip(&spectrum.errors) {
+                let off = own.multipliers.iter().map(|other| (mu - other).norm()).fold(f64::INFINITY, f64::min);
+                assert!(off <= 10.0 * error + 1e-8 * mu.norm(), "{model} {family:?}: {mu} {off:e} {error:e}");
+            }
+            let largest = spectrum.multipliers.iter().map(|mu| mu.norm()).fold(0.0, f64::max);
+            assert!((own.verdict.spectral_radius / largest - 1.0).abs() < 1e-9, "{largest} {:?}", own.verdict);
+            compared += 1;
+            unstable += usize::from(!own.verdict.stable);
+        }
+    }
+    assert!(compared >= 7 && unstable > 0 && unstable < compared, "{compared} {unstable}");
 }

@@ -252,13 +252,14 @@ impl Between {
         let nearest = [0, 1].map(|way| (0..LANES).map(|i| ways[way][i] - radii[i]).fold(f64::INFINITY, f64::min));
         // Many modes of a structure often lose alike.
         let mut lost: Option<((f64, f64), Losses)> = None;
-        for Both { turn, decay, rate, left, parts, slowest, fourth } in &self.modes {
+        for mode in &self.modes {
+            let Both { turn, decay, rate, parts, slowest, fourth, .. } = mode;
             if nearest.iter().all(|t| slowest * t > DEAD) {
                 continue;
             }
             let losses = match lost {
                 Some((of, losses)) if of == (*decay, *slowest) => losses,
-                _ => Self::losses((*decay, *slowest, *left), &ways, radii),
+                _ => Self::losses(mode, &ways, radii),
             };
             lost = Some(((*decay, *slowest), losses));
             let moved = match turn.turns(*rate, places) {
@@ -284,7 +285,7 @@ impl Between {
     }
 
     /// What a mode has lost at four places and at their nearest ends, either way.
-    fn losses((decay, slowest, left): (f64, f64, f64), ways: &[Lane; 2], radii: Lane) -> Losses {
+    fn losses(&Both { decay, slowest, left, .. }: &Both, ways: &[Lane; 2], radii: Lane) -> Losses {
         let of = |rate: f64, t: f64| if rate == 0.0 { 1.0 } else { (-rate * t).exp() };
         let there = ways[0].map(|t| of(decay, t));
         // What is lost on both ways is what a period takes, as long as numbers hold it.

@@ -12,7 +12,7 @@ use super::approach::Place;
 use super::motion::{Due, Motion};
 use super::series::Series;
 use crate::cascade::Change;
-use crate::collision::CHATTER_TIME;
+use crate::engine::CHATTER_TIME;
 use crate::event::EventKind;
 use crate::ring::Contact;
 use vibrochain_lattice::Barrier;

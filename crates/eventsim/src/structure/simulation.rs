@@ -8,7 +8,7 @@ use super::series::Series;
 use super::system::System;
 use super::tangent::{Alone, Company, StructureTangents};
 use crate::cascade::{Cascades, Change};
-use crate::collision::CHATTER_TIME;
+use crate::engine::CHATTER_TIME;
 use crate::error::TangentError;
 use crate::event::{BOUNCE_TIME, Limits, Work};
 use crate::ring::Contact;

@@ -28,6 +28,13 @@ impl Place {
     }
 }
 
+/// A part of a step, halved so many times.
+struct Stretch {
+    low: Place,
+    high: Place,
+    depth: usize,
+}
+
 impl<E: Ends> Follower<E> {
     /// All crossings between two points.
     pub(super) fn crossings(
@@ -40,16 +47,16 @@ impl<E: Ends> Follower<E> {
         let mut parts = Vec::new();
         if let (Some(low), Some(high)) = (self.end(from.0, from, 0.0, length)?, self.end(from.0, to, length, -length)?)
         {
-            parts.push((low, high, 0));
+            parts.push(Stretch { low, high, depth: 0 });
         }
-        while let Some((low, high, depth)) = parts.pop() {
+        while let Some(Stretch { low, high, depth }) = parts.pop() {
             match crossing(&low.pairs, &high.pairs) {
                 Crossing::None => continue,
                 Crossing::Pair(one, other) => {
                     let Some((along, located)) = self.crossing_of((from.0, to.0), [(low.s, one), (high.s, other)])
                     else {
                         if depth < HALVINGS {
-                            self.halve(from.0, (low, high, depth), &mut parts)?;
+                            self.halve(from.0, Stretch { low, high, depth }, &mut parts)?;
                         } else {
                             self.hidden_between(from.0, low.s, high.s);
                         }
@@ -65,10 +72,13 @@ impl<E: Ends> Follower<E> {
                             continue;
                         }
                         let Some(place) = self.pairs_at(from.0, s)? else { continue };
-                        parts.push(if before { (end, place, depth + 1) } else { (place, end, depth + 1) });
+                        let (low, high) = if before { (end, place) } else { (place, end) };
+                        parts.push(Stretch { low, high, depth: depth + 1 });
                     }
                 }
-                Crossing::Unclear if depth < HALVINGS => self.halve(from.0, (low, high, depth), &mut parts)?,
+                Crossing::Unclear if depth < HALVINGS => {
+                    self.halve(from.0, Stretch { low, high, depth }, &mut parts)?
+                }
                 // The pairs are too near to each other to tell which one has crossed; their number tells that one has.
                 Crossing::Unclear if low.outside.abs_diff(high.outside) > 1 => {
                     self.hidden_between(from.0, low.s, high.s);
@@ -90,12 +100,12 @@ impl<E: Ends> Follower<E> {
     fn halve(
         &mut self,
         from: &Point<E>,
-        (low, high, depth): (Place, Place, usize),
-        parts: &mut Vec<(Place, Place, usize)>,
+        Stretch { low, high, depth }: Stretch,
+        parts: &mut Vec<Stretch>,
     ) -> Result<(), LocateError> {
         let Some(middle) = self.pairs_at(from, 0.5 * (low.s + high.s))? else { return Ok(()) };
-        parts.push((middle.clone(), high, depth + 1));
-        parts.push((low, middle, depth + 1));
+        parts.push(Stretch { low: middle.clone(), high, depth: depth + 1 });
+        parts.push(Stretch { low, high: middle, depth: depth + 1 });
         Ok(())
     }
 

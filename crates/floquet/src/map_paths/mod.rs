@@ -1,5 +1,6 @@
 //! What maps and large rings need faster than [`crate::spectrum`] is, for impacts at one site and for pairs: the same determinant from the
-//! modes' own poles and residues, a pass over the modes or a few for a verdict. `tests/map_paths.rs` holds it against the spectrum.
+//! modes' own poles and residues, a pass over the modes or a few for a verdict. `tests/map_paths.rs` holds it against the spectrum;
+//! `cargo bench --bench map_throughput` and `--bench spectrum` time it.
 //!
 //! | module | holds |
 //! |---|---|
@@ -18,7 +19,7 @@ mod modes;
 pub(crate) mod one_contact;
 pub(crate) mod reversible;
 
-pub(crate) use fast_sums::large_general::LARGE;
+pub(crate) use fast_sums::LARGE;
 pub use labels::{ModeLabels, multiplier_modes};
 pub(crate) use modes::{Mode, Modes, by_frequency, sort_felt};
 pub(crate) use one_contact::multipliers::MOST_IMPACTS;

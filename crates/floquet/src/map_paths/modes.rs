@@ -7,6 +7,8 @@ use wide::f64x4;
 
 use vibrochain_breather::lanes::{FOUR, LANES, Lane, ONE, TWO, all, four};
 
+use crate::map_paths::fast_sums::LARGE_REVERSIBLE;
+
 /// One mode of the even subspace; four of them as `Mode<Lane>` or `Mode<f64x4>`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Mode<T = f64> {
@@ -60,9 +62,6 @@ const SPARED: f64 = 16.0 * f64::EPSILON;
 /// Frequencies this close are equal: each is worked out to 2ε.
 const EQUAL: f64 = 4.0 * f64::EPSILON;
 
-/// Number of modes from which Cauchy sums are faster than pairs.
-pub(crate) const LARGE: usize = 256;
-
 /// The even subspace, mode by mode and in groups of four, the last one padded.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Modes {
@@ -86,7 +85,7 @@ impl Modes {
         self.make_list();
     }
 
-    /// The same, of no more than [`LARGE`] modes in groups of four alone, until they are listed.
+    /// The same, of no more than [`LARGE_REVERSIBLE`] modes in groups of four alone, until they are listed.
     pub(crate) fn set_in_fours(&mut self, response: &ImpulseResponse) {
         let half = 0.5 * response.period();
         let fours = response.swings_in_fours().map(
@@ -98,7 +97,7 @@ impl Modes {
         );
         self.clear();
         let count = response.modes();
-        if count > LARGE {
+        if count > LARGE_REVERSIBLE {
             self.groups.clear();
             self.list.resize(count, PAD);
             for (some, four) in self.list.chunks_mut(LANES).zip(fours) {
@@ -201,11 +200,11 @@ impl Modes {
         part < SPARED
     }
 
-    /// Of more than [`LARGE`] modes only parts are taken four at a time, see [`Modes::gather`]: groups of all of them would be as many
+    /// Of more than [`LARGE_REVERSIBLE`] modes only parts are taken four at a time, see [`Modes::gather`]: groups of all of them would be as many
     /// bytes again.
     fn group_few(&mut self) {
         self.groups.clear();
-        if self.list.len() <= LARGE {
+        if self.list.len() <= LARGE_REVERSIBLE {
             self.group();
         }
     }
@@ -238,7 +237,7 @@ impl Modes {
         self.list[k]
     }
 
-    /// All of them, four at a time; of a whole lattice none if there are more than [`LARGE`].
+    /// All of them, four at a time; of a whole lattice none if there are more than [`LARGE_REVERSIBLE`].
     #[inline(always)]
     pub(crate) fn groups(&self) -> &[Mode<Lane>] {
         debug_assert_eq!(self.groups.len(), self.count().div_ceil(4), "modes that were left out of the groups");

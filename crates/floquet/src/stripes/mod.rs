@@ -10,7 +10,7 @@
 //! | `order` | [`SignatureOrder`]: whether there is a stripe between two orbits of any word |
 //! | `passing` | [`passings`]: which pairs meet from one point to the next |
 //! | `reversal`, `pencil` | two modes that meet, as two oscillators that the impacts couple |
-//! | `stripe` | [`Stripe`]: where a stripe begins and ends on a line, and how strong it is |
+//! | `stripe`, `finder` | [`Stripe`]: where a stripe begins and ends on a line, and how strong it is |
 //! | `place` | what is off the circle at a point of a line |
 //! | `law` | how strong a stripe is, without looking for it |
 //! | `row` | [`StripeRow`]: all stripes on a line |
@@ -32,6 +32,7 @@
 
 mod collision;
 mod dressed;
+mod finder;
 mod form;
 mod law;
 mod order;
@@ -46,9 +47,10 @@ mod stripe;
 
 pub use collision::Collision;
 pub use dressed::DressedModes;
+pub use finder::StripeFinder;
 pub use order::{OrderFinder, SignatureOrder};
 pub use own::OwnMode;
 pub use passing::{Passing, passings};
 pub use row::StripeRow;
 pub use signature::{Signature, bare_signature, signature};
-pub use stripe::{NoStripe, Stripe, StripeEnd, StripeFinder, StripeLine};
+pub use stripe::{NoStripe, Stripe, StripeEnd, StripeLine};

@@ -2,7 +2,8 @@
 
 use nalgebra::Complex;
 
-use super::stripe::{NoStripe, Stripe, StripeFinder, StripeLine};
+use super::finder::StripeFinder;
+use super::stripe::{NoStripe, Stripe, StripeLine};
 
 /// Parts of the way to the next point at which to look: the first that leaves no doubt. (Doubt is next to edges.)
 pub(super) const STARTS: [f64; 4] = [0.0, 0.25, 0.125, 0.375];

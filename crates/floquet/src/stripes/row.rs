@@ -8,9 +8,10 @@ use std::f64::consts::PI;
 
 use nalgebra::Complex;
 
+use super::finder::{Pair, Side, StripeFinder};
 use super::passing::{Passing, passings};
 use super::place::{MIDDLES, Place, STARTS};
-use super::stripe::{NoStripe, Pair, Side, Stripe, StripeEnd, StripeFinder, StripeLine};
+use super::stripe::{NoStripe, Stripe, StripeEnd, StripeLine};
 
 /// Halvings of the distance of two points: until an event is taken as alone, and until what is between them is given up.
 const ALONE: u32 = 12;

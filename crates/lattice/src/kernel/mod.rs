@@ -21,7 +21,6 @@ pub(crate) mod coordinates;
 pub(crate) mod decay;
 pub(crate) mod impulse;
 pub(crate) mod lattice_modes;
-pub(crate) mod sensitivity;
 pub(crate) mod steady;
 pub(crate) mod turn;
 

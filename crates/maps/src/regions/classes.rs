@@ -4,7 +4,7 @@ use std::collections::{BinaryHeap, HashMap};
 
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 
-use crate::regions::gaps::{GAP, Neck, Widest};
+use crate::regions::gaps::{GAP, Neck, Spot, Widest};
 use crate::regions::plane::{Regions, Unexplained};
 use crate::regions::smooth::Place;
 use crate::regions::subdivision::{Face, OUTSIDE, Subdivision, THIN};
@@ -140,7 +140,10 @@ impl Subdivision {
                 .map_init(&worker, |worker, (_, group, own)| {
                     let told = |class: &usize| !is_none(&classes[*class]);
                     let Some(first) = own.iter().position(told) else { return Vec::new() };
-                    let at = |i: usize| (group[i].triangle, group[i].point, classes[own[i]].clone());
+                    let at = |i: usize| {
+                        let Question { triangle, point, .. } = group[i];
+                        Spot { triangle, point, lives: classes[own[i]].clone() }
+                    };
                     let differs = |i: &usize| told(&own[*i]) && own[*i] != own[first];
                     let others: Vec<usize> = (0..own.len()).filter(differs).collect();
                     let some = others.iter().step_by(others.len().div_ceil(MOST_WAYS).max(1));

@@ -23,6 +23,13 @@ pub(crate) struct Neck {
     pub(crate) between: [[f64; 2]; 2],
 }
 
+/// A place in a triangle, in units of the axes, and what lives there.
+pub(crate) struct Spot<T> {
+    pub(crate) triangle: u32,
+    pub(crate) point: [f64; 2],
+    pub(crate) lives: T,
+}
+
 /// What is taken up the widest first, of as wide ones the least.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Widest<T> {
@@ -92,18 +99,18 @@ impl Subdivision {
         sides
     }
 
-    /// Where what lives in a face changes between two places in triangles of it, given in units of the axes.
+    /// Where what lives in a face changes between two places of it.
     pub(crate) fn neck<T: PartialEq>(
         &self,
-        from: (u32, [f64; 2], T),
-        to: (u32, [f64; 2], T),
+        from: Spot<T>,
+        to: Spot<T>,
         mut class: impl FnMut([f64; 2]) -> Option<T>,
     ) -> Option<Neck> {
-        let way = self.way(from.0, to.0);
+        let way = self.way(from.triangle, to.triangle);
         // Nearer to a border than its error a triangle may be on its other side.
         let clear = THIN.max(2.0 * self.tolerance * GRID as f64);
-        let last = from.2;
-        let mut line = vec![from.1];
+        let last = from.lives;
+        let mut line = vec![from.point];
         let mut narrowest: Option<(f64, u32)> = None;
         for (i, &side) in way.iter().enumerate() {
             let length = self.length(side);
@@ -114,7 +121,7 @@ impl Subdivision {
             line.push(self.middle(side));
             let triangle = self.triangle(self.sides[side as usize].twin);
             let (point, here) = if i + 1 == way.len() {
-                (to.1, None)
+                (to.point, None)
             } else if triangle.radius() < clear {
                 continue;
             } else {
@@ -123,7 +130,7 @@ impl Subdivision {
                 (point, Some(here))
             };
             line.push(point);
-            let here = here.as_ref().unwrap_or(&to.2);
+            let here = here.as_ref().unwrap_or(&to.lives);
             if *here != last {
                 let (length, side) = narrowest?;
                 let changes = |point: &[f64; 2]| class(*point).is_some_and(|one| one != last);

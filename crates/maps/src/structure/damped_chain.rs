@@ -4,9 +4,10 @@ use serde::Deserialize;
 use serde_json::{Map, Value};
 use vibrochain_lattice::Contact;
 
-use super::definition::{ChainTable, MOST_MASSES};
-use super::scene::{ComputeTable, StructureScene, SweepTable};
+use super::definition::MOST_MASSES;
+use super::scene::StructureScene;
 use super::setting::Setting;
+use super::tables::{ChainTable, ComputeTable, SweepTable};
 
 /// Keys, and parameters of axes, that make a chain one of these.
 const KEYS: [&str; 6] = ["damping", "coupling_damping", "static_force", "stops", "lower", "upper"];

@@ -1,21 +1,13 @@
-//! What `[structure]` may hold, and the structure that it means.
-
-use std::cell::RefCell;
-use std::path::Path;
+//! What a structure is made of: matrices, modes or a chain.
 
 use nalgebra::{DMatrix, DVector};
-use serde::Deserialize;
 use vibrochain_lattice::{Complex, Contact, EnergyForm, LinearMode, ModalStructure, ModeShape, Structure};
 
-use super::matrix_market;
+use super::named::Named;
 use super::setting::{Matrix, Setting};
-use crate::grid::Files;
-use crate::text::read_text;
+use super::tables::{ChainTable, ContactTable, ForceTable, StructureTable};
 
 type C = Complex<f64>;
-
-/// The most bytes of a file of a matrix or of modes.
-const MOST_BYTES: u64 = 64 << 20;
 
 /// The most a mode may be damped, against critical: its slow pole is a difference, of which no four digits are left beyond.
 const MOST_RATIO: f64 = 7e5;
@@ -25,119 +17,6 @@ pub const MOST_MASSES: usize = 1000;
 
 /// The most coordinates: structures are dense.
 const MOST_COORDINATES: usize = 2000;
-
-/// The files that a scene names, of which some are at hand.
-pub(super) struct Named<'a> {
-    folder: &'a Path,
-    kept: &'a Files,
-    read: RefCell<Files>,
-}
-
-impl<'a> Named<'a> {
-    /// Those `kept`, all others in a folder.
-    pub(super) fn new(folder: &'a Path, kept: &'a Files) -> Self {
-        Self { folder, kept, read: RefCell::default() }
-    }
-
-    /// All that were read.
-    pub(super) fn read(&self) -> Files {
-        self.read.borrow().clone()
-    }
-
-    fn text(&self, what: &str, name: &str) -> Result<String, String> {
-        let text = match self.kept.get(name) {
-            Some(text) => text.clone(),
-            None => read_text(what, &self.folder.join(name), MOST_BYTES).map_err(|error| error.to_string())?,
-        };
-        self.read.borrow_mut().insert(name.to_owned(), text.clone());
-        Ok(text)
-    }
-}
-
-/// Rows, or the file that has them.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(untagged, expecting = "give rows of numbers, [[…], […]], or the name of a Matrix Market file")]
-pub(super) enum MatrixGiven {
-    Rows(Vec<Vec<f64>>),
-    File(String),
-}
-
-#[derive(Debug, Clone, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct StructureTable {
-    mass: Option<MatrixGiven>,
-    masses: Option<Vec<f64>>,
-    stiffness: Option<MatrixGiven>,
-    damping: Option<MatrixGiven>,
-    frequencies: Option<Vec<f64>>,
-    ratios: Option<Vec<f64>>,
-    contact_shapes: Option<Vec<Vec<f64>>>,
-    load_shapes: Option<Vec<f64>>,
-    static_shapes: Option<Vec<f64>>,
-    modes: Option<String>,
-    chain: Option<ChainTable>,
-}
-
-/// Unit masses, each on a spring γ₁ and a dashpot, with springs γ₂ and dashpots between neighbours.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ChainTable {
-    /// Number of masses.
-    pub sites: usize,
-    /// γ₁
-    pub gamma1: f64,
-    /// γ₂
-    pub gamma2: f64,
-    /// `closed`, `free`, `fixed` or `fixed-free`.
-    #[serde(default = "closed")]
-    pub ends: String,
-    /// c of each mass.
-    #[serde(default)]
-    pub damping: f64,
-    /// c₂ of each spring between neighbours.
-    #[serde(default)]
-    pub coupling_damping: f64,
-}
-
-fn closed() -> String {
-    "closed".to_owned()
-}
-
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct ContactTable {
-    weights: Option<Vec<f64>>,
-    at: Option<usize>,
-    between: Option<[usize; 2]>,
-    lower: Option<f64>,
-    upper: Option<f64>,
-    #[serde(default = "elastic")]
-    restitution: f64,
-}
-
-fn elastic() -> f64 {
-    1.0
-}
-
-#[derive(Debug, Clone, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct ForceTable {
-    load: Option<Vec<f64>>,
-    harmonic: Option<u32>,
-    phases: Option<Vec<f64>>,
-    #[serde(rename = "static")]
-    still: Option<Vec<f64>>,
-    #[serde(default)]
-    terms: Vec<TermTable>,
-}
-
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TermTable {
-    harmonic: u32,
-    load: Vec<f64>,
-    phases: Option<Vec<f64>>,
-}
 
 /// A structure as it was given.
 #[derive(Debug, Clone, PartialEq)]
@@ -201,15 +80,15 @@ impl Definition {
         files: &Named<'_>,
     ) -> Result<Self, String> {
         let mass = match (&table.mass, &table.masses) {
-            (Some(mass), None) => matrix("mass", mass, files)?,
+            (Some(mass), None) => files.matrix("mass", mass)?,
             (None, Some(masses)) => DMatrix::from_diagonal(&DVector::from_vec(masses.clone())),
             _ => return Err("mass and masses are given: give one of them".to_owned()),
         };
         let stiffness = table.stiffness.as_ref().ok_or("stiffness is missing")?;
-        let damping = table.damping.as_ref().map(|given| matrix("damping", given, files)).transpose()?;
+        let damping = table.damping.as_ref().map(|given| files.matrix("damping", given)).transpose()?;
         let n = mass.nrows();
         let structure = Structure {
-            stiffness: matrix("stiffness", stiffness, files)?,
+            stiffness: files.matrix("stiffness", stiffness)?,
             damping: damping.unwrap_or_default(),
             contacts: contacts
                 .iter()
@@ -230,7 +109,7 @@ impl Definition {
         files: &Named<'_>,
     ) -> Result<Self, String> {
         let table = match &table.modes {
-            Some(file) => &modes_of(file, files)?,
+            Some(file) => &files.modes(file)?,
             None => table,
         };
         let frequencies = table.frequencies.as_ref().ok_or("frequencies are missing")?;
@@ -488,124 +367,4 @@ impl Definition {
 /// With all dashpots times `damping`; those of a chain, which are its own numbers, times 1.
 fn damped_times(structure: &Structure, damping: f64) -> Structure {
     Structure { damping: &structure.damping * damping, ..structure.clone() }
-}
-
-fn matrix(name: &str, given: &MatrixGiven, files: &Named<'_>) -> Result<DMatrix<f64>, String> {
-    match given {
-        MatrixGiven::Rows(rows) if rows.is_empty() => Err(format!("{name} is empty: give a row for each coordinate")),
-        MatrixGiven::Rows(rows) => {
-            let columns = rows.first().map_or(0, Vec::len);
-            if let Some(row) = rows.iter().position(|row| row.len() != columns) {
-                return Err(format!("{name}: row {row} has {} entries, row 0 has {columns}", rows[row].len()));
-            }
-            Ok(DMatrix::from_fn(rows.len(), columns, |i, j| rows[i][j]))
-        }
-        MatrixGiven::File(file) => {
-            let text = files.text("the matrix", file).map_err(|error| format!("{name}: {error}"))?;
-            matrix_market::read(&text).map_err(|why| format!("{name}: {}: {why}", files.folder.join(file).display()))
-        }
-    }
-}
-
-/// A table of modes: frequency, ratio, load, static, and contact0, contact1, … as columns.
-fn modes_of(file: &str, files: &Named<'_>) -> Result<StructureTable, String> {
-    let told = |why: String| format!("modes: {}: {why}", files.folder.join(file).display());
-    let text = files.text("the modes", file).map_err(|error| format!("modes: {error}"))?;
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
-    let names = reader.headers().map_err(|error| told(error.to_string()))?.clone();
-    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
-    for (number, row) in reader.records().enumerate() {
-        let row = row.map_err(|error| told(error.to_string()))?;
-        for (column, text) in columns.iter_mut().zip(&row) {
-            column.push(text.parse().map_err(|_| told(format!("row {}: {text} is not a number", number + 1)))?);
-        }
-    }
-    let mut table = StructureTable::default();
-    let mut shapes: Vec<(usize, Vec<f64>)> = Vec::new();
-    for (name, column) in names.iter().zip(columns) {
-        match name {
-            "frequency" => table.frequencies = Some(column),
-            "ratio" => table.ratios = Some(column),
-            "load" => table.load_shapes = Some(column),
-            "static" => table.static_shapes = Some(column),
-            _ => match name.strip_prefix("contact").and_then(|number| number.parse().ok()) {
-                Some(number) => shapes.push((number, column)),
-                None => {
-                    return Err(told(format!(
-                        "column {name} is unknown: give frequency, ratio, load, static, contact0, …"
-                    )));
-                }
-            },
-        }
-    }
-    shapes.sort_by_key(|(number, _)| *number);
-    if shapes.iter().enumerate().any(|(i, (number, _))| i != *number) {
-        return Err(told("columns contact0, contact1, … are to be there each once".to_owned()));
-    }
-    table.contact_shapes = Some(shapes.into_iter().map(|(_, column)| column).collect());
-    Ok(table)
-}
-
-impl ContactTable {
-    fn contact(&self) -> Contact {
-        Contact { lower: self.lower, upper: self.upper, restitution: self.restitution }
-    }
-
-    /// w and the barriers, of a structure of `n` coordinates.
-    fn weighted(&self, number: usize, n: usize) -> Result<(DVector<f64>, Contact), String> {
-        let one = |coordinate: usize| {
-            if coordinate < n {
-                Ok(coordinate)
-            } else {
-                Err(format!(
-                    "contact {number} is at coordinate {coordinate}: the structure has 0 to {}",
-                    n.saturating_sub(1)
-                ))
-            }
-        };
-        let mut weights = DVector::zeros(n);
-        match (&self.weights, self.at, self.between) {
-            (Some(list), None, None) => weights = DVector::from_vec(list.clone()),
-            (None, Some(at), None) => weights[one(at)?] = 1.0,
-            (None, None, Some([from, to])) => {
-                weights[one(from)?] = 1.0;
-                weights[one(to)?] -= 1.0;
-            }
-            (None, None, None) => return Err(format!("contact {number} is nowhere: give weights, at or between")),
-            _ => return Err(format!("contact {number} is given twice: give one of weights, at and between")),
-        }
-        Ok((weights, self.contact()))
-    }
-}
-
-impl ForceTable {
-    /// Number and load of each harmonic.
-    fn loads(&self, n: usize) -> Result<Vec<(u32, DVector<C>)>, String> {
-        let complex = |load: &[f64], phases: &Option<Vec<f64>>| {
-            let phase = |i: usize| phases.as_ref().and_then(|list| list.get(i)).copied().unwrap_or(0.0);
-            DVector::from_iterator(load.len(), load.iter().enumerate().map(|(i, f)| C::from_polar(1.0, phase(i)) * *f))
-        };
-        let sized = |phases: &Option<Vec<f64>>| match phases {
-            Some(list) if list.len() != n => {
-                Err(format!("phases has {} entries where there are {n} coordinates", list.len()))
-            }
-            _ => Ok(()),
-        };
-        let mut loads = Vec::new();
-        if let Some(load) = &self.load {
-            sized(&self.phases)?;
-            loads.push((self.harmonic.unwrap_or(1), complex(load, &self.phases)));
-        } else if self.harmonic.is_some() || self.phases.is_some() {
-            return Err("[force] has no load: give load = [..], one number for each coordinate".to_owned());
-        }
-        for term in &self.terms {
-            sized(&term.phases)?;
-            loads.push((term.harmonic, complex(&term.load, &term.phases)));
-        }
-        loads.sort_by_key(|(number, _)| *number);
-        match loads.windows(2).find(|pair| pair[0].0 == pair[1].0) {
-            Some(pair) => Err(format!("harmonic {} of the load is given twice", pair[0].0)),
-            None => Ok(loads),
-        }
-    }
 }

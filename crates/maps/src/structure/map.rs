@@ -11,7 +11,8 @@ use vibrochain_breather::{
 use vibrochain_floquet::{Tolerance, Verdict, structure_verdict, structure_verdict_within};
 use vibrochain_lattice::Stop;
 
-use super::scene::{MOST_BYTES, StructureScene};
+use super::named::MOST_BYTES;
+use super::scene::StructureScene;
 use super::setting::Setting;
 use crate::cell::{Cell, Class, Status};
 use crate::error::MapError;

@@ -2,7 +2,8 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `scene`, `file` | [`StructureScene`]: what a file asks, checked |
+//! | `scene` | [`StructureScene`]: what a file asks, checked |
+//! | `tables`, `named` | what a scene may hold, and the files that it names |
 //! | `damped_chain` | scenes of chains with dashpots and stops of their own |
 //! | `setting` | [`Setting`]: each number of it by name, to be varied |
 //! | `definition` | matrices, modes or a chain, from which the structure is made |
@@ -16,15 +17,17 @@ pub mod along;
 pub mod answer;
 mod damped_chain;
 mod definition;
-mod file;
 pub mod map;
 mod matrix_market;
+mod named;
 pub mod scene;
 pub mod setting;
+mod tables;
 mod told;
 
 pub use answer::Answered;
-pub use definition::{ChainTable, MOST_MASSES};
+pub use definition::MOST_MASSES;
 pub use map::{StructureCell, StructureClass};
 pub use scene::StructureScene;
 pub use setting::Setting;
+pub use tables::ChainTable;

@@ -2,9 +2,9 @@
 
 use vibrochain_lattice::{Contact, Parameter};
 
-use super::definition::ChainTable;
 use super::scene::StructureScene;
 use super::setting::Setting;
+use super::tables::ChainTable;
 use crate::scene::criterion;
 
 impl StructureScene {

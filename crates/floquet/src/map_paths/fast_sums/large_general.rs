@@ -26,9 +26,6 @@ use crate::zeros::SecularError;
 
 type C = Complex<f64>;
 
-/// Number of modes from which Cauchy sums are faster than pairs.
-pub(crate) const LARGE: usize = 192;
-
 /// Residues and multipliers of a large ring; also the work space.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ForcedLarge {

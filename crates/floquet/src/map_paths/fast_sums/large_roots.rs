@@ -156,7 +156,7 @@ impl Poles<3> for CircleForm {
 impl Near for NearCircle<'_> {
     fn value(&self, tau: C) -> Option<(C, C)> {
         let at = self.place(tau);
-        self.holds(at.0).then(|| self.value(at))
+        self.holds(at.t).then(|| self.value(at))
     }
 
     fn errors(&self, tau: C) -> (f64, f64) {

@@ -1,4 +1,5 @@
-//! What rings of 10⁵ and 10⁶ masses need: sums over poles in O(M), taken above [`LARGE`](large_general::LARGE) modes.
+//! What rings of 10⁵ and 10⁶ masses need: sums over poles in O(M). A fast path: `tests/map_paths.rs` holds it against the spectrum,
+//! `map_paths/tests/large.rs` against sums over pairs; `cargo bench --bench spectrum`, group `large`, times it.
 //!
 //! | module | holds |
 //! |---|---|
@@ -7,6 +8,12 @@
 //! | `large_reversible` | residues of reversible orbits |
 //! | `large_general`, `near_circle`, `large_roots` | residues and multipliers of all others |
 //! | `off_axis_roots`, `zero_search` | zeros that brackets do not show |
+
+/// Number of modes from which Cauchy sums are faster than pairs, of orbits that are their own mirror image in time.
+pub(crate) const LARGE_REVERSIBLE: usize = 256;
+
+/// The same of all others.
+pub(crate) const LARGE: usize = 192;
 
 pub(crate) mod evaluate;
 pub(crate) mod large_general;

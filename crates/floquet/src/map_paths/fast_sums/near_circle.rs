@@ -83,16 +83,27 @@ pub(crate) struct NearCircle<'a> {
     pub(crate) distances: &'a [Lane],
 }
 
+/// θ next to a pole.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Beside {
+    /// ν − d
+    pub(crate) t: C,
+    /// e^{−iθ}
+    inverse: C,
+    /// sin θ
+    sine: C,
+}
+
 impl NearCircle<'_> {
-    /// ν − d, e^{−iθ} and sin θ at θ = φ + τ.
-    pub(crate) fn place(&self, tau: C) -> (C, C, C) {
+    /// θ = φ + τ.
+    pub(crate) fn place(&self, tau: C) -> Beside {
         let half = tau * 0.5;
         let (s, c) = sin_cos(half);
         let CirclePole { at: Angle { d, .. }, sine, .. } = *self.pole;
         let between = c * sine + s * d;
         let t = -(between * s) * 2.0;
         let (sin, cos) = sin_cos(tau);
-        (t, (-I * tau).exp() * C::new(d, -sine), cos * sine + sin * d)
+        Beside { t, inverse: (-I * tau).exp() * C::new(d, -sine), sine: cos * sine + sin * d }
     }
 
     /// In the coordinate of the field of far poles.
@@ -106,7 +117,7 @@ impl NearCircle<'_> {
     }
 
     /// f and df/dθ.
-    pub(crate) fn value(&self, (t, inverse, sine): (C, C, C)) -> (C, C) {
+    pub(crate) fn value(&self, Beside { t, inverse, sine }: Beside) -> (C, C) {
         let (x, y) = (all(t.re), all(t.im));
         let mut sums = [ZERO; 8];
         let Leaf { charges: [a, b, _], scale, far: [[far_a, far_a_slope, _], [far_b, far_b_slope, _], _], .. } =
@@ -129,7 +140,7 @@ impl NearCircle<'_> {
     }
 
     /// Errors of f: of the sums alone, and of residues and poles, too.
-    pub(crate) fn errors(&self, (t, inverse, sine): (C, C, C)) -> (f64, f64) {
+    pub(crate) fn errors(&self, Beside { t, inverse, sine }: Beside) -> (f64, f64) {
         let (mut size, mut noise) = (ZERO, ZERO);
         let (x, square) = (all(t.re), all(t.im * t.im));
         let (tilt, slide) = (all(inverse.norm()), all(sine.norm()));

@@ -13,7 +13,8 @@ use nalgebra::Complex;
 use vibrochain_breather::{Orbit, Prepared};
 
 use crate::linear::{determinant, determinant_and_condition};
-use crate::map_paths::fast_sums::large_general::{self, ForcedLarge, LARGE};
+use crate::map_paths::fast_sums::LARGE;
+use crate::map_paths::fast_sums::large_general::{self, ForcedLarge};
 use crate::map_paths::modes::{Mode, Modes};
 use crate::map_paths::one_contact::four_poles;
 use crate::map_paths::one_contact::other_modes::{OtherModes, PoleSums};

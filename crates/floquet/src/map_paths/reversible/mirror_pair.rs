@@ -1,5 +1,5 @@
 //! Orbits of two sites that a reflection exchanges at once: both blocks, see [`crate::map_paths::reversible::other_block`]. The fast path of maps of pairs (9 µs a cell
-//! of 21 masses, of which all zeros of the determinant take 1100), and that of pairs on large rings; a test holds it against dense matrices.
+//! of 21 masses, of which all zeros of the determinant take 1100), and that of pairs on large rings; a test holds it against `spectrum`.
 
 use nalgebra::Complex;
 use vibrochain_breather::{Impact, Orbit, Prepared};

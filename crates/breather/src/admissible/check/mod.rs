@@ -1,0 +1,331 @@
+//! The search for a closest approach, by bounds that leave no gap.
+//!
+//! Symmetry halves the work twice: masses n and M − n about a single impacted site, and a conservative orbit's mirror image
+//! in time. Then one of two ways:
+//!
+//! - a conservative breather's half period, unless it is long or the ring is, by values on a grid and each mass's own bounds
+//!   between its nodes (`on_grid`);
+//! - everything else by windows of one radian of the fastest motion, in which the motion of every mass is a polynomial, exact
+//!   to rounding, with bounds of its own (`by_windows`): far masses of a forced ring move little, however close to a barrier the
+//!   force has them all swing.
+//!
+//! Either passes over a mass, or an interval, that cannot come closer than the smallest distance known so far, or cannot
+//! have a turning point, and isolates the turning points of what is left (`polynomial`).
+
+mod by_windows;
+mod on_grid;
+
+use vibrochain_lattice::{Barrier, Chain, DistinctMasses, Stop};
+
+use crate::admissible::answer::{Admissibility, Approach, Obstruction};
+use crate::admissible::grid::{Flight, Grid, MOST_MODES};
+use crate::error::BreatherError;
+use crate::lanes::Lane;
+use crate::motion::Motion;
+use crate::motion::window::Window;
+use crate::orbit::{Orbit, Reflection};
+
+/// How far to look.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Depth {
+    /// To the worst obstruction.
+    Worst,
+    /// To the first one.
+    First,
+}
+
+/// Work space of the check.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Watch {
+    watched: DistinctMasses,
+    window: Window,
+    grid: Grid,
+    /// Displacements and velocities of the modes at the start of the flight that the grid takes over.
+    start: [Vec<Lane>; 2],
+    pending: Vec<(f64, f64)>,
+    near: Vec<usize>,
+    pub(crate) stop: Stop,
+}
+
+/// The closest approach so far.
+struct Closest {
+    distance: f64,
+    site: usize,
+    barrier: Barrier,
+    time: f64,
+}
+
+impl Closest {
+    /// Takes note of a mass at one place; its distances to both barriers count.
+    fn note(&mut self, asymmetry: f64, site: usize, time: f64, displacement: f64) {
+        for barrier in [Barrier::Lower, Barrier::Upper] {
+            let distance = 1.0 - (displacement - asymmetry) * barrier.sign();
+            if distance < self.distance - ALIKE * distance.abs().max(1.0) || self.distance == f64::INFINITY {
+                *self = Self { distance, site, barrier, time };
+            } else {
+                // Of approaches that only rounding tells apart, as symmetry has them, the first one.
+                self.distance = self.distance.min(distance);
+            }
+        }
+    }
+}
+
+/// What a flight of half a period must know of the impacts at its ends.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Impacts {
+    pub(crate) asymmetry: f64,
+    /// There is one alone, at its start.
+    pub(crate) one: bool,
+}
+
+impl Impacts {
+    fn of(orbit: &Orbit) -> Self {
+        Self { asymmetry: orbit.model().asymmetry(), one: orbit.impacts().len() == 1 }
+    }
+}
+
+/// Closer approaches than this are not told apart: it is the rounding of a displacement of order 1.
+const RESOLUTION: f64 = 8.0 * f64::EPSILON;
+
+/// Closest approaches that differ by less than this, relative to them beyond 1, are alike but for rounding of the orbit itself.
+const ALIKE: f64 = 64.0 * f64::EPSILON;
+
+impl Watch {
+    /// Decides for `orbit`, whose motion `motion` holds.
+    pub(crate) fn check(
+        &mut self,
+        orbit: &Orbit,
+        motion: &mut Motion,
+        depth: Depth,
+    ) -> Result<Admissibility, BreatherError> {
+        if let Some((impact, wrong)) = orbit.impacts().iter().enumerate().find(|(_, impact)| !impact.is_right_signed())
+        {
+            let (site, time, velocity_before) = (wrong.site, wrong.time, wrong.velocity_before);
+            let obstruction = Obstruction::WrongSign { impact, site, time, velocity_before };
+            return Ok(Admissibility { margin: None, obstruction: Some(obstruction), closest: None });
+        }
+        let reflection = orbit.reflection();
+        let delayed = reflection.is_some_and(|reflection| reflection.delayed);
+        let horizon = match (orbit.is_reversible(), delayed) {
+            // What one half of the ring does in one quarter of a period the other does in the next, backwards.
+            (true, true) => 0.25 * orbit.period(),
+            (true, false) => 0.5 * orbit.period(),
+            (false, _) => orbit.period(),
+        };
+        let mirror = reflection.filter(|_| !delayed).map(|reflection| reflection.mirror);
+        self.watched.reset(orbit.model().chain(), mirror);
+        let mut closest = Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
+        let mut start = std::mem::take(&mut self.start);
+        let few = orbit.model().chain().even_modes() <= MOST_MODES;
+        let gridded = few && orbit.is_reversible() && orbit.centre().is_some();
+        let flight = gridded.then(|| motion.flight(&mut start));
+        match flight.filter(|flight| self.grid.set(*flight, &self.watched, horizon)) {
+            Some(flight) => self.on_grid(flight, Impacts::of(orbit), depth, &mut closest),
+            None => self.by_windows(orbit, motion, depth, horizon, &mut closest)?,
+        }
+        self.start = start;
+        let (barrier, time) = (closest.barrier, closest.time);
+        // Of two masses that move alike the first one.
+        let image = mirror
+            .filter(|_| orbit.impact_site().is_none())
+            .map(|mirror| Reflection { mirror, delayed }.image(closest.site, orbit.model().chain().sites()));
+        let site = image.map_or(closest.site, |image| image.min(closest.site));
+        // From 0, so that a touch is 0 beyond its barrier and not −0.
+        let crossing = Obstruction::Crossing { site, barrier, time, excess: 0.0 - closest.distance };
+        let found = closest.distance.is_finite();
+        Ok(Admissibility {
+            margin: found.then_some(closest.distance),
+            obstruction: (closest.distance <= 0.0).then_some(crossing),
+            closest: found.then_some(Approach { site, barrier, time }),
+        })
+    }
+
+    /// The smallest distance that masses keep from their barriers, or 0 or less where one of them does not, on the flight from the first
+    /// impact of a conservative breather at site 0 to half a period later; `None` if that needs windows.
+    pub(crate) fn margin(&mut self, chain: &Chain, flight: Flight<'_>, horizon: f64, impacts: Impacts) -> Option<f64> {
+        self.watched.reset(chain, Some(0));
+        let mut closest = Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
+        if !self.grid.set(flight, &self.watched, horizon) {
+            return None;
+        }
+        self.on_grid(flight, impacts, Depth::First, &mut closest);
+        Some(closest.distance).filter(|distance| distance.is_finite())
+    }
+}
+
+/// From the nearer barrier.
+fn distance(a: f64, displacement: f64) -> f64 {
+    1.0 - (displacement - a).abs()
+}
+
+/// Checks an orbit: the one-shot form of [`crate::Finder::admissibility`].
+///
+/// # Errors
+/// [`BreatherError::TooStiff`]; [`BreatherError::Resonance`], which an orbit that exists has already passed.
+pub fn admissibility(orbit: &Orbit) -> Result<Admissibility, BreatherError> {
+    let mut motion = Motion::of(orbit)?;
+    Watch::default().check(orbit, &mut motion, Depth::Worst)
+}
+
+#[cfg(test)]
+mod tests {
+    use vibrochain_lattice::Model;
+
+    use super::*;
+    use crate::orbit::Family;
+    use crate::search::finder::{Finder, Found};
+
+    /// Random conservative orbits of all kinds: soft and stiff, next to resonance, with and without coupling, physical or not.
+    fn orbits(mut visit: impl FnMut(&Orbit, &mut Motion)) {
+        let mut random = fastrand::Rng::with_seed(11);
+        let (mut finder, mut found) = (Finder::new(1), Found::default());
+        for _ in 0..3000 {
+            let sites = [1, 2, 3, 4, 5, 6, 11, 21, 40, 64][random.usize(0..10)];
+            let gamma1 = [0.0, 1e-3, 0.2, 0.2, 0.2, 40.0][random.usize(0..6)];
+            let gamma2 = [0.0, 1e-9, 0.1, 0.3, 5.0][random.usize(0..5)] * random.f64();
+            let Ok(chain) = Chain::new(sites, gamma1, gamma2) else { continue };
+            let Ok(model) = Model::conservative(chain, 0.3 + 3.0 * random.f64(), 0.9 * random.f64()) else { continue };
+            for family in [Family::DoubleSided, Family::SingleSided] {
+                if finder.find(&model, family, &mut found).is_err() {
+                    continue;
+                }
+                for orbit in found.orbits.iter().filter(|orbit| orbit.is_reversible()) {
+                    if orbit.impacts().iter().all(|impact| impact.is_right_signed() && impact.impulse.abs() < 1e3) {
+                        visit(orbit, &mut Motion::of(orbit).unwrap());
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn grid_and_windows_agree() {
+        let (mut watch, mut compared, mut physical) = (Watch::default(), 0, 0);
+        orbits(|orbit, motion| {
+            let horizon = 0.5 * orbit.period();
+            watch.watched.reset(orbit.model().chain(), orbit.centre().map(|centre| 2 * centre));
+            let mut start = Default::default();
+            let flight = motion.flight(&mut start);
+            if !watch.grid.set(flight, &watch.watched, horizon) {
+                return;
+            }
+            let fresh = || Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
+            let (mut grid, mut first, mut windows) = (fresh(), fresh(), fresh());
+            watch.on_grid(flight, Impacts::of(orbit), Depth::Worst, &mut grid);
+            watch.on_grid(flight, Impacts::of(orbit), Depth::First, &mut first);
+            watch.by_windows(orbit, motion, Depth::Worst, horizon, &mut windows).unwrap();
+            let size = motion.states_bound().max(1.0);
+            let same = (grid.distance - windows.distance).abs() < 1e-13 * size || grid.distance == windows.distance;
+            assert!(same, "{} {} {orbit:?}", grid.distance, windows.distance);
+            if windows.distance.abs() > 1e-13 * size {
+                assert_eq!(first.distance > 0.0, windows.distance > 0.0, "{orbit:?}");
+            }
+            compared += 1;
+            physical += usize::from(grid.distance > 0.0);
+        });
+        assert!(compared > 1000 && physical > 200 && physical < compared - 200, "{compared} {physical}");
+    }
+
+    /// Pairs and larger words in phase, in turns and without symmetry: half the ring, or a quarter of the period, tells what all
+    /// masses do in half a period, or in all of it where the times are not symmetric.
+    #[test]
+    fn what_a_reflection_leaves_tells_all() {
+        let mut random = fastrand::Rng::with_seed(23);
+        let (mut finder, mut found, mut watch) = (Finder::new(1), Found::default(), Watch::default());
+        let mut seen = [[0; 2]; 3];
+        for _ in 0..1500 {
+            let sites = random.usize(4..24);
+            let [i, j, k] = [(); 3].map(|()| random.usize(0..sites));
+            let word = match random.usize(0..6) {
+                0 => format!("{i}+{j}+,{i}-{j}-"),
+                1 => format!("{i}+{j}-,{i}-{j}+"),
+                2 => format!("{i}-,{j}-"),
+                3 => format!("{i}-{j}-"),
+                4 => format!("{i}+{j}+{k}+,{i}-{j}-{k}-"),
+                _ => format!("{i}+{j}+,{i}-"),
+            };
+            let Ok(word) = word.parse() else { continue };
+            let chain = Chain::new(sites, [0.0, 0.2][random.usize(0..2)], 0.2 * random.f64()).unwrap();
+            let a = [0.0, 0.3][random.usize(0..2)];
+            let model = Model::conservative(chain, 0.4 + 2.5 * random.f64(), a).unwrap();
+            if finder.find_word(&model, &word, crate::Wanted::All, &mut found).is_err() {
+                continue;
+            }
+            for orbit in &found.orbits {
+                let sane = |impact: &crate::Impact| impact.is_right_signed() && impact.impulse.abs() < 1e2;
+                if orbit.impact_site().is_some() || !orbit.impacts().iter().all(sane) {
+                    continue;
+                }
+                let kind = orbit.reflection().map_or(0, |reflection| 1 + usize::from(reflection.delayed));
+                let told = finder.admissibility(orbit).unwrap();
+                let mut motion = Motion::of(orbit).unwrap();
+                let mut all = Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
+                watch.watched.reset(orbit.model().chain(), None);
+                let horizon = orbit.period() * if orbit.is_reversible() { 0.5 } else { 1.0 };
+                watch.by_windows(orbit, &mut motion, Depth::Worst, horizon, &mut all).unwrap();
+                let (size, margin) = (motion.states_bound().max(1.0), told.margin.unwrap());
+                assert!((margin - all.distance).abs() < 1e-13 * size, "{word} {margin} {} {orbit:?}", all.distance);
+                let closest = told.closest.unwrap();
+                let there = motion.at(closest.site, closest.time).displacement;
+                assert!((distance(a, there) - margin).abs() < 1e-13 * size, "{word} {closest:?}");
+                seen[kind][usize::from(told.is_physical())] += 1;
+            }
+        }
+        assert!(seen.as_flattened().iter().all(|&count| count > 15), "{seen:?}");
+    }
+
+    /// Next to a resonance one mode swings alone, and turns in the middle of the half period: at a node. By rounding the
+    /// turning point was in neither interval, and an obstruction elsewhere was told instead.
+    #[test]
+    fn a_turning_point_at_a_node_is_seen() {
+        let chain = Chain::new(62, 1.476_579_579_125_765, 0.428_386_291_716_417_73).unwrap();
+        let model = Model::conservative(chain, 0.701_835_800_484_123_1, 0.104_565_698_832_268_67).unwrap();
+        let orbit = crate::breathers(&model, Family::SingleSided).unwrap().orbits.remove(0);
+        let mut motion = Motion::of(&orbit).unwrap();
+        let middle = distance(model.asymmetry(), motion.at(31, 0.25 * orbit.period()).displacement);
+        let found = crate::admissibility(&orbit).unwrap();
+        assert!(
+            (found.margin.unwrap() - middle).abs() < 1e-14 && found.closest.unwrap().site == 31,
+            "{found:?} {middle}"
+        );
+    }
+
+    #[test]
+    fn bounds_of_the_grid_hold_between_its_nodes() {
+        let (mut watch, mut checked) = (Watch::default(), 0);
+        orbits(|orbit, motion| {
+            let horizon = 0.5 * orbit.period();
+            watch.watched.reset(orbit.model().chain(), orbit.centre().map(|centre| 2 * centre));
+            let (mut start, copy) = (Default::default(), motion.clone());
+            let flight = copy.flight(&mut start);
+            if checked > 60_000 || !watch.grid.set(flight, &watch.watched, horizon) {
+                return;
+            }
+            let size = motion.states_bound().max(1.0) * motion.top_frequency().powi(2).max(1.0);
+            let a = orbit.model().asymmetry();
+            for (i, &site) in watch.watched.sites().iter().enumerate().take(8) {
+                for part in 0..40 {
+                    motion.seek(0, horizon * (f64::from(part) + 0.5) / 40.0);
+                    let now = motion.site(site);
+                    let second = watch.grid.second(i);
+                    assert!(now.acceleration.abs() <= second + 1e-12 * size, "{site} {second} {now:?}");
+                    // v⃜ is to v̈ what v̈ is to v; from the modes.
+                    let ring = motion.sites();
+                    let tau = std::f64::consts::TAU / ring as f64;
+                    let shape = |k: usize| (tau * ((k * i) % ring) as f64).cos();
+                    let modes = motion.modes().iter().zip(flight.frequencies).enumerate();
+                    let fourth: f64 = modes.map(|(k, (mode, rate))| -shape(k) * rate * rate * mode[2]).sum();
+                    let rate = motion.top_frequency().powi(2).max(1.0);
+                    assert!(
+                        fourth.abs() <= watch.grid.fourth(flight, &watch.watched, i) + 1e-12 * size * rate,
+                        "{site} {fourth} {now:?}"
+                    );
+                    let (reach, left) = (watch.grid.reaches(a)[i], distance(a, now.displacement));
+                    assert!(reach <= left + 1e-13 * size, "{site} {reach} {now:?}");
+                    checked += 1;
+                }
+            }
+        });
+        assert!(checked > 20_000);
+    }
+}

@@ -1,0 +1,175 @@
+//! The equations of impacts, of an orbit, and of an orbit that may begin at any time.
+
+use vibrochain_lattice::{BlochKernel, Complex, ImpulseResponse, SparedModes, Turned};
+
+use super::dying::{died, largest, only, send_on, since_cut};
+use super::{BlochEquations, LinearImpact, Shift};
+use crate::orbit::Orbit;
+
+type C = Complex<f64>;
+
+impl BlochEquations {
+    /// The equations of an orbit, one contact for each mass that is hit, and the modes that none of them feels.
+    pub fn of(orbit: &Orbit, response: &ImpulseResponse) -> (Self, Vec<SparedModes>) {
+        let sites = orbit.hit_sites();
+        let (kernel, spared) = BlochKernel::of_lattice(response, &sites);
+        let impacts = orbit.impacts().iter().map(|impact| LinearImpact {
+            contact: sites.partition_point(|&site| site < impact.site),
+            time: impact.time,
+            impulse: impact.impulse,
+            restitution: orbit.model().restitution(),
+            acceleration_before: impact.acceleration,
+        });
+        let impacts = impacts.collect();
+        let conservative = orbit.model().is_conservative();
+        (if conservative { Self::conservative(kernel, impacts) } else { Self::new(kernel, impacts) }, spared)
+    }
+
+    /// The equations of impacts in order of time between contacts of any kernel.
+    pub fn new(kernel: BlochKernel, impacts: Vec<LinearImpact>) -> Self {
+        let omega = std::f64::consts::TAU / kernel.period();
+        let size = 2 * impacts.len();
+        let since = since_cut(&kernel, &impacts);
+        let spread = since.iter().copied().fold(0.0, f64::max);
+        let (mut left_out, mut sliding) = (0.0f64, Vec::new());
+        let all = size * kernel.modes().len();
+        let (mut rows, mut columns) = (Vec::with_capacity(all), Vec::with_capacity(all));
+        let (mut outside, mut inside) = (vec![0.0; size * size], vec![0.0; size * size]);
+        for (k, mode) in kernel.modes().iter().enumerate() {
+            let (coordinates, generator) = (mode.coordinates, mode.generator());
+            let died = died(mode, spread, kernel.period());
+            if died != [false; 2] {
+                left_out = left_out.max(largest(only(died, mode.flight(kernel.period() - spread))));
+                sliding.resize(size * size, 0.0);
+                send_on(&kernel, k, died, &impacts, &since, &mut outside, &mut sliding);
+            }
+            // At the cut itself nothing has moved.
+            let alive =
+                |t: f64| only(died.map(|died| !died), if t == 0.0 { coordinates.unit() } else { mode.flight(t) });
+            let from = rows.len();
+            for (impact, t) in impacts.iter().zip(&since) {
+                let place = coordinates.seen(kernel.row(k, impact.contact), alive(*t));
+                let speed = coordinates.seen(place, generator);
+                rows.extend([place.map(|x| omega * x), speed]);
+                let given_now = coordinates.given(alive(-t), kernel.column(k, impact.contact));
+                let slid = coordinates.given(generator, given_now);
+                columns.extend([given_now, slid.map(|x| -x / omega)]);
+            }
+            for (i, row) in rows[from..].iter().enumerate() {
+                for (j, column) in columns[from..].iter().enumerate() {
+                    let product = row[0] * column[0] + row[1] * column[1];
+                    // What an earlier impact of this period sends straight on; or what a later one and the impact itself do not.
+                    if since[i / 2] > since[j / 2] {
+                        outside[i * size + j] += product;
+                    } else {
+                        inside[i * size + j] -= product;
+                    }
+                }
+            }
+        }
+        for (i, impact) in impacts.iter().enumerate() {
+            let mobility = kernel.mobility(impact.contact, impact.contact);
+            // g′⁻ = −P/(m(1+e))
+            let hit = mobility / (1.0 + impact.restitution);
+            let slide = impact.acceleration_before / (omega * impact.impulse);
+            let at = 2 * i * size + 2 * i;
+            for (matrix, own) in [(&mut outside, 0.0), (&mut inside, mobility)] {
+                // At the impact itself the sums are K = 0 and K′ = 1/m exactly.
+                (matrix[at], matrix[at + 1], matrix[at + size]) = (0.0, own - hit, hit - own);
+                matrix[at + size + 1] += slide;
+            }
+        }
+        let poles = kernel.modes().iter().flat_map(|mode| mode.poles()).map(|pole| pole.norm());
+        let innermost = poles.fold(f64::INFINITY, f64::min);
+        Self {
+            kernel,
+            impacts,
+            omega,
+            since,
+            left_out,
+            sliding,
+            rows,
+            columns,
+            outside,
+            inside,
+            innermost,
+            slide_errors: None,
+        }
+    }
+
+    /// The same of an orbit without force or losses, which may begin at any time: J(1) has its own derivative as a null vector. So the
+    /// accelerations are not asked for, but what the past impacts make of them; of a rigid mode these say nothing, and it stays as given.
+    pub fn conservative(kernel: BlochKernel, impacts: Vec<LinearImpact>) -> Self {
+        let mut equations = Self::new(kernel, impacts);
+        let one = C::new(1.0, 0.0);
+        if equations.kernel.modes().iter().flat_map(|mode| mode.poles()).any(|pole| pole == one) {
+            return equations;
+        }
+        let size = equations.size();
+        let sums = equations.matrix(one);
+        let impulse = |j: usize| equations.impacts[j].impulse;
+        let (mut slides, mut errors) = (Vec::new(), Vec::new());
+        for i in 0..equations.impacts.len() {
+            let row = &sums[(2 * i + 1) * size..(2 * i + 2) * size];
+            let left: f64 = (0..equations.impacts.len()).map(|j| row[2 * j + 1].re * impulse(j)).sum();
+            slides.push(left / impulse(i));
+            let mut error = 0.0;
+            for (k, mode) in equations.kernel.modes().iter().enumerate() {
+                let (rows, columns) = (equations.rows(k), equations.columns(k));
+                let [near, _] = mode.poles().map(|pole| (one - pole).norm().recip());
+                let reach = |j: usize| mode.coordinates.reach(rows[2 * i + 1], columns[2 * j + 1]) * impulse(j).abs();
+                let size: f64 = (0..equations.impacts.len()).map(reach).sum();
+                error += size * near * (mode.pole_error * near + mode.shape_error);
+            }
+            errors.push(error / impulse(i).abs());
+        }
+        for (i, slide) in slides.into_iter().enumerate() {
+            let at = (2 * i + 1) * (size + 1);
+            equations.outside[at] -= slide;
+            equations.inside[at] -= slide;
+        }
+        equations.slide_errors = Some(errors);
+        equations
+    }
+
+    /// Of an orbit that may begin at any time, the equations without its own derivative s, δt alike for all impacts, for which J(1)s = 0 and
+    /// sᵀJ(1) = 0: with s in place of one δt, and its row and column divided by z−1,
+    ///
+    /// ```text
+    /// (J(z)s)/(z−1) = −Σ A_k R_k(z−R_k)⁻¹ (1−R_k)⁻¹C_k s,     the row alike, the corner with (1−R_k)⁻².
+    /// ```
+    ///
+    /// So they have the form of J, nothing cancels next to z = 1, and their determinant is det J(z)/(z−1)² but for a factor. `None` where a
+    /// mode's pole is 1, and where modes lose energy.
+    pub fn without_shift(&self) -> Option<(Self, Shift)> {
+        let one = C::new(1.0, 0.0);
+        let size = self.size();
+        let largest = (0..self.impacts.len())
+            .max_by(|&i, &j| self.impacts[i].impulse.abs().total_cmp(&self.impacts[j].impulse.abs()))?;
+        let scale = self.impacts[largest].impulse;
+        let weights: Vec<f64> = self.impacts.iter().map(|impact| impact.impulse / scale).collect();
+        let place = 2 * largest + 1;
+        let mut equations = Self { innermost: 0.0, ..self.clone() };
+        for (k, mode) in self.kernel.modes().iter().enumerate() {
+            if mode.poles().contains(&one) || mode.decay != 0.0 || !mode.coordinates.are_circular() {
+                return None;
+            }
+            let coordinates = mode.coordinates;
+            // (1−R)⁻¹ is ½(1 + cot(ΩT/2)·J); 1−cos ΩT would lose its digits next to a resonance.
+            let Turned { even: cos, odd: sin } = mode.period;
+            let cot = if cos > 0.0 { (1.0 + cos) / sin } else { sin / (1.0 - cos) };
+            let by = Turned { even: -0.5, odd: -0.5 * cot };
+            let sum = |table: &[[f64; 2]]| {
+                let terms = weights.iter().enumerate().map(|(i, weight)| table[2 * i + 1].map(|x| weight * x));
+                terms.fold([0.0; 2], |[x, y], [u, v]| [x + u, y + v])
+            };
+            equations.rows[k * size + place] = coordinates.seen(sum(self.rows(k)), by);
+            equations.columns[k * size + place] = coordinates.given(by, sum(self.columns(k)));
+        }
+        for j in 0..size {
+            equations.outside[place * size + j] = 0.0;
+            equations.outside[j * size + place] = 0.0;
+        }
+        Some((equations, Shift { place, weights }))
+    }
+}

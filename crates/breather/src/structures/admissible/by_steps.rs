@@ -1,0 +1,132 @@
+//! By bounds of the acceleration alone: with d the distance to a barrier and B ≥ |g″| on the rest of a flight, d stays positive until the
+//! root of d + d′h − Bh²/2. Steps to these roots pass no contact, however stiff some modes are.
+
+use vibrochain_lattice::Barrier;
+
+use super::Search;
+use crate::structures::error::StructureOrbitError;
+use crate::structures::flight::StructureMotion;
+
+/// Distances below this part of a contact's reach are a touch.
+const TOUCH: f64 = 1e-13;
+
+/// Steps for one contact in one flight; a graze of 1e-13 takes some dozens.
+const MOST_STEPS: usize = 2_000_000;
+
+/// One contact and one barrier in one flight.
+struct Watch<'a> {
+    motion: &'a StructureMotion<'a>,
+    contact: usize,
+    barrier: Barrier,
+    stop: f64,
+    i: usize,
+    length: f64,
+    touch: f64,
+}
+
+impl Watch<'_> {
+    /// The distance to the barrier and its derivative.
+    fn distance(&self, s: f64) -> [f64; 2] {
+        let [place, velocity, _] = self.motion.contact(self.contact, self.i, s);
+        let sign = self.barrier.sign();
+        [sign * (self.stop - place), -sign * velocity]
+    }
+
+    /// The least distance at a turning point or end of the flight, and where; `None` if it only goes. `leaves`, `arrives`: it is on the
+    /// barrier at the ends.
+    fn least(&self, leaves: bool, arrives: bool) -> Result<Option<(f64, f64)>, StructureOrbitError> {
+        let bend = |s: f64| self.motion.most_acceleration(self.contact, self.i, s, self.length) * (1.0 + 1e-12);
+        let whole = bend(0.0);
+        let (first, last) = (self.distance(0.0), self.distance(self.length));
+        let mut s = if leaves { (1.999 * first[1] / whole).max(0.0) } else { 0.0 };
+        let end = if arrives { self.length - (1.999 * -last[1] / whole).max(0.0) } else { self.length };
+        let mut least: Option<(f64, f64)> = None;
+        let mut keep = |d: f64, s: f64| {
+            if least.is_none_or(|(other, _)| d < other) {
+                least = Some((d, s));
+            }
+        };
+        if leaves {
+            // Between its first turn and here it comes back no farther than this.
+            s = s.min(end);
+        }
+        let mut before: Option<(f64, f64)> = None;
+        for _ in 0..MOST_STEPS {
+            let [d, slope] = self.distance(s);
+            if let Some((s_before, slope_before)) = before
+                && slope_before < 0.0
+                && slope >= 0.0
+            {
+                let turn = self.turning(s_before, s);
+                keep(self.distance(turn)[0], turn);
+            }
+            if d <= self.touch {
+                // Beyond, or as good as there: how far it goes.
+                let turn = self.deepest(s);
+                keep(self.distance(turn)[0].min(0.0), turn);
+                return Ok(least);
+            }
+            if s >= end {
+                return Ok(least);
+            }
+            let bend = bend(s).max(f64::MIN_POSITIVE);
+            let step = (slope + (slope * slope + 2.0 * bend * d).sqrt()) / bend;
+            before = Some((s, slope));
+            s = (s + step.max(1e-9 * self.length)).min(end);
+        }
+        Err(StructureOrbitError::TooStiff { contact: self.contact, steps: MOST_STEPS })
+    }
+
+    /// Where the distance turns between two places.
+    fn turning(&self, mut low: f64, mut high: f64) -> f64 {
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if self.distance(middle)[1] < 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        0.5 * (low + high)
+    }
+
+    /// The first turn after a place beyond the barrier.
+    fn deepest(&self, from: f64) -> f64 {
+        let step = 1e-3 * self.length;
+        let mut s = from;
+        while s < self.length {
+            let next = (s + step).min(self.length);
+            if self.distance(next)[1] >= 0.0 {
+                return self.turning(s, next);
+            }
+            s = next;
+        }
+        self.length
+    }
+}
+
+impl Search<'_> {
+    /// By bounds alone, step by step.
+    pub(super) fn by_steps(&mut self, i: usize) -> Result<(), StructureOrbitError> {
+        let begins = self.orbit.impacts()[i].time;
+        let structure = self.orbit.model().structure().clone();
+        let length = self.motion.until_next(i);
+        for contact in self.order() {
+            let stops = &structure.contacts()[contact];
+            for barrier in [Barrier::Lower, Barrier::Upper] {
+                let Some(stop) = stops.barrier(barrier) else { continue };
+                if self.is_decided() {
+                    continue;
+                }
+                let touch = TOUCH * stops.reach().max(f64::MIN_POSITIVE);
+                let watch = Watch { motion: self.motion, contact, barrier, stop, i, length, touch };
+                let (leaves, arrives) =
+                    (self.is_hit(contact, barrier, begins), self.is_hit(contact, barrier, begins + length));
+                if let Some((least, s)) = watch.least(leaves, arrives)? {
+                    self.note(least, (contact, barrier), begins + s);
+                }
+            }
+        }
+        Ok(())
+    }
+}

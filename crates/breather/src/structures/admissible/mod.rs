@@ -1,0 +1,196 @@
+//! Is an orbit of a structure physical? Every contact must stay inside its barriers between its impacts: decided by bounds, not samples.
+//!
+//! Where no mode is far faster than a flight is long, contacts are polynomials on windows (`by_windows`), as a chain's masses are. Otherwise
+//! bounds of the acceleration lead from step to step (`by_steps`).
+
+mod by_steps;
+mod by_windows;
+
+use vibrochain_lattice::Barrier;
+
+use super::error::StructureOrbitError;
+use super::flight::StructureMotion;
+use super::orbit::StructureOrbit;
+use super::windows::{View, Windows};
+use crate::admissible::answer::{Admissibility, Approach, Obstruction};
+use crate::admissible::check::Depth;
+
+/// Impacts closer than this part of the period are at one instant.
+const TOGETHER: f64 = 1e-12;
+
+/// Whether an orbit is physical, with the least distance at a turning point or what is in the way, where it is farthest out; contacts stand
+/// in place of sites.
+///
+/// # Errors
+/// [`StructureOrbitError`] at a resonance.
+pub fn structure_admissibility(orbit: &StructureOrbit) -> Result<Admissibility, StructureOrbitError> {
+    check(orbit, Depth::Worst)
+}
+
+/// As [`structure_admissibility`], to the first thing that is in the way: what a map asks.
+///
+/// # Errors
+/// As [`structure_admissibility`].
+pub fn structure_is_physical(orbit: &StructureOrbit) -> Result<Admissibility, StructureOrbitError> {
+    check(orbit, Depth::First)
+}
+
+fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, StructureOrbitError> {
+    let impacts = orbit.impacts();
+    for (number, impact) in impacts.iter().enumerate() {
+        if impact.barrier.sign() * impact.velocity_before <= 0.0 {
+            let obstruction = Obstruction::WrongSign {
+                impact: number,
+                site: impact.contact,
+                time: impact.time,
+                velocity_before: impact.velocity_before,
+            };
+            return Ok(Admissibility { margin: None, obstruction: Some(obstruction), closest: None });
+        }
+    }
+    let motion = StructureMotion::new(orbit)?;
+    let mut search = Search { orbit, motion: &motion, closest: None, pending: Vec::new(), depth };
+    let order = search.order();
+    let view = View::new(&motion, &order);
+    for i in 0..impacts.len() {
+        if motion.until_next(i) <= TOGETHER * orbit.period() || search.is_decided() {
+            continue;
+        }
+        match view.as_ref().and_then(|view| Windows::new(view, &motion, i)) {
+            Some(mut windows) => search.by_windows(&mut windows, &order, i),
+            None => search.by_steps(i)?,
+        }
+    }
+    let closest = search.closest;
+    let obstruction = closest.as_ref().filter(|(least, _)| *least <= 0.0).map(|(least, approach)| {
+        Obstruction::Crossing { site: approach.site, barrier: approach.barrier, time: approach.time, excess: -least }
+    });
+    let (margin, closest) = match closest {
+        Some((least, approach)) => (Some(least), Some(approach)),
+        None => (None, None),
+    };
+    Ok(Admissibility { margin, obstruction, closest })
+}
+
+struct Search<'a> {
+    orbit: &'a StructureOrbit,
+    motion: &'a StructureMotion<'a>,
+    closest: Option<(f64, Approach)>,
+    pending: Vec<(f64, f64)>,
+    depth: Depth,
+}
+
+impl Search<'_> {
+    /// Nothing that is still to come changes the answer.
+    fn is_decided(&self) -> bool {
+        self.depth == Depth::First && self.closest.as_ref().is_some_and(|(least, _)| *least <= 0.0)
+    }
+
+    fn note(&mut self, least: f64, (contact, barrier): (usize, Barrier), time: f64) {
+        if self.closest.as_ref().is_none_or(|(other, _)| least < *other) {
+            let time = time.rem_euclid(self.orbit.period());
+            self.closest = Some((least, Approach { site: contact, barrier, time }));
+        }
+    }
+
+    /// Contacts with a barrier, those that are hit first: the others are seldom nearer. Of those that do the same, as mirror images of each
+    /// other have it, between barriers at the same places one.
+    fn order(&self) -> Vec<usize> {
+        let (contacts, response) = (self.orbit.model().structure().contacts(), self.motion.response());
+        let is_hit = |contact: usize| self.orbit.impacts().iter().any(|impact| impact.contact == contact);
+        let stopped = |contact: &usize| contacts[*contact].lower.is_some() || contacts[*contact].upper.is_some();
+        let stops = |contact: usize| (contacts[contact].lower, contacts[contact].upper);
+        let is_first = |contact: &usize| {
+            let first = response.kernel.felt.twins[*contact];
+            let same = || stops(first) == stops(*contact) && response.are_twins(first, *contact);
+            first == *contact || is_hit(first) || is_hit(*contact) || !same()
+        };
+        let mut order: Vec<usize> = (0..contacts.len()).filter(stopped).filter(is_first).collect();
+        order.sort_by_key(|&contact| !is_hit(contact));
+        order
+    }
+
+    /// Whether a contact is on a barrier at an instant of impacts.
+    fn is_hit(&self, contact: usize, barrier: Barrier, time: f64) -> bool {
+        let period = self.orbit.period();
+        let there = self.orbit.impacts().iter().filter(|impact| impact.contact == contact && impact.barrier == barrier);
+        there
+            .map(|impact| (impact.time - time).rem_euclid(period))
+            .any(|apart| apart.min(period - apart) <= TOGETHER * period)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape};
+    use vibrochain_testkit::Random;
+
+    use super::*;
+    use crate::structures::model::StructureModel;
+    use crate::structures::search::structure_orbits;
+
+    /// A few modes with two contacts, one on one side and one between two barriers.
+    fn structure(random: &mut Random) -> ModalStructure {
+        let mut mode = || {
+            let (frequency, ratio) = (random.log(0.3, 6.0), random.log(1e-3, 1.5));
+            let contacts = vec![random.between(-1.0, 1.0), random.between(-1.0, 1.0)];
+            let shape = ModeShape { contacts, coordinates: Vec::new(), still: random.between(-0.1, 0.1) };
+            let load = Complex::new(random.between(-1.0, 1.0), 0.0);
+            LinearMode::oscillator(ratio * frequency, frequency * frequency * (1.0 - ratio * ratio), &shape, &[load])
+        };
+        let modes: Vec<_> = (0..5).map(|_| mode()).collect();
+        let contacts = vec![
+            Contact { lower: None, upper: Some(random.between(0.0, 0.5)), restitution: random.between(0.3, 1.0) },
+            Contact { lower: Some(-random.log(0.1, 2.0)), upper: Some(random.log(0.1, 2.0)), restitution: 0.8 },
+        ];
+        ModalStructure::new(contacts, vec![1], modes).unwrap()
+    }
+
+    /// Windows, steps and samples agree on what is in the way, and how near the nearest is.
+    #[test]
+    fn windows_and_steps_agree() {
+        let mut random = Random(29);
+        let (mut physical, mut crossing, mut first) = (0, 0, 0);
+        for _ in 0..300 {
+            let structure = Arc::new(structure(&mut random));
+            let model = StructureModel::new(structure, random.between(0.5, 3.0)).unwrap();
+            let word = random.of(&["0+", "0+,0+", "1-,1+", "0+,1-"]).parse().unwrap();
+            let Ok(found) = structure_orbits(&model, &word, 1) else { continue };
+            for orbit in &found.orbits {
+                let answer = structure_admissibility(orbit).unwrap();
+                let Some(margin) = answer.margin else { continue };
+                let motion = StructureMotion::new(orbit).unwrap();
+                let mut search =
+                    Search { orbit, motion: &motion, closest: None, pending: Vec::new(), depth: Depth::Worst };
+                (0..orbit.impacts().len()).for_each(|i| search.by_steps(i).unwrap());
+                let Some((stepped, _)) = search.closest else {
+                    assert!(margin > 0.0);
+                    continue;
+                };
+                assert_eq!(stepped <= 0.0, margin <= 0.0, "{stepped} {margin} {orbit:?}");
+                if margin <= 0.0 {
+                    crossing += 1;
+                    let quick = structure_is_physical(orbit).unwrap();
+                    assert!(!quick.is_physical());
+                    first += usize::from(quick.margin != answer.margin);
+                    let mut least = f64::INFINITY;
+                    for i in 0..orbit.impacts().len() {
+                        for n in 1..400 {
+                            let s = motion.until_next(i) * f64::from(n) / 400.0;
+                            let rooms = model.structure().contacts().iter().enumerate();
+                            least =
+                                rooms.map(|(c, stops)| stops.room(motion.contact(c, i, s)[0])).fold(least, f64::min);
+                        }
+                    }
+                    assert!(margin <= least + 1e-9 && margin > least - 0.02 * (1.0 + least.abs()), "{margin} {least}");
+                } else {
+                    physical += 1;
+                    assert!(margin <= stepped + 1e-9, "{margin} {stepped} {orbit:?}");
+                }
+            }
+        }
+        assert!(physical > 20 && crossing > 100 && first > 20, "{physical} {crossing} {first}");
+    }
+}

@@ -1,0 +1,9 @@
+//! Structures of any mass, damping and stiffness: the table of orbits, a dense search that shares no code, cases known by hand.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+mod dense;
+mod energies;
+mod found;
+mod made;
+mod resting;
+mod runs;

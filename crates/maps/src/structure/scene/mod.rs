@@ -1,0 +1,192 @@
+//! A scene of a structure: the file, checked, and the model at any values of its numbers.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `text`, `file` | the scene of a text, of a file |
+//! | `numbers` | its numbers by name, and the model at their values |
+
+mod file;
+mod numbers;
+mod text;
+
+use std::sync::Arc;
+
+use nalgebra::DVector;
+use serde_json::{Map, Value};
+use vibrochain_breather::Word;
+use vibrochain_floquet::Tolerance;
+use vibrochain_lattice::{Complex, Contact, ModalStructure};
+
+use super::definition::Definition;
+use super::setting::Setting;
+use super::tables::ChainTable;
+use crate::grid::Files;
+use crate::scene::Axis;
+
+/// A structure, what is to be varied and what is asked for.
+#[derive(Debug, Clone)]
+pub struct StructureScene {
+    /// Its title.
+    pub title: Option<String>,
+    /// The word to look for, if the file says so.
+    pub word: Option<Word>,
+    /// Periods of the load in one of the word.
+    pub force_periods: u32,
+    /// Words of a map, with their periods of the load: `0+/2` for two.
+    pub words: Vec<(Word, u32)>,
+    /// From which growth on an orbit counts as unstable.
+    pub tolerance: Tolerance,
+    /// Whether a map tells stability.
+    pub stability: bool,
+    /// Axes of a map, the fastest first.
+    pub axes: Vec<Axis<Setting>>,
+    /// Their names as the file has them.
+    pub axis_names: Vec<String>,
+    /// The words as tables have them.
+    names: Vec<Arc<str>>,
+    /// All that the file says, and the files that it names.
+    told: Arc<Map<String, Value>>,
+    named: Arc<Files>,
+    definition: Arc<Definition>,
+    omega: Option<f64>,
+    load: f64,
+    still: f64,
+    damping: f64,
+    /// Loads are one force on every mass of a chain.
+    uniform: bool,
+    contacts: Vec<Contact>,
+    /// The modes at the damping there is now, with the contacts and loads of the file.
+    modal: Arc<ModalStructure>,
+}
+
+impl StructureScene {
+    fn of(definition: Definition) -> Result<Self, String> {
+        Ok(Self {
+            title: None,
+            word: None,
+            force_periods: 1,
+            words: Vec::new(),
+            tolerance: Tolerance::Rounding,
+            stability: true,
+            axes: Vec::new(),
+            axis_names: Vec::new(),
+            names: Vec::new(),
+            told: Arc::default(),
+            named: Arc::default(),
+            contacts: definition.contacts(),
+            modal: Arc::new(definition.modal(1.0)?),
+            definition: Arc::new(definition),
+            omega: None,
+            load: 1.0,
+            still: 1.0,
+            damping: 1.0,
+            uniform: false,
+        })
+    }
+
+    /// A chain under the load `amplitude` and the static load `still` on every mass; contact n is mass n, free where it has no barrier.
+    ///
+    /// # Errors
+    /// Numbers out of range, as many contacts as there are masses not given.
+    pub fn of_chain(chain: ChainTable, contacts: Vec<Contact>, amplitude: f64, still: f64) -> Result<Self, String> {
+        let n = chain.sites;
+        if contacts.len() != n {
+            return Err(format!("{} contacts where there are {n} masses", contacts.len()));
+        }
+        let unit = |place: usize| DVector::from_fn(n, |i, _| f64::from(u8::from(i == place)));
+        let contacts = contacts.into_iter().enumerate().map(|(place, contact)| (unit(place), contact)).collect();
+        let load = DVector::from_element(n, Complex::new(1.0, 0.0));
+        let definition = Definition::of_chain(chain, contacts, DVector::from_element(n, 1.0), vec![(1, load)])?;
+        Ok(Self { load: amplitude, still, uniform: true, ..Self::of(definition)? })
+    }
+
+    /// A word with its periods of the load as scenes have it: `0+`, `0+,0+/2`.
+    #[must_use]
+    pub fn name_of((word, periods): &(Word, u32)) -> String {
+        if *periods == 1 { word.to_string() } else { format!("{word}/{periods}") }
+    }
+
+    /// The words of a map as its table has them.
+    pub(in crate::structure) fn names(&self) -> &[Arc<str>] {
+        &self.names
+    }
+
+    /// All that its file says, as data.
+    #[must_use]
+    pub fn given(&self) -> &Map<String, Value> {
+        &self.told
+    }
+
+    /// The files that it names.
+    pub(in crate::structure) fn named(&self) -> &Files {
+        &self.named
+    }
+
+    /// All that decides what its table holds: what its file says but for the title, and a checksum of each file that it names.
+    pub(in crate::structure) fn parts(&self) -> Map<String, Value> {
+        let mut parts = Map::clone(&self.told);
+        parts.remove("title");
+        if !self.named.is_empty() {
+            let sum = |text: &String| format!("xxh3 {:032x}", xxhash_rust::xxh3::xxh3_128(text.as_bytes()));
+            let sums: Map<String, Value> =
+                self.named.iter().map(|(name, text)| (name.clone(), sum(text).into())).collect();
+            parts.insert("files".to_owned(), sums.into());
+        }
+        parts
+    }
+
+    /// A checksum of all that decides what its table holds: of what was read, not of the words that said it.
+    pub(in crate::structure) fn meaning(&self) -> String {
+        let Self { definition, contacts, omega, load, still, damping, stability, tolerance, axes, axis_names, .. } =
+            self;
+        let structure = (definition, contacts, omega, load, still, damping, self.uniform);
+        let text = format!("{structure:?} {:?}", (self.asked(), stability, tolerance, axes, axis_names));
+        format!("xxh3 {:032x}", xxhash_rust::xxh3::xxh3_128(text.as_bytes()))
+    }
+
+    /// The same with another threshold.
+    pub(in crate::structure) fn with_tolerance(&mut self, tolerance: Tolerance) {
+        self.tolerance = tolerance;
+        if let (Tolerance::Growth(growth), Some(Value::Object(compute))) =
+            (tolerance, Arc::make_mut(&mut self.told).get_mut("compute"))
+        {
+            compute.insert("threshold".to_owned(), growth.into());
+        }
+    }
+
+    /// The words that are asked for, with their periods of the load: those of a map, or the one of the file.
+    #[must_use]
+    pub fn asked(&self) -> Vec<(Word, u32)> {
+        if self.words.is_empty() {
+            return self.word.iter().map(|word| (word.clone(), self.force_periods)).collect();
+        }
+        self.words.clone()
+    }
+
+    /// The frequency, if the file or a flag has given it.
+    #[must_use]
+    pub fn omega(&self) -> Option<f64> {
+        self.omega
+    }
+
+    /// The chain, if it is one.
+    pub(in crate::structure) fn chain(&self) -> Option<&ChainTable> {
+        self.definition.chain()
+    }
+
+    /// Whether it is a chain under one force on every mass, whose size is the load.
+    pub(in crate::structure) fn is_uniform(&self) -> bool {
+        self.uniform
+    }
+
+    /// Number of modes.
+    pub(in crate::structure) fn modes(&self) -> usize {
+        self.modal.modes().len()
+    }
+
+    /// The contacts as they are now.
+    #[must_use]
+    pub fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+}

@@ -1,0 +1,140 @@
+//! The scene of a text, TOML or JSON, checked.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use serde::Deserialize;
+use serde_json::{Map, Value};
+use vibrochain_breather::Word;
+use vibrochain_floquet::Tolerance;
+
+use super::StructureScene;
+use crate::grid::Files;
+use crate::scene::{Axis, tolerance_from};
+use crate::structure::definition::Definition;
+use crate::structure::named::Named;
+use crate::structure::setting::Setting;
+use crate::structure::tables::{AxisTable, ComputeTable, ContactTable, ForceTable, StructureTable, SweepTable};
+
+/// The most points of a map.
+const MOST_CELLS: u64 = 100_000_000;
+
+/// What a scene may hold; a manifest has more.
+const KEYS: [&str; 10] =
+    ["title", "omega", "word", "force_periods", "structure", "contact", "force", "model", "sweep", "compute"];
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    title: Option<String>,
+    omega: Option<f64>,
+    word: Option<String>,
+    force_periods: Option<u32>,
+    structure: StructureTable,
+    #[serde(default)]
+    contact: Vec<ContactTable>,
+    #[serde(default)]
+    force: ForceTable,
+    sweep: Option<SweepTable>,
+    compute: Option<ComputeTable>,
+}
+
+/// Whether a text is JSON: no TOML begins so.
+fn is_json(text: &str) -> bool {
+    text.trim_start().starts_with('{')
+}
+
+/// All that a scene's text says, of a manifest what is the scene's.
+pub(in crate::structure) fn told(text: &str) -> Result<Map<String, Value>, String> {
+    let mut told: Map<String, Value> = if is_json(text) {
+        serde_json::from_str(text).map_err(|error| error.to_string())?
+    } else {
+        toml::from_str(text).map_err(|error| error.to_string())?
+    };
+    if told.contains_key("program") {
+        told.retain(|key, _| KEYS.contains(&key.as_str()));
+    }
+    // What is null in a manifest is absent in a scene.
+    told.retain(|_, value| !value.is_null());
+    Ok(told)
+}
+
+impl StructureScene {
+    /// The scene of a text, TOML or JSON; files that it names are in `folder`.
+    ///
+    /// # Errors
+    /// What is wrong in it.
+    pub fn of_text(text: &str, folder: &Path) -> Result<Self, String> {
+        Self::of_given(text, &Named::new(folder, &Files::new()))
+    }
+
+    /// The same with the files that it names.
+    pub(in crate::structure) fn of_given(text: &str, files: &Named<'_>) -> Result<Self, String> {
+        let file: File = if is_json(text) {
+            serde_json::from_value(told(text)?.into()).map_err(|error| error.to_string())?
+        } else {
+            toml::from_str(text).map_err(|error| error.to_string())?
+        };
+        let definition = Definition::new(&file.structure, &file.contact, &file.force, files)?;
+        let mut scene = Self::of(definition)?;
+        scene.title = file.title;
+        scene.word = file
+            .word
+            .as_deref()
+            .map(|text| text.parse::<Word>().map_err(|error| format!("word {text}: {error}")))
+            .transpose()?;
+        scene.force_periods = file.force_periods.unwrap_or(1);
+        scene.omega = file.omega;
+        scene.named = Arc::new(files.read());
+        scene.with_map(told(text)?, file.sweep.as_ref(), file.compute.as_ref())
+    }
+
+    /// The same with axes and words, and with all that its file says.
+    pub(in crate::structure) fn with_map(
+        mut self,
+        told: Map<String, Value>,
+        sweep: Option<&SweepTable>,
+        compute: Option<&ComputeTable>,
+    ) -> Result<Self, String> {
+        let word = |text: &str| text.parse::<Word>().map_err(|error| format!("word {text}: {error}"));
+        let of_map = |text: &String| -> Result<(Word, u32), String> {
+            if text == "period-doubled" {
+                return Ok((word(text)?, 2));
+            }
+            let (name, periods) = text.split_once('/').unwrap_or((text, "1"));
+            let periods = periods.parse().ok().filter(|periods| *periods > 0);
+            Ok((word(name)?, periods.ok_or_else(|| format!("{text}: give a number of periods after the slash"))?))
+        };
+        let words = compute.map_or(Ok(Vec::new()), |compute| compute.families.iter().map(of_map).collect())?;
+        let tolerance = compute.and_then(|compute| compute.threshold).map(tolerance_from).transpose()?;
+        let sweep = || sweep.iter().flat_map(|sweep| sweep.all());
+        let axes = sweep().map(AxisTable::axis).collect::<Result<Vec<_>, _>>()?;
+        for (i, Axis { parameter, .. }) in axes.iter().enumerate() {
+            if axes[..i].iter().any(|earlier| earlier.parameter == *parameter) {
+                return Err(format!("{parameter} is swept twice: give different parameters"));
+            }
+        }
+        self.axis_names = sweep().map(|axis| axis.parameter.clone()).collect();
+        let points = axes.iter().try_fold(1_u64, |points, axis| points.checked_mul(axis.points() as u64));
+        let points = points.unwrap_or(u64::MAX);
+        if points > MOST_CELLS {
+            return Err(format!("the map has {points} points: give at most {MOST_CELLS}"));
+        }
+        self.names = words.iter().map(|word| Self::name_of(word).into()).collect();
+        self.words = words;
+        self.told = Arc::new(told);
+        self.tolerance = tolerance.unwrap_or(Tolerance::Rounding);
+        self.stability = compute.is_none_or(|compute| compute.stability);
+        self.axes = axes.clone();
+        // Every end of an axis is asked once, so that a map does not begin in vain.
+        for axis in &axes {
+            for end in axis.limits() {
+                self.clone().set(axis.parameter, end)?;
+            }
+            if axis.parameter == Setting::Omega && self.omega.is_none() {
+                self.omega = Some(axis.first());
+            }
+        }
+        Ok(self)
+    }
+}
