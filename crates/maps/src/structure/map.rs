@@ -5,9 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use serde_json::{Map, Value as Json};
-use vibrochain_breather::{
-    StructureModel, StructureOrbit, StructureSearch, Word, structure_candidates, structure_is_physical,
-};
+use vibrochain_breather::{StructureModel, StructureOrbit, Word, structure_candidates, structure_is_physical};
 use vibrochain_floquet::{Tolerance, Verdict, structure_verdict, structure_verdict_within};
 use vibrochain_lattice::Stop;
 
@@ -199,15 +197,6 @@ impl Told {
     }
 }
 
-/// What a list says of its cell.
-fn status_of(search: StructureSearch) -> Status {
-    match search {
-        search if search.is_complete() => Status::Ok,
-        StructureSearch::Enclosures { .. } | StructureSearch::BranchAndPrune { .. } => Status::Unresolved,
-        _ => Status::Incomplete,
-    }
-}
-
 /// One point.
 fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
     let mut cell = StructureCell::EMPTY;
@@ -221,7 +210,7 @@ fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
                 continue;
             }
         };
-        cell.found.status = cell.found.status.max(status_of(found.search));
+        cell.found.status = cell.found.status.max(Status::of_search(found.search));
         for orbit in &found.orbits {
             let physical = match structure_is_physical(orbit) {
                 Ok(answer) if answer.is_physical() => answer,
