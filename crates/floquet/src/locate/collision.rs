@@ -12,7 +12,7 @@ use nalgebra::Complex;
 
 use super::answer::{Event, Evidence, LocateError};
 use super::follower::{At, Ends, Follower, OrbitOf, Order, Point, Seen};
-use super::settle::Found;
+use super::settle::{Found, parted};
 use crate::events::half_sums::{SPLIT, collided, complex_count};
 use crate::events::{EventOrbit, Solved, Test, Watcher};
 use crate::stripes::Signature;
@@ -85,8 +85,7 @@ impl<E: Ends> Follower<E> {
                         && (NEARBY..DEEPEST).contains(&depth)
                         && let Some(inside) = self.meeting(point, [&from, &to])?
                     {
-                        parts.push((inside.clone(), to, ALONE.max(depth + 1)));
-                        parts.push((from, inside, ALONE.max(depth + 1)));
+                        parts.extend(parted((from, to, depth.max(ALONE - 1)), [Some(inside.clone()), Some(inside)]));
                         continue;
                     }
                     certain
@@ -97,8 +96,7 @@ impl<E: Ends> Follower<E> {
                         // On both sides of it there may be stripes besides.
                         if depth < DEEPEST {
                             let [before, behind] = [&from, &to].map(|end| self.next_to(point, at, end));
-                            parts.extend(behind?.map(|behind| (behind, to, depth + 1)));
-                            parts.extend(before?.map(|before| (from, before, depth + 1)));
+                            parts.extend(parted((from, to, depth), [before?, behind?]));
                         }
                         continue;
                     }
@@ -111,8 +109,7 @@ impl<E: Ends> Follower<E> {
             let swapped = event && from.off_circle() == to.off_circle();
             let known = |middle: &Place| !swapped || middle.order.is_some() || middle.off_circle() != from.off_circle();
             if let Some(middle) = middle.filter(known) {
-                parts.push((middle.clone(), to, depth + 1));
-                parts.push((from, middle, depth + 1));
+                parts.extend(parted((from, to, depth), [Some(middle.clone()), Some(middle)]));
             } else if event {
                 self.hidden_between(point, from.s, to.s);
             }

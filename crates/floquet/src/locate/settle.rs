@@ -40,6 +40,15 @@ const AWAY: f64 = 1e-4;
 /// An event, and its length along the step.
 pub(super) type Found<E> = (f64, Located<OrbitOf<E>>);
 
+/// A part of a step that is still to be looked at: its ends, and how often the step was halved for it.
+pub(super) type Part<P> = (P, P, u32);
+
+/// What a part leaves on both sides of something in it, as far as there is a place beside that.
+pub(super) fn parted<P>((from, to, depth): Part<P>, [before, behind]: [Option<P>; 2]) -> impl Iterator<Item = Part<P>> {
+    let behind = behind.map(|behind| (behind, to, depth + 1));
+    behind.into_iter().chain(before.map(|before| (from, before, depth + 1)))
+}
+
 /// What a change of sign comes to.
 pub(super) enum Settled<E: Ends> {
     /// An event, and what shows it.
