@@ -1,11 +1,10 @@
 //! Branches of a chain's orbits: what stands at their ends and beside them; and the search for one event along one.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Branch, BranchPoint, BreatherError, Continuation, Found, Orbit};
+use vibrochain_breather::{Branch, BranchError, BranchPoint, BreatherError, Continuation, Departure, Found, Orbit};
 use vibrochain_lattice::{Parameter, Resonance, Stop};
 
-use super::answer::{Answer, Branching, End, Event, LocateError, Located, Search};
-use super::branch_off::branch_off;
+use super::answer::{Answer, End, Event, LocateError, Located, Search};
 use super::course::Station;
 use super::follow::upwards;
 use super::follower::{Ended, Ends, Follower, Order, Stretch};
@@ -206,10 +205,18 @@ impl Ends for OfChain {
         Ok(answer.located.pop())
     }
 
-    fn branching(&mut self, event: Event, orbit: &Orbit, distance: f64) -> Option<Branching> {
+    fn leaving(
+        &self,
+        (orbit, value): (&Orbit, f64),
+        departure: &Departure,
+    ) -> Result<(Branch, BranchPoint), BranchError> {
         // The orbit sets the scale, however short the range is.
-        let unit = orbit.model().get(self.free).abs().max(self.length());
-        branch_off(&mut self.others, (event, orbit), (self.free, unit), distance)
+        let (branch, start) = Branch::leaving(orbit, departure, self.free, value.abs().max(self.length()))?;
+        Ok((branch.until(self.stop()), start))
+    }
+
+    fn others(&mut self) -> &mut OfChains {
+        &mut self.others
     }
 
     /// At one site signatures are those of each pair. The matrix of others does not see multipliers turn real as ν does.

@@ -8,7 +8,7 @@ use super::answer::{End, Event, LocateError, Located};
 use super::chain::{OfChain, check, following, has_moving_multipliers};
 use super::course::{Course, Diagram, FollowedBranch, Origin, Station};
 use super::follow::upwards;
-use super::follower::{Ends, Follower, OrbitOf, Point, Stretch, Track};
+use super::follower::{Begun, Ends, Follower, OrbitOf, Point, Stretch, Track};
 use super::switch::{departure, first_step};
 use crate::events::Watcher;
 use crate::followed::Followed;
@@ -66,9 +66,6 @@ pub(crate) struct Traced<O> {
     pub(crate) evaluations: usize,
     pub(crate) spectra: usize,
 }
-
-/// A branch, and the point of it to begin at.
-pub(crate) type Begun<E> = (Track<E>, Point<E>);
 
 /// Which branches a diagram has: those of a chain's orbits, or of a structure's.
 pub(crate) trait Tracing {

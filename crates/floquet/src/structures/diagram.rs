@@ -98,7 +98,8 @@ impl Tracing for StructureTracing<'_> {
     fn follower(&self, branch: StructureBranch) -> Follower<OfStructure> {
         let StructureCourse { from, to, ref events, tolerance, .. } = *self.course;
         let stretch = Stretch { from, to, events: events.clone(), tolerance, whole: true };
-        let ends = OfStructure { family: self.family.clone(), range: self.range(), tolerance, stop: self.stop.clone() };
+        let (family, others) = (self.family.clone(), OfStructures::default());
+        let ends = OfStructure { family, range: self.range(), tolerance, stop: self.stop.clone(), others };
         Follower::new(branch, OfStructures::default(), ends, stretch, self.stop)
     }
 
