@@ -107,9 +107,8 @@ pub(super) fn has_moving_multipliers(orbit: &Orbit) -> bool {
 
 /// Who follows a branch.
 pub(super) fn following(branch: Branch, stretch: Stretch, stop: &Stop) -> Follower<OfChain> {
-    let (sites, free, range) = (branch.sites(), branch.free(), [stretch.from, stretch.to]);
-    let others = OfChains::new(sites, stop);
-    let ends = OfChain { free, range, others, orders: OrderFinder::default(), counts: [0; 2] };
+    let sites = branch.sites();
+    let ends = OfChain::new(sites, branch.free(), [stretch.from, stretch.to], stop);
     Follower::new(branch.until(stop), OfChains::new(sites, stop), ends, stretch, stop)
 }
 
@@ -125,6 +124,10 @@ pub(super) struct OfChain {
 }
 
 impl OfChain {
+    pub(super) fn new(sites: usize, free: Parameter, range: [f64; 2], stop: &Stop) -> Self {
+        Self { free, range, others: OfChains::new(sites, stop), orders: OrderFinder::default(), counts: [0; 2] }
+    }
+
     fn length(&self) -> f64 {
         self.range[1] - self.range[0]
     }

@@ -24,9 +24,6 @@ struct Place {
     outside: usize,
 }
 
-/// Places on both sides of another, where there are any.
-type Sides = [Option<Place>; 2];
-
 impl Place {
     fn of(s: f64, values: &[Complex<f64>]) -> Self {
         Self { s, pairs: upper_half(values), outside: values.iter().filter(|mu| side(mu) > 0).count() }
@@ -50,35 +47,33 @@ impl<E: Ends> Follower<E> {
         }
         while let Some((low, high, depth)) = parts.pop() {
             let ends = [low.s, high.s];
-            let sides = if let Some(s) = vanishing.iter().find(|s| (ends[0]..=ends[1]).contains(*s)) {
-                self.sides(from.0, [s - beside, s + beside], ends)?
-            } else {
-                match crossing(&low.pairs, &high.pairs) {
-                    Crossing::Pair(one, other) => {
-                        let located = self.crossing_of((from.0, to.0), [(low.s, one), (high.s, other)]);
-                        let alone = |at: f64| vanishing.iter().all(|s| (s - at).abs() >= beside);
-                        match located.filter(|(along, _)| alone(*along)) {
-                            Some((along, located)) => {
-                                found.push((along, located));
-                                // Others may be on both sides of it.
-                                let beside = BESIDE * (high.s - low.s);
-                                let sides = if depth < HALVINGS { [along - beside, along + beside] } else { ends };
-                                self.sides(from.0, sides, ends)?
-                            }
-                            None if depth < HALVINGS => self.middle(from.0, ends)?,
-                            None => {
-                                self.hidden_between(from.0, low.s, high.s);
-                                continue;
-                            }
-                        }
-                    }
-                    Crossing::Unclear if depth < HALVINGS => self.middle(from.0, ends)?,
-                    // The pairs are too near to each other to tell which one has crossed; their number tells that one has.
-                    Crossing::Unclear if low.outside.abs_diff(high.outside) > 1 => {
-                        self.hidden_between(from.0, low.s, high.s);
-                        continue;
-                    }
-                    Crossing::None | Crossing::Unclear => continue,
+            let vanishes = vanishing.iter().find(|s| (ends[0]..=ends[1]).contains(*s));
+            let told = crossing(&low.pairs, &high.pairs);
+            let located = match (vanishes, told) {
+                (None, Crossing::Pair(one, other)) => {
+                    let located = self.crossing_of((from.0, to.0), [(low.s, one), (high.s, other)]);
+                    located.filter(|(along, _)| vanishing.iter().all(|s| (s - along).abs() >= beside))
+                }
+                _ => None,
+            };
+            let sides = match (vanishes, located, told) {
+                (Some(s), ..) => self.sides(from.0, [s - beside, s + beside], ends)?,
+                (_, Some((along, located)), _) => {
+                    found.push((along, located));
+                    // Others may be on both sides of it.
+                    let beside = if depth < HALVINGS { BESIDE * (high.s - low.s) } else { f64::INFINITY };
+                    self.sides(from.0, [along - beside, along + beside], ends)?
+                }
+                (.., Crossing::None) => continue,
+                _ if depth < HALVINGS => {
+                    let middle = self.pairs_at(from.0, 0.5 * (low.s + high.s))?;
+                    [middle.clone(), middle]
+                }
+                // The pairs are too near to each other to tell which one has crossed; their number tells that one has.
+                (.., Crossing::Unclear) if low.outside.abs_diff(high.outside) <= 1 => continue,
+                _ => {
+                    self.hidden_between(from.0, low.s, high.s);
+                    continue;
                 }
             };
             parts.extend(parted((low, high, depth), sides));
@@ -111,14 +106,9 @@ impl<E: Ends> Follower<E> {
         from: &Point<E>,
         [before, behind]: [f64; 2],
         [low, high]: [f64; 2],
-    ) -> Result<Sides, LocateError> {
+    ) -> Result<[Option<Place>; 2], LocateError> {
         let before = if before > low { self.pairs_at(from, before)? } else { None };
         Ok([before, if behind < high { self.pairs_at(from, behind)? } else { None }])
-    }
-
-    fn middle(&mut self, from: &Point<E>, [low, high]: [f64; 2]) -> Result<Sides, LocateError> {
-        let middle = self.pairs_at(from, 0.5 * (low + high))?;
-        Ok([middle.clone(), middle])
     }
 
     /// `None` at the end of what a parameter may be: beyond it there is nothing to cross to.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 use vibrochain_breather::{StructureFamily, StructureOrbit};
 use vibrochain_floquet::{
-    BranchedOrbit, CurveError, Evidence, Located, StructureCurve, StructureWindow, Verdict, structure_curve,
+    BranchedOrbit, Branching, CurveError, Evidence, Located, StructureCurve, StructureWindow, Verdict, structure_curve,
 };
 use vibrochain_lattice::Stop;
 
@@ -41,13 +41,12 @@ pub fn event(found: &Located<StructureOrbit>) -> Value {
         object([("period", period), ("psi", psi), ("times", times), ("impulses", json!(orbit.impulses()))])
     };
     let branched = |of: &BranchedOrbit<StructureOrbit>| {
-        let mut told = orbit(&of.orbit);
-        told.extend(object([("physical", json!(of.physical)), ("stability", json!(of.verdict))]));
-        Value::from(told)
+        let BranchedOrbit { physical, verdict, .. } = *of;
+        BranchedOrbit { orbit: orbit(&of.orbit), physical, verdict }
     };
-    let branching = found.branching.as_ref().map(|one| {
-        let side = if one.above { "above" } else { "below" };
-        json!({ "value": one.value, "side": side, "orbits": one.orbits.iter().map(branched).collect::<Value>() })
+    let branching = found.branching.as_ref().map(|of| {
+        let (value, above, orbits) = (of.value, of.above, of.orbits.iter().map(branched).collect());
+        json!(Branching { value, above, orbits })
     });
     let mut told = object([
         ("event", json!(found.event.name())),
@@ -57,7 +56,7 @@ pub fn event(found: &Located<StructureOrbit>) -> Value {
         ("physical", json!(found.physical)),
     ]);
     told.extend(orbit(&found.orbit));
-    told.extend(object([("sides", found.verdicts.iter().map(side).collect()), ("branching", json!(branching))]));
+    told.extend(object([("sides", found.verdicts.iter().map(side).collect()), ("branching", branching.into())]));
     told.into()
 }
 

@@ -181,7 +181,7 @@ struct Best<'a> {
 enum Told<'a> {
     Verdict(Verdict),
     /// Surely unstable; the verdict is worked out where no better orbit comes.
-    Unstable(StructureMultipliers<'a>),
+    Unstable(Box<StructureMultipliers<'a>>),
     /// Not asked, or not worked out.
     Nothing,
 }
@@ -229,7 +229,7 @@ fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
             }
             let told = match scene.stability.then(|| StructureMultipliers::of(orbit)) {
                 None => Told::Nothing,
-                Some(known) if known.surely_exceeds(unstable) => Told::Unstable(known),
+                Some(known) if known.surely_exceeds(unstable) => Told::Unstable(known.into()),
                 Some(known) => match known.verdict(scene.tolerance) {
                     Ok(verdict) => Told::Verdict(verdict),
                     Err(error) => {
