@@ -8,9 +8,7 @@ use serde_json::Value;
 use vibrochain_breather::{
     StructureModel, StructureMotion, StructureOrbit, StructureSearch, Word, structure_admissibility, structure_orbits,
 };
-use vibrochain_floquet::{
-    Complex, Tolerance, Verdict, structure_stability, structure_verdict, structure_verdict_within,
-};
+use vibrochain_floquet::{Complex, StructureMultipliers, Tolerance, Verdict, structure_stability, structure_verdict};
 use vibrochain_lattice::{Barrier, Contact, LinearMode, ModalStructure, ModeShape, Structure};
 use vibrochain_testkit::{Random, Structure as Dense, structures};
 
@@ -263,10 +261,10 @@ fn random_structures_have_the_multipliers_of_their_matrices() {
         let mut open: Vec<_> = dense.monodromy().complex_eigenvalues().iter().copied().collect();
         let radius = stability.multipliers[0].norm();
         for reach in [1.0, 0.9 * radius, 1.1 * radius] {
-            let within = structure_verdict_within(&orbit, reach, Tolerance::Rounding).unwrap();
+            let known = StructureMultipliers::of(&orbit);
+            let (is_beyond, verdict) = (known.surely_exceeds(reach), known.verdict(Tolerance::Rounding).unwrap());
             let real = |sign: f64| open.iter().filter(|mu| mu.im == 0.0 && sign * mu.re > reach).count();
-            let is_beyond = within.is_none();
-            assert!(within.is_none_or(|verdict| verdict.stable == stability.verdict.stable), "{dense:?}");
+            assert_eq!(verdict.stable, stability.verdict.stable, "{dense:?}");
             assert!(!is_beyond || real(1.0) + real(-1.0) > 0, "{reach} {dense:?}");
             beyond += usize::from(is_beyond);
         }

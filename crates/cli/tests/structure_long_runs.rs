@@ -147,6 +147,33 @@ fn shares_of_fates_are_one_table() {
     assert_eq!(json["axes"], serde_json::json!(["omega", "contact.0.upper"]));
 }
 
+/// Where a list may leave orbits out, or could not be made, `none found` is not `none`: the table of runs says so as the map does.
+#[test]
+fn runs_tell_of_their_lists_what_the_map_tells() {
+    // Without its load nothing is told of a lossy oscillator.
+    let swept = ONE.replace("\"omega\", from = 2.25, to = 2.4, points = 4", "\"load\", values = [0, 0.01, 1]");
+    let long = swept.replace("[\"0+\"]", "[\"0+\", \"0+,0+,0+,0+\"]");
+    let mut told = Vec::new();
+    for scene in [swept, long] {
+        let desk = Desk::with_scene(&scene);
+        desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
+        desk.run("fate scene.toml --starts 1 --periods 20 --out fates.csv --quiet").with(0, &[]);
+        let [map, fates] = ["map.csv", "fates.csv"].map(|name| {
+            let mut table = csv::Reader::from_path(desk.path(name)).unwrap();
+            let header = table.headers().unwrap().clone();
+            let [load, solutions, status] =
+                ["load", "solutions", "status"].map(|name| header.iter().position(|known| known == name).unwrap());
+            let row = |row: csv::StringRecord| [&row[load], &row[solutions], &row[status]].join(" ");
+            table.records().map(|record| row(record.unwrap())).collect::<Vec<_>>()
+        });
+        assert_eq!(map, fates);
+        told.extend(fates);
+    }
+    let expected =
+        ["0 0 ill-conditioned", "0.01 0 ok", "1 1 ok", "0 0 ill-conditioned", "0.01 0 incomplete", "1 1 incomplete"];
+    assert_eq!(told, expected);
+}
+
 #[test]
 fn another_scene_is_told_by_what_differs() {
     let scene = coarse([30, 40]);

@@ -1,6 +1,6 @@
 //! Ensembles over a structure's scene: many runs from the orbits of every point, or from rest.
 
-use vibrochain_breather::{StructureModel, structure_is_physical, structure_orbits};
+use vibrochain_breather::{StructureModel, structure_candidates, structure_is_physical};
 use vibrochain_eventsim::StructureSimulation;
 use vibrochain_floquet::structure_stability;
 use vibrochain_lattice::Stop;
@@ -19,20 +19,27 @@ use crate::section::Strobe;
 /// An orbit as runs start from it, and whether it is stable where that is decided.
 type Judged = (Departure<OfStructure>, Option<bool>);
 
-/// The physical orbits of all words that are asked for.
+/// The physical orbits of all words that are asked for, and what a sweep says of their lists: where one is not complete, or something could not
+/// be worked out, more may live here.
 fn departures(scene: &StructureScene, model: &StructureModel) -> (Vec<Judged>, Status) {
     let (mut all, mut status) = (Vec::new(), Status::Ok);
     for (word, periods) in scene.asked() {
-        let Ok(found) = structure_orbits(model, &word, periods) else {
-            status = Status::NotConverged;
+        let Ok(found) = structure_candidates(model, &word, periods) else {
+            status = Status::IllConditioned;
             continue;
         };
+        status = status.max(Status::of_search(found.search));
         for orbit in &found.orbits {
-            if !structure_is_physical(orbit).is_ok_and(|answer| answer.is_physical()) {
+            let physical = structure_is_physical(orbit).map(|answer| answer.is_physical());
+            if matches!(physical, Ok(false)) {
                 continue;
             }
-            let Ok(home) = Home::of_structure(orbit) else { continue };
-            let known = structure_stability(orbit, scene.tolerance).ok();
+            let known = structure_stability(orbit, scene.tolerance);
+            if physical.is_err() || known.is_err() {
+                status = Status::IllConditioned;
+            }
+            let (Ok(_), Ok(home)) = (physical, Home::of_structure(orbit)) else { continue };
+            let known = known.ok();
             let verdict = known.as_ref().map(|known| known.verdict);
             let departure = Departure::of(all.len() as u32 + 1, orbit.name(), known.as_ref(), orbit.period(), home);
             all.push((departure, verdict.filter(|verdict| !verdict.marginal).map(|verdict| verdict.stable)));
@@ -79,7 +86,10 @@ impl Ensembled for StructureScene {
             }
             From::Every | From::Rest => {}
         }
-        let class = if solutions == 0 { Some(Class::None) } else { Some(Class::Word) };
+        let class = match solutions {
+            0 => (status < Status::NotConverged).then_some(Class::None),
+            _ => Some(Class::Word),
+        };
         let departures = all.into_iter().map(|(departure, _)| departure).collect();
         Some(Found { cell: Cell { class, solutions, status, ..Cell::EMPTY }, departures })
     }

@@ -99,8 +99,8 @@ pub use stripes::{
     StripeFinder, StripeLine, StripeRow, bare_signature, passings, signature,
 };
 pub use structures::{
-    StructureCourse, StructureCurve, StructureWindow, structure_branch, structure_curve, structure_diagram,
-    structure_stability, structure_verdict, structure_verdict_within,
+    StructureCourse, StructureCurve, StructureMultipliers, StructureWindow, structure_branch, structure_curve,
+    structure_diagram, structure_stability, structure_verdict,
 };
 pub use verdict::{Mechanism, Method, Tolerance, Verdict};
 pub use zeros::SecularError;

@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use vibrochain_breather::{BreatherError, Family, Motion, Orbit, breathers};
 use vibrochain_floquet::{
-    Answer, Course, End, Event, Evidence, LocateError, Mechanism, Search, Verdict, diagram_until, locate, locate_until,
+    Answer, Course, End, Event, Evidence, LocateError, Located, Mechanism, Search, Unresolved, Verdict, diagram_until,
+    eigenvalues, full_monodromy, locate, locate_until,
 };
 use vibrochain_lattice::{Barrier, Chain, Force, Harmonic, ImpulseResponse, Model, Parameter, Spectrum, Stop};
 use vibrochain_testkit::Values::{Is, Log};
@@ -273,6 +274,47 @@ fn a_quadruple_that_turns_real_is_passed() {
 
 /// Where a branch shrinks towards a resonance, or both impulses of a doubled orbit vanish, it is as small as the last steps of
 /// Newton's method elsewhere, and as rounding of its eigenvalues.
+/// An impulse that vanishes damps nothing: all pairs of multipliers that feel it meet the circle together, from inside before and to the outside
+/// behind. That is the grazing, and no crossing of any of them.
+#[test]
+fn where_an_impulse_vanishes_no_pair_is_told_to_cross() {
+    let (mut met, mut most) = (0, 0);
+    for (sites, asymmetry) in [(3, 0.0), (5, 0.0), (11, 0.0), (5, 0.4), (11, 0.4)] {
+        let chain = Chain::new(sites, 0.2, 0.1).unwrap();
+        let model = Model::forced(chain, 1.07, asymmetry, 0.4, 0.8).unwrap();
+        let starts = breathers(&model, Family::DoubleSided).unwrap().orbits;
+        let all = |event| {
+            let of = |start| search(start, event, Parameter::Amplitude, Some((0.2, 1.0)));
+            starts.iter().map(of).collect::<Vec<_>>()
+        };
+        let found = all(Event::Grazing).into_iter().zip(all(Event::NeimarkSacker));
+        for (grazing, crossings) in found
+            .flat_map(|(grazings, crossings)| grazings.located.into_iter().map(move |one| (one, crossings.clone())))
+        {
+            let Evidence::Impact(impact) = grazing.evidence else { continue };
+            let apart = |one: &Located| (one.value - grazing.value).abs() > one.error + grazing.error;
+            let values: Vec<f64> = crossings.located.iter().map(|one| one.value).collect();
+            assert!(crossings.located.iter().all(apart), "{sites} {asymmetry}: {values:?} {}", grazing.value);
+            let holds = |one: &Unresolved| (one.from..=one.to).contains(&grazing.value);
+            assert!(!crossings.unresolved.iter().any(holds), "{:?}", crossings.unresolved);
+            // Pairs outside on both sides of it, by a matrix that no search knows.
+            let outside = [0.9999, 1.0001].map(|part| {
+                let model = model.with(Parameter::Amplitude, part * grazing.value).unwrap();
+                let strength = |orbit: &Orbit| orbit.impacts()[impact].impulse.abs();
+                let all = breathers(&model, Family::DoubleSided).unwrap().orbits;
+                let beside = all.into_iter().min_by(|a, b| strength(a).total_cmp(&strength(b))).unwrap();
+                let mut values = Vec::new();
+                eigenvalues(&full_monodromy(&beside).unwrap(), &mut values).unwrap();
+                values.iter().filter(|mu| mu.im > 1e-7 && mu.norm() > 1.0).count()
+            });
+            println!("{sites} {asymmetry} {} {outside:?}", grazing.value);
+            most = most.max(outside[0].abs_diff(outside[1]));
+            met += 1;
+        }
+    }
+    assert!(met >= 5 && most >= 4, "{met} {most}");
+}
+
 #[test]
 fn nothing_is_claimed_of_what_is_no_orbit_or_no_crossing() {
     let forced = |sites, gamma: (f64, f64), omega, asymmetry, force: (f64, f64)| {

@@ -3,7 +3,9 @@
 use std::cmp::Ordering;
 
 use serde::Serialize;
-use vibrochain_breather::{BreatherError, Completeness, Family, Finder, Found, Orbit, Sketched, Wanted, Word};
+use vibrochain_breather::{
+    BreatherError, Completeness, Family, Finder, Found, Orbit, Sketched, StructureSearch, Wanted, Word,
+};
 use vibrochain_floquet::{
     Analyser, Collision, DressedModes, FloquetError, Mechanism, OrderFinder, SignatureOrder, Tolerance, Verdict,
 };
@@ -135,6 +137,16 @@ impl Status {
         match completeness {
             completeness if completeness.is_established() => Self::Ok,
             Completeness::Open { .. } => Self::Unresolved,
+            _ => Self::Incomplete,
+        }
+    }
+
+    /// What a list of a structure's orbits says of its cell.
+    #[must_use]
+    pub fn of_search(search: StructureSearch) -> Self {
+        match search {
+            search if search.is_complete() => Self::Ok,
+            StructureSearch::Enclosures { .. } | StructureSearch::BranchAndPrune { .. } => Self::Unresolved,
             _ => Self::Incomplete,
         }
     }

@@ -52,6 +52,10 @@ pub(crate) trait EventOrbit: Followed {
     /// Whether others of less symmetry may leave it at a multiplier +1.
     fn may_lose_symmetry(&self) -> bool;
 
+    /// Of a family that has a name, whether the second impact is in the second half of the period: of the same orbit begun at either, that is
+    /// the one that is listed of doubled ones.
+    fn is_late(&self) -> Option<bool>;
+
     /// Of each mode the pole λ of its motion, the upper of two.
     fn rates(&self) -> Vec<Complex<f64>>;
 
@@ -162,6 +166,10 @@ impl EventOrbit for Orbit {
         self.family() == Family::DoubleSided
     }
 
+    fn is_late(&self) -> Option<bool> {
+        (self.family() != Family::Word).then(|| self.phi().is_some_and(|phi| phi > 0.5 * self.period()))
+    }
+
     fn rates(&self) -> Vec<Complex<f64>> {
         let spectrum = Spectrum::new(*self.model().chain());
         spectrum.frequencies().iter().map(|&frequency| Complex::new(0.0, frequency)).collect()
@@ -227,6 +235,10 @@ impl EventOrbit for StructureOrbit {
 
     fn may_lose_symmetry(&self) -> bool {
         true
+    }
+
+    fn is_late(&self) -> Option<bool> {
+        None
     }
 
     fn rates(&self) -> Vec<Complex<f64>> {

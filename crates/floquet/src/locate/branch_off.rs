@@ -1,14 +1,16 @@
 //! The orbits that branch off at a period doubling or a pitchfork, a small step away on the side where they exist.
 //!
 //! They are reached along their own branch, which leaves the bifurcation across the one that was followed and bends in the
-//! parameter ([`Branch::leaving`]): no other orbit can be taken for them, and the bend tells the side.
+//! parameter: no other orbit can be taken for them, and the bend tells the side.
 
-use vibrochain_breather::{Branch, BranchPoint, Family, Orbit};
-use vibrochain_lattice::Parameter;
+use vibrochain_breather::system::System;
+use vibrochain_breather::{SolutionCurve, SolutionPoint};
 
 use super::answer::{BranchedOrbit, Branching, Event};
+use super::follower::{Ends, OrbitOf, Point};
 use super::switch::bifurcation;
-use crate::events::{OfChains, Watcher};
+use crate::events::{EventOrbit, Watcher};
+use crate::followed::Followed;
 use crate::verdict::Tolerance;
 
 /// The first step along the new branch, the factor by which it shrinks, and how often at most: down to 1e-6, where rounding of
@@ -29,31 +31,29 @@ const TOGETHER: f64 = 1e-9;
 /// Bends at a step and at its half agree to this part where the curve is a parabola.
 const PARABOLA: f64 = 0.2;
 
-/// The orbits that branch off, if it is known how they do: at `distance` in the parameter where they reach that far, otherwise
-/// as near as they do. `unit` is the length along the parameter that counts like a change of order 1 of the orbit.
-pub(super) fn branch_off(
-    watcher: &mut OfChains,
-    (event, orbit): (Event, &Orbit),
-    (free, unit): (Parameter, f64),
+/// The orbits that branch off from one at a value, if it is known how they do: at `distance` in the parameter where they reach that far,
+/// otherwise as near as they do.
+pub(crate) fn branch_off<E: Ends>(
+    ends: &mut E,
+    event: Event,
+    (orbit, value): (&OrbitOf<E>, f64),
     distance: f64,
-) -> Option<Branching> {
+) -> Option<Branching<OrbitOf<E>>> {
     let pair = event == Event::Pitchfork;
-    let (branch, start) = Branch::leaving(orbit, &bifurcation(event, orbit)?, free, unit).ok()?;
-    let mut branch = branch.until(watcher.finder.stop());
+    let (mut branch, start) = ends.leaving((orbit, value), &bifurcation(event, orbit)?).ok()?;
     let (length, bend) = (0..TRIES).find_map(|i| {
         let length = FIRST * SHRINK.powi(i);
         Some((length, bend(&mut branch, &start, length)?))
     })?;
-    // Of a family, a doubled orbit is listed with its second impact in the second half. Of a word the two ways give one
-    // orbit, begun at other times.
-    let named = start.orbit().family() != Family::Word;
-    let late = |point: &BranchPoint| point.orbit().phi().is_some_and(|phi| phi > 0.5 * point.orbit().period());
+    // Of a word the two ways give one orbit, begun at other times.
+    let named = start.orbit().is_late().is_some();
+    let late = |point: &Point<E>| point.orbit().is_late() == Some(true);
     let ways = [start.clone(), start.reversed()];
     let mut points = [distance, bend.abs() * length * length].into_iter().find_map(|distance| {
         let points: Option<Vec<_>> = ways.iter().map(|way| reach(&mut branch, way, bend, distance)).collect();
         // Both of a pair at one value.
-        let together = |points: &[BranchPoint]| (points[0].value() - points[1].value()).abs() <= TOGETHER * distance;
-        let apart = |points: &[BranchPoint]| !named || late(&points[0]) != late(&points[1]);
+        let together = |points: &[Point<E>]| (points[0].value() - points[1].value()).abs() <= TOGETHER * distance;
+        let apart = |points: &[Point<E>]| !named || late(&points[0]) != late(&points[1]);
         points.filter(|points| apart(points) && (!pair || together(points)))
     })?;
     if !pair {
@@ -62,6 +62,7 @@ pub(super) fn branch_off(
     }
     let value = points.first()?.value();
     points.sort_by(|a, b| a.orbit().phi().unwrap_or(0.0).total_cmp(&b.orbit().phi().unwrap_or(0.0)));
+    let watcher = ends.others();
     let orbits = points.into_iter().map(|point| {
         let orbit = point.orbit().clone();
         let physical = watcher.admissibility(&orbit).ok().map(|answer| answer.is_physical());
@@ -71,7 +72,12 @@ pub(super) fn branch_off(
 }
 
 /// The point at `distance` in the parameter, on the side that the bend leads to.
-fn reach(branch: &mut Branch, way: &BranchPoint, bend: f64, distance: f64) -> Option<BranchPoint> {
+fn reach<S: System>(
+    branch: &mut SolutionCurve<S>,
+    way: &SolutionPoint<S::Orbit>,
+    bend: f64,
+    distance: f64,
+) -> Option<SolutionPoint<S::Orbit>> {
     let parabola = |moved: f64| (distance / moved).sqrt();
     let mut length = parabola(bend.abs()).min(LONGEST);
     for _ in 0..TRIES {
@@ -92,7 +98,7 @@ fn reach(branch: &mut Branch, way: &BranchPoint, bend: f64, distance: f64) -> Op
 }
 
 /// κ of λ₀ + κσ², from lengths σ and σ/2, which need not know λ₀; `None` where the curve is no parabola yet.
-fn bend(branch: &mut Branch, start: &BranchPoint, length: f64) -> Option<f64> {
+fn bend<S: System>(branch: &mut SolutionCurve<S>, start: &SolutionPoint<S::Orbit>, length: f64) -> Option<f64> {
     let mut value = |part: f64| branch.step(start, part * length).ok().map(|point| point.value());
     let (whole, half, quarter) = (value(1.0)?, value(0.5)?, value(0.25)?);
     let (far, near) = ((whole - half) / 0.75, (half - quarter) / 0.1875);

@@ -1,11 +1,10 @@
 //! Branches of a chain's orbits: what stands at their ends and beside them; and the search for one event along one.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Branch, BranchPoint, BreatherError, Continuation, Found, Orbit};
+use vibrochain_breather::{Branch, BranchError, BranchPoint, BreatherError, Continuation, Departure, Found, Orbit};
 use vibrochain_lattice::{Parameter, Resonance, Stop};
 
-use super::answer::{Answer, Branching, End, Event, LocateError, Located, Search};
-use super::branch_off::branch_off;
+use super::answer::{Answer, End, Event, LocateError, Located, Search};
 use super::course::Station;
 use super::follow::upwards;
 use super::follower::{Ended, Ends, Follower, Order, Stretch};
@@ -108,9 +107,8 @@ pub(super) fn has_moving_multipliers(orbit: &Orbit) -> bool {
 
 /// Who follows a branch.
 pub(super) fn following(branch: Branch, stretch: Stretch, stop: &Stop) -> Follower<OfChain> {
-    let (sites, free, range) = (branch.sites(), branch.free(), [stretch.from, stretch.to]);
-    let others = OfChains::new(sites, stop);
-    let ends = OfChain { free, range, others, orders: OrderFinder::default(), counts: [0; 2] };
+    let sites = branch.sites();
+    let ends = OfChain::new(sites, branch.free(), [stretch.from, stretch.to], stop);
     Follower::new(branch.until(stop), OfChains::new(sites, stop), ends, stretch, stop)
 }
 
@@ -126,6 +124,10 @@ pub(super) struct OfChain {
 }
 
 impl OfChain {
+    pub(super) fn new(sites: usize, free: Parameter, range: [f64; 2], stop: &Stop) -> Self {
+        Self { free, range, others: OfChains::new(sites, stop), orders: OrderFinder::default(), counts: [0; 2] }
+    }
+
     fn length(&self) -> f64 {
         self.range[1] - self.range[0]
     }
@@ -206,10 +208,18 @@ impl Ends for OfChain {
         Ok(answer.located.pop())
     }
 
-    fn branching(&mut self, event: Event, orbit: &Orbit, distance: f64) -> Option<Branching> {
+    fn leaving(
+        &self,
+        (orbit, value): (&Orbit, f64),
+        departure: &Departure,
+    ) -> Result<(Branch, BranchPoint), BranchError> {
         // The orbit sets the scale, however short the range is.
-        let unit = orbit.model().get(self.free).abs().max(self.length());
-        branch_off(&mut self.others, (event, orbit), (self.free, unit), distance)
+        let (branch, start) = Branch::leaving(orbit, departure, self.free, value.abs().max(self.length()))?;
+        Ok((branch.until(self.stop()), start))
+    }
+
+    fn others(&mut self) -> &mut OfChains {
+        &mut self.others
     }
 
     /// At one site signatures are those of each pair. The matrix of others does not see multipliers turn real as ν does.

@@ -12,7 +12,7 @@ use nalgebra::Complex;
 
 use super::answer::{Event, Evidence, LocateError};
 use super::follower::{At, Ends, Follower, OrbitOf, Order, Point, Seen};
-use super::settle::Found;
+use super::settle::{Found, Part};
 use crate::events::half_sums::{SPLIT, collided, complex_count};
 use crate::events::{EventOrbit, Solved, Test, Watcher};
 use crate::stripes::Signature;
@@ -72,8 +72,8 @@ impl<E: Ends> Follower<E> {
             let told = |place: &Place, seen: &Seen| place.order.is_some() || seen.order.is_some();
             self.untold += usize::from(!told(&first, seen) || !told(&last, next_seen));
         }
-        let (mut parts, mut edges) = (vec![(first, last, 0)], Vec::new());
-        while let Some((from, to, depth)) = parts.pop() {
+        let (mut parts, mut edges) = (vec![Part { from: first, to: last, depth: 0 }], Vec::new());
+        while let Some(Part { from, to, depth }) = parts.pop() {
             let event = match from.off_circle().abs_diff(to.off_circle()) {
                 0 => {
                     let (Some(before), Some(after)) = (&from.order, &to.order) else { continue };
@@ -85,8 +85,8 @@ impl<E: Ends> Follower<E> {
                         && (NEARBY..DEEPEST).contains(&depth)
                         && let Some(inside) = self.meeting(point, [&from, &to])?
                     {
-                        parts.push((inside.clone(), to, ALONE.max(depth + 1)));
-                        parts.push((from, inside, ALONE.max(depth + 1)));
+                        let part = Part { from, to, depth: depth.max(ALONE - 1) };
+                        parts.extend(part.parted([Some(inside.clone()), Some(inside)]));
                         continue;
                     }
                     certain
@@ -97,8 +97,7 @@ impl<E: Ends> Follower<E> {
                         // On both sides of it there may be stripes besides.
                         if depth < DEEPEST {
                             let [before, behind] = [&from, &to].map(|end| self.next_to(point, at, end));
-                            parts.extend(behind?.map(|behind| (behind, to, depth + 1)));
-                            parts.extend(before?.map(|before| (from, before, depth + 1)));
+                            parts.extend(Part { from, to, depth }.parted([before?, behind?]));
                         }
                         continue;
                     }
@@ -111,8 +110,7 @@ impl<E: Ends> Follower<E> {
             let swapped = event && from.off_circle() == to.off_circle();
             let known = |middle: &Place| !swapped || middle.order.is_some() || middle.off_circle() != from.off_circle();
             if let Some(middle) = middle.filter(known) {
-                parts.push((middle.clone(), to, depth + 1));
-                parts.push((from, middle, depth + 1));
+                parts.extend(Part { from, to, depth }.parted([Some(middle.clone()), Some(middle)]));
             } else if event {
                 self.hidden_between(point, from.s, to.s);
             }

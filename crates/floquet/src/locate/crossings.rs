@@ -5,12 +5,14 @@ use vibrochain_breather::{BranchError, BreatherError};
 
 use super::answer::{Event, LocateError};
 use super::follower::{At, Ends, Follower, Point};
-use super::settle::{BESIDE, Found};
+use super::seen::velocities;
+use super::settle::{BESIDE, Found, Part};
+use crate::bracket::zero;
 use crate::events::half_sums::{Crossing, crossing, side, upper_half};
 use crate::events::{EventOrbit, Test, Watcher};
 
 /// Halvings of a step within which two multipliers must become distinguishable.
-const HALVINGS: usize = 30;
+const HALVINGS: u32 = 30;
 
 /// A place on a step.
 #[derive(Debug, Clone)]
@@ -28,13 +30,6 @@ impl Place {
     }
 }
 
-/// A part of a step, halved so many times.
-struct Stretch {
-    low: Place,
-    high: Place,
-    depth: usize,
-}
-
 impl<E: Ends> Follower<E> {
     /// All crossings between two points.
     pub(super) fn crossings(
@@ -44,49 +39,57 @@ impl<E: Ends> Follower<E> {
         found: &mut Vec<Found<E>>,
     ) -> Result<(), LocateError> {
         let length = self.branch.length_between(from.0, to.0);
-        let mut parts = Vec::new();
+        let (vanishing, beside) = (self.vanishing((from.0, to.0), length)?, BESIDE * length);
+        let mut parts: Vec<Part<Place>> = Vec::new();
         if let (Some(low), Some(high)) = (self.end(from.0, from, 0.0, length)?, self.end(from.0, to, length, -length)?)
         {
-            parts.push(Stretch { low, high, depth: 0 });
+            parts.push(Part { from: low, to: high, depth: 0 });
         }
-        while let Some(Stretch { low, high, depth }) = parts.pop() {
-            match crossing(&low.pairs, &high.pairs) {
-                Crossing::None => continue,
-                Crossing::Pair(one, other) => {
-                    let Some((along, located)) = self.crossing_of((from.0, to.0), [(low.s, one), (high.s, other)])
-                    else {
-                        if depth < HALVINGS {
-                            self.halve(from.0, Stretch { low, high, depth }, &mut parts)?;
-                        } else {
-                            self.hidden_between(from.0, low.s, high.s);
-                        }
-                        continue;
-                    };
-                    // Others may be on both sides of it.
-                    let beside = BESIDE * (high.s - low.s);
-                    found.push((along, located));
-                    for (end, s) in [(low, along - beside), (high, along + beside)] {
-                        let before = s < along;
-                        let outside = if before { s <= end.s } else { s >= end.s };
-                        if depth >= HALVINGS || outside {
-                            continue;
-                        }
-                        let Some(place) = self.pairs_at(from.0, s)? else { continue };
-                        let (low, high) = if before { (end, place) } else { (place, end) };
-                        parts.push(Stretch { low, high, depth: depth + 1 });
-                    }
+        while let Some(Part { from: low, to: high, depth }) = parts.pop() {
+            let ends = [low.s, high.s];
+            let vanishes = vanishing.iter().find(|s| (ends[0]..=ends[1]).contains(*s));
+            let told = crossing(&low.pairs, &high.pairs);
+            let located = match (vanishes, told) {
+                (None, Crossing::Pair(one, other)) => {
+                    let located = self.crossing_of((from.0, to.0), [(low.s, one), (high.s, other)]);
+                    located.filter(|(along, _)| vanishing.iter().all(|s| (s - along).abs() >= beside))
                 }
-                Crossing::Unclear if depth < HALVINGS => {
-                    self.halve(from.0, Stretch { low, high, depth }, &mut parts)?
+                _ => None,
+            };
+            let sides = match (vanishes, located, told) {
+                (Some(s), ..) => self.sides(from.0, [s - beside, s + beside], ends)?,
+                (_, Some((along, located)), _) => {
+                    found.push((along, located));
+                    // Others may be on both sides of it.
+                    let beside = if depth < HALVINGS { BESIDE * (high.s - low.s) } else { f64::INFINITY };
+                    self.sides(from.0, [along - beside, along + beside], ends)?
+                }
+                (.., Crossing::None) => continue,
+                _ if depth < HALVINGS => {
+                    let middle = self.pairs_at(from.0, 0.5 * (low.s + high.s))?;
+                    [middle.clone(), middle]
                 }
                 // The pairs are too near to each other to tell which one has crossed; their number tells that one has.
-                Crossing::Unclear if low.outside.abs_diff(high.outside) > 1 => {
+                (.., Crossing::Unclear) if low.outside.abs_diff(high.outside) <= 1 => continue,
+                _ => {
                     self.hidden_between(from.0, low.s, high.s);
+                    continue;
                 }
-                Crossing::Unclear => {}
-            }
+            };
+            parts.extend(Part { from: low, to: high, depth }.parted(sides));
         }
         Ok(())
+    }
+
+    /// Where in a step an impulse vanishes. It damps nothing there, so that all pairs which feel it meet the circle at once, and are on the other
+    /// side of it where it pulls: that is the grazing, and no crossing of any of them.
+    fn vanishing(&mut self, (from, to): (&Point<E>, &Point<E>), length: f64) -> Result<Vec<f64>, LocateError> {
+        let ends = velocities(from.orbit()).into_iter().zip(velocities(to.orbit())).enumerate();
+        let places = ends.filter(|(_, (low, high))| (*low > 0.0) != (*high > 0.0)).map(|(i, (low, high))| {
+            let at = |s: f64| Ok::<_, BranchError>(velocities(self.branch.step(from, s)?.orbit())[i]);
+            Ok(zero((0.0, low), (length, high), length, at)?)
+        });
+        places.collect()
     }
 
     /// An end of a step. Where losses end there all multipliers come to the circle: just before they have not.
@@ -97,16 +100,15 @@ impl<E: Ends> Follower<E> {
         self.pairs_at(from, s + BESIDE * length)
     }
 
-    fn halve(
+    /// Places on both sides of something in a part, as far as they are in it.
+    fn sides(
         &mut self,
         from: &Point<E>,
-        Stretch { low, high, depth }: Stretch,
-        parts: &mut Vec<Stretch>,
-    ) -> Result<(), LocateError> {
-        let Some(middle) = self.pairs_at(from, 0.5 * (low.s + high.s))? else { return Ok(()) };
-        parts.push(Stretch { low: middle.clone(), high, depth: depth + 1 });
-        parts.push(Stretch { low, high: middle, depth: depth + 1 });
-        Ok(())
+        [before, behind]: [f64; 2],
+        [low, high]: [f64; 2],
+    ) -> Result<[Option<Place>; 2], LocateError> {
+        let before = if before > low { self.pairs_at(from, before)? } else { None };
+        Ok([before, if behind < high { self.pairs_at(from, behind)? } else { None }])
     }
 
     /// `None` at the end of what a parameter may be: beyond it there is nothing to cross to.

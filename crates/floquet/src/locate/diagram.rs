@@ -8,7 +8,7 @@ use super::answer::{End, Event, LocateError, Located};
 use super::chain::{OfChain, check, following, has_moving_multipliers};
 use super::course::{Course, Diagram, FollowedBranch, Origin, Station};
 use super::follow::upwards;
-use super::follower::{Ends, Follower, OrbitOf, Point, Stretch, Track};
+use super::follower::{Begun, Ends, Follower, OrbitOf, Point, Stretch, Track};
 use super::switch::{departure, first_step};
 use crate::events::Watcher;
 use crate::followed::Followed;
@@ -50,7 +50,7 @@ pub fn diagram_until(orbit: &Orbit, course: &Course, stop: &Stop) -> Result<Diag
         // Only multipliers show the other events.
         events.retain(|event| *event == Event::Grazing);
     }
-    let tracing = ChainTracing { course, events, stop };
+    let tracing = ChainTracing { course, events, sites: orbit.model().chain().sites(), stop };
     let mut branch = Branch::through(orbit, course.free, course.to - course.from)?.until(stop);
     let point = branch.start()?;
     let own = both_ways(tracing.follower(branch), point)?;
@@ -67,9 +67,6 @@ pub(crate) struct Traced<O> {
     pub(crate) spectra: usize,
 }
 
-/// A branch, and the point of it to begin at.
-pub(crate) type Begun<E> = (Track<E>, Point<E>);
-
 /// Which branches a diagram has: those of a chain's orbits, or of a structure's.
 pub(crate) trait Tracing {
     /// What stands at their ends.
@@ -79,12 +76,8 @@ pub(crate) trait Tracing {
     fn follower(&self, branch: Track<Self::Ends>) -> Follower<Self::Ends>;
     /// The branch through the orbit of an event, and a point to begin at.
     fn through(&self, located: &Located<OrbitOf<Self::Ends>>) -> Result<Begun<Self::Ends>, BranchError>;
-    /// The branch that leaves at an event, and where it does.
-    fn leaving(
-        &self,
-        located: &Located<OrbitOf<Self::Ends>>,
-        departure: &Departure,
-    ) -> Result<Begun<Self::Ends>, BranchError>;
+    /// What stands at the ends of branches of such orbits.
+    fn ends(&self) -> Self::Ends;
 }
 
 /// A branch from a point of it to both sides.
@@ -125,7 +118,8 @@ struct Leaving<E: Ends> {
 
 impl<E: Ends> Leaving<E> {
     fn of(tracing: &impl Tracing<Ends = E>, located: &Located<OrbitOf<E>>, departure: &Departure) -> Option<Self> {
-        let (branch, start) = tracing.leaving(located, departure).ok()?;
+        let place = (&located.orbit, located.value);
+        let (branch, start) = tracing.ends().leaving(place, departure).ok()?;
         let mut follower = tracing.follower(branch);
         let watcher = &mut follower.watcher;
         let is_physical = |orbit: &OrbitOf<E>| watcher.admissibility(orbit).is_ok_and(|told| told.is_physical());
@@ -239,6 +233,7 @@ fn switch<T: Tracing>(diagram: &mut Diagram<OrbitOf<T::Ends>>, tracing: &T, orig
 struct ChainTracing<'a> {
     course: &'a Course,
     events: Vec<Event>,
+    sites: usize,
     stop: &'a Stop,
 }
 
@@ -257,9 +252,8 @@ impl Tracing for ChainTracing<'_> {
         Ok((branch, point))
     }
 
-    fn leaving(&self, located: &Located, departure: &Departure) -> Result<(Branch, BranchPoint), BranchError> {
+    fn ends(&self) -> OfChain {
         let Course { free, from, to, .. } = *self.course;
-        let (branch, start) = Branch::leaving(&located.orbit, departure, free, located.value.abs().max(to - from))?;
-        Ok((branch.until(self.stop), start))
+        OfChain::new(self.sites, free, [from, to], self.stop)
     }
 }

@@ -2,10 +2,10 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::system::System;
-use vibrochain_breather::{Admissibility, SolutionCurve, SolutionPoint};
+use vibrochain_breather::{Admissibility, BranchError, Departure, SolutionCurve, SolutionPoint};
 use vibrochain_lattice::{Resonance, Stop};
 
-use super::answer::{Branching, End, Event, LocateError, Located, Unresolved};
+use super::answer::{End, Event, LocateError, Located, Unresolved};
 use super::course::{DiagramPoint, Station};
 use crate::events::{EventOrbit, Watcher};
 use crate::stripes::{Signature, SignatureOrder};
@@ -20,6 +20,9 @@ pub(crate) type OrbitOf<E> = <<E as Ends>::Watcher as Watcher>::Orbit;
 /// A branch of them, and a point of it.
 pub(crate) type Track<E> = SolutionCurve<<E as Ends>::System>;
 pub(crate) type Point<E> = SolutionPoint<OrbitOf<E>>;
+
+/// A branch, and the point of it to begin at.
+pub(crate) type Begun<E> = (Track<E>, Point<E>);
 
 /// What was seen at a point, as far as the events that are watched ask for it.
 #[derive(Debug, Clone, Default)]
@@ -73,8 +76,10 @@ pub(crate) trait Ends: Sized {
         length: f64,
         value: f64,
     ) -> Result<Option<Located<OrbitOf<Self>>>, LocateError>;
-    /// The orbits that branch off at an event, some `distance` away.
-    fn branching(&mut self, event: Event, orbit: &OrbitOf<Self>, distance: f64) -> Option<Branching<OrbitOf<Self>>>;
+    /// The branch that leaves an orbit at a value, and the point where it does.
+    fn leaving(&self, at: (&OrbitOf<Self>, f64), departure: &Departure) -> Result<Begun<Self>, BranchError>;
+    /// Who looks at orbits beside the branch.
+    fn others(&mut self) -> &mut Self::Watcher;
     /// Of impacts at several places, the order of Krein signatures along the circle.
     fn order(&mut self, _orbit: &OrbitOf<Self>) -> Option<SignatureOrder> {
         None

@@ -16,8 +16,7 @@
 //! changes its sign, the orbit's equations are solved together with it. The error of the parameter is what rounding of both does to it.
 //! One that is wider than the step is no claim ([`Unresolved`]).
 //!
-//! At a period doubling of a single-sided orbit the doubled orbit is handed over, at a pitchfork of a double-sided one the
-//! pair of asymmetric orbits, on the side where they exist.
+//! At a period doubling the doubled orbit is handed over, at a pitchfork the pair of asymmetric orbits, on the side where they exist.
 //!
 //! A conservative orbit has a multiplier +1 besides its trivial pair also where its energy is extreme as ω goes on along the
 //! branch. That is found as a pitchfork, too, but nothing is handed over: nothing branches off.
@@ -25,7 +24,7 @@
 mod answer;
 mod beside_resonance;
 mod between;
-mod branch_off;
+pub(crate) mod branch_off;
 mod chain;
 mod collision;
 mod course;
@@ -36,7 +35,7 @@ pub(crate) mod follower;
 mod seen;
 #[cfg(feature = "serde")]
 mod serde_impl;
-mod settle;
+pub(crate) mod settle;
 mod switch;
 
 pub use answer::{Answer, BranchedOrbit, Branching, End, Event, Evidence, LocateError, Located, Search, Unresolved};

@@ -50,7 +50,8 @@ impl<E: Ends> Follower<E> {
     }
 }
 
-fn velocities(orbit: &impl EventOrbit) -> Vec<f64> {
+/// The velocity before each impact, towards its barrier.
+pub(super) fn velocities(orbit: &impl EventOrbit) -> Vec<f64> {
     let arrivals = orbit.arrivals();
     orbit.hits().iter().zip(arrivals).map(|(hit, arrival)| hit.barrier.sign() * arrival.velocity).collect()
 }

@@ -5,12 +5,13 @@ use nalgebra::Complex;
 use vibrochain_breather::{Approach, Pace};
 
 use super::answer::{Event, Evidence, LocateError, Located};
+use super::branch_off::branch_off;
 use super::follower::{At, Ends, Follower, OrbitOf, Point};
 use super::seen::{changes, marks, touch_between, value};
 use crate::bracket::crossing;
 use crate::events::{AtEvent, EventOrbit, Solved, TOUCHES, Test, Watcher, solve};
 use crate::followed::Followed;
-use crate::verdict::Verdict;
+use crate::verdict::{Tolerance, Verdict};
 use crate::zeros::Nu;
 
 type C = Complex<f64>;
@@ -35,10 +36,27 @@ pub(super) const BESIDE: f64 = 1e-4;
 const MOST_IN_STEP: usize = 32;
 
 /// A small step away from an event, as a part of the parameter.
-const AWAY: f64 = 1e-4;
+pub(crate) const AWAY: f64 = 1e-4;
 
 /// An event, and its length along the step.
 pub(super) type Found<E> = (f64, Located<OrbitOf<E>>);
+
+/// A part of a step that is still to be looked at.
+pub(super) struct Part<P> {
+    pub(super) from: P,
+    pub(super) to: P,
+    /// How often the step was halved for it.
+    pub(super) depth: u32,
+}
+
+impl<P> Part<P> {
+    /// What it leaves on both sides of something in it, as far as there is a place beside that.
+    pub(super) fn parted(self, [before, behind]: [Option<P>; 2]) -> impl Iterator<Item = Self> {
+        let Self { from, to, depth } = self;
+        let behind = behind.map(|from| Self { from, to, depth: depth + 1 });
+        behind.into_iter().chain(before.map(|to| Self { from, to, depth: depth + 1 }))
+    }
+}
 
 /// What a change of sign comes to.
 pub(super) enum Settled<E: Ends> {
@@ -48,6 +66,22 @@ pub(super) enum Settled<E: Ends> {
     Nothing,
     /// Rounding hides it.
     Hidden,
+}
+
+/// The multiplier of an orbit that is at `goal`, if there is one.
+pub(crate) fn multiplier_at<W: Watcher>(
+    watcher: &mut W,
+    orbit: &W::Orbit,
+    goal: C,
+    tolerance: Tolerance,
+) -> Option<Evidence> {
+    // Two that meet are known to the root of rounding, and may not be told apart.
+    let Ok((values, _)) = watcher.spectrum(orbit, tolerance) else { return Some(Evidence::Multiplier(goal)) };
+    let lossless = orbit.is_lossless();
+    let both = |value: C| if lossless { Nu::of(value).multipliers() } else { [value; 2] };
+    let multipliers = values.into_iter().flat_map(both).flat_map(|mu| [mu, mu.conj()]);
+    let nearest = multipliers.min_by(|a, b| (a - goal).norm().total_cmp(&(b - goal).norm()))?;
+    ((nearest - goal).norm() <= POLE).then_some(Evidence::Multiplier(if lossless { goal } else { nearest }))
 }
 
 impl<E: Ends> Follower<E> {
@@ -220,16 +254,7 @@ impl<E: Ends> Follower<E> {
             Test::MinusOne => C::new(-1.0, 0.0),
             Test::Circle | Test::Collision => C::from_polar(1.0, solved.at.mark.unwrap_or(0.0)),
         };
-        // Two that meet are known to the root of rounding, and may not be told apart.
-        let Ok((values, _)) = self.watcher.spectrum(orbit, self.stretch.tolerance) else {
-            return Some(Evidence::Multiplier(goal));
-        };
-        let lossless = orbit.is_lossless();
-        let both = |value: C| if lossless { Nu::of(value).multipliers() } else { [value; 2] };
-        let multipliers = values.into_iter().flat_map(both).flat_map(|mu| [mu, mu.conj()]);
-        let nearest = multipliers.min_by(|a, b| (a - goal).norm().total_cmp(&(b - goal).norm()))?;
-        // Without losses two meet there, which are known to the root of rounding.
-        ((nearest - goal).norm() <= POLE).then_some(Evidence::Multiplier(if lossless { goal } else { nearest }))
+        multiplier_at(&mut self.watcher, orbit, goal, self.stretch.tolerance)
     }
 
     /// The event at a length along a step.
@@ -252,7 +277,7 @@ impl<E: Ends> Follower<E> {
         }
         verdicts.sort_by(|a, b| a.0.total_cmp(&b.0));
         let distance = AWAY * value.abs().max(1e-2 * self.range());
-        let branching = self.ends.branching(event, &orbit, distance);
+        let branching = branch_off(&mut self.ends, event, (&orbit, value), distance);
         let evaluations = self.evaluations();
         Located { event, value, error, orbit, evidence, physical, verdicts, branching, evaluations }
     }

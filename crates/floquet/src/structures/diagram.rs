@@ -1,9 +1,7 @@
 //! A branch of orbits of a structure, followed both ways as one number of it varies, with the events on it, and the branches that leave it.
 
 use vibrochain_breather::system::{System, Vector, unit};
-use vibrochain_breather::{
-    BranchError, Departure, StructureBranch, StructureBranchPoint, StructureFamily, StructureOrbit,
-};
+use vibrochain_breather::{BranchError, StructureBranch, StructureBranchPoint, StructureFamily, StructureOrbit};
 use vibrochain_lattice::Stop;
 
 use super::ends::OfStructure;
@@ -98,8 +96,7 @@ impl Tracing for StructureTracing<'_> {
     fn follower(&self, branch: StructureBranch) -> Follower<OfStructure> {
         let StructureCourse { from, to, ref events, tolerance, .. } = *self.course;
         let stretch = Stretch { from, to, events: events.clone(), tolerance, whole: true };
-        let ends = OfStructure { family: self.family.clone(), range: self.range(), tolerance, stop: self.stop.clone() };
-        Follower::new(branch, OfStructures::default(), ends, stretch, self.stop)
+        Follower::new(branch, OfStructures::default(), self.ends(), stretch, self.stop)
     }
 
     /// Right where symmetry is lost there are two directions; beside it the symmetric orbits have one.
@@ -120,12 +117,9 @@ impl Tracing for StructureTracing<'_> {
         Ok((branch, point))
     }
 
-    fn leaving(
-        &self,
-        located: &Located<StructureOrbit>,
-        departure: &Departure,
-    ) -> Result<(StructureBranch, StructureBranchPoint), BranchError> {
-        let place = (located.value, located.value.abs().max(self.range()));
-        StructureBranch::leaving_structure(&located.orbit, departure, self.family.clone(), place, self.stop)
+    fn ends(&self) -> OfStructure {
+        let (family, others) = (self.family.clone(), OfStructures::default());
+        let (range, tolerance, stop) = (self.range(), self.course.tolerance, self.stop.clone());
+        OfStructure { family, range, tolerance, stop, others }
     }
 }

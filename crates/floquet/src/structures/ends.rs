@@ -4,16 +4,17 @@
 use nalgebra::Complex;
 use vibrochain_breather::system::System;
 use vibrochain_breather::{
-    BranchError, StructureBranch, StructureBranchPoint, StructureContinuation, StructureFamily, StructureOrbit,
-    structure_is_physical,
+    BranchError, Departure, StructureBranch, StructureBranchPoint, StructureContinuation, StructureFamily,
+    StructureOrbit, structure_is_physical,
 };
 use vibrochain_lattice::{Resonance, Stop};
 
-use super::stability::structure_stability;
 use super::watcher::OfStructures;
-use crate::events::{EventOrbit, Solved, Test, solve};
+use crate::events::{EventOrbit, Solved, Test, Watcher, solve};
+use crate::locate::branch_off::branch_off;
 use crate::locate::follower::{Ended, Ends};
-use crate::locate::{Branching, End, Event, Evidence, LocateError, Located};
+use crate::locate::settle::{AWAY, multiplier_at};
+use crate::locate::{End, Event, Evidence, LocateError, Located};
 use crate::verdict::Tolerance;
 
 /// Two impacts of one contact this near to each other, as a part of the period, and this slow, against what moves there, are about to vanish: the
@@ -33,6 +34,8 @@ pub(super) struct OfStructure {
     pub(super) range: f64,
     pub(super) tolerance: Tolerance,
     pub(super) stop: Stop,
+    /// Who looks at orbits beside the branch.
+    pub(super) others: OfStructures,
 }
 
 impl Ends for OfStructure {
@@ -90,23 +93,30 @@ impl Ends for OfStructure {
         Ok(met.filter(|met| (met.value - value).abs() <= NEAR * self.range))
     }
 
-    fn branching(&mut self, _: Event, _: &StructureOrbit, _: f64) -> Option<Branching<StructureOrbit>> {
-        None
+    fn leaving(
+        &self,
+        (orbit, value): (&StructureOrbit, f64),
+        departure: &Departure,
+    ) -> Result<(StructureBranch, StructureBranchPoint), BranchError> {
+        let place = (value, value.abs().max(self.range));
+        StructureBranch::leaving_structure(orbit, departure, self.family.clone(), place, &self.stop)
+    }
+
+    fn others(&mut self) -> &mut OfStructures {
+        &mut self.others
     }
 }
 
 impl OfStructure {
-    fn evened(&self, point: &StructureBranchPoint) -> Option<Located<StructureOrbit>> {
+    fn evened(&mut self, point: &StructureBranchPoint) -> Option<Located<StructureOrbit>> {
         let orbit = point.orbit();
         let simpler = orbit.evened()?.ok()?;
         let doubled = simpler.force_periods() < orbit.force_periods();
         let (test, event, goal) =
             if doubled { (Test::MinusOne, Event::PeriodDoubling, -1.0) } else { (Test::One, Event::Pitchfork, 1.0) };
         let solved = self.solved(&simpler, test, point.value())?;
-        let goal = Complex::new(goal, 0.0);
-        let all = structure_stability(&solved.at.orbit, self.tolerance).map_or(Vec::new(), |told| told.multipliers);
-        let nearest = all.into_iter().min_by(|a, b| (a - goal).norm().total_cmp(&(b - goal).norm()));
-        Some(self.told(event, Evidence::Multiplier(nearest.unwrap_or(goal)), solved, point))
+        let evidence = multiplier_at(&mut self.others, &solved.at.orbit, Complex::new(goal, 0.0), self.tolerance)?;
+        Some(self.told(event, evidence, solved, point))
     }
 
     fn solved(&self, simpler: &StructureOrbit, test: Test, value: f64) -> Option<Solved<StructureOrbit>> {
@@ -120,13 +130,15 @@ impl OfStructure {
     }
 
     fn told(
-        &self,
+        &mut self,
         event: Event,
         evidence: Evidence,
         solved: Solved<StructureOrbit>,
         point: &StructureBranchPoint,
     ) -> Located<StructureOrbit> {
-        let beside = structure_stability(point.orbit(), self.tolerance).ok();
+        let beside = self.others.verdict(point.orbit(), self.tolerance);
+        let distance = AWAY * solved.value.abs().max(1e-2 * self.range);
+        let branching = branch_off(self, event, (&solved.at.orbit, solved.value), distance);
         Located {
             event,
             value: solved.value,
@@ -134,8 +146,8 @@ impl OfStructure {
             physical: structure_is_physical(&solved.at.orbit).ok().map(|told| told.is_physical()),
             orbit: solved.at.orbit,
             evidence,
-            verdicts: beside.into_iter().map(|told| (point.value(), told.verdict)).collect(),
-            branching: None,
+            verdicts: beside.into_iter().map(|verdict| (point.value(), verdict)).collect(),
+            branching,
             evaluations: 0,
         }
     }

@@ -16,4 +16,4 @@ mod watcher;
 
 pub use curve::{StructureCurve, StructureWindow, structure_curve};
 pub use diagram::{StructureCourse, structure_branch, structure_diagram};
-pub use stability::{structure_stability, structure_verdict, structure_verdict_within};
+pub use stability::{StructureMultipliers, structure_stability, structure_verdict};

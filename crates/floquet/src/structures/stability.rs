@@ -36,16 +36,10 @@ const ROOT: f64 = 1e-7;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn structure_stability(orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Stability, FloquetError> {
-    let conservative = orbit.is_conservative();
-    let (equations, spared) = orbit.bloch_equations();
-    let answer = as_well_as_known(orbit, &equations, |data| told(&equations, conservative, data, tolerance));
-    let (mut verdict, mut multipliers) = answer.map_err(FloquetError::Uncounted)?;
-    for pair in spared {
-        let both = pair.map(|rate| (rate * orbit.period()).exp());
-        multipliers.extend(both);
-        verdict = with_spared(verdict, pair, both, tolerance);
-    }
-    if conservative {
+    let known = StructureMultipliers::of(orbit);
+    let (verdict, mut multipliers) = known.all(tolerance)?;
+    multipliers.extend(known.spared.iter().flat_map(|pair| known.multipliers_of(pair)));
+    if orbit.is_conservative() {
         multipliers.extend([Complex::new(1.0, 0.0); 2]);
     }
     multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
@@ -57,39 +51,7 @@ pub fn structure_stability(orbit: &StructureOrbit, tolerance: Tolerance) -> Resu
 /// # Errors
 /// As [`structure_stability`].
 pub fn structure_verdict(orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Verdict, FloquetError> {
-    decided(orbit, &orbit.bloch_equations(), tolerance)
-}
-
-/// The same of an orbit whose spectral radius is not surely beyond `reach`: `None` says that a real multiplier is, by 5 %, and none is worked out.
-/// A map asks so: of two orbits that are born in a fold one has such a multiplier, and a sign takes a small part of what a verdict takes.
-///
-/// # Errors
-/// As [`structure_stability`].
-pub fn structure_verdict_within(
-    orbit: &StructureOrbit,
-    reach: f64,
-    tolerance: Tolerance,
-) -> Result<Option<Verdict>, FloquetError> {
-    let equations = orbit.bloch_equations();
-    if !orbit.is_conservative() && is_surely_beyond(&equations.0, BEYOND * reach) {
-        return Ok(None);
-    }
-    decided(orbit, &equations, tolerance).map(Some)
-}
-
-/// The verdict by the orbit's equations and the rates of the modes that these leave out.
-fn decided(
-    orbit: &StructureOrbit,
-    (equations, spared): &(BlochEquations, Vec<[Complex<f64>; 2]>),
-    tolerance: Tolerance,
-) -> Result<Verdict, FloquetError> {
-    let conservative = orbit.is_conservative();
-    let told = as_well_as_known(orbit, equations, |data| verdict(equations, conservative, data, tolerance));
-    let told = told.map_err(FloquetError::Uncounted)?;
-    let with = |told, pair: &[Complex<f64>; 2]| {
-        with_spared(told, *pair, pair.map(|rate| (rate * orbit.period()).exp()), tolerance)
-    };
-    Ok(spared.iter().fold(told, with))
+    StructureMultipliers::of(orbit).verdict(tolerance)
 }
 
 /// The multipliers of the modes that the orbit's impacts feel, and the verdict on all. Along folds errors may have no bound; then the multipliers are
@@ -98,27 +60,77 @@ pub(super) fn felt_multipliers(
     orbit: &StructureOrbit,
     tolerance: Tolerance,
 ) -> Result<(Vec<Complex<f64>>, Option<Verdict>), FloquetError> {
-    let (equations, spared) = orbit.bloch_equations();
-    let conservative = orbit.is_conservative();
-    if let Ok((verdict, multipliers)) =
-        as_well_as_known(orbit, &equations, |data| told(&equations, conservative, data, tolerance))
-    {
-        let both = |pair: &[Complex<f64>; 2]| pair.map(|rate| (rate * orbit.period()).exp());
-        let verdict = spared.iter().fold(verdict, |told, pair| with_spared(told, *pair, both(pair), tolerance));
+    let known = StructureMultipliers::of(orbit);
+    if let Ok((verdict, multipliers)) = known.all(tolerance) {
         return Ok((multipliers, Some(verdict)));
     }
-    let there = told(&equations, conservative, &[], Tolerance::Rounding).map_err(FloquetError::Uncounted)?;
-    Ok((there.1, None))
+    let there = told(&known.equations, orbit.is_conservative(), &[], Tolerance::Rounding);
+    Ok((there.map_err(FloquetError::Uncounted)?.1, None))
 }
 
-/// What the equations answer, given the errors of the orbit's data. On a fold the equations are singular and these errors have no bound to
-/// first order: there the orbit's times and impulses are known to the root of rounding.
-fn as_well_as_known<T>(
-    orbit: &StructureOrbit,
-    equations: &BlochEquations,
-    ask: impl Fn(&[Origin]) -> Result<T, SecularError>,
-) -> Result<T, SecularError> {
-    ask(&data(orbit, equations, f64::INFINITY)).or_else(|_| ask(&data(orbit, equations, ROOT)))
+/// An orbit with its equations J(z), from which all that is asked of its multipliers is told.
+#[derive(Debug)]
+pub struct StructureMultipliers<'a> {
+    orbit: &'a StructureOrbit,
+    equations: BlochEquations,
+    /// The rates of the modes that these leave out.
+    spared: Vec<[Complex<f64>; 2]>,
+}
+
+impl<'a> StructureMultipliers<'a> {
+    /// Of an orbit.
+    #[must_use]
+    pub fn of(orbit: &'a StructureOrbit) -> Self {
+        let (equations, spared) = orbit.bloch_equations();
+        Self { orbit, equations, spared }
+    }
+
+    /// Whether the spectral radius is surely beyond `reach`: a real multiplier is, by 5 %. No says nothing. A map asks so: of two orbits that are
+    /// born in a fold one has such a multiplier, and a sign takes a small part of what a verdict takes.
+    #[must_use]
+    pub fn surely_exceeds(&self, reach: f64) -> bool {
+        !self.orbit.is_conservative() && is_surely_beyond(&self.equations, BEYOND * reach)
+    }
+
+    /// The verdict of [`structure_stability`].
+    ///
+    /// # Errors
+    /// As [`structure_stability`].
+    pub fn verdict(&self, tolerance: Tolerance) -> Result<Verdict, FloquetError> {
+        let conservative = self.orbit.is_conservative();
+        let felt = self.as_well_as_known(|data| verdict(&self.equations, conservative, data, tolerance))?;
+        Ok(self.with_spared(felt, tolerance))
+    }
+
+    /// The same with the multipliers of the modes that the impacts feel.
+    fn all(&self, tolerance: Tolerance) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
+        let conservative = self.orbit.is_conservative();
+        let (felt, multipliers) = self.as_well_as_known(|data| told(&self.equations, conservative, data, tolerance))?;
+        Ok((self.with_spared(felt, tolerance), multipliers))
+    }
+
+    /// What the equations answer, given the errors of the orbit's data. On a fold the equations are singular and these errors have no bound to
+    /// first order: there the orbit's times and impulses are known to the root of rounding.
+    fn as_well_as_known<T>(&self, ask: impl Fn(&[Origin]) -> Result<T, SecularError>) -> Result<T, FloquetError> {
+        let data = |most| data(self.orbit, &self.equations, most);
+        ask(&data(f64::INFINITY)).or_else(|_| ask(&data(ROOT))).map_err(FloquetError::Uncounted)
+    }
+
+    fn multipliers_of(&self, pair: &[Complex<f64>; 2]) -> [Complex<f64>; 2] {
+        pair.map(|rate| (rate * self.orbit.period()).exp())
+    }
+
+    /// Of a mode without a dashpot that is spared, the multipliers are on the circle, and decide nothing; nor does the 1 of a motion of the whole
+    /// that nothing brings back, which is neutral by symmetry: of its pair the other decides.
+    fn with_spared(&self, verdict: Verdict, tolerance: Tolerance) -> Verdict {
+        self.spared.iter().fold(verdict, |verdict, pair| {
+            let both = pair.iter().zip(self.multipliers_of(pair));
+            let deciding = both.filter(|(rate, _)| rate.re != 0.0).map(|(_, multiplier)| multiplier);
+            let Some(leading) = deciding.max_by(|a, b| a.norm().total_cmp(&b.norm())) else { return verdict };
+            let error = 8.0 * f64::EPSILON * leading.norm();
+            verdict.or_worse(Verdict::of_growth(leading, excess(leading), error, tolerance))
+        })
+    }
 }
 
 /// What the orbit's errors do to J(z), each no larger than this part of the largest time, impulse and acceleration.
@@ -141,13 +153,4 @@ fn data(orbit: &StructureOrbit, equations: &BlochEquations, most: f64) -> Vec<Or
         ]
     });
     origins(equations, &Condition { origins: each.collect(), ..Condition::default() })
-}
-
-/// Of a mode without a dashpot that is spared, the multipliers are on the circle, and decide nothing; nor does the 1 of a motion of the whole
-/// that nothing brings back, which is neutral by symmetry: of its pair the other decides.
-fn with_spared(verdict: Verdict, pair: [Complex<f64>; 2], both: [Complex<f64>; 2], tolerance: Tolerance) -> Verdict {
-    let deciding = pair.into_iter().zip(both).filter(|(rate, _)| rate.re != 0.0).map(|(_, multiplier)| multiplier);
-    let Some(leading) = deciding.max_by(|a, b| a.norm().total_cmp(&b.norm())) else { return verdict };
-    let error = 8.0 * f64::EPSILON * leading.norm();
-    verdict.or_worse(Verdict::of_growth(leading, excess(leading), error, tolerance))
 }

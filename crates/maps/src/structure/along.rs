@@ -4,11 +4,14 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 use vibrochain_breather::{StructureFamily, StructureOrbit};
-use vibrochain_floquet::{CurveError, Evidence, Located, StructureCurve, StructureWindow, Verdict, structure_curve};
+use vibrochain_floquet::{
+    BranchedOrbit, Branching, CurveError, Evidence, Located, StructureCurve, StructureWindow, Verdict, structure_curve,
+};
 use vibrochain_lattice::Stop;
 
 use super::scene::StructureScene;
 use super::setting::Setting;
+use crate::manifest::object;
 
 /// The models of a scene as these numbers vary.
 #[must_use]
@@ -32,19 +35,29 @@ pub fn event(found: &Located<StructureOrbit>) -> Value {
         Evidence::Impact(impact) => json!({ "impact": impact }),
     };
     let side = |(value, verdict): &(f64, Verdict)| json!({ "value": value, "stability": verdict });
-    let times = found.orbit.impacts().iter().map(|impact| json!(impact.time));
-    json!({
-        "event": found.event.name(),
-        "value": found.value,
-        "error": found.error,
-        "evidence": evidence,
-        "physical": found.physical,
-        "period": found.orbit.period(),
-        "psi": found.orbit.psi(),
-        "times": times.collect::<Value>(),
-        "impulses": found.orbit.impulses(),
-        "sides": found.verdicts.iter().map(side).collect::<Value>(),
-    })
+    let orbit = |orbit: &StructureOrbit| {
+        let times = orbit.impacts().iter().map(|impact| json!(impact.time)).collect();
+        let (period, psi) = (json!(orbit.period()), json!(orbit.psi()));
+        object([("period", period), ("psi", psi), ("times", times), ("impulses", json!(orbit.impulses()))])
+    };
+    let branched = |of: &BranchedOrbit<StructureOrbit>| {
+        let BranchedOrbit { physical, verdict, .. } = *of;
+        BranchedOrbit { orbit: orbit(&of.orbit), physical, verdict }
+    };
+    let branching = found.branching.as_ref().map(|of| {
+        let (value, above, orbits) = (of.value, of.above, of.orbits.iter().map(branched).collect());
+        json!(Branching { value, above, orbits })
+    });
+    let mut told = object([
+        ("event", json!(found.event.name())),
+        ("value", json!(found.value)),
+        ("error", json!(found.error)),
+        ("evidence", evidence),
+        ("physical", json!(found.physical)),
+    ]);
+    told.extend(orbit(&found.orbit));
+    told.extend(object([("sides", found.verdicts.iter().map(side).collect()), ("branching", branching.into())]));
+    told.into()
 }
 
 /// The curves of all these events along the first of two numbers, each followed once. `value` is where the second number is.

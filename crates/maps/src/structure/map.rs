@@ -5,10 +5,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use serde_json::{Map, Value as Json};
-use vibrochain_breather::{
-    StructureModel, StructureOrbit, StructureSearch, Word, structure_candidates, structure_is_physical,
-};
-use vibrochain_floquet::{Tolerance, Verdict, structure_verdict, structure_verdict_within};
+use vibrochain_breather::{StructureModel, Word, structure_candidates, structure_is_physical};
+use vibrochain_floquet::{StructureMultipliers, Tolerance, Verdict};
 use vibrochain_lattice::Stop;
 
 use super::named::MOST_BYTES;
@@ -173,23 +171,23 @@ impl RowOfModels {
 }
 
 /// The best orbit so far.
-struct Best {
+struct Best<'a> {
     /// The number of its word.
     word: usize,
     margin: Option<f64>,
-    told: Told,
+    told: Told<'a>,
 }
 
 /// What is known of its stability.
-enum Told {
+enum Told<'a> {
     Verdict(Verdict),
     /// Surely unstable; the verdict is worked out where no better orbit comes.
-    Unstable(Box<StructureOrbit>),
+    Unstable(Box<StructureMultipliers<'a>>),
     /// Not asked, or not worked out.
     Nothing,
 }
 
-impl Told {
+impl Told<'_> {
     /// A stable orbit wins, then one that may be, of several the first.
     fn rank(&self) -> usize {
         match self {
@@ -200,29 +198,21 @@ impl Told {
     }
 }
 
-/// What a list says of its cell.
-fn status_of(search: StructureSearch) -> Status {
-    match search {
-        search if search.is_complete() => Status::Ok,
-        StructureSearch::Enclosures { .. } | StructureSearch::BranchAndPrune { .. } => Status::Unresolved,
-        _ => Status::Incomplete,
-    }
-}
-
 /// One point.
 fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
     let mut cell = StructureCell::EMPTY;
-    let mut best: Option<Best> = None;
+    let lists: Vec<_> = scene.words.iter().map(|(word, periods)| structure_candidates(model, word, *periods)).collect();
+    let mut best: Option<Best<'_>> = None;
     let unstable = 1.0 + Option::from(scene.tolerance).unwrap_or(0.0);
-    for (word, asked) in scene.words.iter().enumerate() {
-        let found = match structure_candidates(model, &asked.0, asked.1) {
+    for (word, found) in lists.iter().enumerate() {
+        let found = match found {
             Ok(found) => found,
             Err(error) => {
                 cell.trouble = Some(error.to_string());
                 continue;
             }
         };
-        cell.found.status = cell.found.status.max(status_of(found.search));
+        cell.found.status = cell.found.status.max(Status::of_search(found.search));
         for orbit in &found.orbits {
             let physical = match structure_is_physical(orbit) {
                 Ok(answer) if answer.is_physical() => answer,
@@ -238,14 +228,16 @@ fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
             if rank == Some(2) || (rank.is_some() && !scene.stability) {
                 continue;
             }
-            let told = match scene.stability.then(|| structure_verdict_within(orbit, unstable, scene.tolerance)) {
+            let told = match scene.stability.then(|| StructureMultipliers::of(orbit)) {
                 None => Told::Nothing,
-                Some(Ok(Some(verdict))) => Told::Verdict(verdict),
-                Some(Ok(None)) => Told::Unstable(Box::new(orbit.clone())),
-                Some(Err(error)) => {
-                    cell.trouble = Some(error.to_string());
-                    Told::Nothing
-                }
+                Some(known) if known.surely_exceeds(unstable) => Told::Unstable(known.into()),
+                Some(known) => match known.verdict(scene.tolerance) {
+                    Ok(verdict) => Told::Verdict(verdict),
+                    Err(error) => {
+                        cell.trouble = Some(error.to_string());
+                        Told::Nothing
+                    }
+                },
             };
             if rank.is_none_or(|rank| told.rank() > rank) {
                 best = Some(Best { word, margin: physical.margin, told });
@@ -258,8 +250,8 @@ fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
     };
     let verdict = match told {
         Told::Verdict(verdict) => Some(verdict),
-        Told::Unstable(orbit) => {
-            structure_verdict(&orbit, scene.tolerance).map_err(|error| cell.trouble = Some(error.to_string())).ok()
+        Told::Unstable(known) => {
+            known.verdict(scene.tolerance).map_err(|error| cell.trouble = Some(error.to_string())).ok()
         }
         Told::Nothing => None,
     };

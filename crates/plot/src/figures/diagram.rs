@@ -6,6 +6,7 @@ use vibrochain_floquet::Event;
 use vibrochain_maps::caption::in_words;
 use vibrochain_maps::followed::{BranchName, BranchRow as Row};
 
+use crate::figures::mark;
 use crate::map::palette::{FAMILIES, GREY, MARKS, WORDS};
 use crate::panels::curves::{Curves, Mark, Pane, Scale, Series, Stroke};
 
@@ -150,10 +151,11 @@ fn pane(quantity: OrbitQuantity, all: bool, table: &Diagram<'_>) -> Pane {
         series.push(Series::line("not physical", GREY, Stroke::Solid(1), []));
     }
     let count = branches(table).flat_map(|branch| branch.rows).filter(|row| row.event.is_some()).count();
-    let mark = if count > CROWD { Mark::Small } else { Mark::Filled };
-    series.extend(
-        Event::ALL.into_iter().enumerate().filter_map(|(shape, event)| events(quantity, event, mark(shape), table)),
-    );
+    let sized = |event: Event| match mark(event.name()) {
+        Mark::Filled(shape) if count > CROWD => Mark::Small(shape),
+        mark => mark,
+    };
+    series.extend(Event::ALL.into_iter().filter_map(|event| events(quantity, event, sized(event), table)));
     let (scale, levels) = match quantity {
         OrbitQuantity::SpectralRadius => (Scale::about_one(&series), vec![1.0]),
         _ => (Scale::Linear, Vec::new()),

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use vibrochain_maps::caption::in_words;
 use vibrochain_maps::followed::CurveRow as Row;
 
+use crate::figures::mark;
 use crate::map::palette::{CURVES, GREY, MARKS};
-use crate::panels::curves::{Curves, Mark, Pane, Scale, Series, Stroke};
+use crate::panels::curves::{Curves, Pane, Scale, Series, Stroke};
 
 /// What a legend calls points whose orbit is none that can live.
 const NOT_PHYSICAL: &str = "not physical";
@@ -52,9 +53,7 @@ fn series(curves: &[Vec<Row>]) -> Vec<Series> {
             }
         }
     }
-    for (shape, (name, points)) in marks.into_iter().enumerate() {
-        all.push(Series::marks(in_words(name), MARKS, Mark::Filled(shape), points));
-    }
+    all.extend(marks.into_iter().map(|(name, points)| Series::marks(in_words(name), MARKS, mark(name), points)));
     all
 }
 
@@ -66,4 +65,43 @@ fn part(curve: &[Row], physical: bool) -> Vec<(f64, f64)> {
         if is { vec![from, to] } else { vec![(f64::NAN, f64::NAN)] }
     };
     curve.windows(2).flat_map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use vibrochain_floquet::{Event, Special};
+
+    use super::*;
+    use crate::panels::curves::Mark;
+
+    /// Whatever else is in a picture, a kind of point has its own shape and its name in the legend.
+    #[test]
+    fn a_shape_is_a_kind() {
+        let resonances = [Special::OneToOne, Special::OneToTwo, Special::OneToThree, Special::OneToFour, Special::Cusp];
+        let kinds: Vec<String> =
+            resonances.into_iter().chain(Event::ALL.map(Special::With)).map(|one| one.to_string()).collect();
+        let marks = |names: &[String]| -> BTreeMap<String, String> {
+            let point = |name: &String| Row { values: [0.5, 0.5], physical: true, special: vec![name.clone()] };
+            let all = series(&[names.iter().map(point).collect()]);
+            let marked = all.into_iter().filter(|series| series.mark != Mark::None);
+            marked.map(|series| (series.name, format!("{:?} {}", series.mark, series.colour))).collect()
+        };
+        let whole = marks(&kinds);
+        assert!(
+            kinds.len() == 10
+                && whole.keys().eq(kinds
+                    .iter()
+                    .map(|name| in_words(name))
+                    .collect::<std::collections::BTreeSet<_>>()
+                    .iter()),
+            "{whole:?}"
+        );
+        let shapes: std::collections::BTreeSet<_> = whole.values().collect();
+        assert_eq!(shapes.len(), 10, "{whole:?}");
+        for name in &kinds {
+            assert_eq!(marks(std::slice::from_ref(name)), [(in_words(name), whole[&in_words(name)].clone())].into());
+        }
+    }
 }

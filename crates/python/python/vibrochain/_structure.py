@@ -98,6 +98,11 @@ class Structure:
     >>> both = vc.Structure([1.0, 1.4], np.array([[1.0, -0.3], [-0.3, 0.8]]), damping=[0.02, 0.02], contacts=[stop], load=[0.5, 0.0])
     >>> [orbit.physical for orbit in both.orbits("0+", omega=0.6)]
     [True, False]
+
+    Examples of its methods go on from here:
+
+    >>> one = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[vc.Contact(at=0, upper=0.1, restitution=0.8)], load=[1.0])
+    >>> first, _ = one.orbits("0+", omega=2.325)
     """
 
     def __init__(
@@ -250,10 +255,6 @@ class Structure:
 
         Examples
         --------
-        >>> import vibrochain as vc
-        >>> stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
-        >>> one = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])
-        >>> first = one.orbits("0+", omega=2.325)[0]
         >>> round(first.impacts[0]["impulse"], 9), round(one.near(first, omega=2.33).impacts[0]["impulse"], 9)
         (-1.097937536, -1.074207568)
         """
@@ -320,13 +321,10 @@ class Structure:
 
         Examples
         --------
-        >>> import vibrochain as vc
-        >>> stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
-        >>> one = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])
-        >>> branch = one.branch(one.orbits("0+", omega=2.325)[0], omega=2.325, free="load", from_=0.5, to=2)
+        >>> branch = one.branch(first, omega=2.325, free="load", from_=0.5, to=2)
         >>> branch.ends
         [(0.5, 'range'), (2.0, 'range')]
-        >>> both = one.branch(one.orbits("0+", omega=2.325)[0], omega=2.325, free="omega", from_=2.3, to=2.5, generations=1)
+        >>> both = one.branch(first, omega=2.325, free="omega", from_=2.3, to=2.5, generations=1)
         >>> [(leaving.word, leaving.force_periods) for leaving in both.leaving if leaving.physical.any()]
         [('0+,0+', 2)]
         """
@@ -420,9 +418,6 @@ class Structure:
 
         Examples
         --------
-        >>> import vibrochain as vc
-        >>> stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
-        >>> one = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])
         >>> table = one.sweep(["0+"], ("omega", 2.0, 3.0, 20), ("contact.0.upper", 0.05, 0.3, 10))
         >>> table, sorted(table.classes)
         (<Map of 200 cells: contact.0.upper (10) × omega (20)>, ['none', 'stable', 'unstable'])
@@ -459,9 +454,6 @@ class Structure:
 
         Examples
         --------
-        >>> import vibrochain as vc
-        >>> stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
-        >>> one = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])
         >>> found = one.fate([], ("omega", 2.2, 2.4, 3), starts=1, periods=200)
         >>> found["words"].tolist()
         ['0+ 1', '0+ 1', '0+ 1']
@@ -495,9 +487,6 @@ class Structure:
 
         Examples
         --------
-        >>> import vibrochain as vc
-        >>> stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
-        >>> one = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])
         >>> sorted(one.scene(["0+"], ("omega", 2.0, 3.0, 20)))
         ['compute', 'contact', 'force', 'structure', 'sweep']
         """

@@ -47,6 +47,10 @@ class StructureOrbit:
     >>> beam = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[vc.Contact(at=0, upper=0.1, restitution=0.8)], load=[1.0])
     >>> [(orbit.physical, round(orbit.stability["spectral_radius"], 12)) for orbit in beam.orbits("0+", omega=2.325)]
     [(True, 0.698887274904), (False, 0.698887274904)]
+
+    Examples of its methods go on from here:
+
+    >>> orbit = beam.orbits("0+", omega=2.325)[0]
     """
 
     word: str
@@ -99,9 +103,6 @@ class StructureOrbit:
 
         Examples
         --------
-        >>> import vibrochain as vc
-        >>> stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
-        >>> orbit = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0]).orbits("0+", omega=2.325)[0]
         >>> place, velocity = orbit.motion([0.0, 1.0])
         >>> place.shape, round(float(place[0, 0]), 12)
         ((2, 1), 0.1)
@@ -133,9 +134,6 @@ class StructureOrbit:
 
         Examples
         --------
-        >>> import vibrochain as vc
-        >>> stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
-        >>> orbit = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0]).orbits("0+", omega=2.325)[0]
         >>> orbit.plot().get_ylabel()  # doctest: +MATPLOTLIB
         'g of contact 0'
         """
@@ -198,7 +196,8 @@ class StructureBranch:
     physical, stable : numpy.ndarray of bool, shape (points,)
         False also where it is not known.
     events : list of dict
-        event, value, error, evidence, physical, period, psi, times, impulses, sides.
+        event, value, error, evidence, physical, period, psi, times, impulses, sides; branching, where it is known how orbits branch off:
+        value, side, orbits, these with period, psi, times, impulses, physical, stability.
     ends : list of tuple (float, str)
         Where and how it ends at the first and behind the last point.
     word : str
@@ -218,6 +217,10 @@ class StructureBranch:
     >>> branch = one.branch(one.orbits("0+", omega=2.325)[0], omega=2.325, free="omega", from_=2.3, to=2.6)
     >>> [(found["event"], round(found["value"], 9)) for found in branch.events]
     [('period-doubling', 2.456715356)]
+    >>> len(branch.events[0]["branching"]["orbits"][0]["impulses"])
+    2
+
+    Examples of its methods go on from here.
     """
 
     free: str
@@ -313,10 +316,6 @@ class StructureBranch:
 
         Examples
         --------
-        >>> import vibrochain as vc
-        >>> stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
-        >>> one = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])
-        >>> branch = one.branch(one.orbits("0+", omega=2.325)[0], omega=2.325, free="omega", from_=2.3, to=2.6)
         >>> branch.plot("spectral_radius").get_xlabel()  # doctest: +MATPLOTLIB
         'frequency ω'
         """
@@ -354,6 +353,8 @@ class StructureCurve:
     ...                        from_=(2.3, 0.05), to=(2.6, 0.15))
     >>> doubling.event, bool(doubling.error.max() < 1e-9)
     ('period-doubling', True)
+
+    Examples of its methods go on from here.
     """
 
     event: str
@@ -392,13 +393,8 @@ class StructureCurve:
 
         Examples
         --------
-        >>> import vibrochain as vc
-        >>> stop = vc.Contact(at=0, upper=1.0, restitution=0.8)
-        >>> one = vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])
-        >>> found = one.curves(one.orbits("0+", omega=1.0)[0], omega=1.0, event="grazing", free=("omega", "load"), from_=(0.5, 0.5), to=(2, 2))
-        >>> ax = None
-        >>> for curve in found:
-        ...     ax = curve.plot(ax)  # doctest: +MATPLOTLIB
+        >>> doubling.plot().get_ylabel()  # doctest: +MATPLOTLIB
+        'upper barrier of contact 0'
         """
         labels, heading = self._told
         special = [(one["special"], one["point"]) for one in self.special]
