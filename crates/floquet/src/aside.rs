@@ -1,4 +1,4 @@
-//! Work that cannot look at a request to stop: eigenvalues in a library, all multipliers of a large lattice.
+//! Work that cannot look at a request to stop: eigenvectors in a library, all multipliers of a large lattice.
 
 use std::panic::resume_unwind;
 use std::sync::mpsc::{RecvTimeoutError, channel};
