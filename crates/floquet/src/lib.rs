@@ -62,6 +62,7 @@ mod reference;
 mod saltation;
 #[cfg(feature = "serde")]
 mod serde_impl;
+mod singular;
 mod spectrum;
 mod stripes;
 mod structures;

@@ -4,10 +4,11 @@
 //! det J(1) = 0 together are singular, too. One more equation and one more unknown μ make them regular. The equation keeps the orbit as symmetric as
 //! it was; μ stands in F + μψ = 0, ψ the left null vector of F, and is 0 as long as both numbers keep the symmetry.
 
-use faer::Mat;
+use nalgebra::{Complex, DMatrix};
 use vibrochain_breather::system::{Matrix, System, Vector};
 
 use super::orbit::EventOrbit;
+use crate::singular::Singular;
 
 /// An orbit less uneven than this is symmetric but for rounding.
 const EVEN: f64 = 1e-6;
@@ -62,9 +63,8 @@ fn null_vectors(matrix: &Matrix) -> Option<[Vector; 2]> {
     if !lengths.iter().all(|length| length.is_normal()) {
         return None;
     }
-    let scaled = Mat::from_fn(size, size, |i, j| matrix[(i, j)] / lengths[i]);
-    let svd = scaled.svd().ok()?;
-    let (left, right) = (svd.U(), svd.V());
-    let push = (0..size).map(|i| left[(i, size - 1)] * lengths[i]).collect();
-    Some([push, (0..size).map(|j| right[(j, size - 1)]).collect()])
+    let scaled = DMatrix::from_fn(size, size, |i, j| Complex::new(matrix[(i, j)] / lengths[i], 0.0));
+    let Singular { left, right, .. } = Singular::of(&scaled)?;
+    let push = (0..size).map(|i| left[(i, size - 1)].re * lengths[i]).collect();
+    Some([push, (0..size).map(|j| right[(j, size - 1)].re).collect()])
 }

@@ -1,13 +1,12 @@
 //! Null vectors of the bordered equations.
 //!
-//! One on either side comes from elimination with full pivots, several from singular vectors. These are faer's: nalgebra's have both sides
-//! orthogonal, yet of a nearly singular matrix the wrong ones now and then (its issue 1172).
+//! One on either side comes from elimination with full pivots, several from singular vectors.
 
-use faer::{Mat, MatRef};
 use nalgebra::{Complex, DMatrix};
 
 use super::function::{Pole, SpectralFunction};
 use crate::linear::{Factors, Pivots, eliminate};
+use crate::singular::Singular;
 use crate::zeros::modulus;
 
 type C = Complex<f64>;
@@ -53,14 +52,13 @@ impl SpectralFunction<'_> {
             }
             return Some(Null { near, left, right, norm: largest * size as f64 * scale, second: second * scale });
         }
-        let svd = of_faer(&matrix).svd().ok()?;
-        let (u, values, v) = (svd.U(), svd.S().column_vector(), svd.V());
+        let Singular { left: u, values, right: v } = Singular::of(&matrix)?;
         // The largest come first.
         let place = |k: usize| size - 1 - k;
         let left = DMatrix::from_fn(size, count, |i, k| u[(i, place(k))].conj() * rows[i]);
         let right = DMatrix::from_fn(size, count, |j, k| v[(j, place(k))] * columns[j]);
-        let second = if count < size { values[place(count)].re } else { f64::INFINITY };
-        Some(Null { near, left, right, norm: values[0].re, second })
+        let second = if count < size { values[place(count)] } else { f64::INFINITY };
+        Some(Null { near, left, right, norm: values[0], second })
     }
 }
 
@@ -87,16 +85,6 @@ fn balance(matrix: &mut DMatrix<C>) -> [Vec<f64>; 2] {
         }
     }
     [rows, columns]
-}
-
-/// Singular values of a square matrix, the largest first.
-pub(super) fn singular_values(matrix: &DMatrix<C>) -> Option<Vec<f64>> {
-    let finite = |entry: &C| entry.re.is_finite() && entry.im.is_finite();
-    if matrix.iter().all(finite) { of_faer(matrix).singular_values().ok() } else { None }
-}
-
-fn of_faer(matrix: &DMatrix<C>) -> Mat<C> {
-    MatRef::from_column_major_slice(matrix.as_slice(), matrix.nrows(), matrix.ncols()).to_owned()
 }
 
 #[cfg(test)]

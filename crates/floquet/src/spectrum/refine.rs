@@ -9,7 +9,8 @@ use smallvec::{SmallVec, smallvec};
 use vibrochain_lattice::{Coordinates, Turned};
 
 use super::function::{Pole, SpectralFunction};
-use super::null::{Null, singular_values};
+use super::null::Null;
+use crate::singular::Singular;
 use crate::zeros::modulus;
 
 type C = Complex<f64>;
@@ -105,7 +106,7 @@ impl SpectralFunction<'_> {
             let off = 16.0 * f64::EPSILON * null.norm;
             let error = error.sqrt() + count as f64 * off * off / null.second;
             let definite = self.is_definite(z, &null, &slopes, slope_error.sqrt());
-            let least = singular_values(&slopes)?.into_iter().fold(f64::INFINITY, f64::min) - slope_error.sqrt();
+            let least = Singular::of(&slopes)?.least() - slope_error.sqrt();
             if least.is_nan() || least <= 0.0 {
                 return None;
             }
