@@ -142,7 +142,7 @@ mod tests {
         // The quadruple turned real, and a pair at −1 that rounding split: one ν for each pair.
         let real = [1.5, 2.0 / 3.0, 1.25, 0.8, -1.0 - 1e-9, -1.0 + 1e-9].map(|value| Complex::new(value, 0.0));
         let mut nus: Vec<f64> = super::half_sums(&real, false).iter().map(|nu| nu.re).collect();
-        nus.sort_by(f64::total_cmp);
+        nus.sort_unstable_by(f64::total_cmp);
         let expected = [-1.0, 1.025, 0.5 * (1.5 + 1.0 / 1.5)];
         assert!(
             nus.len() == 3 && nus.iter().zip(expected).all(|(nu, expected)| (nu - expected).abs() < 1e-15),

@@ -183,7 +183,7 @@ impl<E: Ends> Follower<E> {
         let gap = |place: &Place| {
             let mut real: Vec<f64> =
                 place.sums.iter().filter(|nu| nu.im.abs() <= SPLIT && nu.re.abs() < 1.0).map(|nu| nu.re).collect();
-            real.sort_by(f64::total_cmp);
+            real.sort_unstable_by(f64::total_cmp);
             Some((real.get(first + 1)? - real.get(first)?).powi(2))
         };
         let inside = |place: &Place| place.off_circle() > from.off_circle();

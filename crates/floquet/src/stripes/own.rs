@@ -124,7 +124,7 @@ fn parts(form: &Form) -> Vec<Part> {
         let rest = edge.rem_euclid(omega);
         rest.min(omega - rest)
     }));
-    cuts.sort_by(f64::total_cmp);
+    cuts.sort_unstable_by(f64::total_cmp);
     let mut parts = Vec::new();
     for pair in cuts.windows(2) {
         let &[from, to] = pair else { continue };

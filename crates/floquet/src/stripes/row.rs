@@ -160,7 +160,7 @@ impl StripeFinder {
         };
         let values: Vec<f64> = values.filter(|value| from < *value && *value < to).collect();
         let mut all: Vec<f64> = places.iter().map(|(at, _)| *at).chain(values.iter().copied()).collect();
-        all.sort_by(f64::total_cmp);
+        all.sort_unstable_by(f64::total_cmp);
         for ends in all.windows(2) {
             let [low, high] = ends else { continue };
             if low < high && values.iter().any(|value| value == low || value == high) {
