@@ -81,7 +81,7 @@ impl ImpulseResponse {
         if (0.0..=self.period).contains(&t) { t } else { t.rem_euclid(self.period) }
     }
 
-    /// Σ weight·shape/(Ω_k² − w²) for each list of shapes ([`Shapes::evens`] of site n about site i) and w of `frequencies`: how far a
+    /// Σ weight·shape/(Ω_k² − w²) for each list of shapes ([`Shapes::evens`](crate::Shapes::evens) of site n about site i) and w of `frequencies`: how far a
     /// force cos wt at site i makes site n swing. Infinite where w meets a mode.
     pub fn driven<const N: usize, const J: usize>(
         &self,

@@ -30,7 +30,7 @@ impl ImpulseResponse {
     }
 
     /// The same of any sum of kernels between sites, given by what each mode has of it beside its weight: Σ φ_k(i)φ_k(j) as
-    /// [`Shapes::evens`] tells it. With no shapes at all each mode has 1.
+    /// [`Shapes::evens`](crate::Shapes::evens) tells it. With no shapes at all each mode has 1.
     pub fn jet_of(&self, shapes: &[f64], offset: f64) -> KernelJet {
         let by_fours = self.modes <= FEW && self.top * offset.abs() <= MOST;
         if by_fours { self.jet_by_fours(shapes, offset) } else { self.jet_one_by_one(shapes, offset) }

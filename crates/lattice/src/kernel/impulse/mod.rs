@@ -90,7 +90,7 @@ impl ImpulseResponse {
     ///
     /// # Errors
     /// [`Resonance`] when a harmonic of `omega` meets a mode to within rounding
-    /// ([`RESONANCE_TOLERANCE`], relative).
+    /// ([`RESONANCE_TOLERANCE`](crate::RESONANCE_TOLERANCE), relative).
     pub fn new(spectrum: &Spectrum, omega: f64) -> Result<Self, Resonance> {
         let mut response = Self::vacant(spectrum.chain());
         response.reset(spectrum, omega)?;
