@@ -272,8 +272,6 @@ fn a_quadruple_that_turns_real_is_passed() {
     assert!(answer.located.is_empty(), "{:?}", answer.located);
 }
 
-/// Where a branch shrinks towards a resonance, or both impulses of a doubled orbit vanish, it is as small as the last steps of
-/// Newton's method elsewhere, and as rounding of its eigenvalues.
 /// An impulse that vanishes damps nothing: all pairs of multipliers that feel it meet the circle together, from inside before and to the outside
 /// behind. That is the grazing, and no crossing of any of them.
 #[test]
@@ -315,6 +313,8 @@ fn where_an_impulse_vanishes_no_pair_is_told_to_cross() {
     assert!(met >= 5 && most >= 4, "{met} {most}");
 }
 
+/// Where a branch shrinks towards a resonance, or both impulses of a doubled orbit vanish, it is as small as the last steps of
+/// Newton's method elsewhere, and as rounding of its eigenvalues.
 #[test]
 fn nothing_is_claimed_of_what_is_no_orbit_or_no_crossing() {
     let forced = |sites, gamma: (f64, f64), omega, asymmetry, force: (f64, f64)| {

@@ -107,8 +107,7 @@ pub(crate) fn plan(line: &[OsString], work: f64) -> Plan {
             let impacts = fastest * model.period();
             of(sites * periods * (windows(&model, true) + sampled + sites * impacts), Plan::Stopped)
         }
-        // What is there is read, nothing is computed; pictures take longer.
-        // The same.
+        // It reads a table and computes nothing; its picture takes longer.
         Ok(Command::Draw(_)) => Plan::Stopped,
         Ok(Command::Merge(args)) => {
             let PictureArgs { png, svg, pdf, .. } = &args.pictures;
