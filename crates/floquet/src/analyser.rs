@@ -12,15 +12,16 @@
 //! Every answer names its path, see [`Method`].
 
 use nalgebra::Complex;
-use vibrochain_breather::{BreatherError, Finder, Orbit};
+use vibrochain_breather::{BlochEquations, BreatherError, Finder, Orbit};
 
 use crate::all_multipliers::{Multipliers, Spared};
 use crate::aside::aside;
 use crate::error::FloquetError;
-use crate::map_paths::{ForcedSecular, LARGE, MOST_IMPACTS, Pair, Partners, Secular};
+use crate::map_paths::{ForcedSecular, Pair, Partners, Secular};
 use crate::reference::dense::{Dense, is_reduced, uncoupled};
 use crate::reference::monodromy::MAX_DIMENSION;
-use crate::spectrum::{BEYOND, spectrum};
+use crate::sizes::{LARGE, MOST_DENSE, is_affordable, most_modes};
+use crate::spectrum::{BEYOND, is_surely_beyond, spectrum};
 use crate::symmetry::{breaks_symmetry, is_symmetric};
 use crate::verdict::{Mechanism, Method, Question, Tolerance, Verdict};
 use crate::zeros::SecularError;
@@ -120,13 +121,11 @@ impl Analyser {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn surely_exceeds(&mut self, orbit: &Orbit, finder: &mut Finder, reach: f64) -> Result<bool, FloquetError> {
-        let asked = !self.dense_only
-            && !orbit.model().is_conservative()
-            && orbit.impact_site().is_some()
-            && !uncoupled(orbit)
-            && orbit.impacts().len() <= MOST_IMPACTS;
-        let beyond = asked && self.forced.is_beyond(finder.prepared(orbit)?, BEYOND * reach);
-        Ok(beyond && !finder.is_delicate(orbit)?)
+        if self.dense_only || orbit.model().is_conservative() || !is_affordable(orbit) {
+            return Ok(false);
+        }
+        let (equations, _) = BlochEquations::of(orbit, finder.prepared(orbit)?.response());
+        Ok(is_surely_beyond(&equations, BEYOND * reach) && !finder.is_delicate(orbit)?)
     }
 
     /// The verdict, with its error, and all multipliers.
@@ -235,7 +234,7 @@ impl Analyser {
             None => {}
         }
         let is_asked = orbit.impact_site().is_none() || doubt.is_some() && orbit.is_reversible();
-        let by_eigenvalues = !thorough && is_asked && chain.sites() <= QUICK_AS_MATRIX;
+        let by_eigenvalues = !thorough && is_asked && chain.sites() <= LARGE;
         if by_eigenvalues {
             let answer = self.by_matrix(question, finder, doubt)?;
             if !answer.0.marginal {
@@ -250,13 +249,13 @@ impl Analyser {
             }
             None => {
                 let impacts = orbit.impacts().len();
-                let limit = (MOST_WORK.sqrt() / (2 * impacts) as f64) as usize;
+                let limit = most_modes(impacts);
                 return Err(FloquetError::TooManyModes { masses: chain.sites(), impacts, limit });
             }
         };
         let dimension = 2 * chain.sites();
         match told {
-            Ok(answer) if answer.verdict.marginal && dimension <= MOST_DOUBTED => {
+            Ok(answer) if answer.verdict.marginal && dimension <= 2 * LARGE => {
                 let is_clear = |verdict: &Verdict| !verdict.marginal;
                 // Neither is asked twice.
                 let path = if screened { None } else { self.by_map_path(question, finder) };
@@ -321,34 +320,11 @@ impl Analyser {
     }
 }
 
-/// Masses beyond which all multipliers, or the verdict on a word of several sites, may take a tenth of a second.
-const QUICK: usize = 256;
-
 /// What may take longer than a look at a request to stop may be away.
 fn takes_long(Question { orbit, thorough, .. }: Question<'_>) -> bool {
     let chain = orbit.model().chain();
-    chain.sites() > QUICK && (thorough || orbit.impact_site().is_none() || !chain.is_kept())
+    chain.sites() > LARGE && (thorough || orbit.impact_site().is_none() || !chain.is_kept())
 }
-
-/// Masses up to which a verdict alone costs less by the eigenvalues of a matrix than by all zeros of a determinant: 0.06 ms against 2 ms for
-/// three sites of 21 masses. Ten times as many would take seconds.
-const QUICK_AS_MATRIX: usize = 200;
-
-/// Entries of J(z) times pairs of modes that all zeros of a determinant may cost: some three seconds.
-const MOST_WORK: f64 = 1e8;
-
-/// Dimension of a matrix that answers for a word of which that is too much: seconds, too.
-const MOST_DENSE: usize = 2000;
-
-/// Whether all zeros of an orbit's determinant are worked out.
-pub(crate) fn is_affordable(orbit: &Orbit) -> bool {
-    let chain = orbit.model().chain();
-    let modes = if orbit.centre().is_some() { chain.even_modes() } else { chain.sites() };
-    modes as f64 * (2 * orbit.impacts().len()) as f64 <= MOST_WORK.sqrt()
-}
-
-/// Dimension of a matrix that is set up once more for what all zeros leave open: seconds.
-const MOST_DOUBTED: usize = 600;
 
 /// Multipliers and verdict of an orbit: the one-shot form of [`Analyser::stability`].
 ///

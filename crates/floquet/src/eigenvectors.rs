@@ -9,10 +9,10 @@ use vibrochain_lattice::{Shapes, Spectrum, Stop};
 use crate::analyser::{Analyser, Failure};
 use crate::aside::aside;
 use crate::error::FloquetError;
-use crate::map_paths::ModalShape;
 use crate::multipliers::sort_multipliers;
 use crate::reference::dense::uncoupled;
 use crate::reference::monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
+use crate::spectrum::ModalShape;
 use crate::zeros::SecularError;
 
 /// A multiplier and its perturbation just before the first impact.

@@ -63,6 +63,7 @@ mod saltation;
 #[cfg(feature = "serde")]
 mod serde_impl;
 mod singular;
+mod sizes;
 mod spectrum;
 mod stripes;
 mod structures;
@@ -83,7 +84,7 @@ pub use locate::{
     Located, Origin, Search, Station, Unresolved, diagram, diagram_until, is_physical_about, locate, locate_until,
 };
 pub use map_paths::{
-    ForcedSecular, ModalShape, ModeLabels, Reason, Residues, Secular, SecularMultipliers, SecularVerdict, Standing,
+    ForcedSecular, ModeLabels, Reason, Residues, Secular, SecularMultipliers, SecularVerdict, Standing,
     multiplier_modes,
 };
 pub use multipliers::{felt_modes, odd_multipliers, sort_multipliers};
@@ -94,7 +95,7 @@ pub use reference::monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
 pub use saltation::{Saltation, saltations};
 
 pub use reference::square::Square;
-pub use spectrum::ImpactSpectrum;
+pub use spectrum::{ImpactSpectrum, ModalShape};
 pub use stripes::{
     Collision, DressedModes, NoStripe, OrderFinder, OwnMode, Passing, Signature, SignatureOrder, Stripe, StripeEnd,
     StripeFinder, StripeLine, StripeRow, bare_signature, passings, signature,

@@ -13,7 +13,7 @@
 //! G = Σ_k b_k² (σL_k − 1)/(σ² − 2c_kσ + 1),     L_k = [[c, s/Ω], [−sΩ, c]],  c = cos Ω_kT/2,  s = sin Ω_kT/2.
 //! ```
 //!
-//! (That is the determinant of K̂, see `map_paths::one_contact::impact_matrix`, for half the period and one impact; at real z the sums are real.)
+//! (That is the determinant of J(z) for half the period and one impact; at real z the sums are real.)
 //! All denominators are positive, and so is the determinant far to the right: it is negative just below √μ if √μ, and not −√μ,
 //! is the leading σ.
 

@@ -5,11 +5,11 @@ use nalgebra::Complex;
 use vibrochain_breather::{BlochEquations, Finder, Sketch};
 use vibrochain_lattice::Model;
 
-use crate::analyser::{Analyser, Failure, is_affordable};
+use crate::analyser::{Analyser, Failure};
 use crate::error::FloquetError;
-use crate::map_paths::{LARGE, Leading, SecularVerdict, Standing};
-use crate::reference::dense::WORTH_A_MATRIX;
+use crate::map_paths::{Leading, SecularVerdict, Standing};
 use crate::saltation::saltations;
+use crate::sizes::{LARGE, MOST_DENSE, is_affordable, most_refined};
 use crate::spectrum::{SpectralFunction, origins};
 use crate::verdict::{Mechanism, Question, Tolerance, Verdict};
 use crate::zeros::{SecularError, excess};
@@ -20,11 +20,6 @@ const WORST: f64 = 1e-10;
 
 /// As [`WORST`], for a sweep, whose cells are not worth as much.
 const WORST_OF_SWEEP: f64 = 1e-9;
-
-/// Multipliers that are refined one by one before the rest is left with the errors it has, and how many times the modes these may be in all:
-/// each takes a few passes over the modes, and ten times as many would be ten seconds for 10⁶ masses.
-const MOST_REFINED: usize = 256;
-const MOST_PASSES: usize = 2_000_000;
 
 /// Room for what estimated errors leave out where an answer hangs on them.
 const ROOM: f64 = 4.0;
@@ -77,7 +72,7 @@ impl Analyser {
         let (equations, _) = BlochEquations::of(orbit, finder.prepared(orbit)?.response());
         let data = condition.map_or(Vec::new(), |condition| origins(&equations, &condition));
         let function = SpectralFunction::new(&equations, true);
-        let refined_at_most = MOST_REFINED.min(MOST_PASSES / orbit.model().chain().even_modes());
+        let refined_at_most = most_refined(orbit.model().chain().even_modes());
         let mut leading: Option<(Complex<f64>, f64)> = None;
         // How far outside one may be that could not be refined.
         let mut unrefined: f64 = 0.0;
@@ -154,11 +149,11 @@ impl Analyser {
             return Err(SecularError::Tangency.into());
         }
         self.forced.solve(finder.prepared(orbit)?)?;
-        if careful {
-            let condition = finder.condition(orbit)?;
-            self.forced.add_errors_of(finder.prepared(orbit)?, &condition)?;
+        let condition = if careful { Some(finder.condition(orbit)?) } else { None };
+        if let Some(condition) = &condition {
+            self.forced.add_errors_of(finder.prepared(orbit)?, condition)?;
         }
-        let leading = self.forced.leading(finder.prepared(orbit)?);
+        let leading = self.forced.leading(finder.prepared(orbit)?, condition.as_ref());
         let Some(Leading { place, growth, error }) = leading else { return Err(SecularError::NotReversible.into()) };
         check(growth, error, question)?;
         let leading = self.forced.multipliers().0.get(place).copied().unwrap_or(Complex::new(1.0, 0.0));
@@ -214,5 +209,5 @@ pub(crate) fn check(growth: f64, error: f64, question: Question<'_>) -> Result<(
 
 /// Not a number is not.
 fn is_precise(growth: f64, error: f64, modes: usize, worst: f64) -> bool {
-    modes > WORTH_A_MATRIX || error <= worst * (2.0 + growth)
+    2 * modes > MOST_DENSE || error <= worst * (2.0 + growth)
 }

@@ -19,12 +19,9 @@ mod modes;
 pub(crate) mod one_contact;
 pub(crate) mod reversible;
 
-pub(crate) use fast_sums::LARGE;
 pub use labels::{ModeLabels, multiplier_modes};
 pub(crate) use modes::{Mode, Modes, by_frequency, sort_felt};
-pub(crate) use one_contact::multipliers::MOST_IMPACTS;
 pub use one_contact::multipliers::SecularMultipliers;
-pub use one_contact::shapes::ModalShape;
 pub use one_contact::verdict::ForcedSecular;
 pub(crate) use one_contact::verdict::Leading;
 pub(crate) use reversible::mirror_pair::{Pair, Partners};

@@ -7,7 +7,7 @@ use wide::f64x4;
 
 use vibrochain_breather::lanes::{FOUR, LANES, Lane, ONE, TWO, all, four};
 
-use crate::map_paths::fast_sums::LARGE_REVERSIBLE;
+use crate::sizes::LARGE;
 
 /// One mode of the even subspace; four of them as `Mode<Lane>` or `Mode<f64x4>`.
 #[derive(Debug, Clone, Copy)]
@@ -85,7 +85,7 @@ impl Modes {
         self.make_list();
     }
 
-    /// The same, of no more than [`LARGE_REVERSIBLE`] modes in groups of four alone, until they are listed.
+    /// The same, of no more than [`LARGE`] modes in groups of four alone, until they are listed.
     pub(crate) fn set_in_fours(&mut self, response: &ImpulseResponse) {
         let half = 0.5 * response.period();
         let fours = response.swings_in_fours().map(
@@ -97,7 +97,7 @@ impl Modes {
         );
         self.clear();
         let count = response.modes();
-        if count > LARGE_REVERSIBLE {
+        if count > LARGE {
             self.groups.clear();
             self.list.resize(count, PAD);
             for (some, four) in self.list.chunks_mut(LANES).zip(fours) {
@@ -200,11 +200,11 @@ impl Modes {
         part < SPARED
     }
 
-    /// Of more than [`LARGE_REVERSIBLE`] modes only parts are taken four at a time, see [`Modes::gather`]: groups of all of them would be as many
+    /// Of more than [`LARGE`] modes only parts are taken four at a time, see [`Modes::gather`]: groups of all of them would be as many
     /// bytes again.
     fn group_few(&mut self) {
         self.groups.clear();
-        if self.list.len() <= LARGE_REVERSIBLE {
+        if self.list.len() <= LARGE {
             self.group();
         }
     }
@@ -237,7 +237,7 @@ impl Modes {
         self.list[k]
     }
 
-    /// All of them, four at a time; of a whole lattice none if there are more than [`LARGE_REVERSIBLE`].
+    /// All of them, four at a time; of a whole lattice none if there are more than [`LARGE`].
     #[inline(always)]
     pub(crate) fn groups(&self) -> &[Mode<Lane>] {
         debug_assert_eq!(self.groups.len(), self.count().div_ceil(4), "modes that were left out of the groups");

@@ -151,9 +151,6 @@ impl Dense {
     }
 }
 
-/// Number of modes beyond which no matrix is set up for a few digits more: it would take minutes.
-pub(crate) const WORTH_A_MATRIX: usize = 1000;
-
 /// Matrices are those of the modes that feel the impacts.
 pub(crate) fn is_reduced(orbit: &Orbit) -> bool {
     orbit.centre().is_some() || orbit.impact_site().is_some() && !orbit.model().is_conservative()

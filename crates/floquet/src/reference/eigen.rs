@@ -8,13 +8,11 @@ use vibrochain_lattice::Stop;
 use crate::aside::aside;
 use crate::error::FloquetError;
 use crate::reference::square::Square;
+use crate::sizes::LARGE;
 
 /// Up to this dimension nalgebra's unblocked QR is the faster one, beyond it faer's blocked one (measured by
 /// `cargo bench --bench spectrum`).
 const SMALL: usize = 42;
-
-/// Beyond this dimension eigenvalues may take a tenth of a second.
-const QUICK: usize = 256;
 
 /// QR sweeps per eigenvalue after which nalgebra is told to give up; a handful is usual.
 const SWEEPS: usize = 60;
@@ -45,7 +43,7 @@ pub(crate) fn eigenvalues_until(
     values: &mut Vec<Complex<f64>>,
     stop: &Stop,
 ) -> Result<(), FloquetError> {
-    if matrix.size() <= QUICK {
+    if matrix.size() <= LARGE {
         return eigenvalues_here(matrix, values);
     }
     let matrix = matrix.clone();

@@ -11,7 +11,7 @@ use crate::zeros::modulus;
 
 /// Relative errors of the determinant up to this, as far as they are told by its condition, leave no doubt about its sign: what entries
 /// lose where their own terms cancel, far from the poles a digit or two, has room.
-pub(crate) const SURE: f64 = 1e-7;
+const SURE: f64 = 1e-7;
 
 /// How far beyond a spectral radius another is looked for that is surely larger: no poles are near there, and no verdict's error is as
 /// large.
@@ -37,13 +37,15 @@ pub(crate) fn is_surely_beyond(equations: &BlochEquations, reach: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use nalgebra::Complex;
-    use vibrochain_breather::LinearImpact;
-    use vibrochain_lattice::BlochKernel;
+    use vibrochain_breather::{Family, Finder, Found, LinearImpact};
+    use vibrochain_lattice::{BlochKernel, Chain, Model};
     use vibrochain_testkit::Random;
 
     use super::super::random_equations;
     use super::super::solve::zeros;
     use super::*;
+    use crate::analyser::Analyser;
+    use crate::verdict::Tolerance;
 
     /// Modes below, at, little and far above critical damping: J at a real point and its determinant are those of complex numbers.
     #[test]
@@ -103,5 +105,45 @@ mod tests {
             }
         }
         assert!(yes > 300 && turned > 50 && no > 300 && 20 * missed < yes, "{yes} {turned} {no} {missed}");
+    }
+
+    /// Against the eigenvalues of a matrix.
+    #[test]
+    fn orbits_of_a_chain_that_are_surely_beyond_have_such_an_eigenvalue() {
+        let mut random = Random(31);
+        let (mut finder, mut found) = (Finder::new(1), Found::default());
+        let (mut analyser, mut dense) = (Analyser::default(), Analyser::dense());
+        let (mut yes, mut no, mut missed, mut turned) = (0, 0, 0, 0);
+        for _ in 0..400 {
+            let sites = random.of(&[2, 3, 6, 11, 21]);
+            let chain = Chain::new(sites, 0.2, random.of(&[1e-4, 0.1, 0.3]) * random.between(0.1, 1.0)).unwrap();
+            let (asymmetry, e) = (random.between(0.0, 0.8), random.of(&[1.0, 0.99, 0.9, 0.6]));
+            let model =
+                Model::forced(chain, random.between(0.4, 3.0), asymmetry, random.between(0.02, 0.3), e).unwrap();
+            for family in [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled] {
+                if finder.find(&model, family, &mut found).is_err() {
+                    continue;
+                }
+                for orbit in &found.orbits {
+                    let Ok(stability) = dense.stability(orbit, &mut finder, Tolerance::Rounding) else { continue };
+                    let real = || stability.multipliers.iter().filter(|mu| mu.im == 0.0).map(|mu| mu.re);
+                    for reach in [1.0, 1.3, stability.verdict.spectral_radius.max(1.0)] {
+                        let told = analyser.surely_exceeds(orbit, &mut finder, reach).unwrap();
+                        let beyond = |by: f64, sign: f64| real().filter(|mu| sign * mu > by * reach).count();
+                        assert!(!told || beyond(1.04, 1.0) + beyond(1.04, -1.0) > 0, "{model:?} {family:?} {reach}");
+                        let odd = |sign: f64| beyond(1.04, sign) == beyond(1.06, sign) && beyond(1.05, sign) % 2 == 1;
+                        if told {
+                            yes += 1;
+                            turned += usize::from(beyond(1.04, 1.0) == 0);
+                        } else if odd(1.0) || odd(-1.0) {
+                            missed += 1;
+                        } else {
+                            no += 1;
+                        }
+                    }
+                }
+            }
+        }
+        assert!(yes > 300 && turned > 30 && no > 300 && 20 * missed < yes, "{yes} {turned} {no} {missed}");
     }
 }

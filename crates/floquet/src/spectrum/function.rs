@@ -14,6 +14,7 @@ use std::borrow::Cow;
 use nalgebra::{Complex, DMatrix};
 use smallvec::SmallVec;
 use vibrochain_breather::{BlochEquations, Shift};
+use vibrochain_lattice::Coordinates;
 
 use crate::zeros::{Meromorphic, Value, modulus};
 
@@ -127,13 +128,17 @@ impl<'a> SpectralFunction<'a> {
             for (i, row) in rows.iter().enumerate() {
                 let moved = mode.coordinates.seen(*row, mode.generator());
                 for (j, column) in columns.iter().enumerate() {
+                    let reach = match mode.coordinates {
+                        Coordinates::Shared(_) => row_sizes[from + i] * column_sizes[from + j],
+                        Coordinates::Apart => mode.coordinates.reach(*row, *column),
+                    };
                     if shift.as_ref().is_some_and(|shift| i == shift.place || j == shift.place) {
                         continue;
                     }
                     let earlier = since[i / 2] > since[j / 2];
                     let (form, sign) = if earlier { (0, 1.0) } else { (1, -1.0) };
                     let Constant { errors, slides } = &mut constants[form];
-                    errors[i * size + j] += 2.0 * error * mode.coordinates.reach(*row, *column);
+                    errors[i * size + j] += 2.0 * error * reach;
                     if i / 2 != j / 2 {
                         slides[i * size + j] += sign * (moved[0] * column[0] + moved[1] * column[1]);
                     }
@@ -188,7 +193,7 @@ impl<'a> SpectralFunction<'a> {
     }
 
     /// J(z) bordered by the poles `near`, by rows of `size` + the number of these.
-    pub(super) fn bordered(&self, z: C, near: &[Pole]) -> DMatrix<C> {
+    pub(super) fn bordered(&self, z: C, near: &[Pole]) -> Vec<C> {
         let size = self.equations.size();
         let apart: Vec<usize> = near.iter().map(|pole| pole.mode).collect();
         let mut entries = Vec::new();
@@ -204,12 +209,13 @@ impl<'a> SpectralFunction<'a> {
                 }
             }
         }
+        if near.is_empty() {
+            return entries;
+        }
         let all = size + near.len();
-        let mut matrix = DMatrix::zeros(all, all);
-        for i in 0..size {
-            for j in 0..size {
-                matrix[(i, j)] = entries[i * size + j];
-            }
+        let mut matrix = vec![C::default(); all * all];
+        for (row, entries) in matrix.chunks_exact_mut(all).zip(entries.chunks_exact(size)) {
+            row[..size].copy_from_slice(entries);
         }
         for (place, pole) in near.iter().enumerate() {
             let border = size + place;
@@ -220,21 +226,21 @@ impl<'a> SpectralFunction<'a> {
                 for (i, (row, column)) in
                     self.equations.rows(pole.mode).iter().zip(self.equations.columns(pole.mode)).enumerate()
                 {
-                    matrix[(i, border)] = C::new(row[pole.which], 0.0);
-                    matrix[(border, i)] = C::new(-own * column[pole.which] - other * column[1], 0.0);
+                    matrix[i * all + border] = C::new(row[pole.which], 0.0);
+                    matrix[border * all + i] = C::new(-own * column[pole.which] - other * column[1], 0.0);
                 }
-                matrix[(border, border)] = z - own;
+                matrix[border * all + border] = z - own;
                 if pole.which == 0 {
-                    matrix[(border, border + 1)] = C::new(-other, 0.0);
+                    matrix[border * all + border + 1] = C::new(-other, 0.0);
                 }
                 continue;
             }
             let [a, c] = self.dyad(pole);
             for i in 0..size {
-                matrix[(i, border)] = a[i];
-                matrix[(border, i)] = -pole.value * c[i];
+                matrix[i * all + border] = a[i];
+                matrix[border * all + i] = -pole.value * c[i];
             }
-            matrix[(border, border)] = z - pole.value;
+            matrix[border * all + border] = z - pole.value;
         }
         matrix
     }

@@ -13,6 +13,7 @@
 //! | `solve` | all of them, counted |
 //! | `leading` | those that lead alone, for a verdict |
 //! | `beyond` | whether one is surely beyond some modulus, by a sign |
+//! | `shape` | [`ModalShape`]: the perturbation that belongs to a multiplier |
 //! | `multipliers` | [`ImpactSpectrum`]: the multipliers of impacts on any linear structure |
 //! | `verdict` | stable or not |
 
@@ -22,14 +23,16 @@ mod leading;
 mod multipliers;
 mod null;
 mod refine;
+mod shape;
 mod solve;
 mod starts;
 mod verdict;
 
-pub(crate) use beyond::{BEYOND, SURE, is_surely_beyond};
+pub(crate) use beyond::{BEYOND, is_surely_beyond};
 pub(crate) use function::SpectralFunction;
 pub use multipliers::ImpactSpectrum;
-pub(crate) use refine::Origin;
+pub(crate) use refine::{Origin, Refined};
+pub use shape::ModalShape;
 pub(crate) use verdict::{origins, spectrum, told, verdict};
 
 /// Equations of one impact to three at one contact or two, over modes damped up to `most` times critically; some die within a period.

@@ -3,6 +3,7 @@
 //! One on either side comes from elimination with full pivots, several from singular vectors.
 
 use nalgebra::{Complex, DMatrix};
+use smallvec::{SmallVec, smallvec};
 
 use super::function::{Pole, SpectralFunction};
 use crate::linear::{Factors, Pivots, eliminate};
@@ -23,6 +24,8 @@ pub(super) struct Null {
     pub(super) norm: f64,
     /// The least singular value or pivot that is not taken for 0, on the same scale.
     pub(super) second: f64,
+    /// The largest one that is taken for 0, as a part of the largest entry or value.
+    pub(super) defect: f64,
 }
 
 impl SpectralFunction<'_> {
@@ -30,18 +33,18 @@ impl SpectralFunction<'_> {
     pub(super) fn null(&self, z: C, count: usize) -> Option<Null> {
         let near = self.near(z);
         let mut matrix = self.bordered(z, &near);
-        let size = matrix.nrows();
+        let size = matrix.len().isqrt();
         let finite = |entry: &C| entry.re.is_finite() && entry.im.is_finite();
         if count > size || !matrix.iter().all(finite) {
             return None;
         }
-        let [rows, columns] = balance(&mut matrix);
+        let [rows, columns] = balance(&mut matrix, size);
         if count == 1 && size > 1 {
-            // By rows, as elimination has them.
-            let mut entries: Vec<C> = matrix.transpose().as_slice().to_vec();
+            let mut entries = matrix;
             let largest = entries.iter().map(|entry| entry.norm_sqr()).fold(0.0, f64::max).sqrt();
             let order = eliminate(&mut entries, size, Pivots::Full)?;
-            let second = modulus(entries[(size - 2) * (size + 1)]);
+            let pivot = |i: usize| modulus(entries[i * (size + 1)]);
+            let (second, defect) = (pivot(size - 2), pivot(size - 1) / largest);
             let [x, y] = Factors::null_vectors(&entries, size);
             let length = |v: &[C]| v.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
             let scale = length(&x) * length(&y);
@@ -50,41 +53,43 @@ impl SpectralFunction<'_> {
                 left[order.rows[i]] = x[i] * rows[order.rows[i]];
                 right[order.columns[i]] = y[i] * columns[order.columns[i]];
             }
-            return Some(Null { near, left, right, norm: largest * size as f64 * scale, second: second * scale });
+            let norm = largest * size as f64 * scale;
+            return Some(Null { near, left, right, norm, second: second * scale, defect });
         }
-        let Singular { left: u, values, right: v } = Singular::of(&matrix)?;
+        let Singular { left: u, values, right: v } = Singular::of(&DMatrix::from_row_slice(size, size, &matrix))?;
         // The largest come first.
         let place = |k: usize| size - 1 - k;
         let left = DMatrix::from_fn(size, count, |i, k| u[(i, place(k))].conj() * rows[i]);
         let right = DMatrix::from_fn(size, count, |j, k| v[(j, place(k))] * columns[j]);
         let second = if count < size { values[place(count)] } else { f64::INFINITY };
-        Some(Null { near, left, right, norm: values[0], second })
+        Some(Null { near, left, right, norm: values[0], second, defect: values[place(count - 1)] / values[0] })
     }
 }
 
 /// Rows and columns multiplied so that they are alike in size; by what they were.
-fn balance(matrix: &mut DMatrix<C>) -> [Vec<f64>; 2] {
-    let size = matrix.nrows();
-    let (mut rows, mut columns) = (vec![1.0; size], vec![1.0; size]);
+fn balance(matrix: &mut [C], size: usize) -> [SmallVec<[f64; 8]>; 2] {
+    let mut by: [SmallVec<[f64; 8]>; 2] = [(); 2].map(|()| smallvec![1.0; size]);
+    let [rows, columns] = &mut by;
+    // Within a factor of √2 the modulus.
+    let length = |entry: &C| entry.re.abs() + entry.im.abs();
     for _ in 0..BALANCE {
-        for i in 0..size {
-            let largest = matrix.row(i).iter().map(|entry| modulus(*entry)).fold(0.0, f64::max);
-            let by = largest.sqrt().recip();
+        for (row, scale) in matrix.chunks_exact_mut(size).zip(&mut *rows) {
+            let by = row.iter().map(length).fold(0.0, f64::max).sqrt().recip();
             if by.is_normal() {
-                rows[i] *= by;
-                matrix.row_mut(i).iter_mut().for_each(|entry| *entry *= by);
+                *scale *= by;
+                row.iter_mut().for_each(|entry| *entry *= by);
             }
         }
-        for j in 0..size {
-            let largest = matrix.column(j).iter().map(|entry| modulus(*entry)).fold(0.0, f64::max);
-            let by = largest.sqrt().recip();
+        for (j, scale) in columns.iter_mut().enumerate() {
+            let column = || (j..size * size).step_by(size);
+            let by = column().map(|at| length(&matrix[at])).fold(0.0, f64::max).sqrt().recip();
             if by.is_normal() {
-                columns[j] *= by;
-                matrix.column_mut(j).iter_mut().for_each(|entry| *entry *= by);
+                *scale *= by;
+                column().for_each(|at| matrix[at] *= by);
             }
         }
     }
-    [rows, columns]
+    by
 }
 
 #[cfg(test)]
@@ -110,7 +115,8 @@ mod tests {
         for off in [0.0, 1e-12, 1e-9, 1e-6] {
             let z = Complex::new(-2_781.929_653_123_471 + off, 0.0);
             let null = function.null(z, 1).unwrap();
-            let matrix = function.bordered(z, &null.near);
+            let entries = function.bordered(z, &null.near);
+            let matrix = DMatrix::from_row_slice(null.left.nrows(), null.left.nrows(), &entries);
             let size = |x: &DMatrix<C>| x.map(modulus);
             let (left, right) = (null.left.transpose() * &matrix, &matrix * &null.right);
             let (most_left, most_right) =

@@ -119,7 +119,8 @@ impl SpectralFunction<'_> {
         let others = self.simple.iter().filter(|other| !(from..from + count).contains(&other.mode));
         let gap = others.map(|other| modulus(other.value - pole)).fold(modulus(pole), f64::min);
         let size = self.equations.size();
-        let bordered = self.bordered(pole, &own);
+        let all = size + count;
+        let bordered = DMatrix::from_row_slice(all, all, &self.bordered(pole, &own));
         let offsets = || {
             let (apart, a) = (bordered.view((0, 0), (size, size)), bordered.view((0, size), (size, count)));
             let c = bordered.view((size, 0), (count, size));

@@ -4,7 +4,7 @@ use nalgebra::Complex;
 use vibrochain_breather::Prepared;
 use vibrochain_lattice::ImpulseResponse;
 
-use crate::map_paths::ModalShape;
+use crate::spectrum::ModalShape;
 
 /// |form| on an eigenvector of length 1, energies in units of ω, below which its sign is rounding's: the form of a pair that has
 /// met, or left the circle, is 0.

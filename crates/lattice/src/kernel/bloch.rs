@@ -51,10 +51,27 @@ impl BlochMode {
         self.coordinates.flight(self.decay, self.rate, t)
     }
 
+    /// e^{At} and e^{−At}
+    pub fn flights(&self, t: f64) -> [Turned; 2] {
+        let forth = self.flight(t);
+        let turns_alone = self.decay == 0.0 && self.coordinates.are_circular();
+        [forth, if turns_alone { Turned { even: forth.even, odd: -forth.odd } } else { self.flight(-t) }]
+    }
+
     /// A = −δ + κJ
     pub fn generator(&self) -> Turned {
         self.coordinates.generator(self.decay, self.rate)
     }
+}
+
+/// What is known of an undamped mode beside its frequency.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Known {
+    /// Its flight over the period.
+    pub(super) period: Turned,
+    /// Error of its poles, and of its shapes against the largest.
+    pub(super) pole_error: f64,
+    pub(super) shape_error: f64,
 }
 
 /// K^z and its first three derivatives in t, and what they change by with z.
@@ -95,6 +112,12 @@ impl BlochKernel {
     /// A kernel between so many contacts, without modes yet.
     pub fn new(period: f64, contacts: usize) -> Self {
         Self { period, contacts, ..Self::default() }
+    }
+
+    /// The same with room for so many modes.
+    pub(super) fn with_room(period: f64, contacts: usize, modes: usize) -> Self {
+        let [rows, columns] = [(); 2].map(|()| Vec::with_capacity(contacts * modes));
+        Self { period, contacts, modes: Vec::with_capacity(modes), rows, columns }
     }
 
     /// Adds an oscillator q″ + 2ζΩq′ + Ω²q of real shape: `shapes` are w_iᵀφ at the contacts, φᵀMφ = 1. ζ may be anything, below 0,
@@ -139,9 +162,7 @@ impl BlochKernel {
 
     /// The kernel of modes of a structure between some of its contacts.
     pub(crate) fn of_modes(modes: &[LinearMode], period: f64, contacts: &[usize]) -> Self {
-        let (count, all) = (contacts.len(), contacts.len() * modes.len());
-        let (rows, columns) = (Vec::with_capacity(all), Vec::with_capacity(all));
-        let mut kernel = Self { period, contacts: count, modes: Vec::with_capacity(modes.len()), rows, columns };
+        let mut kernel = Self::with_room(period, contacts.len(), modes.len());
         for mode in modes {
             let [rows, columns] =
                 [&mode.rows, &mode.columns].map(|table| contacts.iter().map(|&contact| table[contact]));
@@ -163,18 +184,25 @@ impl BlochKernel {
         let slowest = if turn == Turn::Hyperbolic { rate - decay } else { -decay };
         let pole_error =
             f64::EPSILON * (2.0 + 2.0 * (decay.abs() + rate) * self.period) * (slowest * self.period).exp();
-        self.modes.push(BlochMode { coordinates, decay, rate, period, pole_error, shape_error: 4.0 * f64::EPSILON });
-        for (row, column) in rows.zip(columns).take(self.contacts) {
-            let [row, column] = coordinates.told(row, column);
-            self.rows.push(row);
-            self.columns.push(column);
-        }
+        let mode = BlochMode { coordinates, decay, rate, period, pole_error, shape_error: 4.0 * f64::EPSILON };
+        self.add(mode, rows, columns);
     }
 
-    /// Replaces what the last mode does in a period, and its errors, where they are known better.
-    pub(super) fn know(&mut self, period: Turned, pole_error: f64, shape_error: f64) {
-        if let Some(mode) = self.modes.last_mut() {
-            *mode = BlochMode { period, pole_error, shape_error, ..*mode };
+    /// Adds a mode without damping whose flight over the period, and whose errors, are known better than from its frequency.
+    pub(super) fn push_known(&mut self, frequency: f64, known: Known, shapes: &[f64]) {
+        let coordinates = Coordinates::of(Turn::Circular, frequency, self.period);
+        let Known { period, pole_error, shape_error } = known;
+        let mode = BlochMode { coordinates, decay: 0.0, rate: frequency, period, pole_error, shape_error };
+        let columns = shapes.iter().map(|shape| [0.0, shape / frequency]);
+        self.add(mode, shapes.iter().map(|shape| [*shape, 0.0]), columns);
+    }
+
+    fn add(&mut self, mode: BlochMode, rows: impl Iterator<Item = [f64; 2]>, columns: impl Iterator<Item = [f64; 2]>) {
+        self.modes.push(mode);
+        for (row, column) in rows.zip(columns).take(self.contacts) {
+            let [row, column] = mode.coordinates.told(row, column);
+            self.rows.push(row);
+            self.columns.push(column);
         }
     }
 

@@ -97,10 +97,13 @@ impl Coordinates {
     }
 
     /// number·column
-    pub fn given(self, by: Turned, column: [f64; 2]) -> [f64; 2] {
+    pub fn given<T>(self, by: Turned<T>, column: [f64; 2]) -> [T; 2]
+    where
+        T: Copy + Mul<f64, Output = T> + Add<Output = T> + Sub<Output = T>,
+    {
         match self {
             Self::Shared(turn) => {
-                [by.even * column[0] + by.odd * column[1], by.even * column[1] - turn.sign() * by.odd * column[0]]
+                [by.even * column[0] + by.odd * column[1], by.even * column[1] - by.odd * (turn.sign() * column[0])]
             }
             Self::Apart => [by.even * column[0], by.odd * column[1]],
         }

@@ -1,8 +1,10 @@
 //! The modes of a lattice as contacts at some of its masses feel them.
 
+use smallvec::SmallVec;
+
 use crate::kernel::impulse::ImpulseResponse;
 
-use super::bloch::BlochKernel;
+use super::bloch::{BlochKernel, Known};
 use super::turn::Turned;
 
 /// Frequencies this close are equal: each is worked out to 2ε.
@@ -43,8 +45,8 @@ impl BlochKernel {
         let (frequencies, weights) = (&response.frequencies()[..modes], response.weights());
         let mut order: Vec<usize> = (0..modes).collect();
         order.sort_unstable_by(|&a, &b| frequencies[a].total_cmp(&frequencies[b]).then(a.cmp(&b)));
-        let mut kernel = Self::new(response.period(), sites.len());
-        let mut spared = Vec::new();
+        let mut kernel = Self::with_room(response.period(), sites.len(), modes);
+        let mut spared = Vec::with_capacity(modes);
         let mut products = vec![0.0; sites.len() * sites.len()];
         for alike in order.chunk_by(|&low, &high| frequencies[high] - frequencies[low] <= EQUAL * frequencies[high]) {
             let k = alike[0];
@@ -61,11 +63,13 @@ impl BlochKernel {
             let (cos, sin) = (response.cos_half()[k], response.sin_half()[k]);
             let pole_error = f64::EPSILON * (2.0 + 2.0 * frequency * response.period());
             while let Some((shape, square)) = next_factor(&mut products, SPARED * full).filter(|_| left > 0) {
-                kernel.push_oscillator(frequency, 0.0, &shape);
                 if frequency > 0.0 {
                     // From half the phase, out of which the nearest multiple of π was taken exactly.
                     let period = Turned { even: (cos - sin) * (cos + sin), odd: 2.0 * sin * cos };
-                    kernel.know(period, pole_error, 4.0 * f64::EPSILON * (full / square).max(1.0));
+                    let shape_error = 4.0 * f64::EPSILON * (full / square).max(1.0);
+                    kernel.push_known(frequency, Known { period, pole_error, shape_error }, &shape);
+                } else {
+                    kernel.push_oscillator(frequency, 0.0, &shape);
                 }
                 left -= 1;
             }
@@ -79,12 +83,12 @@ impl BlochKernel {
 
 /// One step of the pivoted Cholesky decomposition of a symmetric matrix, which is taken out of it: the factor and its pivot, `None`
 /// where the largest one left is below `least`.
-pub(crate) fn next_factor(matrix: &mut [f64], least: f64) -> Option<(Vec<f64>, f64)> {
+pub(crate) fn next_factor(matrix: &mut [f64], least: f64) -> Option<(SmallVec<[f64; 4]>, f64)> {
     let size = matrix.len().isqrt();
     let pivots = (0..size).map(|i| (i, matrix[i * size + i]));
     let (pivot, square) = pivots.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, square)| *square > least)?;
     let scale = square.sqrt().recip();
-    let factor: Vec<f64> = (0..size).map(|i| matrix[i * size + pivot] * scale).collect();
+    let factor: SmallVec<[f64; 4]> = (0..size).map(|i| matrix[i * size + pivot] * scale).collect();
     for (i, row) in matrix.chunks_exact_mut(size).enumerate() {
         for (j, entry) in row.iter_mut().enumerate() {
             *entry -= factor[i] * factor[j];

@@ -9,7 +9,7 @@ type C = Complex<f64>;
 impl BlochEquations {
     /// Whether J(z) is summed as J₀ + Σ A z(z−R)⁻¹C: inside all poles, where z goes to 0 without a large term.
     pub fn is_inside(&self, z: Complex<f64>) -> bool {
-        z.norm_sqr() < 0.25 * self.innermost * self.innermost
+        z.norm_sqr() < 0.25 * self.innermost
     }
 
     /// J₀ of either form, by rows.

@@ -80,7 +80,7 @@ pub struct BlochEquations {
     /// J₀ for R(z−R)⁻¹, of use outside the poles, and for z(z−R)⁻¹, of use inside.
     outside: Vec<f64>,
     inside: Vec<f64>,
-    /// The least modulus of a pole: inside of half of it the second form is taken.
+    /// The least |p|² of a pole: inside of half of |p| the second form is taken.
     innermost: f64,
     /// Errors of g″⁻/(ωP) as they stand in J₀, where these are sums over modes.
     slide_errors: Option<Vec<f64>>,

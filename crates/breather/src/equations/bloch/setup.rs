@@ -44,14 +44,17 @@ impl BlochEquations {
                 send_on(&kernel, k, died, &impacts, &since, &mut outside, &mut sliding);
             }
             // At the cut itself nothing has moved.
-            let alive =
-                |t: f64| only(died.map(|died| !died), if t == 0.0 { coordinates.unit() } else { mode.flight(t) });
+            let alive = |t: f64| {
+                let flights = if t == 0.0 { [coordinates.unit(); 2] } else { mode.flights(t) };
+                flights.map(|flight| only(died.map(|died| !died), flight))
+            };
             let from = rows.len();
             for (impact, t) in impacts.iter().zip(&since) {
-                let place = coordinates.seen(kernel.row(k, impact.contact), alive(*t));
+                let [forth, back] = alive(*t);
+                let place = coordinates.seen(kernel.row(k, impact.contact), forth);
                 let speed = coordinates.seen(place, generator);
                 rows.extend([place.map(|x| omega * x), speed]);
-                let given_now = coordinates.given(alive(-t), kernel.column(k, impact.contact));
+                let given_now = coordinates.given(back, kernel.column(k, impact.contact));
                 let slid = coordinates.given(generator, given_now);
                 columns.extend([given_now, slid.map(|x| -x / omega)]);
             }
@@ -79,7 +82,7 @@ impl BlochEquations {
                 matrix[at + size + 1] += slide;
             }
         }
-        let poles = kernel.modes().iter().flat_map(|mode| mode.poles()).map(|pole| pole.norm());
+        let poles = kernel.modes().iter().flat_map(|mode| mode.poles()).map(|pole| pole.norm_sqr());
         let innermost = poles.fold(f64::INFINITY, f64::min);
         Self {
             kernel,

@@ -9,12 +9,6 @@
 //! | `large_general`, `near_circle`, `large_roots` | residues and multipliers of all others |
 //! | `off_axis_roots`, `zero_search` | zeros that brackets do not show |
 
-/// Number of modes from which Cauchy sums are faster than pairs, of orbits that are their own mirror image in time.
-pub(crate) const LARGE_REVERSIBLE: usize = 256;
-
-/// The same of all others.
-pub(crate) const LARGE: usize = 192;
-
 pub(crate) mod evaluate;
 pub(crate) mod large_general;
 pub(crate) mod large_reversible;

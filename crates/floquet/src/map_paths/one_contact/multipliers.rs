@@ -1,6 +1,14 @@
 //! Any number of impacts a period at one site, with or without force and losses: all multipliers.
 //!
-//! In f(z) = (1+e)^{2n} det K̂(z) (see [`crate::map_paths::one_contact::impact_matrix`]) the pole p_k belongs to one dyad, hence it is simple:
+//! f(z) = det(z−M)/det(z−R) = (1+e)^{2n} det J(z) ([`vibrochain_breather::BlochEquations`]). With q = (1−e)/(1+e), κ' = κ/(1+e)² = v̈/((1+e)v⁻)
+//! ([`Saltation::reduced`]), E the entry (velocity, displacement), velocities in units of ω, Σb² = 1, w = (1, iΩ)ᵀ, ṽ = ½(1, −i/Ω), J is, but for
+//! the order of its rows,
+//!
+//! ```text
+//! K̂_ij = Σ b² ½(z+p)/(z−p) e^{iΩ(t_i−t_j)} wṽ + conj. ± ½R_ij(t_i−t_j) (i ≷ j),      + q/2 + κ'_iE for i = j,
+//! ```
+//!
+//! and the pole p_k = e^{iΩT} belongs to one dyad, hence it is simple:
 //!
 //! ```text
 //! f = 1 + Σ ρ_k/(z−p_k) + conj.,   ρ_k = (1+e)^{2n} b_k² p_k Ṽᵀ adj K̂(p_k) W,   W = (e^{iΩt_i}w)_i,  Ṽ = (e^{−iΩt_i}ṽ)_i,
@@ -13,12 +21,12 @@ use nalgebra::Complex;
 use vibrochain_breather::{Orbit, Prepared};
 
 use crate::linear::{determinant, determinant_and_condition};
-use crate::map_paths::fast_sums::LARGE;
 use crate::map_paths::fast_sums::large_general::{self, ForcedLarge};
 use crate::map_paths::modes::{Mode, Modes};
 use crate::map_paths::one_contact::four_poles;
 use crate::map_paths::one_contact::other_modes::{OtherModes, PoleSums};
 use crate::saltation::Saltation;
+use crate::sizes::LARGE;
 use crate::zeros::Rational;
 use crate::zeros::SecularError;
 use crate::zeros::modulus;
@@ -66,7 +74,7 @@ pub struct SecularMultipliers {
 }
 
 /// The most impacts a period.
-pub(crate) const MOST_IMPACTS: usize = 8;
+const MOST_IMPACTS: usize = 8;
 
 impl SecularMultipliers {
     /// Takes over an orbit. After an error there is nothing of it, nor of the one before.

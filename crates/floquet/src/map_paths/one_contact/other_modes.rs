@@ -1,14 +1,14 @@
 //! K̂ at a pole p_k of a mode, the mode's own dyad left out: real sums over the other modes.
 //!
-//! At z = p_k the factors ½(z+p)/(z−p) of [`crate::map_paths::one_contact::impact_matrix`] are −(i/2)cot(a_k∓a_l), a = ΩT/2. With
+//! At z = p_k the factors ½(z+p)/(z−p) of K̂ ([`crate::map_paths::one_contact::multipliers`]) are −(i/2)cot(a_k∓a_l), a = ΩT/2. With
 //! U, V = ½(cot(a_k−a_l) ± cot(a_k+a_l)) and τ = t_i − t_j the block of impacts i and j is
 //!
 //! ```text
 //! Σ b² { −(i/2)(U cos Ωτ + iV sin Ωτ) 1  −  ½(V cos Ωτ + iU sin Ωτ) [[0, 1/Ω], [−Ω, 0]] }.
 //! ```
 //!
-//! Four poles at a time, each with all other modes. A fast path: the complex sums of [`crate::map_paths::one_contact::impact_matrix`] take many times as long, and
-//! K̂ is worked out so for every mode of every orbit. The tests of `impact_matrix` hold it against those sums.
+//! Four poles at a time, each with all other modes. A fast path: the complex sums of J(z) take many times as long, and
+//! K̂ is worked out so for every mode of every orbit. `map_paths/tests/determinants.rs` holds it against those sums.
 
 use nalgebra::Complex;
 use smallvec::{SmallVec, smallvec};

@@ -2,12 +2,13 @@
 //! impacts' own equations. The fast path of maps with losses, and that of large rings; a test holds it against `spectrum`.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Condition, ImpactError, Orbit, Prepared};
+use smallvec::SmallVec;
+use vibrochain_breather::{BlochEquations, Condition, Prepared};
 
-use crate::map_paths::one_contact::impact_matrix::ImpactMatrix;
 use crate::map_paths::one_contact::multipliers::SecularMultipliers;
-use crate::map_paths::one_contact::refine::{DataError, Origin, Settled};
 use crate::map_paths::reversible::verdict::{Reason, SecularVerdict, Standing};
+use crate::sizes::most_refined;
+use crate::spectrum::{Refined, SpectralFunction, origins};
 use crate::zeros::SecularError;
 use crate::zeros::{excess, modulus};
 
@@ -30,12 +31,7 @@ pub struct ForcedSecular {
     moved: SecularMultipliers,
     values: Vec<Complex<f64>>,
     errors: Vec<f64>,
-    matrix: ImpactMatrix,
-    /// `matrix` is that of the orbit.
-    has_matrix: bool,
     asked: Vec<Settling>,
-    /// Errors of the orbit's data by origin.
-    data: Vec<Origin>,
     /// A multiplier that is not among the values.
     trivial: Option<Complex<f64>>,
 }
@@ -50,6 +46,15 @@ enum Settling {
     Refused,
 }
 
+/// Errors of the orbit's own data at one impact, with the worst sign.
+#[derive(Debug, Clone, Copy)]
+struct DataError {
+    /// Of κ'.
+    kappa: f64,
+    /// Of the time since the first impact.
+    time: f64,
+}
+
 /// A multiplier that no other one surely exceeds.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Leading {
@@ -58,9 +63,6 @@ pub(crate) struct Leading {
     pub(crate) growth: f64,
     pub(crate) error: f64,
 }
-
-/// Multipliers that are settled one by one, each in a pass over the modes, before the rest is left with the errors it has.
-const MOST_SETTLED: usize = 256;
 
 impl ForcedSecular {
     /// The verdict. For elastic impacts multipliers stay on the circle, which this form cannot tell from next to it: it then
@@ -73,7 +75,7 @@ impl ForcedSecular {
             return Err(SecularError::NotReversible);
         }
         self.solve(prepared)?;
-        let Some(leading) = self.leading(prepared) else { return Err(SecularError::NotReversible) };
+        let Some(leading) = self.leading(prepared, None) else { return Err(SecularError::NotReversible) };
         let Leading { place, growth, error } = leading;
         let leading = self.values[place];
         let clearance = self.values.iter().map(|z| excess(*z).abs()).fold(f64::INFINITY, f64::min);
@@ -90,9 +92,18 @@ impl ForcedSecular {
     }
 
     /// The leading multiplier and its error, those that may lead instead counted in; whatever decides on it is
-    /// settled first.
-    pub(crate) fn leading(&mut self, prepared: Prepared<'_>) -> Option<Leading> {
-        for _ in 0..MOST_SETTLED {
+    /// settled first. `condition` has the errors of the orbit's own data, where they count.
+    pub(crate) fn leading(&mut self, prepared: Prepared<'_>, condition: Option<&Condition>) -> Option<Leading> {
+        let known = self.best()?;
+        let is_precise = known.error <= PRECISE * (1.0 + known.growth.abs()) && known.growth.abs() > known.error;
+        if condition.is_none() && is_precise {
+            return Some(known);
+        }
+        let orbit = prepared.orbit();
+        let (equations, _) = BlochEquations::of(orbit, prepared.response());
+        let data = condition.map_or(Vec::new(), |condition| origins(&equations, condition));
+        let function = SpectralFunction::new(&equations, orbit.model().is_conservative());
+        for _ in 0..most_refined(equations.kernel().modes().len()) {
             let best = self.best()?;
             let reach = best.growth + self.errors[best.place];
             // The one that may be the farthest outside decides what there is to gain.
@@ -105,7 +116,7 @@ impl ForcedSecular {
                 .map(|(place, ((z, error), _))| (place, excess(*z) + error))
                 .max_by(|a, b| a.1.total_cmp(&b.1));
             let Some((place, _)) = rival else { break };
-            self.settle(place, prepared);
+            self.settle(place, function.refine(self.values[place], &data));
         }
         self.best()
     }
@@ -119,11 +130,10 @@ impl ForcedSecular {
         Some(Leading { place, growth, error })
     }
 
-    /// Settles one multiplier by the impacts' equations, where they know better.
-    fn settle(&mut self, place: usize, prepared: Prepared<'_>) {
-        self.set_matrix(prepared);
+    /// Settles one multiplier by what the impacts' equations know of it.
+    fn settle(&mut self, place: usize, refined: Option<Refined>) {
         let z = self.values[place];
-        let Some(Settled { z: settled, error, data }) = self.matrix.settle(z, &self.data) else {
+        let Some(Refined { z: settled, error }) = refined else {
             self.asked[place] = Settling::Refused;
             return;
         };
@@ -139,7 +149,7 @@ impl ForcedSecular {
         let alone = ALONE * error.max(moved) < distance;
         let partner = nearest_to(z.conj()).filter(|(_, distance)| *distance < z.im.abs());
         if alone {
-            (self.values[place], self.errors[place]) = (settled, error + data);
+            (self.values[place], self.errors[place]) = (settled, error);
         } else {
             self.errors[place] = self.errors[place].max(error + moved);
         }
@@ -147,20 +157,6 @@ impl ForcedSecular {
         if let Some((partner, _)) = partner {
             (self.values[partner], self.errors[partner]) = (self.values[place].conj(), self.errors[place]);
             self.asked[partner] = Settling::Settled;
-        }
-    }
-
-    /// K̂ of another orbit, of which nothing else is worked out.
-    pub(crate) fn matrix_for(&mut self, prepared: Prepared<'_>) -> &mut ImpactMatrix {
-        self.has_matrix = false;
-        self.matrix.set(prepared);
-        &mut self.matrix
-    }
-
-    fn set_matrix(&mut self, prepared: Prepared<'_>) {
-        if !self.has_matrix {
-            self.matrix.set(prepared);
-            self.has_matrix = true;
         }
     }
 
@@ -174,11 +170,9 @@ impl ForcedSecular {
         self.values.extend(values.iter().skip(trivial));
         self.errors.clear();
         self.errors.extend(errors.iter().skip(trivial));
-        self.has_matrix = false;
         self.trivial = (trivial > 0).then_some(Complex::new(1.0, 0.0));
         self.asked.clear();
         self.asked.resize(self.values.len(), Settling::Open);
-        self.data.clear();
         Ok(())
     }
 
@@ -193,35 +187,23 @@ impl ForcedSecular {
     /// # Errors
     /// Of the function next to the orbit's.
     pub(crate) fn add_errors_of(&mut self, prepared: Prepared<'_>, condition: &Condition) -> Result<(), SecularError> {
-        self.know_data_of(prepared.orbit(), condition);
-        self.add_differences(prepared)
-    }
-
-    fn know_data_of(&mut self, orbit: &Orbit, condition: &Condition) {
-        let kappas = &self.multipliers.kappas;
-        // κ' = −v̈/P; only differences of times count.
-        let of_impact = |(i, known): (usize, &ImpactError)| {
-            let kappa = -(known.acceleration + kappas[i] * known.impulse) / orbit.impacts()[i].impulse;
-            DataError { kappa, time: if i == 0 { 0.0 } else { known.time } }
-        };
-        self.data.clear();
-        self.data.extend(condition.origins.iter().map(|origin| origin.iter().enumerate().map(of_impact).collect()));
-        // And both are rounded.
-        for (i, kappa) in kappas.iter().enumerate() {
-            let mut origin: Origin = kappas.iter().map(|_| DataError::default()).collect();
-            origin[i].kappa = 4.0 * f64::EPSILON * kappa;
-            self.data.push(origin.clone());
-            origin[i] = DataError { kappa: 0.0, time: if i == 0 { 0.0 } else { f64::EPSILON * orbit.period() } };
-            self.data.push(origin);
-        }
-    }
-
-    fn add_differences(&mut self, prepared: Prepared<'_>) -> Result<(), SecularError> {
-        let Self { multipliers: form, moved, values, errors, data, .. } = self;
-        let mut worst: Origin = form.kappas.iter().map(|_| DataError::default()).collect();
-        for origin in data.iter() {
-            for (sum, error) in worst.iter_mut().zip(origin) {
-                *sum = DataError { kappa: sum.kappa + error.kappa.abs(), time: sum.time + error.time.abs() };
+        let Self { multipliers: form, moved, values, errors, .. } = self;
+        let impacts = prepared.orbit().impacts();
+        // κ' = −v̈/P, and both it and the time are rounded; only differences of times count.
+        let mut worst: SmallVec<[DataError; 2]> = form
+            .kappas
+            .iter()
+            .enumerate()
+            .map(|(i, kappa)| DataError {
+                kappa: 4.0 * f64::EPSILON * kappa.abs(),
+                time: if i == 0 { 0.0 } else { f64::EPSILON * prepared.orbit().period() },
+            })
+            .collect();
+        for origin in &condition.origins {
+            for (i, known) in origin.iter().enumerate() {
+                let kappa = (known.acceleration + form.kappas[i] * known.impulse) / impacts[i].impulse;
+                worst[i].kappa += kappa.abs();
+                worst[i].time += if i == 0 { 0.0 } else { known.time.abs() };
             }
         }
         let response = prepared.response();
@@ -259,6 +241,9 @@ impl ForcedSecular {
         Ok(())
     }
 }
+
+/// Errors of a growth, in units of the multiplier, that nobody would want to have smaller.
+const PRECISE: f64 = 1e-12;
 
 /// An error this many times smaller than the distance to the next multiplier is one of first order.
 const ALONE: f64 = 8.0;

@@ -5,20 +5,20 @@ use vibrochain_breather::Prepared;
 use vibrochain_lattice::ImpulseResponse;
 
 use super::{double_sided, sign_screen, single_sided};
-use crate::map_paths::fast_sums::LARGE_REVERSIBLE;
 use crate::map_paths::fast_sums::evaluate::Local;
 use crate::map_paths::fast_sums::large_reversible;
 use crate::map_paths::fast_sums::neighbourhood::{ChargedPole, Leaf, Nearby, Neighbourhood, divide};
 use crate::map_paths::modes::Modes;
 use crate::map_paths::reversible::other_block::Foreign;
 use crate::map_paths::reversible::pole::{Angle, NO_MODE, Pole};
+use crate::sizes::LARGE;
 use crate::zeros::Nu;
 use crate::zeros::SecularError;
 use vibrochain_breather::lanes::{Lane, room};
 
 /// Pole that pads the last group of four: so far away that its residue, 0, is never heard of.
 const FAR: f64 = 1e100;
-/// Errors of ΣR = 1 from which on it proves nothing: those of signs next to it have become as large. For [`LARGE_REVERSIBLE`] poles;
+/// Errors of ΣR = 1 from which on it proves nothing: those of signs next to it have become as large. For [`LARGE`] poles;
 /// of more, errors that have nothing to do with each other add up to more, in the bound that is.
 const MOST_DOUBT: f64 = 1e-3;
 
@@ -94,7 +94,7 @@ impl Residues {
     pub(crate) fn complete(&mut self, ratio: Option<(f64, f64)>) -> Result<(), SecularError> {
         self.modes.make_list();
         let done = self.work_out(ratio, None);
-        if self.count() > LARGE_REVERSIBLE {
+        if self.count() > LARGE {
             self.modes.give_back();
         }
         done
@@ -128,7 +128,7 @@ impl Residues {
 
     /// Whether all residues of the modes taken over are surely positive, so that nothing can collide. No is no answer.
     pub(crate) fn all_positive(&self, ratio: Option<(f64, f64)>) -> bool {
-        self.modes.count() <= LARGE_REVERSIBLE && sign_screen::all_positive(&self.modes, ratio)
+        self.modes.count() <= LARGE && sign_screen::all_positive(&self.modes, ratio)
     }
 
     /// Takes over modes, from which [`Residues::work_out`] goes on.
@@ -140,7 +140,7 @@ impl Residues {
         &self.modes
     }
 
-    /// K and Λ, if there are two instants, of up to [`LARGE_REVERSIBLE`] modes.
+    /// K and Λ, if there are two instants, of up to [`LARGE`] modes.
     pub(crate) fn saltations(&self) -> Option<&double_sided::Saltations> {
         self.saltations.as_ref()
     }
@@ -152,7 +152,7 @@ impl Residues {
         ratio: Option<(f64, f64)>,
         foreign: Option<&Foreign<'_>>,
     ) -> Result<(), SecularError> {
-        let large = self.modes.count() > LARGE_REVERSIBLE;
+        let large = self.modes.count() > LARGE;
         self.saltations = None;
         let pole_at_one = match ratio {
             None => {
@@ -184,7 +184,7 @@ impl Residues {
     /// From the residues on.
     fn finish(&mut self, pole_at_one: Option<Pole>) -> Result<(), SecularError> {
         self.edition += 1;
-        let large = self.table.len() > LARGE_REVERSIBLE;
+        let large = self.table.len() > LARGE;
         self.has_pole_at_one = pole_at_one.is_some();
         match (pole_at_one, self.table.as_mut_slice()) {
             // A rigid mode has its own pole there.
@@ -325,7 +325,7 @@ impl Residues {
         let defect = self.sum_defect().abs().max(self.trace_defect().abs());
         // Not a number is a doubt, too. And errors that could hide the 1 itself leave nothing to certify, however small they are
         // against residues that cancel.
-        let most = MOST_DOUBT * (self.count() as f64 / LARGE_REVERSIBLE as f64).clamp(1.0, 500.0);
+        let most = MOST_DOUBT * (self.count() as f64 / LARGE as f64).clamp(1.0, 500.0);
         if defect <= allowed && allowed < size.min(most) {
             Ok(())
         } else {

@@ -6,8 +6,9 @@ use vibrochain_lattice::{Chain, Model};
 
 use super::*;
 use crate::Analyser;
-use crate::map_paths::{ForcedSecular, ModalShape, Secular, SecularMultipliers, Standing};
+use crate::map_paths::{ForcedSecular, Secular, SecularMultipliers, Standing};
 use crate::reference::eigen::eigenvalues;
+use crate::spectrum::ModalShape;
 use crate::verdict::{Method, Tolerance};
 
 /// A random forced orbit's dense multipliers on the even subspace.

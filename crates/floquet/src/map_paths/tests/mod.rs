@@ -1,8 +1,8 @@
 //! The secular function against dense eigenvalues of the reversible block, which shares no formula with it beyond the
 //! impulse response.
 
+mod determinants;
 mod forced;
-mod impact_matrix;
 mod large;
 mod reversible;
 

@@ -1,22 +1,23 @@
-//! The matrix from impact to impact against dense determinants, for words at any sites, and all other ways to work its determinant out
-//! against it.
+//! J(z) against dense determinants, for words at any sites, and all other ways to work its determinant out against it.
 
 use nalgebra::{Complex, DMatrix};
-use vibrochain_breather::{Family, Finder, Found, Hit, Orbit};
+use vibrochain_breather::{BlochEquations, Family, Finder, Found, Hit, Orbit, Prepared};
 use vibrochain_lattice::{Barrier, Chain, Model, Spectrum};
 use vibrochain_testkit::{Ranges, Values};
 
 use super::forced::forced_cases;
 use super::*;
 use crate::linear::determinant;
-use crate::map_paths::one_contact::impact_matrix::ImpactMatrix;
 use crate::map_paths::{Residues, SecularMultipliers};
 
-/// det(z−M)/det(z−R) = (1+e)^{2n} det K̂(z).
-fn secular(matrix: &mut ImpactMatrix, orbit: &Orbit, z: Complex<f64>) -> Complex<f64> {
-    let scale = (1.0 + orbit.model().restitution()).powi(2 * orbit.impacts().len() as i32);
-    matrix.fill(z).unwrap();
-    determinant(&mut matrix.entries, 2 * matrix.impacts) * scale
+/// J(z) of an orbit.
+fn equations(prepared: Prepared<'_>) -> BlochEquations {
+    BlochEquations::of(prepared.orbit(), prepared.response()).0
+}
+
+/// det(z−M)/det(z−R).
+fn secular(equations: &BlochEquations, z: Complex<f64>) -> Complex<f64> {
+    determinant(&mut equations.matrix(z), equations.size()) * equations.scale()
 }
 
 /// Four places, inside and outside the circle.
@@ -27,7 +28,7 @@ fn places(random: &mut Random) -> [Complex<f64>; 4] {
 /// Words of one to five impacts at up to four sites: whether they are motions between barriers does not matter here.
 #[test]
 fn determinants_of_words_are_those_of_the_whole_lattice() {
-    let (mut random, mut matrix, mut several, mut layered) = (Random(41), ImpactMatrix::default(), 0, 0);
+    let (mut random, mut several, mut layered) = (Random(41), 0, 0);
     let (gamma1, gamma2) = (Values::Log(0.05, 1.0), Values::Log(0.02, 0.5));
     let ranges = Ranges { sites: [1, 6], gamma1, gamma2, ..Ranges::CONSERVATIVE };
     for case in 0..300 {
@@ -47,7 +48,7 @@ fn determinants_of_words_are_those_of_the_whole_lattice() {
         };
         let hits: Vec<Hit> = times.iter().map(&mut hit).collect();
         let orbit = Orbit::from_impulses(&model, 1, 0.4, &hits).unwrap();
-        matrix.set(Finder::new(sites).prepared(&orbit).unwrap());
+        let equations = equations(Finder::new(sites).prepared(&orbit).unwrap());
         let dense = crate::full_monodromy(&orbit).unwrap();
         let size = dense.size();
         several += usize::from(orbit.impact_site().is_none());
@@ -64,7 +65,7 @@ fn determinants_of_words_are_those_of_the_whole_lattice() {
             };
             let ring: Complex<f64> =
                 (0..chain.even_modes()).map(|k| poles(k).powi(chain.multiplicity(k) as i32)).product();
-            let (found, expected) = (secular(&mut matrix, &orbit, z), shifted.determinant() / ring);
+            let (found, expected) = (secular(&equations, z), shifted.determinant() / ring);
             let allowed = 1e-11 * (1.0 + expected.norm()) * (1.0 + dense.norm());
             assert!((found - expected).norm() < allowed, "{case} {z}: {found} {expected}");
         }
@@ -74,7 +75,7 @@ fn determinants_of_words_are_those_of_the_whole_lattice() {
 
 #[test]
 fn poles_and_residues_of_forced_orbits_have_that_determinant() {
-    let (mut random, mut matrix) = (Random(42), ImpactMatrix::default());
+    let mut random = Random(42);
     let mut form = SecularMultipliers::default();
     let mut checked = 0;
     for (i, family) in [Family::SingleSided, Family::DoubleSided, Family::PeriodDoubled].into_iter().enumerate() {
@@ -82,9 +83,9 @@ fn poles_and_residues_of_forced_orbits_have_that_determinant() {
             if form.replace(finder.prepared(orbit).unwrap()).is_err() {
                 return;
             }
-            matrix.set(finder.prepared(orbit).unwrap());
+            let equations = equations(finder.prepared(orbit).unwrap());
             for z in places(&mut random) {
-                let (value, expected) = (form.form.evaluate(z), secular(&mut matrix, orbit, z));
+                let (value, expected) = (form.form.evaluate(z), secular(&equations, z));
                 let allowed = 1e-12 * value.noise + 4.0 * form.form.doubt(z);
                 assert!((value.f - expected).norm() <= allowed, "{:?}: {} {expected}", orbit.model(), value.f);
                 checked += 1;
@@ -100,19 +101,19 @@ fn residues_of_large_rings_have_that_determinant() {
     let model = Model::forced(Chain::new(501, 0.2, 0.1).unwrap(), 1.5, 0.4, 0.1, 0.9).unwrap();
     let (mut finder, mut found, mut random) = (Finder::new(501), Found::default(), Random(43));
     finder.find(&model, Family::DoubleSided, &mut found).unwrap();
-    let (mut form, mut matrix) = (SecularMultipliers::default(), ImpactMatrix::default());
+    let mut form = SecularMultipliers::default();
     let prepared = finder.prepared(&found.orbits[0]).unwrap();
     form.replace(prepared).unwrap();
-    matrix.set(prepared);
+    let equations = equations(prepared);
     for z in places(&mut random) {
-        let (value, expected) = (form.form.evaluate(z).f, secular(&mut matrix, &found.orbits[0], z));
+        let (value, expected) = (form.form.evaluate(z).f, secular(&equations, z));
         assert!((value - expected).norm() < 1e-10 * (1.0 + expected.norm()), "{value} {expected}");
     }
 }
 
 #[test]
 fn residues_of_reversible_orbits_have_that_determinant() {
-    let (mut random, mut matrix, mut residues) = (Random(44), ImpactMatrix::default(), Residues::default());
+    let (mut random, mut residues) = (Random(44), Residues::default());
     let mut checked = 0;
     for case in 0..200 {
         let sites = 1 + (random.unit() * 40.0) as usize;
@@ -127,12 +128,12 @@ fn residues_of_reversible_orbits_have_that_determinant() {
             if residues.replace(prepared).is_err() {
                 continue;
             }
-            matrix.set(prepared);
+            let equations = equations(prepared);
             for z in places(&mut random) {
                 let nu = (z + z.inv()) * 0.5;
                 let terms = residues.poles().iter().zip(residues.residues()).map(|(d, r)| *r / (nu - d));
                 let sizes: f64 = terms.clone().map(|term| term.norm()).sum();
-                let (value, expected) = (terms.sum::<Complex<f64>>() * (nu - 1.0), secular(&mut matrix, orbit, z));
+                let (value, expected) = (terms.sum::<Complex<f64>>() * (nu - 1.0), secular(&equations, z));
                 let allowed = 1e-10 * prepared.response().condition() * (1.0 + sizes) * (1.0 + nu.norm());
                 assert!((value - expected).norm() < allowed, "{model:?} {z}: {value} {expected}");
                 checked += 1;
