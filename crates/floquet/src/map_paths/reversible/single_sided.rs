@@ -87,15 +87,14 @@ pub(crate) fn residues(modes: &Modes, poles: &mut Vec<Pole>) {
     }
 }
 
-/// Σ R_k d_k as the trace of A − 1 wants it: 2Σb²d − 2κ'Σ2b²xc + 1, of all modes, one or four at a time. 2κ' is Σb²c/x less
-/// `offset`.
+/// Σ R_k d_k as the trace of A − 1 wants it: 2Σb²d − 2κ'Σ2b²xc + 1, of all modes, one or four at a time.
 #[inline(always)]
-pub(crate) fn trace<T: Number>(modes: impl Iterator<Item = Mode<T>>, offset: f64) -> f64 {
+pub(crate) fn trace<T: Number>(modes: impl Iterator<Item = Mode<T>>) -> f64 {
     let mut sums = [T::default(); 3];
     for Mode { weight: w, cos: c, sin: s, sin_over: x, .. } in modes {
         let terms = [w * (c * c - s * s), w * x * c * 2.0, w * c / x];
         (0..3).for_each(|i| sums[i] = sums[i] + terms[i]);
     }
     let [mean, coupling, stiffness] = sums.map(T::sum);
-    1.0 + 2.0 * mean - (stiffness - offset) * coupling
+    1.0 + 2.0 * mean - stiffness * coupling
 }
