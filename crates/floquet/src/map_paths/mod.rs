@@ -20,7 +20,7 @@ pub(crate) mod reversible;
 
 pub(crate) use fast_sums::LARGE;
 pub use labels::{ModeLabels, multiplier_modes};
-pub(crate) use modes::{Mode, Modes, by_frequency, sort_felt};
+pub(crate) use modes::{Modes, by_frequency, sort_felt};
 pub(crate) use one_contact::multipliers::MOST_IMPACTS;
 pub use one_contact::multipliers::SecularMultipliers;
 pub use one_contact::shapes::ModalShape;

@@ -1,7 +1,13 @@
 //! Residues of one impact a period.
 //!
-//! With the block A of [`crate::reference::half_period`] written as diag(d) plus two dyads, det(ν−A)/Π(ν−d) is a 2×2 determinant
-//! of sums over modes; C² = (1+d)/2 and S² = (1−d)/2 turn it into
+//! Half a period away from the impact, in normalised modes (u_site = bᵀx) with C, S = cos, sin(ΩT/2), what ½(M + M⁻¹) does to
+//! displacements is diag(d) and two dyads,
+//!
+//! ```text
+//! A = diag(d) − 2(Cb)(Cb)ᵀ + (Sb/Ω)(2ΩSb + κCb)ᵀ,
+//! ```
+//!
+//! so that det(ν−A)/Π(ν−d) is a 2×2 determinant of sums over modes; C² = (1+d)/2 and S² = (1−d)/2 turn it into
 //!
 //! ```text
 //! f = (ν²−1)σ² + g(h − 2κ'),   σ = Σ b²/(ν−d),  g = Σ 2b²xc/(ν−d),  h = Σ 2b²Ω²xc/(ν−d),  x = s/Ω.
