@@ -3,7 +3,6 @@
 //! | orbit | path |
 //! |---|---|
 //! | conservative, mirror image of itself in time, impacts at one site | [`crate::Secular`]: real poles and residues in ν = ½(μ + 1/μ) |
-//! | the same, two sites that a reflection exchanges | [`crate::Secular`] of their sum and of their difference |
 //! | other impacts at one site | [`crate::SecularMultipliers`]: poles and residues in μ |
 //! | a verdict alone, as in maps, on impacts at several sites of few masses or where these have a doubt | the eigenvalues of a matrix, unless they leave it open |
 //! | all others, and whatever these doubt | `spectrum`: all zeros of the determinant of the impacts' equations |
@@ -17,7 +16,7 @@ use vibrochain_breather::{BlochEquations, BreatherError, Finder, Orbit};
 use crate::all_multipliers::{Multipliers, Spared};
 use crate::aside::aside;
 use crate::error::FloquetError;
-use crate::map_paths::{ForcedSecular, Pair, Partners, Secular};
+use crate::map_paths::{ForcedSecular, Secular};
 use crate::reference::dense::{Dense, is_reduced, uncoupled};
 use crate::reference::monodromy::MAX_DIMENSION;
 use crate::sizes::{LARGE, MOST_DENSE, is_affordable, most_modes};
@@ -54,7 +53,6 @@ pub struct Analyser {
     pub(crate) dense_only: bool,
     pub(crate) dense: Dense,
     pub(crate) secular: Secular,
-    pub(crate) partners: Partners,
     pub(crate) forced: ForcedSecular,
 }
 
@@ -282,13 +280,8 @@ impl Analyser {
     /// The path that maps and large rings take, if the orbit has one.
     fn by_map_path(&mut self, question: Question<'_>, finder: &mut Finder) -> Option<Result<Answer, Failure>> {
         let orbit = question.orbit;
-        if orbit.model().chain().is_uncoupled() {
-            None
-        } else if orbit.impact_site().is_some() {
-            Some(self.by_secular_function(question, finder))
-        } else {
-            Pair::of(orbit).map(|pair| self.by_partners(pair, question, finder))
-        }
+        let has_one = orbit.impact_site().is_some() && !orbit.model().chain().is_uncoupled();
+        has_one.then(|| self.by_secular_function(question, finder))
     }
 
     /// Verdict and multipliers from a dense matrix.

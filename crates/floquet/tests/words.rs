@@ -152,13 +152,13 @@ fn zeros_of_lattices_are_those_of_the_matrix() {
     for _ in 0..3000 {
         let chain = random.lattice(&ranges);
         let model = Model::conservative(chain, random.between(0.5, 3.0), random.between(0.0, 0.8)).unwrap();
-        let site = random.below(chain.sites());
-        let partners: Vec<usize> = (0..chain.sites()).filter(|&other| chain.exchanges(site, other)).collect();
-        let partner = random.of(&partners);
+        let (site, layer) = chain.layout().place(random.below(chain.sites()));
+        let image = |n: usize, count: usize, random: &mut Random| random.of(&[n, count - 1 - n]);
+        let partner = (image(site, chain.length(), &mut random), image(layer, chain.layers(), &mut random));
         if chain.is_ring() || chain.is_uncoupled() {
             continue;
         }
-        let mut places = vec![chain.layout().place(site), chain.layout().place(partner)];
+        let mut places = vec![(site, layer), partner];
         places.dedup();
         let at = |barrier| places.iter().map(|&(site, layer)| Letter { site, layer, barrier }).collect::<Vec<_>>();
         let mut instants = vec![at(Barrier::Lower)];

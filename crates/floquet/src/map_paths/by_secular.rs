@@ -168,7 +168,7 @@ impl Analyser {
 }
 
 /// Error of the ratio of the impulses at the two instants of a reversible orbit, relative: all that the form takes from the orbit.
-pub(crate) fn ratio_error(question: Question<'_>, finder: &mut Finder) -> Result<f64, FloquetError> {
+fn ratio_error(question: Question<'_>, finder: &mut Finder) -> Result<f64, FloquetError> {
     let impacts = question.orbit.impacts();
     Ok(if question.orbit.instants().nth(1).is_none() {
         0.0
@@ -189,7 +189,7 @@ fn rounding_of_ratio(impulses: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// What the secular function says, held against the tolerance.
-pub(crate) fn told(found: &SecularVerdict, tolerance: Tolerance) -> Verdict {
+fn told(found: &SecularVerdict, tolerance: Tolerance) -> Verdict {
     match (found.outcome, found.leading) {
         (Standing::Unstable, Some(leading)) => Verdict::of_growth(leading, found.growth, found.growth_error, tolerance),
         (Standing::Marginal, Some(leading)) => Verdict::unsettled(leading, found.growth, found.growth_error, tolerance),
@@ -198,7 +198,7 @@ pub(crate) fn told(found: &SecularVerdict, tolerance: Tolerance) -> Verdict {
 }
 
 /// An error that a dense solver would beat is a doubt.
-pub(crate) fn check(growth: f64, error: f64, question: Question<'_>) -> Result<(), Failure> {
+fn check(growth: f64, error: f64, question: Question<'_>) -> Result<(), Failure> {
     let worst = if question.thorough { WORST } else { WORST_OF_SWEEP };
     if is_precise(growth, error, question.orbit.model().chain().even_modes(), worst) {
         Ok(())

@@ -1,17 +1,16 @@
-//! What maps and large rings need faster than [`crate::spectrum`] is, for impacts at one site and for pairs: the same determinant from the
-//! modes' own poles and residues, a pass over the modes or a few for a verdict. `tests/map_paths.rs` holds it against the spectrum;
+//! What maps and large rings need faster than [`crate::spectrum`] is, for impacts at one site: the same determinant from the modes' own
+//! poles and residues, a pass over the modes or a few for a verdict. `tests/map_paths.rs` holds it against the spectrum;
 //! `cargo bench --bench map_throughput` and `--bench spectrum` time it.
 //!
 //! | module | holds |
 //! |---|---|
-//! | `by_secular`, `by_mirror_pair` | the doors: from an orbit to its verdict |
+//! | `by_secular` | the door: from an orbit to its verdict |
 //! | `reversible` | conservative orbits that are their own mirror image in time |
 //! | `one_contact` | any other impacts at one site |
 //! | `fast_sums` | sums in O(M) for rings of up to 10⁶ masses |
 //! | `modes` | the modes that impacts feel |
 //! | `labels` | the mode that a multiplier is next to |
 
-mod by_mirror_pair;
 mod by_secular;
 pub(crate) mod fast_sums;
 mod labels;
@@ -20,11 +19,10 @@ pub(crate) mod one_contact;
 pub(crate) mod reversible;
 
 pub use labels::{ModeLabels, multiplier_modes};
-pub(crate) use modes::{Mode, Modes, by_frequency, sort_felt};
+pub(crate) use modes::{Modes, by_frequency, sort_felt};
 pub use one_contact::multipliers::SecularMultipliers;
 pub use one_contact::verdict::ForcedSecular;
 pub(crate) use one_contact::verdict::Leading;
-pub(crate) use reversible::mirror_pair::{Pair, Partners};
 pub use reversible::residues::Residues;
 pub use reversible::verdict::{Reason, Secular, SecularVerdict, Standing};
 

@@ -68,7 +68,7 @@ pub(crate) struct Modes {
     list: Vec<Mode>,
     /// How many there are of which none is listed yet, see [`Modes::set_in_fours`].
     unlisted: usize,
-    /// Their numbers in the set they were weighed from, if these are others than their places.
+    /// Their numbers in the lattice's own order, if these are others than their places.
     numbers: Vec<u32>,
     /// Relative errors of their weights, if these are no ring's.
     blurs: Vec<f64>,
@@ -168,24 +168,7 @@ impl Modes {
         self.group();
     }
 
-    /// Takes over the modes of another set, each with `part(k)` of its weight; those that are spared are left out.
-    pub(crate) fn weigh(&mut self, all: &Self, part: impl Fn(usize) -> f64) {
-        let parts = all.list.iter().enumerate().map(|(k, mode)| (k, part(k), mode));
-        let felt = parts.filter(|(_, part, _)| !Self::is_spared(*part));
-        self.collect(felt.map(|(k, part, mode)| (k, Mode { weight: part * mode.weight, ..*mode })));
-    }
-
-    /// Takes over modes, each with its number in the set that it comes from.
-    pub(crate) fn collect(&mut self, modes: impl Iterator<Item = (usize, Mode)>) {
-        self.clear();
-        for (k, mode) in modes {
-            self.list.push(mode);
-            self.numbers.push(k as u32);
-        }
-        self.group();
-    }
-
-    /// The number of a mode in the set that these were weighed from.
+    /// The number of a mode in the lattice's own order.
     pub(crate) fn number(&self, k: usize) -> usize {
         self.numbers.get(k).map_or(k, |&number| number as usize)
     }

@@ -3,8 +3,8 @@
 //!
 //! | orbit | matrix | dimension |
 //! |---|---|---|
-//! | conservative, mirror image of itself in time | `reversible` block | ⌊M/2⌋ |
-//! | the same, of several sites or not on a ring | `half_sum` | M − 1 |
+//! | conservative, mirror image of itself in time | `half_sum` | M − 1 |
+//! | the same, of one site on a ring | its part even about the site | ⌊M/2⌋ |
 //! | impacts at one site | the modes that feel them | on a ring 2(⌊M/2⌋+1), less the trivial pair |
 //! | impacts at several sites | whole lattice | 2M, less the trivial pair |
 //!
@@ -13,12 +13,13 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::{Finder, Orbit};
+use vibrochain_lattice::Spectrum;
 
 use crate::error::FloquetError;
 use crate::map_paths::Modes;
 use crate::reference::eigen::eigenvalues_until;
-use crate::reference::half_period::Reversible;
 use crate::reference::half_sum::HalfSum;
+use crate::reference::mirrors::Mirrors;
 use crate::reference::monodromy::{EvenCoordinates, check_dimension, flow_before_first_impact, full_monodromy_until};
 use crate::reference::square::{Reflector, Square};
 use crate::zeros::Nu;
@@ -26,11 +27,12 @@ use crate::zeros::Nu;
 /// Reusable work space for dense matrices.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Dense {
-    reversible: Reversible,
-    half_sum: HalfSum,
+    /// Of the last orbit's chain.
+    spectrum: Option<Spectrum>,
     modes: Modes,
     coordinates: EvenCoordinates,
-    matrix: Square,
+    /// Of which `values` are the eigenvalues.
+    pub(crate) matrix: Square,
     flow: Vec<f64>,
     left: Vec<f64>,
     rows: (Vec<f64>, Vec<f64>),
@@ -53,15 +55,6 @@ impl Dense {
         }
     }
 
-    /// The matrix whose eigenvalues `values` are.
-    pub(crate) fn matrix_of(&self, orbit: &Orbit) -> &Square {
-        match (orbit.is_reversible(), orbit.centre()) {
-            (true, Some(_)) => &self.reversible.block,
-            (true, None) => &self.half_sum.matrix,
-            (false, _) => &self.matrix,
-        }
-    }
-
     /// Fills `values` with the non-trivial multipliers of the space that feels impacts (for a reversible orbit with
     /// their ν) and returns the norm of the matrix.
     pub(crate) fn solve(&mut self, orbit: &Orbit, finder: &mut Finder) -> Result<f64, FloquetError> {
@@ -73,23 +66,20 @@ impl Dense {
             return Ok(0.0);
         }
         if orbit.is_reversible() {
-            if orbit.centre().is_some() {
-                check_dimension(chain.even_modes())?;
-                self.reversible.build(orbit, finder)?;
-            } else {
-                check_dimension(chain.sites())?;
-                self.half_sum.set(orbit)?;
-                HalfSum::set_flow(orbit, finder, &mut self.left)?;
-                self.reflector.set(self.left.iter().copied());
-                self.half_sum.matrix.reflect(&self.reflector);
-                self.half_sum.matrix.drop_first();
-            }
-            let mut values = std::mem::take(&mut self.values);
-            let block = self.matrix_of(orbit);
-            eigenvalues_until(block, &mut values, finder.stop())?;
-            let norm = block.norm();
-            self.values = values;
-            return Ok(norm);
+            let centred = orbit.centre().is_some();
+            check_dimension(if centred { chain.even_modes() } else { chain.sites() })?;
+            // Modes odd about the one site of a ring feel nothing, and coincide nearly with even ones.
+            let mirrors = if centred { Mirrors::of(orbit) } else { Mirrors::default() };
+            let half_sum = HalfSum::new(orbit, &mut self.spectrum)?;
+            let Some(basis) = mirrors.bases(chain.sites()).next() else { return Ok(0.0) };
+            let matrix = half_sum.on(&basis).matrix;
+            HalfSum::set_flow(orbit, &basis, finder, &mut self.left)?;
+            self.matrix = Square::from_rows(matrix.nrows(), matrix.transpose().as_slice().to_vec()).unwrap_or_default();
+            self.reflector.set(self.left.iter().copied());
+            self.matrix.reflect(&self.reflector);
+            self.matrix.drop_first();
+            eigenvalues_until(&self.matrix, &mut self.values, finder.stop())?;
+            return Ok(self.matrix.norm());
         }
         if is_reduced(orbit) || alone {
             check_dimension(2 * chain.even_modes())?;

@@ -6,86 +6,125 @@
 //! multiplier e^{iθ} with x + y, y = −i(M − M⁻¹)x/(2 sin θ), and Krein's form is xᵀGx/sin θ there. The rows of G are the rows of M that
 //! N leaves over: −(velocity) of a spared mass, displacement of a hit one.
 //!
-//! The orbit's own flow gives the left eigenvector of ν = 1: −v̈ of each spared mass, v⁻ of each one that is hit.
+//! The trivial pair μ = 1, a defective double eigenvalue of M that dense solvers split by 1e-7, is the simple eigenvalue ν = 1 of N. The
+//! orbit's own flow gives its left eigenvector: −v̈ of each spared mass, v⁻ of each one that is hit.
+//!
+//! Reflections of the lattice that keep the orbit split N and G into parts, each on its own basis.
 
+use nalgebra::DMatrix;
 use vibrochain_breather::{Finder, Orbit};
 use vibrochain_lattice::{Propagator, Spectrum};
 
 use crate::error::FloquetError;
-use crate::reference::square::Square;
-use crate::saltation::{Saltation, saltations};
+use crate::reference::mirrors::Basis;
+use crate::saltation::saltations;
 
-/// N and G; also the work space.
-#[derive(Debug, Clone, Default)]
+/// (displacement, velocity) of one mass from those of another.
+type Block = [[f64; 2]; 2];
+
+fn flown([[a, b], [c, d]]: Block, [u, v]: [f64; 2]) -> [f64; 2] {
+    [a * u + b * v, c * u + d * v]
+}
+
+/// An impact half a period after 0.
+#[derive(Debug)]
+struct Later {
+    kappa: f64,
+    /// The flight there from every mass, which is that back from it.
+    flights: Vec<Block>,
+}
+
+/// N and G on the space of a basis.
+#[derive(Debug)]
+pub(crate) struct Part {
+    pub(crate) matrix: DMatrix<f64>,
+    pub(crate) form: DMatrix<f64>,
+}
+
+/// What N and G of an orbit are made of.
+#[derive(Debug)]
 pub(crate) struct HalfSum {
-    pub(crate) matrix: Square,
-    pub(crate) form: Square,
-    /// The masses that are hit, at either instant.
-    pub(crate) hit: Vec<usize>,
-    /// Of each impact half a period after 0, the flight there from every mass, which is that back from it.
-    flights: Vec<[[f64; 2]; 2]>,
-    kicks: Vec<[f64; 2]>,
-    /// Of the last orbit's chain: that of the next one in most sweeps.
-    spectrum: Option<Spectrum>,
+    omega: f64,
+    whole: Propagator,
+    /// κ of each mass that is hit at 0.
+    kappas: Vec<Option<f64>>,
+    later: Vec<Later>,
 }
 
 impl HalfSum {
-    /// Takes over an orbit.
-    pub(crate) fn set(&mut self, orbit: &Orbit) -> Result<(), FloquetError> {
-        let (chain, period, omega) = (orbit.model().chain(), orbit.period(), orbit.frequency());
-        let sites = chain.sites();
-        let hits: Vec<Saltation> = saltations(orbit)?.collect();
-        let spectrum = match self.spectrum.take() {
-            Some(spectrum) if spectrum.chain() == chain => spectrum,
-            _ => Spectrum::new(*chain),
-        };
-        let (half, whole) = (Propagator::new(&spectrum, 0.5 * period), Propagator::new(&spectrum, period));
-        self.spectrum = Some(spectrum);
-        let mut kappas = vec![None; sites];
-        hits.iter().filter(|hit| hit.time == 0.0).for_each(|hit| kappas[hit.site] = Some(hit.kappa));
-        let later = || hits.iter().filter(|hit| hit.time != 0.0);
-        self.flights.clear();
-        self.flights.extend(later().flat_map(|hit| (0..sites).map(|n| half.block(n, hit.site)).collect::<Vec<_>>()));
-        let Self { matrix, form, flights, kicks, .. } = self;
-        matrix.reset(sites);
-        form.reset(sites);
-        for m in 0..sites {
-            // What S₀ makes of the coordinate: a displacement stays, a velocity, in units of ω, turns round.
-            let start = if kappas[m].is_some() { [0.0, -omega] } else { [1.0, 0.0] };
-            let flown = |[[a, b], [c, d]]: [[f64; 2]; 2], [u, v]: [f64; 2]| [a * u + b * v, c * u + d * v];
-            kicks.clear();
-            kicks.extend(later().zip(flights.chunks_exact(sites)).map(|(hit, flights)| {
-                let [u, v] = flown(flights[m], start);
-                [-2.0 * u, hit.kappa * u - 2.0 * v]
-            }));
-            for n in 0..sites {
-                let [mut u, mut v] = flown(whole.block(n, m), start);
-                for (kick, flights) in kicks.iter().zip(flights.chunks_exact(sites)) {
-                    let [du, dv] = flown(flights[n], *kick);
-                    (u, v) = (u + du, v + dv);
-                }
-                (matrix.row_mut(n)[m], form.row_mut(n)[m]) = match kappas[n] {
-                    Some(kappa) => ((v - 0.5 * kappa * u) / omega, u * omega),
-                    None => (u, -v),
-                };
+    /// Takes over an orbit; `kept` is the spectrum of the last orbit's chain, in most sweeps that of this one.
+    pub(crate) fn new(orbit: &Orbit, kept: &mut Option<Spectrum>) -> Result<Self, FloquetError> {
+        let (chain, period) = (orbit.model().chain(), orbit.period());
+        let kept_one = kept.take().filter(|spectrum| spectrum.chain() == chain);
+        let spectrum = kept.insert(kept_one.unwrap_or_else(|| Spectrum::new(*chain)));
+        let half = Propagator::new(spectrum, 0.5 * period);
+        let (mut kappas, mut later) = (vec![None; chain.sites()], Vec::new());
+        for hit in saltations(orbit)? {
+            if hit.time == 0.0 {
+                kappas[hit.site] = Some(hit.kappa);
+            } else {
+                let flights = (0..chain.sites()).map(|n| half.block(n, hit.site)).collect();
+                later.push(Later { kappa: hit.kappa, flights });
             }
         }
-        self.hit.clear();
-        self.hit.extend(hits.iter().map(|hit| hit.site));
-        self.hit.sort_unstable();
-        self.hit.dedup();
-        Ok(())
+        Ok(Self { omega: orbit.frequency(), whole: Propagator::new(spectrum, period), kappas, later })
     }
 
-    /// The left eigenvector of ν = 1 of the orbit taken over.
-    pub(crate) fn set_flow(orbit: &Orbit, finder: &mut Finder, left: &mut Vec<f64>) -> Result<(), FloquetError> {
+    /// N and G on the space of a basis.
+    pub(crate) fn on(&self, basis: &Basis) -> Part {
+        let size = basis.vectors.len();
+        let (mut matrix, mut form) = (DMatrix::zeros(size, size), DMatrix::zeros(size, size));
+        for (j, vector) in basis.vectors.iter().enumerate() {
+            let kick = |later: &Later| {
+                let [u, v] = self.carried(vector, |m| later.flights[m]);
+                [-2.0 * u, later.kappa * u - 2.0 * v]
+            };
+            let kicks: Vec<_> = self.later.iter().map(kick).collect();
+            for (i, image) in basis.vectors.iter().enumerate() {
+                // What a vector of the space has at the first mass of another, it has of that as a whole.
+                let (n, share) = image[0];
+                let [mut u, mut v] = self.carried(vector, |m| self.whole.block(n, m));
+                for (kick, later) in kicks.iter().zip(&self.later) {
+                    let [du, dv] = flown(later.flights[n], *kick);
+                    (u, v) = (u + du, v + dv);
+                }
+                let (of_matrix, of_form) = match self.kappas[n] {
+                    Some(kappa) => ((v - 0.5 * kappa * u) / self.omega, u * self.omega),
+                    None => (u, -v),
+                };
+                (matrix[(i, j)], form[(i, j)]) = (of_matrix / share, of_form / share);
+            }
+        }
+        Part { matrix, form }
+    }
+
+    /// What flights from its masses make of a vector, just after the impacts at 0.
+    fn carried(&self, vector: &[(usize, f64)], flight: impl Fn(usize) -> Block) -> [f64; 2] {
+        vector.iter().fold([0.0; 2], |[u, v], &(m, share)| {
+            // A displacement stays, a velocity, in units of ω, turns round.
+            let start = if self.kappas[m].is_some() { [0.0, -self.omega * share] } else { [share, 0.0] };
+            let [du, dv] = flown(flight(m), start);
+            [u + du, v + dv]
+        })
+    }
+
+    /// The left eigenvector of ν = 1 on the space of a basis in which the orbit itself swings.
+    pub(crate) fn set_flow(
+        orbit: &Orbit,
+        basis: &Basis,
+        finder: &mut Finder,
+        left: &mut Vec<f64>,
+    ) -> Result<(), FloquetError> {
         let motion = finder.motion(orbit)?;
         motion.at(0, 0.0);
         left.clear();
-        left.extend((0..orbit.model().chain().sites()).map(|n| -motion.site(n).acceleration));
-        for impact in orbit.impacts().iter().filter(|impact| impact.time == 0.0) {
-            left[impact.site] = impact.velocity_before * orbit.frequency();
-        }
+        left.extend(basis.vectors.iter().map(|vector| {
+            let (n, share) = vector[0];
+            let hit = orbit.impacts().iter().find(|impact| impact.time == 0.0 && impact.site == n);
+            let flow =
+                hit.map_or_else(|| -motion.site(n).acceleration, |impact| impact.velocity_before * orbit.frequency());
+            flow / share
+        }));
         Ok(())
     }
 }

@@ -83,7 +83,6 @@ impl Structure {
 /// The spectrum of one orbit and how well it is known.
 struct Judge<'a> {
     dense: &'a Dense,
-    orbit: &'a Orbit,
     structure: Structure,
     /// Norm of the matrix.
     norm: f64,
@@ -109,7 +108,7 @@ impl Dense {
             let orbital = margin * norm * relative_uncertainty(orbit, &condition, dimension, top);
             error = if orbital.is_nan() { f64::INFINITY } else { error.max(orbital) };
         }
-        let judge = Judge { dense: self, orbit, structure: Structure::of(orbit), norm, error };
+        let judge = Judge { dense: self, structure: Structure::of(orbit), norm, error };
         let (verdict, reach) = (judge.verdict(tolerance, careful), judge.split());
         (self.reach, self.rounding) = (reach, (norm * rounding).sqrt());
         Ok(verdict)
@@ -162,8 +161,7 @@ impl Judge<'_> {
     /// for.
     fn reach(&self, value: Complex<f64>, number: usize) -> f64 {
         let cost = (self.values().len() as f64).powi(3) * (number + 1) as f64;
-        let condition =
-            if cost <= BUDGET { eigenvalue_condition(self.dense.matrix_of(self.orbit), value) } else { f64::INFINITY };
+        let condition = if cost <= BUDGET { eigenvalue_condition(&self.dense.matrix, value) } else { f64::INFINITY };
         let linear = self.error * condition;
         if linear < self.split() { linear } else { self.split() }
     }

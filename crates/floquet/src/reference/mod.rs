@@ -4,15 +4,15 @@
 //! | module | holds |
 //! |---|---|
 //! | `monodromy`, `square`, `eigen` | the monodromy matrix and its eigenvalues |
-//! | `half_period`, `half_sum` | a matrix of half the size for reversible orbits: mode by mode about one site, mass by mass |
+//! | `half_sum`, `mirrors` | a matrix of half the size for reversible orbits, and reflections that split it |
 //! | `dense` | the smallest matrix that an orbit's structure leaves |
 //! | `judge`, `certainty` | from eigenvalues to a verdict that knows its error |
 
 pub(crate) mod certainty;
 pub(crate) mod dense;
 pub(crate) mod eigen;
-pub(crate) mod half_period;
 pub(crate) mod half_sum;
 pub(crate) mod judge;
+pub(crate) mod mirrors;
 pub(crate) mod monodromy;
 pub(crate) mod square;

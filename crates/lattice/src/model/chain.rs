@@ -286,21 +286,6 @@ impl Chain {
         self.along.multiplicity(k % modes) * self.across.multiplicity(k / modes)
     }
 
-    /// Whether a reflection of the lattice exchanges two sites.
-    ///
-    /// ```
-    /// use vibrochain_lattice::{Chain, Ends};
-    /// let ring = Chain::new(7, 0.2, 0.1)?;
-    /// assert!(ring.exchanges(0, 3));
-    /// let open = ring.with_ends(Ends::Free);
-    /// assert!(open.exchanges(2, 4) && !open.exchanges(2, 5));
-    /// # Ok::<(), vibrochain_lattice::ParameterError>(())
-    /// ```
-    pub fn exchanges(&self, one: usize, other: usize) -> bool {
-        let [(n, below), (m, above)] = [one, other].map(|site| self.layout().place(site));
-        self.along.exchanges(n, m) && self.across.exchanges(below, above)
-    }
-
     /// Masses on unit springs without coupling, at least one: a chain to begin with.
     pub fn alone(sites: usize) -> Self {
         let along = Line { masses: sites.max(1), ends: Ends::Closed };

@@ -68,11 +68,6 @@ impl Line {
         if self.ends == Ends::Closed && k != 0 && 2 * k != self.masses { 2 } else { 1 }
     }
 
-    /// Whether a symmetry of the row exchanges two sites, or leaves the one as it is.
-    pub(crate) fn exchanges(self, one: usize, other: usize) -> bool {
-        self.ends == Ends::Closed || one == other || one + other + 1 == self.masses
-    }
-
     /// What the products of [`LineShapes::even`] lack to be those of normalised shapes.
     pub(crate) fn weight(self, k: usize) -> f64 {
         let m = self.masses as f64;

@@ -29,8 +29,7 @@ fn gather(near: &mut Modes, chosen: &mut Vec<usize>, modes: &Modes, order: &[u32
 /// As [`single_sided::residues`].
 pub(crate) fn single_sided(modes: &Modes, poles: &mut Vec<Pole>) {
     poles.clear();
-    // And one at 1, perhaps.
-    poles.reserve_exact(modes.count() + 1);
+    poles.reserve_exact(modes.count());
     let (points, order) = sorted(modes.count(), |k| {
         let mode = modes.mode(k);
         (mode.cos - mode.sin) * (mode.cos + mode.sin)
@@ -77,8 +76,7 @@ pub(crate) fn double_sided(modes: &Modes, saltations: &double_sided::Saltations,
         }
     }
     poles.clear();
-    // And one at 1, perhaps.
-    poles.reserve_exact(modes.count() + 1);
+    poles.reserve_exact(modes.count());
     let (mirrored, images) = sorted(modes.count(), |k| -modes.mode(k).cos);
     for field in tree.fields(&points, charge, &Tree::new(&mirrored, false)) {
         gather(&mut near, &mut chosen, modes, &order, &field);

@@ -9,14 +9,11 @@
 //! | `verdict`, `gap`, `complex_pairs` | stable or not by counting, and what the count leaves to be sought |
 //! | `root`, `roots`, `by_roots` | all ν, for large rings |
 //! | `product_form` | a leading multiplier from F as a product of sums, where close poles hide it |
-//! | `mirror_pair`, `other_block` | two sites that a reflection exchanges: F of their sum and of their difference |
 
 pub(crate) mod by_roots;
 pub(crate) mod complex_pairs;
 pub(crate) mod double_sided;
 pub(crate) mod gap;
-pub(crate) mod mirror_pair;
-pub(crate) mod other_block;
 pub(crate) mod pole;
 pub(crate) mod product_form;
 pub(crate) mod residues;

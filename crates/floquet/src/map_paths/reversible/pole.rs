@@ -8,9 +8,6 @@ use vibrochain_breather::lanes::{Lane, TWO, all, four};
 /// The half angle of a pole that pads a group of four: so far away that its residue, 0, is never heard of.
 pub(crate) const FAR_ROOT: f64 = 1e50;
 
-/// The mode of a pole that has none.
-pub(crate) const NO_MODE: u32 = u32::MAX;
-
 /// Where a pole is: d = cos φ, and |cos|, |sin| of φ/2, which know more digits of its distance from others.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Angle {
@@ -76,11 +73,6 @@ impl Pole {
         let (below_one, above_minus_one) = (2.0 * sin * sin, 2.0 * cos * cos);
         let (at, shift) = (Angle::new(cos, sin), f64::EPSILON * shift);
         Self { mode: mode as u32, at, below_one, above_minus_one, shift, residue, error }
-    }
-
-    /// The pole at 1 of a block that has no trivial pair.
-    pub(crate) fn at_one(residue: f64, error: f64) -> Self {
-        Self { mode: NO_MODE, error, ..Self::new(0, 1.0, 0.0, 0.0, residue, error) }
     }
 
     /// As [`Pole::new`], for the first `count` modes of a group that begins with mode `first`.

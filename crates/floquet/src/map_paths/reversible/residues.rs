@@ -9,8 +9,7 @@ use crate::map_paths::fast_sums::evaluate::Local;
 use crate::map_paths::fast_sums::large_reversible;
 use crate::map_paths::fast_sums::neighbourhood::{ChargedPole, Leaf, Nearby, Neighbourhood, divide};
 use crate::map_paths::modes::Modes;
-use crate::map_paths::reversible::other_block::Foreign;
-use crate::map_paths::reversible::pole::{Angle, NO_MODE, Pole};
+use crate::map_paths::reversible::pole::{Angle, Pole};
 use crate::sizes::LARGE;
 use crate::zeros::Nu;
 use crate::zeros::SecularError;
@@ -64,8 +63,6 @@ pub struct Residues {
     sum: f64,
     trace: f64,
     pub(crate) expected_trace: f64,
-    /// The last pole is at 1, in place of a trivial pair, see [`crate::map_paths::reversible::other_block`].
-    pub(crate) has_pole_at_one: bool,
     total_error: f64,
     /// Counts the orbits taken over.
     pub(crate) edition: u64,
@@ -93,7 +90,7 @@ impl Residues {
     /// As [`Residues::replace`].
     pub(crate) fn complete(&mut self, ratio: Option<(f64, f64)>) -> Result<(), SecularError> {
         self.modes.make_list();
-        let done = self.work_out(ratio, None);
+        let done = self.work_out(ratio);
         if self.count() > LARGE {
             self.modes.give_back();
         }
@@ -131,11 +128,6 @@ impl Residues {
         self.modes.count() <= LARGE && sign_screen::all_positive(&self.modes, ratio)
     }
 
-    /// Takes over modes, from which [`Residues::work_out`] goes on.
-    pub(crate) fn set_modes(&mut self, set: impl FnOnce(&mut Modes)) {
-        set(&mut self.modes);
-    }
-
     pub(crate) fn modes(&self) -> &Modes {
         &self.modes
     }
@@ -145,29 +137,21 @@ impl Residues {
         self.saltations.as_ref()
     }
 
-    /// Poles and residues of the modes taken over, for one instant or two with this ratio of impulses and its error; `foreign` if these
-    /// are not the modes in which the orbit swings.
-    pub(crate) fn work_out(
-        &mut self,
-        ratio: Option<(f64, f64)>,
-        foreign: Option<&Foreign<'_>>,
-    ) -> Result<(), SecularError> {
+    /// Poles and residues of the modes taken over, for one instant or two with this ratio of impulses and its error.
+    fn work_out(&mut self, ratio: Option<(f64, f64)>) -> Result<(), SecularError> {
         let large = self.modes.count() > LARGE;
         self.saltations = None;
-        let pole_at_one = match ratio {
+        match ratio {
             None => {
                 if large {
                     large_reversible::single_sided(&self.modes, &mut self.table);
                 } else {
                     single_sided::residues(&self.modes, &mut self.table);
                 }
-                self.expected_trace =
-                    single_sided::trace(self.modes.list().iter().copied(), foreign.map_or(0.0, Foreign::offset));
-                foreign.map(|foreign| foreign.single_sided(&self.modes, &mut self.table))
+                self.expected_trace = single_sided::trace(self.modes.list().iter().copied());
             }
             Some((ratio, ratio_error)) => {
-                let orbit = foreign.map_or(&self.modes, |foreign| foreign.orbit);
-                let saltations = double_sided::Saltations::new(orbit, ratio, ratio_error);
+                let saltations = double_sided::Saltations::new(&self.modes, ratio, ratio_error);
                 if large {
                     large_reversible::double_sided(&self.modes, &saltations, &mut self.table);
                 } else {
@@ -175,27 +159,13 @@ impl Residues {
                 }
                 self.saltations = Some(saltations).filter(|_| !large);
                 self.expected_trace = double_sided::trace(self.modes.list().iter().copied(), &saltations);
-                foreign.map(|foreign| foreign.double_sided(&self.modes, ratio, ratio_error))
             }
-        };
-        self.finish(pole_at_one)
-    }
-
-    /// From the residues on.
-    fn finish(&mut self, pole_at_one: Option<Pole>) -> Result<(), SecularError> {
+        }
         self.edition += 1;
-        let large = self.table.len() > LARGE;
-        self.has_pole_at_one = pole_at_one.is_some();
-        match (pole_at_one, self.table.as_mut_slice()) {
-            // A rigid mode has its own pole there.
-            (Some(pole), _) if !pole.residue.is_finite() => return Err(SecularError::Coincident { mode: 0 }),
-            (Some(pole), _) => self.table.push(pole),
-            (None, [only]) => {
-                // One mode: the trivial pair is all there is.
-                (only.residue, only.error) = (1.0, 0.0);
-                self.expected_trace = only.at.d;
-            }
-            _ => {}
+        if let [only] = self.table.as_mut_slice() {
+            // One mode: the trivial pair is all there is.
+            (only.residue, only.error) = (1.0, 0.0);
+            self.expected_trace = only.at.d;
         }
         self.mend();
         // Frequencies rise, so that poles often come in falling order.
@@ -278,20 +248,6 @@ impl Residues {
         Nu { below: t.re - below, above: t.re + above, im: t.im }
     }
 
-    /// F at an end ±1, its slope and its error; at a pole those of (ν−1)F.
-    pub(crate) fn at_end(&self, end: f64, local: Local<'_>) -> (f64, f64, f64) {
-        match (self.residues().split_last(), self.errors().last()) {
-            (Some((residue, others)), Some(error)) if end > 0.0 && self.has_pole_at_one => {
-                let slopes = others.iter().zip(self.flat(&self.below_one)).map(|(residue, below)| residue / below);
-                (*residue, slopes.sum(), *error)
-            }
-            _ => {
-                let at = local.jet(0.0);
-                (at.value, at.slope, local.noise(Complex::new(0.0, 0.0)))
-            }
-        }
-    }
-
     /// The residue known worst, from ΣR = 1.
     fn mend(&mut self) {
         let Some(worst) = (0..self.table.len()).max_by(|&i, &j| self.table[i].error.total_cmp(&self.table[j].error))
@@ -350,8 +306,7 @@ impl Residues {
 
     /// The mode k to which a pole belongs, by the pole's place.
     pub fn mode(&self, place: usize) -> Option<usize> {
-        let mode = *self.owners.get(place).filter(|mode| **mode != NO_MODE)?;
-        Some(self.modes.number(mode as usize))
+        self.owners.get(place).map(|&mode| self.modes.number(mode as usize))
     }
 
     /// ΣR_k − 1, a certificate.

@@ -92,7 +92,7 @@ pub(crate) fn all_positive(modes: &Modes, ratio: Option<(f64, f64)>) -> bool {
     let fours = modes.groups().iter().map(Mode::four);
     let expected = match &saltations {
         Some(saltations) => double_sided::trace(fours, saltations),
-        None => single_sided::trace(fours, 0.0),
+        None => single_sided::trace(fours),
     };
     // As the certificate of `residues` has it.
     let allowed = 16.0 * (doubt + f64::EPSILON * (2.0 + expected.abs()));

@@ -1,7 +1,13 @@
 //! Residues of one impact a period.
 //!
-//! With the block A of [`crate::reference::half_period`] written as diag(d) plus two dyads, det(ν−A)/Π(ν−d) is a 2×2 determinant
-//! of sums over modes; C² = (1+d)/2 and S² = (1−d)/2 turn it into
+//! Half a period away from the impact, in normalised modes (u_site = bᵀx) with C, S = cos, sin(ΩT/2), what ½(M + M⁻¹) does to
+//! displacements is diag(d) and two dyads,
+//!
+//! ```text
+//! A = diag(d) − 2(Cb)(Cb)ᵀ + (Sb/Ω)(2ΩSb + κCb)ᵀ,
+//! ```
+//!
+//! so that det(ν−A)/Π(ν−d) is a 2×2 determinant of sums over modes; C² = (1+d)/2 and S² = (1−d)/2 turn it into
 //!
 //! ```text
 //! f = (ν²−1)σ² + g(h − 2κ'),   σ = Σ b²/(ν−d),  g = Σ 2b²xc/(ν−d),  h = Σ 2b²Ω²xc/(ν−d),  x = s/Ω.
@@ -87,15 +93,14 @@ pub(crate) fn residues(modes: &Modes, poles: &mut Vec<Pole>) {
     }
 }
 
-/// Σ R_k d_k as the trace of A − 1 wants it: 2Σb²d − 2κ'Σ2b²xc + 1, of all modes, one or four at a time. 2κ' is Σb²c/x less
-/// `offset`.
+/// Σ R_k d_k as the trace of A − 1 wants it: 2Σb²d − 2κ'Σ2b²xc + 1, of all modes, one or four at a time.
 #[inline(always)]
-pub(crate) fn trace<T: Number>(modes: impl Iterator<Item = Mode<T>>, offset: f64) -> f64 {
+pub(crate) fn trace<T: Number>(modes: impl Iterator<Item = Mode<T>>) -> f64 {
     let mut sums = [T::default(); 3];
     for Mode { weight: w, cos: c, sin: s, sin_over: x, .. } in modes {
         let terms = [w * (c * c - s * s), w * x * c * 2.0, w * c / x];
         (0..3).for_each(|i| sums[i] = sums[i] + terms[i]);
     }
     let [mean, coupling, stiffness] = sums.map(T::sum);
-    1.0 + 2.0 * mean - (stiffness - offset) * coupling
+    1.0 + 2.0 * mean - stiffness * coupling
 }

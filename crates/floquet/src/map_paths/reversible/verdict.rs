@@ -14,6 +14,7 @@
 use nalgebra::Complex;
 use vibrochain_breather::Prepared;
 
+use crate::map_paths::fast_sums::evaluate::Jet;
 use crate::map_paths::fast_sums::neighbourhood::Nearby;
 use crate::map_paths::fast_sums::zero_search::ZeroSearch;
 use crate::map_paths::reversible::complex_pairs::{Pair, Suspect, from_suspects};
@@ -158,7 +159,6 @@ impl Secular {
         for (place, (residue, error)) in signs.iter().zip(errors).enumerate() {
             // Not a number is a doubt, too.
             let known = residue.abs() > *error;
-            // What a pole at 1 leaves open is whether a root is next to 1.
             if !known
                 && count > 1
                 && let Some(mode) = form.mode(place)
@@ -183,7 +183,8 @@ impl Secular {
             // Beyond ±1: the sum over 1/(|ν|−|d|…) is positive far away.
             for (end, distances, outermost) in [(1.0, &form.below_one, last), (-1.0, &form.above_minus_one, first)] {
                 let local = form.about(distances);
-                let (value, slope, error) = form.at_end(end, local);
+                let Jet { value, slope, .. } = local.jet(0.0);
+                let error = local.noise(Complex::default());
                 let distance = (value / slope).abs();
                 clearance = clearance.min(distance);
                 // The sign next to the outermost pole is that of its residue.

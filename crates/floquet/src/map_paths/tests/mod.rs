@@ -11,17 +11,14 @@ use vibrochain_breather::{Family, Finder, Orbit};
 use vibrochain_lattice::{Chain, Model};
 pub(in crate::map_paths) use vibrochain_testkit::Random;
 
-use crate::reference::eigen::eigenvalues;
-use crate::reference::half_period::Reversible;
+use crate::reference::dense::Dense;
 use crate::zeros::Nu;
 
 /// ν of the dense block and its norm.
 pub(crate) fn dense(orbit: &Orbit, finder: &mut Finder) -> (Vec<Complex<f64>>, f64) {
-    let mut block = Reversible::default();
-    block.build(orbit, finder).unwrap();
-    let mut values = Vec::new();
-    eigenvalues(&block.block, &mut values).unwrap();
-    (values, block.block.norm())
+    let mut dense = Dense::default();
+    let norm = dense.solve(orbit, finder).unwrap();
+    (dense.values, norm)
 }
 
 /// Largest distance from any of `some` to the nearest of `all`.
