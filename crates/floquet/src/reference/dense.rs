@@ -11,7 +11,7 @@
 //! The trivial pair μ = 1 of a conservative orbit (the perturbation along the orbit and its canonical partner) is
 //! taken out before the eigenvalues are computed, by reflecting the known right and left eigenvectors to the axes.
 
-use nalgebra::Complex;
+use nalgebra::{Complex, DMatrix};
 use vibrochain_breather::{Finder, Orbit};
 use vibrochain_lattice::Spectrum;
 
@@ -21,7 +21,7 @@ use crate::reference::eigen::eigenvalues_until;
 use crate::reference::half_sum::HalfSum;
 use crate::reference::mirrors::Mirrors;
 use crate::reference::monodromy::{EvenCoordinates, check_dimension, flow_before_first_impact, full_monodromy_until};
-use crate::reference::square::{Reflector, Square};
+use crate::reference::reflector::Reflector;
 use crate::zeros::Nu;
 
 /// Reusable work space for dense matrices.
@@ -32,11 +32,9 @@ pub(crate) struct Dense {
     modes: Modes,
     coordinates: EvenCoordinates,
     /// Of which `values` are the eigenvalues.
-    pub(crate) matrix: Square,
+    pub(crate) matrix: DMatrix<f64>,
     flow: Vec<f64>,
     left: Vec<f64>,
-    rows: (Vec<f64>, Vec<f64>),
-    reflector: Reflector,
     pub(crate) values: Vec<Complex<f64>>,
     /// How far, at most, errors carry any of them.
     pub(crate) reach: f64,
@@ -72,12 +70,8 @@ impl Dense {
             let mirrors = if centred { Mirrors::of(orbit) } else { Mirrors::default() };
             let half_sum = HalfSum::new(orbit, &mut self.spectrum)?;
             let Some(basis) = mirrors.bases(chain.sites()).next() else { return Ok(0.0) };
-            let matrix = half_sum.on(&basis).matrix;
             HalfSum::set_flow(orbit, &basis, finder, &mut self.left)?;
-            self.matrix = Square::from_rows(matrix.nrows(), matrix.transpose().as_slice().to_vec()).unwrap_or_default();
-            self.reflector.set(self.left.iter().copied());
-            self.matrix.reflect(&self.reflector);
-            self.matrix.drop_first();
+            self.matrix = Reflector::of(&self.left).deflated(half_sum.on(&basis).matrix);
             eigenvalues_until(&self.matrix, &mut self.values, finder.stop())?;
             return Ok(self.matrix.norm());
         }
@@ -91,13 +85,13 @@ impl Dense {
                 }
                 _ => self.coordinates.set(felt(), orbit.frequency()),
             }
-            self.coordinates.monodromy(orbit, &mut self.matrix, (&mut self.rows.0, &mut self.rows.1))?;
+            self.matrix = self.coordinates.monodromy(orbit)?;
         } else {
             self.matrix = full_monodromy_until(orbit, finder.stop())?;
         }
         let norm = self.matrix.norm();
         if !norm.is_finite() {
-            return Err(FloquetError::NotConverged { dimension: self.matrix.size() });
+            return Err(FloquetError::NotConverged { dimension: self.matrix.nrows() });
         }
         if orbit.model().is_conservative() {
             self.deflate(orbit, finder)?;
@@ -108,7 +102,7 @@ impl Dense {
 
     /// Removes the trivial pair: M f = f with the flow f, and ωᵀ(f, ·)M = ωᵀ(f, ·) because M keeps the canonical form ω.
     fn deflate(&mut self, orbit: &Orbit, finder: &mut Finder) -> Result<(), FloquetError> {
-        let half = self.matrix.size() / 2;
+        let half = self.matrix.nrows() / 2;
         self.left.clear();
         if orbit.centre().is_some() {
             flow_before_first_impact(orbit, finder, &self.coordinates, &mut self.flow)?;
@@ -130,13 +124,10 @@ impl Dense {
             self.left.extend((0..half).map(|n| -self.flow[n + half]));
             self.left.extend_from_slice(&self.flow[..half]);
         }
-        self.reflector.set(self.flow.iter().copied());
-        self.matrix.reflect(&self.reflector);
-        self.matrix.drop_first();
-        self.reflector.apply(&mut self.left);
-        self.reflector.set(self.left.iter().skip(1).copied());
-        self.matrix.reflect(&self.reflector);
-        self.matrix.drop_first();
+        let first = Reflector::of(&self.flow);
+        first.apply(&mut self.left);
+        let rest = first.deflated(std::mem::take(&mut self.matrix));
+        self.matrix = Reflector::of(self.left.get(1..).unwrap_or_default()).deflated(rest);
         Ok(())
     }
 }

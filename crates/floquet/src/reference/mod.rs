@@ -3,7 +3,8 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `monodromy`, `square`, `eigen` | the monodromy matrix and its eigenvalues |
+//! | `monodromy`, `eigen` | the monodromy matrix and its eigenvalues |
+//! | `reflector` | known eigenvectors are taken out |
 //! | `half_sum`, `mirrors` | a matrix of half the size for reversible orbits, and reflections that split it |
 //! | `dense` | the smallest matrix that an orbit's structure leaves |
 //! | `judge`, `certainty` | from eigenvalues to a verdict that knows its error |
@@ -15,4 +16,4 @@ pub(crate) mod half_sum;
 pub(crate) mod judge;
 pub(crate) mod mirrors;
 pub(crate) mod monodromy;
-pub(crate) mod square;
+pub(crate) mod reflector;

@@ -4,9 +4,9 @@
 
 use nalgebra::{Complex, DMatrix};
 use smallvec::{SmallVec, smallvec};
+use vibrochain_breather::linear::{Pivots, eliminate, null_vectors};
 
 use super::function::{Pole, SpectralFunction};
-use crate::linear::{Factors, Pivots, eliminate};
 use crate::singular::Singular;
 use crate::zeros::modulus;
 
@@ -45,7 +45,7 @@ impl SpectralFunction<'_> {
             let order = eliminate(&mut entries, size, Pivots::Full)?;
             let pivot = |i: usize| modulus(entries[i * (size + 1)]);
             let (second, defect) = (pivot(size - 2), pivot(size - 1) / largest);
-            let [x, y] = Factors::null_vectors(&entries, size);
+            let [x, y] = null_vectors(&entries, size);
             let length = |v: &[C]| v.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
             let scale = length(&x) * length(&y);
             let (mut left, mut right) = (DMatrix::zeros(size, 1), DMatrix::zeros(size, 1));

@@ -175,12 +175,12 @@ fn eigenvector(triangle: &DMatrix<f64>, i: usize) -> DVector<f64> {
 /// The same order where no instants of time reversal are known: from the eigenvectors of the monodromy matrix.
 fn by_monodromy(orbit: &Orbit) -> Result<Vec<i8>, FloquetError> {
     let matrix = full_monodromy(orbit)?;
-    let (size, half) = (matrix.size(), matrix.size() / 2);
+    let (size, half) = (matrix.nrows(), matrix.nrows() / 2);
     let failed = || FloquetError::NotConverged { dimension: size };
-    if !matrix.is_finite() {
+    if !matrix.norm().is_finite() {
         return Err(failed());
     }
-    let eigen = MatRef::from_row_major_slice(matrix.entries(), size, size).eigen().map_err(|_| failed())?;
+    let eigen = MatRef::from_column_major_slice(matrix.as_slice(), size, size).eigen().map_err(|_| failed())?;
     let (values, vectors) = (eigen.S().column_vector(), eigen.U());
     let mut order: Vec<usize> = (0..size).collect();
     if orbit.model().is_conservative() {
