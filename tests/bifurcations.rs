@@ -5,11 +5,12 @@
 use vibrochain::breather::{Family, Motion, Orbit, breathers};
 use vibrochain::eventsim::{Limits, Simulation, Time};
 use vibrochain::floquet::{Complex, Event, Evidence, Located, Search, locate};
-use vibrochain::lattice::{Chain, Model, Parameter};
+use vibrochain::lattice::{Model, Parameter, Point};
 use vibrochain_testkit::ReturnMap;
 
 fn model(gamma: (f64, f64), omega: f64, asymmetry: f64, force: (f64, f64)) -> Model {
-    Model::forced(Chain::new(21, gamma.0, gamma.1).unwrap(), omega, asymmetry, force.0, force.1).unwrap()
+    let ring = Point::ring(21).gamma1(gamma.0).gamma2(gamma.1);
+    ring.omega(omega).asymmetry(asymmetry).amplitude(force.0).restitution(force.1).model().unwrap()
 }
 
 fn first(model: &Model, family: Family, event: Event, free: Parameter, range: (f64, f64)) -> Located {

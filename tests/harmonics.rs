@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use vibrochain::breather::{Family, Motion, Orbit, admissibility, breathers};
 use vibrochain::eventsim::{EventKind, Limits, Outcome, Simulation, Time};
 use vibrochain::floquet::{full_monodromy, leading_modes};
-use vibrochain::lattice::{Chain, Force, Harmonic, Model};
+use vibrochain::lattice::{Force, Harmonic, Model, Point};
 use vibrochain_testkit::{ReturnMap, dense};
 
 fn force(terms: &[(u32, f64, f64)]) -> Force {
@@ -20,7 +20,8 @@ fn square(amplitude: f64) -> Force {
 
 fn models() -> Vec<(Model, Family)> {
     let model = |sites, omega, a, force: &Force, e| {
-        Model::with_force(Chain::new(sites, 0.2, 0.1).unwrap(), omega, a, force, e).unwrap()
+        let ring = Point::ring(sites).gamma1(0.2).gamma2(0.1);
+        ring.omega(omega).asymmetry(a).under(force).restitution(e).model().unwrap()
     };
     // All three families, elastic and not, symmetric and not; phases; a force without the first harmonic.
     let skew = force(&[(1, 0.1, 0.6), (3, 0.05, -2.0), (7, 0.2, 1.0)]);

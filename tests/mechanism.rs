@@ -3,7 +3,7 @@
 
 use vibrochain::breather::{Family, Finder, Orbit, breathers};
 use vibrochain::floquet::{Analyser, Event, Mechanism, Search, Tolerance, Verdict, locate};
-use vibrochain::lattice::{Chain, Force, Harmonic, Model, Parameter};
+use vibrochain::lattice::{Chain, Force, Harmonic, Model, Parameter, Point};
 use vibrochain_testkit::ReturnMap;
 
 fn verdicts(orbit: &Orbit) -> [Verdict; 3] {
@@ -24,9 +24,11 @@ fn symmetric_models() -> Vec<Model> {
         for omega in [0.33, 0.47, 0.71, 0.93, 1.33, 1.9] {
             models.push(Model::conservative(chain, omega, 0.0).unwrap());
             for (amplitude, e) in [(0.4, 0.95), (1.5, 0.6), (1.5, 0.8), (0.9, 1.0)] {
-                models.push(Model::forced(chain, omega, 0.0, amplitude, e).unwrap());
+                models.push(chain.point().omega(omega).amplitude(amplitude).restitution(e).model().unwrap());
                 let terms = square.map(|(number, share)| Harmonic { number, amplitude: share * amplitude, phase: 0.0 });
-                models.push(Model::with_force(chain, omega, 0.0, &Force::new(&terms).unwrap(), e).unwrap());
+                models.push(
+                    chain.point().omega(omega).under(&Force::new(&terms).unwrap()).restitution(e).model().unwrap(),
+                );
             }
         }
     }
@@ -72,7 +74,7 @@ fn a_pitchfork_is_where_a_simulated_perturbation_breaks_the_symmetry() {
 fn verdicts_on_either_side_of_an_event_have_its_name() {
     let forced = |asymmetry: f64, restitution: f64| {
         let chain = Chain::new(21, 0.1, 0.05).unwrap();
-        Model::forced(chain, 1.33, asymmetry, 1.5, restitution).unwrap()
+        chain.point().omega(1.33).asymmetry(asymmetry).amplitude(1.5).restitution(restitution).model().unwrap()
     };
     // The symmetric orbit of figure 9, of which a pair branches off.
     let symmetric = |orbit: &&Orbit| (orbit.phi().unwrap() / orbit.period() - 0.5).abs() < 1e-9;
@@ -87,11 +89,12 @@ fn verdicts_on_either_side_of_an_event_have_its_name() {
 
     // Two orbits meet in a fold where the force gets too weak for its losses: symmetric ones without asymmetry, others with it,
     // single-sided ones. No symmetry breaks in any of them.
+    let single = Point::ring(21).gamma1(0.2).gamma2(0.1).omega(1.07).asymmetry(0.8).amplitude(0.165).restitution(0.25);
     let mut folds = 0;
     for (model, family) in [
         (forced(0.0, 0.6), Family::DoubleSided),
         (forced(0.02, 0.6), Family::DoubleSided),
-        (Model::forced(Chain::new(21, 0.2, 0.1).unwrap(), 1.07, 0.8, 0.165, 0.25).unwrap(), Family::SingleSided),
+        (single.model().unwrap(), Family::SingleSided),
     ] {
         for start in &breathers(&model, family).unwrap().orbits {
             let search = Search { from: 1e-3, to: 1.0, ..Search::new(start, Event::Fold, Parameter::Amplitude) };

@@ -82,7 +82,7 @@ fn forced_families() {
         .into_iter()
         .enumerate()
         {
-            let model = Model::forced(chain, omega, a, amplitude, e).unwrap();
+            let model = chain.point().omega(omega).asymmetry(a).amplitude(amplitude).restitution(e).model().unwrap();
             for orbit in &breathers(&model, family).unwrap().orbits {
                 families[family as usize] += 1;
                 let name = format!("{sites} case {i} φ {:?}", orbit.phi());
@@ -137,7 +137,7 @@ fn farthest(some: &[Complex<f64>], all: &[Complex<f64>]) -> f64 {
 fn the_even_subspace_and_the_odd_modes_make_up_the_full_spectrum() {
     for sites in SIZES {
         let chain = Chain::new(sites, 0.2, 0.1).unwrap();
-        let model = Model::forced(chain, 1.5, 0.4, 0.1, 0.9).unwrap();
+        let model = chain.point().omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
         for orbit in &breathers(&model, Family::DoubleSided).unwrap().orbits {
             let found = stability(orbit, Tolerance::Rounding).unwrap().multipliers;
             let full: Vec<_> = dense(&full_monodromy(orbit).unwrap()).complex_eigenvalues().iter().copied().collect();

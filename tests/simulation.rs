@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use vibrochain::breather::{Family, Finder, Motion, Orbit, admissibility, breathers};
 use vibrochain::eventsim::{Event, EventKind, Limits, Outcome, Simulation, Time};
 use vibrochain::floquet::{Complex, full_monodromy, leading_modes};
-use vibrochain::lattice::{Barrier, Chain, Ends, Harmonic, Model, Propagator, Spectrum};
+use vibrochain::lattice::{Barrier, Chain, Ends, Harmonic, Model, Point, Propagator, Spectrum};
 use vibrochain_testkit::{Random, Ranges, ReturnMap, Values, dense, reference, stiffness, words};
 
 /// An orbit's return map by simulation, from the middle of its last flight (a negative time).
@@ -112,13 +112,16 @@ fn every_physical_orbit_closes_after_one_period_with_its_own_impacts_and_no_othe
 #[test]
 fn multipliers_of_the_simulated_return_map_are_those_of_the_monodromy_matrix() {
     let chain = Chain::new(5, 0.2, 0.1).unwrap();
+    let forced = chain.point().asymmetry(0.4).amplitude(0.1).restitution(0.9);
+    let doubled =
+        Point::ring(21).gamma1(0.2).gamma2(0.1).omega(1.07).asymmetry(0.8).amplitude(0.1582).restitution(0.25);
     let mut compared = 0;
     for (model, family) in [
         (Model::conservative(chain, 1.5, 0.4).unwrap(), Family::DoubleSided),
         (Model::conservative(chain, 0.85, 0.4).unwrap(), Family::SingleSided),
-        (Model::forced(chain, 1.5, 0.4, 0.1, 0.9).unwrap(), Family::DoubleSided),
-        (Model::forced(chain, 0.92, 0.4, 0.1, 0.9).unwrap(), Family::SingleSided),
-        (Model::forced(Chain::new(21, 0.2, 0.1).unwrap(), 1.07, 0.8, 0.1582, 0.25).unwrap(), Family::PeriodDoubled),
+        (forced.omega(1.5).model().unwrap(), Family::DoubleSided),
+        (forced.omega(0.92).model().unwrap(), Family::SingleSided),
+        (doubled.model().unwrap(), Family::PeriodDoubled),
     ] {
         for orbit in breathers(&model, family).unwrap().orbits {
             if !admissibility(&orbit).unwrap().is_physical() {
@@ -152,7 +155,8 @@ fn amplitude(d: &DVector<f64>, w: &DVector<Complex<f64>>) -> f64 {
 
 #[test]
 fn a_weakly_unstable_breather_leaves_at_the_rate_of_its_leading_multiplier() {
-    let model = Model::forced(Chain::new(5, 0.2, 0.1).unwrap(), 1.5, 0.4, 0.1, 0.9).unwrap();
+    let ring = Point::ring(5).gamma1(0.2).gamma2(0.1);
+    let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
     let orbit = &breathers(&model, Family::DoubleSided).unwrap().orbits[0];
     let mode = &leading_modes(orbit, 1).unwrap()[0];
     assert!((mode.multiplier.norm() - 1.00690).abs() < 1e-5, "{}", mode.multiplier.norm());
@@ -169,7 +173,8 @@ fn a_weakly_unstable_breather_leaves_at_the_rate_of_its_leading_multiplier() {
 
 #[test]
 fn the_single_sided_breather_unstable_to_period_doubling_becomes_the_doubled_one() {
-    let model = Model::forced(Chain::new(21, 0.2, 0.1).unwrap(), 1.07, 0.8, 0.1582, 0.25).unwrap();
+    let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+    let model = ring.omega(1.07).asymmetry(0.8).amplitude(0.1582).restitution(0.25).model().unwrap();
     let physical = |family| {
         let orbits = breathers(&model, family).unwrap().orbits;
         orbits.into_iter().filter(|orbit| admissibility(orbit).unwrap().is_physical()).collect::<Vec<_>>()
@@ -337,8 +342,7 @@ fn simulations_of_random_lattices_obey_the_equations_of_motion() {
     let (mut impacts, mut sticks, mut kinds) = (0, 0, HashMap::new());
     for _ in 0..150 {
         let (chain, model) = (random.lattice(&ranges), random.model(&ranges));
-        let (omega, asymmetry, restitution) = (model.omega(), model.asymmetry(), model.restitution());
-        let model = Model::forced(chain, omega, asymmetry, model.amplitude(), restitution).unwrap();
+        let model = model.point().on(&chain).model().unwrap();
         let [hit, rested, _] = replayed(&model, random.unit(), 2.0, 1.5, &mut random);
         (impacts, sticks) = (impacts + hit, sticks + rested);
         *kinds.entry((chain.ends(), chain.layers() > 1, chain.layer_ends())).or_insert(0) += 1;
@@ -368,7 +372,8 @@ fn simulations_of_stiff_and_of_long_lattices_obey_the_equations_of_motion() {
             // Beside walls of layers a force is not worked out.
             let forced = restitution < 1.0 && chain.layer_ends() != Ends::Fixed;
             let amplitude = if forced { 0.4 } else { 0.0 };
-            let model = Model::forced(chain, 1.5, 0.4, amplitude, restitution).unwrap();
+            let model =
+                chain.point().omega(1.5).asymmetry(0.4).amplitude(amplitude).restitution(restitution).model().unwrap();
             let speed = 3.0 * stiffness(&chain).amax().sqrt().max(1.0);
             let [impacts, _, restarts] = replayed(&model, 0.3, speed, 1.0, &mut random);
             assert!(impacts > 0 && in_parts == (restarts > 20), "{impacts} {restarts} {chain}");

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 use vibrochain_breather::{BreatherError, Family, Found, Orbit, Proof, breathers};
-use vibrochain_lattice::{Chain, Force, Harmonic, ImpulseResponse, Model, Spectrum};
+use vibrochain_lattice::{Chain, Force, Harmonic, ImpulseResponse, Model, Point, Spectrum};
 use vibrochain_testkit::Values::{Either, Even, Is};
 use vibrochain_testkit::{Random, Ranges};
 
@@ -15,7 +15,7 @@ fn force(terms: &[(u32, f64, f64)]) -> Force {
 }
 
 fn with(model: &Model, force: &Force) -> Model {
-    Model::with_force(*model.chain(), model.omega(), model.asymmetry(), force, model.restitution()).unwrap()
+    model.point().under(force).model().unwrap()
 }
 
 /// The points of the tables and figures, and some where solutions crowd.
@@ -34,7 +34,8 @@ fn points() -> Vec<Model> {
         (1, 0.3, 0.0, 0.9, 0.1, 0.4, 0.95),
     ]
     .map(|(sites, g1, g2, omega, a, amplitude, e)| {
-        Model::forced(Chain::new(sites, g1, g2).unwrap(), omega, a, amplitude, e).unwrap()
+        let ring = Point::ring(sites).gamma1(g1).gamma2(g2);
+        ring.omega(omega).asymmetry(a).amplitude(amplitude).restitution(e).model().unwrap()
     })
     .to_vec()
 }
@@ -102,7 +103,8 @@ fn one_plain_harmonic_in_a_list_is_the_plain_cosine() {
 #[test]
 fn a_resonance_of_the_third_harmonic_is_an_error() {
     // 3ω on the uniform mode, √γ₁.
-    let plain = Model::forced(Chain::new(5, 2.25, 0.1).unwrap(), 0.5, 0.2, 0.1, 0.9).unwrap();
+    let ring = Point::ring(5).gamma1(2.25).gamma2(0.1);
+    let plain = ring.omega(0.5).asymmetry(0.2).amplitude(0.1).restitution(0.9).model().unwrap();
     let model = with(&plain, &force(&[(1, 0.1, 0.0), (3, 0.01, 0.5)]));
     for family in FAMILIES {
         let error = breathers(&model, family).unwrap_err();
@@ -403,7 +405,9 @@ fn without_loss_a_pair_that_merges_is_found_or_reported() {
         (Family::PeriodDoubled, 2.43, 0.3, 1.28, 1.29),
     ] {
         let at = |amplitude: f64| {
-            let found = breathers(&Model::forced(chain, omega, a, amplitude, 1.0).unwrap(), family).unwrap();
+            let found =
+                breathers(&chain.point().omega(omega).asymmetry(a).amplitude(amplitude).model().unwrap(), family)
+                    .unwrap();
             let (unresolved, exhausted) = found.completeness.open();
             assert_eq!(exhausted, 0);
             assert_eq!(found.completeness.is_established(), unresolved == 0);
@@ -499,7 +503,11 @@ fn next_to_a_fold_the_pair_is_found_or_reported() {
     ] {
         let chain = Chain::new(21, 0.2, 0.1).unwrap();
         let at = |amplitude: f64| {
-            let found = breathers(&Model::with_force(chain, omega, a, &square(amplitude), e).unwrap(), family).unwrap();
+            let found = breathers(
+                &chain.point().omega(omega).asymmetry(a).under(&square(amplitude)).restitution(e).model().unwrap(),
+                family,
+            )
+            .unwrap();
             let (unresolved, exhausted) = found.completeness.open();
             assert!(exhausted == 0 && found.orbits.iter().all(|orbit| orbit.residual() < 1e-13));
             (found.orbits.len(), unresolved)
@@ -530,7 +538,11 @@ fn a_pair_next_to_its_fold_is_one_place() {
         let (omega, a, e) = (0.5 + 1.5 * random.f64(), 0.8 * random.f64(), 0.3 + 0.69 * random.f64());
         let family = if random.bool() { Family::DoubleSided } else { Family::PeriodDoubled };
         let at = |amplitude: f64| {
-            let found = breathers(&Model::forced(chain, omega, a, amplitude, e).unwrap(), family).unwrap();
+            let found = breathers(
+                &chain.point().omega(omega).asymmetry(a).amplitude(amplitude).restitution(e).model().unwrap(),
+                family,
+            )
+            .unwrap();
             let (unresolved, exhausted) = found.completeness.open();
             (found.orbits.len(), unresolved, exhausted)
         };
@@ -556,7 +568,8 @@ fn a_pair_next_to_its_fold_is_one_place() {
 #[test]
 fn under_a_force_that_repeats_within_the_period_an_orbit_is_listed_once() {
     // The third harmonic alone: a shift of psi by T/3 changes nothing.
-    let model = Model::with_force(Chain::new(5, 0.2, 0.1).unwrap(), 0.5, 0.2, &force(&[(3, 1.5, 0.4)]), 0.95).unwrap();
+    let ring = Point::ring(5).gamma1(0.2).gamma2(0.1);
+    let model = ring.omega(0.5).asymmetry(0.2).under(&force(&[(3, 1.5, 0.4)])).restitution(0.95).model().unwrap();
     let response = ImpulseResponse::new(&Spectrum::new(*model.chain()), model.omega()).unwrap();
     let found = breathers(&model, Family::DoubleSided).unwrap();
     let third = model.period() / 3.0;

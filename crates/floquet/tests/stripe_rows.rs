@@ -261,7 +261,8 @@ fn what_is_no_stripe_is_told() {
     let double = line(21, 0.1, 1.0, 0.4, Family::DoubleSided, Parameter::Omega);
     assert_eq!(near(&double, (8, 9), 1, 1.9), NoStripe::Elsewhere);
     assert!(matches!(near(&double, (8, 9), 1, -1.0), NoStripe::Parameter(_)));
-    let forced = Model::forced(*double.model.chain(), 1.5, 0.4, 0.1, 0.9).unwrap();
+    let forced =
+        double.model.chain().point().omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
     let forced = StripeLine { model: forced, ..double };
     assert_eq!(near(&forced, (8, 9), 1, 1.5), NoStripe::NotConservative);
     assert_eq!(StripeFinder::default().along(&forced, (1.0, 2.0), 10).unwrap_err(), NoStripe::NotConservative);

@@ -11,7 +11,7 @@ use faer::MatRef;
 use krein::{Krein, apart, growth};
 use vibrochain_breather::{Family, Finder, Found, Orbit};
 use vibrochain_floquet::{Complex, DressedModes, Secular, Signature, bare_signature, even_monodromy};
-use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum};
+use vibrochain_lattice::{Chain, ImpulseResponse, Model, Point, Spectrum};
 use vibrochain_testkit::Values::{Either, Even, Is};
 use vibrochain_testkit::{Random, Ranges};
 
@@ -559,7 +559,8 @@ fn a_mode_against_itself_doubles_the_period_at_odd_harmonics() {
 
 #[test]
 fn orbits_without_mirror_symmetry_have_no_dressed_modes() {
-    let model = Model::forced(Chain::new(21, 0.2, 0.1).unwrap(), 1.5, 0.4, 0.1, 0.9).unwrap();
+    let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+    let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
     let mut bench = Bench::new();
     bench.finder.find(&model, Family::DoubleSided, &mut bench.found).unwrap();
     let orbit = bench.found.orbits.pop().unwrap();
