@@ -11,7 +11,7 @@ use nalgebra::Schur;
 use vibrochain::breather::BlochEquations;
 use vibrochain::breather::{Family, Finder, Found, breathers};
 use vibrochain::floquet::{Analyser, ImpactSpectrum, Secular, SecularMultipliers, Tolerance, even_monodromy};
-use vibrochain::lattice::{Chain, Model};
+use vibrochain::lattice::{Chain, Model, Point};
 
 /// Orbits all over the paper's map, so that every path of the verdict takes its share.
 fn conservative(sites: usize, family: Family) -> Vec<Model> {
@@ -86,7 +86,8 @@ fn forced(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("forced");
     for sites in [6, 11, 21, 41] {
         for (name, family, omega) in [("n=1", Family::SingleSided, 0.92), ("n=2", Family::DoubleSided, 1.5)] {
-            let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), omega, 0.4, 0.1, 0.9).unwrap();
+            let ring = Point::ring(sites).gamma1(0.2).gamma2(0.1);
+            let model = ring.omega(omega).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
             let (mut finder, mut found) = (Finder::new(sites), Found::default());
             finder.find(&model, family, &mut found).unwrap();
             let orbit = &found.orbits[0];
@@ -136,7 +137,8 @@ fn large_rings(criterion: &mut Criterion) {
             });
         }
         for (name, family, omega) in [("n=1", Family::SingleSided, 0.92), ("n=2", Family::DoubleSided, 1.5)] {
-            let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), omega, 0.4, 0.1, 0.9).unwrap();
+            let ring = Point::ring(sites).gamma1(0.2).gamma2(0.1);
+            let model = ring.omega(omega).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
             let (mut finder, mut found) = (Finder::new(sites), Found::default());
             finder.find(&model, family, &mut found).unwrap();
             let mut secular = SecularMultipliers::default();
@@ -154,7 +156,8 @@ fn large_rings(criterion: &mut Criterion) {
 fn eigenvalues(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("eigenvalues");
     for sites in [9, 19, 29, 39, 49, 79] {
-        let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), 1.5, 0.4, 0.1, 0.9).unwrap();
+        let point = Point::ring(sites).gamma1(0.2).gamma2(0.1);
+        let model = point.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
         let orbit = &breathers(&model, Family::DoubleSided).unwrap().orbits[0];
         let matrix = even_monodromy(orbit).unwrap();
         let n = matrix.nrows();

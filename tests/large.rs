@@ -4,7 +4,7 @@
 
 use vibrochain::breather::{Family, Finder, Found};
 use vibrochain::floquet::{Analyser, Complex, ModeLabels, Residues, Secular, SecularMultipliers, Tolerance};
-use vibrochain::lattice::{Chain, Model};
+use vibrochain::lattice::{Chain, Model, Point};
 
 type C = Complex<f64>;
 
@@ -150,7 +150,8 @@ fn forced_spectra_are_complete() {
         (10_001, Family::PeriodDoubled, 1.5, 0.3, 0.9),
     ];
     for (sites, family, omega, amplitude, e) in cases {
-        let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), omega, 0.4, amplitude, e).unwrap();
+        let ring = Point::ring(sites).gamma1(0.2).gamma2(0.1);
+        let model = ring.omega(omega).asymmetry(0.4).amplitude(amplitude).restitution(e).model().unwrap();
         let (mut finder, mut found) = (Finder::new(sites), Found::default());
         finder.find(&model, family, &mut found).unwrap();
         for orbit in &found.orbits {
@@ -186,9 +187,10 @@ fn forced_spectra_are_complete() {
 /// The whole way: an orbit checked and judged without a sum over pairs of modes or of sites.
 #[test]
 fn large_rings_are_judged_without_a_matrix() {
+    let forced = Point::ring(10_001).gamma1(0.2).gamma2(0.1).omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9);
     let cases = [
         (Model::conservative(Chain::new(20_001, 0.2, 0.1).unwrap(), 0.8, 0.4).unwrap(), Family::SingleSided),
-        (Model::forced(Chain::new(10_001, 0.2, 0.1).unwrap(), 1.5, 0.4, 0.1, 0.9).unwrap(), Family::DoubleSided),
+        (forced.model().unwrap(), Family::DoubleSided),
     ];
     for (model, family) in cases {
         let sites = model.chain().sites();
@@ -203,7 +205,7 @@ fn large_rings_are_judged_without_a_matrix() {
         let small = Chain::new(201, 0.2, 0.1).unwrap();
         let small = match family {
             Family::SingleSided => Model::conservative(small, 0.8, 0.4).unwrap(),
-            _ => Model::forced(small, 1.5, 0.4, 0.1, 0.9).unwrap(),
+            _ => forced.on(&small).model().unwrap(),
         };
         finder.find(&small, family, &mut found).unwrap();
         let reference = finder.admissibility(&found.orbits[0]).unwrap();

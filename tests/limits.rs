@@ -3,7 +3,7 @@
 
 use vibrochain::breather::{Family, NoBreather, Orbit, admissibility, breathers};
 use vibrochain::floquet::{Tolerance, stability};
-use vibrochain::lattice::{Chain, Model};
+use vibrochain::lattice::{Chain, Model, Point};
 
 fn conservative(sites: usize, gamma1: f64, gamma2: f64, omega: f64, a: f64) -> Model {
     Model::conservative(Chain::new(sites, gamma1, gamma2).unwrap(), omega, a).unwrap()
@@ -69,7 +69,8 @@ fn a_ring_that_nothing_holds_has_double_sided_breathers_only() {
 }
 
 fn forced(omega: f64, a: f64, amplitude: f64, e: f64) -> Model {
-    Model::forced(Chain::new(21, 0.2, 0.1).unwrap(), omega, a, amplitude, e).unwrap()
+    let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+    ring.omega(omega).asymmetry(a).amplitude(amplitude).restitution(e).model().unwrap()
 }
 
 #[test]
@@ -119,7 +120,7 @@ fn a_force_has_a_threshold() {
 fn symmetry_breaks_at_the_pitchfork_of_figure_9_and_no_orbit_is_lost_next_to_it() {
     let pitchfork = 0.524585314448;
     let count = |e: f64| {
-        let model = Model::forced(Chain::new(21, 0.1, 0.05).unwrap(), 1.33, 0.0, 1.5, e).unwrap();
+        let model = Point::ring(21).gamma1(0.1).gamma2(0.05).omega(1.33).amplitude(1.5).restitution(e).model().unwrap();
         let found = breathers(&model, Family::DoubleSided).unwrap();
         assert_eq!(found.completeness.open().0, 0, "{e}");
         found.orbits.len()

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use proptest::prelude::*;
 use vibrochain::breather::{Family, Orbit, admissibility, breathers};
 use vibrochain::floquet::{Tolerance, even_monodromy, full_monodromy, stability};
-use vibrochain::lattice::{Chain, ImpulseResponse, Model, Spectrum};
+use vibrochain::lattice::{Chain, ImpulseResponse, Model, Point, Spectrum};
 
 const FAMILIES: [Family; 3] = [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled];
 
@@ -19,7 +19,8 @@ fn forced() -> impl Strategy<Value = Model> {
     (1usize..24, 0.02..1.0, 0.0..0.5, 0.5..4.0, 0.0..0.95, 0.01..2.0, 0.1..=1.0).prop_filter_map(
         "valid",
         |(sites, g1, g2, omega, a, amplitude, e)| {
-            Model::forced(Chain::new(sites, g1, g2).ok()?, omega, a, amplitude, e).ok()
+            let ring = Point::ring(sites).gamma1(g1).gamma2(g2);
+            ring.omega(omega).asymmetry(a).amplitude(amplitude).restitution(e).model().ok()
         },
     )
 }
@@ -80,14 +81,8 @@ proptest! {
     #[test]
     fn units_of_time_do_not_matter(model in prop_oneof![conservative(), forced()], s in 1e-4..1e4_f64) {
         let chain = model.chain();
-        let scaled = Model::forced(
-            Chain::new(chain.sites(), s * chain.gamma1(), s * chain.gamma2()).unwrap(),
-            s.sqrt() * model.omega(),
-            model.asymmetry(),
-            s * model.amplitude(),
-            model.restitution(),
-        )
-        .unwrap();
+        let scaled = model.point().gamma1(s * chain.gamma1()).gamma2(s * chain.gamma2()).omega(s.sqrt() * model.omega());
+        let scaled = scaled.amplitude(s * model.amplitude()).model().unwrap();
         let (before, after) = (orbits(&model), orbits(&scaled));
         prop_assume!(!before.is_empty() && !after.is_empty());
         prop_assert_eq!(before.len(), after.len());

@@ -10,7 +10,7 @@ use vibrochain::floquet::{
     Analyser, Complex, ForcedSecular, Mechanism, Method, ModalShape, Secular, SecularMultipliers, SecularVerdict,
     Standing, Tolerance, even_monodromy, full_monodromy,
 };
-use vibrochain::lattice::{Chain, ImpulseResponse, Model, Parameter, Spectrum};
+use vibrochain::lattice::{Chain, ImpulseResponse, Model, Parameter, Point, Spectrum};
 use vibrochain_testkit::Values::Log;
 use vibrochain_testkit::{Meeting, Random, Ranges, reference};
 
@@ -133,7 +133,8 @@ fn roots_have_the_power_sums_of_the_monodromy_matrix() {
 
 #[test]
 fn the_shape_of_the_unstable_perturbation_is_an_eigenvector_of_the_dense_matrix() {
-    let model = Model::forced(Chain::new(21, 0.2, 0.1).unwrap(), 1.5, 0.4, 0.1, 0.9).unwrap();
+    let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+    let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
     let (mut finder, mut found) = (Finder::new(21), Found::default());
     finder.find(&model, Family::DoubleSided, &mut found).unwrap();
     assert!(!found.orbits.is_empty());

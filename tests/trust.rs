@@ -5,7 +5,7 @@ use std::path::Path;
 
 use vibrochain_breather::{Family, Finder, Found, Orbit, condition};
 use vibrochain_floquet::{Analyser, FloquetError, Mechanism, Tolerance, Verdict, stability};
-use vibrochain_lattice::{Chain, Model};
+use vibrochain_lattice::{Chain, Model, Point};
 use vibrochain_maps::cell::{Class, Status, Worker};
 use vibrochain_maps::scene::Scene;
 
@@ -25,7 +25,7 @@ fn verdicts(orbit: &Orbit, tolerance: Tolerance) -> [Verdict; 2] {
 #[test]
 fn a_threshold_next_to_the_growth_does_not_put_a_multiplier_on_the_circle() {
     let chain = Chain::new(21, 0.2, 0.1).unwrap();
-    let model = Model::forced(chain, 0.93, 0.4, 0.05, 1.0).unwrap();
+    let model = chain.point().omega(0.93).asymmetry(0.4).amplitude(0.05).model().unwrap();
     let orbit = &orbits(&model, Family::SingleSided)[1];
     for verdict in verdicts(orbit, Tolerance::Growth(0.635552)) {
         assert!(!verdict.stable && (verdict.spectral_radius - 1.6355520983).abs() < 1e-9, "{verdict:?}");
@@ -38,7 +38,10 @@ fn a_threshold_next_to_the_growth_does_not_put_a_multiplier_on_the_circle() {
 #[test]
 fn elastic_orbits_lie_on_the_circle_whatever_the_threshold() {
     let chain = Chain::new(21, 0.2, 0.1).unwrap();
-    let models = [Model::conservative(chain, 1.5, 0.4).unwrap(), Model::forced(chain, 1.5, 0.4, 0.1, 1.0).unwrap()];
+    let models = [
+        Model::conservative(chain, 1.5, 0.4).unwrap(),
+        chain.point().omega(1.5).asymmetry(0.4).amplitude(0.1).model().unwrap(),
+    ];
     for model in models {
         let orbit = &orbits(&model, Family::DoubleSided)[0];
         for tolerance in [Tolerance::Rounding, Tolerance::Growth(0.01)] {
@@ -52,7 +55,7 @@ fn elastic_orbits_lie_on_the_circle_whatever_the_threshold() {
 #[test]
 fn an_orbit_whose_equations_are_singular_has_no_bound_on_its_errors() {
     // One mass at ω = 2√γ₁: half a period after an impact it is back, whatever the impulse.
-    let model = Model::forced(Chain::new(1, 0.25, 0.0).unwrap(), 1.0, 0.0, 0.75, 1.0).unwrap();
+    let model = Point::ring(1).gamma1(0.25).gamma2(0.0).omega(1.0).amplitude(0.75).model().unwrap();
     let mut singular = 0;
     for orbit in orbits(&model, Family::DoubleSided) {
         let condition = condition(&orbit).unwrap();
@@ -72,7 +75,8 @@ fn an_orbit_whose_equations_are_singular_has_no_bound_on_its_errors() {
 #[test]
 fn next_to_a_fold_errors_grow_as_the_inverse_root_of_the_distance() {
     // The single-sided branch of `errata` folds at A = 0.157927457267….
-    let model = |amplitude| Model::forced(Chain::new(21, 0.2, 0.1).unwrap(), 1.07, 0.8, amplitude, 0.25).unwrap();
+    let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+    let model = |amplitude| ring.omega(1.07).asymmetry(0.8).amplitude(amplitude).restitution(0.25).model().unwrap();
     let (mut previous, mut before) = (1.0, None);
     for distance in [1e-2, 1e-4, 1e-6, 1e-8] {
         let orbit = &orbits(&model(0.157927457267 * (1.0 + distance)), Family::SingleSided)[0];
@@ -93,7 +97,8 @@ fn sweeps_and_single_orbits_agree_next_to_bifurcations() {
     // Neimark–Sacker at γ₂ = 0.088347387971, of `errata`: unstable on one side, stable on the other.
     let gamma2 = 0.088347387971;
     let at = |gamma2: f64| {
-        let model = Model::forced(Chain::new(21, 0.2, gamma2).unwrap(), 0.92, 0.7, 0.05, 0.9).unwrap();
+        let ring = Point::ring(21).gamma1(0.2).gamma2(gamma2);
+        let model = ring.omega(0.92).asymmetry(0.7).amplitude(0.05).restitution(0.9).model().unwrap();
         let candidates = orbits(&model, Family::SingleSided);
         let near =
             |orbit: &&Orbit| (stability(orbit, Tolerance::Rounding).unwrap().verdict.spectral_radius - 1.0).abs();

@@ -14,7 +14,7 @@ use vibrochain::eventsim::{EventKind, Limits, Outcome, Simulation, Work};
 use vibrochain::floquet::{
     Course, Event, Mechanism, Saltation, Search, Tolerance, diagram, locate, saltations, stability,
 };
-use vibrochain::lattice::{Barrier, Chain, Ends, Force, Harmonic, Model, Parameter};
+use vibrochain::lattice::{Barrier, Chain, Ends, Force, Harmonic, Model, Parameter, Point};
 use vibrochain_cli::common::console::{Console, ctrl_c};
 use vibrochain_maps::borders::BorderKind;
 use vibrochain_maps::cell::Class;
@@ -60,8 +60,7 @@ fn models(seed: u64, count: usize) -> Vec<Model> {
             amplitude: random.between(-0.5, 0.5),
             phase: random.value(Either(0.3, &Is(0.0), &Even(-3.0, 3.0))),
         });
-        let (omega, a, e) = (plain.omega(), plain.asymmetry(), plain.restitution());
-        Model::with_force(*plain.chain(), omega, a, &Force::new(&terms).unwrap(), e).unwrap()
+        plain.point().under(&Force::new(&terms).unwrap()).model().unwrap()
     };
     (0..count).map(|_| model()).collect()
 }
@@ -109,7 +108,8 @@ fn what_is_out_of_range_is_refused_in_the_librarys_words() {
     assert!(model.is_conservative(), "without force and losses unless they are given");
     let chain = |sites: usize, gamma1: f64, gamma2: f64| Chain::new(sites, gamma1, gamma2).unwrap_err().to_string();
     let point = |omega: f64, asymmetry: f64, amplitude: f64, restitution: f64| {
-        Model::forced(*model.chain(), omega, asymmetry, amplitude, restitution).unwrap_err().to_string()
+        let point = model.point().omega(omega).asymmetry(asymmetry);
+        point.amplitude(amplitude).restitution(restitution).model().unwrap_err().to_string()
     };
     let both = "amplitude = 0.1 is out of range: give either an amplitude or a force";
     let term = json!([{ "harmonic": 3, "amplitude": 0.1 }]);
@@ -186,8 +186,18 @@ fn what_is_found_on_branches_is_written_as_by_the_program() {
     let rows = Chain::new(4, 0.2, 0.02).unwrap().with_ends(Ends::Free).with_layers(2, 0.05, Ends::Free).unwrap();
     let ring = Chain::new(7, 0.2, 0.1).unwrap();
     let cases = [
-        (Model::forced(rows, 1.5, 0.4, 0.3, 0.8).unwrap(), "1:1+,1:1-", Event::Grazing, Parameter::Omega),
-        (Model::forced(ring, 1.07, 0.8, 0.165, 0.25).unwrap(), "0-", Event::PeriodDoubling, Parameter::Amplitude),
+        (
+            rows.point().omega(1.5).asymmetry(0.4).amplitude(0.3).restitution(0.8).model().unwrap(),
+            "1:1+,1:1-",
+            Event::Grazing,
+            Parameter::Omega,
+        ),
+        (
+            ring.point().omega(1.07).asymmetry(0.8).amplitude(0.165).restitution(0.25).model().unwrap(),
+            "0-",
+            Event::PeriodDoubling,
+            Parameter::Amplitude,
+        ),
     ];
     let (mut layers, mut points) = (0, 0);
     for (model, word, event, free) in cases {
@@ -279,7 +289,8 @@ fn other_values_come_back_and_have_their_names() {
     let crossing = Obstruction::Crossing { site: 3, barrier: Barrier::Upper, time: 0.1, excess: 0.3 };
     read_back(&Admissibility { margin: Some(-0.3), obstruction: Some(crossing), closest: None });
 
-    let model = Model::forced(Chain::new(5, 0.2, 0.1).unwrap(), 1.5, 0.4, 0.1, 0.9).unwrap();
+    let ring = Point::ring(5).gamma1(0.2).gamma2(0.1);
+    let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
     let mut found = Found::default();
     Finder::new(5).find(&model, Family::DoubleSided, &mut found).unwrap();
     let orbit = &found.orbits[0];

@@ -14,7 +14,7 @@
 use std::f64::consts::TAU;
 
 use vibrochain_breather::{Completeness, Family, Finder, Found, NoBreather, Unsearched, Word, breathers};
-use vibrochain_lattice::{Barrier, Chain, Model, Parameter};
+use vibrochain_lattice::{Barrier, Model, Parameter, Point};
 use vibrochain_testkit::Values::{Either, Even, Is, Log};
 use vibrochain_testkit::{Meeting, Random, Ranges};
 
@@ -198,7 +198,8 @@ fn no_orbit_of_a_fine_scan_is_missing() {
 /// By hand in 40 digits: physical, stable, two impacts on the lower barrier in one period of the force.
 #[test]
 fn two_impacts_on_one_barrier_in_one_period_of_the_force() {
-    let model = Model::forced(Chain::new(1, 1.0, 0.0).unwrap(), 0.7, 0.95, 0.1, 0.8).unwrap();
+    let ring = Point::ring(1).gamma1(1.0).gamma2(0.0);
+    let model = ring.omega(0.7).asymmetry(0.95).amplitude(0.1).restitution(0.8).model().unwrap();
     let (mut finder, mut found) = (Finder::new(1), Found::default());
     finder.find_word_over(&model, &"0-,0-".parse().unwrap(), 1, &mut found).unwrap();
     assert!(found.completeness.is_established());
@@ -213,7 +214,7 @@ fn two_impacts_on_one_barrier_in_one_period_of_the_force() {
     let is_known = |orbit: &[f64; 4]| orbit.iter().zip(known).all(|(found, known)| (found - known).abs() < 1e-13);
     assert!(physical.iter().any(is_known), "{physical:?}");
     // Without loss one of them has its impacts half a period apart, and another amplitude or site does not change how it is listed.
-    let elastic = Model::forced(Chain::new(5, 1.0, 0.1).unwrap(), 0.7, 0.5, 0.1, 1.0).unwrap();
+    let elastic = Point::ring(5).gamma1(1.0).gamma2(0.1).omega(0.7).asymmetry(0.5).amplitude(0.1).model().unwrap();
     finder.find_word_over(&elastic, &"0-,0-".parse().unwrap(), 1, &mut found).unwrap();
     let middle = |orbit: &&vibrochain_breather::Orbit| orbit.impacts()[1].time == 0.5 * elastic.period();
     assert_eq!(found.orbits.iter().filter(middle).count(), 1, "{:?}", found.completeness);

@@ -17,7 +17,7 @@ fn accelerations_at_impacts_are_those_of_the_motion() {
         let (omega, asymmetry) = (0.3 + 3.0 * random.f64(), 0.9 * random.f64());
         let forced = random.bool();
         let model = match forced {
-            true => Model::forced(chain, omega, asymmetry, 0.1, 0.9),
+            true => chain.point().omega(omega).asymmetry(asymmetry).amplitude(0.1).restitution(0.9).model(),
             false => Model::conservative(chain, omega, asymmetry),
         };
         let model = model.unwrap();

@@ -312,7 +312,7 @@ fn a_row_of_two_is_a_ring_of_two_with_half_the_coupling() {
 fn what_is_not_searched_is_not_complete() {
     let ring = |gamma2: f64| Chain::new(6, 0.2, gamma2).unwrap();
     let free = |gamma2: f64| Model::conservative(ring(gamma2), 1.5, 0.2).unwrap();
-    let forced = Model::forced(ring(0.05), 1.5, 0.2, 0.1, 0.9).unwrap();
+    let forced = ring(0.05).point().omega(1.5).asymmetry(0.2).amplitude(0.1).restitution(0.9).model().unwrap();
     let far = Model::conservative(Chain::new(400, 0.2, 1e-3).unwrap(), 1.5, 0.2).unwrap();
     for (model, text) in [
         (free(0.05), "0+3+,3-,0-3+,3-"),

@@ -7,14 +7,15 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use vibrochain_breather::{Completeness, End, Finder, Found, NoBreather, Wanted};
-use vibrochain_lattice::{Chain, Model, Parameter, Stop};
+use vibrochain_lattice::{Chain, Model, Parameter, Point, Stop};
 
 /// Two masses opposite each other on a ring of four, under a force.
 const OMEGA: f64 = 0.91;
 const GAMMA1: f64 = 0.14;
 
 fn opposite(restitution: f64) -> Model {
-    Model::forced(Chain::new(4, GAMMA1, 0.08).unwrap(), OMEGA, 0.24, 0.75, restitution).unwrap()
+    let ring = Point::ring(4).gamma1(GAMMA1).gamma2(0.08);
+    ring.omega(OMEGA).asymmetry(0.24).amplitude(0.75).restitution(restitution).model().unwrap()
 }
 
 /// The orbits of a word, and the looks that it took to find them.
@@ -91,7 +92,8 @@ fn other_words_at_elastic_impacts_end_as_well() {
         for step in 0..12 {
             let part = f64::from(step) / 12.0;
             let chain = Chain::new(sites, 0.1 + 0.2 * part, 0.03 + 0.1 * (7.0 * part).fract()).unwrap();
-            let model = Model::forced(chain, 0.8 + 0.5 * (5.0 * part).fract(), 0.24, 0.75, 1.0).unwrap();
+            let model =
+                chain.point().omega(0.8 + 0.5 * (5.0 * part).fract()).asymmetry(0.24).amplitude(0.75).model().unwrap();
             let (list, looks) = found(&model, word);
             assert!(looks < 400_000, "{word} {model} {looks}");
             kinds[0] += list.ended.iter().filter(|ended| ended.by == End::Unbounded).count();

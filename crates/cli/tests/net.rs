@@ -72,7 +72,8 @@ fn random_model(random: &mut Random) -> Model {
     let (omega, asymmetry) = (random.between(0.5, 3.0), random.between(-0.3, 0.9).max(0.0));
     if random.chance(0.5) {
         let restitution = if random.chance(0.2) { 1.0 } else { random.between(0.2, 0.99) };
-        Model::forced(chain, omega, asymmetry, random.log(0.05, 2.0), restitution).unwrap()
+        let point = chain.point().omega(omega).asymmetry(asymmetry);
+        point.amplitude(random.log(0.05, 2.0)).restitution(restitution).model().unwrap()
     } else {
         Model::conservative(chain, omega, asymmetry).unwrap()
     }

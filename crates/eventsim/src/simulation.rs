@@ -41,7 +41,7 @@ pub struct State {
 /// use vibrochain_lattice::{Chain, Model};
 ///
 /// // One mass between its barriers at −1 and 1: u = 2 sin t until it hits.
-/// let model = Model::forced(Chain::new(1, 1.0, 0.0)?, 1.0, 0.0, 0.0, 0.5)?;
+/// let model = Point::ring(1).gamma1(1.0).gamma2(0.0).omega(1.0).restitution(0.5).model()?;
 /// let mut simulation = Simulation::new(&model, 0.0, &[0.0], &[2.0])?;
 /// let mut first = None;
 /// let report = simulation.run(&Limits::until(Time::new(&model, 0, 0.25)), |event| first = first.or(Some(*event)));

@@ -178,10 +178,12 @@ impl Units {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vibrochain_lattice::{Chain, Harmonic};
+    use vibrochain_lattice::{Harmonic, Point};
 
     fn units(g1: f64, g2: f64, omega: f64, amplitude: f64) -> Units {
-        Units::new(&Model::forced(Chain::new(21, g1, g2).unwrap(), omega, 0.4, amplitude, 1.0).unwrap())
+        Units::new(
+            &Point::ring(21).gamma1(g1).gamma2(g2).omega(omega).asymmetry(0.4).amplitude(amplitude).model().unwrap(),
+        )
     }
 
     #[test]
@@ -200,7 +202,7 @@ mod tests {
     fn derivatives_of_a_force_of_several_harmonics_are_those_of_its_sum_and_bounded() {
         let harmonic = |number, amplitude, phase| Harmonic { number, amplitude, phase };
         let force = Force::new(&[harmonic(1, 0.7, 0.4), harmonic(5, -0.2, 1.0)]).unwrap();
-        let model = Model::with_force(Chain::new(3, 0.2, 0.1).unwrap(), 13.0, 0.4, &force, 1.0).unwrap();
+        let model = Point::ring(3).gamma1(0.2).gamma2(0.1).omega(13.0).asymmetry(0.4).under(&force).model().unwrap();
         let u = Units::new(&model);
         assert!((u.scale * u.rate - 65.0).abs() < 1e-12);
         for i in 0..30 {

@@ -5,7 +5,7 @@ mod support;
 
 use support::{Random, scan};
 use vibrochain_eventsim::{EventKind, Limits, Simulation, Time};
-use vibrochain_lattice::{Chain, Force, Harmonic, Model};
+use vibrochain_lattice::{Force, Harmonic, Model, Point};
 
 /// Impacts compared.
 fn compare(model: &Model, seed: u64, speed: f64, periods: f64, samples: u32) -> usize {
@@ -28,7 +28,8 @@ fn compare(model: &Model, seed: u64, speed: f64, periods: f64, samples: u32) -> 
 }
 
 fn model(sites: usize, g1: f64, g2: f64, amplitude: f64, restitution: f64) -> Model {
-    Model::forced(Chain::new(sites, g1, g2).unwrap(), 1.5, 0.4, amplitude, restitution).unwrap()
+    let ring = Point::ring(sites).gamma1(g1).gamma2(g2);
+    ring.omega(1.5).asymmetry(0.4).amplitude(amplitude).restitution(restitution).model().unwrap()
 }
 
 #[test]
@@ -66,7 +67,8 @@ fn forces_of_several_harmonics() {
     {
         let harmonic = |(number, amplitude, phase)| Harmonic { number, amplitude, phase };
         let force = Force::new(&terms.into_iter().map(harmonic).collect::<Vec<_>>()).unwrap();
-        let model = Model::with_force(Chain::new(sites, 0.2, 0.1).unwrap(), 1.5, 0.4, &force, e).unwrap();
+        let ring = Point::ring(sites).gamma1(0.2).gamma2(0.1);
+        let model = ring.omega(1.5).asymmetry(0.4).under(&force).restitution(e).model().unwrap();
         for seed in 1..=3 {
             compared += compare(&model, seed + 29 * i as u64, 2.5, 2.0, 100_000);
         }

@@ -6,10 +6,11 @@ mod support;
 use proptest::prelude::*;
 use support::Random;
 use vibrochain_eventsim::{Event, EventKind, Limits, Outcome, Simulation, StateError, Time};
-use vibrochain_lattice::{Barrier, Chain, Model};
+use vibrochain_lattice::{Barrier, Model, Point};
 
 fn forced(sites: usize, g1: f64, g2: f64, omega: f64, a: f64, amplitude: f64, e: f64) -> Model {
-    Model::forced(Chain::new(sites, g1, g2).unwrap(), omega, a, amplitude, e).unwrap()
+    let ring = Point::ring(sites).gamma1(g1).gamma2(g2);
+    ring.omega(omega).asymmetry(a).amplitude(amplitude).restitution(e).model().unwrap()
 }
 
 fn until(model: &Model, periods: f64) -> Limits {

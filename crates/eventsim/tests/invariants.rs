@@ -5,7 +5,7 @@ mod support;
 
 use support::{Random, breather, half_impulses};
 use vibrochain_eventsim::{Event, Limits, Outcome, Simulation, Time};
-use vibrochain_lattice::{Barrier, Chain, Ends, Model};
+use vibrochain_lattice::{Barrier, Chain, Ends, Model, Point};
 
 fn conservative(sites: usize) -> Model {
     Model::conservative(Chain::new(sites, 0.2, 0.1).unwrap(), 1.5, 0.4).unwrap()
@@ -171,11 +171,13 @@ fn stays_symmetric(model: &Model, seed: u64, periods: u64) -> u64 {
 #[test]
 fn a_mirror_symmetric_ring_stays_so_to_the_bit() {
     for (sites, amplitude, e) in [(2, 0.0, 1.0), (9, 0.0, 1.0), (12, 0.8, 0.6), (21, 0.0, 1.0)] {
-        let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), 0.9, 0.3, amplitude, e).unwrap();
+        let ring = Point::ring(sites).gamma1(0.2).gamma2(0.1);
+        let model = ring.omega(0.9).asymmetry(0.3).amplitude(amplitude).restitution(e).model().unwrap();
         stays_symmetric(&model, 11, 200);
     }
     for (sites, amplitude, e) in [(80, 0.0, 1.0), (131, 0.5, 0.8)] {
-        let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), 0.9, 0.3, amplitude, e).unwrap();
+        let ring = Point::ring(sites).gamma1(0.2).gamma2(0.1);
+        let model = ring.omega(0.9).asymmetry(0.3).amplitude(amplitude).restitution(e).model().unwrap();
         assert!(stays_symmetric(&model, 7, 40) > 100, "no restart in parts");
     }
 }
@@ -184,7 +186,8 @@ fn a_mirror_symmetric_ring_stays_so_to_the_bit() {
 #[test]
 fn a_ring_has_no_end() {
     for (amplitude, e) in [(0.0, 1.0), (0.8, 0.5)] {
-        let model = Model::forced(Chain::new(101, 0.2, 0.1).unwrap(), 0.9, 0.3, amplitude, e).unwrap();
+        let ring = Point::ring(101).gamma1(0.2).gamma2(0.1);
+        let model = ring.omega(0.9).asymmetry(0.3).amplitude(amplitude).restitution(e).model().unwrap();
         let (u, v) = Random(12).state(&model, 1.5);
         let run = |turn: usize| {
             let turned = |from: &[f64]| (0..101).map(|n| from[(n + turn) % 101]).collect::<Vec<_>>();
@@ -206,7 +209,8 @@ fn a_ring_has_no_end() {
 #[test]
 fn looking_changes_nothing() {
     for sites in [7, 90] {
-        let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), 0.9, 0.3, 0.7, 0.8).unwrap();
+        let ring = Point::ring(sites).gamma1(0.2).gamma2(0.1);
+        let model = ring.omega(0.9).asymmetry(0.3).amplitude(0.7).restitution(0.8).model().unwrap();
         let (u, v) = Random(8).state(&model, 2.0);
         let run = |pieces: u32| -> (Vec<Event>, Vec<f64>) {
             let mut simulation = Simulation::new(&model, 0.0, &u, &v).unwrap();

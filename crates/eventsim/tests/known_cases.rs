@@ -3,10 +3,11 @@
 
 use approx::assert_abs_diff_eq;
 use vibrochain_eventsim::{Event, EventKind, Limits, Outcome, Simulation, Time};
-use vibrochain_lattice::{Barrier, Chain, Model};
+use vibrochain_lattice::{Barrier, Model, Point};
 
 fn model(sites: usize, omega: f64, amplitude: f64, restitution: f64) -> Model {
-    Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), omega, 0.4, amplitude, restitution).unwrap()
+    let ring = Point::ring(sites).gamma1(0.2).gamma2(0.1);
+    ring.omega(omega).asymmetry(0.4).amplitude(amplitude).restitution(restitution).model().unwrap()
 }
 
 fn events(model: &Model, u: &[f64], v: &[f64], periods: f64) -> Vec<Event> {

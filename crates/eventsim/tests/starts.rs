@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use vibrochain_eventsim::{Event, EventKind, Limits, Outcome, Simulation, Time};
-use vibrochain_lattice::{Barrier, Chain, Model, Propagator, Spectrum};
+use vibrochain_lattice::{Barrier, Model, Point, Propagator, Spectrum};
 
 fn run(model: &Model, psi: f64, u: &[f64], v: &[f64], periods: f64) -> (Simulation, Vec<Event>) {
     let mut simulation = Simulation::new(model, psi, u, v).unwrap();
@@ -21,7 +21,8 @@ fn the_force_on_it_decides() {
     for e in [0.3, 1.0] {
         for barrier in [Barrier::Lower, Barrier::Upper] {
             for (amplitude, phase) in [(0.0, 0.0), (0.5, 0.0), (0.5, 0.5), (0.05, 0.0), (0.05, 0.5), (0.5, 0.25)] {
-                let model = Model::forced(Chain::new(1, 0.2, 0.0).unwrap(), 1.0, 0.2, amplitude, e).unwrap();
+                let ring = Point::ring(1).gamma1(0.2).gamma2(0.0);
+                let model = ring.omega(1.0).asymmetry(0.2).amplitude(amplitude).restitution(e).model().unwrap();
                 let (u, psi) = (model.barrier(barrier), phase * model.period());
                 let outward = barrier.sign() * (amplitude * psi.cos() - 0.2 * u);
                 let (simulation, events) = run(&model, psi, &[u], &[0.0], 1e-3);
@@ -43,7 +44,7 @@ fn the_force_on_it_decides() {
         }
     }
     // Spring and force in balance: the next derivative, −Aω sin ωψ, decides.
-    let model = Model::forced(Chain::new(1, 0.2, 0.0).unwrap(), 1.0, 0.0, 0.5, 0.9).unwrap();
+    let model = Point::ring(1).gamma1(0.2).gamma2(0.0).omega(1.0).amplitude(0.5).restitution(0.9).model().unwrap();
     for (psi, pressed) in [(0.4_f64.acos(), false), (-(0.4_f64.acos()), true)] {
         let (simulation, events) = run(&model, psi, &[1.0], &[0.0], 1e-3);
         assert_eq!(simulation.resting(0).is_some(), pressed, "{psi} {events:?}");
@@ -55,7 +56,7 @@ fn the_force_on_it_decides() {
 /// Nothing holds a ring whose masses all lie on one barrier, and nothing moves it.
 #[test]
 fn in_balance_for_ever_it_rests_for_ever() {
-    let model = Model::forced(Chain::new(7, 0.0, 0.1).unwrap(), 1.0, 0.3, 0.0, 0.8).unwrap();
+    let model = Point::ring(7).gamma1(0.0).gamma2(0.1).omega(1.0).asymmetry(0.3).restitution(0.8).model().unwrap();
     let u = [model.barrier(Barrier::Lower); 7];
     let (simulation, events) = run(&model, 0.0, &u, &[0.0; 7], 20.0);
     assert!(events.len() == 7 && events.iter().all(|e| e.kind == EventKind::Stick && e.time.to_f64() == 0.0));
@@ -69,7 +70,8 @@ fn a_far_neighbour_that_leaves_takes_it_along() {
     let mut compared = 0;
     for sites in [1, 2, 3, 5, 8, 9, 13, 20, 41, 90] {
         for barrier in [Barrier::Lower, Barrier::Upper] {
-            let model = Model::forced(Chain::new(sites, 0.0, 0.1).unwrap(), 1.0, 0.3, 0.0, 0.8).unwrap();
+            let ring = Point::ring(sites).gamma1(0.0).gamma2(0.1);
+            let model = ring.omega(1.0).asymmetry(0.3).restitution(0.8).model().unwrap();
             let (u, mut v) = (vec![model.barrier(barrier); sites], vec![0.0; sites]);
             v[sites / 2] = -0.1 * barrier.sign();
             for periods in [0.05, 0.4] {
@@ -101,7 +103,8 @@ fn assert_flies_freely(simulation: &Simulation, u: &[f64], v: &[f64]) -> usize {
 fn an_impact_at_the_very_start_leaves_the_rest_of_a_moving_ring_alone() {
     let mut compared = 0;
     for (sites, hit) in [(1, 0), (5, 2), (63, 0), (64, 63), (90, 40), (200, 0), (200, 100)] {
-        let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), 1.0, 0.3, 0.0, 0.8).unwrap();
+        let ring = Point::ring(sites).gamma1(0.2).gamma2(0.1);
+        let model = ring.omega(1.0).asymmetry(0.3).restitution(0.8).model().unwrap();
         let wave = |n: usize, shift: f64| 0.2 * (0.7 * n as f64 + shift).sin();
         let mut u: Vec<f64> = (0..sites).map(|n| wave(n, 0.0)).collect();
         let mut v: Vec<f64> = (0..sites).map(|n| wave(n, 1.3)).collect();

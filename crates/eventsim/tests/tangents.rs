@@ -22,7 +22,9 @@ fn models() -> Vec<Model> {
         ring(4).with_layers(3, 0.05, Ends::Free).unwrap(),
     ];
     let drives = [(0.0, 1.0), (0.1, 0.9), (0.7, 0.4)];
-    let driven = |chain, omega, (amplitude, e)| Model::forced(chain, omega, 0.4, amplitude, e).unwrap();
+    let driven = |chain: Chain, omega, (amplitude, e)| {
+        chain.point().omega(omega).asymmetry(0.4).amplitude(amplitude).restitution(e).model().unwrap()
+    };
     // The slow strong force at the end presses masses to their barriers.
     let of = |chain| {
         let pressed = driven(chain, 0.4, (1.5, 0.3));
@@ -143,7 +145,7 @@ fn motions_that_are_integrable_grow_no_faster_than_time() {
 fn areas_in_phase_space_shrink_by_the_square_of_the_restitution() {
     // The determinant of a saltation is e², flight keeps volumes. (Directions that have come apart by 10⁸ cost digits.)
     for e in [1.0, 0.9, 0.5] {
-        let model = Model::forced(ring(3), 1.5, 0.4, 0.3, e).unwrap();
+        let model = ring(3).point().omega(1.5).asymmetry(0.4).amplitude(0.3).restitution(e).model().unwrap();
         let mut simulation = Simulation::new(&model, 0.0, &[0.0; 3], &[1.5, -0.4, 0.9]).unwrap();
         let mut tangents = Tangents::random(&model, 6, 3).unwrap();
         let until = Limits::until(Time::new(&model, 12, 0.0));
@@ -173,7 +175,7 @@ fn neighbours_on_a_breather_stay_for_its_own_growth_alone() {
 #[test]
 fn rest_takes_a_direction_and_a_graze_takes_the_meaning() {
     // One mass, pressed against its barrier by a strong force: all of its perturbations end there.
-    let model = Model::forced(ring(1), 0.4, 0.4, 1.5, 0.3).unwrap();
+    let model = ring(1).point().omega(0.4).asymmetry(0.4).amplitude(1.5).restitution(0.3).model().unwrap();
     let mut simulation = Simulation::new(&model, 0.0, &[0.0], &[0.5]).unwrap();
     let mut tangents = Tangents::random(&model, 1, 1).unwrap();
     let report = simulation.run_with(&mut tangents, &Limits::until(Time::new(&model, 2, 0.0)), |_| {}).unwrap();

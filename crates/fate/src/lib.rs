@@ -19,10 +19,11 @@
 //! use vibrochain_lattice::Stop;
 //! use vibrochain_breather::{Family, breathers};
 //! use vibrochain_fate::{End, Ensemble, Home};
-//! use vibrochain_lattice::{Chain, Model};
+//! use vibrochain_lattice::Point;
 //!
 //! // A pair of a saddle and a node: the first is left, the second is come back to.
-//! let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
+//! let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+//! let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model()?;
 //! let ensemble = Ensemble { periods: 200, ..Ensemble::default() };
 //! let orbits = breathers(&model, Family::DoubleSided)?.orbits;
 //! let runs = orbits.iter().map(|orbit| {

@@ -17,8 +17,8 @@ impl Strobe {
     ///
     /// ```
     /// use vibrochain_fate::Strobe;
-    /// use vibrochain_lattice::{Chain, Model};
-    /// let model = Model::forced(Chain::new(1, 1.0, 0.0)?, 2.0, 0.0, 0.1, 0.9)?;
+    /// use vibrochain_lattice::Point;
+    /// let model = Point::ring(1).gamma1(1.0).gamma2(0.0).omega(2.0).amplitude(0.1).restitution(0.9).model()?;
     /// // The run begins an eighth of a period after the force was greatest.
     /// let strobe = Strobe::new(&model, model.period() / 8.0, 0.0);
     /// assert!((strobe.time(3).part() - 0.875).abs() < 1e-15 && strobe.time(3).periods() == 3);

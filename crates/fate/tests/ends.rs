@@ -9,7 +9,7 @@ use vibrochain_breather::{Family, Orbit, admissibility, breathers};
 use vibrochain_eventsim::{Limits, Simulation, Time};
 use vibrochain_fate::{CellFates, Column, Diagram, End, Ensemble, Fates, From, Home, Sectioned, fates, table};
 use vibrochain_floquet::{Tolerance, stability};
-use vibrochain_lattice::{Chain, Model, Stop};
+use vibrochain_lattice::{Model, Point, Stop};
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::{Content, Ended, Job, ReadRows};
@@ -25,7 +25,7 @@ fn run(orbit: &Orbit, ensemble: &Ensemble, seed: u64) -> vibrochain_fate::Fate {
 }
 
 fn default_model() -> Model {
-    Model::forced(Chain::new(21, 0.2, 0.1).unwrap(), 1.5, 0.4, 0.1, 0.9).unwrap()
+    Point::ring(21).gamma1(0.2).gamma2(0.1).omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap()
 }
 
 #[test]
@@ -73,7 +73,8 @@ fn all_ends_that_are_named_occur_where_they_should() {
     let after = simulation.run(&Limits::until(Time::new(&model, 1500, 0.0)), |_| {}).work.impacts;
     assert!(before > 0 && before == after);
     // Chaos: two neighbours of a run that ends so part by more than any power of time would.
-    let model = Model::forced(Chain::new(21, 0.2, 0.1).unwrap(), 1.2, 0.4, 0.1, 0.9).unwrap();
+    let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+    let model = ring.omega(1.2).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
     let orbit = &physical(&model, Family::DoubleSided)[0];
     let ensemble = Ensemble { periods: 1500, ..Ensemble::default() };
     let fate = run(orbit, &ensemble, 1);

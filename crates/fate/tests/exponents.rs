@@ -5,10 +5,11 @@ use vibrochain_breather::{Family, Motion, Orbit, admissibility, breathers};
 use vibrochain_eventsim::{Limits, Outcome, Simulation, Tangents, Time};
 use vibrochain_fate::{Start, measure};
 use vibrochain_floquet::{Tolerance, full_monodromy, stability};
-use vibrochain_lattice::{Chain, Model, Propagator, Spectrum, Stop};
+use vibrochain_lattice::{Model, Point, Propagator, Spectrum, Stop};
 
 fn forced(sites: usize, [gamma1, gamma2, omega, asymmetry, amplitude, restitution]: [f64; 6]) -> Model {
-    Model::forced(Chain::new(sites, gamma1, gamma2).unwrap(), omega, asymmetry, amplitude, restitution).unwrap()
+    let ring = Point::ring(sites).gamma1(gamma1).gamma2(gamma2);
+    ring.omega(omega).asymmetry(asymmetry).amplitude(amplitude).restitution(restitution).model().unwrap()
 }
 
 /// Physical breathers of the paper's default with a force, its neighbours, and some without force.

@@ -109,8 +109,9 @@ impl Analyser {
     /// ```
     /// use vibrochain_breather::{Family, Finder, breathers};
     /// use vibrochain_floquet::Analyser;
-    /// use vibrochain_lattice::{Chain, Model};
-    /// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
+    /// use vibrochain_lattice::Point;
+    /// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+    /// let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model()?;
     /// let found = breathers(&model, Family::DoubleSided)?;
     /// let (mut analyser, mut finder) = (Analyser::default(), Finder::new(21));
     /// // Spectral radii 1.0016 and 2.7.

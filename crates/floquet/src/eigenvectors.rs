@@ -161,7 +161,7 @@ fn by_matrix(orbit: &Orbit, count: usize) -> Result<Vec<FloquetMode>, FloquetErr
 mod tests {
     use super::*;
     use vibrochain_breather::{Family, breathers};
-    use vibrochain_lattice::{Chain, Model};
+    use vibrochain_lattice::{Chain, Model, Point};
 
     /// Both ways, against each other and against the matrix of the whole ring.
     #[test]
@@ -175,7 +175,8 @@ mod tests {
         ];
         let mut compared = 0;
         for (sites, family, omega, amplitude, e) in cases {
-            let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), omega, 0.4, amplitude, e).unwrap();
+            let ring = Point::ring(sites).gamma1(0.2).gamma2(0.1);
+            let model = ring.omega(omega).asymmetry(0.4).amplitude(amplitude).restitution(e).model().unwrap();
             for orbit in &breathers(&model, family).unwrap().orbits {
                 let mut finder = Finder::new(sites);
                 let matrix = full_monodromy(orbit).unwrap();

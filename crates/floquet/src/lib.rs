@@ -34,9 +34,10 @@
 //! ```
 //! use vibrochain_breather::{Family, breathers};
 //! use vibrochain_floquet::{Tolerance, stability};
-//! use vibrochain_lattice::{Chain, Model};
+//! use vibrochain_lattice::Point;
 //!
-//! let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
+//! let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+//! let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model()?;
 //! for orbit in &breathers(&model, Family::DoubleSided)?.orbits {
 //!     let verdict = stability(orbit, Tolerance::Growth(0.01))?.verdict;
 //!     println!("|μ| = {}, stable within 1 % a period: {}", verdict.spectral_radius, verdict.stable);

@@ -7,13 +7,14 @@ use vibrochain_breather::{Family, Orbit, breathers};
 use vibrochain_floquet::{
     CurveEnd, CurveError, Event, EventCurve, Search, Special, Tolerance, Window, curve, locate, stability,
 };
-use vibrochain_lattice::{Chain, Model, Parameter};
+use vibrochain_lattice::{Chain, Model, Parameter, Point};
 use vibrochain_testkit::Random;
 
 const TOLERANCE: f64 = 1e-6;
 
 fn forced(omega: f64, asymmetry: f64, amplitude: f64, restitution: f64) -> Model {
-    Model::forced(Chain::new(21, 0.2, 0.1).unwrap(), omega, asymmetry, amplitude, restitution).unwrap()
+    let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+    ring.omega(omega).asymmetry(asymmetry).amplitude(amplitude).restitution(restitution).model().unwrap()
 }
 
 fn conservative(sites: usize, gamma2: f64, omega: f64) -> Model {
@@ -174,7 +175,8 @@ fn impulses_that_are_rounding_all_along_end_no_curve() {
         let window = Window { parameters: [Parameter::Amplitude, Parameter::Omega], from: [1e-4, from], to: [1.0, to] };
         for start in [0.3, 0.8] {
             let omega = from + start * (to - from);
-            let model = Model::forced(chain, omega, 0.9, 1.2 * truth(omega), 0.8).unwrap();
+            let point = chain.point().omega(omega).asymmetry(0.9);
+            let model = point.amplitude(1.2 * truth(omega)).restitution(0.8).model().unwrap();
             let list = breathers(&model, Family::SingleSided).unwrap();
             let mut followed = 0;
             for orbit in &list.orbits {
@@ -300,7 +302,8 @@ fn asymmetry_at(model: &Model, phi: f64) -> f64 {
 #[test]
 fn folds_meet_in_a_cusp_where_three_breathers_merge() {
     let at = |asymmetry: f64, amplitude: f64| {
-        Model::forced(Chain::new(6, 0.5, 0.05).unwrap(), 0.93, asymmetry, amplitude, 0.76).unwrap()
+        let ring = Point::ring(6).gamma1(0.5).gamma2(0.05);
+        ring.omega(0.93).asymmetry(asymmetry).amplitude(amplitude).restitution(0.76).model().unwrap()
     };
     let list = |model: &Model| breathers(model, Family::DoubleSided).unwrap().orbits;
     let window = Window { parameters: [Parameter::Asymmetry, Parameter::Amplitude], from: [0.3, 2.2], to: [0.95, 3.0] };

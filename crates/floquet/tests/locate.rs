@@ -9,12 +9,13 @@ use vibrochain_floquet::{
     Answer, Course, End, Event, Evidence, LocateError, Located, Mechanism, Search, Unresolved, Verdict, diagram_until,
     eigenvalues, full_monodromy, locate, locate_until,
 };
-use vibrochain_lattice::{Barrier, Chain, Force, Harmonic, ImpulseResponse, Model, Parameter, Spectrum, Stop};
+use vibrochain_lattice::{Barrier, Chain, Force, Harmonic, ImpulseResponse, Model, Parameter, Point, Spectrum, Stop};
 use vibrochain_testkit::Values::{Is, Log};
 use vibrochain_testkit::{Random, Ranges};
 
 fn model(gamma: (f64, f64), omega: f64, asymmetry: f64, force: (f64, f64)) -> Model {
-    Model::forced(Chain::new(21, gamma.0, gamma.1).unwrap(), omega, asymmetry, force.0, force.1).unwrap()
+    let ring = Point::ring(21).gamma1(gamma.0).gamma2(gamma.1);
+    ring.omega(omega).asymmetry(asymmetry).amplitude(force.0).restitution(force.1).model().unwrap()
 }
 
 fn orbit(model: &Model, family: Family, which: usize) -> Orbit {
@@ -199,7 +200,8 @@ fn a_multiplier_of_conservative_orbits_is_one_where_their_energy_is_extreme() {
 /// Elastic impacts under a force: symmetric in time, so that asymmetric pairs branch off although a ≠ 0.
 #[test]
 fn pitchfork_of_orbits_that_are_mirror_images_in_time() {
-    let at = |omega: f64| Model::forced(Chain::new(8, 0.1, 0.05).unwrap(), omega, 0.1, 1.476, 1.0).unwrap();
+    let ring = Point::ring(8).gamma1(0.1).gamma2(0.05);
+    let at = |omega: f64| ring.omega(omega).asymmetry(0.1).amplitude(1.476).model().unwrap();
     let half = |orbit: &Orbit| (orbit.phi().unwrap() / orbit.period() - 0.5).abs();
     let orbits = breathers(&at(2.053), Family::DoubleSided).unwrap().orbits;
     let mut seen = 0;
@@ -220,7 +222,8 @@ fn fold_under_a_square_wave() {
     let terms =
         [(1, 1.0), (3, -0.3), (5, 0.1)].map(|(number, size)| Harmonic { number, amplitude: 0.165 * size, phase: 0.0 });
     let chain = Chain::new(21, 0.2, 0.1).unwrap();
-    let model = Model::with_force(chain, 1.07, 0.8, &Force::new(&terms).unwrap(), 0.25).unwrap();
+    let model =
+        chain.point().omega(1.07).asymmetry(0.8).under(&Force::new(&terms).unwrap()).restitution(0.25).model().unwrap();
     let start = orbit(&model, Family::SingleSided, 0);
     let found = search(&start, Event::Fold, Parameter::Amplitude, None).located.swap_remove(0);
     assert!(found.error < 1e-12 && found.orbit.model().force().harmonics().len() == 3, "{found:?}");
@@ -237,7 +240,7 @@ fn fold_under_a_square_wave() {
 fn doubled_orbits_next_to_a_resonance_end_there() {
     let forced = |sites, gamma: (f64, f64), omega, asymmetry, force: (f64, f64)| {
         let chain = Chain::new(sites, gamma.0, gamma.1).unwrap();
-        Model::forced(chain, omega, asymmetry, force.0, force.1).unwrap()
+        chain.point().omega(omega).asymmetry(asymmetry).amplitude(force.0).restitution(force.1).model().unwrap()
     };
     let gamma = (0.5605742964292665, 0.2915428976251419);
     let model = forced(5, gamma, 0.41160825497750986, 0.0, (1.2042279128292654, 0.5745149336048461));
@@ -279,7 +282,7 @@ fn where_an_impulse_vanishes_no_pair_is_told_to_cross() {
     let (mut met, mut most) = (0, 0);
     for (sites, asymmetry) in [(3, 0.0), (5, 0.0), (11, 0.0), (5, 0.4), (11, 0.4)] {
         let chain = Chain::new(sites, 0.2, 0.1).unwrap();
-        let model = Model::forced(chain, 1.07, asymmetry, 0.4, 0.8).unwrap();
+        let model = chain.point().omega(1.07).asymmetry(asymmetry).amplitude(0.4).restitution(0.8).model().unwrap();
         let starts = breathers(&model, Family::DoubleSided).unwrap().orbits;
         let all = |event| {
             let of = |start| search(start, event, Parameter::Amplitude, Some((0.2, 1.0)));
@@ -319,7 +322,7 @@ fn where_an_impulse_vanishes_no_pair_is_told_to_cross() {
 fn nothing_is_claimed_of_what_is_no_orbit_or_no_crossing() {
     let forced = |sites, gamma: (f64, f64), omega, asymmetry, force: (f64, f64)| {
         let chain = Chain::new(sites, gamma.0, gamma.1).unwrap();
-        Model::forced(chain, omega, asymmetry, force.0, force.1).unwrap()
+        chain.point().omega(omega).asymmetry(asymmetry).amplitude(force.0).restitution(force.1).model().unwrap()
     };
     let mut checked = 0;
     for (gamma, omega, asymmetry, force) in [

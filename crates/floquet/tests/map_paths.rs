@@ -26,12 +26,7 @@ fn verdicts_agree(seed: u64, ranges: &Ranges, word: impl Fn(&mut Random, &Chain)
             0 => random.meeting(&chain, random_meeting(round), 3, Values::Log(1e-9, 1e-2)).clamp(0.3, 3.0),
             _ => model.omega(),
         };
-        let force = model.force();
-        let Ok(model) =
-            vibrochain_lattice::Model::with_force(chain, omega, model.asymmetry(), force, model.restitution())
-        else {
-            continue;
-        };
+        let Ok(model) = model.point().on(&chain).omega(omega).model() else { continue };
         let Some(word) = word(&mut random, &chain) else { continue };
         let word: Word = word.parse().unwrap();
         let (mut finder, mut found) = (Finder::new(chain.sites()), Found::default());
@@ -120,7 +115,7 @@ fn large_rings_have_the_multipliers_of_the_spectrum() {
     for (omega, gamma2, amplitude) in [(0.8, 0.1, 0.0), (1.5, 0.1, 0.0), (0.9, 0.01, 0.0), (1.5, 0.1, 0.1)] {
         let chain = Chain::new(601, 0.2, gamma2).unwrap();
         let model = match amplitude > 0.0 {
-            true => Model::forced(chain, omega, 0.4, amplitude, 0.9).unwrap(),
+            true => chain.point().omega(omega).asymmetry(0.4).amplitude(amplitude).restitution(0.9).model().unwrap(),
             false => Model::conservative(chain, omega, 0.4).unwrap(),
         };
         for family in [Family::SingleSided, Family::DoubleSided] {

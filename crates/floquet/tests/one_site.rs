@@ -6,7 +6,7 @@ use vibrochain_floquet::{
     Analyser, Complex, FloquetError, ForcedSecular, Method, Stability, Standing, Tolerance, Verdict, eigenvalues,
     felt_modes, full_monodromy, multiplier_modes, odd_multipliers,
 };
-use vibrochain_lattice::{Chain, Ends, Model};
+use vibrochain_lattice::{Chain, Ends};
 use vibrochain_testkit::{Random, Ranges, Values};
 
 /// Each of `some` has its own one of `others`, in any order: the largest distance.
@@ -81,7 +81,7 @@ fn forced_orbits_have_the_multipliers_of_the_whole_matrix() {
         }
         let model = random.model(&ranges);
         let e = if random.chance(0.15) { 1.0 } else { model.restitution() };
-        let model = Model::with_force(chain, model.omega(), model.asymmetry(), model.force(), e).unwrap();
+        let model = model.point().on(&chain).restitution(e).model().unwrap();
         let word = word(&mut random, &chain, true);
         if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
             continue;
@@ -119,7 +119,7 @@ fn spared_modes_keep_their_multipliers_and_their_names() {
     // Of 15 sums of two of a row's five numbers two are equal: 0.382 + 3.618 = 1.382 + 2.618.
     let frequency = |k: usize| 2.0 * 0.1_f64.sqrt() * (std::f64::consts::PI * k as f64 / 10.0).sin();
     for (chain, word, spared) in [(row, "2-", 2), (square, "0:0-", 11), (square, "2:2-", 25 - 6)] {
-        let model = Model::forced(chain, 0.92, 0.4, 0.1, 0.9).unwrap();
+        let model = chain.point().omega(0.92).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
         let (mut finder, mut found) = (Finder::new(1), Found::default());
         finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).unwrap();
         let orbit = &found.orbits[0];
@@ -160,7 +160,9 @@ fn one_of_several_loose_rings_is_a_ring() {
     {
         let ring = Chain::new(8, 0.2, 0.1).unwrap();
         let layers = ring.with_layers(3, 0.0, Ends::Free).unwrap();
-        let model = |chain: Chain| Model::forced(chain, omega, 0.4, amplitude, e).unwrap();
+        let model = |chain: Chain| {
+            chain.point().omega(omega).asymmetry(0.4).amplitude(amplitude).restitution(e).model().unwrap()
+        };
         finder.find_word(&model(layers), &word.parse().unwrap(), Wanted::All, &mut found).unwrap();
         finder.find_word(&model(ring), &word.replace(":1", "").parse().unwrap(), Wanted::All, &mut alone).unwrap();
         assert_eq!(found.orbits.len(), alone.orbits.len());
@@ -200,7 +202,7 @@ fn long_rows_and_wide_layers_need_no_matrix() {
             let (mut finder, mut found, mut secular) = (Finder::new(1), Found::default(), ForcedSecular::default());
             let (n, layer) = chain.layout().place(site);
             let word: Word = family.replace('S', &format!("{n}:{layer}")).parse().unwrap();
-            let model = Model::forced(chain, omega, 0.4, amplitude, e).unwrap();
+            let model = chain.point().omega(omega).asymmetry(0.4).amplitude(amplitude).restitution(e).model().unwrap();
             finder.find_word(&model, &word, Wanted::All, &mut found).unwrap();
             let Some(orbit) = found.orbits.first() else { continue };
             let name = format!("{word} {model}");

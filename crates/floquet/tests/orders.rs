@@ -27,7 +27,8 @@ impl Line {
 
     /// Whether the first orbit is stable, and its order; nothing where there is none, or its stability is open.
     fn at(&mut self, omega: f64) -> Option<(bool, SignatureOrder)> {
-        let model = Model::forced(self.chain, omega, self.asymmetry, self.amplitude, 1.0).unwrap();
+        let model =
+            self.chain.point().omega(omega).asymmetry(self.asymmetry).amplitude(self.amplitude).model().unwrap();
         self.finder.find_word(&model, &self.word, Wanted::All, &mut self.found).ok()?;
         let orbit = self.found.orbits.first()?;
         let verdict = self.analyser.verdict(orbit, &mut self.finder, Tolerance::Rounding).ok()?;

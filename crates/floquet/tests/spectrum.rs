@@ -4,7 +4,7 @@
 
 use vibrochain_breather::{BlochEquations, Finder, Found, Orbit, Wanted, Word};
 use vibrochain_floquet::{Analyser, Complex, FloquetError, ImpactSpectrum, Method, Tolerance, stability};
-use vibrochain_lattice::{Chain, Ends, Model, Parameter};
+use vibrochain_lattice::{Chain, Ends, Model, Parameter, Point};
 use vibrochain_testkit::{Meeting, Random, Ranges, Values};
 
 #[derive(Debug, Default)]
@@ -104,7 +104,7 @@ fn words_hold(seed: u64, rounds: usize) -> Tally {
             }
             _ => model.omega(),
         };
-        let model = Model::forced(chain, omega, model.asymmetry(), model.amplitude(), model.restitution()).unwrap();
+        let model = model.point().on(&chain).omega(omega).model().unwrap();
         let word: Option<Word> = if forced {
             random.of(&["0+,0-", "0-", "0-,0-", "0-1-", "0+1+,0-1-", "0+1-,0-1+"]).parse().ok()
         } else {
@@ -210,7 +210,7 @@ fn uncoupled_words_are_as_many_masses_alone() {
     let mut checked = 0;
     for (word, alone) in [("0-2-", "0-"), ("0+2+,0-2-", "0+,0-")] {
         let chain = Chain::new(4, 0.5, 0.0).unwrap();
-        let model = Model::forced(chain, 1.3, 0.4, 0.4, 0.7).unwrap();
+        let model = chain.point().omega(1.3).asymmetry(0.4).amplitude(0.4).restitution(0.7).model().unwrap();
         let find = |model: &Model, word: &str| {
             let (mut finder, mut found) = (Finder::new(model.chain().sites()), Found::default());
             finder.find_word(model, &word.parse().unwrap(), Wanted::All, &mut found).unwrap();
@@ -222,7 +222,8 @@ fn uncoupled_words_are_as_many_masses_alone() {
                 let answer = stability(&orbit, Tolerance::Rounding).unwrap();
                 let own: Vec<Complex<f64>> =
                     answer.multipliers.iter().copied().filter(|z| (z.norm() - 1.0).abs() > 1e-6).collect();
-                let one = Model::forced(Chain::new(1, 0.5, 0.0).unwrap(), 1.3, 0.4, 0.4, 0.7).unwrap();
+                let ring = Point::ring(1).gamma1(0.5).gamma2(0.0);
+                let one = ring.omega(1.3).asymmetry(0.4).amplitude(0.4).restitution(0.7).model().unwrap();
                 let singles: Vec<_> =
                     find(&one, alone).iter().map(|orbit| stability(orbit, Tolerance::Rounding).unwrap()).collect();
                 assert_eq!(own.len(), 4, "{word} {coupling} {own:?}");

@@ -28,7 +28,9 @@ fn a_cell_is_what_all_verdicts_make_it() {
         let Ok(chain) = Chain::new(sites, 0.2, gamma2) else { continue };
         let (asymmetry, e) = ([0.0, 0.2, 0.4][random.usize(..3)], [0.99, 0.9, 0.6][random.usize(..3)]);
         let (omega, force) = (0.4 + 2.6 * random.f64(), 0.02 + 0.28 * random.f64());
-        let Ok(model) = Model::forced(chain, omega, asymmetry, force, e) else { continue };
+        let Ok(model) = chain.point().omega(omega).asymmetry(asymmetry).amplitude(force).restitution(e).model() else {
+            continue;
+        };
         let tolerance = if random.bool() { Tolerance::Rounding } else { Tolerance::Growth(0.01) };
         let families = vec![Family::DoubleSided, Family::SingleSided];
         let mut all = Vec::new();

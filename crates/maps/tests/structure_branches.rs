@@ -45,7 +45,7 @@ fn chain(sites: usize, [gamma1, gamma2, omega, asymmetry, amplitude, restitution
 
 fn model(sites: usize, [gamma1, gamma2, omega, asymmetry, amplitude, restitution]: [f64; 6]) -> Model {
     let chain = Chain::new(sites, gamma1, gamma2).unwrap();
-    Model::forced(chain, omega, asymmetry, amplitude, restitution).unwrap()
+    chain.point().omega(omega).asymmetry(asymmetry).amplitude(amplitude).restitution(restitution).model().unwrap()
 }
 
 /// On which side orbits branch off, whether each is stable, and by how much the impulses of the first differ: as a root does, so that this is told

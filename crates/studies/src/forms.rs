@@ -134,7 +134,7 @@ pub(crate) fn period_doubled(
 #[cfg(test)]
 mod tests {
     use vibrochain_breather::{Family, breathers};
-    use vibrochain_lattice::{Chain, Spectrum};
+    use vibrochain_lattice::{Point, Spectrum};
 
     use super::*;
 
@@ -144,7 +144,8 @@ mod tests {
         for (gamma, omega, a, amplitude, e) in
             [((0.2, 0.1), 1.5, 0.4, 0.1, 0.9), ((0.1, 0.05), 1.33, 0.0, 1.5, 0.6), ((0.2, 0.1), 1.5, 0.5, 0.9, 0.9)]
         {
-            let model = Model::forced(Chain::new(21, gamma.0, gamma.1).unwrap(), omega, a, amplitude, e).unwrap();
+            let ring = Point::ring(21).gamma1(gamma.0).gamma2(gamma.1);
+            let model = ring.omega(omega).asymmetry(a).amplitude(amplitude).restitution(e).model().unwrap();
             let response = ImpulseResponse::new(&Spectrum::new(*model.chain()), omega).unwrap();
             let force = model.force_response().unwrap();
             let found = breathers(&model, Family::DoubleSided).unwrap().orbits;
@@ -167,7 +168,8 @@ mod tests {
 
     #[test]
     fn the_doubled_orbit_is_met_and_its_misprints_miss_it() {
-        let model = Model::forced(Chain::new(21, 0.2, 0.1).unwrap(), 1.07, 0.8, 0.1582, 0.25).unwrap();
+        let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+        let model = ring.omega(1.07).asymmetry(0.8).amplitude(0.1582).restitution(0.25).model().unwrap();
         let orbit = &breathers(&model, Family::PeriodDoubled).unwrap().orbits[0];
         let response = ImpulseResponse::new(&Spectrum::new(*model.chain()), orbit.frequency()).unwrap();
         let force = model.force_response().unwrap();

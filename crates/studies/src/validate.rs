@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use vibrochain_breather::{Family, Finder, Found, Orbit};
 use vibrochain_eventsim::{Limits, Outcome, Simulation, Time};
 use vibrochain_floquet::{Complex, DMatrix, Stability, Tolerance, eigenvalues, stability};
-use vibrochain_lattice::{Chain, Model, Stop};
+use vibrochain_lattice::{Chain, Stop};
 
 use crate::args::ValidateArgs;
 use vibrochain_cli::common::console::Console;
@@ -84,7 +84,8 @@ fn computation(error: impl std::fmt::Display) -> CliError {
 
 /// One row for each physical orbit at a point.
 fn rows((family, sites, g1, g2, omega, a, amplitude, e): Point) -> Result<Vec<String>, CliError> {
-    let model = Model::forced(Chain::new(sites, g1, g2)?, omega, a, amplitude, e)?;
+    let ring = Chain::new(sites, g1, g2)?.point();
+    let model = ring.omega(omega).asymmetry(a).amplitude(amplitude).restitution(e).model()?;
     let mut finder = Finder::new(sites);
     let mut found = Found::default();
     finder.find(&model, family, &mut found).map_err(computation)?;

@@ -107,7 +107,7 @@ impl Random {
         let chain = self.chain(ranges);
         let [omega, asymmetry, amplitude, restitution] =
             [ranges.omega, ranges.asymmetry, ranges.amplitude, ranges.restitution].map(|values| self.value(values));
-        Model::forced(chain, omega, asymmetry, amplitude, restitution).unwrap()
+        chain.point().omega(omega).asymmetry(asymmetry).amplitude(amplitude).restitution(restitution).model().unwrap()
     }
 
     /// A frequency of which one of the first harmonics lies next to what modes of the ring make, this part of it off.

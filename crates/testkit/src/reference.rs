@@ -31,7 +31,8 @@ fn case(values: &Value) -> Case {
     let chain = Chain::new(sites, parameter("gamma1").unwrap(), parameter("gamma2").unwrap()).unwrap();
     let (amplitude, restitution) = (parameter("amplitude").unwrap_or(0.0), parameter("restitution").unwrap_or(1.0));
     let (omega, asymmetry) = (parameter("omega").unwrap(), parameter("asymmetry").unwrap());
-    let model = Model::forced(chain, omega, asymmetry, amplitude, restitution).unwrap();
+    let model =
+        chain.point().omega(omega).asymmetry(asymmetry).amplitude(amplitude).restitution(restitution).model().unwrap();
     let doubled = (values["period"].as_f64().unwrap() / model.period()).round() as u32 == 2;
     let family = match (values["p"].as_f64(), doubled) {
         (Some(_), _) => Family::SingleSided,

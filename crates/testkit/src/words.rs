@@ -35,7 +35,8 @@ fn case(values: &Value) -> WordCase {
     let chain = chain.with_layers(layers, parameter("gamma3", 0.0), ends("layer_ends", Ends::Free)).unwrap();
     let (amplitude, restitution) = (parameter("amplitude", 0.0), parameter("restitution", 1.0));
     let (omega, asymmetry) = (parameter("omega", 0.0), parameter("asymmetry", 0.0));
-    let model = Model::forced(chain, omega, asymmetry, amplitude, restitution).unwrap();
+    let model =
+        chain.point().omega(omega).asymmetry(asymmetry).amplitude(amplitude).restitution(restitution).model().unwrap();
     let hit = |impact: &Value| {
         let impulse = impact["impulse"].as_f64().unwrap();
         let barrier = match impact["barrier"].as_str() {

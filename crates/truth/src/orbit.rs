@@ -47,9 +47,10 @@ pub struct OrbitError {
 ///
 /// ```
 /// use vibrochain_breather::{Family, breathers};
-/// use vibrochain_lattice::{Chain, Model};
+/// use vibrochain_lattice::Point;
 /// use vibrochain_truth::{DEFAULT_BITS, TrueOrbit};
-/// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
+/// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+/// let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model()?;
 /// let orbit = &breathers(&model, Family::DoubleSided)?.orbits[0];
 /// let truth = TrueOrbit::refine(orbit, DEFAULT_BITS)?;
 /// assert!(truth.residual().log10_abs() < -50.0);

@@ -407,7 +407,7 @@ mod tests {
     use super::*;
     use crate::linear::determinant;
     use vibrochain_breather::{Family, breathers};
-    use vibrochain_lattice::{Chain, Model};
+    use vibrochain_lattice::Point;
 
     /// det(z−M) of the dense monodromy matrix, product of flights and saltations in even coordinates (x_k, ẋ_k).
     fn dense(orbit: &TrueOrbit, z: &Complex) -> Complex {
@@ -448,7 +448,8 @@ mod tests {
     }
 
     fn orbit(sites: usize, gamma: (f64, f64), omega: f64, force: (f64, f64), family: Family) -> TrueOrbit {
-        let model = Model::forced(Chain::new(sites, gamma.0, gamma.1).unwrap(), omega, 0.4, force.0, force.1).unwrap();
+        let ring = Point::ring(sites).gamma1(gamma.0).gamma2(gamma.1);
+        let model = ring.omega(omega).asymmetry(0.4).amplitude(force.0).restitution(force.1).model().unwrap();
         let orbits = breathers(&model, family).unwrap().orbits;
         TrueOrbit::refine(orbits.last().unwrap(), 128).unwrap()
     }

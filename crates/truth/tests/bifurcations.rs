@@ -4,11 +4,12 @@
 
 use vibrochain_breather::{Family, Orbit, breathers};
 use vibrochain_floquet::{Event, Evidence, Located, Search, locate};
-use vibrochain_lattice::{Chain, Model, Parameter};
+use vibrochain_lattice::{Model, Parameter, Point};
 use vibrochain_truth::{Complex, DEFAULT_BITS, Kernel, Real, TrueOrbit, TrueSpectrum};
 
 fn model(gamma: (f64, f64), omega: f64, asymmetry: f64, force: (f64, f64)) -> Model {
-    Model::forced(Chain::new(21, gamma.0, gamma.1).unwrap(), omega, asymmetry, force.0, force.1).unwrap()
+    let ring = Point::ring(21).gamma1(gamma.0).gamma2(gamma.1);
+    ring.omega(omega).asymmetry(asymmetry).amplitude(force.0).restitution(force.1).model().unwrap()
 }
 
 fn find(model: &Model, family: Family, which: usize, search: (Event, Parameter, f64, f64)) -> Vec<Located> {

@@ -68,8 +68,8 @@ fn unavoidable(model: &Model, family: Family, number: usize, growth: f64) -> f64
     let (e, amplitude, a) = (model.restitution(), model.amplitude(), model.asymmetry());
     let stiffer = Chain::new(chain.sites(), next(chain.gamma1()), chain.gamma2()).unwrap();
     let moved = [
-        Model::forced(*chain, next(model.omega()), a, amplitude, e).unwrap(),
-        Model::forced(stiffer, model.omega(), a, amplitude, e).unwrap(),
+        chain.point().omega(next(model.omega())).asymmetry(a).amplitude(amplitude).restitution(e).model().unwrap(),
+        stiffer.point().omega(model.omega()).asymmetry(a).amplitude(amplitude).restitution(e).model().unwrap(),
     ];
     let by = |moved: &Model| {
         let orbits = breathers(moved, family).ok()?.orbits;
@@ -184,7 +184,8 @@ fn matrices_of_nearly_inelastic_impacts_err_by_no_more_than_they_claim() {
     for _ in 0..400 {
         let chain = Chain::new(1 + 2 * random.below(2), random.log(0.02, 0.5), random.log(1e-3, 0.05)).unwrap();
         let (omega, a, e) = (random.log(1.0, 5.0), random.between(0.0, 0.9), random.log(1e-5, 1e-2));
-        let model = Model::forced(chain, omega, a, random.log(0.05, 2.0), e).unwrap();
+        let model =
+            chain.point().omega(omega).asymmetry(a).amplitude(random.log(0.05, 2.0)).restitution(e).model().unwrap();
         if finder.find(&model, Family::SingleSided, &mut found).is_err() {
             continue;
         }
@@ -202,10 +203,12 @@ fn matrices_of_nearly_inelastic_impacts_err_by_no_more_than_they_claim() {
 #[test]
 fn a_mass_alone_knows_its_multipliers() {
     let chain = Chain::new(21, 0.31371919665975334, 0.0).unwrap();
-    let grazing = Model::forced(chain, 0.18670214574941715, 0.0, 0.031948248020419276, 0.11859907505791802).unwrap();
+    let point = chain.point().omega(0.18670214574941715);
+    let grazing = point.amplitude(0.031948248020419276).restitution(0.11859907505791802).model().unwrap();
     let chain = Chain::new(1, 0.11506801959264537, 0.0).unwrap();
     let a = 0.43046249897376837;
-    let inelastic = Model::forced(chain, 2.6958983301626254, a, 0.22734984828717428, 0.006105868117388621).unwrap();
+    let point = chain.point().omega(2.6958983301626254).asymmetry(a);
+    let inelastic = point.amplitude(0.22734984828717428).restitution(0.006105868117388621).model().unwrap();
     let mut checked = 0;
     for (model, family) in [(grazing, Family::DoubleSided), (inelastic, Family::SingleSided)] {
         let mut finder = Finder::new(1);
@@ -276,7 +279,8 @@ fn a_large_conservative_ring_needs_no_matrix_off_the_middle() {
 #[test]
 fn lists_of_one_mass_next_to_a_resonance_are_complete() {
     let chain = Chain::new(1, 0.30540496764251346, 0.0).unwrap();
-    let model = Model::forced(chain, 0.5524666643423982, 0.30107832144728275, 0.04281341566858685, 0.7949065335461892);
+    let point = chain.point().omega(0.5524666643423982).asymmetry(0.30107832144728275);
+    let model = point.amplitude(0.04281341566858685).restitution(0.7949065335461892).model();
     let found = breathers(&model.unwrap(), Family::PeriodDoubled).unwrap();
     assert!(found.completeness.is_established() && found.orbits.len() == 2, "{found:?}");
     assert!(found.orbits.iter().all(|orbit| TrueOrbit::refine(orbit, DEFAULT_BITS).is_ok()));

@@ -5,12 +5,13 @@ use std::f64::consts::PI;
 
 use vibrochain_breather::{Branch, Family, Hit, Orbit, breathers};
 use vibrochain_floquet::{CurvePoint, Event, EventCurve, Search, Window, curve, locate};
-use vibrochain_lattice::{Chain, Model, Parameter, Spectrum};
+use vibrochain_lattice::{Chain, Model, Parameter, Point, Spectrum};
 use vibrochain_testkit::Random;
 use vibrochain_truth::{Complex, DEFAULT_BITS, TrueOrbit, TrueSpectrum};
 
 fn forced(omega: f64, asymmetry: f64, amplitude: f64, restitution: f64) -> Model {
-    Model::forced(Chain::new(21, 0.2, 0.1).unwrap(), omega, asymmetry, amplitude, restitution).unwrap()
+    let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+    ring.omega(omega).asymmetry(asymmetry).amplitude(amplitude).restitution(restitution).model().unwrap()
 }
 
 fn followed(model: &Model, family: Family, event: Event, window: &Window) -> EventCurve {
@@ -52,7 +53,7 @@ fn cases() -> Vec<(Model, Family, Event, Window)> {
     let window = |second, from, to| Window { parameters: [Parameter::Amplitude, second], from, to };
     let doubling = forced(1.07, 0.8, 0.165, 0.25);
     let pair = forced(1.5, 0.4, 0.1, 0.9);
-    let centred = Model::forced(Chain::new(21, 0.1, 0.05).unwrap(), 1.33, 0.0, 1.5, 0.9).unwrap();
+    let centred = Point::ring(21).gamma1(0.1).gamma2(0.05).omega(1.33).amplitude(1.5).restitution(0.9).model().unwrap();
     vec![
         (doubling, Family::SingleSided, Event::PeriodDoubling, window(Parameter::Restitution, [0.1, 0.1], [0.3, 0.9])),
         (doubling, Family::SingleSided, Event::PeriodDoubling, window(Parameter::Omega, [0.1, 1.0], [0.3, 1.15])),

@@ -5,7 +5,7 @@
 use vibrochain_breather::{Family, Finder, Found, Wanted, breathers};
 use vibrochain_floquet::{Analyser, Course, Diagram, End, Event, Evidence, FollowedBranch, Search, Tolerance};
 use vibrochain_floquet::{diagram, locate};
-use vibrochain_lattice::{Chain, Ends, Model, Parameter};
+use vibrochain_lattice::{Chain, Ends, Model, Parameter, Point};
 use vibrochain_testkit::Values::{Either, Even, Is, Log};
 use vibrochain_testkit::{Random, Ranges, ReturnMap};
 use vibrochain_truth::{DEFAULT_BITS, TrueOrbit};
@@ -169,7 +169,8 @@ fn no_stripe_of_instability_hides_between_events() {
 }
 
 fn model_of_the_errata(amplitude: f64) -> Model {
-    Model::forced(Chain::new(21, 0.2, 0.1).unwrap(), 1.07, 0.8, amplitude, 0.25).unwrap()
+    let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+    ring.omega(1.07).asymmetry(0.8).amplitude(amplitude).restitution(0.25).model().unwrap()
 }
 
 fn diagram_of_the_errata() -> Diagram {
@@ -191,7 +192,7 @@ fn the_points_of_the_errata_in_one_run_each() {
     assert!(own.ends.iter().all(|(value, end)| *value == 0.17 && *end == End::Range) && own.ends.len() == 2);
 
     let chain = Chain::new(21, 0.1, 0.05).unwrap();
-    let model = Model::forced(chain, 1.33, 0.0, 1.5, 0.5).unwrap();
+    let model = chain.point().omega(1.33).amplitude(1.5).restitution(0.5).model().unwrap();
     let orbit = &breathers(&model, Family::DoubleSided).unwrap().orbits[0];
     let course = Course { from: 0.4, to: 0.7, generations: 1, ..Course::new(orbit, Parameter::Restitution) };
     let whole = diagram(orbit, &course).unwrap();
@@ -200,7 +201,8 @@ fn the_points_of_the_errata_in_one_run_each() {
     let pair: Vec<_> = whole.branches.iter().filter(|branch| branch.generation == 1).collect();
     assert!(pair.len() == 1 && pair[0].points().skip(1).all(|point| point.value > 0.5245));
 
-    let model = Model::forced(Chain::new(21, 0.2, 0.1).unwrap(), 0.94, 0.4, 0.1, 0.9).unwrap();
+    let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+    let model = ring.omega(0.94).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
     let grazing = 0.9304428418073;
     for family in [Family::SingleSided, Family::DoubleSided] {
         let near = breathers(&model, family).unwrap().orbits.iter().any(|orbit| {
@@ -272,7 +274,7 @@ fn at_grazing_the_word_changes() {
 #[test]
 fn events_do_not_depend_on_the_start() {
     let chain = Chain::new(15, 0.465, 0.048).unwrap();
-    let lossy = Model::forced(chain, 1.662, 0.504, 0.582, 1.0).unwrap();
+    let lossy = chain.point().omega(1.662).asymmetry(0.504).amplitude(0.582).model().unwrap();
     let uncoupled = Model::conservative(Chain::new(5, 0.2, 0.0).unwrap(), 1.07, 0.3).unwrap();
     let cases = [
         (lossy, "0+,0-", Parameter::Restitution, 0.98902, (0.1, 1.0), 8),

@@ -148,7 +148,7 @@ fn the_map_of_the_paper_needs_no_dense_matrix() {
             for j in 1..rows {
                 let omega = 0.4 + 2.6 * f64::from(i) / f64::from(columns - 1);
                 let chain = Chain::new(sites, 0.2, 0.3 * f64::from(j) / f64::from(rows - 1)).unwrap();
-                let model = Model::forced(chain, omega, 0.4, 0.1, 0.9).unwrap();
+                let model = chain.point().omega(omega).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
                 for family in [Family::DoubleSided, Family::SingleSided] {
                     if finder.find(&model, family, &mut found).is_err() {
                         continue;

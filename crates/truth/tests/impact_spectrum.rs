@@ -39,7 +39,7 @@ fn claims_hold(seed: u64, draws: usize) {
             2 => random.meeting(&chain, Meeting::Mode, 4, Values::Log(1e-8, 1e-3)),
             _ => model.omega(),
         };
-        let model = Model::forced(chain, omega, model.asymmetry(), model.amplitude(), model.restitution()).unwrap();
+        let model = model.point().on(&chain).omega(omega).model().unwrap();
         let (n, layer) = chain.layout().place(random.below(chain.sites()));
         let text = random.of(&["S+,S-", "S-", "S-,S-"]).replace('S', &format!("{n}:{layer}"));
         let word: Word = text.parse().unwrap();

@@ -6,7 +6,7 @@ mod support;
 
 use vibrochain_breather::{End, Finder, Found, NoBreather, Orbit, Unsearched, Wanted, Word};
 use vibrochain_floquet::full_monodromy;
-use vibrochain_lattice::{Chain, Ends, Model};
+use vibrochain_lattice::{Chain, Ends, Model, Point};
 use vibrochain_testkit::{Random, ReturnMap};
 use vibrochain_truth::{DEFAULT_BITS, TrueOrbit};
 
@@ -74,7 +74,9 @@ fn masses_of_other_frequencies_and_waves_that_go_round_are_found() {
 fn one_mass_may_have_doubled_its_period_beside_one_that_has_not() {
     let (mut all, mut physical) = (0, 0);
     for (asymmetry, amplitude, restitution) in [(0.8, 0.16, 0.25), (0.7, 0.3, 0.6), (0.6, 0.3, 0.9)] {
-        let model = Model::forced(Chain::new(9, 0.2, 0.01).unwrap(), 1.07, asymmetry, amplitude, restitution).unwrap();
+        let ring = Point::ring(9).gamma1(0.2).gamma2(0.01);
+        let model =
+            ring.omega(1.07).asymmetry(asymmetry).amplitude(amplitude).restitution(restitution).model().unwrap();
         for word in ["0-,3-,0-,3-", "0-3-,0-,3-", "0-,3-", "0-3-,0-3-", "0-,3+,0-,3-,3+,3-"] {
             let (mut finder, mut found) = (Finder::new(9), Found::default());
             let word: Word = word.parse().unwrap();
@@ -148,7 +150,8 @@ fn assert_ends_are_named(rounds: usize) {
         let chain = Chain::new(9, random.between(0.05, 0.6), gamma2).unwrap();
         let (omega, asymmetry) = (random.between(0.5, 2.0), random.between(0.0, 0.8));
         let (amplitude, restitution) = (random.between(0.02, 0.6), random.between(0.2, 0.99));
-        let model = Model::forced(chain, omega, asymmetry, amplitude, restitution).unwrap();
+        let point = chain.point().omega(omega).asymmetry(asymmetry);
+        let model = point.amplitude(amplitude).restitution(restitution).model().unwrap();
         let words = ["0+3+,0-3-", "0-,2-", "0-2-", "0+,4-,0-", "0+1-,0-1+", "0+", "0-,3+", "0-2-4-", "0-3-6-"];
         if finder.find_word(&model, &words[round % 9].parse().unwrap(), Wanted::All, &mut found).is_err() {
             continue;

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use vibrochain_breather::{Finder, Found, Wanted};
-use vibrochain_lattice::{Chain, Ends, Force, Harmonic, Model};
+use vibrochain_lattice::{Chain, Ends, Force, Harmonic};
 use vibrochain_truth::{DEFAULT_BITS, Kernel, Real, TrueOrbit, TruthError};
 
 fn kernel(sites: usize, gamma1: f64, gamma2: f64, omega: f64) -> Kernel {
@@ -252,7 +252,8 @@ fn forced_motions_of_all_lattices_obey_the_equations_of_motion() {
         (row(3, Ends::Closed).with_layers(2, 0.02, Ends::Free).unwrap(), "2-"),
     ] {
         let terms = [(1, 0.3), (3, -0.03)].map(|(number, amplitude)| Harmonic { number, amplitude, phase: 0.1 });
-        let model = Model::with_force(chain, 1.07, 0.7, &Force::new(&terms).unwrap(), 0.6).unwrap();
+        let point = chain.point().omega(1.07).asymmetry(0.7);
+        let model = point.under(&Force::new(&terms).unwrap()).restitution(0.6).model().unwrap();
         let (mut finder, mut found) = (Finder::new(1), Found::default());
         finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).unwrap();
         for orbit in &found.orbits {

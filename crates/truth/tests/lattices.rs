@@ -156,8 +156,7 @@ fn claims_for_forced_words_on_random_lattices_hold() {
     let mut walls = 0;
     for round in 0..150 {
         let (chain, model) = (random.lattice(&ranges), random.model(&ranges));
-        let (omega, asymmetry, restitution) = (model.omega(), model.asymmetry(), random.between(0.3, 0.99));
-        let model = Model::forced(chain, omega, asymmetry, model.amplitude(), restitution).unwrap();
+        let model = model.point().on(&chain).restitution(random.between(0.3, 0.99)).model().unwrap();
         let word = if round % 3 == 0 { "0-1-" } else { "1-" }.parse().unwrap();
         if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
             continue;
@@ -186,7 +185,7 @@ fn forced_families_hold(draws: usize) {
         counts.draws += 1;
         let model = random.model(&ranges);
         let e = if random.chance(0.1) { 1.0 } else { model.restitution() };
-        let model = Model::with_force(chain, model.omega(), model.asymmetry(), model.force(), e).unwrap();
+        let model = model.point().on(&chain).restitution(e).model().unwrap();
         let (n, layer) = chain.layout().place(random.below(chain.sites()));
         let word = random.of(&["S+,S-", "S-", "S-,S-"]).replace('S', &format!("{n}:{layer}"));
         if finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).is_err() {
@@ -288,8 +287,7 @@ fn forced_families_are_complete_at_any_site() {
     for _ in 0..400 {
         let chain = random.lattice(&ranges);
         let model = random.model(&ranges);
-        let force = *model.force();
-        let model = Model::with_force(chain, model.omega(), model.asymmetry(), &force, model.restitution()).unwrap();
+        let model = model.point().on(&chain).model().unwrap();
         let site = random.below(chain.sites());
         let (n, layer) = chain.layout().place(site);
         let text = random.of(&["S+,S-", "S-", "S-,S-"]).replace('S', &format!("{n}:{layer}"));
@@ -300,7 +298,7 @@ fn forced_families_are_complete_at_any_site() {
         if chain.is_ring() {
             // The same ring as one of two that do not feel each other.
             let two = chain.with_layers(2, 0.0, Ends::Free).unwrap();
-            let two = Model::with_force(two, model.omega(), model.asymmetry(), &force, model.restitution()).unwrap();
+            let two = model.point().on(&two).model().unwrap();
             finder.find_word(&two, &word, Wanted::All, &mut other).unwrap();
             assert_eq!(other.orbits.len(), found.orbits.len(), "{word} {model}");
             for (one, other) in found.orbits.iter().zip(&other.orbits) {

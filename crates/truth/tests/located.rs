@@ -182,7 +182,7 @@ fn no_period_doubling_where_an_impulse_vanishes() {
     type Point = (usize, [f64; 2], f64, f64, f64, f64);
     let at = |(sites, gamma, omega, asymmetry, amplitude, restitution): Point| {
         let chain = Chain::new(sites, gamma[0], gamma[1]).unwrap();
-        Model::forced(chain, omega, asymmetry, amplitude, restitution).unwrap()
+        chain.point().omega(omega).asymmetry(asymmetry).amplitude(amplitude).restitution(restitution).model().unwrap()
     };
     let (single, double) = (Family::SingleSided, Family::DoubleSided);
     let (mut passed, mut checked) = (0, 0);
@@ -274,7 +274,7 @@ fn no_period_doubling_where_an_impulse_vanishes() {
 fn what_rounding_hides_is_not_claimed() {
     let chain = Chain::new(6, 0.5155634975092167, 0.001196266818595037).unwrap();
     let (omega, a, amplitude, e) = (1.2437879739461413, 0.8436503755841729, 1.5999503171718452, 0.9999999998293126);
-    let model = Model::forced(chain, omega, a, amplitude, e).unwrap();
+    let model = chain.point().omega(omega).asymmetry(a).amplitude(amplitude).restitution(e).model().unwrap();
     let orbit = &breathers(&model, Family::DoubleSided).unwrap().orbits[0];
     let answer = locate(orbit, &Search::new(orbit, Event::NeimarkSacker, Parameter::Gamma1)).unwrap();
     assert!(!answer.unresolved.is_empty());
@@ -287,8 +287,10 @@ fn what_rounding_hides_is_not_claimed() {
 fn pairs_that_cross_where_an_impact_has_no_speed_are_a_grazing() {
     let few = Chain::new(3, 0.5634290634011464, 0.000723177781571438).unwrap();
     let many = Chain::new(7, 0.3147881568261216, 0.010101123740918238).unwrap();
-    let single = Model::forced(few, 0.8110496069729074, 0.1217098569379993, 0.1189976266655569, 0.19196072991101001);
-    let double = Model::forced(many, 1.25493740972605, 0.0, 1.2061699217080546, 0.19064866532199548);
+    let point = few.point().omega(0.8110496069729074).asymmetry(0.1217098569379993);
+    let single = point.amplitude(0.1189976266655569).restitution(0.19196072991101001).model();
+    let double =
+        many.point().omega(1.25493740972605).amplitude(1.2061699217080546).restitution(0.19064866532199548).model();
     let event = Event::NeimarkSacker;
     for (model, family, free, from, to) in [
         (single, Family::SingleSided, Parameter::Omega, 0.6180658545154553, 1.0855360650147243),

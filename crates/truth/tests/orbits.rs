@@ -2,12 +2,13 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 use vibrochain_breather::{Family, Hit, Orbit, breathers};
-use vibrochain_lattice::{Barrier, Chain, Force, Harmonic, Model};
+use vibrochain_lattice::{Barrier, Chain, Force, Harmonic, Model, Point};
 use vibrochain_testkit::reference;
 use vibrochain_truth::{DEFAULT_BITS, Real, TrueOrbit, TruthError};
 
 fn model(sites: usize, gamma: (f64, f64), omega: f64, asymmetry: f64, force: (f64, f64)) -> Model {
-    Model::forced(Chain::new(sites, gamma.0, gamma.1).unwrap(), omega, asymmetry, force.0, force.1).unwrap()
+    let ring = Point::ring(sites).gamma1(gamma.0).gamma2(gamma.1);
+    ring.omega(omega).asymmetry(asymmetry).amplitude(force.0).restitution(force.1).model().unwrap()
 }
 
 fn orbits(model: &Model, family: Family) -> Vec<Orbit> {
@@ -169,7 +170,7 @@ fn orbits_under_several_harmonics() {
         (Family::PeriodDoubled, skew, 0.2, 1.07, 0.8, 0.25),
     ] {
         let chain = Chain::new(21, gamma1, 0.1).unwrap();
-        let model = Model::with_force(chain, omega, a, &force, e).unwrap();
+        let model = chain.point().omega(omega).asymmetry(a).under(&force).restitution(e).model().unwrap();
         for orbit in &orbits(&model, family) {
             let truth = refine(orbit);
             assert_solves_its_equations(&truth);
@@ -278,7 +279,7 @@ fn errors_of_an_orbit_are_what_was_put_in() {
     hits[0].impulse *= 2.0;
     let far = Orbit::from_impulses(&model, 1, psi, &hits).unwrap();
     assert!(TrueOrbit::refine(&far, DEFAULT_BITS).is_err());
-    let lossy = Model::forced(*model.chain(), 1.5, 0.4, 0.0, 0.9).unwrap();
+    let lossy = model.chain().point().omega(1.5).asymmetry(0.4).restitution(0.9).model().unwrap();
     let dead = Orbit::from_impulses(&lossy, 1, 0.0, &[Hit::new(0, Barrier::Lower, 0.0, 1.0)]).unwrap();
     assert_eq!(TrueOrbit::refine(&dead, DEFAULT_BITS).unwrap_err(), TruthError::Dissipative);
 }

@@ -3,12 +3,13 @@
 
 use vibrochain_breather::{Family, Hit, Orbit, breathers};
 use vibrochain_floquet::{eigenvalues, even_monodromy};
-use vibrochain_lattice::{Chain, Model};
+use vibrochain_lattice::{Chain, Model, Point};
 use vibrochain_testkit::{Random, reference};
 use vibrochain_truth::{Complex, DEFAULT_BITS, Real, TrueOrbit, TrueSpectrum, TruthError};
 
 fn model(sites: usize, gamma: (f64, f64), omega: f64, asymmetry: f64, force: (f64, f64)) -> Model {
-    Model::forced(Chain::new(sites, gamma.0, gamma.1).unwrap(), omega, asymmetry, force.0, force.1).unwrap()
+    let ring = Point::ring(sites).gamma1(gamma.0).gamma2(gamma.1);
+    ring.omega(omega).asymmetry(asymmetry).amplitude(force.0).restitution(force.1).model().unwrap()
 }
 
 fn orbits(model: &Model, family: Family) -> Vec<Orbit> {

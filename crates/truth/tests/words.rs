@@ -8,7 +8,7 @@ use vibrochain_breather::{
     Word, breathers,
 };
 use vibrochain_floquet::{Method, Tolerance, full_monodromy, stability};
-use vibrochain_lattice::{Barrier, Chain, Model, Parameter};
+use vibrochain_lattice::{Barrier, Chain, Model, Parameter, Point};
 use vibrochain_testkit::{Random, ReturnMap, words};
 use vibrochain_truth::{DEFAULT_BITS, TrueImpact, TrueOrbit, TrueSpectrum};
 
@@ -52,7 +52,7 @@ fn side_by_side(model: &Model, sites: &[usize], solutions: &[usize]) -> Orbit {
 #[test]
 fn three_impacts_at_three_sites_from_a_guess_to_a_verdict() {
     let chain = Chain::new(8, 0.2, 0.002).unwrap();
-    let model = Model::forced(chain, 1.07, 0.7, 0.3, 0.6).unwrap();
+    let model = chain.point().omega(1.07).asymmetry(0.7).amplitude(0.3).restitution(0.6).model().unwrap();
     let mut finder = Finder::new(8);
     let mut checked = 0;
     for solutions in [[0, 0, 0], [0, 1, 0], [1, 1, 0], [1, 0, 1]] {
@@ -172,7 +172,8 @@ fn followed_words_are_orbits_and_their_ends_are_ends() {
         let chain = Chain::new(9, random.between(0.05, 0.6), gamma2).unwrap();
         let (omega, asymmetry) = (random.between(0.5, 2.0), random.between(0.0, 0.8));
         let (amplitude, restitution) = (random.between(0.02, 0.6), random.between(0.2, 0.99));
-        let model = Model::forced(chain, omega, asymmetry, amplitude, restitution).unwrap();
+        let point = chain.point().omega(omega).asymmetry(asymmetry);
+        let model = point.amplitude(amplitude).restitution(restitution).model().unwrap();
         let word: Word =
             ["0+3+,0-3-", "0-,2-", "0-2-", "0+,4-,0-", "0+1-,0-1+", "0+", "0-,3+"][round % 7].parse().unwrap();
         if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
@@ -227,7 +228,8 @@ fn words_without_an_answer_say_why() {
     let (mut finder, mut found) = (Finder::new(7), Found::default());
     let mut none = |amplitude: f64, restitution: f64, gamma1: f64, word: &str| {
         let chain = Chain::new(7, gamma1, 0.05).unwrap();
-        let model = Model::forced(chain, 1.5, 0.2, amplitude, restitution).unwrap();
+        let model =
+            chain.point().omega(1.5).asymmetry(0.2).amplitude(amplitude).restitution(restitution).model().unwrap();
         finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).map(|()| found.completeness.reason())
     };
     assert_eq!(none(0.0, 0.9, 0.2, "0+3+,0-3-"), Ok(Some(NoBreather::LossWithoutForce)));
@@ -240,7 +242,7 @@ fn words_without_an_answer_say_why() {
 /// Losses that no force makes good: there is no orbit, and no phase to look for.
 #[test]
 fn a_guess_that_leads_nowhere_is_an_error() {
-    let model = Model::forced(Chain::new(5, 0.2, 0.1).unwrap(), 1.5, 0.4, 0.0, 0.7).unwrap();
+    let model = Point::ring(5).gamma1(0.2).gamma2(0.1).omega(1.5).asymmetry(0.4).restitution(0.7).model().unwrap();
     let hits = [(0, 0.0), (2, 1.3), (3, 1.7)].map(|(site, time)| Hit::new(site, Barrier::Upper, time, -1.0));
     let guess = Orbit::from_impulses(&model, 1, 0.0, &hits).unwrap();
     match Finder::new(5).polish(&guess) {

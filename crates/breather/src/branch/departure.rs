@@ -56,7 +56,8 @@ impl Branch {
     /// ```
     /// use vibrochain_breather::{Branch, Departure, Family, breathers};
     /// use vibrochain_lattice::{Chain, Model, Parameter};
-    /// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.07, 0.8, 0.15890808620612, 0.25)?;
+    /// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+    /// let model = ring.omega(1.07).asymmetry(0.8).amplitude(0.15890808620612).restitution(0.25).model()?;
     /// let orbit = &breathers(&model, Family::SingleSided)?.orbits[0];
     /// let (mut branch, start) = Branch::leaving(orbit, &Departure::PeriodDoubling, Parameter::Amplitude, 0.1)?;
     /// let doubled = branch.step(&start, 0.01)?;

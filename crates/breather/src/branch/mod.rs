@@ -38,7 +38,8 @@ pub type BranchPoint = SolutionPoint<Orbit>;
 /// ```
 /// use vibrochain_breather::{Branch, Family, breathers};
 /// use vibrochain_lattice::{Chain, Model, Parameter};
-/// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.07, 0.8, 0.165, 0.25)?;
+/// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+/// let model = ring.omega(1.07).asymmetry(0.8).amplitude(0.165).restitution(0.25).model()?;
 /// let orbit = &breathers(&model, Family::SingleSided)?.orbits[0];
 /// let mut branch = Branch::through(orbit, Parameter::Amplitude, 0.1)?;
 /// // Downwards the branch turns back at a fold, 0.157927…

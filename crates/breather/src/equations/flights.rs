@@ -158,7 +158,7 @@ mod tests {
     use super::*;
     use crate::orbit::{Family, Hit};
     use crate::search::finder::{Finder, Found};
-    use vibrochain_lattice::{Chain, Force, Harmonic, Model};
+    use vibrochain_lattice::{Chain, Force, Harmonic};
 
     #[test]
     fn answers_solve_the_equation_of_motion_next_to_a_resonance_and_away_from_it() {
@@ -198,7 +198,8 @@ mod tests {
             });
             let force = Force::new(&harmonics).unwrap();
             let (omega, a) = (0.3 + 2.0 * random.f64(), 0.8 * random.f64());
-            let model = Model::with_force(chain, omega, a, &force, 0.2 + 0.7 * random.f64()).unwrap();
+            let point = chain.point().omega(omega).asymmetry(a);
+            let model = point.under(&force).restitution(0.2 + 0.7 * random.f64()).model().unwrap();
             for (number, family) in
                 [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled].into_iter().enumerate()
             {

@@ -279,7 +279,7 @@ impl<'a> Equations<'a> {
 
 #[cfg(test)]
 mod tests {
-    use vibrochain_lattice::{Barrier, Chain, Model, Spectrum};
+    use vibrochain_lattice::{Barrier, Chain, Spectrum};
 
     use super::*;
     use crate::orbit::Hit;
@@ -293,11 +293,12 @@ mod tests {
             let (sites, conservative) = (1 + random.usize(0..7), random.bool());
             let chain = Chain::new(sites, 0.1 + random.f64(), 0.3 * random.f64()).unwrap();
             let (omega, a) = (0.4 + 2.0 * random.f64(), 0.5 * random.f64());
-            let model = match conservative {
-                true => Model::conservative(chain, omega, a),
-                false => Model::forced(chain, omega, a, 0.1 + random.f64(), 0.3 + 0.7 * random.f64()),
+            let point = chain.point().omega(omega).asymmetry(a);
+            let point = match conservative {
+                true => point,
+                false => point.amplitude(0.1 + random.f64()).restitution(0.3 + 0.7 * random.f64()),
             };
-            let (model, count) = (model.unwrap(), 1 + round % 5);
+            let (model, count) = (point.model().unwrap(), 1 + round % 5);
             let mut times: Vec<f64> = (0..count).map(|_| model.period() * random.f64()).collect();
             times[0] = 0.0;
             times.sort_by(f64::total_cmp);

@@ -90,8 +90,10 @@ mod tests {
     #[test]
     fn symmetries_of_the_lattice_and_of_time_are_found() {
         let chain = Chain::new(9, 0.2, 0.05).unwrap();
-        let (quiet, forced) =
-            (Model::conservative(chain, 1.5, 0.2).unwrap(), Model::forced(chain, 1.5, 0.2, 0.1, 0.9).unwrap());
+        let (quiet, forced) = (
+            Model::conservative(chain, 1.5, 0.2).unwrap(),
+            chain.point().omega(1.5).asymmetry(0.2).amplitude(0.1).restitution(0.9).model().unwrap(),
+        );
         let count = |model: &Model, hits: &[(usize, f64, f64)]| {
             let hit = |&(site, turn, impulse): &(usize, f64, f64)| {
                 Hit::new(site, Barrier::Lower, turn * model.period(), impulse)

@@ -60,11 +60,12 @@ impl fmt::Display for Proof {
 /// ```
 /// use vibrochain_breather::{Completeness, Family, NoBreather, Proof, breathers};
 /// use vibrochain_lattice::{Chain, Model};
-/// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
+/// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+/// let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model()?;
 /// assert_eq!(breathers(&model, Family::SingleSided)?.completeness, Completeness::All(Proof::ClosedForm));
 /// let searched = breathers(&model, Family::DoubleSided)?.completeness;
 /// assert!(matches!(searched, Completeness::All(Proof::Enclosures { intervals }) if intervals < 1000));
-/// let weak = Model::forced(*model.chain(), 1.5, 0.4, 1e-6, 0.9)?;
+/// let weak = model.chain().point().omega(1.5).asymmetry(0.4).amplitude(1e-6).restitution(0.9).model()?;
 /// let none = breathers(&weak, Family::SingleSided)?.completeness;
 /// assert!(matches!(none.reason(), Some(NoBreather::ForceTooWeak { .. })) && none.is_established());
 /// # Ok::<(), vibrochain_breather::BreatherError>(())

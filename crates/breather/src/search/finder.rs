@@ -278,7 +278,8 @@ impl Finder {
     /// ```
     /// use vibrochain_breather::{Family, Finder, Found};
     /// use vibrochain_lattice::{Chain, Model};
-    /// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
+    /// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+    /// let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model()?;
     /// let (mut finder, mut found) = (Finder::new(21), Found::default());
     /// finder.find(&model, Family::DoubleSided, &mut found)?;
     /// let condition = finder.condition(&found.orbits[0])?;
@@ -349,7 +350,8 @@ impl<'a> Prepared<'a> {
 /// ```
 /// use vibrochain_breather::{Family, breathers};
 /// use vibrochain_lattice::{Chain, Model};
-/// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
+/// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+/// let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model()?;
 /// let found = breathers(&model, Family::DoubleSided)?;
 /// assert!((found.orbits[0].phi().unwrap() - 2.0771604154348533).abs() < 1e-12);
 /// # Ok::<(), vibrochain_breather::BreatherError>(())

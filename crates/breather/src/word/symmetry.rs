@@ -148,7 +148,7 @@ fn moves(count: usize, ends: Ends, homes: &[usize]) -> Vec<Move> {
 
 #[cfg(test)]
 mod tests {
-    use vibrochain_lattice::Chain;
+    use vibrochain_lattice::{Chain, Point};
 
     use super::*;
 
@@ -159,7 +159,8 @@ mod tests {
     #[test]
     fn words_that_say_the_same_have_one_canonical_form() {
         let model = |asymmetry: f64, amplitude: f64| {
-            Model::forced(Chain::new(12, 0.2, 0.1).unwrap(), 1.5, asymmetry, amplitude, 1.0).unwrap()
+            let ring = Point::ring(12).gamma1(0.2).gamma2(0.1);
+            ring.omega(1.5).asymmetry(asymmetry).amplitude(amplitude).model().unwrap()
         };
         let (free, forced, centred) = (model(0.2, 0.0), model(0.2, 0.1), model(0.0, 0.0));
         for (of, text, expected) in [

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
 use vibrochain_eventsim::{ContactEvent, EventKind, Limits, Simulation, StructureOutcome, StructureSimulation, Time};
-use vibrochain_lattice::{Chain, Complex, Contact, LinearMode, ModalStructure, ModeShape, Model, Structure};
+use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Point, Structure};
 use vibrochain_testkit::{Random, structures};
 
 use crate::dense::Dense;
@@ -111,7 +111,8 @@ fn a_graze_that_hides_between_samples_is_found_and_one_that_misses_is_not() {
 /// The chain of events.rs: sticks and releases on both barriers.
 #[test]
 fn a_chain_given_as_a_structure_does_what_the_chain_does() {
-    let model = Model::forced(Chain::new(5, 0.2, 0.1).unwrap(), 0.4, 0.4, 1.5, 0.3).unwrap();
+    let ring = Point::ring(5).gamma1(0.2).gamma2(0.1);
+    let model = ring.omega(0.4).asymmetry(0.4).amplitude(1.5).restitution(0.3).model().unwrap();
     let stiffness = DMatrix::from_fn(5, 5, |i, j| match (i + 5 - j) % 5 {
         0 => 0.4,
         1 | 4 => -0.1,

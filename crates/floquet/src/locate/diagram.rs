@@ -25,8 +25,9 @@ const MOST_BRANCHES: usize = 256;
 /// ```
 /// use vibrochain_breather::{Family, breathers};
 /// use vibrochain_floquet::{Course, Event, diagram};
-/// use vibrochain_lattice::{Chain, Model, Parameter};
-/// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.07, 0.8, 0.165, 0.25)?;
+/// use vibrochain_lattice::{Parameter, Point};
+/// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+/// let model = ring.omega(1.07).asymmetry(0.8).amplitude(0.165).restitution(0.25).model()?;
 /// let orbit = &breathers(&model, Family::SingleSided)?.orbits[0];
 /// let course = Course { from: 0.15, to: 0.17, ..Course::new(orbit, Parameter::Amplitude) };
 /// let diagram = diagram(orbit, &course)?;

@@ -38,7 +38,7 @@ pub(crate) fn is_surely_beyond(equations: &BlochEquations, reach: f64) -> bool {
 mod tests {
     use nalgebra::Complex;
     use vibrochain_breather::{Family, Finder, Found, LinearImpact};
-    use vibrochain_lattice::{BlochKernel, Chain, Model};
+    use vibrochain_lattice::{BlochKernel, Chain};
     use vibrochain_testkit::Random;
 
     use super::super::random_equations;
@@ -118,8 +118,8 @@ mod tests {
             let sites = random.of(&[2, 3, 6, 11, 21]);
             let chain = Chain::new(sites, 0.2, random.of(&[1e-4, 0.1, 0.3]) * random.between(0.1, 1.0)).unwrap();
             let (asymmetry, e) = (random.between(0.0, 0.8), random.of(&[1.0, 0.99, 0.9, 0.6]));
-            let model =
-                Model::forced(chain, random.between(0.4, 3.0), asymmetry, random.between(0.02, 0.3), e).unwrap();
+            let point = chain.point().omega(random.between(0.4, 3.0)).asymmetry(asymmetry);
+            let model = point.amplitude(random.between(0.02, 0.3)).restitution(e).model().unwrap();
             for family in [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled] {
                 if finder.find(&model, family, &mut found).is_err() {
                     continue;

@@ -96,7 +96,7 @@ fn balance(matrix: &mut [C], size: usize) -> [SmallVec<[f64; 8]>; 2] {
 mod tests {
     use nalgebra::{Complex, DMatrix};
     use vibrochain_breather::{BlochEquations, Family, breathers};
-    use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum};
+    use vibrochain_lattice::{Chain, ImpulseResponse, Spectrum};
 
     use super::*;
 
@@ -104,9 +104,8 @@ mod tests {
     #[test]
     fn both_sides_vanish_on_a_nearly_singular_matrix() {
         let chain = Chain::new(2, 0.073_966_543_980_647_89, 0.011_884_233_414_967_131).unwrap();
-        let model =
-            Model::forced(chain, 0.348_589_406_946_606_84, 0.0, 0.093_400_631_787_602_25, 0.563_004_254_549_515_2)
-                .unwrap();
+        let point = chain.point().omega(0.348_589_406_946_606_84);
+        let model = point.amplitude(0.093_400_631_787_602_25).restitution(0.563_004_254_549_515_2).model().unwrap();
         let orbit = &breathers(&model, Family::SingleSided).unwrap().orbits[1];
         let response = ImpulseResponse::new(&Spectrum::new(chain), orbit.frequency()).unwrap();
         let (equations, _) = BlochEquations::of(orbit, &response);

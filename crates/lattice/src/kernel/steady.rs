@@ -21,12 +21,13 @@ use crate::modes::spectrum::Spectrum;
 /// The motion under the force alone, as a function of site and time t + ψ.
 ///
 /// ```
-/// use vibrochain_lattice::{Chain, Ends, Model};
+/// use vibrochain_lattice::{Chain, Ends};
 /// let chain = Chain::new(3, 0.2, 0.1)?;
-/// let ring = Model::forced(chain, 1.5, 0.4, 0.1, 0.9)?.steady()?;
-/// assert_eq!(ring.at(0), ring.at(1));
+/// let ring = chain.point().omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9);
+/// let steady = ring.model()?.steady()?;
+/// assert_eq!(steady.at(0), steady.at(1));
 /// // Walls hold their neighbours back.
-/// let held = Model::forced(chain.with_ends(Ends::Fixed), 0.1, 0.4, 0.1, 0.9)?.steady()?;
+/// let held = ring.ends(Ends::Fixed).omega(0.1).model()?.steady()?;
 /// assert!(held.at(0).value(0.0) < held.at(1).value(0.0) && held.at(0) == held.at(2));
 /// # Ok::<(), vibrochain_lattice::LatticeError>(())
 /// ```
@@ -190,7 +191,7 @@ mod tests {
             let chain = chain.with_layers(layers, layer, Ends::Free).unwrap();
             // Below, in and above the band; at its lower edge too.
             for omega in [0.1, 0.5, 0.55, 0.7, 0.83, 1.5, 4.0] {
-                let model = Model::forced(chain, omega, 0.1, 0.3, 0.9).unwrap();
+                let model = chain.point().omega(omega).asymmetry(0.1).amplitude(0.3).restitution(0.9).model().unwrap();
                 let steady = model.steady().unwrap();
                 let size = steady.bound(0);
                 for n in 0..chain.sites() {
@@ -211,25 +212,30 @@ mod tests {
         let chain = Chain::new(4, 0.25, 0.1).unwrap().with_ends(Ends::Fixed);
         let frequencies = Spectrum::new(chain).frequencies().to_vec();
         for (mode, frequency) in frequencies.into_iter().enumerate() {
-            let answer = Model::forced(chain, frequency, 0.1, 0.3, 0.9).unwrap().steady();
+            let answer =
+                chain.point().omega(frequency).asymmetry(0.1).amplitude(0.3).restitution(0.9).model().unwrap().steady();
             assert_eq!(answer.is_err(), mode % 2 == 0, "{mode}");
             if let Err(resonance) = answer {
                 assert_eq!((resonance.harmonic, resonance.mode), (1, mode));
             }
         }
-        assert!(Model::forced(chain, 0.5, 0.1, 0.3, 0.9).unwrap().steady().is_ok());
+        assert!(
+            chain.point().omega(0.5).asymmetry(0.1).amplitude(0.3).restitution(0.9).model().unwrap().steady().is_ok()
+        );
     }
 
     #[test]
     fn sensitivity_is_what_changes_of_the_data_do() {
         let at = |gamma1: f64, gamma2: f64, omega: f64, n: usize| {
             let chain = Chain::new(6, gamma1, gamma2).unwrap().with_ends(Ends::Fixed);
-            Model::forced(chain, omega, 0.1, 0.3, 0.9).unwrap().steady().unwrap().at(n).terms()[0].amplitude
+            let point = chain.point().omega(omega).asymmetry(0.1);
+            point.amplitude(0.3).restitution(0.9).model().unwrap().steady().unwrap().at(n).terms()[0].amplitude
         };
         let h = 1e-7;
         for omega in [0.2, 0.55, 0.61, 0.7, 2.0] {
             let chain = Chain::new(6, 0.25, 0.1).unwrap().with_ends(Ends::Fixed);
-            let steady = Model::forced(chain, omega, 0.1, 0.3, 0.9).unwrap().steady().unwrap();
+            let point = chain.point().omega(omega).asymmetry(0.1);
+            let steady = point.amplitude(0.3).restitution(0.9).model().unwrap().steady().unwrap();
             for n in 0..6 {
                 let bound = steady.sensitivity(n).terms()[0].amplitude;
                 let own = at(0.25, 0.1, omega, n);

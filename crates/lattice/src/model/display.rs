@@ -115,7 +115,7 @@ mod tests {
     #[test]
     fn values_are_one_line_of_words() {
         let chain = Chain::new(1, 0.2, 1e-9).unwrap();
-        let plain = Model::forced(chain, 1.5, 0.1 + 0.2, 0.0, 1.0).unwrap();
+        let plain = chain.point().omega(1.5).asymmetry(0.1 + 0.2).model().unwrap();
         let words = "1 mass, gamma1 = 0.2, gamma2 = 1e-9, omega = 1.5, asymmetry = 0.30000000000000004";
         assert_eq!(plain.to_string(), format!("{words}, amplitude = 0, restitution = 1"));
         let ring = Chain::new(21, 0.2, 0.1).unwrap();
@@ -126,7 +126,7 @@ mod tests {
         let terms =
             [(5, -0.03, 0.5), (1, 0.1, 0.0)].map(|(number, amplitude, phase)| Harmonic { number, amplitude, phase });
         let force = Force::new(&terms).unwrap();
-        let model = Model::with_force(chain, 1.5, 0.1 + 0.2, &force, 0.9).unwrap();
+        let model = chain.point().omega(1.5).asymmetry(0.1 + 0.2).under(&force).restitution(0.9).model().unwrap();
         assert_eq!(model.to_string(), format!("{words}, force = 1:0.1:0,5:-0.03:0.5, restitution = 0.9"));
         assert_eq!(format!("{} {:>6}", Parameter::Gamma1, Barrier::Upper), "gamma1  upper");
     }

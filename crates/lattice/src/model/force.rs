@@ -266,7 +266,6 @@ impl Wave {
 mod tests {
     use super::*;
     use crate::model::chain::Chain;
-    use crate::model::params::Model;
 
     fn harmonic(number: u32, amplitude: f64, phase: f64) -> Harmonic {
         Harmonic { number, amplitude, phase }
@@ -315,7 +314,8 @@ mod tests {
     #[test]
     fn the_uniform_motion_obeys_its_equation_and_the_symmetry() {
         let force = Force::new(&[harmonic(5, 0.2, 2.5), harmonic(1, 0.7, 0.4), harmonic(3, -0.3, -1.0)]).unwrap();
-        let model = Model::with_force(Chain::new(5, 0.2, 0.1).unwrap(), 1.5, 0.4, &force, 0.9).unwrap();
+        let ring = Chain::new(5, 0.2, 0.1).unwrap().point();
+        let model = ring.omega(1.5).asymmetry(0.4).under(&force).restitution(0.9).model().unwrap();
         let (push, response) = (model.force_wave(), model.steady_response().unwrap());
         for i in 0..20 {
             let t = 0.37 * f64::from(i);
@@ -342,7 +342,8 @@ mod tests {
     #[test]
     fn any_harmonic_on_the_uniform_mode_is_a_resonance() {
         let force = Force::new(&[harmonic(1, 0.7, 0.4), harmonic(3, 1e-9, 0.0)]).unwrap();
-        let model = Model::with_force(Chain::new(5, 2.25, 0.1).unwrap(), 0.5, 0.0, &force, 0.5).unwrap();
+        let model =
+            Chain::new(5, 2.25, 0.1).unwrap().point().omega(0.5).under(&force).restitution(0.5).model().unwrap();
         let error = model.steady_response().unwrap_err();
         assert_eq!((error.harmonic, error.mode), (3, 0));
         assert!(error.to_string().contains("harmonic 3 of omega = 0.5 meets mode 0"), "{error}");

@@ -1,23 +1,22 @@
 //! One point of the parameter space, validated: a value is always in range, nothing downstream checks again.
 
-use crate::error::{ParameterError, RESONANCE_TOLERANCE, Resonance, check};
+use crate::error::{ParameterError, RESONANCE_TOLERANCE, Resonance};
 use crate::model::chain::{Barrier, Chain};
 use crate::model::force::{Force, Wave};
 use crate::model::parameter::Parameter;
-use crate::modes::row::Ends;
 
 /// A chain with its barriers, its force and its law of impact: one point of the parameter space.
 ///
 /// Without force (`amplitude` = 0) and with elastic impacts (`restitution` = 1) it is conservative; `omega`
-/// is then the frequency of the orbit that is asked for. The force is a cosine ([`Model::forced`]) or any sum of its odd
-/// harmonics ([`Model::with_force`]).
+/// is then the frequency of the orbit that is asked for. A model with a force or losses is made from a [`Point`](crate::Point), with each
+/// value by its name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Model {
-    chain: Chain,
-    omega: f64,
-    asymmetry: f64,
-    force: Force,
-    restitution: f64,
+    pub(super) chain: Chain,
+    pub(super) omega: f64,
+    pub(super) asymmetry: f64,
+    pub(super) force: Force,
+    pub(super) restitution: f64,
 }
 
 impl Model {
@@ -26,62 +25,9 @@ impl Model {
     /// # Errors
     /// A [`ParameterError`] unless 1e-100 ≤ ω ≤ 1e100 and 0 ≤ a < 1.
     pub fn conservative(chain: Chain, omega: f64, asymmetry: f64) -> Result<Self, ParameterError> {
-        Self::forced(chain, omega, asymmetry, 0.0, 1.0)
-    }
-
-    /// A model under the uniform force A cos ω(t+ψ) with restitution coefficient e.
-    ///
-    /// # Errors
-    /// As [`Model::conservative`], and unless 0 ≤ A ≤ 1e100 and 0 < e ≤ 1.
-    ///
-    /// ```
-    /// use vibrochain_lattice::{Chain, Model};
-    /// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
-    /// assert!(!model.is_conservative());
-    /// assert!((model.loss() - 0.1 / 1.9).abs() < 1e-16);
-    /// # Ok::<(), vibrochain_lattice::ParameterError>(())
-    /// ```
-    pub fn forced(
-        chain: Chain,
-        omega: f64,
-        asymmetry: f64,
-        amplitude: f64,
-        restitution: f64,
-    ) -> Result<Self, ParameterError> {
         check_place(omega, asymmetry)?;
-        let force = Force::cosine(amplitude)?;
-        Self::with_force(chain, omega, asymmetry, &force, restitution)
-    }
-
-    /// A model under the uniform force Σ A_j cos(jω(t+ψ) + θ_j) with restitution coefficient e.
-    ///
-    /// # Errors
-    /// As [`Model::conservative`], and unless 0 < e ≤ 1.
-    ///
-    /// ```
-    /// use vibrochain_lattice::{Chain, Force, Harmonic, Model};
-    /// let terms = [(1, 0.1), (3, -0.03)].map(|(number, amplitude)| Harmonic { number, amplitude, phase: 0.0 });
-    /// let model = Model::with_force(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, &Force::new(&terms)?, 0.9)?;
-    /// assert!((model.force_wave().value(0.0) - 0.07).abs() < 1e-16);
-    /// # Ok::<(), vibrochain_lattice::ParameterError>(())
-    /// ```
-    pub fn with_force(
-        chain: Chain,
-        omega: f64,
-        asymmetry: f64,
-        force: &Force,
-        restitution: f64,
-    ) -> Result<Self, ParameterError> {
-        check_place(omega, asymmetry)?;
-        let alike = chain.layer_ends() != Ends::Fixed || force.amplitude() == 0.0;
-        check(
-            alike,
-            "amplitude",
-            force.amplitude(),
-            "0 with walls beside layers: give walls to the ends of rows only",
-        )?;
-        Parameter::Restitution.check(restitution)?;
-        Ok(Self { chain, omega, asymmetry: asymmetry + 0.0, force: *force, restitution })
+        // A minus zero would survive the range check and change signs downstream.
+        Ok(Self { chain, omega, asymmetry: asymmetry + 0.0, force: Force::cosine(0.0)?, restitution: 1.0 })
     }
 
     /// The linear lattice.
@@ -209,16 +155,20 @@ mod tests {
             (1., 0., 0., 0.),
             (1., 0., 0., 1.1),
         ] {
-            assert!(Model::forced(chain, w, a, f, e).is_err(), "{w} {a} {f} {e}");
+            assert!(
+                chain.point().omega(w).asymmetry(a).amplitude(f).restitution(e).model().is_err(),
+                "{w} {a} {f} {e}"
+            );
         }
-        let mut model = Model::forced(chain, 2.0, 0.0, 1.0, 1.0).unwrap();
+        let mut model = chain.point().omega(2.0).amplitude(1.0).model().unwrap();
         assert!(model.set_omega(0.0).is_err() && model.omega() == 2.0);
-        assert!(model.set_omega(1.5).is_ok() && model == Model::forced(chain, 1.5, 0.0, 1.0, 1.0).unwrap());
+        assert!(model.set_omega(1.5).is_ok() && model == chain.point().omega(1.5).amplitude(1.0).model().unwrap());
     }
 
     #[test]
     fn force_on_the_uniform_mode_is_a_resonance() {
-        let model = Model::forced(Chain::new(5, 0.25, 0.1).unwrap(), 0.5, 0.0, 1.0, 0.5).unwrap();
+        let model =
+            Chain::new(5, 0.25, 0.1).unwrap().point().omega(0.5).amplitude(1.0).restitution(0.5).model().unwrap();
         let error = model.steady_response().unwrap_err();
         assert_eq!((error.harmonic, error.mode), (1, 0));
     }

@@ -1,6 +1,6 @@
 //! Points of the parameter space: what a model is made from, and its values by name.
 
-use crate::error::ParameterError;
+use crate::error::{ParameterError, check};
 use crate::model::chain::{Chain, Layout};
 use crate::model::force::Force;
 use crate::model::parameter::{Parameter, parameters};
@@ -12,9 +12,11 @@ use crate::modes::row::Ends;
 /// What is not given has the value that the table of parameters has for it, or 0.
 ///
 /// ```
-/// use vibrochain_lattice::{Ends, Point};
+/// use vibrochain_lattice::{Ends, Force, Harmonic, Point};
 /// let model = Point::ring(21).gamma1(0.2).gamma2(0.1).omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model()?;
 /// assert_eq!((model.omega(), model.chain().gamma2()), (1.5, 0.1));
+/// let terms = [(1, 0.1), (3, -0.03)].map(|(number, amplitude)| Harmonic { number, amplitude, phase: 0.0 });
+/// assert!((model.point().under(&Force::new(&terms)?).model()?.force_wave().value(0.0) - 0.07).abs() < 1e-16);
 /// let pair = Point::ring(1).layers(2, Ends::Free).gamma1(0.2).gamma3(0.03).omega(1.5);
 /// assert!(pair.model()?.is_conservative());
 /// assert!(pair.restitution(1.1).model().is_err());
@@ -91,6 +93,13 @@ impl Point {
         self.values[parameter as usize] = value;
     }
 
+    /// The same point with another lattice.
+    #[must_use]
+    pub fn on(self, chain: &Chain) -> Self {
+        let point = Self { layout: chain.layout(), ..self };
+        point.gamma1(chain.gamma1()).gamma2(chain.gamma2()).gamma3(chain.gamma3())
+    }
+
     /// The same point under `force`.
     #[must_use]
     pub fn under(self, force: &Force) -> Self {
@@ -114,22 +123,22 @@ impl Point {
     /// [`ParameterError`] for a value out of range.
     pub fn model(&self) -> Result<Model, ParameterError> {
         let chain = self.chain()?;
-        let (omega, asymmetry) = (self.get(Parameter::Omega), self.get(Parameter::Asymmetry));
-        let (amplitude, restitution) = (self.get(Parameter::Amplitude), self.get(Parameter::Restitution));
-        let model = match &self.force {
-            None => Model::forced(chain, omega, asymmetry, amplitude, restitution)?,
-            Some(force) => Model::with_force(chain, omega, asymmetry, force, restitution)?,
-        };
-        // Whatever the constructors leave to the table.
         Parameter::ALL.into_iter().try_for_each(|parameter| parameter.check(self.get(parameter)))?;
-        Ok(model)
+        let force = self.force.map_or_else(|| Force::cosine(self.get(Parameter::Amplitude)), Ok)?;
+        let uniform = chain.layer_ends() != Ends::Fixed || force.amplitude() == 0.0;
+        let told = "0 with walls beside layers: give walls to the ends of rows only";
+        check(uniform, "amplitude", force.amplitude(), told)?;
+        let [omega, asymmetry, restitution] =
+            [Parameter::Omega, Parameter::Asymmetry, Parameter::Restitution].map(|parameter| self.get(parameter));
+        // A minus zero would survive the range check and change signs downstream.
+        Ok(Model { chain, omega, asymmetry: asymmetry + 0.0, force, restitution })
     }
 }
 
 impl Chain {
     /// The point of the parameter space of which it is the lattice; of the rest nothing is given.
     pub fn point(&self) -> Point {
-        Point::of(self.layout()).gamma1(self.gamma1()).gamma2(self.gamma2()).gamma3(self.gamma3())
+        Point::of(self.layout()).on(self)
     }
 }
 
@@ -161,8 +170,9 @@ impl Model {
     /// [`ParameterError`] for a value out of range.
     ///
     /// ```
-    /// use vibrochain_lattice::{Chain, Model, Parameter};
-    /// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
+    /// use vibrochain_lattice::{Parameter, Point};
+    /// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+    /// let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model()?;
     /// let softer = model.with(Parameter::Gamma2, 0.05)?;
     /// assert_eq!((softer.chain().gamma2(), softer.get(Parameter::Omega)), (0.05, 1.5));
     /// assert!(model.with(Parameter::Restitution, 1.1).is_err());
@@ -187,7 +197,7 @@ mod tests {
         let chain = Chain::new(5, 0.2, 0.1).unwrap();
         assert!(Model::conservative(chain, 1.5, 0.4).unwrap().with(Parameter::Gamma3, 0.1).is_err());
         let chain = chain.with_ends(Ends::Free).with_layers(3, 0.05, Ends::Closed).unwrap();
-        let model = Model::forced(chain, 1.5, 0.4, 0.3, 0.9).unwrap();
+        let model = chain.point().omega(1.5).asymmetry(0.4).amplitude(0.3).restitution(0.9).model().unwrap();
         for parameter in Parameter::ALL {
             let changed = model.with(parameter, 0.77).unwrap();
             assert_eq!(changed.chain().layout(), chain.layout());
@@ -210,7 +220,8 @@ mod tests {
         let terms =
             [(1, 0.3, 0.5), (3, -0.1, 0.0)].map(|(number, amplitude, phase)| Harmonic { number, amplitude, phase });
         let force = Force::new(&terms).unwrap();
-        let model = Model::with_force(Chain::new(5, 0.2, 0.1).unwrap(), 1.5, 0.4, &force, 0.9).unwrap();
+        let ring = Point::ring(5).gamma1(0.2).gamma2(0.1);
+        let model = ring.omega(1.5).asymmetry(0.4).under(&force).restitution(0.9).model().unwrap();
         assert_eq!(*model.with(Parameter::Gamma2, 0.05).unwrap().force(), force);
         let twice = model.with(Parameter::Amplitude, 0.8).unwrap();
         for (harmonic, term) in twice.force().harmonics().iter().zip(terms) {

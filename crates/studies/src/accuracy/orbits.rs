@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 
 use vibrochain_breather::{Family, Finder, Found, Orbit, breathers};
-use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum};
+use vibrochain_lattice::{ImpulseResponse, Model, Point, Spectrum};
 use vibrochain_truth::{DEFAULT_BITS, Real, TrueOrbit};
 
 use crate::accuracy::meter::Meter;
@@ -72,7 +72,8 @@ fn run(meter: &mut Meter<'_>) -> Result<Table, CliError> {
     let lengths: &[u32] = if meter.is_quick() { &[10, 100] } else { &[10, 100, 1000, 2000, 10_000, 100_000] };
     let mut table = Table::default();
     for (case, family, omega, amplitude, e) in CASES {
-        let model = Model::forced(Chain::new(21, 0.2, 0.1)?, omega, 0.4, amplitude, e)?;
+        let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+        let model = ring.omega(omega).asymmetry(0.4).amplitude(amplitude).restitution(e).model()?;
         let orbits = breathers(&model, family).map_err(computation)?.orbits;
         let orbit = orbits.first().ok_or_else(|| computation(format!("no breather: {case}")))?;
         let truth = TrueOrbit::refine(orbit, DEFAULT_BITS).map_err(computation)?;
@@ -233,7 +234,8 @@ mod tests {
 
     #[test]
     fn the_papers_procedure_with_exact_kernels_finds_the_forced_breathers() {
-        let model = Model::forced(Chain::new(21, 0.2, 0.1).unwrap(), 1.5, 0.4, 0.1, 0.9).unwrap();
+        let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+        let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
         let response = ImpulseResponse::new(&Spectrum::new(*model.chain()), 1.5).unwrap();
         let chi = |chi, phi| match chi {
             Chi::One => -2.0 * response.value(0, phi),

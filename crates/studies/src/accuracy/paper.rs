@@ -190,13 +190,16 @@ pub fn general_eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
     use vibrochain_breather::breathers;
     use vibrochain_floquet::full_monodromy;
+    use vibrochain_lattice::Point;
 
     #[test]
     fn the_general_monodromy_is_that_of_the_exact_propagator() {
         for (sites, amplitude, e) in [(1, 0.0, 1.0), (2, 0.0, 1.0), (5, 0.1, 0.9)] {
-            let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), 1.5, 0.4, amplitude, e).unwrap();
+            let ring = Point::ring(sites).gamma1(0.2).gamma2(0.1);
+            let model = ring.omega(1.5).asymmetry(0.4).amplitude(amplitude).restitution(e).model().unwrap();
             let orbit = &breathers(&model, Family::DoubleSided).unwrap().orbits[0];
             let (general, exact) = (general_monodromy_of(orbit), full_monodromy(orbit).unwrap());
             for i in 0..2 * sites {

@@ -6,7 +6,7 @@ use vibrochain_breather::{Family, Finder, Orbit, breathers};
 use vibrochain_floquet::{
     Analyser, Complex, DMatrix, FloquetError, Method as Path, Tolerance, eigenvalues, even_monodromy, full_monodromy,
 };
-use vibrochain_lattice::{Chain, Model};
+use vibrochain_lattice::Point;
 use vibrochain_truth::{Complex as TrueComplex, DEFAULT_BITS, Real, TrueOrbit, TrueSpectrum};
 
 use crate::accuracy::meter::Meter;
@@ -80,7 +80,8 @@ fn run(meter: &mut Meter<'_>) -> Result<Table, CliError> {
     let sizes: &[usize] = if meter.is_quick() { &[5] } else { &[5, 20, 100] };
     for (case, family, omega, amplitude, e) in CASES {
         for &n in sizes {
-            let model = Model::forced(Chain::new(n + 1, 0.2, 0.1)?, omega, 0.4, amplitude, e)?;
+            let ring = Point::ring(n + 1).gamma1(0.2).gamma2(0.1);
+            let model = ring.omega(omega).asymmetry(0.4).amplitude(amplitude).restitution(e).model()?;
             let orbits = breathers(&model, family).map_err(computation)?.orbits;
             let orbit = orbits.first().ok_or_else(|| computation(format!("no breather: {case}, N = {n}")))?;
             let mut tools = Tools::new(n + 1);

@@ -128,7 +128,8 @@ fn forced_double() -> Result<Vec<Correction>, CliError> {
     for (gamma, omega, a, amplitude, e) in
         [((0.2, 0.1), 1.5, 0.4, 0.1, 0.9), ((0.2, 0.1), 1.5, 0.4, 0.9, 0.9), ((0.1, 0.05), 1.33, 0.0, 1.5, 0.6)]
     {
-        let model = Model::forced(chain(gamma.0, gamma.1)?, omega, a, amplitude, e)?;
+        let model =
+            chain(gamma.0, gamma.1)?.point().omega(omega).asymmetry(a).amplitude(amplitude).restitution(e).model()?;
         cases.extend(orbits(&model, Family::DoubleSided)?.into_iter().map(|orbit| (model, orbit)));
     }
     let mended = worst(&cases, Reading::Mended, false)?;
@@ -149,7 +150,7 @@ fn forced_double() -> Result<Vec<Correction>, CliError> {
 
 /// Figure 8's orbit with both signs of α.
 fn forced_single() -> Result<Correction, CliError> {
-    let model = Model::forced(chain(0.2, 0.1)?, 0.92, 0.4, 0.1, 0.9)?;
+    let model = chain(0.2, 0.1)?.point().omega(0.92).asymmetry(0.4).amplitude(0.1).restitution(0.9).model()?;
     let response = ImpulseResponse::new(&Spectrum::new(*model.chain()), model.omega()).map_err(computation)?;
     let force = model.force_response().map_err(computation)?;
     let (q, w, a) = (model.loss(), model.omega(), model.asymmetry());
@@ -176,7 +177,7 @@ fn forced_single() -> Result<Correction, CliError> {
 }
 
 fn doubled() -> Result<Vec<Correction>, CliError> {
-    let model = Model::forced(chain(0.2, 0.1)?, 1.07, 0.8, 0.1582, 0.25)?;
+    let model = chain(0.2, 0.1)?.point().omega(1.07).asymmetry(0.8).amplitude(0.1582).restitution(0.25).model()?;
     let cases: Vec<_> = orbits(&model, Family::PeriodDoubled)?.into_iter().map(|orbit| (model, orbit)).collect();
     let mended = worst(&cases, Reading::Mended, true)?;
     let row = |place, printed, holds, reading| -> Result<Correction, CliError> {

@@ -2,7 +2,7 @@
 
 use vibrochain_breather::{Family, Orbit, breathers};
 use vibrochain_floquet::{DMatrix, eigenvalues, saltations};
-use vibrochain_lattice::{Chain, Model, Propagator, Spectrum};
+use vibrochain_lattice::{Chain, Propagator, Spectrum};
 
 use crate::errata::{Correction, computation};
 use crate::validate::ReturnMap;
@@ -50,7 +50,7 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 /// All corrections of matrices.
 pub(super) fn corrections() -> Result<Vec<Correction>, CliError> {
     let chain = Chain::new(5, 0.2, 0.1)?;
-    let model = Model::forced(chain, 1.5, 0.4, 0.1, 0.9)?;
+    let model = chain.point().omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model()?;
     let found = breathers(&model, Family::DoubleSided).map_err(computation)?.orbits;
     let orbit = found.first().ok_or_else(|| computation("no forced orbit"))?;
     let map = ReturnMap::new(orbit)?;

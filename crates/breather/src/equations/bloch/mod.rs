@@ -176,8 +176,7 @@ mod tests {
         for round in 0..rounds {
             let ranges = if round % 2 == 0 { &conservative } else { &forced };
             let (chain, model) = (random.lattice(ranges), random.model(ranges));
-            let (amplitude, restitution) = (model.amplitude(), model.restitution());
-            let model = Model::forced(chain, model.omega(), model.asymmetry(), amplitude, restitution).unwrap();
+            let model = model.point().on(&chain).model().unwrap();
             let word = match round % 2 {
                 // Through its text: the crate under test is another one than testkit's.
                 0 => random.word(&chain).and_then(|word| word.to_string().parse().ok()),

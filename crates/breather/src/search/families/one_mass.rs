@@ -162,7 +162,7 @@ impl OneMass {
 
 #[cfg(test)]
 mod tests {
-    use vibrochain_lattice::Chain;
+    use vibrochain_lattice::Point;
 
     use super::*;
 
@@ -172,7 +172,8 @@ mod tests {
         let mut checked = 0;
         for (omega, gamma1) in [(0.7, 1.0), (1.9, 0.2), (1.0, 0.9), (2.0, 9.0)] {
             for pattern in [Pattern::DOUBLE_SIDED, Pattern::DOUBLED] {
-                let model = Model::forced(Chain::new(1, gamma1, 0.0).unwrap(), omega, 0.3, 0.2, 0.8).unwrap();
+                let ring = Point::ring(1).gamma1(gamma1).gamma2(0.0);
+                let model = ring.omega(omega).asymmetry(0.3).amplitude(0.2).restitution(0.8).model().unwrap();
                 let problem = OneMass::new(pattern, &model).unwrap();
                 for part in [-0.8, -0.1, 0.37, 0.6] {
                     let (centre, radius) = (0.5 * part * problem.period, 0.02 * problem.period);

@@ -69,8 +69,7 @@ pub(crate) fn under_force(
     periods: u32,
     stop: &Stop,
 ) -> Orbits<(Vec<Alone>, usize)> {
-    let chain = Chain::new(1, model.chain().gamma1(), 0.0)?;
-    let model = Model::with_force(chain, model.omega(), model.asymmetry(), model.force(), model.restitution())?;
+    let model = model.point().on(&Chain::new(1, model.chain().gamma1(), 0.0)?).model()?;
     let n = barriers.len();
     let (mut list, mut open) = (Vec::new(), 0);
     let mut why = None;

@@ -94,7 +94,7 @@ pub(crate) fn outcome(found: &Found, starts: usize, left: usize) -> Completeness
 
 #[cfg(test)]
 mod tests {
-    use vibrochain_lattice::{Chain, Stop};
+    use vibrochain_lattice::{Point, Stop};
 
     use super::*;
     use crate::search::finder::Wanted;
@@ -102,7 +102,8 @@ mod tests {
 
     #[test]
     fn a_branch_that_is_left_for_want_of_work_leaves_the_list_open() {
-        let model = |gamma2: f64| Model::forced(Chain::new(4, 0.14, gamma2).unwrap(), 0.91, 0.24, 0.75, 0.9).unwrap();
+        let ring = Point::ring(4).gamma1(0.14).omega(0.91).asymmetry(0.24).amplitude(0.75).restitution(0.9);
+        let model = |gamma2: f64| ring.gamma2(gamma2).model().unwrap();
         let (mut finder, mut found) = (Finder::new(4), Found::default());
         finder.find_word(&model(1e-3), &"0-2-".parse().unwrap(), Wanted::All, &mut found).unwrap();
         let start = found.orbits.remove(0);

@@ -101,7 +101,8 @@ impl Finder {
     /// use vibrochain_breather::{Finder, Found};
     /// use vibrochain_lattice::{Chain, Model};
     /// // Either site may have doubled its period, or both.
-    /// let model = Model::forced(Chain::new(9, 0.2, 0.01)?, 1.07, 0.6, 0.3, 0.9)?;
+    /// let point = Point::ring(9).gamma1(0.2).gamma2(0.01);
+    /// let model = point.omega(1.07).asymmetry(0.6).amplitude(0.3).restitution(0.9).model()?;
     /// let mut found = Found::default();
     /// Finder::new(9).find_word_over(&model, &"0-,3-,0-,3-".parse()?, 2, &mut found)?;
     /// let orbit = &found.orbits[0];

@@ -40,8 +40,9 @@ type C = Complex<f64>;
 /// ```
 /// use vibrochain_breather::{Family, Finder, Found};
 /// use vibrochain_floquet::SecularMultipliers;
-/// use vibrochain_lattice::{Chain, Model};
-/// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
+/// use vibrochain_lattice::Point;
+/// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+/// let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model()?;
 /// let (mut finder, mut found) = (Finder::new(21), Found::default());
 /// finder.find(&model, Family::DoubleSided, &mut found)?;
 /// let mut secular = SecularMultipliers::default();

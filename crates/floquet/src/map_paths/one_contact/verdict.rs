@@ -17,8 +17,9 @@ use crate::zeros::{excess, modulus};
 /// ```
 /// use vibrochain_breather::{Family, Finder, Found};
 /// use vibrochain_floquet::{ForcedSecular, Standing};
-/// use vibrochain_lattice::{Chain, Model};
-/// let model = Model::forced(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4, 0.1, 0.9)?;
+/// use vibrochain_lattice::Point;
+/// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+/// let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model()?;
 /// let (mut finder, mut found, mut secular) = (Finder::new(21), Found::default(), ForcedSecular::default());
 /// finder.find(&model, Family::DoubleSided, &mut found)?;
 /// let verdict = secular.verdict(finder.prepared(&found.orbits[0])?)?;

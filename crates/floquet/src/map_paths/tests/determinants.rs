@@ -3,7 +3,7 @@
 use nalgebra::{Complex, DMatrix};
 use vibrochain_breather::linear::determinant;
 use vibrochain_breather::{BlochEquations, Family, Finder, Found, Hit, Orbit, Prepared};
-use vibrochain_lattice::{Barrier, Chain, Model, Spectrum};
+use vibrochain_lattice::{Barrier, Chain, Point, Spectrum};
 use vibrochain_testkit::{Ranges, Values};
 
 use super::forced::forced_cases;
@@ -37,7 +37,7 @@ fn determinants_of_words_are_those_of_the_whole_lattice() {
         let chain = if case % 2 == 0 { ring } else { random.lattice(&ranges) };
         let sites = chain.sites();
         let (omega, e) = (random.between(0.7, 2.5), if case % 3 == 0 { 1.0 } else { random.between(0.3, 0.99) });
-        let model = Model::forced(chain, omega, 0.3, 0.2, e).unwrap();
+        let model = chain.point().omega(omega).asymmetry(0.3).amplitude(0.2).restitution(e).model().unwrap();
         let count = 1 + case % 5;
         let mut times: Vec<f64> = (0..count).map(|_| random.unit() * model.period()).collect();
         times.sort_by(f64::total_cmp);
@@ -98,7 +98,8 @@ fn poles_and_residues_of_forced_orbits_have_that_determinant() {
 /// Two impacts in a ring so large that the sums over modes are Cauchy sums.
 #[test]
 fn residues_of_large_rings_have_that_determinant() {
-    let model = Model::forced(Chain::new(501, 0.2, 0.1).unwrap(), 1.5, 0.4, 0.1, 0.9).unwrap();
+    let ring = Point::ring(501).gamma1(0.2).gamma2(0.1);
+    let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
     let (mut finder, mut found, mut random) = (Finder::new(501), Found::default(), Random(43));
     finder.find(&model, Family::DoubleSided, &mut found).unwrap();
     let mut form = SecularMultipliers::default();

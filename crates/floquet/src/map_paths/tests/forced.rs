@@ -2,7 +2,7 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::{Family, Finder, Found, Orbit};
-use vibrochain_lattice::{Chain, Model};
+use vibrochain_lattice::{Chain, Point};
 
 use super::*;
 use crate::Analyser;
@@ -24,7 +24,8 @@ pub(crate) fn forced_cases(
         let sites = 1 + (random.unit() * 40.0) as usize;
         let chain = Chain::new(sites, random.log(0.02, 1.0), random.log(1e-3, 0.5)).unwrap();
         let (omega, a) = (random.between(0.5, 3.0), random.between(0.0, 0.9));
-        let model = Model::forced(chain, omega, a, random.log(0.05, 2.0), random.between(0.2, 0.99)).unwrap();
+        let point = chain.point().omega(omega).asymmetry(a);
+        let model = point.amplitude(random.log(0.05, 2.0)).restitution(random.between(0.2, 0.99)).model().unwrap();
         if finder.find_symmetric(&model, family, &mut found).is_err() {
             continue;
         }
@@ -142,7 +143,8 @@ fn multipliers_of_large_rings_are_those_of_the_dense_matrix() {
         (Family::DoubleSided, 1.5, 0.1, 0.9),
         (Family::PeriodDoubled, 1.5, 0.3, 0.99),
     ] {
-        let model = Model::forced(Chain::new(401, 0.2, 0.1).unwrap(), omega, 0.4, amplitude, e).unwrap();
+        let ring = Point::ring(401).gamma1(0.2).gamma2(0.1);
+        let model = ring.omega(omega).asymmetry(0.4).amplitude(amplitude).restitution(e).model().unwrap();
         finder.find(&model, family, &mut found).unwrap();
         let orbit = &found.orbits[0];
         let matrix = crate::even_monodromy(orbit).unwrap();
@@ -165,7 +167,8 @@ fn multipliers_of_large_rings_are_those_of_the_dense_matrix() {
 fn large_elastic_rings_are_judged_without_a_matrix() {
     let mut unstable = 0;
     for (sites, omega, amplitude) in [(401, 0.92, 0.1), (401, 0.45, 0.3), (601, 1.5, 0.3), (501, 2.2, 0.2)] {
-        let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), omega, 0.4, amplitude, 1.0).unwrap();
+        let ring = Point::ring(sites).gamma1(0.2).gamma2(0.1);
+        let model = ring.omega(omega).asymmetry(0.4).amplitude(amplitude).model().unwrap();
         let (mut finder, mut found) = (Finder::new(sites), Found::default());
         for family in [Family::SingleSided, Family::DoubleSided] {
             finder.find(&model, family, &mut found).unwrap();

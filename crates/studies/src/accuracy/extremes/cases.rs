@@ -1,7 +1,7 @@
 //! The corners, one function each: parameter points and what is looked at there.
 
 use vibrochain_breather::{Family, Finder, Found, NoBreather};
-use vibrochain_lattice::{Chain, Model, ParameterError, Spectrum};
+use vibrochain_lattice::{Chain, Model, ParameterError, Point, Spectrum};
 use vibrochain_truth::DEFAULT_BITS;
 
 use super::checks::{
@@ -85,7 +85,8 @@ fn all(case: &str, sites: usize, point: (f64, f64, f64, f64)) -> Result<Vec<Row>
 
 fn forced(case: &str, point: (f64, f64, f64, f64), (amplitude, e): (f64, f64)) -> Result<Vec<Row>, CliError> {
     let (g1, g2, omega, a) = point;
-    let model = Model::forced(Chain::new(SITES, g1, g2)?, omega, a, amplitude, e)?;
+    let ring = Point::ring(SITES).gamma1(g1).gamma2(g2);
+    let model = ring.omega(omega).asymmetry(a).amplitude(amplitude).restitution(e).model()?;
     let families = [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled];
     Ok(families.into_iter().flat_map(|family| check_orbits(case, &model, family, DEPTH)).collect())
 }
@@ -188,7 +189,8 @@ fn restitution(_: &str, _: Effort) -> Result<Vec<Row>, CliError> {
 fn force(_: &str, _: Effort) -> Result<Vec<Row>, CliError> {
     // Without asymmetry the least force is known in closed form.
     let point = (0.2, 0.1, 1.5, 0.0);
-    let model = |amplitude| Model::forced(Chain::new(SITES, point.0, point.1)?, point.2, point.3, amplitude, 0.9);
+    let ring = Point::ring(SITES).gamma1(point.0).gamma2(point.1);
+    let model = |amplitude| ring.omega(point.2).asymmetry(point.3).amplitude(amplitude).restitution(0.9).model();
     let mut found = Found::default();
     Finder::new(SITES).find(&model(1e-6)?, Family::DoubleSided, &mut found).map_err(truth)?;
     let Some(NoBreather::ForceTooWeak { threshold }) = found.completeness.reason() else {
@@ -226,7 +228,8 @@ fn rings(_: &str, effort: Effort) -> Result<Vec<Row>, CliError> {
     let mut rows = Vec::new();
     for sites in [1, 2, 3, 4] {
         rows.extend(all(&masses(sites), sites, DEFAULTS)?);
-        let model = Model::forced(Chain::new(sites, g1, g2)?, omega, a, 0.1, 0.9)?;
+        let ring = Point::ring(sites).gamma1(g1).gamma2(g2);
+        let model = ring.omega(omega).asymmetry(a).amplitude(0.1).restitution(0.9).model()?;
         let case = format!("{}, forced", masses(sites));
         rows.extend(check_orbits(&case, &model, Family::DoubleSided, DEPTH));
     }

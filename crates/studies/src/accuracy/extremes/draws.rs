@@ -54,7 +54,7 @@ pub fn draw(random: &mut Rng) -> Result<(Model, Family), ParameterError> {
         Model::conservative(chain, omega, asymmetry)?
     } else {
         let amplitude = (gamma1 - omega * omega).abs().max(1e-12) * power(random, -3.0, 6.0);
-        Model::forced(chain, omega, asymmetry, amplitude, restitution)?
+        chain.point().omega(omega).asymmetry(asymmetry).amplitude(amplitude).restitution(restitution).model()?
     };
     Ok((model, family))
 }
