@@ -54,9 +54,10 @@ impl Kind {
 }
 
 #[test]
-fn existence_allocates_nothing_and_stability_only_for_its_eigenvalues() {
-    // Measured: 0, 2.350, 0 and 3.794. The eigenvalue solver, and the spectrum that a few cells ask, take their work space anew for each orbit.
-    for (kind, most) in KINDS.into_iter().zip([0.0, 2.5, 0.0, 4.0]) {
+fn existence_allocates_nothing_and_stability_only_for_matrices() {
+    // Measured: 0, 2.350, 0 and 9.208. The eigenvalue solver and J(z), which some orbits of a cell ask, take their work space anew for each:
+    // half a percent of a forced map.
+    for (kind, most) in KINDS.into_iter().zip([0.0, 2.5, 0.0, 9.5]) {
         let allocations = kind.allocations();
         println!("{}: {allocations:.3} allocations a cell", kind.name());
         assert!(allocations <= most, "{}: {allocations} allocations a cell, at most {most}", kind.name());
