@@ -121,8 +121,8 @@ fn main() {
     let repetitions = if measured { repetitions } else { 1 };
 
     let scene = Scene::read(&file).unwrap();
-    let desk = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
-    let [out, zst, gz] = ["map.csv", "map.csv.zst", "map.csv.gz"].map(|name| desk.path().join(name));
+    let dir = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
+    let [out, zst, gz] = ["map.csv", "map.csv.zst", "map.csv.gz"].map(|name| dir.path().join(name));
     let ways: [(&str, &dyn Fn()); WAYS] = [
         ("in memory", &|| in_memory(&scene, threads)),
         ("one file", &|| one_file(&scene, threads, &out)),

@@ -7,7 +7,7 @@ use std::fmt::Display;
 use std::fs;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
-use vibrochain_testkit::{CHUNKS, Desk, Ran, SCENE, interrupts_are_ignored, signal, undisturbed};
+use vibrochain_testkit::{CHUNKS, Ran, SCENE, TestDir, interrupts_are_ignored, signal, undisturbed};
 
 const SWEEP: &str = "sweep scene.toml --out map.csv --quiet --threads 1 --resume";
 
@@ -27,40 +27,40 @@ families = ["double-sided"]
 /// Kills a resumed sweep so many times at random moments of its life, and now and then lets it end.
 fn killed_at_random(kills: u32, seed: u64) {
     let expected = undisturbed(SCENE);
-    let desk = Desk::with_scene(SCENE);
+    let dir = TestDir::with_scene(SCENE);
     let mut rng = fastrand::Rng::with_seed(seed);
     // How long it lives undisturbed depends on what else the machine does.
     let started = Instant::now();
-    desk.run("sweep scene.toml --out map.csv --quiet --threads 1").with(0, &[]);
+    dir.run("sweep scene.toml --out map.csv --quiet --threads 1").with(0, &[]);
     let life = started.elapsed();
-    ["map.csv", "map.manifest.json"].iter().for_each(|name| fs::remove_file(desk.path(name)).unwrap());
+    ["map.csv", "map.manifest.json"].iter().for_each(|name| fs::remove_file(dir.path(name)).unwrap());
     let (mut killed, mut met, mut whole) = (0, [false; 2], 0);
     while killed < kills {
         let threads = rng.u8(1..3);
-        let mut child = desk.start(&format!("sweep scene.toml --out map.csv --quiet --threads {threads} --resume"));
+        let mut child = dir.start(&format!("sweep scene.toml --out map.csv --quiet --threads {threads} --resume"));
         std::thread::sleep(life.mul_f64(rng.f64()));
         // What is killed may have ended by itself; then the next run starts afresh.
         if child.try_wait().unwrap().is_none() {
             killed += 1;
-            met[0] |= (1..CHUNKS as usize).contains(&desk.chunks("map.csv.parts"));
-            met[1] |= desk.names(".").len() > 1;
+            met[0] |= (1..CHUNKS as usize).contains(&dir.chunks("map.csv.parts"));
+            met[1] |= dir.names(".").len() > 1;
             child.kill().unwrap();
         }
         let ended = child.wait_with_output().unwrap();
         if ended.status.success() {
-            assert_eq!(desk.names("."), ["map.csv", "map.manifest.json", "scene.toml"]);
+            assert_eq!(dir.names("."), ["map.csv", "map.manifest.json", "scene.toml"]);
             whole += 1;
         }
         // A table that is there is whole, whenever the process died.
-        if desk.path("map.csv").exists() {
-            assert!(desk.read("map.csv") == expected);
-            fs::remove_file(desk.path("map.csv")).unwrap();
+        if dir.path("map.csv").exists() {
+            assert!(dir.read("map.csv") == expected);
+            fs::remove_file(dir.path("map.csv")).unwrap();
         }
     }
     assert!(met == [true; 2], "{met:?} {whole}");
-    desk.run("sweep scene.toml --out map.csv --quiet --resume").with(0, &[]);
-    assert!(desk.read("map.csv") == expected);
-    assert_eq!(desk.names("."), ["map.csv", "map.manifest.json", "scene.toml"]);
+    dir.run("sweep scene.toml --out map.csv --quiet --resume").with(0, &[]);
+    assert!(dir.read("map.csv") == expected);
+    assert_eq!(dir.names("."), ["map.csv", "map.manifest.json", "scene.toml"]);
 }
 
 #[test]
@@ -82,13 +82,13 @@ fn killed_at_a_thousand_random_moments_it_ends_in_the_same_bytes() {
 
 /// Runs with a fault at calls of this name, by the number that they have for a thread (`3`, or `3+` for all from there on), where the
 /// machine lets us do so: nothing otherwise. A run that does not end within half a minute fails the test.
-fn faulty(desk: &Desk, line: &str, call: &str, fault: &str, number: impl Display) -> Option<Ran> {
+fn faulty(dir: &TestDir, line: &str, call: &str, fault: &str, number: impl Display) -> Option<Ran> {
     let injection = format!("inject=?{call}:{fault}:when={number}");
     let trace = ["-f", "-qqq", "-o", "/dev/null", "-e", &format!("trace=?{call}"), "-e", &injection];
     let program = assert_cmd::cargo::cargo_bin("mapgen");
     let mut command = Command::new("timeout");
     command.args(["-k", "5", "30", "strace"]).args(trace).arg(program).args(line.split(' '));
-    let ran = command.current_dir(desk.path(".")).output();
+    let ran = command.current_dir(dir.path(".")).output();
     let ran: Ran = match ran {
         Ok(output) => output.into(),
         Err(error) => {
@@ -130,28 +130,28 @@ impl Numbers {
     }
 }
 
-/// Runs `line` on a fresh desk with a fault at every call in turn, then undisturbed, and demands that `names` are left and
+/// Runs `line` in a fresh folder with a fault at every call in turn, then undisturbed, and demands that `names` are left and
 /// the table is right.
-fn at_calls(numbers: Numbers, fault: &str, calls: &[&str], line: &str, prepare: impl Fn(&Desk), names: &[&str]) {
+fn at_calls(numbers: Numbers, fault: &str, calls: &[&str], line: &str, prepare: impl Fn(&TestDir), names: &[&str]) {
     let expected = undisturbed(SMALL);
     let (mut met, mut kept) = (0, 0);
     for call in calls {
         for number in numbers.tried(fault) {
-            let desk = Desk::with_scene(SMALL);
-            prepare(&desk);
-            let Some(ran) = faulty(&desk, line, call, fault, number) else { return };
+            let dir = TestDir::with_scene(SMALL);
+            prepare(&dir);
+            let Some(ran) = faulty(&dir, line, call, fault, number) else { return };
             let place = format!("{fault} at {call} {number}: {ran:?}");
             assert!(matches!(ran.code, None | Some(0..=2)) && !ran.err.contains("panicked"), "{place}");
             let undisturbed = ran.code == Some(0);
-            if desk.path("map.csv").exists() {
-                assert!(desk.read("map.csv") == expected, "{place}");
+            if dir.path("map.csv").exists() {
+                assert!(dir.read("map.csv") == expected, "{place}");
             }
-            if !undisturbed || desk.names(".") != names {
-                kept += desk.chunks("map.csv.parts");
-                desk.run(line).with(0, &[]);
+            if !undisturbed || dir.names(".") != names {
+                kept += dir.chunks("map.csv.parts");
+                dir.run(line).with(0, &[]);
             }
-            assert!(desk.read("map.csv") == expected, "{place}");
-            assert_eq!(desk.names("."), names, "{place}");
+            assert!(dir.read("map.csv") == expected, "{place}");
+            assert_eq!(dir.names("."), names, "{place}");
             if undisturbed && fault.starts_with("signal") {
                 break;
             }
@@ -175,8 +175,8 @@ fn sweep_told_an_error(numbers: Numbers) {
 }
 
 fn merge_killed(numbers: Numbers) {
-    let chunks = |desk: &Desk| {
-        desk.run("sweep scene.toml --out parts --shard 0/1 --quiet --threads 1").with(0, &[]);
+    let chunks = |dir: &TestDir| {
+        dir.run("sweep scene.toml --out parts --shard 0/1 --quiet --threads 1").with(0, &[]);
     };
     let names = ["map.csv", "map.manifest.json", "parts", "scene.toml"];
     at_calls(numbers, "signal=KILL", &CALLS, "merge parts --out map.csv --quiet", chunks, &names);
@@ -209,8 +209,8 @@ fn slow_a_sweep_that_is_told_any_error_ends_in_the_same_bytes() {
 fn a_folder_that_cannot_be_closed_is_no_panic() {
     let mut done = 0;
     for number in 3..=30 {
-        let desk = Desk::with_scene(SMALL);
-        let Some(ran) = faulty(&desk, SWEEP, "close", "error=EIO", number) else { return };
+        let dir = TestDir::with_scene(SMALL);
+        let Some(ran) = faulty(&dir, SWEEP, "close", "error=EIO", number) else { return };
         let loader = ran.code == Some(127);
         assert!(loader || matches!(ran.code, Some(0..=2)) && !ran.err.contains("panicked"), "{number}: {ran:?}");
         done += u32::from(ran.code == Some(0));
@@ -223,8 +223,8 @@ fn a_folder_that_cannot_be_closed_is_no_panic() {
 fn a_file_system_that_tells_nothing_is_an_error_and_no_loop() {
     let mut told = 0;
     for number in 1..=24 {
-        let desk = Desk::with_scene(SMALL);
-        let Some(ran) = faulty(&desk, SWEEP, "statx", "error=ESTALE", format!("{number}+")) else { return };
+        let dir = TestDir::with_scene(SMALL);
+        let Some(ran) = faulty(&dir, SWEEP, "statx", "error=ESTALE", format!("{number}+")) else { return };
         assert!(matches!(ran.code, Some(0..=2)) && !ran.err.contains("panicked"), "{number}: {ran:?}");
         told += u32::from(ran.code != Some(0));
     }
@@ -244,19 +244,19 @@ fn slow_a_merge_killed_at_any_system_call_leaves_nothing_that_the_next_one_does_
 
 #[test]
 fn a_merge_that_is_interrupted_while_it_checks_chunks_ends_at_once() {
-    let desk = Desk::with_scene(SCENE);
-    desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
-    let merge = |desk: &Desk, slow: &str| {
+    let dir = TestDir::with_scene(SCENE);
+    dir.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
+    let merge = |dir: &TestDir, slow: &str| {
         let mut command = Command::new("strace");
         // The tracer is not the parent (-D): a signal to the child reaches the program.
         command.args(["-D", "-f", "-qqq", "-o", "trace", "-e", "trace=read", "-e", &format!("inject=read:{slow}")]);
-        for chunk in desk.names("parts").iter().filter(|name| name.ends_with(".chunk")) {
-            command.arg("-P").arg(desk.path(&format!("parts/{chunk}")));
+        for chunk in dir.names("parts").iter().filter(|name| name.ends_with(".chunk")) {
+            command.arg("-P").arg(dir.path(&format!("parts/{chunk}")));
         }
         command.arg(assert_cmd::cargo::cargo_bin("mapgen")).args("merge parts --out map.csv --quiet".split(' '));
-        command.current_dir(desk.path(".")).stdout(Stdio::null()).stderr(Stdio::piped()).spawn()
+        command.current_dir(dir.path(".")).stdout(Stdio::null()).stderr(Stdio::piped()).spawn()
     };
-    let Ok(whole) = merge(&desk, "delay_enter=0") else {
+    let Ok(whole) = merge(&dir, "delay_enter=0") else {
         eprintln!("skipped: strace cannot be had");
         return;
     };
@@ -266,16 +266,16 @@ fn a_merge_that_is_interrupted_while_it_checks_chunks_ends_at_once() {
         return;
     }
     whole.with(0, &[]);
-    let reads = || fs::read_to_string(desk.path("trace")).unwrap_or_default().lines().count();
+    let reads = || fs::read_to_string(dir.path("trace")).unwrap_or_default().lines().count();
     let all = reads();
-    ["map.csv", "map.manifest.json", "trace"].iter().for_each(|name| fs::remove_file(desk.path(name)).unwrap());
+    ["map.csv", "map.manifest.json", "trace"].iter().for_each(|name| fs::remove_file(dir.path(name)).unwrap());
 
     if interrupts_are_ignored() {
         eprintln!("skipped: interrupts are ignored here");
         return;
     }
     // A slow disk: a tenth of a second for each read. The tracer writes its lines by the hundred.
-    let mut child = merge(&desk, "delay_enter=100000").unwrap();
+    let mut child = merge(&dir, "delay_enter=100000").unwrap();
     let begun = Instant::now();
     while reads() == 0 && child.try_wait().unwrap().is_none() {
         assert!(begun.elapsed() < Duration::from_secs(60), "no chunk is read");
@@ -285,5 +285,5 @@ fn a_merge_that_is_interrupted_while_it_checks_chunks_ends_at_once() {
     println!("{} of {all} reads of chunks, {ran:?}", reads());
     ran.with(130, &["interrupted"]);
     assert!(reads() < all / 4, "{} of {all}", reads());
-    assert_eq!(desk.names("."), ["parts", "scene.toml", "trace"]);
+    assert_eq!(dir.names("."), ["parts", "scene.toml", "trace"]);
 }

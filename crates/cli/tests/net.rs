@@ -7,7 +7,7 @@ use std::path::Path;
 use serde_json::Value;
 use vibrochain_breather::Family;
 use vibrochain_lattice::{Chain, Model};
-use vibrochain_testkit::{Desk, Net, Random, reference, written};
+use vibrochain_testkit::{Net, Random, TestDir, reference, written};
 
 const FAMILIES: [Family; 3] = [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled];
 
@@ -82,18 +82,18 @@ fn random_model(random: &mut Random) -> Model {
 #[test]
 fn answers_are_those_of_before() {
     let mut net = kept();
-    let desk = Desk::new();
+    let dir = TestDir::new();
 
     for name in ["conservative-n5", "conservative-n10", "conservative-n20", "conservative-n40", "forced-n20"] {
         let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../scenes/{name}.toml"));
-        fs::copy(scene, desk.path("scene.toml")).unwrap();
-        desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
-        net.take(&format!("map {name}"), &fs::read_to_string(desk.path("map.csv")).unwrap());
+        fs::copy(scene, dir.path("scene.toml")).unwrap();
+        dir.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
+        net.take(&format!("map {name}"), &fs::read_to_string(dir.path("map.csv")).unwrap());
     }
 
     let mut solutions = 0;
     let mut list = |name: &str, model: &Model, family: Family| {
-        let ran = desk.run(&command(model, family));
+        let ran = dir.run(&command(model, family));
         // A point without an answer has words.
         let text = if ran.code == Some(0) {
             let mut answer = written(&ran.out);
@@ -116,12 +116,12 @@ fn answers_are_those_of_before() {
     }
     assert!(solutions > 200, "{solutions}");
 
-    desk.run(
+    dir.run(
         "simulate --family double-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 \
          --restitution .9 --periods 20 --impacts run.csv",
     )
     .with(0, &[]);
-    net.take("simulated run", &fs::read_to_string(desk.path("run.csv")).unwrap());
+    net.take("simulated run", &fs::read_to_string(dir.path("run.csv")).unwrap());
 
     net.finish();
 }

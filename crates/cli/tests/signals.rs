@@ -8,7 +8,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use fastrand::Rng;
-use vibrochain_testkit::{Desk, signal};
+use vibrochain_testkit::{TestDir, signal};
 
 /// A ring on which every command has minutes to do.
 const RING: &str = "--sites 301 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4";
@@ -81,13 +81,13 @@ fn at_random(lines: &[&str], times: u32, most: f64, seed: u64) -> u32 {
     let (mut random, mut stopped) = (Rng::with_seed(seed), 0);
     for line in lines {
         for _ in 0..times {
-            let desk = Desk::new();
+            let dir = TestDir::new();
             for (name, text) in SCENES {
-                fs::write(desk.path(name), text).unwrap();
+                fs::write(dir.path(name), text).unwrap();
             }
-            let inputs = desk.names(".");
+            let inputs = dir.names(".");
             let line = line.replace("RING", RING);
-            let mut child = desk.start(&format!("{line} --threads 1"));
+            let mut child = dir.start(&format!("{line} --threads 1"));
             let at_work = listens(&mut child);
             // Short times as often as long ones.
             sleep(Duration::from_secs_f64(most * random.f64().powi(2)));
@@ -108,7 +108,7 @@ fn at_random(lines: &[&str], times: u32, most: f64, seed: u64) -> u32 {
             stopped += 1;
             // A table in chunks goes on by --resume, a run is kept as far as it came.
             let kept = |name: &String| name == "a.csv.parts" || line.starts_with("simulate");
-            let left: Vec<String> = desk.names(".").into_iter().filter(|name| !inputs.contains(name)).collect();
+            let left: Vec<String> = dir.names(".").into_iter().filter(|name| !inputs.contains(name)).collect();
             assert!(left.iter().all(|name| !name.starts_with('.') && kept(name)), "{line}: {left:?}");
         }
     }

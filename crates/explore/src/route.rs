@@ -61,8 +61,8 @@ const HEADERS: [(HeaderName, &str); 6] = [
 const JSON: &str = "application/json";
 const NUMBERS: &str = "application/octet-stream";
 
-/// What requests are answered from.
-pub(crate) struct Desk {
+/// Answers requests, from what the page and the program have.
+pub(crate) struct Service {
     pub(crate) guard: Guard,
     pub(crate) answers: Arc<dyn Answers>,
     pub(crate) pool: Arc<ThreadPool>,
@@ -96,7 +96,7 @@ struct ViewAsked {
     scene: Value,
 }
 
-impl Desk {
+impl Service {
     pub(crate) fn new(guard: Guard, answers: Arc<dyn Answers>, pool: ThreadPool) -> Self {
         let tiles = Work::new(pool.current_num_threads(), TILES);
         let (questions, long) = (Work::new(RUNNING, ANSWERS), Work::newest_first(LONG, LONG_ANSWERS));

@@ -19,7 +19,7 @@ use vibrochain_lattice::Stop;
 use crate::answers::Answers;
 use crate::connection::Connection;
 use crate::guard::Guard;
-use crate::route::Desk;
+use crate::route::Service;
 use crate::token::Token;
 
 /// Connections at a time; a browser opens six. So many more wait to be taken up, at no cost here; others are put off by the system.
@@ -83,7 +83,7 @@ impl Explorer {
     /// Serves until `stop` is raised. Tiles are computed on `pool`.
     pub fn serve(self, answers: Arc<dyn Answers>, pool: ThreadPool, stop: &Stop) {
         let Self { runtime, listener, guard } = self;
-        let desk = Arc::new(Desk::new(guard, answers, pool));
+        let service = Arc::new(Service::new(guard, answers, pool));
         runtime.block_on(async {
             let mut places = Places::default();
             while !stop.is_raised() {
@@ -96,9 +96,9 @@ impl Explorer {
                 }
                 match timeout(LOOK, listener.accept()).await {
                     Ok(Ok((stream, _))) => {
-                        let (desk, one) = (Arc::clone(&desk), Arc::new(Connection::new()));
+                        let (service, one) = (Arc::clone(&service), Arc::new(Connection::new()));
                         let own = Arc::clone(&one);
-                        let task = tokio::spawn(async move { serve(stream, &desk, &own).await });
+                        let task = tokio::spawn(async move { serve(stream, &service, &own).await });
                         places.0.push((task.abort_handle(), one));
                         // What it asks is looked at before the next one is taken up, which may want its place.
                         yield_now().await;
@@ -148,12 +148,12 @@ impl Places {
     }
 }
 
-async fn serve(stream: TcpStream, desk: &Desk, connection: &Connection) {
+async fn serve(stream: TcpStream, service: &Service, connection: &Connection) {
     // Answers are written whole: there is nothing to wait for.
     let _ = stream.set_nodelay(true);
     let service = service_fn(|request| async {
         connection.heard();
-        let response = desk.respond(request, connection).await;
+        let response = service.respond(request, connection).await;
         connection.heard();
         Ok::<_, Infallible>(response)
     });

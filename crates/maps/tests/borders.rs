@@ -9,7 +9,7 @@ use fastrand::Rng;
 use vibrochain_breather::Family;
 use vibrochain_floquet::{StripeEnd, StripeFinder, StripeLine};
 use vibrochain_lattice::Stop;
-use vibrochain_maps::borders::{Asked, BorderKind, Borders, Stage};
+use vibrochain_maps::borders::{BorderKind, BorderRequest, Borders, Stage};
 use vibrochain_maps::cell::{Class, Worker};
 use vibrochain_maps::regions::{Regions, Subdivision, Window};
 use vibrochain_maps::scene::Scene;
@@ -39,7 +39,7 @@ fn borders(scene: &Scene) -> (Borders, Regions<Option<Class>>) {
 
 fn searched(scene: &Scene, places: usize) -> (Borders, Regions<Option<Class>>) {
     let stop = Stop::default();
-    let asked = Asked { tolerance: TOLERANCE, places, special: false, stop: &stop, told: &|_, _, _, _| {} };
+    let asked = BorderRequest { tolerance: TOLERANCE, places, special: false, stop: &stop, told: &|_, _, _, _| {} };
     Borders::of_scene(scene, &asked).unwrap()
 }
 
@@ -195,7 +195,7 @@ fn a_search_that_is_stopped_says_so() {
                 flag.store(true, Ordering::Relaxed);
             }
         };
-        let asked = Asked { tolerance: TOLERANCE, places: PLACES, special: false, stop: &stop, told: &told };
+        let asked = BorderRequest { tolerance: TOLERANCE, places: PLACES, special: false, stop: &stop, told: &told };
         let (found, _) = Borders::of_scene(&scene, &asked).unwrap();
         assert!(found.interrupted && !found.borders.is_empty());
     }
@@ -206,7 +206,7 @@ fn windows_without_borders_to_follow_are_refused() {
     let stop = Stop::default();
     let refused = |text: &str, tolerance: f64| {
         let scene = Scene::parse(Path::new("scene.toml"), text).unwrap();
-        let asked = Asked { tolerance, places: 1000, special: false, stop: &stop, told: &|_, _, _, _| {} };
+        let asked = BorderRequest { tolerance, places: 1000, special: false, stop: &stop, told: &|_, _, _, _| {} };
         Borders::of_scene(&scene, &asked).unwrap_err().to_string()
     };
     let model = "[model]\nsites = 6\ngamma1 = 0.2\ngamma2 = 0.1\nasymmetry = 0.4\n[compute]\nfamilies = [\"double-sided\"]\n[sweep]\n";

@@ -46,7 +46,7 @@ pub use figures::orbit_panes::{
 };
 pub use map::classes::{class_words, loss};
 pub use map::ends::{ENDS, EndsPicture, MOST_VALUES, ends_picture};
-pub use map::map_raster::{Shown, is_shown};
+pub use map::map_cells::{MapCells, is_shown};
 pub use map::mapped::{MapAxis, Mapped, about};
 pub use map::one_axis::{OneAxisPicture, one_axis_picture};
 pub use map::palette;

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::{Deserialize, Serialize};
 use vibrochain_lattice::{Parameter, Stop};
-use vibrochain_maps::borders::{Asked, Border, Borders};
+use vibrochain_maps::borders::{Border, BorderRequest, Borders};
 use vibrochain_maps::cell::Class;
 use vibrochain_maps::regions::{Region, Regions};
 
@@ -209,7 +209,7 @@ pub(crate) fn _curves(
             told[0].store(done as u64, Ordering::Relaxed);
             told[1].store(all as u64, Ordering::Relaxed);
         };
-        let asked = Asked { tolerance, places, special, stop, told: &|_, _, done, all| tell(done, all) };
+        let asked = BorderRequest { tolerance, places, special, stop, told: &|_, _, done, all| tell(done, all) };
         Ok(pool(count)?.install(|| Borders::of_scene(&scene, &asked))?)
     };
     let (found, regions): (Borders, Regions<Option<Class>>) = counted(py, progress, 0, work)?;

@@ -63,7 +63,7 @@ pub(crate) fn _fate<'py>(
     let (starts, periods) = (starts? as u64, periods? as u64);
     let seed = natural("seed", seed)?;
     let ensemble = Ensemble { starts, size: perturb, seed, periods, transient, tolerance, leave };
-    let asked = Asked { ensemble, from, threads: count, progress };
+    let asked = FateRequest { ensemble, from, threads: count, progress };
     if is_of_structure(text.as_deref(), &path)? {
         fates_of(py, scene::<StructureScene>(text.as_deref(), &path)?, asked)
     } else {
@@ -71,16 +71,20 @@ pub(crate) fn _fate<'py>(
     }
 }
 
-/// What is asked of a scene.
-struct Asked<'a, 'py> {
+/// How many runs of a scene, from where, and on how many threads.
+struct FateRequest<'a, 'py> {
     ensemble: Ensemble,
     from: From,
     threads: usize,
     progress: Option<&'a Bound<'py, PyAny>>,
 }
 
-fn fates_of<'py, S: CellsScene>(py: Python<'py>, scene: S, asked: Asked<'_, 'py>) -> PyResult<Bound<'py, PyDict>> {
-    let Asked { ensemble, from, threads: count, progress } = asked;
+fn fates_of<'py, S: CellsScene>(
+    py: Python<'py>,
+    scene: S,
+    asked: FateRequest<'_, 'py>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let FateRequest { ensemble, from, threads: count, progress } = asked;
     let starts = ensemble.starts;
     unrefined(&scene)?;
     scene.takes(&ensemble, from).map_err(|error| Failure::request(error.trim_start_matches('-')))?;

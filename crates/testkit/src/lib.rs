@@ -1,8 +1,7 @@
 //! What the tests of all crates share, for tests only: random models, a simulated return map that shares nothing with the
-//! crates, the table of checked cases, the program on a desk of its own and the form of what it writes, and checksums that forgive rounding.
+//! crates, the table of checked cases, the program in a folder of its own and the form of what it writes, and checksums that forgive rounding.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::missing_panics_doc, reason = "a test stops at the first surprise")]
 
-mod desk;
 mod digest;
 mod models;
 mod net;
@@ -14,9 +13,9 @@ pub mod scenes;
 mod schema;
 mod structures;
 pub mod svg;
+mod test_dir;
 mod words;
 
-pub use desk::*;
 pub use digest::Digest;
 pub use models::{Meeting, Ranges, Values, paper_map};
 pub use net::Net;
@@ -26,4 +25,5 @@ pub use reference::{Case, reference};
 pub use ring::{ReturnMap, Ring, stiffness};
 pub use schema::{Schema, checked, written};
 pub use structures::{Before, Structure, StructureImpact, structures};
+pub use test_dir::*;
 pub use words::{WordCase, words};

@@ -8,9 +8,9 @@ use crate::admissible::grid::{Flight, MOST_MODES, stiffnesses};
 use crate::lanes::{LANES, Lane, all, four, groups, total};
 use crate::worst::worse;
 
-/// Work space.
+/// Modes of one breather after the other, in the same memory.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Easel {
+pub(crate) struct ConservativeModes {
     /// cos(2πkn/M) of the half ring of so many masses, [mode][mass] in whole groups.
     sites: usize,
     shapes: Vec<Lane>,
@@ -20,13 +20,13 @@ pub(crate) struct Easel {
 
 /// Impulses at 0 and T/2, the latter 0 if there is none, and what their sum holds up at the site that is hit.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Strokes {
+pub(crate) struct TwoImpulses {
     pub(crate) impulses: [f64; 2],
     pub(crate) one: bool,
     pub(crate) static_displacement: f64,
 }
 
-impl Strokes {
+impl TwoImpulses {
     fn barriers(&self) -> [Barrier; 2] {
         [if self.one { Barrier::Lower } else { Barrier::Upper }, Barrier::Lower]
     }
@@ -38,16 +38,16 @@ impl Strokes {
     }
 }
 
-impl Easel {
+impl ConservativeModes {
     /// Takes over the motion of a breather; its residual, `None` where that is no number or the ring is too large.
-    pub(crate) fn take(&mut self, model: &Model, response: &ImpulseResponse, strokes: &Strokes) -> Option<f64> {
+    pub(crate) fn take(&mut self, model: &Model, response: &ImpulseResponse, two: &TwoImpulses) -> Option<f64> {
         if response.modes() > MOST_MODES {
             return None;
         }
         self.set_shapes(response.shapes(), response.modes());
-        let [first, second] = strokes.impulses;
-        let net = strokes.static_displacement * response.static_stiffness();
-        let held = strokes.static_displacement * response.uniform_share();
+        let [first, second] = two.impulses;
+        let net = two.static_displacement * response.static_stiffness();
+        let held = two.static_displacement * response.uniform_share();
         let [displacements, velocities] = &mut self.start;
         displacements.clear();
         velocities.clear();
@@ -70,12 +70,12 @@ impl Easel {
         let [start, end, weight] = sums.map(total);
         let scale = first.abs().max(second.abs());
         let mut residual = 0.0;
-        for (i, (place, barrier)) in [start, end].into_iter().zip(strokes.barriers()).enumerate() {
-            if i == 1 && strokes.one {
+        for (i, (place, barrier)) in [start, end].into_iter().zip(two.barriers()).enumerate() {
+            if i == 1 && two.one {
                 continue;
             }
             // v(t_i) − (a±1) and w_i, half the jump below the velocity after the impact, over the largest terms.
-            let mean = 0.5 * strokes.impulses[i] * weight - 0.5 * strokes.impulses[i];
+            let mean = 0.5 * two.impulses[i] * weight - 0.5 * two.impulses[i];
             residual = worse(worse(residual, (place - model.barrier(barrier)).abs()), (mean / scale).abs());
         }
         residual.is_finite().then_some(residual)

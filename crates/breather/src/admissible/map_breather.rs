@@ -9,7 +9,7 @@
 use vibrochain_lattice::{ImpulseResponse, Model};
 
 use crate::admissible::check::Impacts;
-use crate::admissible::conservative_modes::Strokes;
+use crate::admissible::conservative_modes::TwoImpulses;
 use crate::equations::condition::delicate;
 use crate::error::NoBreather;
 use crate::orbit::Family;
@@ -66,39 +66,41 @@ impl Finder {
         self.prepare(model, model.omega()).ok()?;
         let response = &self.response;
         let radiation = *self.radiation.get_or_insert_with(|| Radiation::of(response));
-        let strokes = match family {
+        let two = match family {
             Family::DoubleSided => {
-                self.rises.clear();
+                self.kernel_grid.clear();
                 if let Some(radiation) = &radiation {
-                    self.rises.set(model, response, radiation);
+                    self.kernel_grid.set(model, response, radiation);
                 }
                 // There may be others, with φ ≠ T/2.
-                if !self.rises.places().is_empty() {
+                if !self.kernel_grid.places().is_empty() {
                     return None;
                 }
                 let ((p1, p2), static_displacement) = impulses(model, response, response.dynamic_at_half())?;
-                Strokes { impulses: [-2.0 * p2, 2.0 * p1], one: false, static_displacement }
+                TwoImpulses { impulses: [-2.0 * p2, 2.0 * p1], one: false, static_displacement }
             }
             Family::SingleSided => match impulse(model, response) {
-                Ok((p, static_displacement)) => Strokes { impulses: [2.0 * p, 0.0], one: true, static_displacement },
+                Ok((p, static_displacement)) => {
+                    TwoImpulses { impulses: [2.0 * p, 0.0], one: true, static_displacement }
+                }
                 Err(NoBreather::NetImpulse) => return Some(Sketched::None),
                 Err(_) => return None,
             },
             Family::PeriodDoubled | Family::Word => return None,
         };
         let half = 0.5 * response.period();
-        let net_impulse = strokes.static_displacement * response.static_stiffness();
-        if !strokes.is_right_signed()
-            || radiation.is_some_and(|radiation| !radiation.allows_at_halves(strokes.impulses))
-            || strokes.one && crosses(model, response, net_impulse)
+        let net_impulse = two.static_displacement * response.static_stiffness();
+        if !two.is_right_signed()
+            || radiation.is_some_and(|radiation| !radiation.allows_at_halves(two.impulses))
+            || two.one && crosses(model, response, net_impulse)
         {
             return Some(Sketched::None);
         }
-        let residual = self.easel.take(model, response, &strokes)?;
-        let flight = self.easel.flight(model, response);
-        let impacts = Impacts { asymmetry: model.asymmetry(), one: strokes.one };
+        let residual = self.conservative_modes.take(model, response, &two)?;
+        let flight = self.conservative_modes.flight(model, response);
+        let impacts = Impacts { asymmetry: model.asymmetry(), one: two.one };
         let margin = self.watch.margin(chain, flight, half, impacts)?;
-        let Strokes { impulses, one, .. } = strokes;
+        let TwoImpulses { impulses, one, .. } = two;
         let found = Sketch { response, impulses, one, margin, residual };
         Some(if margin > 0.0 { Sketched::One(found) } else { Sketched::None })
     }

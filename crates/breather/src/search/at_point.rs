@@ -53,7 +53,7 @@ impl Finder {
         found.completeness = Completeness::default();
         self.stop.heard()?;
         self.zeros.clear();
-        self.rises.clear();
+        self.kernel_grid.clear();
         self.plane.clear();
         let conservative = model.is_conservative();
         let out_of_question = match (conservative, family) {
@@ -82,7 +82,7 @@ impl Finder {
         let cosine = steady.as_ref().filter(|_| model.force().cosine_amplitude().is_some()).map(Wave::reach);
         self.prepare_at(model, model.omega() / f64::from(pattern.map_or(1, Pattern::periods)), home)?;
         let (response, motion, earlier) = (&self.response, &mut self.motion, &mut self.earlier);
-        let (zeros, rises, plane) = (&mut self.zeros, &mut self.rises, &mut self.plane);
+        let (zeros, kernel_grid, plane) = (&mut self.zeros, &mut self.kernel_grid, &mut self.plane);
         let judged = wanted.candidates() && conservative;
         let radiation = if judged { *self.radiation.get_or_insert_with(|| Radiation::of(response)) } else { None };
         let (mut failure, mut lost, mut refused) = (None, 0, 0);
@@ -121,11 +121,11 @@ impl Finder {
             (Family::DoubleSided, _, None, _) => conservative::double_sided(model, response).map(|draft| {
                 add(draft);
                 if let Some(radiation) = &radiation {
-                    rises.set(model, response, radiation);
+                    kernel_grid.set(model, response, radiation);
                 }
                 match wanted {
                     Wanted::All => two_instants::all(model, response, zeros, &mut add),
-                    Wanted::Candidates => two_instants::candidates(model, response, rises, zeros, &mut add),
+                    Wanted::Candidates => two_instants::candidates(model, response, kernel_grid, zeros, &mut add),
                     Wanted::Symmetric | Wanted::SymmetricCandidates => {}
                 }
             }),
@@ -133,7 +133,7 @@ impl Finder {
             (Family::DoubleSided, _, Some(steady), Some(force)) => {
                 let narrowed = wanted.candidates() && model.chain().is_ring();
                 let places =
-                    if narrowed { forced_places::places(rises, response, (force, model.loss())) } else { None };
+                    if narrowed { forced_places::places(kernel_grid, response, (force, model.loss())) } else { None };
                 zeros.intervals += places.map_or(0, |(_, intervals)| intervals);
                 let places = places.map(|(places, _)| places);
                 forced_double::double_sided(model, response, (steady, force), zeros, plane, places, &mut add)
@@ -161,7 +161,7 @@ impl Finder {
         }
         self.stop.heard()?;
         let left_out =
-            if conservative && wanted == Wanted::SymmetricCandidates { self.rises.places().len() } else { 0 };
+            if conservative && wanted == Wanted::SymmetricCandidates { self.kernel_grid.places().len() } else { 0 };
         let listed = found.orbits.len();
         // A zero without an orbit.
         let zeros = self.zeros.simple.len() + self.plane.simple.len();

@@ -5,7 +5,7 @@ use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum, Stop};
 
 use crate::admissible::answer::Admissibility;
 use crate::admissible::check::{Depth, Watch};
-use crate::admissible::conservative_modes::Easel;
+use crate::admissible::conservative_modes::ConservativeModes;
 use crate::equations::condition::{Condition, is_delicate};
 use crate::equations::newton::{CONVERGED, STEPS_FROM_AFAR, polish};
 use crate::error::BreatherError;
@@ -14,7 +14,7 @@ use crate::orbit::{Family, Orbit};
 use crate::roots::interval::Zeros;
 use crate::roots::planar::PlanarZeros;
 use crate::search::completeness::Completeness;
-use crate::search::screens::kernel_grid::Rises;
+use crate::search::screens::kernel_grid::KernelGrid;
 use crate::search::screens::radiation::Radiation;
 use crate::search::words::ended::Ended;
 
@@ -76,12 +76,12 @@ pub struct Finder {
     /// That of the orbit found before the last one: of two that a search finds neither is worked out again to be checked.
     pub(super) earlier: Box<Motion>,
     pub(crate) zeros: Zeros,
-    pub(crate) rises: Rises,
+    pub(crate) kernel_grid: KernelGrid,
     /// Of the impulse response, once it has been asked for.
     pub(crate) radiation: Option<Option<Radiation>>,
     pub(super) plane: PlanarZeros,
     pub(crate) watch: Watch,
-    pub(crate) easel: Easel,
+    pub(crate) conservative_modes: ConservativeModes,
     pub(crate) stop: Stop,
 }
 
@@ -98,11 +98,11 @@ impl Finder {
             earlier: motion.clone(),
             motion,
             zeros: Zeros::default(),
-            rises: Rises::default(),
+            kernel_grid: KernelGrid::default(),
             radiation: None,
             plane: PlanarZeros::default(),
             watch: Watch::default(),
-            easel: Easel::default(),
+            conservative_modes: ConservativeModes::default(),
             stop: Stop::default(),
         }
     }

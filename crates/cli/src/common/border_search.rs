@@ -5,7 +5,7 @@ use std::sync::Mutex;
 use indicatif::ProgressBar;
 use rayon::ThreadPool;
 use vibrochain_lattice::Stop;
-use vibrochain_maps::borders::{Asked, Borders, Stage};
+use vibrochain_maps::borders::{BorderRequest, Borders, Stage};
 use vibrochain_maps::cell::Class;
 use vibrochain_maps::regions::Regions;
 use vibrochain_maps::scene::Scene;
@@ -34,7 +34,7 @@ impl BorderSearch<'_> {
     /// [`CliError::Request`] as of [`Borders::of_scene`]; [`CliError::Interrupted`].
     pub(crate) fn run(&self, scene: &Scene, pool: &ThreadPool) -> Result<(Borders, Regions<Option<Class>>), CliError> {
         let bar = Bar::new(self.progress);
-        let asked = Asked {
+        let asked = BorderRequest {
             tolerance: self.tolerance,
             places: self.places,
             special: self.special,

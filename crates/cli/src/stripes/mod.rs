@@ -36,7 +36,7 @@ use crate::stripes::table::write;
 use crate::stripes::widths::HEADER;
 use crate::structures;
 use vibrochain_maps::files::{CsvFile, distinct};
-use vibrochain_plot::{Format, MapLine, MapPicture, Palette, Shown, Tile, map_with_lines};
+use vibrochain_plot::{Format, MapCells, MapLine, MapPicture, Palette, Tile, map_with_lines};
 
 pub(crate) use crate::stripes::table::COLUMNS;
 
@@ -116,7 +116,7 @@ pub(crate) fn redraw(
 
 /// Makes sure that the picture can be made.
 fn fits(files: &PictureFiles, request: &Request) -> Result<(), CliError> {
-    let (scene, cells) = (&request.scene, &Shown::classes(&request.scene));
+    let (scene, cells) = (&request.scene, &MapCells::classes(&request.scene));
     files.fit(|page| map_with_lines(&MapPicture { scene, cells, palette: Palette::default(), borders: &[] }, &[], page))
 }
 
@@ -125,7 +125,7 @@ fn draw(files: PictureFiles, request: &Request, tiles: &[Tile], lines: &[Line], 
     if files.is_empty() {
         return Ok(());
     }
-    let mut shown = Shown::classes(&request.scene);
+    let mut shown = MapCells::classes(&request.scene);
     (0..).zip(tiles).for_each(|(number, tile)| shown.tile(number, *tile));
     let map = MapPicture { scene: &request.scene, cells: &shown, palette: Palette::default(), borders: &[] };
     let lines: Vec<MapLine> =

@@ -4,15 +4,15 @@
 use std::fmt::Write as _;
 use std::fs;
 
-use vibrochain_testkit::{Desk, Ran, SCENE};
+use vibrochain_testkit::{Ran, SCENE, TestDir};
 
 #[test]
 fn an_error_anywhere_in_a_line_of_any_length_shows_its_place() {
     let line = "x = { parameter = \"omega\", from = 0.4, to = 3.0, points = 1600 }";
     for before in [0, 100, 65_500, 65_600, 3_000_000] {
         let values = "1.5,".repeat(before / 4);
-        let desk = Desk::with_scene(&SCENE.replace(line, &format!("x = {{ values = [{values} \"here\"] }}")));
-        let ran = desk.run("sweep scene.toml --dry-run").with(2, &["scene.toml:7:", "\"here\"", "^"]);
+        let dir = TestDir::with_scene(&SCENE.replace(line, &format!("x = {{ values = [{values} \"here\"] }}")));
+        let ran = dir.run("sweep scene.toml --dry-run").with(2, &["scene.toml:7:", "\"here\"", "^"]);
         let lines: Vec<Vec<char>> = ran.err.lines().map(|line| line.chars().collect()).collect();
         let shown = lines.iter().position(|line| line.ends_with(&['^'])).unwrap();
         let place = lines[shown].len() - 1;
@@ -20,8 +20,8 @@ fn an_error_anywhere_in_a_line_of_any_length_shows_its_place() {
         assert!(lines.iter().all(|line| line.len() < 120), "{ran:?}");
     }
     // A word of any length.
-    let desk = Desk::with_scene(&SCENE.replace("omega", &"é".repeat(1_000_000)));
-    let ran = desk.run("sweep scene.toml --dry-run").with(2, &["cannot be swept", "scene.toml:7:"]);
+    let dir = TestDir::with_scene(&SCENE.replace("omega", &"é".repeat(1_000_000)));
+    let ran = dir.run("sweep scene.toml --dry-run").with(2, &["cannot be swept", "scene.toml:7:"]);
     assert!(ran.err.len() < 4000, "{}", ran.err.len());
 }
 
@@ -35,11 +35,11 @@ fn a_scene_is_read_no_further_than_it_may_be_long() {
     let long = SCENE.replace(line, &format!("x = {{ parameter = \"omega\", values = [{values}] }}"));
     let told = "scene scene.toml has more than the 4194304 bytes that it may have";
     for text in [&long, &format!("# {}\n{SCENE}", "-".repeat(4 << 20))] {
-        let desk = Desk::with_scene(text);
-        desk.run("sweep scene.toml --out map.csv").with(2, &[told]);
+        let dir = TestDir::with_scene(text);
+        dir.run("sweep scene.toml --out map.csv").with(2, &[told]);
         // In as little memory as any other run, where the shell can limit it.
         if cfg!(target_os = "linux") {
-            desk.shell("ulimit -v 400000; exec mapgen sweep scene.toml --dry-run --threads 1").with(2, &[told]);
+            dir.shell("ulimit -v 400000; exec mapgen sweep scene.toml --dry-run --threads 1").with(2, &[told]);
         }
     }
 }
@@ -50,32 +50,31 @@ fn values_that_differ_are_named_and_not_listed() {
         let values: Vec<String> = (0..20_000).map(|i| (first + f64::from(i)).to_string()).collect();
         SCENE.replace("from = 0.0, to = 0.3, points = 300", &format!("values = [{}]", values.join(",")))
     };
-    let desk = Desk::with_scene(&list(0.25));
-    desk.run("sweep scene.toml --out parts --shard 100000/100001 --quiet").with(0, &[]);
-    fs::write(desk.path("scene.toml"), list(0.75)).unwrap();
-    let ran = desk.run("sweep scene.toml --out parts --shard 100000/100001 --resume");
+    let dir = TestDir::with_scene(&list(0.25));
+    dir.run("sweep scene.toml --out parts --shard 100000/100001 --quiet").with(0, &[]);
+    fs::write(dir.path("scene.toml"), list(0.75)).unwrap();
+    let ran = dir.run("sweep scene.toml --out parts --shard 100000/100001 --resume");
     let ran = ran.with(2, &["sweep.y.values is [0.25,1.25,", "19999.25] there, [0.75,1.75,"]);
     assert!(ran.err.len() < 500, "{ran:?}");
 }
 
 #[test]
 fn threads_are_limited_whoever_asks_for_them() {
-    let desk = Desk::with_scene(SCENE);
-    desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
+    let dir = TestDir::with_scene(SCENE);
+    dir.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
     for line in ["sweep scene.toml --out map.csv", "sweep scene.toml --dry-run", "merge parts --out map.csv"] {
-        let ran: Ran = desk.command(line).env("RAYON_NUM_THREADS", "100000").output().unwrap().into();
+        let ran: Ran = dir.command(line).env("RAYON_NUM_THREADS", "100000").output().unwrap().into();
         ran.with(2, &["RAYON_NUM_THREADS 100000 is out of range: give a whole number from 1 to 1024"]);
-        assert!(!desk.path("map.csv").exists());
+        assert!(!dir.path("map.csv").exists());
     }
-    let ran: Ran =
-        desk.command("sweep scene.toml --out map.csv").env("RAYON_NUM_THREADS", "1").output().unwrap().into();
+    let ran: Ran = dir.command("sweep scene.toml --out map.csv").env("RAYON_NUM_THREADS", "1").output().unwrap().into();
     ran.with(0, &[" s on 1 thread,"]);
 }
 
 #[test]
 fn an_array_of_more_tasks_than_can_be_counted_is_refused() {
-    let desk = Desk::with_scene(SCENE);
-    let mut command = desk.command("sweep scene.toml --out parts --shard slurm");
+    let dir = TestDir::with_scene(SCENE);
+    let mut command = dir.command("sweep scene.toml --out parts --shard slurm");
     for (name, value) in [("ID", "5"), ("MIN", "0"), ("MAX", "18446744073709551615")] {
         command.env(format!("SLURM_ARRAY_TASK_{name}"), value);
     }
@@ -84,13 +83,13 @@ fn an_array_of_more_tasks_than_can_be_counted_is_refused() {
 
 #[test]
 fn names_from_files_of_others_reach_no_terminal_raw() {
-    let desk = Desk::with_scene(SCENE);
-    desk.run("sweep scene.toml --out parts --shard 0/2 --quiet").with(0, &[]);
-    let plan = fs::read_to_string(desk.path("parts/plan.json")).unwrap();
+    let dir = TestDir::with_scene(SCENE);
+    dir.run("sweep scene.toml --out parts --shard 0/2 --quiet").with(0, &[]);
+    let plan = fs::read_to_string(dir.path("parts/plan.json")).unwrap();
     let forge = |from: &str, to: &str| {
         assert!(plan.contains(from));
-        fs::write(desk.path("parts/plan.json"), plan.replace(from, to)).unwrap();
-        let ran = desk.run("merge parts --out map.csv");
+        fs::write(dir.path("parts/plan.json"), plan.replace(from, to)).unwrap();
+        let ran = dir.run("merge parts --out map.csv");
         assert!(!ran.err.chars().any(|c| c.is_control() && c != '\n' || c == '\u{202e}'), "{ran:?}");
         ran
     };

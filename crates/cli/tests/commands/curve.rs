@@ -33,8 +33,8 @@ fn text_for_people() {
 
 #[test]
 fn json_and_table_tell_the_same_points() {
-    let desk = tempdir().unwrap();
-    let csv = desk.path().join("points.csv");
+    let dir = tempdir().unwrap();
+    let csv = dir.path().join("points.csv");
     let output = curve("period-doubling", PLANE).arg("--csv").arg(&csv).arg("--json").assert().success();
     let answer = written(&output.get_output().stdout);
     let points = answer["curves"][0]["points"].as_array().unwrap();
@@ -57,8 +57,8 @@ fn json_and_table_tell_the_same_points() {
 
 #[test]
 fn a_picture_and_what_no_picture_can_be() {
-    let desk = tempdir().unwrap();
-    let picture = desk.path().join("curve.svg");
+    let dir = tempdir().unwrap();
+    let picture = dir.path().join("curve.svg");
     curve("fold", PLANE).arg("--plot").arg(&picture).assert().success();
     let drawn = fs::read_to_string(&picture).unwrap();
     assert!(drawn.starts_with("<svg") && drawn.contains("curve 1") && drawn.contains("restitution e"));

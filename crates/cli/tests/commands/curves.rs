@@ -24,8 +24,8 @@ fn curves(scene: &Path) -> Command {
 
 #[test]
 fn text_tables_json_and_pictures_tell_the_same() {
-    let desk = tempdir().unwrap();
-    let at = |name: &str| desk.path().join(name);
+    let dir = tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name);
     fs::write(at("scene.toml"), SCENE).unwrap();
     curves(&at("scene.toml"))
         .arg("--csv")
@@ -62,11 +62,11 @@ fn text_tables_json_and_pictures_tell_the_same() {
 
 #[test]
 fn threads_change_nothing() {
-    let desk = tempdir().unwrap();
-    let scene = desk.path().join("scene.toml");
+    let dir = tempdir().unwrap();
+    let scene = dir.path().join("scene.toml");
     fs::write(&scene, SCENE).unwrap();
     let table = |threads: &str| {
-        let csv = desk.path().join(format!("{threads}.csv"));
+        let csv = dir.path().join(format!("{threads}.csv"));
         curves(&scene).args(["--threads", threads, "--tolerance", "1e-4", "--csv"]).arg(&csv).assert().success();
         fs::read(csv).unwrap()
     };
@@ -75,13 +75,13 @@ fn threads_change_nothing() {
 
 #[test]
 fn what_cannot_be_asked_is_refused() {
-    let desk = tempdir().unwrap();
-    let scene = desk.path().join("scene.toml");
+    let dir = tempdir().unwrap();
+    let scene = dir.path().join("scene.toml");
     fs::write(&scene, SCENE).unwrap();
     curves(&scene).args(["--tolerance", ".5"]).assert().code(2).stderr(contains("give a part of the window"));
     curves(&scene).args(["--plot", "map.gif"]).assert().code(2).stderr(contains("--plot map.gif"));
     curves(&scene).arg("--csv").arg(&scene).assert().code(2).stderr(contains("the scene"));
-    curves(&desk.path().join("none.toml")).assert().code(2);
+    curves(&dir.path().join("none.toml")).assert().code(2);
     let line = SCENE.replace("y = { parameter = \"gamma2\", from = 0.0, to = 0.2, points = 40 }\n", "");
     fs::write(&scene, line.replace("asymmetry = 0.4", "asymmetry = 0.4\ngamma2 = 0.1")).unwrap();
     curves(&scene).assert().code(2).stderr(contains("give x and y"));

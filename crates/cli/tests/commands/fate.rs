@@ -3,7 +3,7 @@
 use std::fs;
 
 use vibrochain_testkit::scenes::{FATE as SCENE, ONE_MASS as LINE};
-use vibrochain_testkit::{Desk, written};
+use vibrochain_testkit::{TestDir, written};
 
 fn table(bytes: &[u8]) -> Vec<Vec<String>> {
     let records = csv::ReaderBuilder::new().has_headers(false).from_reader(bytes).into_records();
@@ -12,13 +12,13 @@ fn table(bytes: &[u8]) -> Vec<Vec<String>> {
 
 #[test]
 fn the_table_has_the_same_bytes_for_any_number_of_threads_and_by_every_way_out() {
-    let desk = Desk::with_scene(SCENE);
+    let dir = TestDir::with_scene(SCENE);
     let line = "fate scene.toml --starts 3 --periods 100 --seed 5";
-    desk.run(&format!("{line} --csv one.csv --threads 1")).with(0, &[]);
-    desk.run(&format!("{line} --out five.csv --threads 5")).with(0, &[]);
-    let piped = desk.run(&format!("{line} --csv - --threads 2 --quiet")).with(0, &[]);
-    let one = desk.read("one.csv");
-    assert!(one == desk.read("five.csv") && one == piped.out.as_bytes() && piped.err.is_empty(), "{piped:?}");
+    dir.run(&format!("{line} --csv one.csv --threads 1")).with(0, &[]);
+    dir.run(&format!("{line} --out five.csv --threads 5")).with(0, &[]);
+    let piped = dir.run(&format!("{line} --csv - --threads 2 --quiet")).with(0, &[]);
+    let one = dir.read("one.csv");
+    assert!(one == dir.read("five.csv") && one == piped.out.as_bytes() && piped.err.is_empty(), "{piped:?}");
     let rows = table(&one);
     assert_eq!(rows.len(), 13);
     let column = |name: &str| rows[0].iter().position(|column| column == name).unwrap();
@@ -38,19 +38,19 @@ fn the_table_has_the_same_bytes_for_any_number_of_threads_and_by_every_way_out()
     }
     assert!(with >= 6, "{with}");
     // Another seed is another ensemble.
-    desk.run("fate scene.toml --starts 3 --periods 100 --seed 6 --csv other.csv").with(0, &[]);
-    assert_ne!(desk.read("other.csv"), one);
+    dir.run("fate scene.toml --starts 3 --periods 100 --seed 6 --csv other.csv").with(0, &[]);
+    assert_ne!(dir.read("other.csv"), one);
 }
 
 #[test]
 fn the_answer_counts_every_run_as_text_and_as_json() {
-    let desk = Desk::with_scene(SCENE);
+    let dir = TestDir::with_scene(SCENE);
     let line = "fate scene.toml --breathers every --starts 2 --periods 60";
-    let text = desk.run(&format!("{line} --plot map.png")).with(0, &[]).out;
+    let text = dir.run(&format!("{line} --plot map.png")).with(0, &[]).out;
     assert!(text.starts_with("12 cells (4 × 3), "), "{text}");
     assert!(text.contains("differ from ln|μ|/T by at most"), "{text}");
-    assert!(desk.read("map.png").starts_with(b"\x89PNG"));
-    let json = written(&desk.run(&format!("{line} --json")).with(0, &[]).out);
+    assert!(dir.read("map.png").starts_with(b"\x89PNG"));
+    let json = written(&dir.run(&format!("{line} --json")).with(0, &[]).out);
     let ends: u64 = json["ends"].as_object().unwrap().values().map(|count| count.as_u64().unwrap()).sum();
     assert_eq!(json["runs"].as_u64(), Some(ends));
     assert_eq!(ends, 2 * json["breathers"].as_u64().unwrap());
@@ -63,8 +63,8 @@ fn the_answer_counts_every_run_as_text_and_as_json() {
 
 #[test]
 fn what_cannot_be_asked_is_refused_with_what_can() {
-    let desk = Desk::with_scene(SCENE);
-    fs::write(desk.path("line.toml"), LINE).unwrap();
+    let dir = TestDir::with_scene(SCENE);
+    fs::write(dir.path("line.toml"), LINE).unwrap();
     for (line, told) in [
         ("fate scene.toml --starts 0", "--starts 0 is out of range: give a whole number from 1 to 10000"),
         ("fate scene.toml --starts 1e3", "not a whole number"),
@@ -86,46 +86,46 @@ fn what_cannot_be_asked_is_refused_with_what_can() {
         ("fate nothing.toml", "cannot read scene nothing.toml"),
         ("fate scene.toml --breathers some", "class, every, unstable"),
     ] {
-        desk.run(line).with(2, &[told]);
+        dir.run(line).with(2, &[told]);
     }
-    assert_eq!(desk.names("."), ["line.toml", "scene.toml"]);
+    assert_eq!(dir.names("."), ["line.toml", "scene.toml"]);
 }
 
 #[test]
 fn over_one_axis_there_are_shares_and_a_diagram() {
-    let desk = Desk::with_scene(LINE);
-    desk.run("fate scene.toml --starts 2 --periods 100 --plot shares.svg").with(0, &[]);
-    assert!(String::from_utf8(desk.read("shares.svg")).unwrap().contains("share of the runs"));
-    let told = desk.run("fate scene.toml --periods 300 --diagram d.csv --points 4 --plot d.svg").with(0, &[]).out;
+    let dir = TestDir::with_scene(LINE);
+    dir.run("fate scene.toml --starts 2 --periods 100 --plot shares.svg").with(0, &[]);
+    assert!(String::from_utf8(dir.read("shares.svg")).unwrap().contains("share of the runs"));
+    let told = dir.run("fate scene.toml --periods 300 --diagram d.csv --points 4 --plot d.svg").with(0, &[]).out;
     assert_eq!(told, "6 runs of 300 periods, 4 points each\n");
-    let rows = table(&desk.read("d.csv"));
+    let rows = table(&dir.read("d.csv"));
     assert_eq!(rows[0], ["amplitude", "period", "displacement_0", "velocity_0"]);
     assert!(rows.len() == 25 && rows[1][..2] == ["0.25", "296"] && rows[24][..2] == ["0.5", "299"]);
     // At the end of the axis the breather is stable: one point, again and again.
     let last: Vec<f64> = rows[21..].iter().map(|row| row[2].parse().unwrap()).collect();
     assert!(last.iter().all(|u| (u - last[0]).abs() < 1e-9), "{last:?}");
-    assert!(String::from_utf8(desk.read("d.svg")).unwrap().contains("once a period"));
-    let carried = desk.run("fate scene.toml --periods 300 --diagram c.csv --points 4 --carry").with(0, &[]).out;
+    assert!(String::from_utf8(dir.read("d.svg")).unwrap().contains("once a period"));
+    let carried = dir.run("fate scene.toml --periods 300 --diagram c.csv --points 4 --carry").with(0, &[]).out;
     assert!(carried.contains("each from the end of the one before"), "{carried}");
 }
 
 /// Six chunks of two cells, each some tenths of a second of work.
 const CHUNKED: &str = "fate line.toml --breathers every --starts 3 --periods 10000 --seed 4";
 
-fn chunked() -> Desk {
-    let desk = Desk::new();
-    fs::write(desk.path("line.toml"), LINE.replace("points = 6", "points = 12")).unwrap();
-    desk
+fn chunked() -> TestDir {
+    let dir = TestDir::new();
+    fs::write(dir.path("line.toml"), LINE.replace("points = 6", "points = 12")).unwrap();
+    dir
 }
 
 /// Table and answer of a run that nobody has disturbed.
 fn undisturbed() -> &'static (Vec<u8>, String) {
     static RAN: std::sync::OnceLock<(Vec<u8>, String)> = std::sync::OnceLock::new();
     RAN.get_or_init(|| {
-        let desk = chunked();
-        let answer = desk.run(&format!("{CHUNKED} --csv map.csv --threads 1")).with(0, &[]).out;
-        assert_eq!(desk.names("."), ["line.toml", "map.csv", "map.manifest.json"]);
-        (desk.read("map.csv"), answer)
+        let dir = chunked();
+        let answer = dir.run(&format!("{CHUNKED} --csv map.csv --threads 1")).with(0, &[]).out;
+        assert_eq!(dir.names("."), ["line.toml", "map.csv", "map.manifest.json"]);
+        (dir.read("map.csv"), answer)
     })
 }
 
@@ -145,49 +145,49 @@ fn a_stopped_ensemble_goes_on_where_it_was_and_ends_in_the_same_bytes() {
         if name == "INT" && interrupts_are_ignored() {
             continue;
         }
-        let desk = chunked();
-        let mut child = desk.start(&format!("{CHUNKED} --csv map.csv --plot map.svg --threads 2"));
-        desk.await_chunks(&mut child, "map.csv.parts", 2);
+        let dir = chunked();
+        let mut child = dir.start(&format!("{CHUNKED} --csv map.csv --plot map.svg --threads 2"));
+        dir.await_chunks(&mut child, "map.csv.parts", 2);
         let ran = signal(child, name);
         assert_eq!(ran.code, code, "{ran:?}");
-        let finished = desk.chunks("map.csv.parts");
-        assert!((2..6).contains(&finished) && !desk.path("map.csv").exists(), "{ran:?}");
+        let finished = dir.chunks("map.csv.parts");
+        assert!((2..6).contains(&finished) && !dir.path("map.csv").exists(), "{ran:?}");
         let again = "mapgen fate line.toml --out map.csv --breathers every --periods 10000 --seed 4 --starts 3 --plot map.svg --threads 2 --resume";
         if code.is_some() {
             let told = format!("{finished} of 6 chunks are finished, in map.csv.parts");
             assert!(ran.err.contains(&told) && told_to_go_on(&ran.err) == again, "{ran:?}");
         }
         // Without being asked to, it neither goes on nor throws anything away.
-        desk.run(&format!("{CHUNKED} --csv map.csv")).with(2, &["chunks of an unfinished sweep", "--resume"]);
-        let ran = desk.shell(again).with(0, &[]);
-        assert!(desk.read("map.csv") == *expected && ran.out == *answer, "{name}: {ran:?}");
-        assert_eq!(desk.names("."), ["line.toml", "map.csv", "map.manifest.json", "map.svg"]);
+        dir.run(&format!("{CHUNKED} --csv map.csv")).with(2, &["chunks of an unfinished sweep", "--resume"]);
+        let ran = dir.shell(again).with(0, &[]);
+        assert!(dir.read("map.csv") == *expected && ran.out == *answer, "{name}: {ran:?}");
+        assert_eq!(dir.names("."), ["line.toml", "map.csv", "map.manifest.json", "map.svg"]);
         stopped += 1;
     }
     assert!(stopped >= 2);
     // One that has no table keeps nothing.
-    let desk = chunked();
-    let child = desk.start(&format!("{CHUNKED}00000 --plot map.svg"));
+    let dir = chunked();
+    let child = dir.start(&format!("{CHUNKED}00000 --plot map.svg"));
     std::thread::sleep(std::time::Duration::from_millis(500));
     signal(child, "TERM").with(130, &["interrupted: nothing was written"]);
-    assert_eq!(desk.names("."), ["line.toml"]);
+    assert_eq!(dir.names("."), ["line.toml"]);
 }
 
 #[test]
 fn shards_of_an_ensemble_merge_to_the_same_bytes_and_what_is_missing_is_named() {
     let (expected, answer) = undisturbed();
-    let desk = chunked();
+    let dir = chunked();
     for shard in [2, 0] {
         let told = format!("shard {shard}/3: 2 of 6 chunks in parts");
-        desk.run(&format!("{CHUNKED} --csv parts --shard {shard}/3 --threads {}", 1 + shard)).with(0, &[&told]);
+        dir.run(&format!("{CHUNKED} --csv parts --shard {shard}/3 --threads {}", 1 + shard)).with(0, &[&told]);
     }
-    let damaged = desk.path("parts/000003.chunk");
+    let damaged = dir.path("parts/000003.chunk");
     let mut bytes = fs::read(&damaged).unwrap();
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
     fs::write(&damaged, bytes).unwrap();
     let told = ["2 of 6 chunks are missing in parts: 1, 4", "000003.chunk: it is damaged: its checksum is wrong"];
-    let ran = desk.run("merge parts --out map.csv").with(1, &told);
+    let ran = dir.run("merge parts --out map.csv").with(1, &told);
     let line = ran.err.lines().find_map(|line| line.strip_prefix("make them with: ")).unwrap();
     assert_eq!(
         line,
@@ -195,38 +195,38 @@ fn shards_of_an_ensemble_merge_to_the_same_bytes_and_what_is_missing_is_named() 
     );
     // Another ensemble, or none, is another table.
     let told = ["parts belongs to another ensemble: ensemble.seed is \"4\" there, \"5\" here"];
-    desk.run(&format!("{} --csv parts --shard 1/3 --resume", CHUNKED.replace("seed 4", "seed 5"))).with(2, &told);
-    desk.run("sweep line.toml --out parts --shard 1/3 --resume").with(2, &["parts belongs to another ensemble"]);
-    desk.shell(line).with(0, &["000003.chunk: it is damaged", "computing it again"]);
+    dir.run(&format!("{} --csv parts --shard 1/3 --resume", CHUNKED.replace("seed 4", "seed 5"))).with(2, &told);
+    dir.run("sweep line.toml --out parts --shard 1/3 --resume").with(2, &["parts belongs to another ensemble"]);
+    dir.shell(line).with(0, &["000003.chunk: it is damaged", "computing it again"]);
     for (flag, told) in [("--curves --png map.png", "--curves is of maps"), ("--json --svg -", "--json prints")] {
-        desk.run(&format!("merge parts --out map.csv {flag}")).with(2, &[told]);
+        dir.run(&format!("merge parts --out map.csv {flag}")).with(2, &[told]);
     }
-    let merged = desk.run("merge parts --out map.csv --png map.png").with(0, &[]);
-    assert!(desk.read("map.csv") == *expected && merged.out == *answer, "{merged:?}");
-    assert_eq!(desk.names("."), ["line.toml", "map.csv", "map.manifest.json", "map.png", "parts"]);
+    let merged = dir.run("merge parts --out map.csv --png map.png").with(0, &[]);
+    assert!(dir.read("map.csv") == *expected && merged.out == *answer, "{merged:?}");
+    assert_eq!(dir.names("."), ["line.toml", "map.csv", "map.manifest.json", "map.png", "parts"]);
     // Compressed, it holds the same.
-    desk.run("merge parts --out map.csv.gz --json").with(0, &[]);
-    assert!(desk.shell("gzip -dc map.csv.gz | cmp - map.csv").code == Some(0));
+    dir.run("merge parts --out map.csv.gz --json").with(0, &[]);
+    assert!(dir.shell("gzip -dc map.csv.gz | cmp - map.csv").code == Some(0));
     // Sound in its bytes, but of no ensemble that could be.
-    let plan = fs::read_to_string(desk.path("parts/plan.json")).unwrap();
-    fs::write(desk.path("parts/plan.json"), plan.replace("\"every\"", "\"some\"")).unwrap();
-    desk.run("merge parts --out other.csv").with(2, &["plan.json cannot be used: it is damaged"]);
+    let plan = fs::read_to_string(dir.path("parts/plan.json")).unwrap();
+    fs::write(dir.path("parts/plan.json"), plan.replace("\"every\"", "\"some\"")).unwrap();
+    dir.run("merge parts --out other.csv").with(2, &["plan.json cannot be used: it is damaged"]);
 }
 
 const POINT: &str = "--sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --restitution .9";
 
 #[test]
 fn a_stroboscopic_section_is_the_trajectory_at_the_force_s_own_instants() {
-    let desk = Desk::new();
-    fs::write(desk.path("state.json"), r#"{"displacement":[0.1,0,0,0,0],"velocity":[1.5,0,0.3,0,0]}"#).unwrap();
+    let dir = TestDir::new();
+    fs::write(dir.path("state.json"), r#"{"displacement":[0.1,0,0,0,0],"velocity":[1.5,0,0.3,0,0]}"#).unwrap();
     // A quarter of a period before the force is greatest: samples 4 to a period meet the section at the second of each.
     let quarter = -0.25 * std::f64::consts::TAU / 1.5;
     let run = format!("simulate --state state.json --psi {quarter} {POINT} --periods 12");
-    desk.run(&format!(
+    dir.run(&format!(
         "{run} --section s.csv --section-sites 2,0 --skip 3 --trajectory t.csv --samples 4 --impacts i.csv"
     ))
     .with(0, &[]);
-    let (section, samples) = (table(&desk.read("s.csv")), table(&desk.read("t.csv")));
+    let (section, samples) = (table(&dir.read("s.csv")), table(&dir.read("t.csv")));
     assert_eq!(section[0], ["time", "period", "phase", "displacement_0", "displacement_2", "velocity_0", "velocity_2"]);
     assert_eq!(section.len(), 10);
     for (i, row) in section[1..].iter().enumerate() {
@@ -239,17 +239,17 @@ fn a_stroboscopic_section_is_the_trajectory_at_the_force_s_own_instants() {
         }
     }
     // The run is the same as without.
-    desk.run(&format!("{run} --impacts alone.csv")).with(0, &[]);
-    assert_eq!(desk.read("i.csv"), desk.read("alone.csv"));
-    assert!(table(&desk.read("i.csv")).len() > 5);
+    dir.run(&format!("{run} --impacts alone.csv")).with(0, &[]);
+    assert_eq!(dir.read("i.csv"), dir.read("alone.csv"));
+    assert!(table(&dir.read("i.csv")).len() > 5);
 }
 
 #[test]
 fn a_section_at_impacts_has_those_of_its_masses_after_the_transient() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let run = format!("simulate --family double-sided {POINT} --periods 20");
-    desk.run(&format!("{run} --section s.csv --section-at impact --skip 5 --impacts i.csv")).with(0, &[]);
-    let (section, impacts) = (table(&desk.read("s.csv")), table(&desk.read("i.csv")));
+    dir.run(&format!("{run} --section s.csv --section-at impact --skip 5 --impacts i.csv")).with(0, &[]);
+    let (section, impacts) = (table(&dir.read("s.csv")), table(&dir.read("i.csv")));
     assert_eq!(section[0], ["time", "period", "phase", "site", "barrier", "velocity_before", "velocity_after"]);
     // Two a period of one mass; the breather's own phases.
     assert_eq!((section.len(), impacts.len()), (31, 41));
@@ -265,16 +265,16 @@ fn a_section_at_impacts_has_those_of_its_masses_after_the_transient() {
         ("--skip 3", "--section"),
         ("--section i.csv --impacts i.csv", "i.csv"),
     ] {
-        desk.run(&format!("{run} {flags}")).with(2, &[told]);
+        dir.run(&format!("{run} {flags}")).with(2, &[told]);
     }
 }
 
 #[test]
 fn words_of_other_motions_stand_under_their_heading() {
-    let desk = Desk::with_scene(
+    let dir = TestDir::with_scene(
         "[model]\nsites = 5\ngamma1 = 0.2\ngamma2 = 0.1\nasymmetry = 0.4\namplitude = 0.3\nrestitution = 0.8\n[sweep]\nx = { parameter = 'omega', values = [0.9, 1.1] }\n[compute]\nfamilies = ['double-sided', 'single-sided']\n",
     );
-    let out = desk.run("fate scene.toml --breathers every --starts 2 --periods 300").with(0, &[]).out;
+    let out = dir.run("fate scene.toml --breathers every --starts 2 --periods 300").with(0, &[]).out;
     let heading = out.lines().position(|line| line == "  impact words of `another`, by runs");
     let word = out.lines().position(|line| line.ends_with("  0+1+2+3+4+,0-1-2-3-4-"));
     assert!(heading.is_some() && word > heading, "{out}");

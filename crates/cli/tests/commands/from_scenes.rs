@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use vibrochain_testkit::{Desk, Random, written};
+use vibrochain_testkit::{Random, TestDir, written};
 
 const SCENE: &str = r#"
 [model]
@@ -60,25 +60,25 @@ fn random_point(random: &mut Random) -> (String, String) {
 
 #[test]
 fn a_file_gives_the_answer_that_flags_give() {
-    let (desk, mut random) = (Desk::new(), Random(5));
+    let (dir, mut random) = (TestDir::new(), Random(5));
     let (mut orbits, mut again) = (0, 0);
     for _ in 0..25 {
         let (flags, model) = random_point(&mut random);
-        let by_flags = desk.run(&format!("orbit --family double-sided --json {flags}"));
-        fs::write(desk.path("model.toml"), &model).unwrap();
-        let by_file = desk.run("orbit --family double-sided --json --scene model.toml");
+        let by_flags = dir.run(&format!("orbit --family double-sided --json {flags}"));
+        fs::write(dir.path("model.toml"), &model).unwrap();
+        let by_file = dir.run("orbit --family double-sided --json --scene model.toml");
         assert_eq!((by_flags.code, &by_flags.out), (by_file.code, &by_file.out), "{model}");
         if by_flags.code != Some(0) {
             continue;
         }
         // What was printed is a file of that kind, too, and its first orbit the one to start near.
-        fs::write(desk.path("orbit.json"), &by_flags.out).unwrap();
-        let by_answer = desk.run("orbit --family double-sided --json --scene orbit.json").with(0, &[]);
+        fs::write(dir.path("orbit.json"), &by_flags.out).unwrap();
+        let by_answer = dir.run("orbit --family double-sided --json --scene orbit.json").with(0, &[]);
         assert_eq!(by_answer.out, by_flags.out, "{model}");
         let solutions = &written(&by_flags.out)["solutions"];
         let Some(first) = solutions.get(0) else { continue };
         orbits += 1;
-        let near = desk.run("orbit --json --scene orbit.json");
+        let near = dir.run("orbit --json --scene orbit.json");
         if near.code != Some(0) {
             // At an orbit that is all but degenerate Newton's method says so.
             assert!(near.err.contains("--near"), "{near:?}");
@@ -97,18 +97,18 @@ fn a_file_gives_the_answer_that_flags_give() {
 
 #[test]
 fn flags_change_a_scene_and_give_what_it_sweeps() {
-    let desk = Desk::with_scene(SCENE);
+    let dir = TestDir::with_scene(SCENE);
     let point = "--omega 1.5 --gamma2 .1 --family double-sided";
-    let scene = desk.run(&format!("orbit --scene scene.toml {point} --json")).with(0, &[]);
+    let scene = dir.run(&format!("orbit --scene scene.toml {point} --json")).with(0, &[]);
     assert_eq!(scene.err, "");
     let flags = format!("orbit --sites 11 --gamma1 .2 --asymmetry .4 {point} --threshold 0.5 --json");
-    assert_eq!(scene.out, desk.run(&flags).out);
+    assert_eq!(scene.out, dir.run(&flags).out);
 
-    let changed = desk.run(&format!("orbit --scene scene.toml {point} --sites 7 --asymmetry .4 --gamma1 .25 --json"));
+    let changed = dir.run(&format!("orbit --scene scene.toml {point} --sites 7 --asymmetry .4 --gamma1 .25 --json"));
     assert_eq!(changed.err, "scene.toml with sites = 7 (there 11), gamma1 = 0.25 (there 0.2)\n");
     let flags = format!("orbit --sites 7 --gamma1 .25 --asymmetry .4 {point} --threshold 0.5 --json");
-    assert_eq!(changed.out, desk.run(&flags).out);
-    let quiet = desk.run(&format!("--quiet orbit --scene scene.toml {point} --sites 7 --json"));
+    assert_eq!(changed.out, dir.run(&flags).out);
+    let quiet = dir.run(&format!("--quiet orbit --scene scene.toml {point} --sites 7 --json"));
     assert_eq!((quiet.code, quiet.err.as_str()), (Some(0), ""));
 
     for (flags, told) in [
@@ -123,58 +123,58 @@ fn flags_change_a_scene_and_give_what_it_sweeps() {
             "layers = 2000000 is out of range",
         ),
     ] {
-        let ran = desk.run(&format!("orbit --scene scene.toml {flags}")).with(2, &[told]);
+        let ran = dir.run(&format!("orbit --scene scene.toml {flags}")).with(2, &[told]);
         assert_eq!(ran.out, "");
     }
-    desk.run("orbit --scene no.toml --omega 1.5").with(2, &["cannot read scene no.toml"]);
-    desk.run("orbit --family double-sided").with(2, &["--sites <M>", "--scene <FILE>"]);
+    dir.run("orbit --scene no.toml --omega 1.5").with(2, &["cannot read scene no.toml"]);
+    dir.run("orbit --family double-sided").with(2, &["--sites <M>", "--scene <FILE>"]);
     // One that is written where it is read from.
     let line = format!("orbit --scene scene.toml {point} --multipliers scene.toml");
-    desk.run(&line).with(2, &["--scene and --multipliers"]);
+    dir.run(&line).with(2, &["--scene and --multipliers"]);
 }
 
 #[test]
 fn a_scene_says_which_breathers_and_how_far() {
-    let desk = Desk::with_scene(&SCENE.replace(r#"["double-sided", "single-sided"]"#, r#"["0+2-,0-2+"]"#));
-    let word = desk.run("orbit --scene scene.toml --omega 1.5 --gamma2 .05 --json").with(0, &[]);
+    let dir = TestDir::with_scene(&SCENE.replace(r#"["double-sided", "single-sided"]"#, r#"["0+2-,0-2+"]"#));
+    let word = dir.run("orbit --scene scene.toml --omega 1.5 --gamma2 .05 --json").with(0, &[]);
     assert_eq!(written(&word.out)["solutions"][0]["word"], "0+2-,0-2+");
 
-    let desk = Desk::with_scene(&SCENE.replace(r#", "single-sided"]"#, "]"));
+    let dir = TestDir::with_scene(&SCENE.replace(r#", "single-sided"]"#, "]"));
     let start = "--scene scene.toml --omega 1.5 --gamma2 .1";
-    let found = desk.run(&format!("locate --event grazing --free omega {start} --json")).with(0, &[]);
+    let found = dir.run(&format!("locate --event grazing --free omega {start} --json")).with(0, &[]);
     assert_eq!(written(&found.out)["range"], serde_json::json!([0.9, 2.5]));
-    let found = desk.run(&format!("locate --event grazing --free omega --to 2 {start} --json")).with(0, &[]);
+    let found = dir.run(&format!("locate --event grazing --free omega --to 2 {start} --json")).with(0, &[]);
     assert_eq!(written(&found.out)["range"], serde_json::json!([0.9, 2.0]));
-    let curve = desk.run(&format!("curve --event grazing --free omega --and gamma2 {start} --tolerance 1e-3 --json"));
+    let curve = dir.run(&format!("curve --event grazing --free omega --and gamma2 {start} --tolerance 1e-3 --json"));
     let curve = written(&curve.with(0, &[]).out);
     assert_eq!((&curve["from"], &curve["to"]), (&serde_json::json!([0.9, 0.0]), &serde_json::json!([2.5, 0.3])));
     // A manifest is as good as its scene.
-    desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
+    dir.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
     let line = |file: &str| {
-        desk.run(&format!("branch --scene {file} --omega 1.5 --gamma2 .1 --free omega --events grazing,fold --json"))
+        dir.run(&format!("branch --scene {file} --omega 1.5 --gamma2 .1 --free omega --events grazing,fold --json"))
     };
     let [scene, manifest] = ["scene.toml", "map.manifest.json"].map(line);
     assert_eq!((scene.code, &scene.out), (Some(0), &manifest.out));
-    desk.run("sweep map.json --out map.csv").with(2, &["map.json"]);
+    dir.run("sweep map.json --out map.csv").with(2, &["map.json"]);
 }
 
 #[test]
 fn a_point_without_a_breather_is_exit_code_three() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     // A cosine that does not pay for the losses.
     let model = "--family double-sided --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude 0 --restitution .5";
     for line in ["simulate", "locate --event fold --free omega", "branch --free omega"] {
-        desk.run(&format!("{line} {model}")).with(3, &["no orbit to start from"]);
+        dir.run(&format!("{line} {model}")).with(3, &["no orbit to start from"]);
     }
     // That there is none is what `orbit` was asked.
-    let none = desk.run(&format!("orbit --json {model}")).with(0, &[]);
+    let none = dir.run(&format!("orbit --json {model}")).with(0, &[]);
     assert!(written(&none.out)["solutions"].as_array().unwrap().is_empty());
 }
 
 /// A file that is data has no lines that anybody has seen: what is wrong is told by its key.
 #[test]
 fn what_is_wrong_in_json_is_told_by_its_key() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let with = |key: &str, value: &str| {
         format!(r#"{{"model":{{"sites":5,"gamma1":0.2,"gamma2":0.1,"omega":1.5,"asymmetry":0.4,"{key}":{value}}}}}"#)
     };
@@ -186,31 +186,31 @@ fn what_is_wrong_in_json_is_told_by_its_key() {
         ("gama1", "1", "model.json: unknown key `gama1`: did you mean `gamma1`?"),
         ("layers", "-1", "model.json: layers = -1 is out of range"),
     ] {
-        fs::write(desk.path("model.json"), with(key, value)).unwrap();
-        desk.run("orbit --family double-sided --scene model.json").with(2, &[told]);
+        fs::write(dir.path("model.json"), with(key, value)).unwrap();
+        dir.run("orbit --family double-sided --scene model.json").with(2, &[told]);
     }
     // What is null is not given.
-    fs::write(desk.path("model.json"), with("restitution", "null")).unwrap();
-    let ran = desk.run("orbit --family double-sided --scene model.json").with(0, &[]);
+    fs::write(dir.path("model.json"), with("restitution", "null")).unwrap();
+    let ran = dir.run("orbit --family double-sided --scene model.json").with(0, &[]);
     assert!(ran.out.contains("restitution = 1\n"), "{}", ran.out);
 }
 
 /// A name that is nearly that of a file, or of one in a folder beside; and a file that is of another program.
 #[test]
 fn the_file_that_was_meant_is_named() {
-    let desk = Desk::with_scene(SCENE);
-    fs::create_dir(desk.path("scenes")).unwrap();
-    fs::write(desk.path("scenes/ring.toml"), SCENE).unwrap();
+    let dir = TestDir::with_scene(SCENE);
+    fs::create_dir(dir.path("scenes")).unwrap();
+    fs::write(dir.path("scenes/ring.toml"), SCENE).unwrap();
     let other = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/figures/figure-1.toml")).unwrap();
-    fs::write(desk.path("figure-1.toml"), other).unwrap();
+    fs::write(dir.path("figure-1.toml"), other).unwrap();
     for (line, told) in [
         ("orbit --scene scne.toml", "did you mean scene.toml?"),
         ("sweep scene/ring.tml --out map.csv", "did you mean scenes/ring.toml?"),
         ("orbit --scene ring.toml", "did you mean scenes/ring.toml?"),
         ("orbit --scene figure-1.toml", "figure-1.toml: it sets a figure of the paper, which `studies figures"),
     ] {
-        desk.run(line).with(2, &[told]);
+        dir.run(line).with(2, &[told]);
     }
-    let told = desk.run("orbit --scene nothing.toml").with(2, &["cannot read"]).err.clone();
+    let told = dir.run("orbit --scene nothing.toml").with(2, &["cannot read"]).err.clone();
     assert!(!told.contains("did you mean"), "{told}");
 }

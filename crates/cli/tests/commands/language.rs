@@ -4,17 +4,17 @@ use std::collections::BTreeSet;
 use std::fs;
 
 use serde_json::Value;
-use vibrochain_testkit::{Desk, written};
+use vibrochain_testkit::{TestDir, written};
 
 const MODEL: &str = "--sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4";
 
 #[test]
 fn a_new_scene_computes_as_it_is_and_names_every_key() {
-    let desk = Desk::new();
-    desk.run("init new.toml").with(0, &["mapgen sweep new.toml"]);
-    desk.run("sweep new.toml --out map.csv --json").with(0, &[]);
-    let text = String::from_utf8(desk.read("new.toml")).unwrap();
-    let printed = desk.run("init -").with(0, &[]);
+    let dir = TestDir::new();
+    dir.run("init new.toml").with(0, &["mapgen sweep new.toml"]);
+    dir.run("sweep new.toml --out map.csv --json").with(0, &[]);
+    let text = String::from_utf8(dir.read("new.toml")).unwrap();
+    let printed = dir.run("init -").with(0, &[]);
     assert_eq!((printed.out.as_str(), printed.err.as_str()), (text.as_str(), ""));
     // The keys that docs/scenes.md lists, which a test of its own holds against the parser.
     let table = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/scenes.md")).unwrap();
@@ -29,24 +29,24 @@ fn a_new_scene_computes_as_it_is_and_names_every_key() {
         if !keys.contains(key) {
             continue;
         }
-        fs::write(desk.path("one.toml"), text.replace(line, &line[2..])).unwrap();
-        let ran = desk.run("sweep one.toml --out one.csv --dry-run");
+        fs::write(dir.path("one.toml"), text.replace(line, &line[2..])).unwrap();
+        let ran = dir.run("sweep one.toml --out one.csv --dry-run");
         assert!(!ran.err.contains("unknown"), "{line}: {ran:?}");
         taken += 1;
     }
     assert!(taken >= 10, "{taken}");
 
     // What is there stays.
-    fs::write(desk.path("new.toml"), "mine").unwrap();
-    desk.run("init new.toml").with(2, &["new.toml is there already"]);
-    assert_eq!(desk.read("new.toml"), b"mine");
-    desk.run("init new.csv").with(2, &["end the name in .toml"]);
+    fs::write(dir.path("new.toml"), "mine").unwrap();
+    dir.run("init new.toml").with(2, &["new.toml is there already"]);
+    assert_eq!(dir.read("new.toml"), b"mine");
+    dir.run("init new.csv").with(2, &["end the name in .toml"]);
 }
 
 #[test]
 fn shells_and_manuals_know_all_commands() {
-    let desk = Desk::new();
-    let help = desk.run("--help").out;
+    let dir = TestDir::new();
+    let help = dir.run("--help").out;
     let listed = help.split("Commands:").nth(1).unwrap().split("Options:").next().unwrap();
     let commands: Vec<&str> = (listed.lines())
         .filter_map(|line| line.strip_prefix("  ")?.split(' ').next())
@@ -54,55 +54,55 @@ fn shells_and_manuals_know_all_commands() {
         .collect();
     assert!(commands.len() > 12 && commands.contains(&"sweep"), "{commands:?}");
     for shell in ["bash", "zsh", "fish"] {
-        let script = desk.run(&format!("completions {shell}")).with(0, &[]).out;
+        let script = dir.run(&format!("completions {shell}")).with(0, &[]).out;
         for command in &commands {
             assert!(script.contains(command), "{shell}: {command}");
         }
         assert!(script.contains("restitution"), "{shell}");
     }
-    desk.run("completions csh").with(2, &["possible values: bash"]);
-    desk.run("man pages").with(0, &["manual pages are in pages"]);
-    let pages = desk.names("pages");
+    dir.run("completions csh").with(2, &["possible values: bash"]);
+    dir.run("man pages").with(0, &["manual pages are in pages"]);
+    let pages = dir.names("pages");
     assert_eq!(pages.len(), commands.len() + 1, "{pages:?}");
     for command in &commands {
-        let page = String::from_utf8(desk.read(&format!("pages/mapgen-{command}.1"))).unwrap();
+        let page = String::from_utf8(dir.read(&format!("pages/mapgen-{command}.1"))).unwrap();
         assert!(page.contains(".SH DESCRIPTION"), "{command}");
     }
 }
 
 #[test]
 fn version_and_time_are_told_to_those_who_ask() {
-    let desk = Desk::new();
-    assert_eq!(desk.run("--version").out.lines().count(), 1);
+    let dir = TestDir::new();
+    assert_eq!(dir.run("--version").out.lines().count(), 1);
     for line in ["--version --verbose", "-v --version"] {
-        let about = desk.run(line).with(0, &[]).out;
+        let about = dir.run(line).with(0, &[]).out;
         assert!(
             about.contains("revision") && about.contains("feature compress") && about.contains("cores "),
             "{about}"
         );
     }
     let ran =
-        desk.run(&format!("orbit --family double-sided {MODEL} --verbose --threads 3")).with(0, &["at most 3 threads"]);
+        dir.run(&format!("orbit --family double-sided {MODEL} --verbose --threads 3")).with(0, &["at most 3 threads"]);
     assert!(ran.out.contains("1 solution, 1 physical"));
     for command in ["orbit --family double-sided", "simulate --family double-sided"] {
-        desk.run(&format!("{command} {MODEL} --threads 0"))
+        dir.run(&format!("{command} {MODEL} --threads 0"))
             .with(2, &["out of range: give a whole number from 1 to 1024"]);
     }
 }
 
 #[test]
 fn a_run_goes_on_from_its_own_answer() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     // Losses and a force, off any breather, so that the phase matters.
     let model = format!("{MODEL} --amplitude .3 --restitution .8");
-    fs::write(desk.path("start.json"), r#"{"displacement":[0.1,-0.2,0.3,0,0.2],"velocity":[0.5,0,-1,0.1,0.3]}"#)
+    fs::write(dir.path("start.json"), r#"{"displacement":[0.1,-0.2,0.3,0,0.2],"velocity":[0.5,0,-1,0.1,0.3]}"#)
         .unwrap();
     let run = |state: &str, periods: f64, flags: &str| {
-        desk.run(&format!("simulate --state {state} {model} --periods {periods} --json{flags}")).with(0, &[]).out
+        dir.run(&format!("simulate --state {state} {model} --periods {periods} --json{flags}")).with(0, &[]).out
     };
     let whole = written(run("start.json", 3.75, " --psi .3"));
-    fs::write(desk.path("half.json"), run("start.json", 1.3, " --psi .3")).unwrap();
-    let half = desk.json("half.json");
+    fs::write(dir.path("half.json"), run("start.json", 1.3, " --psi .3")).unwrap();
+    let half = dir.json("half.json");
     assert_eq!((&half["outcome"], &half["periods"]), (&"time-reached".into(), &1.into()));
     let rest = written(run("half.json", 2.45, ""));
     for name in ["displacement", "velocity"] {
@@ -118,10 +118,10 @@ fn a_run_goes_on_from_its_own_answer() {
 
 #[test]
 fn tables_and_json_of_an_answer_agree() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let doubling = "--event period-doubling --free amplitude --family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .165 --restitution .25";
-    let located = written(&desk.run(&format!("locate {doubling} --csv events.csv --json")).with(0, &[]).out);
-    let mut table = csv::Reader::from_path(desk.path("events.csv")).unwrap();
+    let located = written(&dir.run(&format!("locate {doubling} --csv events.csv --json")).with(0, &[]).out);
+    let mut table = csv::Reader::from_path(dir.path("events.csv")).unwrap();
     assert_eq!(table.headers().unwrap().iter().take(3).collect::<Vec<_>>(), ["event", "amplitude", "error"]);
     let rows: Vec<_> = table.records().map(Result::unwrap).collect();
     let points = located["points"].as_array().unwrap();
@@ -132,9 +132,9 @@ fn tables_and_json_of_an_answer_agree() {
     }
 
     let words =
-        desk.run(&format!("words --sites-used 2 --reach 2 {MODEL} --all --csv words.csv --json")).with(0, &[]).out;
+        dir.run(&format!("words --sites-used 2 --reach 2 {MODEL} --all --csv words.csv --json")).with(0, &[]).out;
     let orbits = written(&words)["solutions"].as_array().unwrap().clone();
-    let mut table = csv::Reader::from_path(desk.path("words.csv")).unwrap();
+    let mut table = csv::Reader::from_path(dir.path("words.csv")).unwrap();
     let rows: Vec<_> = table.records().map(Result::unwrap).collect();
     assert!(rows.len() == orbits.len() && rows.len() >= 4, "{}", rows.len());
     for (row, orbit) in rows.iter().zip(&orbits) {
@@ -146,15 +146,15 @@ fn tables_and_json_of_an_answer_agree() {
 #[test]
 fn the_manifest_is_printed_for_those_who_ask() {
     let scene = "[model]\nsites = 5\ngamma1 = 0.2\ngamma2 = 0.1\nasymmetry = 0.4\n[sweep]\nx = { parameter = 'omega', from = 1.0, to = 2.0, points = 5 }\n[compute]\nfamilies = ['double-sided']\n";
-    let desk = Desk::with_scene(scene);
-    let ran = desk.run("sweep scene.toml --out map.csv --json").with(0, &[]);
-    assert_eq!((ran.out.into_bytes(), ran.err.as_str()), (desk.read("map.manifest.json"), ""));
-    desk.run("sweep scene.toml --out - --json").with(2, &["--json prints to standard output"]);
-    desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
-    let merged = desk.run("merge parts --out again.csv --json").with(0, &[]);
-    assert_eq!(merged.out.into_bytes(), desk.read("again.manifest.json"));
-    assert_eq!(desk.read("again.csv"), desk.read("map.csv"));
-    desk.run("merge parts --out - --json").with(2, &["--json prints to standard output"]);
+    let dir = TestDir::with_scene(scene);
+    let ran = dir.run("sweep scene.toml --out map.csv --json").with(0, &[]);
+    assert_eq!((ran.out.into_bytes(), ran.err.as_str()), (dir.read("map.manifest.json"), ""));
+    dir.run("sweep scene.toml --out - --json").with(2, &["--json prints to standard output"]);
+    dir.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
+    let merged = dir.run("merge parts --out again.csv --json").with(0, &[]);
+    assert_eq!(merged.out.into_bytes(), dir.read("again.manifest.json"));
+    assert_eq!(dir.read("again.csv"), dir.read("map.csv"));
+    dir.run("merge parts --out - --json").with(2, &["--json prints to standard output"]);
 }
 
 /// The commands that a document shows in blocks of shell, a line each.
@@ -207,21 +207,21 @@ fn the_documents_show_commands_that_the_program_understands() {
 
 #[test]
 fn what_a_build_lacks_is_told_by_its_feature() {
-    let desk = Desk::new();
-    let about = desk.run("--version --verbose").with(0, &[]).out;
+    let dir = TestDir::new();
+    let about = dir.run("--version --verbose").with(0, &[]).out;
     for (feature, there) in [("explore", cfg!(feature = "explore")), ("parquet", cfg!(feature = "parquet"))] {
         let told = if there { "yes" } else { "no" };
         let line = about.lines().find(|line| line.starts_with(&format!("feature {feature} "))).unwrap();
         assert_eq!(line.split_whitespace().nth(2), Some(told), "{line}");
     }
     if !cfg!(feature = "explore") {
-        desk.run("explore").with(2, &["build with the feature `explore`"]);
+        dir.run("explore").with(2, &["build with the feature `explore`"]);
     }
 }
 
 #[test]
 fn headings_of_help_hold_what_they_name() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     // What stands under "Pictures:" in the help of any command.
     let of_pictures = [
         "--plot",
@@ -241,7 +241,7 @@ fn headings_of_help_hold_what_they_name() {
     ];
     let mut seen = 0;
     for command in ["sweep", "merge", "draw", "orbit", "branch", "curve", "curves", "simulate", "fate", "stripes"] {
-        let help = desk.run(&format!("{command} --help")).with(0, &[]).out;
+        let help = dir.run(&format!("{command} --help")).with(0, &[]).out;
         let section = help.split("\nPictures:\n").nth(1).unwrap_or_else(|| panic!("{command}: {help}"));
         // The next heading begins at the margin.
         let section: Vec<&str> = section.lines().take_while(|line| line.is_empty() || line.starts_with(' ')).collect();
@@ -259,14 +259,14 @@ fn headings_of_help_hold_what_they_name() {
 
 #[test]
 fn names_of_before_go_on_working_and_help_does_not_show_them() {
-    let desk = Desk::with_scene(
+    let dir = TestDir::with_scene(
         "[model]\nsites = 5\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\nx = { parameter = 'omega', from = 1.0, to = 2.0, points = 5 }\ny = { parameter = 'gamma2', from = 0.0, to = 0.2, points = 4 }\n[compute]\nfamilies = ['double-sided']\nstability = true\n",
     );
     let mut same = 0;
     let mut alike = |old: &str, new: &str, files: &[&str]| {
         let of = |line: &str| {
-            desk.run(line).with(0, &[]);
-            files.iter().map(|name| (desk.read(name), fs::remove_file(desk.path(name)).unwrap()).0).collect::<Vec<_>>()
+            dir.run(line).with(0, &[]);
+            files.iter().map(|name| (dir.read(name), fs::remove_file(dir.path(name)).unwrap()).0).collect::<Vec<_>>()
         };
         assert!(of(old) == of(new), "{old}");
         same += files.len();
@@ -295,7 +295,7 @@ fn names_of_before_go_on_working_and_help_does_not_show_them() {
     for command in
         ["sweep", "merge", "draw", "orbit", "locate", "branch", "curve", "curves", "words", "fate", "stripes"]
     {
-        let help = desk.run(&format!("{command} --help")).with(0, &[]).out;
+        let help = dir.run(&format!("{command} --help")).with(0, &[]).out;
         for old in ["--csv", "--png", "--svg", "--pdf", "--color"] {
             assert!(!help.contains(old), "{command}: {old}");
         }
@@ -304,7 +304,7 @@ fn names_of_before_go_on_working_and_help_does_not_show_them() {
 
 #[test]
 fn quiet_commands_say_nothing_and_write_what_is_asked_for() {
-    let desk = Desk::with_scene(
+    let dir = TestDir::with_scene(
         "[model]\nsites = 5\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\nx = { parameter = 'omega', from = 1.4, to = 1.6, points = 3 }\ny = { parameter = 'gamma2', from = 0.05, to = 0.2, points = 3 }\n[compute]\nfamilies = ['double-sided']\nstability = true\n",
     );
     let start = format!("--family double-sided {MODEL}");
@@ -322,21 +322,21 @@ fn quiet_commands_say_nothing_and_write_what_is_asked_for() {
     ];
     quiet.push("stripes scene.toml".to_owned());
     for line in &quiet {
-        let loud = desk.run(line).with(0, &[]);
+        let loud = dir.run(line).with(0, &[]);
         assert!(!(loud.out + &loud.err).is_empty(), "{line}");
-        let _ = fs::remove_file(desk.path("new.toml"));
-        let ran = desk.run(&format!("{line} --quiet")).with(0, &[]);
+        let _ = fs::remove_file(dir.path("new.toml"));
+        let ran = dir.run(&format!("{line} --quiet")).with(0, &[]);
         assert_eq!((ran.out.as_str(), ran.err.as_str()), ("", ""), "{line}");
     }
-    assert!(desk.run(&format!("orbit {start} --quiet --json")).with(0, &[]).out.starts_with('{'));
-    desk.run(&format!("simulate {start} --periods 2 --impacts a.csv -q")).with(0, &[]);
-    assert!(!desk.read("a.csv").is_empty());
-    desk.run(&format!("orbit {start} --omega 0 -q")).with(2, &["omega"]);
+    assert!(dir.run(&format!("orbit {start} --quiet --json")).with(0, &[]).out.starts_with('{'));
+    dir.run(&format!("simulate {start} --periods 2 --impacts a.csv -q")).with(0, &[]);
+    assert!(!dir.read("a.csv").is_empty());
+    dir.run(&format!("orbit {start} --omega 0 -q")).with(2, &["omega"]);
 }
 
 #[test]
 fn a_flag_or_command_that_is_not_there_gets_a_tip_that_helps() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let scene = "fate scene.toml";
     let orbit = format!("orbit --family double-sided {MODEL}");
     let cases = [
@@ -352,12 +352,12 @@ fn a_flag_or_command_that_is_not_there_gets_a_tip_that_helps() {
         ("valdate".to_owned(), ""),
     ];
     for (line, tip) in &cases {
-        let ran = desk.run(line).with(2, &[*tip]);
+        let ran = dir.run(line).with(2, &[*tip]);
         assert_eq!(ran.err.contains("tip:"), !tip.is_empty(), "{ran:?}");
         assert!(!ran.err.contains("similar") && !ran.err.contains("as a value"), "{ran:?}");
     }
     // Out of range is out of one range.
     for threads in ["0", "-1", "1025"] {
-        desk.run(&format!("{orbit} --threads {threads}")).with(2, &["give a whole number from 1 to 1024"]);
+        dir.run(&format!("{orbit} --threads {threads}")).with(2, &["give a whole number from 1 to 1024"]);
     }
 }

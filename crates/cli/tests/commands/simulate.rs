@@ -25,7 +25,7 @@ fn run(line: &str) -> (u8, String, String) {
 }
 
 /// A folder with a state file.
-fn desk(state: &str) -> (TempDir, String) {
+fn dir(state: &str) -> (TempDir, String) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("state.json");
     fs::write(&path, state).unwrap();
@@ -42,7 +42,7 @@ const FIVE: &str = r#"{"displacement":[0.1,0,0,0,0],"velocity":[0.5,0,0,0,0]}"#;
 
 #[test]
 fn numbers_may_begin_with_a_point() {
-    let (_folder, state) = desk(FIVE);
+    let (_folder, state) = dir(FIVE);
     let forced = format!("mapgen simulate --state {state} {POINT} --amplitude .3 --restitution .9 --psi");
     let (short, long) = (run(&format!("{forced} -.5")), run(&format!("{forced} -0.5")));
     assert!(short.0 == 0 && short == long && short != run(&format!("{forced} .5")), "{short:?}");
@@ -74,7 +74,7 @@ fn no_wrong_number_is_answered_in_the_words_of_a_programming_language() {
         }
     }
     assert!(checked >= 4 * 30, "{checked}");
-    let (_folder, state) = desk(r#"{"displacement":[0,"x",0,0,0],"velocity":[0,0,0,0,0]}"#);
+    let (_folder, state) = dir(r#"{"displacement":[0,"x",0,0,0],"velocity":[0,0,0,0,0]}"#);
     let (code, _, message) = run(&format!("mapgen simulate --state {state} {POINT}"));
     assert!(code == 2 && message.contains("string \"x\" is not a number at line 1 column"), "{message}");
 }
@@ -106,7 +106,7 @@ fn without_a_start_all_ways_to_give_one_are_named() {
 /// whole, so that v⁻ = √3/2^{k−1} on alternating sides.
 #[test]
 fn a_ring_without_force_may_lose_energy() {
-    let (folder, state) = desk(r#"{"displacement":[0],"velocity":[2]}"#);
+    let (folder, state) = dir(r#"{"displacement":[0],"velocity":[2]}"#);
     let table = folder.path().join("impacts.csv");
     let line = format!(
         "mapgen simulate --state {state} --sites 1 --gamma1 1 --gamma2 0 --omega 1 --asymmetry 0 --restitution .5 --max-impacts 12 --impacts {}",
@@ -160,7 +160,7 @@ fn a_restitution_of_one_is_the_same_as_none() {
 /// A run that ends within a period ends there, to the bit where a longer one passes.
 #[test]
 fn periods_need_not_be_whole() {
-    let (folder, state) = desk(FIVE);
+    let (folder, state) = dir(FIVE);
     let table = |periods: &str, samples: u32| {
         let path = folder.path().join("trajectory.csv");
         let flags = format!("--restitution .7 --periods {periods} --samples {samples} --trajectory {}", path.display());
@@ -220,7 +220,7 @@ fn a_range_that_is_none_is_told_by_its_flags() {
 /// More flights than a lifetime has are refused, with what would do; that much is then begun.
 #[test]
 fn a_run_without_end_is_refused_or_asked_for_by_impacts() {
-    let (_folder, state) = desk(FIVE);
+    let (_folder, state) = dir(FIVE);
     for (gamma1, omega) in [("0.2", "1e-100"), ("1e30", "1.5"), ("1e100", "1e-100"), ("0", "1e-40")] {
         let line = format!(
             "mapgen simulate --state {state} --sites 5 --gamma1 {gamma1} --gamma2 .1 --omega {omega} --asymmetry .4"
@@ -235,7 +235,7 @@ fn a_run_without_end_is_refused_or_asked_for_by_impacts() {
 
 #[test]
 fn an_interrupted_run_speaks_of_the_files_it_has() {
-    let (folder, state) = desk(FIVE);
+    let (folder, state) = dir(FIVE);
     let line = format!("mapgen simulate --state {state} {POINT}");
     let (code, _, message) = told(&line, true);
     assert!(code == 130 && message.contains("of 20 periods; no file was asked for"), "{message}");
@@ -258,7 +258,7 @@ fn an_interrupted_run_speaks_of_the_files_it_has() {
 #[test]
 fn long_work_says_how_long_it_takes_and_stops_when_told_to() {
     use std::io::{BufRead, BufReader, Read};
-    let (_folder, state) = desk(r#"{"displacement":[0,0,0,0,0],"velocity":[1e9,0,0,0,0]}"#);
+    let (_folder, state) = dir(r#"{"displacement":[0,0,0,0,0],"velocity":[1e9,0,0,0,0]}"#);
     let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("mapgen"));
     command.args(["simulate", "--state", &state]).args(POINT.split(' '));
     let mut child = command.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::piped()).spawn().unwrap();
@@ -310,7 +310,7 @@ fn a_run_tells_what_it_is_of_and_what_has_become_of_it() {
     let json = vibrochain_testkit::written(&run(&format!("{pushed} --json")).1);
     assert!((3.0..15.0).contains(&json["left"].as_f64().unwrap()) && json["solution"] == 2, "{json}");
     // Without a force losses end all impacts.
-    let (_folder, state) = desk(FIVE);
+    let (_folder, state) = dir(FIVE);
     let (_, quiet, _) = run(&format!("mapgen simulate --state {state} {POINT} --restitution .5 --periods 400"));
     assert!(
         quiet.starts_with("from a state; 5 masses")

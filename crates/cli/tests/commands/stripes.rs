@@ -9,7 +9,7 @@ use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
 #[cfg(unix)]
 use vibrochain_testkit::signal;
-use vibrochain_testkit::{Desk, mapgen, written};
+use vibrochain_testkit::{TestDir, mapgen, written};
 
 const SCENE: &str = r#"
 [model]
@@ -45,17 +45,17 @@ fn output(assert: assert_cmd::assert::Assert) -> String {
     String::from_utf8(assert.success().get_output().stdout.clone()).unwrap()
 }
 
-fn stripes(desk: &Desk, scene: &Path, out: &str, flags: &[&str]) -> assert_cmd::assert::Assert {
-    mapgen(&["stripes"]).arg(scene).arg("--plot").arg(desk.path(out)).args(flags).assert()
+fn stripes(dir: &TestDir, scene: &Path, out: &str, flags: &[&str]) -> assert_cmd::assert::Assert {
+    mapgen(&["stripes"]).arg(scene).arg("--plot").arg(dir.path(out)).args(flags).assert()
 }
 
 #[test]
 fn sums_of_two_modes_run_along_the_stripes_and_differences_do_not() {
-    let desk = Desk::new();
-    let scene = desk.scene(SCENE);
-    let csv = desk.path("lines.csv");
-    let text = output(stripes(&desk, &scene, "stripes.svg", &["--csv", csv.to_str().unwrap()]));
-    assert_eq!(desk.names("."), ["lines.csv", "lines.manifest.json", "scene.toml", "stripes.svg"]);
+    let dir = TestDir::new();
+    let scene = dir.scene(SCENE);
+    let csv = dir.path("lines.csv");
+    let text = output(stripes(&dir, &scene, "stripes.svg", &["--csv", csv.to_str().unwrap()]));
+    assert_eq!(dir.names("."), ["lines.csv", "lines.manifest.json", "scene.toml", "stripes.svg"]);
     assert!(text.starts_with("6 masses (N = 5): share of cells within one cell of a line"));
     for mechanism in ["neimark-sacker", "period-doubling"] {
         let row = printed(&text, "double-sided", mechanism);
@@ -80,17 +80,17 @@ fn sums_of_two_modes_run_along_the_stripes_and_differences_do_not() {
     let pairs: std::collections::BTreeSet<_> =
         lines.iter().map(|row| (row["mode1"].as_str(), row["mode2"].as_str())).collect();
     assert!([("0", "1"), ("0", "2"), ("1", "1"), ("1", "2"), ("2", "2")].iter().all(|pair| pairs.contains(pair)));
-    let svg = fs::read_to_string(desk.path("stripes.svg")).unwrap();
+    let svg = fs::read_to_string(dir.path("stripes.svg")).unwrap();
     assert!(svg.contains("1,2,1") && svg.contains("two modes meet"));
 }
 
 #[test]
 fn stripes_of_single_sided_breathers_on_a_short_ring_are_of_a_mode_and_the_breathers_own() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let axes = SCENE.replace("from = 1.1, to = 2.3, points = 150", "from = 0.6, to = 0.8, points = 120");
-    let scene = desk.scene(&axes.replace("from = 0.1, to = 0.3", "from = 0.2, to = 0.3"));
-    let csv = desk.path("lines.csv");
-    let text = output(stripes(&desk, &scene, "stripes.svg", &["--csv", csv.to_str().unwrap()]));
+    let scene = dir.scene(&axes.replace("from = 0.1, to = 0.3", "from = 0.2, to = 0.3"));
+    let csv = dir.path("lines.csv");
+    let text = output(stripes(&dir, &scene, "stripes.svg", &["--csv", csv.to_str().unwrap()]));
     let row = printed(&text, "single-sided", "neimark-sacker");
     assert!(row[0] > 200.0 && row[7] > 80.0 && row[8] >= row[7], "{text}");
     let stable = printed(&text, "single-sided", "stable");
@@ -102,28 +102,28 @@ fn stripes_of_single_sided_breathers_on_a_short_ring_are_of_a_mode_and_the_breat
     // Four modes of the ring leave three, one of which is the breather's place: 3 is its own.
     assert!(of("2", "3", "2") > 30, "{lines:?}");
     assert!(lines.iter().all(|row| row["mode1"] != "1" && row["mode2"] != "1"));
-    let svg = fs::read_to_string(desk.path("stripes.svg")).unwrap();
+    let svg = fs::read_to_string(dir.path("stripes.svg")).unwrap();
     assert!(svg.contains("2,3,2") && svg.contains("3: the breather"));
 }
 
 #[test]
 fn a_finished_table_gives_the_same_as_computing_the_map() {
-    let desk = Desk::new();
-    let scene = desk.scene(&SCENE.replace("points = 150", "points = 50"));
-    let map = desk.path("map.csv");
+    let dir = TestDir::new();
+    let scene = dir.scene(&SCENE.replace("points = 150", "points = 50"));
+    let map = dir.path("map.csv");
     mapgen(&["sweep", "--quiet"]).arg(&scene).arg("--out").arg(&map).assert().success();
-    let computed = output(stripes(&desk, &scene, "a.png", &[]));
-    let read = output(stripes(&desk, &scene, "b.png", &["--map", map.to_str().unwrap()]));
+    let computed = output(stripes(&dir, &scene, "a.png", &[]));
+    let read = output(stripes(&dir, &scene, "b.png", &["--map", map.to_str().unwrap()]));
     assert_eq!(computed, read);
-    assert_eq!(fs::read(desk.path("a.png")).unwrap(), fs::read(desk.path("b.png")).unwrap());
+    assert_eq!(fs::read(dir.path("a.png")).unwrap(), fs::read(dir.path("b.png")).unwrap());
 }
 
 #[test]
 fn a_symmetric_gap_has_no_stripes_of_double_sided_breathers_at_odd_harmonics() {
-    let desk = Desk::new();
-    let scene = desk.scene(&SCENE.replace("asymmetry = 0.4", "asymmetry = 0.0"));
-    let csv = desk.path("lines.csv");
-    let text = output(stripes(&desk, &scene, "stripes.png", &["--csv", csv.to_str().unwrap()]));
+    let dir = TestDir::new();
+    let scene = dir.scene(&SCENE.replace("asymmetry = 0.4", "asymmetry = 0.0"));
+    let csv = dir.path("lines.csv");
+    let text = output(stripes(&dir, &scene, "stripes.png", &["--csv", csv.to_str().unwrap()]));
     // ω is above the band: only j = 1 could be met.
     assert!(table(&csv).is_empty(), "{text}");
     assert!(!text.contains("neimark-sacker") && !text.contains("period-doubling"), "{text}");
@@ -131,7 +131,7 @@ fn a_symmetric_gap_has_no_stripes_of_double_sided_breathers_at_odd_harmonics() {
 
 #[test]
 fn wrong_requests() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let swap = SCENE.replace("\"omega\"", "\"ω\"").replace("\"gamma2\"", "\"omega\"").replace("\"ω\"", "\"gamma2\"");
     let list = r#"values = [0.1, 0.2]"#;
     for (scene, message) in [
@@ -148,27 +148,27 @@ fn wrong_requests() {
         (SCENE.replace("stability = true", ""), "set stability = true in [compute]"),
         (SCENE.replace("sites = 6", "sites = 0"), "sites = 0 is out of range"),
     ] {
-        let scene = desk.scene(&scene);
-        stripes(&desk, &scene, "x.png", &[]).code(2).stdout("").stderr(contains(message));
-        assert_eq!(desk.names("."), ["scene.toml"], "{message}");
+        let scene = dir.scene(&scene);
+        stripes(&dir, &scene, "x.png", &[]).code(2).stdout("").stderr(contains(message));
+        assert_eq!(dir.names("."), ["scene.toml"], "{message}");
     }
-    let scene = desk.scene(SCENE);
-    stripes(&desk, &scene, "x.gif", &[]).code(2).stderr(contains("end the name in .png, .svg or .pdf"));
-    stripes(&desk, &desk.path("missing.toml"), "x.png", &[]).code(2).stderr(contains("cannot read scene"));
+    let scene = dir.scene(SCENE);
+    stripes(&dir, &scene, "x.gif", &[]).code(2).stderr(contains("end the name in .png, .svg or .pdf"));
+    stripes(&dir, &dir.path("missing.toml"), "x.png", &[]).code(2).stderr(contains("cannot read scene"));
     mapgen(&["stripes"]).arg(&scene).assert().success().stdout(contains("share of cells within one cell of a line"));
-    stripes(&desk, &scene, "scene.toml.png", &["--csv", desk.path("scene.toml.png").to_str().unwrap()])
+    stripes(&dir, &scene, "scene.toml.png", &["--csv", dir.path("scene.toml.png").to_str().unwrap()])
         .code(2)
         .stderr(contains("are the same file"));
-    assert_eq!(desk.names("."), ["scene.toml"]);
+    assert_eq!(dir.names("."), ["scene.toml"]);
 }
 
 /// On a coarse map one cell below the first is at no frequency at all: the memory that lines take does not depend on that.
 #[cfg(unix)]
 #[test]
 fn a_map_that_begins_less_than_a_cell_above_zero_takes_no_more_memory() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     for (points, from) in [(4, "0.4"), (7, "0.4"), (3, "1e-9")] {
-        let scene = desk.scene(&format!(
+        let scene = dir.scene(&format!(
             "[model]\nsites = 21\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\n\
              x = {{ parameter = \"omega\", from = {from}, to = 3.0, points = {points} }}\n\
              y = {{ parameter = \"gamma2\", from = 0.0, to = 0.3, points = 2 }}\n\
@@ -178,7 +178,7 @@ fn a_map_that_begins_less_than_a_cell_above_zero_takes_no_more_memory() {
         let limited = "ulimit -v 1500000 && exec \"$0\" \"$@\"";
         let mut command = Command::new("sh");
         let program = assert_cmd::cargo::cargo_bin("mapgen");
-        command.args(["-c", limited]).arg(program).arg("stripes").arg(scene).arg("--out").arg(desk.path("x.svg"));
+        command.args(["-c", limited]).arg(program).arg("stripes").arg(scene).arg("--out").arg(dir.path("x.svg"));
         let text = output(command.env("RAYON_NUM_THREADS", "2").assert());
         let row = printed(&text, "double-sided", "stable");
         assert!(row[0] >= 2.0 && row[3] > 50.0, "{text}");
@@ -187,7 +187,7 @@ fn a_map_that_begins_less_than_a_cell_above_zero_takes_no_more_memory() {
 
 #[test]
 fn maps_that_would_not_fit_are_refused_with_the_limit() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let large = SCENE.replace("points = 150", "points = 1000000").replace("points = 40", "points = 1000000");
     let long = SCENE.replace("sites = 6", "sites = 1000000");
     for (text, message) in [
@@ -197,18 +197,18 @@ fn maps_that_would_not_fit_are_refused_with_the_limit() {
             "every pair of the modes of 1000000 masses in every one of 6000 cells is too much: give at most 25817 sites",
         ),
     ] {
-        let scene = desk.scene(&text);
-        stripes(&desk, &scene, "x.png", &[]).code(2).stdout("").stderr(contains(message));
-        assert_eq!(desk.names("."), ["scene.toml"]);
+        let scene = dir.scene(&text);
+        stripes(&dir, &scene, "x.png", &[]).code(2).stdout("").stderr(contains(message));
+        assert_eq!(dir.names("."), ["scene.toml"]);
     }
 }
 
 #[test]
 fn tables_of_another_scene_are_refused() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let small = SCENE.replace("points = 150", "points = 5").replace("points = 40", "points = 4");
-    let scene = desk.scene(&small);
-    let map = desk.path("map.csv");
+    let scene = dir.scene(&small);
+    let map = dir.path("map.csv");
     mapgen(&["sweep", "--quiet"]).arg(&scene).arg("--out").arg(&map).assert().success();
     let good = fs::read_to_string(&map).unwrap();
     let flags = ["--map", map.to_str().unwrap()];
@@ -225,17 +225,17 @@ fn tables_of_another_scene_are_refused() {
     ] {
         assert_ne!(text, good);
         fs::write(&map, text).unwrap();
-        stripes(&desk, &scene, "x.png", &flags).code(2).stdout("").stderr(contains("--map").and(contains(message)));
-        assert_eq!(desk.names("."), ["map.csv", "map.manifest.json", "scene.toml"], "{message}");
+        stripes(&dir, &scene, "x.png", &flags).code(2).stdout("").stderr(contains("--map").and(contains(message)));
+        assert_eq!(dir.names("."), ["map.csv", "map.manifest.json", "scene.toml"], "{message}");
     }
-    stripes(&desk, &scene, "x.png", &["--map", "no.csv"]).code(2).stderr(contains("cannot be read as a table"));
+    stripes(&dir, &scene, "x.png", &["--map", "no.csv"]).code(2).stderr(contains("cannot be read as a table"));
 }
 
 #[test]
 fn a_map_names_the_modes_that_have_collided() {
-    let desk = Desk::new();
-    let scene = desk.scene(&SCENE.replace("stability = true", "stability = true\ncollisions = true"));
-    let map = desk.path("map.csv");
+    let dir = TestDir::new();
+    let scene = dir.scene(&SCENE.replace("stability = true", "stability = true\ncollisions = true"));
+    let map = dir.path("map.csv");
     mapgen(&["sweep", "--quiet"]).arg(&scene).arg("--out").arg(&map).assert().success();
     let header = fs::read_to_string(&map).unwrap().lines().next().unwrap().to_owned();
     assert!(header.ends_with(",solutions,status,mode1,mode2,harmonic"), "{header}");
@@ -253,20 +253,20 @@ fn a_map_names_the_modes_that_have_collided() {
         }
     }
     assert!(named > 300, "{named}");
-    let manifest = desk.json("map.manifest.json");
+    let manifest = dir.json("map.manifest.json");
     assert_eq!(manifest["compute"]["collisions"], true);
 
     let wrong = |from: &str, to: &str, message: &str| {
-        let scene = desk.scene(&SCENE.replacen(from, to, 1));
-        let assert = mapgen(&["sweep"]).arg(&scene).arg("--out").arg(desk.path("no.csv")).assert();
+        let scene = dir.scene(&SCENE.replacen(from, to, 1));
+        let assert = mapgen(&["sweep"]).arg(&scene).arg("--out").arg(dir.path("no.csv")).assert();
         assert.code(2).stderr(contains(message).and(contains("scene.toml:")));
     };
     wrong("stability = true", "collisions = true", "collisions need stability = true");
     wrong("stability = true", "stability = true\ncollisions = 1", "integer `1` is not true or false");
     let forced = "[compute]\ncollisions = true";
     let text = SCENE.replace("sites = 6", "sites = 6\nforcing = { amplitude = 0.1, restitution = 0.9 }");
-    let scene = desk.scene(&text.replace("[compute]", forced));
-    let assert = mapgen(&["sweep"]).arg(&scene).arg("--out").arg(desk.path("no.csv")).assert();
+    let scene = dir.scene(&text.replace("[compute]", forced));
+    let assert = mapgen(&["sweep"]).arg(&scene).arg("--out").arg(dir.path("no.csv")).assert();
     assert.code(2).stderr(contains("collisions are told of conservative orbits only"));
 }
 
@@ -276,11 +276,11 @@ fn rows_and_layers_have_stripes_too() {
     for (lattice, name, own) in
         [("ends = \"free\"", "6 masses, free ends", 5), ("layers = 2\ngamma3 = 0.05", "6 masses × 2 layers", 7)]
     {
-        let desk = Desk::new();
+        let dir = TestDir::new();
         let text = SCENE.replace("sites = 6", &format!("sites = 6\n{lattice}"));
-        let scene = desk.scene(&text.replace("points = 150", "points = 300").replace("points = 40", "points = 12"));
-        let csv = desk.path("lines.csv");
-        let text = output(stripes(&desk, &scene, "stripes.svg", &["--csv", csv.to_str().unwrap()]));
+        let scene = dir.scene(&text.replace("points = 150", "points = 300").replace("points = 40", "points = 12"));
+        let csv = dir.path("lines.csv");
+        let text = output(stripes(&dir, &scene, "stripes.svg", &["--csv", csv.to_str().unwrap()]));
         assert!(text.starts_with(&format!("{name}: share of cells within one cell of a line")), "{text}");
         let (unstable, stable) =
             (printed(&text, "double-sided", "neimark-sacker"), printed(&text, "double-sided", "stable"));
@@ -295,10 +295,10 @@ fn rows_and_layers_have_stripes_too() {
         let lines = table(&csv);
         assert!(lines.iter().all(|line| number(line, "mode2") <= f64::from(own)) && lines.len() > 100);
 
-        let scene = desk.scene(
+        let scene = dir.scene(
             &fs::read_to_string(&scene).unwrap().replace("stability = true", "stability = true\ncollisions = true"),
         );
-        let map = desk.path("map.csv");
+        let map = dir.path("map.csv");
         mapgen(&["sweep", "--quiet"]).arg(&scene).arg("--out").arg(&map).assert().success();
         let (mut named, mut beside) = (0_u32, 0_u32);
         for row in
@@ -328,11 +328,11 @@ fn rows_and_layers_have_stripes_too() {
 
 #[test]
 fn the_table_of_widths_says_where_stripes_begin_and_end() {
-    let desk = Desk::new();
-    let scene = desk.scene(&SCENE.replace("points = 40", "points = 4"));
-    let (widths, lines) = (desk.path("widths.csv"), desk.path("lines.csv"));
+    let dir = TestDir::new();
+    let scene = dir.scene(&SCENE.replace("points = 40", "points = 4"));
+    let (widths, lines) = (dir.path("widths.csv"), dir.path("lines.csv"));
     let flags = ["--widths", widths.to_str().unwrap(), "--csv", lines.to_str().unwrap()];
-    let text = output(stripes(&desk, &scene, "stripes.png", &flags));
+    let text = output(stripes(&dir, &scene, "stripes.png", &flags));
     let (stripes, lines) = (table(&widths), table(&lines));
     assert!(stripes.len() > 15, "{stripes:?}");
     // The summary is that of the table.
@@ -388,10 +388,11 @@ fn the_table_of_widths_says_where_stripes_begin_and_end() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_table_of_widths_leaves_no_file() {
-    let desk = Desk::with_scene(&SCENE.replace("points = 40", "points = 4000").replace("points = 150", "points = 20"));
-    let child = desk.start("stripes scene.toml --out map.png --csv lines.csv --widths widths.csv");
+    let dir =
+        TestDir::with_scene(&SCENE.replace("points = 40", "points = 4000").replace("points = 150", "points = 20"));
+    let child = dir.start("stripes scene.toml --out map.png --csv lines.csv --widths widths.csv");
     // Lines take a second, widths two minutes.
     std::thread::sleep(std::time::Duration::from_secs(3));
     signal(child, "TERM").with(130, &["interrupted"]);
-    assert_eq!(desk.names("."), ["scene.toml"]);
+    assert_eq!(dir.names("."), ["scene.toml"]);
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::Stdio;
 
 use serde_json::json;
-use vibrochain_testkit::Desk;
+use vibrochain_testkit::TestDir;
 
 use crate::served::{Served, scene, until};
 use crate::waiting::long_borders;
@@ -23,7 +23,7 @@ fn an_explorer_that_is_killed_leaves_nothing_running_and_no_files_for_long() {
     std::thread::sleep(std::time::Duration::from_millis(500));
     served.child.kill().unwrap();
     served.child.wait().unwrap();
-    let left = |served: &Served| fs::read_dir(served.desk.path("tmp")).unwrap().count();
+    let left = |served: &Served| fs::read_dir(served.dir.path("tmp")).unwrap().count();
     // The program that computes them removes them when it ends.
     until("the end of what it has started", || left(&served) == 0);
     drop(asked);
@@ -32,8 +32,8 @@ fn an_explorer_that_is_killed_leaves_nothing_running_and_no_files_for_long() {
     served.child.kill().unwrap();
     served.child.wait().unwrap();
     assert_eq!(left(&served), 1);
-    let desk = std::mem::replace(&mut served.desk, Desk::new());
-    let next = Served::on(desk, "");
+    let dir = std::mem::replace(&mut served.dir, TestDir::new());
+    let next = Served::on(dir, "");
     next.is_alive();
     assert_eq!(left(&next), 1);
     assert!(!next.has_files());
@@ -42,26 +42,26 @@ fn an_explorer_that_is_killed_leaves_nothing_running_and_no_files_for_long() {
 #[cfg(unix)]
 #[test]
 fn it_ends_well_by_ctrl_c_and_says_why_it_cannot_begin() {
-    let desk = Desk::with_scene(
+    let dir = TestDir::with_scene(
         "[model]\nsites = 3\ngamma1 = 0.2\nasymmetry = 0.4\ngamma2 = 0.1\n[sweep]\n\
         x = { parameter = \"omega\", from = 0.6, to = 2.0, points = 30 }\n[compute]\nfamilies = [\"double-sided\"]\n",
     );
-    desk.run("explore scene.toml").with(2, &["scene.toml: a map to fly over has two axes"]);
-    desk.run("explore none.toml").with(2, &["none.toml"]);
-    desk.run("explore --port 65536").with(2, &["--port", "too large"]);
+    dir.run("explore scene.toml").with(2, &["scene.toml: a map to fly over has two axes"]);
+    dir.run("explore none.toml").with(2, &["none.toml"]);
+    dir.run("explore --port 65536").with(2, &["--port", "too large"]);
     // An address that no browser opens as it is printed is not printed.
-    desk.run("explore --port 80").with(2, &["--port 80 is that of HTTP itself", "give one from 1024"]);
-    desk.run("explore --port 6000").with(2, &["--port 6000 is one that browsers refuse"]);
+    dir.run("explore --port 80").with(2, &["--port 80 is that of HTTP itself", "give one from 1024"]);
+    dir.run("explore --port 6000").with(2, &["--port 6000 is one that browsers refuse"]);
     let served = Served::new("");
-    desk.run(&format!("explore --port {}", served.port)).with(1, &[&format!("cannot serve on port {}", served.port)]);
+    dir.run(&format!("explore --port {}", served.port)).with(1, &[&format!("cannot serve on port {}", served.port)]);
     if vibrochain_testkit::interrupts_are_ignored() {
         return;
     }
     // With work under way, and a connection that is kept open.
-    fs::create_dir(desk.path("tmp")).unwrap();
-    let mut command = desk.command("explore --port 0");
+    fs::create_dir(dir.path("tmp")).unwrap();
+    let mut command = dir.command("explore --port 0");
     let mut child =
-        command.env("TMPDIR", desk.path("tmp")).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        command.env("TMPDIR", dir.path("tmp")).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let mut address = String::new();
     BufReader::new(child.stdout.take().unwrap()).read_line(&mut address).unwrap();
     let rest = address.trim().strip_prefix("http://").unwrap();
@@ -79,8 +79,8 @@ fn it_ends_well_by_ctrl_c_and_says_why_it_cannot_begin() {
     // One folder of all, in it that of the borders, in that their scene.
     let entries = |folder: &Path| -> Vec<_> { fs::read_dir(folder).unwrap().map(|one| one.unwrap().path()).collect() };
     until("borders under way", || {
-        entries(&desk.path("tmp")).iter().any(|own| entries(own).iter().any(|one| one.join("view.toml").exists()))
+        entries(&dir.path("tmp")).iter().any(|own| entries(own).iter().any(|one| one.join("view.toml").exists()))
     });
     vibrochain_testkit::signal(child, "INT").with(0, &["open this address in a browser"]);
-    assert_eq!(entries(&desk.path("tmp")).len(), 0);
+    assert_eq!(entries(&dir.path("tmp")).len(), 0);
 }

@@ -49,13 +49,12 @@ fn an_orbit_is_what_mapgen_orbit_prints() {
         assert_eq!(answer.code, 200, "{answer:?}");
         let answer = answer.json();
         let flag = if which.contains('+') { "--word" } else { "--family" };
-        let printed =
-            served.desk.run(&format!("orbit {flag} {which} {flags} --json --trajectory own.csv --samples 16"));
+        let printed = served.dir.run(&format!("orbit {flag} {which} {flags} --json --trajectory own.csv --samples 16"));
         assert_eq!(answer["answer"], written(&printed.out), "{flags} {which}");
-        assert_eq!(answer["files"]["orbit.csv"].as_str().unwrap().as_bytes(), served.desk.read("own.csv"));
+        assert_eq!(answer["files"]["orbit.csv"].as_str().unwrap().as_bytes(), served.dir.read("own.csv"));
         // And so does the line that it says.
         let line = answer["command"].as_str().unwrap();
-        let again = served.desk.shell(line).with(0, &[]);
+        let again = served.dir.shell(line).with(0, &[]);
         assert_eq!(again.out, printed.out, "{line}");
         assert_eq!(answer["python"].as_array().unwrap().len(), answer["answer"]["solutions"].as_array().unwrap().len());
         solutions += answer["python"].as_array().unwrap().len();
@@ -82,12 +81,12 @@ fn a_run_is_what_mapgen_simulate_prints() {
         let line = format!(
             "simulate --family double-sided {FORCED} --solution 1 {pushed}--periods 12.5 --samples 8 --json --trajectory a.csv --impacts b.csv"
         );
-        let printed = served.desk.run(&line).with(0, &[]);
+        let printed = served.dir.run(&line).with(0, &[]);
         assert_eq!(answer["answer"], written(&printed.out));
         for (own, name) in [("a.csv", "run.csv"), ("b.csv", "impacts.csv")] {
-            assert_eq!(answer["files"][name].as_str().unwrap().as_bytes(), served.desk.read(own));
+            assert_eq!(answer["files"][name].as_str().unwrap().as_bytes(), served.dir.read(own));
         }
-        let again = served.desk.shell(answer["command"].as_str().unwrap()).with(0, &[]);
+        let again = served.dir.shell(answer["command"].as_str().unwrap()).with(0, &[]);
         assert_eq!(again.out, printed.out);
     }
     let endless = json!({
@@ -109,31 +108,31 @@ fn lines_pictures_and_tables_are_those_of_the_program() {
     for (axis, points) in [("x", 30), ("y", 20)] {
         scene["sweep"][axis]["points"] = points.into();
     }
-    fs::write(served.desk.path("own.json"), scene.to_string()).unwrap();
+    fs::write(served.dir.path("own.json"), scene.to_string()).unwrap();
     let sweep = served.post("sweep", &json!({ "scene": scene })).json();
-    served.desk.run("sweep own.json --out own.csv --svg own.svg --quiet").with(0, &[]);
-    assert_eq!(sweep["files"]["map.csv"].as_str().unwrap().as_bytes(), served.desk.read("own.csv"));
-    assert_eq!(sweep["files"]["map.svg"].as_str().unwrap().as_bytes(), served.desk.read("own.svg"));
+    served.dir.run("sweep own.json --out own.csv --svg own.svg --quiet").with(0, &[]);
+    assert_eq!(sweep["files"]["map.csv"].as_str().unwrap().as_bytes(), served.dir.read("own.csv"));
+    assert_eq!(sweep["files"]["map.svg"].as_str().unwrap().as_bytes(), served.dir.read("own.svg"));
 
     let margin = served.post("sweep", &json!({ "scene": scene, "color": "margin" })).json();
-    served.desk.run("sweep own.json --out own.csv --svg margin.svg --color margin --quiet").with(0, &[]);
-    assert_eq!(margin["files"]["map.svg"].as_str().unwrap().as_bytes(), served.desk.read("margin.svg"));
+    served.dir.run("sweep own.json --out own.csv --svg margin.svg --color margin --quiet").with(0, &[]);
+    assert_eq!(margin["files"]["map.svg"].as_str().unwrap().as_bytes(), served.dir.read("margin.svg"));
     assert!(served.post("sweep", &json!({ "scene": scene, "color": "hue" })).refused(400).contains("hue"));
 
     let texts = served.post("texts", &json!({ "scene": scene })).json();
-    fs::write(served.desk.path("view.toml"), texts["scene"].as_str().unwrap()).unwrap();
-    served.desk.shell(texts["command"].as_str().unwrap()).with(0, &[]);
-    assert_eq!(served.desk.read("map.csv"), served.desk.read("own.csv"));
+    fs::write(served.dir.path("view.toml"), texts["scene"].as_str().unwrap()).unwrap();
+    served.dir.shell(texts["command"].as_str().unwrap()).with(0, &[]);
+    assert_eq!(served.dir.read("map.csv"), served.dir.read("own.csv"));
     assert!(texts["python"].as_str().unwrap().contains("vc.sweep(\"view.toml\")"));
 
     let curves = served.post("curves", &json!({ "scene": scene, "tolerance": 1e-3, "places": 0 })).json();
-    let printed = served.desk.run("curves own.json --json --tolerance 1e-3 --places 0");
+    let printed = served.dir.run("curves own.json --json --tolerance 1e-3 --places 0");
     assert_eq!(curves["answer"], written(&printed.out));
     assert!(curves["answer"]["borders"].as_array().unwrap().len() > 3);
 
     let stripes = served.post("stripes", &json!({ "scene": scene })).json();
-    served.desk.run("stripes own.json --csv stripes.csv --plot stripes.png").with(0, &[]);
-    assert_eq!(stripes["files"]["stripes.csv"].as_str().unwrap().as_bytes(), served.desk.read("stripes.csv"));
+    served.dir.run("stripes own.json --csv stripes.csv --plot stripes.png").with(0, &[]);
+    assert_eq!(stripes["files"]["stripes.csv"].as_str().unwrap().as_bytes(), served.dir.read("stripes.csv"));
 
     scene["sweep"]["x"]["points"] = 100_000.into();
     assert!(served.post("sweep", &json!({ "scene": scene })).refused(400).contains("points = 100000 is out of range"));

@@ -7,7 +7,7 @@ use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
-use vibrochain_testkit::Desk;
+use vibrochain_testkit::TestDir;
 
 /// How long an answer may take on a machine that is busy with other tests.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(120);
@@ -24,7 +24,7 @@ pub(crate) fn until(what: &str, is: impl Fn() -> bool) {
 
 /// The explorer at work.
 pub(crate) struct Served {
-    pub(crate) desk: Desk,
+    pub(crate) dir: TestDir,
     pub(crate) child: Child,
     pub(crate) port: u16,
     pub(crate) token: String,
@@ -80,21 +80,21 @@ pub(crate) fn read(stream: &mut TcpStream) -> Option<Answer> {
 
 impl Served {
     pub(crate) fn new(line: &str) -> Self {
-        let desk = Desk::new();
-        fs::create_dir(desk.path("tmp")).unwrap();
-        Self::on(desk, line)
+        let dir = TestDir::new();
+        fs::create_dir(dir.path("tmp")).unwrap();
+        Self::on(dir, line)
     }
 
-    pub(crate) fn on(desk: Desk, line: &str) -> Self {
-        let mut command = desk.command(&format!("explore{line}"));
+    pub(crate) fn on(dir: TestDir, line: &str) -> Self {
+        let mut command = dir.command(&format!("explore{line}"));
         let mut child =
-            command.env("TMPDIR", desk.path("tmp")).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+            command.env("TMPDIR", dir.path("tmp")).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
         let mut address = String::new();
         BufReader::new(child.stdout.take().unwrap()).read_line(&mut address).unwrap();
         let rest = address.trim().strip_prefix("http://127.0.0.1:").unwrap();
         let (port, token) = rest.split_once('/').unwrap();
         let (port, token) = (port.parse().unwrap(), token.trim_end_matches('/').to_owned());
-        Self { desk, child, port, token }
+        Self { dir, child, port, token }
     }
 
     pub(crate) fn connect(&self) -> TcpStream {
@@ -134,7 +134,7 @@ impl Served {
 
     /// Whether anything that computes has files.
     pub(crate) fn has_files(&self) -> bool {
-        let own: Vec<_> = fs::read_dir(self.desk.path("tmp")).unwrap().map(|one| one.unwrap().path()).collect();
+        let own: Vec<_> = fs::read_dir(self.dir.path("tmp")).unwrap().map(|one| one.unwrap().path()).collect();
         assert_eq!(own.len(), 1, "{own:?}");
         #[cfg(unix)]
         {

@@ -5,7 +5,7 @@ use std::fs;
 use serde_json::{Value, json};
 use vibrochain_floquet::Mechanism;
 use vibrochain_maps::cell::{Class, Status};
-use vibrochain_testkit::{Cells, Desk, written};
+use vibrochain_testkit::{Cells, TestDir, written};
 
 use crate::served::{Served, scene};
 
@@ -73,9 +73,9 @@ fn a_tile_is_to_the_bit_what_a_sweep_of_its_range_computes() {
                 let own = &mut range["sweep"][axis];
                 (own["from"], own["to"], own["points"]) = (at(0.0).into(), at(63.0).into(), SIDE.into());
             }
-            fs::write(served.desk.path("tile.json"), range.to_string()).unwrap();
-            served.desk.run("sweep tile.json --out tile.csv --quiet").with(0, &[]);
-            let text = String::from_utf8(served.desk.read("tile.csv")).unwrap();
+            fs::write(served.dir.path("tile.json"), range.to_string()).unwrap();
+            served.dir.run("sweep tile.json --out tile.csv --quiet").with(0, &[]);
+            let text = String::from_utf8(served.dir.read("tile.csv")).unwrap();
             let mut lines = text.lines();
             let header: Vec<&str> = lines.next().unwrap().split(',').collect();
             let column = |name: &str| header.iter().position(|own| *own == name).unwrap();
@@ -125,14 +125,14 @@ fn numbers_have_the_colours_of_a_sweep() {
             own["sweep"][axis]["to"] = at(63.0).into();
             own["sweep"][axis]["points"] = SIDE.into();
         }
-        fs::write(served.desk.path("own.json"), own.to_string()).unwrap();
+        fs::write(served.dir.path("own.json"), own.to_string()).unwrap();
         for color in ["spectral_radius", "margin", "solutions"] {
             let line = format!("sweep own.json --out own.csv --png own.png --svg own.svg --color {color} --quiet");
-            served.desk.run(&line).with(0, &[]);
-            let drawn = Cells::of(&served.desk.read("own.png"), SIDE as u32, SIDE as u32);
+            served.dir.run(&line).with(0, &[]);
+            let drawn = Cells::of(&served.dir.read("own.png"), SIDE as u32, SIDE as u32);
             let scale = served.post("scale", &json!({ "scene": own, "color": color })).json();
             let [from, to] = [0, 1].map(|i| scale["ends"][i].as_f64().unwrap());
-            let svg = String::from_utf8(served.desk.read("own.svg")).unwrap();
+            let svg = String::from_utf8(served.dir.read("own.svg")).unwrap();
             let words: Vec<String> = vibrochain_testkit::svg::texts(&svg).into_iter().map(|(_, text)| text).collect();
             let ticks = scale["ticks"].as_array().unwrap();
             let mut told: Vec<&str> = ticks.iter().map(|tick| tick[1].as_str().unwrap()).collect();
@@ -192,7 +192,7 @@ fn a_tile_beyond_the_model_says_so() {
 /// The map of a structure: a tile has the classes that a sweep of its cells' values writes, and a point the orbits that `orbit` prints.
 #[test]
 fn a_structure_is_flown_over_as_it_is_swept() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let scene = |limits: [[f64; 2]; 2], points: usize| {
         let axis = |name: &str, [from, to]: [f64; 2]| {
             format!("{{ parameter = \"{name}\", from = {from:?}, to = {to:?}, points = {points} }}")
@@ -204,9 +204,9 @@ fn a_structure_is_flown_over_as_it_is_swept() {
             axis("contact.0.upper", limits[1])
         )
     };
-    fs::write(desk.path("map.toml"), scene([[0.5, 4.5], [0.05, 0.45]], 9)).unwrap();
-    fs::create_dir(desk.path("tmp")).unwrap();
-    let served = Served::on(desk, " map.toml");
+    fs::write(dir.path("map.toml"), scene([[0.5, 4.5], [0.05, 0.45]], 9)).unwrap();
+    fs::create_dir(dir.path("tmp")).unwrap();
+    let served = Served::on(dir, " map.toml");
     let page = served.get("");
     assert!(page.code == 200 && String::from_utf8(page.body).unwrap().contains("structure.js"));
     for file in ["structure.js", "ask.js", "dom.js", "plane.js", "style.css"] {
@@ -220,9 +220,9 @@ fn a_structure_is_flown_over_as_it_is_swept() {
     let step = [4.0 / (4.0 * side as f64), 0.4 / (4.0 * side as f64)];
     let first = [1.5 + 0.5 * step[0], 0.25 + 0.5 * step[1]];
     let last = [0, 1].map(|i| first[i] + (side - 1) as f64 * step[i]);
-    fs::write(served.desk.path("tile.toml"), scene([[first[0], last[0]], [first[1], last[1]]], side)).unwrap();
-    served.desk.run("sweep tile.toml --out tile.csv").with(0, &[]);
-    let table = fs::read_to_string(served.desk.path("tile.csv")).unwrap();
+    fs::write(served.dir.path("tile.toml"), scene([[first[0], last[0]], [first[1], last[1]]], side)).unwrap();
+    served.dir.run("sweep tile.toml --out tile.csv").with(0, &[]);
+    let table = fs::read_to_string(served.dir.path("tile.csv")).unwrap();
     let mut lines = table.lines();
     assert!(lines.next().unwrap().starts_with("omega,contact.0.upper,class,word,"));
     let cells = tile["cells"].as_array().unwrap();
@@ -240,7 +240,7 @@ fn a_structure_is_flown_over_as_it_is_swept() {
     assert_eq!(told.as_array().unwrap().len(), 2);
     let own = written(
         &served
-            .desk
+            .dir
             .run("orbit --scene map.toml --word 0+ --set omega=2.325 --set contact.0.upper=0.1 --json")
             .with(0, &[])
             .out,
@@ -256,7 +256,7 @@ fn a_structure_is_flown_over_as_it_is_swept() {
     }
     served.post("tile", &json!({ "scene": {}, "z": 0, "x": 0, "y": 0 })).refused(400);
     // What cannot be flown over.
-    let desk = Desk::new();
-    fs::write(desk.path("line.toml"), scene([[0.5, 4.5], [0.05, 0.45]], 9).replace("\ny = ", "\n# y = ")).unwrap();
-    desk.run("explore line.toml").with(2, &["two axes"]);
+    let dir = TestDir::new();
+    fs::write(dir.path("line.toml"), scene([[0.5, 4.5], [0.05, 0.45]], 9).replace("\ny = ", "\n# y = ")).unwrap();
+    dir.run("explore line.toml").with(2, &["two axes"]);
 }

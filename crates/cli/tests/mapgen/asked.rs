@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde_json::Value;
-use vibrochain_testkit::{Desk, mapgen, written};
+use vibrochain_testkit::{TestDir, mapgen, written};
 
 pub(crate) const SCENE: &str = r#"
 [model]
@@ -18,8 +18,8 @@ families = ["double-sided", "single-sided"]
 stability = true
 "#;
 
-pub(crate) fn sweep(desk: &Desk, scene: &Path, flags: &[&str]) -> assert_cmd::assert::Assert {
-    mapgen(&["sweep"]).arg(scene).arg("--out").arg(desk.path("map.csv")).args(flags).assert()
+pub(crate) fn sweep(dir: &TestDir, scene: &Path, flags: &[&str]) -> assert_cmd::assert::Assert {
+    mapgen(&["sweep"]).arg(scene).arg("--out").arg(dir.path("map.csv")).args(flags).assert()
 }
 
 /// The scene with the paper's force.

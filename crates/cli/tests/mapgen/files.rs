@@ -2,7 +2,7 @@
 
 use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
-use vibrochain_testkit::{Desk, mapgen};
+use vibrochain_testkit::{TestDir, mapgen};
 
 use crate::asked::{POINT, SCENE, sweep};
 
@@ -16,20 +16,20 @@ fn studies_are_named_where_they_went() {
 
 #[test]
 fn no_file_may_have_two_uses() {
-    let desk = Desk::new();
-    let scene = desk.scene(SCENE);
-    let same = desk.path("map.csv");
-    sweep(&desk, &scene, &["--png", same.to_str().unwrap()])
+    let dir = TestDir::new();
+    let scene = dir.scene(SCENE);
+    let same = dir.path("map.csv");
+    sweep(&dir, &scene, &["--png", same.to_str().unwrap()])
         .code(2)
         .stderr(contains("--out and --png are the same file"));
-    let manifest = desk.path("map.manifest.json");
-    sweep(&desk, &scene, &["--svg", manifest.to_str().unwrap()])
+    let manifest = dir.path("map.manifest.json");
+    sweep(&dir, &scene, &["--svg", manifest.to_str().unwrap()])
         .code(2)
         .stderr(contains("the manifest of --out and --svg"));
     let onto = mapgen(&[]).arg("sweep").arg(&scene).arg("--out").arg(&scene).assert();
     onto.code(2).stderr(contains("the scene and --out are the same file"));
-    assert_eq!(desk.names("."), ["scene.toml"]);
-    let table = desk.path("table.csv");
+    assert_eq!(dir.names("."), ["scene.toml"]);
+    let table = dir.path("table.csv");
     let mut command = mapgen(&[]);
     command
         .args(["simulate", "--family", "double-sided"])
@@ -43,10 +43,10 @@ fn no_file_may_have_two_uses() {
 
 #[test]
 fn nothing_to_plot_does_not_hide_the_answer() {
-    let desk = Desk::new();
-    let plot = desk.path("orbit.png");
+    let dir = TestDir::new();
+    let plot = dir.path("orbit.png");
     let run =
         mapgen(&[]).args(["orbit", "--family", "period-doubled", "--json", "--plot"]).arg(&plot).args(POINT).assert();
     run.success().stdout(contains("\"solutions\": []")).stderr(contains("nothing to plot"));
-    assert!(desk.names(".").is_empty());
+    assert!(dir.names(".").is_empty());
 }

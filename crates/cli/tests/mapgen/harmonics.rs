@@ -3,7 +3,7 @@
 use std::fs;
 
 use predicates::str::contains;
-use vibrochain_testkit::{Desk, mapgen};
+use vibrochain_testkit::{TestDir, mapgen};
 
 use crate::asked::{POINT, SCENE, forced, orbit_json, sweep};
 
@@ -62,30 +62,30 @@ fn a_run_under_several_harmonics_stays_on_its_orbit() {
 
 #[test]
 fn a_scene_with_several_harmonics() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let with = |force: &str| {
         SCENE.replace("sites = 11", &format!("sites = 11\nforcing = {{ restitution = 0.9 }}\nforce = {force}"))
     };
     let table = |scene: &str, flags: &[&str]| {
-        sweep(&desk, &desk.scene(scene), flags).success();
-        fs::read(desk.path("map.csv")).unwrap()
+        sweep(&dir, &dir.scene(scene), flags).success();
+        fs::read(dir.path("map.csv")).unwrap()
     };
     // A plain cosine in a list gives the same table.
     let plain = table(&forced(), &[]);
     assert!(plain == table(&with("[{ harmonic = 1, amplitude = 0.1 }]"), &[]));
     let few = |scene: &str| scene.replace("points = 40", "points = 8").replace("points = 30", "points = 6");
     let square = few(&with("[{ harmonic = 1, amplitude = 0.1 }, { harmonic = 3, amplitude = -0.03, phase = 0.5 }]"));
-    let picture = desk.path("map.svg");
+    let picture = dir.path("map.svg");
     let one = table(&square, &["--threads", "1", "--svg", picture.to_str().unwrap()]);
     assert!(one == table(&square, &["--threads", "2"]) && one != table(&few(&forced()), &[]));
     assert!(String::from_utf8(one).unwrap().contains("-double,"));
     assert!(fs::read_to_string(picture).unwrap().contains("force 1:0.1:0,3:-0.03:0.5"));
     table(&square, &[]);
-    let manifest = desk.json("map.manifest.json");
+    let manifest = dir.json("map.manifest.json");
     assert_eq!(manifest["model"]["force"][1]["phase"], 0.5);
     assert!(manifest["model"].get("amplitude").is_none());
     // An amplitude on an axis has nothing to act on.
     let swept = square.replace(r#""gamma2", from = 0.0"#, r#""amplitude", from = 0.05"#);
     let swept = swept.replace("asymmetry = 0.4", "asymmetry = 0.4\ngamma2 = 0.1");
-    sweep(&desk, &desk.scene(&swept), &[]).code(2).stderr(contains("amplitude and force are both given"));
+    sweep(&dir, &dir.scene(&swept), &[]).code(2).stderr(contains("amplitude and force are both given"));
 }

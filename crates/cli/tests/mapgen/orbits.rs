@@ -5,7 +5,7 @@ use std::fs;
 use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
 use serde_json::Value;
-use vibrochain_testkit::{Desk, mapgen, written};
+use vibrochain_testkit::{TestDir, mapgen, written};
 
 use crate::asked::{POINT, SCENE, orbit_json};
 
@@ -172,19 +172,19 @@ fn multipliers_of_uncoupled_masses_are_all_numbers() {
 
 #[test]
 fn orbit_pictures() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     for name in ["orbit.png", "orbit.svg"] {
-        let path = desk.path(name);
+        let path = dir.path(name);
         mapgen(&[]).args(["orbit", "--family", "double-sided", "--plot"]).arg(&path).args(POINT).assert().success();
         assert!(fs::metadata(path).unwrap().len() > 5000);
     }
-    assert!(fs::read_to_string(desk.path("orbit.svg")).unwrap().contains("impacting mass"));
+    assert!(fs::read_to_string(dir.path("orbit.svg")).unwrap().contains("impacting mass"));
 }
 
 #[test]
 fn two_masses_have_two_springs_and_one_needs_none() {
-    let desk = Desk::new();
-    let of = |chain: &str| desk.run(&format!("orbit --family double-sided {chain} --omega 1.5 --asymmetry .4"));
+    let dir = TestDir::new();
+    let of = |chain: &str| dir.run(&format!("orbit --family double-sided {chain} --omega 1.5 --asymmetry .4"));
     let two = "a ring of two masses has two springs of gamma2 between them";
     of("--sites 2 --gamma1 .2 --gamma2 .1").with(0, &[two]);
     for chain in [
@@ -194,8 +194,8 @@ fn two_masses_have_two_springs_and_one_needs_none() {
     ] {
         assert_eq!(of(chain).with(0, &[]).err, "", "{chain}");
     }
-    desk.scene(&SCENE.replace("sites = 11", "sites = 2"));
-    desk.run("sweep scene.toml --out map.csv").with(0, &[two]);
+    dir.scene(&SCENE.replace("sites = 11", "sites = 2"));
+    dir.run("sweep scene.toml --out map.csv").with(0, &[two]);
     // A mass alone has no neighbour: the coupling means nothing.
     let answers = ["0", "1"].map(|gamma2| {
         let mut answer: Vec<String> = Vec::new();
@@ -204,7 +204,7 @@ fn two_masses_have_two_springs_and_one_needs_none() {
                 let line = format!(
                     "orbit --family {family} --sites 1 --gamma1 0 --gamma2 {gamma2} --omega 1.5 --asymmetry .4{force}"
                 );
-                answer.push(desk.run(&line).with(0, &[]).out.replace("gamma2 = 1", "gamma2 = 0").replace(',', " "));
+                answer.push(dir.run(&line).with(0, &[]).out.replace("gamma2 = 1", "gamma2 = 0").replace(',', " "));
             }
         }
         answer

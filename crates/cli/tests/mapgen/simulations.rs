@@ -4,14 +4,14 @@ use std::fs;
 
 use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
-use vibrochain_testkit::{Desk, mapgen};
+use vibrochain_testkit::{TestDir, mapgen};
 
 use crate::asked::{POINT, SMALL, rows};
 
 #[test]
 fn a_simulation_from_an_orbit_stays_on_it_and_writes_events_and_trajectory() {
-    let desk = Desk::new();
-    let (impacts, trajectory, plot) = (desk.path("impacts.csv"), desk.path("trajectory.csv"), desk.path("run.png"));
+    let dir = TestDir::new();
+    let (impacts, trajectory, plot) = (dir.path("impacts.csv"), dir.path("trajectory.csv"), dir.path("run.png"));
     let simulate = mapgen(&[])
         .args(["simulate", "--family", "double-sided", "--periods", "10", "--samples", "16"])
         .args(POINT)
@@ -67,8 +67,8 @@ fn perturbations_are_repeatable_and_an_unstable_one_grows() {
 
 #[test]
 fn a_simulation_from_a_state_meets_sticking_and_stops_where_it_is_told() {
-    let desk = Desk::new();
-    let (state, impacts) = (desk.path("state.json"), desk.path("impacts.csv"));
+    let dir = TestDir::new();
+    let (state, impacts) = (dir.path("state.json"), dir.path("impacts.csv"));
     fs::write(&state, r#"{"displacement":[0,0,0,0,0],"velocity":[0.5,0,0,0,0]}"#).unwrap();
     let run = |flags: &[&str]| {
         let mut command = mapgen(&[]);
@@ -90,8 +90,8 @@ fn a_simulation_from_a_state_meets_sticking_and_stops_where_it_is_told() {
 
 #[test]
 fn a_cascade_without_end_is_told_and_what_was_simulated_is_kept() {
-    let desk = Desk::new();
-    let (state, impacts) = (desk.path("state.json"), desk.path("impacts.csv"));
+    let dir = TestDir::new();
+    let (state, impacts) = (dir.path("state.json"), dir.path("impacts.csv"));
     // Pressed against the upper barrier by the force, with elastic impacts.
     fs::write(&state, r#"{"displacement":[1.4],"velocity":[-1e-9]}"#).unwrap();
     let flags = ["--sites", "1", "--gamma1", ".2", "--gamma2", "0", "--omega", ".4", "--asymmetry", ".4"];
@@ -104,8 +104,8 @@ fn a_cascade_without_end_is_told_and_what_was_simulated_is_kept() {
 
 #[test]
 fn wrong_simulations() {
-    let desk = Desk::new();
-    let state = desk.path("state.json");
+    let dir = TestDir::new();
+    let state = dir.path("state.json");
     for (text, message) in [
         (r#"{"displacement":[0,0,0,0],"velocity":[0,0,0,0,0]}"#, "displacement"),
         (r#"{"displacement":[0,0,0,0,2],"velocity":[0,0,0,0,0]}"#, "site 4"),
@@ -143,8 +143,8 @@ fn wrong_simulations() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_simulation_keeps_what_it_has_however_long_a_period_is() {
-    let desk = Desk::new();
-    let (state, impacts) = (desk.path("state.json"), desk.path("impacts.csv"));
+    let dir = TestDir::new();
+    let (state, impacts) = (dir.path("state.json"), dir.path("impacts.csv"));
     fs::write(&state, r#"{"displacement":[0,0,0,0,0],"velocity":[1,1,1,1,1]}"#).unwrap();
     let mut arguments: Vec<_> = SMALL.to_vec();
     arguments[7] = "1e-50";
@@ -152,12 +152,12 @@ fn an_interrupted_simulation_keeps_what_it_has_however_long_a_period_is() {
     command.arg("simulate").arg("--state").arg(&state).arg("--impacts").arg(&impacts).args(arguments);
     command.args(["--max-impacts", "9000000000000000000"]);
     let mut child = command.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::null()).spawn().unwrap();
-    while desk.names(".").len() < 2 {
+    while dir.names(".").len() < 2 {
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
     std::thread::sleep(std::time::Duration::from_millis(300));
     assert!(std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap().success());
     assert_eq!(child.wait().unwrap().code(), Some(130));
-    assert_eq!(desk.names("."), ["impacts.csv", "state.json"]);
+    assert_eq!(dir.names("."), ["impacts.csv", "state.json"]);
     assert!(rows(&impacts).len() > 100);
 }

@@ -5,20 +5,20 @@ use std::fs;
 use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
 use serde_json::Value;
-use vibrochain_testkit::{Desk, mapgen, written};
+use vibrochain_testkit::{TestDir, mapgen, written};
 
 use crate::asked::{SCENE, forced, rows, sweep};
 
 #[test]
 fn a_sweep_writes_table_manifest_and_pictures_and_nothing_else() {
-    let desk = Desk::new();
-    let scene = desk.scene(SCENE);
-    let (png, svg) = (desk.path("map.png"), desk.path("map.svg"));
+    let dir = TestDir::new();
+    let scene = dir.scene(SCENE);
+    let (png, svg) = (dir.path("map.png"), dir.path("map.svg"));
     let flags = ["--png", png.to_str().unwrap(), "--svg", svg.to_str().unwrap()];
-    sweep(&desk, &scene, &flags).success().stdout("").stderr(contains("1200 cells").and(contains("worst residual")));
-    assert_eq!(desk.names("."), ["map.csv", "map.manifest.json", "map.png", "map.svg", "scene.toml"]);
+    sweep(&dir, &scene, &flags).success().stdout("").stderr(contains("1200 cells").and(contains("worst residual")));
+    assert_eq!(dir.names("."), ["map.csv", "map.manifest.json", "map.png", "map.svg", "scene.toml"]);
 
-    let mut table = csv::Reader::from_path(desk.path("map.csv")).unwrap();
+    let mut table = csv::Reader::from_path(dir.path("map.csv")).unwrap();
     let header: Vec<_> = table.headers().unwrap().iter().map(str::to_owned).collect();
     let columns = ["gamma2", "omega", "class", "mechanism", "spectral_radius", "margin", "solutions", "status"];
     assert_eq!(header, columns);
@@ -35,7 +35,7 @@ fn a_sweep_writes_table_manifest_and_pictures_and_nothing_else() {
     }
     assert_eq!((&rows[0][0], &rows[0][1], &rows[1199][0], &rows[1199][1]), ("0", "0.4", "0.3", "3"));
 
-    let manifest = desk.json("map.manifest.json");
+    let manifest = dir.json("map.manifest.json");
     assert_eq!((&manifest["cells"], &manifest["model"]["sites"]), (&1200.into(), &11.into()));
     assert_eq!(manifest["sweep"]["x"]["parameter"], "omega");
     assert!(manifest["wall_seconds"].as_f64().unwrap() > 0.0 && manifest["version"].is_string());
@@ -50,7 +50,7 @@ fn a_sweep_writes_table_manifest_and_pictures_and_nothing_else() {
 /// What a manifest says of its scene is the scene; and its model may be pasted into one.
 #[test]
 fn a_manifest_is_a_scene() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let harmonics = "force = [{ harmonic = 1, amplitude = 0.1 }, { harmonic = 3, amplitude = 0.02, phase = 1.0 }]";
     let small = |text: &str| text.replace("points = 40", "points = 7").replace("points = 30", "points = 3");
     let harmonics = format!("sites = 11\n{harmonics}\nrestitution = 0.9");
@@ -60,78 +60,78 @@ fn a_manifest_is_a_scene() {
     );
     let third = third.replace("asymmetry = 0.4", "asymmetry = 0.4\nrestitution = 0.8");
     for text in [SCENE.to_owned(), forced(), SCENE.replace("sites = 11", &harmonics), third] {
-        sweep(&desk, &desk.scene(&small(&text)), &["--threshold", "1e-3"]).success();
-        let manifest = desk.path("map.manifest.json");
-        let (table, first) = (fs::read(desk.path("map.csv")).unwrap(), fs::read(&manifest).unwrap());
-        fs::write(desk.path("again.json"), first).unwrap();
-        mapgen(&["sweep"]).arg(desk.path("again.json")).arg("--out").arg(desk.path("again.csv")).assert().success();
-        assert_eq!(fs::read(desk.path("again.csv")).unwrap(), table, "{text}");
+        sweep(&dir, &dir.scene(&small(&text)), &["--threshold", "1e-3"]).success();
+        let manifest = dir.path("map.manifest.json");
+        let (table, first) = (fs::read(dir.path("map.csv")).unwrap(), fs::read(&manifest).unwrap());
+        fs::write(dir.path("again.json"), first).unwrap();
+        mapgen(&["sweep"]).arg(dir.path("again.json")).arg("--out").arg(dir.path("again.csv")).assert().success();
+        assert_eq!(fs::read(dir.path("again.csv")).unwrap(), table, "{text}");
         // The model alone, as `key = value`.
         let manifest = written(fs::read(manifest).unwrap());
         let line = |(key, value): (&String, &Value)| format!("{key} = {}\n", value.to_string().replace("\":", "\"="));
         let model: String = manifest["model"].as_object().unwrap().iter().map(line).collect();
         let text = small(&text);
         let sweep_part = &text[text.find("[sweep]").unwrap()..];
-        sweep(&desk, &desk.scene(&format!("[model]\n{model}{sweep_part}")), &["--threshold", "1e-3"]).success();
-        assert_eq!(fs::read(desk.path("map.csv")).unwrap(), table, "{model}");
+        sweep(&dir, &dir.scene(&format!("[model]\n{model}{sweep_part}")), &["--threshold", "1e-3"]).success();
+        assert_eq!(fs::read(dir.path("map.csv")).unwrap(), table, "{model}");
     }
 }
 
 #[test]
 fn threads_do_not_change_a_byte() {
-    let desk = Desk::new();
-    let scene = desk.scene(&forced());
+    let dir = TestDir::new();
+    let scene = dir.scene(&forced());
     let tables = ["1", "2", "3"].map(|threads| {
-        sweep(&desk, &scene, &["--threads", threads]).success();
-        fs::read(desk.path("map.csv")).unwrap()
+        sweep(&dir, &scene, &["--threads", threads]).success();
+        fs::read(dir.path("map.csv")).unwrap()
     });
     assert!(tables[0].len() > 1200 * 20 && tables[0] == tables[1] && tables[1] == tables[2]);
 }
 
 #[test]
 fn existence_alone_has_classes_without_a_word_on_stability() {
-    let desk = Desk::new();
-    let scene = desk.scene(&SCENE.replace("stability = true", ""));
-    sweep(&desk, &scene, &["--quiet"]).success().stderr("");
-    let text = fs::read_to_string(desk.path("map.csv")).unwrap();
+    let dir = TestDir::new();
+    let scene = dir.scene(&SCENE.replace("stability = true", ""));
+    sweep(&dir, &scene, &["--quiet"]).success().stderr("");
+    let text = fs::read_to_string(dir.path("map.csv")).unwrap();
     assert!(text.contains(",double,,,") && text.contains(",single,,,") && !text.contains("stable"));
 }
 
 #[test]
 fn other_axes_have_columns_of_their_own() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let text = SCENE
         .replace("asymmetry = 0.4", "asymmetry = 0.4\ngamma2 = 0.1\nomega = 1.5\nforcing = {}")
         .replace(r#""omega", from = 0.4, to = 3.0"#, r#""restitution", from = 0.2, to = 1.0"#)
         .replace(r#""gamma2", from = 0.0"#, r#""amplitude", from = 0.05"#);
-    let scene = desk.scene(&text);
-    sweep(&desk, &scene, &[]).success();
-    let text = fs::read_to_string(desk.path("map.csv")).unwrap();
+    let scene = dir.scene(&text);
+    sweep(&dir, &scene, &[]).success();
+    let text = fs::read_to_string(dir.path("map.csv")).unwrap();
     assert!(text.starts_with("gamma2,omega,amplitude,restitution,class,"));
     assert!(text.lines().nth(1).unwrap().starts_with("0.1,1.5,0.05,0.2,"));
 }
 
 #[test]
 fn a_cell_on_a_resonance_is_marked_and_the_sweep_goes_on() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     // Ω₀ = 0.5 is met by ω = 0.5 and by its half.
     let text = SCENE
         .replace("gamma1 = 0.2", "gamma1 = 0.25")
         .replace("from = 0.4, to = 3.0, points = 40", "from = 0.25, to = 1.0, points = 4");
-    let scene = desk.scene(&text);
-    sweep(&desk, &scene, &[]).success().stderr(contains("status resonance"));
-    let text = fs::read_to_string(desk.path("map.csv")).unwrap();
+    let scene = dir.scene(&text);
+    sweep(&dir, &scene, &[]).success().stderr(contains("status resonance"));
+    let text = fs::read_to_string(dir.path("map.csv")).unwrap();
     assert!(text.lines().filter(|line| line.ends_with(",none,,,,0,resonance")).count() >= 60);
     assert!(text.lines().any(|line| line.ends_with(",ok")));
 }
 
 #[test]
 fn a_threshold_makes_weak_growth_count_as_stable() {
-    let desk = Desk::new();
-    let scene = desk.scene(&forced());
+    let dir = TestDir::new();
+    let scene = dir.scene(&forced());
     let count = |flags: &[&str]| {
-        sweep(&desk, &scene, flags).success();
-        fs::read_to_string(desk.path("map.csv")).unwrap().matches(",stable-double,").count()
+        sweep(&dir, &scene, flags).success();
+        fs::read_to_string(dir.path("map.csv")).unwrap().matches(",stable-double,").count()
     };
     let (strict, paper) = (count(&[]), count(&["--threshold", "0.01"]));
     assert!(paper > strict + 50, "{strict} {paper}");
@@ -213,18 +213,18 @@ fn wrong_scenes() {
         ("[compute]", "[computes]".into(), "unknown key `computes`: did you mean `compute`?"),
     ];
     for (from, to, message) in cases {
-        let desk = Desk::new();
+        let dir = TestDir::new();
         assert!(SCENE.contains(from));
-        let scene = desk.scene(&SCENE.replacen(from, &to, 1));
-        sweep(&desk, &scene, &[]).code(2).stdout("").stderr(contains(message).and(contains("scene.toml:")));
-        assert_eq!(desk.names("."), ["scene.toml"], "{message}");
+        let scene = dir.scene(&SCENE.replacen(from, &to, 1));
+        sweep(&dir, &scene, &[]).code(2).stdout("").stderr(contains(message).and(contains("scene.toml:")));
+        assert_eq!(dir.names("."), ["scene.toml"], "{message}");
     }
 }
 
 #[test]
 fn wrong_sweep_flags() {
-    let desk = Desk::new();
-    let scene = desk.scene(SCENE);
+    let dir = TestDir::new();
+    let scene = dir.scene(SCENE);
     for (flags, message) in [
         (vec!["--threads", "0"], "out of range: give a whole number from 1 to 1024"),
         (vec!["--threads", "two"], "invalid value 'two' for '--threads <N>': not a whole number"),
@@ -234,12 +234,12 @@ fn wrong_sweep_flags() {
         (vec!["--pgn", "x.png"], "unexpected argument '--pgn'"),
         (vec!["--png", "/"], "cannot write /"),
     ] {
-        sweep(&desk, &scene, &flags).code(2).stderr(contains(message));
-        assert_eq!(desk.names("."), ["scene.toml"]);
+        sweep(&dir, &scene, &flags).code(2).stderr(contains(message));
+        assert_eq!(dir.names("."), ["scene.toml"]);
     }
-    sweep(&desk, &desk.path("missing.toml"), &[]).code(2).stderr(contains("cannot read scene"));
-    let twice = desk.scene(&format!("{SCENE}\nthreshold = 0.1"));
-    sweep(&desk, &twice, &["--threshold", "0.1"]).code(2).stderr(contains("threshold is given twice"));
+    sweep(&dir, &dir.path("missing.toml"), &[]).code(2).stderr(contains("cannot read scene"));
+    let twice = dir.scene(&format!("{SCENE}\nthreshold = 0.1"));
+    sweep(&dir, &twice, &["--threshold", "0.1"]).code(2).stderr(contains("threshold is given twice"));
     mapgen(&[]).args(["sweep", "x.toml"]).assert().code(2).stderr(contains("--out"));
     mapgen(&[]).assert().code(2).stderr(contains("Usage"));
     mapgen(&[]).arg("--help").assert().success().stdout(contains("sweep").and(contains("orbit")));
@@ -247,10 +247,10 @@ fn wrong_sweep_flags() {
 
 #[test]
 fn a_ring_that_nothing_holds_is_swept_with_a_force() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let text = forced().replace("gamma1 = 0.2", "gamma1 = 0.0").replace("from = 0.0, to = 0.3", "from = 0.1, to = 0.3");
-    sweep(&desk, &desk.scene(&text), &[]).success();
-    let table = rows(&desk.path("map.csv"));
+    sweep(&dir, &dir.scene(&text), &[]).success();
+    let table = rows(&dir.path("map.csv"));
     assert!(table.iter().all(|row| &row[7] == "ok"));
     assert!(table.iter().filter(|row| &row[6] == "2").count() > 100);
 }
@@ -258,18 +258,18 @@ fn a_ring_that_nothing_holds_is_swept_with_a_force() {
 /// The line on breathers that grow slowly counts what the table has, computed in one go or read back from chunks.
 #[test]
 fn a_forced_map_tells_how_much_of_it_grows_slowly() {
-    let desk = Desk::new();
-    desk.scene(
+    let dir = TestDir::new();
+    dir.scene(
         &SCENE
             .replace("[sweep]", "amplitude = 0.1\nrestitution = 0.9\n[sweep]")
             .replace("points = 40", "points = 9")
             .replace("points = 30", "points = 7"),
     );
-    let whole = desk.run("sweep scene.toml --out map.csv").with(0, &[]).err;
-    desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
-    let merged = desk.run("merge parts --out again.csv").with(0, &[]).err;
+    let whole = dir.run("sweep scene.toml --out map.csv").with(0, &[]).err;
+    dir.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
+    let merged = dir.run("merge parts --out again.csv").with(0, &[]).err;
     let (mut unstable, mut slow) = (0, 0);
-    for row in csv::Reader::from_path(desk.path("map.csv")).unwrap().records().map(Result::unwrap) {
+    for row in csv::Reader::from_path(dir.path("map.csv")).unwrap().records().map(Result::unwrap) {
         if row[2].starts_with("unstable") {
             unstable += 1;
             slow += u32::from(row[4].parse::<f64>().unwrap() < 1.01);
@@ -280,6 +280,6 @@ fn a_forced_map_tells_how_much_of_it_grows_slowly() {
         "\n{slow} of the {unstable} unstable cells grow by less than 1 % a period: --threshold 0.01 calls them stable\n"
     );
     assert!(whole.contains(&told) && merged.contains(&told), "{told}{whole}{merged}");
-    let lenient = desk.run("sweep scene.toml --out map.csv --threshold .01").with(0, &[]).err;
+    let lenient = dir.run("sweep scene.toml --out map.csv --threshold .01").with(0, &[]).err;
     assert!(!lenient.contains("calls them stable"), "{lenient}");
 }

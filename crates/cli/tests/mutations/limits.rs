@@ -7,7 +7,7 @@ use std::fs;
 use crate::inputs::Input;
 use crate::judge::{Outcome, complaints};
 use crate::plan::{Plan, WORK, plan};
-use crate::run::Desk;
+use crate::run::TestDir;
 use crate::{SEED, setting};
 
 /// Requests that are run under limits.
@@ -57,16 +57,16 @@ fn slow_a_hundred_requests_of_all_commands_keep_within_memory_and_time() {
 
 fn requests_under_limits(count: u64) {
     let seed = setting("MUTATIONS_SEED", SEED);
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let (mut ended, mut cut, mut wrong) = ([0_u64; 4], 0, Vec::new());
     for number in 0..count {
-        for entry in fs::read_dir(desk.folder.path()).unwrap().flatten() {
+        for entry in fs::read_dir(dir.folder.path()).unwrap().flatten() {
             if entry.file_type().unwrap().is_file() {
                 fs::remove_file(entry.path()).unwrap();
             }
         }
         let input = Input::of_all_commands(seed, number);
-        desk.lay_out(&input);
+        dir.lay_out(&input);
         let short = plan(&input.line, WORK) == Plan::Whole;
         match limited(&input.line, SECONDS[usize::from(!short)]) {
             Ok(Some(outcome)) => {

@@ -24,7 +24,7 @@ use std::path::Path;
 use inputs::Input;
 use judge::{complaints, file_complaints};
 use plan::{Plan, WORK, plan};
-use run::{Desk, mapgen};
+use run::{TestDir, mapgen};
 
 const COUNT: u64 = 50_000;
 /// Of these, what there is always time for.
@@ -49,7 +49,7 @@ fn slow_fifty_thousand_damaged_requests() {
 fn damaged_requests(count: u64) {
     let seed = setting("MUTATIONS_SEED", SEED);
     let work = setting("MUTATIONS_WORK", WORK as u64) as f64;
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let outputs = ["map.csv", "map.manifest.json", "impacts.csv", "trajectory.csv"];
     // Runs by subcommand and exit code.
     let mut ran = [[0_u64; 4]; 4];
@@ -61,7 +61,7 @@ fn damaged_requests(count: u64) {
         if only.is_some() {
             println!("{}", input.tell());
         }
-        desk.lay_out(&input);
+        dir.lay_out(&input);
         let plan = plan(&input.line, work);
         planned[plan as usize] += 1;
         if plan == Plan::Parameters {
@@ -113,17 +113,17 @@ fn damaged_requests(count: u64) {
 
 #[test]
 fn the_real_program_says_the_same() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let program = assert_cmd::cargo::cargo_bin("mapgen");
     let mut compared = 0;
     for number in 0.. {
         let input = Input::new(SEED + 1, number);
-        desk.lay_out(&input);
+        dir.lay_out(&input);
         if plan(&input.line, WORK) != Plan::Whole {
             continue;
         }
         let real = std::process::Command::new(&program).args(&input.line[1..]).output().unwrap();
-        desk.lay_out(&input);
+        dir.lay_out(&input);
         let outcome = mapgen(&input.line, false);
         assert_eq!(real.status.code(), Some(i32::from(outcome.code)), "{}", input.tell());
         // Help is an answer, and clap prints it as one. What a sweep took is not the same twice.

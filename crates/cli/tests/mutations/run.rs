@@ -32,21 +32,21 @@ pub(crate) fn mapgen(line: &[OsString], stopped: bool) -> Outcome {
 }
 
 /// A folder of its own as the present one, while it lives; there is one present folder in a process.
-pub(crate) struct Desk {
+pub(crate) struct TestDir {
     pub(crate) folder: TempDir,
     pub(crate) home: PathBuf,
     pub(crate) _alone: MutexGuard<'static, ()>,
 }
 
-impl Desk {
+impl TestDir {
     pub(crate) fn new() -> Self {
         static ALONE: Mutex<()> = Mutex::new(());
         let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
         // In memory, where there is such a folder: a disk would take minutes to see to it that nothing is ever lost.
         let folder = tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).unwrap();
-        let desk = Self { folder, home: std::env::current_dir().unwrap(), _alone: alone };
-        std::env::set_current_dir(desk.folder.path()).unwrap();
-        desk
+        let dir = Self { folder, home: std::env::current_dir().unwrap(), _alone: alone };
+        std::env::set_current_dir(dir.folder.path()).unwrap();
+        dir
     }
 
     pub(crate) fn lay_out(&self, input: &Input) {
@@ -72,7 +72,7 @@ impl Desk {
     }
 }
 
-impl Drop for Desk {
+impl Drop for TestDir {
     fn drop(&mut self) {
         // A folder that cannot be left stays behind, that is all.
         let _ = std::env::set_current_dir(&self.home);

@@ -5,7 +5,7 @@ use std::fs;
 use std::os::unix::fs::{FileTypeExt, symlink};
 use std::process::{Command, Output};
 
-use vibrochain_testkit::{Desk, SCENE};
+use vibrochain_testkit::{SCENE, TestDir};
 
 pub(crate) const POINT: &str = "--sites 6 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4";
 
@@ -15,12 +15,12 @@ pub(crate) fn large() -> String {
 }
 
 /// 1200 cells with stability, and the same as chunks.
-pub(crate) fn small() -> Desk {
+pub(crate) fn small() -> TestDir {
     let scene = SCENE.replace("points = 1600", "points = 40").replace("points = 300", "points = 30");
-    let desk = Desk::with_scene(&scene.replace("families", "stability = true\nfamilies"));
-    desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
-    fs::create_dir(desk.path("elsewhere")).unwrap();
-    desk
+    let dir = TestDir::with_scene(&scene.replace("families", "stability = true\nfamilies"));
+    dir.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
+    fs::create_dir(dir.path("elsewhere")).unwrap();
+    dir
 }
 
 /// Every option that names a file, as FILE in a line, and an ending that it may have.
@@ -56,26 +56,26 @@ fn has_manifest(line: &str) -> bool {
 }
 
 /// What a line writes into a plain file, which is then removed.
-fn expected(desk: &Desk, line: &str, ending: &str) -> Vec<u8> {
+fn expected(dir: &TestDir, line: &str, ending: &str) -> Vec<u8> {
     let name = format!("expected.{ending}");
-    desk.run(&line.replace("FILE", &name)).with(0, &[]);
-    let bytes = desk.read(&name);
+    dir.run(&line.replace("FILE", &name)).with(0, &[]);
+    let bytes = dir.read(&name);
     assert!(bytes.len() > 100, "{line}");
-    fs::remove_file(desk.path(&name)).unwrap();
-    let _ = fs::remove_file(desk.path("expected.manifest.json"));
+    fs::remove_file(dir.path(&name)).unwrap();
+    let _ = fs::remove_file(dir.path("expected.manifest.json"));
     bytes
 }
 
-fn raw(desk: &Desk, line: &str) -> Output {
-    desk.command(line).output().unwrap()
+fn raw(dir: &TestDir, line: &str) -> Output {
+    dir.command(line).output().unwrap()
 }
 
-pub(crate) fn make_pipe(desk: &Desk, name: &str) {
-    assert!(Command::new("mkfifo").arg(desk.path(name)).status().unwrap().success());
+pub(crate) fn make_pipe(dir: &TestDir, name: &str) {
+    assert!(Command::new("mkfifo").arg(dir.path(name)).status().unwrap().success());
 }
 
-pub(crate) fn is_pipe(desk: &Desk, name: &str) -> bool {
-    fs::symlink_metadata(desk.path(name)).unwrap().file_type().is_fifo()
+pub(crate) fn is_pipe(dir: &TestDir, name: &str) -> bool {
+    fs::symlink_metadata(dir.path(name)).unwrap().file_type().is_fifo()
 }
 
 /// A document names itself.
@@ -89,75 +89,75 @@ fn same(document: &[u8], expected: &[u8], name: &str, ending: &str) -> bool {
 
 #[test]
 fn standard_output_takes_any_one_file_and_words_go_elsewhere() {
-    let desk = small();
+    let dir = small();
     for (line, ending) in options() {
-        let expected = expected(&desk, &line, ending);
-        let before = desk.names(".");
+        let expected = expected(&dir, &line, ending);
+        let before = dir.names(".");
         // Without an ending a table is plain, and --plot a PNG.
         if ending == "csv.gz" {
             continue;
         }
-        let ran = raw(&desk, &line.replace("FILE", "-"));
+        let ran = raw(&dir, &line.replace("FILE", "-"));
         assert_eq!(ran.status.code(), Some(0), "{line} {ran:?}");
         assert!(same(&ran.stdout, &expected, "-", ending), "{line}");
-        assert_eq!(desk.names("."), before, "{line}");
+        assert_eq!(dir.names("."), before, "{line}");
         // By its other names, and by a link: from there a regular file is not put in its place either.
         for name in ["/proc/self/fd/1", "/dev/fd/1", "link"] {
-            let _ = fs::remove_file(desk.path("link"));
-            symlink("/proc/self/fd/1", desk.path("link")).unwrap();
+            let _ = fs::remove_file(dir.path("link"));
+            symlink("/proc/self/fd/1", dir.path("link")).unwrap();
             let shown = line.replace("FILE", name);
-            let ran = desk.shell(&format!("{{ echo before; mapgen {shown} 2>words; echo after; }} > got"));
+            let ran = dir.shell(&format!("{{ echo before; mapgen {shown} 2>words; echo after; }} > got"));
             ran.with(0, &[]);
-            let got = desk.read("got");
+            let got = dir.read("got");
             let inner = got.strip_prefix(b"before\n").and_then(|rest| rest.strip_suffix(b"after\n"));
             assert!(same(inner.unwrap(), &expected, name, ending), "{shown}");
-            ["got", "words", "link"].iter().for_each(|name| fs::remove_file(desk.path(name)).unwrap());
-            assert_eq!(desk.names("."), before, "{shown}");
+            ["got", "words", "link"].iter().for_each(|name| fs::remove_file(dir.path(name)).unwrap());
+            assert_eq!(dir.names("."), before, "{shown}");
         }
     }
 }
 
 #[test]
 fn pipes_are_written_to_and_stay_pipes() {
-    let desk = small();
+    let dir = small();
     for (line, ending) in options() {
-        let expected = expected(&desk, &line, ending);
+        let expected = expected(&dir, &line, ending);
         let name = format!("pipe.{ending}");
-        make_pipe(&desk, &name);
+        make_pipe(&dir, &name);
         // By a link as well.
-        symlink(&name, desk.path(&format!("link.{ending}"))).unwrap();
-        let mut before = desk.names(".");
+        symlink(&name, dir.path(&format!("link.{ending}"))).unwrap();
+        let mut before = dir.names(".");
         for name in [name.clone(), format!("link.{ending}")] {
             let line = line.replace("FILE", &name);
-            let ran = desk.shell(&format!("timeout 60 cat {name} > got 2>&1 & mapgen {line} && wait")).with(0, &[]);
-            assert!(same(&desk.read("got"), &expected, &name, ending), "{line} {ran:?}");
-            fs::remove_file(desk.path("got")).unwrap();
-            assert_eq!(desk.names("."), before, "{line}");
-            assert!(is_pipe(&desk, &format!("pipe.{ending}")));
+            let ran = dir.shell(&format!("timeout 60 cat {name} > got 2>&1 & mapgen {line} && wait")).with(0, &[]);
+            assert!(same(&dir.read("got"), &expected, &name, ending), "{line} {ran:?}");
+            fs::remove_file(dir.path("got")).unwrap();
+            assert_eq!(dir.names("."), before, "{line}");
+            assert!(is_pipe(&dir, &format!("pipe.{ending}")));
         }
         // As the shell's `>(…)` has it: an open pipe without a name of its own.
         let numbered = line.replace("FILE", "/dev/fd/3");
         if !ending.ends_with("gz") {
-            desk.shell(&format!("{{ mapgen {numbered} 3>&1 >/dev/null 2>&1 | cat > got; }}")).with(0, &[]);
-            assert!(same(&desk.read("got"), &expected, "/dev/fd/3", ending), "{numbered}");
+            dir.shell(&format!("{{ mapgen {numbered} 3>&1 >/dev/null 2>&1 | cat > got; }}")).with(0, &[]);
+            assert!(same(&dir.read("got"), &expected, "/dev/fd/3", ending), "{numbered}");
             // An open file: what is in it is somebody's.
-            desk.shell(&format!("echo first > got; mapgen {numbered} 3>>got >/dev/null 2>&1")).with(0, &[]);
-            assert!(same(desk.read("got").strip_prefix(b"first\n").unwrap(), &expected, "/dev/fd/3", ending));
-            fs::remove_file(desk.path("got")).unwrap();
+            dir.shell(&format!("echo first > got; mapgen {numbered} 3>>got >/dev/null 2>&1")).with(0, &[]);
+            assert!(same(dir.read("got").strip_prefix(b"first\n").unwrap(), &expected, "/dev/fd/3", ending));
+            fs::remove_file(dir.path("got")).unwrap();
         }
-        fs::remove_file(desk.path(&name)).unwrap();
-        fs::remove_file(desk.path(&format!("link.{ending}"))).unwrap();
+        fs::remove_file(dir.path(&name)).unwrap();
+        fs::remove_file(dir.path(&format!("link.{ending}"))).unwrap();
         before.retain(|left| *left != name && *left != format!("link.{ending}"));
-        assert_eq!(desk.names("."), before);
+        assert_eq!(dir.names("."), before);
     }
 }
 
 /// Devices of our own in a folder of our own, where the machine lets us make them: nothing may happen to those in /dev.
 #[test]
 fn devices_are_written_to_and_stay_devices() {
-    let desk = small();
+    let dir = small();
     let made = |name: &str, minor: &str| {
-        let path = desk.path(name);
+        let path = dir.path(name);
         let made = Command::new("mknod").arg(&path).args(["c", "1", minor]).output();
         made.is_ok_and(|made| made.status.success()) && fs::OpenOptions::new().write(true).open(path).is_ok()
     };
@@ -165,74 +165,74 @@ fn devices_are_written_to_and_stay_devices() {
         eprintln!("skipped: no device may be made here");
         return;
     }
-    symlink("null", desk.path("link")).unwrap();
-    let before = desk.names(".");
+    symlink("null", dir.path("link")).unwrap();
+    let before = dir.names(".");
     for (line, _) in options() {
         for name in ["null", "link"] {
-            desk.run(&line.replace("FILE", name)).with(0, &[]);
+            dir.run(&line.replace("FILE", name)).with(0, &[]);
         }
-        desk.run(&line.replace("FILE", "full")).with(1, &["full: No space left on device"]);
+        dir.run(&line.replace("FILE", "full")).with(1, &["full: No space left on device"]);
         // A sweep whose picture alone has failed keeps its chunks.
-        let _ = fs::remove_dir_all(desk.path("elsewhere/map.csv.parts"));
-        assert_eq!(desk.names("."), before, "{line}");
+        let _ = fs::remove_dir_all(dir.path("elsewhere/map.csv.parts"));
+        assert_eq!(dir.names("."), before, "{line}");
         for name in ["null", "full"] {
-            assert!(fs::symlink_metadata(desk.path(name)).unwrap().file_type().is_char_device());
+            assert!(fs::symlink_metadata(dir.path(name)).unwrap().file_type().is_char_device());
         }
-        assert!(fs::symlink_metadata(desk.path("link")).unwrap().is_symlink());
+        assert!(fs::symlink_metadata(dir.path("link")).unwrap().is_symlink());
     }
     // They take any number of files.
-    desk.run("sweep scene.toml --out null --png null --svg link --quiet").with(0, &[]);
+    dir.run("sweep scene.toml --out null --png null --svg link --quiet").with(0, &[]);
 }
 
 #[test]
 fn links_are_followed_also_to_what_is_yet_to_be_made() {
-    let desk = small();
-    fs::create_dir(desk.path("target")).unwrap();
+    let dir = small();
+    fs::create_dir(dir.path("target")).unwrap();
     for (line, ending) in options() {
-        let expected = expected(&desk, &line, ending);
+        let expected = expected(&dir, &line, ending);
         // Two links, of which the second is relative to its own folder; the target is old, or missing, folder and all.
-        symlink(format!("elsewhere/second.{ending}"), desk.path(&format!("first.{ending}"))).unwrap();
+        symlink(format!("elsewhere/second.{ending}"), dir.path(&format!("first.{ending}"))).unwrap();
         for target in ["target/old", "target/new", "missing/new"] {
             let target = format!("{target}.{ending}");
-            let second = desk.path(&format!("elsewhere/second.{ending}"));
+            let second = dir.path(&format!("elsewhere/second.{ending}"));
             let _ = fs::remove_file(&second);
             symlink(format!("../{target}"), &second).unwrap();
             if target.contains("old") {
-                fs::write(desk.path(&target), "old").unwrap();
+                fs::write(dir.path(&target), "old").unwrap();
             }
             let name = format!("first.{ending}");
-            desk.run(&line.replace("FILE", &name)).with(0, &[]);
-            assert!(same(&desk.read(&target), &expected, &name, ending), "{line} {target}");
-            assert!(desk.path(&name).is_symlink() && second.is_symlink(), "{line} {target}");
-            fs::remove_file(desk.path(&target)).unwrap();
+            dir.run(&line.replace("FILE", &name)).with(0, &[]);
+            assert!(same(&dir.read(&target), &expected, &name, ending), "{line} {target}");
+            assert!(dir.path(&name).is_symlink() && second.is_symlink(), "{line} {target}");
+            fs::remove_file(dir.path(&target)).unwrap();
         }
-        assert!(desk.names("target").is_empty() && desk.names("missing").is_empty(), "{line}");
+        assert!(dir.names("target").is_empty() && dir.names("missing").is_empty(), "{line}");
         // The manifest goes by the name that was given.
-        let manifest = fs::remove_file(desk.path("first.manifest.json")).is_ok();
+        let manifest = fs::remove_file(dir.path("first.manifest.json")).is_ok();
         assert_eq!(manifest, has_manifest(&line), "{line}");
-        fs::remove_dir(desk.path("missing")).unwrap();
+        fs::remove_dir(dir.path("missing")).unwrap();
         // A ring of links leads nowhere.
-        let second = desk.path(&format!("elsewhere/second.{ending}"));
+        let second = dir.path(&format!("elsewhere/second.{ending}"));
         fs::remove_file(&second).unwrap();
         symlink(format!("../first.{ending}"), &second).unwrap();
-        desk.run(&line.replace("FILE", &format!("first.{ending}"))).with(2, &["cannot write first."]);
+        dir.run(&line.replace("FILE", &format!("first.{ending}"))).with(2, &["cannot write first."]);
         fs::remove_file(&second).unwrap();
-        fs::remove_file(desk.path(&format!("first.{ending}"))).unwrap();
+        fs::remove_file(dir.path(&format!("first.{ending}"))).unwrap();
     }
 }
 
 #[test]
 fn folders_are_refused_before_anything_is_computed() {
-    let desk = Desk::with_scene(&large().replace("families", "stability = true\nfamilies"));
-    desk.run("sweep scene.toml --out parts --shard 46/2000 --quiet").with(0, &[]);
-    fs::create_dir(desk.path("elsewhere")).unwrap();
-    symlink("elsewhere", desk.path("link")).unwrap();
-    let before = desk.names(".");
+    let dir = TestDir::with_scene(&large().replace("families", "stability = true\nfamilies"));
+    dir.run("sweep scene.toml --out parts --shard 46/2000 --quiet").with(0, &[]);
+    fs::create_dir(dir.path("elsewhere")).unwrap();
+    symlink("elsewhere", dir.path("link")).unwrap();
+    let before = dir.names(".");
     let mut asked = 0;
     for (line, _) in options() {
         for name in [".", "..", "/", "elsewhere", "elsewhere/", "link", "newdir/", "newdir/.", "newdir/new/"] {
-            desk.run(&line.replace("FILE", name)).with(2, &["cannot write"]);
-            assert_eq!(desk.names("."), before, "{line} {name}");
+            dir.run(&line.replace("FILE", name)).with(2, &["cannot write"]);
+            assert_eq!(dir.names("."), before, "{line} {name}");
             asked += 1;
         }
     }
@@ -241,8 +241,8 @@ fn folders_are_refused_before_anything_is_computed() {
 
 #[test]
 fn endings_that_promise_something_else_are_refused() {
-    let desk = small();
-    let before = (desk.names("."), desk.names("elsewhere"));
+    let dir = small();
+    let before = (dir.names("."), dir.names("elsewhere"));
     let mut asked = 0;
     for (line, ending) in options() {
         let others = ["csv", "csv.gz", "png", "svg", "jpg", "md", "json", "h5", "toml", "GIF", "pdf", "5"];
@@ -255,7 +255,7 @@ fn endings_that_promise_something_else_are_refused() {
         };
         for other in others.into_iter().filter(|other| !either(other)) {
             let name = format!("map.{other}");
-            desk.run(&line.replace("FILE", &name)).with(2, &[&name, "end the name in ."]);
+            dir.run(&line.replace("FILE", &name)).with(2, &[&name, "end the name in ."]);
             asked += 1;
         }
     }
@@ -270,37 +270,37 @@ fn endings_that_promise_something_else_are_refused() {
         (format!("{orbit} -"), "--all-plots - is standard output"),
     ]);
     for (line, told) in folders {
-        desk.run(&line).with(2, &[told]);
+        dir.run(&line).with(2, &[told]);
     }
-    assert_eq!((desk.names("."), desk.names("elsewhere")), before);
+    assert_eq!((dir.names("."), dir.names("elsewhere")), before);
     assert!(asked > 60);
 }
 
 #[test]
 fn capitals_are_as_good_as_small_letters() {
-    let desk = small();
+    let dir = small();
     for (line, ending) in options() {
-        let expected = expected(&desk, &line, ending);
+        let expected = expected(&dir, &line, ending);
         let name = format!("MAP.{}", ending.to_uppercase());
-        desk.run(&line.replace("FILE", &name)).with(0, &[]);
-        assert!(same(&desk.read(&name), &expected, &name, ending), "{line}");
-        let manifest = fs::remove_file(desk.path("MAP.manifest.json")).is_ok();
+        dir.run(&line.replace("FILE", &name)).with(0, &[]);
+        assert!(same(&dir.read(&name), &expected, &name, ending), "{line}");
+        let manifest = fs::remove_file(dir.path("MAP.manifest.json")).is_ok();
         assert_eq!(manifest, has_manifest(&line), "{line}");
-        fs::remove_file(desk.path(&name)).unwrap();
+        fs::remove_file(dir.path(&name)).unwrap();
     }
 }
 
 #[test]
 fn no_file_has_two_uses_by_whatever_names() {
-    let desk = small();
+    let dir = small();
     let state = r#"{"displacement":[0,0,0,0,0,0],"velocity":[0.5,0,0,0,0,0]}"#;
-    fs::write(desk.path("state.csv"), state).unwrap();
-    fs::copy(desk.path("scene.toml"), desk.path("scene.csv")).unwrap();
-    symlink("scene.csv", desk.path("link.csv")).unwrap();
-    symlink("elsewhere", desk.path("folder")).unwrap();
-    symlink("elsewhere/absent.csv", desk.path("dangling.csv")).unwrap();
-    make_pipe(&desk, "pipe.csv");
-    let before = (desk.names("."), desk.names("elsewhere"), desk.names("parts"));
+    fs::write(dir.path("state.csv"), state).unwrap();
+    fs::copy(dir.path("scene.toml"), dir.path("scene.csv")).unwrap();
+    symlink("scene.csv", dir.path("link.csv")).unwrap();
+    symlink("elsewhere", dir.path("folder")).unwrap();
+    symlink("elsewhere/absent.csv", dir.path("dangling.csv")).unwrap();
+    make_pipe(&dir, "pipe.csv");
+    let before = (dir.names("."), dir.names("elsewhere"), dir.names("parts"));
     let orbit = format!("orbit --family double-sided {POINT}");
     let simulate = format!("simulate --state state.csv {POINT} --amplitude .1 --restitution .9");
     let mut cases = vec![
@@ -331,28 +331,28 @@ fn no_file_has_two_uses_by_whatever_names() {
         (format!("{orbit} --plot new/../pics/solution-1-trace.png --all-plots pics"), "a name that --all-plots uses"),
     ]);
     for (line, told) in cases {
-        desk.run(&line).with(2, &[told]);
-        assert_eq!((desk.names("."), desk.names("elsewhere"), desk.names("parts")), before, "{line}");
+        dir.run(&line).with(2, &[told]);
+        assert_eq!((dir.names("."), dir.names("elsewhere"), dir.names("parts")), before, "{line}");
     }
-    assert_eq!(desk.read("state.csv"), state.as_bytes());
-    assert!(is_pipe(&desk, "pipe.csv") && desk.read("scene.csv") == desk.read("scene.toml"));
+    assert_eq!(dir.read("state.csv"), state.as_bytes());
+    assert!(is_pipe(&dir, "pipe.csv") && dir.read("scene.csv") == dir.read("scene.toml"));
     // A chunk may be reached by a name that promises a table.
-    symlink("parts/000000.chunk", desk.path("chunk.csv")).unwrap();
-    let chunk = desk.read("parts/000000.chunk");
-    desk.run("merge parts --out chunk.csv").with(2, &["--out and a chunk are the same file"]);
-    assert!(desk.read("parts/000000.chunk") == chunk);
+    symlink("parts/000000.chunk", dir.path("chunk.csv")).unwrap();
+    let chunk = dir.read("parts/000000.chunk");
+    dir.run("merge parts --out chunk.csv").with(2, &["--out and a chunk are the same file"]);
+    assert!(dir.read("parts/000000.chunk") == chunk);
     // The same names are fine where nothing meets, and so is a table beside the chunks.
-    desk.run("merge parts --out parts/map.csv --quiet").with(0, &[]);
+    dir.run("merge parts --out parts/map.csv --quiet").with(0, &[]);
 }
 
 #[test]
 fn a_table_that_goes_elsewhere_keeps_nothing() {
-    let desk = small();
-    let before = desk.names(".");
-    let ran = desk.run("sweep scene.toml --out -").with(0, &["1200 cells (40 × 30)"]);
+    let dir = small();
+    let before = dir.names(".");
+    let ran = dir.run("sweep scene.toml --out -").with(0, &["1200 cells (40 × 30)"]);
     assert_eq!(ran.out.lines().count(), 1201);
     let told = "--resume has nothing to go on with: --out - is no plain file";
-    desk.run("sweep scene.toml --out - --resume").with(2, &[told]);
-    let merged = desk.run("merge parts --out -").with(0, &["1200 cells"]);
-    assert!(merged.out == ran.out && desk.names(".") == before);
+    dir.run("sweep scene.toml --out - --resume").with(2, &[told]);
+    let merged = dir.run("merge parts --out -").with(0, &["1200 cells"]);
+    assert!(merged.out == ran.out && dir.names(".") == before);
 }

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use vibrochain_testkit::Desk;
+use vibrochain_testkit::TestDir;
 
 const DOUBLING: &str = "--family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .165 --restitution .25";
 
@@ -20,13 +20,13 @@ const LINE: &str = "[model]\nsites = 1\ngamma1 = 0.2\ngamma2 = 0\nomega = 1.2\na
     axes = [{ parameter = 'amplitude', from = 0.1, to = 0.4, points = 6, spacing = 'log' }]\n\
     [compute]\nfamilies = ['single-sided']\nstability = true\n";
 
-/// A desk with the tables of all commands that write one with a picture, and what draws each again: the command with TABLE and PICTURE,
+/// A folder with the tables of all commands that write one with a picture, and what draws each again: the command with TABLE and PICTURE,
 /// and what else `draw` is told.
-fn drawn() -> (Desk, Vec<(&'static str, String, &'static str)>) {
-    let desk = Desk::with_scene(MAP);
-    fs::write(desk.path("runs.toml"), RUNS).unwrap();
-    fs::write(desk.path("line.toml"), LINE).unwrap();
-    desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
+fn drawn() -> (TestDir, Vec<(&'static str, String, &'static str)>) {
+    let dir = TestDir::with_scene(MAP);
+    fs::write(dir.path("runs.toml"), RUNS).unwrap();
+    fs::write(dir.path("line.toml"), LINE).unwrap();
+    dir.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
     let lines = vec![
         ("ends", "fate runs.toml --starts 2 --periods 60 --seed 3 --csv TABLE --plot PICTURE".to_owned(), ""),
         ("shares", "fate line.toml --starts 3 --periods 60 --csv TABLE --plot PICTURE".to_owned(), ""),
@@ -57,49 +57,49 @@ fn drawn() -> (Desk, Vec<(&'static str, String, &'static str)>) {
     ];
     for (name, line, _) in &lines {
         let line = line.replace("TABLE", &format!("{name}.csv")).replace("PICTURE", &format!("{name}.svg"));
-        desk.run(&line).with(0, &[]);
+        dir.run(&line).with(0, &[]);
     }
     // What is drawn again asks for none of them.
-    ["scene.toml", "runs.toml", "line.toml"].iter().for_each(|name| fs::remove_file(desk.path(name)).unwrap());
-    (desk, lines)
+    ["scene.toml", "runs.toml", "line.toml"].iter().for_each(|name| fs::remove_file(dir.path(name)).unwrap());
+    (dir, lines)
 }
 
 #[test]
 fn every_table_with_a_picture_is_drawn_again_to_the_byte() {
-    let (desk, lines) = drawn();
+    let (dir, lines) = drawn();
     for (name, _, flags) in &lines {
-        desk.run(format!("draw {name}.csv --svg again.svg --png again.png {flags}").trim_end()).with(0, &[]);
-        assert!(desk.read("again.svg") == desk.read(&format!("{name}.svg")), "{name}");
-        assert!(desk.read("again.svg").len() > 5000 && desk.read("again.png").starts_with(b"\x89PNG"), "{name}");
+        dir.run(format!("draw {name}.csv --svg again.svg --png again.png {flags}").trim_end()).with(0, &[]);
+        assert!(dir.read("again.svg") == dir.read(&format!("{name}.svg")), "{name}");
+        assert!(dir.read("again.svg").len() > 5000 && dir.read("again.png").starts_with(b"\x89PNG"), "{name}");
         // From a pipe to a pipe, where the manifest must be named.
         let piped = format!("mapgen draw - --scene {name}.manifest.json --svg - {flags} < {name}.csv > piped.svg");
-        desk.shell(&piped).with(0, &[]);
-        assert!(desk.read("piped.svg") == desk.read("again.svg"), "{name}");
+        dir.shell(&piped).with(0, &[]);
+        assert!(dir.read("piped.svg") == dir.read("again.svg"), "{name}");
     }
     assert_eq!(lines.len(), 8);
     // One that is merged of shards has the same manifest beside it.
-    let desk = Desk::new();
-    fs::write(desk.path("runs.toml"), RUNS).unwrap();
+    let dir = TestDir::new();
+    fs::write(dir.path("runs.toml"), RUNS).unwrap();
     let flags = "--starts 2 --periods 60";
-    desk.run(&format!("fate runs.toml {flags} --csv parts --shard 0/1 --quiet")).with(0, &[]);
-    desk.run("merge parts --out merged.csv --svg merged.svg --quiet").with(0, &[]);
-    desk.run(&format!("fate runs.toml {flags} --csv whole.csv --quiet")).with(0, &[]);
-    assert!(desk.read("merged.manifest.json") == desk.read("whole.manifest.json"));
-    desk.run("draw whole.csv --svg whole.svg").with(0, &["12 cells"]);
-    assert!(desk.read("merged.svg") == desk.read("whole.svg"));
+    dir.run(&format!("fate runs.toml {flags} --csv parts --shard 0/1 --quiet")).with(0, &[]);
+    dir.run("merge parts --out merged.csv --svg merged.svg --quiet").with(0, &[]);
+    dir.run(&format!("fate runs.toml {flags} --csv whole.csv --quiet")).with(0, &[]);
+    assert!(dir.read("merged.manifest.json") == dir.read("whole.manifest.json"));
+    dir.run("draw whole.csv --svg whole.svg").with(0, &["12 cells"]);
+    assert!(dir.read("merged.svg") == dir.read("whole.svg"));
 }
 
 #[test]
 fn what_is_no_table_or_a_damaged_one_is_refused() {
-    let (desk, lines) = drawn();
+    let (dir, lines) = drawn();
     let refused = |line: &str, told: &str| {
-        let before = desk.names(".");
-        desk.run(line.trim_end()).with(2, &[told]);
-        assert_eq!(desk.names("."), before, "{line}");
+        let before = dir.names(".");
+        dir.run(line.trim_end()).with(2, &[told]);
+        assert_eq!(dir.names("."), before, "{line}");
     };
     let mut damaged = 0;
     for (name, _, flags) in &lines {
-        let text = String::from_utf8(desk.read(&format!("{name}.csv"))).unwrap();
+        let text = String::from_utf8(dir.read(&format!("{name}.csv"))).unwrap();
         let manifest = format!("--scene {name}.manifest.json");
         let draw = |table: &str| format!("draw {table} --svg new.svg {manifest} {flags}").trim_end().to_owned();
         let rows: Vec<&str> = text.lines().collect();
@@ -120,18 +120,18 @@ fn what_is_no_table_or_a_damaged_one_is_refused() {
         };
         let cut = whole(&rows[..last].iter().map(|row| (*row).to_owned()).collect::<Vec<_>>());
         for text in [cut, with(1, first[0]), changed("many"), changed("inf"), text.replacen('\n', "", 1)] {
-            fs::write(desk.path("bad.csv"), text).unwrap();
+            fs::write(dir.path("bad.csv"), text).unwrap();
             refused(&draw("bad.csv"), "table bad.csv: ");
             damaged += 1;
         }
-        fs::remove_file(desk.path("bad.csv")).unwrap();
+        fs::remove_file(dir.path("bad.csv")).unwrap();
         // Of another table, of none, or damaged.
         let other = if *name == "curve" { "branch" } else { "curve" };
         refused(&format!("draw {name}.csv --svg new.svg --scene {other}.manifest.json {flags}"), "it is of a table of");
         refused(&format!("draw {name}.csv --svg new.svg --scene map.manifest.json {flags}"), "urn:vibrochain:table:1");
-        fs::write(desk.path("bad.json"), "{").unwrap();
+        fs::write(dir.path("bad.json"), "{").unwrap();
         refused(&format!("draw {name}.csv --svg new.svg --scene bad.json {flags}"), "manifest bad.json: ");
-        fs::remove_file(desk.path("bad.json")).unwrap();
+        fs::remove_file(dir.path("bad.json")).unwrap();
         refused(
             &format!("draw {name}.csv --svg new.svg --palette paper {flags}"),
             "--palette is of maps, this is a table of",
@@ -146,15 +146,15 @@ fn what_is_no_table_or_a_damaged_one_is_refused() {
     refused("draw - --svg new.svg", "table -: it is empty");
     refused("draw ends.csv --svg ends.manifest.json", "the scene and --svg are the same file");
     // Tables without a picture.
-    fs::write(desk.path("scene.toml"), MAP).unwrap();
-    desk.run("curves scene.toml --csv borders.csv --places 100 --quiet").with(0, &[]);
+    fs::write(dir.path("scene.toml"), MAP).unwrap();
+    dir.run("curves scene.toml --csv borders.csv --places 100 --quiet").with(0, &[]);
     refused("draw borders.csv --svg new.svg", "and not what lives between them");
-    desk.run(&format!("locate --event fold --free amplitude {DOUBLING} --csv events.csv")).with(0, &[]);
+    dir.run(&format!("locate --event fold --free amplitude {DOUBLING} --csv events.csv")).with(0, &[]);
     refused("draw events.csv --svg new.svg", "no picture is known of the columns");
-    fs::write(desk.path("empty.csv"), "").unwrap();
+    fs::write(dir.path("empty.csv"), "").unwrap();
     refused("draw empty.csv --svg new.svg", "it is empty");
     refused("draw none.csv --svg new.svg", "it cannot be read as a table");
     refused("draw ends.csv.gz --svg new.svg", "unpack it first");
-    fs::remove_file(desk.path("branch.manifest.json")).unwrap();
+    fs::remove_file(dir.path("branch.manifest.json")).unwrap();
     refused("draw branch.csv --svg new.svg", "branch.manifest.json is not there, which says what the table is of");
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use vibrochain_testkit::{Desk, Picture};
+use vibrochain_testkit::{Picture, TestDir};
 
 /// A picture of the documents and the words of its command.
 struct Entry {
@@ -47,15 +47,15 @@ fn different(one: &[u8], other: &[u8]) -> f64 {
     far.count() as f64 / one.pixels.len() as f64
 }
 
-/// Runs a command of the gallery with its files on a desk, and compares.
+/// Runs a command of the gallery with its files in a folder, and compares.
 fn check(entry: &Entry) {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let place = |word: &String| {
         if Path::new(word) == entry.file {
             let ending = entry.file.extension().unwrap().to_str().unwrap();
-            desk.path(&format!("drawn.{ending}")).display().to_string()
+            dir.path(&format!("drawn.{ending}")).display().to_string()
         } else if let Some(name) = word.strip_prefix("out/") {
-            desk.path(name).display().to_string()
+            dir.path(name).display().to_string()
         } else if word.starts_with("scenes/") {
             root().join(word).display().to_string()
         } else {
@@ -67,7 +67,7 @@ fn check(entry: &Entry) {
     command.args(&words).arg("--quiet").assert().success();
     let name = entry.file.display();
     let committed = fs::read(root().join(&entry.file)).unwrap();
-    let drawn = desk.read(if entry.file.extension().unwrap() == "gif" { "drawn.gif" } else { "drawn.png" });
+    let drawn = dir.read(if entry.file.extension().unwrap() == "gif" { "drawn.gif" } else { "drawn.png" });
     if entry.file.extension().unwrap() == "gif" {
         assert!(committed == drawn, "{name}");
         return;

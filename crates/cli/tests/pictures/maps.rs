@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 #[cfg(unix)]
 use vibrochain_testkit::signal;
 use vibrochain_testkit::svg::{lines, texts, ticks};
-use vibrochain_testkit::{CHUNKS, Cells, Desk, SCENE};
+use vibrochain_testkit::{CHUNKS, Cells, SCENE, TestDir};
 
 const MODEL: &str = "[model]\nsites = 6\ngamma1 = 0.2\n";
 
@@ -40,17 +40,17 @@ fn one_axis_is_drawn_as_curves_that_pass_where_the_table_says() {
     // Above its band, where the breather lives all along: one line. Existence and margin alone, one panel.
     let axis = r#"{ parameter = "omega", from = 1.3, to = 2.5, points = 121 }"#;
     let compute = "[compute]\nfamilies = [\"double-sided\"]\nimpulse = true\n";
-    let desk = Desk::with_scene(&format!("{MODEL}asymmetry = 0.4\ngamma2 = 0.1\n[sweep]\nx = {axis}\n{compute}"));
-    desk.run("sweep scene.toml --out map.csv --svg map.svg --png map.png").with(0, &["121 cells"]);
-    assert!(desk.read("map.png").starts_with(b"\x89PNG"));
-    let svg = String::from_utf8(desk.read("map.svg")).unwrap();
+    let dir = TestDir::with_scene(&format!("{MODEL}asymmetry = 0.4\ngamma2 = 0.1\n[sweep]\nx = {axis}\n{compute}"));
+    dir.run("sweep scene.toml --out map.csv --svg map.svg --png map.png").with(0, &["121 cells"]);
+    assert!(dir.read("map.png").starts_with(b"\x89PNG"));
+    let svg = String::from_utf8(dir.read("map.svg")).unwrap();
     let texts = texts(&svg);
     for words in ["frequency ω", "strongest impulse |P|", "margin, the smallest distance to a barrier", "double-sided"]
     {
         assert!(texts.iter().any(|(_, text)| text == words), "{words} not in {texts:?}");
     }
     assert!(!texts.iter().any(|(_, text)| text.contains('μ')));
-    let table = rows(&desk.read("map.csv"));
+    let table = rows(&dir.read("map.csv"));
     assert_eq!(table.len(), 121);
     // The lower of two panels has the impulse: what its places are worth its ticks tell.
     let all = lines(&svg, "stroke=\"#103262\" stroke-width=\"3\"");
@@ -81,12 +81,12 @@ fn one_axis_is_drawn_as_curves_that_pass_where_the_table_says() {
 
 #[test]
 fn stable_and_unstable_pieces_are_told_apart_and_gaps_left() {
-    let desk = Desk::with_scene(&format!(
+    let dir = TestDir::with_scene(&format!(
         "{MODEL}asymmetry = 0.4\ngamma2 = 0.1\n[sweep]\nx = {{ parameter = \"omega\", from = 0.5, to = 2.5, points = 401 }}\n{COMPUTE}"
     ));
-    desk.run("sweep scene.toml --out map.csv --svg map.svg").with(0, &[]);
-    let svg = String::from_utf8(desk.read("map.svg")).unwrap();
-    let table = rows(&desk.read("map.csv"));
+    dir.run("sweep scene.toml --out map.csv --svg map.svg").with(0, &[]);
+    let svg = String::from_utf8(dir.read("map.svg")).unwrap();
+    let table = rows(&dir.read("map.csv"));
     let class = |name: &str| table.iter().filter(|row| row["class"] == name).count();
     assert!(class("none") > 10 && class("unstable-double") > 10 && class("stable-single") > 10);
     for words in ["stable double-sided", "unstable double-sided", "stable single-sided", "unstable single-sided"] {
@@ -112,38 +112,38 @@ fn stable_and_unstable_pieces_are_told_apart_and_gaps_left() {
 
 #[test]
 fn a_slice_is_the_map_of_its_value_and_the_table_stays_whole() {
-    let desk = Desk::with_scene(&plane());
+    let dir = TestDir::with_scene(&plane());
     for color in ["class", "spectral_radius", "margin"] {
-        desk.run(&format!("sweep scene.toml --out plane.csv --png {color}.png --color {color} --quiet")).with(0, &[]);
+        dir.run(&format!("sweep scene.toml --out plane.csv --png {color}.png --color {color} --quiet")).with(0, &[]);
     }
-    desk.scene(&space());
-    desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
+    dir.scene(&space());
+    dir.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
     for color in ["class", "spectral_radius", "margin"] {
         let flags = format!("--slice asymmetry=.4 --color {color} --quiet");
-        desk.run(&format!("sweep scene.toml --out space.csv --png swept.png {flags}")).with(0, &[]);
-        desk.run(&format!("merge parts --out merged.csv --png merged.png {flags}")).with(0, &[]);
-        let expected = desk.read(&format!("{color}.png"));
-        assert!(desk.read("swept.png") == expected && desk.read("merged.png") == expected, "{color}");
+        dir.run(&format!("sweep scene.toml --out space.csv --png swept.png {flags}")).with(0, &[]);
+        dir.run(&format!("merge parts --out merged.csv --png merged.png {flags}")).with(0, &[]);
+        let expected = dir.read(&format!("{color}.png"));
+        assert!(dir.read("swept.png") == expected && dir.read("merged.png") == expected, "{color}");
     }
-    assert!(desk.read("class.png") != desk.read("margin.png"));
-    assert_eq!(rows(&desk.read("space.csv")).len(), 3 * 41 * 61);
-    assert!(desk.read("space.csv") == desk.read("merged.csv"));
+    assert!(dir.read("class.png") != dir.read("margin.png"));
+    assert_eq!(rows(&dir.read("space.csv")).len(), 3 * 41 * 61);
+    assert!(dir.read("space.csv") == dir.read("merged.csv"));
     // Of a slice along one axis the curves; of a table that goes down a pipe, too.
-    let ran = desk.run("sweep scene.toml --out - --svg line.svg --slice asymmetry=0.4 --slice gamma2=0.1 --quiet");
-    assert!(ran.with(0, &[]).out.as_bytes() == desk.read("space.csv"));
-    let line = String::from_utf8(desk.read("line.svg")).unwrap();
+    let ran = dir.run("sweep scene.toml --out - --svg line.svg --slice asymmetry=0.4 --slice gamma2=0.1 --quiet");
+    assert!(ran.with(0, &[]).out.as_bytes() == dir.read("space.csv"));
+    let line = String::from_utf8(dir.read("line.svg")).unwrap();
     assert!(texts(&line).iter().any(|(_, text)| text.contains("γ₂ = 0.1") && text.contains("a = 0.4")), "{line}");
 }
 
 #[test]
 fn colours_are_those_of_the_scale() {
-    let desk = Desk::with_scene(&plane());
-    desk.run("sweep scene.toml --out map.csv --png margin.png --color margin --quiet").with(0, &[]);
-    desk.run("sweep scene.toml --out map.csv --png growth.png --svg growth.svg --color spectral_radius --quiet")
+    let dir = TestDir::with_scene(&plane());
+    dir.run("sweep scene.toml --out map.csv --png margin.png --color margin --quiet").with(0, &[]);
+    dir.run("sweep scene.toml --out map.csv --png growth.png --svg growth.svg --color spectral_radius --quiet")
         .with(0, &[]);
-    desk.run("sweep scene.toml --out map.csv --png count.png --svg count.svg --color solutions --quiet").with(0, &[]);
-    let table = rows(&desk.read("map.csv"));
-    let cells = |name: &str| Cells::of(&desk.read(name), 61, 41);
+    dir.run("sweep scene.toml --out map.csv --png count.png --svg count.svg --color solutions --quiet").with(0, &[]);
+    let table = rows(&dir.read("map.csv"));
+    let cells = |name: &str| Cells::of(&dir.read(name), 61, 41);
     let (margin, growth, count) = (cells("margin.png"), cells("growth.png"), cells("count.png"));
     let luminance = |[r, g, b]: [u8; 3]| 0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b);
     let mut margins: Vec<(f64, [u8; 3])> = Vec::new();
@@ -174,7 +174,7 @@ fn colours_are_those_of_the_scale() {
     }
     // The ends of viridis, as they are published.
     assert_eq!((margins[0].1, margins[margins.len() - 1].1), ([68, 1, 84], [253, 231, 37]));
-    let words = |name: &str| texts(&String::from_utf8(desk.read(name)).unwrap());
+    let words = |name: &str| texts(&String::from_utf8(dir.read(name)).unwrap());
     let decades: Vec<String> = words("growth.svg").into_iter().map(|(_, text)| text).collect();
     let low = growths[0].0.log10().floor();
     let below = decades.iter().find(|text| text.starts_with("growth below 10⁻")).unwrap();
@@ -186,18 +186,18 @@ fn colours_are_those_of_the_scale() {
 
 #[test]
 fn borders_are_drawn_where_they_are() {
-    let desk = Desk::with_scene(&plane());
-    desk.run("sweep scene.toml --out map.csv --png cells.png --quiet").with(0, &[]);
-    desk.run("sweep scene.toml --out map.csv --png curves.png --svg curves.svg --curves").with(0, &["borders "]);
-    desk.run("curves scene.toml --csv borders.csv --places 10000").with(0, &[]);
-    let (plain, drawn) = (Cells::of(&desk.read("cells.png"), 61, 41), Cells::of(&desk.read("curves.png"), 61, 41));
+    let dir = TestDir::with_scene(&plane());
+    dir.run("sweep scene.toml --out map.csv --png cells.png --quiet").with(0, &[]);
+    dir.run("sweep scene.toml --out map.csv --png curves.png --svg curves.svg --curves").with(0, &["borders "]);
+    dir.run("curves scene.toml --csv borders.csv --places 10000").with(0, &[]);
+    let (plain, drawn) = (Cells::of(&dir.read("cells.png"), 61, 41), Cells::of(&dir.read("curves.png"), 61, 41));
     let (width, height) = (61 * plain.cell.0, 41 * plain.cell.1);
     // Pixels of the points that the other command writes. A cell covers half a step about its value.
     let place = |omega: f64, gamma2: f64| {
         let (x, y) = ((omega - 0.6) / 1.2 * 60.0 + 0.5, gamma2 / 0.2 * 40.0 + 0.5);
         (x * f64::from(plain.cell.0), f64::from(height) - y * f64::from(plain.cell.1))
     };
-    let points: Vec<(f64, f64)> = rows(&desk.read("borders.csv"))
+    let points: Vec<(f64, f64)> = rows(&dir.read("borders.csv"))
         .iter()
         .map(|row| place(number(row, "omega").unwrap(), number(row, "gamma2").unwrap()))
         .collect();
@@ -223,7 +223,7 @@ fn borders_are_drawn_where_they_are() {
     assert!(changed > 3000 && changed < (width * height) as usize / 4, "{changed}");
     assert_eq!(elsewhere, 0, "of {changed}");
     // Between two cells of different class there is one, where the classes are drawn by cells; but for both ends of the map.
-    let table = rows(&desk.read("map.csv"));
+    let table = rows(&dir.read("map.csv"));
     let (mut changes, mut bare) = (0, 0);
     for row in 2..39_usize {
         for column in 0..60_usize {
@@ -241,7 +241,7 @@ fn borders_are_drawn_where_they_are() {
         }
     }
     assert!(changes > 100 && bare == 0, "{changes} {bare}");
-    let svg = String::from_utf8(desk.read("curves.svg")).unwrap();
+    let svg = String::from_utf8(dir.read("curves.svg")).unwrap();
     for words in ["<title>double-sided: grazing</title>", "<title>double-sided: neimark-sacker, stripe "] {
         assert!(svg.contains(words), "{words}");
     }
@@ -286,31 +286,31 @@ fn what_cannot_be_drawn_is_refused_before_anything_is_computed() {
         (bare, "--color impulse", "--show impulse: the scene does not compute it; add impulse = true"),
         (plane(), "--color radius", "spectral_radius"),
     ] {
-        let desk = Desk::with_scene(&scene);
-        desk.run(format!("{png} {flags}").trim()).with(2, &[told]);
-        assert_eq!(desk.names("."), ["scene.toml"], "{flags}");
+        let dir = TestDir::with_scene(&scene);
+        dir.run(format!("{png} {flags}").trim()).with(2, &[told]);
+        assert_eq!(dir.names("."), ["scene.toml"], "{flags}");
     }
-    let desk = Desk::with_scene(&plane());
+    let dir = TestDir::with_scene(&plane());
     for flags in ["--curves", "--color margin", "--slice gamma2=0.1"] {
-        desk.run(&format!("sweep scene.toml --out map.csv {flags}")).with(2, &["--png"]);
+        dir.run(&format!("sweep scene.toml --out map.csv {flags}")).with(2, &["--png"]);
     }
-    assert_eq!(desk.names("."), ["scene.toml"]);
+    assert_eq!(dir.names("."), ["scene.toml"]);
 }
 
 /// A signal while borders are sought: all cells are computed, and are kept.
 #[cfg(unix)]
 #[test]
 fn how_to_go_on_is_told_with_all_that_was_asked_for() {
-    let desk = Desk::with_scene(SCENE);
+    let dir = TestDir::with_scene(SCENE);
     let command = "sweep scene.toml --out map.csv --png map.png --slice gamma2=0 --color margin";
-    desk.run(&format!("{command} --quiet")).with(2, &["--show is of maps"]);
+    dir.run(&format!("{command} --quiet")).with(2, &["--show is of maps"]);
     let command = "sweep scene.toml --out map.csv --plot map.png --show margin --curves";
-    let mut child = desk.start(command);
+    let mut child = dir.start(command);
     // The last chunk has its name when it is clear that the table has none.
-    desk.await_chunks(&mut child, "map.csv.parts", CHUNKS as usize - 1);
+    dir.await_chunks(&mut child, "map.csv.parts", CHUNKS as usize - 1);
     std::thread::sleep(std::time::Duration::from_millis(100));
     let told = format!("chunks are finished, in map.csv.parts; go on with: mapgen {command} --resume");
     signal(child, "TERM").with(130, &["interrupted: ", &told]);
-    assert_eq!(desk.names("."), ["map.csv.parts", "scene.toml"]);
-    assert!(desk.chunks("map.csv.parts") + 1 >= CHUNKS as usize);
+    assert_eq!(dir.names("."), ["map.csv.parts", "scene.toml"]);
+    assert!(dir.chunks("map.csv.parts") + 1 >= CHUNKS as usize);
 }

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use vibrochain_testkit::Desk;
+use vibrochain_testkit::TestDir;
 
 use super::maps::plane;
 
@@ -15,45 +15,45 @@ fn dimensions(png: &[u8]) -> ([u32; 2], u32) {
 
 #[test]
 fn a_table_is_drawn_again_without_computing_it() {
-    let desk = Desk::with_scene(&plane());
-    desk.run("sweep scene.toml --out map.csv --png map.png --svg map.svg --pdf map.pdf --quiet").with(0, &[]);
-    desk.run("sweep scene.toml --out other.csv --png margin.png --color margin --curves --quiet").with(0, &[]);
+    let dir = TestDir::with_scene(&plane());
+    dir.run("sweep scene.toml --out map.csv --png map.png --svg map.svg --pdf map.pdf --quiet").with(0, &[]);
+    dir.run("sweep scene.toml --out other.csv --png margin.png --color margin --curves --quiet").with(0, &[]);
     // The manifest says what the table is of; the scene itself is not needed.
-    fs::remove_file(desk.path("scene.toml")).unwrap();
-    desk.run("draw map.csv --png again.png --svg again.svg --pdf again.pdf").with(0, &["2501 cells"]);
+    fs::remove_file(dir.path("scene.toml")).unwrap();
+    dir.run("draw map.csv --png again.png --svg again.svg --pdf again.pdf").with(0, &["2501 cells"]);
     for end in ["png", "svg", "pdf"] {
-        assert!(desk.read(&format!("map.{end}")) == desk.read(&format!("again.{end}")), "{end}");
+        assert!(dir.read(&format!("map.{end}")) == dir.read(&format!("again.{end}")), "{end}");
     }
-    desk.run("draw other.csv --png again.png --color margin --curves").with(0, &["borders "]);
-    assert!(desk.read("margin.png") == desk.read("again.png"));
-    assert!(desk.read("map.csv") == desk.read("other.csv"));
+    dir.run("draw other.csv --png again.png --color margin --curves").with(0, &["borders "]);
+    assert!(dir.read("margin.png") == dir.read("again.png"));
+    assert!(dir.read("map.csv") == dir.read("other.csv"));
 
     let refused = |line: &str, told: &str| {
-        let before = desk.names(".");
-        desk.run(line).with(2, &[told]);
-        assert_eq!(desk.names("."), before, "{line}");
+        let before = dir.names(".");
+        dir.run(line).with(2, &[told]);
+        assert_eq!(dir.names("."), before, "{line}");
     };
     refused("draw map.csv", "give --plot FILE");
     refused("draw map.csv --png map.csv", "the table and --png are the same file");
     refused("draw none.csv --scene map.manifest.json --png new.png", "it cannot be read as a table");
-    fs::copy(desk.path("map.csv"), desk.path("alone.csv")).unwrap();
+    fs::copy(dir.path("map.csv"), dir.path("alone.csv")).unwrap();
     refused("draw alone.csv --png new.png", "alone.manifest.json is not there");
     refused("draw map.csv --png new.png --color impulse", "add impulse = true");
-    let table = String::from_utf8(desk.read("map.csv")).unwrap();
-    fs::write(desk.path("map.csv"), table.replacen("stable-double", "stable-treble", 1)).unwrap();
+    let table = String::from_utf8(dir.read("map.csv")).unwrap();
+    fs::write(dir.path("map.csv"), table.replacen("stable-double", "stable-treble", 1)).unwrap();
     refused("draw map.csv --png new.png", "its class is `stable-treble`");
     let cut: String = table.lines().take(100).map(|line| format!("{line}\n")).collect();
-    fs::write(desk.path("map.csv"), cut).unwrap();
+    fs::write(dir.path("map.csv"), cut).unwrap();
     refused("draw map.csv --png new.png", "it has 99 rows for 2501 cells");
 }
 
 #[test]
 fn a_picture_is_as_wide_and_as_fine_as_its_page() {
-    let desk = Desk::with_scene(&plane());
-    desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
+    let dir = TestDir::with_scene(&plane());
+    dir.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
     let drawn = |flags: &str| {
-        desk.run(format!("draw map.csv --png page.png --svg page.svg --quiet {flags}").trim_end()).with(0, &[]);
-        (dimensions(&desk.read("page.png")), String::from_utf8(desk.read("page.svg")).unwrap())
+        dir.run(format!("draw map.csv --png page.png --svg page.svg --quiet {flags}").trim_end()).with(0, &[]);
+        (dimensions(&dir.read("page.png")), String::from_utf8(dir.read("page.svg")).unwrap())
     };
     // 86 mm at 600 dpi are 2031.5 pixels; 0.0254 m have 600.
     let (([width, height], dots), svg) = drawn("--style column");
@@ -81,40 +81,40 @@ fn a_picture_is_as_wide_and_as_fine_as_its_page() {
         ("--style poster", "possible values: screen, column, page, slide"),
         ("--width 2000mm --dpi 2400", "pixels across, at most 20000"),
     ] {
-        desk.run(&format!("draw map.csv --png new.png {flags}")).with(2, &[told]);
+        dir.run(&format!("draw map.csv --png new.png {flags}")).with(2, &[told]);
     }
-    assert!(!desk.path("new.png").exists());
-    desk.run("sweep scene.toml --out new.csv --dpi 100").with(2, &["--dpi is of pictures: ask for one with --plot"]);
+    assert!(!dir.path("new.png").exists());
+    dir.run("sweep scene.toml --out new.csv --dpi 100").with(2, &["--dpi is of pictures: ask for one with --plot"]);
 }
 
 #[test]
 fn a_run_moves() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let point = "--family double-sided --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4";
     for end in ["gif", "png", "svg"] {
-        desk.run(&format!("simulate {point} --periods 1 --animate run.{end} --quiet")).with(0, &[]);
-        desk.run(&format!("simulate {point} --periods 1 --animate again.{end} --quiet")).with(0, &[]);
-        assert!(desk.read(&format!("run.{end}")) == desk.read(&format!("again.{end}")), "{end}");
+        dir.run(&format!("simulate {point} --periods 1 --animate run.{end} --quiet")).with(0, &[]);
+        dir.run(&format!("simulate {point} --periods 1 --animate again.{end} --quiet")).with(0, &[]);
+        assert!(dir.read(&format!("run.{end}")) == dir.read(&format!("again.{end}")), "{end}");
     }
-    assert!(desk.read("run.gif").starts_with(b"GIF89a"));
+    assert!(dir.read("run.gif").starts_with(b"GIF89a"));
     let count = |bytes: &[u8], name: &[u8]| bytes.windows(name.len()).filter(|part| *part == name).count();
     // 64 pictures of a period: the end is the beginning.
-    assert_eq!(count(&desk.read("run.png"), b"fcTL"), 64);
-    let svg = String::from_utf8(desk.read("run.svg")).unwrap();
+    assert_eq!(count(&dir.read("run.png"), b"fcTL"), 64);
+    let svg = String::from_utf8(dir.read("run.svg")).unwrap();
     let heights = svg.split("attributeName=\"cy\"").nth(1).unwrap().split("values=\"").nth(1).unwrap();
     let heights: Vec<f64> = heights.split('"').next().unwrap().split(';').map(|y| y.parse().unwrap()).collect();
     assert_eq!((heights.len(), heights[0]), (65, heights[64]));
     // Both barriers glow where mass 0 meets them, and at no other.
     assert_eq!(svg.matches("attributeName=\"opacity\"").count(), 2);
     // Of a long run the last periods alone.
-    desk.run(&format!("simulate {point} --periods 40 --samples 8 --animate long.png --quiet")).with(0, &[]);
-    assert_eq!(count(&desk.read("long.png"), b"fcTL"), 96);
+    dir.run(&format!("simulate {point} --periods 40 --samples 8 --animate long.png --quiet")).with(0, &[]);
+    assert_eq!(count(&dir.read("long.png"), b"fcTL"), 96);
     for (flags, told) in [
         ("--animate run.mp4", "end the name in .gif, .png or .svg"),
         ("--animate x.gif --sites 401", "401 masses cannot be told apart"),
         ("--periods 1 --dpi 90", "--dpi is of pictures: ask for one with --plot or --animate"),
     ] {
-        desk.run(&format!(
+        dir.run(&format!(
             "simulate {} {flags}",
             if flags.contains("--sites") { point.replace("--sites 5 ", "") } else { point.to_owned() }
         ))
@@ -126,9 +126,9 @@ fn a_run_moves() {
 #[test]
 fn limits_of_a_picture_are_known_at_once() {
     let scene = "[model]\nsites = 21\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\nx = { parameter = 'omega', from = 0.4, to = 3.0, points = 3000 }\ny = { parameter = 'gamma2', from = 0.0, to = 0.3, points = 3000 }\n[compute]\nfamilies = ['double-sided']\nstability = true\n";
-    let desk = Desk::with_scene(scene);
+    let dir = TestDir::with_scene(scene);
     let line = scene.replace("y = {", "# y = {").replace("[sweep]", "gamma2 = 0.1\n[sweep]");
-    std::fs::write(desk.path("line.toml"), line).unwrap();
+    std::fs::write(dir.path("line.toml"), line).unwrap();
     let orbit = "--family double-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4";
     let commands = [
         "sweep scene.toml --out map.csv --plot a.png".to_owned(),
@@ -146,9 +146,9 @@ fn limits_of_a_picture_are_known_at_once() {
     ];
     for command in &commands {
         let dpi = if command.contains("--width") { 700 } else { 2400 };
-        let ran = desk.run(&format!("{command} --dpi {dpi}"));
+        let ran = dir.run(&format!("{command} --dpi {dpi}"));
         assert!(ran.code == Some(2) && !ran.err.contains("--resume"), "{command}: {ran:?}");
         assert!(ran.err.contains("legend are more than") || ran.err.contains("pixels across"), "{command}: {ran:?}");
-        assert_eq!(desk.names("."), ["line.toml", "scene.toml"], "{command}");
+        assert_eq!(dir.names("."), ["line.toml", "scene.toml"], "{command}");
     }
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 use vibrochain_lattice::Parameter;
-use vibrochain_testkit::{Desk, Schema, written};
+use vibrochain_testkit::{Schema, TestDir, written};
 
 use super::forms::{SCENES, properties};
 
@@ -27,9 +27,9 @@ const ORBITS: [&str; 10] = [
 const DOUBLING: &str = "--family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .165 --restitution .25";
 
 /// What the program writes: the name of its schema, and the value.
-fn answers(desk: &Desk) -> Vec<(&'static str, Value)> {
+fn answers(dir: &TestDir) -> Vec<(&'static str, Value)> {
     let mut answers = Vec::new();
-    let told = |line: &str| written(&desk.run(line).out);
+    let told = |line: &str| written(&dir.run(line).out);
     answers.extend(ORBITS.map(|line| ("orbit", told(&format!("orbit --json {line}")))));
     for line in [
         format!("--event period-doubling --free amplitude {DOUBLING}"),
@@ -43,11 +43,11 @@ fn answers(desk: &Desk) -> Vec<(&'static str, Value)> {
     answers.push(("words", told(&format!("words --json {words}"))));
     answers.push(("simulate", told(&format!("simulate --json --periods 3.5 {}", ORBITS[3]))));
     answers.push(("branch", told(&format!("branch --json --free amplitude --to .17 --switch {DOUBLING} --csv b.csv"))));
-    answers.push(("table", desk.json("b.manifest.json")));
+    answers.push(("table", dir.json("b.manifest.json")));
     let plane = "--free amplitude --from .1 --to .3 --and restitution --and-from .2 --and-to .4 --tolerance 1e-3";
     answers.push(("curve", told(&format!("curve --json --event period-doubling {plane} {DOUBLING} --csv c.csv"))));
-    answers.push(("table", desk.json("c.manifest.json")));
-    desk.scene(
+    answers.push(("table", dir.json("c.manifest.json")));
+    dir.scene(
         "[model]\nsites = 3\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\n\
          x = { parameter = \"omega\", from = 0.6, to = 2.0, points = 30 }\n\
          y = { parameter = \"gamma2\", from = 0.0, to = 0.2, points = 20 }\n\
@@ -59,24 +59,24 @@ fn answers(desk: &Desk) -> Vec<(&'static str, Value)> {
         told("orbit --sites 21 --gamma1 0.2 --gamma2 0.1 --omega 0.31026359316869373 --asymmetry 0.4 --family double-sided --json"),
     ));
     answers.push(("curves", told("curves scene.toml --json")));
-    desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
-    answers.push(("manifest", desk.json("map.manifest.json")));
+    dir.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
+    answers.push(("manifest", dir.json("map.manifest.json")));
     let refined = "[model]\nsites = 3\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\nrefine = { depth = 1 }\n\
         x = { parameter = \"omega\", from = 0.8, to = 1.2, points = 4 }\n\
         y = { parameter = \"gamma2\", from = 0.1, to = 0.2, points = 3 }\n[compute]\nfamilies = [\"single-sided\"]\n";
-    std::fs::write(desk.path("refined.toml"), refined).unwrap();
-    desk.run("sweep refined.toml --out refined.csv --quiet").with(0, &[]);
-    answers.push(("manifest", desk.json("refined.manifest.json")));
-    desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
-    answers.push(("plan", desk.json("parts/plan.json")));
+    std::fs::write(dir.path("refined.toml"), refined).unwrap();
+    dir.run("sweep refined.toml --out refined.csv --quiet").with(0, &[]);
+    answers.push(("manifest", dir.json("refined.manifest.json")));
+    dir.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
+    answers.push(("plan", dir.json("parts/plan.json")));
     for text in SCENES {
-        desk.scene(text);
-        desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
-        answers.push(("manifest", desk.json("map.manifest.json")));
+        dir.scene(text);
+        dir.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
+        answers.push(("manifest", dir.json("map.manifest.json")));
     }
     // Of stable breathers that a thousandth does not drive away: no words of other motions, whose list is as long as it comes.
     answers.push(("fate", told("fate scene.toml --starts 1 --periods 80 --json --csv f.csv")));
-    answers.push(("table", desk.json("f.manifest.json")));
+    answers.push(("table", dir.json("f.manifest.json")));
     // Of a structure, likewise.
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/structures");
     let line = format!("fate {}/two-masses.toml --starts 1 --periods 80 --json", scenes.display());
@@ -85,9 +85,9 @@ fn answers(desk: &Desk) -> Vec<(&'static str, Value)> {
 }
 
 /// What is written of structures, whose scenes stand there as they are: what these may hold is told where they are read.
-fn of_structures(desk: &Desk) -> Vec<(&'static str, Value)> {
+fn of_structures(dir: &TestDir) -> Vec<(&'static str, Value)> {
     let mut answers = Vec::new();
-    fs::write(desk.path("k.mtx"), "%%MatrixMarket matrix array real general\n1 1\n1\n").unwrap();
+    fs::write(dir.path("k.mtx"), "%%MatrixMarket matrix array real general\n1 1\n1\n").unwrap();
     let one = "omega = 2.3\nword = \"0+\"\nforce_periods = 1\n[structure]\nmasses = [1]\nstiffness = \"k.mtx\"\ndamping = [[0.1]]\n\
         [[contact]]\nweights = [1]\nupper = 0.1\nrestitution = 0.8\n[force]\nload = [1]\n[sweep]\n\
         x = { parameter = \"omega\", from = 2.3, to = 2.5, points = 3 }\n\
@@ -100,15 +100,15 @@ fn of_structures(desk: &Desk) -> Vec<(&'static str, Value)> {
         .replace("\"fixed-free\"", "\"free\"")
         .replace("\"omega\", from = 1.3, to = 1.5", "\"damping\", from = 0, to = 0.1");
     for text in [one.to_owned(), damped.to_owned(), swept.replace("amplitude = 0.1", "amplitude = 0.1\nomega = 1.4")] {
-        desk.scene(&text);
-        desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
-        answers.push(("manifest", desk.json("map.manifest.json")));
-        desk.run("fate scene.toml --starts 1 --periods 20 --out f.csv").with(0, &[]);
-        answers.push(("table", desk.json("f.manifest.json")));
+        dir.scene(&text);
+        dir.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
+        answers.push(("manifest", dir.json("map.manifest.json")));
+        dir.run("fate scene.toml --starts 1 --periods 20 --out f.csv").with(0, &[]);
+        answers.push(("table", dir.json("f.manifest.json")));
     }
-    desk.scene(one);
-    desk.run("sweep scene.toml --out shares --shard 0/1 --quiet").with(0, &[]);
-    answers.push(("plan", desk.json("shares/plan.json")));
+    dir.scene(one);
+    dir.run("sweep scene.toml --out shares --shard 0/1 --quiet").with(0, &[]);
+    answers.push(("plan", dir.json("shares/plan.json")));
     answers
 }
 
@@ -175,8 +175,8 @@ const PROSE: [&str; 17] = [
 
 #[test]
 fn answers_have_their_form_and_nothing_near_them_has() {
-    let desk = Desk::new();
-    let answers = answers(&desk);
+    let dir = TestDir::new();
+    let answers = answers(&dir);
     let (mut refused, mut seen) = (0, BTreeSet::new());
     for (name, value) in &answers {
         let schema = Schema::named(name);
@@ -232,7 +232,7 @@ fn answers_have_their_form_and_nothing_near_them_has() {
         }
     }
     assert!(answers.len() >= 20 && refused > 5000, "{} {refused}", answers.len());
-    let of_structures = of_structures(&desk);
+    let of_structures = of_structures(&dir);
     for (name, value) in &of_structures {
         Schema::named(name).check(value).unwrap_or_else(|error| panic!("{name}: {error}"));
         seen.extend(places(value).iter().filter_map(|place| Some(place.rsplit_once('/')?.1.to_owned())));

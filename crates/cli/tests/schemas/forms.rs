@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 use vibrochain_lattice::Parameter;
-use vibrochain_testkit::{Desk, Schema, written};
+use vibrochain_testkit::{Schema, TestDir, written};
 
 use super::answers::{places, with};
 
@@ -126,7 +126,7 @@ fn schemas_use_words_of_json_schema_alone() {
 /// A value is refused by the program where its range in the schema ends, and nowhere else.
 #[test]
 fn ranges_of_parameters_are_those_of_the_program() {
-    let (desk, schema) = (Desk::new(), Schema::named("scene").value());
+    let (dir, schema) = (TestDir::new(), Schema::named("scene").value());
     let (mut taken, mut refused) = (0, 0);
     for parameter in Parameter::ALL.map(Parameter::name) {
         let rule = Schema::of(schema["$defs"][parameter].clone());
@@ -136,8 +136,8 @@ fn ranges_of_parameters_are_those_of_the_program() {
                 "amplitude": 0.1, "restitution": 0.9,
             });
             model[parameter] = value.into();
-            fs::write(desk.path("model.json"), json!({ "model": model }).to_string()).unwrap();
-            let ran = desk.run("orbit --family single-sided --scene model.json");
+            fs::write(dir.path("model.json"), json!({ "model": model }).to_string()).unwrap();
+            let ran = dir.run("orbit --family single-sided --scene model.json");
             let is_refused = ran.err.contains(&format!("{parameter} = ")) && ran.err.contains("is out of range: give");
             assert_eq!(rule.check(&value.into()).is_err(), is_refused, "{parameter} = {value}: {}", ran.err);
             *(if is_refused { &mut refused } else { &mut taken }) += 1;
@@ -183,7 +183,7 @@ fn scenes_have_their_form() {
         schema.check(&scene).unwrap_or_else(|error| panic!("{error} in {text}"));
     }
     // Whatever is wrong in its form, schema and program refuse both.
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let mut refused = 0;
     for text in SCENES {
         let scene: Value = toml::from_str(text).unwrap();
@@ -194,8 +194,8 @@ fn scenes_have_their_form() {
             }
             for scene in wrong {
                 assert!(schema.check(&scene).is_err(), "{place}: {scene}");
-                fs::write(desk.path("scene.json"), scene.to_string()).unwrap();
-                desk.run("sweep scene.json --out map.csv").with(2, &["scene.json"]);
+                fs::write(dir.path("scene.json"), scene.to_string()).unwrap();
+                dir.run("sweep scene.json --out map.csv").with(2, &["scene.json"]);
                 refused += 1;
             }
         }
@@ -206,9 +206,9 @@ fn scenes_have_their_form() {
 /// What is read is taken if it has its form, and refused if it has not.
 #[test]
 fn states_and_orbits_to_begin_with_are_read_as_their_schemas_say() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let model = "--sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4";
-    let answer = written(&desk.run(&format!("orbit --json --family double-sided {model}")).out);
+    let answer = written(&dir.run(&format!("orbit --json --family double-sided {model}")).out);
     let impacts = json!([
         { "site": 0, "barrier": "upper", "time": 0, "impulse": -3.4 },
         { "site": 0, "layer": 0, "barrier": "lower", "time": 2.1, "impulse": 3.0 },
@@ -233,8 +233,8 @@ fn states_and_orbits_to_begin_with_are_read_as_their_schemas_say() {
         }
         for value in tries {
             let form = Schema::named(schema).check(&value);
-            fs::write(desk.path("given.json"), value.to_string()).unwrap();
-            let ran = desk.run(&line);
+            fs::write(dir.path("given.json"), value.to_string()).unwrap();
+            let ran = dir.run(&line);
             // What has its form may still be no orbit of this model: a sum of masses, a time beyond the period.
             let said =
                 ["starts at", "cannot be", "does not", "converge", "out of range", "masses", "no orbit", "times"];
@@ -256,8 +256,8 @@ fn states_and_orbits_to_begin_with_are_read_as_their_schemas_say() {
 
 #[test]
 fn schemas_are_listed_and_printed_and_other_names_refused() {
-    let desk = Desk::new();
-    let list = desk.run("schema").with(0, &[]);
+    let dir = TestDir::new();
+    let list = dir.run("schema").with(0, &[]);
     let names: Vec<&str> = list.out.lines().map(|line| line.split(' ').next().unwrap()).collect();
     assert_eq!(names, NAMES);
     // The page on JSON has all of them, and no other.
@@ -267,24 +267,23 @@ fn schemas_are_listed_and_printed_and_other_names_refused() {
     let told: BTreeSet<&str> = rows.flat_map(|row| quoted(row.split('|').nth(1).unwrap())).collect();
     assert_eq!(told, BTreeSet::from(NAMES));
     for name in NAMES {
-        let printed: Value = serde_json::from_str(&desk.run(&format!("schema {name}")).with(0, &[]).out).unwrap();
+        let printed: Value = serde_json::from_str(&dir.run(&format!("schema {name}")).with(0, &[]).out).unwrap();
         assert_eq!(printed["$schema"], "https://json-schema.org/draft/2020-12/schema");
         assert_eq!(printed["$id"], format!("urn:vibrochain:{name}:1"));
     }
-    desk.run("schema orbits").with(
+    dir.run("schema orbits").with(
         2,
         &[
             "orbits",
             "orbit, structure, structure-run, structure-branch, structure-curve, locate, branch, curve, curves, words, simulate, fate, manifest, table, scene, state, near, plan",
         ],
     );
-    desk.run("schema orbit curve").with(2, &["curve"]);
-    desk.shell("mapgen schema orbit | head -n 1").with(0, &[]);
+    dir.run("schema orbit curve").with(2, &["curve"]);
+    dir.shell("mapgen schema orbit | head -n 1").with(0, &[]);
     // Of a file that says to be something else, both are told.
-    fs::write(desk.path("other.json"), r#"{"schema":"urn:vibrochain:curve:1","curves":[]}"#).unwrap();
+    fs::write(dir.path("other.json"), r#"{"schema":"urn:vibrochain:curve:1","curves":[]}"#).unwrap();
     let model = "--sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4";
-    desk.run(&format!("orbit --near other.json {model}"))
-        .with(2, &["urn:vibrochain:curve:1", "urn:vibrochain:orbit:1"]);
+    dir.run(&format!("orbit --near other.json {model}")).with(2, &["urn:vibrochain:curve:1", "urn:vibrochain:orbit:1"]);
 }
 
 /// Tests of the program take JSON through what holds it against its schema.

@@ -8,7 +8,7 @@ use clap::CommandFactory;
 use serde_json::Value;
 use vibrochain_cli::args::Cli;
 use vibrochain_cli::common::schemas;
-use vibrochain_testkit::{Desk, Schema};
+use vibrochain_testkit::{Schema, TestDir};
 
 type Names = BTreeSet<String>;
 
@@ -78,9 +78,9 @@ fn columns() -> Names {
     const ORBIT: &str = "--family single-sided --sites 6 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4";
     const FORCED: &str = "--family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .165 --restitution .25";
     let layered = "--word 0:0+0:1+,0:0-0:1- --sites 6 --layers 2 --gamma3 .05 --gamma1 .2 --gamma2 .05 --omega 1.5 --asymmetry .2";
-    let desk = Desk::with_scene(SCENE);
-    fs::write(desk.path("other.toml"), OTHER).unwrap();
-    fs::write(desk.path("refined.toml"), SCENE.replace("[compute]", "refine = { depth = 1 }\n[compute]")).unwrap();
+    let dir = TestDir::with_scene(SCENE);
+    fs::write(dir.path("other.toml"), OTHER).unwrap();
+    fs::write(dir.path("refined.toml"), SCENE.replace("[compute]", "refine = { depth = 1 }\n[compute]")).unwrap();
     let mut commands = vec![
         "sweep other.toml --out table".to_owned(),
         "sweep scene.toml --out table".to_owned(),
@@ -100,9 +100,9 @@ fn columns() -> Names {
     let (mut found, mut tables) = (Names::new(), 0);
     for command in commands {
         let command = command.replace(" table", " table.csv").replace(" more", " more.csv");
-        desk.run(&command).with(0, &[]);
+        dir.run(&command).with(0, &[]);
         for name in ["table.csv", "more.csv"].into_iter().filter(|name| command.contains(name)) {
-            let text = String::from_utf8(desk.read(name)).unwrap();
+            let text = String::from_utf8(dir.read(name)).unwrap();
             found.extend(text.lines().next().unwrap().split(',').map(str::to_owned));
             tables += 1;
         }

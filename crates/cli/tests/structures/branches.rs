@@ -3,7 +3,7 @@
 use std::fs;
 
 use serde_json::Value;
-use vibrochain_testkit::{Desk, written};
+use vibrochain_testkit::{TestDir, written};
 
 /// x″ + 0.1x′ + x = A cos ωt with a stop at 0.1.
 const OSCILLATOR: &str = "title = \"oscillator\"\nomega = 2.325\nword = \"0+\"\n[structure]\nmasses = [1]\nstiffness = [[1]]\n\
@@ -13,22 +13,22 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap()
 }
 
-fn desk() -> Desk {
-    let desk = Desk::new();
-    fs::write(desk.path("scene.toml"), OSCILLATOR).unwrap();
-    desk
+fn dir() -> TestDir {
+    let dir = TestDir::new();
+    fs::write(dir.path("scene.toml"), OSCILLATOR).unwrap();
+    dir
 }
 
 /// At a doubling that was located the orbit there has the multiplier −1, by `orbit` itself; and stands at it, stable on one side alone.
 #[test]
 fn a_doubling_that_is_located_is_one() {
-    let desk = desk();
+    let dir = dir();
     let answer =
-        written(&desk.run("locate --scene scene.toml --event period-doubling --free load --json").with(0, &[]).out);
+        written(&dir.run("locate --scene scene.toml --event period-doubling --free load --json").with(0, &[]).out);
     let events = answer["events"].as_array().unwrap();
     assert_eq!(events.len(), 1);
     let load = number(&events[0]["value"]);
-    let found = written(&desk.run(&format!("orbit --scene scene.toml --set load={load} --json")).with(0, &[]).out);
+    let found = written(&dir.run(&format!("orbit --scene scene.toml --set load={load} --json")).with(0, &[]).out);
     let nearest = (found["solutions"].as_array().unwrap().iter())
         .flat_map(|solution| solution["stability"]["multipliers"].as_array().unwrap())
         .map(|mu| (number(&mu[0]) + 1.0).hypot(number(&mu[1])))
@@ -40,16 +40,16 @@ fn a_doubling_that_is_located_is_one() {
     // The same by the flags of a damped chain of one mass.
     let flags = "--sites 1 --gamma1 1 --gamma2 0 --omega 2.325 --damping .1 --upper .1 --restitution .8 --amplitude 1 --word 0+";
     let chain =
-        written(&desk.run(&format!("locate {flags} --event period-doubling --free amplitude --json")).with(0, &[]).out);
+        written(&dir.run(&format!("locate {flags} --event period-doubling --free amplitude --json")).with(0, &[]).out);
     assert!((number(&chain["events"][0]["value"]) - load).abs() < 1e-12);
 }
 
 /// The grazing curve is A = d√((1−ω²)² + c²ω²), in the table as in JSON.
 #[test]
 fn a_curve_is_written_as_it_is_told() {
-    let desk = desk();
+    let dir = dir();
     let ask = "curve --scene scene.toml --event grazing --free load --and omega --and-from 1.7 --and-to 2.6 --from 0.05 --to 2 --tolerance 1e-4";
-    let told = written(&desk.run(&format!("{ask} --json --out curve.csv --plot curve.svg")).with(0, &[]).out);
+    let told = written(&dir.run(&format!("{ask} --json --out curve.csv --plot curve.svg")).with(0, &[]).out);
     let by_hand = |omega: f64| 0.1 * ((1.0 - omega * omega).powi(2) + 0.01 * omega * omega).sqrt();
     let curves = told["curves"].as_array().unwrap();
     let of_it: Vec<&Value> = curves
@@ -62,31 +62,31 @@ fn a_curve_is_written_as_it_is_told() {
         let [load, omega] = [number(&point["values"][0]), number(&point["values"][1])];
         assert!((load - by_hand(omega)).abs() < 1e-10, "{load} {omega}");
     }
-    let table = fs::read_to_string(desk.path("curve.csv")).unwrap();
+    let table = fs::read_to_string(dir.path("curve.csv")).unwrap();
     assert!(table.starts_with("curve,event,load,omega,error,special,special_error,angle,physical,impulses,phi,psi\n"));
     let points: usize = curves.iter().map(|curve| curve["points"].as_array().unwrap().len()).sum();
     assert_eq!(table.lines().count(), points + 1);
-    assert!(fs::read_to_string(desk.path("curve.svg")).unwrap().contains("factor of the load"));
+    assert!(fs::read_to_string(dir.path("curve.svg")).unwrap().contains("factor of the load"));
 }
 
 #[test]
 fn a_branch_has_a_table_and_a_picture() {
-    let desk = desk();
+    let dir = dir();
     let ask = "branch --scene scene.toml --free omega --from 1 --to 3 --out branch.csv --plot branch.svg --json";
-    let told = written(&desk.run(ask).with(0, &[]).out);
-    let table = fs::read_to_string(desk.path("branch.csv")).unwrap();
+    let told = written(&dir.run(ask).with(0, &[]).out);
+    let table = fs::read_to_string(dir.path("branch.csv")).unwrap();
     let rows = told["points"].as_array().unwrap().len() + told["events"].as_array().unwrap().len();
     assert_eq!(table.lines().count(), rows + 1);
     assert!(
         table
             .starts_with("branch,generation,event,value,error,impulse,impulses,phi,psi,period,margin,physical,stable,")
     );
-    let picture = fs::read_to_string(desk.path("branch.svg")).unwrap();
+    let picture = fs::read_to_string(dir.path("branch.svg")).unwrap();
     assert!(picture.contains("oscillator") && picture.contains("period doubling"));
-    let text = desk.run("branch --scene scene.toml --free omega").with(0, &[]).out;
+    let text = dir.run("branch --scene scene.toml --free omega").with(0, &[]).out;
     assert!(text.contains("period-doubling: multiplier -"), "{text}");
-    desk.run("locate --scene scene.toml --free omega --event grazing --out located.csv").with(0, &[]);
-    assert!(fs::read_to_string(desk.path("located.csv")).unwrap().starts_with("event,omega,error,impulses,"));
+    dir.run("locate --scene scene.toml --free omega --event grazing --out located.csv").with(0, &[]);
+    assert!(fs::read_to_string(dir.path("located.csv")).unwrap().starts_with("event,omega,error,impulses,"));
 }
 
 /// A ball between the walls of a shaken box: its orbits lose their symmetry.
@@ -97,15 +97,15 @@ const PAIR: &str = "title = \"pair\"\nomega = 1\nword = \"0+,0-\"\n[structure]\n
 /// on either side where symmetry is lost.
 #[test]
 fn what_branches_off_is_what_runs_come_to() {
-    let desk = desk();
-    fs::write(desk.path("pair.toml"), PAIR).unwrap();
+    let dir = dir();
+    fs::write(dir.path("pair.toml"), PAIR).unwrap();
     let cases = [
         ("scene.toml", "omega", "--from 2.3 --to 2.7", "period-doubling", ("0+,0+", 2)),
         ("pair.toml", "restitution", "--from 0.1 --to 0.7", "pitchfork", ("0+,0-", 1)),
     ];
     for (scene, free, range, event, (word, periods)) in cases {
         let ask = format!("branch --scene {scene} --free {free} {range} --switch");
-        let told = written(&desk.run(&format!("{ask} --json --out branch.csv --plot branch.svg")).with(0, &[]).out);
+        let told = written(&dir.run(&format!("{ask} --json --out branch.csv --plot branch.svg")).with(0, &[]).out);
         let of_event = |branch: &&Value| branch["origin"]["event"] == event;
         let branches = told["branches"].as_array().unwrap();
         let branch = branches.iter().find(of_event).unwrap();
@@ -115,15 +115,12 @@ fn what_branches_off_is_what_runs_come_to() {
             .collect();
         let point = stable[stable.len() / 3];
         // The same scene without a word: from rest.
-        let text = fs::read_to_string(desk.path(scene)).unwrap();
-        fs::write(
-            desk.path("rest.toml"),
-            text.replace(&format!("word = \"{}\"\n", told["word"].as_str().unwrap()), ""),
-        )
-        .unwrap();
+        let text = fs::read_to_string(dir.path(scene)).unwrap();
+        fs::write(dir.path("rest.toml"), text.replace(&format!("word = \"{}\"\n", told["word"].as_str().unwrap()), ""))
+            .unwrap();
         let value = number(&point["value"]);
         let run = format!("simulate --scene rest.toml --set {free}={value} --periods 4000 --json");
-        let repeats = &written(&desk.run(&run).with(0, &[]).out)["repeats"];
+        let repeats = &written(&dir.run(&run).with(0, &[]).out)["repeats"];
         // The shorter of the two flights, and both impulses, whichever impact comes first.
         let told_of = |phi: f64, period: f64, impulses: [f64; 2]| {
             let [a, b] = impulses.map(f64::abs);
@@ -140,19 +137,19 @@ fn what_branches_off_is_what_runs_come_to() {
         for (a, b) in run.iter().zip(&own) {
             assert!((a - b).abs() < 1e-7 * b, "{scene}: {run:?} {own:?}");
         }
-        let rows: usize = fs::read_to_string(desk.path("branch.csv")).unwrap().lines().count();
+        let rows: usize = fs::read_to_string(dir.path("branch.csv")).unwrap().lines().count();
         let stations = |branch: &Value| {
             ["points", "events"].map(|key| branch[key].as_array().unwrap().len()).iter().sum::<usize>()
         };
         assert_eq!(rows, 1 + stations(&told) + branches.iter().map(stations).sum::<usize>());
-        let text = desk.run(&ask).with(0, &[]).out;
+        let text = dir.run(&ask).with(0, &[]).out;
         assert!(text.contains(&format!("leaves branch 1 at {free} = ")) && text.contains(event), "{text}");
     }
 }
 
 #[test]
 fn what_is_wrong_is_told() {
-    let desk = desk();
+    let dir = dir();
     let cases = [
         ("branch --scene scene.toml --free contact.3.upper", "no such number"),
         ("branch --scene scene.toml --free gamma1", "no such number"),
@@ -163,10 +160,10 @@ fn what_is_wrong_is_told() {
         ("curve --scene scene.toml --free omega --and load --event fold --tolerance 1", "tolerance"),
     ];
     for (ask, message) in cases {
-        let ran = desk.run(ask);
+        let ran = dir.run(ask);
         assert!(ran.code != Some(0) && ran.err.contains(message), "{ask}: {ran:?}");
     }
     let chain = "--family single-sided --sites 5 --gamma1 1 --gamma2 .1 --omega 1.5 --asymmetry .4";
-    desk.run(&format!("branch {chain} --free contact.0.upper")).with(2, &["is a number of structures"]);
-    desk.run(&format!("branch {chain} --free omga")).with(2, &["omega"]);
+    dir.run(&format!("branch {chain} --free contact.0.upper")).with(2, &["is a number of structures"]);
+    dir.run(&format!("branch {chain} --free omga")).with(2, &["omega"]);
 }

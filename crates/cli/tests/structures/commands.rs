@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use vibrochain_testkit::{Desk, written};
+use vibrochain_testkit::{TestDir, written};
 
 pub(crate) const TWO: &str = "omega = 0.9\nword = \"0+\"\n[structure]\nmass = [[1, 0], [0, 1.4]]\nstiffness = [[1, -0.3], [-0.3, 0.8]]\n\
     damping = [[0.02, 0], [0, 0.02]]\n[[contact]]\nat = 1\nlower = -0.7\nupper = 1.3\nrestitution = 0.8\n[force]\nload = [0.5, 0]\n";
@@ -54,7 +54,7 @@ fn one_impact(c: f64, omega: f64, stop: f64, e: f64) -> Vec<[f64; 2]> {
 /// Eight damped oscillators of reports in the open: both orbits of one impact a period, from flags.
 #[test]
 fn damped_oscillators_have_the_orbits_of_their_free_motion() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let mut checked = 0;
     for (c, omega, stop, e) in [
         (0.1, 2.325, 0.1, 0.8),
@@ -68,8 +68,7 @@ fn damped_oscillators_have_the_orbits_of_their_free_motion() {
     ] {
         let flags = "--sites 1 --gamma1 1 --gamma2 0 --amplitude 1 --word 0+ --json";
         let answer = written(
-            &desk
-                .run(&format!("orbit {flags} --damping {c} --omega {omega} --upper={stop} --restitution {e}"))
+            &dir.run(&format!("orbit {flags} --damping {c} --omega {omega} --upper={stop} --restitution {e}"))
                 .with(0, &[])
                 .out,
         );
@@ -93,9 +92,9 @@ fn damped_oscillators_have_the_orbits_of_their_free_motion() {
 /// As dashpots go to nothing the answer is that of the chain without them.
 #[test]
 fn weak_dashpots_go_over_into_none() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let flags = "--sites 6 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --restitution .9";
-    let without = written(&desk.run(&format!("orbit --family double-sided {flags} --json")).with(0, &[]).out);
+    let without = written(&dir.run(&format!("orbit --family double-sided {flags} --json")).with(0, &[]).out);
     let impulses = |answer: &Value| {
         let mut all: Vec<(f64, f64)> = (answer["solutions"].as_array().unwrap().iter())
             .map(|solution| {
@@ -109,7 +108,7 @@ fn weak_dashpots_go_over_into_none() {
     assert!(expected.len() >= 2);
     for c in [1e-3, 1e-6, 1e-9, 1e-12, 1e-14, 0.0] {
         let with =
-            written(&desk.run(&format!("orbit --family double-sided {flags} --damping {c} --json")).with(0, &[]).out);
+            written(&dir.run(&format!("orbit --family double-sided {flags} --damping {c} --json")).with(0, &[]).out);
         let told = impulses(&with);
         assert_eq!(told.len(), expected.len(), "{c}");
         for (told, expected) in told.iter().zip(&expected) {
@@ -124,18 +123,18 @@ fn weak_dashpots_go_over_into_none() {
 /// Matrices, a file of them, a chain and its modes are one structure.
 #[test]
 fn the_forms_of_a_structure_are_one() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let tail = "[[contact]]\nat = 0\nupper = 0.5\nrestitution = 0.8\n[force]\nload = [0.3, 0.3]\n";
     let contact = tail.replace("at = 0\n", "");
     let (contact, _) = contact.split_once("[force]").unwrap();
     let root = 0.5_f64.sqrt();
     fs::write(
-        desk.path("k.mtx"),
+        dir.path("k.mtx"),
         "%%MatrixMarket matrix coordinate real symmetric\n2 2 3\n1 1 1.2\n2 2 1.2\n2 1 -0.2\n",
     )
     .unwrap();
     fs::write(
-        desk.path("modes.csv"),
+        dir.path("modes.csv"),
         format!(
             "frequency, ratio, load, contact0\n1, 0.01, {}, {root}\n{}, {}, 0, {root}\n",
             0.6 * root,
@@ -164,8 +163,8 @@ fn the_forms_of_a_structure_are_one() {
     ];
     let mut told = Vec::new();
     for form in &forms {
-        fs::write(desk.path("scene.toml"), format!("omega = 1.7\nword = \"0+\"\n{form}")).unwrap();
-        let answer = written(&desk.run("orbit --scene scene.toml --json").with(0, &[]).out);
+        fs::write(dir.path("scene.toml"), format!("omega = 1.7\nword = \"0+\"\n{form}")).unwrap();
+        let answer = written(&dir.run("orbit --scene scene.toml --json").with(0, &[]).out);
         told.push((
             number(&answer["solutions"][1]["impacts"][0]["impulse"]),
             number(&answer["solutions"][1]["stability"]["spectral_radius"]),
@@ -178,14 +177,14 @@ fn the_forms_of_a_structure_are_one() {
 
 #[test]
 fn an_orbit_leads_to_itself_and_to_its_neighbours() {
-    let desk = Desk::with_scene(TWO);
-    let first = written(&desk.run("orbit --scene scene.toml --word 0+,0- --json").with(0, &[]).out);
-    fs::write(desk.path("near.json"), first.to_string()).unwrap();
-    let again = written(&desk.run("orbit --scene scene.toml --near near.json --json").with(0, &[]).out);
+    let dir = TestDir::with_scene(TWO);
+    let first = written(&dir.run("orbit --scene scene.toml --word 0+,0- --json").with(0, &[]).out);
+    fs::write(dir.path("near.json"), first.to_string()).unwrap();
+    let again = written(&dir.run("orbit --scene scene.toml --near near.json --json").with(0, &[]).out);
     let impulse = |answer: &Value| number(&answer["solutions"][0]["impacts"][1]["impulse"]);
     assert!((impulse(&first) - impulse(&again)).abs() < 1e-12);
     let beside = written(
-        &desk.run("orbit --scene scene.toml --near near.json --set contact.0.upper=1.31 --json").with(0, &[]).out,
+        &dir.run("orbit --scene scene.toml --near near.json --set contact.0.upper=1.31 --json").with(0, &[]).out,
     );
     let apart = (impulse(&beside) - impulse(&first)).abs();
     assert!(apart > 1e-6 && apart < 0.1, "{apart}");
@@ -195,9 +194,9 @@ fn an_orbit_leads_to_itself_and_to_its_neighbours() {
 fn a_map_is_a_row_a_point() {
     let sweep = "[sweep]\nx = { parameter = \"omega\", from = 0.6, to = 1.4, points = 9 }\n\
         y = { parameter = \"contact.0.upper\", from = 0.5, to = 0.8, points = 4 }\n[compute]\nfamilies = [\"0+\", \"0+,0-\", \"0+/2\"]\n";
-    let desk = Desk::with_scene(&format!("{TWO}{sweep}"));
-    desk.run("sweep scene.toml --out map.csv").with(0, &["36 cells"]);
-    let text = String::from_utf8(desk.read("map.csv")).unwrap();
+    let dir = TestDir::with_scene(&format!("{TWO}{sweep}"));
+    dir.run("sweep scene.toml --out map.csv").with(0, &["36 cells"]);
+    let text = String::from_utf8(dir.read("map.csv")).unwrap();
     let rows: Vec<&str> = text.lines().collect();
     assert_eq!(rows[0], "omega,contact.0.upper,class,word,mechanism,spectral_radius,margin,solutions,status,trouble");
     assert_eq!(rows.len(), 37);
@@ -207,8 +206,8 @@ fn a_map_is_a_row_a_point() {
     // Each is what `orbit` says of the point.
     let stable = rows[1..].iter().find(|row| row.contains(",stable,\"0+,0-\",")).unwrap();
     let parts: Vec<&str> = stable.split(',').collect();
-    let told = desk
-        .run(&format!("orbit --scene scene.toml --omega {} --set contact.0.upper={} --word 0+", parts[0], parts[1]));
+    let told =
+        dir.run(&format!("orbit --scene scene.toml --omega {} --set contact.0.upper={} --word 0+", parts[0], parts[1]));
     assert!(told.with(0, &[]).out.contains(&format!("stable: spectral radius {}", parts[5])), "{stable}");
 }
 
@@ -216,23 +215,23 @@ fn a_map_is_a_row_a_point() {
 #[test]
 fn a_map_tells_where_its_lists_are_complete() {
     let sweep = "[sweep]\nx = { parameter = \"omega\", from = 0.6, to = 1.4, points = 5 }\n[compute]\nfamilies = ";
-    let desk = Desk::with_scene(&format!("{TWO}{sweep}[\"0+\", \"0+,0-\"]\n"));
+    let dir = TestDir::with_scene(&format!("{TWO}{sweep}[\"0+\", \"0+,0-\"]\n"));
     let four = ["0+,0-", "0+,0-,0+,0-"]
-        .map(|word| desk.run(&format!("orbit --scene scene.toml --word {word}")).with(0, &[]).out);
+        .map(|word| dir.run(&format!("orbit --scene scene.toml --word {word}")).with(0, &[]).out);
     assert!(four[0].contains("the list is complete") && !four[1].contains("the list is complete"), "{four:?}");
-    assert!(!desk.run("sweep scene.toml --out map.csv").with(0, &[]).err.contains("status"));
-    assert_eq!(desk.json("map.manifest.json")["statuses"], serde_json::json!({ "ok": 5 }));
-    desk.scene(&format!("{TWO}{sweep}[\"0+\", \"0+,0-,0+,0-\"]\n"));
-    desk.run("sweep scene.toml --out map.csv").with(0, &["status incomplete               5"]);
-    assert_eq!(desk.json("map.manifest.json")["statuses"], serde_json::json!({ "incomplete": 5 }));
-    let table = String::from_utf8(desk.read("map.csv")).unwrap();
+    assert!(!dir.run("sweep scene.toml --out map.csv").with(0, &[]).err.contains("status"));
+    assert_eq!(dir.json("map.manifest.json")["statuses"], serde_json::json!({ "ok": 5 }));
+    dir.scene(&format!("{TWO}{sweep}[\"0+\", \"0+,0-,0+,0-\"]\n"));
+    dir.run("sweep scene.toml --out map.csv").with(0, &["status incomplete               5"]);
+    assert_eq!(dir.json("map.manifest.json")["statuses"], serde_json::json!({ "incomplete": 5 }));
+    let table = String::from_utf8(dir.read("map.csv")).unwrap();
     assert_eq!(table.matches(",incomplete,\n").count(), 5, "{table}");
 }
 
 #[test]
 fn what_is_wrong_is_told() {
-    let desk = Desk::with_scene(TWO);
-    let scene = |change: &str, to: &str| fs::write(desk.path("other.toml"), TWO.replace(change, to)).unwrap();
+    let dir = TestDir::with_scene(TWO);
+    let scene = |change: &str, to: &str| fs::write(dir.path("other.toml"), TWO.replace(change, to)).unwrap();
     for (change, to, told) in [
         ("mass = [[1, 0], [0, 1.4]]", "mass = [[1, 0], [0, -1.4]]", "not positive definite"),
         ("stiffness = [[1, -0.3], [-0.3, 0.8]]", "stiffness = [[1, -3], [-3, 0.8]]", "indefinite"),
@@ -251,7 +250,7 @@ fn what_is_wrong_is_told() {
         ("damping = ", "dampness = ", "unknown field"),
     ] {
         scene(change, to);
-        let ran = desk.run("orbit --scene other.toml");
+        let ran = dir.run("orbit --scene other.toml");
         assert!(ran.code == Some(2) && ran.err.contains(told), "{to}: {:?} {}", ran.code, ran.err);
     }
     for (line, code, told) in [
@@ -282,7 +281,7 @@ fn what_is_wrong_is_told() {
             "resonance",
         ),
     ] {
-        let ran = desk.run(line);
+        let ran = dir.run(line);
         assert!(ran.code == Some(code) && ran.err.contains(told), "{line}: {:?} {}", ran.code, ran.err);
     }
 }
@@ -291,7 +290,7 @@ fn what_is_wrong_is_told() {
 #[test]
 fn scenes_of_structures_have_orbits() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/structures");
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let mut read = 0;
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -301,7 +300,7 @@ fn scenes_of_structures_have_orbits() {
         if !fs::read_to_string(&path).unwrap().contains("\nword = ") {
             continue;
         }
-        let answer = written(&desk.run(&format!("orbit --json --scene {}", path.display())).with(0, &[]).out);
+        let answer = written(&dir.run(&format!("orbit --json --scene {}", path.display())).with(0, &[]).out);
         assert!(
             answer["solutions"].as_array().unwrap().iter().any(|solution| solution["physical"] == true),
             "{}",
@@ -315,7 +314,7 @@ fn scenes_of_structures_have_orbits() {
 /// What no impact feels does not decide: a free motion of the whole beside a distance, and modes with a node at the contact.
 #[test]
 fn what_impacts_do_not_feel_is_left_out() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let tail = "upper = 0.1\nrestitution = 0.8\n[force]\n";
     // Two free masses that meet, and their distance alone: half the mass, the same load on it. Nothing brings them back together, whether
     // dashpots hold the whole or not.
@@ -329,8 +328,8 @@ fn what_impacts_do_not_feel_is_left_out() {
             "[structure]\nmasses = [0.5]\nstiffness = [[1]]\ndamping = [[{one}]]\n[[contact]]\nat = 0\n{tail}load = [1]\n"
         );
         let told = [&two, &one].map(|scene| {
-            fs::write(desk.path("scene.toml"), format!("omega = 2.4\nword = \"0+\"\n{scene}")).unwrap();
-            let answer = written(&desk.run("orbit --scene scene.toml --json").with(0, &[]).out);
+            fs::write(dir.path("scene.toml"), format!("omega = 2.4\nword = \"0+\"\n{scene}")).unwrap();
+            let answer = written(&dir.run("orbit --scene scene.toml --json").with(0, &[]).out);
             let told = |one: &Value| {
                 let (impact, stability) = (&one["impacts"][0], &one["stability"]);
                 assert_eq!(stability["marginal"], false, "{stability}");
@@ -348,12 +347,12 @@ fn what_impacts_do_not_feel_is_left_out() {
         assert!(told[0].len() == 2 && told[0].iter().zip(&told[1]).all(alike), "{told:?}");
         // As a run has it, on its way or not.
         let Some(&[impulse, after, _]) = told[1].iter().find(|one| one[0] < 0.0) else { panic!("{told:?}") };
-        fs::write(desk.path("two.toml"), two).unwrap();
+        fs::write(dir.path("two.toml"), two).unwrap();
         let [left, right] = [0.7 + 0.5 * after, 0.7 - 0.5 * after];
         let state = format!("{{\"displacement\": [5.1, 5.0], \"velocity\": [{left}, {right}], \"psi\": 0}}");
-        fs::write(desk.path("state.json"), state).unwrap();
+        fs::write(dir.path("state.json"), state).unwrap();
         let ran =
-            desk.run("simulate --scene two.toml --omega 2.4 --state state.json --periods 900 --json").with(0, &[]).out;
+            dir.run("simulate --scene two.toml --omega 2.4 --state state.json --periods 900 --json").with(0, &[]).out;
         let repeats = &written(&ran)["repeats"];
         assert!(
             repeats["stable"] == true && (number(&repeats["impacts"][0]["impulse"]) - impulse).abs() < 1e-6,
@@ -363,15 +362,15 @@ fn what_impacts_do_not_feel_is_left_out() {
     // A middle mass between two alike, dashpots that are not proportional: the modes against each other are not felt.
     let three = "[structure]\nmasses = [1, 1, 1]\nstiffness = [[1.3, -0.3, 0], [-0.3, 1.6, -0.3], [0, -0.3, 1.3]]\n\
         damping = [[0.2, 0, 0], [0, 0.01, 0], [0, 0, 0.2]]\n[[contact]]\nat = 1\n";
-    fs::write(desk.path("scene.toml"), format!("omega = 2.6\nword = \"0+\"\n{three}{tail}load = [0, 1, 0]\n")).unwrap();
-    let answer = written(&desk.run("orbit --scene scene.toml --json").with(0, &[]).out);
+    fs::write(dir.path("scene.toml"), format!("omega = 2.6\nword = \"0+\"\n{three}{tail}load = [0, 1, 0]\n")).unwrap();
+    let answer = written(&dir.run("orbit --scene scene.toml --json").with(0, &[]).out);
     for solution in answer["solutions"].as_array().unwrap() {
         assert_eq!(solution["stability"]["multipliers"].as_array().unwrap().len(), 6);
     }
     // Without dashpots they are on the circle, and the verdict is that of the rest, as a plain chain's is.
     let flags = "--family single-sided --sites 3 --gamma1 1 --gamma2 .1 --omega 2.4 --asymmetry .9 --amplitude .5 --restitution .8 --json";
-    let plain = written(&desk.run(&format!("orbit {flags}")).with(0, &[]).out);
-    let structure = written(&desk.run(&format!("orbit {flags} --static-force 0")).with(0, &[]).out);
+    let plain = written(&dir.run(&format!("orbit {flags}")).with(0, &[]).out);
+    let structure = written(&dir.run(&format!("orbit {flags} --static-force 0")).with(0, &[]).out);
     let stable = |answer: &Value| {
         let mut all: Vec<(i64, bool)> = (answer["solutions"].as_array().unwrap().iter())
             .map(|solution| {
@@ -391,15 +390,15 @@ fn what_impacts_do_not_feel_is_left_out() {
 /// Orbits of one word in one period of the load and in two are told apart.
 #[test]
 fn words_are_told_with_their_periods() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let scene = "omega = 2.46\n[structure]\nmasses = [1]\nstiffness = [[1]]\ndamping = [[0.1]]\n[[contact]]\nat = 0\nupper = 0.1\n\
         restitution = 0.8\n[force]\nload = [1]\n[sweep]\nx = { parameter = \"omega\", from = 2.3, to = 2.47, points = 2 }\n\
         [compute]\nfamilies = [\"0+,0+\", \"0+\", \"0+,0+/2\"]\n";
-    fs::write(desk.path("scene.toml"), scene).unwrap();
-    desk.run("sweep scene.toml --out map.csv").with(0, &[]);
-    let table = fs::read_to_string(desk.path("map.csv")).unwrap();
+    fs::write(dir.path("scene.toml"), scene).unwrap();
+    dir.run("sweep scene.toml --out map.csv").with(0, &[]);
+    let table = fs::read_to_string(dir.path("map.csv")).unwrap();
     let stable: Vec<&str> = table.lines().skip(1).map(|row| row.split(",stable,").nth(1).unwrap_or(row)).collect();
     assert!(stable[0].starts_with("0+,") && stable[1].starts_with("\"0+,0+/2\","), "{table}");
-    desk.run("fate scene.toml --breathers every --starts 1 --periods 40 --out fates.csv").with(0, &[]);
-    assert!(fs::read_to_string(desk.path("fates.csv")).unwrap().contains("\"0+,0+/2\""));
+    dir.run("fate scene.toml --breathers every --starts 1 --periods 40 --out fates.csv").with(0, &[]);
+    assert!(fs::read_to_string(dir.path("fates.csv")).unwrap().contains("\"0+,0+/2\""));
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
-use vibrochain_testkit::{Desk, written};
+use vibrochain_testkit::{TestDir, written};
 
 /// Two masses, of which one has stops; the other's spring comes from a file.
 const SCENE: &str = "omega = 0.9\n[structure]\nmass = [[1, 0], [0, 1.4]]\nstiffness = \"k.mtx\"\n\
@@ -20,10 +20,10 @@ const ONE: &str = "omega = 2.3\n[structure]\nmasses = [1]\nstiffness = [[1]]\nda
     restitution = 0.8\n[force]\nload = [1]\n[sweep]\nx = { parameter = \"omega\", from = 2.25, to = 2.4, points = 4 }\n\
     [compute]\nfamilies = [\"0+\"]\n";
 
-fn desk(scene: &str) -> Desk {
-    let desk = Desk::with_scene(scene);
-    fs::write(desk.path("k.mtx"), MATRIX).unwrap();
-    desk
+fn dir(scene: &str) -> TestDir {
+    let dir = TestDir::with_scene(scene);
+    fs::write(dir.path("k.mtx"), MATRIX).unwrap();
+    dir
 }
 
 /// A coarser grid.
@@ -33,8 +33,8 @@ fn coarse(points: [u32; 2]) -> String {
 }
 
 /// What a run took is its own.
-fn manifest(desk: &Desk, name: &str) -> Value {
-    let mut manifest = desk.json(name);
+fn manifest(dir: &TestDir, name: &str) -> Value {
+    let mut manifest = dir.json(name);
     ["threads", "computed_cells", "wall_seconds"].iter().for_each(|key| {
         manifest.as_object_mut().unwrap().remove(*key);
     });
@@ -43,34 +43,34 @@ fn manifest(desk: &Desk, name: &str) -> Value {
 
 #[test]
 fn shares_of_a_map_are_one_table_wherever_they_are_merged() {
-    let desk = desk(SCENE);
-    desk.run("sweep scene.toml --out map.csv --plot map.svg --threads 1").with(0, &["4800 cells (80 × 60)"]);
+    let dir = dir(SCENE);
+    dir.run("sweep scene.toml --out map.csv --plot map.svg --threads 1").with(0, &["4800 cells (80 × 60)"]);
     for (shares, threads) in [(3, 2), (1, 1)] {
         let folder = format!("parts-{shares}");
         for share in (0..shares).rev() {
             let line = format!("sweep scene.toml --out {folder} --shard {share}/{shares} --threads {threads}");
-            desk.run(&line).with(0, &[&format!("shard {share}/{shares}: ")]);
+            dir.run(&line).with(0, &[&format!("shard {share}/{shares}: ")]);
         }
-        assert!(desk.chunks(&folder) >= 5, "{}", desk.chunks(&folder));
+        assert!(dir.chunks(&folder) >= 5, "{}", dir.chunks(&folder));
     }
-    drop(desk.json("parts-3/plan.json"));
+    drop(dir.json("parts-3/plan.json"));
     // A merge needs neither the scene nor what it names.
     ["scene.toml", "k.mtx"]
         .iter()
-        .for_each(|name| fs::rename(desk.path(name), desk.path(&format!("{name}.old"))).unwrap());
-    desk.run("merge parts-3 --out merged.csv --plot merged.svg").with(0, &["4800 cells (80 × 60)"]);
+        .for_each(|name| fs::rename(dir.path(name), dir.path(&format!("{name}.old"))).unwrap());
+    dir.run("merge parts-3 --out merged.csv --plot merged.svg").with(0, &["4800 cells (80 × 60)"]);
     for end in ["csv", "svg"] {
-        assert!(desk.read(&format!("map.{end}")) == desk.read(&format!("merged.{end}")), "{end}");
+        assert!(dir.read(&format!("map.{end}")) == dir.read(&format!("merged.{end}")), "{end}");
     }
-    assert_eq!(manifest(&desk, "merged.manifest.json"), manifest(&desk, "map.manifest.json"));
+    assert_eq!(manifest(&dir, "merged.manifest.json"), manifest(&dir, "map.manifest.json"));
     // The manifest is a scene: the picture is drawn from the table, and the table made anew, beside the file that it names.
-    fs::rename(desk.path("k.mtx.old"), desk.path("k.mtx")).unwrap();
-    desk.run("draw map.csv --plot drawn.svg").with(0, &[]);
-    assert!(desk.read("drawn.svg") == desk.read("map.svg"));
-    desk.run("sweep map.manifest.json --out again.csv --quiet").with(0, &[]);
-    assert!(desk.read("again.csv") == desk.read("map.csv"));
-    fs::remove_file(desk.path("parts-1/000001.chunk")).unwrap();
-    let told = desk.run("merge parts-1 --out other.csv").with(1, &["1 of 5 chunks are missing in parts-1: 1"]);
+    fs::rename(dir.path("k.mtx.old"), dir.path("k.mtx")).unwrap();
+    dir.run("draw map.csv --plot drawn.svg").with(0, &[]);
+    assert!(dir.read("drawn.svg") == dir.read("map.svg"));
+    dir.run("sweep map.manifest.json --out again.csv --quiet").with(0, &[]);
+    assert!(dir.read("again.csv") == dir.read("map.csv"));
+    fs::remove_file(dir.path("parts-1/000001.chunk")).unwrap();
+    let told = dir.run("merge parts-1 --out other.csv").with(1, &["1 of 5 chunks are missing in parts-1: 1"]);
     assert!(
         told.err.contains("make them with: mapgen sweep scene.toml --out parts-1 --shard 0/1 --resume"),
         "{told:?}"
@@ -78,46 +78,46 @@ fn shares_of_a_map_are_one_table_wherever_they_are_merged() {
 }
 
 /// Kills a resumed run at random moments of its life until it has been met with finished chunks.
-fn killed(desk: &Desk, line: &str, outputs: &[&str], seed: u64) {
+fn killed(dir: &TestDir, line: &str, outputs: &[&str], seed: u64) {
     let started = Instant::now();
-    desk.run(&format!("{line} --threads 1")).with(0, &[]);
+    dir.run(&format!("{line} --threads 1")).with(0, &[]);
     let life = started.elapsed();
-    let expected: Vec<Vec<u8>> = outputs.iter().map(|name| desk.read(name)).collect();
-    let names = desk.names(".");
-    outputs.iter().for_each(|name| fs::remove_file(desk.path(name)).unwrap());
+    let expected: Vec<Vec<u8>> = outputs.iter().map(|name| dir.read(name)).collect();
+    let names = dir.names(".");
+    outputs.iter().for_each(|name| fs::remove_file(dir.path(name)).unwrap());
     let (mut rng, mut met, mut kills) = (fastrand::Rng::with_seed(seed), 0, 0);
     while met < 3 {
-        let mut child = desk.start(&format!("{line} --threads {} --resume", rng.u8(1..3)));
+        let mut child = dir.start(&format!("{line} --threads {} --resume", rng.u8(1..3)));
         std::thread::sleep(life.mul_f64(rng.f64()).max(Duration::from_millis(1)));
         let ended = child.try_wait().unwrap().is_some();
         child.kill().ok();
         child.wait().unwrap();
         kills += u32::from(!ended);
-        met += u32::from(!ended && desk.chunks(&format!("{}.parts", outputs[0])) > 0);
+        met += u32::from(!ended && dir.chunks(&format!("{}.parts", outputs[0])) > 0);
         // A table that is there is whole, whenever the process died.
-        if desk.path(outputs[0]).exists() {
-            assert!(desk.read(outputs[0]) == expected[0]);
-            outputs.iter().for_each(|name| drop(fs::remove_file(desk.path(name))));
+        if dir.path(outputs[0]).exists() {
+            assert!(dir.read(outputs[0]) == expected[0]);
+            outputs.iter().for_each(|name| drop(fs::remove_file(dir.path(name))));
         }
         assert!(kills < 200, "{met} of {kills}");
     }
-    desk.run(&format!("{line} --resume")).with(0, &[]);
+    dir.run(&format!("{line} --resume")).with(0, &[]);
     for (name, expected) in outputs.iter().zip(&expected) {
-        assert!(desk.read(name) == *expected, "{name}");
+        assert!(dir.read(name) == *expected, "{name}");
     }
-    assert_eq!(desk.names("."), names);
+    assert_eq!(dir.names("."), names);
 }
 
 #[test]
 fn a_map_killed_at_random_moments_ends_in_the_same_bytes() {
-    killed(&desk(SCENE), "sweep scene.toml --out map.csv --png map.png --quiet", &["map.csv", "map.png"], 5);
+    killed(&dir(SCENE), "sweep scene.toml --out map.csv --png map.png --quiet", &["map.csv", "map.png"], 5);
 }
 
 #[test]
 fn fates_killed_at_random_moments_end_in_the_same_bytes() {
-    let desk = Desk::with_scene(&ONE.replace("points = 4", "points = 25"));
+    let dir = TestDir::with_scene(&ONE.replace("points = 4", "points = 25"));
     killed(
-        &desk,
+        &dir,
         "fate scene.toml --starts 2 --periods 4000 --out fates.csv --plot fates.svg --quiet",
         &["fates.csv", "fates.svg"],
         6,
@@ -126,23 +126,23 @@ fn fates_killed_at_random_moments_end_in_the_same_bytes() {
 
 #[test]
 fn shares_of_fates_are_one_table() {
-    let desk = desk(&coarse([8, 6]));
+    let dir = dir(&coarse([8, 6]));
     let asked = "--breathers rest --starts 1 --periods 600";
-    let whole = desk.run(&format!("fate scene.toml {asked} --out whole.csv --plot whole.svg")).with(0, &[]).out;
+    let whole = dir.run(&format!("fate scene.toml {asked} --out whole.csv --plot whole.svg")).with(0, &[]).out;
     for share in [1, 0] {
-        desk.run(&format!("fate scene.toml {asked} --out parts --shard {share}/2"))
+        dir.run(&format!("fate scene.toml {asked} --out parts --shard {share}/2"))
             .with(0, &[&format!("shard {share}/2: ")]);
     }
-    let merged = desk.run("merge parts --out merged.csv --plot merged.svg").with(0, &[]).out;
+    let merged = dir.run("merge parts --out merged.csv --plot merged.svg").with(0, &[]).out;
     assert_eq!(merged, whole);
     for end in ["csv", "svg", "manifest.json"] {
-        assert!(desk.read(&format!("whole.{end}")) == desk.read(&format!("merged.{end}")), "{end}");
+        assert!(dir.read(&format!("whole.{end}")) == dir.read(&format!("merged.{end}")), "{end}");
     }
-    desk.run("draw whole.csv --plot drawn.svg").with(0, &[]);
-    assert!(desk.read("whole.svg") == desk.read("drawn.svg"));
-    let words = String::from_utf8(desk.read("whole.csv")).unwrap().matches(",another,").count();
+    dir.run("draw whole.csv --plot drawn.svg").with(0, &[]);
+    assert!(dir.read("whole.svg") == dir.read("drawn.svg"));
+    let words = String::from_utf8(dir.read("whole.csv")).unwrap().matches(",another,").count();
     assert!(words > 10, "{words}");
-    let json = written(&desk.run("merge parts --out json.csv --json").with(0, &[]).out);
+    let json = written(&dir.run("merge parts --out json.csv --json").with(0, &[]).out);
     assert_eq!(json["axes"], serde_json::json!(["omega", "contact.0.upper"]));
 }
 
@@ -154,11 +154,11 @@ fn runs_tell_of_their_lists_what_the_map_tells() {
     let long = swept.replace("[\"0+\"]", "[\"0+\", \"0+,0+,0+,0+\"]");
     let mut told = Vec::new();
     for scene in [swept, long] {
-        let desk = Desk::with_scene(&scene);
-        desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
-        desk.run("fate scene.toml --starts 1 --periods 20 --out fates.csv --quiet").with(0, &[]);
+        let dir = TestDir::with_scene(&scene);
+        dir.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
+        dir.run("fate scene.toml --starts 1 --periods 20 --out fates.csv --quiet").with(0, &[]);
         let [map, fates] = ["map.csv", "fates.csv"].map(|name| {
-            let mut table = csv::Reader::from_path(desk.path(name)).unwrap();
+            let mut table = csv::Reader::from_path(dir.path(name)).unwrap();
             let header = table.headers().unwrap().clone();
             let [load, solutions, status] =
                 ["load", "solutions", "status"].map(|name| header.iter().position(|known| known == name).unwrap());
@@ -176,75 +176,75 @@ fn runs_tell_of_their_lists_what_the_map_tells() {
 #[test]
 fn another_scene_is_told_by_what_differs() {
     let scene = coarse([30, 40]);
-    let desk = desk(&scene);
-    desk.run("sweep scene.toml --out parts --shard 0/2 --quiet").with(0, &[]);
+    let dir = dir(&scene);
+    dir.run("sweep scene.toml --out parts --shard 0/2 --quiet").with(0, &[]);
     let shard = "sweep scene.toml --out parts --shard 1/2";
     for (change, to, told) in [
         ("upper = 1.3", "upper = 1.2", "contact.0.upper is 1.3 there, 1.2 here"),
         ("from = 0.4", "from = 0.5", "sweep.x.from is 0.4 there, 0.5 here"),
         ("\"0+\", ", "", "compute.families is [\"0+\",\"0+,0-\"] there, [\"0+,0-\"] here"),
     ] {
-        desk.scene(&scene.replace(change, to));
-        desk.run(shard).with(2, &["parts belongs to another scene: ", told, "name another --out"]);
+        dir.scene(&scene.replace(change, to));
+        dir.run(shard).with(2, &["parts belongs to another scene: ", told, "name another --out"]);
     }
-    desk.scene(&scene);
-    desk.run(&format!("{shard} --threshold 0.1")).with(2, &["compute.threshold is absent there, 0.1 here"]);
-    fs::write(desk.path("k.mtx"), MATRIX.replace("0.8", "0.81")).unwrap();
-    desk.run(shard).with(2, &["files.k.mtx is \"xxh3 "]);
-    fs::write(desk.path("k.mtx"), MATRIX).unwrap();
-    desk.scene(
+    dir.scene(&scene);
+    dir.run(&format!("{shard} --threshold 0.1")).with(2, &["compute.threshold is absent there, 0.1 here"]);
+    fs::write(dir.path("k.mtx"), MATRIX.replace("0.8", "0.81")).unwrap();
+    dir.run(shard).with(2, &["files.k.mtx is \"xxh3 "]);
+    fs::write(dir.path("k.mtx"), MATRIX).unwrap();
+    dir.scene(
         "[model]\nsites = 3\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\nx = { parameter = \"omega\", values = [0.5] }\n\
         y = { parameter = \"gamma2\", values = [0.1] }\n[compute]\nfamilies = [\"double-sided\"]\n",
     );
-    desk.run(shard).with(2, &["it is of another kind of scene", "name another --out"]);
+    dir.run(shard).with(2, &["it is of another kind of scene", "name another --out"]);
     // What is there is left as it was, and a title, a remark or the same in other words is no other scene.
     let other =
         scene.replace("omega = 0.9", "omega = 9e-1").replace("mass = [[1, 0], [0, 1.4]]", "masses = [1.0, 1.4]");
     let other = other.replace("lower = -0.7\nupper = 1.3\n", "upper = 1.30\nlower = -7e-1\n");
     assert!(["9e-1", "masses", "1.30"].iter().all(|word| other.contains(word)));
-    desk.scene(&format!("# a remark\ntitle = \"A title\"\n{other}"));
-    desk.run(shard).with(0, &[]);
-    desk.run("merge parts --out map.csv --quiet").with(0, &[]);
+    dir.scene(&format!("# a remark\ntitle = \"A title\"\n{other}"));
+    dir.run(shard).with(0, &[]);
+    dir.run("merge parts --out map.csv --quiet").with(0, &[]);
 }
 
 #[test]
 fn every_way_out_has_the_same_rows() {
-    let desk = desk(&coarse([12, 10]));
-    let json = desk.run("sweep scene.toml --out map.csv --json").with(0, &[]).out;
-    assert_eq!(written(&json), desk.json("map.manifest.json"));
-    let table = desk.read("map.csv");
-    assert_eq!(desk.run("sweep scene.toml --out - --quiet").with(0, &[]).out.as_bytes(), table);
-    assert!(desk.run("sweep scene.toml --dry-run").with(0, &[]).out.contains("120 (12 × 10)"));
-    desk.run("sweep scene.toml --out map.csv.gz --quiet").with(0, &[]);
-    let unpacked = desk.shell("gzip -dc map.csv.gz").with(0, &[]).out;
+    let dir = dir(&coarse([12, 10]));
+    let json = dir.run("sweep scene.toml --out map.csv --json").with(0, &[]).out;
+    assert_eq!(written(&json), dir.json("map.manifest.json"));
+    let table = dir.read("map.csv");
+    assert_eq!(dir.run("sweep scene.toml --out - --quiet").with(0, &[]).out.as_bytes(), table);
+    assert!(dir.run("sweep scene.toml --dry-run").with(0, &[]).out.contains("120 (12 × 10)"));
+    dir.run("sweep scene.toml --out map.csv.gz --quiet").with(0, &[]);
+    let unpacked = dir.shell("gzip -dc map.csv.gz").with(0, &[]).out;
     assert_eq!(unpacked.as_bytes(), table);
-    desk.run("sweep scene.toml --out other.csv --threshold 1e9 --quiet").with(0, &[]);
-    assert!(!String::from_utf8(desk.read("other.csv")).unwrap().contains(",unstable,"));
+    dir.run("sweep scene.toml --out other.csv --threshold 1e9 --quiet").with(0, &[]);
+    assert!(!String::from_utf8(dir.read("other.csv")).unwrap().contains(",unstable,"));
     assert!(String::from_utf8(table).unwrap().contains(",unstable,"));
-    desk.run("sweep scene.toml --out map.csv --curves --plot map.svg").with(2, &["of maps of chains"]);
+    dir.run("sweep scene.toml --out map.csv --curves --plot map.svg").with(2, &["of maps of chains"]);
 }
 
 /// Where a stable orbit of one impact lives the section is its one point: the place of the contact as the load is greatest.
 #[test]
 fn a_diagram_is_the_orbit_where_one_is_settled_on() {
-    let desk = Desk::with_scene(ONE);
+    let dir = TestDir::with_scene(ONE);
     let line = "fate scene.toml --periods 400 --points 5";
-    desk.run(&format!("{line} --diagram from.csv --plot from.svg")).with(0, &[]);
-    desk.run(&format!("{line} --diagram carried.csv --carry")).with(0, &[]);
-    desk.run("draw from.csv --plot drawn.svg").with(0, &[]);
-    assert!(desk.read("from.svg") == desk.read("drawn.svg"));
+    dir.run(&format!("{line} --diagram from.csv --plot from.svg")).with(0, &[]);
+    dir.run(&format!("{line} --diagram carried.csv --carry")).with(0, &[]);
+    dir.run("draw from.csv --plot drawn.svg").with(0, &[]);
+    assert!(dir.read("from.svg") == dir.read("drawn.svg"));
     let (unnamed, _) = ONE.split_once("[compute]").unwrap();
-    fs::write(desk.path("rest.toml"), unnamed).unwrap();
-    desk.run("fate rest.toml --periods 400 --points 5 --diagram rest.csv").with(0, &[]);
+    fs::write(dir.path("rest.toml"), unnamed).unwrap();
+    dir.run("fate rest.toml --periods 400 --points 5 --diagram rest.csv").with(0, &[]);
     let mut compared = 0;
     for table in ["from.csv", "carried.csv", "rest.csv"] {
-        let mut rows = csv::Reader::from_path(desk.path(table)).unwrap();
+        let mut rows = csv::Reader::from_path(dir.path(table)).unwrap();
         assert_eq!(rows.headers().unwrap(), vec!["omega", "period", "displacement_0", "velocity_0"]);
         for row in rows.records() {
             let row: Vec<f64> = row.unwrap().iter().map(|field| field.parse().unwrap()).collect();
             let [omega, _, place, velocity] = row[..] else { panic!("{row:?}") };
             let orbit = written(
-                &desk.run(&format!("orbit --scene scene.toml --word 0+ --omega {omega} --json")).with(0, &[]).out,
+                &dir.run(&format!("orbit --scene scene.toml --word 0+ --omega {omega} --json")).with(0, &[]).out,
             );
             let physical = orbit["solutions"].as_array().unwrap().iter().find(|one| one["physical"] == true).unwrap();
             // The free flight from the impact to that instant, by hand.
@@ -273,6 +273,6 @@ fn a_diagram_is_the_orbit_where_one_is_settled_on() {
     }
     assert_eq!(compared, 3 * 4 * 5);
     let damped = ONE.replace("\"omega\", from = 2.25, to = 2.4", "\"damping\", from = 0.5, to = 1");
-    fs::write(desk.path("other.toml"), damped).unwrap();
-    desk.run("fate other.toml --diagram d.csv --carry").with(2, &["the modes change with damping"]);
+    fs::write(dir.path("other.toml"), damped).unwrap();
+    dir.run("fate other.toml --diagram d.csv --carry").with(2, &["the modes change with damping"]);
 }

@@ -3,19 +3,19 @@
 use std::fs;
 
 use serde_json::Value;
-use vibrochain_testkit::{Desk, written};
+use vibrochain_testkit::{TestDir, written};
 
 use super::commands::{TWO, number};
 
 /// A run that begins on a stable orbit repeats it; one from rest settles on it, and what it has settled on leads `orbit` there.
 #[test]
 fn runs_repeat_orbits_and_settle_on_them() {
-    let desk = Desk::with_scene(&TWO.replace("omega = 0.9", "omega = 0.6").replace("upper = 1.3", "upper = 0.6"));
-    let orbit = written(&desk.run("orbit --scene scene.toml --json").with(0, &[]).out);
+    let dir = TestDir::with_scene(&TWO.replace("omega = 0.9", "omega = 0.6").replace("upper = 1.3", "upper = 0.6"));
+    let orbit = written(&dir.run("orbit --scene scene.toml --json").with(0, &[]).out);
     let solutions = orbit["solutions"].as_array().unwrap();
     let physical = solutions.iter().find(|solution| solution["physical"] == true).unwrap();
     let ran =
-        written(&desk.run("simulate --scene scene.toml --periods 40 --impacts impacts.csv --json").with(0, &[]).out);
+        written(&dir.run("simulate --scene scene.toml --periods 40 --impacts impacts.csv --json").with(0, &[]).out);
     assert_eq!(ran["outcome"], "time-reached");
     let impulse = |value: &Value| number(&value["impacts"][0]["impulse"]);
     if physical["stability"]["stable"] == true {
@@ -23,58 +23,58 @@ fn runs_repeat_orbits_and_settle_on_them() {
         assert_eq!(ran["repeats"]["word"], "0+");
         assert!((impulse(&ran["repeats"]) - impulse(physical)).abs() < 1e-9);
     }
-    let rows = String::from_utf8(desk.read("impacts.csv")).unwrap();
+    let rows = String::from_utf8(dir.read("impacts.csv")).unwrap();
     assert_eq!(rows.lines().next().unwrap(), "time,contact,barrier,velocity_before,velocity_after,impulse,kind");
     // From rest, where no word is named.
     let unnamed = TWO.replace("word = \"0+\"\n", "");
-    fs::write(desk.path("other.toml"), unnamed).unwrap();
-    let settled = desk.run("simulate --scene other.toml --periods 4000 --impacts run.csv --json").with(0, &[]).out;
+    fs::write(dir.path("other.toml"), unnamed).unwrap();
+    let settled = dir.run("simulate --scene other.toml --periods 4000 --impacts run.csv --json").with(0, &[]).out;
     let settled = written(&settled);
     let word = settled["repeats"]["word"].as_str().unwrap().to_owned();
-    fs::write(desk.path("run.json"), settled.to_string()).unwrap();
-    let near = written(&desk.run("orbit --scene other.toml --near run.json --json").with(0, &[]).out);
+    fs::write(dir.path("run.json"), settled.to_string()).unwrap();
+    let near = written(&dir.run("orbit --scene other.toml --near run.json --json").with(0, &[]).out);
     let (found, told) = (&near["solutions"][0], &settled["repeats"]);
     assert_eq!(found["word"], word.as_str());
     assert!(found["physical"] == true && found["stability"]["stable"] == true);
     assert!((impulse(found) - impulse(told)).abs() < 1e-5 * impulse(told).abs());
     // The table of its impacts leads there as well, to an orbit begun at any of its impacts; one cut short says what it lacks.
-    let table = written(&desk.run("orbit --scene other.toml --near run.csv --json").with(0, &[]).out);
+    let table = written(&dir.run("orbit --scene other.toml --near run.csv --json").with(0, &[]).out);
     let sum = |solution: &Value| {
         let impacts = solution["impacts"].as_array().unwrap();
         impacts.iter().map(|impact| number(&impact["impulse"]).abs()).sum::<f64>()
     };
     let by_table = &table["solutions"][0];
     assert!(by_table["physical"] == true && (sum(by_table) - sum(found)).abs() < 1e-10 * sum(found), "{by_table}");
-    fs::write(desk.path("cut.csv"), "time,contact,barrier\n0.5,0,upper\n").unwrap();
-    desk.run("orbit --scene other.toml --near cut.csv").with(2, &["cut.csv", "missing field `velocity_before`"]);
+    fs::write(dir.path("cut.csv"), "time,contact,barrier\n0.5,0,upper\n").unwrap();
+    dir.run("orbit --scene other.toml --near cut.csv").with(2, &["cut.csv", "missing field `velocity_before`"]);
     // A state, and what is wrong with one.
-    fs::write(desk.path("state.json"), "{\"displacement\": [0.1, 0.2], \"velocity\": [0, 1]}").unwrap();
-    desk.run("simulate --scene scene.toml --state state.json --periods 3").with(0, &[]);
-    fs::write(desk.path("state.json"), "{\"displacement\": [0.1, 0.9], \"velocity\": [0, 1]}").unwrap();
-    desk.run("simulate --scene scene.toml --state state.json").with(2, &["beyond"]);
-    fs::write(desk.path("state.json"), "{\"displacement\": [0.1], \"velocity\": [0]}").unwrap();
-    desk.run("simulate --scene scene.toml --state state.json").with(2, &["needs 2"]);
-    desk.run("simulate --scene scene.toml --animate a.gif").with(2, &["--animate is of chains"]);
+    fs::write(dir.path("state.json"), "{\"displacement\": [0.1, 0.2], \"velocity\": [0, 1]}").unwrap();
+    dir.run("simulate --scene scene.toml --state state.json --periods 3").with(0, &[]);
+    fs::write(dir.path("state.json"), "{\"displacement\": [0.1, 0.9], \"velocity\": [0, 1]}").unwrap();
+    dir.run("simulate --scene scene.toml --state state.json").with(2, &["beyond"]);
+    fs::write(dir.path("state.json"), "{\"displacement\": [0.1], \"velocity\": [0]}").unwrap();
+    dir.run("simulate --scene scene.toml --state state.json").with(2, &["needs 2"]);
+    dir.run("simulate --scene scene.toml --animate a.gif").with(2, &["--animate is of chains"]);
 }
 
 /// Next to a doubling of its period a run settles slowly, to and fro: impacts two periods apart are alike long before it has settled. And
 /// impacts at the very end of a period are of one period each.
 #[test]
 fn a_run_that_still_settles_is_not_told_to_repeat() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let scene = "omega = 1.1825\nword = \"0+\"\n[structure]\nmasses = [1]\nstiffness = [[1]]\ndamping = [[0.1]]\n\
         [[contact]]\nat = 0\nupper = 0.1\nrestitution = 0.8\n[force]\nload = [1]\n";
-    fs::write(desk.path("scene.toml"), scene).unwrap();
-    fs::write(desk.path("rest.toml"), scene.replace("word = \"0+\"\n", "")).unwrap();
-    let found = written(&desk.run("orbit --scene scene.toml --json").with(0, &[]).out);
+    fs::write(dir.path("scene.toml"), scene).unwrap();
+    fs::write(dir.path("rest.toml"), scene.replace("word = \"0+\"\n", "")).unwrap();
+    let found = written(&dir.run("orbit --scene scene.toml --json").with(0, &[]).out);
     let orbit = found["solutions"].as_array().unwrap().iter().find(|solution| solution["physical"] == true).unwrap();
     let radius = number(&orbit["stability"]["spectral_radius"]);
     assert!(radius > 0.995 && radius < 1.0, "{radius}");
     let velocity = 1.001 * number(&orbit["impacts"][0]["velocity_after"]);
     let state = format!("{{\"displacement\": [0.1], \"velocity\": [{velocity}], \"psi\": {}}}", orbit["psi"]);
-    fs::write(desk.path("state.json"), state).unwrap();
+    fs::write(dir.path("state.json"), state).unwrap();
     let told = |periods: u32| {
-        let run = desk.run(&format!("simulate --scene rest.toml --state state.json --periods {periods}"));
+        let run = dir.run(&format!("simulate --scene rest.toml --state state.json --periods {periods}"));
         run.with(0, &[]).out
     };
     for periods in [200, 500, 1000, 1500] {
@@ -89,22 +89,22 @@ fn a_run_that_still_settles_is_not_told_to_repeat() {
 fn what_repeats_is_no_matter_of_luck() {
     let elastic =
         "[structure]\nmasses = [1]\nstiffness = [[1]]\n[[contact]]\nat = 0\nupper = 0.1\n[force]\nload = [1]\n";
-    let desk = Desk::with_scene(elastic);
-    fs::write(desk.path("on.toml"), format!("word = \"0+\"\n{elastic}")).unwrap();
+    let dir = TestDir::with_scene(elastic);
+    fs::write(dir.path("on.toml"), format!("word = \"0+\"\n{elastic}")).unwrap();
     let mut moving = 0;
     for omega in ["1.8", "2.1", "2.2"] {
-        let ran = desk.run(&format!("simulate --scene on.toml --omega {omega} --periods 177")).with(0, &[]).out;
+        let ran = dir.run(&format!("simulate --scene on.toml --omega {omega} --periods 177")).with(0, &[]).out;
         assert!(ran.ends_with("it repeats 0+ every 1 period of the load\n"), "{ran}");
-        let found = written(&desk.run(&format!("orbit --scene on.toml --omega {omega} --json")).with(0, &[]).out);
+        let found = written(&dir.run(&format!("orbit --scene on.toml --omega {omega} --json")).with(0, &[]).out);
         let orbit = found["solutions"].as_array().unwrap().iter().find(|one| one["physical"] == true).unwrap();
         for beside in [1e-6, 1e-8] {
             let velocity = (1.0 + beside) * number(&orbit["impacts"][0]["velocity_after"]);
             let state = format!("{{\"displacement\": [0.1], \"velocity\": [{velocity}], \"psi\": {}}}", orbit["psi"]);
-            fs::write(desk.path("state.json"), state).unwrap();
+            fs::write(dir.path("state.json"), state).unwrap();
             for periods in [50, 100, 130, 177, 250] {
                 let line =
                     format!("simulate --scene scene.toml --omega {omega} --state state.json --periods {periods}");
-                let ran = desk.run(&line).with(0, &[]).out;
+                let ran = dir.run(&line).with(0, &[]).out;
                 moving += usize::from(ran.contains("it has not settled yet"));
             }
         }
@@ -114,9 +114,9 @@ fn what_repeats_is_no_matter_of_luck() {
     for omega in ["2.463637451552706", "2.4636374515527004"] {
         for periods in [10, 20, 24] {
             let line = format!("simulate --scene {pair} --omega {omega} --periods {periods}");
-            let told = desk.run(&line).with(0, &[]).out;
+            let told = dir.run(&line).with(0, &[]).out;
             assert!(told.ends_with("1 period of the load: an unstable orbit, which it will leave\n"), "{told}");
-            let repeats = &written(&desk.run(&format!("{line} --json")).with(0, &[]).out)["repeats"];
+            let repeats = &written(&dir.run(&format!("{line} --json")).with(0, &[]).out)["repeats"];
             assert!(repeats["stable"] == false && repeats["word"] == "0-,0+", "{repeats}");
         }
     }
@@ -125,17 +125,17 @@ fn what_repeats_is_no_matter_of_luck() {
 /// Another contact rests all the time: what the first one repeats is no word of the structure.
 #[test]
 fn a_run_with_a_contact_at_rest_has_no_word() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let scene = "omega = 0.9\n[structure]\nmass = [[1, 0], [0, 1]]\nstiffness = [[1, 0], [0, 1]]\ndamping = [[0.2, 0], [0, 0.2]]\n\
         [[contact]]\nat = 0\nupper = 0.5\nrestitution = 0.5\n[[contact]]\nat = 1\nupper = 0.1\nrestitution = 0.3\n\
         [force]\nload = [1, 0]\nstatic = [0, 1]\n";
-    fs::write(desk.path("scene.toml"), scene).unwrap();
-    fs::write(desk.path("state.json"), "{\"displacement\": [0, 0], \"velocity\": [0, 0]}").unwrap();
+    fs::write(dir.path("scene.toml"), scene).unwrap();
+    fs::write(dir.path("state.json"), "{\"displacement\": [0, 0], \"velocity\": [0, 0]}").unwrap();
     let line = "simulate --scene scene.toml --state state.json --periods 200";
-    desk.run(&format!("{line} --max-impacts 100000")).with(0, &[]);
-    let told = desk.run(line).with(0, &[]).out;
+    dir.run(&format!("{line} --max-impacts 100000")).with(0, &[]);
+    let told = dir.run(line).with(0, &[]).out;
     assert!(told.contains("1 sticks, 0 releases") && told.contains("a contact rests on its barrier"), "{told}");
-    let ran = written(&desk.run(&format!("{line} --json")).with(0, &[]).out);
+    let ran = written(&dir.run(&format!("{line} --json")).with(0, &[]).out);
     assert_eq!(ran["repeats"], Value::Null);
 }
 
@@ -143,7 +143,7 @@ fn a_run_with_a_contact_at_rest_has_no_word() {
 /// is pressed and loses nothing. What impacts bound goes on.
 #[test]
 fn runs_without_an_end_are_told() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let scene = |damping: f64, e: f64, load: &str| {
         format!(
             "omega = 0.9\n[structure]\nmass = [[1, 0], [0, 1.4]]\nstiffness = [[1, -0.3], [-0.3, 0.8]]\n\
@@ -151,12 +151,12 @@ fn runs_without_an_end_are_told() {
              [force]\n{load}\n"
         )
     };
-    fs::write(desk.path("state.json"), "{\"displacement\": [0, 1e-9], \"velocity\": [0, 0]}").unwrap();
+    fs::write(dir.path("state.json"), "{\"displacement\": [0, 1e-9], \"velocity\": [0, 0]}").unwrap();
     let run = |text: String| {
-        fs::write(desk.path("scene.toml"), text).unwrap();
+        fs::write(dir.path("scene.toml"), text).unwrap();
         let line = "simulate --scene scene.toml --state state.json --periods 100000 --impacts impacts.csv";
-        let told = desk.run(line).with(0, &[]).out;
-        (told, desk.read("impacts.csv").iter().filter(|byte| **byte == b'\n').count())
+        let told = dir.run(line).with(0, &[]).out;
+        (told, dir.read("impacts.csv").iter().filter(|byte| **byte == b'\n').count())
     };
     let (told, rows) = run(scene(-0.02, 0.8, "load = [0.5, 0]"));
     assert!(told.contains("grows without bound") && rows > 1000, "{told}");
@@ -165,15 +165,15 @@ fn runs_without_an_end_are_told() {
     assert!(told.contains("give it a restitution below 1") && rows > 100_000, "{told}");
     let chain = "simulate --sites 5 --gamma1 1 --gamma2 .1 --omega 1.6 --asymmetry 0 --amplitude .2 --restitution .9 --damping -.02 \
         --coupling-damping .05 --word 2+,2- --periods 3000 --json";
-    assert_eq!(written(&desk.run(chain).with(0, &[]).out)["outcome"], "time-reached");
+    assert_eq!(written(&dir.run(chain).with(0, &[]).out)["outcome"], "time-reached");
 }
 
 /// A damped chain from flags: its run on a stable orbit is that orbit.
 #[test]
 fn a_damped_chain_runs_on_its_orbit() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let flags = "--family double-sided --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --restitution .9 --damping .02";
-    let ran = written(&desk.run(&format!("simulate {flags} --solution 2 --periods 100 --json")).with(0, &[]).out);
+    let ran = written(&dir.run(&format!("simulate {flags} --solution 2 --periods 100 --json")).with(0, &[]).out);
     assert_eq!((&ran["impacts"], &ran["repeats"]["word"]), (&200.into(), &"0+,0-".into()));
 }
 
@@ -184,10 +184,10 @@ fn a_run_accounts_for_its_energy() {
     let uneven = even.replace("[[0.02, 0], [0, 0.02]]", "[[0.02, 0], [0, 0.3]]");
     let mut checked = 0;
     for (text, options) in [(&even, ""), (&uneven, ""), (&uneven, " --set load=1.4")] {
-        let desk = Desk::with_scene(text);
-        let quiet = desk.run(&format!("simulate --scene scene.toml{options} --periods 40")).with(0, &[]).out;
+        let dir = TestDir::with_scene(text);
+        let quiet = dir.run(&format!("simulate --scene scene.toml{options} --periods 40")).with(0, &[]).out;
         assert!(!quiet.contains("energy"), "{quiet}");
-        let told = desk.run(&format!("simulate --scene scene.toml{options} --periods 40 --verbose")).with(0, &[]).out;
+        let told = dir.run(&format!("simulate --scene scene.toml{options} --periods 40 --verbose")).with(0, &[]).out;
         let line = told.lines().find_map(|line| line.strip_prefix("energy ")).unwrap();
         let numbers: Vec<f64> = line.split([' ', ':', ',', ';']).filter_map(|word| word.parse().ok()).collect();
         let [before, after, work, dashpots, impacts, missing] = numbers[..] else { panic!("{line}") };

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use vibrochain_testkit::{Desk, Random, Schema};
+use vibrochain_testkit::{Random, Schema, TestDir};
 
 /// The scene with so many values at most along each axis.
 fn small(text: &str, most: u64) -> String {
@@ -28,22 +28,22 @@ const OF_THE_RUN: [&str; 3] = ["scene", "threads", "wall_seconds"];
 
 /// The table of a scene, once more of its manifest, and of the scene as JSON; and the manifest.
 fn thrice(text: &str) -> Value {
-    let desk = Desk::with_scene(text);
+    let dir = TestDir::with_scene(text);
     let scene: Value = toml::from_str(text).unwrap();
     Schema::named("scene").check(&scene).unwrap();
-    fs::write(desk.path("scene.json"), scene.to_string()).unwrap();
-    desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
+    fs::write(dir.path("scene.json"), scene.to_string()).unwrap();
+    dir.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
     let told = |name: &str| {
-        let mut manifest = desk.json(name);
+        let mut manifest = dir.json(name);
         OF_THE_RUN.iter().for_each(|key| drop(manifest.as_object_mut().unwrap().remove(*key)));
         manifest
     };
-    let (table, manifest) = (desk.read("map.csv"), told("map.manifest.json"));
+    let (table, manifest) = (dir.read("map.csv"), told("map.manifest.json"));
     for (scene, threads) in [("map.manifest.json", 1), ("scene.json", 2), ("again.manifest.json", 2)] {
         // The last one is the manifest of a manifest.
         let out = if scene == "again.manifest.json" { "last" } else { "again" };
-        desk.run(&format!("sweep {scene} --out {out}.csv --threads {threads} --quiet")).with(0, &[]);
-        assert!(desk.read(&format!("{out}.csv")) == table, "{scene} of {text}");
+        dir.run(&format!("sweep {scene} --out {out}.csv --threads {threads} --quiet")).with(0, &[]);
+        assert!(dir.read(&format!("{out}.csv")) == table, "{scene} of {text}");
         assert_eq!(told(&format!("{out}.manifest.json")), manifest, "{scene} of {text}");
     }
     manifest

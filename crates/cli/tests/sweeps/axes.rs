@@ -1,6 +1,6 @@
 //! Sweeps over any number of axes, and what they would cost.
 
-use vibrochain_testkit::{Desk, SCENE, undisturbed};
+use vibrochain_testkit::{SCENE, TestDir, undisturbed};
 
 const MODEL: &str = "[model]\nsites = 5\ngamma1 = 0.2\n";
 
@@ -12,9 +12,9 @@ const ASYMMETRY: &str = r#"{ parameter = "asymmetry", from = 0.01, to = 0.64, po
 
 /// Columns and rows of the table of a sweep.
 fn table(sweep: &str, model: &str) -> (Vec<String>, Vec<Vec<String>>) {
-    let desk = Desk::with_scene(&format!("{MODEL}{model}[sweep]\n{sweep}\n{COMPUTE}"));
-    desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
-    let mut reader = csv::Reader::from_path(desk.path("map.csv")).unwrap();
+    let dir = TestDir::with_scene(&format!("{MODEL}{model}[sweep]\n{sweep}\n{COMPUTE}"));
+    dir.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
+    let mut reader = csv::Reader::from_path(dir.path("map.csv")).unwrap();
     let words = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect::<Vec<_>>();
     let columns = words(reader.headers().unwrap());
     (columns, reader.records().map(|record| words(&record.unwrap())).collect())
@@ -56,13 +56,13 @@ fn one_axis_and_six_are_sweeps_as_well() {
         pair("restitution", 0.8, 0.9),
     ];
     let text = format!("[model]\nsites = 5\n[sweep]\naxes = [{}]\n{COMPUTE}", axes.join(",\n"));
-    let desk = Desk::with_scene(&text);
-    desk.run("sweep scene.toml --out map.csv").with(0, &["64 cells (2 × 2 × 2 × 2 × 2 × 2)"]);
-    let table = String::from_utf8(desk.read("map.csv")).unwrap();
+    let dir = TestDir::with_scene(&text);
+    dir.run("sweep scene.toml --out map.csv").with(0, &["64 cells (2 × 2 × 2 × 2 × 2 × 2)"]);
+    let table = String::from_utf8(dir.read("map.csv")).unwrap();
     assert!(table.starts_with("gamma2,omega,restitution,amplitude,gamma1,asymmetry,class,"));
     assert!(table.lines().nth(1).unwrap().starts_with("0.1,1.5,0.9,0.1,0.3,0.4,"));
     assert!(table.lines().nth(64).unwrap().starts_with("0.05,1,0.8,0.05,0.2,0.1,"));
-    assert_eq!(desk.json("map.manifest.json")["sweep"]["axes"][3]["values"], serde_json::json!([0.9, 0.8]));
+    assert_eq!(dir.json("map.manifest.json")["sweep"]["axes"][3]["values"], serde_json::json!([0.9, 0.8]));
 }
 
 #[test]
@@ -76,10 +76,10 @@ fn a_scene_that_leaves_asymmetric_orbits_out_says_where_they_could_be() {
         )
     };
     let rows = |family: &str| {
-        let desk = Desk::with_scene(&text(family));
-        desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
-        assert_eq!(desk.json("map.manifest.json")["compute"]["families"], serde_json::json!([family]));
-        let table = String::from_utf8(desk.read("map.csv")).unwrap();
+        let dir = TestDir::with_scene(&text(family));
+        dir.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
+        assert_eq!(dir.json("map.manifest.json")["compute"]["families"], serde_json::json!([family]));
+        let table = String::from_utf8(dir.read("map.csv")).unwrap();
         table.lines().skip(1).map(str::to_owned).collect::<Vec<_>>()
     };
     let (all, symmetric) = (rows("double-sided"), rows("double-sided-symmetric"));
@@ -123,25 +123,25 @@ fn wrong_axes() {
             "the axes have more than 1000000000000 cells together",
         ),
     ] {
-        let desk = Desk::with_scene(&format!("{MODEL}gamma2 = 0.1\nasymmetry = 0.4\n[sweep]\n{sweep}\n{COMPUTE}"));
-        desk.run("sweep scene.toml --out map.csv").with(2, &[told, "scene.toml:"]);
-        assert_eq!(desk.names("."), ["scene.toml"]);
+        let dir = TestDir::with_scene(&format!("{MODEL}gamma2 = 0.1\nasymmetry = 0.4\n[sweep]\n{sweep}\n{COMPUTE}"));
+        dir.run("sweep scene.toml --out map.csv").with(2, &[told, "scene.toml:"]);
+        assert_eq!(dir.names("."), ["scene.toml"]);
     }
 }
 
 #[test]
 fn pictures_have_axes_of_any_spacing_but_no_third() {
     let three = format!("{MODEL}[sweep]\nx = {OMEGA}\ny = {GAMMA2}\naxes = [{ASYMMETRY}]\n{COMPUTE}");
-    let desk = Desk::with_scene(&three);
+    let dir = TestDir::with_scene(&three);
     let told = "pictures have one or two axes, here are 3, omega, gamma2 and asymmetry";
-    desk.run("sweep scene.toml --out map.csv --png map.png").with(2, &[told]);
-    desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
-    desk.run("merge parts --out map.csv --svg map.svg").with(2, &[told]);
-    assert_eq!(desk.names("."), ["parts", "scene.toml"]);
+    dir.run("sweep scene.toml --out map.csv --png map.png").with(2, &[told]);
+    dir.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
+    dir.run("merge parts --out map.csv --svg map.svg").with(2, &[told]);
+    assert_eq!(dir.names("."), ["parts", "scene.toml"]);
 
-    let desk = Desk::with_scene(&format!("{MODEL}omega = 1.5\n[sweep]\nx = {ASYMMETRY}\ny = {GAMMA2}\n{COMPUTE}"));
-    desk.run("sweep scene.toml --out map.csv --svg map.svg --quiet").with(0, &[]);
-    let svg = String::from_utf8(desk.read("map.svg")).unwrap();
+    let dir = TestDir::with_scene(&format!("{MODEL}omega = 1.5\n[sweep]\nx = {ASYMMETRY}\ny = {GAMMA2}\n{COMPUTE}"));
+    dir.run("sweep scene.toml --out map.csv --svg map.svg --quiet").with(0, &[]);
+    let svg = String::from_utf8(dir.read("map.svg")).unwrap();
     // Values of the list, in its order from the bottom up; decades of the logarithmic axis.
     let texts: Vec<String> = vibrochain_testkit::svg::texts(&svg).into_iter().map(|(_, text)| text).collect();
     for text in ["0.3", "0", "0.1", "0.01", "asymmetry a", "coupling stiffness γ₂"] {
@@ -160,8 +160,8 @@ fn enormous() -> String {
 
 #[test]
 fn a_dry_run_tells_what_a_sweep_costs_and_writes_nothing() {
-    let desk = Desk::with_scene(&enormous());
-    let ran = desk.run("sweep scene.toml --dry-run --threads 2").with(0, &[]);
+    let dir = TestDir::with_scene(&enormous());
+    let ran = dir.run("sweep scene.toml --dry-run --threads 2").with(0, &[]);
     for told in [
         "cells    1000000000 (100000 × 1000 × 10)",
         "chunks   30518 of 32768 cells",
@@ -172,12 +172,12 @@ fn a_dry_run_tells_what_a_sweep_costs_and_writes_nothing() {
     ] {
         assert!(ran.out.contains(told), "no `{told}` in {}", ran.out);
     }
-    let ran = desk.run("sweep scene.toml --dry-run --out map.csv --shard 5/1000 --threads 1").with(0, &[]);
+    let ran = dir.run("sweep scene.toml --dry-run --out map.csv --shard 5/1000 --threads 1").with(0, &[]);
     assert!(ran.out.contains("shard    5/1000: 31 chunks, 1015808 cells"), "{}", ran.out);
-    assert_eq!(desk.names("."), ["scene.toml"]);
+    assert_eq!(dir.names("."), ["scene.toml"]);
     // What it says of a table's size is near what the table has.
-    let desk = Desk::with_scene(SCENE);
-    let ran = desk.run("sweep scene.toml --dry-run").with(0, &[]);
+    let dir = TestDir::with_scene(SCENE);
+    let ran = dir.run("sweep scene.toml --dry-run").with(0, &[]);
     let words = ran.out.split_once("disk     about ").unwrap().1;
     let told: f64 = words.split_once(" MB").unwrap().0.parse().unwrap();
     let bytes = undisturbed(SCENE).len() as f64;
@@ -188,13 +188,13 @@ fn a_dry_run_tells_what_a_sweep_costs_and_writes_nothing() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_thousand_million_cells_are_begun_and_left_in_little_memory() {
-    let desk = Desk::with_scene(&enormous());
+    let dir = TestDir::with_scene(&enormous());
     let limited = |line: &str| format!("export MALLOC_ARENA_MAX=1; ulimit -v 160000; exec mapgen {line} --threads 2");
-    desk.shell(&limited("sweep scene.toml --dry-run")).with(0, &[]);
+    dir.shell(&limited("sweep scene.toml --dry-run")).with(0, &[]);
     let timed = limited("sweep scene.toml --out map.csv").replace("exec mapgen", "timeout -s TERM 1 mapgen");
     // `timeout` answers 124 for what it had to stop.
-    desk.shell(&timed).with(124, &[" of 30518 chunks are finished, in map.csv.parts; go on with: "]);
-    assert!(desk.chunks("map.csv.parts") > 0);
+    dir.shell(&timed).with(124, &[" of 30518 chunks are finished, in map.csv.parts; go on with: "]);
+    assert!(dir.chunks("map.csv.parts") > 0);
     // Beside them the plan and the lock, and nothing half-written.
-    assert_eq!(desk.chunks("map.csv.parts") + 2, desk.names("map.csv.parts").len());
+    assert_eq!(dir.chunks("map.csv.parts") + 2, dir.names("map.csv.parts").len());
 }

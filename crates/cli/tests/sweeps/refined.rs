@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 
 use serde_json::Value;
-use vibrochain_testkit::Desk;
+use vibrochain_testkit::TestDir;
 
 const SCENE: &str = r#"
 [model]
@@ -34,12 +34,12 @@ fn rows(text: &[u8]) -> Vec<Vec<String>> {
 
 #[test]
 fn leaves_are_rows_of_the_finest_grid_and_cover_it_once() {
-    let desk = Desk::with_scene(SCENE);
-    desk.run("sweep scene.toml --out map.csv")
+    let dir = TestDir::with_scene(SCENE);
+    dir.run("sweep scene.toml --out map.csv")
         .with(0, &["172800 cells (480 × 360: 60 × 45, refined 3 times)", "may have missed: "]);
-    fs::write(desk.path("finest.toml"), finest()).unwrap();
-    desk.run("sweep finest.toml --out finest.csv --quiet").with(0, &[]);
-    let (leaves, all) = (rows(&desk.read("map.csv")), rows(&desk.read("finest.csv")));
+    fs::write(dir.path("finest.toml"), finest()).unwrap();
+    dir.run("sweep finest.toml --out finest.csv --quiet").with(0, &[]);
+    let (leaves, all) = (rows(&dir.read("map.csv")), rows(&dir.read("finest.csv")));
     let usual = all[0].len();
     assert_eq!(
         (&leaves[0][..usual], &leaves[0][usual..].join(",")[..]),
@@ -81,7 +81,7 @@ fn leaves_are_rows_of_the_finest_grid_and_cover_it_once() {
     assert_eq!(sizes.keys().copied().collect::<Vec<_>>(), [1, 2, 4, 8]);
     // Far fewer than all, and more than none.
     assert!(leaves.len() > 10_000 && leaves.len() < all.len() / 3, "{}", leaves.len());
-    let manifest = desk.json("map.manifest.json");
+    let manifest = dir.json("map.manifest.json");
     assert_eq!(manifest["cells"], 172_800);
     assert_eq!(manifest["refinement"]["grid"], serde_json::json!([480, 360]));
     assert_eq!(manifest["refinement"]["leaves"], leaves.len() - 1);
@@ -99,32 +99,32 @@ fn leaves_are_rows_of_the_finest_grid_and_cover_it_once() {
 
 #[test]
 fn threads_shards_and_early_ends_do_not_change_a_byte() {
-    let desk = Desk::with_scene(SCENE);
-    desk.run("sweep scene.toml --out map.csv --threads 1 --png map.png --svg map.svg --quiet").with(0, &[]);
-    let table = desk.read("map.csv");
+    let dir = TestDir::with_scene(SCENE);
+    dir.run("sweep scene.toml --out map.csv --threads 1 --png map.png --svg map.svg --quiet").with(0, &[]);
+    let table = dir.read("map.csv");
     for threads in [2, 3] {
-        desk.run(&format!("sweep scene.toml --out again.csv --threads {threads} --quiet")).with(0, &[]);
-        assert!(desk.read("again.csv") == table, "{threads}");
+        dir.run(&format!("sweep scene.toml --out again.csv --threads {threads} --quiet")).with(0, &[]);
+        assert!(dir.read("again.csv") == table, "{threads}");
     }
-    desk.run("sweep scene.toml --out map.csv.gz --quiet").with(0, &[]);
-    assert!(desk.shell("mapgen sweep scene.toml --out - --quiet").out.into_bytes() == table);
+    dir.run("sweep scene.toml --out map.csv.gz --quiet").with(0, &[]);
+    assert!(dir.shell("mapgen sweep scene.toml --out - --quiet").out.into_bytes() == table);
     // Some chunks of another run, as after an early end; the rest by --resume.
     let large = SCENE.replace("points = 60", "points = 160").replace("points = 45", "points = 120");
-    fs::write(desk.path("large.toml"), &large).unwrap();
-    desk.run("sweep large.toml --out large.csv --quiet").with(0, &[]);
-    desk.run("sweep large.toml --out rest.csv.parts --shard 1/2 --quiet").with(0, &[]);
-    assert!(desk.chunks("rest.csv.parts") >= 1);
-    desk.run("sweep large.toml --out rest.csv --quiet").with(2, &["--resume"]);
-    desk.run("sweep large.toml --out rest.csv --resume --quiet").with(0, &[]);
-    assert!(desk.read("rest.csv") == desk.read("large.csv"));
+    fs::write(dir.path("large.toml"), &large).unwrap();
+    dir.run("sweep large.toml --out large.csv --quiet").with(0, &[]);
+    dir.run("sweep large.toml --out rest.csv.parts --shard 1/2 --quiet").with(0, &[]);
+    assert!(dir.chunks("rest.csv.parts") >= 1);
+    dir.run("sweep large.toml --out rest.csv --quiet").with(2, &["--resume"]);
+    dir.run("sweep large.toml --out rest.csv --resume --quiet").with(0, &[]);
+    assert!(dir.read("rest.csv") == dir.read("large.csv"));
     for shard in [2, 0, 1] {
-        desk.run(&format!("sweep large.toml --out parts --shard {shard}/3 --threads 1 --quiet")).with(0, &[]);
+        dir.run(&format!("sweep large.toml --out parts --shard {shard}/3 --threads 1 --quiet")).with(0, &[]);
     }
-    assert!(desk.chunks("parts") >= 2);
-    desk.run("merge parts --out merged.csv --png merged.png --quiet").with(0, &[]);
-    assert!(desk.read("merged.csv") == desk.read("large.csv"));
+    assert!(dir.chunks("parts") >= 2);
+    dir.run("merge parts --out merged.csv --png merged.png --quiet").with(0, &[]);
+    assert!(dir.read("merged.csv") == dir.read("large.csv"));
     let told = |name: &str| -> Value {
-        let mut manifest = desk.json(name);
+        let mut manifest = dir.json(name);
         for key in ["threads", "computed_cells", "wall_seconds"] {
             manifest.as_object_mut().unwrap().remove(key);
         }
@@ -132,38 +132,38 @@ fn threads_shards_and_early_ends_do_not_change_a_byte() {
     };
     assert_eq!(told("merged.manifest.json"), told("large.manifest.json"));
     // A chunk that is changed is seen.
-    let chunk = desk.path("parts/000000.chunk");
+    let chunk = dir.path("parts/000000.chunk");
     let text = fs::read_to_string(&chunk).unwrap();
     fs::write(&chunk, text.replacen(",8\n", ",4\n", 1)).unwrap();
-    desk.run("merge parts --out merged.csv --quiet").with(1, &["000000.chunk: it is damaged"]);
+    dir.run("merge parts --out merged.csv --quiet").with(1, &["000000.chunk: it is damaged"]);
 }
 
 #[test]
 fn a_table_is_drawn_once_more_and_its_manifest_is_its_scene() {
-    let desk = Desk::with_scene(SCENE);
-    desk.run("sweep scene.toml --out map.csv --png map.png --svg map.svg --quiet").with(0, &[]);
-    desk.run("draw map.csv --png drawn.png --svg drawn.svg --quiet").with(0, &[]);
+    let dir = TestDir::with_scene(SCENE);
+    dir.run("sweep scene.toml --out map.csv --png map.png --svg map.svg --quiet").with(0, &[]);
+    dir.run("draw map.csv --png drawn.png --svg drawn.svg --quiet").with(0, &[]);
     let told = "leaves for 172800 cells (480 × 360: 60 × 45, refined 3 times)";
-    desk.run("draw map.csv --scene scene.toml --png given.png").with(0, &[told]);
+    dir.run("draw map.csv --scene scene.toml --png given.png").with(0, &[told]);
     for (one, other) in [("map.png", "drawn.png"), ("map.png", "given.png"), ("map.svg", "drawn.svg")] {
-        assert!(desk.read(one) == desk.read(other), "{one} {other}");
+        assert!(dir.read(one) == dir.read(other), "{one} {other}");
     }
-    desk.run("draw map.csv --png radius.png --color spectral_radius --quiet").with(0, &[]);
-    desk.run("sweep map.manifest.json --out again.csv --quiet").with(0, &[]);
-    assert!(desk.read("again.csv") == desk.read("map.csv"));
+    dir.run("draw map.csv --png radius.png --color spectral_radius --quiet").with(0, &[]);
+    dir.run("sweep map.manifest.json --out again.csv --quiet").with(0, &[]);
+    assert!(dir.read("again.csv") == dir.read("map.csv"));
     // A table that lacks a leaf, or has one twice, is none.
-    let text = String::from_utf8(desk.read("map.csv")).unwrap();
+    let text = String::from_utf8(dir.read("map.csv")).unwrap();
     let lines: Vec<&str> = text.lines().collect();
     for (without, times) in [(700, 0), (700, 2)] {
         let kept = lines.iter().enumerate().flat_map(|(i, line)| vec![*line; if i == without { times } else { 1 }]);
-        fs::write(desk.path("cut.csv"), kept.collect::<Vec<_>>().join("\n") + "\n").unwrap();
-        desk.run("draw cut.csv --scene scene.toml --png cut.png").with(2, &["row ", "it is not of the next leaf"]);
+        fs::write(dir.path("cut.csv"), kept.collect::<Vec<_>>().join("\n") + "\n").unwrap();
+        dir.run("draw cut.csv --scene scene.toml --png cut.png").with(2, &["row ", "it is not of the next leaf"]);
     }
 }
 
 #[test]
 fn what_cannot_be_refined_is_refused() {
-    let desk = Desk::new();
+    let dir = TestDir::new();
     let x = "x = { parameter = \"omega\", from = 0.4, to = 3.0, points = 60 }\n";
     let y = "y = { parameter = \"gamma2\", from = 0.0, to = 0.3, points = 45 }\n";
     for (old, new, told) in [
@@ -187,20 +187,20 @@ fn what_cannot_be_refined_is_refused() {
         let text =
             if old == y && new.is_empty() { text.replace("gamma1 = 0.2", "gamma1 = 0.2\ngamma2 = 0.1") } else { text };
         assert!(text != SCENE);
-        desk.scene(&text);
-        let ran = desk.run("sweep scene.toml --out map.csv");
+        dir.scene(&text);
+        let ran = dir.run("sweep scene.toml --out map.csv");
         assert!(ran.code == Some(2) && ran.err.contains(told), "{new}: {ran:?}");
         assert!(ran.err.contains("scene.toml:"), "{ran:?}");
     }
-    desk.scene(SCENE);
-    desk.run("sweep scene.toml --out map.csv --png map.png --slice omega=0.4").with(2, &["--slice is of grids"]);
-    desk.run("fate scene.toml --csv fates.csv").with(2, &["refine in scene.toml is of maps", "remove it"]);
+    dir.scene(SCENE);
+    dir.run("sweep scene.toml --out map.csv --png map.png --slice omega=0.4").with(2, &["--slice is of grids"]);
+    dir.run("fate scene.toml --csv fates.csv").with(2, &["refine in scene.toml is of maps", "remove it"]);
 }
 
 #[test]
 fn what_it_takes_is_told_beforehand() {
-    let desk = Desk::with_scene(SCENE);
-    let told = desk.run("sweep scene.toml --dry-run").with(0, &[]).out;
+    let dir = TestDir::with_scene(SCENE);
+    let told = dir.run("sweep scene.toml --dry-run").with(0, &[]).out;
     for words in ["cells    2700 (60 × 45)", "leaves   about ", "480 × 360 cells"] {
         assert!(told.contains(words), "{told}");
     }
@@ -211,7 +211,7 @@ fn what_it_takes_is_told_beforehand() {
 fn how_stripes_were_followed_is_told() {
     let families = "families = [\"double-sided\", \"single-sided\"]";
     let words = "stripes of instability that pass between such points were followed, however thin";
-    let desk = Desk::new();
+    let dir = TestDir::new();
     for (old, new, told, not_told) in [
         (
             families,
@@ -231,16 +231,16 @@ fn how_stripes_were_followed_is_told() {
     ] {
         let text = SCENE.replace(old, new).replace("points = 60", "points = 6").replace("points = 45", "points = 4");
         assert!(text.contains(new), "{text}");
-        desk.scene(&text);
-        let told_all = desk.run("sweep scene.toml --out map.csv").with(0, &[told]);
+        dir.scene(&text);
+        let told_all = dir.run("sweep scene.toml --out map.csv").with(0, &[told]);
         assert!(!told_all.err.contains(not_told), "{told_all:?}");
     }
     // Of more masses than an order is told of: an error and a way out, which is one.
     let large = SCENE.replace("sites = 6", "sites = 201").replace(families, "families = [\"0+1+,0-1-\"]");
     let large = large.replace("points = 60", "points = 3").replace("points = 45", "points = 2");
-    desk.scene(&large);
-    desk.run("sweep scene.toml --out large.csv")
+    dir.scene(&large);
+    dir.run("sweep scene.toml --out large.csv")
         .with(2, &["on 200 masses at most, here are 201", "threshold in [compute]"]);
-    desk.scene(&large.replace("stability = true", "stability = true\nthreshold = 0.01"));
-    desk.run("sweep scene.toml --out large.csv").with(0, &["may have missed: "]);
+    dir.scene(&large.replace("stability = true", "stability = true\nthreshold = 0.01"));
+    dir.run("sweep scene.toml --out large.csv").with(0, &["may have missed: "]);
 }

@@ -3,7 +3,7 @@
 use std::fs;
 
 use serde_json::Value;
-use vibrochain_testkit::{CHUNKS, Desk, Ran, SCENE, undisturbed};
+use vibrochain_testkit::{CHUNKS, Ran, SCENE, TestDir, undisturbed};
 
 #[test]
 fn shards_and_threads_do_not_change_a_byte() {
@@ -18,11 +18,11 @@ fn slow_all_shards_and_threads_do_not_change_a_byte() {
 
 /// Shards and threads of each.
 fn shared_among(ways: &[(u64, u64)]) {
-    let desk = Desk::with_scene(SCENE);
-    desk.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
+    let dir = TestDir::with_scene(SCENE);
+    dir.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
     // What a run took is its own.
     let manifest = |name: &str| -> Value {
-        let mut manifest = desk.json(name);
+        let mut manifest = dir.json(name);
         for key in ["threads", "computed_cells", "wall_seconds"] {
             manifest.as_object_mut().unwrap().remove(key);
         }
@@ -34,60 +34,60 @@ fn shared_among(ways: &[(u64, u64)]) {
         for shard in (0..shards).rev() {
             let line = format!("sweep scene.toml --out {folder} --shard {shard}/{shards} --threads {threads}");
             let chunks = (CHUNKS - shard).div_ceil(shards);
-            desk.run(&line).with(0, &[&format!("shard {shard}/{shards}: {chunks} of 15 chunks in {folder}")]);
+            dir.run(&line).with(0, &[&format!("shard {shard}/{shards}: {chunks} of 15 chunks in {folder}")]);
         }
-        desk.run(&format!("merge {folder} --out {folder}.csv")).with(0, &["480000 cells (1600 × 300)"]);
-        assert!(desk.read(&format!("{folder}.csv")) == desk.read("map.csv"), "{folder}");
+        dir.run(&format!("merge {folder} --out {folder}.csv")).with(0, &["480000 cells (1600 × 300)"]);
+        assert!(dir.read(&format!("{folder}.csv")) == dir.read("map.csv"), "{folder}");
         assert_eq!(manifest(&format!("{folder}.manifest.json")), manifest("map.manifest.json"));
         // The chunks are left to whoever asked for them.
-        assert_eq!(desk.chunks(&folder) as u64, CHUNKS);
+        assert_eq!(dir.chunks(&folder) as u64, CHUNKS);
     }
 }
 
 #[test]
 fn more_shards_than_chunks_leave_some_with_nothing_to_do() {
     let scene = SCENE.replace("points = 300", "points = 3");
-    let desk = Desk::with_scene(&scene);
+    let dir = TestDir::with_scene(&scene);
     for shard in [1, 6, 0] {
-        desk.run(&format!("sweep scene.toml --out parts --shard {shard}/7 --quiet")).with(0, &[]);
-        let ran = desk.run("merge parts --out map.csv --quiet");
+        dir.run(&format!("sweep scene.toml --out parts --shard {shard}/7 --quiet")).with(0, &[]);
+        let ran = dir.run("merge parts --out map.csv --quiet");
         ran.with(i32::from(shard != 0), if shard == 0 { &[] } else { &["1 of 1 chunks are missing in parts: 0"] });
     }
-    assert!(desk.read("map.csv") == undisturbed(&scene));
+    assert!(dir.read("map.csv") == undisturbed(&scene));
 }
 
 #[test]
 fn what_is_missing_is_named_with_the_command_that_makes_it() {
-    let desk = Desk::with_scene(&SCENE.replace("families", "stability = true\nfamilies"));
+    let dir = TestDir::with_scene(&SCENE.replace("families", "stability = true\nfamilies"));
     let words = "--threshold 0.01 --threads 2";
-    desk.run(&format!("sweep scene.toml --out my_parts --shard 1/4 {words}")).with(0, &[]);
+    dir.run(&format!("sweep scene.toml --out my_parts --shard 1/4 {words}")).with(0, &[]);
     let told = "11 of 15 chunks are missing in my_parts: 0, 2–4, 6–8, 10–12, 14";
-    let ran = desk.run("merge my_parts --out map.csv --png map.png").with(1, &[told]);
-    assert_eq!(desk.names("."), ["my_parts", "scene.toml"]);
+    let ran = dir.run("merge my_parts --out map.csv --png map.png").with(1, &[told]);
+    assert_eq!(dir.names("."), ["my_parts", "scene.toml"]);
     let line = ran.err.lines().find_map(|line| line.strip_prefix("make them with: ")).unwrap();
     assert_eq!(line, "mapgen sweep scene.toml --out my_parts --threshold 0.01 --shard 0/1 --resume");
-    desk.shell(line).with(0, &[]);
-    desk.run("merge my_parts --out map.csv --quiet").with(0, &[]);
-    desk.run(&format!("sweep scene.toml --out whole.csv --quiet {words}")).with(0, &[]);
-    assert!(desk.read("map.csv") == desk.read("whole.csv"));
-    assert_eq!(desk.json("map.manifest.json")["compute"]["threshold"], 0.01);
+    dir.shell(line).with(0, &[]);
+    dir.run("merge my_parts --out map.csv --quiet").with(0, &[]);
+    dir.run(&format!("sweep scene.toml --out whole.csv --quiet {words}")).with(0, &[]);
+    assert!(dir.read("map.csv") == dir.read("whole.csv"));
+    assert_eq!(dir.json("map.manifest.json")["compute"]["threshold"], 0.01);
 }
 
 #[test]
 fn pictures_of_merged_tables_are_the_same_as_well() {
-    let desk = Desk::with_scene(SCENE);
-    desk.run("sweep scene.toml --out map.csv --png map.png --svg map.svg --quiet").with(0, &[]);
-    desk.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
-    desk.run("merge parts --out table.csv --png table.png --svg table.svg --quiet").with(0, &[]);
+    let dir = TestDir::with_scene(SCENE);
+    dir.run("sweep scene.toml --out map.csv --png map.png --svg map.svg --quiet").with(0, &[]);
+    dir.run("sweep scene.toml --out parts --shard 0/1 --quiet").with(0, &[]);
+    dir.run("merge parts --out table.csv --png table.png --svg table.svg --quiet").with(0, &[]);
     for end in ["csv", "png", "svg"] {
-        assert!(desk.read(&format!("map.{end}")) == desk.read(&format!("table.{end}")), "{end}");
+        assert!(dir.read(&format!("map.{end}")) == dir.read(&format!("table.{end}")), "{end}");
     }
-    desk.run("sweep scene.toml --out parts --shard 0/1 --png map.png").with(2, &["cannot be used with"]);
+    dir.run("sweep scene.toml --out parts --shard 0/1 --png map.png").with(2, &["cannot be used with"]);
 }
 
 /// The task of a job array.
-fn task(desk: &Desk, line: &str, variables: &[(&str, &str)]) -> Ran {
-    let mut command = desk.command(line);
+fn task(dir: &TestDir, line: &str, variables: &[(&str, &str)]) -> Ran {
+    let mut command = dir.command(line);
     command.envs(variables.iter().map(|(name, value)| (format!("SLURM_{name}"), value)));
     command.output().unwrap().into()
 }
@@ -98,7 +98,7 @@ fn tasks_of_a_job_array_share_a_sweep() {
     let sweep = "sweep scene.toml --out parts --shard slurm --resume";
     for (ids, step) in [(vec!["0", "1", "2"], "1"), (vec!["1", "2"], "1"), (vec!["1", "4", "7"], "3"), (vec!["5"], "1")]
     {
-        let desk = Desk::with_scene(SCENE);
+        let dir = TestDir::with_scene(SCENE);
         let count = ids.len().to_string();
         for (index, id) in ids.iter().enumerate() {
             let variables = [
@@ -109,24 +109,24 @@ fn tasks_of_a_job_array_share_a_sweep() {
                 ("ARRAY_TASK_COUNT", &count),
                 ("CPUS_PER_TASK", "1"),
             ];
-            task(&desk, sweep, &variables).with(0, &[&format!("shard {index}/{count}: "), " s on 1 thread,"]);
+            task(&dir, sweep, &variables).with(0, &[&format!("shard {index}/{count}: "), " s on 1 thread,"]);
         }
-        desk.run("merge parts --out map.csv").with(0, &[]);
-        assert!(desk.read("map.csv") == expected, "{ids:?}");
+        dir.run("merge parts --out map.csv").with(0, &[]);
+        assert!(dir.read("map.csv") == expected, "{ids:?}");
     }
-    let desk = Desk::with_scene(SCENE);
+    let dir = TestDir::with_scene(SCENE);
     let gaps = [("ARRAY_TASK_ID", "4"), ("ARRAY_TASK_MIN", "1"), ("ARRAY_TASK_MAX", "9"), ("ARRAY_TASK_COUNT", "4")];
-    task(&desk, sweep, &gaps).with(2, &["the job array has gaps (task 4; 4 of them, from 1 to 9", "--array=0-7"]);
-    task(&desk, sweep, &gaps[..1]).with(2, &["--shard slurm needs SLURM_ARRAY_TASK_MIN, which is not set"]);
-    task(&desk, sweep, &[("ARRAY_TASK_ID", "four")]).with(2, &["SLURM_ARRAY_TASK_ID = four is no whole number"]);
+    task(&dir, sweep, &gaps).with(2, &["the job array has gaps (task 4; 4 of them, from 1 to 9", "--array=0-7"]);
+    task(&dir, sweep, &gaps[..1]).with(2, &["--shard slurm needs SLURM_ARRAY_TASK_MIN, which is not set"]);
+    task(&dir, sweep, &[("ARRAY_TASK_ID", "four")]).with(2, &["SLURM_ARRAY_TASK_ID = four is no whole number"]);
     let threads = [&gaps[..3], &[("CPUS_PER_TASK", "0")]].concat();
-    task(&desk, sweep, &threads).with(2, &["--threads 0 is out of range"]);
-    assert_eq!(desk.names("."), ["scene.toml"]);
+    task(&dir, sweep, &threads).with(2, &["--threads 0 is out of range"]);
+    assert_eq!(dir.names("."), ["scene.toml"]);
 }
 
 #[test]
 fn wrong_shards_and_folders() {
-    let desk = Desk::with_scene(SCENE);
+    let dir = TestDir::with_scene(SCENE);
     for (line, told) in [
         ("sweep scene.toml --out parts --shard 3/3", "there is no shard 3 of 3: give 0 to 2; shards count from 0"),
         ("sweep scene.toml --out parts --shard 0/0", "give at least one shard"),
@@ -138,24 +138,24 @@ fn wrong_shards_and_folders() {
         ("merge . --out map.csv", ". is no folder of chunks"),
         ("merge parts", "--out <FILE>"),
     ] {
-        desk.run(line).with(2, &[told]);
-        assert_eq!(desk.names("."), ["scene.toml"], "{line}");
+        dir.run(line).with(2, &[told]);
+        assert_eq!(dir.names("."), ["scene.toml"], "{line}");
     }
-    fs::write(desk.path("parts"), "").unwrap();
-    desk.run("sweep scene.toml --out parts --shard 0/1")
+    fs::write(dir.path("parts"), "").unwrap();
+    dir.run("sweep scene.toml --out parts --shard 0/1")
         .with(2, &["parts is a file, where a folder of chunks would be"]);
 }
 
 /// A table is in the way of a folder: nobody is told to remove it.
 #[test]
 fn a_result_is_never_to_be_removed() {
-    let desk = Desk::with_scene(SCENE);
-    fs::write(desk.path("a.csv"), "a result").unwrap();
-    fs::write(desk.path("a"), "another").unwrap();
+    let dir = TestDir::with_scene(SCENE);
+    fs::write(dir.path("a.csv"), "a result").unwrap();
+    fs::write(dir.path("a"), "another").unwrap();
     for out in ["a.csv", "a"] {
-        let ran = desk.run(&format!("sweep scene.toml --out {out} --shard 1/4")).with(2, &[]);
+        let ran = dir.run(&format!("sweep scene.toml --out {out} --shard 1/4")).with(2, &[]);
         assert!(!ran.err.contains("remove") && ran.err.contains("name"), "{ran:?}");
     }
-    desk.run("init scene.toml").with(2, &["is left as it is: give another name"]);
-    assert_eq!((desk.read("a.csv"), desk.read("a")), (b"a result".to_vec(), b"another".to_vec()));
+    dir.run("init scene.toml").with(2, &["is left as it is: give another name"]);
+    assert_eq!((dir.read("a.csv"), dir.read("a")), (b"a result".to_vec(), b"another".to_vec()));
 }

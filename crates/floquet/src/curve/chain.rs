@@ -4,7 +4,7 @@ use vibrochain_breather::{Continuation, Orbit};
 use vibrochain_lattice::Parameter;
 
 use super::answer::{CurveError, EventCurve, Walk, Window};
-use super::tracer::Asked;
+use super::tracer::CurveRequest;
 use super::way::followed;
 use crate::events::OfChains;
 use crate::locate::{Event, Evidence};
@@ -51,7 +51,7 @@ pub fn curve_along(orbit: &Orbit, event: Event, evidence: Evidence, walk: &Walk<
     let watcher = OfChains::new(orbit.model().chain().sites(), stop);
     let uncoupled = (0..2).find(|&i| window.parameters[i] == Parameter::Gamma2 && window.from[i] == 0.0);
     let window = [window.from, window.to];
-    let asked = Asked { event, evidence, window, tolerance, uncoupled, special, until };
+    let asked = CurveRequest { event, evidence, window, tolerance, uncoupled, special, until };
     let curve = followed((base, orbit), watcher, &asked);
     // On the way a failure is an end.
     stop.heard()?;

@@ -20,5 +20,5 @@ mod way;
 
 pub use answer::{CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint, Walk, Window};
 pub use chain::{curve, curve_along};
-pub(crate) use tracer::Asked;
+pub(crate) use tracer::CurveRequest;
 pub(crate) use way::followed;

@@ -4,7 +4,7 @@ use nalgebra::Complex;
 use vibrochain_breather::system::System;
 
 use super::answer::Special;
-use super::tracer::{Foot, Tracer, is_physical};
+use super::tracer::{TracedPoint, Tracer, is_physical};
 use crate::events::half_sums::upper_half;
 use crate::events::{AtEvent, EventOrbit, TOUCHES, Test, Watcher, another_one, minus_one};
 use crate::followed::Followed;
@@ -31,7 +31,7 @@ impl Monitor {
     }
 }
 
-/// What is seen at a foot.
+/// What is seen at a point.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Seen {
     pub(super) monitors: Vec<Monitor>,
@@ -44,8 +44,8 @@ where
     S: System<Orbit = W::Orbit>,
     W: Watcher,
 {
-    pub(super) fn seen(&mut self, foot: &Foot<W::Orbit>) -> Seen {
-        let AtEvent { orbit, mark, determinant, fold_determinant } = foot.orbit();
+    pub(super) fn seen(&mut self, point: &TracedPoint<W::Orbit>) -> Seen {
+        let AtEvent { orbit, mark, determinant, fold_determinant } = point.orbit();
         let mut monitors = Vec::new();
         let mut add = |special, which, value: f64| {
             if value.is_finite() {

@@ -21,25 +21,25 @@ const ASTRAY: f64 = 0.1;
 /// Cosine of the angle by which it may turn in a step.
 const STRAIGHT: f64 = 0.9;
 
-/// Feet through which the next one is foreseen, each farther from the next than this part of the step.
+/// Points through which the next one is foreseen, each farther from the next than this part of the step.
 const THROUGH: usize = 4;
 const CROWDED: f64 = 0.1;
 
 /// A point of a curve.
-pub(super) type Foot<O> = SolutionPoint<AtEvent<O>>;
+pub(super) type TracedPoint<O> = SolutionPoint<AtEvent<O>>;
 
 fn norm(vector: &[f64]) -> f64 {
     dot(vector, vector).sqrt()
 }
 
 /// Values of both numbers.
-pub(super) fn values<O>(foot: &Foot<O>) -> [f64; 2] {
-    let z = foot.coordinates();
+pub(super) fn values<O>(point: &TracedPoint<O>) -> [f64; 2] {
+    let z = point.coordinates();
     [z[z.len() - 2], z[z.len() - 1]]
 }
 
 /// What is followed, and how.
-pub(crate) struct Asked<'a> {
+pub(crate) struct CurveRequest<'a> {
     pub(crate) event: Event,
     pub(crate) evidence: Evidence,
     /// Least and largest values of both numbers.
@@ -53,7 +53,7 @@ pub(crate) struct Asked<'a> {
     pub(crate) until: &'a dyn Fn([f64; 2], Option<bool>) -> bool,
 }
 
-impl Asked<'_> {
+impl CurveRequest<'_> {
     pub(super) fn parts(&self, values: [f64; 2]) -> [f64; 2] {
         let [from, to] = self.window;
         [0, 1].map(|i| (values[i] - from[i]) / (to[i] - from[i]))
@@ -83,7 +83,7 @@ where
     pub(super) manifold: SolutionCurve<EventSystem<S>>,
     pub(super) watcher: W,
     pub(super) test: Test,
-    pub(super) asked: &'a Asked<'a>,
+    pub(super) asked: &'a CurveRequest<'a>,
     /// Impulses of the first orbit.
     pub(super) strength: f64,
     /// All impulses vanish all along.
@@ -101,13 +101,13 @@ where
         matches!(self.test, Test::Circle | Test::Collision)
     }
 
-    /// Where the curve is expected, a length ahead of the last of some feet: through several of them, as edges of stripes are near to each other.
-    pub(super) fn foreseen(&self, feet: &[Foot<W::Orbit>], length: f64) -> Option<Vector> {
-        let last = feet.last()?;
+    /// Where the curve is expected, a length ahead of the last of some points: through several of them, as edges of stripes are near to each other.
+    pub(super) fn foreseen(&self, points: &[TracedPoint<W::Orbit>], length: f64) -> Option<Vector> {
+        let last = points.last()?;
         // Those that nearly are one place tell nothing of how it bends.
         let mut places = vec![(0.0, last)];
         let (mut at, mut apart) = (0.0, 0.0);
-        for pair in feet.windows(2).rev() {
+        for pair in points.windows(2).rev() {
             let step = self.manifold.distance(&pair[0], &pair[1]);
             (at, apart) = (at - step, apart + step);
             if apart > CROWDED * length.abs() {
@@ -122,83 +122,87 @@ where
             return Some(self.manifold.ahead(last, length));
         }
         let mut sum = zeros(last.coordinates().len());
-        for (i, (at, foot)) in places.iter().enumerate() {
+        for (i, (at, point)) in places.iter().enumerate() {
             let others = places.iter().enumerate().filter(|(j, _)| *j != i);
             let weight: f64 = others.map(|(_, (other, _))| (length - other) / (at - other)).product();
-            sum.iter_mut().zip(foot.coordinates()).for_each(|(sum, x)| *sum += weight * x);
+            sum.iter_mut().zip(point.coordinates()).for_each(|(sum, x)| *sum += weight * x);
         }
         Some(sum)
     }
 
-    /// The foot a length ahead of the last of some feet.
-    pub(super) fn advance(&mut self, feet: &[Foot<W::Orbit>], length: f64) -> Result<Foot<W::Orbit>, BranchError> {
-        let foreseen = self.foreseen(feet, length).ok_or(BranchError::NoConvergence)?;
-        self.advance_to(feet, &foreseen)
+    /// The point a length ahead of the last of some points.
+    pub(super) fn advance(
+        &mut self,
+        points: &[TracedPoint<W::Orbit>],
+        length: f64,
+    ) -> Result<TracedPoint<W::Orbit>, BranchError> {
+        let foreseen = self.foreseen(points, length).ok_or(BranchError::NoConvergence)?;
+        self.advance_to(points, &foreseen)
     }
 
-    /// The foot near where it is foreseen, across the way there.
+    /// The point near where it is foreseen, across the way there.
     pub(super) fn advance_to(
         &mut self,
-        feet: &[Foot<W::Orbit>],
+        points: &[TracedPoint<W::Orbit>],
         foreseen: &[f64],
-    ) -> Result<Foot<W::Orbit>, BranchError> {
-        let last = feet.last().ok_or(BranchError::NoConvergence)?;
+    ) -> Result<TracedPoint<W::Orbit>, BranchError> {
+        let last = points.last().ok_or(BranchError::NoConvergence)?;
         let way = self.manifold.chord_to(last, foreseen);
         let length = norm(&way);
         let direction = way.iter().map(|x| x / length).collect();
         let next = self.manifold.correct(foreseen, &direction, ASTRAY * length, false)?;
         // It does not turn back between two points.
-        let back = feet.len().checked_sub(2).map(|i| self.manifold.chord_to(last, feet[i].coordinates()));
+        let back = points.len().checked_sub(2).map(|i| self.manifold.chord_to(last, points[i].coordinates()));
         let turns = |back: Vector| -dot(&back, &way) < STRAIGHT * length * norm(&back);
         // Symmetry is lost with the numbers themselves: no symmetric orbits are there that could lose it.
         let pushed = self.manifold.system().push(next.orbit()).abs() > PUSHED;
         if pushed || back.is_some_and(turns) { Err(BranchError::NoConvergence) } else { Ok(next) }
     }
 
-    /// Where on a step from the last of some feet a function vanishes that has these values at its ends.
+    /// Where on a step from the last of some points a function vanishes that has these values at its ends.
     pub(super) fn located(
         &mut self,
-        feet: &[Foot<W::Orbit>],
+        points: &[TracedPoint<W::Orbit>],
         length: f64,
         ends: [f64; 2],
-        mut value: impl FnMut(&mut Self, &Foot<W::Orbit>) -> Option<f64>,
-    ) -> Option<(Foot<W::Orbit>, f64)> {
+        mut value: impl FnMut(&mut Self, &TracedPoint<W::Orbit>) -> Option<f64>,
+    ) -> Option<(TracedPoint<W::Orbit>, f64)> {
         let (s, error) = crossing(ends, length, |s| {
-            let foot = self.advance(feet, s).ok()?;
-            value(self, &foot)
+            let point = self.advance(points, s).ok()?;
+            value(self, &point)
         })?;
-        Some((self.advance(feet, s).ok()?, error.min(length)))
+        Some((self.advance(points, s).ok()?, error.min(length)))
     }
 
     /// How the curve goes on in the plane of both numbers.
-    pub(super) fn heading(&self, foot: &Foot<W::Orbit>) -> [f64; 2] {
-        let tangent = foot.tangent();
+    pub(super) fn heading(&self, point: &TracedPoint<W::Orbit>) -> [f64; 2] {
+        let tangent = point.tangent();
         [tangent[tangent.len() - 2], tangent[tangent.len() - 1]]
     }
 
     /// Two folds meet where the curve turns back in both numbers.
     pub(super) fn cusp(
         &mut self,
-        feet: &[Foot<W::Orbit>],
-        to: &Foot<W::Orbit>,
+        points: &[TracedPoint<W::Orbit>],
+        to: &TracedPoint<W::Orbit>,
         length: f64,
-    ) -> Option<(Foot<W::Orbit>, f64)> {
-        let before = self.heading(feet.last()?);
+    ) -> Option<(TracedPoint<W::Orbit>, f64)> {
+        let before = self.heading(points.last()?);
         let against = |[x, y]: [f64; 2]| x * before[0] + y * before[1];
         let ends = [against(before), against(self.heading(to))];
         if ends[1] > 0.0 {
             return None;
         }
-        self.located(feet, length, ends, |tracer, foot| Some(against(tracer.heading(foot))))
+        self.located(points, length, ends, |tracer, point| Some(against(tracer.heading(point))))
     }
 
-    /// The error at each of the feet, as a part of the window's sides.
-    pub(super) fn errors(&mut self, feet: &[Foot<W::Orbit>]) -> Vec<f64> {
-        let last = feet.len().saturating_sub(1);
+    /// The error at each of the points, as a part of the window's sides.
+    pub(super) fn errors(&mut self, points: &[TracedPoint<W::Orbit>]) -> Vec<f64> {
+        let last = points.len().saturating_sub(1);
         let places: Vec<usize> = (0..last).step_by(EVERY).chain([last]).collect();
         let told: Vec<f64> =
-            places.iter().map(|&i| self.manifold.system().error(&feet[i]).unwrap_or(f64::INFINITY)).collect();
-        let mut errors = vec![f64::INFINITY; feet.len()];
+            places.iter().map(|&i| self.manifold.system().error(&points[i]).unwrap_or(f64::INFINITY)).collect();
+        let mut errors = vec![f64::INFINITY; points.len()];
         for (pair, told) in places.windows(2).zip(told.windows(2)) {
             errors[pair[0]..=pair[1]].fill(BETWEEN * told[0].max(told[1]));
         }
@@ -206,12 +210,12 @@ where
         errors
     }
 
-    pub(super) fn described(&mut self, foot: &Foot<W::Orbit>, error: f64) -> CurvePoint<W::Orbit> {
-        let AtEvent { orbit, mark, .. } = foot.orbit();
+    pub(super) fn described(&mut self, point: &TracedPoint<W::Orbit>, error: f64) -> CurvePoint<W::Orbit> {
+        let AtEvent { orbit, mark, .. } = point.orbit();
         let told = self.watcher.admissibility(orbit).ok();
         let physical = told.map(|told| is_physical(&told, orbit));
         let angle = mark.filter(|_| self.has_angle()).map(|theta| theta.clamp(0.0, std::f64::consts::PI));
         let angle = angle.map(|theta| theta / std::f64::consts::PI);
-        CurvePoint { values: values(foot), error, orbit: orbit.clone(), angle, physical }
+        CurvePoint { values: values(point), error, orbit: orbit.clone(), angle, physical }
     }
 }

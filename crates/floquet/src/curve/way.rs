@@ -7,7 +7,7 @@ use vibrochain_breather::{BranchError, SolutionCurve};
 
 use super::answer::{CurveEnd, CurveError, EventCurve, Special, SpecialPoint};
 use super::monitors::Seen;
-use super::tracer::{Asked, Foot, PUSHED, Tracer, values};
+use super::tracer::{CurveRequest, PUSHED, TracedPoint, Tracer, values};
 use crate::events::{AtEvent, EventOrbit, EventSystem, TOUCHES, Test, UNBOUNDED, Watcher, strongest};
 use crate::locate::{Event, Evidence};
 
@@ -17,7 +17,7 @@ const START: f64 = 1e-3;
 /// Points as near as this are one.
 const SAME: f64 = 1e-6;
 
-/// Feet as near as this are one place.
+/// Points as near as this are one place.
 const CLOSEST: f64 = 1e-14;
 
 /// What vanishes at an event, and its mark there.
@@ -42,7 +42,7 @@ fn test_of(event: Event, evidence: Evidence, orbit: &impl EventOrbit) -> Option<
 pub(crate) fn followed<S, W>(
     (base, orbit): (S, &W::Orbit),
     watcher: W,
-    asked: &Asked<'_>,
+    asked: &CurveRequest<'_>,
 ) -> Result<EventCurve<W::Orbit>, CurveError>
 where
     S: System<Orbit = W::Orbit>,
@@ -86,16 +86,16 @@ where
     let mut special: Vec<_> = special_behind.into_iter().map(behind_there).collect();
     special.extend(special_ahead.into_iter().map(|(at, special, error)| (before - 1 + at, special, error)));
     special.sort_by_key(|one| one.0);
-    let feet = joined(behind, ahead);
+    let points = joined(behind, ahead);
     let special = special.into_iter().map(|(point, special, error)| SpecialPoint {
         special,
         point,
-        values: values(&feet[point]),
+        values: values(&points[point]),
         error,
     });
     let special = special.collect();
-    let errors = tracer.errors(&feet);
-    let points = feet.iter().zip(errors).map(|(foot, error)| tracer.described(foot, error)).collect();
+    let errors = tracer.errors(&points);
+    let points = points.iter().zip(errors).map(|(point, error)| tracer.described(point, error)).collect();
     Ok(EventCurve {
         event: asked.event,
         evidence: asked.evidence,
@@ -107,20 +107,20 @@ where
     })
 }
 
-/// Feet of a way, what happens at which of them, and how it ends.
-type Passed<O> = (Vec<Foot<O>>, Vec<(usize, Special, f64)>, CurveEnd);
+/// Points of a way, what happens at which of them, and how it ends.
+type Passed<O> = (Vec<TracedPoint<O>>, Vec<(usize, Special, f64)>, CurveEnd);
 
 impl<S, W> Tracer<'_, S, W>
 where
     S: System<Orbit = W::Orbit>,
     W: Watcher,
 {
-    fn way(&mut self, start: Foot<W::Orbit>) -> Passed<W::Orbit> {
+    fn way(&mut self, start: TracedPoint<W::Orbit>) -> Passed<W::Orbit> {
         let seen = self.seen(&start);
         let tolerance = self.asked.tolerance;
         let mut way = Way { tracer: self, seen, special: Vec::new(), told: 0, why: BranchError::NoConvergence };
-        let (feet, end) = trace(&mut way, start, tolerance);
-        (feet, way.special, end)
+        let (points, end) = trace(&mut way, start, tolerance);
+        (points, way.special, end)
     }
 }
 
@@ -131,7 +131,7 @@ where
     W: Watcher,
 {
     tracer: &'t mut Tracer<'a, S, W>,
-    /// At the last foot.
+    /// At the last point.
     seen: Seen,
     special: Vec<(usize, Special, f64)>,
     /// How many of these were known before the last step.
@@ -145,7 +145,7 @@ where
     S: System<Orbit = W::Orbit>,
     W: Watcher,
 {
-    type Point = Foot<W::Orbit>;
+    type Point = TracedPoint<W::Orbit>;
     type End = CurveEnd;
 
     const CLOSED: CurveEnd = CurveEnd::Closed;
@@ -179,14 +179,14 @@ where
 
     /// Impulses that grow without bound set a longer scale.
     fn longest(&self, passed: &[Self::Point]) -> f64 {
-        let growth = passed.last().map_or(1.0, |foot| strongest(&foot.orbit().orbit) / self.tracer.strength);
+        let growth = passed.last().map_or(1.0, |point| strongest(&point.orbit().orbit) / self.tracer.strength);
         Self::LONGEST * growth.max(1.0)
     }
 
     fn bend(&self, through: [&Self::Point; 3]) -> f64 {
         let [a, b, c] = through;
         let lengths = [self.tracer.manifold.distance(a, b), self.tracer.manifold.distance(b, c)];
-        chord_error(through.map(|foot| self.tracer.asked.parts(values(foot))), lengths)
+        chord_error(through.map(|point| self.tracer.asked.parts(values(point))), lengths)
     }
 
     fn closed(&mut self, passed: &[Self::Point], next: &Self::Point) -> Option<Self::Point> {
@@ -210,16 +210,16 @@ where
         let length = self.tracer.manifold.length_between(&last, &next);
         let mut found: Vec<(f64, Self::Point, Special, f64)> = Vec::new();
         let mut take = |tracer: &Tracer<'_, S, W>, located: Option<(Self::Point, f64)>, special| {
-            let along = |foot: &Self::Point| tracer.manifold.length_between(&last, foot);
-            found.extend(located.map(|(foot, error)| (along(&foot), foot, special, error)));
+            let along = |point: &Self::Point| tracer.manifold.length_between(&last, point);
+            found.extend(located.map(|(point, error)| (along(&point), point, special, error)));
         };
         for before in &self.seen.monitors {
             let Some(after) = seen.monitors.iter().find(|one| one.is(before)) else { continue };
             if (before.value > 0.0) == (after.value > 0.0) {
                 continue;
             }
-            let located = self.tracer.located(passed, length, [before.value, after.value], |tracer, foot| {
-                let there = tracer.seen(foot);
+            let located = self.tracer.located(passed, length, [before.value, after.value], |tracer, point| {
+                let there = tracer.seen(point);
                 there.monitors.iter().find(|one| one.is(before)).map(|one| one.value)
             });
             take(self.tracer, located, before.special);
@@ -230,10 +230,10 @@ where
         }
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut reached = 0.0;
-        for (along, foot, special, error) in found {
+        for (along, point, special, error) in found {
             // Those at one place are all told of that place.
             if along - reached > CLOSEST {
-                passed.push(foot);
+                passed.push(point);
                 reached = along;
             }
             self.special.push((passed.len() - 1, special, error));
@@ -245,8 +245,8 @@ where
     }
 
     fn ended(&mut self, passed: &mut Vec<Self::Point>) -> Option<CurveEnd> {
-        let foot = passed.last()?;
-        let AtEvent { orbit, mark, .. } = foot.orbit();
+        let point = passed.last()?;
+        let AtEvent { orbit, mark, .. } = point.orbit();
         let theta = mark.filter(|_| self.tracer.has_angle());
         if let Some(theta) = theta.filter(|theta| !(0.0..=std::f64::consts::PI).contains(theta)) {
             let real = |(_, one, _): &&(usize, Special, f64)| matches!(one, Special::OneToOne | Special::OneToTwo);
@@ -258,7 +258,7 @@ where
             self.special.retain(|(other, ..)| *other <= place);
             return Some(CurveEnd::Special(special));
         }
-        if (self.tracer.asked.until)(values(foot), self.seen.physical) {
+        if (self.tracer.asked.until)(values(point), self.seen.physical) {
             return Some(CurveEnd::Halted);
         }
         match strongest(orbit) / self.tracer.strength {
@@ -270,7 +270,7 @@ where
     }
 
     fn lost(&self, passed: &[Self::Point]) -> CurveEnd {
-        let orbit = passed.last().map(|foot| &foot.orbit().orbit);
+        let orbit = passed.last().map(|point| &point.orbit().orbit);
         if let Some(resonance) = orbit.and_then(EventOrbit::resonance) {
             return CurveEnd::Resonance(resonance);
         }

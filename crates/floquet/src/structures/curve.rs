@@ -4,7 +4,7 @@ use vibrochain_breather::{BranchError, StructureContinuation, StructureFamily, S
 use vibrochain_lattice::Stop;
 
 use super::watcher::OfStructures;
-use crate::curve::{Asked, CurveError, EventCurve, followed};
+use crate::curve::{CurveError, CurveRequest, EventCurve, followed};
 use crate::locate::Located;
 
 /// A curve of an event of a structure's orbits.
@@ -56,7 +56,7 @@ pub fn structure_curve(
     let base = StructureContinuation::through(&located.orbit, family.clone(), &start, &sides, stop)?;
     let &Located { event, evidence, ref orbit, .. } = located;
     let until = &|_: [f64; 2], _: Option<bool>| false;
-    let asked = Asked { event, evidence, window: [from, to], tolerance, uncoupled: None, special: true, until };
+    let asked = CurveRequest { event, evidence, window: [from, to], tolerance, uncoupled: None, special: true, until };
     let curve = followed((base, orbit), OfStructures::default(), &asked);
     // On the way a failure is an end.
     stop.heard()?;

@@ -2,11 +2,11 @@
 
 use std::collections::HashMap;
 
-use super::asked::{Asked, Stage};
+use super::asked::{BorderRequest, Stage};
 use super::border::Borders;
 use super::grid::Grid;
 use super::known::Known;
-use super::part::{Eye, Part, parts};
+use super::part::{ClassProbe, Part, parts};
 use super::search::Search;
 use crate::cell::Class;
 use crate::error::MapError;
@@ -41,7 +41,7 @@ impl Borders {
     ///
     /// # Errors
     /// [`MapError::Request`] for a scene without a plane of two equally spaced ranges, a tolerance out of range.
-    pub fn of_scene(scene: &Scene, asked: &Asked<'_>) -> Result<(Self, Regions<Option<Class>>), MapError> {
+    pub fn of_scene(scene: &Scene, asked: &BorderRequest<'_>) -> Result<(Self, Regions<Option<Class>>), MapError> {
         let (window, ends) = Self::window(scene)?;
         if !(1e-9..=1e-3).contains(&asked.tolerance) {
             refuse!("a tolerance of {} is out of range: give a part of the window from 1e-9 to 0.001", asked.tolerance);
@@ -94,17 +94,22 @@ fn faces(searches: &mut [Search<'_>]) -> Result<Faces<Vec<Option<Class>>>, MapEr
         (asked.told)("", Stage::Faces, cut, CUTS);
         let lines: Vec<_> = searches.iter().flat_map(|search| search.found.lines()).collect();
         let parts: Vec<&Part> = searches.iter().map(|search| search.part).collect();
-        let classes = |eye: &mut Eye<'_>, point: [f64; 2]| -> Vec<Option<Class>> {
+        let classes = |probe: &mut ClassProbe<'_>, point: [f64; 2]| -> Vec<Option<Class>> {
             if asked.stop.is_raised() {
                 return vec![None];
             }
             let place = window.part(point);
-            parts.iter().map(|part| eye.class(part, place)).collect()
+            parts.iter().map(|part| probe.class(part, place)).collect()
         };
         let is_none = |classes: &Vec<Option<Class>>| classes.contains(&None);
         let subdivision = Subdivision::new(window, &lines, asked.tolerance)?;
-        let faces =
-            subdivision.asked(asked.places, || Eye::new(scene, window, asked.stop), classes, is_none, &mut known);
+        let faces = subdivision.asked(
+            asked.places,
+            || ClassProbe::new(scene, window, asked.stop),
+            classes,
+            is_none,
+            &mut known,
+        );
         let changes = faces.unexplained.iter().flat_map(|face| &face.changes);
         let mut changes: Vec<[[f64; 2]; 2]> = changes.map(|ends| ends.map(|point| window.part(point))).collect();
         // Others first another time.

@@ -15,9 +15,9 @@ pub enum Stage {
     Faces,
 }
 
-/// What is asked of borders.
+/// How well, how far and how long borders are searched for.
 #[derive(Clone, Copy)]
-pub struct Asked<'a> {
+pub struct BorderRequest<'a> {
     /// How far a straight line between neighbouring points may be from the border, as a part of the window's sides.
     pub tolerance: f64,
     /// Places of the window, spread by area, that are asked what lives there to find what is missing.

@@ -6,7 +6,7 @@ use vibrochain_floquet::StripeFinder;
 use vibrochain_lattice::{Parameter, Stop};
 
 use super::lanes::{Lane, Liner, Row};
-use super::part::{Eye, Part, parts};
+use super::part::{ClassProbe, Part, parts};
 use crate::regions::Window;
 use crate::scene::{Scene, Values};
 
@@ -50,14 +50,14 @@ impl Courses<'_> {
         let rows = (0..=ROWS).map(|row| row as f64 / ROWS as f64);
         let rows: Vec<f64> = rows.filter(|&y| !is_uncoupled(scene, [0.5, y])).collect();
         told(0, rows.len());
-        let workers = || (Eye::new(scene, window, stop), StripeFinder::until(stop));
+        let workers = || (ClassProbe::new(scene, window, stop), StripeFinder::until(stop));
         let rows: Vec<Row> = rows
             .par_iter()
-            .map_init(workers, |(eye, finder), &y| {
+            .map_init(workers, |(probe, finder), &y| {
                 if stop.is_raised() {
                     return Row::default();
                 }
-                Liner { eye, part, finder, family, tolerance }.row(y, (0.0, 1.0), ROW_POINTS)
+                Liner { probe, part, finder, family, tolerance }.row(y, (0.0, 1.0), ROW_POINTS)
             })
             .collect();
         let (mut lanes, mut unresolved): (Vec<Lane>, Vec<_>) = (Vec::new(), Vec::new());
@@ -80,8 +80,8 @@ impl Courses<'_> {
             let new: Vec<_> = new.collect();
             let more: Vec<Option<Lane>> = new
                 .par_iter()
-                .map_init(workers, |(eye, finder), stripe| {
-                    Liner { eye, part, finder, family, tolerance }.lane(row.y, stripe)
+                .map_init(workers, |(probe, finder), stripe| {
+                    Liner { probe, part, finder, family, tolerance }.lane(row.y, stripe)
                 })
                 .collect();
             lanes.extend(more.into_iter().flatten());

@@ -4,7 +4,7 @@ use vibrochain_breather::Family;
 use vibrochain_breather::line::{Line, Step, chord_error, foreseen, joined, trace};
 use vibrochain_floquet::{Stripe, StripeEnd, StripeFinder, StripeLine};
 
-use super::part::{Eye, Part};
+use super::part::{ClassProbe, Part};
 
 /// The shortest step: a stripe that is not found over it is not found over a shorter one.
 const SHORTEST: f64 = 2e-7;
@@ -46,7 +46,7 @@ pub(super) struct Row {
 
 /// Who follows stripes of one part.
 pub(super) struct Liner<'a, 'b> {
-    pub(super) eye: &'a mut Eye<'b>,
+    pub(super) probe: &'a mut ClassProbe<'b>,
     pub(super) part: &'a Part,
     pub(super) finder: &'a mut StripeFinder,
     pub(super) family: Family,
@@ -73,13 +73,13 @@ impl Lane {
 
 impl Liner<'_, '_> {
     fn line(&self, y: f64) -> Option<StripeLine> {
-        let model = self.eye.model([0.0, y])?;
-        Some(StripeLine { model, family: self.family, free: self.eye.scene.axes[0].parameter })
+        let model = self.probe.model([0.0, y])?;
+        Some(StripeLine { model, family: self.family, free: self.probe.scene.axes[0].parameter })
     }
 
     /// All stripes of a part of a row, of which so many points are looked at.
     pub(super) fn row(&mut self, y: f64, (from, to): (f64, f64), points: usize) -> Row {
-        let [from, to] = [from, to].map(|x| self.eye.window.point([x, y])[0]);
+        let [from, to] = [from, to].map(|x| self.probe.window.point([x, y])[0]);
         let found = self.line(y).and_then(|line| self.finder.outlines_along(&line, (from, to), points).ok());
         match found {
             Some(row) => Row { y, stripes: row.stripes, unresolved: row.unresolved },
@@ -89,16 +89,16 @@ impl Liner<'_, '_> {
 
     /// The place of a stripe, if its breathers are physical.
     fn point(&self, y: f64, stripe: &Stripe) -> LanePoint {
-        let part = |value: f64| self.eye.window.part([value, self.eye.window.point([0.0, y])[1]])[0];
+        let part = |value: f64| self.probe.window.part([value, self.probe.window.point([0.0, y])[1]])[0];
         let [low, high] = stripe.edges.map(part);
-        let side = self.eye.window.point([1.0, y])[0] - self.eye.window.point([0.0, y])[0];
+        let side = self.probe.window.point([1.0, y])[0] - self.probe.window.point([0.0, y])[0];
         LanePoint { y, edges: [low, high], half_width: stripe.half_width, error: stripe.error / side }
     }
 
     fn is_physical(&mut self, point: &LanePoint) -> bool {
         let inside = point.edges.map(|x| x.clamp(0.0, 1.0));
         let places = [0.5 * (inside[0] + inside[1]), inside[0], inside[1]];
-        places.into_iter().any(|x| self.eye.may_live(self.part, [x, point.y]))
+        places.into_iter().any(|x| self.probe.may_live(self.part, [x, point.y]))
     }
 
     /// A stripe of a row, followed both ways; none that is not one of two modes.
@@ -148,7 +148,7 @@ impl Line for Way<'_, '_, '_> {
             return None;
         }
         let expected = foreseen(passed.iter().map(|point| (point.y, point.edges)), y);
-        let value = self.liner.eye.window.point([0.5 * (expected[0] + expected[1]), y])[0];
+        let value = self.liner.probe.window.point([0.5 * (expected[0] + expected[1]), y])[0];
         let line = self.liner.line(y)?;
         let stripe = self.liner.finder.outline(&line, self.modes, self.harmonic, value).ok()?;
         let next = self.liner.point(y, &stripe);

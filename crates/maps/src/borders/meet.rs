@@ -4,7 +4,7 @@ use vibrochain_floquet::{Course, End, Event, Located, diagram_until};
 use vibrochain_lattice::Spectrum;
 
 use super::border::BorderKind;
-use super::part::{Eye, Part};
+use super::part::{ClassProbe, Part};
 use crate::cell::Class;
 
 /// How near a change is enclosed before its event is looked for, as a part of the window's side.
@@ -82,20 +82,20 @@ pub(super) fn enclose<C: Copy + PartialEq>(
 }
 
 /// How far a mode's frequency is above a harmonic of the orbits', which is ω over so many periods of the force.
-pub(super) fn detuning(eye: &Eye<'_>, (mode, multiple): (usize, f64), place: [f64; 2]) -> Option<f64> {
-    let model = eye.model(place)?;
+pub(super) fn detuning(probe: &ClassProbe<'_>, (mode, multiple): (usize, f64), place: [f64; 2]) -> Option<f64> {
+    let model = probe.model(place)?;
     let frequency = *Spectrum::new(*model.chain()).frequencies().get(mode)?;
     Some((-multiple).mul_add(model.omega(), frequency))
 }
 
 /// The mode and the harmonic that are equal somewhere between two places.
-fn resonance(eye: &Eye<'_>, ends: [[f64; 2]; 2]) -> Option<(usize, f64)> {
-    let one = eye.model(ends[0])?;
+fn resonance(probe: &ClassProbe<'_>, ends: [[f64; 2]; 2]) -> Option<(usize, f64)> {
+    let one = probe.model(ends[0])?;
     let frequencies = Spectrum::new(*one.chain());
     let mut places = frequencies.frequencies().iter().enumerate();
     places.find_map(|(mode, frequency)| {
         let multiple = (frequency / one.omega()).round();
-        let there = detuning(eye, (mode, multiple), ends[1])?;
+        let there = detuning(probe, (mode, multiple), ends[1])?;
         let here = (-multiple).mul_add(one.omega(), *frequency);
         (multiple >= 1.0 && here * there <= 0.0).then_some((mode, multiple))
     })
@@ -103,12 +103,12 @@ fn resonance(eye: &Eye<'_>, ends: [[f64; 2]; 2]) -> Option<(usize, f64)> {
 
 /// Looks for the events that make a change.
 pub(super) fn meet(
-    eye: &mut Eye<'_>,
+    probe: &mut ClassProbe<'_>,
     part: &Part,
     (axis, ends): (usize, [[f64; 2]; 2]),
     is_known: impl Fn([f64; 2]) -> bool,
 ) -> Option<Met> {
-    let (ends, classes) = enclose(&mut |place| eye.class(part, place), ends, ENCLOSED)?;
+    let (ends, classes) = enclose(&mut |place| probe.class(part, place), ends, ENCLOSED)?;
     let mut met = Met { ends, events: Vec::new(), known: is_known(ends[0]), resonance: None, end: BorderKind::Change };
     if met.known {
         return Some(met);
@@ -117,20 +117,20 @@ pub(super) fn meet(
         met.end = BorderKind::Threshold;
         return Some(met);
     }
-    met.resonance = resonance(eye, ends);
+    met.resonance = resonance(probe, ends);
     if met.resonance.is_some() {
         met.end = BorderKind::Resonance;
         return Some(met);
     }
-    let parameter = eye.scene.axes[axis].parameter;
-    let value = |part_along: f64, eye: &Eye<'_>| {
+    let parameter = probe.scene.axes[axis].parameter;
+    let value = |part_along: f64, probe: &ClassProbe<'_>| {
         let mut place = ends[0];
         place[axis] = part_along.clamp(0.0, 1.0);
-        eye.window.point(place)[axis]
+        probe.window.point(place)[axis]
     };
     let parts = [ends[0][axis].min(ends[1][axis]), ends[0][axis].max(ends[1][axis])];
-    let [from, to] = [value(parts[0] - BESIDE, eye), value(parts[1] + BESIDE, eye)];
-    let slack = [value(parts[0] - 2.0 * ENCLOSED, eye), value(parts[1] + 2.0 * ENCLOSED, eye)];
+    let [from, to] = [value(parts[0] - BESIDE, probe), value(parts[1] + BESIDE, probe)];
+    let slack = [value(parts[0] - 2.0 * ENCLOSED, probe), value(parts[1] + 2.0 * ENCLOSED, probe)];
     let events =
         if part.task.stability { Event::ALL.to_vec() } else { vec![Event::Grazing, Event::Pitchfork, Event::Fold] };
     for side in 0..2 {
@@ -138,12 +138,12 @@ pub(super) fn meet(
         let mut start = ends[side];
         let away = if ends[side][axis] < ends[1 - side][axis] { -BACK } else { BACK };
         start[axis] = (start[axis] + away).clamp(0.0, 1.0);
-        if eye.class(part, start) != Some(classes[side]) {
+        if probe.class(part, start) != Some(classes[side]) {
             start = ends[side];
         }
-        for orbit in eye.orbits(part, start) {
+        for orbit in probe.orbits(part, start) {
             let course = Course { from, to, events: events.clone(), ..Course::new(&orbit, parameter) };
-            let Ok(diagram) = diagram_until(&orbit, &course, eye.stop()) else { continue };
+            let Ok(diagram) = diagram_until(&orbit, &course, probe.stop()) else { continue };
             for branch in &diagram.branches {
                 let here = |value: f64| slack[0] <= value && value <= slack[1];
                 for located in branch.events().filter(|located| here(located.value)) {
@@ -173,8 +173,12 @@ pub(super) fn meet(
 }
 
 /// Two places along one parameter between which the same changes as between two others.
-pub(super) fn along_one(eye: &mut Eye<'_>, part: &Part, ends: [[f64; 2]; 2]) -> Option<(usize, [[f64; 2]; 2])> {
-    let (close, _) = enclose(&mut |place| eye.class(part, place), ends, NEAR)?;
+pub(super) fn along_one(
+    probe: &mut ClassProbe<'_>,
+    part: &Part,
+    ends: [[f64; 2]; 2],
+) -> Option<(usize, [[f64; 2]; 2])> {
+    let (close, _) = enclose(&mut |place| probe.class(part, place), ends, NEAR)?;
     let middle = [0, 1].map(|i| 0.5 * (close[0][i] + close[1][i]));
     let mut aside = NEAR;
     while aside < FAR {
@@ -182,7 +186,7 @@ pub(super) fn along_one(eye: &mut Eye<'_>, part: &Part, ends: [[f64; 2]; 2]) -> 
             let mut ends = [middle; 2];
             ends[0][axis] = (middle[axis] - aside).max(0.0);
             ends[1][axis] = (middle[axis] + aside).min(1.0);
-            if let [Some(one), Some(other)] = ends.map(|place| eye.class(part, place))
+            if let [Some(one), Some(other)] = ends.map(|place| probe.class(part, place))
                 && one != other
             {
                 return Some((axis, ends));

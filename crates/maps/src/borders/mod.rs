@@ -4,7 +4,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `border` | [`Border`], [`Borders`]: what is found |
-//! | `asked` | [`Asked`]: how well, how far |
+//! | `asked` | [`BorderRequest`]: how well, how far |
 //! | `part` | one family or word of the scene at a time, and what lives at a place |
 //! | `grid` | a coarse look: which changes between neighbouring places a border explains |
 //! | `known` | whether a place lies on a border that is known |
@@ -32,6 +32,6 @@ mod meet;
 mod part;
 mod search;
 
-pub use asked::{Asked, Stage};
+pub use asked::{BorderRequest, Stage};
 pub use border::{Border, BorderKind, BorderPoint, Borders, MergedStripes, StripeEdge, UnexplainedChange};
 pub use courses::StripeCourse;

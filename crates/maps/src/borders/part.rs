@@ -40,16 +40,16 @@ pub(super) fn parts(task: &Task) -> Vec<Part> {
     families.chain(words).map(named).collect()
 }
 
-/// Who looks at places of the window, given as parts of its sides.
-pub(super) struct Eye<'a> {
+/// Finds the class at places of the window, given as parts of its sides.
+pub(super) struct ClassProbe<'a> {
     pub(super) scene: &'a Scene,
     pub(super) window: Window,
     worker: Worker,
     finder: Finder,
 }
 
-impl<'a> Eye<'a> {
-    /// Once `stop` is raised it sees nothing.
+impl<'a> ClassProbe<'a> {
+    /// Once `stop` is raised it finds none.
     pub(super) fn new(scene: &'a Scene, window: Window, stop: &Stop) -> Self {
         let sites = scene.base.sites();
         Self { scene, window, worker: Worker::new(sites).until(stop), finder: Finder::new(sites).until(stop) }
@@ -114,15 +114,15 @@ mod tests {
              [compute]\nfamilies = [\"double-sided\", \"single-sided\"]\nstability = true\n",
         );
         let scene = scene.unwrap();
-        let mut eye = Eye::new(&scene, Window::of(&scene).unwrap(), &Stop::default());
+        let mut probe = ClassProbe::new(&scene, Window::of(&scene).unwrap(), &Stop::default());
         let mut random = Rng::with_seed(3);
         let mut times = [0; 2];
         for part in &parts(&scene.task) {
             for _ in 0..500 {
                 // Some on the side where nothing couples masses.
                 let place = [random.f64(), (1.1 * random.f64() - 0.1).max(0.0)];
-                let lives = eye.class(part, place) != Some(Class::None);
-                assert_eq!(eye.may_live(part, place), lives, "{} {place:?}", part.name);
+                let lives = probe.class(part, place) != Some(Class::None);
+                assert_eq!(probe.may_live(part, place), lives, "{} {place:?}", part.name);
                 times[usize::from(lives)] += 1;
             }
         }

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use rayon::prelude::{IntoParallelRefIterator, ParallelIterator};
 use vibrochain_floquet::{CurveEnd, Event, Located, StripeFinder, Walk, curve_along};
 
-use super::asked::{Asked, Stage};
+use super::asked::{BorderRequest, Stage};
 use super::border::{Border, BorderKind, BorderPoint, Borders, MergedStripes, StripeEdge, UnexplainedChange};
 use super::change::trace;
 use super::courses::{Courses, is_uncoupled, striped};
@@ -13,7 +13,7 @@ use super::grid::{Edge, Grid};
 use super::known::Known;
 use super::lanes::{Lane, Liner};
 use super::meet::{along_one, detuning, meet};
-use super::part::{Eye, Part};
+use super::part::{ClassProbe, Part};
 use crate::cell::Class;
 use crate::regions::Window;
 use crate::scene::Scene;
@@ -42,7 +42,7 @@ const BEYOND: f64 = 0.02;
 /// The search among the breathers of one part.
 pub(super) struct Search<'a> {
     pub(super) scene: &'a Scene,
-    pub(super) asked: Asked<'a>,
+    pub(super) asked: BorderRequest<'a>,
     pub(super) window: Window,
     pub(super) plane: vibrochain_floquet::Window,
     pub(super) part: &'a Part,
@@ -68,8 +68,8 @@ impl Search<'_> {
         (self.asked.told)(&self.part.name, stage, done, all);
     }
 
-    fn eye(&self) -> Eye<'_> {
-        Eye::new(self.scene, self.window, self.asked.stop)
+    fn probe(&self) -> ClassProbe<'_> {
+        ClassProbe::new(self.scene, self.window, self.asked.stop)
     }
 
     fn parts_of(&self, border: &Border) -> Vec<[f64; 2]> {
@@ -95,10 +95,10 @@ impl Search<'_> {
         let classes: Vec<Option<Class>> = places
             .par_iter()
             .map_init(
-                || self.eye(),
-                |eye, &place| {
+                || self.probe(),
+                |probe, &place| {
                     let skipped = is_uncoupled(self.scene, place) || stop.is_raised();
-                    if skipped { None } else { eye.class(part, place) }
+                    if skipped { None } else { probe.class(part, place) }
                 },
             )
             .collect();
@@ -112,7 +112,7 @@ impl Search<'_> {
         if self.stopped() {
             return;
         }
-        let Asked { tolerance, stop, .. } = self.asked;
+        let BorderRequest { tolerance, stop, .. } = self.asked;
         let courses = Courses { scene: self.scene, window: self.window, part: self.part, family, tolerance, stop };
         let (lanes, unresolved) = courses.lanes(&|done, all| self.told(Stage::Rows, done, all));
         let value = |y: f64| self.window.point([0.0, y])[1];
@@ -166,8 +166,8 @@ impl Search<'_> {
             let outcomes: Vec<Outcome> = chosen
                 .par_iter()
                 .map_init(
-                    || self.eye(),
-                    |eye, &edge| self.explain(eye, usize::from(!edge.across), self.grid.ends(edge)),
+                    || self.probe(),
+                    |probe, &edge| self.explain(probe, usize::from(!edge.across), self.grid.ends(edge)),
                 )
                 .collect();
             for (edge, outcome) in chosen.into_iter().zip(outcomes) {
@@ -218,10 +218,10 @@ impl Search<'_> {
             let outcomes: Vec<Option<(Outcome, [[f64; 2]; 2])>> = some
                 .par_iter()
                 .map_init(
-                    || self.eye(),
-                    |eye, &ends| {
-                        let (axis, ends) = along_one(eye, self.part, ends)?;
-                        Some((self.explain(eye, axis, ends), ends))
+                    || self.probe(),
+                    |probe, &ends| {
+                        let (axis, ends) = along_one(probe, self.part, ends)?;
+                        Some((self.explain(probe, axis, ends), ends))
                     },
                 )
                 .collect();
@@ -233,13 +233,13 @@ impl Search<'_> {
     }
 
     /// The borders between two places along one parameter.
-    fn explain(&self, eye: &mut Eye<'_>, axis: usize, ends: [[f64; 2]; 2]) -> Outcome {
+    fn explain(&self, probe: &mut ClassProbe<'_>, axis: usize, ends: [[f64; 2]; 2]) -> Outcome {
         if self.asked.stop.is_raised() {
             return Outcome::default();
         }
         let reach = 2.0 * self.asked.tolerance;
         let is_known = |place| self.known.holds(place, reach);
-        let Some(met) = meet(eye, self.part, (axis, ends), is_known) else { return Outcome::default() };
+        let Some(met) = meet(probe, self.part, (axis, ends), is_known) else { return Outcome::default() };
         let mut outcome = Outcome { explained: met.known, ..Outcome::default() };
         if met.known {
             return outcome;
@@ -247,7 +247,7 @@ impl Search<'_> {
         let spectral = |located: &Located| matches!(located.event, Event::NeimarkSacker | Event::PeriodDoubling);
         // A stripe that no row has shown: by its modes it is known to its end, however thin.
         if met.resonance.is_none() && met.events.iter().all(spectral) {
-            outcome.borders = self.stripe_at(eye, met.ends[0]);
+            outcome.borders = self.stripe_at(probe, met.ends[0]);
             outcome.explained = !outcome.borders.is_empty();
             if outcome.explained {
                 return outcome;
@@ -278,9 +278,9 @@ impl Search<'_> {
         };
         let traced = match met.resonance {
             Some(resonance) => {
-                trace(&mut |place| detuning(eye, resonance, place).map(|x| x > 0.0), met.ends, tolerance, &stopped)
+                trace(&mut |place| detuning(probe, resonance, place).map(|x| x > 0.0), met.ends, tolerance, &stopped)
             }
-            None => trace(&mut |place| eye.class(self.part, place), met.ends, tolerance, &until),
+            None => trace(&mut |place| probe.class(self.part, place), met.ends, tolerance, &until),
         };
         if let Some(traced) = traced {
             let point = |&(place, error): &([f64; 2], f64)| BorderPoint {
@@ -302,10 +302,10 @@ impl Search<'_> {
     }
 
     /// Both edges of the stripe that has one of them at a place.
-    fn stripe_at(&self, eye: &mut Eye<'_>, [x, y]: [f64; 2]) -> Vec<Border> {
+    fn stripe_at(&self, probe: &mut ClassProbe<'_>, [x, y]: [f64; 2]) -> Vec<Border> {
         let Some(family) = striped(self.scene, self.part) else { return Vec::new() };
         let (part, tolerance) = (self.part, self.asked.tolerance);
-        let mut liner = Liner { eye, part, finder: &mut StripeFinder::until(self.asked.stop), family, tolerance };
+        let mut liner = Liner { probe, part, finder: &mut StripeFinder::until(self.asked.stop), family, tolerance };
         let row = liner.row(y, ((x - BESIDE).max(0.0), (x + BESIDE).min(1.0)), BESIDE_POINTS);
         let value = |x: f64| self.window.point([x, y])[0];
         let [low, high] = [x - 2.0 * tolerance, x + 2.0 * tolerance].map(value);

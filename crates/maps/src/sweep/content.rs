@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::engine::{Block, Ended, Job, blocks};
 use super::leaves::leaves;
-use super::refiner::Ground;
+use super::refiner::RefineContext;
 use crate::cell::Cell;
 use crate::error::MapError;
 use crate::grid::Grid;
@@ -129,12 +129,12 @@ impl Swept for Scene {
         tick: &(dyn Fn(u64) + Sync),
         sink: Sink<'_, Cell>,
     ) -> Ended<MapError> {
-        let Some(ground) = Ground::new(job) else { return whole_cells(job, parts, wanted, tick, sink) };
+        let Some(context) = RefineContext::new(job) else { return whole_cells(job, parts, wanted, tick, sink) };
         let digest = |range: Range<u64>, leaves: Vec<(u64, Cell)>| {
             tick(range.end - range.start);
             Rows::of_leaves(job.scene, range, leaves, wanted)
         };
-        leaves(job, &ground, parts, digest, sink)
+        leaves(job, &context, parts, digest, sink)
     }
 }
 

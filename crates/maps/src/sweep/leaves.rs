@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::engine::{Block, Ended, Job, Pace, in_order};
-use super::refiner::{Ground, Refiner};
+use super::refiner::{RefineContext, Refiner};
 use crate::cell::Cell;
 use crate::grid::Grid;
 use crate::summary::Summary;
@@ -21,13 +21,13 @@ const AHEAD: u64 = 4;
 /// `sink` in order, on this one. Leaves come by the numbers of their cells.
 pub(super) fn leaves<T: Send, E>(
     job: &Job<'_>,
-    ground: &Ground<'_>,
+    context: &RefineContext<'_>,
     parts: &[Range<u64>],
     digest: impl Fn(Range<u64>, Vec<(u64, Cell)>) -> T + Sync,
     sink: impl FnMut(Block<T>) -> Result<(), E>,
 ) -> Ended<E> {
     let block = (MOST_LEAVES / job.scene.cells_within()).clamp(1, BLOCK);
-    let begin = || Refiner::new(ground, job.stop);
+    let begin = || Refiner::new(context, job.stop);
     let make = |refiner: &mut Refiner<'_, '_>, range: Range<u64>| {
         let found = refiner.leaves(range.clone())?;
         let mut summary = Summary::default();
@@ -46,12 +46,12 @@ pub fn refined<E>(
     tick: impl Fn(u64) + Sync,
     mut sink: impl FnMut(&[(u64, Cell)]) -> Result<(), E>,
 ) -> Ended<E> {
-    let Some(ground) = Ground::new(job) else { return Ended::Complete(Summary::default()) };
+    let Some(context) = RefineContext::new(job) else { return Ended::Complete(Summary::default()) };
     let digest = |range: Range<u64>, leaves: Vec<(u64, Cell)>| {
         tick(range.end - range.start);
         leaves
     };
-    leaves(job, &ground, parts, digest, |block| sink(&block.made))
+    leaves(job, &context, parts, digest, |block| sink(&block.made))
 }
 
 #[cfg(test)]

@@ -29,7 +29,7 @@ use crate::grid::Grid;
 use crate::scene::Scene;
 
 /// What all threads share: the cells of the grid that is refined, each computed once, and where more is to be seen than they show.
-pub(super) struct Ground<'a> {
+pub(super) struct RefineContext<'a> {
     scene: &'a Scene,
     /// The scene of the finest grid.
     finest: Scene,
@@ -43,7 +43,7 @@ pub(super) struct Ground<'a> {
     ordered: bool,
 }
 
-impl<'a> Ground<'a> {
+impl<'a> RefineContext<'a> {
     /// Of a scene that is refined; nothing of one that is not.
     pub(super) fn new(job: &Job<'a>) -> Option<Self> {
         let scene = job.scene;
@@ -112,9 +112,9 @@ fn merge(found: &mut Leaves, first: usize, square: Extent) {
     found.truncate(first + 1);
 }
 
-/// Who finds leaves, one a thread.
+/// Finds leaves, one a thread.
 pub(super) struct Refiner<'a, 'b> {
-    ground: &'a Ground<'b>,
+    context: &'a RefineContext<'b>,
     stop: &'a Stop,
     worker: Worker,
     /// The point of the cell computed last.
@@ -125,10 +125,10 @@ pub(super) struct Refiner<'a, 'b> {
 }
 
 impl<'a, 'b> Refiner<'a, 'b> {
-    pub(super) fn new(ground: &'a Ground<'b>, stop: &'a Stop) -> Self {
-        let worker = Worker::new(ground.scene.base.sites()).until(stop);
-        let tiles = Tiles::new(ground.size.map(|points| (points / ground.whole) as usize), ground.whole.ilog2());
-        Self { ground, stop, worker, point: ground.scene.base, tiles, last: HashMap::new() }
+    pub(super) fn new(context: &'a RefineContext<'b>, stop: &'a Stop) -> Self {
+        let worker = Worker::new(context.scene.base.sites()).until(stop);
+        let tiles = Tiles::new(context.size.map(|points| (points / context.whole) as usize), context.whole.ilog2());
+        Self { context, stop, worker, point: context.scene.base, tiles, last: HashMap::new() }
     }
 
     /// The leaves of some cells of the grid, one after the other: of each those of its first quarter first. `None` if it was stopped.
@@ -137,7 +137,7 @@ impl<'a, 'b> Refiner<'a, 'b> {
         self.last.clear();
         let mut found = Vec::new();
         for number in range {
-            self.of_square(self.ground.scene.extent(number)?, number, &mut found)?;
+            self.of_square(self.context.scene.extent(number)?, number, &mut found)?;
         }
         Some(found)
     }
@@ -163,7 +163,7 @@ impl<'a, 'b> Refiner<'a, 'b> {
     fn of_last_square(&mut self, square: Extent, number: u64, found: &mut Leaves) -> Option<()> {
         let sample = *self.sample(square.sample())?;
         let (cell, here) = (sample.cell, Seen::of(&sample));
-        let divided = self.ground.stripes.divides(square, cell.class);
+        let divided = self.context.stripes.divides(square, cell.class);
         let [right, above, across] = if divided { [true; 3] } else { self.unexplained(square, here)? };
         if !(right || above || across) {
             found.push((number, Cell { extent: Some(square), ..cell }));
@@ -195,10 +195,10 @@ impl<'a, 'b> Refiner<'a, 'b> {
 
     /// Computes the cell at a place of the finest grid.
     fn compute(&mut self, at: [u32; 2], ordered: bool) -> Option<Sample> {
-        self.ground.finest.set(&mut self.point, at);
+        self.context.finest.set(&mut self.point, at);
         // The scene's corners were checked, so that every point between is a valid model.
         let model = self.point.model().ok()?;
-        let task = &self.ground.scene.task;
+        let task = &self.context.scene.task;
         let (cell, order) =
             if ordered { self.worker.with_order(&model, task) } else { (self.worker.cell(&model, task), None) };
         // One that was stopped is none.
@@ -207,10 +207,10 @@ impl<'a, 'b> Refiner<'a, 'b> {
 
     /// What was computed for the squares that begin at a place.
     fn sample(&mut self, at: [u32; 2]) -> Option<&Sample> {
-        let ordered = self.ground.ordered;
+        let ordered = self.context.ordered;
         // The one of a whole cell is computed once, for all threads.
         if self.tiles.is_first(at) {
-            let place = self.ground.cells.get(self.tiles.number(at))?;
+            let place = self.context.cells.get(self.tiles.number(at))?;
             if place.get().is_none() {
                 let sample = self.compute(at, ordered)?;
                 return Some(place.get_or_init(|| sample));
@@ -226,8 +226,8 @@ impl<'a, 'b> Refiner<'a, 'b> {
 
     /// What is seen in the leaf that a square is a part of, or in the square itself if it is one or is halved.
     fn seen_about(&mut self, square: Extent) -> Option<Seen> {
-        let mask = self.ground.whole - 1;
-        let mut at = Extent { column: square.column & !mask, row: square.row & !mask, size: self.ground.whole };
+        let mask = self.context.whole - 1;
+        let mut at = Extent { column: square.column & !mask, row: square.row & !mask, size: self.context.whole };
         while at.size > square.size && self.is_halved(at)? {
             let size = at.size / 2;
             at = Extent { column: square.column & !(size - 1), row: square.row & !(size - 1), size };
@@ -242,7 +242,7 @@ impl<'a, 'b> Refiner<'a, 'b> {
         }
         let sample = self.sample(square.sample())?;
         let (class, here) = (sample.cell.class, Seen::of(sample));
-        let halved = self.ground.stripes.divides(square, class) || self.differs(square, here)?;
+        let halved = self.context.stripes.divides(square, class) || self.differs(square, here)?;
         self.tiles.set_halved(square.sample(), square.size, halved);
         Some(halved)
     }
@@ -264,7 +264,7 @@ impl<'a, 'b> Refiner<'a, 'b> {
     fn unexplained(&mut self, square: Extent, here: Seen) -> Option<[bool; 3]> {
         let round @ [right, above, across] = self.seen_round(square)?;
         // Where words are looked for, what takes longest has been done: nothing is left to guess.
-        if self.ground.ordered
+        if self.context.ordered
             && (are_parted([here, right, above, across]) || round.iter().any(|there| there.lives != here.lives))
         {
             return Some([true; 3]);
@@ -286,17 +286,17 @@ impl<'a, 'b> Refiner<'a, 'b> {
             _ => return false,
         };
         // Beyond the last column or row there are no cells.
-        let [columns, rows] = self.ground.size;
+        let [columns, rows] = self.context.size;
         if beside.column >= columns || beside.row >= rows {
             return false;
         }
-        let holds = |square: Extent| self.ground.stripes.holds(square, family);
+        let holds = |square: Extent| self.context.stripes.holds(square, family);
         here.2 == there.2 && holds(square) == Some(inside) && holds(Extent { size: 1, ..beside }) == Some(!inside)
     }
 
     /// What is seen in the first cell of a square, or, beyond the last column or row, in that.
     fn seen_beside(&mut self, square: Extent) -> Option<Seen> {
-        let [columns, rows] = self.ground.size;
+        let [columns, rows] = self.context.size;
         if square.column < columns && square.row < rows {
             return self.seen_about(square);
         }
@@ -304,7 +304,7 @@ impl<'a, 'b> Refiner<'a, 'b> {
         if let Some(known) = self.last.get(&at) {
             return Some(*known);
         }
-        let found = Seen::of(&self.compute(at, self.ground.ordered)?);
+        let found = Seen::of(&self.compute(at, self.context.ordered)?);
         self.last.insert(at, found);
         Some(found)
     }

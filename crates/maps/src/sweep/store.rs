@@ -341,8 +341,8 @@ mod tests {
 
     #[test]
     fn chunks_of_another_version_are_refused_by_name() {
-        let desk = tempfile::tempdir().unwrap();
-        let (scene, folder) = (desk.path().join("scene.toml"), desk.path().join("parts"));
+        let dir = tempfile::tempdir().unwrap();
+        let (scene, folder) = (dir.path().join("scene.toml"), dir.path().join("parts"));
         fs::write(&scene, TEXT).unwrap();
         let here = Plan::<Scene>::read(&scene, None).unwrap();
         let there = Plan::<Scene>::by_version(&scene, TEXT, "0.0.9");
@@ -364,8 +364,8 @@ mod tests {
 
     #[test]
     fn a_folder_with_other_things_in_it_is_left() {
-        let desk = tempfile::tempdir().unwrap();
-        let (scene, folder) = (desk.path().join("scene.toml"), desk.path().join("parts"));
+        let dir = tempfile::tempdir().unwrap();
+        let (scene, folder) = (dir.path().join("scene.toml"), dir.path().join("parts"));
         fs::write(&scene, TEXT).unwrap();
         let plan = Plan::<Scene>::read(&scene, None).unwrap();
         fs::create_dir(&folder).unwrap();
@@ -394,8 +394,8 @@ mod tests {
 
     #[test]
     fn a_plan_that_is_not_ours_is_left_and_what_a_crash_leaves_of_ours_is_not() {
-        let desk = tempfile::tempdir().unwrap();
-        let (scene, folder) = (desk.path().join("scene.toml"), desk.path().join("parts"));
+        let dir = tempfile::tempdir().unwrap();
+        let (scene, folder) = (dir.path().join("scene.toml"), dir.path().join("parts"));
         fs::write(&scene, TEXT).unwrap();
         let plan = Plan::<Scene>::read(&scene, None).unwrap();
         fs::create_dir(&folder).unwrap();
@@ -419,8 +419,8 @@ mod tests {
 
     #[test]
     fn a_lock_that_was_removed_is_none() {
-        let desk = tempfile::tempdir().unwrap();
-        let (scene, folder) = (desk.path().join("scene.toml"), desk.path().join("parts"));
+        let dir = tempfile::tempdir().unwrap();
+        let (scene, folder) = (dir.path().join("scene.toml"), dir.path().join("parts"));
         fs::write(&scene, TEXT).unwrap();
         let plan = Plan::<Scene>::read(&scene, None).unwrap();
         let first = Store::open(&folder, &plan, Claim::Fresh).unwrap();

@@ -176,15 +176,15 @@ mod tests {
 
     #[test]
     fn a_flag_that_is_raised_while_chunks_are_checked_is_heard() {
-        let desk = tempfile::tempdir().unwrap();
-        let scene = desk.path().join("scene.toml");
+        let dir = tempfile::tempdir().unwrap();
+        let scene = dir.path().join("scene.toml");
         let text = "[model]\nsites = 1\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\n\
             x = { parameter = \"omega\", from = 0.5, to = 3.0, points = 100 }\n\
             y = { parameter = \"gamma2\", values = [0.1] }\n[compute]\nfamilies = [\"double-sided\"]\n";
         std::fs::write(&scene, text).unwrap();
         let plan: Plan = Plan::read(&scene, None).unwrap();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-        let store = Store::open(&desk.path().join("parts"), &plan, Claim::Fresh).unwrap();
+        let store = Store::open(&dir.path().join("parts"), &plan, Claim::Fresh).unwrap();
         let todo = |stop| {
             Todo::of(
                 &Cells,
@@ -204,8 +204,8 @@ mod tests {
 
     #[test]
     fn a_table_grows_along_only_with_every_chunk() {
-        let desk = tempfile::tempdir().unwrap();
-        let (scene, out) = (desk.path().join("scene.toml"), desk.path().join("map.csv"));
+        let dir = tempfile::tempdir().unwrap();
+        let (scene, out) = (dir.path().join("scene.toml"), dir.path().join("map.csv"));
         let text = "[model]\nsites = 1\ngamma1 = 0.2\nasymmetry = 0.4\n[sweep]\n\
             x = { parameter = \"omega\", from = 0.5, to = 3.0, points = 36000 }\n\
             y = { parameter = \"gamma2\", values = [0.1, 0.2] }\n[compute]\nfamilies = [\"double-sided\"]\n";
@@ -217,7 +217,7 @@ mod tests {
         assert!(chunks.len() > 2);
         // The first one has come from elsewhere since.
         for (some, grows) in [(&chunks[1..], false), (&chunks[..], true)] {
-            let store = Store::open(&desk.path().join("parts"), &plan, Claim::Fresh).unwrap();
+            let store = Store::open(&dir.path().join("parts"), &plan, Claim::Fresh).unwrap();
             let mut nobody = Nobody;
             let along = Assembly::begin(&Cells, &plan, &out, 1, &mut nobody).unwrap();
             let worked = work(&Cells, &job, &plan, &store, some, |_| {}, Some(along));

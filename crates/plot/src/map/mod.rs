@@ -4,7 +4,7 @@ pub(crate) mod classes;
 pub(crate) mod ends;
 pub(crate) mod key;
 pub(crate) mod lines;
-pub(crate) mod map_raster;
+pub(crate) mod map_cells;
 pub(crate) mod mapped;
 pub(crate) mod one_axis;
 pub mod palette;
@@ -23,7 +23,7 @@ use crate::backend::page::Page;
 use crate::backend::strokes::Borders;
 pub use crate::map::lines::MapLine;
 use crate::map::lines::{draw_lines, key};
-use crate::map::map_raster::{Shown, places, sharing};
+use crate::map::map_cells::{MapCells, places, sharing};
 use crate::map::mapped::{Mapped, plane};
 use crate::map::palette::Palette;
 use crate::map::raster::Raster;
@@ -35,7 +35,7 @@ pub struct MapPicture<'a> {
     /// The scene.
     pub scene: &'a dyn Mapped,
     /// What it shows of its cells.
-    pub cells: &'a Shown,
+    pub cells: &'a MapCells,
     /// The colours.
     pub palette: Palette,
     /// Borders over the cells.

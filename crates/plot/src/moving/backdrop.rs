@@ -20,18 +20,18 @@ pub(crate) const JOINED: usize = 64;
 /// Of impacts: red enough to be seen beside the masses.
 pub(crate) const HIT: Rgb = [214, 60, 40];
 
-/// What stands still, and where masses move.
-pub(crate) struct Stage<'a> {
+/// What stands still in an animation, and where its masses move.
+pub(crate) struct Backdrop<'a> {
     pub(crate) picture: &'a Animation,
     pub(crate) page: Page,
-    pub(crate) ground: Drawing,
+    pub(crate) background: Drawing,
     frames: Vec<Frame>,
     pub(crate) radius: f64,
     /// Where the time that has passed is shown: from, to, and how high.
     pub(crate) clock: [f64; 3],
 }
 
-impl<'a> Stage<'a> {
+impl<'a> Backdrop<'a> {
     pub(crate) fn new(picture: &'a Animation, layers: usize, page: Page) -> Self {
         let (em, wide) = (page.font, page.width.unwrap_or(page.px(WIDTH)));
         let title = Title::new(&picture.title, CAPTION, wide, em);
@@ -42,9 +42,9 @@ impl<'a> Stage<'a> {
         let band = wide * BAND / WIDTH;
         let left = page.snap(left_of(&y, "displacement u", band, &page) + 0.3 * em);
         let top = title.foot();
-        let mut ground =
+        let mut background =
             Drawing::new([wide, top + (layers as f64) * (band + below(true, &page)) + 0.6 * em], &picture.title);
-        title.draw(&mut ground);
+        title.draw(&mut background);
         let mut frames = Vec::new();
         for layer in 0..layers {
             let above = top + layer as f64 * (band + below(true, &page)) + 0.7 * em;
@@ -52,15 +52,15 @@ impl<'a> Stage<'a> {
             let frame = Frame { corners, x: x.clone(), y: y.clone(), ticks: 0.0 };
             for barrier in [lower, upper] {
                 let y = frame.place((0.0, barrier))[1];
-                ground.line(vec![[corners[0][0], y], [corners[1][0], y]], Line::new(DIM, page.px(2.0)).crisp());
+                background.line(vec![[corners[0][0], y], [corners[1][0], y]], Line::new(DIM, page.px(2.0)).crisp());
             }
             let name = if layers == 1 { "site".to_owned() } else { format!("site, layer {layer}") };
-            frame.axes(&mut ground, [&name, "displacement u"], &page);
+            frame.axes(&mut background, [&name, "displacement u"], &page);
             frames.push(frame);
         }
         let spacing = frames.first().map_or(wide, |frame| frame.size()[0]) / picture.length as f64;
         let clock = [left, wide - 1.4 * em, top + 0.25 * em];
-        Self { picture, page, ground, frames, radius: (0.4 * spacing).clamp(page.px(1.0), page.px(7.0)), clock }
+        Self { picture, page, background, frames, radius: (0.4 * spacing).clamp(page.px(1.0), page.px(7.0)), clock }
     }
 
     /// Where a mass stands.

@@ -8,7 +8,7 @@ pub(crate) mod svg;
 
 use crate::backend::format::PlotError;
 use crate::backend::page::Page;
-use crate::moving::backdrop::Stage;
+use crate::moving::backdrop::Backdrop;
 use crate::moving::motion::{Animation, MOST_LAYERS, MOST_MASSES, Moving};
 
 /// The bytes of the file.
@@ -24,17 +24,17 @@ pub fn animation(picture: &Animation, moving: Moving, page: impl Into<Page>) -> 
             format!("{masses} masses in {layers} layers cannot be told apart: at most {MOST_MASSES} in {MOST_LAYERS}");
         return Err(PlotError(message));
     }
-    let stage = Stage::new(picture, layers, page);
-    page.holds(stage.ground.size)?;
+    let backdrop = Backdrop::new(picture, layers, page);
+    page.holds(backdrop.background.size)?;
     match moving {
         #[cfg(not(feature = "files"))]
         Moving::Gif | Moving::Png => Err(PlotError::not_built()),
         _ if page.measures => Ok(Vec::new()),
-        Moving::Svg => Ok(stage.svg()),
+        Moving::Svg => Ok(backdrop.svg()),
         #[cfg(feature = "files")]
-        Moving::Gif => stage.gif(),
+        Moving::Gif => backdrop.gif(),
         #[cfg(feature = "files")]
-        Moving::Png => stage.png(),
+        Moving::Png => backdrop.png(),
     }
 }
 
@@ -88,22 +88,22 @@ mod tests {
         let page = Page::from(Format::Png);
         let all = frames(&animation(&picture, Moving::Gif, page).unwrap());
         assert_eq!(all.len(), 16);
-        let stage = Stage::new(&picture, 1, page);
-        let width = stage.ground.size[0].round() as usize;
+        let backdrop = Backdrop::new(&picture, 1, page);
+        let width = backdrop.background.size[0].round() as usize;
         let colour = |at: usize, [x, y]: Place| {
             let first = 4 * (y.round() as usize * width + x.round() as usize);
             [all[at][first], all[at][first + 1], all[at][first + 2]]
         };
         for (at, instant) in picture.instants.iter().enumerate() {
             for (mass, u) in instant.displacement.iter().enumerate() {
-                let found = colour(at, stage.place(mass, *u).unwrap());
+                let found = colour(at, backdrop.place(mass, *u).unwrap());
                 assert!(found.iter().zip(LINES[0]).all(|(a, b)| a.abs_diff(b) < 8), "{at} {mass} {found:?}");
             }
         }
-        let glowing: Vec<usize> = (0..16).filter(|at| stage.glow(*at, (0, true)) > 0.0).collect();
+        let glowing: Vec<usize> = (0..16).filter(|at| backdrop.glow(*at, (0, true)) > 0.0).collect();
         assert_eq!(glowing, [0, 1, 2, 3]);
-        let [x, y] = stage.barrier((0, true)).unwrap();
-        let ring = [x, y - stage.radius - 4.0];
+        let [x, y] = backdrop.barrier((0, true)).unwrap();
+        let ring = [x, y - backdrop.radius - 4.0];
         assert!(colour(0, ring)[0] > 180 && colour(0, ring)[2] < 90 && colour(8, ring) == [255; 3]);
     }
 

@@ -9,13 +9,13 @@ use crate::backend::drawing::{Drawing, Line, Rgb};
 use crate::backend::format::PlotError;
 use crate::backend::pixels::{over, raster};
 use crate::map::palette::LINES;
-use crate::moving::backdrop::{HIT, JOINED, Stage};
+use crate::moving::backdrop::{Backdrop, HIT, JOINED};
 use crate::moving::motion::RATE;
 
-impl Stage<'_> {
+impl Backdrop<'_> {
     /// What moves, at an instant.
     fn drawing(&self, at: usize, impacts: &[(usize, bool)]) -> Drawing {
-        let mut drawing = Drawing::new(self.ground.size, "");
+        let mut drawing = Drawing::new(self.background.size, "");
         let u = &self.picture.instants[at].displacement;
         let place = |mass: usize| self.place(mass, u.get(mass).copied().unwrap_or(0.0));
         if self.picture.length <= JOINED {
@@ -44,9 +44,9 @@ impl Stage<'_> {
 
     /// All pictures, as pixels.
     fn pixmaps(&self) -> Result<impl Iterator<Item = Pixmap> + '_, PlotError> {
-        let (ground, impacts) = (raster(&self.ground, self.page.scale())?, self.impacts());
+        let (background, impacts) = (raster(&self.background, self.page.scale())?, self.impacts());
         let scale = self.page.scale();
-        Ok((0..self.picture.instants.len()).map(move |at| over(&ground, &self.drawing(at, &impacts), scale)))
+        Ok((0..self.picture.instants.len()).map(move |at| over(&background, &self.drawing(at, &impacts), scale)))
     }
 
     /// The bytes of an APNG.
@@ -54,7 +54,7 @@ impl Stage<'_> {
         let failed = |error: png::EncodingError| PlotError(error.to_string());
         let (mut file, mut before): (Vec<u8>, Option<Pixmap>) = (Vec::new(), None);
         let pixmaps = self.pixmaps()?;
-        let [width, height] = self.page.pixels(self.ground.size);
+        let [width, height] = self.page.pixels(self.background.size);
         let mut encoder = png::Encoder::new(&mut file, width, height);
         encoder.set_color(png::ColorType::Rgba);
         encoder.set_depth(png::BitDepth::Eight);
@@ -85,7 +85,7 @@ impl Stage<'_> {
     /// The bytes of a GIF.
     pub(crate) fn gif(&self) -> Result<Vec<u8>, PlotError> {
         let failed = |error: gif::EncodingError| PlotError(error.to_string());
-        let [width, height] = self.page.pixels(self.ground.size);
+        let [width, height] = self.page.pixels(self.background.size);
         let (Ok(columns), Ok(rows)) = (u16::try_from(width), u16::try_from(height)) else {
             return Err(PlotError(format!("a GIF has at most 65535 pixels along a side, not {width} x {height}")));
         };

@@ -4,10 +4,10 @@ use std::fmt::Write;
 
 use crate::backend::svg::{hex, number, with_elements};
 use crate::map::palette::LINES;
-use crate::moving::backdrop::{HIT, JOINED, Stage};
+use crate::moving::backdrop::{Backdrop, HIT, JOINED};
 use crate::moving::motion::RATE;
 
-impl Stage<'_> {
+impl Backdrop<'_> {
     /// The bytes of the file.
     pub(crate) fn svg(&self) -> Vec<u8> {
         let instants = &self.picture.instants;
@@ -63,6 +63,6 @@ impl Stage<'_> {
             text,
             "<line x1=\"{from}\" y1=\"{y}\" x2=\"{from}\" y2=\"{y}\" stroke=\"{colour}\" stroke-width=\"2\">{moving}</line>"
         );
-        with_elements(&self.ground, &text)
+        with_elements(&self.background, &text)
     }
 }

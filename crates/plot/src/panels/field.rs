@@ -15,7 +15,7 @@ const LEAST: u64 = 8;
 
 /// What the rows of a field hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shown {
+pub enum FieldValue {
     /// Displacements at the time of the column.
     Displacement,
     /// Half the way between the outermost displacements within the column's time.
@@ -26,7 +26,7 @@ pub enum Shown {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
     /// What is shown.
-    pub shown: Shown,
+    pub shown: FieldValue,
     /// Masses, of all layers.
     pub sites: usize,
     /// The site of the lowest row: on a ring the last one left of site 0, otherwise 0.
@@ -59,8 +59,11 @@ impl FieldWriter {
         // Who asks for few samples wants to see those.
         let resolved = sparse * LEAST as f64 <= samples as f64 || samples < LEAST;
         let per_column = (periods / COLUMNS).ceil().max(1.0);
-        let (shown, stride) =
-            if resolved { (Shown::Displacement, sparse) } else { (Shown::Amplitude, per_column * samples as f64) };
+        let (shown, stride) = if resolved {
+            (FieldValue::Displacement, sparse)
+        } else {
+            (FieldValue::Amplitude, per_column * samples as f64)
+        };
         let sites = chain.sites();
         // The masses of a ring stand on both sides of site 0.
         let lowest = if chain.is_ring() { -(sites.saturating_sub(1) as i64 / 2) } else { 0 };
@@ -77,7 +80,7 @@ impl FieldWriter {
 
     /// Whether the next sample is looked at.
     pub fn wants(&self) -> bool {
-        self.field.shown == Shown::Amplitude || self.is_column()
+        self.field.shown == FieldValue::Amplitude || self.is_column()
     }
 
     fn is_column(&self) -> bool {
@@ -89,12 +92,12 @@ impl FieldWriter {
         self.field.covered = periods;
         let column = self.is_column();
         match self.field.shown {
-            Shown::Displacement if column => {
+            FieldValue::Displacement if column => {
                 let rows = rows(displacement.iter().copied(), self.field.lowest);
                 self.field.columns.push(rows);
             }
-            Shown::Displacement => {}
-            Shown::Amplitude => {
+            FieldValue::Displacement => {}
+            FieldValue::Amplitude => {
                 self.widen(displacement);
                 // A sample on the border belongs to the columns on both sides.
                 if column && self.seen > 0 {
@@ -122,7 +125,7 @@ impl FieldWriter {
 
     /// The field. What is left of a run after its last column has no whole period; it counts only if there is no other.
     pub fn finish(mut self) -> Field {
-        if self.field.shown == Shown::Amplitude && self.field.columns.is_empty() && self.seen > 0 {
+        if self.field.shown == FieldValue::Amplitude && self.field.columns.is_empty() && self.seen > 0 {
             self.close();
         }
         self.field
@@ -176,13 +179,13 @@ mod tests {
                 assert!((reach - periods).abs() <= field.spacing + 1e-9, "{periods} {reach}");
                 for (k, column) in field.columns.iter().enumerate() {
                     match field.shown {
-                        Shown::Displacement => {
+                        FieldValue::Displacement => {
                             let t = k as f64 * field.spacing;
                             assert!((column[0] - 0.3 - 0.6 * (turn * t).sin()).abs() < 1e-9 && column[1] == 0.3);
                             // Eight columns a period at least: rate 3 is still drawn, not folded.
                             assert!(field.spacing <= 0.125);
                         }
-                        Shown::Amplitude => {
+                        FieldValue::Amplitude => {
                             // Half a turn in a period swings by 0.6·(1 − 0) at least.
                             let least = if rate < 1.0 { 0.29 } else { 0.6 * (1.0 - 0.02) };
                             assert!(column[0] > least && column[0] <= 0.6 + 1e-12, "{periods} {rate} {column:?}");
@@ -220,7 +223,7 @@ mod tests {
         let cut = writer.finish();
         assert_eq!((cut.columns, cut.covered), (vec![vec![4.5]], 9.0 / 64.0));
         let strobe = field(1, 500.0, 1, |_, t| 0.001 * t);
-        assert_eq!((strobe.shown, strobe.columns.len()), (Shown::Displacement, 501));
+        assert_eq!((strobe.shown, strobe.columns.len()), (FieldValue::Displacement, 501));
         assert_eq!(strobe.columns[250], [0.25]);
     }
 }

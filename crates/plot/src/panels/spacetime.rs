@@ -7,7 +7,7 @@ use crate::backend::drawing::{BLACK, Drawing, Line, Place, Rgb, WHITE};
 use crate::backend::format::PlotError;
 use crate::backend::page::Page;
 use crate::map::key::colour_bar;
-use crate::panels::field::{Field, Shown};
+use crate::panels::field::{Field, FieldValue};
 use crate::text::headings::{HEADING, Title};
 
 /// Width and height on a screen.
@@ -118,7 +118,7 @@ impl Panel<'_> {
     fn raster(&self, [w, h]: [u32; 2]) -> Vec<u8> {
         let Field { shown, columns: values, spacing, covered, .. } = self.field;
         // Rest is white, and what is as far from it as the farther barrier has full colour.
-        let full = if *shown == Shown::Displacement { self.farther() } else { 1.0 };
+        let full = if *shown == FieldValue::Displacement { self.farther() } else { 1.0 };
         let mut pixels = Vec::with_capacity(3 * (w * h) as usize);
         for py in 0..h {
             for px in 0..w {
@@ -148,8 +148,8 @@ impl Panel<'_> {
         let right = x + 1.2 * em;
         // From barrier to barrier, with rest between.
         let (ends, middle, full) = match self.field.shown {
-            Shown::Displacement => ([lower, upper], 0.0, self.farther()),
-            Shown::Amplitude => ([0.0, 1.0], 0.5, 1.0),
+            FieldValue::Displacement => ([lower, upper], 0.0, self.farther()),
+            FieldValue::Amplitude => ([0.0, 1.0], 0.5, 1.0),
         };
         let length = ends[1] - ends[0];
         let colour = |part: f64| diverging((ends[0] + part * length) / full);
@@ -170,9 +170,11 @@ impl Panel<'_> {
     fn names(&self) -> Vec<String> {
         let Field { shown, sites, columns, spacing, .. } = self.field;
         let mut lines = match shown {
-            Shown::Displacement => vec!["displacement u".to_owned()],
-            Shown::Amplitude if *spacing == 1.0 => vec!["(max u − min u)/2".to_owned(), "in each period".to_owned()],
-            Shown::Amplitude => vec!["(max u − min u)/2".to_owned(), format!("in {spacing} periods")],
+            FieldValue::Displacement => vec!["displacement u".to_owned()],
+            FieldValue::Amplitude if *spacing == 1.0 => {
+                vec!["(max u − min u)/2".to_owned(), "in each period".to_owned()]
+            }
+            FieldValue::Amplitude => vec!["(max u − min u)/2".to_owned(), format!("in {spacing} periods")],
         };
         let rows = columns.first().map_or(0, Vec::len);
         if rows < *sites {
@@ -192,7 +194,7 @@ mod tests {
     #[test]
     fn rest_is_white_and_the_farther_barrier_has_full_colour() {
         let columns = vec![vec![0.0, 1.4, 0.4, -0.4]];
-        let shown = Shown::Displacement;
+        let shown = FieldValue::Displacement;
         let field = Field { shown, sites: 4, lowest: 0, length: 4, columns, spacing: 1.0, covered: 1.0 };
         let panel = Panel { field: &field, barriers: (-0.6, 1.4), periods: 1.0, x: "", impacts: &[] };
         let pixels = panel.raster([1, 4]);

@@ -4,7 +4,7 @@ use vibrochain_cli::common::error::CliError;
 use vibrochain_maps::cell::Cell;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::Scene;
-use vibrochain_plot::{Curves, Format, MapPicture, Palette, PlotError, Shown, curves_picture, map_picture};
+use vibrochain_plot::{Curves, Format, MapCells, MapPicture, Palette, PlotError, curves_picture, map_picture};
 
 /// A figure that has been computed.
 pub(super) struct Drawn {
@@ -20,12 +20,12 @@ pub(super) struct Drawn {
 /// The two kinds of pictures.
 pub(super) enum Picture {
     Curves(Box<Curves>),
-    Map { scene: Box<Scene>, cells: Shown },
+    Map { scene: Box<Scene>, cells: MapCells },
 }
 
 impl Picture {
     pub(super) fn map(scene: &Scene, cells: &[Cell]) -> Self {
-        let mut shown = Shown::classes(scene);
+        let mut shown = MapCells::classes(scene);
         (0..).zip(cells).for_each(|(number, cell)| shown.cell(number, cell));
         Self::Map { scene: Box::new(scene.clone()), cells: shown }
     }

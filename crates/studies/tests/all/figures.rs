@@ -40,29 +40,29 @@ fn reference(name: &str) -> Value {
 
 #[test]
 fn every_line_figure_writes_its_three_files_and_nothing_else() {
-    let desk = TempDir::new().unwrap();
+    let dir = TempDir::new().unwrap();
     let lines = "1,2,3,4,5,6,7,8";
-    figures(desk.path(), &["--only", lines]).success().stdout("").stderr(contains("figures 1, 2, 3, 4, 5, 6, 7, 8 "));
+    figures(dir.path(), &["--only", lines]).success().stdout("").stderr(contains("figures 1, 2, 3, 4, 5, 6, 7, 8 "));
     let expected: Vec<_> =
         (1..=8).flat_map(|id| ["csv", "png", "svg"].map(|ending| format!("figure-{id}.{ending}"))).collect();
-    assert_eq!(names(desk.path()), expected);
+    assert_eq!(names(dir.path()), expected);
     for id in 1..=8 {
-        assert!(fs::read(desk.path().join(format!("figure-{id}.png"))).unwrap().starts_with(b"\x89PNG"));
-        let svg = fs::read_to_string(desk.path().join(format!("figure-{id}.svg"))).unwrap();
+        assert!(fs::read(dir.path().join(format!("figure-{id}.png"))).unwrap().starts_with(b"\x89PNG"));
+        let svg = fs::read_to_string(dir.path().join(format!("figure-{id}.svg"))).unwrap();
         assert!(svg.contains("<svg") && (svg.contains("displacement uₙ") || svg.contains("impacting mass u₀")));
         // What its curves have in common is in the title.
         let fixed = if id <= 4 { ["γ₁ = 0.2", "γ₂ = 0.1", "ω = "] } else { ["γ₁ = 0.2", "A = 0", "e = 0.9"] };
         assert!(fixed.iter().all(|part| svg.contains(part)), "figure {id}");
     }
     // Figure 4: the reference's single-sided orbit is on its barrier at the impact, and its impulse is its velocity's jump.
-    let profile = table(&desk.path().join("figure-4.csv"));
+    let profile = table(&dir.path().join("figure-4.csv"));
     assert_eq!(profile.len(), 2 * 21);
     let home: Vec<_> = profile.iter().filter(|row| row["offset"] == "0").collect();
     assert!((number(home[0], "displacement") - (0.4 - 1.0)).abs() < 1e-14 && number(home[1], "displacement") < 1.4);
     // Figure 2: the masses mirror each other about the breather.
-    for row in table(&desk.path().join("figure-2.csv")) {
+    for row in table(&dir.path().join("figure-2.csv")) {
         let twin = -number(&row, "offset");
-        let other = table(&desk.path().join("figure-2.csv"))
+        let other = table(&dir.path().join("figure-2.csv"))
             .into_iter()
             .find(|r| r["curve"] == row["curve"] && r["instant"] == row["instant"] && number(r, "offset") == twin);
         assert!((number(&other.unwrap(), "displacement") - number(&row, "displacement")).abs() < 1e-15);
@@ -71,9 +71,9 @@ fn every_line_figure_writes_its_three_files_and_nothing_else() {
 
 #[test]
 fn the_farthest_mass_of_a_long_ring_is_no_rounding() {
-    let desk = TempDir::new().unwrap();
-    let document = desk.path().join("figures.md");
-    figures(&desk.path().join("out"), &["--only", "1", "--document", document.to_str().unwrap()]).success();
+    let dir = TempDir::new().unwrap();
+    let document = dir.path().join("figures.md");
+    figures(&dir.path().join("out"), &["--only", "1", "--document", document.to_str().unwrap()]).success();
     let document = fs::read_to_string(document).unwrap();
     let mut seen = 0;
     for (curve, sites) in [("N = 10", 11), ("N = 100", 101)] {
@@ -104,15 +104,15 @@ fn the_farthest_mass_of_a_long_ring_is_no_rounding() {
 
 #[test]
 fn traces_meet_the_barriers_at_the_times_of_the_reference() {
-    let desk = TempDir::new().unwrap();
-    figures(desk.path(), &["--only", "7,3"]).success();
+    let dir = TempDir::new().unwrap();
+    figures(dir.path(), &["--only", "7,3"]).success();
     for (curve, name) in [
         ("a = 0.2", "forced double-sided, A=0.9 a=0.2 branch +"),
         ("a = 0.5", "forced double-sided, A=0.9 a=0.5 branch +"),
     ] {
         let case = reference(name);
         let (phi, a) = (case["phi"].as_f64().unwrap(), case["parameters"]["asymmetry"].as_f64().unwrap());
-        let trace = table(&desk.path().join("figure-7.csv"));
+        let trace = table(&dir.path().join("figure-7.csv"));
         let near = |row: &&BTreeMap<String, String>| row["curve"] == curve && (number(row, "time") - phi).abs() < 1e-9;
         let hit = trace.iter().find(near).unwrap();
         assert!((number(hit, "displacement") - (a - 1.0)).abs() < 1e-13);
@@ -126,9 +126,9 @@ fn traces_meet_the_barriers_at_the_times_of_the_reference() {
 
 #[test]
 fn figure_nine_has_all_four_solutions_and_the_pitchfork() {
-    let desk = TempDir::new().unwrap();
-    let document = desk.path().join("figures.md");
-    let out = desk.path().join("pictures");
+    let dir = TempDir::new().unwrap();
+    let document = dir.path().join("figures.md");
+    let out = dir.path().join("pictures");
     figures(&out, &["--only", "9", "--document", document.to_str().unwrap()]).success();
     let files = ["figure-9-asymmetry.csv", "figure-9-branches.csv", "figure-9.csv", "figure-9.png", "figure-9.svg"];
     assert_eq!(names(&out), files);
@@ -172,14 +172,14 @@ fn figure_nine_has_all_four_solutions_and_the_pitchfork() {
 
 #[test]
 fn simulations_part_from_unstable_orbits_and_return_to_a_stable_one() {
-    let desk = TempDir::new().unwrap();
-    figures(desk.path(), &["--only", "11,12,13"]).success();
+    let dir = TempDir::new().unwrap();
+    figures(dir.path(), &["--only", "11,12,13"]).success();
     for (id, name) in [
         (11, "single-sided across Neimark-Sacker, unstable gamma2=.12"),
         (12, "forced double-sided, A=0.9 a=0.4 branch +"),
         (13, "period-doubled"),
     ] {
-        let rows = table(&desk.path().join(format!("figure-{id}.csv")));
+        let rows = table(&dir.path().join(format!("figure-{id}.csv")));
         let distances: Vec<(f64, f64)> = rows
             .iter()
             .map(|row| (number(row, "time"), number(row, "distance")))
@@ -206,8 +206,8 @@ fn simulations_part_from_unstable_orbits_and_return_to_a_stable_one() {
 /// A map of the folder's scene with fewer cells, so that a test can afford it.
 #[test]
 fn scenes_of_a_folder_take_the_place_of_those_built_in() {
-    let desk = TempDir::new().unwrap();
-    let scenes = desk.path().join("scenes");
+    let dir = TempDir::new().unwrap();
+    let scenes = dir.path().join("scenes");
     fs::create_dir(&scenes).unwrap();
     let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/figures"));
     for id in ["10", "15a"] {
@@ -215,13 +215,13 @@ fn scenes_of_a_folder_take_the_place_of_those_built_in() {
         let text = text.replace("points = 400", "points = 20").replace("points = 300", "points = 15");
         fs::write(scenes.join(format!("figure-{id}.toml")), text).unwrap();
     }
-    let (out, document) = (desk.path().join("out"), desk.path().join("out/figures.md"));
+    let (out, document) = (dir.path().join("out"), dir.path().join("out/figures.md"));
     let flags = ["--scenes", scenes.to_str().unwrap(), "--document", document.to_str().unwrap()];
     figures(&out, &flags).success().stderr(contains("figures 10, 15a written"));
     let map = table(&out.join("figure-15a.csv"));
     assert_eq!(map.len(), 300);
     // The same cells as by `mapgen sweep`.
-    let swept = desk.path().join("map.csv");
+    let swept = dir.path().join("map.csv");
     let scene = scenes.join("figure-15a.toml");
     swept_by(&format!("--quiet {} --out {}", scene.display(), swept.display()));
     assert_eq!(fs::read(swept).unwrap(), fs::read(out.join("figure-15a.csv")).unwrap());
@@ -232,8 +232,8 @@ fn scenes_of_a_folder_take_the_place_of_those_built_in() {
     };
     assert!(heading(&out.join("figure-10.svg")).unwrap().contains("below 0.01 a period"));
     assert_eq!(heading(&out.join("figure-15a.svg")), None);
-    let picture = desk.path().join("map.svg");
-    let again = desk.path().join("again.csv");
+    let picture = dir.path().join("map.svg");
+    let again = dir.path().join("again.csv");
     let files = format!("{} --svg {} --out {}", scene.display(), picture.display(), again.display());
     swept_by(&format!("--quiet --threshold 0.5 {files}"));
     assert!(heading(&picture).unwrap().contains("below 0.5 a period"));
@@ -245,18 +245,18 @@ fn scenes_of_a_folder_take_the_place_of_those_built_in() {
 
 #[test]
 fn wrong_requests_are_answered_with_exit_code_two() {
-    let desk = TempDir::new().unwrap();
-    let path = |name: &str| desk.path().join(name).to_str().unwrap().to_owned();
+    let dir = TempDir::new().unwrap();
+    let path = |name: &str| dir.path().join(name).to_str().unwrap().to_owned();
     for only in ["14", "3,99", "x", ",", "-3"] {
-        figures(&desk.path().join("out"), &["--only", only]).code(2).stderr(contains("no such figure"));
+        figures(&dir.path().join("out"), &["--only", only]).code(2).stderr(contains("no such figure"));
     }
-    figures(&desk.path().join("out"), &["--scenes", &path("nowhere")]).code(2).stderr(contains("cannot read scenes"));
-    figures(&desk.path().join("out"), &["--scenes", &path("")]).code(2).stderr(contains("has no file figure-NUMBER"));
-    fs::write(desk.path().join("figure-1.toml"), "[figure]\nkind = \"pie\"\n").unwrap();
-    figures(&desk.path().join("out"), &["--scenes", &path("")]).code(2).stderr(contains("figure-1.toml:"));
-    fs::write(desk.path().join("file"), "").unwrap();
-    figures(&desk.path().join("file"), &["--only", "3"]).code(2).stderr(contains("name a folder"));
-    assert!(!desk.path().join("out").exists());
+    figures(&dir.path().join("out"), &["--scenes", &path("nowhere")]).code(2).stderr(contains("cannot read scenes"));
+    figures(&dir.path().join("out"), &["--scenes", &path("")]).code(2).stderr(contains("has no file figure-NUMBER"));
+    fs::write(dir.path().join("figure-1.toml"), "[figure]\nkind = \"pie\"\n").unwrap();
+    figures(&dir.path().join("out"), &["--scenes", &path("")]).code(2).stderr(contains("figure-1.toml:"));
+    fs::write(dir.path().join("file"), "").unwrap();
+    figures(&dir.path().join("file"), &["--only", "3"]).code(2).stderr(contains("name a folder"));
+    assert!(!dir.path().join("out").exists());
 }
 
 /// `mapgen sweep`, in this process.
@@ -279,17 +279,17 @@ fn stopped(line: &str) -> (u8, String) {
 
 #[test]
 fn ctrl_c_leaves_no_file_behind() {
-    let desk = TempDir::new().unwrap();
+    let dir = TempDir::new().unwrap();
     for only in ["3", "10", "9,12"] {
-        let (code, message) = stopped(&format!("studies figures --out {} --only {only}", desk.path().display()));
+        let (code, message) = stopped(&format!("studies figures --out {} --only {only}", dir.path().display()));
         assert_eq!((code, message.as_str()), (130, "interrupted: nothing was written"));
-        assert!(names(desk.path()).is_empty());
+        assert!(names(dir.path()).is_empty());
     }
 }
 
 #[test]
 fn damaged_scenes_are_refused_or_drawn_and_nothing_else() {
-    let desk = TempDir::new().unwrap();
+    let dir = TempDir::new().unwrap();
     let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/figures"));
     let mut random = fastrand::Rng::with_seed(5);
     let (mut refused, mut sound) = (0, 0);
@@ -307,9 +307,9 @@ fn damaged_scenes_are_refused_or_drawn_and_nothing_else() {
                 (_, None) => damaged[i].chars().rev().collect(),
             };
             damaged[i] = &line;
-            fs::write(desk.path().join(&name), damaged.join("\n")).unwrap();
+            fs::write(dir.path().join(&name), damaged.join("\n")).unwrap();
             // Told to stop at once: a scene that passes for sound is not drawn.
-            let (scenes, out) = (desk.path().display(), desk.path().join("out"));
+            let (scenes, out) = (dir.path().display(), dir.path().join("out"));
             let (code, message) = stopped(&format!("studies figures --scenes {scenes} --out {}", out.display()));
             match code {
                 2 => {
@@ -320,15 +320,15 @@ fn damaged_scenes_are_refused_or_drawn_and_nothing_else() {
                 _ => panic!("{code}: {message}\n{}", damaged.join("\n")),
             }
         }
-        fs::remove_file(desk.path().join(&name)).unwrap();
+        fs::remove_file(dir.path().join(&name)).unwrap();
     }
     assert!(refused > 300 && sound > 100, "{refused} {sound}");
 }
 
 #[test]
 fn corrections_have_their_digits() {
-    let desk = TempDir::new().unwrap();
-    let file = desk.path().join("errata.md");
+    let dir = TempDir::new().unwrap();
+    let file = dir.path().join("errata.md");
     studies(&["errata", "--out"]).arg(&file).assert().success().stdout("");
     let text = fs::read_to_string(&file).unwrap();
     for digits in [

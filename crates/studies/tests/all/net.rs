@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use vibrochain_testkit::{Desk, Net};
+use vibrochain_testkit::{Net, TestDir};
 
 /// The figures of forced maps take as long as all others ten times.
 fn is_long(name: &str) -> bool {
@@ -13,10 +13,10 @@ fn is_long(name: &str) -> bool {
 fn are_those_of_before(figures: &str, wanted: impl Fn(&str) -> bool) {
     let net = Net::open(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/net.json"));
     let mut net = net.only(&wanted);
-    let desk = Desk::of("studies");
-    desk.run(&format!("figures --out figures --only {figures}")).with(0, &[]);
-    for name in desk.names("figures").iter().filter(|name| name.ends_with(".csv")) {
-        net.take(&format!("figure {name}"), &fs::read_to_string(desk.path(&format!("figures/{name}"))).unwrap());
+    let dir = TestDir::of("studies");
+    dir.run(&format!("figures --out figures --only {figures}")).with(0, &[]);
+    for name in dir.names("figures").iter().filter(|name| name.ends_with(".csv")) {
+        net.take(&format!("figure {name}"), &fs::read_to_string(dir.path(&format!("figures/{name}"))).unwrap());
     }
     net.finish();
 }

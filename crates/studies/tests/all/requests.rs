@@ -2,11 +2,11 @@
 
 use std::fs;
 
-use vibrochain_testkit::{Desk, Ran, studies};
+use vibrochain_testkit::{Ran, TestDir, studies};
 
 #[test]
 fn names_and_endings_are_looked_at_first() {
-    let desk = Desk::of("studies");
+    let dir = TestDir::of("studies");
     for (line, told) in [
         ("figures --only 3 --out figures.svg", "--out figures.svg ends as a file does"),
         ("figures --only 3 --out figures --document new/../figures", "--out and --document"),
@@ -14,32 +14,32 @@ fn names_and_endings_are_looked_at_first() {
         ("validate --out table.csv", "a document in Markdown is written here"),
         ("errata --out table.json", "a document in Markdown is written here"),
     ] {
-        desk.run(line).with(2, &[told]);
-        assert!(desk.names(".").is_empty(), "{line}");
+        dir.run(line).with(2, &[told]);
+        assert!(dir.names(".").is_empty(), "{line}");
     }
     for line in ["figures --out figures --only 9", "accuracy --out accuracy --quick --suite extremes"] {
-        let ran: Ran = desk.command(line).env("RAYON_NUM_THREADS", "100000").output().unwrap().into();
+        let ran: Ran = dir.command(line).env("RAYON_NUM_THREADS", "100000").output().unwrap().into();
         ran.with(2, &["RAYON_NUM_THREADS 100000 is out of range: give a whole number from 1 to 1024"]);
     }
 }
 
 #[test]
 fn documents_go_to_standard_output_too() {
-    let desk = Desk::of("studies");
-    desk.run("validate --out table.md").with(0, &[]);
-    let shown = desk.run("validate --out -").with(0, &[]);
-    assert!(shown.out.as_bytes() == desk.read("table.md") && shown.out.len() > 100);
+    let dir = TestDir::of("studies");
+    dir.run("validate --out table.md").with(0, &[]);
+    let shown = dir.run("validate --out -").with(0, &[]);
+    assert!(shown.out.as_bytes() == dir.read("table.md") && shown.out.len() > 100);
 }
 
 #[test]
 fn a_figure_on_a_resonance_is_exit_code_three() {
-    let desk = Desk::of("studies");
-    fs::create_dir(desk.path("scenes")).unwrap();
+    let dir = TestDir::of("studies");
+    fs::create_dir(dir.path("scenes")).unwrap();
     // 2ω on the uniform mode.
     let figure = "[figure]\nkind = \"trace\"\ntitle = \"t\"\nfamily = \"single-sided\"\n[model]\nsites = 5\n\
                   gamma1 = 0.25\ngamma2 = 0.1\nomega = 0.25\nasymmetry = 0.4\n";
-    fs::write(desk.path("scenes/figure-1.toml"), figure).unwrap();
-    desk.run("figures --scenes scenes --out out").with(3, &["harmonic 2 of omega = 0.25 meets mode 0"]);
+    fs::write(dir.path("scenes/figure-1.toml"), figure).unwrap();
+    dir.run("figures --scenes scenes --out out").with(3, &["harmonic 2 of omega = 0.25 meets mode 0"]);
 }
 
 #[test]

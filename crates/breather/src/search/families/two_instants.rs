@@ -20,7 +20,7 @@
 //! is positive definite for 0 < δ < T/2, each mode's sin Ω_kδ/sin Ω_kT/2 being positive, and it takes no impulses to 0.
 //!
 //! [`all`] finds every zero. A map of rings asks only for those that can be physical, and has few of them: [`candidates`] searches the
-//! places that `rises` leaves.
+//! places that `kernel_grid` leaves.
 
 use vibrochain_lattice::{ImpulseResponse, Model};
 use wide::f64x4;
@@ -31,7 +31,7 @@ use crate::roots::dual::Dual;
 use crate::roots::interval::{Clearance, Enclosed, Zeros};
 use crate::search::families::conservative::{impulses, two_impact_draft};
 use crate::search::families::pattern::Pattern;
-use crate::search::screens::kernel_grid::{MOST, Rises, top};
+use crate::search::screens::kernel_grid::{KernelGrid, MOST, top};
 
 /// Orbits closer than this part of half a period to the symmetric one, which they branch from, are not told from it; nor are two instants
 /// from one.
@@ -87,18 +87,18 @@ pub(crate) fn all(model: &Model, response: &ImpulseResponse, zeros: &mut Zeros, 
     drafts(model, response, zeros, found);
 }
 
-/// Those that can be physical, in the places that `rises` has found.
+/// Those that can be physical, in the places that `kernel_grid` has found.
 pub(crate) fn candidates(
     model: &Model,
     response: &ImpulseResponse,
-    rises: &Rises,
+    grid: &KernelGrid,
     zeros: &mut Zeros,
     found: impl FnMut(Draft),
 ) {
-    if rises.places().is_empty() {
+    if grid.places().is_empty() {
         return;
     }
-    search(response, &[], zeros, rises.places(), 1);
+    search(response, &[], zeros, grid.places(), 1);
     drafts(model, response, zeros, found);
 }
 

@@ -9,13 +9,13 @@
 //! χ₃² + q² ≤ ω²Ã² D²/(1 − |Ã|)²              (the squares of the last two, added)
 //! ```
 //!
-//! D and χ₃ = −2s are those of the grid in `rises`, as cubics with bounds. That leaves little more than the places where the mass that
+//! D and χ₃ = −2s are those of the grid in `kernel_grid`, as cubics with bounds. That leaves little more than the places where the mass that
 //! is hit could bounce without force, in which alone the zeros of E are searched for.
 
 use vibrochain_lattice::ImpulseResponse;
 
 use crate::orbit::WRONG_SIGN;
-use crate::search::screens::kernel_grid::{Piece, Rises, Samples};
+use crate::search::screens::kernel_grid::{KernelGrid, Piece, Samples};
 
 /// Places are not narrowed below this part of an interval of the grid: the search halves on.
 const FINEST: f64 = 1.0 / 8.0;
@@ -68,7 +68,7 @@ impl Bounds {
 /// response `force` can be, and the number of intervals of the grid they come from. `None` where that cannot be told, or is not worth it:
 /// the force alone may carry the masses to their barriers.
 pub(crate) fn places<'a>(
-    rises: &'a mut Rises,
+    grid: &'a mut KernelGrid,
     response: &ImpulseResponse,
     (force, loss): (f64, f64),
 ) -> Option<(&'a [(f64, f64)], usize)> {
@@ -76,8 +76,8 @@ pub(crate) fn places<'a>(
     if force >= 1.0 {
         return None;
     }
-    let mut places = rises.take_places();
-    let samples: Samples<'_> = rises.samples(response)?;
+    let mut places = grid.take_places();
+    let samples: Samples<'_> = grid.samples(response)?;
     let omega = response.omega();
     let drive = omega * force / (1.0 - force);
     let bounds = Bounds { error: samples.error, rise_error: samples.rise_error, omega, loss, drive };
@@ -86,5 +86,5 @@ pub(crate) fn places<'a>(
         let piece = samples.piece(i);
         bounds.narrow(&piece, FINEST * (piece.to - piece.from), &mut places);
     }
-    Some((rises.put_places(places), intervals))
+    Some((grid.put_places(places), intervals))
 }

@@ -1,6 +1,6 @@
 //! Where a conservative double-sided breather with φ ≠ T/2 could be physical.
 //!
-//! [`Rises`] samples s = −K₀′ (`asymmetric`) and the rise K₀ − K₀(0) on a grid of δ = φ − T/2, closes in on the places where s can
+//! [`KernelGrid`] samples s = −K₀′ (`asymmetric`) and the rise K₀ − K₀(0) on a grid of δ = φ − T/2, closes in on the places where s can
 //! vanish, and keeps those that nothing else excludes:
 //!
 //! - the rise at φ, D, must be positive and not too small for the bound on [`Radiation`];
@@ -231,14 +231,14 @@ struct Swing {
 
 /// The grid of [`Samples`], and the places where a physical orbit can be.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Rises {
+pub(crate) struct KernelGrid {
     swings: Vec<Swing>,
     nodes: Vec<Node>,
     /// Intervals of δ.
     places: Vec<(f64, f64)>,
 }
 
-impl Rises {
+impl KernelGrid {
     /// Forgets the places.
     pub(crate) fn clear(&mut self) {
         self.places.clear();
@@ -369,7 +369,7 @@ mod tests {
     #[test]
     fn cubics_and_crossings_are_as_good_as_they_say() {
         let mut random = fastrand::Rng::with_seed(17);
-        let (mut rises, mut grids, mut tight) = (Rises::default(), 0, 0);
+        let (mut grid, mut grids, mut tight) = (KernelGrid::default(), 0, 0);
         for _ in 0..1500 {
             let gamma1 = 0.6 * (random.f64() - 0.1).max(0.0);
             let chain = Chain::new(random.usize(1..40), gamma1, 0.3 * random.f64()).unwrap();
@@ -377,7 +377,7 @@ mod tests {
             let model = Model::conservative(chain, omega, 0.5).unwrap();
             let Ok(response) = ImpulseResponse::new(&Spectrum::new(chain), omega) else { continue };
             let Some(radiation) = Radiation::of(&response) else { continue };
-            let Some(bounds) = rises.bounds(&model, &response, &radiation) else { continue };
+            let Some(bounds) = grid.bounds(&model, &response, &radiation) else { continue };
             grids += 1;
             for _ in 0..20 {
                 let offset = response.period() * random.f64();

@@ -15,7 +15,7 @@ use vibrochain_maps::scene::{Scene, Slice, Values};
 use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::sweep::Watcher;
 use vibrochain_plot::{
-    MapBorder, MapPicture, Mapped, OneAxisPicture, Page, Palette, PlotError, Quantity, Shown, is_shown, map_picture,
+    MapBorder, MapCells, MapPicture, Mapped, OneAxisPicture, Page, Palette, PlotError, Quantity, is_shown, map_picture,
     one_axis_picture,
 };
 
@@ -78,7 +78,7 @@ impl DrawnScene {
 /// What is kept of the cells.
 enum Seen {
     /// Over two axes, what the map shows.
-    Map(Shown),
+    Map(MapCells),
     /// Over one axis, the cells themselves.
     Cells(Vec<Cell>),
 }
@@ -211,13 +211,13 @@ fn kept(show: QuantityName, scene: &dyn Mapped) -> Result<Seen, CliError> {
     };
     match (quantity, scene.axes().as_slice()) {
         (None, [_]) => Ok(Seen::Cells(Vec::new())),
-        (None, _) => Ok(Seen::Map(Shown::classes(scene))),
+        (None, _) => Ok(Seen::Map(MapCells::classes(scene))),
         (Some(_), [axis]) => Err(refused(format!(
             "--show is of maps over two axes, here is one, {}: leave it out, each number has a panel of its own",
             axis.name
         ))),
         (Some(quantity), _) => match scene.has(quantity) {
-            Ok(()) => Ok(Seen::Map(Shown::numbers(scene, quantity))),
+            Ok(()) => Ok(Seen::Map(MapCells::numbers(scene, quantity))),
             Err(key) => {
                 let name = quantity.name();
                 Err(refused(format!("--show {name}: the scene does not compute it; add {key} to its table [compute]")))

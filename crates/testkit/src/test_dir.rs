@@ -38,7 +38,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A folder of one test's own.
 #[derive(Debug)]
-pub struct Desk {
+pub struct TestDir {
     folder: TempDir,
     program: &'static str,
 }
@@ -78,13 +78,13 @@ impl Ran {
     }
 }
 
-impl Default for Desk {
+impl Default for TestDir {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl Desk {
+impl TestDir {
     /// An empty folder, for `mapgen`.
     #[must_use]
     pub fn new() -> Self {
@@ -106,9 +106,9 @@ impl Desk {
     /// A folder with `scene.toml`.
     #[must_use]
     pub fn with_scene(text: &str) -> Self {
-        let desk = Self::new();
-        desk.scene(text);
-        desk
+        let dir = Self::new();
+        dir.scene(text);
+        dir
     }
 
     /// Writes `scene.toml`.
@@ -225,11 +225,11 @@ pub fn undisturbed(scene: &str) -> &'static [u8] {
     static TABLES: Mutex<BTreeMap<String, &'static [u8]>> = Mutex::new(BTreeMap::new());
     let mut tables = TABLES.lock().unwrap_or_else(PoisonError::into_inner);
     tables.entry(scene.to_owned()).or_insert_with(|| {
-        let desk = Desk::with_scene(scene);
-        desk.run("sweep scene.toml --out map.csv --threads 1 --quiet").with(0, &[]);
-        assert_eq!(desk.names("."), ["map.csv", "map.manifest.json", "scene.toml"]);
-        drop(desk.json("map.manifest.json"));
-        Box::leak(desk.read("map.csv").into_boxed_slice())
+        let dir = TestDir::with_scene(scene);
+        dir.run("sweep scene.toml --out map.csv --threads 1 --quiet").with(0, &[]);
+        assert_eq!(dir.names("."), ["map.csv", "map.manifest.json", "scene.toml"]);
+        drop(dir.json("map.manifest.json"));
+        Box::leak(dir.read("map.csv").into_boxed_slice())
     })
 }
 

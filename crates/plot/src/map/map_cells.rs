@@ -32,9 +32,9 @@ pub fn is_shown(values: &Values, cell: u64) -> bool {
     cell.is_multiple_of(sharing(values) as u64)
 }
 
-/// What is kept of the cells of a map.
+/// The cells of a map as a grid of places, several cells to a place where there are thousands.
 #[derive(Debug, Clone)]
-pub struct Shown {
+pub struct MapCells {
     /// Columns and rows of cells, how many of each share a place, and places.
     points: [usize; 2],
     sharing: [usize; 2],
@@ -93,7 +93,7 @@ fn number(known: &mut Vec<Tile>, tile: Tile) -> u8 {
     u8::try_from(at).unwrap_or(UNSEEN)
 }
 
-impl Shown {
+impl MapCells {
     /// Of the classes of a scene's cells; of no cell of one that has not two axes.
     pub fn classes(scene: &dyn Mapped) -> Self {
         Self::of(scene, |is_shared| {
@@ -259,7 +259,7 @@ mod tests {
     const STABLE: Tile = Tile { class: Some(Class::StableDouble), mechanism: None };
     const UNSTABLE: Tile = Tile { class: Some(Class::UnstableDouble), mechanism: Some(Mechanism::PeriodDoubling) };
 
-    fn raster(scene: &Scene, shown: &Shown, page: Page) -> Raster {
+    fn raster(scene: &Scene, shown: &MapCells, page: Page) -> Raster {
         let axes = plane(scene).unwrap();
         let spans = axes.each_ref().map(|axis| span(&axis.values));
         let placed = Sheet::new(scene, axes, spans).placed(shown.places(), page);
@@ -277,7 +277,7 @@ mod tests {
         let mut looked = 0;
         for page in [Page::from(Format::Png), Purpose::Column.page(Format::Pdf), Purpose::Slide.page(Format::Svg)] {
             for stripe in [0, 1, 2, 3, 4, 5, 4000, 6401, 8765, 12_799, 12_800] {
-                let mut shown = Shown::classes(&scene);
+                let mut shown = MapCells::classes(&scene);
                 let tile = |cell: usize| if cell % columns == stripe { STABLE } else { EMPTY };
                 (0..2 * columns).for_each(|cell| shown.tile(cell as u64, tile(cell)));
                 let raster = raster(&scene, &shown, page);
@@ -300,7 +300,7 @@ mod tests {
         let cell = |value: f64| Cell { spectral_radius: Some(1.0 + value), margin: Some(value), ..Cell::EMPTY };
         for (quantity, expected) in [(Quantity::SpectralRadius, 0.5), (Quantity::Margin, 0.125)] {
             for at in [0, 1, 2, 9001, 17_999_u64] {
-                let mut shown = Shown::numbers(&scene, quantity);
+                let mut shown = MapCells::numbers(&scene, quantity);
                 for row in 0..18_000 {
                     let value = if row == at { expected } else { 0.25 };
                     // What has none hides none.
@@ -338,7 +338,7 @@ mod tests {
                     squares.push((Extent { column: first + column as u32, row: row as u32, size: size as u32 }, tile));
                 }
             }
-            let (mut whole, mut single) = (Shown::classes(&scene), Shown::classes(&scene));
+            let (mut whole, mut single) = (MapCells::classes(&scene), MapCells::classes(&scene));
             for (extent, tile) in &squares {
                 whole.put(*extent, || *tile, |_| Shade::Unknown);
                 for (row, column) in (0..extent.size).flat_map(|row| (0..extent.size).map(move |i| (row, i))) {
@@ -349,7 +349,7 @@ mod tests {
             let [wide, high] = whole.places;
             assert_eq!(whole.sharing, [if columns == 640 { 1 } else { 3 }, 1]);
             for place in 0..wide * high {
-                let of = |shown: &Shown| {
+                let of = |shown: &MapCells| {
                     let mut all: Vec<(Rgb, f32)> = Vec::new();
                     shown.colours(place, [0; 2], Palette::Colour, None, |colour, share| all.push((colour, share)));
                     all.sort_by_key(|(colour, _)| *colour);
