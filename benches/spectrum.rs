@@ -7,7 +7,7 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use faer::MatRef;
-use nalgebra::{DMatrix, Schur};
+use nalgebra::Schur;
 use vibrochain::breather::BlochEquations;
 use vibrochain::breather::{Family, Finder, Found, breathers};
 use vibrochain::floquet::{Analyser, ImpactSpectrum, Secular, SecularMultipliers, Tolerance, even_monodromy};
@@ -157,15 +157,14 @@ fn eigenvalues(criterion: &mut Criterion) {
         let model = Model::forced(Chain::new(sites, 0.2, 0.1).unwrap(), 1.5, 0.4, 0.1, 0.9).unwrap();
         let orbit = &breathers(&model, Family::DoubleSided).unwrap().orbits[0];
         let matrix = even_monodromy(orbit).unwrap();
-        let n = matrix.size();
+        let n = matrix.nrows();
         group.bench_function(BenchmarkId::new("nalgebra", n), |bencher| {
             bencher.iter(|| {
-                let dense = DMatrix::from_column_slice(n, n, black_box(matrix.entries()));
-                Schur::try_new(dense, f64::EPSILON, 60 * n).unwrap().complex_eigenvalues()
+                Schur::try_new(black_box(matrix.clone()), f64::EPSILON, 60 * n).unwrap().complex_eigenvalues()
             });
         });
         group.bench_function(BenchmarkId::new("faer", n), |bencher| {
-            bencher.iter(|| MatRef::from_row_major_slice(black_box(matrix.entries()), n, n).eigenvalues().unwrap());
+            bencher.iter(|| MatRef::from_column_major_slice(black_box(matrix.as_slice()), n, n).eigenvalues().unwrap());
         });
     }
     group.finish();

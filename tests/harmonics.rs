@@ -6,7 +6,7 @@ use vibrochain::breather::{Family, Motion, Orbit, admissibility, breathers};
 use vibrochain::eventsim::{EventKind, Limits, Outcome, Simulation, Time};
 use vibrochain::floquet::{full_monodromy, leading_modes};
 use vibrochain::lattice::{Chain, Force, Harmonic, Model};
-use vibrochain_testkit::{ReturnMap, dense};
+use vibrochain_testkit::ReturnMap;
 
 fn force(terms: &[(u32, f64, f64)]) -> Force {
     let harmonic = |&(number, amplitude, phase): &(u32, f64, f64)| Harmonic { number, amplitude, phase };
@@ -123,7 +123,7 @@ fn multipliers_are_those_of_the_simulated_return_map() {
             };
             jacobian.set_column(j, &((4.0 * slope(0.5 * h) - slope(h)) / 3.0));
         }
-        let matrix = dense(&full_monodromy(orbit).unwrap());
+        let matrix = full_monodromy(orbit).unwrap();
         let found = jacobian.complex_eigenvalues();
         for mu in matrix.complex_eigenvalues().iter() {
             let nearest = found.iter().map(|other| (mu - other).norm()).fold(f64::INFINITY, f64::min);
@@ -148,7 +148,7 @@ fn monodromy_matrices_are_those_of_a_return_map_that_shares_nothing() {
             let closure = (map.apply(&point) - &point).amax();
             assert!(closure < 1e-11, "model {i}: closes to {closure:e}");
             let lead = map.ring.flow(-map.start);
-            let matrix = dense(&full_monodromy(orbit).unwrap());
+            let matrix = full_monodromy(orbit).unwrap();
             let difference = (&matrix * &lead - &lead * map.jacobian()).amax();
             assert!(difference < 1e-7 * matrix.amax().max(1.0), "model {i}: {difference:e}");
         }

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use vibrochain::breather::{Family, Hit, Orbit, breathers};
 use vibrochain::floquet::{Complex, Tolerance, even_monodromy, full_monodromy, stability};
 use vibrochain::lattice::{Barrier, Chain, ImpulseResponse, Model, Spectrum};
-use vibrochain_testkit::{ReturnMap, dense};
+use vibrochain_testkit::ReturnMap;
 
 const SIZES: [usize; 6] = [1, 2, 3, 5, 20, 21];
 
@@ -24,14 +24,14 @@ fn check_within(orbit: &Orbit, name: &str, tolerance: f64) {
     assert!(closure < 1e-11, "{name}: closes to {closure:e}");
     // The matrix starts just before the first impact, the map earlier by `lead`: M·L(lead) = L(lead)·M_map.
     let lead = map.ring.flow(-map.start);
-    let matrix = dense(&full_monodromy(orbit).unwrap());
+    let matrix = full_monodromy(orbit).unwrap();
     let difference = (&matrix * &lead - &lead * map.jacobian()).amax();
     assert!(difference < tolerance * matrix.amax().max(1.0), "{name}: {difference:e}");
 }
 
 /// Power sums Σμ and Σμ² of all multipliers against the traces of M and M².
 fn check_traces(orbit: &Orbit, name: &str) {
-    let matrix = dense(&full_monodromy(orbit).unwrap());
+    let matrix = full_monodromy(orbit).unwrap();
     let multipliers = stability(orbit, Tolerance::Rounding).unwrap().multipliers;
     assert_eq!(multipliers.len(), matrix.nrows(), "{name}");
     let scale = matrix.norm().powi(2);
@@ -140,7 +140,7 @@ fn the_even_subspace_and_the_odd_modes_make_up_the_full_spectrum() {
         let model = Model::forced(chain, 1.5, 0.4, 0.1, 0.9).unwrap();
         for orbit in &breathers(&model, Family::DoubleSided).unwrap().orbits {
             let found = stability(orbit, Tolerance::Rounding).unwrap().multipliers;
-            let full: Vec<_> = dense(&full_monodromy(orbit).unwrap()).complex_eigenvalues().iter().copied().collect();
+            let full: Vec<_> = full_monodromy(orbit).unwrap().complex_eigenvalues().iter().copied().collect();
             assert!(farthest(&found, &full) < 1e-9 && farthest(&full, &found) < 1e-9, "{sites}");
         }
     }

@@ -12,7 +12,7 @@ use vibrochain::floquet::{
 };
 use vibrochain::lattice::{Chain, ImpulseResponse, Model, Parameter, Spectrum};
 use vibrochain_testkit::Values::Log;
-use vibrochain_testkit::{Meeting, Random, Ranges, dense, reference};
+use vibrochain_testkit::{Meeting, Random, Ranges, reference};
 
 fn verdict(orbit: &Orbit, finder: &mut Finder) -> Option<SecularVerdict> {
     finder.motion(orbit).unwrap();
@@ -78,7 +78,7 @@ fn roots_beside_poles_that_nearly_coincide_claim_their_errors() {
     finder.find_symmetric(&model, Family::DoubleSided, &mut found).unwrap();
     secular.replace(finder.prepared(&found.orbits[0]).unwrap()).unwrap();
     let (roots, errors) = secular.roots().unwrap();
-    let trace = dense(&even_monodromy(&found.orbits[0]).unwrap()).trace();
+    let trace = even_monodromy(&found.orbits[0]).unwrap().trace();
     let sum: f64 = 2.0 + 2.0 * roots.iter().map(|nu| nu.re).sum::<f64>();
     let claimed: f64 = 2.0 * errors.iter().sum::<f64>();
     assert!((sum - trace).abs() <= claimed + 1e-12 && claimed < 1e-4, "{sum} {trace} {claimed:e}");
@@ -109,7 +109,7 @@ fn roots_have_the_power_sums_of_the_monodromy_matrix() {
                 let claimed: f64 = errors.iter().sum();
                 let all: Vec<_> =
                     roots.iter().flat_map(|nu| multipliers(*nu)).chain([Complex::new(1.0, 0.0); 2]).collect();
-                let matrix = dense(&even_monodromy(orbit).unwrap());
+                let matrix = even_monodromy(orbit).unwrap();
                 prop_assert_eq!(all.len(), matrix.nrows());
                 let scale = matrix.norm();
                 let square = &matrix * &matrix;
@@ -145,7 +145,7 @@ fn the_shape_of_the_unstable_perturbation_is_an_eigenvector_of_the_dense_matrix(
         let (displacement, velocity) =
             ModalShape::new(finder.prepared(orbit).unwrap(), leading).unwrap().at_sites(21, 0);
         // M (u, v) = μ (u, v) for the matrix of the whole ring.
-        let matrix = dense(&full_monodromy(orbit).unwrap());
+        let matrix = full_monodromy(orbit).unwrap();
         let state: Vec<_> = displacement.iter().chain(&velocity).copied().collect();
         let size = state.iter().map(|z| z.norm()).fold(0.0, f64::max);
         for row in 0..42 {

@@ -8,7 +8,7 @@ use vibrochain::breather::{Family, Finder, Motion, Orbit, admissibility, breathe
 use vibrochain::eventsim::{Event, EventKind, Limits, Outcome, Simulation, Time};
 use vibrochain::floquet::{Complex, full_monodromy, leading_modes};
 use vibrochain::lattice::{Barrier, Chain, Ends, Harmonic, Model, Propagator, Spectrum};
-use vibrochain_testkit::{Random, Ranges, ReturnMap, Values, dense, reference, stiffness, words};
+use vibrochain_testkit::{Random, Ranges, ReturnMap, Values, reference, stiffness, words};
 
 /// An orbit's return map by simulation, from the middle of its last flight (a negative time).
 struct Return {
@@ -127,7 +127,7 @@ fn multipliers_of_the_simulated_return_map_are_those_of_the_monodromy_matrix() {
             compared += 1;
             let map = Return::new(&orbit);
             let lead = map.flow(-map.start);
-            let matrix = dense(&full_monodromy(&orbit).unwrap());
+            let matrix = full_monodromy(&orbit).unwrap();
             let difference = (&matrix * &lead - &lead * map.jacobian()).amax();
             assert!(difference < 1e-7 * matrix.amax().max(1.0), "{family:?}: {difference:e}");
             // The multipliers themselves; next to 1 a conservative orbit has its defective pair.
@@ -428,7 +428,7 @@ fn checked_words_repeat_ten_times_and_have_the_multipliers_of_their_simulation()
         closed += usize::from(periods == 10);
         let map = ReturnMap::new(&orbit);
         let (lead, jacobian) = (map.ring.flow(-map.start), map.jacobian());
-        let matrix = dense(&full_monodromy(&orbit).unwrap());
+        let matrix = full_monodromy(&orbit).unwrap();
         let difference = (&matrix * &lead - &lead * &jacobian).amax();
         assert!(difference < 1e-7 * matrix.amax().max(1.0), "{}: {difference:e}", case.word);
         // On the circle multipliers meet, and are no better known than the root of what the matrix is.

@@ -68,6 +68,8 @@ pub use branch::at_resonance::Limit;
 pub use branch::departure::Departure;
 pub use branch::{Branch, BranchPoint};
 pub use equations::condition::{Condition, ImpactError, Together};
+#[doc(hidden)]
+pub use equations::linear;
 pub use equations::{BlochEquations, LinearImpact, Shift};
 pub use error::{BranchError, BreatherError, NoBreather, Unsearched};
 pub use motion::{Kinematics, Motion};

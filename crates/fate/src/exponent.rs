@@ -12,7 +12,7 @@
 use thiserror::Error;
 use vibrochain_breather::{BreatherError, Orbit, StructureOrbit, StructureOrbitError};
 use vibrochain_eventsim::Limits;
-use vibrochain_floquet::{Square, eigenvalues};
+use vibrochain_floquet::{DMatrix, eigenvalues};
 use vibrochain_lattice::Stop;
 
 use crate::follow::Track;
@@ -163,11 +163,14 @@ fn in_all_directions<R: Run>(
             return Err(Unmeasured::NotFollowed);
         }
         let columns: Vec<Vec<f64>> = (0..size).filter_map(|i| tangents.vector(i)).collect();
-        // By columns: the transpose, which has the same multipliers. (Vectors made orthonormal on the way are none of it.)
-        let whole = tangents.growth().iter().all(|log| *log == 0.0);
-        let flow = Square::from_rows(size, columns.concat()).filter(|_| whole).ok_or(Unmeasured::NotFollowed)?;
+        // Vectors made orthonormal on the way are none of the flow's.
+        let whole = columns.len() == size && tangents.growth().iter().all(|log| *log == 0.0);
+        if !whole {
+            return Err(Unmeasured::NotFollowed);
+        }
         let mut multipliers = Vec::new();
-        eigenvalues(&flow, &mut multipliers).map_err(|_| Unmeasured::NotFollowed)?;
+        eigenvalues(&DMatrix::from_fn(size, size, |i, j| columns[j][i]), &mut multipliers)
+            .map_err(|_| Unmeasured::NotFollowed)?;
         *log = multipliers.iter().fold(0.0, |most: f64, z| most.max(z.norm())).ln() / count as f64;
     }
     Ok(Measured { value: logs[0] / track.period, error: (logs[1] - logs[0]).abs() / track.period, periods: 2 })

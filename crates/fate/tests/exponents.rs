@@ -58,7 +58,7 @@ fn tangents_of_a_period_are_the_monodromy_matrix() {
     for orbit in &orbits {
         let tangents = by_tangents(orbit);
         let monodromy = full_monodromy(orbit).unwrap();
-        let sites = monodromy.size() / 2;
+        let sites = monodromy.nrows() / 2;
         // That begins just before the first impact: M = F(s) T F(−s) by the flight F to it.
         let spectrum = Spectrum::new(*orbit.model().chain());
         let [to, back] = [-1.0, 1.0].map(|sign| Propagator::new(&spectrum, sign * orbit.time_in_last_flight()));
@@ -67,7 +67,7 @@ fn tangents_of_a_period_are_the_monodromy_matrix() {
             flow.apply(&x[..sites], &x[sites..], &mut u, &mut v);
             [u, v].concat()
         };
-        let size = monodromy.entries().iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+        let size = monodromy.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
         for j in 0..2 * sites {
             let unit: Vec<f64> = (0..2 * sites).map(|i| f64::from(u8::from(i == j))).collect();
             let before = apply(&back, &unit);
@@ -77,7 +77,7 @@ fn tangents_of_a_period_are_the_monodromy_matrix() {
             }
             let after = apply(&to, &after);
             for (i, x) in after.iter().enumerate() {
-                let error = (x - monodromy.entries()[i * 2 * sites + j]).abs() / size;
+                let error = (x - monodromy[(i, j)]).abs() / size;
                 worst = worst.max(error);
             }
         }

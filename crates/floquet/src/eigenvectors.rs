@@ -116,12 +116,12 @@ fn by_matrix(orbit: &Orbit, count: usize) -> Result<Vec<FloquetMode>, FloquetErr
     let chain = orbit.model().chain();
     let home = orbit.centre();
     let matrix = if home.is_some() { even_monodromy(orbit)? } else { full_monodromy(orbit)? };
-    let size = matrix.size();
+    let size = matrix.nrows();
     let failed = || FloquetError::NotConverged { dimension: size };
-    if !matrix.is_finite() {
+    if !matrix.norm().is_finite() {
         return Err(failed());
     }
-    let dense = MatRef::from_row_major_slice(matrix.entries(), size, size);
+    let dense = MatRef::from_column_major_slice(matrix.as_slice(), size, size);
     let eigen = dense.eigen().map_err(|_| failed())?;
     let (values, vectors) = (eigen.S().column_vector(), eigen.U());
     let mut order: Vec<usize> = (0..size).collect();

@@ -53,7 +53,6 @@ mod eigenvectors;
 mod error;
 mod events;
 mod followed;
-mod linear;
 mod locate;
 mod map_paths;
 mod multipliers;
@@ -87,13 +86,11 @@ pub use map_paths::{
     multiplier_modes,
 };
 pub use multipliers::{felt_modes, odd_multipliers, sort_multipliers};
-pub use nalgebra::Complex;
+pub use nalgebra::{Complex, DMatrix};
 pub use phases::phases;
 pub use reference::eigen::eigenvalues;
 pub use reference::monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
 pub use saltation::{Saltation, saltations};
-
-pub use reference::square::Square;
 pub use spectrum::ImpactSpectrum;
 pub use stripes::{
     Collision, DressedModes, NoStripe, OrderFinder, OwnMode, Passing, Signature, SignatureOrder, Stripe, StripeEnd,

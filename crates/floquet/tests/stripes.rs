@@ -20,10 +20,10 @@ const BOTH: [Family; 2] = [Family::SingleSided, Family::DoubleSided];
 /// All of them.
 fn dense(orbit: &Orbit) -> Vec<Krein> {
     let matrix = even_monodromy(orbit).unwrap();
-    let size = matrix.size();
+    let size = matrix.nrows();
     let half = size / 2;
     let spectrum = Spectrum::new(*orbit.model().chain());
-    let eigen = MatRef::from_row_major_slice(matrix.entries(), size, size).eigen().unwrap();
+    let eigen = MatRef::from_column_major_slice(matrix.as_slice(), size, size).eigen().unwrap();
     let (values, vectors) = (eigen.S().column_vector(), eigen.U());
     (0..size)
         .map(|i| {

@@ -17,8 +17,8 @@ use vibrochain_testkit::{Random, Ranges, Values};
 /// Those of perturbations that reach the site that is hit.
 fn dense(orbit: &Orbit) -> Vec<Krein> {
     let matrix = full_monodromy(orbit).unwrap();
-    let (size, half, site) = (matrix.size(), matrix.size() / 2, orbit.impact_site().unwrap());
-    let eigen = MatRef::from_row_major_slice(matrix.entries(), size, size).eigen().unwrap();
+    let (size, half, site) = (matrix.nrows(), matrix.nrows() / 2, orbit.impact_site().unwrap());
+    let eigen = MatRef::from_column_major_slice(matrix.as_slice(), size, size).eigen().unwrap();
     let (values, vectors) = (eigen.S().column_vector(), eigen.U());
     let all = (0..size).filter_map(|i| {
         let entry = |row: usize| Complex::new(vectors[(row, i)].re, vectors[(row, i)].im);

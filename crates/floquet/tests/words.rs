@@ -7,7 +7,7 @@ use vibrochain_floquet::{
     full_monodromy, leading_modes, locate, phases, stability,
 };
 use vibrochain_lattice::{Barrier, Chain, Ends, Model, Parameter};
-use vibrochain_testkit::{Random, Ranges, Values, dense};
+use vibrochain_testkit::{Random, Ranges, Values};
 
 /// Σ μᵏ is the trace of Mᵏ.
 #[test]
@@ -33,7 +33,7 @@ fn power_sums_are_traces_of_the_whole_matrix() {
                 answer => answer.unwrap(),
             };
             assert_eq!(answer.multipliers.len(), 2 * sites, "{word} {model} {:?}", answer.verdict);
-            let matrix = dense(&full_monodromy(orbit).unwrap());
+            let matrix = full_monodromy(orbit).unwrap();
             let mut power = matrix.clone();
             for k in 1..=4 {
                 let sum: Complex<f64> = answer.multipliers.iter().map(|value| value.powi(k)).sum();

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use vibrochain_breather::{Family, Finder, Found, Orbit};
 use vibrochain_eventsim::{Limits, Outcome, Simulation, Time};
-use vibrochain_floquet::{Complex, Square, Stability, Tolerance, eigenvalues, stability};
+use vibrochain_floquet::{Complex, DMatrix, Stability, Tolerance, eigenvalues, stability};
 use vibrochain_lattice::{Chain, Model, Stop};
 
 use crate::args::ValidateArgs;
@@ -201,8 +201,7 @@ impl<'a> ReturnMap<'a> {
     fn multiplier_error(&self, answer: &Stability) -> Result<f64, CliError> {
         let (n, entries) = (self.state().len(), self.jacobian()?);
         let mut found = Vec::new();
-        let matrix = Square::from_rows(n, entries).unwrap_or_default();
-        eigenvalues(&matrix, &mut found).map_err(computation)?;
+        eigenvalues(&DMatrix::from_row_slice(n, n, &entries), &mut found).map_err(computation)?;
         let one = Complex::new(1.0, 0.0);
         let compared = answer.multipliers.iter().filter(|mu| (*mu - one).norm() > 1e-3);
         let nearest = |mu: &Complex<f64>| found.iter().map(|other| (mu - other).norm()).fold(f64::INFINITY, f64::min);

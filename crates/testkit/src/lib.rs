@@ -23,7 +23,7 @@ pub use net::Net;
 pub use picture::{Cells, Picture};
 pub use random::Random;
 pub use reference::{Case, reference};
-pub use ring::{ReturnMap, Ring, dense, stiffness};
+pub use ring::{ReturnMap, Ring, stiffness};
 pub use schema::{Schema, checked, written};
 pub use structures::{Before, Structure, StructureImpact, structures};
 pub use words::{WordCase, words};

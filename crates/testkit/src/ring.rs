@@ -3,7 +3,6 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use vibrochain_breather::{Impact, Motion, Orbit};
-use vibrochain_floquet::Square;
 use vibrochain_lattice::{Chain, Ends, Harmonic, Model};
 
 /// The stiffness matrix of a lattice, spring by spring.
@@ -219,10 +218,4 @@ impl<'a> ReturnMap<'a> {
         }
         jacobian
     }
-}
-
-/// A library matrix as nalgebra's.
-#[must_use]
-pub fn dense(matrix: &Square) -> DMatrix<f64> {
-    DMatrix::from_row_slice(matrix.size(), matrix.size(), matrix.entries())
 }

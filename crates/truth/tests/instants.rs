@@ -7,7 +7,7 @@ mod support;
 use vibrochain_breather::{End, Finder, Found, NoBreather, Orbit, Unsearched, Wanted, Word};
 use vibrochain_floquet::full_monodromy;
 use vibrochain_lattice::{Chain, Ends, Model};
-use vibrochain_testkit::{Random, ReturnMap, dense};
+use vibrochain_testkit::{Random, ReturnMap};
 use vibrochain_truth::{DEFAULT_BITS, TrueOrbit};
 
 use support::assert_claims_hold;
@@ -31,7 +31,7 @@ fn check(orbit: &Orbit, finder: &mut Finder) -> bool {
     }
     assert!((&state - &point).amax() < 1e-10, "{} {:e}", Word::of(orbit), (&state - &point).amax());
     let lead = map.ring.flow(-map.start);
-    let matrix = dense(&full_monodromy(orbit).unwrap());
+    let matrix = full_monodromy(orbit).unwrap();
     let difference = (&matrix * &lead - &lead * jacobian).amax();
     // Next to a grazing the map bends within the square of the impact's velocity, and differences see less of its slope.
     let seen = matrix.amax().max(1.0) / map.slowest_impact().powi(2);

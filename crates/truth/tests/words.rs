@@ -9,7 +9,7 @@ use vibrochain_breather::{
 };
 use vibrochain_floquet::{Method, Tolerance, full_monodromy, stability};
 use vibrochain_lattice::{Barrier, Chain, Model, Parameter};
-use vibrochain_testkit::{Random, ReturnMap, dense, words};
+use vibrochain_testkit::{Random, ReturnMap, words};
 use vibrochain_truth::{DEFAULT_BITS, TrueImpact, TrueOrbit, TrueSpectrum};
 
 use support::assert_claims_hold;
@@ -29,7 +29,7 @@ fn assert_monodromy(orbit: &Orbit) {
     let point = map.fixed_point();
     assert!((map.apply(&point) - &point).amax() < 1e-10);
     let lead = map.ring.flow(-map.start);
-    let matrix = dense(&full_monodromy(orbit).unwrap());
+    let matrix = full_monodromy(orbit).unwrap();
     let difference = (&matrix * &lead - &lead * map.jacobian()).amax();
     assert!(difference < 1e-6 * matrix.amax().max(1.0), "{difference:e} {orbit:?}");
 }

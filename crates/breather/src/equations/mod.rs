@@ -23,7 +23,7 @@ use crate::worst::worse;
 mod bloch;
 pub(crate) mod condition;
 pub(crate) mod flights;
-pub(crate) mod linear;
+pub mod linear;
 pub(crate) mod newton;
 mod system;
 pub(crate) mod unknowns;

@@ -5,9 +5,9 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::BlochEquations;
+use vibrochain_breather::linear::{cofactors, determinant};
 
 use super::orbit::EventOrbit;
-use crate::linear::{cofactors, determinant};
 
 type C = Complex<f64>;
 

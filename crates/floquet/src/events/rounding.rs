@@ -3,14 +3,13 @@
 //! A determinant next to 0 changes by Σ adj(A)_ji δA_ij. It may be far below 1 all about: of an orbit of many impacts it is a product of many
 //! small pivots, so that an absolute bound tells nothing.
 
-use nalgebra::Complex;
 use smallvec::smallvec;
+use vibrochain_breather::linear::cofactors;
 use vibrochain_breather::system::{Evaluation, Matrix};
 
 use super::orbit::EventOrbit;
 use super::regular::Regular;
 use super::test_function::{REAL, Test, Values};
-use crate::linear::cofactors;
 
 /// Of a test function of order 1.
 pub(super) const ROUNDING: f64 = 64.0 * f64::EPSILON;
@@ -53,8 +52,8 @@ fn of_equations(matrix: &Matrix) -> f64 {
     for i in 0..size {
         let row = matrix.row(i);
         let length = row.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
-        entries.extend(row.iter().map(|entry| Complex::new(entry / length, 0.0)));
+        entries.extend(row.iter().map(|entry| entry / length));
     }
-    let moved = |factors: Vec<Complex<f64>>| factors.iter().map(|factor| ENTRY * factor.norm()).sum();
+    let moved = |factors: Vec<f64>| factors.iter().map(|factor| ENTRY * factor.abs()).sum();
     cofactors(&mut entries, size).map_or(f64::INFINITY, moved)
 }

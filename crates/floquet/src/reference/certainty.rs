@@ -5,10 +5,9 @@
 
 use faer::linalg::solvers::{PartialPivLu, SolveCore};
 use faer::{Conj, Mat, c64};
-use nalgebra::Complex;
+use nalgebra::{Complex, DMatrix};
 use vibrochain_breather::{Condition, Orbit};
 
-use crate::reference::square::Square;
 use crate::saltation::Saltation;
 
 /// Steps of inverse iteration: the first already has the eigenvector to the digits that a condition number needs.
@@ -16,8 +15,8 @@ const STEPS: usize = 2;
 
 /// Condition number of the eigenvalue of `matrix` next to `value`, by inverse iteration; ∞ for one that cannot be told
 /// from a defective one.
-pub(crate) fn eigenvalue_condition(matrix: &Square, value: Complex<f64>) -> f64 {
-    let n = matrix.size();
+pub(crate) fn eigenvalue_condition(matrix: &DMatrix<f64>, value: Complex<f64>) -> f64 {
+    let n = matrix.nrows();
     let scale = matrix.norm().max(f64::MIN_POSITIVE);
     if n <= 1 {
         return 1.0;
@@ -25,7 +24,7 @@ pub(crate) fn eigenvalue_condition(matrix: &Square, value: Complex<f64>) -> f64 
     // A shift off the eigenvalue by rounding keeps the factors finite.
     let shift = c64::new(value.re + f64::EPSILON * scale, value.im);
     let shifted = Mat::from_fn(n, n, |i, j| {
-        let entry = c64::new(matrix.at(i, j), 0.0);
+        let entry = c64::new(matrix[(i, j)], 0.0);
         if i == j { entry - shift } else { entry }
     });
     let factors = PartialPivLu::new(shifted.as_ref());
@@ -71,18 +70,18 @@ mod tests {
     fn condition_of_known_matrices() {
         let zero = Complex::new(0.0, 0.0);
         // Symmetric: 1.
-        let symmetric = Square::from_rows(2, vec![2.0, 1.0, 1.0, 2.0]).unwrap();
+        let symmetric = DMatrix::from_row_slice(2, 2, &[2.0, 1.0, 1.0, 2.0]);
         assert!((eigenvalue_condition(&symmetric, Complex::new(3.0, 0.0)) - 1.0).abs() < 1e-9);
         // [[0, 1], [δ², 0]]: eigenvectors (1, ±δ) and (±δ, 1): κ = (1 + δ²)/(2δ).
         for delta in [1.0, 1e-2, 1e-5] {
-            let matrix = Square::from_rows(2, vec![0.0, 1.0, delta * delta, 0.0]).unwrap();
+            let matrix = DMatrix::from_row_slice(2, 2, &[0.0, 1.0, delta * delta, 0.0]);
             let expected = (1.0 + delta * delta) / (2.0 * delta);
             let condition = eigenvalue_condition(&matrix, Complex::new(delta, 0.0));
             assert!((condition / expected - 1.0).abs() < 1e-3, "{delta}: {condition} {expected}");
         }
         // Defective, and a multiple of the unit matrix.
-        let jordan = Square::from_rows(2, vec![0.0, 1.0, 0.0, 0.0]).unwrap();
+        let jordan = DMatrix::from_row_slice(2, 2, &[0.0, 1.0, 0.0, 0.0]);
         assert!(eigenvalue_condition(&jordan, zero) > 1e7);
-        assert!(eigenvalue_condition(&Square::identity(1), Complex::new(1.0, 0.0)) == 1.0);
+        assert!(eigenvalue_condition(&DMatrix::identity(1, 1), Complex::new(1.0, 0.0)) == 1.0);
     }
 }

@@ -11,7 +11,7 @@
 //! The trivial pair μ = 1 of a conservative orbit (the perturbation along the orbit and its canonical partner) is
 //! taken out before the eigenvalues are computed, by reflecting the known right and left eigenvectors to the axes.
 
-use nalgebra::Complex;
+use nalgebra::{Complex, DMatrix};
 use vibrochain_breather::{Finder, Orbit};
 
 use crate::error::FloquetError;
@@ -20,7 +20,7 @@ use crate::reference::eigen::eigenvalues_until;
 use crate::reference::half_period::Reversible;
 use crate::reference::half_sum::HalfSum;
 use crate::reference::monodromy::{EvenCoordinates, check_dimension, flow_before_first_impact, full_monodromy_until};
-use crate::reference::square::{Reflector, Square};
+use crate::reference::reflector::Reflector;
 use crate::zeros::Nu;
 
 /// Reusable work space for dense matrices.
@@ -30,11 +30,9 @@ pub(crate) struct Dense {
     half_sum: HalfSum,
     modes: Modes,
     coordinates: EvenCoordinates,
-    matrix: Square,
+    matrix: DMatrix<f64>,
     flow: Vec<f64>,
     left: Vec<f64>,
-    rows: (Vec<f64>, Vec<f64>),
-    reflector: Reflector,
     pub(crate) values: Vec<Complex<f64>>,
     /// How far, at most, errors carry any of them.
     pub(crate) reach: f64,
@@ -54,7 +52,7 @@ impl Dense {
     }
 
     /// The matrix whose eigenvalues `values` are.
-    pub(crate) fn matrix_of(&self, orbit: &Orbit) -> &Square {
+    pub(crate) fn matrix_of(&self, orbit: &Orbit) -> &DMatrix<f64> {
         match (orbit.is_reversible(), orbit.centre()) {
             (true, Some(_)) => &self.reversible.block,
             (true, None) => &self.half_sum.matrix,
@@ -80,9 +78,8 @@ impl Dense {
                 check_dimension(chain.sites())?;
                 self.half_sum.set(orbit)?;
                 HalfSum::set_flow(orbit, finder, &mut self.left)?;
-                self.reflector.set(self.left.iter().copied());
-                self.half_sum.matrix.reflect(&self.reflector);
-                self.half_sum.matrix.drop_first();
+                let whole = std::mem::take(&mut self.half_sum.matrix);
+                self.half_sum.matrix = Reflector::of(&self.left).deflated(whole);
             }
             let mut values = std::mem::take(&mut self.values);
             let block = self.matrix_of(orbit);
@@ -101,13 +98,13 @@ impl Dense {
                 }
                 _ => self.coordinates.set(felt(), orbit.frequency()),
             }
-            self.coordinates.monodromy(orbit, &mut self.matrix, (&mut self.rows.0, &mut self.rows.1))?;
+            self.matrix = self.coordinates.monodromy(orbit)?;
         } else {
             self.matrix = full_monodromy_until(orbit, finder.stop())?;
         }
         let norm = self.matrix.norm();
         if !norm.is_finite() {
-            return Err(FloquetError::NotConverged { dimension: self.matrix.size() });
+            return Err(FloquetError::NotConverged { dimension: self.matrix.nrows() });
         }
         if orbit.model().is_conservative() {
             self.deflate(orbit, finder)?;
@@ -118,7 +115,7 @@ impl Dense {
 
     /// Removes the trivial pair: M f = f with the flow f, and ωᵀ(f, ·)M = ωᵀ(f, ·) because M keeps the canonical form ω.
     fn deflate(&mut self, orbit: &Orbit, finder: &mut Finder) -> Result<(), FloquetError> {
-        let half = self.matrix.size() / 2;
+        let half = self.matrix.nrows() / 2;
         self.left.clear();
         if orbit.centre().is_some() {
             flow_before_first_impact(orbit, finder, &self.coordinates, &mut self.flow)?;
@@ -140,13 +137,10 @@ impl Dense {
             self.left.extend((0..half).map(|n| -self.flow[n + half]));
             self.left.extend_from_slice(&self.flow[..half]);
         }
-        self.reflector.set(self.flow.iter().copied());
-        self.matrix.reflect(&self.reflector);
-        self.matrix.drop_first();
-        self.reflector.apply(&mut self.left);
-        self.reflector.set(self.left.iter().skip(1).copied());
-        self.matrix.reflect(&self.reflector);
-        self.matrix.drop_first();
+        let first = Reflector::of(&self.flow);
+        first.apply(&mut self.left);
+        let rest = first.deflated(std::mem::take(&mut self.matrix));
+        self.matrix = Reflector::of(self.left.get(1..).unwrap_or_default()).deflated(rest);
         Ok(())
     }
 }

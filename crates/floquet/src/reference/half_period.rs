@@ -17,18 +17,18 @@
 //! Single-sided: section half-way, M = W, Q = diag(1, −1), block A; left eigenvector ẍ(T/2) ∝ b Ω/S.
 //! Double-sided: section before the impact at 0, M = W S₀, Q = diag(1, −1)·S₀; Qx = x means bᵀx = 0, ẋ = βb.
 
+use nalgebra::DMatrix;
 use vibrochain_breather::{Finder, Orbit};
 
 use crate::error::FloquetError;
 use crate::map_paths::{Mode, Modes};
-use crate::reference::square::{Reflector, Square};
+use crate::reference::reflector::Reflector;
 use crate::saltation::saltations;
 
 /// Work space.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Reversible {
-    pub(crate) block: Square,
-    reflector: Reflector,
+    pub(crate) block: DMatrix<f64>,
     modes: Modes,
     b: Vec<f64>,
     cb: Vec<f64>,
@@ -67,7 +67,7 @@ impl Reversible {
         }
         let modes = self.modes.count();
         let kappa = if double { kappas[1] } else { kappas[0] };
-        self.block.reset(modes);
+        self.block = DMatrix::zeros(modes, modes);
         for k in 0..modes {
             let (cb, sb) = (self.cb[k], self.sb[k]);
             for (l, entry) in self.block.row_mut(k).iter_mut().enumerate() {
@@ -85,9 +85,7 @@ impl Reversible {
             self.left.clear();
             self.left.extend(self.modes.list().iter().zip(&self.b).map(|(mode, b)| b * mode.frequency / mode.sin));
         }
-        self.reflector.set(self.left.iter().copied());
-        self.block.reflect(&self.reflector);
-        self.block.drop_first();
+        self.block = Reflector::of(&self.left).deflated(std::mem::take(&mut self.block));
         Ok(())
     }
 
@@ -105,23 +103,23 @@ impl Reversible {
             self.row.push(-2.0 * sin_times * cos * b + 2.0 * wsb * bcb + 2.0 * cb * bwsb + kappa1 * cb * bcb);
         }
         // The reflection that takes b to the first axis, up to a sign that cancels in pairs below.
-        self.reflector.set(self.b.iter().copied());
-        self.block.reflect(&self.reflector);
-        self.reflector.apply(&mut self.column);
-        self.reflector.apply(&mut self.row);
+        let reflector = Reflector::of(&self.b);
+        reflector.reflect(&mut self.block);
+        reflector.apply(&mut self.column);
+        reflector.apply(&mut self.row);
         // The modes' accelerations, from weighted (b x) to normalised (x) modes.
         self.left.iter_mut().zip(&self.b).for_each(|(a, b)| *a /= b);
-        self.reflector.apply(&mut self.left);
+        reflector.apply(&mut self.left);
         let modes = self.b.len();
         // H takes b to −e₁ (b₀ > 0), so that the coordinate along b changes sign while x⊥ does not.
         let sign = -1.0;
-        let (a00, b00) = (self.block.at(0, 0), sign * self.column[0]);
+        let (a00, b00) = (self.block[(0, 0)], sign * self.column[0]);
         for j in 1..modes {
-            let entry = self.row[j] - 0.5 * kappa0 * sign * self.block.at(0, j);
-            self.block.row_mut(0)[j] = entry / omega;
-            self.block.row_mut(j)[0] = -self.column[j] * omega;
+            let entry = self.row[j] - 0.5 * kappa0 * sign * self.block[(0, j)];
+            self.block[(0, j)] = entry / omega;
+            self.block[(j, 0)] = -self.column[j] * omega;
         }
-        self.block.row_mut(0)[0] = -a00 + 0.5 * kappa0 * b00;
+        self.block[(0, 0)] = -a00 + 0.5 * kappa0 * b00;
         // ω(f, x) = v₀⁻β − ẍ·x⊥
         self.left[0] = velocity * omega;
         for a in self.left.iter_mut().skip(1) {

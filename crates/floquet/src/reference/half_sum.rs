@@ -8,18 +8,18 @@
 //!
 //! The orbit's own flow gives the left eigenvector of ν = 1: −v̈ of each spared mass, v⁻ of each one that is hit.
 
+use nalgebra::DMatrix;
 use vibrochain_breather::{Finder, Orbit};
 use vibrochain_lattice::{Propagator, Spectrum};
 
 use crate::error::FloquetError;
-use crate::reference::square::Square;
 use crate::saltation::{Saltation, saltations};
 
 /// N and G; also the work space.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct HalfSum {
-    pub(crate) matrix: Square,
-    pub(crate) form: Square,
+    pub(crate) matrix: DMatrix<f64>,
+    pub(crate) form: DMatrix<f64>,
     /// The masses that are hit, at either instant.
     pub(crate) hit: Vec<usize>,
     /// Of each impact half a period after 0, the flight there from every mass, which is that back from it.
@@ -47,8 +47,7 @@ impl HalfSum {
         self.flights.clear();
         self.flights.extend(later().flat_map(|hit| (0..sites).map(|n| half.block(n, hit.site)).collect::<Vec<_>>()));
         let Self { matrix, form, flights, kicks, .. } = self;
-        matrix.reset(sites);
-        form.reset(sites);
+        (*matrix, *form) = (DMatrix::zeros(sites, sites), DMatrix::zeros(sites, sites));
         for m in 0..sites {
             // What S₀ makes of the coordinate: a displacement stays, a velocity, in units of ω, turns round.
             let start = if kappas[m].is_some() { [0.0, -omega] } else { [1.0, 0.0] };
@@ -64,7 +63,7 @@ impl HalfSum {
                     let [du, dv] = flown(flights[n], *kick);
                     (u, v) = (u + du, v + dv);
                 }
-                (matrix.row_mut(n)[m], form.row_mut(n)[m]) = match kappas[n] {
+                (matrix[(n, m)], form[(n, m)]) = match kappas[n] {
                     Some(kappa) => ((v - 0.5 * kappa * u) / omega, u * omega),
                     None => (u, -v),
                 };

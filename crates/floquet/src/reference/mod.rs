@@ -3,7 +3,8 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `monodromy`, `square`, `eigen` | the monodromy matrix and its eigenvalues |
+//! | `monodromy`, `eigen` | the monodromy matrix and its eigenvalues |
+//! | `reflector` | known eigenvectors are taken out |
 //! | `half_period`, `half_sum` | a matrix of half the size for reversible orbits: mode by mode about one site, mass by mass |
 //! | `dense` | the smallest matrix that an orbit's structure leaves |
 //! | `judge`, `certainty` | from eigenvalues to a verdict that knows its error |
@@ -15,4 +16,4 @@ pub(crate) mod half_period;
 pub(crate) mod half_sum;
 pub(crate) mod judge;
 pub(crate) mod monodromy;
-pub(crate) mod square;
+pub(crate) mod reflector;

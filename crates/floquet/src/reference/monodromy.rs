@@ -9,11 +9,11 @@
 //! - [`even_monodromy`]: the modes even about the one site that is hit, 2(⌊M/2⌋+1) of 2M dimensions. The odd modes
 //!   have a node there and never feel an impact: their multipliers are e^{±iΩ_kT}, see [`crate::odd_multipliers`].
 
+use nalgebra::DMatrix;
 use vibrochain_breather::{BreatherError, Finder, Orbit};
 use vibrochain_lattice::{Propagator, Spectrum, Stop, sine_over};
 
 use crate::error::FloquetError;
-use crate::reference::square::Square;
 use crate::saltation::saltations;
 
 /// The largest dense matrix that is analysed.
@@ -46,63 +46,50 @@ impl EvenCoordinates {
     }
 
     /// Multiplies from the left by the flight over `time`.
-    fn fly(&self, matrix: &mut Square, time: f64) {
-        let modes = self.modes();
-        for k in 0..modes {
-            let (f, scale) = (self.frequencies[k], self.scales[k]);
-            let (cos, sin_over) = ((f * time).cos(), sine_over(f, time));
-            let (up, down) = (scale * sin_over, -f * f * sin_over / scale);
-            let (x, y) = matrix.two_rows_mut(k, k + modes);
-            for (x, y) in x.iter_mut().zip(y) {
+    fn fly(&self, matrix: &mut DMatrix<f64>, time: f64) {
+        let turn = |(&f, &scale): (&f64, &f64)| {
+            let sin_over = sine_over(f, time);
+            [(f * time).cos(), scale * sin_over, -f * f * sin_over / scale]
+        };
+        let turns: Vec<[f64; 3]> = self.frequencies.iter().zip(&self.scales).map(turn).collect();
+        for mut column in matrix.column_iter_mut() {
+            let (x, y) = column.as_mut_slice().split_at_mut(turns.len());
+            for ((x, y), [cos, up, down]) in x.iter_mut().zip(y).zip(&turns) {
                 (*x, *y) = (cos * *x + up * *y, down * *x + cos * *y);
             }
         }
     }
 
-    /// Multiplies from the left by a saltation at the site. `u` and `v` are scratch rows.
-    fn hit(&self, matrix: &mut Square, e: f64, kappa: f64, u: &mut Vec<f64>, v: &mut Vec<f64>) {
+    /// Multiplies from the left by a saltation at the site.
+    fn hit(&self, matrix: &mut DMatrix<f64>, e: f64, kappa: f64) {
         let modes = self.modes();
-        // Rows of displacement and velocity of the site.
-        u.clear();
-        u.resize(2 * modes, 0.0);
-        v.clear();
-        v.resize(2 * modes, 0.0);
-        for k in 0..modes {
-            let (b, scale) = (self.amplitudes[k], self.scales[k]);
-            for (u, x) in u.iter_mut().zip(matrix.row(k)) {
-                *u += b / scale * x;
+        let (amplitudes, scales) = (&self.amplitudes, &self.scales);
+        for mut column in matrix.column_iter_mut() {
+            let (x, y) = column.as_mut_slice().split_at_mut(modes);
+            // Displacement and velocity of the site.
+            let (mut u, mut v) = (0.0, 0.0);
+            for k in 0..modes {
+                u += amplitudes[k] / scales[k] * x[k];
+                v += amplitudes[k] * y[k];
             }
-            for (v, y) in v.iter_mut().zip(matrix.row(k + modes)) {
-                *v += b * y;
-            }
-        }
-        for k in 0..modes {
-            let (b, scale) = (self.amplitudes[k], self.scales[k]);
-            for (x, u) in matrix.row_mut(k).iter_mut().zip(&*u) {
-                *x -= (1.0 + e) * b * scale * u;
-            }
-            for ((y, u), v) in matrix.row_mut(k + modes).iter_mut().zip(&*u).zip(&*v) {
-                *y += b * (kappa * u - (1.0 + e) * v);
+            for k in 0..modes {
+                x[k] -= (1.0 + e) * amplitudes[k] * scales[k] * u;
+                y[k] += amplitudes[k] * (kappa * u - (1.0 + e) * v);
             }
         }
     }
 
     /// The monodromy matrix of an orbit whose impacts are all at one site.
-    pub(crate) fn monodromy(
-        &self,
-        orbit: &Orbit,
-        matrix: &mut Square,
-        (u, v): (&mut Vec<f64>, &mut Vec<f64>),
-    ) -> Result<(), FloquetError> {
-        matrix.set_identity(2 * self.modes());
+    pub(crate) fn monodromy(&self, orbit: &Orbit) -> Result<DMatrix<f64>, FloquetError> {
+        let mut matrix = DMatrix::identity(2 * self.modes(), 2 * self.modes());
         let mut hits = saltations(orbit)?.peekable();
         let first = hits.peek().map_or(0.0, |hit| hit.time);
         while let Some(hit) = hits.next() {
-            self.hit(matrix, hit.restitution, hit.kappa, u, v);
+            self.hit(&mut matrix, hit.restitution, hit.kappa);
             let next = hits.peek().map_or(first + orbit.period(), |hit| hit.time);
-            self.fly(matrix, next - hit.time);
+            self.fly(&mut matrix, next - hit.time);
         }
-        Ok(())
+        Ok(matrix)
     }
 }
 
@@ -119,10 +106,10 @@ impl EvenCoordinates {
 /// use vibrochain_lattice::{Chain, Model};
 /// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4)?;
 /// let orbit = &breathers(&model, Family::DoubleSided)?.orbits[0];
-/// assert_eq!(even_monodromy(orbit)?.size(), 22);
+/// assert_eq!(even_monodromy(orbit)?.nrows(), 22);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn even_monodromy(orbit: &Orbit) -> Result<Square, FloquetError> {
+pub fn even_monodromy(orbit: &Orbit) -> Result<DMatrix<f64>, FloquetError> {
     if orbit.centre().is_none() {
         let what = "the even subspace needs all impacts at one site";
         return Err(BreatherError::Impact { index: 1, what }.into());
@@ -133,9 +120,7 @@ pub fn even_monodromy(orbit: &Orbit) -> Result<Square, FloquetError> {
     let mut coordinates = EvenCoordinates::default();
     let modes = spectrum.frequencies().iter().copied().zip(spectrum.weights().iter().copied());
     coordinates.set(modes, orbit.frequency());
-    let mut matrix = Square::default();
-    coordinates.monodromy(orbit, &mut matrix, (&mut Vec::new(), &mut Vec::new()))?;
-    Ok(matrix)
+    coordinates.monodromy(orbit)
 }
 
 /// The monodromy matrix of the whole ring, from just before the first impact; coordinates u_0 … u_{M−1}, then
@@ -143,44 +128,44 @@ pub fn even_monodromy(orbit: &Orbit) -> Result<Square, FloquetError> {
 ///
 /// # Errors
 /// [`FloquetError::Grazing`], [`FloquetError::TooLarge`].
-pub fn full_monodromy(orbit: &Orbit) -> Result<Square, FloquetError> {
+pub fn full_monodromy(orbit: &Orbit) -> Result<DMatrix<f64>, FloquetError> {
     full_monodromy_until(orbit, &Stop::default())
 }
 
 /// The same, until `stop` is raised.
-pub(crate) fn full_monodromy_until(orbit: &Orbit, stop: &Stop) -> Result<Square, FloquetError> {
+pub(crate) fn full_monodromy_until(orbit: &Orbit, stop: &Stop) -> Result<DMatrix<f64>, FloquetError> {
     let chain = orbit.model().chain();
     let sites = chain.sites();
     check_dimension(2 * sites)?;
     let spectrum = Spectrum::new(*chain);
-    let mut matrix = Square::identity(2 * sites);
-    let mut next = Square::zeros(2 * sites);
+    let mut matrix = DMatrix::identity(2 * sites, 2 * sites);
     let first = orbit.impacts().first().map_or(0.0, |impact| impact.time);
     let mut hits = saltations(orbit)?.peekable();
     while let Some(hit) = hits.next() {
-        let (u, v) = matrix.two_rows_mut(hit.site, hit.site + sites);
-        for (u, v) in u.iter_mut().zip(v) {
-            (*u, *v) = (-hit.restitution * *u, hit.kappa * *u - hit.restitution * *v);
+        for mut column in matrix.column_iter_mut() {
+            let (u, v) = (column[hit.site], column[hit.site + sites]);
+            column[hit.site] = -hit.restitution * u;
+            column[hit.site + sites] = hit.kappa * u - hit.restitution * v;
         }
         let until = hits.peek().map_or(first + orbit.period(), |hit| hit.time);
         if until == hit.time {
             continue;
         }
         let flow = Propagator::new(&spectrum, until - hit.time);
-        next.reset(2 * sites);
+        let mut next = DMatrix::zeros(2 * sites, 2 * sites);
         for n in 0..sites {
             stop.heard().map_err(BreatherError::from)?;
-            for m in 0..sites {
-                let block = flow.block(n, m);
-                for (half, row) in block.iter().enumerate() {
-                    let target = next.row_mut(n + half * sites);
-                    for ((t, u), v) in target.iter_mut().zip(matrix.row(m)).zip(matrix.row(m + sites)) {
-                        *t += row[0] * u + row[1] * v;
-                    }
+            let blocks: Vec<_> = (0..sites).map(|m| flow.block(n, m)).collect();
+            for (column, mut image) in matrix.column_iter().zip(next.column_iter_mut()) {
+                let (u, v) = column.as_slice().split_at(sites);
+                let mut moved = [0.0; 2];
+                for ((u, v), block) in u.iter().zip(v).zip(&blocks) {
+                    moved = [0, 1].map(|half| moved[half] + (block[half][0] * u + block[half][1] * v));
                 }
+                (image[n], image[n + sites]) = (moved[0], moved[1]);
             }
         }
-        std::mem::swap(&mut matrix, &mut next);
+        matrix = next;
     }
     Ok(matrix)
 }

@@ -4,9 +4,9 @@
 //! Hence f(±r) < 0 there leaves an odd number of real multipliers beyond ±r.
 
 use vibrochain_breather::BlochEquations;
+use vibrochain_breather::linear::determinant_and_condition;
 
 use super::starts::NEGLIGIBLE;
-use crate::linear::determinant_and_condition;
 use crate::zeros::modulus;
 
 /// Relative errors of the determinant up to this, as far as they are told by its condition, leave no doubt about its sign: what entries

@@ -12,13 +12,13 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::lanes::{LANES, Lane, ZERO, all, fill, four};
+use vibrochain_breather::linear::{determinant, determinant_and_condition};
 use wide::f64x4;
 
 use super::function::SpectralFunction;
 use super::refine::Origin;
 use super::solve::{LAST, Zero, refined};
 use super::starts::{DEAD, NEGLIGIBLE};
-use crate::linear::{determinant, determinant_and_condition};
 use crate::zeros::{Aberth, Rational, modulus};
 
 type C = Complex<f64>;

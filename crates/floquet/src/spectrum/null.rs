@@ -3,9 +3,9 @@
 //! One on either side comes from elimination with full pivots, several from singular vectors.
 
 use nalgebra::{Complex, DMatrix};
+use vibrochain_breather::linear::{Pivots, eliminate, null_vectors};
 
 use super::function::{Pole, SpectralFunction};
-use crate::linear::{Factors, Pivots, eliminate};
 use crate::singular::Singular;
 use crate::zeros::modulus;
 
@@ -42,7 +42,7 @@ impl SpectralFunction<'_> {
             let largest = entries.iter().map(|entry| entry.norm_sqr()).fold(0.0, f64::max).sqrt();
             let order = eliminate(&mut entries, size, Pivots::Full)?;
             let second = modulus(entries[(size - 2) * (size + 1)]);
-            let [x, y] = Factors::null_vectors(&entries, size);
+            let [x, y] = null_vectors(&entries, size);
             let length = |v: &[C]| v.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
             let scale = length(&x) * length(&y);
             let (mut left, mut right) = (DMatrix::zeros(size, 1), DMatrix::zeros(size, 1));

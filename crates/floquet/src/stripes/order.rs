@@ -17,7 +17,6 @@ use vibrochain_lattice::Ends;
 use crate::error::FloquetError;
 use crate::reference::half_sum::HalfSum;
 use crate::reference::monodromy::full_monodromy;
-use crate::reference::square::Square;
 
 /// Relative difference up to which two impulses are those of mirror images. Rounding stays far below it; orbits that lack the symmetry
 /// come as near only within the square of it from where they branch off.
@@ -125,7 +124,7 @@ impl HalfSum {
 
     /// The part of the vectors whose sign the reflections in `signs` change.
     fn part(&self, mirrors: &[Vec<usize>], signs: u32) -> Part {
-        let sites = self.matrix.size();
+        let sites = self.matrix.nrows();
         // Of each mass its images, all products of reflections, with their signs.
         let images = |n: usize| {
             (0..1_u32 << mirrors.len()).map(move |product| {
@@ -149,10 +148,10 @@ impl HalfSum {
         let firsts = (0..sites).filter(|&n| images(n).all(|(image, _)| image >= n));
         let basis: Vec<_> = firsts.filter_map(vector).collect();
         // What a vector of the part has at the first mass of another, it has of that as a whole.
-        let of = |whole: &Square| {
+        let of = |whole: &DMatrix<f64>| {
             DMatrix::from_fn(basis.len(), basis.len(), |i, j| {
                 let (n, share) = basis[i][0];
-                basis[j].iter().map(|(m, part)| whole.at(n, *m) * part).sum::<f64>() / share
+                basis[j].iter().map(|(m, part)| whole[(n, *m)] * part).sum::<f64>() / share
             })
         };
         let is_hit = |vector: &[(usize, f64)]| vector.iter().any(|(n, _)| self.hit.contains(n));
@@ -231,12 +230,12 @@ fn eigenvector(triangle: &DMatrix<f64>, i: usize) -> DVector<f64> {
 /// The same order where no instants of time reversal are known: from the eigenvectors of the monodromy matrix.
 fn by_monodromy(orbit: &Orbit) -> Result<Vec<i8>, FloquetError> {
     let matrix = full_monodromy(orbit)?;
-    let (size, half) = (matrix.size(), matrix.size() / 2);
+    let (size, half) = (matrix.nrows(), matrix.nrows() / 2);
     let failed = || FloquetError::NotConverged { dimension: size };
-    if !matrix.is_finite() {
+    if !matrix.norm().is_finite() {
         return Err(failed());
     }
-    let eigen = MatRef::from_row_major_slice(matrix.entries(), size, size).eigen().map_err(|_| failed())?;
+    let eigen = MatRef::from_column_major_slice(matrix.as_slice(), size, size).eigen().map_err(|_| failed())?;
     let (values, vectors) = (eigen.S().column_vector(), eigen.U());
     let mut order: Vec<usize> = (0..size).collect();
     if orbit.model().is_conservative() {

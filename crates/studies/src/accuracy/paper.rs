@@ -201,7 +201,7 @@ mod tests {
             let (general, exact) = (general_monodromy_of(orbit), full_monodromy(orbit).unwrap());
             for i in 0..2 * sites {
                 for j in 0..2 * sites {
-                    assert!((general[(i, j)] - exact.at(i, j)).abs() < 1e-12 * exact.norm(), "{sites} {i} {j}");
+                    assert!((general[(i, j)] - exact[(i, j)]).abs() < 1e-12 * exact.norm(), "{sites} {i} {j}");
                 }
             }
         }

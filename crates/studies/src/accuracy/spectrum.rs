@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use vibrochain_breather::{Family, Finder, Orbit, breathers};
 use vibrochain_floquet::{
-    Analyser, Complex, FloquetError, Method as Path, Square, Tolerance, eigenvalues, even_monodromy, full_monodromy,
+    Analyser, Complex, DMatrix, FloquetError, Method as Path, Tolerance, eigenvalues, even_monodromy, full_monodromy,
 };
 use vibrochain_lattice::{Chain, Model};
 use vibrochain_truth::{Complex as TrueComplex, DEFAULT_BITS, Real, TrueOrbit, TrueSpectrum};
@@ -128,7 +128,7 @@ fn distance(found: &[Complex<f64>], truth: &TrueComplex) -> f64 {
     found.iter().map(|mu| off(mu.re, &truth.re).hypot(off(mu.im, &truth.im))).fold(f64::INFINITY, f64::min)
 }
 
-fn dense(matrix: Result<Square, FloquetError>) -> Result<Vec<Complex<f64>>, CliError> {
+fn dense(matrix: Result<DMatrix<f64>, FloquetError>) -> Result<Vec<Complex<f64>>, CliError> {
     let mut values = Vec::new();
     eigenvalues(&matrix.map_err(computation)?, &mut values).map_err(computation)?;
     Ok(values)

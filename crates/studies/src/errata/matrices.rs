@@ -1,7 +1,7 @@
 //! The printed monodromy matrix against differences of the simulated return map, on a ring of five masses.
 
 use vibrochain_breather::{Family, Orbit, breathers};
-use vibrochain_floquet::{Square, eigenvalues, saltations};
+use vibrochain_floquet::{DMatrix, eigenvalues, saltations};
 use vibrochain_lattice::{Chain, Model, Propagator, Spectrum};
 
 use crate::errata::{Correction, computation};
@@ -114,7 +114,7 @@ pub(super) fn corrections() -> Result<Vec<Correction>, CliError> {
 fn modulus_error(matrix: &[f64]) -> Result<f64, CliError> {
     let size = matrix.len().isqrt();
     let mut values = Vec::new();
-    eigenvalues(&Square::from_rows(size, matrix.to_vec()).unwrap_or_default(), &mut values).map_err(computation)?;
+    eigenvalues(&DMatrix::from_row_slice(size, size, matrix), &mut values).map_err(computation)?;
     Ok(values.iter().map(|value| (value.norm() - 1.0).abs()).fold(0.0, f64::max))
 }
 

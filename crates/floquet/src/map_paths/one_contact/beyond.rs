@@ -4,8 +4,8 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::Prepared;
+use vibrochain_breather::linear::determinant_and_condition;
 
-use crate::linear::determinant_and_condition;
 use crate::map_paths::one_contact::impact_matrix::ImpactMatrix;
 use crate::map_paths::one_contact::verdict::ForcedSecular;
 use crate::spectrum::SURE;

@@ -1,4 +1,4 @@
-//! The determinants that give the residues, at four poles at once, for one or two impacts: a fast path beside the elimination of [`crate::linear`].
+//! The determinants that give the residues, at four poles at once, for one or two impacts: a fast path beside the elimination of [`vibrochain_breather::linear`].
 //!
 //! No pivot is sought, so that four poles go alike: the bordered matrix (see [`crate::map_paths::one_contact::multipliers`])
 //!

@@ -10,9 +10,9 @@
 //! rest). Certificates: f(0) = Πμ = e^{2n} and, for one or two impacts, the trace.
 
 use nalgebra::Complex;
+use vibrochain_breather::linear::{determinant, determinant_and_condition};
 use vibrochain_breather::{Orbit, Prepared};
 
-use crate::linear::{determinant, determinant_and_condition};
 use crate::map_paths::fast_sums::LARGE;
 use crate::map_paths::fast_sums::large_general::{self, ForcedLarge};
 use crate::map_paths::modes::{Mode, Modes};

@@ -16,8 +16,8 @@
 
 use nalgebra::Complex;
 use smallvec::{SmallVec, smallvec};
+use vibrochain_breather::linear::{Pivots, eliminate, null_vectors};
 
-use crate::linear::{Factors, Pivots, eliminate};
 use crate::map_paths::one_contact::impact_matrix::{FeltMode, ImpactMatrix};
 use crate::zeros::modulus;
 
@@ -110,7 +110,7 @@ impl ImpactMatrix {
         let factors = eliminate(&mut self.entries, size, Pivots::Full)?;
         let pivot = |i: usize| self.entries[i * size + i].norm_sqr().sqrt();
         let (second, last) = (pivot(size - 2), pivot(size - 1));
-        let [x, y] = Factors::null_vectors(&self.entries, size);
+        let [x, y] = null_vectors(&self.entries, size);
         let length = |v: &[C]| v.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
         let scale = length(&x) * length(&y);
         for vector in [&mut self.left, &mut self.right] {

@@ -2,13 +2,13 @@
 //! against it.
 
 use nalgebra::{Complex, DMatrix};
+use vibrochain_breather::linear::determinant;
 use vibrochain_breather::{Family, Finder, Found, Hit, Orbit};
 use vibrochain_lattice::{Barrier, Chain, Model, Spectrum};
 use vibrochain_testkit::{Ranges, Values};
 
 use super::forced::forced_cases;
 use super::*;
-use crate::linear::determinant;
 use crate::map_paths::one_contact::impact_matrix::ImpactMatrix;
 use crate::map_paths::{Residues, SecularMultipliers};
 
@@ -49,12 +49,12 @@ fn determinants_of_words_are_those_of_the_whole_lattice() {
         let orbit = Orbit::from_impulses(&model, 1, 0.4, &hits).unwrap();
         matrix.set(Finder::new(sites).prepared(&orbit).unwrap());
         let dense = crate::full_monodromy(&orbit).unwrap();
-        let size = dense.size();
+        let size = dense.nrows();
         several += usize::from(orbit.impact_site().is_none());
         layered += usize::from(orbit.impact_site().is_none() && chain.layers() > 1);
         for z in places(&mut random) {
             let shifted = DMatrix::from_fn(size, size, |i, j| {
-                Complex::new(-dense.at(i, j), 0.0) + if i == j { z } else { Complex::default() }
+                Complex::new(-dense[(i, j)], 0.0) + if i == j { z } else { Complex::default() }
             });
             // All modes, those with a node at site 0 too.
             let poles = |k: usize| {
