@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
-use vibrochain_breather::{StructureModel, StructureOrbit, Word, structure_admissibility, structure_orbits};
+use vibrochain_breather::{Hit, StructureModel, StructureOrbit, Word, structure_admissibility, structure_orbits};
 use vibrochain_eventsim::{ContactEvent, EventKind, Limits, StructureOutcome, StructureSimulation};
 use vibrochain_floquet::{Complex, Tolerance, structure_stability};
 use vibrochain_lattice::{Barrier, Contact, Structure};
@@ -175,12 +175,13 @@ impl Tally {
         let force = TAU / dense.omega;
         let model = StructureModel::new(Arc::new(structure.modal().unwrap()), dense.omega).unwrap();
         let first = events[0].time.to_f64();
-        let impact = |event: &ContactEvent| (event.contact, event.barrier, event.time.to_f64() - first, event.impulse);
+        let impact =
+            |event: &ContactEvent| Hit::new(event.contact, event.barrier, event.time.to_f64() - first, event.impulse);
         let impacts: Vec<_> = events.iter().map(impact).collect();
         let orbit = StructureOrbit::near(&model, periods, first.rem_euclid(force), &impacts).unwrap();
         let case = format!("{} {dense:?}", self.checked);
         for (own, event) in orbit.impacts().iter().zip(&impacts) {
-            let off = (own.time - event.2).abs() / force + (own.impulse - event.3).abs() / event.3.abs();
+            let off = (own.time - event.time).abs() / force + (own.impulse - event.impulse).abs() / event.impulse.abs();
             assert!(off < 1e-4, "{off:e} {case}");
         }
         assert!(orbit.violation() < 1e-11, "{:e} {case}", orbit.violation());

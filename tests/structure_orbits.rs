@@ -6,7 +6,8 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 use serde_json::Value;
 use vibrochain_breather::{
-    StructureModel, StructureMotion, StructureOrbit, StructureSearch, Word, structure_admissibility, structure_orbits,
+    Hit, StructureModel, StructureMotion, StructureOrbit, StructureSearch, Word, structure_admissibility,
+    structure_orbits,
 };
 use vibrochain_floquet::{Complex, StructureMultipliers, Tolerance, Verdict, structure_stability, structure_verdict};
 use vibrochain_lattice::{Barrier, Contact, LinearMode, ModalStructure, ModeShape, Structure};
@@ -80,7 +81,7 @@ impl Case {
     fn refined(&self) -> StructureOrbit {
         let impacts = self.dense.impacts.iter().zip(&self.sides);
         let impacts: Vec<_> =
-            impacts.map(|(impact, side)| (impact.contact, *side, impact.time, impact.impulse)).collect();
+            impacts.map(|(impact, side)| Hit::new(impact.contact, *side, impact.time, impact.impulse)).collect();
         StructureOrbit::near(&self.model(), self.force_periods, self.dense.psi, &impacts).unwrap()
     }
 
@@ -255,7 +256,7 @@ fn random_structures_have_the_multipliers_of_their_matrices() {
         let modal = Arc::new(modal(&dense, &contacts));
         let model = StructureModel::new(modal, dense.omega).unwrap();
         let impacts: Vec<_> =
-            dense.impacts.iter().zip(&sides).map(|(i, side)| (i.contact, *side, i.time, i.impulse)).collect();
+            dense.impacts.iter().zip(&sides).map(|(i, side)| Hit::new(i.contact, *side, i.time, i.impulse)).collect();
         let orbit = StructureOrbit::near(&model, 1, dense.psi, &impacts).unwrap();
         let stability = structure_stability(&orbit, Tolerance::Rounding).unwrap();
         let mut open: Vec<_> = dense.monodromy().complex_eigenvalues().iter().copied().collect();
@@ -314,7 +315,8 @@ fn complete_lists_of_two_and_three_impacts_lack_nothing_that_starts_lead_to() {
                 let mut times: Vec<f64> = (1..n).map(|_| random.between(0.0, period)).chain([0.0]).collect();
                 times.sort_by(f64::total_cmp);
                 let size = random.log(0.01, 10.0);
-                let start = letters.iter().zip(&times).map(|(&(c, side), time)| (c, side, *time, -side.sign() * size));
+                let start =
+                    letters.iter().zip(&times).map(|(&(c, side), time)| Hit::new(c, side, *time, -side.sign() * size));
                 let start: Vec<_> = start.collect();
                 let psi = if is_forced { random.between(0.0, model.period()) } else { 0.0 };
                 let Ok(orbit) = StructureOrbit::near(&model, periods, psi, &start) else { continue };

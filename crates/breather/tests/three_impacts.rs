@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::{StructureModel, StructureOrbit, StructureSearch, Word, structure_orbits};
+use vibrochain_breather::{Hit, StructureModel, StructureOrbit, StructureSearch, Word, structure_orbits};
 use vibrochain_lattice::{Barrier, Complex, Contact, LinearMode, ModalStructure, ModeShape};
 use vibrochain_testkit::Random;
 
@@ -44,7 +44,8 @@ fn led_to(
     for _ in 0..starts {
         let mut times = [0.0, random.between(0.0, period), random.between(0.0, period)];
         times.sort_by(f64::total_cmp);
-        let impact = |i: usize| (letters[i].0, letters[i].1, times[i], -letters[i].1.sign() * random.log(0.01, 3.0));
+        let impact =
+            |i: usize| Hit::new(letters[i].0, letters[i].1, times[i], -letters[i].1.sign() * random.log(0.01, 3.0));
         let start: Vec<_> = (0..3).map(impact).collect();
         let psi = random.between(0.0, model.period());
         let Ok(orbit) = StructureOrbit::near(model, periods, psi, &start) else { continue };

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use vibrochain_breather::{StructureModel, StructureOrbit, structure_is_physical};
+use vibrochain_breather::{Hit, StructureModel, StructureOrbit, structure_is_physical};
 use vibrochain_fate::{End, Ensemble, Home, measure_structure};
 use vibrochain_floquet::{Tolerance, structure_stability};
 use vibrochain_lattice::{Barrier, Complex, Contact, Stop};
@@ -19,7 +19,7 @@ fn orbits() -> Vec<(String, StructureOrbit)> {
         let impact = |impact: &vibrochain_testkit::StructureImpact| {
             let (lower, ..) = case.limits[impact.contact];
             let barrier = if lower == Some(impact.stop) { Barrier::Lower } else { Barrier::Upper };
-            (impact.contact, barrier, impact.time, impact.impulse)
+            Hit::new(impact.contact, barrier, impact.time, impact.impulse)
         };
         let impacts: Vec<_> = case.impacts.iter().map(impact).collect();
         let periods = (case.period * case.omega / TAU).round() as u32;

@@ -124,7 +124,7 @@ fn orbit_near(model: &StructureModel, force_periods: u32, psi: f64, near: &[Hit]
     let impacts = near.iter().map(|(contact, barrier, time, impulse)| {
         let named = Barrier::from_name(barrier);
         let wrong = || Failure::Request(format!("barrier {barrier} is unknown: give lower or upper"));
-        Ok((*contact, named.ok_or_else(wrong)?, *time, *impulse))
+        Ok(vibrochain_breather::Hit::new(*contact, named.ok_or_else(wrong)?, *time, *impulse))
     });
     let impacts = impacts.collect::<Result<Vec<_>, Failure>>()?;
     ensure!(!impacts.is_empty(), "there are no impacts to begin near: give a word, or an orbit");

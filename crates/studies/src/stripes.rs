@@ -26,47 +26,59 @@ const POINTS: usize = 2000;
 /// Steps of ω = 2Ω̃(ω) to where a mode meets itself: Ω̃ hardly moves.
 const APPROACH: usize = 6;
 
-/// The tables: what varies, and family, N, γ₂ and a of each row.
-type Place = (Family, usize, f64, f64);
+/// A breather of a ring of N + 1 masses.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    family: Family,
+    n: usize,
+    gamma2: f64,
+    asymmetry: f64,
+}
+
+const fn place(family: Family, n: usize, gamma2: f64, asymmetry: f64) -> Place {
+    Place { family, n, gamma2, asymmetry }
+}
+
+/// The tables: what varies, and the rows.
 const TABLES: [(&str, &[Place]); 4] = [
     (
         "Longer and longer rings",
         &[
-            (Family::DoubleSided, 5, 0.1, 0.4),
-            (Family::DoubleSided, 10, 0.1, 0.4),
-            (Family::DoubleSided, 20, 0.1, 0.4),
-            (Family::DoubleSided, 40, 0.1, 0.4),
-            (Family::DoubleSided, 80, 0.1, 0.4),
+            place(Family::DoubleSided, 5, 0.1, 0.4),
+            place(Family::DoubleSided, 10, 0.1, 0.4),
+            place(Family::DoubleSided, 20, 0.1, 0.4),
+            place(Family::DoubleSided, 40, 0.1, 0.4),
+            place(Family::DoubleSided, 80, 0.1, 0.4),
         ],
     ),
     (
         "More and more coupling",
         &[
-            (Family::DoubleSided, 20, 0.0001, 0.4),
-            (Family::DoubleSided, 20, 0.001, 0.4),
-            (Family::DoubleSided, 20, 0.01, 0.4),
-            (Family::DoubleSided, 20, 0.03, 0.4),
-            (Family::DoubleSided, 20, 0.3, 0.4),
-            (Family::DoubleSided, 20, 1.0, 0.4),
+            place(Family::DoubleSided, 20, 0.0001, 0.4),
+            place(Family::DoubleSided, 20, 0.001, 0.4),
+            place(Family::DoubleSided, 20, 0.01, 0.4),
+            place(Family::DoubleSided, 20, 0.03, 0.4),
+            place(Family::DoubleSided, 20, 0.3, 0.4),
+            place(Family::DoubleSided, 20, 1.0, 0.4),
         ],
     ),
     (
         "More and more asymmetry",
         &[
-            (Family::DoubleSided, 20, 0.01, 0.001),
-            (Family::DoubleSided, 20, 0.01, 0.1),
-            (Family::DoubleSided, 20, 0.01, 0.2),
-            (Family::DoubleSided, 20, 0.01, 0.6),
-            (Family::DoubleSided, 20, 0.01, 0.8),
+            place(Family::DoubleSided, 20, 0.01, 0.001),
+            place(Family::DoubleSided, 20, 0.01, 0.1),
+            place(Family::DoubleSided, 20, 0.01, 0.2),
+            place(Family::DoubleSided, 20, 0.01, 0.6),
+            place(Family::DoubleSided, 20, 0.01, 0.8),
         ],
     ),
     (
         "Single-sided breathers",
         &[
-            (Family::SingleSided, 20, 0.03, 0.8),
-            (Family::SingleSided, 40, 0.03, 0.8),
-            (Family::SingleSided, 80, 0.03, 0.8),
-            (Family::SingleSided, 40, 0.1, 0.4),
+            place(Family::SingleSided, 20, 0.03, 0.8),
+            place(Family::SingleSided, 40, 0.03, 0.8),
+            place(Family::SingleSided, 80, 0.03, 0.8),
+            place(Family::SingleSided, 40, 0.1, 0.4),
         ],
     ),
 ];
@@ -113,7 +125,7 @@ fn failed(error: impl std::fmt::Display) -> CliError {
     CliError::Computation(error.to_string())
 }
 
-fn stripe_line(&(family, n, gamma2, asymmetry): &Place) -> Result<StripeLine, CliError> {
+fn stripe_line(&Place { family, n, gamma2, asymmetry }: &Place) -> Result<StripeLine, CliError> {
     let chain = Chain::new(n + 1, GAMMA1, gamma2).map_err(failed)?;
     let model = Model::conservative(chain, 1.0, asymmetry).map_err(failed)?;
     Ok(StripeLine { model, family, free: Parameter::Omega })
@@ -131,9 +143,9 @@ fn modes(line: &StripeLine, omega: f64) -> Result<Option<DressedModes>, CliError
 }
 
 /// The stripes of the first harmonic, whole ones, along ω.
-fn stripes(&(family, n, gamma2, asymmetry): &Place) -> Result<Vec<Told>, CliError> {
-    let line = stripe_line(&(family, n, gamma2, asymmetry))?;
-    let top = 2.0 * (GAMMA1 + 4.0 * gamma2).sqrt();
+fn stripes(place: &Place) -> Result<Vec<Told>, CliError> {
+    let line = stripe_line(place)?;
+    let top = 2.0 * (GAMMA1 + 4.0 * place.gamma2).sqrt();
     let row = StripeFinder::default().along(&line, (FROM, 1.01 * top), POINTS).map_err(failed)?;
     let mut told = Vec::new();
     for stripe in &row.stripes {
@@ -159,7 +171,7 @@ const HEADING: &str = "\
 |---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|
 ";
 
-fn row(&(_, n, gamma2, asymmetry): &Place, all: &[Told]) -> String {
+fn row(&Place { n, gamma2, asymmetry, .. }: &Place, all: &[Told]) -> String {
     let widths = spread(all.iter().map(|told| 2.0 * told.stripe.half_width));
     let strongest = all.iter().map(|told| told.stripe.growth).fold(0.0, f64::max);
     let apart: Vec<&Told> = all.iter().filter(|told| told.apart).collect();
@@ -234,7 +246,7 @@ fn points(n: usize, number: usize, points: Vec<(f64, f64)>) -> Series {
 fn over_omega(gamma2: f64, asymmetry: f64) -> Result<Vec<Series>, CliError> {
     let mut all = Vec::new();
     for (number, n) in [80, 20, 10, 5].into_iter().enumerate() {
-        let told = stripes(&(Family::DoubleSided, n, gamma2, asymmetry))?;
+        let told = stripes(&place(Family::DoubleSided, n, gamma2, asymmetry))?;
         let alike = told.iter().filter(|told| told.modes.0 == told.modes.1);
         let of = |growth: &dyn Fn(&Told) -> Option<f64>| -> Vec<_> {
             let place = |told: &Told| Some((told.stripe.centre, (n + 1) as f64 * growth(told)?));
@@ -262,7 +274,7 @@ fn over_coupling(asymmetries: [f64; 2]) -> Result<Vec<Series>, CliError> {
         for asymmetry in asymmetries {
             for step in STEPS * DECADES[0]..=STEPS * DECADES[1] {
                 let power = f64::from(step) / f64::from(STEPS);
-                let line = stripe_line(&(Family::DoubleSided, n, GAMMA1 * 10f64.powf(power), asymmetry))?;
+                let line = stripe_line(&place(Family::DoubleSided, n, GAMMA1 * 10f64.powf(power), asymmetry))?;
                 let (mut finder, mut omega) =
                     (StripeFinder::default(), 2.0 * (GAMMA1 * (1.0 + 2.0 * 10f64.powf(power))).sqrt());
                 for _ in 0..APPROACH {
@@ -303,7 +315,7 @@ mod tests {
         for (title, places) in TABLES {
             assert!(document.contains(&format!("{title}:\n\n{HEADING}")), "{title}");
             // Longer rings take seconds each.
-            for place in places.iter().filter(|place| place.1 <= 20) {
+            for place in places.iter().filter(|place| place.n <= 20) {
                 let row = row(place, &stripes(place).unwrap());
                 assert!(document.contains(&row), "{row}");
                 checked += 1;

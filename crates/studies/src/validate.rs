@@ -15,27 +15,45 @@ use vibrochain_cli::common::error::CliError;
 use vibrochain_cli::simulate::start::{Start, leading_mode_at};
 use vibrochain_maps::files::Output;
 
-/// One parameter point: family, sites, γ₁, γ₂, ω, a, A, e.
-type Point = (Family, usize, f64, f64, f64, f64, f64, f64);
+/// One parameter point.
+#[derive(Clone, Copy)]
+struct Point {
+    family: Family,
+    sites: usize,
+    g1: f64,
+    g2: f64,
+    omega: f64,
+    a: f64,
+    amplitude: f64,
+    e: f64,
+}
+
+/// The paper's defaults, without force.
+const PAPER: Point =
+    Point { family: Family::DoubleSided, sites: 21, g1: 0.2, g2: 0.1, omega: 1.5, a: 0.4, amplitude: 0.0, e: 1.0 };
+
+const SINGLE: Point = Point { family: Family::SingleSided, ..PAPER };
+
+const FORCED: Point = Point { amplitude: 0.1, e: 0.9, ..PAPER };
 
 /// The paper's defaults, each mechanism of `errata`, small rings and a large one.
 const POINTS: [Point; 16] = [
-    (Family::DoubleSided, 21, 0.2, 0.1, 1.5, 0.4, 0.0, 1.0),
-    (Family::DoubleSided, 1, 0.2, 0.0, 1.5, 0.4, 0.0, 1.0),
-    (Family::DoubleSided, 2, 0.2, 0.1, 1.5, 0.4, 0.0, 1.0),
-    (Family::DoubleSided, 101, 0.2, 0.1, 2.0, 0.6, 0.0, 1.0),
-    (Family::SingleSided, 21, 0.2, 0.1, 0.85, 0.4, 0.0, 1.0),
-    (Family::SingleSided, 21, 0.2, 0.1, 0.8, 0.4, 0.0, 1.0),
-    (Family::SingleSided, 21, 0.2, 0.1, 0.93, 0.4, 0.0, 1.0),
-    (Family::DoubleSided, 5, 0.2, 0.1, 1.5, 0.4, 0.1, 0.9),
-    (Family::DoubleSided, 21, 0.2, 0.1, 1.5, 0.4, 0.1, 0.9),
-    (Family::DoubleSided, 21, 0.2, 0.1, 1.5, 0.0, 0.9, 0.9),
-    (Family::DoubleSided, 21, 0.1, 0.05, 1.33, 0.0, 1.5, 0.6),
-    (Family::SingleSided, 21, 0.2, 0.1, 0.92, 0.4, 0.1, 0.9),
-    (Family::SingleSided, 21, 0.2, 0.08, 0.92, 0.7, 0.05, 0.9),
-    (Family::SingleSided, 21, 0.2, 0.12, 0.92, 0.7, 0.05, 0.9),
-    (Family::SingleSided, 21, 0.2, 0.1, 1.07, 0.8, 0.1582, 0.25),
-    (Family::PeriodDoubled, 21, 0.2, 0.1, 1.07, 0.8, 0.1582, 0.25),
+    PAPER,
+    Point { sites: 1, g2: 0.0, ..PAPER },
+    Point { sites: 2, ..PAPER },
+    Point { sites: 101, omega: 2.0, a: 0.6, ..PAPER },
+    Point { omega: 0.85, ..SINGLE },
+    Point { omega: 0.8, ..SINGLE },
+    Point { omega: 0.93, ..SINGLE },
+    Point { sites: 5, ..FORCED },
+    FORCED,
+    Point { a: 0.0, amplitude: 0.9, ..FORCED },
+    Point { g1: 0.1, g2: 0.05, omega: 1.33, a: 0.0, amplitude: 1.5, e: 0.6, ..PAPER },
+    Point { family: Family::SingleSided, omega: 0.92, ..FORCED },
+    Point { g2: 0.08, omega: 0.92, a: 0.7, amplitude: 0.05, e: 0.9, ..SINGLE },
+    Point { g2: 0.12, omega: 0.92, a: 0.7, amplitude: 0.05, e: 0.9, ..SINGLE },
+    Point { omega: 1.07, a: 0.8, amplitude: 0.1582, e: 0.25, ..SINGLE },
+    Point { family: Family::PeriodDoubled, omega: 1.07, a: 0.8, amplitude: 0.1582, e: 0.25, ..PAPER },
 ];
 
 /// Periods over which drift and growth are measured.
@@ -83,7 +101,8 @@ fn computation(error: impl std::fmt::Display) -> CliError {
 }
 
 /// One row for each physical orbit at a point.
-fn rows((family, sites, g1, g2, omega, a, amplitude, e): Point) -> Result<Vec<String>, CliError> {
+fn rows(point: Point) -> Result<Vec<String>, CliError> {
+    let Point { family, sites, g1, g2, omega, a, amplitude, e } = point;
     let model = Model::forced(Chain::new(sites, g1, g2)?, omega, a, amplitude, e)?;
     let mut finder = Finder::new(sites);
     let mut found = Found::default();

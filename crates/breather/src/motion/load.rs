@@ -4,15 +4,10 @@ use vibrochain_lattice::ImpulseResponse;
 
 use super::Motion;
 use crate::lanes::{LANES, groups};
-use crate::orbit::Orbit;
+use crate::orbit::{Hit, Orbit};
 
 /// The most numbers of a table of shapes: those of 128 modes at as many places.
 const TABLE: usize = 128 * 128;
-
-/// Site, time, impulse.
-fn impacts(orbit: &Orbit) -> impl Iterator<Item = (usize, f64, f64)> + '_ {
-    orbit.impacts().iter().map(|impact| (impact.site, impact.time, impact.impulse))
-}
 
 fn net_impulses(orbit: &Orbit) -> impl Iterator<Item = f64> + '_ {
     orbit.sources().iter().map(|source| source.net_impulse)
@@ -28,7 +23,7 @@ impl Motion {
         }
         self.origin.uniform_offset = orbit.uniform_offset();
         self.origin.impacts.clear();
-        self.origin.impacts.extend(impacts(orbit));
+        self.origin.impacts.extend(orbit.impacts().iter().map(Hit::from));
         self.origin.net_impulses.clear();
         self.origin.net_impulses.extend(net_impulses(orbit));
         if !self.shapes.are_of(model.chain()) {
@@ -87,7 +82,7 @@ impl Motion {
         self.period == response.period()
             && self.psi == orbit.psi_or_zero()
             && self.origin.uniform_offset == orbit.uniform_offset()
-            && self.origin.impacts.iter().copied().eq(impacts(orbit))
+            && self.origin.impacts.iter().copied().eq(orbit.impacts().iter().map(Hit::from))
             && self.origin.net_impulses.iter().copied().eq(net_impulses(orbit))
             && self.chain == *orbit.model().chain()
             && self.steady == *orbit.steady()
@@ -115,8 +110,13 @@ impl Motion {
     }
 }
 
-/// An impulse, what it does to each mode's displacement, and to its velocity.
-type Part<'a> = (f64, &'a [f64], f64);
+/// An impulse, and what one of size 1 does to each mode's displacement and to its velocity.
+#[derive(Clone, Copy)]
+struct Part<'a> {
+    impulse: f64,
+    moved: &'a [f64],
+    jump: f64,
+}
 
 /// What the impacts of an orbit of one site have done at the time `start`, if each was then, or half a period before.
 fn at_instants<'a>(orbit: &Orbit, response: &'a ImpulseResponse, start: f64) -> Option<[Part<'a>; 2]> {
@@ -124,16 +124,16 @@ fn at_instants<'a>(orbit: &Orbit, response: &'a ImpulseResponse, start: f64) -> 
         let elapsed = if start < time { start - time + response.period() } else { start - time };
         if elapsed == 0.0 {
             // Just after the impact the velocity is half the jump above its mean.
-            Some((impulse, response.at_impulse(), 0.5))
+            Some(Part { impulse, moved: response.at_impulse(), jump: 0.5 })
         } else if elapsed == 0.5 * response.period() {
             // The slope of an even function.
-            Some((impulse, response.at_half(), 0.0))
+            Some(Part { impulse, moved: response.at_half(), jump: 0.0 })
         } else {
             None
         }
     };
     match orbit.impacts() {
-        [one] => Some([part(one.time, one.impulse)?, (0.0, response.at_half(), 0.0)]),
+        [one] => Some([part(one.time, one.impulse)?, Part { impulse: 0.0, moved: response.at_half(), jump: 0.0 }]),
         [one, other] if one.site == other.site => {
             Some([part(one.time, one.impulse)?, part(other.time, other.impulse)?])
         }
@@ -147,18 +147,16 @@ fn add_states(
     states: &mut Vec<(f64, f64)>,
     response: &ImpulseResponse,
     (net, held): (f64, Option<f64>),
-    [(impulse, moved, jump), (other, moved_by_other, other_jump)]: [Part<'_>; 2],
+    [one, other]: [Part<'_>; 2],
 ) {
-    let speed = impulse * jump + other * other_jump;
-    let modes = response.weights().iter().zip(response.statics()).zip(moved.iter().zip(moved_by_other));
+    let speed = one.impulse * one.jump + other.impulse * other.jump;
+    let modes = response.weights().iter().zip(response.statics()).zip(one.moved.iter().zip(other.moved));
     let from = states.len();
-    states.extend(
-        modes.map(|((weight, still), (one, two))| {
-            (weight * (net * still + impulse * one + other * two), weight * speed)
-        }),
-    );
+    states.extend(modes.map(|((weight, still), (by_one, by_other))| {
+        (weight * (net * still + one.impulse * by_one + other.impulse * by_other), weight * speed)
+    }));
     if let (Some(held), Some(first), Some(weight)) = (held, states.get_mut(from), response.weights().first()) {
-        first.0 = weight * (held / weight + impulse * moved[0] + other * moved_by_other[0]);
+        first.0 = weight * (held / weight + one.impulse * one.moved[0] + other.impulse * other.moved[0]);
     }
 }
 

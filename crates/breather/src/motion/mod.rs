@@ -15,7 +15,7 @@ use vibrochain_lattice::{Chain, Complex, ImpulseResponse, Shapes, Spectrum, Stea
 use crate::admissible::grid::{Flight, stiffnesses};
 use crate::error::BreatherError;
 use crate::lanes::{LANES, Lane, combine, fill, groups};
-use crate::orbit::Orbit;
+use crate::orbit::{Hit, Orbit};
 
 /// Modes added up before they go into the sum over a large ring.
 const BLOCK: usize = 256;
@@ -25,7 +25,7 @@ const BLOCK: usize = 256;
 struct Origin {
     uniform_offset: f64,
     /// Site, time, impulse.
-    impacts: SmallVec<[(usize, f64, f64); 2]>,
+    impacts: SmallVec<[Hit; 2]>,
     net_impulses: SmallVec<[f64; 1]>,
 }
 

@@ -49,7 +49,7 @@ impl StructureBranch {
             Departure::PeriodDoubling => through(&orbit.twice()?)?,
             Departure::Pitchfork => through(orbit)?,
             Departure::Touching(hits) => {
-                let hits: Vec<Strike> = hits.iter().map(|hit| (hit.site, hit.barrier, hit.time, 0.0).into()).collect();
+                let hits: Vec<Strike> = hits.iter().map(|hit| Strike { impulse: 0.0, ..Strike::from(hit) }).collect();
                 return exchanged(None, &hits);
             }
             Departure::Without(lost) => return exchanged(Some(*lost), &[]),
@@ -173,6 +173,12 @@ impl StructureOrbit {
     }
 
     fn strikes(&self) -> impl Iterator<Item = Strike> + '_ {
-        self.impacts().iter().map(|one| (one.contact, one.barrier, one.time, one.impulse).into())
+        let strike = |one: &StructureImpact| Strike {
+            contact: one.contact,
+            barrier: one.barrier,
+            time: one.time,
+            impulse: one.impulse,
+        };
+        self.impacts().iter().map(strike)
     }
 }

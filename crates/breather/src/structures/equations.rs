@@ -13,6 +13,7 @@ use super::model::StructureModel;
 use super::periodic_kernel::PeriodicKernel;
 use super::response::Response;
 use crate::equations::linear::{Matrix, Vector, dot, zeros};
+use crate::orbit::Hit;
 
 type C = Complex<f64>;
 
@@ -28,9 +29,9 @@ pub(super) struct Strike {
     pub(super) impulse: f64,
 }
 
-impl From<(usize, Barrier, f64, f64)> for Strike {
-    fn from((contact, barrier, time, impulse): (usize, Barrier, f64, f64)) -> Self {
-        Self { contact, barrier, time, impulse }
+impl From<&Hit> for Strike {
+    fn from(hit: &Hit) -> Self {
+        Self { contact: hit.site, barrier: hit.barrier, time: hit.time, impulse: hit.impulse }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Complex, FeltModes, LinearMode, ModalStructure, Turn, Turned};
+use vibrochain_lattice::{Complex, FeltModes, LinearMode, ModalStructure, ModeFlow, Turn, Turned};
 
 use super::equations::Equations;
 use super::error::StructureOrbitError;
@@ -163,8 +163,7 @@ impl<'a> StructureMotion<'a> {
         let swings = self.response().swings(contact);
         let mut most: f64 = swings.map(|(rate, swing)| swing.norm() * rate * rate).sum();
         for (mode, state) in self.felt(i).filter(|(mode, _)| mode.rows[contact] != [0.0; 2]) {
-            most += length(mode.rows[contact])
-                * reach((mode.turn, mode.decay, mode.rate), mode.turn.act(mode.flight(s), state), end - s, 2);
+            most += length(mode.rows[contact]) * reach(mode.flow(), mode.turn.act(mode.flight(s), state), end - s, 2);
         }
         for mode in self.response().kernel.rigid() {
             // Between impacts nothing but its load and its dashpot turn it.
@@ -176,7 +175,8 @@ impl<'a> StructureMotion<'a> {
 }
 
 /// A bound of the length of a mode's state, or of its derivative of some order, in a flight of length `left`.
-pub(super) fn reach((turn, decay, rate): (Turn, f64, f64), state: [f64; 2], left: f64, order: u32) -> f64 {
+pub(super) fn reach(flow: ModeFlow, state: [f64; 2], left: f64, order: u32) -> f64 {
+    let ModeFlow { turn, decay, rate } = flow;
     let generator = Turned { even: -decay, odd: rate };
     let size = length((0..order).fold(state, |xi, _| turn.act(generator, xi)));
     let dying = if decay < 0.0 { (-decay * left).exp() } else { 1.0 };

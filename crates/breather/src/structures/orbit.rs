@@ -11,6 +11,7 @@ use super::model::StructureModel;
 use super::response::Response;
 use crate::equations::linear::{Factors, Matrix, Vector};
 use crate::equations::{BlochEquations, LinearImpact};
+use crate::orbit::Hit;
 use crate::word::MAX_IMPACTS;
 
 /// One impact of a structure's orbit, in units of the user's, with estimated errors of what has been solved for.
@@ -109,7 +110,7 @@ impl StructureOrbit {
         })
     }
 
-    /// The orbit of given impacts, refined from there by Newton's method: contact, barrier, time and impulse of each, in order of time.
+    /// The orbit of given impacts, refined from there by Newton's method: in order of time, the contact of each as its site.
     ///
     /// # Errors
     /// [`StructureOrbitError`]: a contact or barrier that is not there, a resonance, or no orbit near enough.
@@ -117,23 +118,18 @@ impl StructureOrbit {
         model: &StructureModel,
         force_periods: u32,
         psi: f64,
-        impacts: &[(usize, Barrier, f64, f64)],
+        impacts: &[Hit],
     ) -> Result<Self, StructureOrbitError> {
         if impacts.len() > MAX_IMPACTS {
             return Err(StructureOrbitError::TooManyImpacts { impacts: impacts.len() });
         }
         let (first, period) =
-            (impacts.first().map_or(0.0, |impact| impact.2), model.period() * f64::from(force_periods));
-        if !in_order(impacts.iter().map(|impact| impact.2 - first), period) {
+            (impacts.first().map_or(0.0, |impact| impact.time), model.period() * f64::from(force_periods));
+        if !in_order(impacts.iter().map(|impact| impact.time - first), period) {
             return Err(StructureOrbitError::OutOfOrder { found: false });
         }
-        let equations = Equations::new(model, force_periods, impacts.iter().map(|impact| impact.0))?;
-        let strikes = impacts.iter().map(|&(contact, barrier, time, impulse)| Strike {
-            contact,
-            barrier,
-            time: time - first,
-            impulse,
-        });
+        let equations = Equations::new(model, force_periods, impacts.iter().map(|impact| impact.site))?;
+        let strikes = impacts.iter().map(|hit| Strike { time: hit.time - first, ..Strike::from(hit) });
         let point = Point {
             strikes: strikes.collect(),
             psi: psi + first,
@@ -144,7 +140,7 @@ impl StructureOrbit {
         if !in_order(solved.0.strikes.iter().map(|strike| strike.time), period) {
             return Err(StructureOrbitError::OutOfOrder { found: true });
         }
-        let contacts: Vec<usize> = impacts.iter().map(|impact| impact.0).collect();
+        let contacts: Vec<usize> = impacts.iter().map(|impact| impact.site).collect();
         equations.off_resonance(&contacts)?;
         Self::new(&equations, force_periods, solved)
     }

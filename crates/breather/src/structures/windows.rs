@@ -1,7 +1,7 @@
 //! One flight of an orbit in windows of a radian of its fastest part, four modes at a time.
 
 use smallvec::{SmallVec, smallvec};
-use vibrochain_lattice::{Turn, Turned};
+use vibrochain_lattice::{ModeFlow, Turn, Turned};
 
 use super::flight::{StructureMotion, reach};
 use super::periodic_kernel::length;
@@ -23,7 +23,7 @@ pub(super) type Lanes = SmallVec<[Lane; 4]>;
 /// What contacts see of an orbit's flights: the modes and the motion under a load, which is one mode more, that nothing damps.
 pub(super) struct View {
     /// How each part moves, and the number of each mode among those that are felt.
-    flows: SmallVec<[(Turn, f64, f64); 16]>,
+    flows: SmallVec<[ModeFlow; 16]>,
     numbers: SmallVec<[usize; 16]>,
     /// From this one on contacts see both coordinates, before it the first alone.
     both: usize,
@@ -76,12 +76,12 @@ struct Flow([Lanes; 3]);
 struct Node([Lanes; 2]);
 
 impl Flow {
-    fn of(flows: &[(Turn, f64, f64)], by: impl Fn(usize) -> Turned) -> Self {
+    fn of(flows: &[ModeFlow], by: impl Fn(usize) -> Turned) -> Self {
         let mut lanes = [(); 3].map(|()| -> Lanes { smallvec![[0.0; LANES]; flows.len().div_ceil(LANES)] });
-        for (k, (turn, ..)) in flows.iter().enumerate() {
+        for (k, flow) in flows.iter().enumerate() {
             let Turned { even, odd } = by(k);
             let [keeps, gets, gives] = &mut lanes;
-            let values = [(keeps, even), (gets, odd), (gives, -turn.sign() * odd)];
+            let values = [(keeps, even), (gets, odd), (gives, -flow.turn.sign() * odd)];
             values.into_iter().for_each(|(lanes, value)| lanes.as_flattened_mut()[k] = value);
         }
         Self(lanes)
@@ -122,7 +122,7 @@ impl View {
         numbers.extend((0..modes.len()).filter(|&k| !modes[k].is_real));
         let swings: SmallVec<[f64; 1]> = response.swings(0).map(|(rate, _)| rate).collect();
         let mut flows: SmallVec<[_; 16]> = numbers.iter().map(|&k| modes[k].flow()).collect();
-        flows.extend(swings.iter().map(|rate| (Turn::Circular, 0.0, *rate)));
+        flows.extend(swings.iter().map(|&rate| ModeFlow { turn: Turn::Circular, decay: 0.0, rate }));
         let (count, fours) = (flows.len(), contacts.len().div_ceil(LANES));
         let mut shapes = vec![[0.0; LANES]; (2 * count - both) * fours];
         let mut put =
@@ -146,7 +146,7 @@ impl View {
             }
         }
         let fastest = modes.iter().map(|mode| length([mode.rate, mode.decay])).chain(swings).fold(0.0, f64::max);
-        let generator = Flow::of(&flows, |k| Turned { even: -flows[k].1, odd: flows[k].2 });
+        let generator = Flow::of(&flows, |k| Turned { even: -flows[k].decay, odd: flows[k].rate });
         Some(Self { flows, numbers, both, sights: Sights { shapes, still }, generator, fastest })
     }
 
@@ -183,8 +183,8 @@ impl<'v> Windows<'v> {
         let states = motion.states(i);
         let mut first = Node::zeros(groups);
         view.numbers.iter().enumerate().for_each(|(k, &number)| first.put(k, states[number]));
-        for (k, (_, _, rate)) in view.flows.iter().enumerate().skip(view.numbers.len()) {
-            let (sin, cos) = (rate * motion.load_time(i, 0.0)).sin_cos();
+        for (k, flow) in view.flows.iter().enumerate().skip(view.numbers.len()) {
+            let (sin, cos) = (flow.rate * motion.load_time(i, 0.0)).sin_cos();
             first.put(k, [cos, -sin]);
         }
         let flights = Turn::flights(view.flows.iter().copied(), length);

@@ -144,14 +144,24 @@ pub fn foreseen<const N: usize>(places: impl DoubleEndedIterator<Item = (f64, [f
     sum
 }
 
-/// The side of the window, whose sides are 1, that is met first in a direction: which parameter, its value there, and after how many
-/// times the direction.
-pub fn side_ahead(from: [f64; 2], direction: [f64; 2]) -> Option<(usize, f64, f64)> {
+/// A side of the window, whose sides are 1, on the way in a direction.
+#[derive(Debug, Clone, Copy)]
+pub struct Side {
+    /// Which of the two parameters is at an end of its range there.
+    pub parameter: usize,
+    /// Its value there, 0 or 1.
+    pub goal: f64,
+    /// After how many times the direction.
+    pub share: f64,
+}
+
+/// The side that is met first.
+pub fn side_ahead(from: [f64; 2], direction: [f64; 2]) -> Option<Side> {
     let met = |i: usize| {
         let goal = if direction[i] > 0.0 { 1.0 } else { 0.0 };
-        (i, goal, (goal - from[i]) / direction[i])
+        Side { parameter: i, goal, share: (goal - from[i]) / direction[i] }
     };
-    (0..2).map(met).filter(|(_, _, share)| *share >= 0.0).min_by(|a, b| a.2.total_cmp(&b.2))
+    (0..2).map(met).filter(|side| side.share >= 0.0).min_by(|a, b| a.share.total_cmp(&b.share))
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 use vibrochain_breather::{
-    Family, StructureFound, StructureModel, StructureMotion, StructureOrbit, StructureOrbitError, StructureSearch,
+    Family, Hit, StructureFound, StructureModel, StructureMotion, StructureOrbit, StructureOrbitError, StructureSearch,
     Word, structure_orbits,
 };
 use vibrochain_lattice::Barrier;
@@ -160,7 +160,7 @@ fn near(path: &Path, model: &StructureModel) -> Result<StructureOrbit, CliError>
     let wrong = |what: &dyn std::fmt::Display| CliError::Request(format!("{}: {what}", path.display()));
     if impact_table::is_one(&text) {
         let (periods, struck) = impact_table::settled(&text, model.period()).map_err(|why| wrong(&why))?;
-        let impacts: Vec<_> = struck.iter().map(|one| (one.site, one.barrier, one.time, one.impulse)).collect();
+        let impacts: Vec<_> = struck.iter().map(|one| Hit::new(one.site, one.barrier, one.time, one.impulse)).collect();
         let lead = |psi: f64| StructureOrbit::near(model, periods, psi, &impacts);
         return Ok(impact_table::nearest(&struck, model.period(), lead, StructureOrbit::impulses)?);
     }
@@ -174,14 +174,14 @@ fn near(path: &Path, model: &StructureModel) -> Result<StructureOrbit, CliError>
     }
     let near: Near = serde_json::from_value(value).map_err(|error| wrong(&error))?;
     ensure!(!near.impacts.is_empty(), wrong(&"it has no impacts"));
-    let impacts: Vec<(usize, Barrier, f64, f64)> = near
+    let impacts: Vec<Hit> = near
         .impacts
         .iter()
         .map(|impact| {
             let barrier = [Barrier::Lower, Barrier::Upper].into_iter().find(|barrier| barrier.name() == impact.barrier);
             let barrier =
                 barrier.ok_or_else(|| wrong(&format!("barrier {} is unknown: give lower or upper", impact.barrier)))?;
-            Ok((impact.contact, barrier, impact.time, impact.impulse))
+            Ok(Hit::new(impact.contact, barrier, impact.time, impact.impulse))
         })
         .collect::<Result<_, CliError>>()?;
     let periods = near.period.map_or(1.0, |period| (period / model.period()).round()).clamp(1.0, 1e6) as u32;

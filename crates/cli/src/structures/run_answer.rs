@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
-use vibrochain_breather::{StructureModel, StructureOrbit};
+use vibrochain_breather::{Hit, StructureModel, StructureOrbit};
 use vibrochain_eventsim::{ContactEvent, EnergyBalance, EventKind, StructureOutcome, StructureReport, Time};
 use vibrochain_floquet::{Tolerance, Verdict, structure_verdict};
 use vibrochain_lattice::{Barrier, Short};
@@ -35,7 +35,7 @@ pub(super) struct Settled {
     stable: Option<bool>,
     force_periods: u64,
     psi: f64,
-    impacts: Vec<(usize, Barrier, f64, f64)>,
+    impacts: Vec<Hit>,
 }
 
 /// What a run has come to.
@@ -52,9 +52,7 @@ pub(super) enum End {
 
 impl Settled {
     fn word(&self) -> String {
-        let letter = |(contact, barrier, ..): &(usize, Barrier, f64, f64)| {
-            format!("{contact}{}", if *barrier == Barrier::Upper { '+' } else { '-' })
-        };
+        let letter = |hit: &Hit| format!("{}{}", hit.site, if hit.barrier == Barrier::Upper { '+' } else { '-' });
         self.impacts.iter().map(letter).collect::<Vec<_>>().join(",")
     }
 }
@@ -91,9 +89,9 @@ impl Settled {
         let orbit = StructureOrbit::near(model, self.force_periods as u32, self.psi, &self.impacts).ok()?;
         let period = model.period();
         let late = orbit.psi().map_or(0.0, |psi| (psi - self.psi + 0.5 * period).rem_euclid(period) - 0.5 * period);
-        let off = self.impacts.iter().zip(orbit.impacts()).map(|((.., time, impulse), own)| {
-            let impulse = (own.impulse - impulse).abs() / own.impulse.abs();
-            ((own.time - time + late).abs() / period).max(impulse)
+        let off = self.impacts.iter().zip(orbit.impacts()).map(|(hit, own)| {
+            let impulse = (own.impulse - hit.impulse).abs() / own.impulse.abs();
+            ((own.time - hit.time + late).abs() / period).max(impulse)
         });
         let is_near = off.fold(0.0, f64::max) <= ALIKE;
         is_near.then(|| structure_verdict(&orbit, Tolerance::Rounding).ok()).flatten()
@@ -129,7 +127,7 @@ pub(super) fn settled(model: &StructureModel, psi: f64, events: &[ContactEvent],
         let impacts = last.iter().map(|(event, _)| {
             let lapse = (event.time.periods() as f64 - begin.periods() as f64) * period
                 + (event.time.offset() - begin.offset());
-            (event.contact, event.barrier, lapse, event.impulse)
+            Hit::new(event.contact, event.barrier, lapse, event.impulse)
         });
         let mut settled = Settled {
             stable: None,
@@ -258,8 +256,8 @@ pub(super) fn answer(
 ) -> Value {
     let settled = if let End::Repeats(settled) = settled { Some(settled) } else { None };
     let repeated = settled.map(|settled| {
-        let impacts = settled.impacts.iter().map(|(contact, barrier, time, impulse)| {
-            json!({ "contact": contact, "barrier": barrier.name(), "time": time, "impulse": impulse })
+        let impacts = settled.impacts.iter().map(|Hit { site, barrier, time, impulse }| {
+            json!({ "contact": site, "barrier": barrier.name(), "time": time, "impulse": impulse })
         });
         json!({
             "word": settled.word(),

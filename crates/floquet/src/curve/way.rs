@@ -1,7 +1,7 @@
 //! One way along a curve: the orbit's equations with what vanishes at the event, over two numbers that are free, are followed by the one tracer.
 //! Where something else happens on the way a monitor changes its sign.
 
-use vibrochain_breather::line::{Line, Step, chord_error, joined, side_ahead, trace};
+use vibrochain_breather::line::{Line, Side, Step, chord_error, joined, side_ahead, trace};
 use vibrochain_breather::system::{System, Vector, unit};
 use vibrochain_breather::{BranchError, SolutionCurve};
 
@@ -165,7 +165,7 @@ where
             beyond = values(&next);
         }
         let [here, there] = [values(last), beyond].map(|values| asked.parts(values));
-        let (which, goal, share) = side_ahead(here, [there[0] - here[0], there[1] - here[1]])?;
+        let Side { parameter: which, goal, share } = side_ahead(here, [there[0] - here[0], there[1] - here[1]])?;
         let mut z = self.tracer.foreseen(passed, length * share.min(1.0))?;
         let place = z.len() - 2 + which;
         z[place] = asked.window[usize::from(goal > 0.0)][which];

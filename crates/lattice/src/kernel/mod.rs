@@ -27,7 +27,7 @@ pub(crate) mod turn;
 pub use bloch::{BlochJet, BlochKernel, BlochMode};
 pub use coordinates::Coordinates;
 pub use lattice_modes::SparedModes;
-pub use turn::{Turn, Turned};
+pub use turn::{ModeFlow, Turn, Turned};
 
 #[cfg(test)]
 mod tests;

@@ -25,6 +25,17 @@ pub enum Turn {
     Parabolic,
 }
 
+/// How the coordinates of a mode move, e^{(−δ + κJ)t}.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ModeFlow {
+    /// J
+    pub turn: Turn,
+    /// δ
+    pub decay: f64,
+    /// κ
+    pub rate: f64,
+}
+
 impl Turn {
     /// σ = −J²
     pub fn sign(self) -> f64 {
@@ -107,16 +118,16 @@ impl Turn {
     }
 
     /// e^{(−δ + κJ)t} of modes, by their turns and rates δ, κ, over one time: four at a time where their coordinates turn.
-    pub fn flights(modes: impl Iterator<Item = (Self, f64, f64)>, t: f64) -> SmallVec<[Turned; 16]> {
-        let modes: SmallVec<[(Self, f64, f64); 16]> = modes.collect();
+    pub fn flights(modes: impl Iterator<Item = ModeFlow>, t: f64) -> SmallVec<[Turned; 16]> {
+        let modes: SmallVec<[ModeFlow; 16]> = modes.collect();
         let mut flights = SmallVec::with_capacity(modes.len());
         // Many modes of a structure often lose alike.
         let (mut known, mut left) = (0.0, 1.0);
         for modes in modes.chunks(4) {
-            let angle = |(turn, _, rate): &(Self, f64, f64)| if *turn == Self::Circular { rate * t } else { 0.0 };
+            let angle = |mode: &ModeFlow| if mode.turn == Self::Circular { mode.rate * t } else { 0.0 };
             let angles = std::array::from_fn(|i| modes.get(i).map_or(0.0, angle));
             let [cos, sin] = Self::Circular.turns(1.0, angles).unwrap_or_default();
-            for (i, &(turn, decay, rate)) in modes.iter().enumerate() {
+            for (i, &ModeFlow { turn, decay, rate }) in modes.iter().enumerate() {
                 if turn != Self::Circular {
                     flights.push(turn.flight(decay, rate, t));
                     continue;

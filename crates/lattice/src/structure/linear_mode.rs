@@ -2,7 +2,7 @@
 
 use rustfft::num_complex::Complex;
 
-use crate::kernel::turn::{Turn, Turned};
+use crate::kernel::turn::{ModeFlow, Turn, Turned};
 
 type C = Complex<f64>;
 
@@ -118,9 +118,9 @@ impl LinearMode {
         }
     }
 
-    /// How its coordinates move, and its rates δ and κ.
-    pub fn flow(&self) -> (Turn, f64, f64) {
-        (self.turn, self.decay, self.rate)
+    /// How its coordinates move.
+    pub fn flow(&self) -> ModeFlow {
+        ModeFlow { turn: self.turn, decay: self.decay, rate: self.rate }
     }
 
     /// e^{At}

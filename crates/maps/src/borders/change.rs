@@ -1,7 +1,7 @@
 //! The border between two classes by the classes themselves, where no event tells it: along a resonance, where impulses grow without
 //! bound, and where events are too close to be told apart.
 
-use vibrochain_breather::line::{Line, Step, chord_error, foreseen, joined, side_ahead, trace as trace_line};
+use vibrochain_breather::line::{Line, Side, Step, chord_error, foreseen, joined, side_ahead, trace as trace_line};
 
 use super::meet::enclose;
 
@@ -168,7 +168,7 @@ impl<C: Copy + PartialEq, F: FnMut([f64; 2]) -> Option<C>> Line for Way<'_, C, F
             return self.between(last, [beside(ASIDE), beside(-ASIDE)]).map(Step::On);
         }
         // On its way out: the border meets the edge between two places of it.
-        let (axis, goal, share) = side_ahead(last.place, direction)?;
+        let Side { parameter: axis, goal, share } = side_ahead(last.place, direction)?;
         if share <= 1e-12 {
             return Some(Step::Out(None, EDGE));
         }

@@ -32,15 +32,20 @@ struct Window {
     analytic: Vec<(f64, f64)>,
 }
 
+/// How a breather is perturbed and for how many periods it is followed; which of them are shown, from the first and from a late one on.
+pub(super) struct Run {
+    pub(super) perturb: f64,
+    pub(super) periods: u64,
+    pub(super) shown: u64,
+    pub(super) late: u64,
+}
+
 /// Computes the figure.
 ///
 /// # Errors
 /// [`CliError`].
-pub(super) fn draw(
-    scene: &LineScene,
-    (perturb, periods, shown, late_from): (f64, u64, u64, u64),
-    stop: &Stop,
-) -> Result<Drawn, CliError> {
+pub(super) fn draw(scene: &LineScene, run: Run, stop: &Stop) -> Result<Drawn, CliError> {
+    let Run { perturb, periods, shown, late: late_from } = run;
     let nothing = || CliError::Request("a comparison needs a point".to_owned());
     let (_, _, model) = scene.curves.first().ok_or_else(nothing)?;
     let solved = leading(model, scene.family)?;

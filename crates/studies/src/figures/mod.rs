@@ -96,9 +96,11 @@ fn compute(scene: &FigureScene, pool: &rayon::ThreadPool, stop: &Stop) -> Result
         FigureScene::Lines(scene) => match scene.kind {
             Kind::Profile { reach } => profile::draw(scene, reach),
             Kind::Trace => trace::draw(scene),
-            Kind::Solutions { over, from, to, points } => solutions::draw(scene, (over, from, to, points), stop),
+            Kind::Solutions { over: parameter, from, to, points: count } => {
+                solutions::draw(scene, solutions::Over { parameter, from, to, count }, stop)
+            }
             Kind::Comparison { perturb, periods, shown, late } => {
-                comparison::draw(scene, (perturb, periods, shown, late), stop)
+                comparison::draw(scene, comparison::Run { perturb, periods, shown, late }, stop)
             }
         },
     }

@@ -24,11 +24,20 @@ const SPARSE: usize = 3;
 /// Halvings of an interval in which the number of solutions changes; below 1e-11 of it two solutions are one to rounding.
 const HALVINGS: u32 = 36;
 
-/// Computes the figure. `over` is the further parameter, its ends and its number of values.
+/// A parameter that varies, between these ends, and its number of values.
+#[derive(Clone, Copy)]
+pub(super) struct Over {
+    pub(super) parameter: Parameter,
+    pub(super) from: f64,
+    pub(super) to: f64,
+    pub(super) count: usize,
+}
+
+/// Computes the figure.
 ///
 /// # Errors
 /// [`CliError`].
-pub(super) fn draw(scene: &LineScene, over: (Parameter, f64, f64, usize), stop: &Stop) -> Result<Drawn, CliError> {
+pub(super) fn draw(scene: &LineScene, over: Over, stop: &Stop) -> Result<Drawn, CliError> {
     let nothing = || CliError::Request("a figure of solutions needs a point".to_owned());
     let (_, point, model) = scene.curves.first().ok_or_else(nothing)?;
     let solved = physical(model, scene.family)?;
@@ -58,8 +67,8 @@ pub(super) fn draw(scene: &LineScene, over: (Parameter, f64, f64, usize), stop: 
         panes.push(pane);
         more.push(("-asymmetry", table));
     }
-    let (series, table, found) = branches(point, scene.family, over, stop)?;
-    let name = format!("{} {}", over.0.meaning(), over.0.symbol());
+    let Branches { series, table, findings: found } = branches(point, scene.family, over, stop)?;
+    let name = format!("{} {}", over.parameter.meaning(), over.parameter.symbol());
     panes.push(pane("solutions and their stability", &name, "second impact φ/T", Scale::Linear, series));
     more.push(("-branches", table));
     findings.extend(found);
@@ -110,16 +119,16 @@ fn asymmetry(model: &Model, solved: &[Solved]) -> Result<(Vec<Series>, Vec<u8>),
     Ok((all, sheet.bytes()?))
 }
 
-/// Series of the panel, its table, and findings.
-type Branches = (Vec<Series>, Vec<u8>, Vec<String>);
+/// A panel, its table, and what was found.
+struct Branches {
+    series: Vec<Series>,
+    table: Vec<u8>,
+    findings: Vec<String>,
+}
 
 /// φ of all physical solutions over a parameter.
-fn branches(
-    point: &Point,
-    family: Family,
-    (parameter, from, to, count): (Parameter, f64, f64, usize),
-    stop: &Stop,
-) -> Result<Branches, CliError> {
+fn branches(point: &Point, family: Family, over: Over, stop: &Stop) -> Result<Branches, CliError> {
+    let Over { parameter, from, to, count } = over;
     let at = |value: f64| -> Result<Vec<Solved>, CliError> {
         physical(&point.with(parameter, value).model().map_err(|error| CliError::Request(error.to_string()))?, family)
     };
@@ -166,6 +175,6 @@ fn branches(
         Series { name, colour, stroke: Stroke::None, mark, points }
     };
     // What lies on top shows inside of what is hollow: symmetric solutions, stable and unstable ones, have one φ.
-    let all = vec![series("unstable", 1, Mark::Hollow(3), unstable), series("stable", 0, Mark::Small(0), stable)];
-    Ok((all, sheet.bytes()?, findings))
+    let series = vec![series("unstable", 1, Mark::Hollow(3), unstable), series("stable", 0, Mark::Small(0), stable)];
+    Ok(Branches { series, table: sheet.bytes()?, findings })
 }

@@ -7,15 +7,21 @@
 use vibrochain_lattice::{Barrier, Chain, Model, Stop};
 
 use crate::error::{BreatherError, NoBreather, Unsearched};
-use crate::orbit::{Family, Impact, Orbit};
+use crate::orbit::{Family, Hit, Impact, Orbit};
 use crate::search::at_point::Sought;
 use crate::search::families::forced_single;
 use crate::search::families::pattern::Pattern;
 use crate::search::finder::{Finder, Found, Wanted};
 use crate::word::{Letter, Word};
 
-/// A hit of a mass: the barrier, the time in periods of the word, and the impulse.
-pub(crate) type Beat = (Barrier, f64, f64);
+/// A hit of a mass.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Beat {
+    pub(crate) barrier: Barrier,
+    /// The time, in periods of the word; while a mass is sought alone, of the force.
+    pub(crate) turn: f64,
+    pub(crate) impulse: f64,
+}
 
 /// One orbit of a mass alone.
 #[derive(Debug, Clone)]
@@ -50,7 +56,11 @@ pub(crate) fn without_force(model: &Model, barriers: &[Barrier], stop: &Stop) ->
         beats: (0..repeats)
             .flat_map(|again| {
                 let turn = move |impact: &Impact| (again as f64 + impact.time / orbit.period()) / repeats as f64;
-                orbit.impacts().iter().map(move |impact| (impact.barrier, turn(impact), impact.impulse))
+                orbit.impacts().iter().map(move |impact| Beat {
+                    barrier: impact.barrier,
+                    turn: turn(impact),
+                    impulse: impact.impulse,
+                })
             })
             .collect(),
         repeats: repeats as u32,
@@ -86,9 +96,8 @@ pub(crate) fn under_force(
                     let at = |clock: f64, again: u32| {
                         (clock + f64::from(later + again * own)).rem_euclid(f64::from(periods)) / f64::from(periods)
                     };
-                    let all = (0..repeats).flat_map(|again| {
-                        beats.iter().map(move |&(barrier, clock, impulse)| (barrier, at(clock, again), impulse))
-                    });
+                    let all = (0..repeats)
+                        .flat_map(|again| beats.iter().map(move |&beat| Beat { turn: at(beat.turn, again), ..beat }));
                     list.push(Alone { beats: all.collect(), repeats, later });
                 }
             }
@@ -120,7 +129,11 @@ fn in_periods(model: &Model, barriers: &[Barrier], own: u32, stop: &Stop) -> Orb
             return Ok(Err(none));
         }
         let of = |orbit: &Orbit| -> Vec<Beat> {
-            let beat = |impact: &Impact| (impact.barrier, clock(impact.time + orbit.psi_or_zero()), impact.impulse);
+            let beat = |impact: &Impact| Beat {
+                barrier: impact.barrier,
+                turn: clock(impact.time + orbit.psi_or_zero()),
+                impulse: impact.impulse,
+            };
             orbit.impacts().iter().map(beat).collect()
         };
         let (unresolved, exhausted) = found.completeness.open();
@@ -134,7 +147,8 @@ fn in_periods(model: &Model, barriers: &[Barrier], own: u32, stop: &Stop) -> Orb
     let force = model.force_response()?;
     Ok(forced_single::single_sided(model, &finder.response, force, barriers[0]).map(|drafts| {
         let of = |draft: &crate::orbit::Draft| -> Vec<Beat> {
-            draft.impacts.iter().map(|hit| (hit.barrier, clock(draft.psi), hit.impulse)).collect()
+            let beat = |hit: &Hit| Beat { barrier: hit.barrier, turn: clock(draft.psi), impulse: hit.impulse };
+            draft.impacts.iter().map(beat).collect()
         };
         (drafts.iter().map(of).collect(), 0)
     }))

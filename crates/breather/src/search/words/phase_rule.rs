@@ -84,7 +84,7 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
         let mut seen: Vec<Vec<Hit>> = Vec::new();
         for phases in phases {
             let turned = |((site, alone), phase): (&(usize, &Alone), &f64)| {
-                let later = |&(barrier, turn, impulse): &Beat| (barrier, turn + phase, impulse);
+                let later = |&beat: &Beat| Beat { turn: beat.turn + phase, ..beat };
                 (*site, alone.beats.iter().map(later).collect())
             };
             let placed: Vec<(usize, Vec<Beat>)> = masses.iter().zip(&phases).map(turned).collect();
@@ -141,7 +141,8 @@ fn at_rest(finder: &mut Finder, model: &Model, masses: &[(usize, &Alone)]) -> Re
 
 /// The largest product of impulses of two masses.
 fn strength(masses: &[(usize, &Alone)]) -> f64 {
-    let largest = masses.iter().flat_map(|(_, alone)| &alone.beats).fold(0.0, |most: f64, beat| most.max(beat.2.abs()));
+    let largest =
+        masses.iter().flat_map(|(_, alone)| &alone.beats).fold(0.0, |most: f64, beat| most.max(beat.impulse.abs()));
     largest * largest
 }
 
@@ -158,8 +159,8 @@ impl Tails<'_> {
         let ((to, one), (from, other)) = (self.masses[a], self.masses[b]);
         let period = self.response.period();
         let mut sum = [0.0; 2];
-        for &(_, at, impulse) in &one.beats {
-            for &(_, before, push) in &other.beats {
+        for &Beat { turn: at, impulse, .. } in &one.beats {
+            for &Beat { turn: before, impulse: push, .. } in &other.beats {
                 let turn = (at + ahead - before).rem_euclid(1.0);
                 let jet = self.response.jet_between(to, from, (turn - 0.5) * period);
                 let product = impulse * push / self.scale;

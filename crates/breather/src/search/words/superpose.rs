@@ -17,7 +17,7 @@ const SAME: f64 = 1e-8;
 pub(crate) fn side_by_side(word: &Word, masses: &[(usize, Vec<Beat>)]) -> Option<(f64, Vec<Hit>)> {
     let mut beats: Vec<(f64, Letter, f64)> = (masses.iter())
         .flat_map(|(site, beats)| {
-            let of = |&(barrier, turn, impulse): &Beat| (turn.rem_euclid(1.0), Letter::new(*site, barrier), impulse);
+            let of = |beat: &Beat| (beat.turn.rem_euclid(1.0), Letter::new(*site, beat.barrier), beat.impulse);
             beats.iter().map(of)
         })
         .collect();

@@ -2,7 +2,7 @@
 
 use rustfft::num_complex::Complex;
 
-use super::{BlochKernel, Coordinates, Turn};
+use super::{BlochKernel, Coordinates, ModeFlow, Turn};
 use crate::{Chain, Ends, ImpulseResponse, Spectrum};
 
 type C = Complex<f64>;
@@ -86,12 +86,16 @@ fn flights_of_many_modes_are_those_of_each() {
         let turns = [Turn::Circular, Turn::Circular, Turn::Hyperbolic, Turn::Circular, Turn::Parabolic];
         // The first few lose alike.
         let modes: Vec<_> = (0..count)
-            .map(|k| (turns[k % 5], if k < 3 { 0.1 } else { unit(&mut seed) - 0.3 }, 0.2 + 3.0 * unit(&mut seed)))
+            .map(|k| ModeFlow {
+                turn: turns[k % 5],
+                decay: if k < 3 { 0.1 } else { unit(&mut seed) - 0.3 },
+                rate: 0.2 + 3.0 * unit(&mut seed),
+            })
             .collect();
         let t = 5.0 * unit(&mut seed);
         let flights = Turn::flights(modes.iter().copied(), t);
         assert_eq!(flights.len(), count);
-        for (flight, (turn, decay, rate)) in flights.into_iter().zip(modes) {
+        for (flight, ModeFlow { turn, decay, rate }) in flights.into_iter().zip(modes) {
             let own = turn.flight(decay, rate, t);
             let size = own.even.hypot(own.odd);
             assert!((flight.even - own.even).abs() + (flight.odd - own.odd).abs() < 4.0 * f64::EPSILON * size);

@@ -19,8 +19,17 @@ const FEW: usize = 64;
 /// Masses of the paper's default ring.
 const SITES: usize = 21;
 
-/// The paper's γ₁, γ₂, ω, a.
-const DEFAULTS: (f64, f64, f64, f64) = (0.2, 0.1, 1.5, 0.4);
+/// γ₁, γ₂, ω and a.
+#[derive(Clone, Copy)]
+struct At {
+    g1: f64,
+    g2: f64,
+    omega: f64,
+    a: f64,
+}
+
+/// The paper's.
+const DEFAULTS: At = At { g1: 0.2, g2: 0.1, omega: 1.5, a: 0.4 };
 
 /// How much of the slow corners is done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,45 +78,43 @@ fn truth(error: impl std::fmt::Display) -> CliError {
     CliError::Computation(error.to_string())
 }
 
-fn conservative(sites: usize, (g1, g2, omega, a): (f64, f64, f64, f64)) -> Result<Model, ParameterError> {
-    Model::conservative(Chain::new(sites, g1, g2)?, omega, a)
+fn conservative(sites: usize, at: At) -> Result<Model, ParameterError> {
+    Model::conservative(Chain::new(sites, at.g1, at.g2)?, at.omega, at.a)
 }
 
 /// Kernels, both conservative families and their multipliers.
-fn all(case: &str, sites: usize, point: (f64, f64, f64, f64)) -> Result<Vec<Row>, CliError> {
+fn all(case: &str, sites: usize, point: At) -> Result<Vec<Row>, CliError> {
     let model = conservative(sites, point)?;
-    let mut rows = vec![check_kernels(case, model.chain(), point.2, DEFAULT_BITS).map_err(truth)?];
+    let mut rows = vec![check_kernels(case, model.chain(), point.omega, DEFAULT_BITS).map_err(truth)?];
     for family in [Family::DoubleSided, Family::SingleSided] {
         rows.extend(check_orbits(case, &model, family, DEPTH));
     }
     Ok(rows)
 }
 
-fn forced(case: &str, point: (f64, f64, f64, f64), (amplitude, e): (f64, f64)) -> Result<Vec<Row>, CliError> {
-    let (g1, g2, omega, a) = point;
+fn forced(case: &str, At { g1, g2, omega, a }: At, (amplitude, e): (f64, f64)) -> Result<Vec<Row>, CliError> {
     let model = Model::forced(Chain::new(SITES, g1, g2)?, omega, a, amplitude, e)?;
     let families = [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled];
     Ok(families.into_iter().flat_map(|family| check_orbits(case, &model, family, DEPTH)).collect())
 }
 
 fn weak_coupling(_: &str, _: Effort) -> Result<Vec<Row>, CliError> {
-    let (g1, _, omega, a) = DEFAULTS;
     let mut rows = Vec::new();
     for g2 in [0.0, 1e-300, 1e-12] {
         let case = format!("γ₂ = {}", Number(g2));
-        rows.push(check_uncoupled(&case, &conservative(SITES, (g1, g2, omega, a))?).map_err(truth)?);
-        rows.extend(all(&case, SITES, (g1, g2, omega, a))?);
-        rows.extend(forced(&case, (g1, g2, omega, a), (0.1, 0.9))?);
+        rows.push(check_uncoupled(&case, &conservative(SITES, At { g2, ..DEFAULTS })?).map_err(truth)?);
+        rows.extend(all(&case, SITES, At { g2, ..DEFAULTS })?);
+        rows.extend(forced(&case, At { g2, ..DEFAULTS }, (0.1, 0.9))?);
     }
     Ok(rows)
 }
 
 fn stiffness_ratio(_: &str, _: Effort) -> Result<Vec<Row>, CliError> {
-    let mut rows = all("γ₂/γ₁ = 1e8", SITES, (1e-8, 1.0, 2.5, 0.4))?;
-    rows.extend(all("γ₂/γ₁ = 1e8, ω in the band", SITES, (1e-8, 1.0, 1.1, 0.4))?);
-    rows.extend(all("γ₂/γ₁ = 1e-8", SITES, (1.0, 1e-8, 1.5, 0.4))?);
-    rows.extend(forced("γ₂/γ₁ = 1e8", (1e-8, 1.0, 2.5, 0.4), (1.0, 0.9))?);
-    rows.extend(forced("γ₂/γ₁ = 1e-8", (1.0, 1e-8, 1.5, 0.4), (0.3, 0.9))?);
+    let mut rows = all("γ₂/γ₁ = 1e8", SITES, At { g1: 1e-8, g2: 1.0, omega: 2.5, ..DEFAULTS })?;
+    rows.extend(all("γ₂/γ₁ = 1e8, ω in the band", SITES, At { g1: 1e-8, g2: 1.0, omega: 1.1, ..DEFAULTS })?);
+    rows.extend(all("γ₂/γ₁ = 1e-8", SITES, At { g1: 1.0, g2: 1e-8, omega: 1.5, ..DEFAULTS })?);
+    rows.extend(forced("γ₂/γ₁ = 1e8", At { g1: 1e-8, g2: 1.0, omega: 2.5, ..DEFAULTS }, (1.0, 0.9))?);
+    rows.extend(forced("γ₂/γ₁ = 1e-8", At { g1: 1.0, g2: 1e-8, omega: 1.5, ..DEFAULTS }, (0.3, 0.9))?);
     Ok(rows)
 }
 
@@ -115,27 +122,27 @@ fn soft(_: &str, _: Effort) -> Result<Vec<Row>, CliError> {
     let mut rows = Vec::new();
     for g1 in [0.0, 1e-14] {
         let case = format!("γ₁ = {}", Number(g1));
-        rows.extend(all(&case, SITES, (g1, 0.1, 1.5, 0.4))?);
-        rows.extend(forced(&case, (g1, 0.1, 1.5, 0.4), (0.5, 0.9))?);
+        rows.extend(all(&case, SITES, At { g1, ..DEFAULTS })?);
+        rows.extend(forced(&case, At { g1, ..DEFAULTS }, (0.5, 0.9))?);
     }
     Ok(rows)
 }
 
 fn band_edge(_: &str, _: Effort) -> Result<Vec<Row>, CliError> {
-    let (g1, g2, _, a) = DEFAULTS;
+    let At { g1, g2, .. } = DEFAULTS;
     let (bottom, top) = Spectrum::new(Chain::new(SITES, g1, g2)?).band();
     let mut rows = Vec::new();
     for distance in [1e-4, 1e-8, 1e-11, 1e-14] {
         let case = format!("ω above the band by {distance:e}");
-        rows.extend(all(&case, SITES, (g1, g2, top * (1.0 + distance), a))?);
+        rows.extend(all(&case, SITES, At { omega: top * (1.0 + distance), ..DEFAULTS })?);
         let case = format!("ω below the band by {distance:e}");
-        rows.extend(all(&case, SITES, (g1, g2, bottom * (1.0 - distance), a))?);
+        rows.extend(all(&case, SITES, At { omega: bottom * (1.0 - distance), ..DEFAULTS })?);
     }
     Ok(rows)
 }
 
 fn resonance(_: &str, _: Effort) -> Result<Vec<Row>, CliError> {
-    let (g1, g2, _, a) = DEFAULTS;
+    let At { g1, g2, .. } = DEFAULTS;
     let spectrum = Spectrum::new(Chain::new(SITES, g1, g2)?);
     // The second harmonic on a mode in the middle of the band.
     let mode = spectrum.frequencies().get(5).copied().unwrap_or_default();
@@ -144,35 +151,33 @@ fn resonance(_: &str, _: Effort) -> Result<Vec<Row>, CliError> {
         rows.extend(all(
             &format!("2ω at {distance:e} from mode 5"),
             SITES,
-            (g1, g2, 0.5 * mode * (1.0 + distance), a),
+            At { omega: 0.5 * mode * (1.0 + distance), ..DEFAULTS },
         )?);
     }
     // The force on the uniform mode.
     for distance in [1e-8, 1e-13, 1e-15] {
         let case = format!("force at {distance:e} from mode 0");
-        rows.extend(forced(&case, (g1, g2, g1.sqrt() * (1.0 + distance), a), (0.1, 0.9))?);
+        rows.extend(forced(&case, At { omega: g1.sqrt() * (1.0 + distance), ..DEFAULTS }, (0.1, 0.9))?);
     }
     Ok(rows)
 }
 
 fn frequencies(_: &str, _: Effort) -> Result<Vec<Row>, CliError> {
-    let (g1, g2, _, a) = DEFAULTS;
     let mut rows = Vec::new();
     for omega in [1e-3, 1e6] {
         let case = format!("ω = {omega:e}");
-        rows.extend(all(&case, SITES, (g1, g2, omega, a))?);
+        rows.extend(all(&case, SITES, At { omega, ..DEFAULTS })?);
         let amplitude = if omega > 1.0 { 0.5 * omega * omega } else { 0.2 };
-        rows.extend(forced(&case, (g1, g2, omega, a), (amplitude, 0.9))?);
+        rows.extend(forced(&case, At { omega, ..DEFAULTS }, (amplitude, 0.9))?);
     }
     Ok(rows)
 }
 
 fn asymmetry(_: &str, _: Effort) -> Result<Vec<Row>, CliError> {
-    let (g1, g2, omega, _) = DEFAULTS;
     let mut rows = Vec::new();
     for (name, a) in [("a = 0", 0.0), ("a = 1 − 1e-12", 1.0 - 1e-12)] {
-        rows.extend(all(name, SITES, (g1, g2, omega, a))?);
-        rows.extend(forced(name, (g1, g2, omega, a), (0.9, 0.9))?);
+        rows.extend(all(name, SITES, At { a, ..DEFAULTS })?);
+        rows.extend(forced(name, At { a, ..DEFAULTS }, (0.9, 0.9))?);
     }
     Ok(rows)
 }
@@ -187,8 +192,8 @@ fn restitution(_: &str, _: Effort) -> Result<Vec<Row>, CliError> {
 
 fn force(_: &str, _: Effort) -> Result<Vec<Row>, CliError> {
     // Without asymmetry the least force is known in closed form.
-    let point = (0.2, 0.1, 1.5, 0.0);
-    let model = |amplitude| Model::forced(Chain::new(SITES, point.0, point.1)?, point.2, point.3, amplitude, 0.9);
+    let point = At { a: 0.0, ..DEFAULTS };
+    let model = |amplitude| Model::forced(Chain::new(SITES, point.g1, point.g2)?, point.omega, point.a, amplitude, 0.9);
     let mut found = Found::default();
     Finder::new(SITES).find(&model(1e-6)?, Family::DoubleSided, &mut found).map_err(truth)?;
     let Some(NoBreather::ForceTooWeak { threshold }) = found.completeness.reason() else {
@@ -204,14 +209,14 @@ fn force(_: &str, _: Effort) -> Result<Vec<Row>, CliError> {
 }
 
 fn grazing(_: &str, _: Effort) -> Result<Vec<Row>, CliError> {
-    let (g1, g2, _, a) = DEFAULTS;
-    let omega = 0.92;
+    let point = At { omega: 0.92, ..DEFAULTS };
+    let At { g1, omega, a, .. } = point;
     let mut rows = Vec::new();
     // The force alone reaches the barrier at (1−a)|γ₁−ω²|: beyond it by δ one impact has an impulse of that order.
     for distance in [1e-2, 1e-4, 1e-8, 1e-12] {
         for e in [1.0, 0.9] {
             let amplitude = (1.0 - a) * (omega * omega - g1) * (1.0 + distance);
-            rows.extend(forced(&format!("grazing, p ~ {distance:e}, e = {e}"), (g1, g2, omega, a), (amplitude, e))?);
+            rows.extend(forced(&format!("grazing, p ~ {distance:e}, e = {e}"), point, (amplitude, e))?);
         }
     }
     Ok(rows)
@@ -222,7 +227,7 @@ fn masses(sites: usize) -> String {
 }
 
 fn rings(_: &str, effort: Effort) -> Result<Vec<Row>, CliError> {
-    let (g1, g2, omega, a) = DEFAULTS;
+    let At { g1, g2, omega, a } = DEFAULTS;
     let mut rows = Vec::new();
     for sites in [1, 2, 3, 4] {
         rows.extend(all(&masses(sites), sites, DEFAULTS)?);
@@ -242,7 +247,7 @@ fn far(_: &str, effort: Effort) -> Result<Vec<Row>, CliError> {
     let chain = Chain::new(601, 0.2, 0.02)?;
     let profile = check_profile("601 masses, γ₂ = 0.02, ω = 2", &chain, 2.0, &[1, 10, 100, 280]).map_err(truth)?;
     // Stable, so that rounding is not blown up.
-    let model = conservative(SITES, (0.2, 0.05, 1.7, 0.2))?;
+    let model = conservative(SITES, At { g2: 0.05, omega: 1.7, a: 0.2, ..DEFAULTS })?;
     let long = check_simulation("long simulation", &model, effort.periods).map_err(truth)?;
     Ok(vec![profile, long])
 }
