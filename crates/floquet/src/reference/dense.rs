@@ -38,10 +38,6 @@ pub(crate) struct Dense {
     rows: (Vec<f64>, Vec<f64>),
     reflector: Reflector,
     pub(crate) values: Vec<Complex<f64>>,
-    /// How far, at most, errors carry any of them.
-    pub(crate) reach: f64,
-    /// How far rounding of the matrix alone does.
-    pub(crate) rounding: f64,
 }
 
 impl Dense {
@@ -71,7 +67,7 @@ impl Dense {
             // Modes odd about the one site of a ring feel nothing, and coincide nearly with even ones.
             let mirrors = if centred { Mirrors::of(orbit) } else { Mirrors::default() };
             let half_sum = HalfSum::new(orbit, &mut self.spectrum)?;
-            let Some(basis) = mirrors.bases(chain.sites()).next() else { return Ok(0.0) };
+            let basis = mirrors.basis(chain.sites(), 0);
             let matrix = half_sum.on(&basis).matrix;
             HalfSum::set_flow(orbit, &basis, finder, &mut self.left)?;
             self.matrix = Square::from_rows(matrix.nrows(), matrix.transpose().as_slice().to_vec()).unwrap_or_default();
