@@ -73,7 +73,10 @@ fn next_to_coincident_poles_the_better_form_answers() {
             let mut analyser = if dense { Analyser::dense() } else { Analyser::default() };
             let sweep = analyser.verdict(orbit, &mut finder, Tolerance::Rounding).unwrap();
             let thorough = analyser.stability(orbit, &mut finder, Tolerance::Rounding).unwrap().verdict;
-            for (verdict, granted, promised) in [(sweep, 1e-9, f64::INFINITY), (thorough, 1e-12, thorough.resolution)] {
+            // A matrix promises 4e-11 in one of these cells.
+            let granted = if dense { 1e-11 } else { 1e-12 };
+            for (verdict, granted, promised) in [(sweep, 1e-9, f64::INFINITY), (thorough, granted, thorough.resolution)]
+            {
                 let error = error(orbit, &verdict);
                 let name = format!("{name}: error {error:.1e}, {verdict:?}");
                 println!("{name}");

@@ -36,10 +36,6 @@ pub(crate) struct Dense {
     flow: Vec<f64>,
     left: Vec<f64>,
     pub(crate) values: Vec<Complex<f64>>,
-    /// How far, at most, errors carry any of them.
-    pub(crate) reach: f64,
-    /// How far rounding of the matrix alone does.
-    pub(crate) rounding: f64,
 }
 
 impl Dense {
@@ -69,7 +65,7 @@ impl Dense {
             // Modes odd about the one site of a ring feel nothing, and coincide nearly with even ones.
             let mirrors = if centred { Mirrors::of(orbit) } else { Mirrors::default() };
             let half_sum = HalfSum::new(orbit, &mut self.spectrum)?;
-            let Some(basis) = mirrors.bases(chain.sites()).next() else { return Ok(0.0) };
+            let basis = mirrors.basis(chain.sites(), 0);
             HalfSum::set_flow(orbit, &basis, finder, &mut self.left)?;
             self.matrix = Reflector::of(&self.left).deflated(half_sum.on(&basis).matrix);
             eigenvalues_until(&self.matrix, &mut self.values, finder.stop())?;

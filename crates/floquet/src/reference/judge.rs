@@ -96,8 +96,7 @@ impl Dense {
         let Question { orbit, tolerance, thorough } = question;
         let norm = self.solve(orbit, finder)?;
         let dimension = self.values.len();
-        let rounding = dimension as f64 * f64::EPSILON * norm;
-        let mut error = rounding;
+        let mut error = dimension as f64 * f64::EPSILON * norm;
         let careful = thorough || finder.is_delicate(orbit)?;
         if careful {
             let condition = finder.condition(orbit)?;
@@ -109,9 +108,7 @@ impl Dense {
             error = if orbital.is_nan() { f64::INFINITY } else { error.max(orbital) };
         }
         let judge = Judge { dense: self, structure: Structure::of(orbit), norm, error };
-        let (verdict, reach) = (judge.verdict(tolerance, careful), judge.split());
-        (self.reach, self.rounding) = (reach, (norm * rounding).sqrt());
-        Ok(verdict)
+        Ok(judge.verdict(tolerance, careful))
     }
 }
 

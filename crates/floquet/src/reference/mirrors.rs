@@ -64,8 +64,8 @@ impl Mirrors {
         (0..1_u32 << self.0.len()).map(move |signs| self.basis(sites, signs))
     }
 
-    /// Of the vectors whose sign the reflections in `signs` change.
-    fn basis(&self, sites: usize, signs: u32) -> Basis {
+    /// Basis of the vectors whose sign the reflections in `signs`, bit by bit, change and no others.
+    pub(crate) fn basis(&self, sites: usize, signs: u32) -> Basis {
         let mirrors = &self.0;
         // Of each mass its images, all products of reflections, with their signs.
         let images = |n: usize| {

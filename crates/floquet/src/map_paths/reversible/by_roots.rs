@@ -7,18 +7,11 @@
 
 use nalgebra::Complex;
 
-use crate::map_paths::reversible::gap::Lowest;
 use crate::map_paths::reversible::root::Touching;
 use crate::map_paths::reversible::verdict::{
-    LeadingRoot, Reason, Secular, SecularVerdict, Standing, WORST, assemble, most, tangency,
+    LeadingRoot, Reason, Secular, SecularVerdict, Standing, WORST, assemble, most,
 };
 use crate::zeros::SecularError;
-
-impl Touching {
-    pub(crate) fn new(gap: usize, low: &Lowest) -> Self {
-        Self { gap, t: low.t, reach: tangency(low) }
-    }
-}
 
 impl Secular {
     /// The verdict from all roots. `unknown` is a mode whose signature is lost, `marginal` what is next to ±1.

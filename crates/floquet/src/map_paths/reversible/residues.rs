@@ -62,8 +62,7 @@ pub struct Residues {
     pub(crate) neighbourhoods: Vec<Neighbourhood<2>>,
     sum: f64,
     trace: f64,
-    pub(crate) expected_trace: f64,
-    total_error: f64,
+    expected_trace: f64,
     /// Counts the orbits taken over.
     pub(crate) edition: u64,
 }
@@ -269,15 +268,15 @@ impl Residues {
     }
 
     fn certify(&mut self) -> Result<(), SecularError> {
-        (self.sum, self.trace, self.total_error) = (0.0, 0.0, 0.0);
-        let mut size = 0.0;
+        (self.sum, self.trace) = (0.0, 0.0);
+        let [mut size, mut total_error] = [0.0; 2];
         for pole in &self.table {
             self.sum += pole.residue;
             self.trace += pole.residue * pole.at.d;
-            self.total_error += pole.error;
+            total_error += pole.error;
             size += pole.residue.abs();
         }
-        let allowed = 16.0 * (self.total_error + f64::EPSILON * (1.0 + size + self.expected_trace.abs()));
+        let allowed = 16.0 * (total_error + f64::EPSILON * (1.0 + size + self.expected_trace.abs()));
         let defect = self.sum_defect().abs().max(self.trace_defect().abs());
         // Not a number is a doubt, too. And errors that could hide the 1 itself leave nothing to certify, however small they are
         // against residues that cancel.

@@ -8,7 +8,7 @@ use crate::map_paths::reversible::complex_pairs::Suspect;
 use crate::map_paths::reversible::gap::{beyond, lowest, lowest_within, root};
 use crate::map_paths::reversible::residues::Residues;
 use crate::map_paths::reversible::root::{Root, Touching};
-use crate::map_paths::reversible::verdict::Secular;
+use crate::map_paths::reversible::verdict::{Secular, tangency};
 use crate::zeros::SecularError;
 
 /// A real root in a gap, from the nearer pole, and its error.
@@ -110,7 +110,7 @@ impl Secular {
                     // Certain of F as it has been worked out; of F as it is?
                     let low = lowest(local, left.signum(), width, ends);
                     if !low.is_certain() {
-                        roots.touching.push(Touching::new(gap, &low));
+                        roots.touching.push(Touching { gap, t: low.t, reach: tangency(&low) });
                     }
                 }
                 for (bracket, rising) in [((0.0, low.t), left < 0.0), ((low.t, width), left > 0.0)] {

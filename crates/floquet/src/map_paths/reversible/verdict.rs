@@ -197,7 +197,8 @@ impl Secular {
                     let delta = beyond(local);
                     let error = local.root_error(delta);
                     let (nu, growth) = (Nu::beyond(end, delta), outside(delta));
-                    let error = growth_of_real_error(delta, error);
+                    // Of √(2δ) + … from that of δ.
+                    let error = (outside(delta + error) - growth).max(4.0 * f64::EPSILON * growth);
                     leading = most(leading, LeadingRoot { nu, growth, error, reason: Reason::RealRoot });
                 }
             }
@@ -304,9 +305,4 @@ pub(crate) const WORST: f64 = 1e-5;
 /// How far off the real axis a pair could be whose least |F| is lost in its error.
 pub(crate) fn tangency(low: &Lowest) -> f64 {
     if low.bend > 0.0 { (2.0 * (low.value.abs() + low.noise) / low.bend).sqrt() } else { low.t }
-}
-
-/// Error of √(2δ) + … from that of δ.
-fn growth_of_real_error(delta: f64, error: f64) -> f64 {
-    (outside(delta + error) - outside(delta)).max(4.0 * f64::EPSILON * outside(delta))
 }
