@@ -9,10 +9,10 @@ impl Secular {
     /// The verdict on an orbit of this period. If close poles leave the leading multiplier imprecise and f itself knows it better, it comes
     /// from there: in ρ, both halves of a period being alike, with ρ² = (1 + ν)/2.
     pub(crate) fn settled(&self, verdict: SecularVerdict, period: f64) -> SecularVerdict {
-        self.from_product(&verdict, period).unwrap_or(verdict)
+        self.by_product(&verdict, period).unwrap_or(verdict)
     }
 
-    fn from_product(&self, verdict: &SecularVerdict, period: f64) -> Option<SecularVerdict> {
+    fn by_product(&self, verdict: &SecularVerdict, period: f64) -> Option<SecularVerdict> {
         let leading = verdict.leading.filter(|_| verdict.outcome == Standing::Unstable)?;
         let start = (leading + leading.inv()) * 0.5;
         let form = &self.residues;
