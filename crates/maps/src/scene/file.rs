@@ -1,4 +1,4 @@
-//! The form of a scene file, and errors that point into it.
+//! The form of a scene file.
 
 use std::fmt;
 use std::ops::Range;
@@ -9,16 +9,14 @@ use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value};
 use toml::Spanned;
-use vibrochain_breather::{Family, Word};
-use vibrochain_floquet::Tolerance;
-use vibrochain_lattice::{Ends, Force, Harmonic, Layout, MAX_HARMONIC, MAX_SITES, Model, Parameter, Short};
+use vibrochain_lattice::{Ends, Force, Harmonic, Layout, MAX_HARMONIC, MAX_SITES, Parameter};
 
-use crate::cell::{SYMMETRIC, Task};
 use crate::error::MapError;
-use crate::numbers::plain;
 use crate::scene::axis::{Axis, GivenAxis, Key};
+use crate::scene::compute::ComputeTable;
 use crate::scene::data::Data;
-use crate::text::{clipped, excerpt};
+use crate::scene::source::{SHOWN, Source};
+use crate::text::clipped;
 
 /// The most bytes of a scene's file: 200 000 values in all their digits, which take 200 MB while they are checked.
 pub const MAX_BYTES: u64 = 4 << 20;
@@ -261,57 +259,7 @@ impl AxisTable {
     }
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct ComputeTable {
-    pub(super) families: Spanned<Vec<Spanned<String>>>,
-    #[serde(default)]
-    pub(super) stability: bool,
-    pub(super) threshold: Option<Spanned<f64>>,
-    pub(super) collisions: Option<Spanned<bool>>,
-    #[serde(default)]
-    pub(super) impulse: bool,
-}
-
-/// Characters shown of a line: a terminal's width.
-const SHOWN: usize = 80;
-
-/// The most characters of a message, which may quote a word of the file.
-const MOST_TOLD: usize = 400;
-
-/// A scene's text, for errors that point into it.
-pub struct Source<'a> {
-    /// Its file, for messages.
-    pub path: &'a Path,
-    /// The text; empty of a scene that is data, which has no places to point at.
-    pub text: &'a str,
-}
-
 impl Source<'_> {
-    /// An error that points at a place of the text, with the line about it.
-    pub fn error(&self, span: Range<usize>, message: impl std::fmt::Display) -> MapError {
-        let (path, message) = (self.path.display(), message.to_string());
-        let message = clipped(&message, MOST_TOLD);
-        if self.text.is_empty() {
-            return MapError::Request(format!("{path}: {message}"));
-        }
-        let start = span.start.min(self.text.len());
-        let before = self.text.get(..start).unwrap_or_default();
-        let line = before.matches('\n').count() + 1;
-        let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
-        let (shown, indent) = excerpt(self.text.lines().nth(line - 1).unwrap_or_default(), column - 1, SHOWN);
-        let width = line.to_string().len();
-        MapError::Request(format!(
-            "{path}:{line}:{column}: {message}\n{line} | {shown}\n{:width$} | {:indent$}^",
-            "", "",
-        ))
-    }
-
-    /// What the reader of TOML says, at the place it says it of.
-    pub fn unreadable(&self, error: &toml::de::Error) -> MapError {
-        self.error(error.span().unwrap_or(0..0), plain(error.message().trim()))
-    }
-
     pub(super) fn force(&self, list: &Spanned<Vec<HarmonicTable>>) -> Result<Force, MapError> {
         let harmonic = |table: &HarmonicTable| {
             let number = *table.harmonic.get_ref();
@@ -356,97 +304,5 @@ impl Source<'_> {
         let values = given.values(name);
         let values = values.map_err(|(key, message)| self.error(place(key).unwrap_or(span), message))?;
         Ok(Axis { parameter, values })
-    }
-
-    /// A word of this chain, in its canonical form.
-    fn word(&self, text: &str, span: Range<usize>, model: &Model) -> Result<Word, MapError> {
-        if !text.contains(['+', '-']) || text.contains(|c: char| c.is_alphabetic()) {
-            let message = format!(
-                "`{text}` is not a family: give \"double-sided\" (or \"{SYMMETRIC}\"), \"single-sided\" or both, or impact words as \"0+3+,0-3-\""
-            );
-            return Err(self.error(span, message));
-        }
-        let word: Word = text.parse().map_err(|error| self.error(span.clone(), error))?;
-        word.check(&model.chain().layout()).map_err(|error| self.error(span.clone(), error))?;
-        if model.is_conservative() && word.instants().len() > 2 {
-            let message = format!(
-                "the word {word} cannot be searched for: without force and losses only words of one or two instants determine their times"
-            );
-            return Err(self.error(span, message));
-        }
-        Ok(word.canonical(model))
-    }
-
-    pub(super) fn task(&self, table: &ComputeTable, model: &Model) -> Result<Task, MapError> {
-        let (mut families, mut words, mut symmetric) = (Vec::new(), Vec::new(), false);
-        for name in table.families.get_ref() {
-            let family = match name.get_ref().as_str() {
-                "double-sided" => Family::DoubleSided,
-                SYMMETRIC => {
-                    symmetric = true;
-                    Family::DoubleSided
-                }
-                "single-sided" => Family::SingleSided,
-                "period-doubled" => Family::PeriodDoubled,
-                other => {
-                    let word = self.word(other, name.span(), model)?;
-                    // On a ring all sites are alike; elsewhere a family is the word at site 0.
-                    let of_family = |family: &Family| {
-                        model.chain().is_ring()
-                            || Word::of_family(*family).is_some_and(|own| own.canonical(model) == word)
-                    };
-                    match word.family().filter(of_family) {
-                        Some(family) => family,
-                        None if words.contains(&word) => {
-                            return Err(self.error(name.span(), format!("the word {word} is given twice: remove one")));
-                        }
-                        None => {
-                            words.push(word);
-                            continue;
-                        }
-                    }
-                }
-            };
-            if family == Family::PeriodDoubled {
-                let message = "period-doubled orbits have no class on a map: leave them out here and look at single points with `mapgen orbit --family period-doubled`";
-                return Err(self.error(name.span(), message));
-            }
-            if families.contains(&family) {
-                return Err(self.error(name.span(), format!("{} is given twice: remove one", family.name())));
-            }
-            families.push(family);
-        }
-        if families.is_empty() && words.is_empty() {
-            let message = "families is empty: give \"double-sided\", \"single-sided\" or both, or impact words";
-            return Err(self.error(table.families.span(), message));
-        }
-        words.sort();
-        // A fixed order, so that equal scenes give equal tables.
-        families.sort_by_key(|family| *family == Family::SingleSided);
-        let tolerance = match &table.threshold {
-            None => Tolerance::Rounding,
-            Some(threshold) => {
-                let span = threshold.span();
-                if !table.stability {
-                    return Err(self.error(span, "threshold needs stability = true: it decides what counts as stable"));
-                }
-                tolerance_from(*threshold.get_ref()).map_err(|message| self.error(span, message))?
-            }
-        };
-        let asked = table.collisions.as_ref().filter(|collisions| *collisions.get_ref());
-        if let Some(span) = asked.filter(|_| !table.stability).map(Spanned::span) {
-            return Err(self.error(span, "collisions need stability = true: unstable orbits come from them"));
-        }
-        let (stability, impulse) = (table.stability, table.impulse);
-        Ok(Task { families, words, symmetric, stability, tolerance, collisions: asked.is_some(), impulse })
-    }
-}
-
-/// The tolerance of a threshold given by the user, or what is wrong with it.
-pub fn tolerance_from(threshold: f64) -> Result<Tolerance, String> {
-    if threshold.is_finite() && threshold >= 0.0 {
-        Ok(Tolerance::Growth(threshold))
-    } else {
-        Err(format!("threshold = {} is out of range: give a finite growth per period of 0 or more", Short(threshold)))
     }
 }

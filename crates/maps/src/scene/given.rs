@@ -8,7 +8,9 @@ use vibrochain_lattice::{Force, Layout, MAX_SITES, Parameter};
 
 use crate::error::MapError;
 use crate::scene::axis::Axis;
-use crate::scene::file::{File, MAX_BYTES, ModelTable, Source, Values, tolerance_from};
+use crate::scene::compute::tolerance_from;
+use crate::scene::file::{File, MAX_BYTES, ModelTable, Values};
+use crate::scene::source::Source;
 use crate::text::read_text;
 
 /// The model of a file, as far as it goes: of a scene, a manifest, an answer of `mapgen orbit --json` and its like, or of a file that

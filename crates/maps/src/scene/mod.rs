@@ -1,12 +1,14 @@
 //! Scene files: what to sweep and what to compute, checked before anything is computed.
 
 mod axis;
+mod compute;
 mod data;
 mod file;
 mod finest;
 mod given;
 mod refine;
 mod slice;
+mod source;
 
 use std::ops::Range;
 use std::path::Path;
@@ -18,10 +20,12 @@ use vibrochain_lattice::{Model, Parameter, Part, Point, Row};
 
 pub(crate) use crate::scene::axis::GivenAxis;
 pub use crate::scene::axis::{Axis, MAX_POINTS, Values};
-pub use crate::scene::file::{MAX_BYTES, Source, tolerance_from};
+pub use crate::scene::compute::tolerance_from;
+pub use crate::scene::file::MAX_BYTES;
 pub use crate::scene::given::Given;
 pub use crate::scene::refine::Refine;
 pub use crate::scene::slice::Slice;
+pub use crate::scene::source::Source;
 
 use crate::cell::Task;
 use crate::error::MapError;

@@ -5,7 +5,8 @@ use toml::Spanned;
 
 use crate::error::MapError;
 use crate::scene::axis::{Axis, MAX_POINTS, Values};
-use crate::scene::file::{RefineTable, Source};
+use crate::scene::file::RefineTable;
+use crate::scene::source::Source;
 
 /// The most halvings: a cell is then 65 536 of the finest grid, and each of its sides 256 of them.
 const MAX_DEPTH: u32 = 8;
