@@ -8,8 +8,7 @@ use crate::tracer::pace::Pace;
 /// A step as short as this may bend: a corner is no curve.
 const SHORT: f64 = 3e-5;
 
-/// So many steps in a row that are as short as this lead nowhere.
-const CRAWL: f64 = 1e-6;
+/// So many steps in a row that are as short as [`Pace::CRAWL`] lead nowhere.
 const MOST_CRAWLING: usize = 64;
 
 /// The straight line between two points may err by this part of the tolerance: what is foreseen is not quite what comes. One that errs
@@ -41,8 +40,6 @@ pub trait Line {
 
     /// The first step, where a side of the window is one unit, and so is a change of order 1 of the orbit.
     const FIRST: f64 = 1e-3;
-    /// The longest.
-    const LONGEST: f64 = 0.03;
     /// It is back where it began.
     const CLOSED: Self::End;
     /// It has more points than are ever followed.
@@ -53,7 +50,7 @@ pub trait Line {
 
     /// The longest step from the last of some points.
     fn longest(&self, _passed: &[Self::Point]) -> f64 {
-        Self::LONGEST
+        Pace::LONGEST
     }
 
     /// By what the straight line between the last two of three points errs, as a part of the window's sides.
@@ -109,7 +106,7 @@ pub fn trace<L: Line>(line: &mut L, start: L::Point, tolerance: f64) -> (Vec<L::
         if passed.len() > MOST_POINTS {
             return (passed, L::LONG);
         }
-        crawling = if length < CRAWL { crawling + 1 } else { 0 };
+        crawling = if length < Pace::CRAWL { crawling + 1 } else { 0 };
         pace.lengthen(wanted, line.longest(&passed));
     }
     let end = line.lost(&passed);

@@ -3,7 +3,7 @@
 
 use vibrochain_breather::line::{Line, Side, Step, chord_error, joined, side_ahead, trace};
 use vibrochain_breather::system::{System, Vector, unit};
-use vibrochain_breather::{BranchError, SolutionCurve};
+use vibrochain_breather::{BranchError, Pace, SolutionCurve};
 
 use super::answer::{CurveEnd, CurveError, EventCurve, Special, SpecialPoint};
 use super::monitors::Seen;
@@ -180,7 +180,7 @@ where
     /// Impulses that grow without bound set a longer scale.
     fn longest(&self, passed: &[Self::Point]) -> f64 {
         let growth = passed.last().map_or(1.0, |point| strongest(&point.orbit().orbit) / self.tracer.strength);
-        Self::LONGEST * growth.max(1.0)
+        Pace::LONGEST * growth.max(1.0)
     }
 
     fn bend(&self, through: [&Self::Point; 3]) -> f64 {

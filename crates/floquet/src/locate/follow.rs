@@ -9,9 +9,6 @@ use super::settle::{SETTLED, Settled};
 use crate::bracket::zero;
 use crate::events::{EventOrbit, Test, UNBOUNDED, strongest};
 
-/// Steps as short as this next to a resonance lead nowhere but to it.
-const CRAWL: f64 = 1e-6;
-
 /// Steps at most in one direction.
 const MOST_STEPS: usize = 20_000;
 
@@ -47,7 +44,7 @@ impl<E: Ends> Follower<E> {
                 Ok(next) => next,
                 Err(error) => {
                     let shorter = pace.shorten();
-                    if pace.length() < CRAWL
+                    if pace.length() < Pace::CRAWL
                         && let Some((value, resonance)) = self.ends.resonance_ahead(&self.branch, &point)
                     {
                         return Ok((value, End::Resonance(resonance)));

@@ -151,8 +151,6 @@ impl<C: Copy + PartialEq, F: FnMut([f64; 2]) -> Option<C>> Line for Way<'_, C, F
     type Point = Place;
     type End = &'static str;
     const FIRST: f64 = FIRST;
-    /// Borders of two kinds may be side by side, and a chord is not to be taken for the other.
-    const LONGEST: f64 = 0.02;
     const CLOSED: &'static str = CLOSED;
     const LONG: &'static str = "unfinished: it is too long";
 

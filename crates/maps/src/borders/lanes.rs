@@ -133,8 +133,6 @@ impl Line for Way<'_, '_, '_> {
     type End = &'static str;
     /// Short against the distance of two stripes.
     const FIRST: f64 = 2e-6;
-    /// Longer than the stretch in which another stripe crosses, and no name fits.
-    const LONGEST: f64 = 0.05;
     const CLOSED: &'static str = "where it began: it is closed";
     const LONG: &'static str = "unfinished: it is too long";
 

@@ -12,9 +12,6 @@ use crate::tracer::pace::Pace;
 /// What couples masses, in the order in which it is raised.
 const COUPLINGS: [Parameter; 2] = [Parameter::Gamma2, Parameter::Gamma3];
 
-/// The longest step, where 1 is a change of coupling as large as that asked for or of the orbit of order 1.
-const LONGEST: f64 = 0.1;
-
 /// Steps over a branch point, and how near an event must be to be what ended a branch.
 const OVER: [f64; 3] = [1e-4, 1e-3, 1e-2];
 const NEAR: f64 = 1e-3;
@@ -124,7 +121,8 @@ fn follow_in(
         Ok(point) => point,
         Err(error) => return branch(error),
     };
-    let (first, mut unit, mut pace, mut paid) = (start.strength(), start.strength(), Pace::new(LONGEST), 0);
+    let (first, mut unit, mut paid) = (start.strength(), start.strength(), 0);
+    let mut pace = Pace::new(Pace::LONGEST_TO_AN_END);
     loop {
         effort.pay(along.evaluations() - paid, start);
         paid = along.evaluations();
@@ -175,7 +173,7 @@ fn follow_in(
         if !(unit / RESCALED..=unit * RESCALED).contains(&strength) {
             (point, unit) = (along.rescaled(point), strength);
         }
-        pace.lengthen(f64::INFINITY, LONGEST);
+        pace.lengthen(f64::INFINITY, Pace::LONGEST_TO_AN_END);
     }
 }
 
