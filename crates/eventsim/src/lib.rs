@@ -65,7 +65,7 @@
 //!
 //! ```
 //! use vibrochain_eventsim::{EventKind, Limits, Outcome, Simulation, Time};
-//! use vibrochain_lattice::{Chain, Model};
+//! use vibrochain_lattice::{Chain, Model, Point};
 //!
 //! let model = Point::ring(5).gamma1(0.2).gamma2(0.1).omega(1.5).asymmetry(0.4).restitution(0.9).model()?;
 //! let mut simulation = Simulation::new(&model, 0.0, &[0.0; 5], &[2.0, -1.0, 1.5, 0.5, -0.5])?;

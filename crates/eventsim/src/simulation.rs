@@ -38,7 +38,7 @@ pub struct State {
 ///
 /// ```
 /// use vibrochain_eventsim::{Limits, Outcome, Simulation, Time};
-/// use vibrochain_lattice::{Chain, Model};
+/// use vibrochain_lattice::{Chain, Model, Point};
 ///
 /// // One mass between its barriers at −1 and 1: u = 2 sin t until it hits.
 /// let model = Point::ring(1).gamma1(1.0).gamma2(0.0).omega(1.0).restitution(0.5).model()?;

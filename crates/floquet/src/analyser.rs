@@ -243,12 +243,13 @@ impl Analyser {
         let told = match doubt {
             _ if is_affordable(orbit) => spectrum(question, finder)?,
             Some(doubt) => Err(doubt),
-            None if chain.sites() * if orbit.is_reversible() { 1 } else { 2 } <= MOST_DENSE => {
-                return self.by_matrix(question, finder, None);
-            }
             None => {
+                let by_matrix = if orbit.is_reversible() { MOST_DENSE } else { MOST_DENSE / 2 };
+                if chain.sites() <= by_matrix {
+                    return self.by_matrix(question, finder, None);
+                }
                 let impacts = orbit.impacts().len();
-                let limit = most_modes(impacts);
+                let limit = most_modes(impacts).max(by_matrix);
                 return Err(FloquetError::TooManyModes { masses: chain.sites(), impacts, limit });
             }
         };

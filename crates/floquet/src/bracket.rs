@@ -75,12 +75,15 @@ pub(crate) fn crossing(
     mut at: impl FnMut(f64) -> Option<f64>,
 ) -> Option<(f64, f64)> {
     let s = zero((0.0, first), (length, last), length, |s| at(s).ok_or(())).ok()?;
-    let beside = BESIDE * length;
-    let (low, high, here) = (at(s - beside)?, at(s + beside)?, at(s)?.abs());
+    // Before its first point, and to it, there may be no step.
+    let (before, behind) = ((s - BESIDE * length).max(0.0), (s + BESIDE * length).min(length));
+    let low = if before > 0.0 { at(before)? } else { first };
+    let high = if behind < length { at(behind)? } else { last };
+    let here = at(s)?.abs();
     if here > JUMP * low.abs().max(high.abs()) {
         return None;
     }
-    Some((s, SAFETY * here.max(ROUNDING) / ((high - low) / (2.0 * beside)).abs()))
+    Some((s, SAFETY * here.max(ROUNDING) / ((high - low) / (behind - before)).abs()))
 }
 
 #[cfg(test)]

@@ -55,7 +55,7 @@ impl Branch {
     ///
     /// ```
     /// use vibrochain_breather::{Branch, Departure, Family, breathers};
-    /// use vibrochain_lattice::{Chain, Model, Parameter};
+    /// use vibrochain_lattice::{Chain, Model, Parameter, Point};
     /// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
     /// let model = ring.omega(1.07).asymmetry(0.8).amplitude(0.15890808620612).restitution(0.25).model()?;
     /// let orbit = &breathers(&model, Family::SingleSided)?.orbits[0];

@@ -37,7 +37,7 @@ pub type BranchPoint = SolutionPoint<Orbit>;
 ///
 /// ```
 /// use vibrochain_breather::{Branch, Family, breathers};
-/// use vibrochain_lattice::{Chain, Model, Parameter};
+/// use vibrochain_lattice::{Chain, Model, Parameter, Point};
 /// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
 /// let model = ring.omega(1.07).asymmetry(0.8).amplitude(0.165).restitution(0.25).model()?;
 /// let orbit = &breathers(&model, Family::SingleSided)?.orbits[0];

@@ -59,7 +59,7 @@ impl fmt::Display for Proof {
 ///
 /// ```
 /// use vibrochain_breather::{Completeness, Family, NoBreather, Proof, breathers};
-/// use vibrochain_lattice::{Chain, Model};
+/// use vibrochain_lattice::{Chain, Model, Point};
 /// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
 /// let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model()?;
 /// assert_eq!(breathers(&model, Family::SingleSided)?.completeness, Completeness::All(Proof::ClosedForm));

@@ -277,7 +277,7 @@ impl Finder {
     ///
     /// ```
     /// use vibrochain_breather::{Family, Finder, Found};
-    /// use vibrochain_lattice::{Chain, Model};
+    /// use vibrochain_lattice::{Chain, Model, Point};
     /// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
     /// let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model()?;
     /// let (mut finder, mut found) = (Finder::new(21), Found::default());
@@ -349,7 +349,7 @@ impl<'a> Prepared<'a> {
 ///
 /// ```
 /// use vibrochain_breather::{Family, breathers};
-/// use vibrochain_lattice::{Chain, Model};
+/// use vibrochain_lattice::{Chain, Model, Point};
 /// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
 /// let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model()?;
 /// let found = breathers(&model, Family::DoubleSided)?;

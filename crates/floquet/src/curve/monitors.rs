@@ -14,7 +14,7 @@ use crate::verdict::Tolerance;
 type C = Complex<f64>;
 
 /// The least growth that tells a pair from the circle.
-const GROWTH: f64 = 1e-12;
+pub(super) const GROWTH: f64 = 1e-12;
 
 /// Something that happens on a curve where its value changes the sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,6 +37,8 @@ pub(super) struct Seen {
     pub(super) monitors: Vec<Monitor>,
     /// Whether the orbit is physical, touches aside.
     pub(super) physical: Option<bool>,
+    /// Whether pairs are left out that do not grow enough to be told from the circle.
+    pub(super) on_circle: bool,
 }
 
 impl<S, W> Tracer<'_, S, W>
@@ -44,7 +46,8 @@ where
     S: System<Orbit = W::Orbit>,
     W: Watcher,
 {
-    pub(super) fn seen(&mut self, point: &TracedPoint<W::Orbit>) -> Seen {
+    /// What is seen at a point; pairs that grow or fall by no more than `least` are taken to be on the circle.
+    pub(super) fn seen(&mut self, point: &TracedPoint<W::Orbit>, least: f64) -> Seen {
         let AtEvent { orbit, mark, determinant, fold_determinant } = point.orbit();
         let mut monitors = Vec::new();
         let mut add = |special, which, value: f64| {
@@ -60,8 +63,9 @@ where
             add(Special::OneToOne, 0, theta);
             add(Special::OneToTwo, 0, std::f64::consts::PI - theta);
         }
+        let mut on_circle = false;
         if !self.asked.special {
-            return Seen { monitors, physical };
+            return Seen { monitors, physical, on_circle };
         }
         for (i, (arrival, hit)) in orbit.arrivals().iter().zip(orbit.hits()).enumerate() {
             if !self.grazing.contains(&i) {
@@ -94,13 +98,13 @@ where
             // Where multipliers cannot be computed no special point is reported; the curve itself does not need them.
             let values =
                 self.watcher.spectrum(orbit, Tolerance::Rounding).map(|(values, _)| values).unwrap_or_default();
-            self.multipliers(&values, orbit.is_lossless(), &mut add);
+            on_circle = self.multipliers(&values, orbit.is_lossless(), least, &mut add);
         }
-        Seen { monitors, physical }
+        Seen { monitors, physical, on_circle }
     }
 
-    /// Another multiplier where the curve's own is, and pairs on the circle.
-    fn multipliers(&self, values: &[C], lossless: bool, add: &mut dyn FnMut(Special, usize, f64)) {
+    /// Another multiplier where the curve's own is, and pairs that cross the circle; whether some are left out as being on it.
+    fn multipliers(&self, values: &[C], lossless: bool, least: f64, add: &mut dyn FnMut(Special, usize, f64)) -> bool {
         let own = match self.test {
             Test::Fold | Test::One | Test::AnotherOne => Some((1.0, Special::OneToOne)),
             Test::MinusOne => Some((-1.0, Special::OneToTwo)),
@@ -114,15 +118,18 @@ where
             add(strong, 0, rest.map(|value| (value - goal) / (1.0 + value.norm())).product::<C>().re);
         }
         if lossless {
-            return;
+            return false;
         }
-        let growths = upper_half(values).into_iter().map(|value| value.norm().ln());
-        let mut growths: Vec<f64> = growths.filter(|growth| growth.abs() > GROWTH).collect();
+        let mut growths: Vec<f64> = upper_half(values).into_iter().map(|value| value.norm().ln()).collect();
+        let all = growths.len();
+        growths.retain(|growth| growth.abs() >= least);
+        let on_circle = growths.len() < all;
         if self.test == Test::Circle {
             let own = growths.iter().map(|growth| growth.abs()).fold(f64::INFINITY, f64::min);
             growths.retain(|growth| growth.abs() > own);
         }
         growths.sort_by(|a, b| b.total_cmp(a));
         growths.into_iter().enumerate().for_each(|(k, growth)| add(Special::With(Event::NeimarkSacker), k, growth));
+        on_circle
     }
 }

@@ -6,7 +6,7 @@ use vibrochain_breather::system::{System, Vector, unit};
 use vibrochain_breather::{BranchError, Pace, SolutionCurve};
 
 use super::answer::{CurveEnd, CurveError, EventCurve, Special, SpecialPoint};
-use super::monitors::Seen;
+use super::monitors::{GROWTH, Seen};
 use super::tracer::{CurveRequest, PUSHED, TracedPoint, Tracer, values};
 use crate::events::{AtEvent, EventOrbit, EventSystem, TOUCHES, Test, UNBOUNDED, Watcher, strongest};
 use crate::locate::{Event, Evidence};
@@ -116,7 +116,7 @@ where
     W: Watcher,
 {
     fn way(&mut self, start: TracedPoint<W::Orbit>) -> Passed<W::Orbit> {
-        let seen = self.seen(&start);
+        let seen = self.seen(&start, GROWTH);
         let tolerance = self.asked.tolerance;
         let mut way = Way { tracer: self, seen, special: Vec::new(), told: 0, why: BranchError::NoConvergence };
         let (points, end) = trace(&mut way, start, tolerance);
@@ -205,7 +205,9 @@ where
 
     fn pass(&mut self, passed: &mut Vec<Self::Point>, next: Self::Point) {
         self.told = self.special.len();
-        let seen = self.tracer.seen(&next);
+        let seen = self.tracer.seen(&next, GROWTH);
+        // On its way a pair that crosses comes as near as one likes.
+        let least = if self.seen.on_circle || seen.on_circle { GROWTH } else { 0.0 };
         let Some(last) = passed.last().cloned() else { return };
         let length = self.tracer.manifold.length_between(&last, &next);
         let mut found: Vec<(f64, Self::Point, Special, f64)> = Vec::new();
@@ -219,7 +221,7 @@ where
                 continue;
             }
             let located = self.tracer.located(passed, length, [before.value, after.value], |tracer, point| {
-                let there = tracer.seen(point);
+                let there = tracer.seen(point, least);
                 there.monitors.iter().find(|one| one.is(before)).map(|one| one.value)
             });
             take(self.tracer, located, before.special);

@@ -40,7 +40,13 @@ const NEXT_TO: [f64; 3] = [1e-3, 1e-2, 1e-1];
 /// Where else in a part its order may be told, if two meet right in its middle.
 const BESIDE: [f64; 3] = [0.45, 0.6, 0.3];
 
+/// Edges that are no farther apart than so many errors are the same one.
+const SAME: f64 = 4.0;
+
 type Sums = Vec<Complex<f64>>;
+
+/// The end of a stripe, and how far along the step it is.
+type Edge<E> = (f64, Solved<OrbitOf<E>>, Evidence);
 
 /// A place on a step.
 #[derive(Debug, Clone)]
@@ -92,7 +98,12 @@ impl<E: Ends> Follower<E> {
                     certain
                 }
                 2 if depth >= ALONE => {
-                    if let Some((at, solved, evidence)) = self.edge((point, next), length, [&from, &to]) {
+                    let range = self.range();
+                    let is_new = |(at, solved, _): &Edge<E>| {
+                        edges.iter().all(|edge: &Edge<E>| (edge.0 - at).abs() * range > SAME * solved.error)
+                    };
+                    let edge = self.edge((point, next), length, [&from, &to]).filter(is_new);
+                    if let Some((at, solved, evidence)) = edge {
                         edges.push((at, solved, evidence));
                         // On both sides of it there may be stripes besides.
                         if depth < DEEPEST {
@@ -217,18 +228,16 @@ impl<E: Ends> Follower<E> {
     }
 
     /// The end of a stripe between two places, of which one is inside.
-    fn edge(
-        &mut self,
-        (point, next): (&Point<E>, &Point<E>),
-        length: f64,
-        [from, to]: [&Place; 2],
-    ) -> Option<(f64, Solved<OrbitOf<E>>, Evidence)> {
+    fn edge(&mut self, (point, next): (&Point<E>, &Point<E>), length: f64, [from, to]: [&Place; 2]) -> Option<Edge<E>> {
         let (fewer, more) = if from.off_circle() < to.off_circle() { (from, to) } else { (to, from) };
         let angle = collided(&fewer.sums, &more.sums)?.re.clamp(-1.0, 1.0).acos();
         let share = 0.5 * (from.s + to.s) / length;
         let (solved, evidence) = self.solved(Test::Collision, (point, next), share, Some(angle))?;
         let at = self.length_to(point, &solved);
-        (from.s..=to.s).contains(&at).then_some((at, solved, evidence))
+        // As long as the two are nearly one they seem to be on the circle: the end itself may lie beyond.
+        let room = fewer.s - more.s;
+        let (least, most) = (from.s + room.min(0.0), to.s + room.max(0.0));
+        (least..=most).contains(&at).then_some((at, solved, evidence))
     }
 
     fn place_at(&mut self, point: &Point<E>, s: f64) -> Result<Place, LocateError> {

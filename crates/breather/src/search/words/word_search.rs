@@ -99,7 +99,7 @@ impl Finder {
     ///
     /// ```
     /// use vibrochain_breather::{Finder, Found};
-    /// use vibrochain_lattice::{Chain, Model};
+    /// use vibrochain_lattice::{Chain, Model, Point};
     /// // Either site may have doubled its period, or both.
     /// let point = Point::ring(9).gamma1(0.2).gamma2(0.01);
     /// let model = point.omega(1.07).asymmetry(0.6).amplitude(0.3).restitution(0.9).model()?;
