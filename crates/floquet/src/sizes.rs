@@ -1,4 +1,4 @@
-//! The sizes at which one way to a verdict gives place to another, each with its measurement (`cargo bench --bench spectrum`).
+//! The sizes at which one way to a verdict gives place to another, with what was measured.
 //!
 //! | | below | above |
 //! |---|---|---|
@@ -10,10 +10,10 @@
 use vibrochain_breather::Orbit;
 
 /// Modes up to which what is dear for many is cheap. Sums over pairs take as long as Cauchy sums at 256 modes of an orbit that is its own
-/// mirror image in time and at 192 of others, where they take 0.5 ms.
+/// mirror image in time, and at 192 of others (`cargo bench --bench spectrum`).
 pub(crate) const LARGE: usize = 256;
 
-/// Rows of a matrix that take seconds; ten times as many would take an hour.
+/// Rows of a matrix that take seconds: 1.2 s for a pair on 1251 masses, 5.6 s on 2000.
 pub(crate) const MOST_DENSE: usize = 2000;
 
 /// Entries of J(z) times pairs of modes that all zeros of a determinant may cost: some three seconds.
