@@ -163,7 +163,7 @@ fn in_all_directions<R: Run>(
             return Err(Unmeasured::NotFollowed);
         }
         let columns: Vec<Vec<f64>> = (0..size).filter_map(|i| tangents.vector(i)).collect();
-        // Vectors made orthonormal on the way are none of the flow's.
+        // A run makes its vectors orthonormal from time to time; after that they are no longer what the flow makes of the first ones.
         let whole = columns.len() == size && tangents.growth().iter().all(|log| *log == 0.0);
         if !whole {
             return Err(Unmeasured::NotFollowed);

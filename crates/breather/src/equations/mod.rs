@@ -22,6 +22,7 @@ use crate::worst::worse;
 
 mod bloch;
 pub(crate) mod condition;
+mod elimination;
 pub(crate) mod flights;
 pub mod linear;
 pub(crate) mod newton;

@@ -3,11 +3,11 @@
 //!
 //! | followed | longest step | measured with others |
 //! |---|---|---|
-//! | branches | 0.02 | 0.1: 6 to 63 % fewer orbits and no event lost, but a quarter to a half of the points that a diagram is drawn through |
-//! | curves | 0.02 | 0.03: up to a fifth fewer orbits; misses the 1:1 point of the fold curve in docs/gallery.md, which 0.01 confirms |
-//! | borders of classes | 0.02 | none: two of different kinds may be side by side, and a chord is not to be taken for the other |
-//! | edges of stripes | 0.02 | 0.05: the same 333 borders in the same time (`mapgen curves` of scenes/conservative-n20.toml, 50 × 25) |
-//! | a word in the coupling | 0.1 | 0.02: the same orbits for four times as many instructions (`mapgen words` of 12 masses): only the end is asked for |
+//! | branches | 0.02 | 0.1 assembles 6 to 63 % fewer orbits and loses no event, but leaves a quarter to a half of the points that a diagram is drawn through |
+//! | curves | 0.02 | 0.03 assembles up to a fifth fewer orbits, and misses the 1:1 point of the fold curve in docs/gallery.md, which 0.01 confirms |
+//! | borders of classes | 0.02 | not measured: borders of two kinds may lie side by side, and a long chord could jump from one to the other |
+//! | edges of stripes | 0.02 | 0.05 finds the same 333 borders in the same time (`mapgen curves` of scenes/conservative-n20.toml, 50 × 25) |
+//! | a word in the coupling | 0.1 | 0.02 finds the same orbits in four times as many instructions (`mapgen words`, 12 masses); only the end of the way is asked for |
 
 /// The shortest step: where even this one fails, the curve is lost.
 const SHORTEST: f64 = 1e-9;

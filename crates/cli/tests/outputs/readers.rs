@@ -1,4 +1,4 @@
-//! Readers that go away, signals while nobody reads, and names that a shell would take apart.
+//! What the program does when its reader goes away, when a signal comes while nobody reads, and with names that a shell would split.
 #![cfg(unix)]
 
 use std::fs;

@@ -84,7 +84,7 @@ fn answers(dir: &TestDir) -> Vec<(&'static str, Value)> {
     answers
 }
 
-/// What is written of structures, whose scenes stand there as they are: what these may hold is told where they are read.
+/// Answers about structures. Each contains its scene as it was given; the schema of scenes, not this one, says what a scene may hold.
 fn of_structures(dir: &TestDir) -> Vec<(&'static str, Value)> {
     let mut answers = Vec::new();
     fs::write(dir.path("k.mtx"), "%%MatrixMarket matrix array real general\n1 1\n1\n").unwrap();

@@ -108,7 +108,7 @@ impl HalfSum {
         })
     }
 
-    /// The left eigenvector of ν = 1 on the space of a basis in which the orbit itself swings.
+    /// The left eigenvector of ν = 1 in the coordinates of a basis, which the orbit's own motion must lie in.
     pub(crate) fn set_flow(
         orbit: &Orbit,
         basis: &Basis,

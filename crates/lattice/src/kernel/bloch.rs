@@ -69,7 +69,7 @@ impl BlochMode {
 pub(super) struct Known {
     /// Its flight over the period.
     pub(super) period: Turned,
-    /// Error of its poles, and of its shapes against the largest.
+    /// Error of its poles, and error of its shapes relative to the largest of them.
     pub(super) pole_error: f64,
     pub(super) shape_error: f64,
 }

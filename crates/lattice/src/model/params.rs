@@ -25,9 +25,7 @@ impl Model {
     /// # Errors
     /// A [`ParameterError`] unless 1e-100 ≤ ω ≤ 1e100 and 0 ≤ a < 1.
     pub fn conservative(chain: Chain, omega: f64, asymmetry: f64) -> Result<Self, ParameterError> {
-        check_place(omega, asymmetry)?;
-        // A minus zero would survive the range check and change signs downstream.
-        Ok(Self { chain, omega, asymmetry: asymmetry + 0.0, force: Force::cosine(0.0)?, restitution: 1.0 })
+        chain.point().omega(omega).asymmetry(asymmetry).model()
     }
 
     /// The linear lattice.
@@ -45,7 +43,7 @@ impl Model {
     /// # Errors
     /// A [`ParameterError`] unless 1e-100 ≤ ω ≤ 1e100; the model stays as it was.
     pub fn set_omega(&mut self, omega: f64) -> Result<(), ParameterError> {
-        check_place(omega, self.asymmetry)?;
+        Parameter::Omega.check(omega)?;
         self.omega = omega;
         Ok(())
     }
@@ -127,11 +125,6 @@ impl Model {
     pub fn force_response(&self) -> Result<f64, Resonance> {
         Ok(self.steady_response()?.reach())
     }
-}
-
-fn check_place(omega: f64, asymmetry: f64) -> Result<(), ParameterError> {
-    Parameter::Omega.check(omega)?;
-    Parameter::Asymmetry.check(asymmetry)
 }
 
 #[cfg(test)]

@@ -32,7 +32,7 @@ pub fn is_shown(values: &Values, cell: u64) -> bool {
     cell.is_multiple_of(sharing(values) as u64)
 }
 
-/// The cells of a map as a grid of places, several cells to a place where there are thousands.
+/// The cells of a map on a grid of places. Where a row has thousands of cells, several share a place.
 #[derive(Debug, Clone)]
 pub struct MapCells {
     /// Columns and rows of cells, how many of each share a place, and places.

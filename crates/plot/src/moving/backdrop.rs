@@ -20,7 +20,7 @@ pub(crate) const JOINED: usize = 64;
 /// Of impacts: red enough to be seen beside the masses.
 pub(crate) const HIT: Rgb = [214, 60, 40];
 
-/// What stands still in an animation, and where its masses move.
+/// The part of an animation that stays the same in all its pictures, and the place in which its masses move.
 pub(crate) struct Backdrop<'a> {
     pub(crate) picture: &'a Animation,
     pub(crate) page: Page,

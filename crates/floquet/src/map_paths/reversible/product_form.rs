@@ -6,8 +6,8 @@ use crate::map_paths::reversible::verdict::{Reason, Secular, SecularVerdict, Sta
 use crate::zeros::Nu;
 
 impl Secular {
-    /// The verdict on an orbit of this period. If close poles leave the leading multiplier imprecise and f itself knows it better, it comes
-    /// from there: in ρ, both halves of a period being alike, with ρ² = (1 + ν)/2.
+    /// The verdict on an orbit of this period. Close poles can leave the leading multiplier imprecise; it is then taken from f itself, if f
+    /// gives more digits. f is solved in ρ, ρ² = (1 + ν)/2, the variable of half a period.
     pub(crate) fn settled(&self, verdict: SecularVerdict, period: f64) -> SecularVerdict {
         self.by_product(&verdict, period).unwrap_or(verdict)
     }
