@@ -140,6 +140,20 @@ where
         self.advance_to(points, &foreseen)
     }
 
+    /// The point a length along the tangent at the last of some points, where that is far shorter than the step there: the places behind may
+    /// tell the way on less well than the tangent does.
+    pub(super) fn advance_along(
+        &mut self,
+        points: &[TracedPoint<W::Orbit>],
+        length: f64,
+    ) -> Option<TracedPoint<W::Orbit>> {
+        let [before, last] = points.last_chunk()?;
+        if length > CROWDED * self.manifold.distance(before, last) {
+            return None;
+        }
+        self.advance_to(points, &self.manifold.ahead(last, length)).ok()
+    }
+
     /// The point near where it is foreseen, across the way there.
     pub(super) fn advance_to(
         &mut self,
