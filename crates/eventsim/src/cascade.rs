@@ -13,6 +13,14 @@ struct Bounces {
     offset: f64,
 }
 
+/// More impacts in succession than are waited for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Cascade {
+    pub(crate) site: usize,
+    pub(crate) barrier: Barrier,
+    pub(crate) bounces: u32,
+}
+
 /// What became of one mass, in internal units, or of one contact of a structure.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Change {
@@ -86,7 +94,7 @@ impl Cascades {
         most: u32,
         wait: impl Fn(usize) -> f64,
         mut observe: impl FnMut(&Change),
-    ) -> Option<(usize, Barrier, u32)> {
+    ) -> Option<Cascade> {
         let mut cascade = None;
         for change in changes {
             let &Change { site, barrier, kind, delay, .. } = change;
@@ -103,7 +111,7 @@ impl Cascades {
                 let bounces = self.count(site, barrier, clock, now, wait(site));
                 if bounces >= most {
                     self.bounces[site] = None;
-                    cascade = cascade.or(Some((site, barrier, bounces)));
+                    cascade = cascade.or(Some(Cascade { site, barrier, bounces }));
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! The event loop and its public face.
 
-use crate::cascade::{Cascades, Change};
+use crate::cascade::{Cascade, Cascades, Change};
 use crate::engine::Engine;
 use crate::error::{StateError, TangentError};
 use crate::event::{BOUNCE_TIME, Event, Limits, Outcome, Report, Work};
@@ -350,7 +350,7 @@ impl Simulation {
         let (now, wait) = ((&self.engine.clock, self.now), BOUNCE_TIME / rate);
         let observe = |change: &Change| observer(&event(change, time, scale));
         let cascade = self.cascades.tell(changes, now, limits.bounces, |_| wait, observe);
-        cascade.map(|(site, barrier, bounces)| Outcome::Cascade { site, barrier, bounces })
+        cascade.map(|Cascade { site, barrier, bounces }| Outcome::Cascade { site, barrier, bounces })
     }
 
     fn time_at(&self, s: f64) -> Time {

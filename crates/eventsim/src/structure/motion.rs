@@ -3,7 +3,7 @@
 use super::approach::{self, Place, Share};
 use super::balance::Ledger;
 use super::flight::Flight;
-use super::series::Series;
+use super::series::{RestForce, Series};
 use super::system::System;
 use crate::bound;
 use crate::event::Work;
@@ -146,14 +146,14 @@ impl Motion {
             let key = watch.tau * series.length;
             self.candidates.push(Candidate { contact, key, hit: None, is_due: false, watch: Some(watch) });
         }
-        for (contact, barrier, force) in &series.forces {
-            let doubt = series.force_doubt(&self.system, *contact);
-            let mut watch = Watch::rest(*contact, *barrier, MAX_ORDER, 1.0, doubt);
-            watch.c[..MAX_ORDER - 1].copy_from_slice(&force[..MAX_ORDER - 1]);
+        for &RestForce { contact, barrier, ref push } in &series.forces {
+            let doubt = series.force_doubt(&self.system, contact);
+            let mut watch = Watch::rest(contact, barrier, MAX_ORDER, 1.0, doubt);
+            watch.c[..MAX_ORDER - 1].copy_from_slice(&push[..MAX_ORDER - 1]);
             let key = watch.prepare() * series.length;
             if key.is_finite() {
                 self.candidates.push(Candidate {
-                    contact: *contact,
+                    contact,
                     key,
                     hit: None,
                     is_due: false,

@@ -3,12 +3,11 @@
 
 use super::approach::Place;
 use super::motion::Motion;
-use super::series::Series;
+use super::series::{RestForce, Series};
 use crate::cascade::Change;
 use crate::engine::CHATTER_TIME;
 use crate::event::EventKind;
 use crate::ring::Contact;
-use crate::units::MAX_ORDER;
 use vibrochain_lattice::Barrier;
 
 impl Motion {
@@ -90,11 +89,9 @@ impl Motion {
                 return;
             }
             let series = Series::tendencies(&self.system, &self.flight, &self.places);
-            let is_pulled = |(contact, _, force): &&(usize, Barrier, [f64; MAX_ORDER + 1])| {
-                force[0] < -series.force_doubt(&self.system, *contact)
-            };
-            let pulled = series.forces.iter().filter(is_pulled).min_by(|a, b| a.2[0].total_cmp(&b.2[0]));
-            if let Some(&(contact, barrier, _)) = pulled {
+            let is_pulled = |force: &&RestForce| force.push[0] < -series.force_doubt(&self.system, force.contact);
+            let pulled = series.forces.iter().filter(is_pulled).min_by(|a, b| a.push[0].total_cmp(&b.push[0]));
+            if let Some(&RestForce { contact, barrier, .. }) = pulled {
                 self.release(contact, barrier, 2, Some(2), changes);
                 continue;
             }

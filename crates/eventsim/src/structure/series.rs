@@ -36,9 +36,18 @@ pub(crate) struct Series {
     pub(crate) contacts: Vec<Coefficients>,
     /// Their rounding, of low orders.
     pub(crate) doubts: Vec<[f64; LOW + 1]>,
-    /// Contacts at rest and the forces on them, positive while the barrier pushes.
-    pub(crate) forces: Vec<(usize, Barrier, Coefficients)>,
+    /// On contacts at rest.
+    pub(crate) forces: Vec<RestForce>,
     is_short: bool,
+}
+
+/// The force of a barrier on a contact at rest.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RestForce {
+    pub(crate) contact: usize,
+    pub(crate) barrier: Barrier,
+    /// In σ, positive while the barrier pushes.
+    pub(crate) push: Coefficients,
 }
 
 impl Series {
@@ -130,8 +139,10 @@ impl Series {
             let most = size.iter().fold(0.0, |most: f64, size| most.max(*size));
             size[order - 1] + size[order] <= REMAINDER * most
         });
-        let pressing = |((contact, barrier), c): ((usize, Barrier), Coefficients)| {
-            (contact, barrier, c.map(|c| -barrier.sign() * c))
+        let pressing = |((contact, barrier), c): ((usize, Barrier), Coefficients)| RestForce {
+            contact,
+            barrier,
+            push: c.map(|c| -barrier.sign() * c),
         };
         let forces = resting.into_iter().zip(forces).map(pressing).collect();
         Self { length: h, xi, contacts, doubts, forces, is_short }
@@ -154,8 +165,9 @@ impl Series {
 
     /// The force on a contact at rest, positive towards larger g.
     pub(crate) fn force(&self, contact: usize, sigma: f64) -> f64 {
-        let own = self.forces.iter().find(|(other, ..)| *other == contact);
-        own.map_or(0.0, |(_, barrier, c)| -barrier.sign() * c.iter().rev().fold(0.0, |sum, c| c + sum * sigma))
+        let own = self.forces.iter().find(|force| force.contact == contact);
+        let push = |force: &RestForce| force.push.iter().rev().fold(0.0, |sum, c| c + sum * sigma);
+        own.map_or(0.0, |force| -force.barrier.sign() * push(force))
     }
 
     /// Rounding of the force on a contact at rest.

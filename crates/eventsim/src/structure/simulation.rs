@@ -7,7 +7,7 @@ use super::motion::Motion;
 use super::series::Series;
 use super::system::System;
 use super::tangent::{Alone, Company, StructureTangents};
-use crate::cascade::{Cascades, Change};
+use crate::cascade::{Cascade, Cascades, Change};
 use crate::engine::CHATTER_TIME;
 use crate::error::TangentError;
 use crate::event::{BOUNCE_TIME, Limits, Work};
@@ -374,7 +374,11 @@ impl StructureSimulation {
         };
         let observe = |change: &Change| observer(&event(change, time));
         let cascade = self.cascades.tell(changes, now, limits.bounces, wait, observe);
-        cascade.map(|(contact, barrier, bounces)| StructureOutcome::Cascade { contact, barrier, bounces })
+        cascade.map(|Cascade { site: contact, barrier, bounces }| StructureOutcome::Cascade {
+            contact,
+            barrier,
+            bounces,
+        })
     }
 
     fn time_at(&self, s: f64) -> Time {

@@ -82,18 +82,13 @@ where
         _ => tracer.way(first),
     };
     let before = behind.len();
-    let behind_there = |(at, special, error): (usize, Special, f64)| (before - 1 - at, special, error);
-    let mut special: Vec<_> = special_behind.into_iter().map(behind_there).collect();
-    special.extend(special_ahead.into_iter().map(|(at, special, error)| (before - 1 + at, special, error)));
-    special.sort_by_key(|one| one.0);
+    let there = |at: usize, one: Noted| Noted { at, ..one };
+    let mut special: Vec<_> = special_behind.into_iter().map(|one| there(before - 1 - one.at, one)).collect();
+    special.extend(special_ahead.into_iter().map(|one| there(before - 1 + one.at, one)));
+    special.sort_by_key(|one| one.at);
     let points = joined(behind, ahead);
-    let special = special.into_iter().map(|(point, special, error)| SpecialPoint {
-        special,
-        point,
-        values: values(&points[point]),
-        error,
-    });
-    let special = special.collect();
+    let told = |Noted { at, special, error }| SpecialPoint { special, point: at, values: values(&points[at]), error };
+    let special = special.into_iter().map(told).collect();
     let errors = tracer.errors(&points);
     let points = points.iter().zip(errors).map(|(point, error)| tracer.described(point, error)).collect();
     Ok(EventCurve {
@@ -107,8 +102,26 @@ where
     })
 }
 
-/// Points of a way, what happens at which of them, and how it ends.
-type Passed<O> = (Vec<TracedPoint<O>>, Vec<(usize, Special, f64)>, CurveEnd);
+/// What happens at one of a way's points.
+#[derive(Debug, Clone, Copy)]
+struct Noted {
+    at: usize,
+    special: Special,
+    /// How far along the curve it may be.
+    error: f64,
+}
+
+/// What happens between two points, and where.
+struct Located<P> {
+    /// Behind the first of them.
+    along: f64,
+    point: P,
+    special: Special,
+    error: f64,
+}
+
+/// Points of a way, what happens at some of them, and how it ends.
+type Passed<O> = (Vec<TracedPoint<O>>, Vec<Noted>, CurveEnd);
 
 impl<S, W> Tracer<'_, S, W>
 where
@@ -133,7 +146,7 @@ where
     tracer: &'t mut Tracer<'a, S, W>,
     /// At the last point.
     seen: Seen,
-    special: Vec<(usize, Special, f64)>,
+    special: Vec<Noted>,
     /// How many of these were known before the last step.
     told: usize,
     /// Why the last step failed.
@@ -211,10 +224,10 @@ where
         let least = if self.seen.on_circle || seen.on_circle { GROWTH } else { 0.0 };
         let Some(last) = passed.last().cloned() else { return };
         let length = self.tracer.manifold.length_between(&last, &next);
-        let mut found: Vec<(f64, Self::Point, Special, f64)> = Vec::new();
+        let mut found: Vec<Located<Self::Point>> = Vec::new();
         let mut take = |tracer: &Tracer<'_, S, W>, located: Option<(Self::Point, f64)>, special| {
             let along = |point: &Self::Point| tracer.manifold.length_between(&last, point);
-            found.extend(located.map(|(point, error)| (along(&point), point, special, error)));
+            found.extend(located.map(|(point, error)| Located { along: along(&point), point, special, error }));
         };
         for before in &self.seen.monitors {
             let Some(after) = seen.monitors.iter().find(|one| one.is(before)) else { continue };
@@ -231,15 +244,15 @@ where
             let located = self.tracer.cusp(passed, &next, length);
             take(self.tracer, located, Special::Cusp);
         }
-        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found.sort_by(|a, b| a.along.total_cmp(&b.along));
         let mut reached = 0.0;
-        for (along, point, special, error) in found {
+        for Located { along, point, special, error } in found {
             // Those at one place are all told of that place.
             if along - reached > CLOSEST {
                 passed.push(point);
                 reached = along;
             }
-            self.special.push((passed.len() - 1, special, error));
+            self.special.push(Noted { at: passed.len() - 1, special, error });
         }
         if length - reached > CLOSEST {
             passed.push(next);
@@ -252,13 +265,13 @@ where
         let AtEvent { orbit, mark, .. } = point.orbit();
         let theta = mark.filter(|_| self.tracer.has_angle());
         if let Some(theta) = theta.filter(|theta| !(0.0..=std::f64::consts::PI).contains(theta)) {
-            let real = |(_, one, _): &&(usize, Special, f64)| matches!(one, Special::OneToOne | Special::OneToTwo);
-            let reached = self.special[self.told..].iter().rfind(real).map(|&(place, special, _)| (place, special));
+            let real = |one: &&Noted| matches!(one.special, Special::OneToOne | Special::OneToTwo);
+            let reached = self.special[self.told..].iter().rfind(real).map(|one| (one.at, one.special));
             // Where rounding hides the place itself the curve ends beside it.
             let other = if theta < 0.0 { Special::OneToOne } else { Special::OneToTwo };
             let (place, special) = reached.unwrap_or((passed.len().saturating_sub(2), other));
             passed.truncate(place + 1);
-            self.special.retain(|(other, ..)| *other <= place);
+            self.special.retain(|one| one.at <= place);
             return Some(CurveEnd::Special(special));
         }
         if (self.tracer.asked.until)(values(point), self.seen.physical) {

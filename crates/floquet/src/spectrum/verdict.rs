@@ -113,9 +113,17 @@ fn dissipative(list: &[Zero], tolerance: Tolerance) -> Verdict {
 #[derive(Debug, Default)]
 struct Reciprocal {
     /// The one that is surely the farthest outside the circle, with growth and error.
-    leading: Option<(Complex<f64>, f64, f64)>,
+    leading: Option<Outside>,
     /// The one that may be the farthest outside of those that may have left it, and how far it is then.
     open: Option<(Complex<f64>, f64)>,
+}
+
+/// A multiplier that is surely outside the circle.
+#[derive(Debug, Clone, Copy)]
+struct Outside {
+    value: Complex<f64>,
+    growth: f64,
+    error: f64,
 }
 
 impl Reciprocal {
@@ -135,8 +143,8 @@ impl Reciprocal {
         let beyond = nu.below.max(-nu.above).max(0.0);
         let error = nu.growth_error(growth, if zero.settled { zero.error } else { reach });
         if beyond.hypot(nu.im) > reach {
-            if self.leading.is_none_or(|(_, other, _)| growth > other) {
-                self.leading = Some((nu.multipliers()[0], growth, error));
+            if self.leading.is_none_or(|other| growth > other.growth) {
+                self.leading = Some(Outside { value: nu.multipliers()[0], growth, error });
             }
         } else if !zero.settled || zero.held || nu.im != 0.0 || nu.below.max(-nu.above) >= -reach {
             let farthest = growth + nu.growth_error(growth, reach);
@@ -150,7 +158,7 @@ impl Reciprocal {
     fn verdict(&self, any: Option<Complex<f64>>, tolerance: Tolerance) -> Verdict {
         let above = |value: Complex<f64>| Complex::new(value.re, value.im.abs());
         match (self.leading, self.open) {
-            (Some((value, growth, error)), other) => {
+            (Some(Outside { value, growth, error }), other) => {
                 // One that may lead instead is as good.
                 let error = other.map_or(error, |(_, farthest)| error.max(farthest - growth));
                 Verdict::of_growth(above(value), growth, error, tolerance)

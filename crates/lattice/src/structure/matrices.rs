@@ -313,7 +313,7 @@ impl Structure {
         let (found, vectors) = eigen(&picked(&coupled), &inner)?;
         let basis = pick(&coupled).map(|x| C::new(x, 0.0));
         let complex_inner = inner.map(|x| C::new(x, 0.0));
-        let mut real: Vec<(f64, f64, DVector<f64>)> = Vec::new();
+        let mut real: Vec<RealPole> = Vec::new();
         for (rate, vector) in found.iter().zip(&vectors) {
             // φᵀ(2λ + D)φ, of a symmetric D; of others both sides would count.
             let square = vector.dot(&(vector * (rate * 2.0) + &complex_inner * vector));
@@ -327,7 +327,7 @@ impl Structure {
                 let straight = vector.map(|x| (x / largest).re);
                 let square = straight.dot(&(&straight * (2.0 * rate.re) + &inner * &straight));
                 let shape = pick(&coupled) * straight / square.abs().sqrt();
-                real.push((rate.re, square.signum(), shape));
+                real.push(RealPole { rate: rate.re, sign: square.signum(), shape });
             } else if rate.im > 0.0 {
                 let shape = &basis * vector / square.sqrt();
                 let dot = |weights: &DVector<f64>| weights.iter().zip(&shape).map(|(w, x)| x * *w).sum::<C>();
@@ -341,19 +341,27 @@ impl Structure {
                 modes.push(LinearMode::pole(*rate, &of_shape, &loads));
             }
         }
-        real.sort_by(|a, b| b.0.total_cmp(&a.0));
+        real.sort_by(|a, b| b.rate.total_cmp(&a.rate));
         for pair in real.chunks(2) {
-            let [(first, sign, shape), (second, other, beside)] = pair else {
+            let [first, second] = pair else {
                 return Err(StructureError::NotConverged);
             };
             let loads: Vec<[C; 2]> =
-                self.loads(shape).into_iter().zip(self.loads(beside)).map(|(a, b)| [a, b]).collect();
-            let both = [&self.shape(shape), &self.shape(beside)];
-            modes.push(LinearMode::real_poles([*first, *second], [*sign, *other], both, &loads));
+                self.loads(&first.shape).into_iter().zip(self.loads(&second.shape)).map(|(a, b)| [a, b]).collect();
+            let both = [&self.shape(&first.shape), &self.shape(&second.shape)];
+            modes.push(LinearMode::real_poles([first.rate, second.rate], [first.sign, second.sign], both, &loads));
         }
         modes.sort_by(|a, b| a.rates()[0].norm().total_cmp(&b.rates()[0].norm()));
         Ok(modes)
     }
+}
+
+/// A pole on the real axis: a motion that decays without turning.
+struct RealPole {
+    rate: f64,
+    /// Of φᵀ(2λ + D)φ.
+    sign: f64,
+    shape: DVector<f64>,
 }
 
 /// A mode that a contact sees by rounding of its shape alone is not seen: one that grows would be felt in the end. M = LLᵀ, and a contact

@@ -15,42 +15,42 @@ const SAME: f64 = 1e-8;
 /// The masses' hits as those of `word`, if they come in its order: times from its first instant on, in periods of the word, and when by
 /// the masses' clock that is.
 pub(crate) fn side_by_side(word: &Word, masses: &[(usize, Vec<Beat>)]) -> Option<(f64, Vec<Hit>)> {
-    let mut beats: Vec<(f64, Letter, f64)> = (masses.iter())
+    let mut hits: Vec<Hit> = (masses.iter())
         .flat_map(|(site, beats)| {
-            let of = |beat: &Beat| (beat.turn.rem_euclid(1.0), Letter::new(*site, beat.barrier), beat.impulse);
+            let of = |beat: &Beat| Hit::new(*site, beat.barrier, beat.turn.rem_euclid(1.0), beat.impulse);
             beats.iter().map(of)
         })
         .collect();
-    beats.sort_by(|one, other| one.0.total_cmp(&other.0));
-    let mut instants: Vec<Vec<(f64, Letter, f64)>> = Vec::new();
-    for beat in beats {
+    hits.sort_by(|one, other| one.time.total_cmp(&other.time));
+    let mut instants: Vec<Vec<Hit>> = Vec::new();
+    for hit in hits {
         match instants.last_mut() {
-            Some(last) if beat.0 - last[0].0 <= SIMULTANEOUS => last.push(beat),
-            _ => instants.push(vec![beat]),
+            Some(last) if hit.time - last[0].time <= SIMULTANEOUS => last.push(hit),
+            _ => instants.push(vec![hit]),
         }
     }
     // Just before the period is at its beginning.
-    let wrapped = |instants: &[Vec<(f64, Letter, f64)>]| match instants {
-        [first, .., last] => first[0].0 + 1.0 - last[0].0 <= SIMULTANEOUS,
+    let wrapped = |instants: &[Vec<Hit>]| match instants {
+        [first, .., last] => first[0].time + 1.0 - last[0].time <= SIMULTANEOUS,
         _ => false,
     };
     if wrapped(&instants) {
         let end = instants.pop().unwrap_or_default();
         instants[0].extend(end);
     }
-    instants.iter_mut().for_each(|instant| instant.sort_by_key(|beat| beat.1));
+    let letter = |hit: &Hit| Letter::new(hit.site, hit.barrier);
+    instants.iter_mut().for_each(|instant| instant.sort_by_key(letter));
     let n = instants.len();
     let fits = |shift: &usize| {
-        let same =
-            |i: usize| instants[(shift + i) % n].iter().map(|beat| beat.1).eq(word.instants()[i].iter().copied());
+        let same = |i: usize| instants[(shift + i) % n].iter().map(letter).eq(word.instants()[i].iter().copied());
         n == word.instants().len() && (0..n).all(same)
     };
     let shift = (0..n).find(fits)?;
-    let start = instants[shift][0].0;
+    let start = instants[shift][0].time;
     let hits = (0..n).flat_map(|i| {
         let instant = &instants[(shift + i) % n];
-        let turn = (instant[0].0 - start).rem_euclid(1.0);
-        instant.iter().map(move |&(_, letter, impulse)| Hit::new(letter.site, letter.barrier, turn, impulse))
+        let time = (instant[0].time - start).rem_euclid(1.0);
+        instant.iter().map(move |hit| Hit { time, ..*hit })
     });
     Some((start, hits.collect()))
 }
