@@ -152,13 +152,7 @@ impl Motion {
             watch.c[..MAX_ORDER - 1].copy_from_slice(&push[..MAX_ORDER - 1]);
             let key = watch.prepare() * series.length;
             if key.is_finite() {
-                self.candidates.push(Candidate {
-                    contact,
-                    key,
-                    hit: None,
-                    is_due: false,
-                    watch: Some(watch),
-                });
+                self.candidates.push(Candidate { contact, key, hit: None, is_due: false, watch: Some(watch) });
             }
         }
         self.series = Some(Box::new(series));

@@ -4,7 +4,7 @@
 //! parameter: no other orbit can be taken for them, and the bend tells the side.
 
 use vibrochain_breather::system::System;
-use vibrochain_breather::{SolutionCurve, SolutionPoint};
+use vibrochain_breather::{Pace, SolutionCurve, SolutionPoint};
 
 use super::answer::{BranchedOrbit, Branching, Event};
 use super::follower::{Ends, OrbitOf, Point};
@@ -13,14 +13,10 @@ use crate::events::{EventOrbit, Watcher};
 use crate::followed::Followed;
 use crate::verdict::Tolerance;
 
-/// The first step along the new branch, the factor by which it shrinks, and how often at most: down to 1e-6, where rounding of
-/// the equations, divided by the step, is as large as the bend.
-const FIRST: f64 = 0.02;
+/// The factor by which the first step along the new branch shrinks, and how often at most: from the longest of all down to 1e-6, where
+/// rounding of the equations, divided by the step, is as large as the bend.
 const SHRINK: f64 = 0.25;
 const TRIES: i32 = 8;
-
-/// The longest step, as far as the parabola is sure to tell anything.
-const LONGEST: f64 = 0.1;
 
 /// As near as this part of the distance, the rest is Newton's method at a fixed parameter.
 const ARRIVED: f64 = 0.05;
@@ -42,7 +38,7 @@ pub(crate) fn branch_off<E: Ends>(
     let pair = event == Event::Pitchfork;
     let (mut branch, start) = ends.leaving((orbit, value), &bifurcation(event, orbit)?).ok()?;
     let (length, bend) = (0..TRIES).find_map(|i| {
-        let length = FIRST * SHRINK.powi(i);
+        let length = Pace::LONGEST * SHRINK.powi(i);
         Some((length, bend(&mut branch, &start, length)?))
     })?;
     // Of a word the two ways give one orbit, begun at other times.
@@ -79,7 +75,7 @@ fn reach<S: System>(
     distance: f64,
 ) -> Option<SolutionPoint<S::Orbit>> {
     let parabola = |moved: f64| (distance / moved).sqrt();
-    let mut length = parabola(bend.abs()).min(LONGEST);
+    let mut length = parabola(bend.abs()).min(Pace::LONGEST_TO_AN_END);
     for _ in 0..TRIES {
         let there = branch.step(way, length).ok()?;
         let moved = (there.value() - way.value()) * bend.signum();
@@ -87,7 +83,7 @@ fn reach<S: System>(
             // Next to a resonance there may be no telling orbits at one value apart; this one is as good.
             return branch.at(&there, way.value() + bend.signum() * distance).ok().or(Some(there));
         }
-        let next = (length * parabola(moved)).min(LONGEST);
+        let next = (length * parabola(moved)).min(Pace::LONGEST_TO_AN_END);
         // Folds back before, or bends less than it did; NaN where it went to the other side.
         if next.is_nan() || next == length {
             return None;
