@@ -240,6 +240,29 @@ fn a_curve_goes_on_between_resonances() {
     assert!(count >= 36, "{count}");
 }
 
+/// Without coupling modes have their multipliers on the circle at any frequency. With little coupling the mass that hits feeds all of them on one
+/// side of one frequency and damps them on the other, whatever the mode: all curves lead there, and each was lost on its way.
+#[test]
+fn curves_of_modes_end_where_masses_are_not_coupled() {
+    let ring = Point::ring(5).gamma1(0.2).gamma2(0.05133674).omega(0.8153237).asymmetry(0.4);
+    let model = ring.amplitude(0.1).restitution(0.9).model().unwrap();
+    let orbit = breathers(&model, Family::SingleSided).unwrap().orbits[1].clone();
+    let found = locate(&orbit, &Search::new(&orbit, Event::NeimarkSacker, Parameter::Omega)).unwrap();
+    let mut ends = Vec::new();
+    for located in &found.located {
+        let curve =
+            curve(&located.orbit, Event::NeimarkSacker, located.evidence, &frequencies_and_couplings(), 1e-6).unwrap();
+        assert!(!curve.ends.iter().any(|end| matches!(end, CurveEnd::Lost(_))), "{:?}", curve.ends);
+        let points = [curve.points.first(), curve.points.last()];
+        let there = curve.ends.iter().zip(points).filter(|(end, _)| **end == CurveEnd::Uncoupled);
+        ends.extend(there.map(|(_, point)| point.unwrap().values));
+    }
+    assert!(ends.len() >= 2, "{ends:?}");
+    let first = ends[0][0];
+    // All at one frequency, as the mass that hits is alone there.
+    assert!(ends.iter().all(|[omega, gamma2]| (omega - first).abs() < 1e-3 && *gamma2 < 3e-5), "{ends:?}");
+}
+
 #[test]
 fn what_cannot_be_followed_is_told() {
     let orbit = first(&conservative(6, 0.15, 1.3), Family::DoubleSided);

@@ -146,7 +146,8 @@ pub struct SpecialPoint {
 pub enum CurveEnd {
     /// At the edge of the window.
     Edge,
-    /// At the edge of the window where masses are not coupled, γ₂ = 0.
+    /// At the edge of the window where masses are not coupled, γ₂ = 0, or within 1e-4 of it, a part of the window's side: multipliers of
+    /// modes become as one there, and no curve of theirs is known any nearer.
     Uncoupled,
     /// Where it began: a closed curve.
     Closed,

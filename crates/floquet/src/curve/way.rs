@@ -17,6 +17,9 @@ const START: f64 = 1e-3;
 /// Points as near as this are one.
 const SAME: f64 = 1e-6;
 
+/// So near to the side of the window where masses are not coupled, a curve that is lost leads there.
+const BARELY: f64 = 1e-4;
+
 /// Points as near as this are one place.
 const CLOSEST: f64 = 1e-14;
 
@@ -289,6 +292,12 @@ where
         let orbit = passed.last().map(|point| &point.orbit().orbit);
         if let Some(resonance) = orbit.and_then(EventOrbit::resonance) {
             return CurveEnd::Resonance(resonance);
+        }
+        // Modes that are alike without coupling have multipliers that no digits tell apart nearby.
+        let asked = self.tracer.asked;
+        let part = |which: usize| passed.last().map_or(1.0, |point| asked.parts(values(point))[which]);
+        if asked.uncoupled.is_some_and(|which| part(which) <= BARELY) {
+            return CurveEnd::Uncoupled;
         }
         let spectral = matches!(self.tracer.test, Test::Collision | Test::MinusOne | Test::AnotherOne);
         match self.why.clone() {
