@@ -6,7 +6,7 @@ use vibrochain_lattice::{Parameter, Resonance, Stop};
 
 use super::answer::{Answer, End, Event, LocateError, Located, Search};
 use super::course::Station;
-use super::follow::upwards;
+use super::follower::follow::upwards;
 use super::follower::{Ended, Ends, Follower, Order, Stretch};
 use crate::bracket::zero;
 use crate::error::FloquetError;

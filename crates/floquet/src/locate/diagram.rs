@@ -7,7 +7,7 @@ use vibrochain_lattice::Stop;
 use super::answer::{End, Event, LocateError, Located};
 use super::chain::{OfChain, check, following, has_moving_multipliers};
 use super::course::{Course, Diagram, FollowedBranch, Origin, Station};
-use super::follow::upwards;
+use super::follower::follow::upwards;
 use super::follower::{Begun, Ends, Follower, OrbitOf, Point, Stretch, Track};
 use super::switch::{departure, first_step};
 use crate::events::Watcher;

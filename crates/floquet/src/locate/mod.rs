@@ -4,11 +4,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `answer`, `course` | what is asked, and what is answered |
-//! | `follower` | who follows a branch; what a chain's and a structure's have of their own |
-//! | `follow` | steps, folds and ends, one way |
-//! | `seen`, `between` | what is seen at a point; steps so short that no pair of events hides |
-//! | `settle`, `beside_resonance` | events where a test function changes its sign |
-//! | `crossings`, `collision` | pairs of multipliers that cross the circle; without losses, that meet on it |
+//! | `follower` | who follows a branch and finds what happens on it |
 //! | `diagram`, `switch`, `branch_off` | the branches that leave a branch |
 //! | `chain` | branches of a chain's orbits |
 //!
@@ -22,20 +18,13 @@
 //! branch. That is found as a pitchfork, too, but nothing is handed over: nothing branches off.
 
 mod answer;
-mod beside_resonance;
-mod between;
 pub(crate) mod branch_off;
 mod chain;
-mod collision;
 mod course;
-mod crossings;
 mod diagram;
-mod follow;
 pub(crate) mod follower;
-mod seen;
 #[cfg(feature = "serde")]
 mod serde_impl;
-pub(crate) mod settle;
 mod switch;
 
 pub use answer::{Answer, BranchedOrbit, Branching, End, Event, Evidence, LocateError, Located, Search, Unresolved};

@@ -2,15 +2,15 @@
 
 use vibrochain_breather::Admissibility;
 
-use super::answer::{Event, LocateError};
-use super::follower::{At, Ends, Follower, Point, Seen};
+use super::{At, Ends, Follower, Point, Seen};
 use crate::events::half_sums::upper_half;
 use crate::events::{EventOrbit, Test, Watcher, another_one, minus_one};
 use crate::followed::Followed;
+use crate::locate::answer::{Event, LocateError};
 
 impl<E: Ends> Follower<E> {
     /// What is to be known of a point.
-    pub(super) fn look(&mut self, point: &Point<E>) -> Result<Seen, LocateError> {
+    pub(crate) fn look(&mut self, point: &Point<E>) -> Result<Seen, LocateError> {
         let orbit = point.orbit();
         let mut seen = Seen::default();
         if self.watches(Event::Grazing) {

@@ -4,7 +4,7 @@
 
 use vibrochain_breather::system::{System, Vector};
 
-use super::follower::{Ends, Follower, OrbitOf, Point};
+use super::{Ends, Follower, OrbitOf, Point};
 use crate::events::{AtEvent, EventOrbit, Solved, Test};
 
 /// Steps at most; three are usual.

@@ -3,13 +3,13 @@
 use nalgebra::Complex;
 use vibrochain_breather::{BranchError, BreatherError};
 
-use super::answer::{Event, LocateError};
-use super::follower::{At, Ends, Follower, Point};
 use super::seen::velocities;
 use super::settle::{BESIDE, Found, Part};
+use super::{At, Ends, Follower, Point};
 use crate::bracket::zero;
 use crate::events::half_sums::{Crossing, crossing, side, upper_half};
 use crate::events::{EventOrbit, Test, Watcher};
+use crate::locate::answer::{Event, LocateError};
 
 /// Halvings of a step within which two multipliers must become distinguishable.
 const HALVINGS: u32 = 30;

@@ -2,12 +2,12 @@
 
 use vibrochain_breather::{BranchError, Pace};
 
-use super::answer::{End, Event, LocateError};
-use super::course::Station;
-use super::follower::{At, Ended, Ends, Follower, Point, Seen};
 use super::settle::{SETTLED, Settled};
+use super::{At, Ended, Ends, Follower, Point, Seen};
 use crate::bracket::zero;
 use crate::events::{EventOrbit, Test, UNBOUNDED, strongest};
+use crate::locate::answer::{End, Event, LocateError};
+use crate::locate::course::Station;
 
 /// Steps at most in one direction.
 const MOST_STEPS: usize = 20_000;
@@ -31,7 +31,7 @@ enum Passage {
 
 impl<E: Ends> Follower<E> {
     /// Follows one direction to the end of the way; what it passes is kept, but for the start.
-    pub(super) fn follow(&mut self, start: &Point<E>, seen: Seen) -> Result<Way, LocateError> {
+    pub(crate) fn follow(&mut self, start: &Point<E>, seen: Seen) -> Result<Way, LocateError> {
         let (mut point, mut seen) = (start.clone(), seen);
         if point.value() == self.limit(&point) {
             return Ok((point.value(), End::Range));
@@ -205,6 +205,6 @@ impl<E: Ends> Follower<E> {
 }
 
 /// The same point, heading to larger values.
-pub(super) fn upwards<E: Ends>(point: Point<E>) -> Point<E> {
+pub(crate) fn upwards<E: Ends>(point: Point<E>) -> Point<E> {
     if point.heading() < 0.0 { point.reversed() } else { point }
 }

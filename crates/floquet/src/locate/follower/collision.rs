@@ -10,11 +10,11 @@
 
 use nalgebra::Complex;
 
-use super::answer::{Event, Evidence, LocateError};
-use super::follower::{At, Ends, Follower, OrbitOf, Order, Point, Seen};
 use super::settle::{Found, Part};
+use super::{At, Ends, Follower, OrbitOf, Order, Point, Seen};
 use crate::events::half_sums::{SPLIT, collided, complex_count};
 use crate::events::{EventOrbit, Solved, Test, Watcher};
+use crate::locate::answer::{Event, Evidence, LocateError};
 use crate::stripes::Signature;
 
 /// Halvings of a step in search of a stripe: to the rounding of its length.

@@ -1,13 +1,28 @@
 //! Who follows a branch, and what its orbits have of their own, a chain's or a structure's.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `follow` | steps, folds and ends, one way |
+//! | `seen`, `between` | what is seen at a point; steps so short that no pair of events hides |
+//! | `settle`, `beside_resonance` | events where a test function changes its sign |
+//! | `crossings`, `collision` | pairs of multipliers that cross the circle; without losses, that meet on it |
+
+mod beside_resonance;
+mod between;
+mod collision;
+mod crossings;
+pub(crate) mod follow;
+mod seen;
+pub(crate) mod settle;
 
 use nalgebra::Complex;
 use vibrochain_breather::system::System;
 use vibrochain_breather::{Admissibility, BranchError, Departure, SolutionCurve, SolutionPoint};
 use vibrochain_lattice::{Resonance, Stop};
 
-use super::answer::{End, Event, LocateError, Located, Unresolved};
-use super::course::{DiagramPoint, Station};
 use crate::events::{EventOrbit, Watcher};
+use crate::locate::answer::{End, Event, LocateError, Located, Unresolved};
+use crate::locate::course::{DiagramPoint, Station};
 use crate::stripes::{Signature, SignatureOrder};
 use crate::verdict::{Tolerance, Verdict};
 

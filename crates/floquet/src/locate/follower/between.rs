@@ -6,13 +6,13 @@
 
 use vibrochain_lattice::Barrier;
 
-use super::answer::{Event, LocateError};
-use super::course::Station;
-use super::follower::{At, Ends, Follower, Point, Seen};
 use super::seen::value;
 use super::settle::Found;
+use super::{At, Ends, Follower, Point, Seen};
 use crate::events::half_sums::upper_half;
 use crate::events::{EventOrbit, Test};
+use crate::locate::answer::{Event, LocateError};
+use crate::locate::course::Station;
 
 /// Halvings of a step at most: two zeros closer than this part of it stay hidden.
 const DEEPEST: u32 = 12;
@@ -39,7 +39,7 @@ impl<E: Ends> Follower<E> {
     }
 
     /// Keeps a point, if points are kept.
-    pub(super) fn pass(&mut self, point: &Point<E>, seen: &Seen) {
+    pub(crate) fn pass(&mut self, point: &Point<E>, seen: &Seen) {
         if !self.stretch.whole {
             return;
         }

@@ -4,13 +4,13 @@
 use nalgebra::Complex;
 use vibrochain_breather::{Approach, Pace};
 
-use super::answer::{Event, Evidence, LocateError, Located};
-use super::branch_off::branch_off;
-use super::follower::{At, Ends, Follower, OrbitOf, Point};
 use super::seen::{changes, marks, touch_between, value};
+use super::{At, Ends, Follower, OrbitOf, Point};
 use crate::bracket::crossing;
 use crate::events::{AtEvent, EventOrbit, Solved, TOUCHES, Test, Watcher, solve};
 use crate::followed::Followed;
+use crate::locate::answer::{Event, Evidence, LocateError, Located};
+use crate::locate::branch_off::branch_off;
 use crate::verdict::{Tolerance, Verdict};
 use crate::zeros::Nu;
 
