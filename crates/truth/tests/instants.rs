@@ -170,6 +170,24 @@ fn assert_ends_are_named(rounds: usize) {
     assert!(ends.iter().all(|&count| 50 * count > rounds) && 20 * came > rounds, "{ends:?} {came}");
 }
 
+/// Steps crept towards it until the work for one search was spent, half a minute.
+#[test]
+fn a_branch_that_creeps_towards_a_resonance_ends_there() {
+    let point = Chain::new(9, 0.3540207113381798, 0.32401137357515286).unwrap().point().omega(0.5801805980077499);
+    let point = point.asymmetry(0.30062071059642603).amplitude(0.2377423835905643).restitution(0.9877188993670045);
+    let (mut finder, mut found) = (Finder::new(9), Found::default());
+    let word = "0+3+,0-3-".parse().unwrap();
+    finder.find_word(&point.model().unwrap(), &word, Wanted::All, &mut found).unwrap();
+    let told = found.ended.iter().find(|ended| matches!(ended.by, End::Resonance(_)));
+    let told = told.unwrap_or_else(|| panic!("{:?}", found.ended));
+    // A mode of this ring is at the frequency where the coupling is this.
+    let at = |gamma2: f64, k: f64| {
+        (0.3540207113381798 + 4.0 * gamma2 * (std::f64::consts::PI * k / 9.0).sin().powi(2)).sqrt()
+    };
+    let multiple = |k: i32| at(told.value, f64::from(k)) / 0.5801805980077499;
+    assert!((0..=4).any(|k| (multiple(k) - multiple(k).round()).abs() < 1e-4), "{told}");
+}
+
 #[test]
 fn every_branch_ends_for_a_reason_that_is_told() {
     assert_ends_are_named(500);

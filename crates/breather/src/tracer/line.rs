@@ -8,9 +8,6 @@ use crate::tracer::pace::Pace;
 /// A step as short as this may bend: a corner is no curve.
 const SHORT: f64 = 3e-5;
 
-/// So many steps in a row that are as short as [`Pace::CRAWL`] lead nowhere.
-const MOST_CRAWLING: usize = 64;
-
 /// The straight line between two points may err by this part of the tolerance: what is foreseen is not quite what comes. One that errs
 /// by more than all of it is drawn again, no shorter than by the second factor.
 const ROOM: f64 = 0.6;
@@ -78,7 +75,7 @@ pub trait Line {
 pub fn trace<L: Line>(line: &mut L, start: L::Point, tolerance: f64) -> (Vec<L::Point>, L::End) {
     let mut passed = vec![start];
     let (mut pace, mut crawling) = (Pace::new(L::FIRST), 0);
-    while crawling < MOST_CRAWLING {
+    while crawling < Pace::MOST_CRAWLING {
         let (length, count) = (pace.length(), passed.len());
         let next = match line.ahead(&passed, length) {
             Some(Step::On(next)) => next,

@@ -32,6 +32,9 @@ impl Pace {
     /// Steps as short as this lead nowhere but to a place where the curve ends.
     pub const CRAWL: f64 = 1e-6;
 
+    /// So many of them in a row are enough to say so.
+    pub(crate) const MOST_CRAWLING: usize = 64;
+
     /// Steps that begin with this one.
     pub fn new(first: f64) -> Self {
         Self { length: first }

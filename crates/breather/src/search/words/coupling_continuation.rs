@@ -122,7 +122,7 @@ fn follow_in(
         Err(error) => return branch(error),
     };
     let (first, mut unit, mut paid) = (start.strength(), start.strength(), 0);
-    let mut pace = Pace::new(Pace::LONGEST_TO_AN_END);
+    let (mut pace, mut crawling) = (Pace::new(Pace::LONGEST_TO_AN_END), 0);
     loop {
         effort.pay(along.evaluations() - paid, start);
         paid = along.evaluations();
@@ -142,7 +142,8 @@ fn follow_in(
             next = over.filter(|next| next.value() < target).ok_or(BranchError::NoConvergence);
             pace = Pace::new(OVER[0]);
         }
-        let Ok(next) = next else {
+        crawling = if pace.length() < Pace::CRAWL { crawling + 1 } else { 0 };
+        let Some(next) = next.ok().filter(|_| crawling < Pace::MOST_CRAWLING) else {
             let here = point.value();
             let near = along.resonance_within(&point, here + NEAR * target);
             return ended(here, near.map_or(End::Lost, |(_, resonance)| End::Resonance(resonance)));
