@@ -14,7 +14,6 @@ use crate::flight::Flight;
 use crate::kernel::Kernel;
 use crate::orbit::{TrueImpact, TrueOrbit};
 use crate::real::Real;
-use roots::half_sum;
 
 /// |ν − c| below which a mode is kept out of the sums, and how many are at most.
 const NEAR_POLE: f64 = 1e-6;
@@ -277,6 +276,12 @@ impl TrueSpectrum {
     fn step(&self, size: f64) -> Real {
         Real::one(self.work).times_power_of_two(size.round() as i32 - self.work as i32 / 3)
     }
+}
+
+/// ν = ½(z + 1/z)
+fn half_sum(z: &Complex) -> Complex {
+    let sum = z + z.inverse();
+    Complex { re: sum.re / 2.0, im: sum.im / 2.0 }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Multipliers as roots of the determinant, by Newton's method: in z, or in ν where they come in reciprocal pairs.
 
-use super::TrueSpectrum;
+use super::{TrueSpectrum, half_sum};
 use crate::complex::{Complex, shifted};
 use crate::error::TruthError;
 use crate::real::Real;
@@ -115,12 +115,6 @@ impl TrueSpectrum {
         let moved = (&point - start).abs().to_f64();
         Err(TruthError::NotConverged { iterations: MAX_STEPS, last_step: previous * 2f64.log10(), moved })
     }
-}
-
-/// ν = ½(z + 1/z)
-pub(super) fn half_sum(z: &Complex) -> Complex {
-    let sum = z + z.inverse();
-    Complex { re: sum.re / 2.0, im: sum.im / 2.0 }
 }
 
 /// z and 1/z from ν, the larger one first.
