@@ -180,7 +180,7 @@ fn a_branch_that_creeps_towards_a_resonance_ends_there() {
     finder.find_word(&point.model().unwrap(), &word, Wanted::All, &mut found).unwrap();
     let told = found.ended.iter().find(|ended| matches!(ended.by, End::Resonance(_)));
     let told = told.unwrap_or_else(|| panic!("{:?}", found.ended));
-    // A mode of this ring is at the frequency where the coupling is this.
+    // At the coupling that is told, a harmonic of the force meets a mode: the frequencies of all modes in closed form.
     let at = |gamma2: f64, k: f64| {
         (0.3540207113381798 + 4.0 * gamma2 * (std::f64::consts::PI * k / 9.0).sin().powi(2)).sqrt()
     };
