@@ -3,6 +3,8 @@
 //! The next point is foreseen through the last four and found by what the line is a line of. A step is as long as the straight line
 //! between its ends may be, which is told by the second difference of the last three points.
 
+use smallvec::SmallVec;
+
 use crate::tracer::pace::Pace;
 
 /// A step as short as this may bend: a corner is no curve.
@@ -129,13 +131,20 @@ pub fn chord_error([a, b, c]: [[f64; 2]; 3], [before, last]: [f64; 2]) -> f64 {
 /// The curve through the last of some places, at these lengths, at another length.
 pub fn foreseen<const N: usize>(places: impl DoubleEndedIterator<Item = (f64, [f64; N])>, wanted: f64) -> [f64; N] {
     let through: Vec<(f64, [f64; N])> = places.rev().take(THROUGH).collect();
+    let lengths: SmallVec<[f64; THROUGH]> = through.iter().map(|(at, _)| *at).collect();
     let mut sum = [0.0; N];
-    for (i, (at, place)) in through.iter().enumerate() {
-        let others = through.iter().enumerate().filter(|(j, _)| *j != i);
-        let weight: f64 = others.map(|(_, (other, _))| (wanted - other) / (at - other)).product();
+    for (weight, (_, place)) in weights(&lengths, wanted).zip(&through) {
         sum.iter_mut().zip(place).for_each(|(sum, x)| *sum += weight * x);
     }
     sum
+}
+
+/// What each of some places at these lengths counts at another length, on the polynomial through all of them (Lagrange).
+pub fn weights(lengths: &[f64], wanted: f64) -> impl Iterator<Item = f64> {
+    lengths.iter().enumerate().map(move |(i, at)| {
+        let others = lengths.iter().enumerate().filter(|(j, _)| *j != i);
+        others.map(|(_, other)| (wanted - other) / (at - other)).product()
+    })
 }
 
 /// A side of the window, whose sides are 1, on the way in a direction.

@@ -1,5 +1,7 @@
 //! From point to point of a curve.
 
+use smallvec::SmallVec;
+use vibrochain_breather::line::weights;
 use vibrochain_breather::system::{System, Vector, dot, zeros};
 use vibrochain_breather::{Admissibility, BranchError, Obstruction, SolutionCurve, SolutionPoint};
 
@@ -121,41 +123,32 @@ where
         if places.len() == 1 {
             return Some(self.manifold.ahead(last, length));
         }
+        let lengths: SmallVec<[f64; THROUGH]> = places.iter().map(|(at, _)| *at).collect();
         let mut sum = zeros(last.coordinates().len());
-        for (i, (at, point)) in places.iter().enumerate() {
-            let others = places.iter().enumerate().filter(|(j, _)| *j != i);
-            let weight: f64 = others.map(|(_, (other, _))| (length - other) / (at - other)).product();
+        for (weight, (_, point)) in weights(&lengths, length).zip(&places) {
             sum.iter_mut().zip(point.coordinates()).for_each(|(sum, x)| *sum += weight * x);
         }
         Some(sum)
     }
 
-    /// The point a length ahead of the last of some points.
+    /// The point a length ahead of the last of some points: where it is foreseen, or along the tangent if the length is far shorter than the
+    /// step there, where the places behind may tell the way on less well.
     pub(super) fn advance(
         &mut self,
         points: &[TracedPoint<W::Orbit>],
         length: f64,
     ) -> Result<TracedPoint<W::Orbit>, BranchError> {
         let foreseen = self.foreseen(points, length).ok_or(BranchError::NoConvergence)?;
-        self.advance_to(points, &foreseen)
-    }
-
-    /// The point a length along the tangent at the last of some points, where that is far shorter than the step there: the places behind may
-    /// tell the way on less well than the tangent does.
-    pub(super) fn advance_along(
-        &mut self,
-        points: &[TracedPoint<W::Orbit>],
-        length: f64,
-    ) -> Option<TracedPoint<W::Orbit>> {
-        let [before, last] = points.last_chunk()?;
-        if length > CROWDED * self.manifold.distance(before, last) {
-            return None;
-        }
-        self.advance_to(points, &self.manifold.ahead(last, length)).ok()
+        self.advance_to(points, &foreseen).or_else(|why| match points.last_chunk() {
+            Some([before, last]) if length <= CROWDED * self.manifold.distance(before, last) => {
+                self.advance_to(points, &self.manifold.ahead(last, length)).map_err(|_| why)
+            }
+            _ => Err(why),
+        })
     }
 
     /// The point near where it is foreseen, across the way there.
-    pub(super) fn advance_to(
+    fn advance_to(
         &mut self,
         points: &[TracedPoint<W::Orbit>],
         foreseen: &[f64],

@@ -174,8 +174,7 @@ where
         // A number that has reached the end of its range may have no model beyond.
         let mut beyond = [foreseen[foreseen.len() - 2], foreseen[foreseen.len() - 1]];
         if asked.holds(beyond) {
-            let next = told(self.tracer.advance_to(passed, &foreseen));
-            let next = next.or_else(|| self.tracer.advance_along(passed, length))?;
+            let next = told(self.tracer.advance(passed, length))?;
             if asked.holds(values(&next)) {
                 return Some(Step::On(next));
             }

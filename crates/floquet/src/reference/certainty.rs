@@ -3,9 +3,7 @@
 //! A perturbation of a matrix of norm η moves a simple eigenvalue λ by up to κ(λ)η, with κ = ‖x‖‖y‖/|yᴴx| of its right
 //! and left eigenvectors. Two that meet have κ → ∞; two that merely pass keep it.
 
-use faer::linalg::solvers::{PartialPivLu, SolveCore};
-use faer::{Conj, Mat, c64};
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, DVector};
 use vibrochain_breather::{Condition, Orbit};
 
 use crate::saltation::Saltation;
@@ -22,27 +20,26 @@ pub(crate) fn eigenvalue_condition(matrix: &DMatrix<f64>, value: Complex<f64>) -
         return 1.0;
     }
     // A shift off the eigenvalue by rounding keeps the factors finite.
-    let shift = c64::new(value.re + f64::EPSILON * scale, value.im);
-    let shifted = Mat::from_fn(n, n, |i, j| {
-        let entry = c64::new(matrix[(i, j)], 0.0);
-        if i == j { entry - shift } else { entry }
-    });
-    let factors = PartialPivLu::new(shifted.as_ref());
-    // A start without symmetry has a part along every eigenvector.
-    let start = |phase: f64| Mat::from_fn(n, 1, |i, _| c64::new(1.0, (phase + 1.7 * i as f64).sin()));
-    let (mut right, mut left) = (start(0.0), start(0.5));
-    for _ in 0..STEPS {
-        factors.solve_in_place_with_conj(Conj::No, right.as_mut());
-        factors.solve_transpose_in_place_with_conj(Conj::Yes, left.as_mut());
-        for vector in [&mut right, &mut left] {
-            let length = vector.norm_l2();
-            if !(length.is_finite() && length > 0.0) {
-                return f64::INFINITY;
+    let shift = value + f64::EPSILON * scale;
+    let shifted = matrix.map(|entry| Complex::new(entry, 0.0)) - DMatrix::from_diagonal_element(n, n, shift);
+    let sides = [shifted.adjoint(), shifted].map(|side| {
+        let factors = side.lu();
+        // A start without symmetry has a part along every eigenvector.
+        let mut vector = DVector::from_fn(n, |i, _| Complex::new(1.0, (1.7 * i as f64).sin()));
+        for _ in 0..STEPS {
+            if !factors.solve_mut(&mut vector) {
+                return None;
             }
-            *vector = &*vector * faer::Scale(c64::new(1.0 / length, 0.0));
+            let length = vector.norm();
+            if !(length.is_finite() && length > 0.0) {
+                return None;
+            }
+            vector.unscale_mut(length);
         }
-    }
-    let overlap = (0..n).fold(c64::new(0.0, 0.0), |sum, i| sum + left[(i, 0)].conj() * right[(i, 0)]);
+        Some(vector)
+    });
+    let [Some(left), Some(right)] = sides else { return f64::INFINITY };
+    let overlap = left.dotc(&right);
     let condition = 1.0 / overlap.re.hypot(overlap.im);
     if condition.is_finite() { condition.max(1.0) } else { f64::INFINITY }
 }
