@@ -1,6 +1,7 @@
 //! Orbits followed as numbers of their model vary: what `locate`, `branch` and `curve` take from a chain or from a structure.
 
 mod chain;
+mod outputs;
 mod structure;
 
 use serde_json::{Map, Value, json};
@@ -17,6 +18,7 @@ use crate::common::error::CliError;
 use vibrochain_maps::manifest::object;
 
 pub(crate) use chain::{ChainAlong, labels};
+pub(crate) use outputs::{Outputs, Wanted};
 pub(crate) use structure::StructureAlong;
 
 /// The orbit to start from, its number among all solutions, and theirs.

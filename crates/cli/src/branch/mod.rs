@@ -6,21 +6,19 @@ use std::fmt::Write as _;
 
 use serde_json::{Map, Value, json};
 use vibrochain_floquet::{Diagram, Event, Followed, FollowedBranch, Origin, Station, StructureCourse};
-use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::followed::{BranchName, BranchRow, branch_row};
 use vibrochain_plot::curves_picture;
 
 use crate::along::{
-    Along, ChainAlong, FIRST, StructureAlong, answer, checked_range, ending, ends, evidence_text, value_text,
+    Along, ChainAlong, FIRST, Outputs, StructureAlong, Wanted, answer, checked_range, ending, ends, evidence_text,
+    value_text,
 };
 use crate::args::{BranchArgs, QuantityName, of_orbits};
 use crate::branch::table::{About, HEADER, write};
 use crate::common::answer::printed;
-use crate::common::console::{Console, destinations};
+use crate::common::console::Console;
 use crate::common::error::CliError;
-use crate::common::pictures::files::PictureFiles;
 use crate::common::schemas::{BRANCH, STRUCTURE_BRANCH};
-use crate::common::table_manifest::{Manifest, beside};
 use crate::structures;
 use crate::sweep::report::counted;
 use vibrochain_maps::manifest::object;
@@ -38,17 +36,10 @@ pub fn run(args: &BranchArgs, console: &mut Console<'_>) -> Result<(), CliError>
 }
 
 fn follow<A: Along>(args: &BranchArgs, scene: A::Scene, console: &mut Console<'_>) -> Result<(), CliError> {
-    let manifest = beside(args.out.as_deref().filter(|_| A::OF_CHAINS))?;
-    let files = [
-        ("--out", args.out.as_deref()),
-        ("the manifest of --out", manifest.as_deref()),
-        ("--plot", args.plot.as_deref()),
-    ];
-    let taken = destinations(args.json, &args.along.reads(), &files)?;
-    let stop = (console.interrupt)()?;
-    let file = args.out.as_deref().map(|path| CsvFile::create("--out", path, HEADER.split(','))).transpose()?;
-    let manifest = Manifest::create(manifest.as_deref())?;
-    let pictures = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
+    let BranchArgs { along, json, out, plot, page, .. } = args;
+    let wanted = Wanted { along, json: *json, out: out.as_deref(), plot: plot.as_deref(), page };
+    let outputs = Outputs::open::<A>(&wanted, HEADER.split(','), console)?;
+    let Outputs { taken, stop, file, manifest, pictures } = outputs;
     let free = A::free(args.along.free)?;
     let along = A::begin(&args.along, scene, &stop, console)?;
     ensure!(

@@ -6,19 +6,18 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 use vibrochain_floquet::{CurveError, Event, EventCurve, Followed, StructureWindow};
-use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::followed::curve_rows;
 use vibrochain_maps::numbers::Number;
 use vibrochain_plot::{curves_picture, event_curves};
 
-use crate::along::{Along, ChainAlong, Events, FIRST, SECOND, StructureAlong, answer, checked_range, ending};
+use crate::along::{
+    Along, ChainAlong, Events, FIRST, Outputs, SECOND, StructureAlong, Wanted, answer, checked_range, ending,
+};
 use crate::args::CurveArgs;
 use crate::common::answer::printed;
-use crate::common::console::{Console, destinations};
+use crate::common::console::Console;
 use crate::common::error::CliError;
-use crate::common::pictures::files::PictureFiles;
 use crate::common::schemas::{CURVE, STRUCTURE_CURVE};
-use crate::common::table_manifest::{Manifest, beside};
 use crate::curve::table::{About, header, write};
 use crate::structures;
 use vibrochain_maps::manifest::object;
@@ -35,22 +34,15 @@ pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> 
 }
 
 fn follow<A: Along>(args: &CurveArgs, scene: A::Scene, console: &mut Console<'_>) -> Result<(), CliError> {
-    let manifest = beside(args.out.as_deref().filter(|_| A::OF_CHAINS))?;
-    let files = [
-        ("--out", args.out.as_deref()),
-        ("the manifest of --out", manifest.as_deref()),
-        ("--plot", args.plot.as_deref()),
-    ];
-    let taken = destinations(args.json, &args.along.reads(), &files)?;
     let free = [A::free(args.along.free)?, A::free(args.and)?];
     let names = free.map(A::name);
     let [first, second] = [names[0].as_str(), names[1].as_str()];
     ensure!(first != second, "--free and --and are both {first}: give two parameters");
     ensure!((1e-12..=0.01).contains(&args.tolerance), CurveError::Tolerance(args.tolerance).into());
-    let stop = (console.interrupt)()?;
-    let file = args.out.as_deref().map(|path| CsvFile::create("--out", path, header([first, second]))).transpose()?;
-    let manifest = Manifest::create(manifest.as_deref())?;
-    let pictures = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
+    let CurveArgs { along, json, out, plot, page, .. } = args;
+    let wanted = Wanted { along, json: *json, out: out.as_deref(), plot: plot.as_deref(), page };
+    let outputs = Outputs::open::<A>(&wanted, header([first, second]), console)?;
+    let Outputs { taken, stop, file, manifest, pictures } = outputs;
     let along = A::begin(&args.along, scene, &stop, console)?;
     let range = checked_range(&along, free[0], FIRST, [args.along.from, args.along.to])?;
     let and = checked_range(&along, free[1], SECOND, [args.and_from, args.and_to])?;
