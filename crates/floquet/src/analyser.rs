@@ -207,8 +207,16 @@ impl Analyser {
     }
 
     fn decide_here(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Answer, FloquetError> {
-        let (mut verdict, multipliers) = self.by_multipliers(question, finder)?;
-        let orbit = question.orbit;
+        let Question { orbit, tolerance, thorough } = question;
+        // Without coupling all masses that are hit have the same multipliers, and the others some that do not count.
+        let alike = orbit.impact_site().is_none() && orbit.model().chain().is_uncoupled();
+        let thorough = thorough || alike && is_affordable(orbit);
+        let (mut verdict, mut multipliers) = self.by_multipliers(Question { thorough, ..question }, finder)?;
+        // A map says what the orbit alone would be told.
+        let lossless = orbit.model().loss() == 0.0;
+        if !thorough && verdict.hangs_on_rounding(lossless, tolerance) && is_affordable(orbit) {
+            (verdict, multipliers) = self.by_multipliers(Question { thorough: true, ..question }, finder)?;
+        }
         if verdict.mechanism == Some(Mechanism::PlusOne)
             && is_symmetric(orbit)
             && breaks_symmetry(finder.prepared(orbit)?, &verdict)

@@ -51,6 +51,10 @@ impl Mechanism {
     }
 }
 
+/// Growths that errors of an orbit's own data bring about: of one multiplier by themselves, of two that meet on the circle by their root.
+const ROUNDING: f64 = 1e-12;
+const SPLIT_BY_ROUNDING: f64 = 1e-6;
+
 /// From which growth per period an orbit counts as unstable.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(
@@ -178,6 +182,12 @@ impl Verdict {
     /// that it may be far below the rounding of the spectral radius.
     pub fn growth(&self) -> f64 {
         self.growth
+    }
+
+    /// What it says hangs on a growth as small as the errors of an orbit's own data make it. Not of a verdict by structure, or a marginal one.
+    pub(crate) fn hangs_on_rounding(&self, lossless: bool, tolerance: Tolerance) -> bool {
+        let reach = if lossless { SPLIT_BY_ROUNDING } else { ROUNDING };
+        !self.marginal && self.growth != 0.0 && (self.growth - tolerance.allowed()).abs() < reach
     }
 
     /// Every multiplier lies on the circle, by structure.

@@ -6,7 +6,7 @@ use vibrochain_floquet::{
     Analyser, Complex, Course, End, Event, FloquetError, Mechanism, Method, Search, Tolerance, Verdict, diagram,
     full_monodromy, leading_modes, locate, phases, stability,
 };
-use vibrochain_lattice::{Barrier, Chain, Ends, Model, Parameter};
+use vibrochain_lattice::{Barrier, Chain, Ends, Model, Parameter, Point};
 use vibrochain_testkit::{Random, Ranges, Values};
 
 /// Σ μᵏ is the trace of Mᵏ.
@@ -227,4 +227,59 @@ fn a_resonance_ends_only_orbits_that_push_its_mode() {
     let answer =
         locate(&against, &Search { event: Event::Fold, free: Parameter::Gamma3, from: 0.05, to: 3.0 }).unwrap();
     assert!(answer.ends.iter().any(|(_, end)| matches!(end, End::Resonance(_))), "{:?}", answer.ends);
+}
+
+/// Without coupling the masses that are hit have all multipliers twice, which rounding parts by its root, and those that are not hit have ones
+/// that do not count: a verdict alone, as maps ask for, knows as much of that as one with all multipliers.
+#[test]
+fn a_verdict_alone_on_masses_without_coupling_is_that_of_all_multipliers() {
+    let (mut analyser, mut found, mut marginal, mut stable) = (Analyser::default(), Found::default(), 0, 0);
+    let cases = [(3, "0+1+,0-1-", 1.0), (5, "0+1+,0-1-", 1.0), (21, "0+1+,0-1-", 1.0), (3, "0-1-", 0.47)];
+    for (sites, word, e) in cases {
+        let (word, mut finder): (Word, _) = (word.parse().unwrap(), Finder::new(sites));
+        for omega in (0..60).map(|i| 1.0 + 0.03 * f64::from(i)) {
+            let force = if e < 1.0 { 0.24 } else { 0.0 };
+            let point = Point::ring(sites).gamma1(0.8).omega(omega).asymmetry(0.45).amplitude(force).restitution(e);
+            if finder.find_word(&point.model().unwrap(), &word, Wanted::All, &mut found).is_err() {
+                continue;
+            }
+            for orbit in &found.orbits {
+                let alone = analyser.verdict(orbit, &mut finder, Tolerance::Rounding).unwrap();
+                let all = analyser.stability(orbit, &mut finder, Tolerance::Rounding).unwrap().verdict;
+                assert_eq!(
+                    (alone.stable, alone.marginal),
+                    (all.stable, all.marginal),
+                    "{sites} {omega}: {alone} {all}"
+                );
+                marginal += usize::from(alone.marginal);
+                stable += usize::from(alone.stable);
+                assert!(e == 1.0 || !alone.stable || alone.spectral_radius < 1.0, "{omega}: {alone}");
+            }
+        }
+    }
+    assert!(marginal > 100 && stable > 10, "{marginal} {stable}");
+}
+
+/// The two multipliers of an orbit that is its own image after half a period are squares: where those of the half are ±i, a double −1 on the
+/// circle, and rounding tells a map as little as the orbit alone.
+#[test]
+fn a_map_does_not_call_a_double_minus_one_unstable() {
+    let row = Point::ring(4).ends(Ends::Free).gamma1(0.2).gamma2(0.430_426_285_095_017_4);
+    let ring = Point::ring(7).gamma1(0.2).omega(1.627_203_395_289_933_9);
+    let (mut analyser, mut met) = (Analyser::default(), 0);
+    let word: Word = "0+,0-".parse().unwrap();
+    for i in -80..=80 {
+        let off = 4e-10 * f64::from(i);
+        for point in [row.omega(2.543_945_478_434_061_6 + off), ring.gamma2(0.138_740_117_989_817_97 + off)] {
+            let (mut finder, mut found) = (Finder::new(point.sites()), Found::default());
+            finder.find_word(&point.model().unwrap(), &word, Wanted::Symmetric, &mut found).unwrap();
+            for orbit in &found.orbits {
+                let verdict = analyser.verdict(orbit, &mut finder, Tolerance::Rounding).unwrap();
+                assert!(verdict.stable || verdict.marginal, "{off:e} {verdict}");
+                let all = analyser.stability(orbit, &mut finder, Tolerance::Rounding).unwrap();
+                met += usize::from(all.multipliers.iter().filter(|mu| (*mu + 1.0).norm() < 1e-6).count() == 2);
+            }
+        }
+    }
+    assert!(met > 300, "{met}");
 }

@@ -12,7 +12,7 @@ use crate::admissible::check::Impacts;
 use crate::admissible::conservative_modes::TwoImpulses;
 use crate::equations::condition::delicate;
 use crate::error::NoBreather;
-use crate::orbit::Family;
+use crate::orbit::{Family, MOST_RESIDUAL};
 use crate::search::families::conservative::{crosses, impulse, impulses};
 use crate::search::finder::Finder;
 use crate::search::screens::radiation::Radiation;
@@ -96,7 +96,7 @@ impl Finder {
         {
             return Some(Sketched::None);
         }
-        let residual = self.conservative_modes.take(model, response, &two)?;
+        let residual = self.conservative_modes.take(model, response, &two).filter(|off| *off <= MOST_RESIDUAL)?;
         let flight = self.conservative_modes.flight(model, response);
         let impacts = Impacts { asymmetry: model.asymmetry(), one: two.one };
         let margin = self.watch.margin(chain, flight, half, impacts)?;

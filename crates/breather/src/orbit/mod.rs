@@ -19,6 +19,9 @@ use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Steady};
 /// that happens between two of them.
 pub(crate) const SIMULTANEOUS: f64 = 1e-9;
 
+/// What violates its equations by more than this is no orbit: where it lies is not known.
+pub(crate) const MOST_RESIDUAL: f64 = 0.1;
+
 /// The families of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
@@ -337,6 +340,11 @@ impl Orbit {
     /// for a sound orbit.
     pub fn residual(&self) -> f64 {
         self.residual
+    }
+
+    /// It meets its own equations well enough to be one. Next to a resonance, where impulses grow without bound, rounding may leave none.
+    pub(crate) fn is_sound(&self) -> bool {
+        self.residual <= MOST_RESIDUAL
     }
 
     pub(crate) fn psi_or_zero(&self) -> f64 {

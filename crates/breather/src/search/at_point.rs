@@ -109,8 +109,8 @@ impl Finder {
                     if let Some(orbit) = found.orbits.last_mut().filter(|orbit| !orbit.is_reversible()) {
                         polish(orbit, STEPS, response, motion);
                     }
-                    // Beyond the range of numbers (subnormal parameters) nothing is left to say of an orbit.
-                    if found.orbits.pop_if(|orbit| !orbit.residual().is_finite()).is_some() {
+                    // Beyond the range of numbers (subnormal parameters), or next to a resonance, nothing may be left to say of an orbit.
+                    if found.orbits.pop_if(|orbit| !orbit.is_sound()).is_some() {
                         lost += 1;
                     }
                 }

@@ -135,7 +135,7 @@ impl Analyser {
         let (verdict, precise) = (told(&found, tolerance), is_precise(&found));
         // Of an orbit without asymmetry this may be a pitchfork.
         let open = verdict.mechanism == Some(Mechanism::PlusOne) && model.asymmetry() == 0.0;
-        Some(verdict).filter(|_| precise && !open)
+        Some(verdict).filter(|verdict| precise && !open && !verdict.hangs_on_rounding(true, tolerance))
     }
 
     /// The verdict on impacts at one site with losses, or on a large ring. (Elastic impacts of few modes are the spectrum's, which knows

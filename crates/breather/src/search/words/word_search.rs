@@ -159,7 +159,7 @@ impl Finder {
             _ if repeats => searched.reason = Some(NoBreather::RepeatsSooner),
             Ok(draft) if wanted.candidates() && !draft.is_right_signed() => searched.refused += 1,
             Ok(draft) => match assemble(draft, STEPS)? {
-                orbit if orbit.residual().is_finite() => found.orbits.push(orbit),
+                orbit if orbit.is_sound() => found.orbits.push(orbit),
                 _ => searched.reason = Some(NoBreather::Singular),
             },
             Err(reason) => searched.reason = Some(reason),
@@ -203,7 +203,7 @@ impl Finder {
                 searched.left_out += 1;
             } else {
                 match (assemble(draft, if simple { STEPS } else { STEPS_FROM_AFAR })?, simple) {
-                    (orbit, true) if orbit.residual().is_finite() => found.orbits.push(orbit),
+                    (orbit, true) if orbit.is_sound() => found.orbits.push(orbit),
                     (orbit, false) if orbit.residual() <= CONVERGED => found.orbits.push(orbit),
                     (_, true) => searched.lost += 1,
                     // Nearly an orbit.
