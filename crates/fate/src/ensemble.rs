@@ -78,8 +78,9 @@ impl Ensemble {
             return wrong("--transient", Short(transient).to_string(), "a share from 0 to 0.95".to_owned());
         }
         if periods - self.skipped() < LEAST {
-            let told = format!("a share that leaves at least {LEAST} of {periods} periods");
-            return wrong("--transient", Short(transient).to_string(), told);
+            let least = (LEAST as f64 / (1.0 - transient)).ceil();
+            let told = format!("at least {least}, or a smaller --transient than {}", Short(transient));
+            return wrong("--periods", periods.to_string(), told);
         }
         for (name, value) in [("--tolerance", tolerance), ("--leave", leave)] {
             if !(value > 0.0 && value <= 0.5) {
@@ -143,6 +144,10 @@ mod tests {
         let bad = [
             (Ensemble { starts: 0, ..fine }, "--starts 0 is out of range: give a whole number from 1 to 10000"),
             (Ensemble { periods: 9, ..fine }, "--periods 9 is out of range: give a whole number from 10 to 1000000000"),
+            (
+                Ensemble { periods: 10, ..fine },
+                "--periods 10 is out of range: give at least 16, or a smaller --transient than 0.5",
+            ),
             (Ensemble { size: -1e-3, ..fine }, "--perturb -0.001 is out of range: give a size from 0 to 1"),
             (Ensemble { size: f64::NAN, ..fine }, "--perturb NaN is out of range: give a size from 0 to 1"),
             (Ensemble { transient: 1.0, ..fine }, "--transient 1 is out of range: give a share from 0 to 0.95"),

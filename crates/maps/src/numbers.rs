@@ -50,6 +50,7 @@ pub fn whole<T: TryFrom<i128>>(text: &str) -> Result<T, String> {
 /// let message = "invalid type: floating point `2.5`, expected i64";
 /// assert_eq!(plain(message), "floating point `2.5` is not a whole number");
 /// assert_eq!(plain("missing field `sites`"), "the key `sites` is missing");
+/// assert_eq!(plain("invalid mantissa, expected digits"), "a number begins with a digit: give 0.2 for .2");
 /// let message = "unknown field `gama1`, expected one of `sites`, `gamma1`, `gamma2`";
 /// assert_eq!(plain(message), "unknown key `gama1`: did you mean `gamma1`? known here are `sites`, `gamma1`, `gamma2`");
 /// ```
@@ -67,6 +68,9 @@ pub fn plain(message: &str) -> String {
     ];
     if let Some(told) = of_keys(message) {
         return told;
+    }
+    if message.starts_with("invalid mantissa") {
+        return "a number begins with a digit: give 0.2 for .2".to_owned();
     }
     let wrong = ["invalid type: ", "invalid value: "].iter().find_map(|start| message.strip_prefix(start));
     let Some((found, wanted)) = wrong.and_then(|rest| rest.rsplit_once(", expected ")) else {
