@@ -123,5 +123,5 @@ fn chain(args: &ModelArgs) -> Result<StructureScene, CliError> {
         ("lower", json!(lower)),
         ("upper", json!(upper)),
     ]);
-    StructureScene::of_model(model).map_err(CliError::Request)
+    Ok(StructureScene::of_model(model)?)
 }

@@ -247,7 +247,13 @@ fn what_is_wrong_is_told() {
         ("restitution = 0.8", "restitution = 1.8", "from 0 to 1"),
         ("load = [0.5, 0]", "load = [0.5]", "has 1 entries"),
         ("omega = 0.9\n", "", "omega is missing"),
-        ("damping = ", "dampness = ", "unknown field"),
+        ("damping = ", "dampin = ", "other.toml:6:1: unknown key `dampin`: did you mean `damping`?"),
+        (
+            "at = 1",
+            "at = 1.5",
+            "other.toml:8:6: floating point `1.5` is not a whole number from 0\n8 | at = 1.5\n  |      ^",
+        ),
+        ("at = 1", "between = [0, 1, 1]", "other.toml:8:11: "),
     ] {
         scene(change, to);
         let ran = dir.run("orbit --scene other.toml");

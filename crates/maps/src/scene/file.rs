@@ -14,8 +14,7 @@ use vibrochain_lattice::{Ends, Force, Harmonic, Layout, MAX_HARMONIC, MAX_SITES,
 use crate::error::MapError;
 use crate::scene::axis::{Axis, GivenAxis, Key};
 use crate::scene::compute::ComputeTable;
-use crate::scene::data::Data;
-use crate::scene::source::{SHOWN, Source};
+use crate::scene::source::{SHOWN, Source, is_json};
 use crate::text::clipped;
 
 /// The most bytes of a scene's file: 200 000 values in all their digits, which take 200 MB while they are checked.
@@ -44,19 +43,19 @@ pub(super) struct ModelTable {
 /// One for each parameter, if the file has it.
 pub(super) type Values<T> = [Option<T>; Parameter::ALL.len()];
 
-/// A key of `[model]`: one of these, or a parameter's name.
-struct ModelKey(&'static str);
+/// A key of `[model]`: one of these, or a parameter's name. As a newtype an unknown one is pointed at.
+#[derive(Deserialize)]
+struct ModelKey(#[serde(deserialize_with = "known")] Name);
 
-impl<'de> Deserialize<'de> for ModelKey {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        static KEYS: LazyLock<Vec<&str>> = LazyLock::new(|| {
-            let layout = ["sites", "ends", "layers", "layer_ends"].into_iter();
-            layout.chain(Parameter::ALL.map(Parameter::name)).chain(["forcing", "force"]).collect()
-        });
-        let name = String::deserialize(deserializer)?;
-        let known = KEYS.iter().find(|key| **key == name);
-        known.map(|key| Self(key)).ok_or_else(|| D::Error::unknown_field(&name, &KEYS))
-    }
+type Name = &'static str;
+
+fn known<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Name, D::Error> {
+    static KEYS: LazyLock<Vec<&str>> = LazyLock::new(|| {
+        let layout = ["sites", "ends", "layers", "layer_ends"].into_iter();
+        layout.chain(Parameter::ALL.map(Parameter::name)).chain(["forcing", "force"]).collect()
+    });
+    let name = String::deserialize(deserializer)?;
+    KEYS.iter().find(|key| **key == name).copied().ok_or_else(|| D::Error::unknown_field(&name, &KEYS))
 }
 
 impl<'de> Deserialize<'de> for ModelTable {
@@ -210,15 +209,15 @@ impl File {
     /// Reads a scene's text; or the JSON of a manifest, or of the answer of a command, which calls its model `parameters`, and says whether it
     /// holds orbits. A scene file itself never begins with a brace.
     pub(super) fn read<'a>(path: &'a Path, text: &'a str) -> Result<(Self, Source<'a>, bool), MapError> {
-        if !text.trim_start().starts_with('{') {
+        if !is_json(text) {
             let source = Source { path, text };
-            let of_figure = || toml::from_str(text).is_ok_and(|all: Map<String, Value>| all.contains_key("figure"));
-            let file = toml::from_str(text).map_err(|error| match of_figure() {
-                true => MapError::Request(format!(
+            let (scene, places) = source.parsed()?;
+            let file = source.tables(&scene, Some(&places)).map_err(|error| match scene.get("figure") {
+                Some(_) => MapError::Request(format!(
                     "{}: it sets a figure of the paper, which `studies figures` draws; give a scene with [model] or [structure] alone",
                     path.display()
                 )),
-                false => source.unreadable(&error),
+                None => error,
             })?;
             return Ok((file, source, false));
         }
@@ -246,8 +245,7 @@ impl File {
     /// The same of a scene that is data already.
     pub(super) fn of_data<'a>(path: &'a Path, scene: &Value) -> Result<(Self, Source<'a>), MapError> {
         let source = Source { path, text: "" };
-        let file = Self::deserialize(Data::new(scene)).map_err(|error| source.error(0..0, error))?;
-        Ok((file, source))
+        Ok((source.tables(scene, None)?, source))
     }
 }
 

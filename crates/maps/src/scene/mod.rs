@@ -21,11 +21,13 @@ use vibrochain_lattice::{Model, Parameter, Part, Point, Row};
 pub(crate) use crate::scene::axis::GivenAxis;
 pub use crate::scene::axis::{Axis, MAX_POINTS, Values};
 pub use crate::scene::compute::tolerance_from;
+pub(crate) use crate::scene::data::Places;
 pub use crate::scene::file::MAX_BYTES;
 pub use crate::scene::given::Given;
 pub use crate::scene::refine::Refine;
 pub use crate::scene::slice::Slice;
 pub use crate::scene::source::Source;
+pub(crate) use crate::scene::source::is_json;
 
 use crate::cell::Task;
 use crate::error::MapError;

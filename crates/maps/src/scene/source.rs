@@ -21,6 +21,11 @@ pub struct Source<'a> {
     pub text: &'a str,
 }
 
+/// Whether a text is JSON: no TOML begins so.
+pub(crate) fn is_json(text: &str) -> bool {
+    text.trim_start().starts_with('{')
+}
+
 impl Source<'_> {
     /// An error that points at a place of the text, with the line about it.
     pub fn error(&self, span: Range<usize>, message: impl std::fmt::Display) -> MapError {
@@ -43,6 +48,7 @@ impl Source<'_> {
 
     /// What the reader of TOML says, at the place it says it of.
     pub fn unreadable(&self, error: &toml::de::Error) -> MapError {
-        self.error(error.span().unwrap_or(0..0), plain(error.message().trim()))
+        // Of integers beyond 64 bits serde_json says "JSON number out of range".
+        self.error(error.span().unwrap_or(0..0), plain(error.message().trim().trim_start_matches("JSON ")))
     }
 }

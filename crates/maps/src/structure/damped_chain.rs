@@ -1,5 +1,7 @@
 //! Scenes of chains with dashpots, a static force or stops of their own: `[model]` with keys that plain chains do not have.
 
+use std::path::Path;
+
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use vibrochain_lattice::Contact;
@@ -8,13 +10,15 @@ use super::definition::MOST_MASSES;
 use super::scene::StructureScene;
 use super::setting::Setting;
 use super::tables::{ChainTable, ComputeTable, SweepTable};
+use crate::error::MapError;
+use crate::scene::Source;
 
 /// Keys, and parameters of axes, that make a chain one of these.
 const KEYS: [&str; 6] = ["damping", "coupling_damping", "static_force", "stops", "lower", "upper"];
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
+pub(super) struct File {
     title: Option<String>,
     model: Model,
     sweep: Option<SweepTable>,
@@ -56,30 +60,28 @@ fn ring() -> String {
 }
 
 /// Whether a scene is one of these.
-pub(super) fn is_one(scene: &Map<String, Value>) -> bool {
-    let model = scene.get("model").and_then(Value::as_object);
-    let fixed_free = |model: &Map<String, Value>| model.get("ends").and_then(Value::as_str) == Some("fixed-free");
-    let in_model = model.is_some_and(|model| KEYS.iter().any(|key| model.contains_key(*key)) || fixed_free(model));
-    let sweep = scene.get("sweep").and_then(Value::as_object);
-    let axes = sweep.into_iter().flat_map(|sweep| ["x", "y"].map(|axis| sweep.get(axis)));
-    let swept = axes.flatten().filter_map(|axis| axis.get("parameter")?.as_str()).any(|name| KEYS.contains(&name));
-    in_model || model.is_some() && swept
+pub(super) fn is_one(scene: &Value) -> bool {
+    let (model, sweep) = (&scene["model"], &scene["sweep"]);
+    let in_model = model["ends"] == "fixed-free" || KEYS.iter().any(|key| model.get(key).is_some());
+    let swept = |axis: &&str| sweep[axis]["parameter"].as_str().is_some_and(|name| KEYS.contains(&name));
+    in_model || model.is_object() && ["x", "y"].iter().any(swept)
 }
 
 impl StructureScene {
     /// The scene of what `[model]` has in one of these.
     ///
     /// # Errors
-    /// What is wrong in it.
-    pub fn of_model(model: Map<String, Value>) -> Result<Self, String> {
-        read([("model".to_owned(), model.into())].into_iter().collect())
+    /// [`MapError::Request`] with what is wrong in it.
+    pub fn of_model(model: Map<String, Value>) -> Result<Self, MapError> {
+        let told = Map::from_iter([("model".to_owned(), model.into())]);
+        let file = Source { path: Path::new("model"), text: "" }.tables(&told.clone().into(), None)?;
+        Ok(read((file, told))?)
     }
 }
 
-/// The scene of all that a file says.
-pub(super) fn read(told: Map<String, Value>) -> Result<StructureScene, String> {
-    let File { title, model, sweep, compute } =
-        serde_json::from_value(told.clone().into()).map_err(|error| error.to_string())?;
+/// The scene of a file's tables, and of all that they say.
+pub(super) fn read((file, told): (File, Map<String, Value>)) -> Result<StructureScene, String> {
+    let File { title, model, sweep, compute } = file;
     // What varies may be left out: it begins anywhere.
     let varies = |names: &[&str]| sweep.as_ref().is_some_and(|sweep| sweep.varies(names));
     let given = |name: &str, value: Option<f64>| match value {
@@ -124,11 +126,11 @@ pub(super) fn read(told: Map<String, Value>) -> Result<StructureScene, String> {
         coupling_damping: model.coupling_damping.unwrap_or(0.0),
     };
     let contacts = (0..model.sites).map(contact).collect();
-    let mut scene =
-        StructureScene::of_chain(chain, contacts, amplitude.unwrap_or(0.0), model.static_force.unwrap_or(0.0))?;
+    let mut scene = StructureScene::of_chain(chain, contacts, 0.0, 0.0)?;
     scene.title = title;
-    if let Some(omega) = model.omega {
-        scene.set(Setting::Omega, omega)?;
+    let numbers = [(Setting::Omega, model.omega), (Setting::Load, amplitude), (Setting::Static, model.static_force)];
+    for (setting, value) in numbers {
+        value.map_or(Ok(()), |value| scene.set(setting, value))?;
     }
     scene.with_map(told, sweep.as_ref(), compute.as_ref())
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::StructureScene;
-use super::text::told;
+use super::text::Parsed;
 use crate::error::MapError;
 use crate::grid::Files;
 use crate::structure::damped_chain;
@@ -16,39 +16,46 @@ impl StructureScene {
     /// # Errors
     /// [`MapError::Request`] with the file and what is wrong in it.
     pub fn read(path: &Path) -> Result<Option<Self>, MapError> {
-        text_of(path).map(|text| Self::checked(path, &text, &Files::new())).transpose()
+        let text = text_of(path);
+        let scene = text.as_deref().and_then(|text| scene_in(path, text));
+        scene.map(|parsed| Self::of_parsed(path, parsed, &Files::new())).transpose()
     }
 
     /// Whether a file is a scene of a structure, or of a chain that is one.
     #[must_use]
     pub fn is_at(path: &Path) -> bool {
-        text_of(path).is_some()
+        text_of(path).is_some_and(|text| Self::is_scene(&text))
     }
 
     /// The same of a text.
     pub(in crate::structure) fn is_scene(text: &str) -> bool {
-        // What is no table at all is told by those who read chains. Of JSON, answers of commands speak of structures, too.
-        told(text).is_ok_and(|told| {
-            let is_answer = told.contains_key("schema");
-            !is_answer && (told.contains_key("structure") || damped_chain::is_one(&told))
-        })
+        scene_in(Path::new(""), text).is_some()
     }
 
     /// The scene of a text with the files `kept`, or those beside `path`.
     pub(in crate::structure) fn checked(path: &Path, text: &str, kept: &Files) -> Result<Self, MapError> {
-        let read = || {
-            if !told(text)?.contains_key("structure") {
-                return damped_chain::read(told(text)?);
-            }
-            Self::of_given(text, &Named::new(path.parent().unwrap_or(Path::new(".")), kept))
+        Self::of_parsed(path, Parsed::of(path, text)?, kept)
+    }
+
+    fn of_parsed(path: &Path, parsed: Parsed<'_>, kept: &Files) -> Result<Self, MapError> {
+        let scene = match parsed.told.get("structure") {
+            Some(_) => Self::of_file(parsed.tables()?, &Named::new(path.parent().unwrap_or(Path::new(".")), kept)),
+            None => damped_chain::read(parsed.tables()?),
         };
-        read().map_err(|why: String| MapError::Request(format!("{}: {why}", path.display())))
+        scene.map_err(|why| MapError::Request(format!("{}: {why}", path.display())))
     }
 }
 
-/// The text of a file if it is such a scene.
+/// The text of a plain file: what cannot be read, and what can be read only once, is left to those who read chains.
 fn text_of(path: &Path) -> Option<String> {
-    // What cannot be read, and what can be read only once, is left to those who read chains.
     let plain = path.metadata().is_ok_and(|data| data.is_file());
-    plain.then(|| read_text("the scene", path, MOST_BYTES).ok()).flatten().filter(|text| StructureScene::is_scene(text))
+    plain.then(|| read_text("the scene", path, MOST_BYTES).ok()).flatten()
+}
+
+/// A text if it is such a scene.
+fn scene_in<'a>(path: &'a Path, text: &'a str) -> Option<Parsed<'a>> {
+    // What is no table at all is told by those who read chains. Of JSON, answers of commands speak of structures, too.
+    Parsed::of(path, text).ok().filter(|Parsed { told, .. }| {
+        told.get("schema").is_none() && (told.get("structure").is_some() || damped_chain::is_one(told))
+    })
 }

@@ -4,13 +4,15 @@ use std::path::Path;
 use std::sync::Arc;
 
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 use vibrochain_breather::Word;
 use vibrochain_floquet::Tolerance;
 
 use super::StructureScene;
+use crate::error::MapError;
 use crate::grid::Files;
-use crate::scene::{Axis, tolerance_from};
+use crate::scene::{Axis, Places, Source, is_json, tolerance_from};
 use crate::structure::definition::Definition;
 use crate::structure::named::Named;
 use crate::structure::setting::Setting;
@@ -25,7 +27,7 @@ const KEYS: [&str; 10] =
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
+pub(super) struct File {
     title: Option<String>,
     omega: Option<f64>,
     word: Option<String>,
@@ -39,42 +41,52 @@ struct File {
     compute: Option<ComputeTable>,
 }
 
-/// Whether a text is JSON: no TOML begins so.
-fn is_json(text: &str) -> bool {
-    text.trim_start().starts_with('{')
+/// A scene's text, TOML or JSON, parsed once.
+pub(super) struct Parsed<'a> {
+    source: Source<'a>,
+    /// Of TOML.
+    places: Option<Places<'a>>,
+    /// All that it says, of a manifest what is the scene's.
+    pub(super) told: Value,
 }
 
-/// All that a scene's text says, of a manifest what is the scene's.
-pub(in crate::structure) fn told(text: &str) -> Result<Map<String, Value>, String> {
-    let mut told: Map<String, Value> = if is_json(text) {
-        serde_json::from_str(text).map_err(|error| error.to_string())?
-    } else {
-        toml::from_str(text).map_err(|error| error.to_string())?
-    };
-    if told.contains_key("program") {
-        told.retain(|key, _| KEYS.contains(&key.as_str()));
+impl<'a> Parsed<'a> {
+    pub(super) fn of(path: &'a Path, text: &'a str) -> Result<Self, MapError> {
+        let json = is_json(text);
+        let source = Source { path, text: if json { "" } else { text } };
+        let (mut told, places) = if json {
+            (serde_json::from_str(text).map_err(|error| source.error(0..0, error))?, None)
+        } else {
+            source.parsed().map(|(told, places)| (told, Some(places)))?
+        };
+        if let Value::Object(told) = &mut told {
+            let whole = !told.contains_key("program");
+            // What is null in a manifest is absent in a scene.
+            told.retain(|key, value| (whole || KEYS.contains(&key.as_str())) && (places.is_some() || !value.is_null()));
+        }
+        Ok(Self { source, places, told })
     }
-    // What is null in a manifest is absent in a scene.
-    told.retain(|_, value| !value.is_null());
-    Ok(told)
+
+    /// Its tables, and all that they say.
+    pub(super) fn tables<T: DeserializeOwned>(self) -> Result<(T, Map<String, Value>), MapError> {
+        let tables = self.source.tables(&self.told, self.places.as_ref())?;
+        let Value::Object(told) = self.told else { return Ok((tables, Map::new())) };
+        Ok((tables, told))
+    }
 }
 
 impl StructureScene {
     /// The scene of a text, TOML or JSON; files that it names are in `folder`.
     ///
     /// # Errors
-    /// What is wrong in it.
-    pub fn of_text(text: &str, folder: &Path) -> Result<Self, String> {
-        Self::of_given(text, &Named::new(folder, &Files::new()))
+    /// [`MapError::Request`] with what is wrong in it.
+    pub fn of_text(text: &str, folder: &Path) -> Result<Self, MapError> {
+        let file = Parsed::of(Path::new("scene"), text)?.tables()?;
+        Ok(Self::of_file(file, &Named::new(folder, &Files::new()))?)
     }
 
-    /// The same with the files that it names.
-    pub(in crate::structure) fn of_given(text: &str, files: &Named<'_>) -> Result<Self, String> {
-        let file: File = if is_json(text) {
-            serde_json::from_value(told(text)?.into()).map_err(|error| error.to_string())?
-        } else {
-            toml::from_str(text).map_err(|error| error.to_string())?
-        };
+    /// The same of its tables, and of all that they say.
+    pub(super) fn of_file((file, told): (File, Map<String, Value>), files: &Named<'_>) -> Result<Self, String> {
         let definition = Definition::new(&file.structure, &file.contact, &file.force, files)?;
         let mut scene = Self::of(definition)?;
         scene.title = file.title;
@@ -86,7 +98,7 @@ impl StructureScene {
         scene.force_periods = file.force_periods.unwrap_or(1);
         scene.omega = file.omega;
         scene.named = Arc::new(files.read());
-        scene.with_map(told(text)?, file.sweep.as_ref(), file.compute.as_ref())
+        scene.with_map(told, file.sweep.as_ref(), file.compute.as_ref())
     }
 
     /// The same with axes and words, and with all that its file says.
