@@ -106,6 +106,7 @@ pub struct Number(pub f64);
 
 impl Number {
     /// The digits, in two parts that follow each other, in `buffer`.
+    #[inline]
     fn parts(self, buffer: &mut zmij::Buffer) -> [&str; 2] {
         let text = buffer.format(self.0);
         // Large numbers have a sign in their exponent that they read back without.
@@ -119,6 +120,7 @@ impl Number {
     }
 
     /// Writes the digits behind those there are.
+    #[inline]
     pub fn push(self, text: &mut Vec<u8>) {
         // What stable orbits have.
         if self.0 == 1.0 {

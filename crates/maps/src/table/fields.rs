@@ -43,8 +43,10 @@ impl<S: Grid> Layout<S> {
 }
 
 /// Writes a field, in quotes where it needs them.
+#[inline]
 pub fn push_text(row: &mut Vec<u8>, text: &str) {
-    if !text.contains([',', '"', '\r', '\n']) {
+    // All four are bytes of their own.
+    if !text.bytes().any(|byte| matches!(byte, b',' | b'"' | b'\r' | b'\n')) {
         return row.extend_from_slice(text.as_bytes());
     }
     row.push(b'"');
