@@ -264,8 +264,8 @@ fn an_empty_list_says_why_or_is_open_and_others_do_not() {
     assert!(all > 100 && none > 50 && open > blank && blank > 0, "{all} {none} {open} {blank}");
 }
 
-/// One mass at a part of 1e-9 from its resonance: impulses are 10⁸, of which rounding leaves no digit. What is found there violates its own
-/// equations, and is no orbit; nor does the list that lacks it say that it is complete.
+/// One mass, 1e-9 of its frequency away from resonance: impulses are near 10⁸, and rounding leaves no digit of them. What is found there
+/// violates its own equations: it is not listed, and the list is not called complete.
 #[test]
 fn next_to_a_resonance_what_violates_its_equations_is_not_listed() {
     let omega_0 = 0.2f64.sqrt();

@@ -208,7 +208,7 @@ impl Analyser {
 
     fn decide_here(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Answer, FloquetError> {
         let Question { orbit, tolerance, thorough } = question;
-        // Without coupling all masses that are hit have the same multipliers, and the others some that do not count.
+        // Without coupling masses that are hit alike have equal multipliers, and those of masses that are not hit do not count.
         let alike = orbit.impact_site().is_none() && orbit.model().chain().is_uncoupled();
         let thorough = thorough || alike && is_affordable(orbit);
         let (mut verdict, mut multipliers) = self.by_multipliers(Question { thorough, ..question }, finder)?;

@@ -51,7 +51,7 @@ impl Mechanism {
     }
 }
 
-/// Growths that errors of an orbit's own data bring about: of one multiplier by themselves, of two that meet on the circle by their root.
+/// Growths that errors of an orbit's own data can feign: one multiplier moves by about the error, two that meet on the circle by its root.
 const ROUNDING: f64 = 1e-12;
 const SPLIT_BY_ROUNDING: f64 = 1e-6;
 
@@ -184,7 +184,8 @@ impl Verdict {
         self.growth
     }
 
-    /// What it says hangs on a growth as small as the errors of an orbit's own data make it. Not of a verdict by structure, or a marginal one.
+    /// Errors of the orbit's own data could change the verdict: its growth is that near to the tolerance. A verdict by structure does not hang
+    /// on them, and a marginal one claims nothing.
     pub(crate) fn hangs_on_rounding(&self, lossless: bool, tolerance: Tolerance) -> bool {
         let reach = if lossless { SPLIT_BY_ROUNDING } else { ROUNDING };
         !self.marginal && self.growth != 0.0 && (self.growth - tolerance.allowed()).abs() < reach

@@ -229,8 +229,8 @@ fn a_resonance_ends_only_orbits_that_push_its_mode() {
     assert!(answer.ends.iter().any(|(_, end)| matches!(end, End::Resonance(_))), "{:?}", answer.ends);
 }
 
-/// Without coupling the masses that are hit have all multipliers twice, which rounding parts by its root, and those that are not hit have ones
-/// that do not count: a verdict alone, as maps ask for, knows as much of that as one with all multipliers.
+/// Without coupling two masses that are hit alike have each multiplier twice, and rounding parts such pairs by its root; the multipliers of a
+/// mass that is not hit do not count. A verdict alone, as maps ask for it, says the same of both as one with all multipliers.
 #[test]
 fn a_verdict_alone_on_masses_without_coupling_is_that_of_all_multipliers() {
     let (mut analyser, mut found, mut marginal, mut stable) = (Analyser::default(), Found::default(), 0, 0);
@@ -260,8 +260,8 @@ fn a_verdict_alone_on_masses_without_coupling_is_that_of_all_multipliers() {
     assert!(marginal > 100 && stable > 10, "{marginal} {stable}");
 }
 
-/// The two multipliers of an orbit that is its own image after half a period are squares: where those of the half are ±i, a double −1 on the
-/// circle, and rounding tells a map as little as the orbit alone.
+/// An orbit that is its own mirror image after half a period has the squares of that half's multipliers: ±i become a double −1 on the circle.
+/// Rounding parts it, and a map must not call that unstable.
 #[test]
 fn a_map_does_not_call_a_double_minus_one_unstable() {
     let row = Point::ring(4).ends(Ends::Free).gamma1(0.2).gamma2(0.430_426_285_095_017_4);

@@ -19,7 +19,7 @@ use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Steady};
 /// that happens between two of them.
 pub(crate) const SIMULTANEOUS: f64 = 1e-9;
 
-/// What violates its equations by more than this is no orbit: where it lies is not known.
+/// A solution that violates its equations by more than this is not listed: rounding has left nothing of it.
 pub(crate) const MOST_RESIDUAL: f64 = 0.1;
 
 /// The families of the paper.
@@ -342,7 +342,8 @@ impl Orbit {
         self.residual
     }
 
-    /// It meets its own equations well enough to be one. Next to a resonance, where impulses grow without bound, rounding may leave none.
+    /// It meets its own equations well enough to be called an orbit. Next to a resonance, where impulses grow without bound, rounding can
+    /// prevent that.
     pub(crate) fn is_sound(&self) -> bool {
         self.residual <= MOST_RESIDUAL
     }

@@ -109,7 +109,7 @@ impl Finder {
                     if let Some(orbit) = found.orbits.last_mut().filter(|orbit| !orbit.is_reversible()) {
                         polish(orbit, STEPS, response, motion);
                     }
-                    // Beyond the range of numbers (subnormal parameters), or next to a resonance, nothing may be left to say of an orbit.
+                    // Subnormal parameters, or a resonance nearby, can leave a solution that violates its own equations.
                     if found.orbits.pop_if(|orbit| !orbit.is_sound()).is_some() {
                         lost += 1;
                     }

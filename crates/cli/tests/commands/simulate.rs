@@ -317,6 +317,13 @@ fn a_run_tells_what_it_is_of_and_what_has_become_of_it() {
             && quiet.contains("outcome: there is no impact in its last 64 periods\n"),
         "{quiet}"
     );
+    // One mass between its barriers repeats from the first impact on: a few periods cannot tell, more do.
+    let (_folder, state) = dir(r#"{"displacement":[0.3],"velocity":[0.9],"psi":0}"#);
+    let alone = format!("mapgen simulate --state {state} --sites 1 --gamma1 .2 --gamma2 0 --omega 1.5 --asymmetry .4");
+    for (periods, told) in [(3, "it is too short to tell"), (5, "it is too short to tell"), (20, "repeat as 0-,0+")] {
+        let (_, text, _) = run(&format!("{alone} --periods {periods}"));
+        assert!(text.contains(told), "{periods}: {text}");
+    }
 }
 
 #[test]

@@ -131,8 +131,8 @@ where
         Some(sum)
     }
 
-    /// The point a length ahead of the last of some points: where it is foreseen, or along the tangent if the length is far shorter than the
-    /// step there, where the places behind may tell the way on less well.
+    /// The point a length ahead of the last of some points, near where the points behind foresee it. Where none is found and the length is far
+    /// shorter than the last step, it is looked for along the tangent, which tells the way on better there.
     pub(super) fn advance(
         &mut self,
         points: &[TracedPoint<W::Orbit>],

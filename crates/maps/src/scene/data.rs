@@ -82,7 +82,7 @@ impl<'de> Data<'de> {
         let entries = entries.iter().filter(|(_, value)| self.toml.is_some() || !value.is_null());
         MapDeserializer::new(entries.map(|(key, value)| {
             let given = self.toml.and_then(|toml| toml.get_ref().as_table()?.get_key_value(key.as_str()));
-            // A date of TOML is a table of one key, which has no place of its own.
+            // The reader of TOML gives a date as a table with one key, which stands nowhere in the text.
             let place = given.map_or_else(|| self.place.clone(), |(key, _)| key.span());
             (Self { key, value: None, toml: None, place }, Self::new(key, value, given.map(|(_, value)| value)))
         }))

@@ -43,7 +43,7 @@ pub(super) struct ModelTable {
 /// One for each parameter, if the file has it.
 pub(super) type Values<T> = [Option<T>; Parameter::ALL.len()];
 
-/// A key of `[model]`: one of these, or a parameter's name. As a newtype an unknown one is pointed at.
+/// A key of `[model]`: one of these, or a parameter's name. It is a newtype, so that the error of an unknown key points at that key.
 #[derive(Deserialize)]
 struct ModelKey(#[serde(deserialize_with = "known")] Name);
 
