@@ -296,3 +296,16 @@ fn next_to_a_resonance_what_violates_its_equations_is_not_listed() {
     }
     assert!(left_out >= 4 && listed >= 12, "{left_out} {listed}");
 }
+
+/// A mass by itself has some 2/ω solutions. Where these are more than anyone reads the list ends, and says so.
+#[test]
+fn a_list_that_the_question_makes_long_ends_and_says_so() {
+    let found = |omega: f64| {
+        let model = Point::ring(1).gamma1(1.0).omega(omega).asymmetry(0.4).model().unwrap();
+        breathers(&model, Family::DoubleSided).unwrap()
+    };
+    let (whole, cut) = (found(1.0003e-3), found(1.0003e-6));
+    assert!(whole.completeness.is_established() && whole.orbits.len() == 1999, "{}", whole.orbits.len());
+    assert!(!cut.completeness.is_established() && cut.completeness.open().1 > 0, "{}", cut.completeness);
+    assert!((5_000..=40_000).contains(&cut.orbits.len()), "{}", cut.orbits.len());
+}

@@ -100,6 +100,10 @@ const MOST_PER_PIECE: usize = 200;
 /// And at least this many in all, for problems of few pieces whose zeros crowd.
 const LEAST_BUDGET: usize = 20_000;
 
+/// Places of zeros after which the rest is reported as exhausted. Two impacts of a slow orbit have about 2/ω zeros: at ω = 10⁻⁷ they
+/// filled 790 MB.
+const MOST_PLACES: usize = 10_000;
+
 /// 2⁻²⁶, the root of the rounding.
 const SMALL: f64 = 1.4901161193847656e-8;
 
@@ -144,7 +148,7 @@ impl Zeros {
         let budget = self.evaluations + LEAST_BUDGET.max(MOST_PER_PIECE * pieces);
         self.places.clear();
         while !self.stack.is_empty() {
-            if self.evaluations > budget || self.stop.is_raised() {
+            if self.evaluations > budget || self.places.len() >= MOST_PLACES || self.stop.is_raised() {
                 self.exhausted += self.stack.len();
                 break;
             }
