@@ -15,7 +15,7 @@ use crate::follow::Track;
 const MOST: usize = 64 * MAX_IMPACTS;
 
 /// A sequence must be seen so often before it is said to repeat.
-const REPETITIONS: usize = 4;
+pub(crate) const REPETITIONS: usize = 4;
 
 /// One of the impacts of an instant.
 #[derive(Debug, Clone, Copy)]

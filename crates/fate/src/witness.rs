@@ -8,11 +8,14 @@ use vibrochain_lattice::{Layout, Model};
 use crate::end::End;
 use crate::ensemble::Ensemble;
 use crate::follow::{Follower, Track};
-use crate::repeat::{Latest, word_of};
+use crate::repeat::{Latest, REPETITIONS, word_of};
 use crate::run::{CLOSE, LOOKED_AT};
 
 /// Of a shorter run nothing is told: an impact of each kind may not have come yet.
 const LEAST: f64 = 2.0;
+
+/// Periods of a run that can tell that its impacts do not repeat: as many sequences of two periods as must be seen.
+const TELLING: f64 = 2.0 * REPETITIONS as f64;
 
 /// The impacts of a breather, which runs are held against.
 #[derive(Debug, Clone)]
@@ -32,8 +35,10 @@ pub struct Outcome {
     /// When it left the breather, in periods of the force since the start, if it did. It may have come back since.
     pub left: Option<f64>,
     /// How it ends: on the breather, on another motion whose impacts repeat, or without any. `None` where its impacts do not repeat, or it
-    /// is too short to tell.
+    /// is [too short](Self::is_too_short) to tell.
     pub end: Option<End>,
+    /// Whether no end was found because the run is too short to tell.
+    pub is_too_short: bool,
 }
 
 /// Watches a run.
@@ -97,14 +102,14 @@ impl<'a> Witness<'a> {
             left = left.or(follower.left().map(|_| self.last.unwrap_or(0.0)));
         }
         if now.in_periods() < LEAST * span {
-            return Outcome { left, end: None };
+            return Outcome { left, end: None, is_too_short: true };
         }
         self.latest.forget(from);
         if let Some(rest) = self.rest.filter(|rest| rest.time.in_periods() >= from) {
             self.latest.see(&rest, self.close);
         }
         if self.latest.is_empty() {
-            return Outcome { left, end: Some(End::Quiet) };
+            return Outcome { left, end: Some(End::Quiet), is_too_short: false };
         }
         self.latest.trim();
         let end = match &self.pattern {
@@ -114,6 +119,7 @@ impl<'a> Witness<'a> {
                 repeated.and_then(|instants| word_of(instants, |site| self.layout.place(site))).map(End::Another)
             }
         };
-        Outcome { left, end }
+        let is_too_short = end.is_none() && now.in_periods() < TELLING;
+        Outcome { left, end, is_too_short }
     }
 }

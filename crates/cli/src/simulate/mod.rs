@@ -38,9 +38,6 @@ use vibrochain_maps::numbers::Number;
 /// Windows of flight that a run may need at least, impacts aside; of a single mass 1e15 are some three years.
 const MAX_WINDOWS: f64 = 1e15;
 
-/// Periods of a run that can tell whether its impacts repeat: a sequence must be seen four times.
-const TELLING: u64 = 8;
-
 /// Runs the subcommand.
 ///
 /// # Errors
@@ -346,7 +343,7 @@ impl Told<'_> {
         let ends = match &self.fate.end {
             Some(End::Another(word)) => format!("its impacts repeat as {word}"),
             Some(End::Quiet) => format!("there is no impact in its last {last} periods"),
-            None if self.simulation.time().periods() < TELLING => "it is too short to tell".to_owned(),
+            None if self.fate.is_too_short => "it is too short to tell".to_owned(),
             _ => "its impacts do not repeat".to_owned(),
         };
         match (self.home, self.fate.left, &self.fate.end) {

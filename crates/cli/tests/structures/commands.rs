@@ -292,6 +292,28 @@ fn what_is_wrong_is_told() {
     }
 }
 
+/// A chain's scene is told by its own keys, not by the matrices and loads that are made of it.
+#[test]
+fn numbers_of_chains_are_told_by_their_keys() {
+    let dir = TestDir::new();
+    let mut refused = 0;
+    for key in
+        ["gamma1", "gamma2", "omega", "asymmetry", "amplitude", "restitution", "damping", "static_force", "upper"]
+    {
+        for value in ["nan", "inf", "-1e101"] {
+            let given =
+                ["gamma1", "gamma2", "omega", "asymmetry", "amplitude", "restitution", "damping"]
+                    .map(|known| if known == key { String::new() } else { format!("{known} = 0.2\n") });
+            let scene = format!("[model]\nsites = 2\nends = \"fixed-free\"\n{}{key} = {value}\n", given.concat());
+            fs::write(dir.path("chain.toml"), scene).unwrap();
+            let ran = dir.run("orbit --scene chain.toml --family single-sided");
+            assert!(ran.code == Some(2) && ran.err.contains(&format!("{key} = ")), "{key}: {:?} {}", ran.code, ran.err);
+            refused += 1;
+        }
+    }
+    assert_eq!(refused, 27);
+}
+
 /// Scenes that come with the program are read, and their orbits found.
 #[test]
 fn scenes_of_structures_have_orbits() {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 use serde_json::{Map, Value};
-use vibrochain_lattice::Contact;
+use vibrochain_lattice::{Contact, MAX_MAGNITUDE};
 
 use super::definition::MOST_MASSES;
 use super::scene::StructureScene;
@@ -55,6 +55,32 @@ struct Forcing {
     restitution: Option<f64>,
 }
 
+impl Model {
+    /// Refuses by its own key what a chain hands on to matrices, loads and contacts, which have other names.
+    fn check(&self) -> Result<(), String> {
+        let numbers = [
+            ("gamma1", self.gamma1),
+            ("gamma2", self.gamma2),
+            ("omega", self.omega),
+            ("asymmetry", self.asymmetry),
+            ("amplitude", self.amplitude.or(self.forcing.amplitude)),
+            ("restitution", self.restitution.or(self.forcing.restitution)),
+            ("damping", self.damping),
+            ("coupling_damping", self.coupling_damping),
+            ("static_force", self.static_force),
+            ("lower", self.lower),
+            ("upper", self.upper),
+        ];
+        let beyond = |value: &f64| value.is_nan() || value.abs() > MAX_MAGNITUDE;
+        match numbers.into_iter().find_map(|(name, value)| Some((name, value.filter(beyond)?))) {
+            Some((name, value)) => {
+                Err(format!("{name} = {value} is out of range: give a number between -1e100 and 1e100"))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
 fn ring() -> String {
     "closed".to_owned()
 }
@@ -82,6 +108,7 @@ impl StructureScene {
 /// The scene of a file's tables, and of all that they say.
 pub(super) fn read((file, told): (File, Map<String, Value>)) -> Result<StructureScene, String> {
     let File { title, model, sweep, compute } = file;
+    model.check()?;
     // What varies may be left out: it begins anywhere.
     let varies = |names: &[&str]| sweep.as_ref().is_some_and(|sweep| sweep.varies(names));
     let given = |name: &str, value: Option<f64>| match value {
