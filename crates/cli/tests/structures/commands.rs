@@ -301,9 +301,8 @@ fn numbers_of_chains_are_told_by_their_keys() {
         ["gamma1", "gamma2", "omega", "asymmetry", "amplitude", "restitution", "damping", "static_force", "upper"]
     {
         for value in ["nan", "inf", "-1e101"] {
-            let given =
-                ["gamma1", "gamma2", "omega", "asymmetry", "amplitude", "restitution", "damping"]
-                    .map(|known| if known == key { String::new() } else { format!("{known} = 0.2\n") });
+            let given = ["gamma1", "gamma2", "omega", "asymmetry", "amplitude", "restitution", "damping"]
+                .map(|known| if known == key { String::new() } else { format!("{known} = 0.2\n") });
             let scene = format!("[model]\nsites = 2\nends = \"fixed-free\"\n{}{key} = {value}\n", given.concat());
             fs::write(dir.path("chain.toml"), scene).unwrap();
             let ran = dir.run("orbit --scene chain.toml --family single-sided");

@@ -110,12 +110,8 @@ where
             Test::MinusOne => Some((-1.0, Special::OneToTwo)),
             _ => None,
         };
-        if let (Some((goal, strong)), false) = (own, values.is_empty()) {
-            // All but the nearest.
-            let distance = |value: &C| (value - goal).norm();
-            let nearest = values.iter().map(distance).fold(f64::INFINITY, f64::min);
-            let rest = values.iter().filter(|value| distance(value) > nearest);
-            add(strong, 0, rest.map(|value| (value - goal) / (1.0 + value.norm())).product::<C>().re);
+        if let Some((goal, strong)) = own {
+            add(strong, 0, second_at(C::new(goal, 0.0), values));
         }
         if lossless {
             return false;
@@ -131,5 +127,40 @@ where
         growths.sort_by(|a, b| b.total_cmp(a));
         growths.into_iter().enumerate().for_each(|(k, growth)| add(Special::With(Event::NeimarkSacker), k, growth));
         on_circle
+    }
+}
+
+/// Changes its sign where, beside one of `values` that is at `goal`, a second one gets there.
+///
+/// Rounding splits the two where they meet, but leaves their sum alone. All others count by their directions only, so that the function is
+/// as large as the distance of the second one. NaN where there are no values.
+fn second_at(goal: C, values: &[C]) -> f64 {
+    let mut from_goal: Vec<C> = values.iter().map(|value| (value - goal) / (1.0 + value.norm())).collect();
+    from_goal.sort_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr()));
+    let near = from_goal.len().min(2);
+    let rest: C = from_goal[near..].iter().map(|value| value / value.norm()).product();
+    if near == 0 { f64::NAN } else { (from_goal[..near].iter().sum::<C>() * rest).re }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The zeros of (x + 1)(x + 1 − s)(x² + 1)(x − 2), split by rounding where two meet.
+    #[test]
+    fn a_second_multiplier_is_seen_through_the_split_of_the_first_two() {
+        let goal = C::new(-1.0, 0.0);
+        let at = |s: f64| {
+            let middle = -1.0 + 0.5 * s;
+            let apart = C::new(0.25 * s * s - 1e-16, 0.0).sqrt();
+            let values = [goal + middle + 1.0 + apart, goal + middle + 1.0 - apart];
+            second_at(goal, &[values[0], C::new(0.0, 1.0), C::new(0.0, -1.0), values[1], C::new(2.0, 0.0)])
+        };
+        for s in [1e-2, 1e-5, 1e-8, 1e-11] {
+            for sign in [-1.0, 1.0] {
+                assert!((at(sign * s) / (0.5 * sign * s) - 1.0).abs() < 2.0 * s + 1e-4, "{s}: {}", at(sign * s));
+            }
+        }
+        assert!(second_at(goal, &[]).is_nan() && second_at(goal, &[goal]) == 0.0);
     }
 }
