@@ -2,9 +2,9 @@
 //! without force and losses; next to stripes, coincident poles and no coupling at all; where multipliers are double.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{BlochEquations, Finder, Found, Orbit, Wanted, Word};
+use vibrochain_breather::{BlochEquations, Finder, Found, LinearImpact, Orbit, Wanted, Word};
 use vibrochain_floquet::{Analyser, Complex, FloquetError, ImpactSpectrum, Method, Tolerance, stability};
-use vibrochain_lattice::{Chain, Ends, Model, Parameter, Point};
+use vibrochain_lattice::{BlochKernel, Chain, Ends, Model, Parameter, Point};
 use vibrochain_testkit::{Meeting, Random, Ranges, Values};
 
 #[derive(Debug, Default)]
@@ -237,4 +237,35 @@ fn uncoupled_words_are_as_many_masses_alone() {
         }
     }
     assert!(checked >= 4, "{checked}");
+}
+
+/// Where two multipliers meet they are told together, with the circle that holds both as their error. One mass with a dashpot that hits once
+/// a period: their product is e²·e^{−2ζΩT}, and their sum grows linearly with the acceleration before the impact.
+#[test]
+fn two_that_meet_are_told() {
+    let (frequency, damping, period, restitution) = (1.3, 0.1, 4.0, 0.8_f64);
+    let spectrum = |acceleration_before: f64| {
+        let mut kernel = BlochKernel::new(period, 1);
+        kernel.push_oscillator(frequency, damping, &[1.0]);
+        let impact = LinearImpact { contact: 0, time: 0.0, impulse: -1.0, restitution, acceleration_before };
+        ImpactSpectrum::new(&BlochEquations::new(kernel, vec![impact]))
+    };
+    let sum = |acceleration: f64| spectrum(acceleration).multipliers.iter().sum::<Complex<f64>>().re;
+    let product = (restitution * f64::exp(-damping * frequency * period)).powi(2);
+    let mut told = 0;
+    for double in [product.sqrt(), -product.sqrt()] {
+        let (one, two) = (sum(1.0), sum(2.0));
+        let meeting = 1.0 + (2.0 * double - one) / (two - one);
+        for off in [0.0, 1e-16, -1e-16, 1e-14, -1e-14, 1e-12, -1e-12, 1e-10, -1e-10, 1e-8, -1e-8, 1e-6, -1e-6] {
+            let there = spectrum(meeting + off);
+            assert!(there.is_certified && there.multipliers.len() == 2, "{double} {off}: {there:?}");
+            let apart = (0.25 * (off * (two - one)).powi(2) + double * off * (two - one)).abs().sqrt();
+            for (multiplier, error) in there.multipliers.iter().zip(&there.errors) {
+                let distance = ((multiplier - double).norm() - apart).abs();
+                assert!(distance <= 1e-7 + apart * 1e-2 && *error < 1e-2, "{double} {off}: {multiplier} {error}");
+                told += 1;
+            }
+        }
+    }
+    assert_eq!(told, 52);
 }

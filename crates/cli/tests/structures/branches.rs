@@ -167,3 +167,84 @@ fn what_is_wrong_is_told() {
     dir.run(&format!("branch {chain} --free contact.0.upper")).with(2, &["is a number of structures"]);
     dir.run(&format!("branch {chain} --free omga")).with(2, &["omega"]);
 }
+
+/// Two masses and a bar between them: each impact of the first turns the second contact round, too.
+const BAR: &str = "omega = 1.3\nword = \"0+\"\n[structure]\nmasses = [1, 1]\nstiffness = [[1.2, -0.2], [-0.2, 1.2]]\n\
+    damping = [[0.05, 0], [0, 0.05]]\n[[contact]]\nat = 0\nupper = 0.5\nrestitution = 0.8\n[[contact]]\nbetween = [0, 1]\nupper = 1.0\n\
+    restitution = 0.8\n[force]\nload = [0.5, 0.1]\n";
+
+/// Where a contact comes closest to its barrier at another one's impact it touches at a corner of its motion: on one side of that place the
+/// simulation has impacts of it, on the other it has none.
+#[test]
+fn a_contact_that_another_ones_impact_turns_round_touches_too() {
+    let dir = TestDir::new();
+    fs::write(dir.path("bar.toml"), BAR).unwrap();
+    let told = written(
+        &dir.run("branch --scene bar.toml --free contact.1.upper --from 0.5 --to 2 --solution 2 --json")
+            .with(0, &[])
+            .out,
+    );
+    let touches: Vec<&Value> = (told["events"].as_array().unwrap().iter())
+        .filter(|event| event["event"] == "grazing" && event["evidence"]["contact"] == 1)
+        .collect();
+    assert!(touches.len() == 1 && touches[0]["evidence"]["time"] == 0.0, "{told:#}");
+    let stop = number(&touches[0]["value"]);
+    let hits = |stop: f64| {
+        let line = format!(
+            "simulate --scene bar.toml --solution 2 --set contact.1.upper={stop} --periods 2 --impacts hits.csv"
+        );
+        dir.run(&line).with(0, &[]);
+        let table = String::from_utf8(dir.read("hits.csv")).unwrap();
+        table.lines().skip(1).filter(|row| row.split(',').nth(1) == Some("1")).count()
+    };
+    // Its place there does not depend on its own barrier.
+    assert_eq!([hits(stop - 1e-9), hits(stop + 1e-9)].map(|count| count > 0), [true, false], "{stop}");
+    let ask = "--scene bar.toml --event grazing --free contact.1.upper --from 0.9 --to 1 --solution 2 --json";
+    let located = written(&dir.run(&format!("locate {ask}")).with(0, &[]).out);
+    assert!((number(&located["events"][0]["value"]) - stop).abs() < 1e-12);
+    let curve = format!("curve {ask} --and omega --and-from 1.25 --and-to 1.3");
+    let curves = written(&dir.run(&curve).with(0, &[]).out);
+    let points = curves["curves"][0]["points"].as_array().unwrap();
+    let last = [&points[0], &points[points.len() - 1]].map(|point| [0, 1].map(|i| number(&point["values"][i])));
+    assert!(points.len() > 4 && last.iter().any(|[at, omega]| (at - stop).abs() < 1e-10 && *omega == 1.3), "{last:?}");
+}
+
+/// What else happens along a curve does not depend on its window: a pair that crosses the circle next to where it becomes real at −1, as another
+/// command finds both.
+#[test]
+fn special_points_do_not_depend_on_the_window() {
+    let dir = TestDir::new();
+    fs::write(dir.path("bar.toml"), BAR.replace("at = 0\n", "at = 1\n")).unwrap();
+    let special = |event: &str, [from, to, low, high]: [f64; 4]| {
+        let line = format!(
+            "curve --json --event {event} --scene bar.toml --free omega --from {from} --to {to} --and contact.0.upper --and-from {low} --and-to {high}"
+        );
+        let told = written(&dir.run(&line).with(0, &[]).out);
+        let points: Vec<Value> = (told["curves"].as_array().unwrap().iter())
+            .flat_map(|curve| curve["special"].as_array().unwrap().clone())
+            .collect();
+        points
+    };
+    let find = |points: &[Value], kind: &str, goal: [f64; 2]| {
+        points.iter().any(|point| {
+            let apart = [0, 1].map(|i| (number(&point["values"][i]) - goal[i]).abs());
+            point["special"] == kind && apart.iter().all(|apart| *apart < 1e-8)
+        })
+    };
+    let other = special("neimark-sacker", [0.7, 1.6, 0.1, 1.0]);
+    let at = |kind: &str| {
+        let one = other.iter().find(|one| one["special"] == kind && number(&one["values"][0]) < 0.7321);
+        [0, 1].map(|i| number(&one.unwrap()["values"][i]))
+    };
+    let (meeting, crossing) = (at("1:2"), at("period-doubling"));
+    for window in [
+        [0.7, 1.6, 0.1, 1.0],
+        [0.71, 1.6, 0.1, 1.0],
+        [0.727, 1.582, 0.136, 0.973],
+        [0.731, 1.6, 0.41, 1.0],
+        [0.73, 1.6, 0.1, 1.0],
+    ] {
+        let points = special("period-doubling", window);
+        assert!(find(&points, "1:2", meeting) && find(&points, "neimark-sacker", crossing), "{window:?}: {points:?}");
+    }
+}

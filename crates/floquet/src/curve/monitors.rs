@@ -41,6 +41,13 @@ pub(super) struct Seen {
     pub(super) on_circle: bool,
 }
 
+impl Seen {
+    /// How many pairs of multipliers are watched on their way to the circle.
+    pub(super) fn pairs(&self) -> usize {
+        self.monitors.iter().filter(|monitor| monitor.special == Special::With(Event::NeimarkSacker)).count()
+    }
+}
+
 impl<S, W> Tracer<'_, S, W>
 where
     S: System<Orbit = W::Orbit>,

@@ -166,19 +166,20 @@ where
         if pushed || back.is_some_and(turns) { Err(BranchError::NoConvergence) } else { Ok(next) }
     }
 
-    /// Where on a step from the last of some points a function vanishes that has these values at its ends.
+    /// Where on a part of the step from the last of some points a function vanishes that has these values at the ends of that part.
     pub(super) fn located(
         &mut self,
         points: &[TracedPoint<W::Orbit>],
-        length: f64,
+        [from, to]: [f64; 2],
         ends: [f64; 2],
         mut value: impl FnMut(&mut Self, &TracedPoint<W::Orbit>) -> Option<f64>,
     ) -> Option<(TracedPoint<W::Orbit>, f64)> {
+        let length = to - from;
         let (s, error) = crossing(ends, length, |s| {
-            let point = self.advance(points, s).ok()?;
+            let point = self.advance(points, from + s).ok()?;
             value(self, &point)
         })?;
-        Some((self.advance(points, s).ok()?, error.min(length)))
+        Some((self.advance(points, from + s).ok()?, error.min(length)))
     }
 
     /// How the curve goes on in the plane of both numbers.
@@ -200,7 +201,7 @@ where
         if ends[1] > 0.0 {
             return None;
         }
-        self.located(points, length, ends, |tracer, point| Some(against(tracer.heading(point))))
+        self.located(points, [0.0, length], ends, |tracer, point| Some(against(tracer.heading(point))))
     }
 
     /// The error at each of the points, as a part of the window's sides.

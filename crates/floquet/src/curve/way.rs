@@ -20,6 +20,9 @@ const SAME: f64 = 1e-6;
 /// So near to the side of the window where masses are not coupled, a curve that is lost leads there.
 const BARELY: f64 = 1e-4;
 
+/// How often a step is halved on which pairs of multipliers become real or complex.
+const MOST_HALVED: usize = 6;
+
 /// Points as near as this are one place.
 const CLOSEST: f64 = 1e-14;
 
@@ -34,9 +37,10 @@ fn test_of(event: Event, evidence: Evidence, orbit: &impl EventOrbit) -> Option<
             (if orbit.is_lossless() { Test::Collision } else { Test::Circle }, Some(mu.arg().abs()))
         }
         (Event::Grazing, Evidence::Impact(i)) => (Test::Velocity(i), None),
-        (Event::Grazing, Evidence::Touch(touch)) => {
-            (Test::Touch(touch.site, touch.barrier), Some(touch.time / orbit.period()))
-        }
+        (Event::Grazing, Evidence::Touch(touch)) => match Test::corner(&touch, orbit) {
+            Some(corner) => (corner, None),
+            None => (Test::Touch(touch.site, touch.barrier), Some(touch.time / orbit.period())),
+        },
         _ => return None,
     })
 }
@@ -140,6 +144,33 @@ where
     }
 }
 
+/// What is seen at a length along a step.
+type SeenAt = (f64, Seen);
+
+impl<S, W> Tracer<'_, S, W>
+where
+    S: System<Orbit = W::Orbit>,
+    W: Watcher,
+{
+    /// Parts of a step, halved where pairs of multipliers become real or complex on the way: a pair that is seen at one end alone may have
+    /// crossed the circle before.
+    fn alike(&mut self, passed: &[TracedPoint<W::Orbit>], ends: [SeenAt; 2]) -> Vec<[SeenAt; 2]> {
+        let (mut open, mut parts) = (vec![(ends, 0)], Vec::new());
+        while let Some(([from, to], halved)) = open.pop() {
+            let middle = 0.5 * (from.0 + to.0);
+            let differs = halved < MOST_HALVED && from.1.pairs() != to.1.pairs();
+            match differs.then(|| self.advance(passed, middle).ok()).flatten() {
+                Some(point) => {
+                    let middle = (middle, self.seen(&point, GROWTH));
+                    open.extend([([middle.clone(), to], halved + 1), ([from, middle], halved + 1)]);
+                }
+                None => parts.push([from, to]),
+            }
+        }
+        parts
+    }
+}
+
 /// One way along the curve from its start.
 struct Way<'t, 'a, S, W>
 where
@@ -222,8 +253,6 @@ where
     fn pass(&mut self, passed: &mut Vec<Self::Point>, next: Self::Point) {
         self.told = self.special.len();
         let seen = self.tracer.seen(&next, GROWTH);
-        // On its way a pair that crosses comes as near as one likes.
-        let least = if self.seen.on_circle || seen.on_circle { GROWTH } else { 0.0 };
         let Some(last) = passed.last().cloned() else { return };
         let length = self.tracer.manifold.length_between(&last, &next);
         let mut found: Vec<Located<Self::Point>> = Vec::new();
@@ -231,16 +260,22 @@ where
             let along = |point: &Self::Point| tracer.manifold.length_between(&last, point);
             found.extend(located.map(|(point, error)| Located { along: along(&point), point, special, error }));
         };
-        for before in &self.seen.monitors {
-            let Some(after) = seen.monitors.iter().find(|one| one.is(before)) else { continue };
-            if (before.value > 0.0) == (after.value > 0.0) {
-                continue;
+        let parts = self.tracer.alike(passed, [(0.0, self.seen.clone()), (length, seen.clone())]);
+        for [(from, before), (to, after)] in &parts {
+            // On its way a pair that crosses comes as near as one likes.
+            let least = if before.on_circle || after.on_circle { GROWTH } else { 0.0 };
+            for before in &before.monitors {
+                let Some(after) = after.monitors.iter().find(|one| one.is(before)) else { continue };
+                if (before.value > 0.0) == (after.value > 0.0) {
+                    continue;
+                }
+                let located =
+                    self.tracer.located(passed, [*from, *to], [before.value, after.value], |tracer, point| {
+                        let there = tracer.seen(point, least);
+                        there.monitors.iter().find(|one| one.is(before)).map(|one| one.value)
+                    });
+                take(self.tracer, located, before.special);
             }
-            let located = self.tracer.located(passed, length, [before.value, after.value], |tracer, point| {
-                let there = tracer.seen(point, least);
-                there.monitors.iter().find(|one| one.is(before)).map(|one| one.value)
-            });
-            take(self.tracer, located, before.special);
         }
         if self.tracer.asked.event == Event::Fold && self.tracer.asked.special {
             let located = self.tracer.cusp(passed, &next, length);

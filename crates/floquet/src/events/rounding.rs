@@ -42,6 +42,10 @@ fn told<O: EventOrbit, K>(test: Test, here: &Evaluation<O, K>, mark: Option<f64>
             let error = orbit.place_error(contact, mark?.rem_euclid(1.0) * orbit.period())?;
             smallvec![error * orbit.omega() / orbit.speed(); 2]
         }
+        Test::Corner(contact, _, impact) => {
+            let error = orbit.place_error(contact, orbit.hits().get(impact)?.time)?;
+            smallvec![error * orbit.omega() / orbit.speed()]
+        }
     })
 }
 

@@ -6,11 +6,12 @@
 use nalgebra::Complex;
 use smallvec::{SmallVec, smallvec};
 use vibrochain_breather::system::Evaluation;
-use vibrochain_breather::{BlochEquations, BranchError};
+use vibrochain_breather::{Approach, BlochEquations, BranchError, Hit};
 use vibrochain_lattice::Barrier;
 
 use super::orbit::EventOrbit;
 use super::regular::Regular;
+use super::watcher::TOUCHES;
 use crate::locate::Event;
 
 type C = Complex<f64>;
@@ -40,9 +41,26 @@ pub(crate) enum Test {
     Velocity(usize),
     /// The distance of a contact to a barrier where it turns round; the mark is when, in periods.
     Touch(usize, Barrier),
+    /// The distance of a contact to a barrier where an impact of another contact turns it round, as coupled masses or bars do; that impact.
+    Corner(usize, Barrier, usize),
 }
 
+/// Instants this near to each other, as a part of the period, are one.
+const TOGETHER: f64 = 1e-9;
+
 impl Test {
+    /// What vanishes where a contact touches at the instant of another one's impact, if it does not stand still there.
+    pub(crate) fn corner(touch: &Approach, orbit: &impl EventOrbit) -> Option<Self> {
+        let period = orbit.period();
+        let is_there = |hit: &Hit| {
+            let apart = (hit.time - touch.time).rem_euclid(period);
+            hit.site != touch.site && apart.min(period - apart) <= TOGETHER * period
+        };
+        let impact = orbit.hits().iter().position(is_there)?;
+        let [_, velocity] = orbit.state(touch.site, touch.time).ok()?;
+        (velocity.abs() > TOUCHES * orbit.speed()).then_some(Self::Corner(touch.site, touch.barrier, impact))
+    }
+
     /// Of an event as it is known by a mark.
     pub(crate) fn event(self, turns: bool) -> Event {
         match self {
@@ -51,7 +69,7 @@ impl Test {
             Self::One | Self::AnotherOne => Event::Pitchfork,
             Self::MinusOne => Event::PeriodDoubling,
             Self::Circle | Self::Collision => Event::NeimarkSacker,
-            Self::Velocity(_) | Self::Touch(..) => Event::Grazing,
+            Self::Velocity(_) | Self::Touch(..) | Self::Corner(..) => Event::Grazing,
         }
     }
 
@@ -100,6 +118,11 @@ impl Test {
                 let [place, velocity] = orbit.state(contact, mark.rem_euclid(1.0) * orbit.period())?;
                 let speed = orbit.speed();
                 smallvec![(wall - place) * orbit.omega() / speed, velocity / speed]
+            }
+            Self::Corner(contact, barrier, impact) => {
+                let time = orbit.hits().get(impact).ok_or(BranchError::NoConvergence)?.time;
+                let [place, _] = orbit.state(contact, time)?;
+                smallvec![(orbit.wall(contact, barrier)? - place) * orbit.omega() / orbit.speed()]
             }
         })
     }

@@ -144,11 +144,11 @@ impl Search<'_> {
     /// All zeros from starts of which the first `dead` have died out and stay, and more up to `known` stay.
     fn solve(&mut self, starts: Vec<C>, dead: usize, known: usize) -> Zeros {
         let mut aberth = Aberth::default();
-        let ended = if self.reciprocal {
-            aberth.solve_from(&mut OfHalfSum(&mut self.function), starts.into_iter(), known, LAST)
+        if self.reciprocal {
+            aberth.solve_from(&mut OfHalfSum(&mut self.function), starts.into_iter(), known, LAST);
         } else {
-            aberth.solve_from(&mut self.function, starts.into_iter(), known, LAST)
-        };
+            aberth.solve_from(&mut self.function, starts.into_iter(), known, LAST);
+        }
         let roots: Vec<C> = aberth.roots.drain(..).collect();
         let trivial = if self.trivial == Trivial::Known { self.per_mode() } else { 0 };
         let mut list = self.settled(&roots[dead + trivial..]);
@@ -157,7 +157,8 @@ impl Search<'_> {
         let of_dead = |z: &C| Zero { error, ..Zero::new(*z, true) };
         list.extend(roots[..dead].iter().map(of_dead));
         let known_enough = |zero: &Zero| zero.apart && zero.error <= USELESS * (1.0 + modulus(zero.z));
-        let certified = ended && list.iter().all(known_enough) && self.is_complete(&list);
+        // Where two meet the iteration creeps, and does not end; what counts is that each is told from the rest.
+        let certified = list.iter().all(known_enough) && self.is_complete(&list);
         let certified = certified && self.function.equations.left_out() <= NEGLIGIBLE;
         Zeros { list, dead, reciprocal: self.reciprocal, certified }
     }

@@ -42,7 +42,7 @@ impl<E: Ends> Follower<E> {
     pub(super) fn read(&mut self, test: Test, point: &Point<E>) -> Option<f64> {
         match test {
             Test::Velocity(i) => velocities(point.orbit()).get(i).copied(),
-            Test::Touch(..) => Some(margin(&self.watcher.admissibility(point.orbit()).ok()?)),
+            Test::Touch(..) | Test::Corner(..) => Some(margin(&self.watcher.admissibility(point.orbit()).ok()?)),
             Test::MinusOne => minus_one(point.orbit()).ok(),
             Test::AnotherOne => another_one(point.orbit()),
             _ => value::<E>(test, (point, &Seen::default())),
@@ -69,7 +69,7 @@ pub(super) fn value<E: Ends>(test: Test, (point, seen): At<'_, E>) -> Option<f64
         Test::AnotherOne => seen.another_one,
         Test::MinusOne => seen.minus_one,
         Test::Velocity(i) => seen.velocities.get(i).copied(),
-        Test::Touch(..) => seen.admissibility.as_ref().and_then(|told| told.margin),
+        Test::Touch(..) | Test::Corner(..) => seen.admissibility.as_ref().and_then(|told| told.margin),
         Test::Circle | Test::Collision => None,
     }
 }
@@ -88,6 +88,12 @@ pub(super) fn touch_between<E: Ends>(from: At<'_, E>, to: At<'_, E>) -> Option<T
     let closest = beyond.admissibility.as_ref()?.closest;
     let touch = closest.filter(|_| (before > 0.0) != (after > 0.0))?;
     Some(Test::Touch(touch.site, touch.barrier))
+}
+
+/// Where the contact that is closest to its barrier between two points is turned round by another one's impact.
+pub(super) fn corners<E: Ends>(ends: [At<'_, E>; 2]) -> impl Iterator<Item = Test> {
+    let of = |(point, seen): At<'_, E>| Test::corner(&seen.admissibility.as_ref()?.closest?, point.orbit());
+    ends.into_iter().filter_map(of)
 }
 
 /// Marks by which a touch between two points may be found, the likeliest first.

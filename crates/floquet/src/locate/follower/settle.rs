@@ -4,7 +4,7 @@
 use nalgebra::Complex;
 use vibrochain_breather::{Approach, Pace};
 
-use super::seen::{changes, marks, touch_between, value};
+use super::seen::{changes, corners, marks, touch_between, value};
 use super::{At, Ends, Follower, OrbitOf, Point};
 use crate::bracket::crossing;
 use crate::events::{AtEvent, EventOrbit, Solved, TOUCHES, Test, Watcher, solve};
@@ -177,6 +177,13 @@ impl<E: Ends> Follower<E> {
                 return Ok(Settled::At(solved, evidence));
             }
         }
+        if matches!(test, Test::Touch(..)) {
+            for corner in corners::<E>([from, to]) {
+                if let Some((solved, evidence)) = self.solved(corner, (from.0, to.0), share, None) {
+                    return Ok(Settled::At(solved, evidence));
+                }
+            }
+        }
         self.stop.heard()?;
         let length = self.branch.length_between(from.0, to.0);
         if halvings == 0 {
@@ -244,8 +251,11 @@ impl<E: Ends> Follower<E> {
         let orbit = &solved.at.orbit;
         let goal = match test {
             Test::Velocity(i) => return Some(Evidence::Impact(i)),
-            Test::Touch(site, barrier) => {
-                let time = solved.at.mark.unwrap_or(0.0).rem_euclid(1.0) * orbit.period();
+            Test::Touch(site, barrier) | Test::Corner(site, barrier, _) => {
+                let time = match test {
+                    Test::Corner(.., impact) => orbit.hits().get(impact)?.time,
+                    _ => solved.at.mark.unwrap_or(0.0).rem_euclid(1.0) * orbit.period(),
+                };
                 let room = TOUCHES * orbit.speed() / orbit.omega();
                 self.watcher.admissibility(orbit).ok()?.margin.filter(|margin| *margin >= -room)?;
                 return Some(Evidence::Touch(Approach { site, barrier, time }));
