@@ -33,7 +33,7 @@ impl Pace {
     pub const CRAWL: f64 = 1e-6;
 
     /// So many of them in a row are enough to say so.
-    pub(crate) const MOST_CRAWLING: usize = 64;
+    pub const MOST_CRAWLING: usize = 64;
 
     /// Steps that begin with this one.
     pub fn new(first: f64) -> Self {

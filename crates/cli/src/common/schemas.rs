@@ -27,6 +27,7 @@ pub(crate) const FATE: &str = "urn:vibrochain:fate:1";
 pub(crate) const TABLE: &str = "urn:vibrochain:table:1";
 pub(crate) const STRUCTURE_BRANCH: &str = "urn:vibrochain:structure-branch:1";
 pub(crate) const STRUCTURE_CURVE: &str = "urn:vibrochain:structure-curve:1";
+pub(crate) const STRUCTURE_RUN: &str = "urn:vibrochain:structure-run:1";
 pub(crate) const STATE: &str = "urn:vibrochain:state:1";
 
 /// Names, and the files.

@@ -134,7 +134,7 @@ fn starting_point(
     console: &mut Console<'_>,
 ) -> Result<(State, Option<Start<Orbit>>), CliError> {
     if let Some(path) = &args.state {
-        return Ok((start::read(path, args.psi)?, None));
+        return Ok((start::read(path, SIMULATE, args.psi)?, None));
     }
     let (model, which) = (&chosen.model, which::wanted(&args.which, chosen.scene.as_ref())?);
     let mut finder = Finder::new(model.chain().sites()).until(stop);

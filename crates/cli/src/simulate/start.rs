@@ -9,7 +9,7 @@ use vibrochain_floquet::{Complex, FloquetError, leading_modes_until};
 use vibrochain_lattice::{Propagator, Spectrum, Stop};
 
 use crate::common::error::CliError;
-use crate::common::schemas::{self, SIMULATE, STATE, expect};
+use crate::common::schemas::{self, STATE, expect};
 use vibrochain_maps::numbers::plain;
 
 #[derive(Deserialize)]
@@ -30,15 +30,15 @@ struct RunFile {
     state: StateFile,
 }
 
-/// A state from a JSON file `{"displacement":[…],"velocity":[…],"psi":0}`, or the answer of a run; `psi` goes before that of the
-/// file.
+/// A state from a JSON file `{"displacement":[…],"velocity":[…],"psi":0}`, or the answer of a `run`, by what that names in its first
+/// key; `psi` goes before that of the file.
 ///
 /// # Errors
 /// [`CliError::Request`] for a file that cannot be read or is not such an object.
-pub fn read(path: &Path, psi: Option<f64>) -> Result<Start, CliError> {
+pub fn read(path: &Path, run: &str, psi: Option<f64>) -> Result<Start, CliError> {
     let text = std::fs::read_to_string(path).map_err(|error| CliError::file("cannot read state", path, &error))?;
     let (state, told, wanted) = match serde_json::from_str(&text) {
-        Ok(RunFile { schema, state }) => (state, schema, SIMULATE),
+        Ok(RunFile { schema, state }) => (state, schema, run),
         Err(_) => {
             let mut state: StateFile = serde_json::from_str(&text).map_err(|error| {
                 let form = r#"give {"displacement":[…],"velocity":[…]}, one number a mass in each"#;

@@ -2,17 +2,17 @@
 
 use std::fmt::Write as _;
 
+use crate::common::schemas::STRUCTURE_RUN;
 use serde_json::{Value, json};
 use vibrochain_breather::{Hit, StructureModel, StructureOrbit};
-use vibrochain_eventsim::{ContactEvent, EnergyBalance, EventKind, StructureOutcome, StructureReport, Time};
+use vibrochain_eventsim::{
+    ContactEvent, EnergyBalance, EventKind, StructureOutcome, StructureReport, StructureState, Time,
+};
 use vibrochain_floquet::{Tolerance, Verdict, structure_verdict};
 use vibrochain_lattice::{Barrier, Short};
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::structure::answer::structure;
-
-/// What the answer names in its first key.
-const SCHEMA: &str = "urn:vibrochain:structure-run:1";
 
 /// Periods of the load that one of what a run repeats may have.
 pub(super) const MOST_PERIODS: u64 = 32;
@@ -251,9 +251,11 @@ pub(super) fn answer(
     model: &StructureModel,
     psi: f64,
     report: &StructureReport,
+    state: &StructureState,
     [impacts, sticks, releases]: [usize; 3],
     settled: &End,
 ) -> Value {
+    let psi_there = (psi + state.time.offset()).rem_euclid(model.period());
     let settled = if let End::Repeats(settled) = settled { Some(settled) } else { None };
     let repeated = settled.map(|settled| {
         let impacts = settled.impacts.iter().map(|Hit { site, barrier, time, impulse }| {
@@ -268,7 +270,7 @@ pub(super) fn answer(
         })
     });
     json!({
-        "schema": SCHEMA,
+        "schema": STRUCTURE_RUN,
         "structure": structure(scene, model),
         "psi": psi,
         "outcome": name(&report.outcome),
@@ -277,5 +279,6 @@ pub(super) fn answer(
         "sticks": sticks,
         "releases": releases,
         "repeats": repeated,
+        "state": { "displacement": state.place, "velocity": state.velocity, "psi": psi_there },
     })
 }

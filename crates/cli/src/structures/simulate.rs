@@ -14,6 +14,7 @@ use super::run_plot::RunPlot;
 use crate::args::SimulateArgs;
 use crate::common::console::Console;
 use crate::common::error::CliError;
+use crate::common::schemas::STRUCTURE_RUN;
 use crate::simulate::follow::{Reached, Run, checked, follow};
 use crate::simulate::pace::interrupted;
 use crate::simulate::section::{Section, Sectioned};
@@ -84,7 +85,7 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
     let rests = simulation.state().contacts.iter().any(|contact| contact.resting.is_some());
     let settled = settled(&model, psi, &events, report.time, rests);
     let told = if args.json {
-        let value = answer(scene, &model, psi, &report, counts, &settled);
+        let value = answer(scene, &model, psi, &report, &simulation.state(), counts, &settled);
         format!("{value:#}\n")
     } else {
         let mut told = text(&model, &from, &report, counts, &settled);
@@ -110,7 +111,7 @@ struct Start {
 fn start(args: &SimulateArgs, scene: &StructureScene, model: &StructureModel) -> Result<Start, CliError> {
     let of_no_orbit = |psi, modes, from| Ok(Start { psi, modes, from, orbit: None });
     if let Some(path) = &args.state {
-        let State { displacement, velocity, psi, .. } = read(path, args.psi)?;
+        let State { displacement, velocity, psi, .. } = read(path, STRUCTURE_RUN, args.psi)?;
         let modes = scene.modes_of(&displacement, &velocity);
         let modes = modes.map_err(|why| CliError::Request(format!("{}: {why}", path.display())))?;
         return of_no_orbit(psi, modes, format!("the state of {}", path.display()));

@@ -200,3 +200,30 @@ fn a_run_accounts_for_its_energy() {
     }
     assert_eq!(checked, 3);
 }
+
+/// The answer of a run is the state of another one, which goes on where the first has ended.
+#[test]
+fn a_run_goes_on_from_its_own_answer() {
+    let dir = TestDir::with_scene(TWO);
+    fs::write(dir.path("state.json"), "{\"displacement\": [0.1, 0.2], \"velocity\": [0, 1], \"psi\": 0.3}").unwrap();
+    let run = |state: &str, periods: f64, answer: &str| {
+        let ran =
+            dir.run(&format!("simulate --scene scene.toml --state {state} --periods {periods} --json")).with(0, &[]);
+        fs::write(dir.path(answer), &ran.out).unwrap();
+        written(&ran.out)
+    };
+    let whole = run("state.json", 7.25, "whole.json");
+    let _ = run("state.json", 2.75, "first.json");
+    let second = run("first.json", 4.5, "second.json");
+    for key in ["displacement", "velocity"] {
+        let of = |answer: &serde_json::Value, i: usize| answer["state"][key][i].as_f64().unwrap();
+        for i in 0..2 {
+            assert!((of(&whole, i) - of(&second, i)).abs() < 1e-9, "{key} {i}: {whole} {second}");
+        }
+    }
+    assert!((whole["state"]["psi"].as_f64().unwrap() - second["state"]["psi"].as_f64().unwrap()).abs() < 1e-9);
+    // A chain's run is none of these.
+    let chain = "--sites 1 --gamma1 1 --gamma2 0 --omega 1.5 --asymmetry .2 --amplitude .1 --restitution .8";
+    dir.run(&format!("simulate {chain} --state first.json"))
+        .with(2, &["structure-run:1, wanted is urn:vibrochain:simulate:1"]);
+}

@@ -24,7 +24,11 @@ const MERGING: f64 = 1e-3;
 /// How far from the last orbit the simpler one may be, in units.
 const REACH: f64 = 0.1;
 
-/// The orbit at which a branch ends is no farther than this from where it turned back, as a part of the range.
+/// Where a resonance is sought by secants, the first of them is as long as this, as a part of the parameter; and so many there are at most.
+const BESIDE: f64 = 1e-6;
+const MOST_SECANTS: usize = 8;
+
+/// The orbit, or the resonance, at which a branch ends is no farther than this from where it turned back, as a part of the range.
 const NEAR: f64 = 1e-3;
 
 /// Branches of a structure's orbits.
@@ -53,7 +57,8 @@ impl Ends for OfStructure {
     }
 
     fn resonance_ahead(&self, _: &StructureBranch, point: &StructureBranchPoint) -> Option<(f64, Resonance)> {
-        Some((point.value(), point.orbit().resonance()?))
+        let resonance = point.orbit().resonance()?;
+        Some((self.resonant(point, &resonance).unwrap_or(point.value()), resonance))
     }
 
     /// The grazing at which two impacts next to each other vanish together. On both sides of it, and of one of the two alone, there are orbits;
@@ -108,6 +113,32 @@ impl Ends for OfStructure {
 }
 
 impl OfStructure {
+    /// The value at which a mode is in resonance, next to a branch's point.
+    fn resonant(&self, point: &StructureBranchPoint, resonance: &Resonance) -> Option<f64> {
+        let periods = f64::from(point.orbit().force_periods());
+        let off = |value: f64| {
+            let model = (self.family)(&[value]).ok()?;
+            let rate = model.structure().modes().get(resonance.mode)?.rates()[0];
+            Some((-(resonance.harmonic as f64)).mul_add(model.omega() / periods, rate.im))
+        };
+        let here = point.value();
+        let scale = here.abs().max(self.range);
+        let (mut before, mut value) = (here, here + point.heading().signum() * BESIDE * scale);
+        let mut off_before = off(before)?;
+        for _ in 0..MOST_SECANTS {
+            let off_there = off(value)?;
+            if off_there == off_before {
+                break;
+            }
+            let next = value - off_there * (value - before) / (off_there - off_before);
+            (before, off_before, value) = (value, off_there, next);
+            if (value - before).abs() <= f64::EPSILON * scale {
+                break;
+            }
+        }
+        ((value - here).abs() <= NEAR * scale).then_some(value)
+    }
+
     fn evened(&mut self, point: &StructureBranchPoint) -> Option<Located<StructureOrbit>> {
         let orbit = point.orbit();
         let simpler = orbit.evened()?.ok()?;

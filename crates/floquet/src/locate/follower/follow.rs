@@ -38,9 +38,15 @@ impl<E: Ends> Follower<E> {
         }
         let mut pace = Pace::new(0.25 * Pace::LONGEST);
         let first = strongest(point.orbit()).max(f64::MIN_POSITIVE);
+        let mut crawling = 0;
         for step in 0..MOST_STEPS {
             self.stop.heard()?;
-            let (next, last) = match self.advance(&point, pace.length()) {
+            let reached = match self.advance(&point, pace.length()) {
+                // Steps that stay this short lead to where the branch ends.
+                Ok(_) if crawling >= Pace::MOST_CRAWLING => Err(BranchError::NoConvergence),
+                reached => reached,
+            };
+            let (next, last) = match reached {
                 Ok(next) => next,
                 Err(error) => {
                     let shorter = pace.shorten();
@@ -87,6 +93,7 @@ impl<E: Ends> Follower<E> {
                 () if growth > UNBOUNDED => End::Unbounded,
                 () if growth < E::VANISHED => End::ImpulsesVanish,
                 () => {
+                    crawling = if pace.length() < Pace::CRAWL { crawling + 1 } else { 0 };
                     // Impulses that grow without bound set a longer scale, as long as the parameter does not move far.
                     pace.lengthen(f64::INFINITY, Pace::LONGEST * growth.clamp(1.0, 1.0 / point.heading().abs()));
                     continue;
