@@ -248,3 +248,26 @@ fn special_points_do_not_depend_on_the_window() {
         assert!(find(&points, "1:2", meeting) && find(&points, "neimark-sacker", crossing), "{window:?}: {points:?}");
     }
 }
+
+/// A branch that ends at a resonance says where that is, not where its last orbit was: of two undamped masses at the root of the larger
+/// eigenvalue of M⁻¹K over the harmonic.
+#[test]
+fn a_resonance_is_told_where_it_is() {
+    let dir = TestDir::new();
+    let scene = "omega = 0.8425950187080721\nword = \"0+\"\n[structure]\nmasses = [1.5, 1.75]\n\
+        stiffness = [[13.5, -0.75], [-0.75, 0.4]]\n[[contact]]\nweights = [0.058, 0.824]\nupper = 1.13666191367244\nrestitution = 0.9\n\
+        [force]\nload = [0.48, 0.6]\nstatic = [-0.15, 0.3]\n";
+    fs::write(dir.path("undamped.toml"), scene).unwrap();
+    let (mean, half, coupling) =
+        (0.5 * (13.5 / 1.5 + 0.4 / 1.75), 0.5 * (13.5 / 1.5 - 0.4 / 1.75), 0.75 * 0.75 / (1.5 * 1.75));
+    let exact = (mean + f64::sqrt(half * half + coupling)).sqrt() / 4.0;
+    let told = written(
+        &dir.run("branch --scene undamped.toml --free omega --from 0.4 --to 0.9 --all --json").with(0, &[]).out,
+    );
+    let ends: Vec<&Value> =
+        told["ends"].as_array().unwrap().iter().filter(|end| end["reason"] == "resonance").collect();
+    assert!(!ends.is_empty(), "{:?}", told["ends"]);
+    for end in ends {
+        assert!((number(&end["value"]) - exact).abs() < 1e-14, "{end} {exact}");
+    }
+}
