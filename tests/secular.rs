@@ -50,7 +50,7 @@ fn spectral_radii_of_the_table() {
                 assert_eq!(Mechanism::of(verdict.leading.unwrap()), Mechanism::of(leading), "{name}");
             }
             Standing::Stable => assert!(radius < 1.0 + 1e-9, "{name}: {verdict:?}, table {radius}"),
-            Standing::Marginal => assert!((radius - 1.0).abs() < 1e-6, "{name}: {verdict:?}, table {radius}"),
+            Standing::Undecided => assert!((radius - 1.0).abs() < 1e-6, "{name}: {verdict:?}, table {radius}"),
         }
         answered += 1;
     }
@@ -214,7 +214,7 @@ fn against_dense(seed: u64, draws: usize, place: Place, forced: bool) -> [usize;
                         continue;
                     }
                     let name = || format!("{model:?} {family:?}: {own:?}, dense {reference:?}");
-                    let certain = !own.marginal && !reference.marginal;
+                    let certain = !own.undecided && !reference.undecided;
                     // A dense verdict next to the circle is right up to its resolution; below it the growth is the form's own.
                     let hidden = own.growth() <= reference.resolution.max(1e-7 * reference.spectral_radius);
                     if certain && own.stable != reference.stable {

@@ -428,8 +428,8 @@ fn two_free_bodies_have_the_orbits_of_their_distance() {
                         "{masses:?} {damping} {word}: {multiplier} {all:?}"
                     );
                 }
-                // Where both stand together is neutral: next to dashpots that is told as marginal.
-                let is_bounded = |verdict: &Verdict| verdict.stable || verdict.marginal;
+                // Where both stand together is neutral: next to dashpots that is told as undecided.
+                let is_bounded = |verdict: &Verdict| verdict.stable || verdict.undecided;
                 assert_eq!(is_bounded(&all.verdict), is_bounded(&own.verdict), "{masses:?} {damping} {word}");
                 compared += 1;
             }

@@ -1,4 +1,4 @@
-//! Answers know their errors: conditions, verdicts that say marginal, and cells that are counted as such.
+//! Answers know their errors: conditions, verdicts that say undecided, and cells that are counted as such.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use std::path::Path;
@@ -64,7 +64,7 @@ fn an_orbit_whose_equations_are_singular_has_no_bound_on_its_errors() {
             assert!(condition.impulse_error(&orbit).is_infinite() && condition.time_error(&orbit).is_infinite());
             // An impact without speed is an error of its own.
             match stability(&orbit, Tolerance::Rounding) {
-                Ok(answer) => assert!(answer.verdict.marginal),
+                Ok(answer) => assert!(answer.verdict.undecided),
                 Err(error) => assert!(matches!(error, FloquetError::Grazing { .. }), "{error}"),
             }
         }
@@ -104,7 +104,7 @@ fn sweeps_and_single_orbits_agree_next_to_bifurcations() {
             |orbit: &&Orbit| (stability(orbit, Tolerance::Rounding).unwrap().verdict.spectral_radius - 1.0).abs();
         candidates.iter().min_by(|a, b| near(a).total_cmp(&near(b))).unwrap().clone()
     };
-    let kind = |verdict: &Verdict| (verdict.stable, verdict.marginal, verdict.mechanism);
+    let kind = |verdict: &Verdict| (verdict.stable, verdict.undecided, verdict.mechanism);
     let mut kinds = Vec::new();
     for offset in [-1e-6, -1e-9, 1e-9, 1e-6] {
         let [quick, thorough] = verdicts(&at(gamma2 + offset), Tolerance::Rounding);
@@ -117,7 +117,7 @@ fn sweeps_and_single_orbits_agree_next_to_bifurcations() {
 }
 
 #[test]
-fn a_marginal_cell_has_no_class_and_is_counted() {
+fn an_undecided_cell_has_no_class_and_is_counted() {
     // Next to elastic: multipliers leave the circle by less than rounding.
     let text = r#"
         [model]
@@ -132,12 +132,14 @@ fn a_marginal_cell_has_no_class_and_is_counted() {
         families = ["double-sided"]
         stability = true
     "#;
-    let scene = Scene::parse(Path::new("marginal.toml"), text).unwrap();
+    let scene = Scene::parse(Path::new("undecided.toml"), text).unwrap();
     let mut worker = Worker::new(21);
     let cell = worker.cell(&scene.point(0).model().unwrap(), &scene.task);
-    assert_eq!((cell.class, cell.status, cell.mechanism), (None, Status::Marginal, None));
+    assert_eq!((cell.class, cell.status, cell.mechanism), (None, Status::Undecided, None));
+    // Tables of an earlier state have the word it had then.
+    assert_eq!((Status::from_name("marginal"), Status::Undecided.name()), (Some(Status::Undecided), "undecided"));
     assert!((cell.spectral_radius.unwrap() - 1.0).abs() < 1e-12 && cell.margin.is_some() && cell.solutions == 2);
-    // With a threshold there is nothing marginal about it.
+    // With a threshold there is nothing to be undecided about.
     let task = vibrochain_maps::cell::Task { tolerance: Tolerance::Growth(1e-3), ..scene.task.clone() };
     let cell = worker.cell(&scene.point(0).model().unwrap(), &task);
     assert_eq!((cell.class, cell.status), (Some(Class::StableDouble), Status::Ok));

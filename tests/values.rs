@@ -162,7 +162,7 @@ fn the_program_writes_and_reads_the_same_names() {
             }
             obstructed += usize::from(!told["obstruction"].is_null());
             let verdict = to_value(stability(orbit, Tolerance::Rounding).unwrap().verdict).unwrap();
-            for name in ["stable", "marginal", "mechanism", "spectral_radius"] {
+            for name in ["stable", "undecided", "mechanism", "spectral_radius"] {
                 assert_eq!(verdict[name], told["stability"][name], "{name}");
             }
             solutions += 1;

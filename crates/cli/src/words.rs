@@ -133,7 +133,7 @@ fn rows(model: &Model, words: &[Word], tolerance: Tolerance, stop: &Stop) -> Res
                 solution: i + 1,
                 physical: obstruction.is_none(),
                 margin: admissibility.margin,
-                stable: verdict.filter(|verdict| !verdict.marginal).map(|verdict| verdict.stable),
+                stable: verdict.filter(|verdict| !verdict.undecided).map(|verdict| verdict.stable),
                 mechanism: verdict.and_then(|verdict| verdict.mechanism),
                 spectral_radius: verdict.map(|verdict| verdict.spectral_radius),
                 obstruction,
@@ -219,7 +219,7 @@ fn text(words: &[Word], rows: &[Row], unsearched: &[String], all: bool) -> Strin
                 Some(mechanism) => {
                     format!("unstable ({}), spectral radius {}", mechanism.name(), verdict.spectral_radius)
                 }
-                None if verdict.marginal => "marginal".to_owned(),
+                None if verdict.undecided => "undecided".to_owned(),
                 None => "stable".to_owned(),
             },
             (None, None) => "physical".to_owned(),

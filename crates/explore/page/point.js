@@ -163,7 +163,7 @@ export class Point {
     const { stability } = orbit;
     if (stability) {
       const how = stability.mechanism ? `, lost ${stability.mechanism === "plus-one" ? "through +1" : `by ${mechanismName(stability.mechanism)}`}` : "";
-      rows.push(["stability", `${stability.stable ? "stable" : stability.marginal ? "marginal" : "unstable"}${how}`]);
+      rows.push(["stability", `${stability.stable ? "stable" : stability.undecided ? "undecided" : "unstable"}${how}`]);
       rows.push(["largest |μ|", shortRadius(stability.spectral_radius)]);
     } else {
       rows.push(["stability", orbit.stability_error ?? "not known"]);

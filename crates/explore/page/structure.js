@@ -24,7 +24,7 @@ function colour(name) {
   if (name === "none") return "#ffffff";
   if (name === "unknown") return "#9a9a9a";
   const [how, word] = name.split(" ");
-  const light = { stable: 36, marginal: 56, unstable: 78, physical: 48 }[how] ?? 60;
+  const light = { stable: 36, undecided: 56, unstable: 78, physical: 48 }[how] ?? 60;
   return `hsl(${HUES[Math.max(0, words.indexOf(word)) % HUES.length]} 70% ${light}%)`;
 }
 
@@ -173,7 +173,7 @@ async function open(place) {
 
 function listed({ answer, files, command }) {
   const rows = (answer.solutions ?? []).map((one, i) => {
-    const how = one.stability ? (one.stability.stable ? "stable" : one.stability.marginal ? "marginal" : "unstable") : "–";
+    const how = one.stability ? (one.stability.stable ? "stable" : one.stability.undecided ? "undecided" : "unstable") : "–";
     const impulses = one.impacts.map((impact) => short(impact.impulse)).join(", ");
     const cells = [i + 1, impulses, one.physical ? "physical" : "not physical", how, short(one.stability?.spectral_radius)];
     return element("tr", {}, ...cells.map((text) => element("td", {}, String(text))));

@@ -42,7 +42,7 @@ fn departures(scene: &StructureScene, model: &StructureModel) -> (Vec<Judged>, S
             let known = known.ok();
             let verdict = known.as_ref().map(|known| known.verdict);
             let departure = Departure::of(all.len() as u32 + 1, orbit.name(), known.as_ref(), orbit.period(), home);
-            all.push((departure, verdict.filter(|verdict| !verdict.marginal).map(|verdict| verdict.stable)));
+            all.push((departure, verdict.filter(|verdict| !verdict.undecided).map(|verdict| verdict.stable)));
         }
     }
     (all, status)

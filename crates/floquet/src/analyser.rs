@@ -244,7 +244,7 @@ impl Analyser {
         let by_eigenvalues = !thorough && is_asked && chain.sites() <= LARGE;
         if by_eigenvalues {
             let answer = self.by_matrix(question, finder, doubt)?;
-            if !answer.0.marginal {
+            if !answer.0.undecided {
                 return Ok(answer);
             }
         }
@@ -263,8 +263,8 @@ impl Analyser {
         };
         let dimension = 2 * chain.sites();
         match told {
-            Ok(answer) if answer.verdict.marginal && dimension <= 2 * LARGE => {
-                let is_clear = |verdict: &Verdict| !verdict.marginal;
+            Ok(answer) if answer.verdict.undecided && dimension <= 2 * LARGE => {
+                let is_clear = |verdict: &Verdict| !verdict.undecided;
                 // Neither is asked twice.
                 let path = if screened { None } else { self.by_map_path(question, finder) };
                 let other = match path {

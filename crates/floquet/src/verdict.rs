@@ -136,7 +136,7 @@ impl Method {
     }
 }
 
-/// The verdict on an orbit: stable, unstable, or too close to the border to be told (`marginal`).
+/// The verdict on an orbit: stable, unstable, or too close to the border to be told (`undecided`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[must_use]
@@ -144,7 +144,7 @@ pub struct Verdict {
     /// No perturbation grows by more than the tolerance, errors allowed for.
     pub stable: bool,
     /// The growth is closer to the tolerance than its own error: neither stable nor unstable can be said.
-    pub marginal: bool,
+    pub undecided: bool,
     /// How stability is lost, for an unstable orbit.
     pub mechanism: Option<Mechanism>,
     /// Largest modulus of the non-trivial multipliers whose perturbations reach an impact. (Modes odd about the one
@@ -171,7 +171,7 @@ impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.mechanism {
             Some(mechanism) => write!(f, "unstable ({mechanism})")?,
-            None => write!(f, "{}", if self.marginal { "marginal" } else { "stable" })?,
+            None => write!(f, "{}", if self.undecided { "undecided" } else { "stable" })?,
         }
         write!(f, ", spectral radius {}", self.spectral_radius)
     }
@@ -185,10 +185,10 @@ impl Verdict {
     }
 
     /// Errors of the orbit's own data could change the verdict: its growth is that near to the tolerance. A verdict by structure does not hang
-    /// on them, and a marginal one claims nothing.
+    /// on them, and an undecided one claims nothing.
     pub(crate) fn hangs_on_rounding(&self, lossless: bool, tolerance: Tolerance) -> bool {
         let reach = if lossless { SPLIT_BY_ROUNDING } else { ROUNDING };
-        !self.marginal && self.growth != 0.0 && (self.growth - tolerance.allowed()).abs() < reach
+        !self.undecided && self.growth != 0.0 && (self.growth - tolerance.allowed()).abs() < reach
     }
 
     /// Every multiplier lies on the circle, by structure.
@@ -197,7 +197,7 @@ impl Verdict {
         let (mechanism, method) = (None, Method::Secular);
         Self {
             stable: true,
-            marginal: false,
+            undecided: false,
             mechanism,
             spectral_radius: 1.0,
             leading,
@@ -209,17 +209,17 @@ impl Verdict {
 
     /// The verdict on two spaces that do not mix.
     pub(crate) fn or_worse(self, other: Self) -> Self {
-        let rank = |verdict: &Self| (!verdict.stable && !verdict.marginal, verdict.marginal, verdict.growth);
+        let rank = |verdict: &Self| (!verdict.stable && !verdict.undecided, verdict.undecided, verdict.growth);
         let (worse, better) = if rank(&self) < rank(&other) { (other, self) } else { (self, other) };
         // An instability beyond doubt stays one, but how large it is may be in question.
         let open = better.growth + better.resolution - worse.growth;
-        Self { resolution: if better.marginal { worse.resolution.max(open) } else { worse.resolution }, ..worse }
+        Self { resolution: if better.undecided { worse.resolution.max(open) } else { worse.resolution }, ..worse }
     }
 
     /// A growth that may as well be none.
     pub(crate) fn unsettled(leading: Complex<f64>, growth: f64, resolution: f64, tolerance: Tolerance) -> Self {
         let stable = growth + resolution < tolerance.allowed();
-        Self { stable, marginal: !stable, mechanism: None, ..Self::of_growth(leading, growth, resolution, tolerance) }
+        Self { stable, undecided: !stable, mechanism: None, ..Self::of_growth(leading, growth, resolution, tolerance) }
     }
 
     /// Compares the growth of the leading multiplier, known up to `resolution`, with the tolerance.
@@ -232,10 +232,10 @@ impl Verdict {
     pub(crate) fn of_growth(leading: Complex<f64>, growth: f64, resolution: f64, tolerance: Tolerance) -> Self {
         let above = growth - tolerance.allowed();
         // Where the error is not a number nothing is known.
-        let marginal = resolution.is_nan() || above.abs() <= resolution;
-        let stable = !marginal && above < 0.0;
-        let mechanism = (!marginal && !stable).then(|| Mechanism::of(leading));
+        let undecided = resolution.is_nan() || above.abs() <= resolution;
+        let stable = !undecided && above < 0.0;
+        let mechanism = (!undecided && !stable).then(|| Mechanism::of(leading));
         let (spectral_radius, method) = (1.0 + growth, Method::Secular);
-        Self { stable, marginal, mechanism, spectral_radius, leading, resolution, method, growth }
+        Self { stable, undecided, mechanism, spectral_radius, leading, resolution, method, growth }
     }
 }

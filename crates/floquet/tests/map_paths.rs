@@ -46,7 +46,7 @@ fn verdicts_agree(seed: u64, ranges: &Ranges, word: impl Fn(&mut Random, &Chain)
             assert!(off <= allowed, "{told} {off:e}");
             tally.compared += 1;
             tally.by_path += usize::from(fast.method == Method::Secular || fast.method == Method::Dense(None));
-            if fast.marginal || whole.marginal {
+            if fast.undecided || whole.undecided {
                 tally.open += 1;
                 continue;
             }

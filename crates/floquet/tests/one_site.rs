@@ -44,9 +44,9 @@ fn holds(verdict: &Verdict, dense: &[Complex<f64>], spared: bool, allowed: f64, 
     let growth = dense.iter().map(|mu| mu.norm()).fold(0.0, f64::max) - 1.0;
     let told = if spared { verdict.growth().max(0.0) } else { verdict.growth() };
     let off = (told - growth).abs();
-    assert!(verdict.marginal || off <= allowed + verdict.resolution, "{name}: {verdict:?}, matrix {growth:e}");
+    assert!(verdict.undecided || off <= allowed + verdict.resolution, "{name}: {verdict:?}, matrix {growth:e}");
     assert!(
-        verdict.marginal || verdict.stable == (growth <= allowed) || growth.abs() <= allowed,
+        verdict.undecided || verdict.stable == (growth <= allowed) || growth.abs() <= allowed,
         "{name}: {verdict:?}"
     );
 }

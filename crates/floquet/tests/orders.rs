@@ -33,7 +33,7 @@ impl Line {
         let orbit = self.found.orbits.first()?;
         let verdict = self.analyser.verdict(orbit, &mut self.finder, Tolerance::Rounding).ok()?;
         let order = self.orders.of(orbit).unwrap().unwrap();
-        (!verdict.marginal).then_some((verdict.stable, order))
+        (!verdict.undecided).then_some((verdict.stable, order))
     }
 
     /// Whether there is an unstable orbit between two stable ones of different order: halved to where the order changes.

@@ -151,7 +151,7 @@ fn double_multipliers_of_a_ring_that_hits_all_around_are_told() {
     let (mut finder, mut found) = (Finder::new(6), Found::default());
     finder.find_word(&model, &"0-1-2-3-4-5-".parse().unwrap(), Wanted::All, &mut found).unwrap();
     let answer = stability(&found.orbits[0], Tolerance::Rounding).unwrap();
-    assert!(answer.verdict.stable && !answer.verdict.marginal, "{:?}", answer.verdict);
+    assert!(answer.verdict.stable && !answer.verdict.undecided, "{:?}", answer.verdict);
     assert_eq!((answer.verdict.method, answer.verdict.resolution), (Method::Secular, 0.0));
     let mut traces: Vec<f64> = answer.multipliers.iter().map(|z| 2.0 * z.re).collect();
     assert!(answer.multipliers.iter().all(|z| (z.norm() - 1.0).abs() < 1e-14));
@@ -194,8 +194,8 @@ fn symmetric_words_are_not_left_open() {
             let (own, other) = (radius(&answer.multipliers), radius(&dense.multipliers));
             assert!((own - other).abs() < 1e-6 * other, "{word} {model} {own} {other}");
             stable += usize::from(answer.verdict.stable);
-            held += usize::from(answer.verdict.stable && dense.verdict.marginal);
-            open += usize::from(answer.verdict.marginal);
+            held += usize::from(answer.verdict.stable && dense.verdict.undecided);
+            open += usize::from(answer.verdict.undecided);
             checked += 1;
         }
     }

@@ -44,8 +44,8 @@ fn power_sums_are_traces_of_the_whole_matrix() {
             }
             let verdict = answer.verdict;
             let radius = answer.multipliers.iter().map(|value| value.norm()).fold(1.0, f64::max);
-            assert!(verdict.marginal || (verdict.spectral_radius - radius).abs() < 1e-6 * radius, "{word} {model}");
-            unstable += usize::from(!verdict.stable && !verdict.marginal);
+            assert!(verdict.undecided || (verdict.spectral_radius - radius).abs() < 1e-6 * radius, "{word} {model}");
+            unstable += usize::from(!verdict.stable && !verdict.undecided);
             one_instant += usize::from(word.instants().len() == 1);
             rings += usize::from(chain.is_ring());
             walls += usize::from(chain.has_walls());
@@ -124,9 +124,9 @@ fn by_zeros_as_by_matrix(orbit: &Orbit, finder: &mut Finder, doubts: &mut usize)
     assert_eq!(answer.multipliers.len(), 2 * sites, "{told}");
     let (verdict, dense) = (answer.verdict, reference.verdict);
     let radius = verdict.spectral_radius;
-    let room = if verdict.marginal { verdict.resolution } else { 0.0 };
+    let room = if verdict.undecided { verdict.resolution } else { 0.0 };
     assert!((radius - dense.spectral_radius).abs() <= 1e-6 * radius + room, "{told}");
-    if !verdict.marginal && !dense.marginal {
+    if !verdict.undecided && !dense.undecided {
         assert_eq!((verdict.stable, verdict.mechanism), (dense.stable, dense.mechanism), "{told}");
     }
     // All multipliers, where they are not next to each other.
@@ -233,7 +233,7 @@ fn a_resonance_ends_only_orbits_that_push_its_mode() {
 /// mass that is not hit do not count. A verdict alone, as maps ask for it, says the same of both as one with all multipliers.
 #[test]
 fn a_verdict_alone_on_masses_without_coupling_is_that_of_all_multipliers() {
-    let (mut analyser, mut found, mut marginal, mut stable) = (Analyser::default(), Found::default(), 0, 0);
+    let (mut analyser, mut found, mut undecided, mut stable) = (Analyser::default(), Found::default(), 0, 0);
     let cases = [(3, "0+1+,0-1-", 1.0), (5, "0+1+,0-1-", 1.0), (21, "0+1+,0-1-", 1.0), (3, "0-1-", 0.47)];
     for (sites, word, e) in cases {
         let (word, mut finder): (Word, _) = (word.parse().unwrap(), Finder::new(sites));
@@ -247,17 +247,17 @@ fn a_verdict_alone_on_masses_without_coupling_is_that_of_all_multipliers() {
                 let alone = analyser.verdict(orbit, &mut finder, Tolerance::Rounding).unwrap();
                 let all = analyser.stability(orbit, &mut finder, Tolerance::Rounding).unwrap().verdict;
                 assert_eq!(
-                    (alone.stable, alone.marginal),
-                    (all.stable, all.marginal),
+                    (alone.stable, alone.undecided),
+                    (all.stable, all.undecided),
                     "{sites} {omega}: {alone} {all}"
                 );
-                marginal += usize::from(alone.marginal);
+                undecided += usize::from(alone.undecided);
                 stable += usize::from(alone.stable);
                 assert!(e == 1.0 || !alone.stable || alone.spectral_radius < 1.0, "{omega}: {alone}");
             }
         }
     }
-    assert!(marginal > 100 && stable > 10, "{marginal} {stable}");
+    assert!(undecided > 100 && stable > 10, "{undecided} {stable}");
 }
 
 /// An orbit that is its own mirror image after half a period has the squares of that half's multipliers: ±i become a double −1 on the circle.
@@ -275,7 +275,7 @@ fn a_map_does_not_call_a_double_minus_one_unstable() {
             finder.find_word(&point.model().unwrap(), &word, Wanted::Symmetric, &mut found).unwrap();
             for orbit in &found.orbits {
                 let verdict = analyser.verdict(orbit, &mut finder, Tolerance::Rounding).unwrap();
-                assert!(verdict.stable || verdict.marginal, "{off:e} {verdict}");
+                assert!(verdict.stable || verdict.undecided, "{off:e} {verdict}");
                 let all = analyser.stability(orbit, &mut finder, Tolerance::Rounding).unwrap();
                 met += usize::from(all.multipliers.iter().filter(|mu| (*mu + 1.0).norm() < 1e-6).count() == 2);
             }

@@ -13,9 +13,22 @@
 /// assert_eq!(Side::from_name("right"), Some(Side::Right));
 /// assert_eq!(Side::Left.to_string(), "left");
 /// ```
+///
+/// A variant that had another word before keeps it after `|`: `from_name` reads both, `name` writes the first.
+///
+/// ```
+/// #[derive(Clone, Copy, Debug, PartialEq)]
+/// pub enum Outcome {
+///     Known,
+///     Undecided,
+/// }
+/// vibrochain_lattice::names!(Outcome { Known "known", Undecided "undecided" | "marginal" });
+/// assert_eq!(Outcome::from_name("marginal"), Some(Outcome::Undecided));
+/// assert_eq!(Outcome::Undecided.name(), "undecided");
+/// ```
 #[macro_export]
 macro_rules! names {
-    ($type:ident { $($variant:ident $name:literal),* $(,)? }) => {
+    ($type:ident { $($variant:ident $name:literal $(| $old:literal)*),* $(,)? }) => {
         impl $type {
             /// All of them, in the order of tables and legends.
             pub const ALL: [Self; [$($name),*].len()] = [$(Self::$variant),*];
@@ -28,10 +41,12 @@ macro_rules! names {
                 }
             }
 
-            /// The one of that name.
+            /// The one of that name, or of a name that it had before.
             #[must_use]
             pub fn from_name(name: &str) -> Option<Self> {
-                Self::ALL.into_iter().find(|one| one.name() == name)
+                Self::ALL.into_iter().find(|one| {
+                    one.name() == name $($(|| matches!(one, Self::$variant) && name == $old)*)*
+                })
             }
         }
 

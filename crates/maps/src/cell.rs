@@ -116,7 +116,7 @@ pub enum Status {
     Unresolved,
     /// The growth of an orbit that could decide the class is closer to the border of stability than its own error: the
     /// class is not known.
-    Marginal,
+    Undecided,
     /// An eigenvalue iteration did not converge; the class is not known.
     NotConverged,
     /// An impact grazes: its saltation matrix is not finite; the class is not known.
@@ -128,7 +128,7 @@ pub enum Status {
 }
 
 vibrochain_lattice::names!(Status {
-    Ok "ok", Resonance "resonance", Incomplete "incomplete", Unresolved "unresolved", Marginal "marginal",
+    Ok "ok", Resonance "resonance", Incomplete "incomplete", Unresolved "unresolved", Undecided "undecided" | "marginal",
     NotConverged "not-converged", IllConditioned "ill-conditioned", TooLarge "too-large", TooStiff "too-stiff",
 });
 
@@ -223,9 +223,9 @@ impl Cell {
         match best {
             // An orbit whose stability is unknown could still be the stable one that wins.
             Some(best) if !unknown || best.verdict.is_some_and(|verdict| verdict.stable) => {
-                if best.verdict.is_some_and(|verdict| verdict.marginal) {
+                if best.verdict.is_some_and(|verdict| verdict.undecided) {
                     self.class = None;
-                    self.status = Status::Marginal;
+                    self.status = Status::Undecided;
                 } else {
                     self.class = Some(Class::of(best.family, best.verdict.map(|verdict| verdict.stable)));
                 }
@@ -268,7 +268,7 @@ impl Candidate {
 
     /// A stable orbit wins, then one that may be, then a double-sided one, a single-sided one, then the smaller spectral radius.
     fn rank(&self) -> (u8, u8, f64) {
-        let doubt = self.verdict.map_or(2, |verdict| if verdict.stable { 0 } else { 2 - u8::from(verdict.marginal) });
+        let doubt = self.verdict.map_or(2, |verdict| if verdict.stable { 0 } else { 2 - u8::from(verdict.undecided) });
         let radius = self.verdict.map_or(0.0, |verdict| verdict.spectral_radius);
         let family = match self.family {
             Family::SingleSided => 1,

@@ -57,7 +57,7 @@ pub fn branch_row<O: Followed>(station: &Station<O>) -> BranchRow {
         period: orbit.period(),
         margin: point.and_then(|point| point.margin),
         physical,
-        stable: verdict.filter(|verdict| !verdict.marginal).map(|verdict| verdict.stable),
+        stable: verdict.filter(|verdict| !verdict.undecided).map(|verdict| verdict.stable),
         spectral_radius: verdict.map(|verdict| verdict.spectral_radius),
     }
 }

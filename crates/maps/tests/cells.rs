@@ -12,7 +12,7 @@ use vibrochain_maps::scene::Scene;
 /// Stable before in doubt before unstable, double-sided before single-sided, the smaller spectral radius, the first one.
 fn better(a: &(Family, Verdict, Option<f64>), b: &(Family, Verdict, Option<f64>)) -> Ordering {
     let rank = |(family, verdict, _): &(Family, Verdict, Option<f64>)| {
-        (!verdict.stable, !verdict.stable && !verdict.marginal, *family == Family::SingleSided)
+        (!verdict.stable, !verdict.stable && !verdict.undecided, *family == Family::SingleSided)
     };
     rank(a).cmp(&rank(b)).then(a.1.spectral_radius.total_cmp(&b.1.spectral_radius))
 }

@@ -174,7 +174,7 @@ impl PyCondition {
     }
 }
 
-/// The verdict on an orbit: stable, unstable, or too close to the border to be told (marginal).
+/// The verdict on an orbit: stable, unstable, or too close to the border to be told (undecided).
 ///
 /// Examples
 /// --------
@@ -190,7 +190,7 @@ pub(crate) struct PyVerdict {
     pub(crate) stable: bool,
     /// bool : the growth is closer to the threshold than its own error.
     #[pyo3(get)]
-    marginal: bool,
+    undecided: bool,
     pub(crate) mechanism: Option<Mechanism>,
     /// float : largest modulus of the multipliers that feel the impacts, per period of the orbit.
     #[pyo3(get)]
@@ -215,7 +215,7 @@ impl From<&Verdict> for PyVerdict {
     fn from(verdict: &Verdict) -> Self {
         Self {
             stable: verdict.stable,
-            marginal: verdict.marginal,
+            undecided: verdict.undecided,
             mechanism: verdict.mechanism,
             spectral_radius: verdict.spectral_radius,
             leading: [verdict.leading.re, verdict.leading.im],

@@ -86,7 +86,7 @@ fn claims_hold(place: Place, draws: usize) {
     let mut random = Random(2026 + place as u64);
     let (mut told, mut compared, mut useless, mut ratios) = (0, 0, 0, Vec::new());
     // Of those on the circle errors are told that have no true one to be held against.
-    let (mut marginal, mut wide) = (0, 0);
+    let (mut undecided, mut wide) = (0, 0);
     for _ in 0..draws {
         let Some(model) = model_at(&mut random, place) else { continue };
         let family = random.of(&FAMILIES);
@@ -102,11 +102,11 @@ fn claims_hold(place: Place, draws: usize) {
                 continue;
             }
             compared += 1;
-            marginal += usize::from(verdict.marginal);
+            undecided += usize::from(verdict.undecided);
             wide += usize::from(verdict.resolution > 1e-5 * verdict.spectral_radius);
             assert!(off <= verdict.resolution, "{family:?} {number}: {verdict:?} is off by {off:e}, {model:?}");
             ratios.push(verdict.resolution / off.max(f64::EPSILON * verdict.spectral_radius));
-            if verdict.marginal && 1e5 * off.max(unavoidable(&model, family, number, growth)) < growth.abs() {
+            if verdict.undecided && 1e5 * off.max(unavoidable(&model, family, number, growth)) < growth.abs() {
                 println!("{place:?} {family:?} {number}: {verdict:?} is off by {off:e}, {model:?}");
                 useless += 1;
             }
@@ -115,7 +115,7 @@ fn claims_hold(place: Place, draws: usize) {
     ratios.sort_by(f64::total_cmp);
     let [median, most] = [0.5, 0.95].map(|part| ratios[((ratios.len() - 1) as f64 * part) as usize]);
     println!(
-        "{place:?}: {told} orbits, {compared} with errors, {marginal} marginal, {wide} with errors over 1e-5, claimed over true error {median:.0} median, \
+        "{place:?}: {told} orbits, {compared} with errors, {undecided} undecided, {wide} with errors over 1e-5, claimed over true error {median:.0} median, \
          {most:.1e} 95 %, {useless} useless"
     );
     if place == Place::Elastic {
@@ -215,7 +215,7 @@ fn a_mass_alone_knows_its_multipliers() {
         for orbit in &breathers(&model, family).unwrap().orbits {
             let verdict = Analyser::default().stability(orbit, &mut finder, Tolerance::Rounding).unwrap().verdict;
             let Some((off, growth)) = truth_of(orbit, &verdict) else { continue };
-            assert!(off <= verdict.resolution && !verdict.marginal, "{verdict:?} {off:e}");
+            assert!(off <= verdict.resolution && !verdict.undecided, "{verdict:?} {off:e}");
             assert!(verdict.resolution < 1e-4 * growth.abs(), "{verdict:?} {growth:e}");
             checked += 1;
         }

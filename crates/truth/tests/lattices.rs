@@ -107,7 +107,7 @@ impl Counts {
         let off = (&growth - Real::new(verdict.growth(), DEFAULT_BITS)).abs().to_f64();
         // One on the circle is there by structure.
         assert!(off <= verdict.resolution.max(1e-13), "{off:e} {verdict:?} {:?}", truth.model());
-        if !verdict.marginal {
+        if !verdict.undecided {
             assert_eq!(verdict.stable, growth.to_f64() < 1e-13, "{verdict:?} {growth} {:?}", truth.model());
         }
         self.growths += 1;

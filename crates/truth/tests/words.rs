@@ -274,7 +274,7 @@ fn certain_verdicts_on_pairs_are_right_however_weak_the_coupling() {
             let Ok(answer) = stability(orbit, Tolerance::Rounding) else { continue };
             let Ok(truth) = TrueOrbit::refine(orbit, DEFAULT_BITS) else { continue };
             let verdict = answer.verdict;
-            if verdict.method != Method::Secular || verdict.marginal {
+            if verdict.method != Method::Secular || verdict.undecided {
                 open += 1;
                 continue;
             }

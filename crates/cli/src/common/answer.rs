@@ -32,7 +32,7 @@ pub(crate) fn estimate(error: f64) -> String {
 pub(crate) fn told_verdict(verdict: &Verdict) -> String {
     let how = match verdict.mechanism {
         Some(mechanism) => format!("unstable ({})", mechanism.name()),
-        None if verdict.marginal => "marginal (closer to the border than its own error)".to_owned(),
+        None if verdict.undecided => "undecided (closer to the border than its own error)".to_owned(),
         None => "stable".to_owned(),
     };
     // Structure puts it on the circle exactly, or the eigenvalue has an error.

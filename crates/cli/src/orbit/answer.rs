@@ -84,7 +84,7 @@ fn stability(all: &Multipliers) -> Value {
     let listed = all.len() <= MOST_LISTED;
     let mut told = json!({
         "stable": verdict.stable,
-        "marginal": verdict.marginal,
+        "undecided": verdict.undecided,
         "mechanism": verdict.mechanism,
         "spectral_radius": verdict.spectral_radius,
         "growth": verdict.growth(),

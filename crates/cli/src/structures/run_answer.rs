@@ -138,7 +138,7 @@ pub(super) fn settled(model: &StructureModel, psi: f64, events: &[ContactEvent],
         let is_shorter = |(shorter, by): &(u64, f64)| count % shorter == 0 && *by <= ALIKE;
         let is_equal = now.max(then).max(once) <= EQUAL && !missed.iter().any(is_shorter);
         let verdict = if now <= FAR { settled.verdict(model) } else { None };
-        let verdict = verdict.filter(|verdict| !verdict.marginal);
+        let verdict = verdict.filter(|verdict| !verdict.undecided);
         // About a neutral orbit there may be tori.
         if is_equal || verdict.is_some_and(|verdict| verdict.growth() != 0.0) {
             settled.stable = verdict.map(|verdict| verdict.stable);

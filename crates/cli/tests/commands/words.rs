@@ -195,7 +195,7 @@ fn words_are_families_of_a_scene() {
             Some(true) => "stable-word",
             Some(false) => "unstable-word",
         };
-        if verdicts.iter().all(|verdict| !verdict.marginal) {
+        if verdicts.iter().all(|verdict| !verdict.undecided) {
             assert_eq!((fields[2], fields[6]), (class, verdicts.len().to_string().as_str()), "{line}");
             *seen.entry(class).or_insert(0) += 1;
         }

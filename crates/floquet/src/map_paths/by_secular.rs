@@ -42,7 +42,7 @@ impl Analyser {
         if !question.thorough && check(found.growth, found.growth_error, question).is_err() {
             found = self.secular.settled(found, orbit.period());
         }
-        if found.outcome == Standing::Marginal {
+        if found.outcome == Standing::Undecided {
             if is_affordable(orbit) {
                 return Err(SecularError::Tangency.into());
             }
@@ -124,7 +124,7 @@ impl Analyser {
             return Some(Verdict::on_circle(None));
         }
         self.secular.residues.complete(ratio).ok()?;
-        let mut found = self.secular.verdict().ok().filter(|verdict| verdict.outcome != Standing::Marginal)?;
+        let mut found = self.secular.verdict().ok().filter(|verdict| verdict.outcome != Standing::Undecided)?;
         let modes = model.chain().even_modes();
         let is_precise = |found: &SecularVerdict| {
             found.outcome == Standing::Stable || is_precise(found.growth, found.growth_error, modes, WORST_OF_SWEEP)
@@ -192,7 +192,9 @@ fn rounding_of_ratio(impulses: impl Iterator<Item = f64>) -> f64 {
 fn told(found: &SecularVerdict, tolerance: Tolerance) -> Verdict {
     match (found.outcome, found.leading) {
         (Standing::Unstable, Some(leading)) => Verdict::of_growth(leading, found.growth, found.growth_error, tolerance),
-        (Standing::Marginal, Some(leading)) => Verdict::unsettled(leading, found.growth, found.growth_error, tolerance),
+        (Standing::Undecided, Some(leading)) => {
+            Verdict::unsettled(leading, found.growth, found.growth_error, tolerance)
+        }
         _ => Verdict::on_circle(None),
     }
 }

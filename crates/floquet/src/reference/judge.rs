@@ -139,8 +139,8 @@ impl Judge<'_> {
             let multiplier = self.structure.multiplier(other);
             if other != value && verdict.stable && multiplier.norm() - 1.0 > border {
                 let resolution = self.growth_error(other, number);
-                if Verdict::of(multiplier, resolution, tolerance).marginal {
-                    (verdict.stable, verdict.marginal) = (false, true);
+                if Verdict::of(multiplier, resolution, tolerance).undecided {
+                    (verdict.stable, verdict.undecided) = (false, true);
                     verdict.resolution = verdict.resolution.max(resolution);
                 }
                 number += 1;

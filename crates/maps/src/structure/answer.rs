@@ -150,7 +150,7 @@ impl Answered<'_> {
                     stability.multipliers.iter().take(MOST_LISTED).map(|z| [z.re, z.im]).collect();
                 answer["stability"] = value!({
                     "stable": verdict.stable,
-                    "marginal": verdict.marginal,
+                    "undecided": verdict.undecided,
                     "mechanism": verdict.mechanism.map(|mechanism| mechanism.name()),
                     "spectral_radius": verdict.spectral_radius,
                     "growth": verdict.growth(),

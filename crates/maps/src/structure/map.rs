@@ -40,7 +40,7 @@ pub enum StructureClass {
     /// A stable orbit.
     Stable,
     /// An orbit whose growth is closer to the border of stability than its own error.
-    Marginal,
+    Undecided,
     /// An unstable orbit.
     Unstable,
     /// An orbit, stability not asked for, or not worked out.
@@ -48,7 +48,7 @@ pub enum StructureClass {
 }
 
 vibrochain_lattice::names!(StructureClass {
-    None "none", Unknown "unknown", Stable "stable", Marginal "marginal", Unstable "unstable", Physical "physical",
+    None "none", Unknown "unknown", Stable "stable", Undecided "undecided" | "marginal", Unstable "unstable", Physical "physical",
 });
 
 /// What a point says.
@@ -86,7 +86,7 @@ impl StructureCell {
     fn judged(mut self) -> Self {
         self.found.status = match (&self.trouble, self.class) {
             (Some(_), _) => Status::IllConditioned,
-            (None, StructureClass::Marginal) => Status::Marginal,
+            (None, StructureClass::Undecided) => Status::Undecided,
             (None, _) => self.found.status,
         };
         self
@@ -192,7 +192,7 @@ impl Told<'_> {
     fn rank(&self) -> usize {
         match self {
             Self::Verdict(verdict) if verdict.stable => 2,
-            Self::Verdict(verdict) if verdict.marginal => 1,
+            Self::Verdict(verdict) if verdict.undecided => 1,
             _ => 0,
         }
     }
@@ -258,7 +258,7 @@ fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
     let class = match verdict {
         None => StructureClass::Physical,
         Some(verdict) if verdict.stable => StructureClass::Stable,
-        Some(verdict) if verdict.marginal => StructureClass::Marginal,
+        Some(verdict) if verdict.undecided => StructureClass::Undecided,
         Some(_) => StructureClass::Unstable,
     };
     let found = Cell {
@@ -376,7 +376,7 @@ impl Grid for StructureScene {
         let of = |classes: [Class; 3]| Some(classes[place.min(2)]);
         let class = match cell.class {
             StructureClass::None => Some(Class::None),
-            StructureClass::Unknown | StructureClass::Marginal => None,
+            StructureClass::Unknown | StructureClass::Undecided => None,
             StructureClass::Physical => of([Class::Double, Class::Single, Class::Word]),
             StructureClass::Stable => of([Class::StableDouble, Class::StableSingle, Class::StableWord]),
             StructureClass::Unstable => of([Class::UnstableDouble, Class::UnstableSingle, Class::UnstableWord]),

@@ -46,7 +46,7 @@ pub fn state(is_physical: bool, verdict: Option<&Verdict>) -> String {
         _ if !is_physical => "not physical".to_owned(),
         None => "physical".to_owned(),
         Some(verdict) => match verdict.mechanism {
-            None if verdict.marginal => "marginal".to_owned(),
+            None if verdict.undecided => "undecided".to_owned(),
             None => "stable".to_owned(),
             Some(mechanism) => format!("unstable, {}, |μ| = {:.6}", loss(mechanism), verdict.spectral_radius),
         },
@@ -162,7 +162,7 @@ pub fn multiplier_pane(all: &[Complex<f64>], verdict: &Verdict) -> Pane {
     let place = |z: &Complex<f64>| (z.re, z.im);
     let leading = all.iter().filter(|z| verdict.mechanism.is_some() && same(z, &verdict.leading));
     let leading: Vec<_> = leading.map(place).collect();
-    let state = verdict.mechanism.map_or(if verdict.stable { "stable" } else { "marginal" }.to_owned(), |mechanism| {
+    let state = verdict.mechanism.map_or(if verdict.stable { "stable" } else { "undecided" }.to_owned(), |mechanism| {
         format!("unstable, {}", loss(mechanism))
     });
     let caption =

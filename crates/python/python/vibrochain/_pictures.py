@@ -221,7 +221,7 @@ def branch_pane(branches: list[Branch], show: str, all: bool) -> tuple[_Pane, st
         listed: list[tuple[Any, ...]] = []
         for point in branch.points:
             verdict, orbit = point.verdict, point.orbit
-            told = (None, None) if verdict is None else (None if verdict.marginal else verdict.stable, verdict.spectral_radius)
+            told = (None, None) if verdict is None else (None if verdict.undecided else verdict.stable, verdict.spectral_radius)
             listed.append((None, point.value, *_hits(orbit), point.margin, point.physical, *told))
         for shift, (event, place) in enumerate(zip(branch.events, branch.places)):
             row = (event.event, event.value, *_hits(event.orbit), None, event.physical, None, None)

@@ -37,7 +37,7 @@ class StructureOrbit:
     obstruction : dict or None
         What is in the way.
     stability : dict or None
-        stable, marginal, mechanism, spectral_radius, growth, resolution.
+        stable, undecided, mechanism, spectral_radius, growth, resolution.
     multipliers : numpy.ndarray of complex128
         All Floquet multipliers, the largest first.
 
@@ -79,7 +79,7 @@ class StructureOrbit:
         hits = ", ".join(str(hit["impulse"]) for hit in self.impacts)
         told, verdict = "physical" if self.physical else "not physical", self.stability
         if verdict is not None:
-            state = "marginal" if verdict["marginal"] else "stable" if verdict["stable"] else f"unstable ({verdict['mechanism']})"
+            state = "undecided" if verdict["undecided"] else "stable" if verdict["stable"] else f"unstable ({verdict['mechanism']})"
             told += f", {state}, spectral radius {verdict['spectral_radius']}"
         return f"<StructureOrbit {self.word}: period {self.period}, impulses {hits}; {told}>"
 
@@ -262,7 +262,7 @@ class StructureBranch:
             margin=numbers(point["margin"] for point in points),
             spectral_radius=numbers(one.get("spectral_radius") for one in stability),
             physical=np.array([point["physical"] is True for point in points]),
-            stable=np.array([one.get("stable") is True and not one.get("marginal") for one in stability]),
+            stable=np.array([one.get("stable") is True and not one.get("undecided") for one in stability]),
             events=parts["events"],
             ends=[(value, name) for value, name in parts["ends"]],
             word=parts["word"],

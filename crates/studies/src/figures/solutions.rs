@@ -144,7 +144,7 @@ fn branches(point: &Point, family: Family, over: Over, stop: &Stop) -> Result<Br
         for solved in &solved {
             let verdict = solved.stability.verdict;
             let time = solved.orbit.impacts().last().map_or(0.0, |impact| impact.time);
-            let word = verdict.mechanism.map_or(if verdict.stable { "stable" } else { "marginal" }, |m| m.name());
+            let word = verdict.mechanism.map_or(if verdict.stable { "stable" } else { "undecided" }, |m| m.name());
             sheet.row(&[word], &[value, time, verdict.spectral_radius])?;
             let point = (value, time / solved.orbit.period());
             if verdict.stable {

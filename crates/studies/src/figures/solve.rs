@@ -57,7 +57,7 @@ pub(super) fn verdict(solved: &Solved) -> String {
     let verdict = solved.stability.verdict;
     match verdict.mechanism {
         Some(mechanism) => format!("unstable, {}", mechanism.name()),
-        None if verdict.marginal => "marginal".to_owned(),
+        None if verdict.undecided => "undecided".to_owned(),
         None => "stable".to_owned(),
     }
 }

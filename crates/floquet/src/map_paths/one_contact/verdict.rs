@@ -67,7 +67,7 @@ pub(crate) struct Leading {
 
 impl ForcedSecular {
     /// The verdict. For elastic impacts multipliers stay on the circle, which this form cannot tell from next to it: it then
-    /// says marginal where it does not say unstable.
+    /// says undecided where it does not say unstable.
     ///
     /// # Errors
     /// [`SecularError`]; [`SecularError::NotReversible`] also for conservative orbits, whose trivial pair this form does not split off.
@@ -86,7 +86,7 @@ impl ForcedSecular {
         } else if growth < -error {
             (Standing::Stable, Reason::NoneOutside)
         } else {
-            (Standing::Marginal, Reason::Tangency)
+            (Standing::Undecided, Reason::Tangency)
         };
         let leading = Some(if real { Complex::new(leading.re, 0.0) } else { leading });
         Ok(SecularVerdict { outcome, reason, leading, growth, growth_error: error, clearance })

@@ -3,7 +3,7 @@
 //!
 //! Among thousands of poles some always meet so closely that their residues are as good as lost. The roots are those of F as
 //! it has been worked out, complete; what errors of the residues could make of them is told apart: a pair that may have met
-//! makes the orbit marginal, a signature that is not known forbids to call it stable.
+//! makes the orbit undecided, a signature that is not known forbids to call it stable.
 
 use nalgebra::Complex;
 
@@ -14,11 +14,11 @@ use crate::map_paths::reversible::verdict::{
 use crate::zeros::SecularError;
 
 impl Secular {
-    /// The verdict from all roots. `unknown` is a mode whose signature is lost, `marginal` what is next to ±1.
+    /// The verdict from all roots. `unknown` is a mode whose signature is lost, `undecided` what is next to ±1.
     pub(crate) fn judge_all_roots(
         &mut self,
         unknown: Option<usize>,
-        mut marginal: Option<LeadingRoot>,
+        mut undecided: Option<LeadingRoot>,
         mut clearance: f64,
     ) -> Result<SecularVerdict, SecularError> {
         let mut leading: Option<LeadingRoot> = None;
@@ -34,17 +34,17 @@ impl Secular {
             if error < growth {
                 leading = most(leading, this);
             } else {
-                marginal = most(marginal, LeadingRoot { reason: Reason::Tangency, growth: growth + error, ..this });
+                undecided = most(undecided, LeadingRoot { reason: Reason::Tangency, growth: growth + error, ..this });
             }
         }
         let Self { residues: form, roots, .. } = self;
         for &Touching { gap, t, reach } in &roots.touching {
             let nu = form.nu(gap, Complex::new(t, reach));
             let growth = nu.growth();
-            marginal = most(marginal, LeadingRoot { nu, growth, error: growth, reason: Reason::Tangency });
+            undecided = most(undecided, LeadingRoot { nu, growth, error: growth, reason: Reason::Tangency });
         }
         let worst = if form.neighbourhoods.is_empty() { WORST } else { f64::INFINITY };
-        let verdict = assemble(leading, marginal, clearance, worst)?;
+        let verdict = assemble(leading, undecided, clearance, worst)?;
         match unknown {
             Some(mode) if verdict.outcome == Standing::Stable => Err(SecularError::Signature { mode }),
             _ => Ok(verdict),

@@ -30,7 +30,7 @@ pub enum Standing {
     /// All multipliers are on the unit circle, beyond rounding.
     Stable,
     /// Two multipliers are so close to meeting that rounding decides on which side they are.
-    Marginal,
+    Undecided,
     /// A multiplier is outside the unit circle, beyond rounding.
     Unstable,
 }
@@ -55,15 +55,15 @@ pub enum Reason {
 /// The verdict of the secular function.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SecularVerdict {
-    /// Stable, marginal or unstable.
+    /// Stable, undecided or unstable.
     pub outcome: Standing,
     /// Why.
     pub reason: Reason,
-    /// The leading multiplier: the one of largest modulus for an unstable orbit, the one next to leaving for a marginal
+    /// The leading multiplier: the one of largest modulus for an unstable orbit, the one next to leaving for an undecided
     /// one; `None` for a stable one without losses: all are on the circle.
     pub leading: Option<Complex<f64>>,
     /// |μ| − 1 of it, with its own relative accuracy (it may be far below 1e-16); 0 for a stable orbit, with losses
-    /// whatever it is. For a marginal one the most that rounding leaves room for.
+    /// whatever it is. For an undecided one the most that rounding leaves room for.
     pub growth: f64,
     /// Estimated error of the growth.
     pub growth_error: f64,
@@ -74,9 +74,9 @@ pub struct SecularVerdict {
 }
 
 impl SecularVerdict {
-    /// The outcome is not marginal: rounding could not have changed it.
+    /// The outcome is not undecided: rounding could not have changed it.
     pub fn is_certain(&self) -> bool {
-        self.outcome != Standing::Marginal
+        self.outcome != Standing::Undecided
     }
 
     /// |μ| of the leading multiplier, 1 for a stable orbit without losses.
@@ -177,7 +177,7 @@ impl Secular {
             return Ok(stable(Reason::EqualSignatures, f64::INFINITY));
         }
         let mut leading: Option<LeadingRoot> = None;
-        let mut marginal: Option<LeadingRoot> = None;
+        let mut undecided: Option<LeadingRoot> = None;
         let (mut clearance, mut counted) = (f64::INFINITY, 0);
         if !positive {
             // Beyond ±1: the sum over 1/(|ν|−|d|…) is positive far away.
@@ -192,7 +192,7 @@ impl Secular {
                 if value.abs() <= error {
                     let reach = (value.abs() + error) / slope.abs();
                     let (nu, growth) = (Nu::beyond(end, reach), outside(reach));
-                    marginal = most(marginal, LeadingRoot { nu, growth, error: growth, reason: Reason::Tangency });
+                    undecided = most(undecided, LeadingRoot { nu, growth, error: growth, reason: Reason::Tangency });
                 } else if value < 0.0 {
                     let delta = beyond(local);
                     let error = local.root_error(delta);
@@ -209,7 +209,7 @@ impl Secular {
         suspects.clear();
         let wanted = count - 1;
         if large && (counted < wanted || unknown.is_some()) {
-            return self.judge_all_roots(unknown, marginal, clearance);
+            return self.judge_all_roots(unknown, undecided, clearance);
         }
         if counted < wanted {
             for gap in 0..wanted {
@@ -224,7 +224,7 @@ impl Secular {
                     let reach = tangency(&low);
                     let nu = form.nu(gap, Complex::new(low.t, reach));
                     let growth = nu.growth();
-                    marginal = most(marginal, LeadingRoot { nu, growth, error: growth, reason: Reason::Tangency });
+                    undecided = most(undecided, LeadingRoot { nu, growth, error: growth, reason: Reason::Tangency });
                     clearance = clearance.min(half);
                     counted += 2;
                 } else if low.value < 0.0 {
@@ -251,13 +251,13 @@ impl Secular {
         }
         if counted != wanted {
             // All roots at once know nothing of signs that are lost in rounding.
-            let lost = marginal.is_some();
+            let lost = undecided.is_some();
             return match lost {
                 true => Err(SecularError::Incomplete { found: counted, wanted }),
                 false => self.judge_all_roots(None, None, f64::INFINITY),
             };
         }
-        assemble(leading, marginal, clearance, WORST)
+        assemble(leading, undecided, clearance, WORST)
     }
 }
 
@@ -274,7 +274,7 @@ pub(crate) fn most(best: Option<LeadingRoot>, other: LeadingRoot) -> Option<Lead
 
 pub(crate) fn assemble(
     leading: Option<LeadingRoot>,
-    marginal: Option<LeadingRoot>,
+    undecided: Option<LeadingRoot>,
     clearance: f64,
     worst: f64,
 ) -> Result<SecularVerdict, SecularError> {
@@ -282,19 +282,19 @@ pub(crate) fn assemble(
         let [large, _] = this.nu.multipliers();
         let (growth, growth_error) = (this.growth, this.error);
         let certain = this.reason != Reason::Tangency && growth_error < growth;
-        let outcome = if certain { Standing::Unstable } else { Standing::Marginal };
+        let outcome = if certain { Standing::Unstable } else { Standing::Undecided };
         let precise = growth_error <= worst * (1.0 + growth);
         let verdict =
             SecularVerdict { outcome, reason: this.reason, leading: Some(large), growth, growth_error, clearance };
         if precise { Ok(verdict) } else { Err(SecularError::Imprecise { growth, growth_error }) }
     };
-    match (leading, marginal) {
+    match (leading, undecided) {
         // An instability beyond doubt stays one, but how large it is may be in question.
-        (Some(leading), Some(marginal)) => {
-            tell(LeadingRoot { error: leading.error.max(marginal.growth - leading.growth), ..leading })
+        (Some(leading), Some(undecided)) => {
+            tell(LeadingRoot { error: leading.error.max(undecided.growth - leading.growth), ..leading })
         }
         (Some(leading), None) => tell(leading),
-        (None, Some(marginal)) => tell(marginal),
+        (None, Some(undecided)) => tell(undecided),
         (None, None) => Ok(stable(Reason::AllRootsCounted, clearance)),
     }
 }

@@ -84,7 +84,7 @@ fn verdicts_on_forced_orbits() {
             match verdict.outcome {
                 Standing::Stable => assert!(growth < blur, "{name}"),
                 Standing::Unstable => assert!((growth - verdict.growth).abs() < blur, "{name}"),
-                Standing::Marginal => open += 1,
+                Standing::Undecided => open += 1,
             }
         });
         assert!(checked > 350 && open < checked / 50, "{family:?}: {open} of {checked}");

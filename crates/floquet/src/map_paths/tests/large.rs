@@ -88,10 +88,10 @@ fn a_long_ring_has_the_isolated_multiplier_of_the_infinite_one() {
 
 /// Overlapping bands: errors of residues next to coincident poles say little, the impacts' equations settle what leads.
 #[test]
-fn long_rings_with_overlapping_bands_are_not_marginal() {
+fn long_rings_with_overlapping_bands_are_not_undecided() {
     let (mut finder, mut found, mut analyser) = (Finder::new(21), Found::default(), Analyser::default());
     let mut plain = Secular::default();
-    let mut marginal = 0;
+    let mut undecided = 0;
     for (sites, family, omega) in
         [(20_001, Family::SingleSided, 0.6), (100_001, Family::SingleSided, 0.31), (100_001, Family::DoubleSided, 0.45)]
     {
@@ -100,7 +100,7 @@ fn long_rings_with_overlapping_bands_are_not_marginal() {
         let verdict = analyser.verdict(orbit, &mut finder, Tolerance::Rounding).unwrap();
         assert_eq!(verdict.method, Method::Secular);
         assert!(
-            !verdict.marginal && verdict.resolution < 1e-2 * verdict.growth(),
+            !verdict.undecided && verdict.resolution < 1e-2 * verdict.growth(),
             "{family:?} {sites} {omega}: {verdict:?}"
         );
         plain.replace(finder.prepared(orbit).unwrap()).unwrap();
@@ -109,8 +109,8 @@ fn long_rings_with_overlapping_bands_are_not_marginal() {
             (bound.growth - verdict.growth()).abs() <= bound.growth_error,
             "{family:?} {omega}: {bound:?} {verdict:?}"
         );
-        marginal += usize::from(bound.outcome == Standing::Marginal);
+        undecided += usize::from(bound.outcome == Standing::Undecided);
     }
     // By residues alone nothing could be said of the longest.
-    assert_eq!(marginal, 2);
+    assert_eq!(undecided, 2);
 }

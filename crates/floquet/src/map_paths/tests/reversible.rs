@@ -13,7 +13,7 @@ struct Bench {
     secular: Secular,
     checked: usize,
     doubts: usize,
-    marginal: usize,
+    undecided: usize,
     rootless: usize,
     unstable: usize,
 }
@@ -46,8 +46,8 @@ impl Bench {
             };
             match verdict.outcome {
                 Standing::Stable => assert!(radius <= blur, "{}: {verdict:?}, dense {radius:e} ± {blur:e}", name()),
-                Standing::Marginal => {
-                    self.marginal += 1;
+                Standing::Undecided => {
+                    self.undecided += 1;
                     assert!(radius <= verdict.growth + blur, "{}: {verdict:?}, dense {radius:e} ± {blur:e}", name());
                 }
                 Standing::Unstable => {
@@ -88,10 +88,10 @@ fn verdicts_and_roots_are_those_of_the_dense_block() {
     }
     assert!(bench.checked > 11_900 && bench.unstable > 2000, "{}", bench.unstable);
     assert!(
-        bench.doubts < 12 && bench.marginal < 12 && bench.rootless == 0,
-        "{} doubts, {} marginal",
+        bench.doubts < 12 && bench.undecided < 12 && bench.rootless == 0,
+        "{} doubts, {} undecided",
         bench.doubts,
-        bench.marginal
+        bench.undecided
     );
 }
 

@@ -241,7 +241,7 @@ fn check_orbit(
 fn check_radius(row: Row, stability: &Stability, truth: &TrueOrbit) -> Row {
     let verdict = stability.verdict;
     let said = match verdict.mechanism {
-        _ if verdict.marginal => "marginal",
+        _ if verdict.undecided => "undecided",
         Some(mechanism) => mechanism.name(),
         None => "stable",
     };
@@ -262,7 +262,7 @@ fn check_radius(row: Row, stability: &Stability, truth: &TrueOrbit) -> Row {
                 || verdict.mechanism.is_some() && excess.to_f64() <= 0.0;
             // A root far away is another one: the program's is none.
             let far = (1e-3 * (1.0 + verdict.spectral_radius)).max(10.0 * verdict.resolution);
-            let wrong = wrong || !verdict.marginal && moved > far;
+            let wrong = wrong || !verdict.undecided && moved > far;
             let error = (root.abs() - verdict.spectral_radius).abs().to_f64();
             // A radius of exactly 1 carries no error, but the root's own digits end somewhere.
             let promised = if on_circle { verdict.resolution } else { verdict.resolution.max(f64::EPSILON) };

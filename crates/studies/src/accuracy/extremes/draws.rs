@@ -82,8 +82,8 @@ impl Tally {
                 if delivered > row.floor {
                     self.worst = self.worst.max(delivered / promised);
                 }
-                let marginal = row.outcome.starts_with("marginal");
-                if marginal { "marginal".to_owned() } else { "compared with the truth".to_owned() }
+                let undecided = row.outcome.starts_with("undecided");
+                if undecided { "undecided".to_owned() } else { "compared with the truth".to_owned() }
             }
             // The first words tell the kind; numbers differ from point to point.
             _ => {
