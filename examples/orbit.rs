@@ -7,7 +7,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let model = point.amplitude(0.1).restitution(0.9).model()?;
     let found = breathers(&model, Family::DoubleSided)?;
     for orbit in &found.orbits {
-        let answer = stability(orbit, Tolerance::Growth(0.01))?;
+        let answer = stability(orbit, Tolerance::Excess(0.01))?;
         println!("φ = {:?}: |μ| = {}, {}", orbit.phi(), answer.verdict.spectral_radius, admissibility(orbit)?);
         assert_eq!(answer.multipliers.len(), 42);
         assert!(orbit.residual() < 1e-14);

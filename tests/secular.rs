@@ -215,8 +215,8 @@ fn against_dense(seed: u64, draws: usize, place: Place, forced: bool) -> [usize;
                     }
                     let name = || format!("{model:?} {family:?}: {own:?}, dense {reference:?}");
                     let certain = !own.undecided && !reference.undecided;
-                    // A dense verdict next to the circle is right up to its resolution; below it the growth is the form's own.
-                    let hidden = own.growth() <= reference.resolution.max(1e-7 * reference.spectral_radius);
+                    // A dense verdict next to the circle is right up to its resolution; below it the excess is the form's own.
+                    let hidden = own.excess() <= reference.resolution.max(1e-7 * reference.spectral_radius);
                     if certain && own.stable != reference.stable {
                         assert!(own.mechanism.is_some() && reference.stable && hidden, "{}", name());
                         continue;
@@ -224,7 +224,7 @@ fn against_dense(seed: u64, draws: usize, place: Place, forced: bool) -> [usize;
                     let difference = (own.spectral_radius - reference.spectral_radius).abs();
                     let allowed = 1e-9 * reference.spectral_radius + 10.0 * (own.resolution + reference.resolution);
                     assert!(difference <= allowed, "{}: {difference:e}", name());
-                    if certain && own.growth() > 1e-5 {
+                    if certain && own.excess() > 1e-5 {
                         unstable += 1;
                         assert_eq!(own.mechanism, reference.mechanism, "{}", name());
                     }

@@ -23,14 +23,14 @@ fn verdicts(orbit: &Orbit, tolerance: Tolerance) -> [Verdict; 2] {
 }
 
 #[test]
-fn a_threshold_next_to_the_growth_does_not_put_a_multiplier_on_the_circle() {
+fn a_threshold_next_to_the_excess_does_not_put_a_multiplier_on_the_circle() {
     let chain = Chain::new(21, 0.2, 0.1).unwrap();
     let model = chain.point().omega(0.93).asymmetry(0.4).amplitude(0.05).model().unwrap();
     let orbit = &orbits(&model, Family::SingleSided)[1];
-    for verdict in verdicts(orbit, Tolerance::Growth(0.635552)) {
+    for verdict in verdicts(orbit, Tolerance::Excess(0.635552)) {
         assert!(!verdict.stable && (verdict.spectral_radius - 1.6355520983).abs() < 1e-9, "{verdict:?}");
     }
-    for verdict in verdicts(orbit, Tolerance::Growth(0.6355525)) {
+    for verdict in verdicts(orbit, Tolerance::Excess(0.6355525)) {
         assert!(verdict.stable && verdict.spectral_radius > 1.6, "{verdict:?}");
     }
 }
@@ -44,7 +44,7 @@ fn elastic_orbits_lie_on_the_circle_whatever_the_threshold() {
     ];
     for model in models {
         let orbit = &orbits(&model, Family::DoubleSided)[0];
-        for tolerance in [Tolerance::Rounding, Tolerance::Growth(0.01)] {
+        for tolerance in [Tolerance::Rounding, Tolerance::Excess(0.01)] {
             for verdict in verdicts(orbit, tolerance) {
                 assert!(verdict.stable && verdict.spectral_radius == 1.0 && verdict.resolution == 0.0, "{verdict:?}");
             }
@@ -140,7 +140,7 @@ fn an_undecided_cell_has_no_class_and_is_counted() {
     assert_eq!((Status::from_name("marginal"), Status::Undecided.name()), (Some(Status::Undecided), "undecided"));
     assert!((cell.spectral_radius.unwrap() - 1.0).abs() < 1e-12 && cell.margin.is_some() && cell.solutions == 2);
     // With a threshold there is nothing to be undecided about.
-    let task = vibrochain_maps::cell::Task { tolerance: Tolerance::Growth(1e-3), ..scene.task.clone() };
+    let task = vibrochain_maps::cell::Task { tolerance: Tolerance::Excess(1e-3), ..scene.task.clone() };
     let cell = worker.cell(&scene.point(0).model().unwrap(), &task);
     assert_eq!((cell.class, cell.status), (Some(Class::StableDouble), Status::Ok));
 }

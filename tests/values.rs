@@ -278,7 +278,7 @@ fn other_values_come_back_and_have_their_names() {
         assert_eq!(read_back(&kind), format!("\"{}\"", kind.name()));
     }
     read_back(&[Wanted::All, Wanted::Symmetric, Wanted::Candidates, Wanted::SymmetricCandidates]);
-    assert_eq!(read_back(&[Tolerance::Rounding, Tolerance::Growth(0.01)]), "[null,0.01]");
+    assert_eq!(read_back(&[Tolerance::Rounding, Tolerance::Excess(0.01)]), "[null,0.01]");
     for proof in [Proof::ClosedForm, Proof::Enclosures { intervals: 40 }, Proof::BranchAndPrune { boxes: 7 }] {
         assert_eq!(to_value(proof).unwrap()["by"], proof.name());
         read_back(&Completeness::All(proof));

@@ -42,8 +42,8 @@ fn a_pitchfork_is_where_a_simulated_perturbation_breaks_the_symmetry() {
         for orbit in &found.orbits {
             let verdicts = verdicts(orbit);
             let through = |verdict: &Verdict| verdict.mechanism.is_some_and(Mechanism::is_through_plus_one);
-            let growth = verdicts[0].growth();
-            if !verdicts.iter().all(through) || !(1e-4..1e3).contains(&growth) {
+            let excess = verdicts[0].excess();
+            if !verdicts.iter().all(through) || !(1e-4..1e3).contains(&excess) {
                 continue;
             }
             let name = || format!("{model:?} φ = {:?}: {verdicts:?}", orbit.phi());
@@ -60,7 +60,7 @@ fn a_pitchfork_is_where_a_simulated_perturbation_breaks_the_symmetry() {
             let rho = *values.iter().max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap();
             // Differences know large multipliers to fewer digits.
             let error = (rho * rho - verdicts[0].leading).norm() / verdicts[0].spectral_radius;
-            assert!(error < 1e-4 * (1.0 + growth) && rho.im == 0.0, "{}: ρ = {rho}, {error:e}", name());
+            assert!(error < 1e-4 * (1.0 + excess) && rho.im == 0.0, "{}: ρ = {rho}, {error:e}", name());
             let expected = if rho.re < 0.0 { Mechanism::Pitchfork } else { Mechanism::PlusOne };
             assert_eq!(said[0], expected, "{}: ρ = {rho}", name());
             *if rho.re < 0.0 { &mut breaking } else { &mut keeping } += 1;

@@ -204,8 +204,8 @@ pub struct OrbitArgs {
     /// Samples a period of that table.
     #[arg(long, value_name = "S", default_value_t = 64, requires = "trajectory", value_parser = whole::<u64>, allow_negative_numbers = true)]
     pub samples: u64,
-    /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
-    #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
+    /// Excess per period, |μ| − 1, below which a breather counts as stable [default: strict].
+    #[arg(long, value_name = "EXCESS", value_parser = real, allow_negative_numbers = true)]
     pub threshold: Option<f64>,
 }
 
@@ -245,7 +245,7 @@ pub struct WordsArgs {
     /// Print JSON instead of text.
     #[arg(long, conflicts_with = "from_zero")]
     pub json: bool,
-    /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
-    #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
+    /// Excess per period, |μ| − 1, below which a breather counts as stable [default: strict].
+    #[arg(long, value_name = "EXCESS", value_parser = real, allow_negative_numbers = true)]
     pub threshold: Option<f64>,
 }

@@ -62,15 +62,15 @@ export class Controls {
     });
     const words = element("input", { type: "text", id: "words", value: compute.families.filter((name) => !(name in FAMILIES)).join("; "), placeholder: "0+3+,0-3-", "aria-describedby": "wordhelp" });
     words.addEventListener("change", () => this.families(words));
-    const threshold = element("input", { type: "text", inputmode: "decimal", id: "threshold", value: compute.threshold ?? "", placeholder: "strict", "aria-describedby": "growthhelp" });
+    const threshold = element("input", { type: "text", inputmode: "decimal", id: "threshold", value: compute.threshold ?? "", placeholder: "strict", "aria-describedby": "excesshelp" });
     threshold.addEventListener("change", () => this.edit((scene) => {
       scene.compute.threshold = threshold.value.trim() === "" ? null : typed(threshold.value);
     }, threshold));
     section("families", ...rows,
       element("div", { class: "row" }, element("label", { for: "words" }, "words"), words),
       element("p", { class: "quiet", id: "wordhelp" }, "Impact words, with ; between them: 0+3+,0-3- hits masses 0 and 3 together, up and down."),
-      element("div", { class: "row" }, element("label", { for: "threshold" }, "growth allowed"), threshold),
-      element("p", { class: "quiet", id: "growthhelp" }, unbroken("Still stable: |μ| up to 1 + this a period, as 0.01. Empty: none beyond rounding.")));
+      element("div", { class: "row" }, element("label", { for: "threshold" }, "excess allowed"), threshold),
+      element("p", { class: "quiet", id: "excesshelp" }, unbroken("Still stable: |μ| up to 1 + this a period, as 0.01. Empty: none beyond rounding.")));
     $("heading").textContent = unbroken(state.heading ?? "");
   }
 

@@ -315,7 +315,7 @@ impl Analyser {
             }
             let multipliers: Vec<_> = self.secular.all_nu()?.flat_map(|(nu, _)| nu.multipliers()).collect();
             // Where none leads, one that is there.
-            let leading = multipliers.first().filter(|_| verdict.growth() == 0.0).copied();
+            let leading = multipliers.first().filter(|_| verdict.excess() == 0.0).copied();
             return Ok((Verdict { leading: leading.unwrap_or(verdict.leading), ..verdict }, multipliers));
         }
         let verdict = self.not_reversible(question, finder)?;

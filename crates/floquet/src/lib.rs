@@ -23,7 +23,7 @@
 //! | [`odd_multipliers`], [`leading_modes`] | multipliers that feel no impact; perturbations that grow most |
 //! | [`locate()`] | bifurcations and grazing in one parameter |
 //! | [`structure_stability`], [`structure_branch`], [`structure_curve`] | the same of any linear structure with stops |
-//! | [`Verdict`], [`Mechanism`], [`Tolerance`], [`Method`] | stable or not, how stability is lost, from which growth on, where the answer comes from |
+//! | [`Verdict`], [`Mechanism`], [`Tolerance`], [`Method`] | stable or not, how stability is lost, from which excess on, where the answer comes from |
 //!
 //! With the feature `serde` values are written by the names of `mapgen`'s JSON; those that hold nothing derived are read, too.
 //!
@@ -39,7 +39,7 @@
 //! let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
 //! let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model()?;
 //! for orbit in &breathers(&model, Family::DoubleSided)?.orbits {
-//!     let verdict = stability(orbit, Tolerance::Growth(0.01))?.verdict;
+//!     let verdict = stability(orbit, Tolerance::Excess(0.01))?.verdict;
 //!     println!("|μ| = {}, stable within 1 % a period: {}", verdict.spectral_radius, verdict.stable);
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())

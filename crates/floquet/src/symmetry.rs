@@ -46,12 +46,12 @@ pub(crate) fn is_symmetric(orbit: &Orbit) -> bool {
 pub(crate) fn breaks_symmetry(prepared: Prepared<'_>, verdict: &Verdict) -> bool {
     let (orbit, response) = (prepared.orbit(), prepared.response());
     let Some(impact) = orbit.impacts().first() else { return false };
-    let growth = verdict.growth();
-    let below = (2.0 * verdict.resolution).max(BELOW * (1.0 + growth));
-    if below >= 0.5 * growth {
+    let excess = verdict.excess();
+    let below = (2.0 * verdict.resolution).max(BELOW * (1.0 + excess));
+    if below >= 0.5 * excess {
         return false;
     }
-    let sigma = (1.0 + growth - below).sqrt();
+    let sigma = (1.0 + excess - below).sqrt();
     let (mut diagonal, mut upper, mut lower) = (0.0, 0.0, 0.0);
     // b_k² of the site that is hit.
     let weights = response.weights().iter().zip(response.shapes().evens(impact.site, impact.site));

@@ -51,11 +51,11 @@ impl Mechanism {
     }
 }
 
-/// Growths that errors of an orbit's own data can feign: one multiplier moves by about the error, two that meet on the circle by its root.
+/// Excesses that errors of an orbit's own data can feign: one multiplier moves by about the error, two that meet on the circle by its root.
 const ROUNDING: f64 = 1e-12;
 const SPLIT_BY_ROUNDING: f64 = 1e-6;
 
-/// From which growth per period an orbit counts as unstable.
+/// From which excess per period an orbit counts as unstable.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(
     feature = "serde",
@@ -63,28 +63,28 @@ const SPLIT_BY_ROUNDING: f64 = 1e-6;
     serde(from = "Option<f64>", into = "Option<f64>")
 )]
 pub enum Tolerance {
-    /// Strict: from any growth that is not rounding, see [`Verdict::resolution`].
+    /// Strict: from any excess that is not rounding, see [`Verdict::resolution`].
     #[default]
     Rounding,
-    /// From this growth |μ| − 1 per period on. (The paper's map of forced breathers corresponds to about 0.01, see
+    /// From this excess |μ| − 1 per period on. (The paper's map of forced breathers corresponds to about 0.01, see
     /// `errata`.)
-    Growth(f64),
+    Excess(f64),
 }
 
 impl Tolerance {
-    /// The growth still called stable.
+    /// The excess still called stable.
     pub(crate) fn allowed(self) -> f64 {
         match self {
             Self::Rounding => 0.0,
-            Self::Growth(growth) => growth,
+            Self::Excess(excess) => excess,
         }
     }
 }
 
-/// As `threshold` in scenes: the growth, or none.
+/// As `threshold` in scenes: the excess, or none.
 impl From<Option<f64>> for Tolerance {
     fn from(threshold: Option<f64>) -> Self {
-        threshold.map_or(Self::Rounding, Self::Growth)
+        threshold.map_or(Self::Rounding, Self::Excess)
     }
 }
 
@@ -92,7 +92,7 @@ impl From<Tolerance> for Option<f64> {
     fn from(tolerance: Tolerance) -> Self {
         match tolerance {
             Tolerance::Rounding => None,
-            Tolerance::Growth(growth) => Some(growth),
+            Tolerance::Excess(excess) => Some(excess),
         }
     }
 }
@@ -143,7 +143,7 @@ impl Method {
 pub struct Verdict {
     /// No perturbation grows by more than the tolerance, errors allowed for.
     pub stable: bool,
-    /// The growth is closer to the tolerance than its own error: neither stable nor unstable can be said.
+    /// The excess is closer to the tolerance than its own error: neither stable nor unstable can be said.
     pub undecided: bool,
     /// How stability is lost, for an unstable orbit.
     pub mechanism: Option<Mechanism>,
@@ -155,7 +155,7 @@ pub struct Verdict {
     /// then names the trivial 1 and works none out.
     #[cfg_attr(feature = "serde", serde(serialize_with = "crate::serde_impl::complex"))]
     pub leading: Complex<f64>,
-    /// Estimated error of the spectral radius, and of the growth. [`crate::Analyser::stability`] works out for every orbit
+    /// Estimated error of the spectral radius, and of the excess. [`crate::Analyser::stability`] works out for every orbit
     /// what the errors of its own data add to it, [`crate::Analyser::verdict`] only where the answer may hang on it; there a
     /// dense matrix's is that of a well-conditioned eigenvalue. 0 where structure decides.
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -164,7 +164,7 @@ pub struct Verdict {
     #[cfg_attr(feature = "serde", serde(skip))]
     pub method: Method,
     #[cfg_attr(feature = "serde", serde(skip))]
-    pub(crate) growth: f64,
+    pub(crate) excess: f64,
 }
 
 impl fmt::Display for Verdict {
@@ -178,17 +178,17 @@ impl fmt::Display for Verdict {
 }
 
 impl Verdict {
-    /// Growth of the leading perturbation per period, |μ| − 1: from the secular function with its own relative accuracy, so
+    /// Excess of the leading perturbation per period, |μ| − 1: from the secular function with its own relative accuracy, so
     /// that it may be far below the rounding of the spectral radius.
-    pub fn growth(&self) -> f64 {
-        self.growth
+    pub fn excess(&self) -> f64 {
+        self.excess
     }
 
-    /// Errors of the orbit's own data could change the verdict: its growth is that near to the tolerance. A verdict by structure does not hang
+    /// Errors of the orbit's own data could change the verdict: its excess is that near to the tolerance. A verdict by structure does not hang
     /// on them, and an undecided one claims nothing.
     pub(crate) fn hangs_on_rounding(&self, lossless: bool, tolerance: Tolerance) -> bool {
         let reach = if lossless { SPLIT_BY_ROUNDING } else { ROUNDING };
-        !self.undecided && self.growth != 0.0 && (self.growth - tolerance.allowed()).abs() < reach
+        !self.undecided && self.excess != 0.0 && (self.excess - tolerance.allowed()).abs() < reach
     }
 
     /// Every multiplier lies on the circle, by structure.
@@ -203,39 +203,39 @@ impl Verdict {
             leading,
             resolution: 0.0,
             method,
-            growth: 0.0,
+            excess: 0.0,
         }
     }
 
     /// The verdict on two spaces that do not mix.
     pub(crate) fn or_worse(self, other: Self) -> Self {
-        let rank = |verdict: &Self| (!verdict.stable && !verdict.undecided, verdict.undecided, verdict.growth);
+        let rank = |verdict: &Self| (!verdict.stable && !verdict.undecided, verdict.undecided, verdict.excess);
         let (worse, better) = if rank(&self) < rank(&other) { (other, self) } else { (self, other) };
         // An instability beyond doubt stays one, but how large it is may be in question.
-        let open = better.growth + better.resolution - worse.growth;
+        let open = better.excess + better.resolution - worse.excess;
         Self { resolution: if better.undecided { worse.resolution.max(open) } else { worse.resolution }, ..worse }
     }
 
-    /// A growth that may as well be none.
-    pub(crate) fn unsettled(leading: Complex<f64>, growth: f64, resolution: f64, tolerance: Tolerance) -> Self {
-        let stable = growth + resolution < tolerance.allowed();
-        Self { stable, undecided: !stable, mechanism: None, ..Self::of_growth(leading, growth, resolution, tolerance) }
+    /// An excess that may as well be none.
+    pub(crate) fn unsettled(leading: Complex<f64>, excess: f64, resolution: f64, tolerance: Tolerance) -> Self {
+        let stable = excess + resolution < tolerance.allowed();
+        Self { stable, undecided: !stable, mechanism: None, ..Self::of_excess(leading, excess, resolution, tolerance) }
     }
 
-    /// Compares the growth of the leading multiplier, known up to `resolution`, with the tolerance.
+    /// Compares the excess of the leading multiplier, known up to `resolution`, with the tolerance.
     pub(crate) fn of(leading: Complex<f64>, resolution: f64, tolerance: Tolerance) -> Self {
         let spectral_radius = leading.re.hypot(leading.im);
-        Self { spectral_radius, ..Self::of_growth(leading, spectral_radius - 1.0, resolution, tolerance) }
+        Self { spectral_radius, ..Self::of_excess(leading, spectral_radius - 1.0, resolution, tolerance) }
     }
 
-    /// As [`Verdict::of`], for a growth known better than the modulus.
-    pub(crate) fn of_growth(leading: Complex<f64>, growth: f64, resolution: f64, tolerance: Tolerance) -> Self {
-        let above = growth - tolerance.allowed();
+    /// As [`Verdict::of`], for an excess known better than the modulus.
+    pub(crate) fn of_excess(leading: Complex<f64>, excess: f64, resolution: f64, tolerance: Tolerance) -> Self {
+        let above = excess - tolerance.allowed();
         // Where the error is not a number nothing is known.
         let undecided = resolution.is_nan() || above.abs() <= resolution;
         let stable = !undecided && above < 0.0;
         let mechanism = (!undecided && !stable).then(|| Mechanism::of(leading));
-        let (spectral_radius, method) = (1.0 + growth, Method::Secular);
-        Self { stable, undecided, mechanism, spectral_radius, leading, resolution, method, growth }
+        let (spectral_radius, method) = (1.0 + excess, Method::Secular);
+        Self { stable, undecided, mechanism, spectral_radius, leading, resolution, method, excess }
     }
 }

@@ -23,7 +23,7 @@ fn what_poles_hide_the_equations_settle() {
         for orbit in found.orbits.iter().filter(|orbit| orbit.impacts().iter().all(|hit| hit.is_right_signed())) {
             let imprecise = secular.replace(finder.prepared(orbit).unwrap()).is_ok_and(|()| {
                 secular.verdict().is_ok_and(|verdict| {
-                    verdict.outcome == Standing::Unstable && verdict.growth_error > 1e-9 * (2.0 + verdict.growth)
+                    verdict.outcome == Standing::Unstable && verdict.excess_error > 1e-9 * (2.0 + verdict.excess)
                 })
             });
             if !imprecise {

@@ -41,8 +41,8 @@ fn verdicts_agree(seed: u64, ranges: &Ranges, word: impl Fn(&mut Random, &Chain)
             };
             let whole = whole.stability(orbit, &mut finder, Tolerance::Rounding).unwrap().verdict;
             let told = format!("{word} {model} {fast:?} {whole:?}");
-            let off = (fast.growth() - whole.growth()).abs();
-            let allowed = 4.0 * (fast.resolution + whole.resolution) + 1e-12 * (1.0 + whole.growth());
+            let off = (fast.excess() - whole.excess()).abs();
+            let allowed = 4.0 * (fast.resolution + whole.resolution) + 1e-12 * (1.0 + whole.excess());
             assert!(off <= allowed, "{told} {off:e}");
             tally.compared += 1;
             tally.by_path += usize::from(fast.method == Method::Secular || fast.method == Method::Dense(None));

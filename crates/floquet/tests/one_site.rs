@@ -41,12 +41,12 @@ fn told(orbit: &Orbit, finder: &mut Finder) -> Option<Stability> {
 
 /// Modes that are spared are on the circle, of which a verdict says nothing.
 fn holds(verdict: &Verdict, dense: &[Complex<f64>], spared: bool, allowed: f64, name: &str) {
-    let growth = dense.iter().map(|mu| mu.norm()).fold(0.0, f64::max) - 1.0;
-    let told = if spared { verdict.growth().max(0.0) } else { verdict.growth() };
-    let off = (told - growth).abs();
-    assert!(verdict.undecided || off <= allowed + verdict.resolution, "{name}: {verdict:?}, matrix {growth:e}");
+    let excess = dense.iter().map(|mu| mu.norm()).fold(0.0, f64::max) - 1.0;
+    let told = if spared { verdict.excess().max(0.0) } else { verdict.excess() };
+    let off = (told - excess).abs();
+    assert!(verdict.undecided || off <= allowed + verdict.resolution, "{name}: {verdict:?}, matrix {excess:e}");
     assert!(
-        verdict.undecided || verdict.stable == (growth <= allowed) || growth.abs() <= allowed,
+        verdict.undecided || verdict.stable == (excess <= allowed) || excess.abs() <= allowed,
         "{name}: {verdict:?}"
     );
 }
@@ -99,7 +99,7 @@ fn forced_orbits_have_the_multipliers_of_the_whole_matrix() {
             assert!(distance < (3.0 * sharp.sqrt()).max(1e-5), "{name}: {distance:e} {verdict:?}");
             checked += 1;
             secular += usize::from(verdict.method == Method::Secular);
-            outside += usize::from(verdict.growth() > 1e-6);
+            outside += usize::from(verdict.excess() > 1e-6);
             elastic += usize::from(e == 1.0);
             spared += odd.len();
             coincident +=
@@ -215,7 +215,7 @@ fn long_rows_and_wide_layers_need_no_matrix() {
             assert!(distance < 1e-7 * norm, "{name}: {distance:e}");
             if e < 1.0 {
                 let verdict = secular.verdict(finder.prepared(orbit).unwrap()).unwrap();
-                assert_eq!(verdict.outcome == Standing::Unstable, answer.verdict.growth() > 0.0, "{name}");
+                assert_eq!(verdict.outcome == Standing::Unstable, answer.verdict.excess() > 0.0, "{name}");
             }
             checked += 1;
         }

@@ -57,7 +57,7 @@ fn power_sums_are_traces_of_the_whole_matrix() {
     assert!(rings > 100 && walls > 50 && layered > 70, "{rings} {walls} {layered}");
 }
 
-/// Two breathers so far apart that nothing is left between them but the phase: it is free, and out of it comes the smallest growth.
+/// Two breathers so far apart that nothing is left between them but the phase: it is free, and out of it comes the smallest excess.
 #[test]
 fn far_breathers_hardly_feel_each_other() {
     let model = Model::conservative(Chain::new(21, 0.2, 0.05).unwrap(), 1.5, 0.2).unwrap();
@@ -70,10 +70,10 @@ fn far_breathers_hardly_feel_each_other() {
         finder.find_word(&model, &word, Wanted::All, &mut found).unwrap();
         let verdict = stability(&found.orbits[0], Tolerance::Rounding).unwrap().verdict;
         assert_eq!(verdict.mechanism, Some(Mechanism::PlusOne), "{word}");
-        let growth = verdict.growth();
+        let excess = verdict.excess();
         // The phase feels the tail by the root of it, which falls by a factor from site to site.
-        assert!(growth < 0.5 * last, "{word}: {growth}");
-        last = growth;
+        assert!(excess < 0.5 * last, "{word}: {excess}");
+        last = excess;
     }
     assert!(last > 1e-4 && last < 1e-2, "{last}");
 }

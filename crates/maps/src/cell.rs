@@ -24,7 +24,7 @@ pub struct Task {
     pub symmetric: bool,
     /// Whether stability is wanted; existence alone is cheaper.
     pub stability: bool,
-    /// From which growth an orbit counts as unstable.
+    /// From which excess an orbit counts as unstable.
     pub tolerance: Tolerance,
     /// Whether the modes that have collided are wanted, of conservative orbits.
     pub collisions: bool,
@@ -114,7 +114,7 @@ pub enum Status {
     /// Computed, but two orbits may have merged closer than rounding can tell (a fold), or the search for solutions was
     /// cut short (hundreds of them at very low frequency).
     Unresolved,
-    /// The growth of an orbit that could decide the class is closer to the border of stability than its own error: the
+    /// The excess of an orbit that could decide the class is closer to the border of stability than its own error: the
     /// class is not known.
     Undecided,
     /// An eigenvalue iteration did not converge; the class is not known.

@@ -98,7 +98,7 @@ pub trait Grid: Clone + Debug + Send + Sync {
         Ok(())
     }
 
-    /// From which growth on an orbit counts as unstable; `None` where stability is not asked for.
+    /// From which excess on an orbit counts as unstable; `None` where stability is not asked for.
     fn tolerance(&self) -> Option<Tolerance>;
 
     /// Another one, of the command line.

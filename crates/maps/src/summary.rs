@@ -3,7 +3,7 @@
 use crate::cell::{Cell, Class, Status};
 use crate::extent::Extent;
 
-/// Growth of a period that a look at the breather does not show: under a force nearly all double-sided breathers radiate into the ring and
+/// Excess of a period that a look at the breather does not show: under a force nearly all double-sided breathers radiate into the ring and
 /// grow, most of them by less than this, which is what `--threshold` is for.
 pub const SLOW: f64 = 0.01;
 

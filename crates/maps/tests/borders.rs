@@ -112,7 +112,7 @@ fn forced_borders_and_thresholds_are_those_of_cells() {
     let driven = "forcing = { amplitude = 0.1, restitution = 0.9 }";
     let strict = scene(6, driven, BOTH, [60, 45]);
     let mut patient = strict.clone();
-    patient.task.tolerance = vibrochain_floquet::Tolerance::Growth(0.01);
+    patient.task.tolerance = vibrochain_floquet::Tolerance::Excess(0.01);
     for (scene, kind) in [(strict, BorderKind::Fold), (patient, BorderKind::Threshold)] {
         let (found, _) = borders(&scene);
         let regions = fine(&scene, &found);

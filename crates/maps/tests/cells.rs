@@ -31,7 +31,7 @@ fn a_cell_is_what_all_verdicts_make_it() {
         let Ok(model) = chain.point().omega(omega).asymmetry(asymmetry).amplitude(force).restitution(e).model() else {
             continue;
         };
-        let tolerance = if random.bool() { Tolerance::Rounding } else { Tolerance::Growth(0.01) };
+        let tolerance = if random.bool() { Tolerance::Rounding } else { Tolerance::Excess(0.01) };
         let families = vec![Family::DoubleSided, Family::SingleSided];
         let mut all = Vec::new();
         for &family in &families {
@@ -103,7 +103,7 @@ fn a_cell_from_sketches_is_that_from_orbits() {
             words: Vec::new(),
             symmetric: random.bool(),
             stability: random.u8(..8) > 0,
-            tolerance: [Tolerance::Rounding, Tolerance::Rounding, Tolerance::Growth(0.01)][random.usize(..3)],
+            tolerance: [Tolerance::Rounding, Tolerance::Rounding, Tolerance::Excess(0.01)][random.usize(..3)],
             collisions: false,
             impulse: random.bool(),
         };

@@ -239,9 +239,9 @@ fn multipliers_next_to_folds_and_rigid_modes_are_those_by_hand() {
                     near += usize::from((mu - 1.0).norm() < 1e-4);
                 }
                 let verdict = told.verdict;
-                let growth = (half + root).norm().max((half - root).norm()) - 1.0;
+                let excess = (half + root).norm().max((half - root).norm()) - 1.0;
                 assert!(
-                    (verdict.growth() - growth).abs()
+                    (verdict.excess() - excess).abs()
                         <= verdict.resolution + 1e-11 * size * size / root.norm().max(1e-6)
                 );
                 count += 1;

@@ -188,7 +188,7 @@ pub(crate) struct PyVerdict {
     /// bool : no perturbation grows by more than the threshold, errors allowed for.
     #[pyo3(get)]
     pub(crate) stable: bool,
-    /// bool : the growth is closer to the threshold than its own error.
+    /// bool : the excess is closer to the threshold than its own error.
     #[pyo3(get)]
     undecided: bool,
     pub(crate) mechanism: Option<Mechanism>,
@@ -198,7 +198,7 @@ pub(crate) struct PyVerdict {
     leading: [f64; 2],
     /// float : spectral_radius - 1, with its own relative accuracy.
     #[pyo3(get)]
-    growth: f64,
+    excess: f64,
     /// float : estimated error of the spectral radius; 0 where structure decides.
     #[pyo3(get)]
     resolution: f64,
@@ -219,7 +219,7 @@ impl From<&Verdict> for PyVerdict {
             mechanism: verdict.mechanism,
             spectral_radius: verdict.spectral_radius,
             leading: [verdict.leading.re, verdict.leading.im],
-            growth: verdict.growth(),
+            excess: verdict.excess(),
             resolution: verdict.resolution,
             method: verdict.method.name().to_owned(),
             doubt: verdict.method.doubt().map(|doubt| doubt.to_string()),

@@ -177,7 +177,7 @@ impl PyDiagram {
 /// generations : int
 ///     How often a branch may leave another; 0 is the orbit's own alone.
 /// threshold : float, optional
-///     Growth per period below which an orbit counts as stable; strict if not given.
+///     Excess per period below which an orbit counts as stable; strict if not given.
 ///
 /// Returns
 /// -------

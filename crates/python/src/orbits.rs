@@ -333,7 +333,7 @@ impl PyOrbit {
     /// Parameters
     /// ----------
     /// threshold : float, optional
-    ///     Growth per period below which an orbit counts as stable; strict if not given.
+    ///     Excess per period below which an orbit counts as stable; strict if not given.
     ///
     /// Returns
     /// -------

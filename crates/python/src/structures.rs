@@ -189,11 +189,11 @@ pub(crate) fn _structure_along(
         if wanted.is_empty() {
             wanted = Event::ALL.to_vec();
         }
-        let growth = vibrochain_maps::scene::tolerance_from(threshold)?;
-        let growth = if threshold == 0.0 { Tolerance::Rounding } else { growth };
+        let excess = vibrochain_maps::scene::tolerance_from(threshold)?;
+        let excess = if threshold == 0.0 { Tolerance::Rounding } else { excess };
         let orbit = orbit_near(&model, force_periods, psi, &near)?;
         let (setting, value) = free[0];
-        let course = StructureCourse { from: start[0], to: stop_at[0], events: wanted, generations, tolerance: growth };
+        let course = StructureCourse { from: start[0], to: stop_at[0], events: wanted, generations, tolerance: excess };
         let found = structure_diagram(&orbit, &family(&scene, &[setting]), value, &course, stop)?;
         let followed = match free[..] {
             [(first, _), (second, value)] => {

@@ -67,7 +67,7 @@ def compare_orbit(orbit, solution):
         assert str(error.value) == solution["stability_error"]
         return 0
     stability, told = orbit.stability(), solution["stability"]
-    compare(stability, told, ["stable", "undecided", "mechanism", "spectral_radius", "growth", "resolution", "method"])
+    compare(stability, told, ["stable", "undecided", "mechanism", "spectral_radius", "excess", "resolution", "method"])
     pairs = [[multiplier.real, multiplier.imag] for multiplier in stability.multipliers.tolist()]
     assert pairs == told["multipliers"]
     return 1

@@ -202,12 +202,12 @@ def test_plot_of_numbers(table):
     assert np.allclose(margin.reshape(-1, 4)[[least, most], :3] * 255, [[68, 1, 84], [253, 231, 37]], atol=1)
     assert np.array_equal(margin[..., 3] == 0, np.isnan(table["margin"]))
     ax = table.plot("spectral_radius")
-    grey, growth = (pixels(mesh) for mesh in ax.collections[:2])
-    # Growths span decades: by logarithms, what is less than all of them in grey.
+    grey, excess = (pixels(mesh) for mesh in ax.collections[:2])
+    # Excesses span decades: by logarithms, what is less than all of them in grey.
     low = ax.collections[1].norm.vmin
     assert low <= (table["spectral_radius"][table["spectral_radius"] - 1 > 1e-8] - 1).min() < 10 * low
     assert np.array_equal(grey[..., 3] > 0, table["spectral_radius"] - 1 < low)
-    assert np.array_equal(growth[..., 3] > 0, table["spectral_radius"] - 1 >= low)
+    assert np.array_equal(excess[..., 3] > 0, table["spectral_radius"] - 1 >= low)
     solutions = pixels(table.plot("solutions").collections[0])
     assert np.array_equal(solutions[..., 3] > 0, table["solutions"] > 0)
 

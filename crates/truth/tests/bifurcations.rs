@@ -48,7 +48,7 @@ fn characteristic(orbit: &TrueOrbit, z: f64) -> Real {
 }
 
 /// |μ|² − 1 of the multiplier next to `start`.
-fn growth(orbit: &TrueOrbit, start: (f64, f64)) -> Real {
+fn excess(orbit: &TrueOrbit, start: (f64, f64)) -> Real {
     let (multiplier, moved) = TrueSpectrum::new(orbit).unwrap().refine(start).unwrap();
     assert!(moved < 1e-9, "{moved}");
     multiplier.norm_sqr() - 1.0
@@ -78,7 +78,7 @@ fn neimark_sacker() {
     for found in find(&start, Family::SingleSided, 0, (Event::NeimarkSacker, Parameter::Gamma2, 0.08, 0.11)) {
         let Evidence::Multiplier(multiplier) = found.evidence else { panic!("{:?}", found.evidence) };
         println!("{} ± {:e}", found.value, found.error);
-        assert_within_error(&found, Parameter::Gamma2, |orbit| growth(orbit, (multiplier.re, multiplier.im)));
+        assert_within_error(&found, Parameter::Gamma2, |orbit| excess(orbit, (multiplier.re, multiplier.im)));
     }
 }
 

@@ -50,18 +50,18 @@ fn model_at(random: &mut Random, place: Place) -> Option<Model> {
 
 const FAMILIES: [Family; 3] = [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled];
 
-/// By how much the growth told is off, and what it is; `None` where that is not to be had.
+/// By how much the excess told is off, and what it is; `None` where that is not to be had.
 fn truth_of(orbit: &vibrochain_breather::Orbit, verdict: &Verdict) -> Option<(f64, f64)> {
     let truth = TrueOrbit::refine(orbit, DEFAULT_BITS).ok()?;
     let spectrum = TrueSpectrum::new(&truth).ok()?;
     let (root, _) = spectrum.refine((verdict.leading.re, verdict.leading.im)).ok()?;
-    let growth = root.abs() - 1.0;
-    let off = (&growth - Real::new(verdict.growth(), DEFAULT_BITS)).abs().to_f64();
-    Some((off, growth.to_f64()))
+    let excess = root.abs() - 1.0;
+    let off = (&excess - Real::new(verdict.excess(), DEFAULT_BITS)).abs().to_f64();
+    Some((off, excess.to_f64()))
 }
 
-/// How far the growth moves when frequency and stiffness are the next numbers: what nobody can know better.
-fn unavoidable(model: &Model, family: Family, number: usize, growth: f64) -> f64 {
+/// How far the excess moves when frequency and stiffness are the next numbers: what nobody can know better.
+fn unavoidable(model: &Model, family: Family, number: usize, excess: f64) -> f64 {
     let mut analyser = Analyser::default();
     let chain = model.chain();
     let next = |x: f64| x * (1.0 + 2.0 * f64::EPSILON);
@@ -75,7 +75,7 @@ fn unavoidable(model: &Model, family: Family, number: usize, growth: f64) -> f64
         let orbits = breathers(moved, family).ok()?.orbits;
         let orbit = orbits.get(number)?;
         let verdict = analyser.stability(orbit, &mut Finder::new(1), Tolerance::Rounding).ok()?.verdict;
-        Some((truth_of(orbit, &verdict)?.1 - growth).abs())
+        Some((truth_of(orbit, &verdict)?.1 - excess).abs())
     };
     // Where there is no such orbit next to it, anything goes.
     moved.iter().map(by).fold(0.0, |worst, by| by.map_or(f64::INFINITY, |by| worst.max(by)))
@@ -95,10 +95,10 @@ fn claims_hold(place: Place, draws: usize) {
         }
         for (number, orbit) in found.orbits.iter().enumerate().take(3) {
             let verdict = analyser.stability(orbit, &mut finder, Tolerance::Rounding).unwrap().verdict;
-            let Some((off, growth)) = truth_of(orbit, &verdict) else { continue };
+            let Some((off, excess)) = truth_of(orbit, &verdict) else { continue };
             told += 1;
             if verdict.resolution == 0.0 {
-                assert!(growth.abs() < 1e-20, "{verdict:?} {growth:e} {model:?}");
+                assert!(excess.abs() < 1e-20, "{verdict:?} {excess:e} {model:?}");
                 continue;
             }
             compared += 1;
@@ -106,7 +106,7 @@ fn claims_hold(place: Place, draws: usize) {
             wide += usize::from(verdict.resolution > 1e-5 * verdict.spectral_radius);
             assert!(off <= verdict.resolution, "{family:?} {number}: {verdict:?} is off by {off:e}, {model:?}");
             ratios.push(verdict.resolution / off.max(f64::EPSILON * verdict.spectral_radius));
-            if verdict.undecided && 1e5 * off.max(unavoidable(&model, family, number, growth)) < growth.abs() {
+            if verdict.undecided && 1e5 * off.max(unavoidable(&model, family, number, excess)) < excess.abs() {
                 println!("{place:?} {family:?} {number}: {verdict:?} is off by {off:e}, {model:?}");
                 useless += 1;
             }
@@ -199,7 +199,7 @@ fn matrices_of_nearly_inelastic_impacts_err_by_no_more_than_they_claim() {
     assert!(compared > 300, "{compared}");
 }
 
-/// Growth 0.0368 was known to ±8.3e5, one radius 0.11 was off by six times its claim.
+/// Excess 0.0368 was known to ±8.3e5, one radius 0.11 was off by six times its claim.
 #[test]
 fn a_mass_alone_knows_its_multipliers() {
     let chain = Chain::new(21, 0.31371919665975334, 0.0).unwrap();
@@ -214,9 +214,9 @@ fn a_mass_alone_knows_its_multipliers() {
         let mut finder = Finder::new(1);
         for orbit in &breathers(&model, family).unwrap().orbits {
             let verdict = Analyser::default().stability(orbit, &mut finder, Tolerance::Rounding).unwrap().verdict;
-            let Some((off, growth)) = truth_of(orbit, &verdict) else { continue };
+            let Some((off, excess)) = truth_of(orbit, &verdict) else { continue };
             assert!(off <= verdict.resolution && !verdict.undecided, "{verdict:?} {off:e}");
-            assert!(verdict.resolution < 1e-4 * growth.abs(), "{verdict:?} {growth:e}");
+            assert!(verdict.resolution < 1e-4 * excess.abs(), "{verdict:?} {excess:e}");
             checked += 1;
         }
     }
@@ -249,12 +249,12 @@ fn conservative_orbits_off_the_middle_have_the_multipliers_of_many_digits() {
             if answer.verdict.method != Method::Secular {
                 continue;
             }
-            let Some((off, growth)) = truth_of(orbit, &answer.verdict) else { continue };
+            let Some((off, excess)) = truth_of(orbit, &answer.verdict) else { continue };
             // One on the circle is there by structure.
             let claimed = answer.verdict.resolution.max(1e-13);
             assert!(off <= claimed, "{:?} is off by {off:e}, {model:?}", answer.verdict);
             compared += 1;
-            unstable += usize::from(growth > 1e-6);
+            unstable += usize::from(excess > 1e-6);
         }
     }
     assert!(compared > 30 && unstable > 5, "{compared} {unstable}");

@@ -200,7 +200,7 @@ fn no_spectral_radius_is_farther_off_than_is_claimed() {
         }
         let spectrum = TrueSpectrum::new(&truth).unwrap();
         let Ok((root, _)) = spectrum.refine((verdict.leading.re, verdict.leading.im)) else { continue };
-        let off = (root.abs() - Real::new(verdict.growth(), DEFAULT_BITS) - 1.0).abs().to_f64();
+        let off = (root.abs() - Real::new(verdict.excess(), DEFAULT_BITS) - 1.0).abs().to_f64();
         assert!(off <= verdict.resolution, "{model:?} {family:?}: {verdict:?} is off by {off:e}");
         ratios.add(verdict.resolution, off.max(0.5 * f64::EPSILON * verdict.spectral_radius));
     }

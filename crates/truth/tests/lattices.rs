@@ -22,7 +22,7 @@ struct Counts {
     crossing: usize,
     wrong_sign: usize,
     /// Verdicts of orbits that one site hits.
-    growths: usize,
+    excesses: usize,
     unstable: usize,
     /// Orbits that many digits refuse, too.
     lost: usize,
@@ -49,7 +49,7 @@ impl Counts {
         self.admissibility(&admissibility, &truth, relative);
         if orbit.impact_site().is_some() {
             match stability(orbit, Tolerance::Rounding) {
-                Ok(answer) => self.growth(&answer.verdict, &truth),
+                Ok(answer) => self.excess(&answer.verdict, &truth),
                 Err(FloquetError::Grazing { .. }) => {}
                 Err(error) => panic!("{error} {orbit:?}"),
             }
@@ -92,7 +92,7 @@ impl Counts {
         }
     }
 
-    fn growth(&mut self, verdict: &Verdict, truth: &TrueOrbit) {
+    fn excess(&mut self, verdict: &Verdict, truth: &TrueOrbit) {
         // Modes that the site is no part of, and those odd about it, are no roots: e^{±iΩT} by structure.
         let turn = |frequency: &Real| (frequency * truth.period()).sin_cos();
         let spared = |(sin, cos): (Real, Real)| {
@@ -103,14 +103,14 @@ impl Counts {
         }
         let Ok(spectrum) = TrueSpectrum::new(truth) else { return };
         let Ok((root, _)) = spectrum.refine((verdict.leading.re, verdict.leading.im)) else { return };
-        let growth = root.abs() - 1.0;
-        let off = (&growth - Real::new(verdict.growth(), DEFAULT_BITS)).abs().to_f64();
+        let excess = root.abs() - 1.0;
+        let off = (&excess - Real::new(verdict.excess(), DEFAULT_BITS)).abs().to_f64();
         // One on the circle is there by structure.
         assert!(off <= verdict.resolution.max(1e-13), "{off:e} {verdict:?} {:?}", truth.model());
         if !verdict.undecided {
-            assert_eq!(verdict.stable, growth.to_f64() < 1e-13, "{verdict:?} {growth} {:?}", truth.model());
+            assert_eq!(verdict.stable, excess.to_f64() < 1e-13, "{verdict:?} {excess} {:?}", truth.model());
         }
-        self.growths += 1;
+        self.excesses += 1;
         self.unstable += usize::from(!verdict.stable);
     }
 }
@@ -140,7 +140,7 @@ fn words_hold(draws: usize) {
     assert!(counts.kinds.values().all(|&count| 20 * count > draws), "{counts:?}");
     assert!(100 * counts.lost <= draws, "{counts:?}");
     assert!(
-        [counts.physical, counts.crossing, counts.wrong_sign, counts.growths].iter().all(|&n| 20 * n > draws),
+        [counts.physical, counts.crossing, counts.wrong_sign, counts.excesses].iter().all(|&n| 20 * n > draws),
         "{counts:?}"
     );
     assert!(200 * counts.unstable > draws, "{counts:?}");
@@ -197,7 +197,7 @@ fn forced_families_hold(draws: usize) {
         }
     }
     println!("{counts:?}");
-    assert!(2 * counts.growths > draws && 8 * counts.unstable > draws, "{counts:?}");
+    assert!(2 * counts.excesses > draws && 8 * counts.unstable > draws, "{counts:?}");
     assert!(counts.kinds.len() == 5 && 100 * counts.lost <= draws, "{counts:?}");
 }
 

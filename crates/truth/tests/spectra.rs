@@ -204,7 +204,7 @@ fn weak_coupling_is_told_apart_from_none() {
 #[test]
 fn a_crossing_of_the_circle_is_where_it_is_known_to_be() {
     // Neimark–Sacker at γ₂ = 0.088347387971: |μ| − 1 changes sign within the digits given.
-    let growth = |gamma2: f64| {
+    let excess = |gamma2: f64| {
         let found = orbits(&model(21, (0.2, gamma2), 0.92, 0.7, (0.05, 0.9)), Family::SingleSided);
         let orbit = found.iter().max_by(|a, b| a.impacts()[0].impulse.total_cmp(&b.impacts()[0].impulse)).unwrap();
         let spectrum = spectrum(orbit);
@@ -215,7 +215,7 @@ fn a_crossing_of_the_circle_is_where_it_is_known_to_be() {
             .reduce(|a, b| if b > a { b } else { a })
             .unwrap()
     };
-    let (before, after) = (growth(0.088347387971 - 1e-12), growth(0.088347387971 + 1e-12));
+    let (before, after) = (excess(0.088347387971 - 1e-12), excess(0.088347387971 + 1e-12));
     assert!(before.is_negative() && !after.is_negative(), "{before} {after}");
     assert!(after.log10_abs() < -10.0);
 }

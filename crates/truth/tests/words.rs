@@ -252,7 +252,7 @@ fn a_guess_that_leads_nowhere_is_an_error() {
 }
 
 /// Verdicts on pairs in phase and out of phase, from strong coupling to next to none, where the pair of their phases is all but on the
-/// circle: what is certain is right, and growth is known as well as it says.
+/// circle: what is certain is right, and excess is known as well as it says.
 #[test]
 fn certain_verdicts_on_pairs_are_right_however_weak_the_coupling() {
     let mut random = Random(5);
@@ -287,14 +287,14 @@ fn certain_verdicts_on_pairs_are_right_however_weak_the_coupling() {
             let start = verdict.leading;
             if verdict.stable {
                 let upper = answer.multipliers.iter().filter(|multiplier| multiplier.im >= 0.0);
-                for growth in upper.filter_map(|&multiplier| refined(multiplier)) {
-                    assert!(growth.abs() < 1e-20, "{growth:e} {told}");
+                for excess in upper.filter_map(|&multiplier| refined(multiplier)) {
+                    assert!(excess.abs() < 1e-20, "{excess:e} {told}");
                 }
                 stable += 1;
-            } else if let Some(growth) = refined(start) {
-                let off = (growth - verdict.growth()).abs();
-                assert!(growth > 0.0 && off <= verdict.resolution + 1e-15 * growth, "{growth:e} {off:e} {told}");
-                tiny += usize::from(growth < 1e-4);
+            } else if let Some(excess) = refined(start) {
+                let off = (excess - verdict.excess()).abs();
+                assert!(excess > 0.0 && off <= verdict.resolution + 1e-15 * excess, "{excess:e} {off:e} {told}");
+                tiny += usize::from(excess < 1e-4);
                 unstable += 1;
             }
         }

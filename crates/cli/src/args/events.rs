@@ -160,8 +160,8 @@ pub struct BranchArgs {
     /// Also what is not physical, in text and picture.
     #[arg(long)]
     pub all: bool,
-    /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
-    #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
+    /// Excess per period, |μ| − 1, below which a breather counts as stable [default: strict].
+    #[arg(long, value_name = "EXCESS", value_parser = real, allow_negative_numbers = true)]
     pub threshold: Option<f64>,
     /// Points and events as a table (CSV).
     #[arg(long, alias = "csv", value_name = "FILE")]
@@ -227,7 +227,7 @@ pub struct CurveArgs {
     after_help = "Stripes of conservative breathers are found by the modes that meet, with both edges, however thin. What a coarse \
                   look at the window shows besides is enclosed between two neighbouring places; the event there is located and followed \
                   both ways. At last the window is cut by all borders, and what is left in the faces is asked the same question. \
-                  Where the scene allows some growth, stability is lost at no event: that border is traced by the growth. Errors, and how far a straight line between \
+                  Where the scene allows some excess, stability is lost at no event: that border is traced by the excess. Errors, and how far a straight line between \
                   neighbouring points may be from its border, are parts of the window's sides."
 )]
 pub struct CurvesArgs {
@@ -255,7 +255,7 @@ pub struct CurvesArgs {
     /// share 3/N has lost its border, one of the N falls into it in 19 of 20 cases, and it is told.
     #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = whole::<usize>, allow_negative_numbers = true)]
     pub places: usize,
-    /// Growth per period, |μ| − 1, below which a breather counts as stable [default: that of the scene, or strict].
-    #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
+    /// Excess per period, |μ| − 1, below which a breather counts as stable [default: that of the scene, or strict].
+    #[arg(long, value_name = "EXCESS", value_parser = real, allow_negative_numbers = true)]
     pub threshold: Option<f64>,
 }

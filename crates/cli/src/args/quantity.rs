@@ -11,7 +11,7 @@ pub enum QuantityName {
     /// Class and mechanism.
     #[default]
     Class,
-    /// Largest modulus of the multipliers; of a map the growth beyond 1, by logarithms, where it spans decades.
+    /// Largest modulus of the multipliers; of a map the excess beyond 1, by logarithms, where it spans decades.
     #[value(name = "spectral_radius", alias = "spectral-radius")]
     SpectralRadius,
     /// Smallest distance of any mass to a barrier.

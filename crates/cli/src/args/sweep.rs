@@ -47,8 +47,8 @@ pub struct SweepArgs {
     /// What colours the cells of a map, a column of the table.
     #[arg(long, alias = "color", help_heading = PICTURES, value_name = "COLUMN", default_value_t, requires = "picture", value_parser = among(&OF_MAPS))]
     pub show: QuantityName,
-    /// Growth per period, |μ| − 1, below which a breather counts as stable [default: strict].
-    #[arg(long, value_name = "GROWTH", value_parser = real, allow_negative_numbers = true)]
+    /// Excess per period, |μ| − 1, below which a breather counts as stable [default: strict].
+    #[arg(long, value_name = "EXCESS", value_parser = real, allow_negative_numbers = true)]
     pub threshold: Option<f64>,
 }
 

@@ -21,7 +21,7 @@ pub struct Chosen {
 }
 
 impl Chosen {
-    /// From which growth on an orbit counts as unstable: as the flag --threshold has it, or else the scene.
+    /// From which excess on an orbit counts as unstable: as the flag --threshold has it, or else the scene.
     ///
     /// # Errors
     /// [`CliError::Request`] for a value out of range.

@@ -87,7 +87,7 @@ fn stability(all: &Multipliers) -> Value {
         "undecided": verdict.undecided,
         "mechanism": verdict.mechanism,
         "spectral_radius": verdict.spectral_radius,
-        "growth": verdict.growth(),
+        "excess": verdict.excess(),
         "resolution": verdict.resolution,
         "method": verdict.method.name(),
         "multipliers": listed.then(|| all.sorted().map(|mu| [mu.re, mu.im]).collect::<Vec<_>>()),

@@ -140,7 +140,7 @@ pub(super) fn settled(model: &StructureModel, psi: f64, events: &[ContactEvent],
         let verdict = if now <= FAR { settled.verdict(model) } else { None };
         let verdict = verdict.filter(|verdict| !verdict.undecided);
         // About a neutral orbit there may be tori.
-        if is_equal || verdict.is_some_and(|verdict| verdict.growth() != 0.0) {
+        if is_equal || verdict.is_some_and(|verdict| verdict.excess() != 0.0) {
             settled.stable = verdict.map(|verdict| verdict.stable);
             return End::Repeats(settled);
         }

@@ -252,7 +252,7 @@ fn only_the_events_asked_for() {
 }
 
 #[test]
-fn growth_below_a_threshold_counts_as_stable() {
+fn excess_below_a_threshold_counts_as_stable() {
     let stable = |flags: &str| {
         let json = answer(flags, SHORT_RING);
         let points = list(&json["branches"][0]["points"]).to_vec();
@@ -314,7 +314,7 @@ fn wrong_requests() {
     wrong("--free amplitude --from .17 --to .16", "--from 0.17 is not below --to 0.16");
     wrong("--free restitution --to 1.5", "--to: restitution = 1.5 is out of range");
     wrong("--free amplitude --solution 3", "there are 2, give 1 to 2");
-    wrong("--free amplitude --threshold -1", "growth");
+    wrong("--free amplitude --threshold -1", "excess");
     // A table into a folder.
     wrong(&format!("--free amplitude --plot {}", file("branch.gif")), "end the name in .png, .svg or .pdf");
     let table = folder.path().display();

@@ -126,7 +126,7 @@ fn a_cell_on_a_resonance_is_marked_and_the_sweep_goes_on() {
 }
 
 #[test]
-fn a_threshold_makes_weak_growth_count_as_stable() {
+fn a_threshold_makes_weak_excess_count_as_stable() {
     let dir = TestDir::new();
     let scene = dir.scene(&forced());
     let count = |flags: &[&str]| {

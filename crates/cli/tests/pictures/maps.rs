@@ -177,7 +177,7 @@ fn colours_are_those_of_the_scale() {
     let words = |name: &str| texts(&String::from_utf8(dir.read(name)).unwrap());
     let decades: Vec<String> = words("growth.svg").into_iter().map(|(_, text)| text).collect();
     let low = growths[0].0.log10().floor();
-    let below = decades.iter().find(|text| text.starts_with("growth below 10⁻")).unwrap();
+    let below = decades.iter().find(|text| text.starts_with("excess below 10⁻")).unwrap();
     let digits: Vec<char> = "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().collect();
     let told = digits.iter().position(|digit| below.ends_with(*digit)).unwrap();
     assert_eq!(-(told as f64), low, "{below} {}", growths[0].0);

@@ -39,7 +39,7 @@ impl Analyser {
         }
         self.secular.residues.complete(ratio)?;
         let mut found = self.secular.verdict()?;
-        if !question.thorough && check(found.growth, found.growth_error, question).is_err() {
+        if !question.thorough && check(found.excess, found.excess_error, question).is_err() {
             found = self.secular.settled(found, orbit.period());
         }
         if found.outcome == Standing::Undecided {
@@ -51,7 +51,7 @@ impl Analyser {
             }
         }
         if found.outcome == Standing::Unstable {
-            check(found.growth, found.growth_error, question)?;
+            check(found.excess, found.excess_error, question)?;
         }
         Ok(told(&found, question.tolerance))
     }
@@ -63,7 +63,7 @@ impl Analyser {
         let mut open: Vec<(f64, Complex<f64>)> = self
             .secular
             .all_nu()?
-            .map(|(nu, error)| (nu.growth() + nu.growth_error(nu.growth(), error), nu.multipliers()[0]))
+            .map(|(nu, error)| (nu.excess() + nu.excess_error(nu.excess(), error), nu.multipliers()[0]))
             .filter(|(most, value)| *most > 0.0 && value.im >= 0.0)
             .collect();
         open.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
@@ -92,7 +92,7 @@ impl Analyser {
         let told = leading.filter(|(z, error)| excess(*z) > ROOM * error);
         Ok(told.map(|(z, error)| {
             let error = error.max(unrefined - excess(z));
-            Verdict::of_growth(z, excess(z), error, question.tolerance)
+            Verdict::of_excess(z, excess(z), error, question.tolerance)
         }))
     }
 
@@ -127,7 +127,7 @@ impl Analyser {
         let mut found = self.secular.verdict().ok().filter(|verdict| verdict.outcome != Standing::Undecided)?;
         let modes = model.chain().even_modes();
         let is_precise = |found: &SecularVerdict| {
-            found.outcome == Standing::Stable || is_precise(found.growth, found.growth_error, modes, WORST_OF_SWEEP)
+            found.outcome == Standing::Stable || is_precise(found.excess, found.excess_error, modes, WORST_OF_SWEEP)
         };
         if !is_precise(&found) {
             found = self.secular.settled(found, sketch.response().period());
@@ -154,15 +154,15 @@ impl Analyser {
             self.forced.add_errors_of(finder.prepared(orbit)?, condition)?;
         }
         let leading = self.forced.leading(finder.prepared(orbit)?, condition.as_ref());
-        let Some(Leading { place, growth, error }) = leading else { return Err(SecularError::NotReversible.into()) };
-        check(growth, error, question)?;
+        let Some(Leading { place, excess, error }) = leading else { return Err(SecularError::NotReversible.into()) };
+        check(excess, error, question)?;
         let leading = self.forced.multipliers().0.get(place).copied().unwrap_or(Complex::new(1.0, 0.0));
         let leading = if leading.im.abs() <= error { Complex::new(leading.re, 0.0) } else { leading };
-        Ok(if elastic && growth <= ROOM * error {
+        Ok(if elastic && excess <= ROOM * error {
             // It may as well be on the circle.
-            Verdict::unsettled(leading, growth.max(0.0), ROOM * error, tolerance)
+            Verdict::unsettled(leading, excess.max(0.0), ROOM * error, tolerance)
         } else {
-            Verdict::of_growth(leading, growth, error, tolerance)
+            Verdict::of_excess(leading, excess, error, tolerance)
         })
     }
 }
@@ -191,25 +191,25 @@ fn rounding_of_ratio(impulses: impl Iterator<Item = f64>) -> f64 {
 /// What the secular function says, held against the tolerance.
 fn told(found: &SecularVerdict, tolerance: Tolerance) -> Verdict {
     match (found.outcome, found.leading) {
-        (Standing::Unstable, Some(leading)) => Verdict::of_growth(leading, found.growth, found.growth_error, tolerance),
+        (Standing::Unstable, Some(leading)) => Verdict::of_excess(leading, found.excess, found.excess_error, tolerance),
         (Standing::Undecided, Some(leading)) => {
-            Verdict::unsettled(leading, found.growth, found.growth_error, tolerance)
+            Verdict::unsettled(leading, found.excess, found.excess_error, tolerance)
         }
         _ => Verdict::on_circle(None),
     }
 }
 
 /// An error that a dense solver would beat is a doubt.
-fn check(growth: f64, error: f64, question: Question<'_>) -> Result<(), Failure> {
+fn check(excess: f64, error: f64, question: Question<'_>) -> Result<(), Failure> {
     let worst = if question.thorough { WORST } else { WORST_OF_SWEEP };
-    if is_precise(growth, error, question.orbit.model().chain().even_modes(), worst) {
+    if is_precise(excess, error, question.orbit.model().chain().even_modes(), worst) {
         Ok(())
     } else {
-        Err(SecularError::Imprecise { growth, growth_error: error }.into())
+        Err(SecularError::Imprecise { excess, excess_error: error }.into())
     }
 }
 
 /// Not a number is not.
-fn is_precise(growth: f64, error: f64, modes: usize, worst: f64) -> bool {
-    2 * modes > MOST_DENSE || error <= worst * (2.0 + growth)
+fn is_precise(excess: f64, error: f64, modes: usize, worst: f64) -> bool {
+    2 * modes > MOST_DENSE || error <= worst * (2.0 + excess)
 }

@@ -45,12 +45,12 @@ impl Structure {
     }
 
     /// How far the modulus of the multiplier moves when the eigenvalue moves by `reach`.
-    fn growth_error(self, value: Complex<f64>, reach: f64) -> f64 {
+    fn excess_error(self, value: Complex<f64>, reach: f64) -> f64 {
         if self != Self::Reversible {
             return reach;
         }
         let nu = Nu::of(value);
-        nu.growth_error(nu.growth(), reach)
+        nu.excess_error(nu.excess(), reach)
     }
 
     /// How far an eigenvalue that looks stable is from becoming unstable, in its own plane.
@@ -122,23 +122,23 @@ impl Judge<'_> {
         let Some((value, leading)) = moduli.max_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr())) else {
             return Verdict::on_circle(None);
         };
-        let growth = leading.norm() - 1.0;
+        let excess = leading.norm() - 1.0;
         // How far errors carry two eigenvalues that meet, with room.
         let window = 4.0 * self.split();
-        if self.structure != Structure::Dissipative && growth <= window {
+        if self.structure != Structure::Dissipative && excess <= window {
             return self.on_circle_or(tolerance, window, leading);
         }
-        if !careful && (growth - tolerance.allowed()).abs() > window {
-            return Verdict::of(leading, self.structure.growth_error(value, self.error), tolerance);
+        if !careful && (excess - tolerance.allowed()).abs() > window {
+            return Verdict::of(leading, self.structure.excess_error(value, self.error), tolerance);
         }
         // Every multiplier that could decide, the leading one first.
-        let mut verdict = Verdict::of(leading, self.growth_error(value, 0), tolerance);
+        let mut verdict = Verdict::of(leading, self.excess_error(value, 0), tolerance);
         let border = tolerance.allowed() - window;
         let mut number = 1;
         for &other in self.values() {
             let multiplier = self.structure.multiplier(other);
             if other != value && verdict.stable && multiplier.norm() - 1.0 > border {
-                let resolution = self.growth_error(other, number);
+                let resolution = self.excess_error(other, number);
                 if Verdict::of(multiplier, resolution, tolerance).undecided {
                     (verdict.stable, verdict.undecided) = (false, true);
                     verdict.resolution = verdict.resolution.max(resolution);
@@ -163,8 +163,8 @@ impl Judge<'_> {
         if linear < self.split() { linear } else { self.split() }
     }
 
-    fn growth_error(&self, value: Complex<f64>, number: usize) -> f64 {
-        self.structure.growth_error(value, self.reach(value, number))
+    fn excess_error(&self, value: Complex<f64>, number: usize) -> f64 {
+        self.structure.excess_error(value, self.reach(value, number))
     }
 
     /// Elastic, and no multiplier is farther from the circle than errors carry: on it by structure, unless one next to
@@ -184,11 +184,11 @@ impl Judge<'_> {
             let off = multiplier.norm() - 1.0 > 4.0 * f64::EPSILON;
             if off && self.structure.excess(value) > reach {
                 if larger(&unstable, multiplier) {
-                    unstable = Some((multiplier, self.structure.growth_error(value, reach)));
+                    unstable = Some((multiplier, self.structure.excess_error(value, reach)));
                 }
             } else if reach.is_nan() || reach >= self.structure.distance(values, i) {
                 // A pair that may have met.
-                let error = self.structure.growth_error(value, self.split()).max((multiplier.norm() - 1.0).abs());
+                let error = self.structure.excess_error(value, self.split()).max((multiplier.norm() - 1.0).abs());
                 let error = unsettled.map_or(error, |(_, old)| error.max(old));
                 let multiplier =
                     unsettled.map_or(

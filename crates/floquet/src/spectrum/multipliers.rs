@@ -47,7 +47,7 @@ impl ImpactSpectrum {
         for zero in &zeros.list {
             if zeros.reciprocal {
                 multipliers.extend(zero.nu.multipliers());
-                errors.extend([zero.nu.growth_error(zero.nu.growth(), zero.error); 2]);
+                errors.extend([zero.nu.excess_error(zero.nu.excess(), zero.error); 2]);
             } else {
                 multipliers.push(zero.z);
                 errors.push(zero.error);

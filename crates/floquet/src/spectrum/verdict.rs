@@ -100,19 +100,19 @@ pub(crate) fn verdict(
 /// The largest modulus, with room for others that may be larger.
 fn dissipative(list: &[Zero], tolerance: Tolerance) -> Verdict {
     let all = || list.iter().map(|zero| (zero.z, excess(zero.z), zero.error));
-    let Some((leading, growth, error)) = all().max_by(|a, b| a.1.total_cmp(&b.1)) else {
+    let Some((leading, excess, error)) = all().max_by(|a, b| a.1.total_cmp(&b.1)) else {
         return Verdict::on_circle(None);
     };
-    let error = all().map(|(_, other, reach)| other + reach - growth).fold(error, f64::max);
+    let error = all().map(|(_, other, reach)| other + reach - excess).fold(error, f64::max);
     // Of two conjugates the one above the real axis.
     let leading = Complex::new(leading.re, if leading.im.abs() <= error { 0.0 } else { leading.im.abs() });
-    Verdict::of_growth(leading, growth, error, tolerance)
+    Verdict::of_excess(leading, excess, error, tolerance)
 }
 
 /// What is known of multipliers that come in pairs.
 #[derive(Debug, Default)]
 struct Reciprocal {
-    /// The one that is surely the farthest outside the circle, with growth and error.
+    /// The one that is surely the farthest outside the circle, with excess and error.
     leading: Option<Outside>,
     /// The one that may be the farthest outside of those that may have left it, and how far it is then.
     open: Option<(Complex<f64>, f64)>,
@@ -122,7 +122,7 @@ struct Reciprocal {
 #[derive(Debug, Clone, Copy)]
 struct Outside {
     value: Complex<f64>,
-    growth: f64,
+    excess: f64,
     error: f64,
 }
 
@@ -138,16 +138,16 @@ impl Reciprocal {
             // Two that are as good as one leave the real axis by rounding alone.
             nu.im = 0.0;
         }
-        let growth = nu.growth();
+        let excess = nu.excess();
         let reach = ROOM * zero.error;
         let beyond = nu.below.max(-nu.above).max(0.0);
-        let error = nu.growth_error(growth, if zero.settled { zero.error } else { reach });
+        let error = nu.excess_error(excess, if zero.settled { zero.error } else { reach });
         if beyond.hypot(nu.im) > reach {
-            if self.leading.is_none_or(|other| growth > other.growth) {
-                self.leading = Some(Outside { value: nu.multipliers()[0], growth, error });
+            if self.leading.is_none_or(|other| excess > other.excess) {
+                self.leading = Some(Outside { value: nu.multipliers()[0], excess, error });
             }
         } else if !zero.settled || zero.held || nu.im != 0.0 || nu.below.max(-nu.above) >= -reach {
-            let farthest = growth + nu.growth_error(growth, reach);
+            let farthest = excess + nu.excess_error(excess, reach);
             if self.open.is_none_or(|(_, other)| farthest > other) {
                 self.open = Some((nu.multipliers()[0], farthest));
             }
@@ -158,10 +158,10 @@ impl Reciprocal {
     fn verdict(&self, any: Option<Complex<f64>>, tolerance: Tolerance) -> Verdict {
         let above = |value: Complex<f64>| Complex::new(value.re, value.im.abs());
         match (self.leading, self.open) {
-            (Some(Outside { value, growth, error }), other) => {
+            (Some(Outside { value, excess, error }), other) => {
                 // One that may lead instead is as good.
-                let error = other.map_or(error, |(_, farthest)| error.max(farthest - growth));
-                Verdict::of_growth(above(value), growth, error, tolerance)
+                let error = other.map_or(error, |(_, farthest)| error.max(farthest - excess));
+                Verdict::of_excess(above(value), excess, error, tolerance)
             }
             (None, Some((value, farthest))) => {
                 Verdict::unsettled(above(value), excess(value).max(0.0), farthest, tolerance)

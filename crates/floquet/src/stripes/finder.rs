@@ -310,7 +310,7 @@ impl StripeFinder {
                 let value = stripe.centre + sign * part * i as f64;
                 let Some(next) = self.off_circle(line, value, nu.complex())? else { break };
                 nu = next;
-                if nu.growth() > best.growth() {
+                if nu.excess() > best.excess() {
                     (best, at) = (nu, value);
                 }
             }
@@ -319,14 +319,14 @@ impl StripeFinder {
         for _ in 0..REFINED {
             for value in [at - reach, at + reach] {
                 if let Some(nu) = self.off_circle(line, value, best.complex())?
-                    && nu.growth() > best.growth()
+                    && nu.excess() > best.excess()
                 {
                     (best, at) = (nu, value);
                 }
             }
             reach *= 0.6;
         }
-        stripe.growth = best.growth().ln_1p();
+        stripe.growth = best.excess().ln_1p();
         [stripe.multiplier, _] = best.multipliers();
         Ok(())
     }
@@ -345,7 +345,7 @@ impl StripeFinder {
         }
         let Ok(all) = self.secular.all_nu() else { return Ok(None) };
         let near = Complex::new(near.re, near.im.abs());
-        let off = all.map(|(nu, _)| nu).filter(|nu| nu.im >= 0.0 && nu.growth() > 0.0);
+        let off = all.map(|(nu, _)| nu).filter(|nu| nu.im >= 0.0 && nu.excess() > 0.0);
         let distance = |nu: &Nu| (nu.complex() - near).norm_sqr();
         Ok(off.min_by(|a, b| distance(a).total_cmp(&distance(b))))
     }

@@ -128,7 +128,7 @@ impl<'a> StructureMultipliers<'a> {
             let deciding = both.filter(|(rate, _)| rate.re != 0.0).map(|(_, multiplier)| multiplier);
             let Some(leading) = deciding.max_by(|a, b| a.norm().total_cmp(&b.norm())) else { return verdict };
             let error = 8.0 * f64::EPSILON * leading.norm();
-            verdict.or_worse(Verdict::of_growth(leading, excess(leading), error, tolerance))
+            verdict.or_worse(Verdict::of_excess(leading, excess(leading), error, tolerance))
         })
     }
 }

@@ -10,7 +10,7 @@
 use nalgebra::Complex;
 
 use super::error::SecularError;
-use super::growth::modulus;
+use super::excess::modulus;
 use super::rational::{Rational, Value};
 use vibrochain_breather::lanes::{Lane, ONE, ZERO, all, fill, four, total};
 

@@ -33,12 +33,12 @@ pub enum SecularError {
     #[error("a multiplier is on the unit circle to within rounding")]
     Tangency,
     /// Rounding leaves the leading multiplier less accurate than a dense solver would.
-    #[error("the growth {} is uncertain by {}", told(*growth), told(*growth_error))]
+    #[error("the excess {} is uncertain by {}", told(*excess), told(*excess_error))]
     Imprecise {
         /// |μ| − 1
-        growth: f64,
+        excess: f64,
         /// Its error.
-        growth_error: f64,
+        excess_error: f64,
     },
     /// Not all roots were found.
     #[error("{found} of {wanted} roots were found")]

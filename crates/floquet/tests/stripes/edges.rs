@@ -3,7 +3,7 @@
 use vibrochain_breather::Family;
 use vibrochain_floquet::Complex;
 
-use super::krein::{Krein, growth};
+use super::krein::{Krein, excess};
 use super::signatures::{Bench, dense};
 
 /// The two multipliers in the upper half plane that are closest to each other, the trivial pair aside.
@@ -37,7 +37,7 @@ fn at_the_edge_of_a_stripe_a_sum_of_two_dressed_modes_of_opposite_signature_is_a
             let orbit = bench.orbit(family, sites, 0.12, omega, 0.4)?;
             let values = dense(&orbit);
             let (leading, _) = *values.iter().max_by(|a, b| a.0.norm().total_cmp(&b.0.norm())).unwrap();
-            Some((growth(&values) > 1e-4, leading, values))
+            Some((excess(&values) > 1e-4, leading, values))
         };
         let mut named = Vec::new();
         let steps = 700;
@@ -98,14 +98,14 @@ fn at_the_edge_of_a_stripe_a_mode_and_the_breathers_own_of_opposite_signature_su
         let at = |bench: &mut Bench, omega: f64| {
             let values = dense(&bench.orbit(Family::SingleSided, sites, g2, omega, 0.4).unwrap());
             let (leading, _) = *values.iter().max_by(|a, b| a.0.norm().total_cmp(&b.0.norm())).unwrap();
-            (growth(&values) > 1e-4 && leading.im.abs() > 1e-3, leading, values)
+            (excess(&values) > 1e-4 && leading.im.abs() > 1e-3, leading, values)
         };
         let steps = 200;
         let value = |i: usize| from + (to - from) * i as f64 / steps as f64;
         for i in 0..steps {
             let (mut stable, mut unstable) = (value(i), value(i + 1));
             let (a, b) = (at(&mut bench, stable), at(&mut bench, unstable));
-            if a.0 == b.0 || growth(&a.2).min(growth(&b.2)) > 1e-4 {
+            if a.0 == b.0 || excess(&a.2).min(excess(&b.2)) > 1e-4 {
                 continue;
             }
             if a.0 {
@@ -130,7 +130,7 @@ fn at_the_edge_of_a_stripe_a_mode_and_the_breathers_own_of_opposite_signature_su
 
 /// Growth of the most unstable multiplier with that phase, dense.
 fn most_unstable(bench: &mut Bench, sites: usize, g2: f64, omega: f64, a: f64) -> f64 {
-    bench.orbit(Family::DoubleSided, sites, g2, omega, a).map_or(0.0, |orbit| growth(&dense(&orbit)))
+    bench.orbit(Family::DoubleSided, sites, g2, omega, a).map_or(0.0, |orbit| excess(&dense(&orbit)))
 }
 
 /// ω at which a sum of two dressed modes of the double-sided orbit is jω.
@@ -172,7 +172,7 @@ fn an_even_harmonic_makes_stripes_with_half_period_symmetry_too() {
         let Some(orbit) = bench.orbit(Family::DoubleSided, 6, 0.15, omega, 0.0) else { continue };
         let values = dense(&orbit);
         let (leading, _) = *values.iter().max_by(|a, b| a.0.norm().total_cmp(&b.0.norm())).unwrap();
-        if growth(&values) > 1e-3
+        if excess(&values) > 1e-3
             && leading.im.abs() > 1e-6
             && let Some(collision) = bench.modes.collision(leading)
         {
@@ -193,7 +193,7 @@ fn a_mode_against_itself_doubles_the_period_at_odd_harmonics() {
             let orbit = bench.orbit(Family::DoubleSided, 6, 0.15, omega + 5e-5 * f64::from(i), 0.4).unwrap();
             let values = dense(&orbit);
             let (leading, _) = *values.iter().max_by(|a, b| a.0.norm().total_cmp(&b.0.norm())).unwrap();
-            if growth(&values) > 1e-4 {
+            if excess(&values) > 1e-4 {
                 assert!(leading.im == 0.0 && leading.re < -1.0, "{leading}");
                 let collision = bench.modes.collision(leading).unwrap();
                 assert_eq!((collision.modes, collision.harmonic), ((k, k), 1));

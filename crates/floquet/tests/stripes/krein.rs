@@ -8,7 +8,7 @@ use vibrochain_floquet::Complex;
 pub(crate) type Krein = (Complex<f64>, f64);
 
 /// |μ| − 1 of the largest, the trivial pair's rounding aside.
-pub(crate) fn growth(values: &[Krein]) -> f64 {
+pub(crate) fn excess(values: &[Krein]) -> f64 {
     values.iter().map(|(z, _)| z.norm() - 1.0).fold(0.0, f64::max)
 }
 

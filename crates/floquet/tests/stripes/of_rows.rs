@@ -9,7 +9,7 @@ use vibrochain_floquet::{Complex, DressedModes, Secular, Signature, felt_modes, 
 use vibrochain_lattice::{Chain, Ends, Model};
 use vibrochain_testkit::{Random, Ranges, Values};
 
-use super::krein::{Krein, apart, growth};
+use super::krein::{Krein, apart, excess};
 
 /// Those of perturbations that reach the site that is hit.
 fn dense(orbit: &Orbit) -> Vec<Krein> {
@@ -115,7 +115,7 @@ fn dressed_modes_of_stable_breathers_have_their_multipliers_with_their_signature
         }
         let values = dense(&orbit);
         let prepared = bench.finder.prepared(&orbit).unwrap();
-        if growth(&values) > 1e-5 || secular.replace(prepared).is_err() {
+        if excess(&values) > 1e-5 || secular.replace(prepared).is_err() {
             continue;
         }
         let Ok((roots, _)) = secular.roots() else { continue };
@@ -160,7 +160,7 @@ fn the_breathers_own_mode_has_its_multiplier_with_its_signature() {
             continue;
         };
         let values = dense(&orbit);
-        if growth(&values) > 1e-5 {
+        if excess(&values) > 1e-5 {
             continue;
         }
         let phase = own.frequency * TAU / omega;
@@ -203,7 +203,7 @@ fn at_the_edge_of_a_stripe_a_sum_of_two_dressed_modes_of_opposite_signature_is_a
             let values = dense(&orbit);
             let (leading, _) = *values.iter().max_by(|a, b| a.0.norm().total_cmp(&b.0.norm())).unwrap();
             let named = bench.modes.collision(leading);
-            Some((growth(&values) > 1e-4, leading, values, named))
+            Some((excess(&values) > 1e-4, leading, values, named))
         };
         let (mut edges, mut sums) = (0, 0);
         let steps = 700;

@@ -10,7 +10,7 @@ use vibrochain_lattice::{Chain, ImpulseResponse, Model, Point, Spectrum};
 use vibrochain_testkit::Values::{Either, Even, Is};
 use vibrochain_testkit::{Random, Ranges};
 
-use super::krein::{Krein, apart, growth};
+use super::krein::{Krein, apart, excess};
 
 const BOTH: [Family; 2] = [Family::SingleSided, Family::DoubleSided];
 
@@ -141,7 +141,7 @@ fn every_dressed_mode_of_a_stable_orbit_has_its_multiplier_with_its_signature() 
             continue;
         }
         let values = dense(&orbit);
-        if growth(&values) > 1e-5 {
+        if excess(&values) > 1e-5 {
             continue;
         }
         for dressed in bench.modes.frequencies().flatten().collect::<Vec<_>>() {
@@ -193,7 +193,7 @@ fn every_signature_told_is_that_of_the_form_on_the_multiplier_next_to_the_dresse
         let signatures = bench.modes.signatures(bench.finder.prepared(&orbit).unwrap(), roots);
         assert_eq!(signatures.len(), bench.modes.count());
         let values = dense(&orbit);
-        let other = usize::from(growth(&values) > 1e-5 || !bench.physical(&orbit));
+        let other = usize::from(excess(&values) > 1e-5 || !bench.physical(&orbit));
         bench.orbit_of(BOTH[i % 2], &model);
         // Where a dense solver has the signs, too.
         let upper: Vec<(f64, f64)> = values
@@ -250,7 +250,7 @@ fn the_breathers_own_mode_has_its_multiplier_with_its_signature() {
         emitting += usize::from(own.loss != 0.0);
         growing += usize::from(own.loss < 0.0);
         let values = dense(&orbit);
-        if growth(&values) > 1e-5 {
+        if excess(&values) > 1e-5 {
             continue;
         }
         let phase = own.frequency * TAU / omega;
@@ -295,7 +295,7 @@ fn an_own_mode_that_grows_before_its_waves_are_back_makes_the_orbit_unstable() {
         let Some(own) = bench.modes.own().copied().filter(|_| bench.modes.own_grows()) else { continue };
         let values = dense(&orbit);
         all += 1;
-        unstable += usize::from(growth(&values) > 1e-3);
+        unstable += usize::from(excess(&values) > 1e-3);
         let phase = own.frequency * TAU / omega;
         let expected = (-own.loss * TAU / omega).exp();
         let near = |size: f64| (0.75..1.0 / 0.75).contains(&(size / expected));

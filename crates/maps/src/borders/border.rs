@@ -24,7 +24,7 @@ pub enum BorderKind {
     Unbounded,
     /// All impulses vanish.
     ImpulsesVanish,
-    /// The growth passes the threshold below which the scene counts as stable.
+    /// The excess passes the threshold below which the scene counts as stable.
     Threshold,
     /// What lives there changes; by which event is not known.
     Change,

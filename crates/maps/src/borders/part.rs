@@ -20,7 +20,7 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// Whether stability is lost at events: with a growth allowed it is not.
+    /// Whether stability is lost at events: with an excess allowed it is not.
     pub(super) fn is_strict(&self) -> bool {
         self.task.stability && self.task.tolerance == Tolerance::Rounding
     }

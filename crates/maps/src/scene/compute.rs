@@ -112,8 +112,8 @@ impl Source<'_> {
 /// The tolerance of a threshold given by the user, or what is wrong with it.
 pub fn tolerance_from(threshold: f64) -> Result<Tolerance, String> {
     if threshold.is_finite() && threshold >= 0.0 {
-        Ok(Tolerance::Growth(threshold))
+        Ok(Tolerance::Excess(threshold))
     } else {
-        Err(format!("threshold = {} is out of range: give a finite growth per period of 0 or more", Short(threshold)))
+        Err(format!("threshold = {} is out of range: give a finite excess per period of 0 or more", Short(threshold)))
     }
 }

@@ -51,7 +51,7 @@ impl Scene {
         ))
     }
 
-    /// Whether breathers lose stability in stripes, however thin: without losses, and if no growth is allowed.
+    /// Whether breathers lose stability in stripes, however thin: without losses, and if no excess is allowed.
     fn loses_stability_in_stripes(&self) -> bool {
         let elastic = !self.sweeps(Parameter::Restitution) && self.base.get(Parameter::Restitution) == 1.0;
         elastic && self.task.stability && self.task.tolerance == Tolerance::Rounding

@@ -27,7 +27,7 @@ pub struct Given {
     pub axes: Vec<Axis>,
     /// Names of families, and impact words, as written.
     pub families: Vec<String>,
-    /// The growth from which on an orbit counts as unstable, if the file says it.
+    /// The excess from which on an orbit counts as unstable, if the file says it.
     pub tolerance: Option<Tolerance>,
     /// Whether it is an answer that holds orbits.
     pub has_orbits: bool,
@@ -61,8 +61,8 @@ impl Given {
         let parts = Parts::of(&file, &source)?;
         let compute = file.compute.as_ref();
         let threshold = compute.and_then(|compute| compute.threshold.as_ref());
-        let tolerance = |growth: &Spanned<f64>| {
-            tolerance_from(*growth.get_ref()).map_err(|message| source.error(growth.span(), message))
+        let tolerance = |excess: &Spanned<f64>| {
+            tolerance_from(*excess.get_ref()).map_err(|message| source.error(excess.span(), message))
         };
         let families = compute.map_or(&[][..], |compute| compute.families.get_ref());
         Ok(Self {

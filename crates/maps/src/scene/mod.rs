@@ -202,7 +202,7 @@ impl Scene {
             && masses > OrderFinder::MOST_MASSES
         {
             let message = format!(
-                "refine finds thin stripes of impact words on {} masses at most, here are {masses}: leave refine out, or allow some growth \
+                "refine finds thin stripes of impact words on {} masses at most, here are {masses}: leave refine out, or allow some excess \
                  by threshold in [compute]",
                 OrderFinder::MOST_MASSES
             );
@@ -349,6 +349,6 @@ impl Scene {
 pub fn criterion(tolerance: Tolerance) -> String {
     match tolerance {
         Tolerance::Rounding => "stable: no |μ| above 1 by more than rounding".to_owned(),
-        Tolerance::Growth(growth) => format!("stable: growth |μ| − 1 below {growth} a period"),
+        Tolerance::Excess(excess) => format!("stable: excess |μ| − 1 below {excess} a period"),
     }
 }

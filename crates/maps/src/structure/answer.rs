@@ -153,7 +153,7 @@ impl Answered<'_> {
                     "undecided": verdict.undecided,
                     "mechanism": verdict.mechanism.map(|mechanism| mechanism.name()),
                     "spectral_radius": verdict.spectral_radius,
-                    "growth": verdict.growth(),
+                    "excess": verdict.excess(),
                     "resolution": finite(verdict.resolution),
                     "multipliers": listed,
                 });

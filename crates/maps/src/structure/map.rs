@@ -39,7 +39,7 @@ pub enum StructureClass {
     Unknown,
     /// A stable orbit.
     Stable,
-    /// An orbit whose growth is closer to the border of stability than its own error.
+    /// An orbit whose excess is closer to the border of stability than its own error.
     Undecided,
     /// An unstable orbit.
     Unstable,

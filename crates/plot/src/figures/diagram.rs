@@ -29,7 +29,7 @@ vibrochain_lattice::names!(OrbitQuantity {
     Impulse "impulse", Phi "phi", Psi "psi", Margin "margin", SpectralRadius "spectral_radius",
 });
 
-/// Multipliers beyond this are outside the circle, however much growth counts as stable: rounding moves double ones by less.
+/// Multipliers beyond this are outside the circle, however much excess counts as stable: rounding moves double ones by less.
 const ON_CIRCLE: f64 = 1.0 + 1e-6;
 
 /// More events than this have small marks.
@@ -265,7 +265,7 @@ fn events(quantity: OrbitQuantity, event: Event, mark: Mark, table: &Diagram<'_>
 mod tests {
     use super::*;
 
-    /// A point, stable below a growth of 0.01.
+    /// A point, stable below an excess of 0.01.
     fn point(value: f64, radius: f64) -> Row {
         Row {
             event: None,

@@ -252,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn growths_over_decades_are_drawn_by_logarithms_and_what_is_stable_at_1() {
+    fn excesses_over_decades_are_drawn_by_logarithms_and_what_is_stable_at_1() {
         let scene = scene("from = 1, to = 2, points = 5");
         let axis = MapAxis::from(&scene.axes[0]);
         let cells: Vec<Cell> = [1.0, 1.0 + 3e-4, 1.02, 3.0, 0.9]

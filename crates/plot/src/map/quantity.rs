@@ -7,13 +7,13 @@ use vibrochain_maps::table::columns;
 use crate::axes::axis::{Axis, Scale, power_of_ten, round_numbers, tick};
 use crate::map::palette::Palette;
 
-/// A growth below this is none: multipliers that meet are known to the root of the rounding.
-const LEAST_GROWTH: f64 = 1e-8;
+/// An excess below this is none: multipliers that meet are known to the root of the rounding.
+const LEAST_EXCESS: f64 = 1e-8;
 
-/// Growths whose largest is so many times the smallest span decades: on a linear scale most of them would be zero.
+/// Excesses whose largest is so many times the smallest span decades: on a linear scale most of them would be zero.
 const DECADES: f64 = 100.0;
 
-/// Of growths one in so many may lie beyond the scale: next to grazing a few are without bound.
+/// Of excesses one in so many may lie beyond the scale: next to grazing a few are without bound.
 const FEW: usize = 100;
 
 /// Ticks beside a bar of colours, at most.
@@ -83,7 +83,7 @@ impl Quantity {
         }
     }
 
-    /// Of two cells that share a place of a map, what stands out: the larger growth, impulse or number of breathers, the smaller margin; what
+    /// Of two cells that share a place of a map, what stands out: the larger excess, impulse or number of breathers, the smaller margin; what
     /// has a number before what has none.
     pub(crate) fn outstanding(self, one: Shade, other: Shade) -> Shade {
         match (one, other) {
@@ -118,9 +118,9 @@ pub enum Shade {
     Number(f32),
 }
 
-/// Whether growths span decades, those that are none left out.
-fn span_decades(growths: impl Iterator<Item = f64>) -> bool {
-    let (least, most) = ends(growths.filter(|growth| *growth >= LEAST_GROWTH));
+/// Whether excesses span decades, those that are none left out.
+fn span_decades(excesses: impl Iterator<Item = f64>) -> bool {
+    let (least, most) = ends(excesses.filter(|excess| *excess >= LEAST_EXCESS));
     most >= DECADES * least
 }
 
@@ -164,9 +164,9 @@ impl Bar {
         let colours = match quantity {
             Quantity::Solutions => Colours::Whole(to.max(1.0) as u32),
             Quantity::SpectralRadius if span_decades(numbers()) => {
-                let mut growths: Vec<f64> = numbers().filter(|growth| *growth >= LEAST_GROWTH).collect();
-                let last = growths.len() - 1 - growths.len() / FEW;
-                let (below, most, _) = growths.select_nth_unstable_by(last, f64::total_cmp);
+                let mut excesses: Vec<f64> = numbers().filter(|excess| *excess >= LEAST_EXCESS).collect();
+                let last = excesses.len() - 1 - excesses.len() / FEW;
+                let (below, most, _) = excesses.select_nth_unstable_by(last, f64::total_cmp);
                 let low = below.iter().copied().fold(*most, f64::min).log10().floor();
                 Colours::Logarithmic { low, high: most.log10().ceil().max(low + 1.0) }
             }
@@ -187,7 +187,7 @@ impl Bar {
     /// The lines above the bar.
     pub(crate) fn heading(&self) -> &'static str {
         match self.colours {
-            Colours::Logarithmic { .. } => "growth |μ| − 1 a period",
+            Colours::Logarithmic { .. } => "excess |μ| − 1 a period",
             _ => self.quantity.heading(),
         }
     }
@@ -195,7 +195,7 @@ impl Bar {
     /// What the colour of numbers below the scale means.
     pub(crate) fn below_words(&self) -> String {
         match self.colours {
-            Colours::Logarithmic { low, .. } => format!("growth below {}", power_of_ten(low)),
+            Colours::Logarithmic { low, .. } => format!("excess below {}", power_of_ten(low)),
             _ => String::new(),
         }
     }
@@ -304,11 +304,11 @@ mod tests {
     }
 
     #[test]
-    fn growths_that_span_decades_are_drawn_by_their_logarithms() {
+    fn excesses_that_span_decades_are_drawn_by_their_logarithms() {
         let wide = bar(Quantity::SpectralRadius, &[0.0, -0.5, 1e-16, 3e-5, 0.02, 4.0]);
         assert_eq!(wide.colours, Colours::Logarithmic { low: -5.0, high: 1.0 });
         assert!(wide.below && !wide.nothing && !wide.unknown);
-        assert_eq!((wide.heading(), wide.below_words()), ("growth |μ| − 1 a period", "growth below 10⁻⁵".to_owned()));
+        assert_eq!((wide.heading(), wide.below_words()), ("excess |μ| − 1 a period", "excess below 10⁻⁵".to_owned()));
         let ticks = wide.ticks();
         let words: Vec<&str> = ticks.iter().map(|(_, word)| word.as_str()).collect();
         assert_eq!(words, ["10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "1", "10"]);

@@ -167,11 +167,11 @@ impl Series {
 /// 1 as these are, and at least so far; otherwise by logarithms.
 const MOST_OF_IT: usize = 80;
 const FAR: f64 = 5.0;
-/// And where the weakest growths, this many in a hundred, are less than so many times weaker: on a linear axis a hundredth of its height is
+/// And where the weakest excesses, this many in a hundred, are less than so many times weaker: on a linear axis a hundredth of its height is
 /// a line on that of 1. A stripe that a branch crosses is a few points of hundreds.
 const WEAK: usize = 3;
 const ORDERS: f64 = 100.0;
-/// The largest step next to 1 of an axis by logarithms: a growth of a tenth a period is never next to none.
+/// The largest step next to 1 of an axis by logarithms: an excess of a tenth a period is never next to none.
 const COARSEST: f64 = 0.1;
 const ROOM: f64 = 2.0;
 const LEAST: f64 = 0.01;
@@ -195,7 +195,7 @@ mod tests {
 
     /// Stripes that grow by a thousandth beside a branch that ends in a grazing impact: neither flattens the other.
     #[test]
-    fn growths_of_several_orders_are_drawn_by_logarithms() {
+    fn excesses_of_several_orders_are_drawn_by_logarithms() {
         let scale = |heights: &[f64]| {
             let points = heights.iter().enumerate().map(|(i, y)| (i as f64, *y));
             Scale::about_one(&[Series::line("", 0, Stroke::Solid(1), points)])

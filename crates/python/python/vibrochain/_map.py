@@ -35,8 +35,8 @@ _LABELS = {
 # The most numbers of an array in a scene: more cells than any sweep in memory has.
 _MOST = 10_000_000
 
-# A growth below this is none; growths are drawn by logarithms where the largest is so many times the smallest.
-_LEAST_GROWTH = 1e-8
+# An excess below this is none; excesses are drawn by logarithms where the largest is so many times the smallest.
+_LEAST_EXCESS = 1e-8
 _DECADES = 100
 
 # A value in digits is that of an axis if it is no farther from it than this part of the largest one.
@@ -453,15 +453,15 @@ class Map(_Table):
 
         label = _LABELS.get(color, color)
         norm: Any = None
-        growth = values - 1.0
-        there = growth[growth >= _LEAST_GROWTH]
+        excess = values - 1.0
+        there = excess[excess >= _LEAST_EXCESS]
         if color == "spectral_radius" and there.size and there.max() >= _DECADES * there.min():
             # Next to grazing a few are without bound.
             low, high = np.floor(np.log10(there.min())), np.ceil(np.log10(np.quantile(there, 0.99)))
             ends = 10.0**low, 10.0 ** max(high, low + 1)
-            none = growth < ends[0]
+            none = excess < ends[0]
             ax.pcolormesh(x, y, np.ma.masked_where(~none, none), cmap=ListedColormap([colour(STYLE["below"])]), shading="nearest")
-            values, label, norm = np.ma.masked_where(none, growth), f"growth |μ| − 1 a period (grey: less than {ends[0]:g})", LogNorm(*ends)
+            values, label, norm = np.ma.masked_where(none, excess), f"excess |μ| − 1 a period (grey: less than {ends[0]:g})", LogNorm(*ends)
         elif color == "solutions":
             values[values == 0] = np.nan
             most = max(int(np.nanmax(values, initial=1)), 1)

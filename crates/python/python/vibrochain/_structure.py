@@ -210,7 +210,7 @@ class Structure:
         force_periods : int
             Periods of the load in one of the word.
         threshold : float
-            Growth a period from which on an orbit counts as unstable.
+            Excess a period from which on an orbit counts as unstable.
 
         Returns
         -------
@@ -242,7 +242,7 @@ class Structure:
         omega : float
             Frequency of the load.
         threshold : float
-            Growth a period from which on an orbit counts as unstable.
+            Excess a period from which on an orbit counts as unstable.
 
         Returns
         -------
@@ -308,7 +308,7 @@ class Structure:
         generations : int
             How often a branch may leave another; 0 is the orbit's own alone.
         threshold : float
-            Growth a period from which on an orbit counts as unstable.
+            Excess a period from which on an orbit counts as unstable.
 
         Returns
         -------

@@ -37,7 +37,7 @@ class StructureOrbit:
     obstruction : dict or None
         What is in the way.
     stability : dict or None
-        stable, undecided, mechanism, spectral_radius, growth, resolution.
+        stable, undecided, mechanism, spectral_radius, excess, resolution.
     multipliers : numpy.ndarray of complex128
         All Floquet multipliers, the largest first.
 

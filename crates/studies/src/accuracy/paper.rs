@@ -12,7 +12,7 @@ use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum, harmonic_respo
 /// Samples a period at which masses are watched.
 pub const SAMPLES: usize = 64;
 
-/// Growth per period that the dense multipliers cannot tell from rounding: their trivial pair splits by 1e-7 … 1e-8, next
+/// Excess per period that the dense multipliers cannot tell from rounding: their trivial pair splits by 1e-7 … 1e-8, next
 /// to grazing by more.
 pub const BLUR: f64 = 1e-5;
 

@@ -43,7 +43,7 @@ const CAPTIONS: &[Caption] = &[
     Caption {
         id: "5",
         paper: "With a force, too, the length of the ring makes no visible difference.",
-        here: "The same for the profile, not for stability: the growth |μ| − 1 of the weak instability depends \
+        here: "The same for the profile, not for stability: the excess |μ| − 1 of the weak instability depends \
                on the ring, whose modes carry the radiation.",
     },
     Caption {
@@ -80,7 +80,7 @@ const CAPTIONS: &[Caption] = &[
         paper: "Double-sided breathers are stable in one large region, single-sided ones in strips on the other side of \
                 the grazing line, along which lies a band of unstable double-sided ones. Stability is lost by \
                 Neimark–Sacker bifurcations.",
-        here: "With growth below 1 % a period counted as stable the map has the paper's shape. Nearly all of the \
+        here: "With excess below 1 % a period counted as stable the map has the paper's shape. Nearly all of the \
                cells that count as stable have multipliers outside the circle all the same (last lines; the \
                strict map follows). Neimark–Sacker is the most frequent way to lose stability, not the only one \
                (table and textures).",

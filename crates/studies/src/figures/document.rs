@@ -43,8 +43,8 @@ impl Document {
         let title = match scene {
             FigureScene::Map(scene) => match scene.task.tolerance {
                 Tolerance::Rounding => scene.heading(),
-                Tolerance::Growth(growth) => {
-                    format!("{}, growth below {growth} a period counts as stable", scene.heading())
+                Tolerance::Excess(excess) => {
+                    format!("{}, excess below {excess} a period counts as stable", scene.heading())
                 }
             },
             FigureScene::Lines(scene) => scene.title.clone(),

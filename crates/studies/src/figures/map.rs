@@ -70,25 +70,25 @@ fn findings(scene: &Scene, cells: &[Cell], summary: &Summary) -> Vec<String> {
         of_class.filter(|cell| cell.spectral_radius.is_some_and(keep)).count()
     };
     if !scene.is_conservative() {
-        let mut growths: Vec<f64> = cells
+        let mut excesses: Vec<f64> = cells
             .iter()
             .filter(|cell| cell.class == Some(Class::UnstableDouble))
             .filter_map(|cell| cell.spectral_radius.map(|radius| radius - 1.0))
             .collect();
-        growths.sort_by(f64::total_cmp);
-        let growth = |part: f64| growths.get((part * growths.len() as f64) as usize).copied().unwrap_or_default();
-        let weak = |growth: f64| radius(Class::UnstableDouble, &|r| r < 1.0 + growth);
+        excesses.sort_by(f64::total_cmp);
+        let excess = |part: f64| excesses.get((part * excesses.len() as f64) as usize).copied().unwrap_or_default();
+        let weak = |excess: f64| radius(Class::UnstableDouble, &|r| r < 1.0 + excess);
         match scene.task.tolerance {
             Tolerance::Rounding => found.push(format!(
                 "Of the unstable double-sided cells {} grow by less than 1 % a period, {} by less than 0.1 %; the median \
-                 growth is {:.1e} a period, a tenth of them have less than {:.1e}.",
+                 excess is {:.1e} a period, a tenth of them have less than {:.1e}.",
                 share(weak(0.01)),
                 share(weak(0.001)),
-                growth(0.5),
-                growth(0.1)
+                excess(0.5),
+                excess(0.1)
             )),
-            Tolerance::Growth(growth) => found.push(format!(
-                "Of the stable double-sided cells {} have a multiplier outside the circle, with growth below {growth} a period.",
+            Tolerance::Excess(excess) => found.push(format!(
+                "Of the stable double-sided cells {} have a multiplier outside the circle, with excess below {excess} a period.",
                 share(radius(Class::StableDouble, &|r| r > 1.0 + 1e-9))
             )),
         }

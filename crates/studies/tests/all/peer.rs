@@ -35,7 +35,7 @@ fn slow_the_2000_term_series_differs_only_where_the_series_is_wrong() {
 fn series_differs_only_where_it_is_wrong(every: usize) {
     let (sites, mut worker) = (21, Worker::new(21));
     let families = vec![Family::DoubleSided, Family::SingleSided];
-    let tolerance = Tolerance::Growth(BLUR);
+    let tolerance = Tolerance::Excess(BLUR);
     let task = Task {
         families,
         words: Vec::new(),

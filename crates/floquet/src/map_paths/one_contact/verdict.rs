@@ -23,7 +23,7 @@ use crate::zeros::{excess, modulus};
 /// let (mut finder, mut found, mut secular) = (Finder::new(21), Found::default(), ForcedSecular::default());
 /// finder.find(&model, Family::DoubleSided, &mut found)?;
 /// let verdict = secular.verdict(finder.prepared(&found.orbits[0])?)?;
-/// assert!(verdict.outcome == Standing::Unstable && (verdict.growth - 0.0016290236374028).abs() < 1e-11);
+/// assert!(verdict.outcome == Standing::Unstable && (verdict.excess - 0.0016290236374028).abs() < 1e-11);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Default)]
@@ -61,7 +61,7 @@ struct DataError {
 pub(crate) struct Leading {
     pub(crate) place: usize,
     /// |μ| − 1
-    pub(crate) growth: f64,
+    pub(crate) excess: f64,
     pub(crate) error: f64,
 }
 
@@ -77,26 +77,26 @@ impl ForcedSecular {
         }
         self.solve(prepared)?;
         let Some(leading) = self.leading(prepared, None) else { return Err(SecularError::NotReversible) };
-        let Leading { place, growth, error } = leading;
-        let leading = self.values[place];
         let clearance = self.values.iter().map(|z| excess(*z).abs()).fold(f64::INFINITY, f64::min);
+        let Leading { place, excess, error } = leading;
+        let leading = self.values[place];
         let real = leading.im.abs() <= error;
-        let (outcome, reason) = if growth > error {
+        let (outcome, reason) = if excess > error {
             (Standing::Unstable, if real { Reason::RealRoot } else { Reason::ComplexPair })
-        } else if growth < -error {
+        } else if excess < -error {
             (Standing::Stable, Reason::NoneOutside)
         } else {
             (Standing::Undecided, Reason::Tangency)
         };
         let leading = Some(if real { Complex::new(leading.re, 0.0) } else { leading });
-        Ok(SecularVerdict { outcome, reason, leading, growth, growth_error: error, clearance })
+        Ok(SecularVerdict { outcome, reason, leading, excess, excess_error: error, clearance })
     }
 
     /// The leading multiplier and its error, those that may lead instead counted in; whatever decides on it is
     /// settled first. `condition` has the errors of the orbit's own data, where they count.
     pub(crate) fn leading(&mut self, prepared: Prepared<'_>, condition: Option<&Condition>) -> Option<Leading> {
         let known = self.best()?;
-        let is_precise = known.error <= PRECISE * (1.0 + known.growth.abs()) && known.growth.abs() > known.error;
+        let is_precise = known.error <= PRECISE * (1.0 + known.excess.abs()) && known.excess.abs() > known.error;
         if condition.is_none() && is_precise {
             return Some(known);
         }
@@ -106,7 +106,7 @@ impl ForcedSecular {
         let function = SpectralFunction::new(&equations, orbit.model().is_conservative());
         for _ in 0..most_refined(equations.kernel().modes().len()) {
             let best = self.best()?;
-            let reach = best.growth + self.errors[best.place];
+            let reach = best.excess + self.errors[best.place];
             // The one that may be the farthest outside decides what there is to gain.
             let rivals = self.values.iter().zip(&self.errors).zip(&self.asked).enumerate();
             let rival = rivals
@@ -125,10 +125,10 @@ impl ForcedSecular {
     /// The largest modulus, with room for others that may be larger.
     fn best(&self) -> Option<Leading> {
         let all = || self.values.iter().map(|z| excess(*z)).zip(&self.errors);
-        let (place, (growth, &error)) = all().enumerate().max_by(|a, b| a.1.0.total_cmp(&b.1.0))?;
+        let (place, (excess, &error)) = all().enumerate().max_by(|a, b| a.1.0.total_cmp(&b.1.0))?;
         // Another one that may lead is as good.
-        let error = all().map(|(other, error)| other + error - growth).fold(error, f64::max);
-        Some(Leading { place, growth, error })
+        let error = all().map(|(other, error)| other + error - excess).fold(error, f64::max);
+        Some(Leading { place, excess, error })
     }
 
     /// Settles one multiplier by what the impacts' equations know of it.
@@ -243,7 +243,7 @@ impl ForcedSecular {
     }
 }
 
-/// Errors of a growth, in units of the multiplier, that nobody would want to have smaller.
+/// Errors of an excess, in units of the multiplier, that nobody would want to have smaller.
 const PRECISE: f64 = 1e-12;
 
 /// An error this many times smaller than the distance to the next multiplier is one of first order.

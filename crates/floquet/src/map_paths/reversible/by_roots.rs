@@ -23,25 +23,25 @@ impl Secular {
     ) -> Result<SecularVerdict, SecularError> {
         let mut leading: Option<LeadingRoot> = None;
         for (nu, error) in self.all_nu()? {
-            let growth = nu.growth();
+            let excess = nu.excess();
             clearance = clearance.min(if nu.im == 0.0 { nu.below.abs().min(nu.above.abs()) } else { nu.im.abs() });
-            if growth == 0.0 || nu.im < 0.0 {
+            if excess == 0.0 || nu.im < 0.0 {
                 continue;
             }
-            let error = nu.growth_error(growth, error);
+            let error = nu.excess_error(excess, error);
             let reason = if nu.im == 0.0 { Reason::RealRoot } else { Reason::ComplexPair };
-            let this = LeadingRoot { nu, growth, error, reason };
-            if error < growth {
+            let this = LeadingRoot { nu, excess, error, reason };
+            if error < excess {
                 leading = most(leading, this);
             } else {
-                undecided = most(undecided, LeadingRoot { reason: Reason::Tangency, growth: growth + error, ..this });
+                undecided = most(undecided, LeadingRoot { reason: Reason::Tangency, excess: excess + error, ..this });
             }
         }
         let Self { residues: form, roots, .. } = self;
         for &Touching { gap, t, reach } in &roots.touching {
             let nu = form.nu(gap, Complex::new(t, reach));
-            let growth = nu.growth();
-            undecided = most(undecided, LeadingRoot { nu, growth, error: growth, reason: Reason::Tangency });
+            let excess = nu.excess();
+            undecided = most(undecided, LeadingRoot { nu, excess, error: excess, reason: Reason::Tangency });
         }
         let worst = if form.neighbourhoods.is_empty() { WORST } else { f64::INFINITY };
         let verdict = assemble(leading, undecided, clearance, worst)?;

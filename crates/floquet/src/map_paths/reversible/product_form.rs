@@ -23,11 +23,11 @@ impl Secular {
         }
         // The slope of the way back is 4ρ.
         let (nu, reach) = (Nu::of(nu), 4.0 * error * rho.norm().max(1.0));
-        let growth = nu.growth();
-        let growth_error = nu.growth_error(growth, reach);
-        let same = (growth - verdict.growth).abs() <= verdict.growth_error && growth_error < growth;
+        let excess = nu.excess();
+        let excess_error = nu.excess_error(excess, reach);
+        let same = (excess - verdict.excess).abs() <= verdict.excess_error && excess_error < excess;
         let [leading, _] = nu.multipliers();
-        let better = SecularVerdict { leading: Some(leading), growth, growth_error, ..*verdict };
-        (same && growth_error < verdict.growth_error).then_some(better)
+        let better = SecularVerdict { leading: Some(leading), excess, excess_error, ..*verdict };
+        (same && excess_error < verdict.excess_error).then_some(better)
     }
 }

@@ -64,9 +64,9 @@ pub struct SecularVerdict {
     pub leading: Option<Complex<f64>>,
     /// |μ| − 1 of it, with its own relative accuracy (it may be far below 1e-16); 0 for a stable orbit, with losses
     /// whatever it is. For an undecided one the most that rounding leaves room for.
-    pub growth: f64,
-    /// Estimated error of the growth.
-    pub growth_error: f64,
+    pub excess: f64,
+    /// Estimated error of the excess.
+    pub excess_error: f64,
     /// How far, in ν, two multipliers are from meeting (stable) or have moved apart (unstable): the smallest distance of a
     /// root from ±1, or half the distance of two roots of opposite signature in one gap. With losses, the smallest distance of a
     /// multiplier from the circle. An estimate; infinite if there is nothing that could meet, or if it was not needed.
@@ -81,7 +81,7 @@ impl SecularVerdict {
 
     /// |μ| of the leading multiplier, 1 for a stable orbit without losses.
     pub fn spectral_radius(&self) -> f64 {
-        1.0 + self.growth
+        1.0 + self.excess
     }
 }
 
@@ -99,7 +99,7 @@ impl SecularVerdict {
 ///     Ok(secular.verdict()?)
 /// };
 /// let unstable = verdict(0.1, 0.8, Family::SingleSided)?;
-/// assert!(unstable.outcome == Standing::Unstable && (unstable.growth - 1.797574412183362).abs() < 1e-12);
+/// assert!(unstable.outcome == Standing::Unstable && (unstable.excess - 1.797574412183362).abs() < 1e-12);
 /// // Hardly coupled masses: multipliers closer than rounding can tell apart, and yet none can leave.
 /// let stable = verdict(1e-13, 1.5, Family::DoubleSided)?;
 /// assert_eq!((stable.outcome, stable.reason), (Standing::Stable, Reason::EqualSignatures));
@@ -119,7 +119,7 @@ pub struct Secular {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LeadingRoot {
     pub(crate) nu: Nu,
-    pub(crate) growth: f64,
+    pub(crate) excess: f64,
     pub(crate) error: f64,
     pub(crate) reason: Reason,
 }
@@ -191,15 +191,15 @@ impl Secular {
                 counted += usize::from((outermost > 0.0) != (value > 0.0)) + usize::from(value < 0.0);
                 if value.abs() <= error {
                     let reach = (value.abs() + error) / slope.abs();
-                    let (nu, growth) = (Nu::beyond(end, reach), outside(reach));
-                    undecided = most(undecided, LeadingRoot { nu, growth, error: growth, reason: Reason::Tangency });
+                    let (nu, excess) = (Nu::beyond(end, reach), outside(reach));
+                    undecided = most(undecided, LeadingRoot { nu, excess, error: excess, reason: Reason::Tangency });
                 } else if value < 0.0 {
                     let delta = beyond(local);
                     let error = local.root_error(delta);
-                    let (nu, growth) = (Nu::beyond(end, delta), outside(delta));
+                    let (nu, excess) = (Nu::beyond(end, delta), outside(delta));
                     // Of √(2δ) + … from that of δ.
-                    let error = (outside(delta + error) - growth).max(4.0 * f64::EPSILON * growth);
-                    leading = most(leading, LeadingRoot { nu, growth, error, reason: Reason::RealRoot });
+                    let error = (outside(delta + error) - excess).max(4.0 * f64::EPSILON * excess);
+                    leading = most(leading, LeadingRoot { nu, excess, error, reason: Reason::RealRoot });
                 }
             }
             counted += signs.windows(2).filter(|pair| (pair[0] > 0.0) == (pair[1] > 0.0)).count();
@@ -223,8 +223,8 @@ impl Secular {
                 if !low.is_certain() {
                     let reach = tangency(&low);
                     let nu = form.nu(gap, Complex::new(low.t, reach));
-                    let growth = nu.growth();
-                    undecided = most(undecided, LeadingRoot { nu, growth, error: growth, reason: Reason::Tangency });
+                    let excess = nu.excess();
+                    undecided = most(undecided, LeadingRoot { nu, excess, error: excess, reason: Reason::Tangency });
                     clearance = clearance.min(half);
                     counted += 2;
                 } else if low.value < 0.0 {
@@ -243,10 +243,10 @@ impl Secular {
             counted += 2 * pairs.len();
             for pair in pairs.iter() {
                 let nu = form.nu(pair.place, pair.t);
-                let growth = nu.growth();
-                let error = nu.growth_error(growth, pair.error);
+                let excess = nu.excess();
+                let error = nu.excess_error(excess, pair.error);
                 clearance = clearance.min(nu.im);
-                leading = most(leading, LeadingRoot { nu, growth, error, reason: Reason::ComplexPair });
+                leading = most(leading, LeadingRoot { nu, excess, error, reason: Reason::ComplexPair });
             }
         }
         if counted != wanted {
@@ -262,12 +262,12 @@ impl Secular {
 }
 
 fn stable(reason: Reason, clearance: f64) -> SecularVerdict {
-    SecularVerdict { outcome: Standing::Stable, reason, leading: None, growth: 0.0, growth_error: 0.0, clearance }
+    SecularVerdict { outcome: Standing::Stable, reason, leading: None, excess: 0.0, excess_error: 0.0, clearance }
 }
 
 pub(crate) fn most(best: Option<LeadingRoot>, other: LeadingRoot) -> Option<LeadingRoot> {
     match best {
-        Some(best) if best.growth >= other.growth => Some(best),
+        Some(best) if best.excess >= other.excess => Some(best),
         _ => Some(other),
     }
 }
@@ -280,18 +280,18 @@ pub(crate) fn assemble(
 ) -> Result<SecularVerdict, SecularError> {
     let tell = |this: LeadingRoot| {
         let [large, _] = this.nu.multipliers();
-        let (growth, growth_error) = (this.growth, this.error);
-        let certain = this.reason != Reason::Tangency && growth_error < growth;
+        let (excess, excess_error) = (this.excess, this.error);
+        let certain = this.reason != Reason::Tangency && excess_error < excess;
         let outcome = if certain { Standing::Unstable } else { Standing::Undecided };
-        let precise = growth_error <= worst * (1.0 + growth);
+        let precise = excess_error <= worst * (1.0 + excess);
         let verdict =
-            SecularVerdict { outcome, reason: this.reason, leading: Some(large), growth, growth_error, clearance };
-        if precise { Ok(verdict) } else { Err(SecularError::Imprecise { growth, growth_error }) }
+            SecularVerdict { outcome, reason: this.reason, leading: Some(large), excess, excess_error, clearance };
+        if precise { Ok(verdict) } else { Err(SecularError::Imprecise { excess, excess_error }) }
     };
     match (leading, undecided) {
         // An instability beyond doubt stays one, but how large it is may be in question.
         (Some(leading), Some(undecided)) => {
-            tell(LeadingRoot { error: leading.error.max(undecided.growth - leading.growth), ..leading })
+            tell(LeadingRoot { error: leading.error.max(undecided.excess - leading.excess), ..leading })
         }
         (Some(leading), None) => tell(leading),
         (None, Some(undecided)) => tell(undecided),
@@ -299,7 +299,7 @@ pub(crate) fn assemble(
     }
 }
 
-/// The largest error of a growth, in units of the multiplier, that is worth an answer: a dense solver's.
+/// The largest error of an excess, in units of the multiplier, that is worth an answer: a dense solver's.
 pub(crate) const WORST: f64 = 1e-5;
 
 /// How far off the real axis a pair could be whose least |F| is lost in its error.

@@ -78,12 +78,12 @@ fn verdicts_on_forced_orbits() {
                 open += 1;
                 return;
             };
-            let growth = dense.iter().map(|mu| mu.norm()).fold(0.0, f64::max) - 1.0;
-            let blur = 1e-12 * norm + verdict.growth_error;
-            let name = format!("{family:?} {:?}: {verdict:?}, dense {growth:e}", orbit.model());
+            let excess = dense.iter().map(|mu| mu.norm()).fold(0.0, f64::max) - 1.0;
+            let blur = 1e-12 * norm + verdict.excess_error;
+            let name = format!("{family:?} {:?}: {verdict:?}, dense {excess:e}", orbit.model());
             match verdict.outcome {
-                Standing::Stable => assert!(growth < blur, "{name}"),
-                Standing::Unstable => assert!((growth - verdict.growth).abs() < blur, "{name}"),
+                Standing::Stable => assert!(excess < blur, "{name}"),
+                Standing::Unstable => assert!((excess - verdict.excess).abs() < blur, "{name}"),
                 Standing::Undecided => open += 1,
             }
         });
@@ -177,10 +177,10 @@ fn large_elastic_rings_are_judged_without_a_matrix() {
                 assert_eq!(verdict.method, Method::Secular, "{family:?} {sites} {omega}: {verdict:?}");
                 let dense = Analyser::dense().verdict(orbit, &mut finder, Tolerance::Rounding).unwrap();
                 let name = format!("{family:?} {sites} {omega}: {verdict:?}, dense {dense:?}");
-                assert!(verdict.growth() < dense.growth() + dense.resolution.max(1e-7), "{name}");
-                if dense.growth() > 1e-6 {
-                    let allowed = 1e-9 * (1.0 + dense.growth()) + dense.resolution + verdict.resolution;
-                    assert!((verdict.growth() - dense.growth()).abs() < allowed, "{name}");
+                assert!(verdict.excess() < dense.excess() + dense.resolution.max(1e-7), "{name}");
+                if dense.excess() > 1e-6 {
+                    let allowed = 1e-9 * (1.0 + dense.excess()) + dense.resolution + verdict.resolution;
+                    assert!((verdict.excess() - dense.excess()).abs() < allowed, "{name}");
                     unstable += 1;
                 }
             }

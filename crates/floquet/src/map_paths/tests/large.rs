@@ -57,10 +57,10 @@ fn large_rings_have_all_their_roots() {
             let orbit = &found.orbits[0];
             secular.replace(finder.prepared(orbit).unwrap()).unwrap();
             let (values, norm) = dense(orbit, &mut finder);
-            let leading = values.iter().map(|nu| growth(*nu)).fold(0.0, f64::max);
+            let leading = values.iter().map(|nu| excess(*nu)).fold(0.0, f64::max);
             let verdict = secular.verdict().unwrap();
             let name = format!("{family:?} {sites} {omega}: {verdict:?}, dense {leading:e}");
-            assert!((verdict.growth - leading).abs() < 1e-8 * norm, "{name}");
+            assert!((verdict.excess - leading).abs() < 1e-8 * norm, "{name}");
             let (roots, errors) = secular.roots().unwrap();
             assert_eq!(roots.len(), values.len(), "{name}");
             let allowed = 1e-11 + errors.iter().copied().fold(0.0, f64::max);
@@ -100,13 +100,13 @@ fn long_rings_with_overlapping_bands_are_not_undecided() {
         let verdict = analyser.verdict(orbit, &mut finder, Tolerance::Rounding).unwrap();
         assert_eq!(verdict.method, Method::Secular);
         assert!(
-            !verdict.undecided && verdict.resolution < 1e-2 * verdict.growth(),
+            !verdict.undecided && verdict.resolution < 1e-2 * verdict.excess(),
             "{family:?} {sites} {omega}: {verdict:?}"
         );
         plain.replace(finder.prepared(orbit).unwrap()).unwrap();
         let bound = plain.verdict().unwrap();
         assert!(
-            (bound.growth - verdict.growth()).abs() <= bound.growth_error,
+            (bound.excess - verdict.excess()).abs() <= bound.excess_error,
             "{family:?} {omega}: {bound:?} {verdict:?}"
         );
         undecided += usize::from(bound.outcome == Standing::Undecided);

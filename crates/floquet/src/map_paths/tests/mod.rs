@@ -27,12 +27,12 @@ pub(crate) fn farthest(some: &[Complex<f64>], all: &[Complex<f64>]) -> f64 {
     some.iter().map(nearest).fold(0.0, f64::max)
 }
 
-pub(crate) fn growth(nu: Complex<f64>) -> f64 {
-    Nu::of(nu).growth()
+pub(crate) fn excess(nu: Complex<f64>) -> f64 {
+    Nu::of(nu).excess()
 }
 
-pub(crate) fn growth_error(nu: Complex<f64>, growth: f64, error: f64) -> f64 {
-    Nu::of(nu).growth_error(growth, error)
+pub(crate) fn excess_error(nu: Complex<f64>, excess: f64, error: f64) -> f64 {
+    Nu::of(nu).excess_error(excess, error)
 }
 
 /// Error of ν that the dense solver is granted.

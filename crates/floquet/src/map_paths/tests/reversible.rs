@@ -35,8 +35,8 @@ impl Bench {
                 self.doubts += 1;
                 continue;
             }
-            let leading = values.iter().copied().max_by(|a, b| growth(*a).total_cmp(&growth(*b)));
-            let (radius, blur) = leading.map_or((0.0, 0.0), |nu| (growth(nu), growth_error(nu, growth(nu), error)));
+            let leading = values.iter().copied().max_by(|a, b| excess(*a).total_cmp(&excess(*b)));
+            let (radius, blur) = leading.map_or((0.0, 0.0), |nu| (excess(nu), excess_error(nu, excess(nu), error)));
             let verdict = match self.secular.verdict() {
                 Ok(verdict) => verdict,
                 Err(_) => {
@@ -48,15 +48,15 @@ impl Bench {
                 Standing::Stable => assert!(radius <= blur, "{}: {verdict:?}, dense {radius:e} ± {blur:e}", name()),
                 Standing::Undecided => {
                     self.undecided += 1;
-                    assert!(radius <= verdict.growth + blur, "{}: {verdict:?}, dense {radius:e} ± {blur:e}", name());
+                    assert!(radius <= verdict.excess + blur, "{}: {verdict:?}, dense {radius:e} ± {blur:e}", name());
                 }
                 Standing::Unstable => {
                     self.unstable += 1;
-                    let difference = (verdict.growth - radius).abs();
+                    let difference = (verdict.excess - radius).abs();
                     // The dense solver's error where it sees no instability at all: a pair on the axis.
                     let blur = blur.max(error.sqrt() * f64::from(u8::from(radius < error.sqrt())));
                     assert!(
-                        difference <= 10.0 * (blur + verdict.growth_error),
+                        difference <= 10.0 * (blur + verdict.excess_error),
                         "{}: {verdict:?}, dense {radius:e} ± {blur:e}",
                         name()
                     );
@@ -185,10 +185,10 @@ fn hardly_coupled_masses_are_stable_beyond_doubt() {
     assert!(checked > 3500, "{checked}");
 }
 
-/// Next to a collision growth rises like the square root of the distance from it: a law that a growth of 1e-9 must still
+/// Next to a collision excess rises like the square root of the distance from it: a law that an excess of 1e-9 must still
 /// obey to be believed. A dense solver's ends at 1e-7.
 #[test]
-fn growth_far_below_the_resolution_of_dense_solvers() {
+fn excess_far_below_the_resolution_of_dense_solvers() {
     let (mut finder, mut found, mut secular) = (Finder::new(21), Found::default(), Secular::default());
     let mut at = |omega: f64| {
         let model = model(21, 0.2, 0.1, omega, 0.4).unwrap();
@@ -214,13 +214,13 @@ fn growth_far_below_the_resolution_of_dense_solvers() {
         let Some(coarse) = at(edge + direction * 1e-9) else { continue };
         for h in [1e-10, 1e-11, 1e-12, 1e-13] {
             let Some(verdict) = at(edge + direction * h) else { continue };
-            if verdict.growth_error > 0.02 * verdict.growth {
+            if verdict.excess_error > 0.02 * verdict.excess {
                 continue;
             }
             assert_eq!(verdict.outcome, Standing::Unstable, "{edge} {h:e} {verdict:?}");
-            let law = (verdict.growth / coarse.growth).powi(2) / (h / 1e-9);
+            let law = (verdict.excess / coarse.excess).powi(2) / (h / 1e-9);
             assert!((law - 1.0).abs() < 0.2, "{edge} {h:e}: {law} {verdict:?}");
-            smallest = smallest.min(verdict.growth);
+            smallest = smallest.min(verdict.excess);
         }
         edges += 1;
     }

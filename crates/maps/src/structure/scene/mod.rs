@@ -34,7 +34,7 @@ pub struct StructureScene {
     pub force_periods: u32,
     /// Words of a map, with their periods of the load: `0+/2` for two.
     pub words: Vec<(Word, u32)>,
-    /// From which growth on an orbit counts as unstable.
+    /// From which excess on an orbit counts as unstable.
     pub tolerance: Tolerance,
     /// Whether a map tells stability.
     pub stability: bool,
@@ -147,10 +147,10 @@ impl StructureScene {
     /// The same with another threshold.
     pub(in crate::structure) fn with_tolerance(&mut self, tolerance: Tolerance) {
         self.tolerance = tolerance;
-        if let (Tolerance::Growth(growth), Some(Value::Object(compute))) =
+        if let (Tolerance::Excess(excess), Some(Value::Object(compute))) =
             (tolerance, Arc::make_mut(&mut self.told).get_mut("compute"))
         {
-            compute.insert("threshold".to_owned(), growth.into());
+            compute.insert("threshold".to_owned(), excess.into());
         }
     }
 

@@ -1,4 +1,4 @@
-//! From ν to growth per period without cancellation.
+//! From ν to excess per period without cancellation.
 
 use nalgebra::Complex;
 
@@ -34,7 +34,7 @@ impl Nu {
 
     /// |μ| − 1 ≥ 0 of the larger of the two multipliers μ + 1/μ = 2ν. With ν = cos θ, |Im θ| = arsinh r,
     /// 2r² = B + √(B²+4y²), B = x²+y²−1; for B < 0 the conjugate form.
-    pub(crate) fn growth(&self) -> f64 {
+    pub(crate) fn excess(&self) -> f64 {
         let y = self.im;
         if y == 0.0 {
             return outside(self.below.max(-self.above));
@@ -45,12 +45,12 @@ impl Nu {
         square.sqrt().asinh().exp_m1()
     }
 
-    /// How much an error of ν moves the growth: |dμ/dν| = |μ|/|√(ν²−1)|; a root within the error of ±1 like a square root.
-    pub(crate) fn growth_error(&self, growth: f64, error: f64) -> f64 {
+    /// How much an error of ν moves the excess: |dμ/dν| = |μ|/|√(ν²−1)|; a root within the error of ±1 like a square root.
+    pub(crate) fn excess_error(&self, excess: f64, error: f64) -> f64 {
         let from = |end: f64| modulus(Complex::new(end, self.im));
         let square = from(self.below) * from(self.above);
         let reach = if square > 2.0 * error { error / square.sqrt() } else { (2.0 * error).sqrt() };
-        (1.0 + growth) * reach + 4.0 * f64::EPSILON * growth
+        (1.0 + excess) * reach + 4.0 * f64::EPSILON * excess
     }
 
     /// μ = ν ± √(ν−1)√(ν+1), the larger modulus first; by factors, since next to ±1 the difference keeps its digits.
@@ -90,21 +90,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn growth_is_that_of_the_multiplier() {
+    fn excess_is_that_of_the_multiplier() {
         for (x, y) in [(1.5_f64, 0.0_f64), (-3.0, 0.0), (0.3, 0.4), (-0.9, 1e-3), (2.0, 1.0), (0.0, 1e-2)] {
             let nu = Complex::new(x, y);
             let root = (nu * nu - 1.0).sqrt();
             let modulus: f64 = (nu + root).norm().max((nu - root).norm());
-            assert!((Nu::of(nu).growth() / (modulus - 1.0) - 1.0).abs() < 1e-11, "{nu}");
+            assert!((Nu::of(nu).excess() / (modulus - 1.0) - 1.0).abs() < 1e-11, "{nu}");
         }
-        assert_eq!(Nu::of(Complex::new(0.5, 0.0)).growth(), 0.0);
+        assert_eq!(Nu::of(Complex::new(0.5, 0.0)).excess(), 0.0);
         // Next to an end only the distance from it tells.
         let close = Nu { below: 1e-20, above: 2.0, im: 1e-20 };
         let expected = (1e-20 * (1.0 + 2f64.sqrt())).sqrt();
-        assert!((close.growth() / expected - 1.0).abs() < 1e-9);
+        assert!((close.excess() / expected - 1.0).abs() < 1e-9);
         assert!((close.multipliers()[0].re - 1.0 - expected).abs() < 1e-15);
-        // Far below what |μ| − 1 can hold: growth y/sin θ.
-        assert!((Nu::of(Complex::new(0.6, 1e-20)).growth() * 1e20 - 1.25).abs() < 1e-14);
+        // Far below what |μ| − 1 can hold: excess y/sin θ.
+        assert!((Nu::of(Complex::new(0.6, 1e-20)).excess() * 1e20 - 1.25).abs() < 1e-14);
     }
 
     #[test]
@@ -118,7 +118,7 @@ mod tests {
                 assert!((a.norm() - 1.0).abs() < 1e-15);
             }
         }
-        // Just outside +1 the growth is √(2δ), to full relative accuracy.
+        // Just outside +1 the excess is √(2δ), to full relative accuracy.
         let delta = 2f64.powi(-40);
         let [a, _] = Nu::of(Complex::new(1.0 + delta, 0.0)).multipliers();
         assert!(((a.re - 1.0) / ((2.0 * delta).sqrt() + delta) - 1.0).abs() < 1e-9);
