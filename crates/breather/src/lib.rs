@@ -20,7 +20,7 @@
 //! | [`Motion`] | every mass at any time |
 //! | [`Admissibility`], [`Obstruction`] | physical or what is in the way |
 //! | [`BlochEquations`] | J(z): the linearised equations of the impacts with a Bloch factor, on any linear structure |
-//! | [`Condition`] | distance to resonance, grazing and folds; errors |
+//! | [`Condition`] | distances to resonance and grazing, conditioning of the equations; errors |
 //! | [`Branch`] | orbits along one parameter, through folds |
 //! | [`Word`] | which mass meets which barrier, in which order; [`Word::enumerate`] lists words of a few sites |
 //! | [`Finder::find_word`] | all orbits of a word |

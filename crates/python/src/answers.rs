@@ -143,7 +143,7 @@ pub(crate) struct PyCondition {
     /// float : distance to grazing, the smallest velocity before an impact over omega.
     #[pyo3(get)]
     grazing: f64,
-    /// float : distance to a fold, the reciprocal condition number of the orbit's equations.
+    /// float : reciprocal condition number of the orbit's equations, 0 at a fold.
     #[pyo3(get)]
     fold: f64,
     /// float : estimated error of the impulses, relative to the largest; inf where no bound is known.

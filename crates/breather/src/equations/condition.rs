@@ -31,7 +31,8 @@ pub struct ImpactError {
 /// Errors of one origin: what it does to each impact, with signs.
 pub type Together = SmallVec<[ImpactError; 2]>;
 
-/// Distances of an orbit to where it ceases to be determined, and the errors that follow. Dimensionless.
+/// How well an orbit is determined: distances to resonance and grazing, the conditioning of its equations, and the errors that
+/// follow. Dimensionless.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[must_use]
@@ -42,8 +43,8 @@ pub struct Condition {
     /// Distance to grazing: the smallest velocity before an impact, in units of the force's ω times half the gap. Saltation grows
     /// like its inverse.
     pub grazing: f64,
-    /// Distance to a fold or pitchfork: reciprocal condition number of the orbit's equations, rows and columns scaled, at
-    /// most 1. For a mirror-symmetric conservative orbit, whose times are fixed, of the equations for its impulses alone.
+    /// Reciprocal condition number of the orbit's equations, rows and columns scaled: at most 1, and 0 at a fold or a pitchfork,
+    /// but no distance to either. For a mirror-symmetric conservative orbit, whose times are fixed, of the equations for its impulses alone.
     pub fold: f64,
     /// Estimated error of the force's phase ψ, as a time; 0 without force.
     #[cfg_attr(feature = "serde", serde(skip))]

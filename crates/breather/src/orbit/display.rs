@@ -77,11 +77,14 @@ impl Display for Admissibility {
     }
 }
 
-/// The distances.
+/// The distances, and how well the equations are conditioned.
 impl Display for Condition {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let Self { resonance, grazing, fold, .. } = self;
-        write!(f, "distance to resonance {resonance:.1e}, to grazing {grazing:.1e}, to a fold {fold:.1e}")
+        write!(
+            f,
+            "distance to resonance {resonance:.1e}, to grazing {grazing:.1e}; reciprocal condition number {fold:.1e}"
+        )
     }
 }
 
@@ -106,6 +109,9 @@ mod tests {
         let blocked = Admissibility { obstruction: None, margin: Some(0.25), closest: None };
         assert_eq!(blocked.to_string(), "physical, margin 0.25");
         let condition = Condition { resonance: 0.1, grazing: 2.0, fold: 1e-9, ..Condition::default() };
-        assert_eq!(condition.to_string(), "distance to resonance 1.0e-1, to grazing 2.0e0, to a fold 1.0e-9");
+        assert_eq!(
+            condition.to_string(),
+            "distance to resonance 1.0e-1, to grazing 2.0e0; reciprocal condition number 1.0e-9"
+        );
     }
 }
