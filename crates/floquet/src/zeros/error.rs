@@ -17,9 +17,9 @@ pub enum SecularError {
         /// How much rounding explains.
         allowed: f64,
     },
-    /// A signature is not known: the residue of a mode is smaller than its error, Ω_k ± Ω_l = jω to within rounding.
-    #[error("the signature of mode {mode} is lost in rounding")]
-    Signature {
+    /// The residue of a mode is smaller than its error, so that its sign is not known: Ω_k ± Ω_l = jω to within rounding.
+    #[error("the sign of the residue of mode {mode} is lost in rounding")]
+    ResidueSign {
         /// The mode.
         mode: usize,
     },

@@ -3,7 +3,7 @@
 //!
 //! Among thousands of poles some always meet so closely that their residues are as good as lost. The roots are those of F as
 //! it has been worked out, complete; what errors of the residues could make of them is told apart: a pair that may have met
-//! makes the orbit undecided, a signature that is not known forbids to call it stable.
+//! makes the orbit undecided, the sign of a residue that is not known forbids to call it stable.
 
 use nalgebra::Complex;
 
@@ -14,7 +14,7 @@ use crate::map_paths::reversible::verdict::{
 use crate::zeros::SecularError;
 
 impl Secular {
-    /// The verdict from all roots. `unknown` is a mode whose signature is lost, `undecided` what is next to ±1.
+    /// The verdict from all roots. `unknown` is a mode the sign of whose residue is lost, `undecided` what is next to ±1.
     pub(crate) fn judge_all_roots(
         &mut self,
         unknown: Option<usize>,
@@ -46,7 +46,7 @@ impl Secular {
         let worst = if form.neighbourhoods.is_empty() { WORST } else { f64::INFINITY };
         let verdict = assemble(leading, undecided, clearance, worst)?;
         match unknown {
-            Some(mode) if verdict.outcome == Standing::Stable => Err(SecularError::Signature { mode }),
+            Some(mode) if verdict.outcome == Standing::Stable => Err(SecularError::ResidueSign { mode }),
             _ => Ok(verdict),
         }
     }

@@ -223,7 +223,7 @@ mod tests {
                     let prepared = finder.prepared(orbit).unwrap();
                     let told = secular.residues.replace_within(prepared, ratio_error).and_then(|()| secular.verdict());
                     let stable = told.is_ok_and(|verdict| {
-                        (verdict.outcome, verdict.reason) == (Standing::Stable, Reason::EqualSignatures)
+                        (verdict.outcome, verdict.reason) == (Standing::Stable, Reason::EqualResidueSigns)
                     });
                     assert!(stable || !quick, "{model:?} {family:?} {told:?}");
                     yes[i] += usize::from(quick);

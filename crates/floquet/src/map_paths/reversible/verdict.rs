@@ -1,11 +1,11 @@
 //! Stable or not, from the signs of F; roots are sought only where the signs leave a question.
 //!
 //! - Σ R = 1 makes F positive far right, negative far left: the signs of F(±1) tell whether a real root lies beyond ±1.
-//! - Call the sign of R_k the signature of its pole (it is not Krein's, see [`Residues`]).
-//! - Neighbouring poles of equal signature enclose a root, and so do ±1 and the outermost poles if the signs say so.
-//! - If that makes m−1 roots, all are real and accounted for; if all signatures are equal it always does, and the orbit
+//! - Neighbouring poles with residues R_k of one sign enclose a root, and so do ±1 and the outermost poles if the signs say so.
+//!   (The signs are not Krein's signatures, see [`Residues`].)
+//! - If that makes m−1 roots, all are real and accounted for; if all signs are equal it always does, and the orbit
 //!   is stable however close its poles are.
-//! - Otherwise each gap of opposite signatures may hide a pair: the least |F| in it decides. (A gap without roots means
+//! - Otherwise each gap between residues of opposite signs may hide a pair: the least |F| in it decides. (A gap without roots means
 //!   nothing by itself: a root may have crossed a pole.)
 //! - If roots are still missing they are complex: Newton from the lowest points, then all roots, see `by_roots`.
 //!
@@ -39,7 +39,7 @@ pub enum Standing {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Reason {
     /// All residues have one sign: nothing can collide.
-    EqualSignatures,
+    EqualResidueSigns,
     /// As many real ν were counted in [−1, 1] as there are.
     AllRootsCounted,
     /// Losses: no multiplier was counted or found outside the circle.
@@ -102,7 +102,7 @@ impl SecularVerdict {
 /// assert!(unstable.outcome == Standing::Unstable && (unstable.excess - 1.797574412183362).abs() < 1e-12);
 /// // Hardly coupled masses: multipliers closer than rounding can tell apart, and yet none can leave.
 /// let stable = verdict(1e-13, 1.5, Family::DoubleSided)?;
-/// assert_eq!((stable.outcome, stable.reason), (Standing::Stable, Reason::EqualSignatures));
+/// assert_eq!((stable.outcome, stable.reason), (Standing::Stable, Reason::EqualResidueSigns));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Default)]
@@ -140,7 +140,7 @@ impl Secular {
         Ok(roots.list.iter().map(|root| (residues.nu(root.place, root.t), root.error)))
     }
 
-    /// Poles, residues, signatures.
+    /// Poles and residues.
     pub fn residues(&self) -> &Residues {
         &self.residues
     }
@@ -148,7 +148,7 @@ impl Secular {
     /// The verdict on the orbit taken over.
     ///
     /// # Errors
-    /// [`SecularError::Signature`], [`SecularError::Incomplete`], [`SecularError::Imprecise`].
+    /// [`SecularError::ResidueSign`], [`SecularError::Incomplete`], [`SecularError::Imprecise`].
     pub fn verdict(&mut self) -> Result<SecularVerdict, SecularError> {
         let Self { residues: form, nearby: scratch, suspects, pairs, .. } = self;
         scratch.forget();
@@ -164,17 +164,17 @@ impl Secular {
                 && let Some(mode) = form.mode(place)
             {
                 if !large {
-                    return Err(SecularError::Signature { mode });
+                    return Err(SecularError::ResidueSign { mode });
                 }
                 unknown = Some(mode);
             }
             positive &= known && *residue > 0.0;
         }
         let (Some(&first), Some(&last)) = (signs.first(), signs.last()) else {
-            return Ok(stable(Reason::EqualSignatures, f64::INFINITY));
+            return Ok(stable(Reason::EqualResidueSigns, f64::INFINITY));
         };
         if count == 1 {
-            return Ok(stable(Reason::EqualSignatures, f64::INFINITY));
+            return Ok(stable(Reason::EqualResidueSigns, f64::INFINITY));
         }
         let mut leading: Option<LeadingRoot> = None;
         let mut undecided: Option<LeadingRoot> = None;
@@ -204,7 +204,7 @@ impl Secular {
             }
             counted += signs.windows(2).filter(|pair| (pair[0] > 0.0) == (pair[1] > 0.0)).count();
         } else {
-            return Ok(stable(Reason::EqualSignatures, f64::INFINITY));
+            return Ok(stable(Reason::EqualResidueSigns, f64::INFINITY));
         }
         suspects.clear();
         let wanted = count - 1;
