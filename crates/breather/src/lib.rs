@@ -15,7 +15,7 @@
 //! |---|---|
 //! | [`Orbit`], [`Impact`], [`Family`] | a periodic orbit, by its impacts |
 //! | [`breathers`], [`Finder`], [`Found`] | from parameters to orbits |
-//! | [`Sketch`] | what a map asks of a conservative breather, without its orbit |
+//! | [`MapBreather`] | what a map asks of a conservative breather, without its orbit |
 //! | [`Completeness`], [`Proof`] | whether a list of orbits is all, and how that is known |
 //! | [`Motion`] | every mass at any time |
 //! | [`Admissibility`], [`Obstruction`] | physical or what is in the way |
@@ -59,11 +59,10 @@ mod search;
 mod structures;
 mod tracer;
 mod word;
-mod worst;
 
 pub use admissible::answer::{Admissibility, Approach, Obstruction};
 pub use admissible::check::admissibility;
-pub use admissible::map_breather::{Sketch, Sketched};
+pub use admissible::map_breather::{MapBreather, MapSearch};
 pub use branch::at_resonance::Limit;
 pub use branch::departure::Departure;
 pub use branch::{Branch, BranchPoint};
@@ -93,3 +92,8 @@ pub use tracer::system;
 /// What orbits are asked of, so that this crate can be used alone.
 pub use vibrochain_lattice::{Chain, Model};
 pub use word::{Letter, MAX_IMPACTS, Word, WordError};
+
+/// The larger of two errors. `f64::max` would drop one that is not a number; here it makes the bound infinite.
+pub(crate) fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
+}

@@ -116,7 +116,7 @@ impl Problem {
                 if let (Some(a), Some(b)) = (previous[branch], here[branch])
                     && (a < 0.0) != (b < 0.0)
                 {
-                    zeros.extend(self.settle(branch, phi(i - 1), phi(i)));
+                    zeros.extend(self.bisect(branch, phi(i - 1), phi(i)));
                 }
             }
             previous = here;
@@ -125,7 +125,7 @@ impl Problem {
     }
 
     /// Bisection; a jump or a pole is no zero.
-    fn settle(&self, branch: usize, mut low: f64, mut high: f64) -> Option<f64> {
+    fn bisect(&self, branch: usize, mut low: f64, mut high: f64) -> Option<f64> {
         let (first, last) = (self.at(low)[branch]?, self.at(high)[branch]?);
         for _ in 0..60 {
             let middle = 0.5 * (low + high);

@@ -91,7 +91,7 @@ impl Ring {
     }
 
     /// A mass that has moved on is no longer on its barrier.
-    pub(crate) fn settle(&mut self, n: usize) {
+    pub(crate) fn free_departed(&mut self, n: usize) {
         // A flight so short that even the distance underflows has not left.
         if matches!(self.contact[n], Contact::Leaving(..)) && self.x[n] != 0.0 {
             self.contact[n] = Contact::Free;
@@ -99,10 +99,10 @@ impl Ring {
     }
 
     /// The same for all masses, and those far from the barrier they came from forget it.
-    pub(crate) fn settle_all(&mut self) {
+    pub(crate) fn free_all_departed(&mut self) {
         let mut near = std::mem::take(&mut self.near);
         near.retain(|&n| {
-            self.settle(n);
+            self.free_departed(n);
             // At the other barrier, too: it is about to be struck, and the change would round its distance.
             let keep = (self.x[n].abs() - 1.0).abs() >= 1.0 - FORGET;
             if !keep {

@@ -117,13 +117,13 @@ impl Simulation {
             changes: Vec::new(),
             stalls: 0,
         };
-        simulation.settle_start();
+        simulation.classify_contacts();
         simulation.engine.begin_window();
         Ok(simulation)
     }
 
     /// Masses that start on a barrier: at rest, leaving, or (the queue's business) about to hit it.
-    fn settle_start(&mut self) {
+    fn classify_contacts(&mut self) {
         let engine = &mut self.engine;
         for site in 0..engine.ring.sites() {
             if engine.ring.reference[site] == 0.0 || engine.ring.x[site] != 0.0 {

@@ -87,7 +87,7 @@ pub use map_paths::{
     ForcedSecular, ModeLabels, Reason, Residues, Secular, SecularMultipliers, SecularVerdict, Standing,
     multiplier_modes,
 };
-pub use multipliers::{felt_modes, odd_multipliers, sort_multipliers};
+pub use multipliers::{odd_multipliers, participating_modes, sort_multipliers};
 pub use nalgebra::{Complex, DMatrix};
 pub use phases::phases;
 pub use reference::eigen::eigenvalues;
@@ -95,8 +95,8 @@ pub use reference::monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
 pub use saltation::{Saltation, saltations};
 pub use spectrum::{ImpactSpectrum, ModalShape};
 pub use stripes::{
-    Collision, DressedModes, NoStripe, OrderFinder, OwnMode, Passing, Signature, SignatureOrder, Stripe, StripeEnd,
-    StripeFinder, StripeLine, StripeRow, bare_signature, passings, signature,
+    Collision, DressedModes, InternalMode, NoStripe, OrderFinder, Passing, Signature, SignatureOrder, Stripe,
+    StripeEnd, StripeFinder, StripeLine, StripeRow, bare_signature, passings, signature,
 };
 pub use structures::{
     StructureCourse, StructureCurve, StructureMultipliers, StructureWindow, structure_branch, structure_curve,

@@ -16,7 +16,7 @@ pub fn odd_multipliers(orbit: &Orbit) -> Option<Vec<Complex<f64>>> {
 
 /// Number and frequency of each mode that impacts at a site feel, by rising frequency: on a ring all that are even about it, on other
 /// lattices those without a node there. (Of several modes with one frequency one combination is felt; all are listed.)
-pub fn felt_modes(chain: &Chain, site: usize) -> Vec<(usize, f64)> {
+pub fn participating_modes(chain: &Chain, site: usize) -> Vec<(usize, f64)> {
     let spectrum = Spectrum::new(*chain);
     let frequencies = spectrum.frequencies();
     let order = if chain.is_ring() { (0..frequencies.len() as u32).collect() } else { felt(chain, site, frequencies) };

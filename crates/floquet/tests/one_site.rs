@@ -4,7 +4,7 @@
 use vibrochain_breather::{Finder, Found, Orbit, Wanted, Word};
 use vibrochain_floquet::{
     Analyser, Complex, FloquetError, ForcedSecular, Method, Stability, Standing, Tolerance, Verdict, eigenvalues,
-    felt_modes, full_monodromy, multiplier_modes, odd_multipliers,
+    full_monodromy, multiplier_modes, odd_multipliers, participating_modes,
 };
 use vibrochain_lattice::{Chain, Ends};
 use vibrochain_testkit::{Random, Ranges, Values};
@@ -138,7 +138,7 @@ fn spared_modes_keep_their_multipliers_and_their_names() {
         }
         assert_eq!((count, odd_multipliers(orbit).unwrap().len()), (2 * spared, 2 * spared), "{word}");
         assert_eq!(
-            felt_modes(&chain, orbit.impact_site().unwrap()).len(),
+            participating_modes(&chain, orbit.impact_site().unwrap()).len(),
             if word == "2-" {
                 3
             } else if word == "0:0-" {

@@ -93,4 +93,4 @@ pub use structure::error::StructureError;
 pub use structure::linear_mode::{LinearMode, ModeShape};
 #[cfg(feature = "matrices")]
 pub use structure::matrices::Structure;
-pub use structure::modal::{FeltModes, ModalStructure};
+pub use structure::modal::{ModalStructure, ParticipatingModes};

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use serde::Serialize;
 use vibrochain_breather::{
-    BreatherError, Completeness, Family, Finder, Found, Orbit, Sketched, StructureSearch, Wanted, Word,
+    BreatherError, Completeness, Family, Finder, Found, MapSearch, Orbit, StructureSearch, Wanted, Word,
 };
 use vibrochain_floquet::{
     Analyser, Collision, DressedModes, FloquetError, Mechanism, OrderFinder, SignatureOrder, Tolerance, Verdict,
@@ -310,7 +310,7 @@ impl Worker {
 
     /// Computes one cell.
     pub fn cell(&mut self, model: &Model, task: &Task) -> Cell {
-        self.sketched(model, task).unwrap_or_else(|| self.examine(model, task, |_, _| {}))
+        self.of_map_breathers(model, task).unwrap_or_else(|| self.examine(model, task, |_, _| {}))
     }
 
     /// The same, and the order of signatures of the orbit that gives the cell its class: beyond a stripe it is another.
@@ -325,27 +325,27 @@ impl Worker {
         (cell, order)
     }
 
-    /// The cell from sketches of its breathers, which take half the time of their orbits; `None` where they cannot tell all of it.
+    /// The cell from [`vibrochain_breather::MapBreather`]s, which take half the time of their orbits; `None` where they cannot tell all of it.
     /// The general path, which this is held against, is [`Worker::examine`].
-    fn sketched(&mut self, model: &Model, task: &Task) -> Option<Cell> {
+    fn of_map_breathers(&mut self, model: &Model, task: &Task) -> Option<Cell> {
         if !model.is_conservative() || !task.words.is_empty() || task.collisions {
             return None;
         }
         let mut cell = Cell::EMPTY;
         let mut best: Option<Candidate> = None;
         for &family in &task.families {
-            let sketch = match self.finder.sketch(model, family) {
-                Sketched::Open => return None,
-                Sketched::None => continue,
-                Sketched::One(sketch) => sketch,
+            let breather = match self.finder.map_breather(model, family) {
+                MapSearch::Open => return None,
+                MapSearch::None => continue,
+                MapSearch::One(breather) => breather,
             };
             cell.solutions += 1;
-            cell.residual = cell.residual.max(sketch.residual());
+            cell.residual = cell.residual.max(breather.residual());
             let verdict = match task.stability {
-                true => Some(self.analyser.sketch_verdict(model, &sketch, task.tolerance)?),
+                true => Some(self.analyser.map_verdict(model, &breather, task.tolerance)?),
                 false => None,
             };
-            let (margin, impulse) = (Some(sketch.margin()), Some(sketch.strongest_impulse()));
+            let (margin, impulse) = (Some(breather.margin()), Some(breather.strongest_impulse()));
             let candidate = Candidate { family, verdict, margin, impulse, collision: None };
             if best.as_ref().is_none_or(|best| candidate.rank() < best.rank()) {
                 best = Some(candidate);

@@ -79,9 +79,9 @@ fn a_cell_is_what_all_verdicts_make_it() {
     assert!(several > 100 && single > 20 && stable > 20, "{several} {single} {stable}");
 }
 
-/// The fast path of conservative cells, from sketches, against the general one, from orbits. Residuals are sums in another order.
+/// The fast path of conservative cells, from map breathers, against the general one, from orbits. Residuals are sums in another order.
 #[test]
-fn a_cell_from_sketches_is_that_from_orbits() {
+fn a_cell_from_map_breathers_is_that_from_orbits() {
     let mut random = fastrand::Rng::with_seed(53);
     let (mut fast, mut general) = (Worker::new(1), Worker::new(1));
     let mut seen: [usize; Class::ALL.len()] = Default::default();

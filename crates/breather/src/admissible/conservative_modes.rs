@@ -1,4 +1,4 @@
-//! Where [`crate::Sketch`]es are made: the modes of a conservative breather just after its first impact, four at a time, and what is left of
+//! Where [`crate::MapBreather`]es are made: the modes of a conservative breather just after its first impact, four at a time, and what is left of
 //! its conditions.
 
 use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Shapes};
@@ -6,7 +6,7 @@ use wide::f64x4;
 
 use crate::admissible::grid::{Flight, MOST_MODES, stiffnesses};
 use crate::lanes::{LANES, Lane, all, four, groups, total};
-use crate::worst::worse;
+use crate::worse;
 
 /// Modes of one breather after the other, in the same memory.
 #[derive(Debug, Clone, Default)]

@@ -3,7 +3,7 @@
 //!
 //! A fast path: a cell of a map of such breathers takes half the time. The general one is [`Finder::search`] for
 //! [`crate::Wanted::Candidates`] and [`Finder::quick_admissibility`], whose formulas these are, without lists of impacts and sources,
-//! without an [`Orbit`](crate::Orbit) and its [`Motion`](crate::Motion). What needs more is left to it ([`Sketched::Open`]); where
+//! without an [`Orbit`](crate::Orbit) and its [`Motion`](crate::Motion). What needs more is left to it ([`MapSearch::Open`]); where
 //! there is an answer it is the general one, margin and impulses to the bit, the residual but for the order of its sums.
 
 use vibrochain_lattice::{ImpulseResponse, Model};
@@ -20,18 +20,18 @@ use crate::search::screens::radiation::Radiation;
 /// A physical breather of site 0, with the impulse response it was made from.
 ///
 /// ```
-/// use vibrochain_breather::{Family, Finder, Sketched, breathers};
+/// use vibrochain_breather::{Family, Finder, MapSearch, breathers};
 /// use vibrochain_lattice::{Chain, Model};
 /// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4)?;
 /// let mut finder = Finder::new(21);
-/// let Sketched::One(sketch) = finder.sketch(&model, Family::DoubleSided) else { panic!() };
+/// let MapSearch::One(breather) = finder.map_breather(&model, Family::DoubleSided) else { panic!() };
 /// let orbit = &breathers(&model, Family::DoubleSided)?.orbits[0];
-/// assert_eq!(sketch.impulses(), [orbit.impacts()[0].impulse, orbit.impacts()[1].impulse]);
+/// assert_eq!(breather.impulses(), [orbit.impacts()[0].impulse, orbit.impacts()[1].impulse]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
 #[must_use]
-pub struct Sketch<'a> {
+pub struct MapBreather<'a> {
     response: &'a ImpulseResponse,
     impulses: [f64; 2],
     one: bool,
@@ -42,11 +42,11 @@ pub struct Sketch<'a> {
 /// What lives at a point, of one family.
 #[derive(Debug, Clone, Copy)]
 #[must_use]
-pub enum Sketched<'a> {
+pub enum MapSearch<'a> {
     /// No physical breather.
     None,
     /// One.
-    One(Sketch<'a>),
+    One(MapBreather<'a>),
     /// Only [`Finder::search`] can tell.
     Open,
 }
@@ -54,11 +54,11 @@ pub enum Sketched<'a> {
 impl Finder {
     /// What lives at a point of one family, double-sided with φ = T/2 or single-sided, of conservative breathers on a coupled ring, where
     /// that can be told without their orbits.
-    pub fn sketch(&mut self, model: &Model, family: Family) -> Sketched<'_> {
-        self.sketched(model, family).unwrap_or(Sketched::Open)
+    pub fn map_breather(&mut self, model: &Model, family: Family) -> MapSearch<'_> {
+        self.find_map_breather(model, family).unwrap_or(MapSearch::Open)
     }
 
-    fn sketched(&mut self, model: &Model, family: Family) -> Option<Sketched<'_>> {
+    fn find_map_breather(&mut self, model: &Model, family: Family) -> Option<MapSearch<'_>> {
         let chain = model.chain();
         if !model.is_conservative() || !chain.is_ring() || chain.is_uncoupled() || self.stop.heard().is_err() {
             return None;
@@ -83,7 +83,7 @@ impl Finder {
                 Ok((p, static_displacement)) => {
                     TwoImpulses { impulses: [2.0 * p, 0.0], one: true, static_displacement }
                 }
-                Err(NoBreather::NetImpulse) => return Some(Sketched::None),
+                Err(NoBreather::NetImpulse) => return Some(MapSearch::None),
                 Err(_) => return None,
             },
             Family::PeriodDoubled | Family::Word => return None,
@@ -94,19 +94,19 @@ impl Finder {
             || radiation.is_some_and(|radiation| !radiation.allows_at_halves(two.impulses))
             || two.one && crosses(model, response, net_impulse)
         {
-            return Some(Sketched::None);
+            return Some(MapSearch::None);
         }
         let residual = self.conservative_modes.take(model, response, &two).filter(|off| *off <= MOST_RESIDUAL)?;
         let flight = self.conservative_modes.flight(model, response);
         let impacts = Impacts { asymmetry: model.asymmetry(), one: two.one };
         let margin = self.watch.margin(chain, flight, half, impacts)?;
         let TwoImpulses { impulses, one, .. } = two;
-        let found = Sketch { response, impulses, one, margin, residual };
-        Some(if margin > 0.0 { Sketched::One(found) } else { Sketched::None })
+        let found = MapBreather { response, impulses, one, margin, residual };
+        Some(if margin > 0.0 { MapSearch::One(found) } else { MapSearch::None })
     }
 }
 
-impl<'a> Sketch<'a> {
+impl<'a> MapBreather<'a> {
     /// The impulse response of its chain and frequency.
     pub fn response(&self) -> &'a ImpulseResponse {
         self.response
@@ -149,7 +149,7 @@ mod tests {
 
     /// Soft and stiff chains, next to resonance, with and without coupling, symmetric or not, small and large.
     #[test]
-    fn a_sketch_is_what_the_orbit_says() {
+    fn a_map_breather_is_what_the_orbit_says() {
         let mut random = fastrand::Rng::with_seed(19);
         let (mut quick, mut finder, mut found) = (Finder::new(1), Finder::new(1), Found::default());
         // No breather, one, left open; by family.
@@ -162,9 +162,9 @@ mod tests {
             let a = if random.u8(0..4) == 0 { 0.0 } else { 0.9 * random.f64() };
             let model = Model::conservative(chain, 0.2 + 3.0 * random.f64(), a).unwrap();
             for (i, family) in [Family::DoubleSided, Family::SingleSided].into_iter().enumerate() {
-                let sketched = quick.sketch(&model, family);
+                let searched = quick.map_breather(&model, family);
                 let Ok(()) = finder.search(&model, family, Wanted::Candidates, &mut found) else {
-                    assert!(matches!(sketched, Sketched::Open), "{model:?}");
+                    assert!(matches!(searched, MapSearch::Open), "{model:?}");
                     continue;
                 };
                 let physical = |orbit: &crate::Orbit| {
@@ -172,20 +172,24 @@ mod tests {
                     answer.margin.filter(|_| answer.is_physical()).map(|margin| (orbit.clone(), margin))
                 };
                 let physical: Vec<_> = found.orbits.iter().filter_map(physical).collect();
-                match sketched {
-                    Sketched::Open => seen[i][2] += 1,
-                    Sketched::None => {
+                match searched {
+                    MapSearch::Open => seen[i][2] += 1,
+                    MapSearch::None => {
                         assert!(physical.is_empty() && found.completeness.open() == (0, 0), "{model:?} {family:?}");
                         seen[i][0] += 1;
                     }
-                    Sketched::One(sketch) => {
+                    MapSearch::One(breather) => {
                         let [(orbit, margin)] = physical.as_slice() else { panic!("{model:?} {family:?}") };
                         let impulses: Vec<f64> = orbit.impacts().iter().map(|impact| impact.impulse).collect();
-                        assert_eq!((sketch.impulses(), sketch.margin()), (impulses.as_slice(), *margin), "{model:?}");
-                        assert_eq!(Some(sketch.strongest_impulse()), orbit.strongest_impulse());
-                        let rounding = 64.0 * f64::EPSILON * sketch.response().condition();
-                        assert!((sketch.residual() - orbit.residual()).abs() < rounding, "{model:?}");
-                        assert_eq!(sketch.is_delicate(), finder.is_delicate(orbit).unwrap(), "{model:?}");
+                        assert_eq!(
+                            (breather.impulses(), breather.margin()),
+                            (impulses.as_slice(), *margin),
+                            "{model:?}"
+                        );
+                        assert_eq!(Some(breather.strongest_impulse()), orbit.strongest_impulse());
+                        let rounding = 64.0 * f64::EPSILON * breather.response().condition();
+                        assert!((breather.residual() - orbit.residual()).abs() < rounding, "{model:?}");
+                        assert_eq!(breather.is_delicate(), finder.is_delicate(orbit).unwrap(), "{model:?}");
                         seen[i][1] += 1;
                     }
                 }

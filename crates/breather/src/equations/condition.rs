@@ -15,7 +15,7 @@ use crate::equations::unknowns::Unknowns;
 use crate::equations::{Equations, Errors, System, UNIT};
 use crate::motion::Motion;
 use crate::orbit::{Impact, Orbit};
-use crate::worst::worse;
+use crate::worse;
 
 /// Estimated absolute errors of an impact. Dimensionless, like what they are errors of.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -18,7 +18,7 @@ use vibrochain_lattice::{ImpulseResponse, KernelJet};
 use crate::equations::linear::{Matrix, Vector, zeros};
 use crate::equations::unknowns::{Unknowns, static_displacement};
 use crate::orbit::{Impact, Orbit};
-use crate::worst::worse;
+use crate::worse;
 
 mod bloch;
 pub(crate) mod condition;

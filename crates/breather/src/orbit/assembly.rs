@@ -5,7 +5,7 @@ use vibrochain_lattice::{ImpulseResponse, Model, Spectrum};
 use crate::error::BreatherError;
 use crate::motion::Motion;
 use crate::orbit::{Draft, Family, Hit, Impact, Orbit, sources};
-use crate::worst::worse;
+use crate::worse;
 
 impl Orbit {
     /// Works out velocities, accelerations and the residual. `motion` is left holding this orbit.

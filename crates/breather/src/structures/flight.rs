@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Complex, FeltModes, LinearMode, ModalStructure, ModeFlow, Turn, Turned};
+use vibrochain_lattice::{Complex, LinearMode, ModalStructure, ModeFlow, ParticipatingModes, Turn, Turned};
 
 use super::equations::Equations;
 use super::error::StructureOrbitError;
@@ -129,7 +129,7 @@ impl<'a> StructureMotion<'a> {
             }
         }
         // Every mode by itself, felt or not.
-        let felt = FeltModes { modes: structure.modes().to_vec(), ..FeltModes::default() };
+        let felt = ParticipatingModes { modes: structure.modes().to_vec(), ..ParticipatingModes::default() };
         let kernel = PeriodicKernel::new(structure.modes(), Arc::new(felt), &[], self.orbit.period());
         let mut states = after_impacts(self.orbit, &kernel).swap_remove(i).into_iter();
         let mut offsets = self.orbit.offsets().iter();

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use vibrochain_lattice::{Barrier, FeltModes, MAX_MAGNITUDE, ModalStructure, StructureError};
+use vibrochain_lattice::{Barrier, MAX_MAGNITUDE, ModalStructure, ParticipatingModes, StructureError};
 
 use super::error::StructureOrbitError;
 use super::response::Response;
@@ -18,7 +18,7 @@ pub struct StructureModel {
 }
 
 /// The modes that some contacts feel, of each list of contacts that has been asked for.
-type Felt = Vec<(Vec<usize>, Arc<FeltModes>)>;
+type Felt = Vec<(Vec<usize>, Arc<ParticipatingModes>)>;
 
 /// What contacts do after impacts at some of them, for each list of these and number of periods: words of one contact share it.
 type Responses = Vec<((Vec<usize>, u32), Arc<Response>)>;
@@ -52,12 +52,12 @@ impl StructureModel {
     }
 
     /// The modes as impacts at these contacts feel them.
-    pub(super) fn felt(&self, hit: &[usize]) -> Arc<FeltModes> {
+    pub(super) fn participating_modes(&self, hit: &[usize]) -> Arc<ParticipatingModes> {
         let mut known = self.felt.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, felt)) = known.iter().find(|(contacts, _)| contacts == hit) {
             return felt.clone();
         }
-        let felt = Arc::new(self.structure.felt(hit));
+        let felt = Arc::new(self.structure.participating_modes(hit));
         known.push((hit.to_vec(), felt.clone()));
         felt
     }
@@ -69,7 +69,8 @@ impl StructureModel {
             return Ok(response.clone());
         }
         let period = self.period() * f64::from(force_periods);
-        let response = Arc::new(Response::new(&self.structure, (self.omega, period), self.felt(hit), hit)?);
+        let response =
+            Arc::new(Response::new(&self.structure, (self.omega, period), self.participating_modes(hit), hit)?);
         known.push(((hit.to_vec(), force_periods), response.clone()));
         Ok(response)
     }

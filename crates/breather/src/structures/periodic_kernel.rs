@@ -10,7 +10,7 @@
 
 use std::sync::Arc;
 
-use vibrochain_lattice::{FeltModes, LinearMode, Turn, Turned};
+use vibrochain_lattice::{LinearMode, ParticipatingModes, Turn, Turned};
 use wide::f64x4;
 
 use crate::lanes::{LANES, Lane, ZERO, all, four};
@@ -37,7 +37,7 @@ struct Sum {
 pub(super) struct PeriodicKernel {
     pub(super) period: f64,
     /// The modes as the impacts feel them, and the sums of the regular ones.
-    pub(super) felt: Arc<FeltModes>,
+    pub(super) felt: Arc<ParticipatingModes>,
     sums: Vec<Option<Sum>>,
     /// The rigid modes of the structure, as they are: each has an offset.
     rigid: Vec<LinearMode>,
@@ -52,7 +52,7 @@ pub(super) type Jet = ([f64; 4], [f64; 3]);
 type Losses = [[f64x4; 2]; 2];
 
 impl PeriodicKernel {
-    pub(super) fn new(modes: &[LinearMode], felt: Arc<FeltModes>, hit: &[usize], period: f64) -> Self {
+    pub(super) fn new(modes: &[LinearMode], felt: Arc<ParticipatingModes>, hit: &[usize], period: f64) -> Self {
         let sums = felt.modes.iter().map(|mode| Sum::of(mode, period)).collect();
         let rigid = modes.iter().filter(|mode| mode.is_rigid()).cloned().collect();
         let mut kernel = Self { period, felt, sums, rigid, own: Vec::new() };

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vibrochain_lattice::{Complex, FeltModes, ModalStructure, StructureError};
+use vibrochain_lattice::{Complex, ModalStructure, ParticipatingModes, StructureError};
 
 use super::periodic_kernel::PeriodicKernel;
 
@@ -31,7 +31,7 @@ impl Response {
     pub(super) fn new(
         structure: &ModalStructure,
         (omega, period): (f64, f64),
-        felt: Arc<FeltModes>,
+        felt: Arc<ParticipatingModes>,
         hit: &[usize],
     ) -> Result<Self, StructureError> {
         let kernel = PeriodicKernel::new(structure.modes(), felt, hit, period);

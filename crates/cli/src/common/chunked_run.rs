@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use rayon::ThreadPool;
 use vibrochain_lattice::Stop;
-use vibrochain_maps::files::{Destination, promises_folder, settle_names};
+use vibrochain_maps::files::{Destination, promises_folder, sync_folder};
 use vibrochain_maps::grid::Grid;
 use vibrochain_maps::manifest::Effort;
 use vibrochain_maps::summary::Summary;
@@ -122,7 +122,7 @@ impl<S: Grid, C: Content<S>> ChunkedRun<'_, C, S> {
     }
 
     /// Puts the table and what belongs to it in their places, by `finish`, and removes the chunks.
-    pub(crate) fn settle(
+    pub(crate) fn publish(
         &self,
         gathered: Gathered,
         place: &Path,
@@ -144,7 +144,7 @@ impl<S: Grid, C: Content<S>> ChunkedRun<'_, C, S> {
         }
         drop(last);
         // The table's name must be on the disk before the chunks are not.
-        settle_names(place);
+        sync_folder(place);
         let folder = store.folder().to_owned();
         if !store.remove(self.plan) {
             console.remark(&format!("{} holds other files and was left, without its chunks", folder.display()));

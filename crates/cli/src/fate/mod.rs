@@ -217,7 +217,7 @@ impl<S: SweptScene> Ends<'_, S> {
             (Some(out), Some(place)) => {
                 let gathered = run.gather(out, &parts_path(out), &mut seen, console)?;
                 let answer = seen.answer(args.json)?;
-                run.settle(gathered, place, console, |table| {
+                run.publish(gathered, place, console, |table| {
                     table.commit()?;
                     seen.finish(manifest)
                 })?;

@@ -67,7 +67,7 @@ fn solution(solution: &Solution) -> Value {
         "obstruction": admissibility.obstruction.as_ref().map(obstruction),
         "stability": multipliers.as_ref().ok().map(stability),
         "modes": modes.as_ref().map(|modes| &modes.modes),
-        "own_mode": modes.as_ref().and_then(OrbitModes::own),
+        "internal_mode": modes.as_ref().and_then(OrbitModes::internal),
         "collision": modes.as_ref().and_then(|modes| modes.collision),
     });
     if let Err(error) = multipliers {

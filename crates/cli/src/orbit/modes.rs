@@ -6,7 +6,9 @@ use std::fmt;
 use serde::Serialize;
 use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Orbit};
-use vibrochain_floquet::{Collision, Complex, DressedModes, OwnMode, Secular, Signature, bare_signature, felt_modes};
+use vibrochain_floquet::{
+    Collision, Complex, DressedModes, InternalMode, Secular, Signature, bare_signature, participating_modes,
+};
 
 /// The most modes of which signatures are told: each asks all others, all together half a second.
 const MOST_SIGNED: usize = 1025;
@@ -33,8 +35,8 @@ pub(crate) struct OrbitModes {
     count: usize,
     /// Each of them, unless nothing is told of any.
     pub(super) modes: Vec<ModeAnswer>,
-    own: Option<OwnMode>,
-    own_signature: Option<Signature>,
+    internal: Option<InternalMode>,
+    internal_signature: Option<Signature>,
     pub(super) collision: Option<Collision>,
     omega: f64,
 }
@@ -44,7 +46,7 @@ impl OrbitModes {
     /// one. Unless they are `listed` only the signatures of single modes are told, and nothing else of them is worked out.
     pub(crate) fn of(orbit: &Orbit, finder: &mut Finder, leading: Option<Complex<f64>>, listed: bool) -> Option<Self> {
         let site = orbit.impact_site().filter(|_| orbit.is_reversible())?;
-        let felt = felt_modes(orbit.model().chain(), site);
+        let felt = participating_modes(orbit.model().chain(), site);
         let prepared = finder.prepared(orbit).ok()?;
         let response = prepared.response();
         let mut dressed = DressedModes::default();
@@ -67,7 +69,7 @@ impl OrbitModes {
             signatures = dressed.signatures(prepared, roots);
         }
         let signature = |k: usize| signatures.get(k).copied().flatten();
-        let own = dressed.own().copied();
+        let internal = dressed.internal_mode().copied();
         let count = felt.len();
         let last = count.saturating_sub(1);
         let told = if listed || signed { felt } else { Vec::new() };
@@ -86,19 +88,19 @@ impl OrbitModes {
         let collision = leading.and_then(|leading| dressed.collision(leading));
         let omega = response.omega();
         // At −1 it is its own mirror image.
-        let own_signature = own.and_then(|own| own.signature(omega)).and_then(|_| signature(last));
-        Some(Self { count, modes, own, own_signature, collision, omega })
+        let internal_signature = internal.and_then(|mode| mode.signature(omega)).and_then(|_| signature(last));
+        Some(Self { count, modes, internal, internal_signature, collision, omega })
     }
 
     /// The mode that the breather has drawn out of the band. Above it there is no other: its number is that of the last mode.
-    pub(super) fn own(&self) -> Option<Value> {
-        let OwnMode { frequency, loss } = self.own?;
-        let (mode, signature) = (self.count - 1, self.own_signature);
+    pub(super) fn internal(&self) -> Option<Value> {
+        let InternalMode { frequency, loss } = self.internal?;
+        let (mode, signature) = (self.count - 1, self.internal_signature);
         Some(json!({ "mode": mode, "frequency": frequency, "signature": signature, "loss": loss }))
     }
 }
 
-/// "signatures of modes: 0–6 +, 7–10 −", the breather's own mode, and the collision.
+/// "signatures of modes: 0–6 +, 7–10 −", the internal mode, and the collision.
 impl fmt::Display for OrbitModes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let sign = |mode: &ModeAnswer| match mode.signature {
@@ -122,21 +124,21 @@ impl fmt::Display for OrbitModes {
             [] => write!(f, "no mode beside the breather")?,
             runs => write!(f, "signatures of modes: {}", runs.join(", "))?,
         }
-        if let Some(own) = self.own {
-            let sign = match self.own_signature {
+        if let Some(mode) = self.internal {
+            let sign = match self.internal_signature {
                 Some(Signature::Positive) => " +",
                 Some(Signature::Negative) => " −",
                 None => "",
             };
-            write!(f, "; the breather's own mode at {}{sign}", own.frequency)?;
+            write!(f, "; the internal mode at {}{sign}", mode.frequency)?;
         }
         let Some(collision) = self.collision else { return Ok(()) };
         let ((k, l), harmonic) = (collision.modes, collision.harmonic);
         let which = match (k, l) {
             _ if l + 1 < self.count && k < l => format!("modes {k} and {l}"),
             _ if l + 1 < self.count => format!("mode {k} with itself"),
-            _ if k < l => format!("mode {k} and the breather's own"),
-            _ => "the breather's own mode with itself".to_owned(),
+            _ if k < l => format!("mode {k} and the internal mode"),
+            _ => "the internal mode with itself".to_owned(),
         };
         let times = if harmonic == 1 { "ω".to_owned() } else { format!("{harmonic}ω") };
         write!(f, "; collided: {which}, their frequencies sum to {times} = {}", harmonic as f64 * self.omega)?;

@@ -3,7 +3,7 @@
 //! for as long as there is a multiplier of its kind, and its line may be out there.
 
 use vibrochain_breather::{Family, Finder, Found};
-use vibrochain_floquet::{Analyser, Complex, Mechanism, Tolerance, felt_modes};
+use vibrochain_floquet::{Analyser, Complex, Mechanism, Tolerance, participating_modes};
 use vibrochain_lattice::Stop;
 
 use crate::stripes::request::{Request, family};
@@ -125,7 +125,7 @@ impl Carrier {
             return false;
         }
         let passed = |frequency: &f64| (frequency / here.omega()).floor() != (frequency / next.omega()).floor();
-        if felt_modes(next.chain(), 0).iter().any(|(_, frequency)| passed(frequency)) {
+        if participating_modes(next.chain(), 0).iter().any(|(_, frequency)| passed(frequency)) {
             return false;
         }
         let Some(orbit) = self.found.orbits.first() else { return false };

@@ -69,7 +69,7 @@ pub(super) fn evidence(request: &Request, tiles: &[Tile], rows: &Rows) -> String
             let _ = write!(text, " {name:>16}");
         }
         let _ =
-            writeln!(text, " {:>16} {:>8} {:>16} {:>16}", "own mode grows", "cuts", "cuts with a sum", "carried on");
+            writeln!(text, " {:>16} {:>8} {:>16} {:>16}", "internal grows", "cuts", "cuts with a sum", "carried on");
         for group in Group::ALL {
             let cells: Vec<usize> = here.iter().filter(|(_, tile)| group.has(tile)).map(|(cell, _)| *cell).collect();
             if cells.is_empty() {

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::ThreadPool;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use vibrochain_breather::{Family, Finder, Found};
-use vibrochain_floquet::{DressedModes, Passing, felt_modes, passings};
+use vibrochain_floquet::{DressedModes, Passing, participating_modes, passings};
 use vibrochain_lattice::{Parameter, Stop};
 
 use crate::common::error::CliError;
@@ -49,7 +49,7 @@ pub(super) struct Rows {
     /// For comparison: whether a cell is within one cell, along its row, of a line of sums of the bare lattice's modes, and of
     /// differences.
     pub(super) bare: [Vec<bool>; 2],
-    /// Cells whose breather's own mode grows by itself ([`DressedModes::own_grows`]).
+    /// Cells whose internal mode grows by itself ([`DressedModes::internal_grows`]).
     pub(super) growing: Vec<usize>,
 }
 
@@ -158,7 +158,7 @@ impl Worker {
         Ok(all)
     }
 
-    /// Ω̃/ω of all modes in one cell, and whether the breather's own grows by itself.
+    /// Ω̃/ω of all modes in one cell, and whether the internal mode grows by itself.
     fn frequencies(&mut self, request: &Request, cell: usize, family: Family, out: &mut Vec<Option<f64>>) -> bool {
         let Ok(model) = request.scene.point(cell as u64).model() else { return false };
         if self.finder.find_symmetric(&model, family, &mut self.found).is_err() {
@@ -170,7 +170,7 @@ impl Worker {
             return false;
         }
         out.extend(self.modes.frequencies().map(|frequency| frequency.map(|frequency| frequency / model.omega())));
-        self.modes.own_grows()
+        self.modes.internal_grows()
     }
 }
 
@@ -180,7 +180,7 @@ fn bare(request: &Request, row: usize) -> [Vec<bool>; 2] {
     let columns = request.omega.points;
     let mut near = [vec![false; columns], vec![false; columns]];
     let Ok(model) = request.scene.point(request.cell(row, 0) as u64).model() else { return near };
-    let frequencies = felt_modes(model.chain(), 0);
+    let frequencies = participating_modes(model.chain(), 0);
     for (k, (_, low)) in frequencies.iter().enumerate() {
         for (l, (_, high)) in frequencies.iter().enumerate().skip(k) {
             // A mode against itself collides at odd harmonics only, and has no difference.

@@ -129,16 +129,16 @@ fn draw(files: PictureFiles, request: &Request, tiles: &[Tile], lines: &[Line], 
     (0..).zip(tiles).for_each(|(number, tile)| shown.tile(number, *tile));
     let map = MapPicture { scene: &request.scene, cells: &shown, palette: Palette::default(), borders: &[] };
     let lines: Vec<MapLine> =
-        lines.iter().filter(|line| line.sum || all).map(|line| drawn(line, request.own)).collect();
+        lines.iter().filter(|line| line.sum || all).map(|line| drawn(line, request.internal)).collect();
     files.draw(|page| map_with_lines(&map, &lines, page))
 }
 
-fn drawn(line: &Line, own: usize) -> MapLine {
+fn drawn(line: &Line, internal: usize) -> MapLine {
     let (k, l) = line.modes;
     MapLine {
         points: line.points.iter().map(|point| (point.omega, point.gamma2)).collect(),
         label: format!("{k},{l},{}", line.harmonic),
         faint: !line.sum,
-        own: (l == own).then_some(own),
+        internal: (l == internal).then_some(internal),
     }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::common::error::CliError;
 use vibrochain_breather::Family;
-use vibrochain_floquet::felt_modes;
+use vibrochain_floquet::participating_modes;
 use vibrochain_lattice::Parameter;
 use vibrochain_maps::scene::{Axis, Scene, Values};
 use vibrochain_plot::Tile;
@@ -36,8 +36,8 @@ pub(super) struct Request {
     pub(super) scene: Scene,
     pub(super) omega: Steps,
     pub(super) gamma2: Steps,
-    /// Number of the breather's own mode, above that of all others.
-    pub(super) own: usize,
+    /// Number of the internal mode, above that of all others.
+    pub(super) internal: usize,
 }
 
 impl Request {
@@ -78,8 +78,8 @@ impl Request {
             return Err(wrong("the map must tell stable from unstable cells: set stability = true in [compute]"));
         }
         // Families of scenes are at site 0.
-        let own = felt_modes(model.chain(), 0).len().saturating_sub(1);
-        Ok(Self { scene, omega, gamma2, own })
+        let internal = participating_modes(model.chain(), 0).len().saturating_sub(1);
+        Ok(Self { scene, omega, gamma2, internal })
     }
 
     /// Number of a cell.

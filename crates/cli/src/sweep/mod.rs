@@ -104,7 +104,7 @@ impl<S: SweptScene> Sweep<'_, S> {
         let (summary, effort) = (gathered.summary.clone(), gathered.effort);
         let manifest = manifest_text(self.plan, &summary, Some(effort));
         let (bar, mut told) = (console.progress, String::new());
-        run.settle(gathered, &place, console, |table| {
+        run.publish(gathered, &place, console, |table| {
             told = pictures.find_borders(self.pool, &stop, bar)?;
             table.commit()?;
             Output::create(&manifest_file)?.finish_with(manifest.as_bytes())?;

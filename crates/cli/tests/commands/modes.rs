@@ -53,7 +53,7 @@ fn an_orbit_tells_its_modes_and_which_have_collided() {
 }
 
 #[test]
-fn an_orbit_tells_of_the_breathers_own_mode() {
+fn an_orbit_tells_of_the_internal_mode() {
     let line = |omega: &str, flags: &str| {
         let line = format!(
             "orbit --family single-sided --sites 6 --gamma1 .2 --gamma2 .2 --asymmetry .4 --omega {omega} {flags}"
@@ -66,7 +66,7 @@ fn an_orbit_tells_of_the_breathers_own_mode() {
     };
     // Stable; ω is between Ω₁ and Ω₂, so that no mode is.
     let value = solution(".69");
-    let own = &value["own_mode"];
+    let own = &value["internal_mode"];
     assert_eq!((&own["mode"], &own["signature"], &own["loss"]), (&3.into(), &(-1).into(), &0.0.into()));
     let turns = own["frequency"].as_f64().unwrap() / 0.69;
     assert!(value["modes"][1]["dressed"].is_null() && value["modes"][3]["dressed"].is_null());
@@ -77,11 +77,10 @@ fn an_orbit_tells_of_the_breathers_own_mode() {
     let value = solution(".66");
     assert_eq!(value["stability"]["mechanism"], "neimark-sacker");
     assert_eq!(value["collision"]["modes"], serde_json::json!([2, 3]));
-    line(".66", "").stdout(contains("collided: mode 2 and the breather's own, their frequencies sum to 2ω = 1.32 "));
-    line(".72", "")
-        .stdout(contains("collided: the breather's own mode with itself, their frequencies sum to ω = 0.72"));
+    line(".66", "").stdout(contains("collided: mode 2 and the internal mode, their frequencies sum to 2ω = 1.32 "));
+    line(".72", "").stdout(contains("collided: the internal mode with itself, their frequencies sum to ω = 0.72"));
     // Double-sided, above the band: it has none.
-    assert!(self::solution("double-sided", "1.6")["own_mode"].is_null());
+    assert!(self::solution("double-sided", "1.6")["internal_mode"].is_null());
 }
 
 /// The signature beside `dressed` is that of the dressed mode's multiplier: the breather has carried mode 4 past −1.

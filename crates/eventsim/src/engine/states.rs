@@ -37,7 +37,7 @@ impl Engine {
         self.moved.drain(..).for_each(|n| self.origin[n] = 0.0);
         std::mem::swap(&mut self.ring.x, &mut self.x_next);
         std::mem::swap(&mut self.ring.v, &mut self.v_next);
-        self.ring.settle_all();
+        self.ring.free_all_departed();
         self.clock.advance(s);
         self.since_event += s;
     }
@@ -85,7 +85,7 @@ impl Engine {
                     }
                     *origin = s;
                     (self.ring.x[n], self.ring.v[n]) = (x, v);
-                    self.ring.settle(n);
+                    self.ring.free_departed(n);
                 }
             }
         }

@@ -15,7 +15,7 @@ impl Motion {
     pub(super) fn part(&mut self, contact: usize, barrier: Barrier, changes: &mut Vec<Change>) {
         let outward = self.outward(contact, barrier);
         if outward == 0.0 {
-            self.settle(contact, barrier, changes);
+            self.rest_or_leave(contact, barrier, changes);
             return;
         }
         self.places[contact].touch = Contact::Leaving(barrier, 1);
@@ -35,7 +35,7 @@ impl Motion {
     }
 
     /// A contact on its barrier without velocity: it rests, or leaves.
-    pub(crate) fn settle(&mut self, contact: usize, barrier: Barrier, changes: &mut Vec<Change>) {
+    pub(crate) fn rest_or_leave(&mut self, contact: usize, barrier: Barrier, changes: &mut Vec<Change>) {
         self.places[contact].v = Some(0.0);
         self.places[contact].touch = Contact::Free;
         match Series::tendencies(&self.system, &self.flight, &self.places).tendency(contact, barrier, 2) {

@@ -148,7 +148,7 @@ impl StructureSimulation {
         for (contact, barrier) in touching {
             let outward = barrier.sign() * series.contacts[contact][1];
             if outward.abs() <= 4.0 * series.doubts[contact][1] {
-                motion.settle(contact, barrier, &mut untold);
+                motion.rest_or_leave(contact, barrier, &mut untold);
             } else if outward < 0.0 {
                 let v = Some(barrier.sign() * outward / series.length);
                 motion.places[contact] = Place { v, touch: Contact::Leaving(barrier, 1), ..motion.places[contact] };

@@ -2,7 +2,7 @@
 //! held against the tolerance.
 
 use nalgebra::Complex;
-use vibrochain_breather::{BlochEquations, Finder, Sketch};
+use vibrochain_breather::{BlochEquations, Finder, MapBreather};
 use vibrochain_lattice::Model;
 
 use crate::analyser::{Analyser, Failure};
@@ -40,7 +40,7 @@ impl Analyser {
         self.secular.residues.complete(ratio)?;
         let mut found = self.secular.verdict()?;
         if !question.thorough && check(found.excess, found.excess_error, question).is_err() {
-            found = self.secular.settled(found, orbit.period());
+            found = self.secular.refined(found, orbit.period());
         }
         if found.outcome == Standing::Undecided {
             if is_affordable(orbit) {
@@ -96,30 +96,30 @@ impl Analyser {
         }))
     }
 
-    /// The verdict on a breather of which there is only a sketch, as [`Analyser::verdict`] has it of the orbit; `None` where only the
+    /// The verdict on a [`MapBreather`], as [`Analyser::verdict`] has it of the orbit; `None` where only the
     /// orbit can tell: next to where its errors matter or to the border of stability, and how its symmetry breaks.
     ///
     /// ```
-    /// use vibrochain_breather::{Family, Finder, Sketched};
+    /// use vibrochain_breather::{Family, Finder, MapSearch};
     /// use vibrochain_floquet::{Analyser, Tolerance};
     /// use vibrochain_lattice::{Chain, Model};
     /// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 0.8, 0.4)?;
     /// let mut finder = Finder::new(21);
-    /// let Sketched::One(sketch) = finder.sketch(&model, Family::SingleSided) else { panic!() };
-    /// let verdict = Analyser::default().sketch_verdict(&model, &sketch, Tolerance::Rounding).unwrap();
+    /// let MapSearch::One(breather) = finder.map_breather(&model, Family::SingleSided) else { panic!() };
+    /// let verdict = Analyser::default().map_verdict(&model, &breather, Tolerance::Rounding).unwrap();
     /// assert!(!verdict.stable && (verdict.spectral_radius - 2.797574412183362).abs() < 1e-12);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn sketch_verdict(&mut self, model: &Model, sketch: &Sketch<'_>, tolerance: Tolerance) -> Option<Verdict> {
-        let ratio = match *sketch.impulses() {
+    pub fn map_verdict(&mut self, model: &Model, breather: &MapBreather<'_>, tolerance: Tolerance) -> Option<Verdict> {
+        let ratio = match *breather.impulses() {
             _ if self.dense_only => return None,
             [_] => None,
-            [first, second] if !sketch.is_delicate() => {
+            [first, second] if !breather.is_delicate() => {
                 Some((second / first, rounding_of_ratio([first, second].into_iter())))
             }
             _ => return None,
         };
-        self.secular.residues.take_over_ring(sketch.response());
+        self.secular.residues.take_over_ring(breather.response());
         if self.secular.residues.all_positive(ratio) {
             return Some(Verdict::on_circle(None));
         }
@@ -130,7 +130,7 @@ impl Analyser {
             found.outcome == Standing::Stable || is_precise(found.excess, found.excess_error, modes, WORST_OF_SWEEP)
         };
         if !is_precise(&found) {
-            found = self.secular.settled(found, sketch.response().period());
+            found = self.secular.refined(found, breather.response().period());
         }
         let (verdict, precise) = (told(&found, tolerance), is_precise(&found));
         // Of an orbit without asymmetry this may be a pitchfork.

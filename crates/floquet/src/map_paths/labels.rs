@@ -5,7 +5,7 @@ use vibrochain_breather::{Finder, Orbit};
 
 use crate::all_multipliers::{Spared, partition_point_from};
 use crate::error::FloquetError;
-use crate::multipliers::felt_modes;
+use crate::multipliers::participating_modes;
 
 /// For multipliers as [`crate::Analyser::stability`] returns them, the mode k whose e^{±iΩ_kT} is next by angle, in
 /// O(M log M); `None` for the trivial pair of a conservative orbit and for impacts at several sites.
@@ -58,7 +58,7 @@ impl ModeLabels {
         let (cos, sin) = (response.cos_half(), response.sin_half());
         let angle = |k: usize| 2.0 * sin[k].abs().atan2(cos[k].abs());
         let mut angles: Vec<(f64, usize)> =
-            felt_modes(orbit.model().chain(), site).into_iter().map(|(k, _)| (angle(k), k)).collect();
+            participating_modes(orbit.model().chain(), site).into_iter().map(|(k, _)| (angle(k), k)).collect();
         angles.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         Ok(Self { conservative, spared: Spared::of(orbit), angles, last: [0; 2] })
     }

@@ -13,7 +13,7 @@ use super::dressed::DressedModes;
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[must_use]
 pub struct Collision {
-    /// k ≤ l; mode k is the one between Ω_k and Ω_{k+1}, and the last one, [`DressedModes::count`] − 1, the breather's own.
+    /// k ≤ l; mode k is the one between Ω_k and Ω_{k+1}, and the last one, [`DressedModes::count`] − 1, the internal mode.
     /// Equal for a mode against itself (period doubling).
     pub modes: (usize, usize),
     /// j
@@ -26,8 +26,8 @@ pub struct Collision {
 #[derive(Debug, Clone, Copy)]
 struct Candidate {
     mode: usize,
-    /// Whole turns added to the phase.
-    turns: f64,
+    /// Winding number: whole turns added to the phase.
+    winding: f64,
     /// Distance from the mode's own phase, in units of what its gap spans.
     distance: f64,
     frequency: Option<f64>,
@@ -63,16 +63,16 @@ impl DressedModes {
             if leading.re >= 0.0 || self.is_symmetric() {
                 return None;
             }
-            let own = self.candidates(0.5).into_iter().min_by(|a, b| a.distance.total_cmp(&b.distance))?;
-            let harmonic = 2.0 * own.turns + 1.0;
-            let detuning = own.frequency.map(|frequency| 2.0 * frequency - harmonic * self.omega());
-            return Some(Collision { modes: (own.mode, own.mode), harmonic: harmonic as usize, detuning });
+            let here = self.candidates(0.5).into_iter().min_by(|a, b| a.distance.total_cmp(&b.distance))?;
+            let harmonic = 2.0 * here.winding + 1.0;
+            let detuning = here.frequency.map(|frequency| 2.0 * frequency - harmonic * self.omega());
+            return Some(Collision { modes: (here.mode, here.mode), harmonic: harmonic as usize, detuning });
         }
         let (up, down) = (self.candidates(turns), self.candidates(-turns));
         let mut best: Option<(f64, Collision)> = None;
         for a in &up {
             for b in down.iter().filter(|b| b.mode != a.mode) {
-                let harmonic = a.turns + b.turns;
+                let harmonic = a.winding + b.winding;
                 let distance = a.distance + b.distance;
                 if self.is_symmetric() && harmonic % 2.0 != 0.0 || best.is_some_and(|(least, _)| least <= distance) {
                     continue;
@@ -86,28 +86,28 @@ impl DressedModes {
         best.map(|(_, collision)| collision)
     }
 
-    /// All modes between whose neighbours Ω_k/ω and Ω_{k+1}/ω the place lies, whole turns added, and the breather's own, which
+    /// All modes between whose neighbours Ω_k/ω and Ω_{k+1}/ω the place lies, whole turns added, and the internal mode, which
     /// has no neighbours, if it is not farther away than those would be.
     fn candidates(&self, place: f64) -> Vec<Candidate> {
         let mut found = Vec::new();
         for mode in 0..self.count() {
             let Some((low, high)) = self.gap(mode) else { continue };
             let (low, high) = (low / self.omega(), high / self.omega());
-            let mut turns = (low - place).ceil();
+            let mut winding = (low - place).ceil();
             let mut frequency = None;
-            while place + turns < high {
+            while place + winding < high {
                 let own = *frequency.get_or_insert_with(|| self.frequency(mode));
                 let centre = own.map_or(0.5 * (low + high), |own| own / self.omega());
-                let distance = (place + turns - centre).abs() / (high - low);
-                found.push(Candidate { mode, turns, distance, frequency: own });
-                turns += 1.0;
+                let distance = (place + winding - centre).abs() / (high - low);
+                found.push(Candidate { mode, winding, distance, frequency: own });
+                winding += 1.0;
             }
         }
-        if let Some(own) = self.own() {
-            let turns = (own.frequency / self.omega() - place).round();
-            let distance = ((place + turns) * self.omega() - own.frequency).abs() / self.spacing();
+        if let Some(mode) = self.internal_mode() {
+            let winding = (mode.frequency / self.omega() - place).round();
+            let distance = ((place + winding) * self.omega() - mode.frequency).abs() / self.spacing();
             if distance < 1.0 {
-                found.push(Candidate { mode: self.count() - 1, turns, distance, frequency: Some(own.frequency) });
+                found.push(Candidate { mode: self.count() - 1, winding, distance, frequency: Some(mode.frequency) });
             }
         }
         found

@@ -14,7 +14,7 @@
 //! between Ω_k (x = πk) and Ω_{k+1}, all meetings with others left out. (f itself is never resonant then, and neither does
 //! Ω̃ jump where another mode passes.)
 //!
-//! A mode that the breather has drawn out of the band (`own`) loses waves to a w_j in the band: it is a zero of the
+//! A mode that the breather has drawn out of the band (`internal`) loses waves to a w_j in the band: it is a zero of the
 //! coefficient of reflection next to the real axis, and turns its phase by 2π within the width of that loss. Meetings
 //! with it are left out by dividing by its factor (Ω−z)/(Ω−z̄), which has modulus 1.
 //!
@@ -29,19 +29,19 @@ use nalgebra::Complex;
 use vibrochain_breather::Prepared;
 
 use super::form::{C, Form};
-use super::own::{OwnMode, own_mode};
+use super::internal::{InternalMode, internal_mode};
 use super::signature::{Signature, signature};
 use crate::bracket::zero;
 use crate::error::FloquetError;
-use crate::multipliers::felt_modes;
+use crate::multipliers::participating_modes;
 use crate::saltation::{Saltation, saltations};
 
 /// Two modes this close, relatively, have none between them.
 const EQUAL: f64 = 1e-9;
 
 /// The frequencies Ω̃_k of the modes of the lattice with a breather on it, apart from collisions: Ω_k < Ω̃_k < Ω_{k+1} between two that
-/// feel the impacts, numbered by rising frequency ([`crate::felt_modes`]), and,
-/// as the last one, that of the breather's own mode, which is not in the band ([`OwnMode`]).
+/// feel the impacts, numbered by rising frequency ([`crate::participating_modes`]), and,
+/// as the last one, that of the internal mode, which is not in the band ([`InternalMode`]).
 ///
 /// Above ω = 2Ω_max, where none can collide, e^{±iΩ̃T} are multipliers of the orbit.
 ///
@@ -57,7 +57,7 @@ const EQUAL: f64 = 1e-9;
 /// // Bare modes at 0.447, 0.592, 0.807 and 0.896; the breather leaves three, in between, and has none of its own.
 /// let dressed: Vec<f64> = modes.frequencies().flatten().collect();
 /// assert!((dressed[0] - 0.493).abs() < 1e-3 && (dressed[1] - 0.720).abs() < 1e-3 && (dressed[2] - 0.876).abs() < 1e-3);
-/// assert!(dressed.len() == 3 && modes.own().is_none());
+/// assert!(dressed.len() == 3 && modes.internal_mode().is_none());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Default)]
@@ -67,8 +67,8 @@ pub struct DressedModes {
     form: Form,
     symmetric: bool,
     /// Looked for when it is asked for, where no other mode depends on it.
-    own: OnceLock<Option<OwnMode>>,
-    /// Zeros of the coefficient of reflection in the band that are the breather's own mode.
+    internal: OnceLock<Option<InternalMode>>,
+    /// Zeros of the coefficient of reflection in the band that are the internal mode.
     zeros: Vec<C>,
 }
 
@@ -82,7 +82,7 @@ impl DressedModes {
         let (orbit, response) = (prepared.orbit(), prepared.response());
         self.bare.clear();
         self.zeros.clear();
-        self.own = OnceLock::from(None);
+        self.internal = OnceLock::from(None);
         let Some(site) = orbit.impact_site().filter(|_| orbit.is_reversible()) else { return Ok(()) };
         let _ = saltations(orbit)?;
         let e = orbit.model().restitution();
@@ -97,20 +97,20 @@ impl DressedModes {
         if chain.is_ring() {
             self.bare.extend_from_slice(response.frequencies());
         } else {
-            self.bare.extend(felt_modes(chain, site).into_iter().map(|(_, frequency)| frequency));
+            self.bare.extend(participating_modes(chain, site).into_iter().map(|(_, frequency)| frequency));
         }
         // On a ring one mode has its place between each two, and what has left the band is missing there. Between the bands of several
         // channels a mode may be localised, and be the one that has its place there.
         if chain.is_ring() && self.form.is_double() {
             // Only one that emits no waves is looked for: it leaves no zeros in the band.
-            self.own = OnceLock::new();
+            self.internal = OnceLock::new();
         } else if chain.is_ring() || (0..self.count().saturating_sub(1)).any(|k| self.is_missing(k)) {
-            self.own = OnceLock::from(own_mode(&self.form, &mut self.zeros));
+            self.internal = OnceLock::from(internal_mode(&self.form, &mut self.zeros));
         }
         Ok(())
     }
 
-    /// Number of modes: those between two neighbours of the bare ring, and the breather's own, the last one.
+    /// Number of modes: those between two neighbours of the bare ring, and the internal mode, the last one.
     pub fn count(&self) -> usize {
         self.bare.len()
     }
@@ -136,18 +136,18 @@ impl DressedModes {
         (0..self.count()).map(|k| self.frequency(k))
     }
 
-    /// The breather's own mode, number [`Self::count`] − 1, if it has one.
-    pub fn own(&self) -> Option<&OwnMode> {
-        let look = || if self.bare.is_empty() { None } else { own_mode(&self.form, &mut Vec::new()) };
-        self.own.get_or_init(look).as_ref()
+    /// The internal mode, number [`Self::count`] − 1, if it has one.
+    pub fn internal_mode(&self) -> Option<&InternalMode> {
+        let look = || if self.bare.is_empty() { None } else { internal_mode(&self.form, &mut Vec::new()) };
+        self.internal.get_or_init(look).as_ref()
     }
 
-    /// The breather's own mode grows by what it emits, and so fast that it is e times as large before a wave has come back
+    /// The internal mode grows by what it emits, and so fast that it is e times as large before a wave has come back
     /// around the ring (in 2π over the mean distance of neighbouring modes). Such an orbit is unstable, on a long ring as on
     /// a short one, with few exceptions next to that bound; slower, the mode grows where it meets a mode of the ring, and not in between.
-    pub fn own_grows(&self) -> bool {
+    pub fn internal_grows(&self) -> bool {
         // Of several channels each has its own modes.
-        self.own().is_some_and(|own| -own.loss * TAU > self.spacing() * self.form.channels() as f64)
+        self.internal_mode().is_some_and(|mode| -mode.loss * TAU > self.spacing() * self.form.channels() as f64)
     }
 
     /// The mean distance of neighbouring modes.
@@ -171,10 +171,10 @@ impl DressedModes {
     }
 
     /// Ω̃_k; `None` where there is none between the two modes: the breather has drawn it out of the band, or a harmonic of
-    /// ω is there instead. That of the last k is the breather's own.
+    /// ω is there instead. That of the last k is the internal mode.
     pub fn frequency(&self, k: usize) -> Option<f64> {
         if k + 1 == self.count() {
-            return self.own().map(|own| own.frequency);
+            return self.internal_mode().map(|mode| mode.frequency);
         }
         let (low, high) = self.gap(k)?;
         let width = high - low;
@@ -191,7 +191,7 @@ impl DressedModes {
         excess(w).is_ok_and(|at| at.abs() < 1e-6).then_some(w)
     }
 
-    /// Signature of the multiplier of each mode, by rising k, the breather's own last: of all multipliers on the circle, and their
+    /// Signature of the multiplier of each mode, by rising k, the internal mode last: of all multipliers on the circle, and their
     /// mirror images, that next to e^{iΩ̃T}. `None` where that is next to another mode, or has the form of the other sign: then
     /// the mode's own has left the circle, or is too far from the place where it would be without meetings to be told apart.
     ///
@@ -224,7 +224,7 @@ impl DressedModes {
         places.iter().map(|place| place.and_then(signature_at)).collect()
     }
 
-    /// Half the phase of the coefficient of reflection, from 0 to π, the breather's own mode left out.
+    /// Half the phase of the coefficient of reflection, from 0 to π, the internal mode left out.
     fn delay(&self, w: f64) -> f64 {
         let own = |z: &C| (w - z.conj()) / (w - z);
         let rest: C = self.zeros.iter().map(own).product();

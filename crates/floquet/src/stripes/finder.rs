@@ -186,7 +186,7 @@ impl StripeFinder {
         let start = if itself { self.minus_one(harmonic) } else { 0.5 * time * (low? + both - high?) };
         let kept = self.reversal.kept([start / time, both - start / time]).ok_or(NoStripe::NoBreather)?;
         let pair = Pair { itself, harmonic, kept, spacing: self.dressed.spacing() };
-        let stripe = self.settle(line, &pair, value, start)?;
+        let stripe = self.refine(line, &pair, value, start)?;
         let apart = (stripe.centre - value).abs();
         if apart > stripe.half_width + pair.spacing {
             return Err(NoStripe::Elsewhere);
@@ -199,7 +199,8 @@ impl StripeFinder {
         harmonic as f64 * if self.reversal.is_double() { FRAC_PI_2 } else { PI }
     }
 
-    fn settle(&mut self, line: &StripeLine, pair: &Pair, value: f64, start: f64) -> Result<Stripe, NoStripe> {
+    /// Newton's method for the middle and the half width, from a guess at the middle.
+    fn refine(&mut self, line: &StripeLine, pair: &Pair, value: f64, start: f64) -> Result<Stripe, NoStripe> {
         let mut here = self.sample(line, pair, value, start)?;
         let reach = DIFFERENCE * pair.spacing.min(value.abs());
         for _ in 0..STEPS {

@@ -48,7 +48,7 @@ impl DressedModes {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
-    /// `None` off a ring, for the breather's own mode, where a wave has several partners in the band, and where the two modes pass.
+    /// `None` off a ring, for the internal mode, where a wave has several partners in the band, and where the two modes pass.
     pub fn growth_at_meeting(&self, (k, l): (usize, usize)) -> Option<f64> {
         let form = self.form();
         let sites = form.ring()?;

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `signature` | [`signature()`]: on which multiplier of a pair the energy is positive |
 //! | `form` | the secular function at one frequency, waves in the band running off |
-//! | `own` | [`OwnMode`]: the mode that the breather has drawn out of the band |
+//! | `internal` | [`InternalMode`]: the mode that the breather has drawn out of the band |
 //! | `dressed` | [`DressedModes`]: the frequencies of the modes with the breather on the ring |
 //! | `collision` | [`Collision`]: the pair behind an unstable multiplier |
 //! | `order` | [`SignatureOrder`]: whether there is a stripe between two orbits of any word |
@@ -27,16 +27,16 @@
 //!
 //! Of the m modes even about the site that is hit m−1 are left to collide, the breather takes the place of one: each of
 //! them swings between two neighbouring frequencies of the bare ring, Ω_k < Ω̃_k < Ω_{k+1}, and the stripes are where
-//! Ω̃_k + Ω̃_l = jω. One of them may have left the band: it is then the breather's own, number m−1. On long
+//! Ω̃_k + Ω̃_l = jω. One of them may have left the band: it is then the internal mode, number m−1. On long
 //! rings that is hardly apart from Ω_k + Ω_l = jω; on short ones it is the whole picture.
 
 mod collision;
 mod dressed;
 mod finder;
 mod form;
+mod internal;
 mod law;
 mod order;
-mod own;
 mod passing;
 mod pencil;
 mod place;
@@ -48,8 +48,8 @@ mod stripe;
 pub use collision::Collision;
 pub use dressed::DressedModes;
 pub use finder::StripeFinder;
+pub use internal::InternalMode;
 pub use order::{OrderFinder, SignatureOrder};
-pub use own::OwnMode;
 pub use passing::{Passing, passings};
 pub use row::StripeRow;
 pub use signature::{Signature, bare_signature, signature};

@@ -21,8 +21,8 @@ pub fn passings(from: &[Option<f64>], to: &[Option<f64>], even_only: bool, mut f
         for &(l, l_from, l_to) in &modes[i..] {
             for (sum, a, b) in [(true, k_from + l_from, k_to + l_to), (false, l_from - k_from, l_to - k_to)] {
                 let harmonic = a.max(b).floor();
-                // One and no jump of a mode; a mode against itself at an even harmonic is a resonance. (The breather's own
-                // mode stays at ω/2 while it doubles the period: both ends are passed.)
+                // One and no jump of a mode; a mode against itself at an even harmonic is a resonance. (The internal mode
+                // stays at ω/2 while it doubles the period: both ends are passed.)
                 let passed = a.min(b) <= harmonic && a != b && harmonic >= 1.0 && (a - b).abs() < 0.5;
                 let odd = harmonic % 2.0 != 0.0;
                 if passed && !(k == l && !(sum && odd)) && !(even_only && odd) {

@@ -12,7 +12,7 @@ use vibrochain_lattice::{Resonance, Stop};
 use super::watcher::OfStructures;
 use crate::events::{EventOrbit, Solved, Test, Watcher, solve};
 use crate::locate::branch_off::branch_off;
-use crate::locate::follower::settle::{AWAY, multiplier_at};
+use crate::locate::follower::confirm::{AWAY, multiplier_at};
 use crate::locate::follower::{Ended, Ends};
 use crate::locate::{End, Event, Evidence, LocateError, Located};
 use crate::verdict::Tolerance;

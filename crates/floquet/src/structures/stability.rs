@@ -56,7 +56,7 @@ pub fn structure_verdict(orbit: &StructureOrbit, tolerance: Tolerance) -> Result
 
 /// The multipliers of the modes that the orbit's impacts feel, and the verdict on all. Along folds errors may have no bound; then the multipliers are
 /// told as the orbit stands, with no verdict.
-pub(super) fn felt_multipliers(
+pub(super) fn participating_multipliers(
     orbit: &StructureOrbit,
     tolerance: Tolerance,
 ) -> Result<(Vec<Complex<f64>>, Option<Verdict>), FloquetError> {

@@ -2,7 +2,7 @@
 
 use vibrochain_breather::{Admissibility, BranchError, StructureOrbit, structure_admissibility};
 
-use super::stability::{felt_multipliers, structure_verdict};
+use super::stability::{participating_multipliers, structure_verdict};
 use crate::events::half_sums::half_sums;
 use crate::events::{EventOrbit, Spectrum, Watcher, strongest};
 use crate::locate::LocateError;
@@ -24,7 +24,7 @@ impl Watcher for OfStructures {
 
     fn spectrum(&mut self, orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Spectrum, LocateError> {
         self.spectra += 1;
-        let (multipliers, verdict) = felt_multipliers(orbit, tolerance)?;
+        let (multipliers, verdict) = participating_multipliers(orbit, tolerance)?;
         let values = if orbit.is_lossless() { half_sums(&multipliers, false) } else { multipliers };
         Ok((values, verdict))
     }

@@ -5,7 +5,7 @@ use nalgebra::Complex;
 use vibrochain_breather::{Family, Finder, Found};
 use vibrochain_floquet::{
     Analyser, Course, Event, NoStripe, Secular, Stripe, StripeEnd, StripeFinder, StripeLine, Tolerance, diagram,
-    eigenvalues, even_monodromy, felt_modes,
+    eigenvalues, even_monodromy, participating_modes,
 };
 use vibrochain_lattice::{Chain, Model, Parameter};
 use vibrochain_testkit::Random;
@@ -40,7 +40,7 @@ fn off_circle(
     secular.replace(finder.prepared(orbit).ok()?).ok()?;
     let (roots, _) = secular.roots().ok()?;
     let count = |of: &dyn Fn(&Complex<f64>) -> bool| roots.iter().filter(|nu| of(nu)).count() as isize;
-    let passed = felt_modes(model.chain(), 0).iter().map(|(_, frequency)| (frequency / omega).floor()).sum();
+    let passed = participating_modes(model.chain(), 0).iter().map(|(_, frequency)| (frequency / omega).floor()).sum();
     Some(Off {
         complex: count(&|nu| nu.im > 0.0),
         below: count(&|nu| nu.im == 0.0 && nu.re < -1.0),

@@ -84,7 +84,7 @@ fn at_the_edge_of_a_stripe_a_sum_of_two_dressed_modes_of_opposite_signature_is_a
     }
 }
 
-/// Short rings, single-sided, a harmonic of ω in the band: the stripes are of a mode and the breather's own.
+/// Short rings, single-sided, a harmonic of ω in the band: the stripes are of a mode and the internal mode.
 #[test]
 fn at_the_edge_of_a_stripe_a_mode_and_the_breathers_own_of_opposite_signature_sum_to_a_harmonic() {
     let mut bench = Bench::new();

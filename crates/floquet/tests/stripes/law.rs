@@ -44,7 +44,7 @@ fn what_a_wave_gains_at_the_breather_tells_the_growth_at_any_coupling() {
             let line = line(sites, gamma2, asymmetry, family);
             for (stripe, pair) in apart(&line, 1) {
                 let Some(law) = modes(&line, stripe.centre).unwrap().growth_at_meeting(pair) else {
-                    // Of the breather's own mode, or next to where it leaves the band.
+                    // Of the internal mode, or next to where it leaves the band.
                     assert!(gamma2 == 0.3);
                     without += 1;
                     continue;
@@ -122,7 +122,7 @@ fn where_there_is_no_law_none_is_told() {
     let double = line(21, 0.1, 0.4, Family::DoubleSided);
     let dressed = modes(&double, 1.52).unwrap();
     assert!(dressed.growth_at_meeting((8, 9)).is_some());
-    // The breather's own, one that is not there; single-sided breathers of low frequency have several partners.
+    // The internal mode, one that is not there; single-sided breathers of low frequency have several partners.
     assert_eq!(dressed.growth_at_meeting((8, 10)), None);
     assert_eq!(dressed.growth_at_meeting((8, 30)), None);
     let slow = modes(&line(21, 0.2, 0.4, Family::SingleSided), 0.25).unwrap();

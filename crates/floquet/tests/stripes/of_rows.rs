@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use faer::MatRef;
 use vibrochain_breather::{Finder, Found, Orbit, Wanted};
-use vibrochain_floquet::{Complex, DressedModes, Secular, Signature, felt_modes, full_monodromy};
+use vibrochain_floquet::{Complex, DressedModes, Secular, Signature, full_monodromy, participating_modes};
 use vibrochain_lattice::{Chain, Ends, Model};
 use vibrochain_testkit::{Random, Ranges, Values};
 
@@ -63,7 +63,7 @@ fn lattice(random: &mut Random, gamma2: Values) -> (Chain, usize, f64) {
             continue;
         }
         let site = random.below(chain.sites());
-        let frequencies = felt_modes(&chain, site);
+        let frequencies = participating_modes(&chain, site);
         // Apart from what symmetry makes of it all are different.
         if frequencies.windows(2).all(|pair| pair[1].1 - pair[0].1 > 1e-4) {
             return (chain, site, frequencies.last().unwrap().1);
@@ -83,7 +83,7 @@ fn above_twice_the_bands_the_dressed_modes_are_the_multipliers() {
         let values = dense(&orbit);
         let left = values.iter().filter(|(z, _)| z.norm() > 1.0 + 1e-5).count();
         let all: Vec<f64> = bench.modes.frequencies().flatten().collect();
-        assert_eq!(bench.modes.count(), felt_modes(&chain, site).len());
+        assert_eq!(bench.modes.count(), participating_modes(&chain, site).len());
         assert_eq!(all.len() + left, bench.modes.count() - 1, "{orbit:?} {all:?}");
         for dressed in all {
             let z = Complex::from_polar(1.0, dressed * TAU / omega);
@@ -149,14 +149,16 @@ fn dressed_modes_of_stable_breathers_have_their_multipliers_with_their_signature
 
 /// The mode that a breather has drawn out of the bands.
 #[test]
-fn the_breathers_own_mode_has_its_multiplier_with_its_signature() {
+fn the_internal_mode_has_its_multiplier_with_its_signature() {
     let (mut random, mut bench) = (Random(5), Bench::new());
     let (mut localised, mut physical, mut complete) = (0, 0, 0);
     for i in 0..6000 {
         let (chain, site, _) = lattice(&mut random, Values::Even(0.02, 0.3));
         let (omega, a) = (random.between(0.45, 1.4), random.between(0.0, 0.8));
         let Some(orbit) = bench.orbit(chain, site, i % 2 == 0, (omega, a)) else { continue };
-        let Some(own) = bench.modes.own().copied().filter(|own| own.loss == 0.0 && own.frequency != 0.5 * omega) else {
+        let Some(own) =
+            bench.modes.internal_mode().copied().filter(|own| own.loss == 0.0 && own.frequency != 0.5 * omega)
+        else {
             continue;
         };
         let values = dense(&orbit);

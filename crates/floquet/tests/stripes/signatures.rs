@@ -237,7 +237,7 @@ fn positive(values: &[Krein]) -> impl Iterator<Item = f64> + '_ {
 
 /// The mode that a breather has drawn out of the band.
 #[test]
-fn the_breathers_own_mode_has_its_multiplier_with_its_signature() {
+fn the_internal_mode_has_its_multiplier_with_its_signature() {
     let (mut random, mut bench) = (Random(5), Bench::new());
     let (mut localised, mut physical, mut complete) = ([0, 0], [0, 0], [0, 0]);
     let (mut slow, mut close) = (0, 0);
@@ -246,7 +246,7 @@ fn the_breathers_own_mode_has_its_multiplier_with_its_signature() {
         let sites = 3 + (random.unit() * 20.0) as usize;
         let (g2, omega, a) = (random.between(0.02, 0.3), random.between(0.45, 1.2), random.between(0.0, 0.8));
         let Some(orbit) = bench.orbit(BOTH[i % 2], sites, g2, omega, a) else { continue };
-        let Some(own) = bench.modes.own().copied() else { continue };
+        let Some(own) = bench.modes.internal_mode().copied() else { continue };
         emitting += usize::from(own.loss != 0.0);
         growing += usize::from(own.loss < 0.0);
         let values = dense(&orbit);
@@ -285,14 +285,14 @@ fn the_breathers_own_mode_has_its_multiplier_with_its_signature() {
 
 /// Waves of the other sign that the mode emits make it grow, on a ring as without end, if that is fast enough.
 #[test]
-fn an_own_mode_that_grows_before_its_waves_are_back_makes_the_orbit_unstable() {
+fn an_internal_mode_that_grows_before_its_waves_are_back_makes_the_orbit_unstable() {
     let (mut random, mut bench) = (Random(6), Bench::new());
     let (mut all, mut unstable, mut as_fast) = (0, 0, 0);
     for _ in 0..6000 {
         let sites = 6 + (random.unit() * 16.0) as usize;
         let (g2, omega, a) = (random.between(0.02, 0.3), random.between(0.45, 1.2), random.between(0.0, 0.8));
         let Some(orbit) = bench.orbit(Family::SingleSided, sites, g2, omega, a) else { continue };
-        let Some(own) = bench.modes.own().copied().filter(|_| bench.modes.own_grows()) else { continue };
+        let Some(own) = bench.modes.internal_mode().copied().filter(|_| bench.modes.internal_grows()) else { continue };
         let values = dense(&orbit);
         all += 1;
         unstable += usize::from(excess(&values) > 1e-3);
@@ -309,14 +309,14 @@ fn an_own_mode_that_grows_before_its_waves_are_back_makes_the_orbit_unstable() {
 }
 
 #[test]
-fn the_own_mode_doubles_the_period_against_itself() {
+fn the_internal_mode_doubles_the_period_against_itself() {
     let (mut bench, mut doubled, mut stable) = (Bench::new(), 0, 0);
     for i in 0..400 {
         let omega = 0.68 + 2e-4 * f64::from(i);
         let Some(orbit) = bench.orbit(Family::SingleSided, 6, 0.2, omega, 0.4) else { continue };
         let values = dense(&orbit);
         let leading = values.iter().map(|(z, _)| *z).find(|z| z.re < -1.0 - 1e-5 && z.im.abs() < 1e-9);
-        let Some(own) = bench.modes.own().copied() else { continue };
+        let Some(own) = bench.modes.internal_mode().copied() else { continue };
         // From there to the end of the row; where two others have met besides, all the same.
         assert_eq!(own.frequency == 0.5 * omega, leading.is_some(), "{omega} {own:?} {leading:?}");
         let Some(leading) = leading else {

@@ -45,9 +45,9 @@ pub struct ModalStructure {
     modes: Vec<LinearMode>,
 }
 
-/// Modes as impacts at some contacts feel them ([`ModalStructure::felt`]).
+/// Modes as impacts at some contacts feel them ([`ModalStructure::participating_modes`]).
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct FeltModes {
+pub struct ParticipatingModes {
     /// What all contacts see of them, what those that are hit give to them; without loads and coordinates.
     pub modes: Vec<LinearMode>,
     /// The number in the structure of the first mode behind each.
@@ -58,7 +58,7 @@ pub struct FeltModes {
     pub spared: Vec<[Complex<f64>; 2]>,
 }
 
-impl FeltModes {
+impl ParticipatingModes {
     fn push(&mut self, number: usize, like: &LinearMode, rows: Vec<[f64; 2]>, columns: Vec<[f64; 2]>) {
         let LinearMode { turn, decay, rate, is_real, .. } = *like;
         let (coordinates, still, loads) = (Vec::new(), [0.0; 2], Vec::new());
@@ -198,9 +198,9 @@ impl ModalStructure {
     /// The modes as impacts at some of its contacts feel them: every contact is seen, those alone are hit. Oscillators of one frequency and
     /// damping are merged: the products of their shapes are one matrix, of which pivoted Cholesky factors are as many modes as the hit
     /// contacts can feel.
-    pub fn felt(&self, hit: &[usize]) -> FeltModes {
+    pub fn participating_modes(&self, hit: &[usize]) -> ParticipatingModes {
         let contacts = self.contacts.len();
-        let mut felt = FeltModes::default();
+        let mut felt = ParticipatingModes::default();
         let mut done = vec![false; self.modes.len()];
         let largest = |list: &[[f64; 2]]| list.iter().flatten().map(|x| x * x).fold(0.0, f64::max);
         let all = self.modes.iter().map(|mode| largest(&mode.rows)).fold(0.0, f64::max);
@@ -342,7 +342,7 @@ mod tests {
         };
         let modes = vec![pole(1.0, C::new(0.7, -0.1)), pole(2.0, C::new(1e-17, 3e-17))];
         let structure = ModalStructure::new(vec![stop], Vec::new(), modes).unwrap();
-        let felt = structure.felt(&[0]);
+        let felt = structure.participating_modes(&[0]);
         assert_eq!((felt.modes.len(), felt.spared.len()), (1, 1));
     }
 
@@ -357,7 +357,7 @@ mod tests {
         };
         let contacts = vec![Contact { lower: None, upper: Some(1.0), restitution: 0.9 }; 3];
         let structure = ModalStructure::new(contacts, Vec::new(), (0..4).map(mode).collect()).unwrap();
-        let felt = structure.felt(&[0, 2]);
+        let felt = structure.participating_modes(&[0, 2]);
         assert_eq!((felt.modes.len(), felt.spared.len(), &felt.numbers[..]), (3, 1, &[0, 0, 1][..]));
         let answer = |modes: &[LinearMode], to: usize, from: usize, t: f64| -> f64 {
             modes.iter().map(|mode| mode.turn.pair(mode.rows[to], mode.flight(t), mode.columns[from])).sum()

@@ -73,7 +73,7 @@ impl Borders {
         let faces = faces(&mut searches)?;
         let mut all = empty;
         for mut search in searches {
-            search.settle();
+            search.finish();
             let Self { borders, unexplained, unresolved, places, interrupted, .. } = search.found;
             all.borders.extend(borders);
             all.unexplained.extend(unexplained);

@@ -196,7 +196,7 @@ impl Search<'_> {
     }
 
     /// At the end: whether it was stopped, and no change is told twice, nor one that has a border by now.
-    pub(super) fn settle(&mut self) {
+    pub(super) fn finish(&mut self) {
         let _ = self.stopped();
         let reach = 2.0 * self.asked.tolerance;
         let (window, known) = (self.window, &self.known);

@@ -83,7 +83,7 @@ impl<W: Write> Gzip<W> {
     }
 
     /// Writes what comes first, once enough others are under way.
-    fn settle(&mut self, most: usize) -> io::Result<()> {
+    fn write_finished(&mut self, most: usize) -> io::Result<()> {
         while self.under_way.len() > most
             && let Some(piece) = self.under_way.pop_front()
         {
@@ -99,7 +99,7 @@ impl<W: Write> Gzip<W> {
     }
 
     fn begin_piece(&mut self) -> io::Result<()> {
-        self.settle(self.threads - 1)?;
+        self.write_finished(self.threads - 1)?;
         self.under_way.push_back(Piece::begin(std::mem::take(&mut self.held), self.level));
         Ok(())
     }
@@ -110,7 +110,7 @@ impl<W: Write> Gzip<W> {
     /// Those of writing.
     pub fn finish(mut self) -> io::Result<W> {
         self.begin_piece()?;
-        self.settle(0)?;
+        self.write_finished(0)?;
         self.inner.write_all(&LAST)?;
         self.inner.write_all(&self.checksum.sum().to_le_bytes())?;
         self.inner.write_all(&self.checksum.amount().to_le_bytes())?;

@@ -13,5 +13,5 @@ pub use destination::{Destination, distinct, ending, name_within, promises, prom
 pub use folder::{Entry, entries};
 #[cfg(feature = "compress")]
 pub use gzip::Gzip;
-pub use output::{Output, remove_if_abandoned, settle_names};
+pub use output::{Output, remove_if_abandoned, sync_folder};
 pub use stream::halt_on;

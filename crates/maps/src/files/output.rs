@@ -32,7 +32,7 @@ fn folder_of(path: &Path) -> &Path {
 }
 
 /// Sees to it that the disk knows the names in the folder of `path`, where the system can do so.
-pub fn settle_names(path: &Path) {
+pub fn sync_folder(path: &Path) {
     if let Ok(folder) = fs::File::open(folder_of(path)) {
         let _ = folder.sync_all();
     }
@@ -153,10 +153,10 @@ impl Output {
     /// # Errors
     /// [`MapError::Computation`] if the disk refuses; the destination is then as it was before.
     pub fn commit(mut self) -> Result<(), MapError> {
-        match self.settle() {
+        match self.sync() {
             // All has been done for a reader who does not want the rest.
             Err(MapError::Unread) => return Ok(()),
-            settled => settled?,
+            synced => synced?,
         }
         let Self { sink: Sink::Temporary { file, place, careful }, path, .. } = self else { return Ok(()) };
         // It may have become something else since.
@@ -172,7 +172,7 @@ impl Output {
     /// # Errors
     /// As [`Output::commit`].
     pub fn commit_new(mut self) -> Result<bool, MapError> {
-        self.settle()?;
+        self.sync()?;
         self.place_new()
     }
 
@@ -191,13 +191,13 @@ impl Output {
     ///
     /// # Errors
     /// [`MapError::Computation`] if the disk refuses.
-    pub fn settle(&mut self) -> Result<(), MapError> {
-        let settled = self.branch_off().and_then(|()| match &mut self.sink {
+    pub fn sync(&mut self) -> Result<(), MapError> {
+        let synced = self.branch_off().and_then(|()| match &mut self.sink {
             Sink::Temporary { file, .. } => file.as_file().sync_all(),
             // Also without a byte: a reader waits for the end.
             Sink::Stream(stream) => stream.flush(),
         });
-        settled.map_err(|error| self.failed("finish", &error))
+        synced.map_err(|error| self.failed("finish", &error))
     }
 
     /// Hands to the system what is held.

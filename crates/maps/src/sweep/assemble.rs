@@ -109,8 +109,8 @@ impl<'a, S: Grid, C: Content<S>> Assembly<'a, C, S> {
     ///
     /// # Errors
     /// As [`Assembly::rows`].
-    pub fn settle(&mut self) -> Result<(), MapError> {
-        self.table.settle()
+    pub fn sync(&mut self) -> Result<(), MapError> {
+        self.table.sync()
     }
 
     /// Takes the rows of all chunks.

@@ -180,7 +180,7 @@ impl Store {
 
     /// Sees to it that the disk has the plan, where the system can do so: before it has the first chunk. One that is lost
     /// all the same is made again.
-    pub fn settle_plan(&self) {
+    pub fn sync_plan(&self) {
         if let Ok(plan) = File::open(self.folder.join(PLAN)) {
             let _ = plan.sync_all();
         }

@@ -138,11 +138,11 @@ pub fn work<'a, S: Grid, C: Content<S>>(
             return Ok(());
         }
         if !plan_is_safe {
-            store.settle_plan();
+            store.sync_plan();
             plan_is_safe = true;
         }
         open.place()?;
-        if along.as_mut().is_some_and(|table| table.settle().is_err()) {
+        if along.as_mut().is_some_and(|table| table.sync().is_err()) {
             along = None;
         }
         Ok(())

@@ -191,10 +191,10 @@ impl TableFile {
     /// left.
     ///
     /// # Errors
-    /// As [`Output::settle`].
-    pub fn settle(&mut self) -> Result<(), MapError> {
+    /// As [`Output::sync`].
+    pub fn sync(&mut self) -> Result<(), MapError> {
         match self {
-            Self::Plain(output) => output.settle(),
+            Self::Plain(output) => output.sync(),
             #[cfg(any(feature = "compress", feature = "parquet"))]
             _ => Ok(()),
         }

@@ -16,8 +16,8 @@ pub struct MapLine {
     pub label: String,
     /// Drawn thin, without a label.
     pub faint: bool,
-    /// The number of the breather's own mode, if it is one of the two.
-    pub own: Option<usize>,
+    /// The number of the internal mode, if it is one of the two.
+    pub internal: Option<usize>,
 }
 
 /// Left, top, right, bottom.
@@ -151,8 +151,8 @@ pub(crate) fn key(lines: &[MapLine]) -> Vec<Entry<'static>> {
             all.push(Entry::Stroke(colour, Some(DASH), text.to_owned()));
         }
     }
-    let own = lines.iter().find_map(|line| line.own).map(|mode| format!("{mode}: the breather’s own"));
-    let notes = [Some("Ω of the modes as the".to_owned()), Some("breather shifts them".to_owned()), own];
+    let internal = lines.iter().find_map(|line| line.internal).map(|mode| format!("{mode}: the internal mode"));
+    let notes = [Some("Ω of the modes as the".to_owned()), Some("breather shifts them".to_owned()), internal];
     all.extend(notes.into_iter().flatten().map(Entry::Note));
     all
 }

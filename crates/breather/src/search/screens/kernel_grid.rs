@@ -155,7 +155,7 @@ impl Bounds<'_> {
     /// Whether any orbit on an interval is excluded by the sign of its impulses or by what it radiates. Half impulses have the mean
     /// 1/(2D) and half the difference a/(2(D + 2K₀(0))).
     fn radiates(&self, piece: &Piece) -> bool {
-        let [least, most] = self.rises(piece);
+        let [least, most] = self.rise_bounds(piece);
         let [from, to] = [piece.from, piece.to].map(|delta| 0.5 + 0.5 * delta / self.samples.half);
         let difference = 0.5 * self.asymmetry / (most + self.twice).abs().max((least + self.twice).abs());
         // A difference larger than the mean turns one impulse round; a little of that polishing an orbit could mend.
@@ -164,7 +164,7 @@ impl Bounds<'_> {
     }
 
     /// Bounds on D.
-    fn rises(&self, piece: &Piece) -> [f64; 2] {
+    fn rise_bounds(&self, piece: &Piece) -> [f64; 2] {
         let least = piece.rise.into_iter().fold(f64::INFINITY, f64::min) - self.samples.rise_error;
         [least, piece.rise.into_iter().fold(f64::NEG_INFINITY, f64::max) + self.samples.rise_error]
     }
@@ -174,7 +174,7 @@ impl Bounds<'_> {
     fn leaves(&self, piece: &Piece) -> bool {
         let Samples { half, .. } = self.samples;
         let (delta, radius) = (0.5 * (piece.from + piece.to), 0.5 * (piece.to - piece.from));
-        let [_, most] = self.rises(piece);
+        let [_, most] = self.rise_bounds(piece);
         let limit = most + 2.0 * self.samples.rise_error + self.steepest * radius;
         let times = TIMES.min(4 * self.samples.intervals());
         (0..times).any(|i| {
@@ -194,7 +194,7 @@ impl Bounds<'_> {
             let least = piece.s.iter().map(|b| b.abs()).fold(f64::INFINITY, f64::min);
             least > self.samples.error && piece.s.iter().all(|b| (*b > 0.0) == (piece.s[0] > 0.0))
         };
-        if no_zero || self.rises(&piece)[1] <= 0.0 || self.radiates(&piece) {
+        if no_zero || self.rise_bounds(&piece)[1] <= 0.0 || self.radiates(&piece) {
             return;
         }
         if piece.to - piece.from > FINEST * self.samples.step {

@@ -22,7 +22,7 @@ use crate::search::completeness::Completeness;
 use crate::search::finder::{Finder, Found};
 use crate::search::words::coupling_continuation::{Effort, follow_from, with_part};
 use crate::search::words::isolated_mass::{self, Alone, Beat};
-use crate::search::words::superpose::{list, orbit_of, side_by_side};
+use crate::search::words::superpose::{list, orbit_of, superpose};
 use crate::search::words::uncoupled::{MOST_STARTS, outcome, parts};
 use crate::word::Word;
 use crate::word::enumeration::combinations;
@@ -88,7 +88,7 @@ pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut 
                 (*site, alone.beats.iter().map(later).collect())
             };
             let placed: Vec<(usize, Vec<Beat>)> = masses.iter().zip(&phases).map(turned).collect();
-            let Some((_, hits)) = side_by_side(word, &placed) else { continue };
+            let Some((_, hits)) = superpose(word, &placed) else { continue };
             let again = |other: &Vec<Hit>| other.iter().zip(&hits).all(|(a, b)| (a.time - b.time).abs() <= SAME);
             if seen.iter().any(again) {
                 continue;

@@ -14,7 +14,7 @@ const SAME: f64 = 1e-8;
 
 /// The masses' hits as those of `word`, if they come in its order: times from its first instant on, in periods of the word, and when by
 /// the masses' clock that is.
-pub(crate) fn side_by_side(word: &Word, masses: &[(usize, Vec<Beat>)]) -> Option<(f64, Vec<Hit>)> {
+pub(crate) fn superpose(word: &Word, masses: &[(usize, Vec<Beat>)]) -> Option<(f64, Vec<Hit>)> {
     let mut hits: Vec<Hit> = (masses.iter())
         .flat_map(|(site, beats)| {
             let of = |beat: &Beat| Hit::new(*site, beat.barrier, beat.turn.rem_euclid(1.0), beat.impulse);

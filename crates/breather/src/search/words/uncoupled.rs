@@ -10,7 +10,7 @@ use crate::search::completeness::Completeness;
 use crate::search::finder::{Finder, Found};
 use crate::search::words::coupling_continuation::{Effort, follow, with_part};
 use crate::search::words::isolated_mass::{self, Alone, Beat};
-use crate::search::words::superpose::{list, orbit_of, side_by_side};
+use crate::search::words::superpose::{list, orbit_of, superpose};
 use crate::word::Word;
 use crate::word::enumeration::combinations;
 
@@ -74,7 +74,7 @@ pub(crate) fn find(
         }
         let masses: Vec<(usize, Vec<Beat>)> =
             parts.iter().zip(&chosen).map(|((site, _), alone)| (*site, alone.beats.clone())).collect();
-        let Some((first, hits)) = side_by_side(word, &masses) else { continue };
+        let Some((first, hits)) = superpose(word, &masses) else { continue };
         let psi = first * f64::from(periods) * model.period();
         if let Some(start) = orbit_of(&uncoupled, periods, psi, hits)? {
             starts += 1;

@@ -6,8 +6,8 @@
 
 use vibrochain_lattice::Barrier;
 
+use super::confirm::Found;
 use super::seen::value;
-use super::settle::Found;
 use super::{At, Ends, Follower, Point, Seen};
 use crate::events::half_sums::upper_half;
 use crate::events::{EventOrbit, Test};

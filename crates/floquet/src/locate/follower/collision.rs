@@ -10,7 +10,7 @@
 
 use nalgebra::Complex;
 
-use super::settle::{Found, Part};
+use super::confirm::{Found, Part};
 use super::{At, Ends, Follower, OrbitOf, Order, Point, Seen};
 use crate::events::half_sums::{SPLIT, collided, complex_count};
 use crate::events::{EventOrbit, Solved, Test, Watcher};

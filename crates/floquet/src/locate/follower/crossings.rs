@@ -3,8 +3,8 @@
 use nalgebra::Complex;
 use vibrochain_breather::{BranchError, BreatherError};
 
+use super::confirm::{BESIDE, Found, Part};
 use super::seen::velocities;
-use super::settle::{BESIDE, Found, Part};
 use super::{At, Ends, Follower, Point};
 use crate::bracket::zero;
 use crate::events::half_sums::{Crossing, crossing, side, upper_half};

@@ -2,7 +2,7 @@
 
 use vibrochain_breather::{BranchError, Pace};
 
-use super::settle::{SETTLED, Settled};
+use super::confirm::{Confirmed, LEAST_LENGTH};
 use super::{At, Ended, Ends, Follower, Point, Seen};
 use crate::bracket::zero;
 use crate::events::{EventOrbit, Test, UNBOUNDED, strongest};
@@ -143,7 +143,7 @@ impl<E: Ends> Follower<E> {
         0.0 < to_start
             && to_start <= to_next
             && self.branch.step(point, to_start).is_ok_and(|there| {
-                self.branch.distance(&there, start) <= SETTLED && there.heading() * start.heading() >= 0.0
+                self.branch.distance(&there, start) <= LEAST_LENGTH && there.heading() * start.heading() >= 0.0
             })
     }
 
@@ -165,7 +165,7 @@ impl<E: Ends> Follower<E> {
             return Ok(Passage::On(self.watch(from, next)?.into()));
         }
         let seen = self.look(next)?;
-        let Settled::At(fold, evidence) = self.settle(Test::Fold, from, (next, &seen), HALVINGS)? else {
+        let Confirmed::At(fold, evidence) = self.confirm(Test::Fold, from, (next, &seen), HALVINGS)? else {
             return Ok(Passage::Ends((next.value(), End::Lost(BranchError::NoConvergence))));
         };
         let way = (fold.value, End::Fold { error: fold.error });

@@ -4,16 +4,16 @@
 //! |---|---|
 //! | `follow` | steps, folds and ends, one way |
 //! | `seen`, `between` | what is seen at a point; steps so short that no pair of events hides |
-//! | `settle`, `beside_resonance` | events where a test function changes its sign |
+//! | `confirm`, `beside_resonance` | events where a test function changes its sign |
 //! | `crossings`, `collision` | pairs of multipliers that cross the circle; without losses, that meet on it |
 
 mod beside_resonance;
 mod between;
 mod collision;
+pub(crate) mod confirm;
 mod crossings;
 pub(crate) mod follow;
 mod seen;
-pub(crate) mod settle;
 
 use nalgebra::Complex;
 use vibrochain_breather::system::System;

@@ -4,13 +4,13 @@
 use nalgebra::Complex;
 
 use crate::map_paths::fast_sums::multipole::{complex_series, series};
-use crate::map_paths::fast_sums::neighbourhood::Leaf;
+use crate::map_paths::fast_sums::neighbourhood::NearPoles;
 use vibrochain_breather::lanes::{Lane, ONE, TWO, ZERO, all, four, total};
 
 /// F in the neighbourhood of an origin.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Local<'a> {
-    pub(crate) leaf: &'a Leaf<2>,
+    pub(crate) near_poles: &'a NearPoles<2>,
     pub(crate) distances: &'a [Lane],
     /// The origin in the coordinate of the field of far poles, if there are any.
     pub(crate) origin: Option<f64>,
@@ -29,7 +29,7 @@ impl Local<'_> {
     pub(crate) fn jet(&self, at: f64) -> Jet {
         let (mut value, mut slope, mut bend) = (ZERO, ZERO, ZERO);
         let t = all(at);
-        for (residue, distance) in self.leaf.charges[0].iter().zip(self.distances) {
+        for (residue, distance) in self.near_poles.charges[0].iter().zip(self.distances) {
             let inverse = ONE / (four(*distance) + t);
             let term = four(*residue) * inverse;
             let square = term * inverse;
@@ -39,7 +39,7 @@ impl Local<'_> {
         }
         let near = Jet { value: total(value), slope: total(slope), bend: 2.0 * total(bend) };
         let Some(origin) = self.origin else { return near };
-        let Leaf { scale, far: [[field, field_slope, field_bend], _], .. } = self.leaf;
+        let NearPoles { scale, far: [[field, field_slope, field_bend], _], .. } = self.near_poles;
         let u = origin + at * scale;
         Jet {
             value: near.value + series(field, u),
@@ -50,48 +50,49 @@ impl Local<'_> {
 
     /// What is left out is known there.
     pub(crate) fn holds(&self, t: Complex<f64>) -> bool {
-        self.origin.is_none_or(|origin| self.leaf.holds(t * self.leaf.scale + origin))
+        self.origin.is_none_or(|origin| self.near_poles.holds(t * self.near_poles.scale + origin))
     }
 
     /// Σ R/(D+t).
     pub(crate) fn value(&self, t: f64) -> f64 {
         let mut value = ZERO;
-        for (residue, distance) in self.leaf.charges[0].iter().zip(self.distances) {
+        for (residue, distance) in self.near_poles.charges[0].iter().zip(self.distances) {
             value += four(*residue) / (four(*distance) + all(t));
         }
-        total(value) + self.origin.map_or(0.0, |origin| series(&self.leaf.far[0][0], origin + t * self.leaf.scale))
+        total(value)
+            + self.origin.map_or(0.0, |origin| series(&self.near_poles.far[0][0], origin + t * self.near_poles.scale))
     }
 
     /// The residue of a pole at the origin itself.
     pub(crate) fn charge_here(&self) -> f64 {
-        let pairs = self.leaf.charges[0].as_flattened().iter().zip(self.distances.as_flattened());
+        let pairs = self.near_poles.charges[0].as_flattened().iter().zip(self.distances.as_flattened());
         pairs.filter(|(_, distance)| **distance == 0.0).map(|(residue, _)| residue).sum()
     }
 
     /// Error of F from those of the residues, of the poles and of the sum.
     pub(crate) fn noise(&self, t: Complex<f64>) -> f64 {
         let mut noise = ZERO;
-        let [residues, errors] = &self.leaf.charges;
+        let [residues, errors] = &self.near_poles.charges;
         let (re, square) = (all(t.re), all(t.im * t.im));
-        let lanes = residues.iter().zip(errors).zip(&self.leaf.shifts).zip(self.distances);
+        let lanes = residues.iter().zip(errors).zip(&self.near_poles.shifts).zip(self.distances);
         for (((residue, error), shift), distance) in lanes {
             let u = four(*distance) + re;
             let inverse = ONE / (u * u + square).sqrt();
             let rounding = all(4.0 * f64::EPSILON) + four(*shift) * inverse;
             noise += (four(*error) + four(*residue).abs() * rounding) * inverse;
         }
-        total(noise) + self.leaf.noise
+        total(noise) + self.near_poles.noise
     }
 
     /// Error of F as the function that its poles and residues define, from the sum alone.
     pub(crate) fn rounding(&self, t: Complex<f64>) -> f64 {
         let mut size = ZERO;
         let (re, square) = (all(t.re), all(t.im * t.im));
-        for (residue, distance) in self.leaf.charges[0].iter().zip(self.distances) {
+        for (residue, distance) in self.near_poles.charges[0].iter().zip(self.distances) {
             let u = four(*distance) + re;
             size += four(*residue).abs() / (u * u + square).sqrt();
         }
-        4.0 * f64::EPSILON * total(size) + self.leaf.rounding
+        4.0 * f64::EPSILON * total(size) + self.near_poles.rounding
     }
 
     /// Error of a real simple root.
@@ -103,7 +104,7 @@ impl Local<'_> {
     pub(crate) fn complex(&self, t: Complex<f64>) -> (Complex<f64>, Complex<f64>) {
         let (mut re, mut im, mut slope_re, mut slope_im) = (ZERO, ZERO, ZERO, ZERO);
         let (x, y) = (all(t.re), all(t.im));
-        for (residue, distance) in self.leaf.charges[0].iter().zip(self.distances) {
+        for (residue, distance) in self.near_poles.charges[0].iter().zip(self.distances) {
             let (u, residue) = (four(*distance) + x, four(*residue));
             let scale = ONE / (u * u + y * y);
             let (a, b) = (u * scale, -y * scale);
@@ -114,7 +115,7 @@ impl Local<'_> {
         }
         let (value, slope) = (Complex::new(total(re), total(im)), Complex::new(total(slope_re), total(slope_im)));
         let Some(origin) = self.origin else { return (value, slope) };
-        let Leaf { scale, far: [[field, field_slope, _], _], .. } = self.leaf;
+        let NearPoles { scale, far: [[field, field_slope, _], _], .. } = self.near_poles;
         let u = t * scale + origin;
         let [far, far_slope] = complex_series([field, field_slope], u);
         (value + far, slope + far_slope * scale)

@@ -4,7 +4,7 @@
 use nalgebra::Complex;
 
 use crate::map_paths::fast_sums::multipole::complex_series;
-use crate::map_paths::fast_sums::neighbourhood::{ChargedPole, Leaf, Nearby, Neighbourhood, divide};
+use crate::map_paths::fast_sums::neighbourhood::{ChargedPole, NearPoles, Nearby, Neighbourhood, divide};
 use crate::map_paths::fast_sums::zero_search::inverse;
 use crate::map_paths::reversible::pole::Angle;
 use vibrochain_breather::lanes::{Lane, ONE, TWO, ZERO, all, four, total};
@@ -50,7 +50,7 @@ pub(crate) struct CircleForm {
     pub(crate) poles: Vec<CirclePole>,
     /// A and B next to each pole, and from all poles one by one.
     neighbourhoods: Vec<Neighbourhood<3>>,
-    pub(crate) whole: Leaf<3>,
+    pub(crate) whole: NearPoles<3>,
 }
 
 impl CircleForm {
@@ -64,7 +64,7 @@ impl CircleForm {
     /// f about the pole at `place`; from all poles one by one if `whole`.
     pub(crate) fn about<'a>(&'a self, place: usize, whole: bool, nearby: &'a mut Nearby<3>) -> Option<NearCircle<'a>> {
         let pole = &self.poles[place];
-        let (leaf, distances) = if whole {
+        let (near_poles, distances) = if whole {
             self.whole.distances(&pole.at, &mut nearby.distances);
             (&self.whole, nearby.distances.as_slice())
         } else {
@@ -72,14 +72,14 @@ impl CircleForm {
             let neighbourhood = self.neighbourhoods.get(neighbourhood).or(self.neighbourhoods.last())?;
             nearby.look(&self.whole, neighbourhood, &pole.at)
         };
-        Some(NearCircle { pole, leaf, distances })
+        Some(NearCircle { pole, near_poles, distances })
     }
 }
 
 /// f about one pole.
 pub(crate) struct NearCircle<'a> {
     pub(crate) pole: &'a CirclePole,
-    pub(crate) leaf: &'a Leaf<3>,
+    pub(crate) near_poles: &'a NearPoles<3>,
     pub(crate) distances: &'a [Lane],
 }
 
@@ -108,20 +108,20 @@ impl NearCircle<'_> {
 
     /// In the coordinate of the field of far poles.
     fn scaled(&self, t: C) -> C {
-        (t + (self.pole.at.d - self.leaf.middle)) * self.leaf.scale
+        (t + (self.pole.at.d - self.near_poles.middle)) * self.near_poles.scale
     }
 
     /// That field is known there.
     pub(crate) fn holds(&self, t: C) -> bool {
-        self.leaf.holds(self.scaled(t))
+        self.near_poles.holds(self.scaled(t))
     }
 
     /// f and df/dθ.
     pub(crate) fn value(&self, Beside { t, inverse, sine }: Beside) -> (C, C) {
         let (x, y) = (all(t.re), all(t.im));
         let mut sums = [ZERO; 8];
-        let Leaf { charges: [a, b, _], scale, far: [[far_a, far_a_slope, _], [far_b, far_b_slope, _], _], .. } =
-            self.leaf;
+        let NearPoles { charges: [a, b, _], scale, far: [[far_a, far_a_slope, _], [far_b, far_b_slope, _], _], .. } =
+            self.near_poles;
         for ((a, b), distance) in a.iter().zip(b).zip(self.distances) {
             let (u, a, b) = (four(*distance) + x, four(*a), four(*b));
             let scale = ONE / (u * u + y * y);
@@ -144,7 +144,8 @@ impl NearCircle<'_> {
         let (mut size, mut noise) = (ZERO, ZERO);
         let (x, square) = (all(t.re), all(t.im * t.im));
         let (tilt, slide) = (all(inverse.norm()), all(sine.norm()));
-        let Leaf { charges: [a, b, errors], shifts, noise: field_noise, rounding: field_rounding, .. } = self.leaf;
+        let NearPoles { charges: [a, b, errors], shifts, noise: field_noise, rounding: field_rounding, .. } =
+            self.near_poles;
         let lanes = a.iter().zip(b).zip(errors.iter().zip(shifts)).zip(self.distances);
         for (((a, b), (error, shift)), distance) in lanes {
             let u = four(*distance) + x;

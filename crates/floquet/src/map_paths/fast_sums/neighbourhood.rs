@@ -21,7 +21,7 @@ pub(crate) struct ChargedPole<const N: usize> {
 
 /// Poles one by one, in groups of four, and the field of those left out.
 #[derive(Debug, Clone)]
-pub(crate) struct Leaf<const N: usize> {
+pub(crate) struct NearPoles<const N: usize> {
     pub(crate) charges: [Vec<Lane>; N],
     pub(crate) shifts: Vec<Lane>,
     cos: Vec<Lane>,
@@ -35,7 +35,7 @@ pub(crate) struct Leaf<const N: usize> {
     pub(crate) rounding: f64,
 }
 
-impl<const N: usize> Default for Leaf<N> {
+impl<const N: usize> Default for NearPoles<N> {
     fn default() -> Self {
         let (shifts, cos, sin) = Default::default();
         let (charges, far) = ([const { Vec::new() }; N], [[[0.0; NODES]; 3]; N]);
@@ -43,7 +43,7 @@ impl<const N: usize> Default for Leaf<N> {
     }
 }
 
-impl<const N: usize> Leaf<N> {
+impl<const N: usize> NearPoles<N> {
     /// Takes over the poles that are counted one by one.
     pub(crate) fn fill(&mut self, sources: impl ExactSizeIterator<Item = ChargedPole<N>>) {
         let count = sources.len();
@@ -96,7 +96,7 @@ pub(crate) struct Neighbourhood<const N: usize> {
     pub(crate) gaps: Range<usize>,
     near: Ranges,
     pub(crate) middle: f64,
-    /// As in [`Leaf`].
+    /// As in [`NearPoles`].
     pub(crate) scale: f64,
     far: [Nodal; N],
     noise: f64,
@@ -126,8 +126,8 @@ pub(crate) fn divide<const N: usize>(points: &[f64], charges: impl Fn(usize) -> 
 /// A look at one neighbourhood after the other: the poles and the field of the last one, and distances from one of its poles.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Nearby<const N: usize> {
-    leaf: Leaf<N>,
-    /// The first gap of the neighbourhood that `leaf` is of.
+    near_poles: NearPoles<N>,
+    /// The first gap of the neighbourhood that `near_poles` is of.
     first_gap: Option<usize>,
     pub(crate) distances: Vec<Lane>,
 }
@@ -141,23 +141,24 @@ impl<const N: usize> Nearby<N> {
     /// Looks at a neighbourhood of the poles `whole` from one of them.
     pub(crate) fn look<'a>(
         &'a mut self,
-        whole: &Leaf<N>,
+        whole: &NearPoles<N>,
         neighbourhood: &Neighbourhood<N>,
         from: &Angle,
-    ) -> (&'a Leaf<N>, &'a [Lane]) {
-        let Self { leaf, first_gap, distances } = self;
+    ) -> (&'a NearPoles<N>, &'a [Lane]) {
+        let Self { near_poles, first_gap, distances } = self;
         let Neighbourhood { gaps, near, middle, scale, far, noise, rounding } = neighbourhood;
         if *first_gap != Some(gaps.start) {
             *first_gap = Some(gaps.start);
-            leaf.select(whole, near);
-            (leaf.middle, leaf.scale, leaf.noise, leaf.rounding) = (*middle, *scale, *noise, *rounding);
+            near_poles.select(whole, near);
+            (near_poles.middle, near_poles.scale, near_poles.noise, near_poles.rounding) =
+                (*middle, *scale, *noise, *rounding);
             // Nobody asks for the last one, the field of errors.
-            for (leaf, far) in leaf.far.iter_mut().zip(&far[..N - 1]) {
+            for (near_poles, far) in near_poles.far.iter_mut().zip(&far[..N - 1]) {
                 let slope = derivative(far);
-                *leaf = [*far, slope, derivative(&slope)];
+                *near_poles = [*far, slope, derivative(&slope)];
             }
         }
-        leaf.distances(from, distances);
-        (leaf, distances)
+        near_poles.distances(from, distances);
+        (near_poles, distances)
     }
 }

@@ -185,7 +185,7 @@ impl<const N: usize> ZeroSearch<N> {
             let zero = poles.kept(place, zero);
             let now = poles.place_at(place, zero.re);
             if now.abs_diff(place) <= REACH / 2 {
-                let Some((offset, error, real)) = settle(&near, zero) else { break };
+                let Some((offset, error, real)) = refine(&near, zero) else { break };
                 let offset = if real { offset } else { poles.kept(place, offset) };
                 // Next to a known zero nothing is left of what it is divided out of.
                 result = if is_known(&self.near_known, offset, 1e-9) {
@@ -255,9 +255,9 @@ impl<const N: usize> ZeroSearch<N> {
     /// A zero too far off for a neighbourhood, all poles one by one.
     fn far_off(&mut self, poles: &impl Poles<N>, place: usize, start: C) -> Attempt {
         let mut scratch = std::mem::take(&mut self.scratch);
-        let settled = poles.near(place, true, &mut scratch).and_then(|near| settle(&near, start));
+        let refined = poles.near(place, true, &mut scratch).and_then(|near| refine(&near, start));
         self.scratch = scratch;
-        let Some((offset, error, real)) = settled else { return Attempt::Lost };
+        let Some((offset, error, real)) = refined else { return Attempt::Lost };
         let offset = if real { offset } else { poles.kept(place, offset) };
         let size = offset.norm();
         let known = |zero: &Zero| (zero.offset + poles.distance(zero.place, place) - offset).norm() <= 1e-9 * size;
@@ -302,7 +302,7 @@ impl<const N: usize> ZeroSearch<N> {
 
 /// Last steps without others in the way, and what the zero is: its offset, error, and whether it is real; `None` if there is none. Two that
 /// rounding cannot tell apart are left as they are.
-fn settle(near: &impl Near, start: C) -> Option<(C, f64, bool)> {
+fn refine(near: &impl Near, start: C) -> Option<(C, f64, bool)> {
     let mut offset = start;
     for _ in 0..4 {
         let (value, slope) = near.value(offset)?;

@@ -1,4 +1,4 @@
-//! Stable or not, for impacts at one site that are not reversible: by all multipliers, the leading one and its rivals settled by the
+//! Stable or not, for impacts at one site that are not reversible: by all multipliers, the leading one and its rivals better by the
 //! impacts' own equations. The fast path of maps with losses, and that of large rings; a test holds it against `spectrum`.
 
 use nalgebra::Complex;
@@ -32,17 +32,17 @@ pub struct ForcedSecular {
     moved: SecularMultipliers,
     values: Vec<Complex<f64>>,
     errors: Vec<f64>,
-    asked: Vec<Settling>,
+    asked: Vec<Refinement>,
     /// A multiplier that is not among the values.
     trivial: Option<Complex<f64>>,
 }
 
 /// What the impacts' equations have said of a multiplier.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Settling {
+enum Refinement {
     Open,
     /// Its error is known by them.
-    Settled,
+    Done,
     /// They have no answer.
     Refused,
 }
@@ -93,7 +93,7 @@ impl ForcedSecular {
     }
 
     /// The leading multiplier and its error, those that may lead instead counted in; whatever decides on it is
-    /// settled first. `condition` has the errors of the orbit's own data, where they count.
+    /// better first. `condition` has the errors of the orbit's own data, where they count.
     pub(crate) fn leading(&mut self, prepared: Prepared<'_>, condition: Option<&Condition>) -> Option<Leading> {
         let known = self.best()?;
         let is_precise = known.error <= PRECISE * (1.0 + known.excess.abs()) && known.excess.abs() > known.error;
@@ -112,12 +112,12 @@ impl ForcedSecular {
             let rival = rivals
                 .filter(|(place, ((z, error), asked))| {
                     let counts = *place == best.place || excess(**z) + **error > reach;
-                    **asked == Settling::Open && counts
+                    **asked == Refinement::Open && counts
                 })
                 .map(|(place, ((z, error), _))| (place, excess(*z) + error))
                 .max_by(|a, b| a.1.total_cmp(&b.1));
             let Some((place, _)) = rival else { break };
-            self.settle(place, function.refine(self.values[place], &data));
+            self.adopt(place, function.refine(self.values[place], &data));
         }
         self.best()
     }
@@ -131,33 +131,33 @@ impl ForcedSecular {
         Some(Leading { place, excess, error })
     }
 
-    /// Settles one multiplier by what the impacts' equations know of it.
-    fn settle(&mut self, place: usize, refined: Option<Refined>) {
+    /// Takes over a multiplier that the impacts' equations have refined, and its mirror image.
+    fn adopt(&mut self, place: usize, refined: Option<Refined>) {
         let z = self.values[place];
-        let Some(Refined { z: settled, error }) = refined else {
-            self.asked[place] = Settling::Refused;
+        let Some(Refined { z: better, error }) = refined else {
+            self.asked[place] = Refinement::Refused;
             return;
         };
-        self.asked[place] = Settling::Settled;
-        let moved = modulus(settled - z);
+        self.asked[place] = Refinement::Done;
+        let moved = modulus(better - z);
         let nearest_to = |w: Complex<f64>| {
             let others = self.values.iter().enumerate().filter(|(other, _)| *other != place);
             others.map(|(other, value)| (other, modulus(value - w))).min_by(|a, b| a.1.total_cmp(&b.1))
         };
         // To first order only if no other one is near.
-        let distance = nearest_to(settled).map_or(f64::INFINITY, |(_, distance)| distance);
-        let distance = self.trivial.map_or(distance, |trivial| distance.min(modulus(trivial - settled)));
+        let distance = nearest_to(better).map_or(f64::INFINITY, |(_, distance)| distance);
+        let distance = self.trivial.map_or(distance, |trivial| distance.min(modulus(trivial - better)));
         let alone = ALONE * error.max(moved) < distance;
         let partner = nearest_to(z.conj()).filter(|(_, distance)| *distance < z.im.abs());
         if alone {
-            (self.values[place], self.errors[place]) = (settled, error);
+            (self.values[place], self.errors[place]) = (better, error);
         } else {
             self.errors[place] = self.errors[place].max(error + moved);
         }
         // The same holds of its mirror image.
         if let Some((partner, _)) = partner {
             (self.values[partner], self.errors[partner]) = (self.values[place].conj(), self.errors[place]);
-            self.asked[partner] = Settling::Settled;
+            self.asked[partner] = Refinement::Done;
         }
     }
 
@@ -173,7 +173,7 @@ impl ForcedSecular {
         self.errors.extend(errors.iter().skip(trivial));
         self.trivial = (trivial > 0).then_some(Complex::new(1.0, 0.0));
         self.asked.clear();
-        self.asked.resize(self.values.len(), Settling::Open);
+        self.asked.resize(self.values.len(), Refinement::Open);
         Ok(())
     }
 

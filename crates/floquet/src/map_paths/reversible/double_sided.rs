@@ -277,7 +277,7 @@ impl Halves {
 
 /// A zero ρ of f next to `start`, and its error: from f itself as a product of sums, where close poles have residues that cancel and
 /// know of it by their errors only.
-pub(crate) fn settle(modes: &Modes, saltations: &Saltations, period: f64, start: C) -> Option<(C, f64)> {
+pub(crate) fn refine(modes: &Modes, saltations: &Saltations, period: f64, start: C) -> Option<(C, f64)> {
     let Saltations { half_kappa, half_kappa_error, lambda, lambda_error } = *saltations;
     let mut rho = start;
     for _ in 0..8 {

@@ -1,14 +1,14 @@
 //! A leading multiplier of two instants that residues know to few digits, next to coincident poles, from the secular function itself as
 //! a product of sums.
 
-use crate::map_paths::reversible::double_sided::settle;
+use crate::map_paths::reversible::double_sided::refine;
 use crate::map_paths::reversible::verdict::{Reason, Secular, SecularVerdict, Standing};
 use crate::zeros::Nu;
 
 impl Secular {
     /// The verdict on an orbit of this period. Close poles can leave the leading multiplier imprecise; it is then taken from f itself, if f
     /// gives more digits. f is solved in ρ, ρ² = (1 + ν)/2, the variable of half a period.
-    pub(crate) fn settled(&self, verdict: SecularVerdict, period: f64) -> SecularVerdict {
+    pub(crate) fn refined(&self, verdict: SecularVerdict, period: f64) -> SecularVerdict {
         self.by_product(&verdict, period).unwrap_or(verdict)
     }
 
@@ -16,7 +16,7 @@ impl Secular {
         let leading = verdict.leading.filter(|_| verdict.outcome == Standing::Unstable)?;
         let start = (leading + leading.inv()) * 0.5;
         let form = &self.residues;
-        let (rho, error) = settle(form.modes(), form.saltations()?, period, ((start + 1.0) * 0.5).sqrt())?;
+        let (rho, error) = refine(form.modes(), form.saltations()?, period, ((start + 1.0) * 0.5).sqrt())?;
         let mut nu = rho * rho * 2.0 - 1.0;
         if verdict.reason == Reason::RealRoot {
             nu.im = 0.0;

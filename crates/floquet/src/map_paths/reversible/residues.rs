@@ -7,7 +7,7 @@ use vibrochain_lattice::ImpulseResponse;
 use super::{double_sided, sign_screen, single_sided};
 use crate::map_paths::fast_sums::evaluate::Local;
 use crate::map_paths::fast_sums::large_reversible;
-use crate::map_paths::fast_sums::neighbourhood::{ChargedPole, Leaf, Nearby, Neighbourhood, divide};
+use crate::map_paths::fast_sums::neighbourhood::{ChargedPole, NearPoles, Nearby, Neighbourhood, divide};
 use crate::map_paths::modes::Modes;
 use crate::map_paths::reversible::pole::{Angle, Pole};
 use crate::sizes::LARGE;
@@ -55,7 +55,7 @@ pub struct Residues {
     owners: Vec<u32>,
     pub(crate) poles: Vec<Lane>,
     /// All poles one by one.
-    pub(crate) whole: Leaf<2>,
+    pub(crate) whole: NearPoles<2>,
     pub(crate) below_one: Vec<Lane>,
     pub(crate) above_minus_one: Vec<Lane>,
     /// The neighbourhoods of large rings.
@@ -200,7 +200,7 @@ impl Residues {
 
     /// F about an origin.
     pub(crate) fn about<'a>(&'a self, distances: &'a [Lane]) -> Local<'a> {
-        Local { leaf: &self.whole, distances, origin: None }
+        Local { near_poles: &self.whole, distances, origin: None }
     }
 
     /// F about the pole at `place`, for use in the gap right of the pole at `gap`. `nearby` is scratch space.
@@ -210,8 +210,8 @@ impl Residues {
             self.distances(place, &mut nearby.distances);
             return self.about(&nearby.distances);
         };
-        let (leaf, distances) = nearby.look(&self.whole, neighbourhood, &self.at(place));
-        Local { leaf, distances, origin: Some((self.poles()[place] - leaf.middle) * leaf.scale) }
+        let (near_poles, distances) = nearby.look(&self.whole, neighbourhood, &self.at(place));
+        Local { near_poles, distances, origin: Some((self.poles()[place] - near_poles.middle) * near_poles.scale) }
     }
 
     /// A gap in the middle of a neighbourhood, the offset of that middle from the gap's left pole, and half its width.

@@ -40,13 +40,13 @@ const MOST_LOSS: f64 = 0.3;
 /// modes.replace(finder.prepared(&found.orbits[0])?)?;
 /// // ω is between Ω₁ = 0.632 and Ω₂ = 0.894: no mode is left there, but one below the band, which begins at 0.447.
 /// assert!(modes.frequency(1).is_none());
-/// let own = modes.own().unwrap();
-/// assert!((own.frequency / 0.69 - 0.533).abs() < 1e-3 && own.loss == 0.0);
-/// assert_eq!(own.signature(0.69), Some(Signature::Negative));
+/// let mode = modes.internal_mode().unwrap();
+/// assert!((mode.frequency / 0.69 - 0.533).abs() < 1e-3 && mode.loss == 0.0);
+/// assert_eq!(mode.signature(0.69), Some(Signature::Negative));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OwnMode {
+pub struct InternalMode {
     /// That with positive form, from 0 to ω; a mode that impacts once a period has it up to multiples of ω. ω/2 while the mode
     /// doubles the period against itself.
     pub frequency: f64,
@@ -55,7 +55,7 @@ pub struct OwnMode {
     pub loss: f64,
 }
 
-impl OwnMode {
+impl InternalMode {
     /// Krein signature of its multiplier in the upper half plane; `None` where that is −1, its own mirror image.
     pub fn signature(&self, omega: f64) -> Option<Signature> {
         match self.frequency / omega {
@@ -83,7 +83,7 @@ struct Part {
 }
 
 /// The narrowest one, and, for the w_j into which it is lost, where in the band the coefficient of reflection has its zero.
-pub(super) fn own_mode(form: &Form, zeros: &mut Vec<C>) -> Option<OwnMode> {
+pub(super) fn internal_mode(form: &Form, zeros: &mut Vec<C>) -> Option<InternalMode> {
     let omega = form.omega();
     let mut best: Option<(OwnZero, Vec<f64>)> = None;
     for part in parts(form) {
@@ -99,7 +99,7 @@ pub(super) fn own_mode(form: &Form, zeros: &mut Vec<C>) -> Option<OwnMode> {
         }
     }
     let Some((zero, waves)) = best else {
-        return doubled(form).then_some(OwnMode { frequency: 0.5 * omega, loss: 0.0 });
+        return doubled(form).then_some(InternalMode { frequency: 0.5 * omega, loss: 0.0 });
     };
     let positive = (form.stiffness(zero.w) / zero.slope).re > 0.0;
     if zero.w.im != 0.0 {
@@ -112,7 +112,7 @@ pub(super) fn own_mode(form: &Form, zeros: &mut Vec<C>) -> Option<OwnMode> {
     // u and ω − ū have the same imaginary part.
     let frequency = if positive { zero.w.re } else { omega - zero.w.re };
     // (0 − 0 is 0, and not −0.)
-    Some(OwnMode { frequency, loss: 0.0 - zero.w.im })
+    Some(InternalMode { frequency, loss: 0.0 - zero.w.im })
 }
 
 /// 0 to ω/2, cut at the edges of the band: all w_j and their mirror images fall there.

@@ -23,7 +23,7 @@ const POLE: f64 = 1e-4;
 const HALVINGS: usize = 8;
 
 /// Lengths as short as this are rounding.
-pub(super) const SETTLED: f64 = 1e-6;
+pub(super) const LEAST_LENGTH: f64 = 1e-6;
 
 /// A solution may be this part of a step outside it, where the event is at its end.
 const SLACK: f64 = 1e-3;
@@ -58,8 +58,8 @@ impl<P> Part<P> {
     }
 }
 
-/// What a change of sign comes to.
-pub(super) enum Settled<E: Ends> {
+/// What the search for the event of a change of sign has found.
+pub(super) enum Confirmed<E: Ends> {
     /// An event, and what shows it.
     At(Solved<OrbitOf<E>>, Evidence),
     /// A jump, as where an equation has a pole.
@@ -120,18 +120,21 @@ impl<E: Ends> Follower<E> {
         found: &mut Vec<Found<E>>,
     ) -> Result<(), LocateError> {
         let (length, turns) = (self.branch.length_between(from.0, to.0), test == Test::Fold);
-        let (solved, evidence) = match self.settle(test, from, to, HALVINGS)? {
-            Settled::At(solved, evidence) if turns || solved.error <= CLAIMED * length * self.range() => {
+        let (solved, evidence) = match self.confirm(test, from, to, HALVINGS)? {
+            Confirmed::At(solved, evidence) if turns || solved.error <= CLAIMED * length * self.range() => {
                 (solved, evidence)
             }
-            Settled::Nothing => return Ok(()),
-            Settled::At(..) | Settled::Hidden => {
+            Confirmed::Nothing => return Ok(()),
+            Confirmed::At(..) | Confirmed::Hidden => {
                 self.hidden(from.0.value(), to.0.value());
                 return Ok(());
             }
         };
         let along = self.length_to(from.0, &solved);
-        if found.iter().any(|(other, located)| located.event == test.event(false) && (other - along).abs() <= SETTLED) {
+        if found
+            .iter()
+            .any(|(other, located)| located.event == test.event(false) && (other - along).abs() <= LEAST_LENGTH)
+        {
             return Ok(());
         }
         let located = self.told(test.event(turns), (from.0, along), solved, evidence);
@@ -159,13 +162,13 @@ impl<E: Ends> Follower<E> {
     }
 
     /// The event of a test function between two points where it changes its sign.
-    pub(super) fn settle(
+    pub(super) fn confirm(
         &mut self,
         test: Test,
         from: At<'_, E>,
         to: At<'_, E>,
         halvings: usize,
-    ) -> Result<Settled<E>, LocateError> {
+    ) -> Result<Confirmed<E>, LocateError> {
         // The contact that is nearest to its barrier at one end may not be the one that touches first.
         let test = if matches!(test, Test::Touch(..)) { touch_between::<E>(from, to).unwrap_or(test) } else { test };
         let share = match (value::<E>(test, from), value::<E>(test, to)) {
@@ -174,7 +177,7 @@ impl<E: Ends> Follower<E> {
         };
         for mark in marks::<E>(test, [from, to]) {
             if let Some((solved, evidence)) = self.solved(test, (from.0, to.0), share, mark) {
-                return Ok(Settled::At(solved, evidence));
+                return Ok(Confirmed::At(solved, evidence));
             }
         }
         if matches!(test, Test::Touch(..)) {
@@ -189,13 +192,13 @@ impl<E: Ends> Follower<E> {
         if halvings == 0 {
             return Ok(self.bracketed(test, from.0, length));
         }
-        let Ok(middle) = self.branch.step(from.0, 0.5 * length) else { return Ok(Settled::Hidden) };
+        let Ok(middle) = self.branch.step(from.0, 0.5 * length) else { return Ok(Confirmed::Hidden) };
         let seen = self.look(&middle)?;
         let middle = (&middle, &seen);
         let before = changes::<E>(test, from, middle)
             || matches!(test, Test::Touch(..)) && touch_between::<E>(from, middle).is_some();
         let (from, to) = if before { (from, middle) } else { (middle, to) };
-        self.settle(test, from, to, halvings - 1)
+        self.confirm(test, from, to, halvings - 1)
     }
 
     /// The solution in a step, from a guess at a share of it.
@@ -215,35 +218,35 @@ impl<E: Ends> Follower<E> {
             // Symmetric orbits are told by their symmetry, which a chord loses.
             z = there.coordinates().to_vec();
         }
-        let reach = (2.0 * length).max(SETTLED);
+        let reach = (2.0 * length).max(LEAST_LENGTH);
         let solved = solve(self.branch.system(), test, (&z, mark), reach).ok()?;
         let solved = self.beside_resonance(test, from, solved)?;
         let along = self.length_to(from, &solved);
         // A fixed length would let in a neighbour: events may be as near to each other as they like.
-        let slack = SETTLED.min(SLACK * length);
+        let slack = LEAST_LENGTH.min(SLACK * length);
         let evidence = if (-slack..=length + slack).contains(&along) { self.evidence(test, &solved) } else { None };
         evidence.map(|evidence| (solved, evidence))
     }
 
     /// Where Newton's method cannot lead, as to a point where symmetric orbits lose their symmetry: the zero along the branch.
-    fn bracketed(&mut self, test: Test, from: &Point<E>, length: f64) -> Settled<E> {
+    fn bracketed(&mut self, test: Test, from: &Point<E>, length: f64) -> Confirmed<E> {
         if !matches!(test, Test::One | Test::MinusOne | Test::AnotherOne) {
-            return Settled::Hidden;
+            return Confirmed::Hidden;
         }
         let mut at = |s: f64| {
             let point = self.branch.step(from, s).ok()?;
             self.read(test, &point)
         };
-        let (Some(first), Some(last)) = (at(0.0), at(length)) else { return Settled::Hidden };
+        let (Some(first), Some(last)) = (at(0.0), at(length)) else { return Confirmed::Hidden };
         if (first > 0.0) == (last > 0.0) {
-            return Settled::Hidden;
+            return Confirmed::Hidden;
         }
-        let Some((s, along)) = crossing([first, last], length, at) else { return Settled::Nothing };
-        let Ok(point) = self.branch.step(from, s) else { return Settled::Hidden };
+        let Some((s, along)) = crossing([first, last], length, at) else { return Confirmed::Nothing };
+        let Ok(point) = self.branch.step(from, s) else { return Confirmed::Hidden };
         let error = along * point.heading().abs() * self.range() + f64::EPSILON * point.value().abs();
         let at = AtEvent { orbit: point.orbit().clone(), mark: None, determinant: 0.0, fold_determinant: 0.0 };
         let solved = Solved { at, coordinates: point.coordinates().into(), value: point.value(), error };
-        self.evidence(test, &solved).map_or(Settled::Nothing, |evidence| Settled::At(solved, evidence))
+        self.evidence(test, &solved).map_or(Confirmed::Nothing, |evidence| Confirmed::At(solved, evidence))
     }
 
     /// The multiplier of an event, if it is where it should be; of a grazing that which touches, if nothing else is beyond a barrier.
