@@ -9,14 +9,14 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use faer::MatRef;
 use nalgebra::Schur;
 use vibrochain::breather::BlochEquations;
-use vibrochain::breather::{Family, Finder, Found, breathers};
+use vibrochain::breather::{Family, Finder, OrbitList, breathers};
 use vibrochain::floquet::{Analyser, ImpactSpectrum, Secular, SecularMultipliers, Tolerance, even_monodromy};
 use vibrochain::lattice::{Chain, Model, Point};
 
 /// Orbits all over the paper's map, so that every path of the verdict takes its share.
 fn conservative(sites: usize, family: Family) -> Vec<Model> {
     let mut models = Vec::new();
-    let (mut finder, mut found) = (Finder::new(sites), Found::default());
+    let (mut finder, mut found) = (Finder::new(sites), OrbitList::default());
     for i in 0..16 {
         for j in 1..=8 {
             let (omega, g2) = (0.5 + 0.125 * f64::from(i), 0.0375 * f64::from(j));
@@ -36,7 +36,7 @@ fn verdicts(criterion: &mut Criterion) {
             let mut cases: Vec<_> = conservative(sites, family)
                 .into_iter()
                 .map(|model| {
-                    let (mut finder, mut found) = (Finder::new(sites), Found::default());
+                    let (mut finder, mut found) = (Finder::new(sites), OrbitList::default());
                     finder.find_symmetric(&model, family, &mut found).unwrap();
                     (found.orbits[0].clone(), finder)
                 })
@@ -88,7 +88,7 @@ fn forced(criterion: &mut Criterion) {
         for (name, family, omega) in [("n=1", Family::SingleSided, 0.92), ("n=2", Family::DoubleSided, 1.5)] {
             let ring = Point::ring(sites).gamma1(0.2).gamma2(0.1);
             let model = ring.omega(omega).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
-            let (mut finder, mut found) = (Finder::new(sites), Found::default());
+            let (mut finder, mut found) = (Finder::new(sites), OrbitList::default());
             finder.find(&model, family, &mut found).unwrap();
             let orbit = &found.orbits[0];
             group.bench_function(format!("impact spectrum/{name}/N={}", sites - 1), |bencher| {
@@ -126,7 +126,7 @@ fn large_rings(criterion: &mut Criterion) {
             ("double, overlapping", Family::DoubleSided, 0.6),
         ] {
             let model = Model::conservative(Chain::new(sites, 0.2, 0.1).unwrap(), omega, 0.4).unwrap();
-            let (mut finder, mut found) = (Finder::new(sites), Found::default());
+            let (mut finder, mut found) = (Finder::new(sites), OrbitList::default());
             finder.find_symmetric(&model, family, &mut found).unwrap();
             let mut secular = Secular::default();
             group.bench_function(format!("all roots/{name}/{sites} sites"), |bencher| {
@@ -139,7 +139,7 @@ fn large_rings(criterion: &mut Criterion) {
         for (name, family, omega) in [("n=1", Family::SingleSided, 0.92), ("n=2", Family::DoubleSided, 1.5)] {
             let ring = Point::ring(sites).gamma1(0.2).gamma2(0.1);
             let model = ring.omega(omega).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
-            let (mut finder, mut found) = (Finder::new(sites), Found::default());
+            let (mut finder, mut found) = (Finder::new(sites), OrbitList::default());
             finder.find(&model, family, &mut found).unwrap();
             let mut secular = SecularMultipliers::default();
             group.bench_function(format!("all multipliers/{name}/{sites} sites"), |bencher| {

@@ -2,15 +2,15 @@
 //! the ring. (Against dense matrices: `map_paths::tests` of `vibrochain-floquet`.)
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use vibrochain::breather::{Family, Finder, Found};
+use vibrochain::breather::{Family, Finder, OrbitList};
 use vibrochain::floquet::{Analyser, Complex, ModeLabels, Residues, Secular, SecularMultipliers, Tolerance};
 use vibrochain::lattice::{Chain, Model, Point};
 
 type C = Complex<f64>;
 
-fn conservative(sites: usize, gamma2: f64, omega: f64, family: Family) -> (Finder, Found) {
+fn conservative(sites: usize, gamma2: f64, omega: f64, family: Family) -> (Finder, OrbitList) {
     let model = Model::conservative(Chain::new(sites, 0.2, gamma2).unwrap(), omega, 0.4).unwrap();
-    let (mut finder, mut found) = (Finder::new(sites), Found::default());
+    let (mut finder, mut found) = (Finder::new(sites), OrbitList::default());
     finder.find_symmetric(&model, family, &mut found).unwrap();
     (finder, found)
 }
@@ -152,7 +152,7 @@ fn forced_spectra_are_complete() {
     for (sites, family, omega, amplitude, e) in cases {
         let ring = Point::ring(sites).gamma1(0.2).gamma2(0.1);
         let model = ring.omega(omega).asymmetry(0.4).amplitude(amplitude).restitution(e).model().unwrap();
-        let (mut finder, mut found) = (Finder::new(sites), Found::default());
+        let (mut finder, mut found) = (Finder::new(sites), OrbitList::default());
         finder.find(&model, family, &mut found).unwrap();
         for orbit in &found.orbits {
             finder.motion(orbit).unwrap();
@@ -194,7 +194,7 @@ fn large_rings_are_judged_without_a_matrix() {
     ];
     for (model, family) in cases {
         let sites = model.chain().sites();
-        let (mut finder, mut found) = (Finder::new(sites), Found::default());
+        let (mut finder, mut found) = (Finder::new(sites), OrbitList::default());
         finder.find(&model, family, &mut found).unwrap();
         let orbit = &found.orbits[0];
         let admissibility = finder.admissibility(orbit).unwrap();

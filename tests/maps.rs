@@ -1,7 +1,7 @@
 //! What the paper's conservative maps must show.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-use vibrochain::breather::{Completeness, Family, Finder, Found, Orbit, Wanted, admissibility, breathers};
+use vibrochain::breather::{Completeness, Family, Finder, Orbit, OrbitList, Scope, admissibility, breathers};
 use vibrochain::floquet::{Tolerance, stability};
 use vibrochain::lattice::{Chain, Model, Parameter};
 use vibrochain_maps::cell::{Class, Status, Task, Worker};
@@ -23,7 +23,7 @@ fn grid(columns: usize, rows: usize) -> impl Iterator<Item = (f64, f64)> {
 }
 
 fn physical(finder: &mut Finder, model: &Model, family: Family) -> bool {
-    let mut found = Found::default();
+    let mut found = OrbitList::default();
     finder.find_symmetric(model, family, &mut found).unwrap();
     found.orbits.iter().any(|orbit| finder.admissibility(orbit).unwrap().is_physical())
 }
@@ -164,11 +164,11 @@ fn the_papers_maps_hold_symmetric_conservative_orbits_alone() {
     let (mut orbits, mut places) = (0, 0);
     for sites in [6, 11, 21, 41] {
         let mut finder = Finder::new(sites);
-        let (mut found, mut candidates) = (Found::default(), Found::default());
+        let (mut found, mut candidates) = (OrbitList::default(), OrbitList::default());
         for (gamma2, omega) in grid(80, 40) {
             let model = model(sites, gamma2, omega);
             finder.find(&model, Family::DoubleSided, &mut found).unwrap();
-            finder.search(&model, Family::DoubleSided, Wanted::SymmetricCandidates, &mut candidates).unwrap();
+            finder.search(&model, Family::DoubleSided, Scope::SymmetricCandidates, &mut candidates).unwrap();
             if let Completeness::Asked { left_out } = candidates.completeness {
                 places += left_out;
             }

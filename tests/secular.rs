@@ -5,7 +5,7 @@ use std::cell::Cell;
 
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
-use vibrochain::breather::{Family, Finder, Found, Orbit};
+use vibrochain::breather::{Family, Finder, Orbit, OrbitList};
 use vibrochain::floquet::{
     Analyser, Complex, ForcedSecular, Mechanism, Method, ModalShape, Secular, SecularMultipliers, SecularVerdict,
     Standing, Tolerance, even_monodromy, full_monodromy,
@@ -30,7 +30,7 @@ fn spectral_radii_of_the_table() {
     let mut answered = 0;
     for case in reference() {
         let (name, model, family) = (&case.name, case.model, case.family);
-        let (mut finder, mut found) = (Finder::new(model.chain().sites()), Found::default());
+        let (mut finder, mut found) = (Finder::new(model.chain().sites()), OrbitList::default());
         finder.find(&model, family, &mut found).unwrap();
         let mut impulses: Vec<f64> = ["p", "p1", "p2"].iter().filter_map(|key| case.number(key)).collect();
         impulses.sort_by(f64::total_cmp);
@@ -74,7 +74,7 @@ fn conservative() -> impl Strategy<Value = Model> {
 fn roots_beside_poles_that_nearly_coincide_claim_their_errors() {
     let chain = Chain::new(7, 0.059365345946162086, 0.42239713461123557).unwrap();
     let model = Model::conservative(chain, 1.9048140666056042, 0.0).unwrap();
-    let (mut finder, mut found, mut secular) = (Finder::new(7), Found::default(), Secular::default());
+    let (mut finder, mut found, mut secular) = (Finder::new(7), OrbitList::default(), Secular::default());
     finder.find_symmetric(&model, Family::DoubleSided, &mut found).unwrap();
     secular.replace(finder.prepared(&found.orbits[0]).unwrap()).unwrap();
     let (roots, errors) = secular.roots().unwrap();
@@ -90,7 +90,7 @@ fn roots_have_the_power_sums_of_the_monodromy_matrix() {
     let checked = Cell::new(0);
     let config = ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() };
     let checks = |model: Model| {
-        let (mut finder, mut found) = (Finder::new(21), Found::default());
+        let (mut finder, mut found) = (Finder::new(21), OrbitList::default());
         let mut secular = Secular::default();
         for family in [Family::SingleSided, Family::DoubleSided] {
             let response = ImpulseResponse::new(&Spectrum::new(*model.chain()), model.omega());
@@ -135,7 +135,7 @@ fn roots_have_the_power_sums_of_the_monodromy_matrix() {
 fn the_shape_of_the_unstable_perturbation_is_an_eigenvector_of_the_dense_matrix() {
     let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
     let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
-    let (mut finder, mut found) = (Finder::new(21), Found::default());
+    let (mut finder, mut found) = (Finder::new(21), OrbitList::default());
     finder.find(&model, Family::DoubleSided, &mut found).unwrap();
     assert!(!found.orbits.is_empty());
     for orbit in &found.orbits {
@@ -191,7 +191,7 @@ fn model_at(random: &mut Random, place: Place, forced: bool) -> Option<Model> {
 /// many were compared, fell back, and were unstable.
 fn against_dense(seed: u64, draws: usize, place: Place, forced: bool) -> [usize; 3] {
     let mut random = Random(seed);
-    let (mut finder, mut found) = (Finder::new(21), Found::default());
+    let (mut finder, mut found) = (Finder::new(21), OrbitList::default());
     let (mut analyser, mut dense) = (Analyser::default(), Analyser::dense());
     let (mut compared, mut fallen, mut unstable) = (0, 0, 0);
     for _ in 0..draws {
@@ -261,7 +261,7 @@ fn no_verdict_differs_from_the_dense_one_beyond_its_error() {
 fn residues_that_cancel_prove_nothing() {
     let chain = Chain::new(18, 0.11539980741875569, 0.40144460760567563).unwrap();
     let model = Model::conservative(chain, 0.47770963682116213, 0.6273051865440096).unwrap();
-    let (mut finder, mut found) = (Finder::new(18), Found::default());
+    let (mut finder, mut found) = (Finder::new(18), OrbitList::default());
     finder.find_symmetric(&model, Family::DoubleSided, &mut found).unwrap();
     let mut analyser = Analyser::default();
     let sweep = analyser.verdict(&found.orbits[0], &mut finder, Tolerance::Rounding).unwrap();

@@ -3,14 +3,14 @@
 
 use std::path::Path;
 
-use vibrochain_breather::{Family, Finder, Found, Orbit, condition};
+use vibrochain_breather::{Family, Finder, Orbit, OrbitList, condition};
 use vibrochain_floquet::{Analyser, FloquetError, Mechanism, Tolerance, Verdict, stability};
 use vibrochain_lattice::{Chain, Model, Point};
 use vibrochain_maps::cell::{Class, Status, Worker};
 use vibrochain_maps::scene::Scene;
 
 fn orbits(model: &Model, family: Family) -> Vec<Orbit> {
-    let mut found = Found::default();
+    let mut found = OrbitList::default();
     Finder::new(model.chain().sites()).find(model, family, &mut found).unwrap();
     found.orbits
 }

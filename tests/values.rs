@@ -7,8 +7,8 @@ use std::path::Path;
 
 use serde_json::{Value, json, to_value};
 use vibrochain::breather::{
-    Admissibility, BreatherError, Completeness, Family, Finder, Found, Hit, NoBreather, Obstruction, Orbit, Proof,
-    Unsearched, Wanted, Word, admissibility, breathers,
+    Admissibility, BreatherError, Completeness, Family, Finder, Hit, NoBreather, Obstruction, Orbit, OrbitList, Proof,
+    Scope, Unsearched, Word, admissibility, breathers,
 };
 use vibrochain::eventsim::{EventKind, Limits, Outcome, Simulation, Work};
 use vibrochain::floquet::{
@@ -202,9 +202,9 @@ fn what_is_found_on_branches_is_written_as_by_the_program() {
     let (mut layers, mut points) = (0, 0);
     for (model, word, event, free) in cases {
         let flags = format!("--word {word} --free {free}{}", flags(&model));
-        let (mut finder, mut found) = (Finder::new(model.chain().sites()), Found::default());
+        let (mut finder, mut found) = (Finder::new(model.chain().sites()), OrbitList::default());
         let word = word.parse::<Word>().unwrap().canonical(&model);
-        finder.find_word(&model, &word, Wanted::All, &mut found).unwrap();
+        finder.find_word(&model, &word, Scope::All, &mut found).unwrap();
         let orbit = found.orbits.iter().find(|orbit| admissibility(orbit).unwrap().is_physical()).unwrap();
 
         let search = Search::new(orbit, event, free);
@@ -277,7 +277,7 @@ fn other_values_come_back_and_have_their_names() {
     for kind in EventKind::ALL {
         assert_eq!(read_back(&kind), format!("\"{}\"", kind.name()));
     }
-    read_back(&[Wanted::All, Wanted::Symmetric, Wanted::Candidates, Wanted::SymmetricCandidates]);
+    read_back(&[Scope::All, Scope::Symmetric, Scope::Candidates, Scope::SymmetricCandidates]);
     assert_eq!(read_back(&[Tolerance::Rounding, Tolerance::Excess(0.01)]), "[null,0.01]");
     for proof in [Proof::ClosedForm, Proof::Enclosures { intervals: 40 }, Proof::BranchAndPrune { boxes: 7 }] {
         assert_eq!(to_value(proof).unwrap()["by"], proof.name());
@@ -291,7 +291,7 @@ fn other_values_come_back_and_have_their_names() {
 
     let ring = Point::ring(5).gamma1(0.2).gamma2(0.1);
     let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
-    let mut found = Found::default();
+    let mut found = OrbitList::default();
     Finder::new(5).find(&model, Family::DoubleSided, &mut found).unwrap();
     let orbit = &found.orbits[0];
     read_back(&saltations(orbit).unwrap().collect::<Vec<Saltation>>());

@@ -128,7 +128,7 @@ pub enum NoBreather {
     Singular,
     /// No orbits of the masses alone hit in the order of the word, each from inside.
     NoStart,
-    /// All branches of the word that were followed from γ₂ = 0 ended on the way ([`crate::Found::ended`]).
+    /// All branches of the word that were followed from γ₂ = 0 ended on the way ([`crate::OrbitList::ended`]).
     BranchesEnded,
     /// No way is known to find the orbits of this word by itself; one nearby leads to them.
     NotSearched(Unsearched),

@@ -1,7 +1,7 @@
 //! Exact periodic orbits (discrete breathers) of vibro-impact chains.
 //!
 //! ```text
-//! Model ── breathers, Finder ──> Found: Completeness, Orbit… ──> Motion, Admissibility, Condition, Branch
+//! Model ── breathers, Finder ──> OrbitList: Completeness, Orbit… ──> Motion, Admissibility, Condition, Branch
 //! StructureModel ── structure_orbits ──> StructureFound: StructureOrbit… ──> StructureMotion, Admissibility
 //! ```
 //!
@@ -14,7 +14,7 @@
 //! | name | what it is |
 //! |---|---|
 //! | [`Orbit`], [`Impact`], [`Family`] | a periodic orbit, by its impacts |
-//! | [`breathers`], [`Finder`], [`Found`] | from parameters to orbits |
+//! | [`breathers`], [`Finder`], [`OrbitList`] | from parameters to orbits |
 //! | [`MapBreather`] | what a map asks of a conservative breather, without its orbit |
 //! | [`Completeness`], [`Proof`] | whether a list of orbits is all, and how that is known |
 //! | [`Motion`] | every mass at any time |
@@ -74,7 +74,7 @@ pub use error::{BranchError, BreatherError, NoBreather, Unsearched};
 pub use motion::{Kinematics, Motion};
 pub use orbit::{Family, Hit, Impact, Orbit};
 pub use search::completeness::{Completeness, Proof};
-pub use search::finder::{Finder, Found, Prepared, Wanted, breathers, condition};
+pub use search::finder::{Finder, OrbitList, Prepared, Scope, breathers, condition};
 pub use search::words::ended::{End, Ended};
 pub use structures::admissible::{structure_admissibility, structure_is_physical};
 pub use structures::continuation::{StructureBranch, StructureBranchPoint, StructureContinuation, StructureFamily};

@@ -1,7 +1,7 @@
 //! What a map looks at against the full lists: no physical orbit may be missing, and few others be left.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{Family, Finder, Found, Orbit, Proof, Wanted};
+use vibrochain_breather::{Family, Finder, Orbit, OrbitList, Proof, Scope};
 use vibrochain_lattice::{Model, Parameter};
 use vibrochain_testkit::Values::{Either, Even, Is};
 use vibrochain_testkit::{Random, Ranges};
@@ -28,12 +28,12 @@ fn impacts(orbit: &Orbit) -> Vec<(f64, f64)> {
 #[test]
 fn no_physical_conservative_orbit_is_missed() {
     let mut random = Random(13);
-    let (mut finder, mut found) = (Finder::new(6), Found::default());
+    let (mut finder, mut found) = (Finder::new(6), OrbitList::default());
     let (mut listed, mut looked_at, mut physical, mut asymmetric) = (0, 0, 0, 0);
     for _ in 0..6000 {
         let model = random_model(&mut random);
         for family in [Family::DoubleSided, Family::SingleSided] {
-            let mut orbits = |wanted: Wanted, count: &mut usize| {
+            let mut orbits = |wanted: Scope, count: &mut usize| {
                 if finder.search(&model, family, wanted, &mut found).is_err() {
                     return Vec::new();
                 }
@@ -43,8 +43,8 @@ fn no_physical_conservative_orbit_is_missed() {
                 orbits.sort_by(|a, b| a.phi().unwrap_or(0.0).total_cmp(&b.phi().unwrap_or(0.0)));
                 orbits
             };
-            let all = orbits(Wanted::All, &mut listed);
-            let candidates = orbits(Wanted::Candidates, &mut looked_at);
+            let all = orbits(Scope::All, &mut listed);
+            let candidates = orbits(Scope::Candidates, &mut looked_at);
             assert_eq!(all.len(), candidates.len(), "{model:?} {family:?}");
             for (one, other) in all.iter().zip(&candidates) {
                 for ((time, impulse), (its_time, its_impulse)) in impacts(one).into_iter().zip(impacts(other)) {
@@ -78,11 +78,11 @@ fn random_forced_model(random: &mut Random) -> Model {
 #[test]
 fn no_physical_forced_orbit_is_missed() {
     let mut random = Random(19);
-    let (mut finder, mut found) = (Finder::new(6), Found::default());
+    let (mut finder, mut found) = (Finder::new(6), OrbitList::default());
     let (mut right_signed, mut physical, mut fewer) = (0, 0, 0);
     for _ in 0..3000 {
         let model = random_forced_model(&mut random);
-        let mut orbits = |wanted: Wanted| {
+        let mut orbits = |wanted: Scope| {
             if finder.search(&model, Family::DoubleSided, wanted, &mut found).is_err() {
                 return None;
             }
@@ -97,7 +97,7 @@ fn no_physical_forced_orbit_is_missed() {
             Some((orbits, found.completeness.open() == (0, 0), intervals))
         };
         let (Some((all, all_told, full)), Some((candidates, told, part))) =
-            (orbits(Wanted::All), orbits(Wanted::Candidates))
+            (orbits(Scope::All), orbits(Scope::Candidates))
         else {
             continue;
         };

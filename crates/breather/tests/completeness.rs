@@ -13,7 +13,7 @@
 
 use std::f64::consts::TAU;
 
-use vibrochain_breather::{Completeness, Family, Finder, Found, NoBreather, Unsearched, Word, breathers};
+use vibrochain_breather::{Completeness, Family, Finder, NoBreather, OrbitList, Unsearched, Word, breathers};
 use vibrochain_lattice::{Barrier, Model, Parameter, Point};
 use vibrochain_testkit::Values::{Either, Even, Is, Log};
 use vibrochain_testkit::{Meeting, Random, Ranges};
@@ -156,7 +156,7 @@ fn compare(sets: usize, points: usize, seed: u64) -> [usize; 5] {
     for set in 0..sets {
         let model = random.model(&ranges);
         for (i, (text, periods)) in WORDS.into_iter().enumerate() {
-            let (mut finder, mut found) = (Finder::new(model.chain().sites()), Found::default());
+            let (mut finder, mut found) = (Finder::new(model.chain().sites()), OrbitList::default());
             let word: Word = text.parse().unwrap();
             finder.find_word_over(&model, &word, periods, &mut found).unwrap();
             assert!(found.completeness.is_established(), "{set} {text} {model:?}: {:?}", found.completeness);
@@ -200,7 +200,7 @@ fn no_orbit_of_a_fine_scan_is_missing() {
 fn two_impacts_on_one_barrier_in_one_period_of_the_force() {
     let ring = Point::ring(1).gamma1(1.0).gamma2(0.0);
     let model = ring.omega(0.7).asymmetry(0.95).amplitude(0.1).restitution(0.8).model().unwrap();
-    let (mut finder, mut found) = (Finder::new(1), Found::default());
+    let (mut finder, mut found) = (Finder::new(1), OrbitList::default());
     finder.find_word_over(&model, &"0-,0-".parse().unwrap(), 1, &mut found).unwrap();
     assert!(found.completeness.is_established());
     let known = [0.24802751469844, 0.20097783049507, 2.43423366690096, 3.24261929902821];

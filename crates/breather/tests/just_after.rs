@@ -1,13 +1,13 @@
 //! What an orbit says of its impacts, worked out in one pass over the modes where one site of a small ring is hit, against its motion at
 //! the same instant, mass by mass.
 
-use vibrochain_breather::{Family, Finder, Found, Motion};
+use vibrochain_breather::{Family, Finder, Motion, OrbitList};
 use vibrochain_lattice::{Chain, Model};
 
 #[test]
 fn accelerations_at_impacts_are_those_of_the_motion() {
     let mut random = fastrand::Rng::with_seed(5);
-    let (mut finder, mut found) = (Finder::new(1), Found::default());
+    let (mut finder, mut found) = (Finder::new(1), OrbitList::default());
     let mut compared = [0; 2];
     for _ in 0..1500 {
         let sites = [1, 2, 3, 4, 5, 6, 11, 21, 40][random.usize(0..9)];

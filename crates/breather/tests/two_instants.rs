@@ -5,7 +5,7 @@
 
 use std::f64::consts::TAU;
 
-use vibrochain_breather::{Completeness, Finder, Found, NoBreather, Orbit, Wanted, Word};
+use vibrochain_breather::{Completeness, Finder, NoBreather, Orbit, OrbitList, Scope, Word};
 use vibrochain_lattice::{Chain, Ends, Model};
 
 /// Lattices of `length` masses a layer.
@@ -177,7 +177,7 @@ const WORDS: [(Kind, usize, &[&str]); 5] = [
 ];
 
 /// When the last impacts of the physical orbits of a list are, rising.
-fn physical_times(finder: &mut Finder, found: &Found) -> Vec<f64> {
+fn physical_times(finder: &mut Finder, found: &OrbitList) -> Vec<f64> {
     let mut physical = |orbit: &&Orbit| finder.admissibility(orbit).unwrap().is_physical();
     let mut times: Vec<f64> =
         found.orbits.iter().filter(|orbit| physical(orbit)).map(|orbit| orbit.impacts().last().unwrap().time).collect();
@@ -198,11 +198,11 @@ fn lists_of_two_instants_are_complete() {
             let (omega, a) = (0.3 + 0.5 * random.f64(), if round % 3 == 0 { 0.0 } else { 0.15 * random.f64() });
             let chain = chain(kind, length, gamma1, gamma2);
             let model = Model::conservative(chain, omega, a).unwrap();
-            let (mut finder, mut found) = (Finder::new(chain.sites()), Found::default());
+            let (mut finder, mut found) = (Finder::new(chain.sites()), OrbitList::default());
             let modes = modes(stiffness(kind, length, gamma1, gamma2));
             for (number, text) in words.iter().enumerate() {
                 let word: Word = text.parse().unwrap();
-                if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
+                if finder.find_word(&model, &word, Scope::All, &mut found).is_err() {
                     continue;
                 }
                 rounds += 1;
@@ -238,12 +238,12 @@ fn lists_of_two_instants_are_complete() {
                     |orbit: &Orbit| orbit.residual() < 1e-10 * orbit.strongest_impulse().unwrap().abs().max(1.0);
                 assert!(found.orbits.iter().all(sound), "{text} {model}");
                 let all = physical_times(&mut finder, &found);
-                finder.find_word(&model, &word, Wanted::Candidates, &mut found).unwrap();
+                finder.find_word(&model, &word, Scope::Candidates, &mut found).unwrap();
                 let asked = physical_times(&mut finder, &found);
                 assert!(found.completeness.is_established() && all == asked, "{text} {model}: {all:?} {asked:?}");
                 let others = all.iter().filter(|phi| **phi != half && **phi != 0.0).count();
                 physical += others;
-                finder.find_word(&model, &word, Wanted::SymmetricCandidates, &mut found).unwrap();
+                finder.find_word(&model, &word, Scope::SymmetricCandidates, &mut found).unwrap();
                 let left_out = matches!(found.completeness, Completeness::Asked { .. });
                 assert!(left_out || others == 0, "{text} {model}: {:?}", found.completeness);
             }
@@ -266,9 +266,9 @@ fn lists_of_two_instants_are_complete() {
 #[test]
 fn two_impacts_on_one_barrier_without_force() {
     let model = Model::conservative(Chain::new(5, 0.4, 0.42).unwrap(), 0.343, 0.2).unwrap();
-    let (mut finder, mut found) = (Finder::new(5), Found::default());
+    let (mut finder, mut found) = (Finder::new(5), OrbitList::default());
     let word: Word = "0-,0-".parse().unwrap();
-    finder.find_word(&model, &word, Wanted::All, &mut found).unwrap();
+    finder.find_word(&model, &word, Scope::All, &mut found).unwrap();
     assert!(found.completeness.is_established());
     let physical: Vec<_> = found.orbits.iter().filter(|o| finder.admissibility(o).unwrap().is_physical()).collect();
     let [orbit] = physical.as_slice() else { panic!("{physical:?}") };
@@ -278,7 +278,7 @@ fn two_impacts_on_one_barrier_without_force() {
     assert!((finder.admissibility(orbit).unwrap().margin.unwrap() - 0.110).abs() < 5e-4);
     // Above the band every list ends with the one that repeats.
     let fast = Model::conservative(*model.chain(), 2.0, 0.2).unwrap();
-    finder.find_word(&fast, &word, Wanted::All, &mut found).unwrap();
+    finder.find_word(&fast, &word, Scope::All, &mut found).unwrap();
     assert_eq!(found.completeness.reason(), Some(NoBreather::RepeatsSooner));
     assert!(found.completeness.is_established());
 }
@@ -290,8 +290,8 @@ fn a_row_of_two_is_a_ring_of_two_with_half_the_coupling() {
         let row = Chain::new(2, 0.04, 0.5).unwrap().with_ends(Ends::Free);
         let [row, ring] = [row, Chain::new(2, 0.04, 0.25).unwrap()].map(|chain| {
             let model = Model::conservative(chain, omega, 0.0).unwrap();
-            let (mut finder, mut found) = (Finder::new(2), Found::default());
-            finder.find_word(&model, &"0+,0-".parse().unwrap(), Wanted::Candidates, &mut found).unwrap();
+            let (mut finder, mut found) = (Finder::new(2), OrbitList::default());
+            finder.find_word(&model, &"0+,0-".parse().unwrap(), Scope::Candidates, &mut found).unwrap();
             assert!(found.completeness.is_established());
             let physical = |orbit: &Orbit| finder.admissibility(orbit).unwrap().is_physical();
             found.orbits.retain(physical);
@@ -323,20 +323,20 @@ fn what_is_not_searched_is_not_complete() {
         (forced, "0+1+,0-1-"),
         (forced, "0-,1-"),
     ] {
-        let mut found = Found::default();
+        let mut found = OrbitList::default();
         let word: Word = text.parse().unwrap();
-        Finder::new(model.chain().sites()).find_word(&model, &word, Wanted::All, &mut found).unwrap();
+        Finder::new(model.chain().sites()).find_word(&model, &word, Scope::All, &mut found).unwrap();
         assert!(!found.completeness.is_established(), "{text} {model}: {:?}", found.completeness);
     }
     // Nothing holds the ring as a whole: a singular system of what is alike went on for ever.
     let adrift = Model::conservative(Chain::new(20, 0.0, 0.1).unwrap(), 0.45, 0.0).unwrap();
-    let mut found = Found::default();
-    Finder::new(20).find_word(&adrift, &"0+4+9+,0-4-9-".parse().unwrap(), Wanted::All, &mut found).unwrap();
+    let mut found = OrbitList::default();
+    Finder::new(20).find_word(&adrift, &"0+4+9+,0-4-9-".parse().unwrap(), Scope::All, &mut found).unwrap();
     assert!(found.completeness.is_established(), "{:?}", found.completeness);
     // And what needs none is: one instant, modes all slower than the orbit.
     for text in ["0-", "0+1+3-", "0+3-,0-3+", "0+1+2-,0-1-2+"] {
-        let mut found = Found::default();
-        Finder::new(6).find_word(&free(0.05), &text.parse().unwrap(), Wanted::All, &mut found).unwrap();
+        let mut found = OrbitList::default();
+        Finder::new(6).find_word(&free(0.05), &text.parse().unwrap(), Scope::All, &mut found).unwrap();
         assert!(found.completeness.is_established() && found.orbits.len() == 1, "{text}: {:?}", found.completeness);
     }
 }

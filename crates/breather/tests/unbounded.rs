@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use vibrochain_breather::{Completeness, End, Finder, Found, NoBreather, Wanted};
+use vibrochain_breather::{Completeness, End, Finder, NoBreather, OrbitList, Scope};
 use vibrochain_lattice::{Chain, Model, Parameter, Point, Stop};
 
 /// Two masses opposite each other on a ring of four, under a force.
@@ -19,13 +19,13 @@ fn opposite(restitution: f64) -> Model {
 }
 
 /// The orbits of a word, and the looks that it took to find them.
-fn found(model: &Model, word: &str) -> (Found, usize) {
+fn found(model: &Model, word: &str) -> (OrbitList, usize) {
     let looks = Arc::new(AtomicUsize::new(0));
     let counter = Arc::clone(&looks);
     let stop = Stop::when(move || counter.fetch_add(1, Ordering::Relaxed) == usize::MAX);
-    let mut found = Found::default();
+    let mut found = OrbitList::default();
     let mut finder = Finder::new(model.chain().sites()).until(&stop);
-    finder.find_word(model, &word.parse().unwrap(), Wanted::All, &mut found).unwrap();
+    finder.find_word(model, &word.parse().unwrap(), Scope::All, &mut found).unwrap();
     (found, looks.load(Ordering::Relaxed))
 }
 
@@ -65,7 +65,7 @@ fn where_impulses_grow_without_bound_a_branch_ends_and_says_so() {
 #[test]
 fn up_to_elastic_impacts_the_same_orbits_are_found_for_little_more_work() {
     let (lossy, least) = found(&opposite(0.9), "0-2-");
-    let mut last: Option<Found> = None;
+    let mut last: Option<OrbitList> = None;
     for digits in 3..=6 {
         let loss = 10f64.powi(-digits);
         let (list, looks) = found(&opposite(1.0 - loss), "0-2-");

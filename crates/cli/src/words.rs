@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 use serde_json::json;
-use vibrochain_breather::{BreatherError, Family, Finder, Found, NoBreather, Obstruction, Wanted, Word};
+use vibrochain_breather::{BreatherError, Family, Finder, NoBreather, Obstruction, OrbitList, Scope, Word};
 use vibrochain_floquet::{Analyser, Mechanism, Tolerance, Verdict};
 use vibrochain_lattice::{Layout, Model, Parameter, Stop};
 
@@ -114,10 +114,10 @@ fn families(args: &WordsArgs, layout: &Layout) -> Result<Vec<Family>, CliError> 
 /// The orbits of all words, each with what is known of it; and the words that cannot be searched for.
 fn rows(model: &Model, words: &[Word], tolerance: Tolerance, stop: &Stop) -> Result<(Vec<Row>, Vec<String>), CliError> {
     let mut finder = Finder::new(model.chain().sites()).until(stop);
-    let (mut analyser, mut found) = (Analyser::default(), Found::default());
+    let (mut analyser, mut found) = (Analyser::default(), OrbitList::default());
     let (mut rows, mut unsearched) = (Vec::new(), Vec::new());
     for word in words {
-        finder.find_word(model, word, Wanted::All, &mut found)?;
+        finder.find_word(model, word, Scope::All, &mut found)?;
         if let Some(NoBreather::NotSearched(_)) = found.completeness.reason() {
             unsearched.push(word.to_string());
         }
@@ -165,12 +165,12 @@ fn fate(finder: &mut Finder, model: &Model, word: &Word) -> Result<String, CliEr
         let of_layers = if gamma3 == 0.0 { String::new() } else { format!(", gamma3 = {}", number(value * gamma3)) };
         format!("gamma2 = {}{of_layers}", number(value * part))
     };
-    let (mut found, layout) = (Found::default(), model.chain().layout());
+    let (mut found, layout) = (OrbitList::default(), model.chain().layout());
     // What is in the way of the word's first orbit, if anything.
     let mut obstacle = |value: f64| -> Result<Option<String>, CliError> {
         let model = model.with(Parameter::Gamma2, value * part)?;
         let model = if gamma3 == 0.0 { model } else { model.with(Parameter::Gamma3, value * gamma3)? };
-        match finder.find_word(&model, word, Wanted::All, &mut found) {
+        match finder.find_word(&model, word, Scope::All, &mut found) {
             Err(BreatherError::Resonance(resonance)) => return Ok(Some(resonance.to_string())),
             other => other?,
         }

@@ -15,12 +15,12 @@ use crate::eigenvectors::FloquetMode;
 /// [`BreatherError`], which an orbit that exists has already passed.
 ///
 /// ```
-/// use vibrochain_breather::{Finder, Found, Wanted};
+/// use vibrochain_breather::{Finder, OrbitList, Scope};
 /// use vibrochain_floquet::{leading_modes, phases};
 /// use vibrochain_lattice::{Chain, Model};
 /// let model = Model::conservative(Chain::new(21, 0.2, 0.05)?, 1.5, 0.2)?;
-/// let (mut finder, mut found) = (Finder::new(21), Found::default());
-/// finder.find_word(&model, &"0+1-,0-1+".parse()?, Wanted::All, &mut found)?;
+/// let (mut finder, mut found) = (Finder::new(21), OrbitList::default());
+/// finder.find_word(&model, &"0+1-,0-1+".parse()?, Scope::All, &mut found)?;
 /// let orbit = &found.orbits[0];
 /// // Two breathers out of phase drift apart.
 /// let apart = phases(orbit, &leading_modes(orbit, 1)?[0], &mut finder)?;

@@ -2,7 +2,7 @@
 //! product of sums settles it then, of two impacts a period, as a dense matrix would.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{Family, Finder, Found};
+use vibrochain_breather::{Family, Finder, OrbitList};
 use vibrochain_floquet::{Analyser, Method, Secular, Standing, Tolerance};
 use vibrochain_lattice::{Chain, Model};
 use vibrochain_testkit::Random;
@@ -10,7 +10,7 @@ use vibrochain_testkit::Random;
 #[test]
 fn what_poles_hide_the_equations_settle() {
     let mut random = Random(41);
-    let (mut finder, mut found, mut secular) = (Finder::new(1), Found::default(), Secular::default());
+    let (mut finder, mut found, mut secular) = (Finder::new(1), OrbitList::default(), Secular::default());
     let (mut analyser, mut dense) = (Analyser::default(), Analyser::dense());
     // Leading multipliers that were imprecise, and those of few modes.
     let (mut settled, mut few) = (0, 0);

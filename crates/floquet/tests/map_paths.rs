@@ -2,7 +2,7 @@
 //! losses, words of several sites by a matrix, and rings whose sums go over poles far apart at once.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{BlochEquations, Family, Finder, Found, Wanted, Word};
+use vibrochain_breather::{BlochEquations, Family, Finder, OrbitList, Scope, Word};
 use vibrochain_floquet::{Analyser, FloquetError, ImpactSpectrum, Method, Tolerance};
 use vibrochain_lattice::{Chain, Model};
 use vibrochain_testkit::{Meeting, Random, Ranges, Values};
@@ -29,8 +29,8 @@ fn verdicts_agree(seed: u64, ranges: &Ranges, word: impl Fn(&mut Random, &Chain)
         let Ok(model) = model.point().on(&chain).omega(omega).model() else { continue };
         let Some(word) = word(&mut random, &chain) else { continue };
         let word: Word = word.parse().unwrap();
-        let (mut finder, mut found) = (Finder::new(chain.sites()), Found::default());
-        if finder.find_word(&model, &word, Wanted::Symmetric, &mut found).is_err() {
+        let (mut finder, mut found) = (Finder::new(chain.sites()), OrbitList::default());
+        if finder.find_word(&model, &word, Scope::Symmetric, &mut found).is_err() {
             continue;
         }
         for orbit in found.orbits.iter().take(2) {
@@ -110,7 +110,7 @@ fn breathers_with_losses() {
 /// 301 modes that feel the impacts: more than any sum over pairs is taken of.
 #[test]
 fn large_rings_have_the_multipliers_of_the_spectrum() {
-    let (mut finder, mut found, mut analyser) = (Finder::new(601), Found::default(), Analyser::default());
+    let (mut finder, mut found, mut analyser) = (Finder::new(601), OrbitList::default(), Analyser::default());
     let (mut compared, mut unstable) = (0, 0);
     for (omega, gamma2, amplitude) in [(0.8, 0.1, 0.0), (1.5, 0.1, 0.0), (0.9, 0.01, 0.0), (1.5, 0.1, 0.1)] {
         let chain = Chain::new(601, 0.2, gamma2).unwrap();

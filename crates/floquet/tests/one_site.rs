@@ -1,7 +1,7 @@
 //! One site that is hit on lattices that are no rings: the secular functions of the modes that feel it against the whole monodromy matrix.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{Finder, Found, Orbit, Wanted, Word};
+use vibrochain_breather::{Finder, Orbit, OrbitList, Scope, Word};
 use vibrochain_floquet::{
     Analyser, Complex, FloquetError, ForcedSecular, Method, Stability, Standing, Tolerance, Verdict, eigenvalues,
     full_monodromy, multiplier_modes, odd_multipliers, participating_modes,
@@ -72,7 +72,7 @@ fn lattice(random: &mut Random, ranges: &Ranges) -> Chain {
 fn forced_orbits_have_the_multipliers_of_the_whole_matrix() {
     let mut random = Random(1503);
     let ranges = Ranges { sites: [1, 9], gamma2: Values::Log(1e-3, 0.4), ..Ranges::FORCED };
-    let (mut finder, mut found) = (Finder::new(7), Found::default());
+    let (mut finder, mut found) = (Finder::new(7), OrbitList::default());
     let (mut checked, mut secular, mut outside, mut spared, mut coincident, mut elastic) = (0, 0, 0, 0, 0, 0);
     for _ in 0..700 {
         let chain = lattice(&mut random, &ranges);
@@ -83,7 +83,7 @@ fn forced_orbits_have_the_multipliers_of_the_whole_matrix() {
         let e = if random.chance(0.15) { 1.0 } else { model.restitution() };
         let model = model.point().on(&chain).restitution(e).model().unwrap();
         let word = word(&mut random, &chain, true);
-        if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
+        if finder.find_word(&model, &word, Scope::All, &mut found).is_err() {
             continue;
         }
         for orbit in found.orbits.iter().take(3) {
@@ -120,8 +120,8 @@ fn spared_modes_keep_their_multipliers_and_their_names() {
     let frequency = |k: usize| 2.0 * 0.1_f64.sqrt() * (std::f64::consts::PI * k as f64 / 10.0).sin();
     for (chain, word, spared) in [(row, "2-", 2), (square, "0:0-", 11), (square, "2:2-", 25 - 6)] {
         let model = chain.point().omega(0.92).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
-        let (mut finder, mut found) = (Finder::new(1), Found::default());
-        finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).unwrap();
+        let (mut finder, mut found) = (Finder::new(1), OrbitList::default());
+        finder.find_word(&model, &word.parse().unwrap(), Scope::All, &mut found).unwrap();
         let orbit = &found.orbits[0];
         let multipliers = told(orbit, &mut finder).unwrap().multipliers;
         let modes = multiplier_modes(orbit, &mut finder, &multipliers).unwrap();
@@ -153,7 +153,7 @@ fn spared_modes_keep_their_multipliers_and_their_names() {
 /// Layers without springs between them are rings that do not feel each other.
 #[test]
 fn one_of_several_loose_rings_is_a_ring() {
-    let (mut finder, mut found, mut alone) = (Finder::new(8), Found::default(), Found::default());
+    let (mut finder, mut found, mut alone) = (Finder::new(8), OrbitList::default(), OrbitList::default());
     let mut checked = 0;
     for (word, omega, amplitude, e) in
         [("2:1-", 0.92, 0.1, 0.9), ("2:1+,2:1-", 1.5, 0.1, 0.9), ("2:1-,2:1-", 1.5, 0.3, 0.9), ("2:1-", 0.93, 0.0, 1.0)]
@@ -163,8 +163,8 @@ fn one_of_several_loose_rings_is_a_ring() {
         let model = |chain: Chain| {
             chain.point().omega(omega).asymmetry(0.4).amplitude(amplitude).restitution(e).model().unwrap()
         };
-        finder.find_word(&model(layers), &word.parse().unwrap(), Wanted::All, &mut found).unwrap();
-        finder.find_word(&model(ring), &word.replace(":1", "").parse().unwrap(), Wanted::All, &mut alone).unwrap();
+        finder.find_word(&model(layers), &word.parse().unwrap(), Scope::All, &mut found).unwrap();
+        finder.find_word(&model(ring), &word.replace(":1", "").parse().unwrap(), Scope::All, &mut alone).unwrap();
         assert_eq!(found.orbits.len(), alone.orbits.len());
         for (orbit, other) in found.orbits.iter().zip(&alone.orbits) {
             let (answer, expected) = (told(orbit, &mut finder).unwrap(), told(other, &mut finder).unwrap());
@@ -199,11 +199,11 @@ fn long_rows_and_wide_layers_need_no_matrix() {
         for (family, omega, amplitude, e) in
             [("S-", 0.92, 0.1, 0.9), ("S+,S-", 1.5, 0.1, 0.9), ("S-,S-", 1.5, 0.3, 0.99), ("S-", 0.97, 0.1, 1.0)]
         {
-            let (mut finder, mut found, mut secular) = (Finder::new(1), Found::default(), ForcedSecular::default());
+            let (mut finder, mut found, mut secular) = (Finder::new(1), OrbitList::default(), ForcedSecular::default());
             let (n, layer) = chain.layout().place(site);
             let word: Word = family.replace('S', &format!("{n}:{layer}")).parse().unwrap();
             let model = chain.point().omega(omega).asymmetry(0.4).amplitude(amplitude).restitution(e).model().unwrap();
-            finder.find_word(&model, &word, Wanted::All, &mut found).unwrap();
+            finder.find_word(&model, &word, Scope::All, &mut found).unwrap();
             let Some(orbit) = found.orbits.first() else { continue };
             let name = format!("{word} {model}");
             let answer = told(orbit, &mut finder).unwrap();

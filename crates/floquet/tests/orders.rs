@@ -1,7 +1,7 @@
 //! Orders of signatures against verdicts: where the order changes between two stable orbits there is an unstable one.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{Finder, Found, Wanted, Word};
+use vibrochain_breather::{Finder, OrbitList, Scope, Word};
 use vibrochain_floquet::{Analyser, OrderFinder, SignatureOrder, Tolerance};
 use vibrochain_lattice::{Chain, Ends, Model};
 
@@ -14,14 +14,14 @@ struct Line {
     finder: Finder,
     analyser: Analyser,
     orders: OrderFinder,
-    found: Found,
+    found: OrbitList,
 }
 
 impl Line {
     fn new(chain: Chain, word: &str, asymmetry: f64, amplitude: f64) -> Self {
         let finder = Finder::new(chain.sites());
         let word = word.parse().unwrap();
-        let (analyser, orders, found) = (Analyser::default(), OrderFinder::default(), Found::default());
+        let (analyser, orders, found) = (Analyser::default(), OrderFinder::default(), OrbitList::default());
         Self { chain, word, asymmetry, amplitude, finder, analyser, orders, found }
     }
 
@@ -29,7 +29,7 @@ impl Line {
     fn at(&mut self, omega: f64) -> Option<(bool, SignatureOrder)> {
         let model =
             self.chain.point().omega(omega).asymmetry(self.asymmetry).amplitude(self.amplitude).model().unwrap();
-        self.finder.find_word(&model, &self.word, Wanted::All, &mut self.found).ok()?;
+        self.finder.find_word(&model, &self.word, Scope::All, &mut self.found).ok()?;
         let orbit = self.found.orbits.first()?;
         let verdict = self.analyser.verdict(orbit, &mut self.finder, Tolerance::Rounding).ok()?;
         let order = self.orders.of(orbit).unwrap().unwrap();
@@ -99,8 +99,8 @@ fn between_stable_orbits_of_different_order_there_is_an_unstable_one() {
 fn orders_are_refused_where_a_matrix_would_take_too_long() {
     let chain = Chain::new(201, 0.2, 0.07).unwrap();
     let model = Model::conservative(chain, 1.5, 0.2).unwrap();
-    let (mut finder, mut found) = (Finder::new(201), Found::default());
-    finder.find_word(&model, &"0+1+,0-1-".parse().unwrap(), Wanted::All, &mut found).unwrap();
+    let (mut finder, mut found) = (Finder::new(201), OrbitList::default());
+    finder.find_word(&model, &"0+1+,0-1-".parse().unwrap(), Scope::All, &mut found).unwrap();
     let refused = OrderFinder::default().of(&found.orbits[0]).unwrap_err();
     assert!(refused.to_string().contains("201") && refused.to_string().contains("200"), "{refused}");
 }

@@ -2,7 +2,7 @@
 //! without force and losses; next to stripes, coincident poles and no coupling at all; where multipliers are double.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{BlochEquations, Finder, Found, LinearImpact, Orbit, Wanted, Word};
+use vibrochain_breather::{BlochEquations, Finder, LinearImpact, Orbit, OrbitList, Scope, Word};
 use vibrochain_floquet::{Analyser, Complex, FloquetError, ImpactSpectrum, Method, Tolerance, stability};
 use vibrochain_lattice::{BlochKernel, Chain, Ends, Model, Parameter, Point};
 use vibrochain_testkit::{Meeting, Random, Ranges, Values};
@@ -110,9 +110,9 @@ fn words_hold(seed: u64, rounds: usize) -> Tally {
         } else {
             random.word(&chain)
         };
-        let (mut finder, mut found) = (Finder::new(chain.sites()), Found::default());
+        let (mut finder, mut found) = (Finder::new(chain.sites()), OrbitList::default());
         let Some(word) = word else { continue };
-        if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
+        if finder.find_word(&model, &word, Scope::All, &mut found).is_err() {
             continue;
         }
         for orbit in found.orbits.iter().take(2) {
@@ -148,8 +148,8 @@ fn slow_all_multipliers_of_ten_thousand_words_are_those_of_the_matrix() {
 #[test]
 fn double_multipliers_of_a_ring_that_hits_all_around_are_told() {
     let model = Model::conservative(Chain::new(6, 1.0, 0.1).unwrap(), 1.4, 0.9).unwrap();
-    let (mut finder, mut found) = (Finder::new(6), Found::default());
-    finder.find_word(&model, &"0-1-2-3-4-5-".parse().unwrap(), Wanted::All, &mut found).unwrap();
+    let (mut finder, mut found) = (Finder::new(6), OrbitList::default());
+    finder.find_word(&model, &"0-1-2-3-4-5-".parse().unwrap(), Scope::All, &mut found).unwrap();
     let answer = stability(&found.orbits[0], Tolerance::Rounding).unwrap();
     assert!(answer.verdict.stable && !answer.verdict.undecided, "{:?}", answer.verdict);
     assert_eq!((answer.verdict.method, answer.verdict.resolution), (Method::Secular, 0.0));
@@ -183,8 +183,8 @@ fn symmetric_words_are_not_left_open() {
         let word = if round % 3 == 0 { side('-') } else { format!("{},{}", side('+'), side('-')) };
         let omega = gamma1.sqrt() * random.between(1.05, 1.9);
         let model = Model::conservative(chain, omega, random.between(0.1, 0.9)).unwrap();
-        let (mut finder, mut found) = (Finder::new(chain.sites()), Found::default());
-        if finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).is_err() {
+        let (mut finder, mut found) = (Finder::new(chain.sites()), OrbitList::default());
+        if finder.find_word(&model, &word.parse().unwrap(), Scope::All, &mut found).is_err() {
             continue;
         }
         for orbit in found.orbits.iter().take(1) {
@@ -212,8 +212,8 @@ fn uncoupled_words_are_as_many_masses_alone() {
         let chain = Chain::new(4, 0.5, 0.0).unwrap();
         let model = chain.point().omega(1.3).asymmetry(0.4).amplitude(0.4).restitution(0.7).model().unwrap();
         let find = |model: &Model, word: &str| {
-            let (mut finder, mut found) = (Finder::new(model.chain().sites()), Found::default());
-            finder.find_word(model, &word.parse().unwrap(), Wanted::All, &mut found).unwrap();
+            let (mut finder, mut found) = (Finder::new(model.chain().sites()), OrbitList::default());
+            finder.find_word(model, &word.parse().unwrap(), Scope::All, &mut found).unwrap();
             found.orbits
         };
         for coupling in [0.0, 1e-12] {

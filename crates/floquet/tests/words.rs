@@ -1,7 +1,7 @@
 //! Words of several sites without force: their block against the whole monodromy matrix.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{Finder, Found, Letter, Orbit, Wanted, Word};
+use vibrochain_breather::{Finder, Letter, Orbit, OrbitList, Scope, Word};
 use vibrochain_floquet::{
     Analyser, Complex, Course, End, Event, FloquetError, Mechanism, Method, Search, Tolerance, Verdict, diagram,
     full_monodromy, leading_modes, locate, phases, stability,
@@ -22,8 +22,8 @@ fn power_sums_are_traces_of_the_whole_matrix() {
         let model = Model::conservative(chain, random.between(0.6, 2.5), random.between(0.0, 0.8)).unwrap();
         let word = random.word(&chain).filter(|word| word.places().len() > 1 || !chain.is_ring());
         let Some(word) = word else { continue };
-        let (mut finder, mut found) = (Finder::new(sites), Found::default());
-        if finder.find_word(&model, &word, Wanted::Symmetric, &mut found).is_err() {
+        let (mut finder, mut found) = (Finder::new(sites), OrbitList::default());
+        if finder.find_word(&model, &word, Scope::Symmetric, &mut found).is_err() {
             continue;
         }
         for orbit in &found.orbits {
@@ -61,13 +61,13 @@ fn power_sums_are_traces_of_the_whole_matrix() {
 #[test]
 fn far_breathers_hardly_feel_each_other() {
     let model = Model::conservative(Chain::new(21, 0.2, 0.05).unwrap(), 1.5, 0.2).unwrap();
-    let (mut finder, mut found) = (Finder::new(21), Found::default());
+    let (mut finder, mut found) = (Finder::new(21), OrbitList::default());
     let mut last = f64::INFINITY;
     for distance in 1..=5 {
         // Out of phase at odd distances, in phase at even ones: against the sign of the tail.
         let sign = if distance % 2 == 1 { ['-', '+'] } else { ['+', '-'] };
         let word: Word = format!("0+{distance}{},0-{distance}{}", sign[0], sign[1]).parse().unwrap();
-        finder.find_word(&model, &word, Wanted::All, &mut found).unwrap();
+        finder.find_word(&model, &word, Scope::All, &mut found).unwrap();
         let verdict = stability(&found.orbits[0], Tolerance::Rounding).unwrap().verdict;
         assert_eq!(verdict.mechanism, Some(Mechanism::PlusOne), "{word}");
         let excess = verdict.excess();
@@ -92,8 +92,8 @@ fn the_phases_that_drift_apart_are_those_of_pendulums() {
         ];
         for (word, pattern) in patterns {
             let model = Model::conservative(Chain::new(13, 0.2, gamma2).unwrap(), 1.5, 0.2).unwrap();
-            let (mut finder, mut found) = (Finder::new(13), Found::default());
-            finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).unwrap();
+            let (mut finder, mut found) = (Finder::new(13), OrbitList::default());
+            finder.find_word(&model, &word.parse().unwrap(), Scope::All, &mut found).unwrap();
             let orbit = &found.orbits[0];
             let shifts = phases(orbit, &leading_modes(orbit, 1).unwrap()[0], &mut finder).unwrap();
             let sign = shifts[0].1.signum() * pattern[0].1.signum();
@@ -180,8 +180,8 @@ fn zeros_of_lattices_are_those_of_the_matrix() {
             }
         }
         let word = Word::new(instants).unwrap();
-        let (mut finder, mut found) = (Finder::new(chain.sites()), Found::default());
-        if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
+        let (mut finder, mut found) = (Finder::new(chain.sites()), OrbitList::default());
+        if finder.find_word(&model, &word, Scope::All, &mut found).is_err() {
             continue;
         }
         for orbit in &found.orbits {
@@ -206,8 +206,8 @@ fn a_resonance_ends_only_orbits_that_push_its_mode() {
     let chain = Chain::new(11, 0.3, 0.05).unwrap().with_layers(2, 0.2, Ends::Free).unwrap();
     let model = Model::conservative(chain, 1.1, 0.3).unwrap();
     let find = |word: &str| {
-        let (mut finder, mut found) = (Finder::new(22), Found::default());
-        finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).unwrap();
+        let (mut finder, mut found) = (Finder::new(22), OrbitList::default());
+        finder.find_word(&model, &word.parse().unwrap(), Scope::All, &mut found).unwrap();
         found.orbits.swap_remove(0)
     };
     let course = |orbit: &Orbit| Course { from: 0.05, to: 3.0, ..Course::new(orbit, Parameter::Gamma3) };
@@ -233,14 +233,14 @@ fn a_resonance_ends_only_orbits_that_push_its_mode() {
 /// mass that is not hit do not count. A verdict alone, as maps ask for it, says the same of both as one with all multipliers.
 #[test]
 fn a_verdict_alone_on_masses_without_coupling_is_that_of_all_multipliers() {
-    let (mut analyser, mut found, mut undecided, mut stable) = (Analyser::default(), Found::default(), 0, 0);
+    let (mut analyser, mut found, mut undecided, mut stable) = (Analyser::default(), OrbitList::default(), 0, 0);
     let cases = [(3, "0+1+,0-1-", 1.0), (5, "0+1+,0-1-", 1.0), (21, "0+1+,0-1-", 1.0), (3, "0-1-", 0.47)];
     for (sites, word, e) in cases {
         let (word, mut finder): (Word, _) = (word.parse().unwrap(), Finder::new(sites));
         for omega in (0..60).map(|i| 1.0 + 0.03 * f64::from(i)) {
             let force = if e < 1.0 { 0.24 } else { 0.0 };
             let point = Point::ring(sites).gamma1(0.8).omega(omega).asymmetry(0.45).amplitude(force).restitution(e);
-            if finder.find_word(&point.model().unwrap(), &word, Wanted::All, &mut found).is_err() {
+            if finder.find_word(&point.model().unwrap(), &word, Scope::All, &mut found).is_err() {
                 continue;
             }
             for orbit in &found.orbits {
@@ -271,8 +271,8 @@ fn a_map_does_not_call_a_double_minus_one_unstable() {
     for i in -80..=80 {
         let off = 4e-10 * f64::from(i);
         for point in [row.omega(2.543_945_478_434_061_6 + off), ring.gamma2(0.138_740_117_989_817_97 + off)] {
-            let (mut finder, mut found) = (Finder::new(point.sites()), Found::default());
-            finder.find_word(&point.model().unwrap(), &word, Wanted::Symmetric, &mut found).unwrap();
+            let (mut finder, mut found) = (Finder::new(point.sites()), OrbitList::default());
+            finder.find_word(&point.model().unwrap(), &word, Scope::Symmetric, &mut found).unwrap();
             for orbit in &found.orbits {
                 let verdict = analyser.verdict(orbit, &mut finder, Tolerance::Rounding).unwrap();
                 assert!(verdict.stable || verdict.undecided, "{off:e} {verdict}");

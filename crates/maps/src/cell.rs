@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use serde::Serialize;
 use vibrochain_breather::{
-    BreatherError, Completeness, Family, Finder, Found, MapSearch, Orbit, StructureSearch, Wanted, Word,
+    BreatherError, Completeness, Family, Finder, MapSearch, Orbit, OrbitList, Scope, StructureSearch, Word,
 };
 use vibrochain_floquet::{
     Analyser, Collision, DressedModes, FloquetError, Mechanism, OrderFinder, SignatureOrder, Tolerance, Verdict,
@@ -284,7 +284,7 @@ impl Candidate {
 pub struct Worker {
     finder: Finder,
     analyser: Analyser,
-    found: Found,
+    found: OrbitList,
     modes: DressedModes,
     orders: OrderFinder,
 }
@@ -295,7 +295,7 @@ impl Worker {
         Self {
             finder: Finder::new(sites),
             analyser: Analyser::default(),
-            found: Found::default(),
+            found: OrbitList::default(),
             modes: DressedModes::default(),
             orders: OrderFinder::default(),
         }
@@ -359,7 +359,7 @@ impl Worker {
     pub fn examine(&mut self, model: &Model, task: &Task, mut show: impl FnMut(&Orbit, bool)) -> Cell {
         let mut cell = Cell::EMPTY;
         let mut best: Option<Candidate> = None;
-        let wanted = if task.symmetric { Wanted::SymmetricCandidates } else { Wanted::Candidates };
+        let wanted = if task.symmetric { Scope::SymmetricCandidates } else { Scope::Candidates };
         let families = task.families.iter().map(|&family| (family, None));
         let words = task.words.iter().map(|word| (Family::Word, Some(word)));
         for (family, word) in families.chain(words) {

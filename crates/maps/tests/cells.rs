@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::path::Path;
 
-use vibrochain_breather::{Family, Finder, Found, Wanted};
+use vibrochain_breather::{Family, Finder, OrbitList, Scope};
 use vibrochain_floquet::{Analyser, Tolerance, Verdict};
 use vibrochain_lattice::{Chain, Model};
 use vibrochain_maps::cell::{Cell, Class, Status, Task, Worker};
@@ -20,7 +20,7 @@ fn better(a: &(Family, Verdict, Option<f64>), b: &(Family, Verdict, Option<f64>)
 #[test]
 fn a_cell_is_what_all_verdicts_make_it() {
     let mut random = fastrand::Rng::with_seed(47);
-    let (mut finder, mut found, mut analyser) = (Finder::new(1), Found::default(), Analyser::default());
+    let (mut finder, mut found, mut analyser) = (Finder::new(1), OrbitList::default(), Analyser::default());
     let (mut several, mut single, mut stable) = (0, 0, 0);
     for _ in 0..1500 {
         let sites = [2, 5, 11, 21][random.usize(..4)];
@@ -35,7 +35,7 @@ fn a_cell_is_what_all_verdicts_make_it() {
         let families = vec![Family::DoubleSided, Family::SingleSided];
         let mut all = Vec::new();
         for &family in &families {
-            if finder.search(&model, family, Wanted::Candidates, &mut found).is_err() {
+            if finder.search(&model, family, Scope::Candidates, &mut found).is_err() {
                 continue;
             }
             for orbit in &found.orbits {

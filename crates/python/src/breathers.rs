@@ -4,7 +4,7 @@ use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::PyIterator;
 use serde::{Deserialize, Serialize};
-use vibrochain_breather::{Completeness, Family, Finder, Found, Proof, Word};
+use vibrochain_breather::{Completeness, Family, Finder, OrbitList, Proof, Word};
 
 use crate::call::call;
 use crate::failure::{Failure, named};
@@ -32,7 +32,7 @@ pub(crate) struct PyBreathers {
 }
 
 impl PyBreathers {
-    pub(crate) fn new(name: String, found: Found) -> Self {
+    pub(crate) fn new(name: String, found: OrbitList) -> Self {
         let ended = found.ended.iter().map(ToString::to_string).collect();
         let orbits = found.orbits.into_iter().map(PyOrbit::new).collect();
         Self { name, orbits, completeness: found.completeness, ended }

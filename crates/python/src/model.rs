@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use vibrochain_breather::{BreatherError, Family, Finder, Found, MAX_IMPACTS, Wanted, Word, breathers};
+use vibrochain_breather::{BreatherError, Family, Finder, MAX_IMPACTS, OrbitList, Scope, Word, breathers};
 use vibrochain_lattice::{Model, Parameter, Short};
 
 use crate::breathers::PyBreathers;
@@ -158,10 +158,10 @@ impl PyModel {
                     return Err(Failure::request(message).into());
                 }
                 let search = move |_: &_| {
-                    let (mut finder, mut found) = (Finder::new(model.chain().sites()), Found::default());
+                    let (mut finder, mut found) = (Finder::new(model.chain().sites()), OrbitList::default());
                     match periods {
                         Some(periods) => finder.find_word_over(&model, &word, periods as u32, &mut found)?,
-                        None => finder.find_word(&model, &word, Wanted::All, &mut found)?,
+                        None => finder.find_word(&model, &word, Scope::All, &mut found)?,
                     }
                     Ok::<_, BreatherError>(found)
                 };

@@ -6,7 +6,7 @@
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
-use vibrochain_breather::{Family, Finder, Found};
+use vibrochain_breather::{Family, Finder, OrbitList};
 use vibrochain_floquet::{DressedModes, Stripe, StripeEnd, StripeFinder, StripeLine};
 use vibrochain_lattice::{Chain, Model, Parameter};
 use vibrochain_plot::{Curves, Format, Mark, Pane, Scale, Series, Stroke, curves_picture};
@@ -135,7 +135,7 @@ fn stripe_line(&Place { family, n, gamma2, asymmetry }: &Place) -> Result<Stripe
 fn modes(line: &StripeLine, omega: f64) -> Result<Option<DressedModes>, CliError> {
     let model = line.model.with(Parameter::Omega, omega).map_err(failed)?;
     let (mut finder, mut found, mut modes) =
-        (Finder::new(model.chain().sites()), Found::default(), DressedModes::default());
+        (Finder::new(model.chain().sites()), OrbitList::default(), DressedModes::default());
     finder.find_symmetric(&model, line.family, &mut found).map_err(failed)?;
     let Some(orbit) = found.orbits.first() else { return Ok(None) };
     modes.replace(finder.prepared(orbit).map_err(failed)?).map_err(failed)?;

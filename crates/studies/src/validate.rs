@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use vibrochain_breather::{Family, Finder, Found, Orbit};
+use vibrochain_breather::{Family, Finder, Orbit, OrbitList};
 use vibrochain_eventsim::{Limits, Outcome, Simulation, Time};
 use vibrochain_floquet::{Complex, DMatrix, Stability, Tolerance, eigenvalues, stability};
 use vibrochain_lattice::{Chain, Stop};
@@ -106,7 +106,7 @@ fn rows(point: Point) -> Result<Vec<String>, CliError> {
     let ring = Chain::new(sites, g1, g2)?.point();
     let model = ring.omega(omega).asymmetry(a).amplitude(amplitude).restitution(e).model()?;
     let mut finder = Finder::new(sites);
-    let mut found = Found::default();
+    let mut found = OrbitList::default();
     finder.find(&model, family, &mut found).map_err(computation)?;
     let mut lines = Vec::new();
     for orbit in std::mem::take(&mut found.orbits) {

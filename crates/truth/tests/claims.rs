@@ -2,7 +2,7 @@
 //! leave hardly any speed. No error is above its claim, and claims are of use.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{Family, Finder, Found, breathers};
+use vibrochain_breather::{Family, Finder, OrbitList, breathers};
 use vibrochain_floquet::{Analyser, Method, Tolerance, Verdict};
 use vibrochain_lattice::{Chain, Model, Parameter};
 use vibrochain_testkit::Values::{Either, Even, Is, Log};
@@ -82,7 +82,7 @@ fn unavoidable(model: &Model, family: Family, number: usize, excess: f64) -> f64
 }
 
 fn claims_hold(place: Place, draws: usize) {
-    let (mut finder, mut found, mut analyser) = (Finder::new(1), Found::default(), Analyser::default());
+    let (mut finder, mut found, mut analyser) = (Finder::new(1), OrbitList::default(), Analyser::default());
     let mut random = Random(2026 + place as u64);
     let (mut told, mut compared, mut useless, mut ratios) = (0, 0, 0, Vec::new());
     // Of those on the circle errors are told that have no true one to be held against.
@@ -179,7 +179,7 @@ fn claims_for_nearly_inelastic_impacts_hold_and_are_of_use() {
 /// The rounding of a saltation was held against a matrix that had lost most of its size.
 #[test]
 fn matrices_of_nearly_inelastic_impacts_err_by_no_more_than_they_claim() {
-    let (mut finder, mut found, mut analyser) = (Finder::new(1), Found::default(), Analyser::dense());
+    let (mut finder, mut found, mut analyser) = (Finder::new(1), OrbitList::default(), Analyser::dense());
     let (mut random, mut compared) = (Random(11), 0);
     for _ in 0..400 {
         let chain = Chain::new(1 + 2 * random.below(2), random.log(0.02, 0.5), random.log(1e-3, 0.05)).unwrap();
@@ -227,7 +227,7 @@ fn a_mass_alone_knows_its_multipliers() {
 #[test]
 fn conservative_orbits_off_the_middle_have_the_multipliers_of_many_digits() {
     let mut random = Random(5);
-    let (mut finder, mut found, mut compared, mut unstable) = (Finder::new(1), Found::default(), 0, 0);
+    let (mut finder, mut found, mut compared, mut unstable) = (Finder::new(1), OrbitList::default(), 0, 0);
     let ranges = Ranges {
         sites: [2, 13],
         gamma1: Log(0.1, 0.5),
@@ -264,7 +264,7 @@ fn conservative_orbits_off_the_middle_have_the_multipliers_of_many_digits() {
 #[test]
 fn a_large_conservative_ring_needs_no_matrix_off_the_middle() {
     let model = Model::conservative(Chain::new(4096, 288.87, 1.0).unwrap(), 2.939, 0.05).unwrap();
-    let (mut finder, mut found) = (Finder::new(1), Found::default());
+    let (mut finder, mut found) = (Finder::new(1), OrbitList::default());
     finder.find(&model, Family::DoubleSided, &mut found).unwrap();
     let off_middle: Vec<_> = found.orbits.iter().filter(|orbit| !orbit.is_reversible()).collect();
     assert!(off_middle.len() >= 2, "{}", off_middle.len());

@@ -2,7 +2,7 @@
 //! circle between events, orbits in many digits, and a simulated return map.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{Family, Finder, Found, Wanted, breathers};
+use vibrochain_breather::{Family, Finder, OrbitList, Scope, breathers};
 use vibrochain_floquet::{Analyser, Course, Diagram, End, Event, Evidence, FollowedBranch, Search, Tolerance};
 use vibrochain_floquet::{diagram, locate};
 use vibrochain_lattice::{Chain, Ends, Model, Parameter, Point};
@@ -121,9 +121,9 @@ fn no_stripe_of_instability_hides_between_events() {
     for (chain, word, from, to, least) in cases {
         let model = Model::conservative(chain, 0.5 * (from + to), 0.4).unwrap();
         let found = |omega: f64| {
-            let (mut finder, mut found) = (Finder::new(chain.sites()), Found::default());
+            let (mut finder, mut found) = (Finder::new(chain.sites()), OrbitList::default());
             let model = model.with(Parameter::Omega, omega).unwrap();
-            finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).unwrap();
+            finder.find_word(&model, &word.parse().unwrap(), Scope::All, &mut found).unwrap();
             found.orbits
         };
         let orbit = &found(model.omega())[0];
@@ -283,8 +283,8 @@ fn events_do_not_depend_on_the_start() {
     ];
     for (model, word, free, other, (from, to), least) in cases {
         let run = |model: &Model| {
-            let (mut finder, mut found) = (Finder::new(model.chain().sites()), Found::default());
-            finder.find_word(model, &word.parse().unwrap(), Wanted::All, &mut found).unwrap();
+            let (mut finder, mut found) = (Finder::new(model.chain().sites()), OrbitList::default());
+            finder.find_word(model, &word.parse().unwrap(), Scope::All, &mut found).unwrap();
             let whole = diagram(&found.orbits[0], &Course { from, to, ..Course::new(&found.orbits[0], free) }).unwrap();
             let ends: Vec<End> = whole.branches[0].ends.iter().map(|(_, end)| end.clone()).collect();
             let mut events: Vec<(f64, Event)> =

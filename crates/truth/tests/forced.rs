@@ -1,7 +1,7 @@
 //! Errors that are claimed for all multipliers of impacts at one site under a force, held against many digits.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{BlochEquations, Family, Finder, Found, Orbit};
+use vibrochain_breather::{BlochEquations, Family, Finder, Orbit, OrbitList};
 use vibrochain_floquet::{Analyser, Complex, ImpactSpectrum, Method, Tolerance};
 use vibrochain_lattice::{Chain, Model, Parameter};
 use vibrochain_testkit::Values::Log;
@@ -98,7 +98,7 @@ fn compare(orbit: &Orbit, finder: &mut Finder, ratios: &mut Ratios, every: usize
 const FAMILIES: [Family; 3] = [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled];
 
 fn claims_hold(draws: usize) {
-    let (mut finder, mut found) = (Finder::new(21), Found::default());
+    let (mut finder, mut found) = (Finder::new(21), OrbitList::default());
     let places = [Place::Anywhere, Place::Stripe, Place::Resonance, Place::Grazing];
     for (seed, place) in places.into_iter().enumerate() {
         let mut random = Random(71 + seed as u64);
@@ -140,7 +140,7 @@ fn no_multiplier_of_many_thousand_is_farther_off_than_is_claimed() {
 #[ignore = "a minute"]
 fn the_map_of_the_paper_needs_no_dense_matrix() {
     for (sites, columns, rows) in [(21, 65, 50), (41, 65, 50), (101, 40, 30)] {
-        let (mut finder, mut found) = (Finder::new(sites), Found::default());
+        let (mut finder, mut found) = (Finder::new(sites), OrbitList::default());
         let mut analyser = Analyser::default();
         let mut ratios = Ratios::default();
         let (mut count, mut dense, mut single, mut dense_single) = (0, 0, 0, 0);
@@ -182,7 +182,7 @@ fn the_map_of_the_paper_needs_no_dense_matrix() {
 /// With the errors of the orbit itself: the spectral radius against that of the orbit in many digits.
 #[test]
 fn no_spectral_radius_is_farther_off_than_is_claimed() {
-    let (mut finder, mut found, mut analyser) = (Finder::new(21), Found::default(), Analyser::default());
+    let (mut finder, mut found, mut analyser) = (Finder::new(21), OrbitList::default(), Analyser::default());
     let mut random = Random(99);
     let mut ratios = Ratios::default();
     for draw in 0..160 {

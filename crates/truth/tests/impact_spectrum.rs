@@ -1,7 +1,7 @@
 //! All multipliers from the impacts' equations against many digits: for the orbit's data as they are given no error is above its claim.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{BlochEquations, Finder, Found, Orbit, Wanted, Word};
+use vibrochain_breather::{BlochEquations, Finder, Orbit, OrbitList, Scope, Word};
 use vibrochain_floquet::{Complex, ImpactSpectrum};
 use vibrochain_lattice::{Chain, Model};
 use vibrochain_testkit::{Meeting, Random, Ranges, Values};
@@ -25,7 +25,7 @@ fn claims_hold(seed: u64, draws: usize) {
     let mut random = Random(seed);
     let conservative = Ranges { sites: [1, 9], gamma2: Values::Log(1e-5, 0.4), ..Ranges::CONSERVATIVE };
     let forced = Ranges { sites: [1, 9], gamma2: Values::Log(1e-5, 0.4), ..Ranges::FORCED };
-    let (mut finder, mut found) = (Finder::new(1), Found::default());
+    let (mut finder, mut found) = (Finder::new(1), OrbitList::default());
     let (mut compared, mut certified, mut orbits, mut lossless, mut ratios) = (0, 0, 0, 0, Vec::new());
     for round in 0..draws {
         let ranges = if round % 3 == 0 { &conservative } else { &forced };
@@ -43,7 +43,7 @@ fn claims_hold(seed: u64, draws: usize) {
         let (n, layer) = chain.layout().place(random.below(chain.sites()));
         let text = random.of(&["S+,S-", "S-", "S-,S-"]).replace('S', &format!("{n}:{layer}"));
         let word: Word = text.parse().unwrap();
-        if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
+        if finder.find_word(&model, &word, Scope::All, &mut found).is_err() {
             continue;
         }
         for orbit in found.orbits.iter().take(2) {
@@ -88,13 +88,13 @@ fn slow_errors_of_all_multipliers_of_thousands_are_within_their_claims() {
 fn multipliers_of_pairs_are_those_of_their_blocks() {
     let mut random = Random(6);
     let ranges = Ranges { sites: [3, 9], gamma2: Values::Log(1e-3, 0.3), ..Ranges::CONSERVATIVE };
-    let (mut finder, mut found) = (Finder::new(1), Found::default());
+    let (mut finder, mut found) = (Finder::new(1), OrbitList::default());
     let mut compared = 0;
     for _ in 0..25 {
         let model = random.model(&ranges);
         let distance = 1 + random.below(model.chain().sites() / 2);
         let word = format!("0+{distance}+,0-{distance}-").parse().unwrap();
-        if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
+        if finder.find_word(&model, &word, Scope::All, &mut found).is_err() {
             continue;
         }
         for orbit in found.orbits.iter().filter(|orbit| orbit.is_reversible()).take(1) {
@@ -126,8 +126,8 @@ fn multipliers_of_pairs_are_those_of_their_blocks() {
 fn a_multiplier_next_to_the_trivial_pair_is_told() {
     let chain = Chain::new(14, 0.7530420914128264, 0.0010307208510119765).unwrap();
     let model = Model::conservative(chain, 0.4342821082835794, 0.5521520638012143).unwrap();
-    let (mut finder, mut found) = (Finder::new(14), Found::default());
-    finder.find_word(&model, &"0-".parse().unwrap(), Wanted::Symmetric, &mut found).unwrap();
+    let (mut finder, mut found) = (Finder::new(14), OrbitList::default());
+    finder.find_word(&model, &"0-".parse().unwrap(), Scope::Symmetric, &mut found).unwrap();
     let found = spectrum(&found.orbits[0], &mut finder);
     assert!(found.is_certified);
     let largest = found.multipliers.iter().zip(&found.errors).max_by(|a, b| a.0.norm().total_cmp(&b.0.norm())).unwrap();

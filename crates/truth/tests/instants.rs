@@ -4,7 +4,7 @@
 
 mod support;
 
-use vibrochain_breather::{End, Finder, Found, NoBreather, Orbit, Unsearched, Wanted, Word};
+use vibrochain_breather::{End, Finder, NoBreather, Orbit, OrbitList, Scope, Unsearched, Word};
 use vibrochain_floquet::full_monodromy;
 use vibrochain_lattice::{Chain, Ends, Model, Point};
 use vibrochain_testkit::{Random, ReturnMap};
@@ -59,9 +59,9 @@ fn masses_of_other_frequencies_and_waves_that_go_round_are_found() {
         (square, 1.5, "1:0+,1:1+,1:0-,1:1-"),
     ] {
         let model = Model::conservative(chain, omega, 0.2).unwrap();
-        let (mut finder, mut found) = (Finder::new(chain.sites()), Found::default());
+        let (mut finder, mut found) = (Finder::new(chain.sites()), OrbitList::default());
         let word: Word = word.parse().unwrap();
-        finder.find_word(&model, &word, Wanted::All, &mut found).unwrap();
+        finder.find_word(&model, &word, Scope::All, &mut found).unwrap();
         for orbit in &found.orbits {
             physical += usize::from(check(orbit, &mut finder));
             all += 1;
@@ -78,7 +78,7 @@ fn one_mass_may_have_doubled_its_period_beside_one_that_has_not() {
         let model =
             ring.omega(1.07).asymmetry(asymmetry).amplitude(amplitude).restitution(restitution).model().unwrap();
         for word in ["0-,3-,0-,3-", "0-3-,0-,3-", "0-,3-", "0-3-,0-3-", "0-,3+,0-,3-,3+,3-"] {
-            let (mut finder, mut found) = (Finder::new(9), Found::default());
+            let (mut finder, mut found) = (Finder::new(9), OrbitList::default());
             let word: Word = word.parse().unwrap();
             finder.find_word_over(&model, &word, 2, &mut found).unwrap();
             for orbit in &found.orbits {
@@ -96,8 +96,8 @@ fn one_mass_may_have_doubled_its_period_beside_one_that_has_not() {
 fn phases_that_nothing_holds_are_named() {
     let reason = |chain: Chain, asymmetry: f64, word: &str| {
         let model = Model::conservative(chain, 1.5, asymmetry).unwrap();
-        let (mut finder, mut found) = (Finder::new(chain.sites()), Found::default());
-        finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).unwrap();
+        let (mut finder, mut found) = (Finder::new(chain.sites()), OrbitList::default());
+        finder.find_word(&model, &word.parse().unwrap(), Scope::All, &mut found).unwrap();
         assert!(found.orbits.is_empty());
         found.completeness.reason()
     };
@@ -118,8 +118,8 @@ fn phases_that_nothing_holds_are_named() {
 fn words_begin_at_masses_alone() {
     let impulses = |gamma2: f64| {
         let model = Model::conservative(Chain::new(9, 0.2, gamma2).unwrap(), 1.5, 0.2).unwrap();
-        let (mut finder, mut found) = (Finder::new(9), Found::default());
-        finder.find_word(&model, &"0+1+,1-,0-1+,1-".parse().unwrap(), Wanted::All, &mut found).unwrap();
+        let (mut finder, mut found) = (Finder::new(9), OrbitList::default());
+        finder.find_word(&model, &"0+1+,1-,0-1+,1-".parse().unwrap(), Scope::All, &mut found).unwrap();
         found.orbits[0].impacts().iter().map(|impact| (impact.site, impact.impulse)).collect::<Vec<_>>()
     };
     // One mass between two barriers, by the closed form of the family.
@@ -143,7 +143,7 @@ fn words_begin_at_masses_alone() {
 /// What ends branches of random words under a force: every end has a name.
 fn assert_ends_are_named(rounds: usize) {
     let mut random = Random(17);
-    let (mut finder, mut found) = (Finder::new(9), Found::default());
+    let (mut finder, mut found) = (Finder::new(9), OrbitList::default());
     let (mut ends, mut came) = ([0; 3], 0);
     for round in 0..rounds {
         let gamma2 = random.between(0.05, 0.4);
@@ -153,7 +153,7 @@ fn assert_ends_are_named(rounds: usize) {
         let point = chain.point().omega(omega).asymmetry(asymmetry);
         let model = point.amplitude(amplitude).restitution(restitution).model().unwrap();
         let words = ["0+3+,0-3-", "0-,2-", "0-2-", "0+,4-,0-", "0+1-,0-1+", "0+", "0-,3+", "0-2-4-", "0-3-6-"];
-        if finder.find_word(&model, &words[round % 9].parse().unwrap(), Wanted::All, &mut found).is_err() {
+        if finder.find_word(&model, &words[round % 9].parse().unwrap(), Scope::All, &mut found).is_err() {
             continue;
         }
         came += found.orbits.len();
@@ -175,9 +175,9 @@ fn assert_ends_are_named(rounds: usize) {
 fn a_branch_that_creeps_towards_a_resonance_ends_there() {
     let point = Chain::new(9, 0.3540207113381798, 0.32401137357515286).unwrap().point().omega(0.5801805980077499);
     let point = point.asymmetry(0.30062071059642603).amplitude(0.2377423835905643).restitution(0.9877188993670045);
-    let (mut finder, mut found) = (Finder::new(9), Found::default());
+    let (mut finder, mut found) = (Finder::new(9), OrbitList::default());
     let word = "0+3+,0-3-".parse().unwrap();
-    finder.find_word(&point.model().unwrap(), &word, Wanted::All, &mut found).unwrap();
+    finder.find_word(&point.model().unwrap(), &word, Scope::All, &mut found).unwrap();
     let told = found.ended.iter().find(|ended| matches!(ended.by, End::Resonance(_)));
     let told = told.unwrap_or_else(|| panic!("{:?}", found.ended));
     // At the coupling that is told, a harmonic of the force meets a mode: the frequencies of all modes in closed form.

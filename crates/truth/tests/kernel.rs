@@ -1,7 +1,7 @@
 //! The impulse response against another library's digits, closed forms by hand, and the problem it solves.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{Finder, Found, Wanted};
+use vibrochain_breather::{Finder, OrbitList, Scope};
 use vibrochain_lattice::{Chain, Ends, Force, Harmonic};
 use vibrochain_truth::{DEFAULT_BITS, Kernel, Real, TrueOrbit, TruthError};
 
@@ -254,8 +254,8 @@ fn forced_motions_of_all_lattices_obey_the_equations_of_motion() {
         let terms = [(1, 0.3), (3, -0.03)].map(|(number, amplitude)| Harmonic { number, amplitude, phase: 0.1 });
         let point = chain.point().omega(1.07).asymmetry(0.7);
         let model = point.under(&Force::new(&terms).unwrap()).restitution(0.6).model().unwrap();
-        let (mut finder, mut found) = (Finder::new(1), Found::default());
-        finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).unwrap();
+        let (mut finder, mut found) = (Finder::new(1), OrbitList::default());
+        finder.find_word(&model, &word.parse().unwrap(), Scope::All, &mut found).unwrap();
         for orbit in &found.orbits {
             let orbit = TrueOrbit::refine(orbit, DEFAULT_BITS).unwrap();
             let t = orbit.period() * 0.37;

@@ -5,7 +5,7 @@ mod support;
 
 use std::collections::HashMap;
 
-use vibrochain_breather::{Admissibility, Finder, Found, Hit, Obstruction, Orbit, Wanted, Word};
+use vibrochain_breather::{Admissibility, Finder, Hit, Obstruction, Orbit, OrbitList, Scope, Word};
 use vibrochain_floquet::{FloquetError, Tolerance, Verdict, stability};
 use vibrochain_lattice::{Chain, Ends, Model};
 use vibrochain_testkit::{Random, Ranges, ReturnMap, Values};
@@ -120,14 +120,14 @@ fn words_hold(draws: usize) {
     let (gamma1, gamma2) = (Values::Log(0.02, 1.0), Values::Log(1e-3, 0.5));
     let ranges = Ranges { sites: [1, 9], gamma1, gamma2, ..Ranges::CONSERVATIVE };
     let mut counts = Counts::default();
-    let (mut finder, mut found) = (Finder::new(1), Found::default());
+    let (mut finder, mut found) = (Finder::new(1), OrbitList::default());
     while counts.draws < draws {
         let chain = if random.chance(0.2) { random.chain(&ranges) } else { random.lattice(&ranges) };
         let (omega, asymmetry) = (random.between(0.4, 3.0), random.between(0.0, 0.8));
         let model = Model::conservative(chain, omega, asymmetry).unwrap();
         let Some(word) = random.word(&chain) else { continue };
         counts.draws += 1;
-        if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
+        if finder.find_word(&model, &word, Scope::All, &mut found).is_err() {
             continue;
         }
         *counts.kinds.entry((chain.ends(), chain.layers() > 1)).or_default() += found.orbits.len();
@@ -152,13 +152,13 @@ fn claims_for_forced_words_on_random_lattices_hold() {
     let mut random = Random(1407);
     let ranges = Ranges { sites: [2, 6], gamma2: Values::Log(1e-3, 0.02), ..Ranges::FORCED };
     let mut counts = Counts::default();
-    let (mut finder, mut found) = (Finder::new(1), Found::default());
+    let (mut finder, mut found) = (Finder::new(1), OrbitList::default());
     let mut walls = 0;
     for round in 0..150 {
         let (chain, model) = (random.lattice(&ranges), random.model(&ranges));
         let model = model.point().on(&chain).restitution(random.between(0.3, 0.99)).model().unwrap();
         let word = if round % 3 == 0 { "0-1-" } else { "1-" }.parse().unwrap();
-        if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
+        if finder.find_word(&model, &word, Scope::All, &mut found).is_err() {
             continue;
         }
         counts.draws += 1;
@@ -176,7 +176,7 @@ fn forced_families_hold(draws: usize) {
     let mut random = Random(1509);
     let ranges = Ranges { sites: [1, 9], gamma2: Values::Log(1e-3, 0.4), ..Ranges::FORCED };
     let mut counts = Counts::default();
-    let (mut finder, mut found) = (Finder::new(1), Found::default());
+    let (mut finder, mut found) = (Finder::new(1), OrbitList::default());
     while counts.draws < draws {
         let chain = random.lattice(&ranges);
         if chain.is_ring() || chain.is_uncoupled() {
@@ -188,7 +188,7 @@ fn forced_families_hold(draws: usize) {
         let model = model.point().on(&chain).restitution(e).model().unwrap();
         let (n, layer) = chain.layout().place(random.below(chain.sites()));
         let word = random.of(&["S+,S-", "S-", "S-,S-"]).replace('S', &format!("{n}:{layer}"));
-        if finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).is_err() {
+        if finder.find_word(&model, &word.parse().unwrap(), Scope::All, &mut found).is_err() {
             continue;
         }
         *counts.kinds.entry((chain.ends(), chain.layers() > 1)).or_default() += found.orbits.len();
@@ -218,8 +218,8 @@ fn slow_claims_for_forced_families_at_any_site_hold() {
 fn an_ill_conditioned_word_has_residuals_at_rounding() {
     let chain = Chain::new(3, 0.61559793303792, 0.27693028393606267).unwrap();
     let model = Model::conservative(chain, 1.2206389676556668, 0.5276443896373036).unwrap();
-    let (mut finder, mut found, mut counts) = (Finder::new(1), Found::default(), Counts::default());
-    finder.find_word(&model, &"0+1-,0-1+".parse().unwrap(), Wanted::All, &mut found).unwrap();
+    let (mut finder, mut found, mut counts) = (Finder::new(1), OrbitList::default(), Counts::default());
+    finder.find_word(&model, &"0+1-,0-1+".parse().unwrap(), Scope::All, &mut found).unwrap();
     let [orbit] = found.orbits.as_slice() else { panic!("{found:?}") };
     // Terms are of the size 30 there.
     assert!(orbit.residual() < 1.5e-14, "{:e}", orbit.residual());
@@ -232,13 +232,13 @@ fn an_ill_conditioned_word_has_residuals_at_rounding() {
 fn no_mass_of_a_physical_word_is_outside_at_any_time() {
     let mut random = Random(5);
     let ranges = Ranges { sites: [2, 6], gamma2: Values::Log(1e-3, 0.1), ..Ranges::CONSERVATIVE };
-    let (mut finder, mut found) = (Finder::new(1), Found::default());
+    let (mut finder, mut found) = (Finder::new(1), OrbitList::default());
     let (mut physical, mut crossing) = (0, 0);
     for _ in 0..3000 {
         let chain = random.lattice(&ranges);
         let model = Model::conservative(chain, random.between(0.4, 3.0), random.between(0.0, 0.8)).unwrap();
         let Some(word) = random.word(&chain) else { continue };
-        if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
+        if finder.find_word(&model, &word, Scope::All, &mut found).is_err() {
             continue;
         }
         for orbit in &found.orbits {
@@ -282,7 +282,7 @@ fn claims_for_ten_thousand_random_words_on_random_lattices_hold() {
 fn forced_families_are_complete_at_any_site() {
     let mut random = Random(91);
     let ranges = Ranges { sites: [1, 7], ..Ranges::FORCED };
-    let (mut finder, mut found, mut other) = (Finder::new(7), Found::default(), Found::default());
+    let (mut finder, mut found, mut other) = (Finder::new(7), OrbitList::default(), OrbitList::default());
     let (mut orbits, mut closed, mut rediscovered, mut walls, mut alike) = (0, 0, 0, 0, 0);
     for _ in 0..400 {
         let chain = random.lattice(&ranges);
@@ -292,14 +292,14 @@ fn forced_families_are_complete_at_any_site() {
         let (n, layer) = chain.layout().place(site);
         let text = random.of(&["S+,S-", "S-", "S-,S-"]).replace('S', &format!("{n}:{layer}"));
         let word: Word = text.parse().unwrap();
-        if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
+        if finder.find_word(&model, &word, Scope::All, &mut found).is_err() {
             continue;
         }
         if chain.is_ring() {
             // The same ring as one of two that do not feel each other.
             let two = chain.with_layers(2, 0.0, Ends::Free).unwrap();
             let two = model.point().on(&two).model().unwrap();
-            finder.find_word(&two, &word, Wanted::All, &mut other).unwrap();
+            finder.find_word(&two, &word, Scope::All, &mut other).unwrap();
             assert_eq!(other.orbits.len(), found.orbits.len(), "{word} {model}");
             for (one, other) in found.orbits.iter().zip(&other.orbits) {
                 for (one, other) in one.impacts().iter().zip(other.impacts()) {

@@ -2,7 +2,7 @@
 //! answer to a dense matrix, or knows what its own is worth.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{Family, Finder, Found, Orbit};
+use vibrochain_breather::{Family, Finder, Orbit, OrbitList};
 use vibrochain_floquet::{Analyser, Method, Tolerance, Verdict};
 use vibrochain_lattice::{Chain, Model};
 use vibrochain_truth::{DEFAULT_BITS, TrueOrbit, TrueSpectrum};
@@ -19,7 +19,7 @@ fn error(orbit: &Orbit, verdict: &Verdict) -> f64 {
 fn breather((n, row, column): (usize, u32, u32)) -> (Finder, Orbit, String) {
     let (g2, omega) = (0.3 * f64::from(row) / 299.0, 0.4 + 2.6 * f64::from(column) / 399.0);
     let model = Model::conservative(Chain::new(n + 1, 0.2, g2).unwrap(), omega, 0.4).unwrap();
-    let (mut finder, mut found) = (Finder::new(n + 1), Found::default());
+    let (mut finder, mut found) = (Finder::new(n + 1), OrbitList::default());
     finder.find_symmetric(&model, Family::DoubleSided, &mut found).unwrap();
     (finder, found.orbits.swap_remove(0), format!("N = {n}, γ₂ = {g2}, ω = {omega}"))
 }

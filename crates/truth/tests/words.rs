@@ -4,7 +4,7 @@
 mod support;
 
 use vibrochain_breather::{
-    Branch, BreatherError, Completeness, End, Ended, Family, Finder, Found, Hit, Impact, NoBreather, Orbit, Wanted,
+    Branch, BreatherError, Completeness, End, Ended, Family, Finder, Hit, Impact, NoBreather, Orbit, OrbitList, Scope,
     Word, breathers,
 };
 use vibrochain_floquet::{Method, Tolerance, full_monodromy, stability};
@@ -136,12 +136,12 @@ fn assert_same_impulses(orbit: &Orbit, hits: &[Hit], word: &str) {
 
 #[test]
 fn checked_words_are_found_without_a_guess() {
-    let (mut finder, mut found) = (Finder::new(21), Found::default());
+    let (mut finder, mut found) = (Finder::new(21), OrbitList::default());
     let (mut reversible, mut followed) = (0, 0);
     for case in words() {
         let word: Word = case.word.parse().unwrap();
         assert_eq!(word.to_string(), case.word);
-        finder.find_word(&case.model, &word, Wanted::All, &mut found).unwrap();
+        finder.find_word(&case.model, &word, Scope::All, &mut found).unwrap();
         if case.model.is_conservative() {
             let orbit =
                 found.orbits.iter().find(|orbit| orbit.phi().is_none_or(|phi| phi == 0.5 * orbit.period())).unwrap();
@@ -165,7 +165,7 @@ fn checked_words_are_found_without_a_guess() {
 #[test]
 fn followed_words_are_orbits_and_their_ends_are_ends() {
     let mut random = Random(17);
-    let (mut finder, mut found) = (Finder::new(9), Found::default());
+    let (mut finder, mut found) = (Finder::new(9), OrbitList::default());
     let (mut orbits, mut ends, mut folds, mut grazings) = (0, 0, 0, 0);
     for round in 0..140 {
         let gamma2 = random.between(0.05, 0.4);
@@ -176,7 +176,7 @@ fn followed_words_are_orbits_and_their_ends_are_ends() {
         let model = point.amplitude(amplitude).restitution(restitution).model().unwrap();
         let word: Word =
             ["0+3+,0-3-", "0-,2-", "0-2-", "0+,4-,0-", "0+1-,0-1+", "0+", "0-,3+"][round % 7].parse().unwrap();
-        if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
+        if finder.find_word(&model, &word, Scope::All, &mut found).is_err() {
             continue;
         }
         for orbit in &found.orbits {
@@ -194,8 +194,8 @@ fn followed_words_are_orbits_and_their_ends_are_ends() {
             assert!(ended.value > 0.0 && ended.value < gamma2, "{ended} {word}");
             let at = |part: f64| {
                 let model = model.with(Parameter::Gamma2, part * ended.value).unwrap();
-                let (mut finder, mut found) = (Finder::new(9), Found::default());
-                finder.find_word(&model, &word, Wanted::All, &mut found).unwrap();
+                let (mut finder, mut found) = (Finder::new(9), OrbitList::default());
+                finder.find_word(&model, &word, Scope::All, &mut found).unwrap();
                 found
             };
             // Just before its end a branch is there, just behind it is not.
@@ -225,12 +225,12 @@ fn finder_condition(orbit: &Orbit) -> f64 {
 
 #[test]
 fn words_without_an_answer_say_why() {
-    let (mut finder, mut found) = (Finder::new(7), Found::default());
+    let (mut finder, mut found) = (Finder::new(7), OrbitList::default());
     let mut none = |amplitude: f64, restitution: f64, gamma1: f64, word: &str| {
         let chain = Chain::new(7, gamma1, 0.05).unwrap();
         let model =
             chain.point().omega(1.5).asymmetry(0.2).amplitude(amplitude).restitution(restitution).model().unwrap();
-        finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut found).map(|()| found.completeness.reason())
+        finder.find_word(&model, &word.parse().unwrap(), Scope::All, &mut found).map(|()| found.completeness.reason())
     };
     assert_eq!(none(0.0, 0.9, 0.2, "0+3+,0-3-"), Ok(Some(NoBreather::LossWithoutForce)));
     assert_eq!(none(0.0, 1.0, 0.0, "0+3+"), Ok(Some(NoBreather::NetImpulse)));
@@ -266,8 +266,8 @@ fn certain_verdicts_on_pairs_are_right_however_weak_the_coupling() {
         let distance = 1 + random.below(sites / 2);
         let signs = if out { ['-', '+'] } else { ['+', '-'] };
         let word: Word = format!("0+{distance}{},0-{distance}{}", signs[0], signs[1]).parse().unwrap();
-        let (mut finder, mut found) = (Finder::new(sites), Found::default());
-        if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
+        let (mut finder, mut found) = (Finder::new(sites), OrbitList::default());
+        if finder.find_word(&model, &word, Scope::All, &mut found).is_err() {
             continue;
         }
         for orbit in &found.orbits {

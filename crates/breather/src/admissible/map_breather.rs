@@ -2,7 +2,7 @@
 //! impulses.
 //!
 //! A fast path: a cell of a map of such breathers takes half the time. The general one is [`Finder::search`] for
-//! [`crate::Wanted::Candidates`] and [`Finder::quick_admissibility`], whose formulas these are, without lists of impacts and sources,
+//! [`crate::Scope::Candidates`] and [`Finder::quick_admissibility`], whose formulas these are, without lists of impacts and sources,
 //! without an [`Orbit`](crate::Orbit) and its [`Motion`](crate::Motion). What needs more is left to it ([`MapSearch::Open`]); where
 //! there is an answer it is the general one, margin and impulses to the bit, the residual but for the order of its sums.
 
@@ -144,14 +144,14 @@ impl<'a> MapBreather<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::search::finder::{Found, Wanted};
+    use crate::search::finder::{OrbitList, Scope};
     use vibrochain_lattice::Chain;
 
     /// Soft and stiff chains, next to resonance, with and without coupling, symmetric or not, small and large.
     #[test]
     fn a_map_breather_is_what_the_orbit_says() {
         let mut random = fastrand::Rng::with_seed(19);
-        let (mut quick, mut finder, mut found) = (Finder::new(1), Finder::new(1), Found::default());
+        let (mut quick, mut finder, mut found) = (Finder::new(1), Finder::new(1), OrbitList::default());
         // No breather, one, left open; by family.
         let mut seen = [[0; 3]; 2];
         for _ in 0..6000 {
@@ -163,7 +163,7 @@ mod tests {
             let model = Model::conservative(chain, 0.2 + 3.0 * random.f64(), a).unwrap();
             for (i, family) in [Family::DoubleSided, Family::SingleSided].into_iter().enumerate() {
                 let searched = quick.map_breather(&model, family);
-                let Ok(()) = finder.search(&model, family, Wanted::Candidates, &mut found) else {
+                let Ok(()) = finder.search(&model, family, Scope::Candidates, &mut found) else {
                     assert!(matches!(searched, MapSearch::Open), "{model:?}");
                     continue;
                 };

@@ -157,7 +157,7 @@ fn answers(rate: f64, term: &WaveTerm, t: f64) -> [f64; 4] {
 mod tests {
     use super::*;
     use crate::orbit::{Family, Hit};
-    use crate::search::finder::{Finder, Found};
+    use crate::search::finder::{Finder, OrbitList};
     use vibrochain_lattice::{Chain, Force, Harmonic};
 
     #[test]
@@ -188,7 +188,7 @@ mod tests {
     #[test]
     fn orbits_fulfil_the_equations_and_their_derivatives_are_difference_quotients() {
         let mut random = fastrand::Rng::with_seed(3);
-        let (mut finder, mut found, mut checked) = (Finder::new(1), Found::default(), [0; 3]);
+        let (mut finder, mut found, mut checked) = (Finder::new(1), OrbitList::default(), [0; 3]);
         for _ in 0..200 {
             let chain = Chain::new(1 + random.usize(0..4), 0.1 + random.f64(), 0.0).unwrap();
             let harmonics = [(1, 0.5), (3, 0.1 * random.f64())].map(|(number, amplitude)| Harmonic {

@@ -8,7 +8,7 @@ use crate::orbit::{Draft, Family, Orbit};
 use crate::search::completeness::{Completeness, Searched};
 use crate::search::families::pattern::Pattern;
 use crate::search::families::{conservative, forced_double, forced_harmonics, forced_single, two_instants};
-use crate::search::finder::{Finder, Found, Wanted};
+use crate::search::finder::{Finder, OrbitList, Scope};
 use crate::search::screens::forced_places;
 use crate::search::screens::radiation::Radiation;
 use crate::word::Word;
@@ -45,8 +45,8 @@ impl Finder {
         model: &Model,
         Sought { family, pattern }: Sought,
         home: usize,
-        wanted: Wanted,
-        found: &mut Found,
+        wanted: Scope,
+        found: &mut OrbitList,
     ) -> Result<(), BreatherError> {
         found.orbits.clear();
         found.ended.clear();
@@ -124,9 +124,9 @@ impl Finder {
                     kernel_grid.set(model, response, radiation);
                 }
                 match wanted {
-                    Wanted::All => two_instants::all(model, response, zeros, &mut add),
-                    Wanted::Candidates => two_instants::candidates(model, response, kernel_grid, zeros, &mut add),
-                    Wanted::Symmetric | Wanted::SymmetricCandidates => {}
+                    Scope::All => two_instants::all(model, response, zeros, &mut add),
+                    Scope::Candidates => two_instants::candidates(model, response, kernel_grid, zeros, &mut add),
+                    Scope::Symmetric | Scope::SymmetricCandidates => {}
                 }
             }),
             (Family::SingleSided, _, None, _) => conservative::single_sided(model, response).map(&mut add),
@@ -161,7 +161,7 @@ impl Finder {
         }
         self.stop.heard()?;
         let left_out =
-            if conservative && wanted == Wanted::SymmetricCandidates { self.kernel_grid.places().len() } else { 0 };
+            if conservative && wanted == Scope::SymmetricCandidates { self.kernel_grid.places().len() } else { 0 };
         let listed = found.orbits.len();
         // A zero without an orbit.
         let zeros = self.zeros.simple.len() + self.plane.simple.len();
@@ -176,7 +176,7 @@ impl Finder {
             left_out,
             reason: outcome.err(),
         });
-        if wanted == Wanted::All {
+        if wanted == Scope::All {
             found.orbits.sort_by(|a, b| a.phi().unwrap_or(0.0).total_cmp(&b.phi().unwrap_or(0.0)));
         }
         Ok(())

@@ -84,7 +84,7 @@ pub enum Completeness {
         by: Option<Proof>,
     },
     /// The list holds all that were asked for. Physical orbits that were not could live elsewhere
-    /// ([`Wanted::SymmetricCandidates`](crate::Wanted)).
+    /// ([`Scope::SymmetricCandidates`](crate::Scope)).
     Asked {
         /// Intervals of φ where they could.
         left_out: usize,

@@ -21,7 +21,7 @@ use crate::search::words::ended::Ended;
 /// All orbits of a family at a point.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[must_use]
-pub struct Found {
+pub struct OrbitList {
     /// The orbits, physical or not, in order of φ.
     pub orbits: Vec<Orbit>,
     /// Whether these are all, why there are none, or what may be missing.
@@ -33,7 +33,7 @@ pub struct Found {
 /// Which orbits are asked for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
-pub enum Wanted {
+pub enum Scope {
     /// All, physical or not.
     #[default]
     All,
@@ -46,7 +46,7 @@ pub enum Wanted {
     SymmetricCandidates,
 }
 
-impl Wanted {
+impl Scope {
     pub(crate) fn candidates(self) -> bool {
         matches!(self, Self::Candidates | Self::SymmetricCandidates)
     }
@@ -55,10 +55,10 @@ impl Wanted {
 /// Reusable work space for finding and checking orbits.
 ///
 /// ```
-/// use vibrochain_breather::{Family, Finder, Found};
+/// use vibrochain_breather::{Family, Finder, OrbitList};
 /// use vibrochain_lattice::{Chain, Model};
 /// let mut finder = Finder::new(21);
-/// let mut found = Found::default();
+/// let mut found = OrbitList::default();
 /// for omega in [1.4, 1.5, 1.6] {
 ///     let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, omega, 0.4)?;
 ///     finder.find(&model, Family::DoubleSided, &mut found)?;
@@ -153,16 +153,21 @@ impl Finder {
     ///
     /// # Errors
     /// [`BreatherError::Resonance`].
-    pub fn find(&mut self, model: &Model, family: Family, found: &mut Found) -> Result<(), BreatherError> {
-        self.search(model, family, Wanted::All, found)
+    pub fn find(&mut self, model: &Model, family: Family, found: &mut OrbitList) -> Result<(), BreatherError> {
+        self.search(model, family, Scope::All, found)
     }
 
     /// As [`Finder::find`], without the conservative double-sided orbits with φ ≠ T/2.
     ///
     /// # Errors
     /// As [`Finder::find`].
-    pub fn find_symmetric(&mut self, model: &Model, family: Family, found: &mut Found) -> Result<(), BreatherError> {
-        self.search(model, family, Wanted::Symmetric, found)
+    pub fn find_symmetric(
+        &mut self,
+        model: &Model,
+        family: Family,
+        found: &mut OrbitList,
+    ) -> Result<(), BreatherError> {
+        self.search(model, family, Scope::Symmetric, found)
     }
 
     /// The orbits of `family` at a point that are `wanted`, into `found`.
@@ -173,8 +178,8 @@ impl Finder {
         &mut self,
         model: &Model,
         family: Family,
-        wanted: Wanted,
-        found: &mut Found,
+        wanted: Scope,
+        found: &mut OrbitList,
     ) -> Result<(), BreatherError> {
         self.search_at(model, family.into(), 0, wanted, found)
     }
@@ -276,11 +281,11 @@ impl Finder {
     /// As [`Finder::admissibility`].
     ///
     /// ```
-    /// use vibrochain_breather::{Family, Finder, Found};
+    /// use vibrochain_breather::{Family, Finder, OrbitList};
     /// use vibrochain_lattice::{Chain, Model, Point};
     /// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
     /// let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model()?;
-    /// let (mut finder, mut found) = (Finder::new(21), Found::default());
+    /// let (mut finder, mut found) = (Finder::new(21), OrbitList::default());
     /// finder.find(&model, Family::DoubleSided, &mut found)?;
     /// let condition = finder.condition(&found.orbits[0])?;
     /// assert!(condition.impulse_error(&found.orbits[0]) < 1e-13);
@@ -314,10 +319,10 @@ impl Finder {
 /// An orbit that is being analysed, with the impulse response that belongs to it.
 ///
 /// ```
-/// use vibrochain_breather::{Family, Finder, Found};
+/// use vibrochain_breather::{Family, Finder, OrbitList};
 /// use vibrochain_lattice::{Chain, Model};
 /// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4)?;
-/// let (mut finder, mut found) = (Finder::new(21), Found::default());
+/// let (mut finder, mut found) = (Finder::new(21), OrbitList::default());
 /// finder.find(&model, Family::DoubleSided, &mut found)?;
 /// let prepared = finder.prepared(&found.orbits[0])?;
 /// assert_eq!(prepared.response().omega(), prepared.orbit().frequency());
@@ -356,8 +361,8 @@ impl<'a> Prepared<'a> {
 /// assert!((found.orbits[0].phi().unwrap() - 2.0771604154348533).abs() < 1e-12);
 /// # Ok::<(), vibrochain_breather::BreatherError>(())
 /// ```
-pub fn breathers(model: &Model, family: Family) -> Result<Found, BreatherError> {
-    let mut found = Found::default();
+pub fn breathers(model: &Model, family: Family) -> Result<OrbitList, BreatherError> {
+    let mut found = OrbitList::default();
     Finder::new(model.chain().sites()).find(model, family, &mut found)?;
     Ok(found)
 }

@@ -1,6 +1,6 @@
 //! Forces of several harmonics: a shift of time and harmonics of nothing change no orbit.
 
-use vibrochain_breather::{BreatherError, Found, Orbit, breathers};
+use vibrochain_breather::{BreatherError, Orbit, OrbitList, breathers};
 use vibrochain_lattice::{Model, Point};
 
 use super::completeness::{FAMILIES, force, with};
@@ -29,7 +29,7 @@ fn points() -> Vec<Model> {
 
 /// The orbits of `a` are among those of `b`, whose force is ahead by the time `shift`; all of them are, unless `a` left
 /// places open.
-fn assert_same(a: &Found, b: &Found, shift: f64, name: &str) {
+fn assert_same(a: &OrbitList, b: &OrbitList, shift: f64, name: &str) {
     assert_eq!(b.completeness.open(), (0, 0), "{name}");
     let unresolved = a.completeness.open().0 > 0;
     assert!(a.orbits.len() == b.orbits.len() || (unresolved && a.orbits.len() < b.orbits.len()), "{name}");

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde::Deserialize;
-use vibrochain_breather::{BreatherError, Family, Finder, Found, Hit, Limit, Orbit, Wanted, Word};
+use vibrochain_breather::{BreatherError, Family, Finder, Hit, Limit, Orbit, OrbitList, Scope, Word};
 use vibrochain_lattice::{Barrier, Model};
 
 use crate::args::WhichArgs;
@@ -60,8 +60,8 @@ pub(crate) fn find(
     model: &Model,
     finder: &mut Finder,
     console: Option<&mut Console<'_>>,
-) -> Result<(String, Found), CliError> {
-    let mut found = Found::default();
+) -> Result<(String, OrbitList), CliError> {
+    let mut found = OrbitList::default();
     if let Some(family) = which.family {
         search(model, &mut found, |model, found| finder.find(model, family, found))?;
         return Ok((family.name().to_owned(), found));
@@ -73,7 +73,7 @@ pub(crate) fn find(
             console.summary(&format!("{word} is the word {canonical}"));
         }
         let Some(periods) = which.force_periods else {
-            search(model, &mut found, |model, found| finder.find_word(model, &canonical, Wanted::All, found))?;
+            search(model, &mut found, |model, found| finder.find_word(model, &canonical, Scope::All, found))?;
             return Ok((canonical.to_string(), found));
         };
         ensure!(
@@ -109,8 +109,8 @@ pub(crate) fn find(
 ///
 /// # Errors
 /// [`CliError::IllPosed`] where there is none.
-pub(crate) fn some(found: Found) -> Result<Vec<Orbit>, CliError> {
-    let Found { orbits, completeness, .. } = found;
+pub(crate) fn some(found: OrbitList) -> Result<Vec<Orbit>, CliError> {
+    let OrbitList { orbits, completeness, .. } = found;
     match completeness.reason() {
         Some(reason) => Err(CliError::IllPosed(format!("no orbit to start from: {reason}"))),
         None if orbits.is_empty() => {
@@ -123,15 +123,15 @@ pub(crate) fn some(found: Found) -> Result<Vec<Orbit>, CliError> {
 /// A search; at a resonance, without one, what becomes there of the orbits beside it.
 fn search(
     model: &Model,
-    found: &mut Found,
-    mut find: impl FnMut(&Model, &mut Found) -> Result<(), BreatherError>,
+    found: &mut OrbitList,
+    mut find: impl FnMut(&Model, &mut OrbitList) -> Result<(), BreatherError>,
 ) -> Result<(), CliError> {
     let resonance = match find(model, found) {
         Err(BreatherError::Resonance(resonance)) => resonance,
         other => return Ok(other?),
     };
     let limits = Limit::all(model, &resonance, |model| {
-        let mut beside = Found::default();
+        let mut beside = OrbitList::default();
         match find(model, &mut beside) {
             Ok(()) => Ok(beside.orbits),
             Err(BreatherError::Stopped) => Err(BreatherError::Stopped),

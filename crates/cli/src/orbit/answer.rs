@@ -1,7 +1,7 @@
 //! The answer as JSON.
 
 use serde_json::{Map, Value, json};
-use vibrochain_breather::{Completeness, Found, Obstruction};
+use vibrochain_breather::{Completeness, Obstruction, OrbitList};
 use vibrochain_floquet::Multipliers;
 use vibrochain_lattice::Model;
 
@@ -15,7 +15,7 @@ use vibrochain_maps::manifest::object;
 const MOST_LISTED: usize = 4096;
 
 /// All breathers at a point.
-pub(super) fn answer(model: &Model, solutions: &[Solution], found: &Found) -> Map<String, Value> {
+pub(super) fn answer(model: &Model, solutions: &[Solution], found: &OrbitList) -> Map<String, Value> {
     let (completeness, layout) = (found.completeness, model.chain().layout());
     let (unresolved, exhausted) = completeness.open();
     let mut told = object([

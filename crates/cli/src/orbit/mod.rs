@@ -9,7 +9,7 @@ pub(crate) mod trajectory;
 
 use std::fmt::Write as _;
 
-use vibrochain_breather::{BreatherError, Completeness, Finder, Found, Motion, NoBreather, Orbit};
+use vibrochain_breather::{BreatherError, Completeness, Finder, Motion, NoBreather, Orbit, OrbitList};
 use vibrochain_floquet::{Analyser, Complex, Mechanism, Multipliers, Verdict, leading_modes, phases};
 use vibrochain_lattice::Model;
 
@@ -115,7 +115,7 @@ fn complex(z: Complex<f64>) -> String {
 }
 
 /// The answer for people.
-fn text(model: &Model, name: &str, solutions: &[Solution], found: &Found) -> String {
+fn text(model: &Model, name: &str, solutions: &[Solution], found: &OrbitList) -> String {
     let (mut out, completeness, layout) = (String::new(), found.completeness, model.chain().layout());
     // Writing to a String cannot fail.
     let _ = writeln!(out, "{name} breathers, {model}");

@@ -2,7 +2,7 @@
 //! that would hit or pass a mass, or lies under another family's, and its multipliers go on. So a run is carried on, both ways,
 //! for as long as there is a multiplier of its kind, and its line may be out there.
 
-use vibrochain_breather::{Family, Finder, Found};
+use vibrochain_breather::{Family, Finder, OrbitList};
 use vibrochain_floquet::{Analyser, Complex, Mechanism, Tolerance, participating_modes};
 use vibrochain_lattice::Stop;
 
@@ -72,13 +72,13 @@ pub(super) struct Cut {
 /// Finds them.
 pub(super) struct Carrier {
     finder: Finder,
-    found: Found,
+    found: OrbitList,
     analyser: Analyser,
 }
 
 impl Carrier {
     pub(super) fn new(sites: usize, stop: &Stop) -> Self {
-        Self { finder: Finder::new(sites).until(stop), found: Found::default(), analyser: Analyser::default() }
+        Self { finder: Finder::new(sites).until(stop), found: OrbitList::default(), analyser: Analyser::default() }
     }
 
     /// All runs in one row; `None` if stopped.

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::ThreadPool;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
-use vibrochain_breather::{Family, Finder, Found};
+use vibrochain_breather::{Family, Finder, OrbitList};
 use vibrochain_floquet::{DressedModes, Passing, participating_modes, passings};
 use vibrochain_lattice::{Parameter, Stop};
 
@@ -85,7 +85,7 @@ pub(super) fn rows(request: &Request, tiles: &[Tile], pool: &ThreadPool, stop: &
                 || Worker {
                     carrier: Carrier::new(request.scene.base.sites(), stop),
                     finder: Finder::new(request.scene.base.sites()).until(stop),
-                    found: Found::default(),
+                    found: OrbitList::default(),
                     modes: DressedModes::default(),
                 },
                 |worker, row| worker.row(request, tiles, row, &met),
@@ -105,7 +105,7 @@ pub(super) fn rows(request: &Request, tiles: &[Tile], pool: &ThreadPool, stop: &
 struct Worker {
     carrier: Carrier,
     finder: Finder,
-    found: Found,
+    found: OrbitList,
     modes: DressedModes,
 }
 

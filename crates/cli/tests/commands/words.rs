@@ -3,7 +3,7 @@
 use std::fs;
 
 use serde_json::Value;
-use vibrochain_breather::{Finder, Found, Wanted, Word};
+use vibrochain_breather::{Finder, OrbitList, Scope, Word};
 use vibrochain_floquet::{Tolerance, stability};
 use vibrochain_maps::scene::Scene;
 use vibrochain_testkit::{TestDir, words, written};
@@ -174,14 +174,14 @@ fn words_are_families_of_a_scene() {
     let table = fs::read_to_string(dir.path("map.csv")).unwrap();
     let scene = Scene::read(&dir.path("scene.toml")).unwrap();
     assert_eq!(scene.task.family_names().collect::<Vec<_>>(), ["0+3+,0-3-", "0+3-,0-3+"]);
-    let (mut finder, mut found) = (Finder::new(9), Found::default());
+    let (mut finder, mut found) = (Finder::new(9), OrbitList::default());
     let mut seen = std::collections::BTreeMap::new();
     for (cell, line) in table.lines().skip(1).enumerate() {
         let model = scene.point(cell as u64).model().unwrap();
         let fields: Vec<&str> = line.split(',').collect();
         let mut verdicts = Vec::new();
         for word in &scene.task.words {
-            if finder.find_word(&model, word, Wanted::All, &mut found).is_err() {
+            if finder.find_word(&model, word, Scope::All, &mut found).is_err() {
                 continue;
             }
             for orbit in &found.orbits {
@@ -273,8 +273,8 @@ fn words_are_followed_from_masses_without_coupling_to_their_end() {
         let physical = |gamma2: f64| {
             let chain = vibrochain_lattice::Chain::new(9, 0.2, gamma2).unwrap();
             let model = vibrochain_lattice::Model::conservative(chain, 1.1, 0.4).unwrap();
-            let (mut finder, mut found) = (Finder::new(9), Found::default());
-            finder.find_word(&model, &word, Wanted::All, &mut found).unwrap();
+            let (mut finder, mut found) = (Finder::new(9), OrbitList::default());
+            finder.find_word(&model, &word, Scope::All, &mut found).unwrap();
             finder.admissibility(&found.orbits[0]).unwrap().is_physical()
         };
         assert!(physical(end * (1.0 - 1e-9)) && !physical(end * (1.0 + 1e-9)), "{line}");

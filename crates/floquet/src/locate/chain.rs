@@ -1,7 +1,7 @@
 //! Branches of a chain's orbits: what stands at their ends and beside them; and the search for one event along one.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Branch, BranchError, BranchPoint, BreatherError, Continuation, Departure, Found, Orbit};
+use vibrochain_breather::{Branch, BranchError, BranchPoint, BreatherError, Continuation, Departure, Orbit, OrbitList};
 use vibrochain_lattice::{Parameter, Resonance, Stop};
 
 use super::answer::{Answer, End, Event, LocateError, Located, Search};
@@ -188,7 +188,7 @@ impl Ends for OfChain {
         _value: f64,
     ) -> Result<Option<Located>, LocateError> {
         let orbit = next.orbit();
-        let mut found = Found::default();
+        let mut found = OrbitList::default();
         self.others.finder.find(orbit.model(), orbit.family(), &mut found)?;
         let impulse = |orbit: &Orbit| orbit.impacts().first().map_or(0.0, |impact| impact.impulse);
         let half = 0.5 * orbit.period();

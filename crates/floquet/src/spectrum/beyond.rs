@@ -37,7 +37,7 @@ pub(crate) fn is_surely_beyond(equations: &BlochEquations, reach: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use nalgebra::Complex;
-    use vibrochain_breather::{Family, Finder, Found, LinearImpact};
+    use vibrochain_breather::{Family, Finder, LinearImpact, OrbitList};
     use vibrochain_lattice::{BlochKernel, Chain};
     use vibrochain_testkit::Random;
 
@@ -111,7 +111,7 @@ mod tests {
     #[test]
     fn orbits_of_a_chain_that_are_surely_beyond_have_such_an_eigenvalue() {
         let mut random = Random(31);
-        let (mut finder, mut found) = (Finder::new(1), Found::default());
+        let (mut finder, mut found) = (Finder::new(1), OrbitList::default());
         let (mut analyser, mut dense) = (Analyser::default(), Analyser::dense());
         let (mut yes, mut no, mut missed, mut turned) = (0, 0, 0, 0);
         for _ in 0..400 {

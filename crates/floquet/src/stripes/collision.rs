@@ -41,11 +41,11 @@ impl DressedModes {
     /// Where the band of the ring is wider than ω several pairs may have that phase; the one nearest to it is named.
     ///
     /// ```
-    /// use vibrochain_breather::{Family, Finder, Found};
+    /// use vibrochain_breather::{Family, Finder, OrbitList};
     /// use vibrochain_floquet::{Analyser, DressedModes, Tolerance};
     /// use vibrochain_lattice::{Chain, Model};
     /// let model = Model::conservative(Chain::new(6, 0.2, 0.15)?, 1.6, 0.4)?;
-    /// let (mut finder, mut found) = (Finder::new(6), Found::default());
+    /// let (mut finder, mut found) = (Finder::new(6), OrbitList::default());
     /// finder.find(&model, Family::DoubleSided, &mut found)?;
     /// let verdict = Analyser::default().verdict(&found.orbits[0], &mut finder, Tolerance::Rounding)?;
     /// let mut modes = DressedModes::default();

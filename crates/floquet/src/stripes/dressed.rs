@@ -46,11 +46,11 @@ const EQUAL: f64 = 1e-9;
 /// Above ω = 2Ω_max, where none can collide, e^{±iΩ̃T} are multipliers of the orbit.
 ///
 /// ```
-/// use vibrochain_breather::{Family, Finder, Found};
+/// use vibrochain_breather::{Family, Finder, OrbitList};
 /// use vibrochain_floquet::DressedModes;
 /// use vibrochain_lattice::{Chain, Model};
 /// let model = Model::conservative(Chain::new(6, 0.2, 0.15)?, 1.7, 0.4)?;
-/// let (mut finder, mut found) = (Finder::new(6), Found::default());
+/// let (mut finder, mut found) = (Finder::new(6), OrbitList::default());
 /// finder.find(&model, Family::DoubleSided, &mut found)?;
 /// let mut modes = DressedModes::default();
 /// modes.replace(finder.prepared(&found.orbits[0])?)?;
@@ -244,14 +244,14 @@ impl DressedModes {
 
 #[cfg(test)]
 mod tests {
-    use vibrochain_breather::{Family, Finder, Found};
+    use vibrochain_breather::{Family, Finder, OrbitList};
     use vibrochain_lattice::{Chain, Model};
 
     use super::*;
 
     fn modes(family: Family, sites: usize, gamma2: f64, omega: f64) -> DressedModes {
         let model = Model::conservative(Chain::new(sites, 0.2, gamma2).unwrap(), omega, 0.4).unwrap();
-        let (mut finder, mut found) = (Finder::new(sites), Found::default());
+        let (mut finder, mut found) = (Finder::new(sites), OrbitList::default());
         finder.find_symmetric(&model, family, &mut found).unwrap();
         let mut modes = DressedModes::default();
         modes.replace(finder.prepared(&found.orbits[0]).unwrap()).unwrap();

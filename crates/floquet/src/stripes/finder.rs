@@ -7,7 +7,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::Complex;
-use vibrochain_breather::{BreatherError, Finder, Found};
+use vibrochain_breather::{BreatherError, Finder, OrbitList};
 use vibrochain_lattice::{Model, Stop};
 
 use super::dressed::DressedModes;
@@ -75,7 +75,7 @@ pub(super) struct Pair {
 #[derive(Debug, Clone)]
 pub struct StripeFinder {
     pub(super) finder: Finder,
-    pub(super) found: Found,
+    pub(super) found: OrbitList,
     pub(super) dressed: DressedModes,
     pub(super) reversal: Reversal,
     pub(super) secular: Secular,
@@ -85,7 +85,7 @@ impl Default for StripeFinder {
     fn default() -> Self {
         Self {
             finder: Finder::new(1),
-            found: Found::default(),
+            found: OrbitList::default(),
             dressed: DressedModes::default(),
             reversal: Reversal::default(),
             secular: Secular::default(),

@@ -30,11 +30,11 @@ const MOST_LOSS: f64 = 0.3;
 /// any only one that emits at most two.
 ///
 /// ```
-/// use vibrochain_breather::{Family, Finder, Found};
+/// use vibrochain_breather::{Family, Finder, OrbitList};
 /// use vibrochain_floquet::{DressedModes, Signature};
 /// use vibrochain_lattice::{Chain, Model};
 /// let model = Model::conservative(Chain::new(6, 0.2, 0.2)?, 0.69, 0.4)?;
-/// let (mut finder, mut found) = (Finder::new(6), Found::default());
+/// let (mut finder, mut found) = (Finder::new(6), OrbitList::default());
 /// finder.find(&model, Family::SingleSided, &mut found)?;
 /// let mut modes = DressedModes::default();
 /// modes.replace(finder.prepared(&found.orbits[0])?)?;

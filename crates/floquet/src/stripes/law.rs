@@ -35,11 +35,11 @@ impl DressedModes {
     /// The longer the ring and the thinner the stripe the better (docs/stripes.md).
     ///
     /// ```
-    /// use vibrochain_breather::{Family, Finder, Found};
+    /// use vibrochain_breather::{Family, Finder, OrbitList};
     /// use vibrochain_floquet::DressedModes;
     /// use vibrochain_lattice::{Chain, Model};
     /// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 1.5218, 0.4)?;
-    /// let (mut finder, mut found) = (Finder::new(21), Found::default());
+    /// let (mut finder, mut found) = (Finder::new(21), OrbitList::default());
     /// finder.find(&model, Family::DoubleSided, &mut found)?;
     /// let mut modes = DressedModes::default();
     /// modes.replace(finder.prepared(&found.orbits[0])?)?;

@@ -70,13 +70,13 @@ impl OrderFinder {
     /// [`FloquetError::TooLarge`] beyond [`Self::MOST_MASSES`], [`FloquetError::Grazing`], [`FloquetError::NotConverged`].
     ///
     /// ```
-    /// use vibrochain_breather::{Finder, Found, Wanted};
+    /// use vibrochain_breather::{Finder, OrbitList, Scope};
     /// use vibrochain_floquet::OrderFinder;
     /// use vibrochain_lattice::{Chain, Model};
-    /// let (mut finder, mut found, mut orders) = (Finder::new(6), Found::default(), OrderFinder::default());
+    /// let (mut finder, mut found, mut orders) = (Finder::new(6), OrbitList::default(), OrderFinder::default());
     /// let mut order = |omega: f64| -> Result<_, Box<dyn std::error::Error>> {
     ///     let model = Model::conservative(Chain::new(6, 0.2, 0.1)?, omega, 0.2)?;
-    ///     finder.find_word(&model, &"0+1+,0-1-".parse()?, Wanted::All, &mut found)?;
+    ///     finder.find_word(&model, &"0+1+,0-1-".parse()?, Scope::All, &mut found)?;
     ///     Ok(orders.of(&found.orbits[0])?)
     /// };
     /// // The breather is unstable between 1.36977 and 1.37226.

@@ -216,14 +216,14 @@ impl Reversal {
 
 #[cfg(test)]
 mod tests {
-    use vibrochain_breather::{Family, Finder, Found};
+    use vibrochain_breather::{Family, Finder, OrbitList};
     use vibrochain_testkit::{Random, Ranges};
 
     use super::*;
 
     #[test]
     fn slopes_are_those_of_the_entries() {
-        let (mut random, mut finder, mut found) = (Random(3), Finder::new(2), Found::default());
+        let (mut random, mut finder, mut found) = (Random(3), Finder::new(2), OrbitList::default());
         let (mut reversal, mut checked) = (Reversal::default(), [0; 3]);
         for i in 0..400 {
             let model = random.model(&Ranges { sites: [2, 20], ..Ranges::CONSERVATIVE });

@@ -47,11 +47,11 @@ impl From<Signature> for i8 {
 /// circle, and for one of a pair that has met. O(M).
 ///
 /// ```
-/// use vibrochain_breather::{Family, Finder, Found};
+/// use vibrochain_breather::{Family, Finder, OrbitList};
 /// use vibrochain_floquet::{Complex, Secular, Signature, signature};
 /// use vibrochain_lattice::{Chain, Model};
 /// let model = Model::conservative(Chain::new(6, 0.2, 0.15)?, 1.2, 0.4)?;
-/// let (mut finder, mut found, mut secular) = (Finder::new(6), Found::default(), Secular::default());
+/// let (mut finder, mut found, mut secular) = (Finder::new(6), OrbitList::default(), Secular::default());
 /// finder.find(&model, Family::DoubleSided, &mut found)?;
 /// let prepared = finder.prepared(&found.orbits[0])?;
 /// secular.replace(prepared)?;

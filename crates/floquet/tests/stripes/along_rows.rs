@@ -2,7 +2,7 @@
 //! on the branch, eigenvalues of the dense monodromy matrix.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Family, Finder, Found};
+use vibrochain_breather::{Family, Finder, OrbitList};
 use vibrochain_floquet::{
     Analyser, Course, Event, NoStripe, Secular, Stripe, StripeEnd, StripeFinder, StripeLine, Tolerance, diagram,
     eigenvalues, even_monodromy, participating_modes,
@@ -27,7 +27,7 @@ struct Off {
 }
 
 fn off_circle(
-    (finder, found, secular): (&mut Finder, &mut Found, &mut Secular),
+    (finder, found, secular): (&mut Finder, &mut OrbitList, &mut Secular),
     line: &StripeLine,
     omega: f64,
 ) -> Option<Off> {
@@ -59,7 +59,7 @@ fn none_is_missing(line: &StripeLine, density: f64) -> usize {
     let row = StripeFinder::default().along(line, (from, to), 4000).unwrap();
     assert_eq!(row.unresolved, Vec::<[f64; 2]>::new(), "{line:?}");
     let points = ((to - from) * density) as usize;
-    let (mut finder, mut found, mut secular) = (Finder::new(21), Found::default(), Secular::default());
+    let (mut finder, mut found, mut secular) = (Finder::new(21), OrbitList::default(), Secular::default());
     let (mut last, mut events): (Option<Off>, _) = (None, 0);
     for i in 0..=points {
         let at = |i: usize| from + (to - from) * i as f64 / points as f64;
@@ -111,7 +111,7 @@ fn ten_rows_have_all_stripes_that_a_scan_of_five_million_points_sees() {
 #[test]
 fn as_many_multipliers_are_off_the_circle_as_stripes_are_about_a_point() {
     let mut random = Random(7);
-    let (mut finder, mut found, mut secular) = (Finder::new(21), Found::default(), Secular::default());
+    let (mut finder, mut found, mut secular) = (Finder::new(21), OrbitList::default(), Secular::default());
     let (mut checked, mut without) = ([0; 2], 0);
     // One stripe's edge found twice; one told to end where the next one does; one hidden between two others.
     for gamma2 in
@@ -150,7 +150,7 @@ fn as_many_multipliers_are_off_the_circle_as_stripes_are_about_a_point() {
 #[test]
 fn edges_are_the_events_of_the_branch() {
     let mut random = Random(5);
-    let (mut finder, mut found) = (Finder::new(8), Found::default());
+    let (mut finder, mut found) = (Finder::new(8), OrbitList::default());
     let (mut located, mut rows) = (0, 0);
     while rows < 24 {
         let family = BOTH[rows % 2];
@@ -185,7 +185,7 @@ fn edges_are_the_events_of_the_branch() {
 
 #[test]
 fn inside_a_stripe_dense_eigenvalues_grow_as_told_and_beside_it_they_do_not() {
-    let (mut finder, mut found) = (Finder::new(11), Found::default());
+    let (mut finder, mut found) = (Finder::new(11), OrbitList::default());
     let mut analyser = Analyser::default();
     let (mut checked, mut doubling) = (0, 0);
     // Where none has left through +1.

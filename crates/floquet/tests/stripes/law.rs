@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use vibrochain_breather::{Family, Finder, Found};
+use vibrochain_breather::{Family, Finder, OrbitList};
 use vibrochain_floquet::{DressedModes, Stripe, StripeEnd, StripeFinder, StripeLine};
 use vibrochain_lattice::{Chain, Ends, Model, Parameter};
 use vibrochain_testkit::Random;
@@ -15,7 +15,7 @@ fn line(sites: usize, gamma2: f64, asymmetry: f64, family: Family) -> StripeLine
 /// The modes of the breather at a frequency.
 fn modes(line: &StripeLine, omega: f64) -> Option<DressedModes> {
     let model = line.model.with(Parameter::Omega, omega).unwrap();
-    let (mut finder, mut found) = (Finder::new(2), Found::default());
+    let (mut finder, mut found) = (Finder::new(2), OrbitList::default());
     finder.find_symmetric(&model, line.family, &mut found).ok()?;
     let mut modes = DressedModes::default();
     modes.replace(finder.prepared(found.orbits.first()?).ok()?).ok()?;

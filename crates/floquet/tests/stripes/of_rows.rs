@@ -4,7 +4,7 @@
 use std::f64::consts::{PI, TAU};
 
 use faer::MatRef;
-use vibrochain_breather::{Finder, Found, Orbit, Wanted};
+use vibrochain_breather::{Finder, Orbit, OrbitList, Scope};
 use vibrochain_floquet::{Complex, DressedModes, Secular, Signature, full_monodromy, participating_modes};
 use vibrochain_lattice::{Chain, Ends, Model};
 use vibrochain_testkit::{Random, Ranges, Values};
@@ -34,13 +34,13 @@ fn nearest(values: &[Krein], phase: f64, positive: bool) -> f64 {
 
 struct Bench {
     finder: Finder,
-    found: Found,
+    found: OrbitList,
     modes: DressedModes,
 }
 
 impl Bench {
     fn new() -> Self {
-        Self { finder: Finder::new(21), found: Found::default(), modes: DressedModes::default() }
+        Self { finder: Finder::new(21), found: OrbitList::default(), modes: DressedModes::default() }
     }
 
     /// The orbit of one site, hit once a period or twice, and its modes.
@@ -48,7 +48,7 @@ impl Bench {
         let model = Model::conservative(chain, omega, a).unwrap();
         let (n, layer) = chain.layout().place(site);
         let word = if double { format!("{n}:{layer}+,{n}:{layer}-") } else { format!("{n}:{layer}-") };
-        self.finder.find_word(&model, &word.parse().unwrap(), Wanted::All, &mut self.found).ok()?;
+        self.finder.find_word(&model, &word.parse().unwrap(), Scope::All, &mut self.found).ok()?;
         let orbit = self.found.orbits.pop()?;
         self.modes.replace(self.finder.prepared(&orbit).unwrap()).ok()?;
         Some(orbit)

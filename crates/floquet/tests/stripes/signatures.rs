@@ -4,7 +4,7 @@
 use std::f64::consts::{PI, TAU};
 
 use faer::MatRef;
-use vibrochain_breather::{Family, Finder, Found, Orbit};
+use vibrochain_breather::{Family, Finder, Orbit, OrbitList};
 use vibrochain_floquet::{Complex, DressedModes, Secular, Signature, bare_signature, even_monodromy};
 use vibrochain_lattice::{Chain, ImpulseResponse, Model, Point, Spectrum};
 use vibrochain_testkit::Values::{Either, Even, Is};
@@ -37,13 +37,13 @@ pub(crate) fn dense(orbit: &Orbit) -> Vec<Krein> {
 
 pub(crate) struct Bench {
     pub(crate) finder: Finder,
-    pub(crate) found: Found,
+    pub(crate) found: OrbitList,
     pub(crate) modes: DressedModes,
 }
 
 impl Bench {
     pub(crate) fn new() -> Self {
-        Self { finder: Finder::new(21), found: Found::default(), modes: DressedModes::default() }
+        Self { finder: Finder::new(21), found: OrbitList::default(), modes: DressedModes::default() }
     }
 
     /// The symmetric orbit of that family, and its modes.

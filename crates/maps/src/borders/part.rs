@@ -1,6 +1,6 @@
 //! One family or word of a scene at a time.
 
-use vibrochain_breather::{Finder, Found, Orbit, Wanted, Word};
+use vibrochain_breather::{Finder, Orbit, OrbitList, Scope, Word};
 use vibrochain_floquet::Tolerance;
 use vibrochain_lattice::{Model, Stop};
 
@@ -80,8 +80,8 @@ impl<'a> ClassProbe<'a> {
     pub(super) fn orbits(&mut self, part: &Part, place: [f64; 2]) -> Vec<Orbit> {
         let Some(model) = self.model(place) else { return Vec::new() };
         let word: Option<&Word> = part.task.words.first();
-        let wanted = if part.task.symmetric { Wanted::SymmetricCandidates } else { Wanted::Candidates };
-        let mut found = Found::default();
+        let wanted = if part.task.symmetric { Scope::SymmetricCandidates } else { Scope::Candidates };
+        let mut found = OrbitList::default();
         let searched = match (word, part.task.families.first()) {
             (Some(word), _) => self.finder.find_word(&model, word, wanted, &mut found),
             (None, Some(&family)) => self.finder.search(&model, family, wanted, &mut found),

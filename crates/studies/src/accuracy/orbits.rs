@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::hint::black_box;
 
-use vibrochain_breather::{Family, Finder, Found, Orbit, breathers};
+use vibrochain_breather::{Family, Finder, Orbit, OrbitList, breathers};
 use vibrochain_lattice::{ImpulseResponse, Model, Point, Spectrum};
 use vibrochain_truth::{DEFAULT_BITS, Real, TrueOrbit};
 
@@ -104,7 +104,7 @@ fn run(meter: &mut Meter<'_>) -> Result<Table, CliError> {
             }))
         })?;
         // A finder that has met the chain before would be spared the setup that the others have.
-        let (vacant, mut found) = (Finder::new(21), Found::default());
+        let (vacant, mut found) = (Finder::new(21), OrbitList::default());
         measure("enclosures", "all solutions".to_owned(), &mut || {
             vacant.clone().find(black_box(&model), family, &mut found).map_err(computation)?;
             Ok(found.orbits.iter().map(Answer::of).collect())

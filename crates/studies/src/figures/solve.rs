@@ -1,7 +1,7 @@
 //! The physical orbits at a point, with their stability; names of points and columns about orbits that several figures
 //! have in common.
 
-use vibrochain_breather::{Family, Finder, Found, Orbit};
+use vibrochain_breather::{Family, Finder, Orbit, OrbitList};
 use vibrochain_floquet::{Analyser, Stability, Tolerance};
 use vibrochain_lattice::Model;
 
@@ -27,7 +27,7 @@ pub(super) fn computation(error: impl std::fmt::Display) -> CliError {
 /// [`CliError::Computation`], [`CliError::IllPosed`].
 pub(super) fn physical(model: &Model, family: Family) -> Result<Vec<Solved>, CliError> {
     let mut finder = Finder::new(model.chain().sites());
-    let (mut analyser, mut found) = (Analyser::default(), Found::default());
+    let (mut analyser, mut found) = (Analyser::default(), OrbitList::default());
     finder.find(model, family, &mut found)?;
     let mut solved = Vec::new();
     for orbit in std::mem::take(&mut found.orbits) {

@@ -173,12 +173,12 @@ mod tests {
 
     use super::*;
     use crate::orbit::Family;
-    use crate::search::finder::{Finder, Found};
+    use crate::search::finder::{Finder, OrbitList};
 
     /// Random conservative orbits of all kinds: soft and stiff, next to resonance, with and without coupling, physical or not.
     fn orbits(mut visit: impl FnMut(&Orbit, &mut Motion)) {
         let mut random = fastrand::Rng::with_seed(11);
-        let (mut finder, mut found) = (Finder::new(1), Found::default());
+        let (mut finder, mut found) = (Finder::new(1), OrbitList::default());
         for _ in 0..3000 {
             let sites = [1, 2, 3, 4, 5, 6, 11, 21, 40, 64][random.usize(0..10)];
             let gamma1 = [0.0, 1e-3, 0.2, 0.2, 0.2, 40.0][random.usize(0..6)];
@@ -231,7 +231,7 @@ mod tests {
     #[test]
     fn what_a_reflection_leaves_tells_all() {
         let mut random = fastrand::Rng::with_seed(23);
-        let (mut finder, mut found, mut watch) = (Finder::new(1), Found::default(), Watch::default());
+        let (mut finder, mut found, mut watch) = (Finder::new(1), OrbitList::default(), Watch::default());
         let mut seen = [[0; 2]; 3];
         for _ in 0..1500 {
             let sites = random.usize(4..24);
@@ -248,7 +248,7 @@ mod tests {
             let chain = Chain::new(sites, [0.0, 0.2][random.usize(0..2)], 0.2 * random.f64()).unwrap();
             let a = [0.0, 0.3][random.usize(0..2)];
             let model = Model::conservative(chain, 0.4 + 2.5 * random.f64(), a).unwrap();
-            if finder.find_word(&model, &word, crate::Wanted::All, &mut found).is_err() {
+            if finder.find_word(&model, &word, crate::Scope::All, &mut found).is_err() {
                 continue;
             }
             for orbit in &found.orbits {

@@ -44,11 +44,11 @@ pub struct Shift {
 /// J(z) of one orbit.
 ///
 /// ```
-/// use vibrochain_breather::{BlochEquations, Finder, Found, Wanted};
+/// use vibrochain_breather::{BlochEquations, Finder, OrbitList, Scope};
 /// use vibrochain_lattice::{Chain, Complex, Model};
 /// let model = Model::conservative(Chain::new(9, 0.2, 0.05)?, 1.5, 0.2)?;
-/// let (mut finder, mut found) = (Finder::new(9), Found::default());
-/// finder.find_word(&model, &"0+2+4+,0-2-4-".parse()?, Wanted::All, &mut found)?;
+/// let (mut finder, mut found) = (Finder::new(9), OrbitList::default());
+/// finder.find_word(&model, &"0+2+4+,0-2-4-".parse()?, Scope::All, &mut found)?;
 /// let response = finder.prepared(&found.orbits[0])?.response();
 /// let (equations, spared) = BlochEquations::of(&found.orbits[0], response);
 /// assert_eq!((equations.size(), spared.len()), (12, 0));
@@ -162,7 +162,7 @@ mod tests {
     use super::*;
     use crate::equations::Equations;
     use crate::orbit::{Hit, Orbit};
-    use crate::search::finder::{Finder, Found, Wanted};
+    use crate::search::finder::{Finder, OrbitList, Scope};
 
     type C = Complex<f64>;
 
@@ -182,10 +182,10 @@ mod tests {
                 0 => random.word(&chain).and_then(|word| word.to_string().parse().ok()),
                 _ => random.of(&["0+,0-", "0-", "0-,0-", "0-1-"]).parse().ok(),
             };
-            let (Some(word), mut finder, mut found) = (word, Finder::new(chain.sites()), Found::default()) else {
+            let (Some(word), mut finder, mut found) = (word, Finder::new(chain.sites()), OrbitList::default()) else {
                 continue;
             };
-            if finder.find_word(&model, &word, Wanted::All, &mut found).is_err() {
+            if finder.find_word(&model, &word, Scope::All, &mut found).is_err() {
                 continue;
             }
             for orbit in found.orbits.iter().take(2) {

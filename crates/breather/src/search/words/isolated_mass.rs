@@ -11,7 +11,7 @@ use crate::orbit::{Family, Hit, Impact, Orbit};
 use crate::search::at_point::Sought;
 use crate::search::families::forced_single;
 use crate::search::families::pattern::Pattern;
-use crate::search::finder::{Finder, Found, Wanted};
+use crate::search::finder::{Finder, OrbitList, Scope};
 use crate::word::{Letter, Word};
 
 /// A hit of a mass.
@@ -50,8 +50,8 @@ pub(crate) fn without_force(model: &Model, barriers: &[Barrier], stop: &Stop) ->
     let chain = Chain::new(1, model.chain().gamma1(), 0.0)?;
     let model = Model::conservative(chain, model.omega() * repeats as f64, model.asymmetry())?;
     let word = Word::new(base.iter().map(|&barrier| vec![Letter::new(0, barrier)]).collect())?;
-    let mut found = Found::default();
-    Finder::new(1).until(stop).find_word(&model, &word, Wanted::Symmetric, &mut found)?;
+    let mut found = OrbitList::default();
+    Finder::new(1).until(stop).find_word(&model, &word, Scope::Symmetric, &mut found)?;
     let of = |orbit: &Orbit| Alone {
         beats: (0..repeats)
             .flat_map(|again| {
@@ -122,8 +122,8 @@ fn in_periods(model: &Model, barriers: &[Barrier], own: u32, stop: &Stop) -> Orb
     let mut finder = Finder::new(1).until(stop);
     let clock = |time: f64| (time / model.period()).rem_euclid(f64::from(own));
     if let Some(sought) = sought {
-        let mut found = Found::default();
-        finder.search_at(model, sought, 0, Wanted::All, &mut found)?;
+        let mut found = OrbitList::default();
+        finder.search_at(model, sought, 0, Scope::All, &mut found)?;
         if let Some(none) = found.completeness.reason() {
             return Ok(Err(none));
         }

@@ -19,7 +19,7 @@ use crate::equations::linear::{Matrix, Vector, zeros};
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::orbit::Hit;
 use crate::search::completeness::Completeness;
-use crate::search::finder::{Finder, Found};
+use crate::search::finder::{Finder, OrbitList};
 use crate::search::words::coupling_continuation::{Effort, follow_from, with_part};
 use crate::search::words::isolated_mass::{self, Alone, Beat};
 use crate::search::words::superpose::{list, orbit_of, superpose};
@@ -47,7 +47,12 @@ const STEPS: usize = 12;
 const SAME: f64 = 1e-7;
 
 /// All orbits of `word`, of one row, that can be followed to the model's coupling.
-pub(crate) fn find(finder: &mut Finder, model: &Model, word: &Word, found: &mut Found) -> Result<(), BreatherError> {
+pub(crate) fn find(
+    finder: &mut Finder,
+    model: &Model,
+    word: &Word,
+    found: &mut OrbitList,
+) -> Result<(), BreatherError> {
     finder.prepare(model, model.omega())?;
     let parts = parts(word);
     let mut solutions = Vec::new();

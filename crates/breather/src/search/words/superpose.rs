@@ -4,7 +4,7 @@ use vibrochain_lattice::Model;
 
 use crate::error::BreatherError;
 use crate::orbit::{Hit, Impact, Orbit, SIMULTANEOUS};
-use crate::search::finder::Found;
+use crate::search::finder::OrbitList;
 use crate::search::words::ended::Ended;
 use crate::search::words::isolated_mass::Beat;
 use crate::word::{Letter, Word};
@@ -69,7 +69,7 @@ pub(crate) fn orbit_of(
 }
 
 /// Lists where a branch has come to, or why it has not.
-pub(crate) fn list(there: Result<Orbit, Ended>, found: &mut Found) {
+pub(crate) fn list(there: Result<Orbit, Ended>, found: &mut OrbitList) {
     match there {
         Ok(orbit) => {
             if !found.orbits.iter().any(|other| is_same(other, &orbit)) {

@@ -7,7 +7,7 @@ use vibrochain_lattice::{Barrier, Model};
 
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::search::completeness::Completeness;
-use crate::search::finder::{Finder, Found};
+use crate::search::finder::{Finder, OrbitList};
 use crate::search::words::coupling_continuation::{Effort, follow, with_part};
 use crate::search::words::isolated_mass::{self, Alone, Beat};
 use crate::search::words::superpose::{list, orbit_of, superpose};
@@ -35,7 +35,7 @@ pub(crate) fn find(
     finder: &mut Finder,
     model: &Model,
     (word, periods): (&Word, u32),
-    found: &mut Found,
+    found: &mut OrbitList,
 ) -> Result<(), BreatherError> {
     // A point where no motion is defined has no answer, whatever leads there.
     let _ = model.steady()?;
@@ -86,7 +86,7 @@ pub(crate) fn find(
 }
 
 /// What is known of a list that so many starts have led to, while so many others were left.
-pub(crate) fn outcome(found: &Found, starts: usize, left: usize) -> Completeness {
+pub(crate) fn outcome(found: &OrbitList, starts: usize, left: usize) -> Completeness {
     // A branch that was lost, or left for want of work, may lead here.
     let lost = found.ended.iter().filter(|ended| !ended.by.is_known()).count();
     Completeness::followed(found.orbits.len(), starts, left.saturating_add(lost))
@@ -97,17 +97,17 @@ mod tests {
     use vibrochain_lattice::{Point, Stop};
 
     use super::*;
-    use crate::search::finder::Wanted;
+    use crate::search::finder::Scope;
     use crate::search::words::ended::End;
 
     #[test]
     fn a_branch_that_is_left_for_want_of_work_leaves_the_list_open() {
         let ring = Point::ring(4).gamma1(0.14).omega(0.91).asymmetry(0.24).amplitude(0.75).restitution(0.9);
         let model = |gamma2: f64| ring.gamma2(gamma2).model().unwrap();
-        let (mut finder, mut found) = (Finder::new(4), Found::default());
-        finder.find_word(&model(1e-3), &"0-2-".parse().unwrap(), Wanted::All, &mut found).unwrap();
+        let (mut finder, mut found) = (Finder::new(4), OrbitList::default());
+        finder.find_word(&model(1e-3), &"0-2-".parse().unwrap(), Scope::All, &mut found).unwrap();
         let start = found.orbits.remove(0);
-        found = Found::default();
+        found = OrbitList::default();
         // Enough for some steps.
         let mut effort = Effort::until(&Stop::default());
         effort.left = 16 * 100;

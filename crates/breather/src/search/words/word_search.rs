@@ -17,7 +17,7 @@ use crate::search::families::overdetermined;
 use crate::search::families::pattern::Pattern;
 use crate::search::families::positions::Positions;
 use crate::search::families::two_instants;
-use crate::search::finder::{Finder, Found, Wanted};
+use crate::search::finder::{Finder, OrbitList, Scope};
 use crate::search::screens::radiation::Radiation;
 use crate::search::words::phase_rule;
 use crate::search::words::uncoupled;
@@ -34,11 +34,11 @@ impl Finder {
     /// [`BreatherError::Word`] for a site that does not exist; [`BreatherError::Resonance`].
     ///
     /// ```
-    /// use vibrochain_breather::{Finder, Found, Wanted};
+    /// use vibrochain_breather::{Finder, OrbitList, Scope};
     /// use vibrochain_lattice::{Chain, Model};
     /// let model = Model::conservative(Chain::new(21, 0.2, 0.05)?, 1.5, 0.2)?;
-    /// let (mut finder, mut found) = (Finder::new(21), Found::default());
-    /// finder.find_word(&model, &"0+1+,0-1-".parse()?, Wanted::All, &mut found)?;
+    /// let (mut finder, mut found) = (Finder::new(21), OrbitList::default());
+    /// finder.find_word(&model, &"0+1+,0-1-".parse()?, Scope::All, &mut found)?;
     /// // Neighbours in phase hit alike.
     /// let impacts = found.orbits[0].impacts();
     /// assert!((impacts[0].impulse - impacts[1].impulse).abs() < 1e-14 && impacts[0].impulse < 0.0);
@@ -49,8 +49,8 @@ impl Finder {
         &mut self,
         model: &Model,
         word: &Word,
-        wanted: Wanted,
-        found: &mut Found,
+        wanted: Scope,
+        found: &mut OrbitList,
     ) -> Result<(), BreatherError> {
         let doubled = !model.is_conservative() && word.family() == Some(Family::PeriodDoubled);
         self.find_in(model, word, if doubled { 2 } else { 1 }, wanted, found)
@@ -61,8 +61,8 @@ impl Finder {
         model: &Model,
         word: &Word,
         force_periods: u32,
-        wanted: Wanted,
-        found: &mut Found,
+        wanted: Scope,
+        found: &mut OrbitList,
     ) -> Result<(), BreatherError> {
         let layout = model.chain().layout();
         word.check(&layout)?;
@@ -77,7 +77,7 @@ impl Finder {
             let home = if model.chain().is_ring() && word.family().is_some() { 0 } else { row.places()[0].1 };
             return self.search_at(model, sought, home, wanted, found);
         }
-        *found = Found { orbits: std::mem::take(&mut found.orbits), ..Found::default() };
+        *found = OrbitList { orbits: std::mem::take(&mut found.orbits), ..OrbitList::default() };
         found.orbits.clear();
         if !model.is_conservative() && model.amplitude() == 0.0 {
             found.completeness = Completeness::none(NoBreather::LossWithoutForce);
@@ -98,12 +98,12 @@ impl Finder {
     /// As [`Finder::find_word`].
     ///
     /// ```
-    /// use vibrochain_breather::{Finder, Found};
+    /// use vibrochain_breather::{Finder, OrbitList};
     /// use vibrochain_lattice::{Chain, Model, Point};
     /// // Either site may have doubled its period, or both.
     /// let point = Point::ring(9).gamma1(0.2).gamma2(0.01);
     /// let model = point.omega(1.07).asymmetry(0.6).amplitude(0.3).restitution(0.9).model()?;
-    /// let mut found = Found::default();
+    /// let mut found = OrbitList::default();
     /// Finder::new(9).find_word_over(&model, &"0-,3-,0-,3-".parse()?, 2, &mut found)?;
     /// let orbit = &found.orbits[0];
     /// assert!(orbit.force_periods() == 2 && orbit.residual() < 1e-13);
@@ -114,14 +114,15 @@ impl Finder {
         model: &Model,
         word: &Word,
         force_periods: u32,
-        found: &mut Found,
+        found: &mut OrbitList,
     ) -> Result<(), BreatherError> {
         if force_periods > 1 && model.is_conservative() {
             word.check(&model.chain().layout())?;
-            *found = Found { completeness: Completeness::not_reached(NoBreather::NeedsForce), ..Found::default() };
+            *found =
+                OrbitList { completeness: Completeness::not_reached(NoBreather::NeedsForce), ..OrbitList::default() };
             return Ok(());
         }
-        self.find_in(model, word, force_periods.max(1), Wanted::All, found)
+        self.find_in(model, word, force_periods.max(1), Scope::All, found)
     }
 
     /// All orbits of a word of one or two instants without force, and what the search has done: first the one with impacts at 0 and T/2,
@@ -130,8 +131,8 @@ impl Finder {
         &mut self,
         model: &Model,
         (word, row): (&Word, &Word),
-        wanted: Wanted,
-        found: &mut Found,
+        wanted: Scope,
+        found: &mut OrbitList,
     ) -> Result<Searched, BreatherError> {
         self.prepare(model, model.omega())?;
         self.zeros.clear();
@@ -166,7 +167,7 @@ impl Finder {
         }
         searched.listed = found.orbits.len();
         let same = positions.same_masses();
-        if row.instants().len() == 1 || wanted == Wanted::Symmetric || same && two_instants::all_slower(response) {
+        if row.instants().len() == 1 || wanted == Scope::Symmetric || same && two_instants::all_slower(response) {
             return Ok(searched);
         }
         let (mut radiation, alike) = (None, word.is_alike(model));
@@ -199,7 +200,7 @@ impl Finder {
             let radiates = || radiation.is_some_and(|radiation| !radiation.allows(of_one_mass(&draft)));
             if wanted.candidates() && (!draft.is_right_signed() || radiates()) {
                 searched.refused += 1;
-            } else if wanted == Wanted::SymmetricCandidates {
+            } else if wanted == Scope::SymmetricCandidates {
                 searched.left_out += 1;
             } else {
                 match (assemble(draft, if simple { STEPS } else { STEPS_FROM_AFAR })?, simple) {

@@ -38,12 +38,12 @@ type C = Complex<f64>;
 /// Multipliers of orbits whose impacts are all at one site, from their secular function. Also the work space.
 ///
 /// ```
-/// use vibrochain_breather::{Family, Finder, Found};
+/// use vibrochain_breather::{Family, Finder, OrbitList};
 /// use vibrochain_floquet::SecularMultipliers;
 /// use vibrochain_lattice::Point;
 /// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
 /// let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model()?;
-/// let (mut finder, mut found) = (Finder::new(21), Found::default());
+/// let (mut finder, mut found) = (Finder::new(21), OrbitList::default());
 /// finder.find(&model, Family::DoubleSided, &mut found)?;
 /// let mut secular = SecularMultipliers::default();
 /// secular.replace(finder.prepared(&found.orbits[0])?)?;

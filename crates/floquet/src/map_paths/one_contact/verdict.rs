@@ -15,12 +15,12 @@ use crate::zeros::{excess, modulus};
 /// Work space for verdicts on orbits with a force or losses, all impacts at one site.
 ///
 /// ```
-/// use vibrochain_breather::{Family, Finder, Found};
+/// use vibrochain_breather::{Family, Finder, OrbitList};
 /// use vibrochain_floquet::{ForcedSecular, Standing};
 /// use vibrochain_lattice::Point;
 /// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
 /// let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model()?;
-/// let (mut finder, mut found, mut secular) = (Finder::new(21), Found::default(), ForcedSecular::default());
+/// let (mut finder, mut found, mut secular) = (Finder::new(21), OrbitList::default(), ForcedSecular::default());
 /// finder.find(&model, Family::DoubleSided, &mut found)?;
 /// let verdict = secular.verdict(finder.prepared(&found.orbits[0])?)?;
 /// assert!(verdict.outcome == Standing::Unstable && (verdict.excess - 0.0016290236374028).abs() < 1e-11);

@@ -30,11 +30,11 @@ const MOST_DOUBT: f64 = 1e-3;
 /// sums take O(m) time and memory.
 ///
 /// ```
-/// use vibrochain_breather::{Family, Finder, Found};
+/// use vibrochain_breather::{Family, Finder, OrbitList};
 /// use vibrochain_floquet::Residues;
 /// use vibrochain_lattice::{Chain, Model};
 /// let model = Model::conservative(Chain::new(21, 0.2, 0.02)?, 1.1, 0.4)?;
-/// let (mut finder, mut found) = (Finder::new(21), Found::default());
+/// let (mut finder, mut found) = (Finder::new(21), OrbitList::default());
 /// finder.find(&model, Family::DoubleSided, &mut found)?;
 /// let mut residues = Residues::default();
 /// residues.replace(finder.prepared(&found.orbits[0])?)?;

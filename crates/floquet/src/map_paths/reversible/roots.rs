@@ -35,11 +35,11 @@ impl Secular {
     /// [`SecularError::Incomplete`].
     ///
     /// ```
-    /// use vibrochain_breather::{Family, Finder, Found};
+    /// use vibrochain_breather::{Family, Finder, OrbitList};
     /// use vibrochain_floquet::Secular;
     /// use vibrochain_lattice::{Chain, Model};
     /// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 0.8, 0.4)?;
-    /// let (mut finder, mut found, mut secular) = (Finder::new(21), Found::default(), Secular::default());
+    /// let (mut finder, mut found, mut secular) = (Finder::new(21), OrbitList::default(), Secular::default());
     /// finder.find(&model, Family::SingleSided, &mut found)?;
     /// secular.replace(finder.prepared(&found.orbits[0])?)?;
     /// let (roots, _) = secular.roots()?;

@@ -191,7 +191,7 @@ impl Four<'_> {
 
 #[cfg(test)]
 mod tests {
-    use vibrochain_breather::{Family, Finder, Found};
+    use vibrochain_breather::{Family, Finder, OrbitList};
     use vibrochain_lattice::{Chain, Model};
     use vibrochain_testkit::Random;
 
@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn yes_is_a_yes_with_all_errors_and_is_said_of_many_stable_orbits() {
         let mut random = Random(19);
-        let (mut finder, mut found) = (Finder::new(1), Found::default());
+        let (mut finder, mut found) = (Finder::new(1), OrbitList::default());
         let (mut residues, mut secular) = (Residues::default(), Secular::default());
         let (mut yes, mut equal, mut others) = ([0; 2], [0; 2], 0);
         for _ in 0..6000 {

@@ -88,10 +88,10 @@ impl SecularVerdict {
 /// Work space of the secular function: residues, verdict, roots.
 ///
 /// ```
-/// use vibrochain_breather::{Family, Finder, Found};
+/// use vibrochain_breather::{Family, Finder, OrbitList};
 /// use vibrochain_floquet::{Standing, Reason, Secular};
 /// use vibrochain_lattice::{Chain, Model};
-/// let (mut finder, mut found, mut secular) = (Finder::new(21), Found::default(), Secular::default());
+/// let (mut finder, mut found, mut secular) = (Finder::new(21), OrbitList::default(), Secular::default());
 /// let mut verdict = |gamma2: f64, omega: f64, family| -> Result<_, Box<dyn std::error::Error>> {
 ///     let model = Model::conservative(Chain::new(21, 0.2, gamma2)?, omega, 0.4)?;
 ///     finder.find(&model, family, &mut found)?;

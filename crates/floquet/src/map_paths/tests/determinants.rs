@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, DMatrix};
 use vibrochain_breather::linear::determinant;
-use vibrochain_breather::{BlochEquations, Family, Finder, Found, Hit, Orbit, Prepared};
+use vibrochain_breather::{BlochEquations, Family, Finder, Hit, Orbit, OrbitList, Prepared};
 use vibrochain_lattice::{Barrier, Chain, Point, Spectrum};
 use vibrochain_testkit::{Ranges, Values};
 
@@ -100,7 +100,7 @@ fn poles_and_residues_of_forced_orbits_have_that_determinant() {
 fn residues_of_large_rings_have_that_determinant() {
     let ring = Point::ring(501).gamma1(0.2).gamma2(0.1);
     let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
-    let (mut finder, mut found, mut random) = (Finder::new(501), Found::default(), Random(43));
+    let (mut finder, mut found, mut random) = (Finder::new(501), OrbitList::default(), Random(43));
     finder.find(&model, Family::DoubleSided, &mut found).unwrap();
     let mut form = SecularMultipliers::default();
     let prepared = finder.prepared(&found.orbits[0]).unwrap();
@@ -120,7 +120,7 @@ fn residues_of_reversible_orbits_have_that_determinant() {
         let sites = 1 + (random.unit() * 40.0) as usize;
         let (g1, g2) = (random.log(0.02, 1.0), random.log(1e-3, 0.5));
         let Some(model) = model(sites, g1, g2, random.between(0.5, 3.0), random.between(0.0, 0.9)) else { continue };
-        let (mut finder, mut found) = (Finder::new(sites), Found::default());
+        let (mut finder, mut found) = (Finder::new(sites), OrbitList::default());
         if finder.find_symmetric(&model, BOTH[case % 2], &mut found).is_err() {
             continue;
         }

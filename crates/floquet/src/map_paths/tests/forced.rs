@@ -1,7 +1,7 @@
 //! Orbits with forces and losses, and shapes.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Family, Finder, Found, Orbit};
+use vibrochain_breather::{Family, Finder, Orbit, OrbitList};
 use vibrochain_lattice::{Chain, Point};
 
 use super::*;
@@ -19,7 +19,7 @@ pub(crate) fn forced_cases(
     mut check: impl FnMut(&Orbit, &mut Finder, &[Complex<f64>], f64),
 ) {
     let mut random = Random(seed);
-    let (mut finder, mut found) = (Finder::new(21), Found::default());
+    let (mut finder, mut found) = (Finder::new(21), OrbitList::default());
     for _ in 0..cases {
         let sites = 1 + (random.unit() * 40.0) as usize;
         let chain = Chain::new(sites, random.log(0.02, 1.0), random.log(1e-3, 0.5)).unwrap();
@@ -119,7 +119,7 @@ fn shapes_are_eigenvectors_of_the_monodromy_matrix() {
     let mut secular = Secular::default();
     for omega in [0.8, 0.92, 0.93, 1.1] {
         for family in BOTH {
-            let (mut finder, mut found) = (Finder::new(21), Found::default());
+            let (mut finder, mut found) = (Finder::new(21), OrbitList::default());
             finder.find_symmetric(&model(21, 0.2, 0.1, omega, 0.4).unwrap(), family, &mut found).unwrap();
             secular.replace(finder.prepared(&found.orbits[0]).unwrap()).unwrap();
             for nu in secular.roots().unwrap().0 {
@@ -135,7 +135,7 @@ fn shapes_are_eigenvectors_of_the_monodromy_matrix() {
 /// The Cauchy sums of large rings against dense matrices, one and two impacts, weak and strong losses.
 #[test]
 fn multipliers_of_large_rings_are_those_of_the_dense_matrix() {
-    let (mut finder, mut found) = (Finder::new(401), Found::default());
+    let (mut finder, mut found) = (Finder::new(401), OrbitList::default());
     let mut compared = 0;
     for (family, omega, amplitude, e) in [
         (Family::SingleSided, 0.92, 0.1, 0.9),
@@ -169,7 +169,7 @@ fn large_elastic_rings_are_judged_without_a_matrix() {
     for (sites, omega, amplitude) in [(401, 0.92, 0.1), (401, 0.45, 0.3), (601, 1.5, 0.3), (501, 2.2, 0.2)] {
         let ring = Point::ring(sites).gamma1(0.2).gamma2(0.1);
         let model = ring.omega(omega).asymmetry(0.4).amplitude(amplitude).model().unwrap();
-        let (mut finder, mut found) = (Finder::new(sites), Found::default());
+        let (mut finder, mut found) = (Finder::new(sites), OrbitList::default());
         for family in [Family::SingleSided, Family::DoubleSided] {
             finder.find(&model, family, &mut found).unwrap();
             for orbit in found.orbits.iter().take(2) {

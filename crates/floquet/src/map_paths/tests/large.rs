@@ -1,6 +1,6 @@
 //! Large rings.
 
-use vibrochain_breather::{Family, Finder, Found};
+use vibrochain_breather::{Family, Finder, OrbitList};
 
 use super::*;
 use crate::Analyser;
@@ -12,7 +12,7 @@ use crate::verdict::{Method, Tolerance};
 #[test]
 fn residues_of_large_rings_are_those_of_the_pair_formulas() {
     let mut finder = Finder::new(1201);
-    let mut found = Found::default();
+    let mut found = OrbitList::default();
     let mut checked = 0;
     for (omega, g2) in [(0.8, 0.1), (1.5, 0.1), (0.31, 0.2), (0.9, 0.01), (0.173, 0.3)] {
         let model = model(1201, 0.2, g2, omega, 0.4).unwrap();
@@ -48,7 +48,7 @@ fn residues_of_large_rings_are_those_of_the_pair_formulas() {
 #[test]
 fn large_rings_have_all_their_roots() {
     let mut finder = Finder::new(21);
-    let mut found = Found::default();
+    let mut found = OrbitList::default();
     let mut secular = Secular::default();
     for (sites, omega, g2) in [(601, 0.8, 0.1), (701, 1.5, 0.1), (800, 0.6, 0.2), (1001, 0.6, 0.1), (1001, 0.55, 0.3)] {
         let model = model(sites, 0.2, g2, omega, 0.4).unwrap();
@@ -74,7 +74,7 @@ fn large_rings_have_all_their_roots() {
 /// ν = 1.57752638953639 for ω = 0.8; and a ring of 20001 masses has 10000 roots.
 #[test]
 fn a_long_ring_has_the_isolated_multiplier_of_the_infinite_one() {
-    let (mut finder, mut found, mut secular) = (Finder::new(20001), Found::default(), Secular::default());
+    let (mut finder, mut found, mut secular) = (Finder::new(20001), OrbitList::default(), Secular::default());
     finder.find_symmetric(&model(20001, 0.2, 0.1, 0.8, 0.4).unwrap(), Family::SingleSided, &mut found).unwrap();
     secular.replace(finder.prepared(&found.orbits[0]).unwrap()).unwrap();
     let verdict = secular.verdict().unwrap();
@@ -89,7 +89,7 @@ fn a_long_ring_has_the_isolated_multiplier_of_the_infinite_one() {
 /// Overlapping bands: errors of residues next to coincident poles say little, the impacts' equations settle what leads.
 #[test]
 fn long_rings_with_overlapping_bands_are_not_undecided() {
-    let (mut finder, mut found, mut analyser) = (Finder::new(21), Found::default(), Analyser::default());
+    let (mut finder, mut found, mut analyser) = (Finder::new(21), OrbitList::default(), Analyser::default());
     let mut plain = Secular::default();
     let mut undecided = 0;
     for (sites, family, omega) in

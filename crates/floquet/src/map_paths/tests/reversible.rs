@@ -1,6 +1,6 @@
 //! Verdicts and roots of reversible orbits.
 
-use vibrochain_breather::{Family, Finder, Found};
+use vibrochain_breather::{Family, Finder, OrbitList};
 use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum};
 
 use super::*;
@@ -9,7 +9,7 @@ use crate::map_paths::{Reason, Secular, SecularVerdict, Standing};
 #[derive(Default)]
 struct Bench {
     finder: Option<Finder>,
-    found: Found,
+    found: OrbitList,
     secular: Secular,
     checked: usize,
     doubts: usize,
@@ -158,7 +158,7 @@ fn rings_that_hardly_anything_holds() {
 #[test]
 fn hardly_coupled_masses_are_stable_beyond_doubt() {
     let mut random = Random(4);
-    let (mut finder, mut found, mut secular) = (Finder::new(21), Found::default(), Secular::default());
+    let (mut finder, mut found, mut secular) = (Finder::new(21), OrbitList::default(), Secular::default());
     let mut checked = 0;
     for i in 0..2000 {
         let sites = 2 + (random.unit() * 40.0) as usize;
@@ -189,7 +189,7 @@ fn hardly_coupled_masses_are_stable_beyond_doubt() {
 /// obey to be believed. A dense solver's ends at 1e-7.
 #[test]
 fn excess_far_below_the_resolution_of_dense_solvers() {
-    let (mut finder, mut found, mut secular) = (Finder::new(21), Found::default(), Secular::default());
+    let (mut finder, mut found, mut secular) = (Finder::new(21), OrbitList::default(), Secular::default());
     let mut at = |omega: f64| {
         let model = model(21, 0.2, 0.1, omega, 0.4).unwrap();
         finder.find_symmetric(&model, Family::SingleSided, &mut found).unwrap();

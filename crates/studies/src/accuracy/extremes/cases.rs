@@ -1,6 +1,6 @@
 //! The corners, one function each: parameter points and what is looked at there.
 
-use vibrochain_breather::{Family, Finder, Found, NoBreather};
+use vibrochain_breather::{Family, Finder, NoBreather, OrbitList};
 use vibrochain_lattice::{Chain, Model, ParameterError, Point, Spectrum};
 use vibrochain_truth::DEFAULT_BITS;
 
@@ -196,7 +196,7 @@ fn force(_: &str, _: Effort) -> Result<Vec<Row>, CliError> {
     let point = At { a: 0.0, ..DEFAULTS };
     let ring = Point::ring(SITES).gamma1(point.g1).gamma2(point.g2);
     let model = |amplitude| ring.omega(point.omega).asymmetry(point.a).amplitude(amplitude).restitution(0.9).model();
-    let mut found = Found::default();
+    let mut found = OrbitList::default();
     Finder::new(SITES).find(&model(1e-6)?, Family::DoubleSided, &mut found).map_err(truth)?;
     let Some(NoBreather::ForceTooWeak { threshold }) = found.completeness.reason() else {
         return Err(truth("no threshold of the force"));

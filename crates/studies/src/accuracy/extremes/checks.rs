@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use vibrochain_breather::{BreatherError, Family, Finder, Found, Motion, Orbit};
+use vibrochain_breather::{BreatherError, Family, Finder, Motion, Orbit, OrbitList};
 use vibrochain_eventsim::{Limits, Outcome, Simulation, Time};
 use vibrochain_floquet::{Analyser, FloquetError, Stability, Tolerance};
 use vibrochain_lattice::{Chain, ImpulseResponse, KernelJet, Model, Spectrum, far_field};
@@ -149,7 +149,7 @@ pub struct Depth {
 pub fn check_orbits(case: &str, model: &Model, family: Family, depth: Depth) -> Vec<Row> {
     let name = family.name();
     let mut finder = Finder::new(model.chain().sites());
-    let mut found = Found::default();
+    let mut found = OrbitList::default();
     let whole = Row::new(case, format!("{name} orbits"));
     if let Err(error) = finder.find(model, family, &mut found) {
         return vec![whole.told(error.to_string())];
@@ -282,7 +282,7 @@ fn check_radius(row: Row, stability: &Stability, truth: &TrueOrbit) -> Row {
 pub fn check_uncoupled(case: &str, model: &Model) -> Result<Row, BreatherError> {
     let row = Row::new(case, "impulses, single oscillator by hand");
     let mut finder = Finder::new(model.chain().sites());
-    let mut found = Found::default();
+    let mut found = OrbitList::default();
     finder.find_symmetric(model, Family::DoubleSided, &mut found)?;
     let Some([upper, lower]) = found.orbits.first().map(Orbit::impacts) else {
         return Ok(Row { wrong: true, ..row.told("no orbit") });
@@ -325,7 +325,7 @@ pub fn check_profile(case: &str, chain: &Chain, omega: f64, sites: &[usize]) -> 
 pub fn check_simulation(case: &str, model: &Model, periods: u64) -> Result<Row, BreatherError> {
     let row = Row::new(case, "simulated state, absolute");
     let mut finder = Finder::new(model.chain().sites());
-    let mut found = Found::default();
+    let mut found = OrbitList::default();
     finder.find_symmetric(model, Family::DoubleSided, &mut found)?;
     let Some(orbit) = found.orbits.first() else {
         return Ok(Row { wrong: true, ..row.told("no orbit") });
