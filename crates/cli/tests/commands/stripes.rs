@@ -85,7 +85,7 @@ fn sums_of_two_modes_run_along_the_stripes_and_differences_do_not() {
 }
 
 #[test]
-fn stripes_of_single_sided_breathers_on_a_short_ring_are_of_a_mode_and_the_breathers_own() {
+fn stripes_of_single_sided_breathers_on_a_short_ring_are_of_a_mode_and_the_internal_one() {
     let dir = TestDir::new();
     let axes = SCENE.replace("from = 1.1, to = 2.3, points = 150", "from = 0.6, to = 0.8, points = 120");
     let scene = dir.scene(&axes.replace("from = 0.1, to = 0.3", "from = 0.2, to = 0.3"));
@@ -99,11 +99,11 @@ fn stripes_of_single_sided_breathers_on_a_short_ring_are_of_a_mode_and_the_breat
     let of = |k: &str, l: &str, j: &str| {
         lines.iter().filter(|row| row["mode1"] == k && row["mode2"] == l && row["harmonic"] == j).count()
     };
-    // Four modes of the ring leave three, one of which is the breather's place: 3 is its own.
+    // Four modes of the ring leave three, one of which is the breather's place: 3 is the internal mode.
     assert!(of("2", "3", "2") > 30, "{lines:?}");
     assert!(lines.iter().all(|row| row["mode1"] != "1" && row["mode2"] != "1"));
     let svg = fs::read_to_string(dir.path("stripes.svg")).unwrap();
-    assert!(svg.contains("2,3,2") && svg.contains("3: the breather"));
+    assert!(svg.contains("2,3,2") && svg.contains("3: the internal mode"));
 }
 
 #[test]
