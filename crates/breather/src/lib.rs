@@ -50,8 +50,6 @@ mod admissible;
 mod branch;
 mod equations;
 mod error;
-#[doc(hidden)]
-pub mod lanes;
 mod motion;
 mod orbit;
 mod roots;

@@ -60,7 +60,8 @@ mod kernel;
 mod model;
 mod modes;
 mod names;
-mod simd;
+#[doc(hidden)]
+pub mod simd;
 mod stop;
 mod structure;
 

@@ -1,11 +1,11 @@
 //! Where [`crate::MapBreather`]es are made: the modes of a conservative breather just after its first impact, four at a time, and what is left of
 //! its conditions.
 
+use vibrochain_lattice::simd::lanes::{LANES, Lane, all, four, groups, total};
 use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Shapes};
 use wide::f64x4;
 
 use crate::admissible::grid::{Flight, MOST_MODES, stiffnesses};
-use crate::lanes::{LANES, Lane, all, four, groups, total};
 use crate::worse;
 
 /// Modes of one breather after the other, in the same memory.

@@ -12,10 +12,10 @@
 //! as small as what moves: far masses are displaced, but hardly swing. That settles all but a few intervals of the masses
 //! next to the breather; those get their own Taylor polynomial from the modes.
 
+use vibrochain_lattice::simd::lanes::{LANES, Lane, dot, groups, total};
 use vibrochain_lattice::{Chain, DistinctMasses};
 use wide::f64x4;
 
-use crate::lanes::{LANES, Lane, dot, groups, total};
 use crate::motion::polynomial::{ORDER, Polynomial};
 
 /// Length of an interval in radians of the fastest motion: shorter ones cost time, longer ones leave more to polynomials.

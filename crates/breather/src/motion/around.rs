@@ -1,7 +1,8 @@
 //! A mass and its neighbours: its acceleration just after an impact.
 
+use vibrochain_lattice::simd::lanes::groups;
+
 use super::{Kinematics, Motion};
-use crate::lanes::groups;
 
 /// A mass, the displacements of its neighbours, and Σ|Ω²q| over the modes there.
 struct Around {

@@ -1,9 +1,9 @@
 //! The motion of an orbit from its impacts: the modes at the start of every interval between them.
 
 use vibrochain_lattice::ImpulseResponse;
+use vibrochain_lattice::simd::lanes::{LANES, groups};
 
 use super::Motion;
-use crate::lanes::{LANES, groups};
 use crate::orbit::{Hit, Orbit};
 
 /// The most numbers of a table of shapes: those of 128 modes at as many places.

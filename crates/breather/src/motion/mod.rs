@@ -10,11 +10,11 @@ pub(crate) mod polynomial;
 pub(crate) mod window;
 
 use smallvec::SmallVec;
+use vibrochain_lattice::simd::lanes::{LANES, Lane, combine, fill, groups};
 use vibrochain_lattice::{Chain, Complex, ImpulseResponse, Shapes, Spectrum, Steady, Wave};
 
 use crate::admissible::grid::{Flight, stiffnesses};
 use crate::error::BreatherError;
-use crate::lanes::{LANES, Lane, combine, fill, groups};
 use crate::orbit::{Hit, Orbit};
 
 /// Modes added up before they go into the sum over a large ring.

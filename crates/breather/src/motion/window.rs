@@ -13,10 +13,10 @@
 
 use std::ops::Range;
 
+use vibrochain_lattice::simd::lanes::{LANES, Lane};
 use vibrochain_lattice::{DistinctMasses, Model, Wave};
 use wide::f64x4;
 
-use crate::lanes::{LANES, Lane};
 use crate::motion::Motion;
 use crate::motion::polynomial::{ORDER, Polynomial};
 

@@ -2,7 +2,8 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use crate::lanes::Number;
+use vibrochain_lattice::simd::lanes::Number;
+
 use crate::roots::taylor::Taylor;
 
 /// What a formula needs of the numbers it is evaluated in.

@@ -7,9 +7,9 @@
 
 use smallvec::SmallVec;
 use vibrochain_lattice::Stop;
+use vibrochain_lattice::simd::lanes::{LANES, Lane};
 use wide::f64x4;
 
-use crate::lanes::{LANES, Lane};
 use crate::roots::dual::Dual;
 use crate::roots::taylor::Taylor;
 

@@ -9,7 +9,7 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use crate::lanes::Number;
+use vibrochain_lattice::simd::lanes::Number;
 
 /// A model on one box, or on four.
 #[derive(Debug, Clone, Copy)]

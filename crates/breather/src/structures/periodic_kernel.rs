@@ -10,10 +10,9 @@
 
 use std::sync::Arc;
 
+use vibrochain_lattice::simd::lanes::{LANES, Lane, ZERO, all, four};
 use vibrochain_lattice::{LinearMode, ParticipatingModes, Turn, Turned};
 use wide::f64x4;
-
-use crate::lanes::{LANES, Lane, ZERO, all, four};
 
 /// From here on 1 − R is rounding: the period is a whole number of the mode's own.
 const RESONANT: f64 = 1e14;

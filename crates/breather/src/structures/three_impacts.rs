@@ -9,11 +9,11 @@
 //! structures with symmetries ([`ThreeImpacts::double`]), and all over where the conditions are singular.
 
 use vibrochain_lattice::Complex;
+use vibrochain_lattice::simd::lanes::LANES;
 
 use super::at_times::Impacts;
 use super::periodic_kernel::Between;
 use super::two_impacts::{RESOLUTION, told_apart};
-use crate::lanes::LANES;
 use crate::roots::patch::{Patch, Piece};
 use crate::roots::planar::{Planar, PlanarZeros};
 

@@ -14,12 +14,12 @@
 //!
 //! The same formulas serve for numbers and for enclosures.
 
+use vibrochain_lattice::simd::lanes::{LANES, Lane, ZERO, all, four};
 use vibrochain_lattice::{Complex, Turn};
 use wide::f64x4;
 
 use super::equations::Equations;
 use super::periodic_kernel::Between;
-use crate::lanes::{LANES, Lane, ZERO, all, four};
 use crate::roots::dual::{Algebra, Dual};
 use crate::roots::interval::{Clearance, Enclosed, Zeros};
 use crate::roots::taylor::Taylor;

@@ -1,11 +1,11 @@
 //! One flight of an orbit in windows of a radian of its fastest part, four modes at a time.
 
 use smallvec::{SmallVec, smallvec};
+use vibrochain_lattice::simd::lanes::{LANES, Lane, all, combine, dot, four};
 use vibrochain_lattice::{ModeFlow, Turn, Turned};
 
 use super::flight::{StructureMotion, reach};
 use super::periodic_kernel::length;
-use crate::lanes::{LANES, Lane, all, combine, dot, four};
 use crate::motion::polynomial::{ORDER, Polynomial};
 
 /// Radians of the fastest part in a window.

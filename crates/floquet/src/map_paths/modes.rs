@@ -2,10 +2,9 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::Prepared;
+use vibrochain_lattice::simd::lanes::{FOUR, LANES, Lane, ONE, TWO, all, four};
 use vibrochain_lattice::{ImpulseResponse, sine_over};
 use wide::f64x4;
-
-use vibrochain_breather::lanes::{FOUR, LANES, Lane, ONE, TWO, all, four};
 
 use crate::sizes::LARGE;
 

@@ -11,8 +11,8 @@
 //! the leading ones are on, which null vectors refine, cannot lead.
 
 use nalgebra::Complex;
-use vibrochain_breather::lanes::{LANES, Lane, ZERO, all, fill, four};
 use vibrochain_breather::linear::{determinant, determinant_and_condition};
+use vibrochain_lattice::simd::lanes::{LANES, Lane, ZERO, all, fill, four};
 use wide::f64x4;
 
 use super::function::SpectralFunction;

@@ -8,11 +8,11 @@
 //! begins anew with one start inside each gap between poles sorted by angle, and none paired. (Started at the poles it fails.)
 
 use nalgebra::Complex;
+use vibrochain_lattice::simd::lanes::{Lane, ONE, ZERO, all, fill, four, total};
 
 use super::error::SecularError;
 use super::excess::modulus;
 use super::rational::{Rational, Value};
-use vibrochain_breather::lanes::{Lane, ONE, ZERO, all, fill, four, total};
 
 type C = Complex<f64>;
 const PI: f64 = std::f64::consts::PI;

@@ -1,8 +1,7 @@
 //! The secular function of a forced orbit by its poles and residues, f(z) = 1 + Σ ρ/(z−p) + conj.
 
 use nalgebra::Complex;
-
-use vibrochain_breather::lanes::{Lane, ONE, ZERO, all, four, total};
+use vibrochain_lattice::simd::lanes::{Lane, ONE, ZERO, all, four, total};
 
 type C = Complex<f64>;
 

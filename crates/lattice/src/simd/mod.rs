@@ -1,4 +1,5 @@
-//! Sines of four phases at once, and sums that keep their digits.
+//! Arithmetic of four numbers at a time, for the crates of this workspace.
 
+pub mod lanes;
 pub(crate) mod sines;
 pub(crate) mod small;

@@ -8,6 +8,8 @@ use std::f64::consts::FRAC_2_PI;
 
 use wide::f64x4;
 
+use super::lanes::{HALF, ONE, TWO};
+
 /// Phases up to here: multiples of π/2 below 2²⁰, whose products with its first two parts of 33 digits are exact.
 pub(crate) const MOST: f64 = 1.6e6;
 
@@ -70,10 +72,6 @@ pub(crate) fn sin_cos(x: f64x4) -> [f64x4; 2] {
     let cosine = (odd ^ flip).select(-c, c);
     [sine, cosine]
 }
-
-const ONE: f64x4 = f64x4::splat(1.0);
-const TWO: f64x4 = f64x4::splat(2.0);
-const HALF: f64x4 = f64x4::splat(0.5);
 
 /// sin x/x and (1 − cos x)/x² of four numbers |x| ≤ 1, smooth at 0.
 #[inline(always)]

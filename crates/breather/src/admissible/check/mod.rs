@@ -15,12 +15,12 @@
 mod by_windows;
 mod on_grid;
 
+use vibrochain_lattice::simd::lanes::Lane;
 use vibrochain_lattice::{Barrier, Chain, DistinctMasses, Stop};
 
 use crate::admissible::answer::{Admissibility, Approach, Obstruction};
 use crate::admissible::grid::{Flight, Grid, MOST_MODES};
 use crate::error::BreatherError;
-use crate::lanes::Lane;
 use crate::motion::Motion;
 use crate::motion::window::Window;
 use crate::orbit::{Orbit, Reflection};

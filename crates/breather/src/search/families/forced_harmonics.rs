@@ -13,10 +13,10 @@
 //! A force whose harmonics are all multiples of one repeats within the period T; ψ then runs over that repetition alone,
 //! because orbits with other ψ are the same.
 
+use vibrochain_lattice::simd::lanes::{LANES, Lane};
 use vibrochain_lattice::{ImpulseResponse, Model, Wave};
 
 use crate::error::NoBreather;
-use crate::lanes::{LANES, Lane};
 use crate::orbit::Draft;
 use crate::roots::dual::{Algebra, Dual};
 use crate::roots::interval::{Clearance, Enclosed, Zeros, one_by_one};

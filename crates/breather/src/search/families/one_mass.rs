@@ -20,9 +20,9 @@
 //!
 //! and what is left is x² + y² = A²Δ². Every factor is a sum or difference over A and B, a plain wave in δ with its digits kept at δ = 0.
 
+use vibrochain_lattice::simd::lanes::{LANES, Lane};
 use vibrochain_lattice::{Model, sine_over};
 
-use crate::lanes::{LANES, Lane};
 use crate::roots::dual::{Algebra, Dual};
 use crate::roots::interval::{Clearance, Enclosed, Zeros, one_by_one};
 use crate::search::families::pattern::Pattern;

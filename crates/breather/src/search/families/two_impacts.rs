@@ -34,10 +34,10 @@
 //! a → 0 and at bifurcations. Σ enters as gΣ with the static stiffness g = 1/S₀ (all three above times g): regular
 //! for γ₁ → 0.
 
+use vibrochain_lattice::simd::lanes::{LANES, Lane};
 use vibrochain_lattice::{ImpulseResponse, Model};
 use wide::f64x4;
 
-use crate::lanes::{LANES, Lane};
 use crate::orbit::Draft;
 use crate::roots::dual::{Algebra, Dual};
 use crate::roots::interval::{Clearance, Enclosed, Zeros};

@@ -22,10 +22,10 @@
 //! [`all`] finds every zero. A map of rings asks only for those that can be physical, and has few of them: [`candidates`] searches the
 //! places that `kernel_grid` leaves.
 
+use vibrochain_lattice::simd::lanes::{LANES, Lane};
 use vibrochain_lattice::{ImpulseResponse, Model};
 use wide::f64x4;
 
-use crate::lanes::{LANES, Lane};
 use crate::orbit::Draft;
 use crate::roots::dual::Dual;
 use crate::roots::interval::{Clearance, Enclosed, Zeros};

@@ -13,11 +13,11 @@
 //! For the mass that is hit this is the whole gap, 2, at t = 0, when K₀(0) − K₀(φ) = −D. So |K_n(t) − K_n(t−φ)| ≤ D for all n and t,
 //! whatever the asymmetry. It is looked at for the mass that is hit and the one opposite, where waves have a crest.
 
+use vibrochain_lattice::simd::lanes::{Lane, total};
 use vibrochain_lattice::{ImpulseResponse, Model};
 use wide::f64x4;
 
 use crate::admissible::grid::turn;
-use crate::lanes::{Lane, total};
 use crate::search::screens::radiation::Radiation;
 
 /// Intervals at most; more would be hundreds of orbits, which the search then reports as not finished.

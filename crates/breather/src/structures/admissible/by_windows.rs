@@ -2,10 +2,10 @@
 
 use smallvec::smallvec;
 use vibrochain_lattice::Barrier;
+use vibrochain_lattice::simd::lanes::{LANES, Number, four};
 use wide::f64x4;
 
 use super::Search;
-use crate::lanes::{LANES, Number, four};
 use crate::motion::polynomial::{Polynomial, turning_points, with_overlap};
 use crate::structures::windows::{Lanes, Windows};
 

@@ -2,10 +2,10 @@
 //! so that nothing is lost next to a pole or next to ±1.
 
 use nalgebra::Complex;
+use vibrochain_lattice::simd::lanes::{Lane, ONE, TWO, ZERO, all, four, total};
 
 use crate::map_paths::fast_sums::multipole::{complex_series, series};
 use crate::map_paths::fast_sums::neighbourhood::NearPoles;
-use vibrochain_breather::lanes::{Lane, ONE, TWO, ZERO, all, four, total};
 
 /// F in the neighbourhood of an origin.
 #[derive(Debug, Clone, Copy)]

@@ -7,11 +7,12 @@
 //!          Σ b²(1, x, y)/(c_k+c)                      =  −B(−c_k), the mode itself left out.
 //! ```
 
+use vibrochain_lattice::simd::lanes::Lane;
+
 use crate::map_paths::fast_sums::multipole::{Field, Tree};
 use crate::map_paths::modes::Modes;
 use crate::map_paths::reversible::pole::Pole;
 use crate::map_paths::reversible::{double_sided, single_sided};
-use vibrochain_breather::lanes::Lane;
 
 /// Sorted positions and the modes they belong to.
 fn sorted(count: usize, position: impl Fn(usize) -> f64) -> (Vec<f64>, Vec<u32>) {

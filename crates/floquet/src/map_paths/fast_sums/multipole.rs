@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use nalgebra::Complex;
 use smallvec::SmallVec;
-use vibrochain_breather::lanes::{TWO, ZERO, all, four};
+use vibrochain_lattice::simd::lanes::{TWO, ZERO, all, four};
 use wide::f64x4;
 
 /// Chebyshev nodes.

@@ -2,12 +2,12 @@
 //! one and the others as a polynomial, and in the whole plane.
 
 use nalgebra::Complex;
+use vibrochain_lattice::simd::lanes::{Lane, ONE, TWO, ZERO, all, four, total};
 
 use crate::map_paths::fast_sums::multipole::complex_series;
 use crate::map_paths::fast_sums::neighbourhood::{ChargedPole, NearPoles, Nearby, Neighbourhood, divide};
 use crate::map_paths::fast_sums::zero_search::inverse;
 use crate::map_paths::reversible::pole::Angle;
-use vibrochain_breather::lanes::{Lane, ONE, TWO, ZERO, all, four, total};
 
 type C = Complex<f64>;
 pub(crate) const I: C = Complex::new(0.0, 1.0);

@@ -4,10 +4,10 @@
 use std::ops::Range;
 
 use nalgebra::Complex;
+use vibrochain_lattice::simd::lanes::{Lane, room};
 
 use crate::map_paths::fast_sums::multipole::{Field, NODES, Nodal, Ranges, Tree, derivative};
 use crate::map_paths::reversible::pole::{Angle, FAR_ROOT};
-use vibrochain_breather::lanes::{Lane, room};
 
 /// One pole as a source of `N − 1` fields.
 #[derive(Debug, Clone, Copy)]

@@ -8,6 +8,7 @@
 
 use nalgebra::Complex;
 use smallvec::{SmallVec, smallvec};
+use vibrochain_lattice::simd::lanes::{ONE, TWO, ZERO, all, four, total};
 
 use crate::map_paths::fast_sums::evaluate::Local;
 use crate::map_paths::fast_sums::neighbourhood::Nearby;
@@ -15,7 +16,6 @@ use crate::map_paths::fast_sums::zero_search::{Near, Poles, Zero, ZeroSearch};
 use crate::map_paths::reversible::complex_pairs::Suspect;
 use crate::map_paths::reversible::residues::Residues;
 use crate::map_paths::reversible::root::{Root, Roots};
-use vibrochain_breather::lanes::{ONE, TWO, ZERO, all, four, total};
 
 type C = Complex<f64>;
 

@@ -10,7 +10,7 @@
 use crate::map_paths::fast_sums::neighbourhood::Nearby;
 use nalgebra::Complex;
 use smallvec::SmallVec;
-use vibrochain_breather::lanes::{Lane, ONE, TWO, ZERO, all, fill, four, total};
+use vibrochain_lattice::simd::lanes::{Lane, ONE, TWO, ZERO, all, fill, four, total};
 
 type C = Complex<f64>;
 

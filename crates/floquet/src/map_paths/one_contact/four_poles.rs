@@ -12,7 +12,7 @@
 use std::ops::{Add, Mul, Sub};
 
 use nalgebra::Complex;
-use vibrochain_breather::lanes::{HALF, ONE, ZERO, all};
+use vibrochain_lattice::simd::lanes::{HALF, ONE, ZERO, all};
 use wide::f64x4;
 
 use crate::map_paths::one_contact::other_modes::FourSums;

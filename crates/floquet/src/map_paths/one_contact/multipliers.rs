@@ -20,6 +20,7 @@
 use nalgebra::Complex;
 use vibrochain_breather::linear::{determinant, determinant_and_condition};
 use vibrochain_breather::{Orbit, Prepared};
+use vibrochain_lattice::simd::lanes::{LANES, all, fill};
 
 use crate::map_paths::fast_sums::large_general::{self, ForcedLarge};
 use crate::map_paths::modes::{Mode, Modes};
@@ -31,7 +32,6 @@ use crate::zeros::Rational;
 use crate::zeros::SecularError;
 use crate::zeros::modulus;
 use crate::zeros::{Aberth, Start};
-use vibrochain_breather::lanes::{LANES, all, fill};
 
 type C = Complex<f64>;
 

@@ -12,7 +12,7 @@
 
 use nalgebra::Complex;
 use smallvec::{SmallVec, smallvec};
-use vibrochain_breather::lanes::{HALF, LANES, Lane, ONE, ZERO, all, fill, four};
+use vibrochain_lattice::simd::lanes::{HALF, LANES, Lane, ONE, ZERO, all, fill, four};
 use wide::f64x4;
 
 use crate::map_paths::modes::{Mode, Modes};

@@ -1,11 +1,11 @@
 //! Complex pairs of roots.
 
 use nalgebra::Complex;
+use vibrochain_lattice::simd::lanes::Lane;
 
 use crate::map_paths::fast_sums::evaluate::Local;
 use crate::map_paths::reversible::residues::Residues;
 use crate::zeros::modulus;
-use vibrochain_breather::lanes::Lane;
 
 /// A gap whose least |F| is not zero: complex roots may be near.
 #[derive(Debug, Clone, Copy)]

@@ -25,11 +25,11 @@
 //! that is very soft or next to resonance: its residue is better known as 1 − ΣR of the others, see [`super::residues::Residues`].
 
 use nalgebra::Complex;
+use vibrochain_lattice::simd::lanes::{FOUR, HALF, Lane, Number, ONE, SMALL, TWO, ZERO, all, four, total, totals};
 use wide::f64x4;
 
 use crate::map_paths::modes::{Mode, Modes};
 use crate::map_paths::reversible::pole::Pole;
-use vibrochain_breather::lanes::{FOUR, HALF, Lane, Number, ONE, SMALL, TWO, ZERO, all, four, total, totals};
 
 type C = Complex<f64>;
 

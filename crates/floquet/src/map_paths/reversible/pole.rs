@@ -1,9 +1,9 @@
 //! Poles e^{iφ}, by φ/2, and those of F with their residues.
 
+use vibrochain_lattice::simd::lanes::{Lane, TWO, all, four};
 use wide::f64x4;
 
 use crate::map_paths::modes::Mode;
-use vibrochain_breather::lanes::{Lane, TWO, all, four};
 
 /// The half angle of a pole that pads a group of four: so far away that its residue, 0, is never heard of.
 pub(crate) const FAR_ROOT: f64 = 1e50;

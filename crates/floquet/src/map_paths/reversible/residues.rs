@@ -3,6 +3,7 @@
 use nalgebra::Complex;
 use vibrochain_breather::Prepared;
 use vibrochain_lattice::ImpulseResponse;
+use vibrochain_lattice::simd::lanes::{Lane, room};
 
 use super::{double_sided, sign_screen, single_sided};
 use crate::map_paths::fast_sums::evaluate::Local;
@@ -13,7 +14,6 @@ use crate::map_paths::reversible::pole::{Angle, Pole};
 use crate::sizes::LARGE;
 use crate::zeros::Nu;
 use crate::zeros::SecularError;
-use vibrochain_breather::lanes::{Lane, room};
 
 /// Pole that pads the last group of four: so far away that its residue, 0, is never heard of.
 const FAR: f64 = 1e100;

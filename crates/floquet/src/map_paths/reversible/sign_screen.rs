@@ -12,12 +12,12 @@
 //! No residue counts that is not beyond several times its bound, and their sum and the trace must be right as far as the bounds tell, which
 //! must be small. So a yes here is a yes there; a no says nothing.
 
+use vibrochain_lattice::simd::lanes::{LANES, Lane, ONE, TWO, ZERO, all};
 use wide::f64x4;
 
 use crate::map_paths::modes::{Mode, Modes};
 use crate::map_paths::reversible::double_sided::{self, Mirror, Own, Saltations};
 use crate::map_paths::reversible::single_sided;
-use vibrochain_breather::lanes::{LANES, Lane, ONE, TWO, ZERO, all};
 
 /// A residue must exceed its bound this many times: so the mended one of `residues` does, too.
 const ROOM: f64 = 4.0;
@@ -88,7 +88,7 @@ pub(crate) fn all_positive(modes: &Modes, ratio: Option<(f64, f64)>) -> bool {
         trace += residue * (group.cos - group.sin) * (group.cos + group.sin);
         doubt += error;
     }
-    let [sum, trace, doubt] = [sum, trace, doubt].map(vibrochain_breather::lanes::total);
+    let [sum, trace, doubt] = [sum, trace, doubt].map(vibrochain_lattice::simd::lanes::total);
     let fours = modes.groups().iter().map(Mode::four);
     let expected = match &saltations {
         Some(saltations) => double_sided::trace(fours, saltations),

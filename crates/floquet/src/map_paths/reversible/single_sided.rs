@@ -23,9 +23,10 @@
 //! l = k gives the term b_k⁴ of (1+ν)σ² by the second form of u, which is taken whenever c_k and c_l agree in sign:
 //! nothing is lost as modes come together, γ₂ → 0, and coincident ones need no care at all.
 
+use vibrochain_lattice::simd::lanes::{Number, ONE, SMALL, TWO, ZERO, all, total};
+
 use crate::map_paths::modes::{Mode, Modes};
 use crate::map_paths::reversible::pole::Pole;
-use vibrochain_breather::lanes::{Number, ONE, SMALL, TWO, ZERO, all, total};
 
 /// What the residue of one mode needs of others.
 #[derive(Debug, Clone, Copy, Default)]

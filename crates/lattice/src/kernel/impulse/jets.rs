@@ -2,7 +2,8 @@
 
 use wide::f64x4;
 
-use super::{ImpulseResponse, LANES};
+use super::ImpulseResponse;
+use crate::simd::lanes::LANES;
 use crate::simd::sines::{MOST, sin_cos, soft};
 use crate::simd::small::{long_sum, sinc};
 

@@ -35,9 +35,7 @@ use crate::error::Resonance;
 use crate::model::chain::Chain;
 use crate::modes::shapes::Shapes;
 use crate::modes::spectrum::Spectrum;
-
-/// Modes in a group.
-const LANES: usize = 4;
+use crate::simd::lanes::Lane;
 
 /// Closed form of the periodic impulse response for one spectrum and one period.
 ///
@@ -187,13 +185,13 @@ impl ImpulseResponse {
     /// What states at an impact and half a period after it are made of, four modes at a time: weights, static responses, dynamic ones at
     /// the impulse and half a period after it. What fills up the last group weighs nothing.
     #[doc(hidden)]
-    pub fn in_fours(&self) -> impl Iterator<Item = [[f64; LANES]; 4]> + '_ {
+    pub fn in_fours(&self) -> impl Iterator<Item = [Lane; 4]> + '_ {
         fours([&self.weights, &self.statics, &self.at_impulse, &self.at_half])
     }
 
     /// Four modes at a time in the same way: frequencies, weights, cosines and sines of ΩT/2.
     #[doc(hidden)]
-    pub fn swings_in_fours(&self) -> impl Iterator<Item = [[f64; LANES]; 4]> + '_ {
+    pub fn swings_in_fours(&self) -> impl Iterator<Item = [Lane; 4]> + '_ {
         fours([&self.frequencies, &self.weights, &self.cos_half, &self.sin_half])
     }
 
@@ -219,7 +217,7 @@ impl ImpulseResponse {
 }
 
 /// Groups of four lists side by side.
-fn fours(lists: [&Vec<f64>; 4]) -> impl Iterator<Item = [[f64; LANES]; 4]> + '_ {
+fn fours(lists: [&Vec<f64>; 4]) -> impl Iterator<Item = [Lane; 4]> + '_ {
     let [a, b, c, d] = lists.map(|list| list.as_chunks().0.iter());
     a.zip(b).zip(c.zip(d)).map(|((a, b), (c, d))| [*a, *b, *c, *d])
 }

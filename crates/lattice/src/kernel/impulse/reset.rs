@@ -4,11 +4,12 @@ use std::f64::consts::PI;
 
 use wide::f64x4;
 
-use super::{ImpulseResponse, LANES};
+use super::ImpulseResponse;
 use crate::error::{RESONANCE_TOLERANCE, Resonance};
 use crate::model::chain::Chain;
 use crate::modes::shapes::Shapes;
 use crate::modes::spectrum::Spectrum;
+use crate::simd::lanes::LANES;
 use crate::simd::sines::{sin_cos, soft_defect};
 use crate::simd::small::{BLOCK, long_sum, products_in_order};
 

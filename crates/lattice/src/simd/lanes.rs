@@ -1,5 +1,5 @@
-//! Numbers in groups of four: sums over them keep four partial sums, one vector instruction each where the machine has it. (A
-//! compiler may not reorder a plain sum of floating-point numbers by itself.) The crates' own: not for others.
+//! Numbers in groups of four: a sum over them keeps four partial sums, each addition one vector instruction where the machine has it. (A
+//! compiler may not reorder a plain sum of floating-point numbers by itself.) For the crates of this workspace alone.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
