@@ -12,12 +12,26 @@ const STYLE: &str = "text/css; charset=utf-8";
 const PICTURE: &str = "image/svg+xml";
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
+/// How every page begins, up to its title. (A macro: `concat!` takes no constants.)
+macro_rules! head {
+    () => {
+        r#"<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<link rel="icon" href="icon.svg" type="image/svg+xml">
+<link rel="stylesheet" href="style.css">
+"#
+    };
+}
+
 macro_rules! files {
-    ($($name:literal $kind:ident $($part:literal)+),* $(,)?) => {
+    ($($name:literal $kind:ident $($head:ident)? $file:literal),* $(,)?) => {
         /// The file of that name.
         pub(crate) fn file(name: &str) -> Option<File> {
             match name {
-                $($name => Some(File { kind: $kind, text: concat!($(include_str!(concat!("../page/", $part))),+) }),)*
+                $($name => Some(File { kind: $kind, text: concat!($($head!(),)? include_str!(concat!("../page/", $file))) }),)*
                 _ => None,
             }
         }
@@ -25,7 +39,7 @@ macro_rules! files {
 }
 
 files! {
-    "" HTML "head.html" "index.html",
+    "" HTML head "index.html",
     "icon.svg" PICTURE "icon.svg",
     "style.css" STYLE "style.css",
     "main.js" SCRIPT "main.js",
@@ -43,6 +57,6 @@ files! {
     "run.js" SCRIPT "run.js",
     "overlays.js" SCRIPT "overlays.js",
     "take.js" SCRIPT "take.js",
-    "structure.html" HTML "head.html" "structure.html",
+    "structure.html" HTML head "structure.html",
     "structure.js" SCRIPT "structure.js",
 }
