@@ -22,7 +22,7 @@
 //! | [`Multipliers`] | all multipliers in order, made as they are asked for |
 //! | [`odd_multipliers`], [`leading_modes`] | multipliers that feel no impact; perturbations that grow most |
 //! | [`locate()`] | bifurcations and grazing in one parameter |
-//! | [`structure_stability`], [`structure_branch`], [`structure_curve`] | the same of any linear structure with stops |
+//! | [`structure_stability`], [`structure_diagram`], [`structure_curve`] | the same of any linear structure with stops |
 //! | [`Verdict`], [`Mechanism`], [`Tolerance`], [`Method`] | stable or not, how stability is lost, from which excess on, where the answer comes from |
 //!
 //! With the feature `serde` values are written by the names of `mapgen`'s JSON; those that hold nothing derived are read, too.
@@ -85,7 +85,6 @@ pub use locate::{
 };
 pub use map_paths::{
     ForcedSecular, ModeLabels, Reason, Residues, Secular, SecularMultipliers, SecularVerdict, Standing,
-    multiplier_modes,
 };
 pub use multipliers::{odd_multipliers, participating_modes, sort_multipliers};
 pub use nalgebra::{Complex, DMatrix};
@@ -99,8 +98,8 @@ pub use stripes::{
     StripeEnd, StripeFinder, StripeLine, StripeRow, bare_signature, passings, signature,
 };
 pub use structures::{
-    StructureCourse, StructureCurve, StructureMultipliers, StructureWindow, structure_branch, structure_curve,
-    structure_diagram, structure_stability, structure_verdict,
+    StructureCourse, StructureCurve, StructureMultipliers, StructureWindow, structure_curve, structure_diagram,
+    structure_stability, structure_verdict,
 };
 pub use verdict::{Mechanism, Method, Tolerance, Verdict};
 pub use zeros::SecularError;

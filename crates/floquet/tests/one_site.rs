@@ -3,8 +3,8 @@
 
 use vibrochain_breather::{Finder, Orbit, OrbitList, Scope, Word};
 use vibrochain_floquet::{
-    Analyser, Complex, FloquetError, ForcedSecular, Method, Stability, Standing, Tolerance, Verdict, eigenvalues,
-    full_monodromy, multiplier_modes, odd_multipliers, participating_modes,
+    Analyser, Complex, FloquetError, ForcedSecular, Method, ModeLabels, Stability, Standing, Tolerance, Verdict,
+    eigenvalues, full_monodromy, odd_multipliers, participating_modes,
 };
 use vibrochain_lattice::{Chain, Ends};
 use vibrochain_testkit::{Random, Ranges, Values};
@@ -124,7 +124,8 @@ fn spared_modes_keep_their_multipliers_and_their_names() {
         finder.find_word(&model, &word.parse().unwrap(), Scope::All, &mut found).unwrap();
         let orbit = &found.orbits[0];
         let multipliers = told(orbit, &mut finder).unwrap().multipliers;
-        let modes = multiplier_modes(orbit, &mut finder, &multipliers).unwrap();
+        let mut labels = ModeLabels::new(orbit, &mut finder).unwrap();
+        let modes: Vec<Option<usize>> = multipliers.iter().map(|z| labels.mode(*z)).collect();
         let on_circle = multipliers.iter().zip(&modes).filter(|(z, _)| (z.norm() - 1.0).abs() < 1e-14);
         let mut count = 0;
         for (z, mode) in on_circle {

@@ -4,12 +4,16 @@
 
 use vibrochain_breather::{BlochEquations, LinearImpact};
 use vibrochain_floquet::{Complex, ImpactSpectrum};
-use vibrochain_lattice::BlochKernel;
+use vibrochain_lattice::{BlochKernel, FeltModes, LinearMode, ModeShape};
 use vibrochain_testkit::{Before, Random, Structure, StructureImpact, structures};
+
+fn shape_at<T: Default>(contacts: Vec<T>) -> ModeShape<T> {
+    ModeShape { contacts, ..ModeShape::default() }
+}
 
 /// The kernel between the contacts of a structure, pole by pole.
 fn kernel(structure: &Structure) -> BlochKernel {
-    let mut kernel = BlochKernel::new(structure.period, structure.contacts.len());
+    let mut modes = Vec::new();
     let scale = structure.rates().iter().map(|rate| rate.norm()).fold(0.0, f64::max);
     // A double pole at 0 is a rigid mode: the dense eigenvalues split it.
     let rigid = |rate: &Complex<f64>| rate.norm() < 1e-6 * scale;
@@ -20,7 +24,7 @@ fn kernel(structure: &Structure) -> BlochKernel {
         let shape = softest.eigenvectors.column(softest.eigenvalues.iamin()).into_owned();
         let length = shape.dot(&(&structure.mass * &shape)).sqrt();
         let shapes: Vec<f64> = structure.contacts.iter().map(|w| w.dot(&shape) / length).collect();
-        kernel.push_oscillator(0.0, 0.0, &shapes);
+        modes.push(LinearMode::oscillator(0.0, 0.0, &shape_at(shapes), &[]));
     }
     let mut real: Vec<f64> = Vec::new();
     let mut upper: Vec<Complex<f64>> = Vec::new();
@@ -38,7 +42,8 @@ fn kernel(structure: &Structure) -> BlochKernel {
         upper = rest;
         let mean = alike.iter().sum::<Complex<f64>>() + rate;
         let mean = mean / (alike.len() + 1) as f64;
-        structure.shapes(mean, alike.len() + 1).iter().for_each(|shapes| kernel.push_pole(mean, shapes));
+        let shapes = structure.shapes(mean, alike.len() + 1).into_iter();
+        modes.extend(shapes.map(|contacts| LinearMode::pole(mean, &shape_at(contacts), &[])));
     }
     real.sort_by(|a, b| b.total_cmp(a));
     for pair in real.chunks_exact(2) {
@@ -47,11 +52,13 @@ fn kernel(structure: &Structure) -> BlochKernel {
             let shapes = structure.shapes(Complex::new(rate, 0.0), 1).remove(0);
             let sign = if shapes.iter().map(|shape| (shape * shape).re).sum::<f64>() > 0.0 { 1.0 } else { -1.0 };
             let part = |shape: &Complex<f64>| if sign > 0.0 { shape.re } else { shape.im };
-            (sign, shapes.iter().map(part).collect::<Vec<f64>>())
+            (sign, shape_at(shapes.iter().map(part).collect::<Vec<f64>>()))
         });
-        kernel.push_real_poles([pair[0], pair[1]], [both[0].0, both[1].0], [&both[0].1, &both[1].1]);
+        let shapes = [&both[0].1, &both[1].1];
+        modes.push(LinearMode::real_poles([pair[0], pair[1]], [both[0].0, both[1].0], shapes, &[]));
     }
-    kernel
+    let contacts: Vec<usize> = (0..structure.contacts.len()).collect();
+    FeltModes { modes, ..FeltModes::default() }.kernel(structure.period, &contacts)
 }
 
 fn equations(structure: &Structure) -> BlochEquations {

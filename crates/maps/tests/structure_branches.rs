@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use vibrochain_breather::{Family, StructureOrbit, Word, breathers, structure_orbits};
 use vibrochain_floquet::{
     Course, Event, Followed, FollowedBranch, Located, Special, SpecialPoint, StructureCourse, StructureWindow,
-    Tolerance, Window, curve, diagram, structure_branch, structure_curve,
+    Tolerance, Window, curve, diagram, structure_curve, structure_diagram,
 };
 use vibrochain_lattice::{Chain, Model, Parameter, Stop};
 use vibrochain_maps::structure::along::family;
@@ -26,7 +26,8 @@ fn branch(
     let course =
         StructureCourse { from, to, events: Event::ALL.to_vec(), generations: 0, tolerance: Tolerance::Rounding };
     let value = scene.get(setting).unwrap();
-    structure_branch(orbit, &family(scene, &[setting]), value, &course, &Stop::default()).unwrap()
+    let diagram = structure_diagram(orbit, &family(scene, &[setting]), value, &course, &Stop::default());
+    diagram.unwrap().branches.swap_remove(0)
 }
 
 /// A chain as a structure: γ₁, γ₂, ω, a, A, e.

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use vibrochain_breather::{StructureOrbit, structure_orbits};
 use vibrochain_floquet::{
-    Complex, Diagram, End, Event, FollowedBranch, StructureCourse, StructureWindow, Tolerance, structure_branch,
-    structure_curve, structure_diagram, structure_stability,
+    Complex, Diagram, End, Event, FollowedBranch, StructureCourse, StructureWindow, Tolerance, structure_curve,
+    structure_diagram, structure_stability,
 };
 use vibrochain_lattice::Stop;
 use vibrochain_maps::structure::along::family;
@@ -37,7 +37,8 @@ fn branch(
     setting: Setting,
     range: [f64; 2],
 ) -> FollowedBranch<StructureOrbit> {
-    structure_branch(orbit, &family(scene, &[setting]), value, &course(range, 0), &Stop::default()).unwrap()
+    let diagram = structure_diagram(orbit, &family(scene, &[setting]), value, &course(range, 0), &Stop::default());
+    diagram.unwrap().branches.swap_remove(0)
 }
 
 fn diagram(scene: &StructureScene, number: usize, setting: Setting, range: [f64; 2]) -> Diagram<StructureOrbit> {
@@ -259,7 +260,8 @@ fn losses_without_a_load_are_refused() {
     for (setting, range) in [("restitution", [0.5, 1.0]), ("damping", [-0.1, 0.1])] {
         let setting = setting.parse().unwrap();
         let value = scene.get(setting).unwrap();
-        let followed = structure_branch(orbit, &family(&scene, &[setting]), value, &course(range, 0), &Stop::default());
+        let followed =
+            structure_diagram(orbit, &family(&scene, &[setting]), value, &course(range, 0), &Stop::default());
         assert!(followed.unwrap_err().to_string().contains("without a load"), "{setting}");
     }
     assert!(branch(&scene, (orbit, 0.7), Setting::Omega, [0.65, 0.75]).points().count() > 10);

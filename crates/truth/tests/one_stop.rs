@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use vibrochain_breather::{StructureFamily, StructureModel, StructureOrbit, structure_orbits};
-use vibrochain_floquet::{Event, StructureCourse, Tolerance, structure_branch, structure_stability};
+use vibrochain_floquet::{Event, StructureCourse, Tolerance, structure_diagram, structure_stability};
 use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Stop};
 use vibrochain_testkit::Random;
 use vibrochain_truth::Real;
@@ -196,8 +196,8 @@ fn grazings_and_doublings_to_the_last_digits() {
             generations: 0,
             tolerance: Tolerance::Rounding,
         };
-        let found = structure_branch(&orbit, &given.family(), load, &course, &Stop::default()).unwrap();
-        for event in found.events() {
+        let found = structure_diagram(&orbit, &given.family(), load, &course, &Stop::default()).unwrap();
+        for event in found.branches[0].events() {
             let room = |error: f64| 8.0 * error + 1e-13 * event.value;
             if event.event == Event::Grazing && event.orbit.impacts()[0].impulse.abs() < 1e-9 {
                 let off = (&graze - event.value).abs().to_f64();

@@ -7,33 +7,19 @@ use crate::all_multipliers::{Spared, partition_point_from};
 use crate::error::FloquetError;
 use crate::multipliers::participating_modes;
 
-/// For multipliers as [`crate::Analyser::stability`] returns them, the mode k whose e^{±iΩ_kT} is next by angle, in
-/// O(M log M); `None` for the trivial pair of a conservative orbit and for impacts at several sites.
-///
-/// # Errors
-/// [`FloquetError::Breather`], which an orbit that exists has already passed.
+/// The mode next to a multiplier of one orbit. Multipliers by rising or falling argument cost a step each.
 ///
 /// ```
 /// use vibrochain_breather::{Family, Finder, breathers};
-/// use vibrochain_floquet::{Tolerance, multiplier_modes, stability};
+/// use vibrochain_floquet::{ModeLabels, Tolerance, stability};
 /// use vibrochain_lattice::{Chain, Model};
 /// let model = Model::conservative(Chain::new(21, 0.2, 0.02)?, 1.1, 0.4)?;
 /// let orbit = &breathers(&model, Family::DoubleSided)?.orbits[0];
+/// let mut labels = ModeLabels::new(orbit, &mut Finder::new(21))?;
 /// let multipliers = stability(orbit, Tolerance::Rounding)?.multipliers;
-/// let modes = multiplier_modes(orbit, &mut Finder::new(21), &multipliers)?;
-/// assert_eq!(modes.iter().filter(|mode| mode.is_none()).count(), 2);
+/// assert_eq!(multipliers.iter().filter(|z| labels.mode(**z).is_none()).count(), 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn multiplier_modes(
-    orbit: &Orbit,
-    finder: &mut Finder,
-    multipliers: &[Complex<f64>],
-) -> Result<Vec<Option<usize>>, FloquetError> {
-    let mut labels = ModeLabels::new(orbit, finder)?;
-    Ok(multipliers.iter().map(|z| labels.mode(*z)).collect())
-}
-
-/// The modes of an orbit, for [`multiplier_modes`] one by one. Multipliers by rising or falling argument cost a step each.
 #[derive(Debug, Clone)]
 pub struct ModeLabels {
     conservative: bool,
@@ -48,7 +34,7 @@ impl ModeLabels {
     /// The modes of an orbit.
     ///
     /// # Errors
-    /// As [`multiplier_modes`].
+    /// [`FloquetError::Breather`], which an orbit that exists has already passed.
     pub fn new(orbit: &Orbit, finder: &mut Finder) -> Result<Self, FloquetError> {
         let conservative = orbit.model().is_conservative();
         let Some(site) = orbit.impact_site() else {
@@ -63,7 +49,8 @@ impl ModeLabels {
         Ok(Self { conservative, spared: Spared::of(orbit), angles, last: [0; 2] })
     }
 
-    /// That of one multiplier.
+    /// For a multiplier as [`crate::Analyser::stability`] returns it, the mode k whose e^{±iΩ_kT} is next by angle; `None` for the trivial
+    /// pair of a conservative orbit and for impacts at several sites.
     pub fn mode(&mut self, z: Complex<f64>) -> Option<usize> {
         let Self { conservative, spared, angles, last: [of_spared, of_felt] } = self;
         if *conservative && z == Complex::new(1.0, 0.0) {

@@ -18,7 +18,7 @@ mod modes;
 pub(crate) mod one_contact;
 pub(crate) mod reversible;
 
-pub use labels::{ModeLabels, multiplier_modes};
+pub use labels::ModeLabels;
 pub(crate) use modes::{Modes, by_frequency, sort_felt};
 pub use one_contact::multipliers::SecularMultipliers;
 pub use one_contact::verdict::ForcedSecular;

@@ -7,7 +7,7 @@ use vibrochain_lattice::Stop;
 use super::ends::OfStructure;
 use super::watcher::OfStructures;
 use crate::locate::follower::{Follower, Stretch};
-use crate::locate::{Diagram, Event, FollowedBranch, LocateError, Located, Tracing, both_ways, grown};
+use crate::locate::{Diagram, Event, LocateError, Located, Tracing, both_ways, grown};
 use crate::verdict::Tolerance;
 
 /// Beside an event where symmetry is lost symmetric orbits are taken up this far, as a part of the range.
@@ -56,21 +56,6 @@ pub fn structure_diagram(
     // On the way a failure may be an end.
     stop.heard()?;
     Ok(diagram)
-}
-
-/// The orbit's own branch of [`structure_diagram`].
-///
-/// # Errors
-/// As [`structure_diagram`].
-pub fn structure_branch(
-    orbit: &StructureOrbit,
-    family: &StructureFamily,
-    value: f64,
-    course: &StructureCourse,
-    stop: &Stop,
-) -> Result<FollowedBranch<StructureOrbit>, LocateError> {
-    let course = StructureCourse { generations: 0, ..course.clone() };
-    Ok(structure_diagram(orbit, family, value, &course, stop)?.branches.swap_remove(0))
 }
 
 /// The branches of a structure's orbits.

@@ -15,5 +15,5 @@ mod stability;
 mod watcher;
 
 pub use curve::{StructureCurve, StructureWindow, structure_curve};
-pub use diagram::{StructureCourse, structure_branch, structure_diagram};
+pub use diagram::{StructureCourse, structure_diagram};
 pub use stability::{StructureMultipliers, structure_stability, structure_verdict};

@@ -141,25 +141,6 @@ impl BlochKernel {
         self.push(turn, (decay, rate), rows, columns);
     }
 
-    /// Adds a complex pole λ and its conjugate: `shapes` are w_iᵀφ at the contacts with φᵀ(2λM + C)φ = 1, so that φφᵀ is the residue
-    /// of (λ²M + λC + K)⁻¹.
-    pub fn push_pole(&mut self, rate: Complex<f64>, shapes: &[Complex<f64>]) {
-        // The complex amplitude ξ, as (Re ξ, −Im ξ).
-        let rows = shapes.iter().map(|shape| [2.0 * shape.re, 2.0 * shape.im]);
-        let columns = shapes.iter().map(|shape| [shape.re, -shape.im]);
-        self.push(Turn::Circular, (-rate.re, rate.im), rows, columns);
-    }
-
-    /// Adds two real poles λ, each with the sign of its residue and its shape: sign·shape_i·shape_j.
-    pub fn push_real_poles(&mut self, rates: [f64; 2], signs: [f64; 2], shapes: [&[f64]; 2]) {
-        let (mean, half) = (0.5 * (rates[0] + rates[1]), 0.5 * (rates[0] - rates[1]));
-        let sum = |[first, second]: [f64; 2]| [(first + second), (first - second)].map(|x| x * 0.5f64.sqrt());
-        let both = |i: usize| [shapes[0][i], shapes[1][i]];
-        let rows = (0..shapes[0].len()).map(|i| sum(both(i)));
-        let columns = (0..shapes[0].len()).map(|i| sum([signs[0] * shapes[0][i], signs[1] * shapes[1][i]]));
-        self.push(Turn::Hyperbolic, (-mean, half), rows, columns);
-    }
-
     /// The kernel of modes of a structure between some of its contacts.
     pub(crate) fn of_modes(modes: &[LinearMode], period: f64, contacts: &[usize]) -> Self {
         let mut kernel = Self::with_room(period, contacts.len(), modes.len());

@@ -50,8 +50,7 @@ fn band_distances(chain: &Chain, w: f64) -> (f64, f64) {
 
 /// Amplitude of site `n` under the force cos(wt) on site 0 of the ring.
 ///
-/// Infinite (or very large) where w meets a mode; callers check that first, see
-/// [`Spectrum::nearest_resonance`].
+/// Infinite (or very large) where w meets a mode.
 pub fn harmonic_response(chain: &Chain, w: f64, n: usize) -> f64 {
     let sites = chain.sites();
     let n = chain.distance(0, n);

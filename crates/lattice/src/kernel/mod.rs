@@ -6,8 +6,8 @@
 //!
 //! with h the impulse response of M q″ + C q′ + K q. z = 1 is the periodic kernel of orbits; at a multiplier z it carries the
 //! perturbation. A mode is a pair of poles of (λ²M + λC + K)⁻¹: a damped oscillator of real shape ([`BlochKernel::push_oscillator`]),
-//! a complex pole and its conjugate, or two real ones, where the damping mixes the undamped modes ([`BlochKernel::push_pole`],
-//! [`BlochKernel::push_real_poles`]).
+//! a complex pole and its conjugate, or two real ones, where the damping mixes the undamped modes ([`crate::LinearMode::pole`],
+//! [`crate::LinearMode::real_poles`]).
 //!
 //! | module | holds |
 //! |---|---|

@@ -1,6 +1,5 @@
 //! Normal modes of the ring: Ω_k² = γ₁ + 4γ₂ sin²(πk/M).
 
-use crate::error::Resonance;
 use crate::model::chain::Chain;
 use crate::modes::row::Line;
 
@@ -86,25 +85,6 @@ impl Spectrum {
         let last = self.frequencies.last().copied().unwrap_or_default();
         (self.frequencies.first().copied().unwrap_or_default(), last)
     }
-
-    /// The harmonic j ≥ 1 of `omega` and the mode that come nearest to each other, measured by |Ω_k − jω|/Ω_k.
-    /// `None` where every mode has frequency 0.
-    pub fn nearest_resonance(&self, omega: f64) -> Option<Resonance> {
-        self.frequencies
-            .iter()
-            .enumerate()
-            .filter(|(_, frequency)| **frequency > 0.0)
-            .map(|(mode, &frequency)| {
-                let harmonic = (frequency / omega).round().max(1.0);
-                let distance = (-harmonic).mul_add(omega, frequency);
-                Resonance { harmonic: harmonic as u64, mode, frequency, omega, distance }
-            })
-            .min_by(|a, b| relative(a).total_cmp(&relative(b)))
-    }
-}
-
-fn relative(resonance: &Resonance) -> f64 {
-    resonance.distance.abs() / resonance.frequency
 }
 
 #[cfg(test)]
@@ -133,13 +113,5 @@ mod tests {
             let expected = if sites == 1 { 0.2 } else { 0.4 };
             assert!((diagonal - expected).abs() < 1e-14, "{sites}");
         }
-    }
-
-    #[test]
-    fn the_nearest_resonance_is_named() {
-        let spectrum = Spectrum::new(Chain::new(4, 0.25, 0.1).unwrap());
-        let found = spectrum.nearest_resonance(0.25 * (1.0 + 1e-9)).unwrap();
-        assert_eq!((found.mode, found.harmonic), (0, 2));
-        assert!((found.distance + 5e-10).abs() < 1e-15);
     }
 }

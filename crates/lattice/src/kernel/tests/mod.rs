@@ -3,7 +3,7 @@
 use rustfft::num_complex::Complex;
 
 use super::{BlochKernel, Coordinates, ModeFlow, Turn};
-use crate::{Chain, Ends, ImpulseResponse, Spectrum};
+use crate::{Chain, Ends, ImpulseResponse, LinearMode, ModeShape, Spectrum};
 
 type C = Complex<f64>;
 
@@ -127,15 +127,16 @@ fn poles_of_any_kind_are_the_oscillators_they_come_from() {
         let mut oscillator = BlochKernel::new(period, 2);
         oscillator.push_oscillator(frequency, damping, &shapes);
         let [one, other] = oscillator.modes()[0].rates();
-        let mut poles = BlochKernel::new(period, 2);
-        if one.im > 0.0 {
+        let mode = if one.im > 0.0 {
             let root = (one - one.conj()).sqrt();
-            poles.push_pole(one, &shapes.map(|shape| C::new(shape, 0.0) / root));
+            let contacts = shapes.map(|shape| C::new(shape, 0.0) / root).to_vec();
+            LinearMode::pole(one, &ModeShape { contacts, ..ModeShape::default() }, &[])
         } else {
             let scale = (one.re - other.re).sqrt();
-            let scaled = shapes.map(|shape| shape / scale);
-            poles.push_real_poles([one.re, other.re], [1.0, -1.0], [&scaled, &scaled]);
-        }
+            let scaled = ModeShape { contacts: shapes.map(|shape| shape / scale).to_vec(), ..ModeShape::default() };
+            LinearMode::real_poles([one.re, other.re], [1.0, -1.0], [&scaled, &scaled], &[])
+        };
+        let poles = BlochKernel::of_modes(&[mode], period, &[0, 1]);
         for t in [-1.0, 0.0, 0.5, 3.3] {
             let [a, b] = [&oscillator, &poles].map(|kernel| kernel.jet(1, 0, t, z));
             for (a, b) in a.kernel.iter().zip(b.kernel) {
