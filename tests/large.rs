@@ -85,7 +85,7 @@ fn a_hundred_thousand_sites() {
 
 #[test]
 #[ignore = "a million sites: seconds in release"]
-fn a_million_sites() {
+fn slow_a_million_sites() {
     check(1_000_001, &[(0.8, 0.1)]);
     memory(1_000_001);
 }

@@ -276,6 +276,6 @@ fn residues_that_cancel_prove_nothing() {
 /// The same for 10⁵ orbits and more: `cargo test --release --test secular -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
-fn no_verdict_of_a_hundred_thousand_differs_from_the_dense_one() {
+fn slow_no_verdict_of_a_hundred_thousand_differs_from_the_dense_one() {
     against_dense_everywhere(40_000);
 }

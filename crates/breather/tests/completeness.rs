@@ -189,7 +189,7 @@ fn no_orbit_of_a_scan_is_missing() {
 
 #[test]
 #[ignore = "2·10⁶ values of φ at 200 random points: minutes"]
-fn no_orbit_of_a_fine_scan_is_missing() {
+fn slow_no_orbit_of_a_fine_scan_is_missing() {
     let compared = compare(200, 2_000_000, 2);
     println!("{compared:?} orbits compared");
     assert!(compared.iter().all(|count| *count > 50), "{compared:?}");

@@ -76,7 +76,7 @@ fn slow_killed_at_forty_random_moments_it_ends_in_the_same_bytes() {
 
 #[test]
 #[ignore = "minutes: cargo test --workspace --test kills -- --ignored thousand"]
-fn killed_at_a_thousand_random_moments_it_ends_in_the_same_bytes() {
+fn slow_killed_at_a_thousand_random_moments_it_ends_in_the_same_bytes() {
     killed_at_random(1000, 11);
 }
 

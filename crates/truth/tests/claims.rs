@@ -166,7 +166,7 @@ fn slow_claims_of_hundreds_next_to_resonances_hold_and_are_of_use() {
 
 #[test]
 #[ignore = "3000 orbits next to resonances in many digits: minutes"]
-fn many_claims_next_to_resonances_hold_and_are_of_use() {
+fn slow_many_claims_next_to_resonances_hold_and_are_of_use() {
     claims_hold(Place::Resonance, 1500);
     claims_hold(Place::Elastic, 500);
 }

@@ -130,7 +130,7 @@ fn no_multiplier_is_farther_off_than_is_claimed() {
 /// `cargo test --release -p vibrochain-truth --test forced -- --ignored --nocapture`
 #[test]
 #[ignore = "minutes"]
-fn no_multiplier_of_many_thousand_is_farther_off_than_is_claimed() {
+fn slow_no_multiplier_of_many_thousand_is_farther_off_than_is_claimed() {
     claims_hold(4000);
 }
 
@@ -138,7 +138,7 @@ fn no_multiplier_of_many_thousand_is_farther_off_than_is_claimed() {
 /// is claimed of errors. `cargo test --release -p vibrochain-truth --test forced -- --ignored --nocapture`
 #[test]
 #[ignore = "a minute"]
-fn the_map_of_the_paper_needs_no_dense_matrix() {
+fn slow_the_map_of_the_paper_needs_no_dense_matrix() {
     for (sites, columns, rows) in [(21, 65, 50), (41, 65, 50), (101, 40, 30)] {
         let (mut finder, mut found) = (Finder::new(sites), OrbitList::default());
         let mut analyser = Analyser::default();

@@ -272,7 +272,7 @@ fn slow_claims_for_a_thousand_random_words_on_random_lattices_hold() {
 
 #[test]
 #[ignore = "five minutes: cargo test --workspace --test lattices -- --ignored ten_thousand"]
-fn claims_for_ten_thousand_random_words_on_random_lattices_hold() {
+fn slow_claims_for_ten_thousand_random_words_on_random_lattices_hold() {
     words_hold(10_000);
 }
 

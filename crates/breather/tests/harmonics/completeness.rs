@@ -222,7 +222,7 @@ fn no_solution_that_a_scan_of_the_plane_sees_is_missing() {
 
 #[test]
 #[ignore = "minutes: 200 parameter sets, a million points of (phi, psi) each"]
-fn no_solution_is_missing_at_length() {
+fn slow_no_solution_is_missing_at_length() {
     completeness(2, 200, 1000);
 }
 
@@ -271,7 +271,7 @@ fn without_loss_or_nearly_so_nothing_is_left_open() {
 
 #[test]
 #[ignore = "thousands of searches"]
-fn without_loss_or_nearly_so_nothing_is_left_open_at_length() {
+fn slow_without_loss_or_nearly_so_nothing_is_left_open_at_length() {
     nothing_is_left_open(4, 2000);
 }
 
@@ -296,7 +296,7 @@ fn without_loss_no_solution_that_a_scan_of_the_plane_sees_is_missing() {
 
 #[test]
 #[ignore = "minutes: 200 parameter sets, a million points of (phi, psi) each"]
-fn without_loss_no_solution_is_missing_at_length() {
+fn slow_without_loss_no_solution_is_missing_at_length() {
     complete_without_loss(6, 200, 1000);
 }
 

@@ -96,7 +96,7 @@ fn rows_have_all_stripes_that_a_scan_sees() {
 
 #[test]
 #[ignore = "slow: ten minutes"]
-fn ten_rows_have_all_stripes_that_a_scan_of_five_million_points_sees() {
+fn slow_ten_rows_have_all_stripes_that_a_scan_of_five_million_points_sees() {
     let mut random = Random(20);
     let mut events = 0;
     for _ in 0..10 {

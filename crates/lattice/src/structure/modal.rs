@@ -317,7 +317,7 @@ mod tests {
 
     /// Of ζ = 10⁶ the slow pole −1/2ζ is below rounding of δ; a mass on a dashpot alone has it at 0, exactly.
     #[test]
-    fn slow_motions_without_digits_are_refused() {
+    fn overdamped_modes_without_digits_are_refused() {
         let stop = Contact { lower: None, upper: Some(1.0), restitution: 0.9 };
         let shape = ModeShape { contacts: vec![1.0], coordinates: Vec::new(), still: 0.0 };
         let with = |decay: f64, square: f64| {
