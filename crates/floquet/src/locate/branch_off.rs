@@ -8,14 +8,13 @@ use vibrochain_breather::{Pace, SolutionCurve, SolutionPoint};
 
 use super::answer::{BranchedOrbit, Branching, Event};
 use super::follower::{Ends, OrbitOf, Point};
-use super::switch::bifurcation;
+use super::switch::{bifurcation, shrinking};
 use crate::events::{EventOrbit, Watcher};
 use crate::followed::Followed;
 use crate::verdict::Tolerance;
 
-/// The factor by which the first step along the new branch shrinks, and how often at most: from the longest of all down to 1e-6, where
-/// rounding of the equations, divided by the step, is as large as the bend.
-const SHRINK: f64 = 0.25;
+/// Lengths tried for the first step along the new branch, from the longest of all down to 1e-6, where rounding of the equations, divided by
+/// the step, is as large as the bend.
 const TRIES: i32 = 8;
 
 /// As near as this part of the distance, the rest is Newton's method at a fixed parameter.
@@ -37,10 +36,8 @@ pub(crate) fn branch_off<E: Ends>(
 ) -> Option<Branching<OrbitOf<E>>> {
     let pair = event == Event::Pitchfork;
     let (mut branch, start) = ends.leaving((orbit, value), &bifurcation(event, orbit)?).ok()?;
-    let (length, bend) = (0..TRIES).find_map(|i| {
-        let length = Pace::LONGEST * SHRINK.powi(i);
-        Some((length, bend(&mut branch, &start, length)?))
-    })?;
+    let (length, bend) =
+        shrinking(Pace::LONGEST, TRIES).find_map(|length| Some((length, bend(&mut branch, &start, length)?)))?;
     // Of a word the two ways give one orbit, begun at other times.
     let named = start.orbit().is_late().is_some();
     let late = |point: &Point<E>| point.orbit().is_late() == Some(true);

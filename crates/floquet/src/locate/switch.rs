@@ -15,11 +15,14 @@ const STILL: f64 = 1e-4;
 /// Two impacts of one contact within this part of the period are one.
 const TOGETHER: f64 = 1e-4;
 
-/// The first step along a branch that leaves another, in units: far enough for the two to be told apart. Where it is too long, as
-/// next to a fold, it is shortened so often.
+/// The first step along a branch that leaves another, in units: far enough for the two to be told apart. Six tries end at 5e-6.
 const FIRST: f64 = 0.005;
-const SHRINK: f64 = 0.25;
 const TRIES: i32 = 6;
+
+/// Lengths of a step to be tried one after the other, each a quarter of the last: next to a fold the first is too long.
+pub(super) fn shrinking(longest: f64, tries: i32) -> impl Iterator<Item = f64> {
+    (0..tries).map(move |i| longest * 0.25f64.powi(i))
+}
 
 /// How orbits of less symmetry leave one at a bifurcation, if they do.
 pub(super) fn bifurcation(event: Event, orbit: &impl EventOrbit) -> Option<Departure> {
@@ -78,7 +81,7 @@ pub(crate) fn first_step<S: System>(
     departure: &Departure,
     mut is_physical: impl FnMut(&S::Orbit) -> bool,
 ) -> Option<SolutionPoint<S::Orbit>> {
-    let mut taken = |sign: f64| (0..TRIES).find_map(|i| branch.step(start, sign * FIRST * SHRINK.powi(i)).ok());
+    let mut taken = |sign: f64| shrinking(FIRST, TRIES).find_map(|length| branch.step(start, sign * length).ok());
     if matches!(departure, Departure::Pitchfork | Departure::PeriodDoubling) {
         // The other way leads to the same orbits, mirrored or begun later.
         return taken(1.0);

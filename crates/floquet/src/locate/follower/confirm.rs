@@ -20,7 +20,7 @@ type C = Complex<f64>;
 const POLE: f64 = 1e-4;
 
 /// How often a step is halved until Newton's method finds the event in it.
-const HALVINGS: usize = 8;
+pub(super) const HALVINGS: usize = 8;
 
 /// Lengths as short as this are rounding.
 pub(super) const LEAST_LENGTH: f64 = 1e-6;

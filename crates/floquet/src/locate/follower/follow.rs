@@ -2,7 +2,7 @@
 
 use vibrochain_breather::{BranchError, Pace};
 
-use super::confirm::{Confirmed, LEAST_LENGTH};
+use super::confirm::{Confirmed, HALVINGS, LEAST_LENGTH};
 use super::{At, Ended, Ends, Follower, Point, Seen};
 use crate::bracket::zero;
 use crate::events::{EventOrbit, Test, UNBOUNDED, strongest};
@@ -11,9 +11,6 @@ use crate::locate::course::Station;
 
 /// Steps at most in one direction.
 const MOST_STEPS: usize = 20_000;
-
-/// How often a step with a fold is halved until Newton's method finds it.
-const HALVINGS: usize = 8;
 
 /// A heading this small against the other end's is that of a place where the branch turns.
 const STILL: f64 = 1e-2;
