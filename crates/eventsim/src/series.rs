@@ -210,14 +210,14 @@ impl Rows {
         for k in 2..CORRECTED {
             let row = &self.data[(k - 2) * self.stride..];
             let own = row[n + 1];
-            let (coupling, of_product, of_stretch) = springs_with_errors(g2, row[left], row[right], own);
+            let Springs { force, of_product, of_stretch } = springs_with_errors(g2, row[left], row[right], own);
             let hold = g1 * own;
-            let (along, of_along) = two_sum(coupling, -hold);
+            let (along, of_along) = two_sum(force, -hold);
             let products = of_product - g1.mul_add(own, -hold);
             lost[k] = products + of_stretch + of_along - held * lost[k - 2];
             if !units.is_row {
-                let (across, of_product, of_stretch) = springs_with_errors(g3, row[below], row[above], own);
-                lost[k] += of_product + of_stretch + two_sum(along, across).1;
+                let across = springs_with_errors(g3, row[below], row[above], own);
+                lost[k] += across.of_product + across.of_stretch + two_sum(along, across.force).1;
             }
         }
         lost
@@ -389,12 +389,20 @@ fn advance_layers(from: &[f64], to: &mut [f64], links: &[[u32; 4]], units: &Unit
     }
 }
 
-/// γ ((a + b) − 2 own), and what rounding took from the product and, before it, from the sum.
-fn springs_with_errors(gamma: f64, a: f64, b: f64, own: f64) -> (f64, f64, f64) {
+/// γ ((a + b) − 2 own) of two springs.
+struct Springs {
+    force: f64,
+    /// What rounding took from the product.
+    of_product: f64,
+    /// And before it from the sum.
+    of_stretch: f64,
+}
+
+fn springs_with_errors(gamma: f64, a: f64, b: f64, own: f64) -> Springs {
     let (sum, of_sum) = two_sum(a, b);
     let (stretch, of_stretch) = two_sum(sum, -2.0 * own);
     let force = gamma * stretch;
-    (force, gamma.mul_add(stretch, -force), gamma * (of_sum + of_stretch))
+    Springs { force, of_product: gamma.mul_add(stretch, -force), of_stretch: gamma * (of_sum + of_stretch) }
 }
 
 #[cfg(test)]

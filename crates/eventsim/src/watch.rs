@@ -98,6 +98,21 @@ pub(crate) fn side(f: f64, slope: f64, bend: f64, margin: f64, tau: f64) -> Side
     Side::Ahead(step)
 }
 
+/// The flight of a mass as a series.
+pub(crate) struct Flight {
+    /// Taylor coefficients of the displacement relative to its reference.
+    pub(crate) c: [f64; MAX_ORDER + 1],
+    pub(crate) order: usize,
+    /// How long it is followed.
+    pub(crate) horizon: f64,
+    /// The barriers relative to the reference.
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+    /// Its second derivative.
+    pub(crate) bend: bound::Enclosure,
+    pub(crate) contact: Contact,
+}
+
 /// A mass followed towards its first contact.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Watch {
@@ -123,17 +138,9 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// A flight with coefficients `c` of `order` over `horizon`, barriers relative to the reference, and its second derivative enclosed.
-    pub(crate) fn flight(
-        site: usize,
-        c: [f64; MAX_ORDER + 1],
-        order: usize,
-        horizon: f64,
-        barriers: (f64, f64),
-        bend: bound::Enclosure,
-        contact: Contact,
-    ) -> Self {
-        let (lower, upper) = barriers;
+    /// A flight.
+    pub(crate) fn flight(site: usize, flight: &Flight) -> Self {
+        let &Flight { ref c, order, horizon, lower, upper, ref bend, contact } = flight;
         let (bend_up, least) = bend.bounds();
         let mut watch = Self {
             site,
@@ -142,7 +149,7 @@ impl Watch {
             hit: None,
             horizon,
             order,
-            c,
+            c: *c,
             lower,
             upper,
             bend_up,
@@ -317,7 +324,8 @@ mod tests {
         coefficients[..c.len()].copy_from_slice(c);
         let mut bend = bound::Enclosure::default();
         (2..=10).rev().for_each(|k| bend.add((k * (k - 1)) as f64 * coefficients[k], horizon));
-        let mut watch = Watch::flight(0, coefficients, 10, horizon, barriers, bend, contact);
+        let (lower, upper) = barriers;
+        let mut watch = Watch::flight(0, &Flight { c: coefficients, order: 10, horizon, lower, upper, bend, contact });
         for steps in 0..200 {
             match watch.step() {
                 Step::Clear => return (None, steps),

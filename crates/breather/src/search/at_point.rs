@@ -6,6 +6,7 @@ use crate::equations::newton::{STEPS, polish};
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::orbit::{Draft, Family, Orbit};
 use crate::search::completeness::{Completeness, Searched};
+use crate::search::families::forced_harmonics::{Forced, Searches};
 use crate::search::families::pattern::Pattern;
 use crate::search::families::{conservative, forced_double, forced_harmonics, forced_single, two_instants};
 use crate::search::finder::{Finder, OrbitList, Scope};
@@ -136,23 +137,27 @@ impl Finder {
                     if narrowed { forced_places::places(kernel_grid, response, (force, model.loss())) } else { None };
                 zeros.intervals += places.map_or(0, |(_, intervals)| intervals);
                 let places = places.map(|(places, _)| places);
-                forced_double::double_sided(model, response, (steady, force), zeros, plane, places, &mut add)
+                let forced = Forced { model, response, steady };
+                forced_double::double_sided(&forced, force, &mut Searches { zeros, plane }, places, &mut add)
             }
             (Family::SingleSided, _, Some(_), Some(force)) => {
                 forced_single::single_sided(model, response, force, Barrier::Lower)
                     .map(|drafts| drafts.into_iter().for_each(&mut add))
             }
             (_, Some(pattern), Some(steady), Some(force)) => {
-                forced_double::alike(pattern, model, response, (steady, force), zeros, plane, &mut add)
+                let forced = Forced { model, response, steady };
+                forced_double::alike(pattern, &forced, force, &mut Searches { zeros, plane }, &mut add)
             }
             (Family::DoubleSided, _, Some(steady), None) => {
-                forced_harmonics::double_sided(model, response, steady, zeros, plane, &mut add)
+                let forced = Forced { model, response, steady };
+                forced_harmonics::double_sided(&forced, &mut Searches { zeros, plane }, &mut add)
             }
             (Family::SingleSided, _, Some(steady), None) => {
-                forced_harmonics::single_sided(model, response, steady, zeros, &mut add)
+                forced_harmonics::single_sided(&Forced { model, response, steady }, zeros, &mut add)
             }
             (_, Some(pattern), Some(steady), None) => {
-                forced_harmonics::alike(pattern, model, response, steady, zeros, plane, &mut add)
+                let forced = Forced { model, response, steady };
+                forced_harmonics::alike(pattern, &forced, &mut Searches { zeros, plane }, &mut add)
             }
             (Family::Word | Family::PeriodDoubled, ..) => Err(NoBreather::NotSearched(Unsearched::Unnamed)),
         };

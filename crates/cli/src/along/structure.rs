@@ -16,7 +16,7 @@ use super::{Along, Events, FIRST, Start, begun, checked_range};
 use crate::args::{AlongArgs, Free};
 use crate::common::console::Console;
 use crate::common::error::CliError;
-use crate::structures::orbit::found;
+use crate::structures::orbit::{OfWord, found};
 use vibrochain_maps::manifest::object;
 
 /// An orbit of a scene's structure.
@@ -59,7 +59,7 @@ impl Along for StructureAlong {
             scene.clone().set(free, end).map_err(|why| CliError::Request(format!("{flag}: {why}")))?;
         }
         let model = scene.model()?;
-        let (found, word, _) = found(&args.which, &scene, &model)?;
+        let OfWord { found, word, .. } = found(&args.which, &scene, &model)?;
         ensure!(!found.orbits.is_empty(), CliError::IllPosed(format!("no orbit of {word} was found to start from")));
         let is_physical = |orbit: &StructureOrbit| Ok(structure_is_physical(orbit)?.is_physical());
         let start = begun((found.orbits, &format!(" of {word}")), args, is_physical)?;

@@ -11,8 +11,8 @@ use vibrochain_maps::grid::Grid;
 use vibrochain_maps::manifest::Effort;
 use vibrochain_maps::summary::Summary;
 use vibrochain_maps::sweep::{
-    Assembly, Claim, Content, Ended, Grown, Job, Plan, Shard, ShardFlag, Store, Todo, Unassembled, Watcher, Worked,
-    Writer, work,
+    Assembly, Claim, Content, Ended, Grown, Job, Plan, Shard, ShardFlag, Store, Todo, Unassembled, Watcher, Work,
+    Worked, Writer, work,
 };
 use vibrochain_maps::table::TableFile;
 use vibrochain_maps::text::is_obeyed;
@@ -45,6 +45,13 @@ pub(crate) struct Gathered {
     store: Store,
     /// The last chunk, if it has not been placed.
     last: Option<Writer>,
+}
+
+/// A table of which nothing is kept beside it.
+pub(crate) struct Streamed {
+    pub(crate) table: TableFile,
+    pub(crate) summary: Summary,
+    pub(crate) effort: Effort,
 }
 
 /// What was computed.
@@ -158,7 +165,7 @@ impl<S: Grid, C: Content<S>> ChunkedRun<'_, C, S> {
         out: &Path,
         watcher: &mut dyn Watcher<C::Item>,
         progress: bool,
-    ) -> Result<(TableFile, Summary, Effort), CliError> {
+    ) -> Result<Streamed, CliError> {
         let mut table = Assembly::begin(self.content, self.plan, out, self.threads(), watcher)?;
         let (steps, things) = self.steps;
         let bar = counter(self.plan.cells() * steps, 0, things, progress);
@@ -178,7 +185,7 @@ impl<S: Grid, C: Content<S>> ChunkedRun<'_, C, S> {
             Ended::Failed(error) => return Err(error.into()),
         };
         let effort = self.effort(&summary, started);
-        Ok((table.into_table(), summary, effort))
+        Ok(Streamed { table: table.into_table(), summary, effort })
     }
 
     /// Computes the chunks of a shard, into the folder that `flag` names.
@@ -267,7 +274,8 @@ impl<S: Grid, C: Content<S>> ChunkedRun<'_, C, S> {
         let bar = counter((left + finished) * steps, finished * steps, things, console.progress);
         let started = Instant::now();
         let tick = |steps| bar.inc(steps);
-        let Worked { ended, grown } = work(self.content, &job, self.plan, store, &todo.chunks, tick, along);
+        let given = Work { content: self.content, job: &job, plan: self.plan, store };
+        let Worked { ended, grown } = work(&given, &todo.chunks, tick, along);
         bar.finish_and_clear();
         match ended {
             Ended::Complete(summary) => Ok(Computed { effort: self.effort(&summary, started), summary, grown }),

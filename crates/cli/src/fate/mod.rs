@@ -209,8 +209,7 @@ impl<S: SweptScene> Ends<'_, S> {
             }
             (Some(out), None) if args.resume => Err(nothing_to_resume("--out", out)),
             (Some(out), None) => {
-                let (table, ..) = run.stream(out, &mut seen, progress)?;
-                table.commit()?;
+                run.stream(out, &mut seen, progress)?.table.commit()?;
                 console.answer(&seen.answer(args.json)?, args.json, taken)?;
                 seen.finish(manifest)
             }

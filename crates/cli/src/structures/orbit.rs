@@ -44,7 +44,7 @@ pub(crate) fn run(args: &OrbitArgs, scene: &StructureScene, console: &mut Consol
     let file = args.multipliers.as_deref().map(MultiplierFile::create).transpose()?;
     let trajectory = OrbitTrajectory::open(args, columns(&model))?;
     let pictures = OrbitPictures::open(args)?;
-    let (found, word, periods) = found(&args.which, scene, &model)?;
+    let OfWord { found, word, periods } = found(&args.which, scene, &model)?;
     let answered = found
         .orbits
         .iter()
@@ -104,20 +104,21 @@ fn state(motion: &StructureMotion<'_>, orbit: &StructureOrbit, time: f64) -> Res
     Ok(of_contacts.chain(of_coordinates).collect())
 }
 
-/// The orbits that flags or the scene ask for, with their word and its periods of the load.
-pub(crate) fn found(
-    which: &WhichArgs,
-    scene: &StructureScene,
-    model: &StructureModel,
-) -> Result<(StructureFound, String, u32), CliError> {
+/// Orbits of a word.
+pub(crate) struct OfWord {
+    pub(crate) found: StructureFound,
+    pub(crate) word: String,
+    /// Periods of the load.
+    pub(crate) periods: u32,
+}
+
+/// The orbits that flags or the scene ask for.
+pub(crate) fn found(which: &WhichArgs, scene: &StructureScene, model: &StructureModel) -> Result<OfWord, CliError> {
     if let Some(path) = &which.near {
         let orbit = near(path, model)?;
         let (word, periods) = (orbit.word(), orbit.force_periods());
-        return Ok((
-            StructureFound { orbits: vec![orbit], search: StructureSearch::Starts { starts: 1 } },
-            word,
-            periods,
-        ));
+        let found = StructureFound { orbits: vec![orbit], search: StructureSearch::Starts { starts: 1 } };
+        return Ok(OfWord { found, word, periods });
     }
     let of_family = which
         .family
@@ -132,7 +133,7 @@ pub(crate) fn found(
         }
     };
     let periods = which.force_periods.unwrap_or(periods);
-    Ok((structure_orbits(model, &word, periods)?, word.to_string(), periods))
+    Ok(OfWord { found: structure_orbits(model, &word, periods)?, word: word.to_string(), periods })
 }
 
 /// Impacts of a file.

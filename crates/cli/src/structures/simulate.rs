@@ -8,7 +8,7 @@ use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::structure::StructureScene;
 
-use super::orbit::{columns, found};
+use super::orbit::{OfWord, columns, found};
 use super::run_answer::{MOST_PERIODS, REPETITIONS, answer, energy_text, settled, text};
 use super::run_plot::RunPlot;
 use crate::args::SimulateArgs;
@@ -121,7 +121,7 @@ fn start(args: &SimulateArgs, scene: &StructureScene, model: &StructureModel) ->
         let (psi, modes) = (args.psi.unwrap_or(0.0), model.structure().still());
         return of_no_orbit(psi, modes, "rest under the static load".to_owned());
     }
-    let (found, word, _) = found(&args.which, scene, model)?;
+    let OfWord { found, word, .. } = found(&args.which, scene, model)?;
     let orbit = match args.solution {
         Some(number) => found.orbits.get(number.wrapping_sub(1)).ok_or_else(|| {
             CliError::Request(format!("--solution {number} does not exist: {word} has {} here", found.orbits.len()))

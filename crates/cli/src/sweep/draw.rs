@@ -184,19 +184,25 @@ fn cells<S: SweptScene>(
     Ok(size(&scene, &summary) + &told)
 }
 
-/// What the tables of ensembles are of: rows, scene, runs.
-fn of_runs<S: SweptScene>(source: &Path, command: &str) -> Result<(u64, S, Ensemble), CliError> {
+/// What a table of an ensemble is of.
+struct Runs<S> {
+    rows: u64,
+    scene: S,
+    ensemble: Ensemble,
+}
+
+fn of_runs<S: SweptScene>(source: &Path, command: &str) -> Result<Runs<S>, CliError> {
     let (rows, OfRuns { ensemble }) = read(source, command)?;
     let scene: S = scene(source)?;
     scene
         .takes(&ensemble, From::Every)
         .or_else(|error| scene.takes(&ensemble, From::Rest).map_err(|_| error))
         .map_err(|error| CliError::Request(format!("manifest {}: {error}", source.display())))?;
-    Ok((rows, scene, ensemble))
+    Ok(Runs { rows, scene, ensemble })
 }
 
 fn ends<S: SweptScene>(files: PictureFiles, table: TableRows, source: &Path) -> Result<String, CliError> {
-    let (_, scene, ensemble) = of_runs::<S>(source, ENDS)?;
+    let Runs { scene, ensemble, .. } = of_runs::<S>(source, ENDS)?;
     let mut plot = Plot::of_ends(files, &scene)?;
     let fates = Fates { ensemble, ..Fates::default() };
     table.cells(&fates, &scene, &mut |_, cell| plot.see(cell))?;
@@ -205,7 +211,7 @@ fn ends<S: SweptScene>(files: PictureFiles, table: TableRows, source: &Path) -> 
 }
 
 fn section<S: SweptScene>(files: PictureFiles, table: TableRows, source: &Path) -> Result<String, CliError> {
-    let (rows, scene, ensemble) = of_runs::<S>(source, SECTION)?;
+    let Runs { rows, scene, ensemble } = of_runs::<S>(source, SECTION)?;
     let names: Vec<String> = Grid::axes(&scene).iter().map(|axis| scene.name_of(axis.parameter)).collect();
     if names.len() != 1 || table.columns()[0] != names[0] {
         return Err(table.wrong(&format!("it is not over the axis of its scene, {}", names.join(", "))));

@@ -72,7 +72,7 @@ fn sweep<S: SweptScene>(
     // All fail early where they cannot be written.
     manifest_file.as_deref().map(Output::create).transpose()?;
     let mut pictures = plan.scene.pictures(&args.pictures, args.show)?;
-    let (table, summary, stop) = assembled(&Cells, args, plan, pool, &mut pictures, console)?;
+    let Merged { table, summary, stop } = assembled(&Cells, args, plan, pool, &mut pictures, console)?;
     let told = pictures.find_borders(pool, &stop, console.progress)?;
     table.commit()?;
     let manifest = manifest_text(plan, &summary, None);
@@ -100,8 +100,7 @@ fn ensemble<S: SweptScene>(
     )?;
     let manifest = Manifest::create(manifest.as_deref())?;
     let mut seen = Seen::new(&plan.scene, &fates.ensemble, PictureFiles::asked(&args.pictures)?)?;
-    let (table, ..) = assembled(fates, args, plan, pool, &mut seen, console)?;
-    table.commit()?;
+    assembled(fates, args, plan, pool, &mut seen, console)?.table.commit()?;
     console.answer(&seen.answer(args.json)?, args.json, taken)?;
     seen.finish(manifest)
 }
@@ -120,7 +119,16 @@ fn apart(args: &MergeArgs, manifest_file: Option<&Path>) -> Result<bool, CliErro
     Ok(taken)
 }
 
-/// The table of all chunks, what they add up to, and what tells to stop.
+/// The table of all chunks.
+struct Merged {
+    table: TableFile,
+    /// What they add up to.
+    summary: Summary,
+    /// Raised to end what is still to be done.
+    stop: Stop,
+}
+
+/// Makes the table of all chunks.
 fn assembled<S: Grid, C: Content<S>>(
     content: &C,
     args: &MergeArgs,
@@ -128,7 +136,7 @@ fn assembled<S: Grid, C: Content<S>>(
     pool: &ThreadPool,
     watcher: &mut dyn Watcher<C::Item>,
     console: &Console<'_>,
-) -> Result<(TableFile, Summary, Stop), CliError> {
+) -> Result<Merged, CliError> {
     let stop = (console.interrupt)()?;
     let mut assembly = Assembly::begin(content, plan, &args.out, pool.current_num_threads(), watcher)?;
     let check = |chunk| Store::check(content, &args.folder, plan, chunk, &stop).err().map(|fault| (chunk, fault));
@@ -136,7 +144,7 @@ fn assembled<S: Grid, C: Content<S>>(
     ensure!(!faults.iter().any(|(_, fault)| matches!(fault, Fault::Stopped)), CliError::Interrupted);
     ensure!(faults.is_empty(), incomplete(args, plan, &faults));
     match assembly.chunks(&args.folder, &stop) {
-        Ok(summary) => Ok((assembly.into_table(), summary, stop)),
+        Ok(summary) => Ok(Merged { table: assembly.into_table(), summary, stop }),
         Err(Unassembled::Stopped) => Err(CliError::Interrupted),
         Err(Unassembled::Table(error)) => Err(error.into()),
         Err(Unassembled::Chunk(chunk, fault)) => Err(incomplete(args, plan, &[(chunk, fault)])),

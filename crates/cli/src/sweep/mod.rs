@@ -12,7 +12,7 @@ use rayon::ThreadPool;
 use vibrochain_lattice::{Short, Stop};
 
 use crate::args::{QuantityName, SweepArgs};
-use crate::common::chunked_run::{ChunkedRun, nothing_to_resume, parts_path, place, quoted, shard_of};
+use crate::common::chunked_run::{ChunkedRun, Streamed, nothing_to_resume, parts_path, place, quoted, shard_of};
 use crate::common::console::{Console, destinations};
 use crate::common::error::CliError;
 use crate::common::swept_scene::SweptScene;
@@ -128,7 +128,7 @@ impl<S: SweptScene> Sweep<'_, S> {
         let mut pictures = scene.pictures(wanted, self.args.show)?;
         // Two kinds of lines on one terminal are none.
         let bar = console.progress && !taken;
-        let (table, summary, effort) = self.run(&stop, console.threads).stream(out, &mut pictures, bar)?;
+        let Streamed { table, summary, effort } = self.run(&stop, console.threads).stream(out, &mut pictures, bar)?;
         table.commit()?;
         let told = pictures.find_borders(self.pool, &stop, bar).map_err(|error| match error {
             CliError::Interrupted => {

@@ -3,7 +3,7 @@
 use super::{Due, Engine, NONE};
 use crate::bound;
 use crate::units::MAX_ORDER;
-use crate::watch::{Kind, Step, Watch};
+use crate::watch::{Flight, Kind, Step, Watch};
 
 /// Events this close together, in internal time (or relative to the time since the base, if that is longer), happen
 /// together: roots of series of size one are known no better.
@@ -26,8 +26,9 @@ impl Engine {
         }
         c[0] = self.ring.x[n];
         let reference = self.ring.reference[n];
-        let barriers = (self.units.lower - reference, self.units.upper - reference);
-        let watch = Watch::flight(n, c, order, horizon, barriers, bend, self.ring.contact[n]);
+        let (lower, upper) = (self.units.lower - reference, self.units.upper - reference);
+        let flight = Flight { c, order, horizon, lower, upper, bend, contact: self.ring.contact[n] };
+        let watch = Watch::flight(n, &flight);
         self.work.watched += 1;
         self.slot[n] = self.watches.len() as u32;
         let tau = watch.tau;

@@ -75,103 +75,103 @@ fn bound(mode: &LinearMode, row: [f64; 2], y: [f64; 2], h: f64) -> f64 {
         }
 }
 
-/// x and v of a contact at `s`, and into `shares` its terms over `left` from there.
-pub(crate) fn view(
-    system: &System,
-    flight: &Flight,
-    contact: usize,
-    place: &Place,
-    s: f64,
-    left: f64,
-    shares: &mut Vec<Share>,
-) -> View {
-    shares.clear();
-    let (mut x, mut size) = (0.0, place.x.abs());
-    let mut total = Share::default();
-    for term in &system.terms {
-        let (rise, value, slope, bend, most) = match *term {
-            Term::Mode(k) => {
-                let mode = &system.structure.modes()[k];
-                let row = mode.rows[contact];
-                if row == [0.0; 2] {
-                    continue;
-                }
-                let dot = |y: [f64; 2]| row[0] * y[0] + row[1] * y[1];
-                let a = mode.generator();
-                let act = |y| mode.turn.act(a, y);
-                let added = mode.turn.act(mode.increment(s), flight.free[k]);
-                let (moved, given) = system.loads.since(mode, k, &flight.turned, s);
-                let added = add(added, moved);
-                let y = add(flight.free[k], added);
-                let (mut most, mut bend) = (bound(mode, row, y, left), bound(mode, row, act(act(y)), left));
-                for (j, load) in system.loads.answered_from_rest(k) {
-                    // ξ′ = Aξ + b e^{iwt}: what the load adds from now on.
-                    for b in [load.map(|b| b.re), load.map(|b| b.im)] {
-                        let w = system.loads.rates[j];
-                        most += left * bound(mode, row, b, left);
-                        bend += left * bound(mode, row, act(act(b)), left)
-                            + bound(mode, row, act(b), 0.0)
-                            + w * dot(b).abs();
-                    }
-                }
-                (dot(added), dot(y), dot(add(act(y), given)), bend, most)
-            }
-            Term::Load(j) => {
-                let swing = system.swings[contact][j] * flight.turned[j];
-                if swing == Complex::default() {
-                    continue;
-                }
-                let w = system.loads.rates[j];
-                let (sin, cos) = (0.5 * w * s).sin_cos();
-                let turn = Complex::new(-2.0 * sin * sin, 2.0 * sin * cos);
-                let now = swing * (turn + 1.0);
-                ((swing * turn).re, now.re, -w * now.im, w * w * swing.norm(), swing.norm())
-            }
-        };
-        x += rise;
-        size += rise.abs();
-        total = Share { value: total.value + value, slope: total.slope + slope, bend: total.bend + bend, size: most };
-        shares.push(total);
-    }
-    View { x: place.x + x, v: total.slope, margin: ROUNDING * size }
+/// A contact in flight.
+#[derive(Clone, Copy)]
+pub(crate) struct Approach<'a> {
+    pub(crate) system: &'a System,
+    pub(crate) flight: &'a Flight,
+    pub(crate) contact: usize,
+    /// Where it is at the base.
+    pub(crate) place: &'a Place,
 }
 
-/// One step of a contact from `tau` since the base.
-pub(crate) fn step(
-    system: &System,
-    flight: &Flight,
-    contact: usize,
-    place: &Place,
-    (tau, horizon): (&mut f64, f64),
-    shares: &mut Vec<Share>,
-) -> (Step, Option<Barrier>) {
-    let View { x, v, margin } = view(system, flight, contact, place, *tau, horizon - *tau, shares);
-    let all = shares.last().copied().unwrap_or_default();
-    let mut ahead = f64::INFINITY;
-    for barrier in [Barrier::Lower, Barrier::Upper] {
-        let Some(at) = place.barrier(system, contact, barrier) else { continue };
-        let (sign, slope) = (barrier.sign(), -barrier.sign() * v);
-        let f = sign * (at - x);
-        let mut best = match side(f, slope, all.bend, margin, *tau) {
-            Side::Contact(d) => {
-                *tau = (*tau + d).max(0.0);
-                return (Step::Hit, Some(barrier));
-            }
-            Side::Ahead(d) => d,
-        };
-        let mut rest = 0.0;
-        for cut in (0..shares.len()).rev() {
-            rest += shares[cut].size;
-            let slow = if cut > 0 { shares[cut - 1] } else { Share::default() };
-            let f = f - sign * (slow.value - all.value) - rest - 2.0 * margin;
-            // With more terms taken by their size it only falls.
-            if f <= 0.0 {
-                break;
-            }
-            best = best.max(safe_step(f, -sign * slow.slope, slow.bend));
+impl Approach<'_> {
+    /// x and v of the contact at `s`, and into `shares` its terms over `left` from there.
+    pub(crate) fn view(&self, s: f64, left: f64, shares: &mut Vec<Share>) -> View {
+        let &Self { system, flight, contact, place } = self;
+        shares.clear();
+        let (mut x, mut size) = (0.0, place.x.abs());
+        let mut total = Share::default();
+        for term in &system.terms {
+            let (rise, value, slope, bend, most) = match *term {
+                Term::Mode(k) => {
+                    let mode = &system.structure.modes()[k];
+                    let row = mode.rows[contact];
+                    if row == [0.0; 2] {
+                        continue;
+                    }
+                    let dot = |y: [f64; 2]| row[0] * y[0] + row[1] * y[1];
+                    let a = mode.generator();
+                    let act = |y| mode.turn.act(a, y);
+                    let added = mode.turn.act(mode.increment(s), flight.free[k]);
+                    let (moved, given) = system.loads.since(mode, k, &flight.turned, s);
+                    let added = add(added, moved);
+                    let y = add(flight.free[k], added);
+                    let (mut most, mut bend) = (bound(mode, row, y, left), bound(mode, row, act(act(y)), left));
+                    for (j, load) in system.loads.answered_from_rest(k) {
+                        // ξ′ = Aξ + b e^{iwt}: what the load adds from now on.
+                        for b in [load.map(|b| b.re), load.map(|b| b.im)] {
+                            let w = system.loads.rates[j];
+                            most += left * bound(mode, row, b, left);
+                            bend += left * bound(mode, row, act(act(b)), left)
+                                + bound(mode, row, act(b), 0.0)
+                                + w * dot(b).abs();
+                        }
+                    }
+                    (dot(added), dot(y), dot(add(act(y), given)), bend, most)
+                }
+                Term::Load(j) => {
+                    let swing = system.swings[contact][j] * flight.turned[j];
+                    if swing == Complex::default() {
+                        continue;
+                    }
+                    let w = system.loads.rates[j];
+                    let (sin, cos) = (0.5 * w * s).sin_cos();
+                    let turn = Complex::new(-2.0 * sin * sin, 2.0 * sin * cos);
+                    let now = swing * (turn + 1.0);
+                    ((swing * turn).re, now.re, -w * now.im, w * w * swing.norm(), swing.norm())
+                }
+            };
+            x += rise;
+            size += rise.abs();
+            total =
+                Share { value: total.value + value, slope: total.slope + slope, bend: total.bend + bend, size: most };
+            shares.push(total);
         }
-        ahead = ahead.min(best);
+        View { x: place.x + x, v: total.slope, margin: ROUNDING * size }
     }
-    *tau += ahead;
-    (if *tau > horizon { Step::Clear } else { Step::Later }, None)
+
+    /// One step of the contact from `tau` since the base.
+    pub(crate) fn step(&self, (tau, horizon): (&mut f64, f64), shares: &mut Vec<Share>) -> (Step, Option<Barrier>) {
+        let &Self { system, contact, place, .. } = self;
+        let View { x, v, margin } = self.view(*tau, horizon - *tau, shares);
+        let all = shares.last().copied().unwrap_or_default();
+        let mut ahead = f64::INFINITY;
+        for barrier in [Barrier::Lower, Barrier::Upper] {
+            let Some(at) = place.barrier(system, contact, barrier) else { continue };
+            let (sign, slope) = (barrier.sign(), -barrier.sign() * v);
+            let f = sign * (at - x);
+            let mut best = match side(f, slope, all.bend, margin, *tau) {
+                Side::Contact(d) => {
+                    *tau = (*tau + d).max(0.0);
+                    return (Step::Hit, Some(barrier));
+                }
+                Side::Ahead(d) => d,
+            };
+            let mut rest = 0.0;
+            for cut in (0..shares.len()).rev() {
+                rest += shares[cut].size;
+                let slow = if cut > 0 { shares[cut - 1] } else { Share::default() };
+                let f = f - sign * (slow.value - all.value) - rest - 2.0 * margin;
+                // With more terms taken by their size it only falls.
+                if f <= 0.0 {
+                    break;
+                }
+                best = best.max(safe_step(f, -sign * slow.slope, slow.bend));
+            }
+            ahead = ahead.min(best);
+        }
+        *tau += ahead;
+        (if *tau > horizon { Step::Clear } else { Step::Later }, None)
+    }
 }

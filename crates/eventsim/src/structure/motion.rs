@@ -1,6 +1,6 @@
 //! The state of a structure between events, and the search for the next one.
 
-use super::approach::{self, Place, Share};
+use super::approach::{Approach, Place, Share};
 use super::balance::Ledger;
 use super::flight::Flight;
 use super::series::{RestForce, Series};
@@ -10,7 +10,7 @@ use crate::event::Work;
 use crate::ring::Contact;
 use crate::time::Clock;
 use crate::units::{MAX_ORDER, spread};
-use crate::watch::{Kind, Step, Watch};
+use crate::watch::{self, Kind, Step, Watch};
 use vibrochain_lattice::Barrier;
 
 /// Events this close together, relative to the time since the base or to the time of the fastest rate, happen together.
@@ -142,7 +142,9 @@ impl Motion {
             let far = f64::MIN_POSITIVE + 2.0 * c.iter().map(|c| c.abs()).sum::<f64>();
             let [lower, upper] = [Barrier::Lower, Barrier::Upper]
                 .map(|barrier| place.barrier(&self.system, contact, barrier).unwrap_or(barrier.sign() * far));
-            let watch = Watch::flight(contact, c, MAX_ORDER, 1.0, (lower, upper), bend, place.touch);
+            let (order, horizon) = (MAX_ORDER, 1.0);
+            let flight = watch::Flight { c, order, horizon, lower, upper, bend, contact: place.touch };
+            let watch = Watch::flight(contact, &flight);
             let key = watch.tau * series.length;
             self.candidates.push(Candidate { contact, key, hit: None, is_due: false, watch: Some(watch) });
         }
@@ -190,10 +192,10 @@ impl Motion {
                 (candidate.key, candidate.hit) = (watch.tau * series.length, watch.hit);
                 step
             } else {
-                let place = &self.places[candidate.contact];
-                let tau = (&mut candidate.key, self.horizon);
-                let (step, hit) =
-                    approach::step(&self.system, &self.flight, candidate.contact, place, tau, &mut self.shares);
+                let contact = candidate.contact;
+                let place = &self.places[contact];
+                let approach = Approach { system: &self.system, flight: &self.flight, contact, place };
+                let (step, hit) = approach.step((&mut candidate.key, self.horizon), &mut self.shares);
                 candidate.hit = hit;
                 step
             };
@@ -229,7 +231,8 @@ impl Motion {
             Some(series) => series.contact(contact, s / series.length),
             None => {
                 let place = &self.places[contact];
-                let view = approach::view(&self.system, &self.flight, contact, place, s, 0.0, &mut Vec::new());
+                let approach = Approach { system: &self.system, flight: &self.flight, contact, place };
+                let view = approach.view(s, 0.0, &mut Vec::new());
                 (view.x, view.v)
             }
         }

@@ -205,10 +205,17 @@ impl ModelTable {
     }
 }
 
+/// A file that was read.
+pub(super) struct ReadFile<'a> {
+    pub(super) file: File,
+    pub(super) source: Source<'a>,
+    /// It is the answer of a command, with orbits.
+    pub(super) has_orbits: bool,
+}
+
 impl File {
-    /// Reads a scene's text; or the JSON of a manifest, or of the answer of a command, which calls its model `parameters`, and says whether it
-    /// holds orbits. A scene file itself never begins with a brace.
-    pub(super) fn read<'a>(path: &'a Path, text: &'a str) -> Result<(Self, Source<'a>, bool), MapError> {
+    /// Reads a scene's text; or the JSON of a manifest, or of the answer of a command, which calls its model `parameters`. A scene file itself never begins with a brace.
+    pub(super) fn read<'a>(path: &'a Path, text: &'a str) -> Result<ReadFile<'a>, MapError> {
         if !is_json(text) {
             let source = Source { path, text };
             let (scene, places) = source.parsed()?;
@@ -219,7 +226,7 @@ impl File {
                 )),
                 None => error,
             })?;
-            return Ok((file, source, false));
+            return Ok(ReadFile { file, source, has_orbits: false });
         }
         let wrong = |what: &dyn fmt::Display| MapError::Request(format!("manifest {}: {what}", path.display()));
         let mut manifest: Map<String, Value> = serde_json::from_str(text).map_err(|error| wrong(&error))?;
@@ -239,7 +246,7 @@ impl File {
         }
         manifest.retain(|key, _| whole || matches!(key.as_str(), "title" | "model" | "sweep" | "compute"));
         let (file, source) = Self::of_data(path, &manifest.into())?;
-        Ok((file, source, has_orbits))
+        Ok(ReadFile { file, source, has_orbits })
     }
 
     /// The same of a scene that is data already.

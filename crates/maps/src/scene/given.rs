@@ -9,7 +9,7 @@ use vibrochain_lattice::{Force, Layout, MAX_SITES, Parameter};
 use crate::error::MapError;
 use crate::scene::axis::Axis;
 use crate::scene::compute::tolerance_from;
-use crate::scene::file::{File, MAX_BYTES, ModelTable, Values};
+use crate::scene::file::{File, MAX_BYTES, ModelTable, ReadFile, Values};
 use crate::scene::source::Source;
 use crate::text::read_text;
 
@@ -57,7 +57,7 @@ impl Given {
     /// assert_eq!(given.get(Parameter::Omega), None);
     /// ```
     pub fn parse(path: &Path, text: &str) -> Result<Self, MapError> {
-        let (file, source, has_orbits) = File::read(path, text)?;
+        let ReadFile { file, source, has_orbits } = File::read(path, text)?;
         let parts = Parts::of(&file, &source)?;
         let compute = file.compute.as_ref();
         let threshold = compute.and_then(|compute| compute.threshold.as_ref());

@@ -31,7 +31,7 @@ pub(crate) use crate::scene::source::is_json;
 
 use crate::cell::Task;
 use crate::error::MapError;
-use crate::scene::file::File;
+use crate::scene::file::{File, ReadFile};
 use crate::scene::given::Parts;
 use crate::text::read_text;
 
@@ -86,7 +86,7 @@ impl Scene {
     /// assert!(Scene::parse(Path::new("map.toml"), &text.replace("0.4,", "-0.4,")).is_err());
     /// ```
     pub fn parse(path: &Path, text: &str) -> Result<Self, MapError> {
-        let (file, source, _) = File::read(path, text)?;
+        let ReadFile { file, source, .. } = File::read(path, text)?;
         Self::checked(file, &source)
     }
 

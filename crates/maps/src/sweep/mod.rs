@@ -35,4 +35,4 @@ pub use leaves::refined;
 pub use plan::{Plan, Settings};
 pub use shard::{Shard, ShardFlag};
 pub use store::{Claim, Store};
-pub use work::{Grown, Todo, Worked, work};
+pub use work::{Grown, Todo, Work, Worked, work};

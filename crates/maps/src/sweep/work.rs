@@ -94,17 +94,27 @@ fn make_room<S: Grid, C: Content<S>>(
     }
 }
 
+/// What chunks are computed of, and where they are kept.
+pub struct Work<'w, C, S: Grid> {
+    /// What their cells hold.
+    pub content: &'w C,
+    /// The scene, the threads, what stops them.
+    pub job: &'w Job<'w, S>,
+    /// How the scene is cut into chunks.
+    pub plan: &'w Plan<S>,
+    /// The folder of chunks.
+    pub store: &'w Store,
+}
+
 /// Computes `chunks`, each a file that appears whole or not at all. `tick` is called with each number of steps done. The
 /// rows go to the table `along`, too, if there is one: so none has to be read back.
 pub fn work<'a, S: Grid, C: Content<S>>(
-    content: &C,
-    job: &Job<'_, S>,
-    plan: &Plan<S>,
-    store: &Store,
+    work: &Work<'_, C, S>,
     chunks: &[u64],
     tick: impl Fn(u64) + Sync,
     mut along: Option<Assembly<'a, C, S>>,
 ) -> Worked<'a, C, S> {
+    let &Work { content, job, plan, store } = work;
     // Chunks that others have put there since, where the file system has no locks, would be missing from it.
     along = along.filter(|_| chunks.len() as u64 == plan.chunks());
     let parts: Vec<_> = chunks.iter().map(|&chunk| plan.range(chunk)).collect();
@@ -218,9 +228,10 @@ mod tests {
         // The first one has come from elsewhere since.
         for (some, grows) in [(&chunks[1..], false), (&chunks[..], true)] {
             let store = Store::open(&dir.path().join("parts"), &plan, Claim::Fresh).unwrap();
+            let given = Work { content: &Cells, job: &job, plan: &plan, store: &store };
             let mut nobody = Nobody;
             let along = Assembly::begin(&Cells, &plan, &out, 1, &mut nobody).unwrap();
-            let worked = work(&Cells, &job, &plan, &store, some, |_| {}, Some(along));
+            let worked = work(&given, some, |_| {}, Some(along));
             assert!(matches!(worked.ended, Ended::Complete(_)) && worked.grown.is_some() == grows);
             // The last chunk waits for the table it might not be needed after.
             assert_eq!(store.present().unwrap().len(), some.len() - usize::from(grows));

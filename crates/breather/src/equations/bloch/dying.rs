@@ -51,16 +51,17 @@ pub(super) fn largest(number: Turned) -> f64 {
     number.even.abs().max(number.odd.abs())
 }
 
-/// What impacts, `since` the cut, send straight on to later ones of the same period in the coordinates of mode `k` that die before the next.
-pub(super) fn send_on(
-    kernel: &BlochKernel,
-    k: usize,
-    died: [bool; 2],
-    impacts: &[LinearImpact],
-    since: &[f64],
-    outside: &mut [f64],
-    sliding: &mut [f64],
-) {
+/// Impacts in a period that is cut.
+pub(super) struct Cut<'a> {
+    pub(super) kernel: &'a BlochKernel,
+    pub(super) impacts: &'a [LinearImpact],
+    /// Their times since the cut.
+    pub(super) since: &'a [f64],
+}
+
+/// What impacts send straight on to later ones of the same period in the coordinates of mode `k` that die before the next.
+pub(super) fn send_on(cut: &Cut<'_>, k: usize, died: [bool; 2], outside: &mut [f64], sliding: &mut [f64]) {
+    let &Cut { kernel, impacts, since } = cut;
     let (mode, size) = (&kernel.modes()[k], 2 * impacts.len());
     let omega = std::f64::consts::TAU / kernel.period();
     for (i, to) in impacts.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use vibrochain_lattice::{BlochKernel, Complex, ImpulseResponse, SparedModes, Turned};
 
-use super::dying::{died, largest, only, send_on, since_cut};
+use super::dying::{Cut, died, largest, only, send_on, since_cut};
 use super::{BlochEquations, LinearImpact, Shift};
 use crate::orbit::Orbit;
 
@@ -41,7 +41,8 @@ impl BlochEquations {
             if died != [false; 2] {
                 left_out = left_out.max(largest(only(died, mode.flight(kernel.period() - spread))));
                 sliding.resize(size * size, 0.0);
-                send_on(&kernel, k, died, &impacts, &since, &mut outside, &mut sliding);
+                let cut = Cut { kernel: &kernel, impacts: &impacts, since: &since };
+                send_on(&cut, k, died, &mut outside, &mut sliding);
             }
             // At the cut itself nothing has moved.
             let alive = |t: f64| {

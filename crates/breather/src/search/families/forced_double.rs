@@ -17,13 +17,12 @@
 use std::f64::consts::FRAC_PI_2;
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{ImpulseResponse, Model, Wave};
+use vibrochain_lattice::Model;
 
 use crate::error::NoBreather;
 use crate::orbit::Draft;
 use crate::roots::interval::Zeros;
-use crate::roots::planar::PlanarZeros;
-use crate::search::families::forced_harmonics;
+use crate::search::families::forced_harmonics::{self, Forced, Searches, outcome};
 use crate::search::families::forced_single::amplitude_for;
 use crate::search::families::one_mass::OneMass;
 use crate::search::families::pattern::Pattern;
@@ -31,16 +30,15 @@ use crate::search::families::two_impacts::{
     SYMMETRIC, SYMMETRIC_GUARD, TwoImpactSolution, TwoImpacts, shortest_flight,
 };
 
-/// All double-sided solutions under a cosine of response `steady`; with `places` those whose |δ| is in one of them.
+/// All double-sided solutions under a cosine whose motion reaches `force`; with `places` those whose |δ| is in one of them.
 pub(crate) fn double_sided(
-    model: &Model,
-    response: &ImpulseResponse,
-    (steady, force): (&Wave, f64),
-    zeros: &mut Zeros,
-    plane: &mut PlanarZeros,
+    forced: &Forced<'_>,
+    force: f64,
+    searches: &mut Searches<'_>,
     places: Option<&[(f64, f64)]>,
     mut found: impl FnMut(Draft),
 ) -> Result<(), NoBreather> {
+    let &Forced { model, response, .. } = forced;
     let (omega, q, a) = (model.omega(), model.loss(), model.asymmetry());
     let problem = TwoImpacts::new(Pattern::DOUBLE_SIDED, model, response, force);
     let half = 0.5 * response.period();
@@ -49,16 +47,16 @@ pub(crate) fn double_sided(
     let symmetric = q * a * (response.static_stiffness() * d).abs() <= SYMMETRIC;
     let guard = if symmetric { SYMMETRIC_GUARD * half } else { 0.0 };
     let ranges = ranges(places.unwrap_or(&[(0.0, half)]), guard, edge);
-    let alone = search(&problem, model, zeros, &ranges, if places.is_some() { 1 } else { LEAST });
-    if !zeros.unresolved.is_empty() {
-        let kept = take(zeros, alone.is_some());
-        let mut drafts = Vec::new();
-        let outcome = forced_harmonics::double_sided(model, response, steady, zeros, plane, |draft| drafts.push(draft));
-        if !restored(kept, zeros, plane) {
-            drafts.into_iter().for_each(found);
+    let alone = search(&problem, model, searches.zeros, &ranges, if places.is_some() { 1 } else { LEAST });
+    if !searches.zeros.unresolved.is_empty() {
+        let in_plane = |searches: &mut Searches<'_>, drafts: &mut Vec<Draft>| {
+            forced_harmonics::double_sided(forced, searches, |draft| drafts.push(draft))
+        };
+        if let Some(outcome) = by_plane(searches, alone.is_some(), in_plane, &mut found) {
             return outcome;
         }
     }
+    let zeros = &*searches.zeros;
     let mut emit = |solution: TwoImpactSolution| found(draft(&problem, &solution));
     let mut count = 0;
     if symmetric {
@@ -77,7 +75,7 @@ pub(crate) fn double_sided(
     }
     let solution = |&delta: &f64| solution(&problem, alone.as_ref(), delta);
     count += zeros.simple.iter().filter_map(solution).map(&mut emit).count();
-    if count + zeros.exhausted == 0 { Err(NoBreather::NoPhase) } else { Ok(()) }
+    outcome(count, zeros.exhausted)
 }
 
 /// Intervals that a search of the whole period begins with at least.
@@ -111,20 +109,26 @@ fn search(
     Some(alone)
 }
 
-/// Makes room for a search of the plane; what is to be `kept` beside it of the search in δ.
-fn take(zeros: &mut Zeros, kept: bool) -> Option<Zeros> {
-    let taken = kept.then(|| zeros.clone());
-    zeros.forget();
-    taken
-}
-
-/// Next to a resonance the plane, whose kernels are large and cancel, is lost in rounding: there the zeros of the flights' equations
-/// with their few unresolved places know better.
-fn restored(kept: Option<Zeros>, zeros: &mut Zeros, plane: &mut PlanarZeros) -> bool {
-    let Some(kept) = kept.filter(|kept| kept.exhausted == 0 && plane.exhausted > 0) else { return false };
-    *zeros = kept;
-    plane.clear();
-    true
+/// What a search `in_plane` finds, which separates the zeros that E leaves unresolved. None where the zeros in δ stand instead, those of the
+/// flights' equations (`alone`): next to a resonance the plane, whose kernels are large and cancel, is lost in rounding, and these with
+/// their few unresolved places know better.
+fn by_plane(
+    searches: &mut Searches<'_>,
+    alone: bool,
+    in_plane: impl FnOnce(&mut Searches<'_>, &mut Vec<Draft>) -> Result<(), NoBreather>,
+    found: impl FnMut(Draft),
+) -> Option<Result<(), NoBreather>> {
+    let kept = alone.then(|| searches.zeros.clone());
+    searches.zeros.forget();
+    let mut drafts = Vec::new();
+    let outcome = in_plane(searches, &mut drafts);
+    if let Some(kept) = kept.filter(|kept| kept.exhausted == 0 && searches.plane.exhausted > 0) {
+        *searches.zeros = kept;
+        searches.plane.clear();
+        return None;
+    }
+    drafts.into_iter().for_each(found);
+    Some(outcome)
 }
 
 /// Impulses and phase at a zero that [`search`] has found.
@@ -147,33 +151,29 @@ fn symmetric_phases(normal_x: f64, q: f64, force: f64) -> [Option<f64>; 2] {
     [Some(direction + opening), (opening > 0.0).then_some(direction - opening)]
 }
 
-/// All solutions with both impacts on one barrier; `response` is that of the orbit's period. Each is listed once, begun at the impact that
+/// All solutions with both impacts on one barrier. Each is listed once, begun at the impact that
 /// [`forced_harmonics::listed`] says.
 pub(crate) fn alike(
     pattern: Pattern,
-    model: &Model,
-    response: &ImpulseResponse,
-    (steady, force): (&Wave, f64),
-    zeros: &mut Zeros,
-    plane: &mut PlanarZeros,
+    forced: &Forced<'_>,
+    force: f64,
+    searches: &mut Searches<'_>,
     mut found: impl FnMut(Draft),
 ) -> Result<(), NoBreather> {
-    if response.static_stiffness() == 0.0 {
-        return Err(NoBreather::NetImpulse);
-    }
+    forced.static_stiffness()?;
+    let &Forced { model, response, .. } = forced;
     let problem = TwoImpacts::new(pattern, model, response, force);
     let range = forced_harmonics::listed(pattern, model, 0.5 * response.period());
-    let alone = search(&problem, model, zeros, &[range], LEAST);
-    if !zeros.unresolved.is_empty() {
-        let kept = take(zeros, alone.is_some());
-        let mut drafts = Vec::new();
-        let found_there = |draft| drafts.push(draft);
-        let outcome = forced_harmonics::alike(pattern, model, response, steady, zeros, plane, found_there);
-        if !restored(kept, zeros, plane) {
-            drafts.into_iter().for_each(found);
+    let alone = search(&problem, model, searches.zeros, &[range], LEAST);
+    if !searches.zeros.unresolved.is_empty() {
+        let in_plane = |searches: &mut Searches<'_>, drafts: &mut Vec<Draft>| {
+            forced_harmonics::alike(pattern, forced, searches, |draft| drafts.push(draft))
+        };
+        if let Some(outcome) = by_plane(searches, alone.is_some(), in_plane, &mut found) {
             return outcome;
         }
     }
+    let zeros = &*searches.zeros;
     // Without loss δ = 0 solves by itself, for X = 0; Y = Ã and Y = −Ã are one orbit, begun at either impact.
     let middle = (pattern.turns_round() && model.loss() == 0.0).then(|| problem.with_phase(0.0, FRAC_PI_2)).flatten();
     let solution = |&delta: &f64| solution(&problem, alone.as_ref(), delta);
@@ -182,7 +182,7 @@ pub(crate) fn alike(
         count += 1;
         found(draft(&problem, &solution));
     }
-    if count + zeros.exhausted == 0 { Err(NoBreather::NoPhase) } else { Ok(()) }
+    outcome(count, zeros.exhausted)
 }
 
 /// The orbit of a solution.

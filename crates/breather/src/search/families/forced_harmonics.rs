@@ -76,23 +76,50 @@ fn repetition(model: &Model) -> f64 {
     model.period() / f64::from(model.force().repetitions())
 }
 
+/// A chain whose force has a given motion.
+#[derive(Clone, Copy)]
+pub(crate) struct Forced<'a> {
+    pub(crate) model: &'a Model,
+    /// Of the orbit's period.
+    pub(crate) response: &'a ImpulseResponse,
+    /// The motion under the force alone.
+    pub(crate) steady: &'a Wave,
+}
+
+impl Forced<'_> {
+    /// The static stiffness, without which impacts on one barrier, whose impulses add up, drive the chain away.
+    pub(crate) fn static_stiffness(&self) -> Result<f64, NoBreather> {
+        let stiffness = self.response.static_stiffness();
+        if stiffness == 0.0 { Err(NoBreather::NetImpulse) } else { Ok(stiffness) }
+    }
+}
+
+/// The searches for zeros along a line and in the plane.
+pub(crate) struct Searches<'a> {
+    pub(crate) zeros: &'a mut Zeros,
+    pub(crate) plane: &'a mut PlanarZeros,
+}
+
+impl Searches<'_> {
+    /// Places of which neither search can tell.
+    fn open(&self) -> usize {
+        self.zeros.unresolved.len() + self.zeros.exhausted + self.plane.unresolved.len() + self.plane.exhausted
+    }
+}
+
 /// None at all is an answer only if no place was left open.
-fn outcome(count: usize, open: usize) -> Result<(), NoBreather> {
+pub(crate) fn outcome(count: usize, open: usize) -> Result<(), NoBreather> {
     if count + open == 0 { Err(NoBreather::NoPhase) } else { Ok(()) }
 }
 
 /// All single-sided solutions.
 pub(crate) fn single_sided(
-    model: &Model,
-    response: &ImpulseResponse,
-    steady: &Wave,
+    forced: &Forced<'_>,
     zeros: &mut Zeros,
     mut found: impl FnMut(Draft),
 ) -> Result<(), NoBreather> {
-    let (q, g) = (model.loss(), response.static_stiffness());
-    if g == 0.0 {
-        return Err(NoBreather::NetImpulse);
-    }
+    let &Forced { model, response, steady } = forced;
+    let (q, g) = (model.loss(), forced.static_stiffness()?);
     let gap = 1.0 - model.asymmetry();
     let (c, l) = (1.0 + g * response.dynamic_at_impulse(), 0.5 * q * g);
     // Lengths and velocities on one footing.
@@ -119,13 +146,12 @@ pub(crate) fn single_sided(
 
 /// All double-sided solutions.
 pub(crate) fn double_sided(
-    model: &Model,
-    response: &ImpulseResponse,
-    steady: &Wave,
-    zeros: &mut Zeros,
-    plane: &mut PlanarZeros,
+    forced: &Forced<'_>,
+    searches: &mut Searches<'_>,
     mut found: impl FnMut(Draft),
 ) -> Result<(), NoBreather> {
+    let &Forced { model, response, steady } = forced;
+    let Searches { zeros, plane } = &mut *searches;
     let (omega, q, a) = (model.omega(), model.loss(), model.asymmetry());
     let pattern = Pattern::DOUBLE_SIDED;
     let problem = HarmonicImpacts::new(pattern, model, response, steady);
@@ -149,7 +175,7 @@ pub(crate) fn double_sided(
         problem.zeros(plane, -edge, edge, repeat);
     }
     plane.simple.iter().for_each(|&place| emit(place));
-    outcome(count, zeros.unresolved.len() + zeros.exhausted + plane.unresolved.len() + plane.exhausted)
+    outcome(count, searches.open())
 }
 
 /// The orbit at a zero in the plane, if the conditions determine it.
@@ -167,16 +193,13 @@ fn draft(
 /// All solutions with both impacts on one barrier, each begun at the impact that [`listed`] says.
 pub(crate) fn alike(
     pattern: Pattern,
-    model: &Model,
-    response: &ImpulseResponse,
-    steady: &Wave,
-    zeros: &mut Zeros,
-    plane: &mut PlanarZeros,
+    forced: &Forced<'_>,
+    searches: &mut Searches<'_>,
     mut found: impl FnMut(Draft),
 ) -> Result<(), NoBreather> {
-    if response.static_stiffness() == 0.0 {
-        return Err(NoBreather::NetImpulse);
-    }
+    forced.static_stiffness()?;
+    let &Forced { model, response, steady } = forced;
+    let Searches { zeros, plane } = &mut *searches;
     let problem = HarmonicImpacts::new(pattern, model, response, steady);
     let (half, repeat) = (0.5 * response.period(), repetition(model));
     let [from, to] = listed(pattern, model, half);
@@ -196,7 +219,7 @@ pub(crate) fn alike(
         count += 1;
         found(draft);
     }
-    outcome(count, zeros.unresolved.len() + zeros.exhausted + plane.unresolved.len() + plane.exhausted)
+    outcome(count, searches.open())
 }
 
 /// The δ of orbits with two impacts on one barrier, each of which solves twice, at δ and −δ: in one period of the force it begins with

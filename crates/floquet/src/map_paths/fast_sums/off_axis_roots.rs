@@ -14,7 +14,7 @@ use crate::map_paths::fast_sums::evaluate::Local;
 use crate::map_paths::fast_sums::neighbourhood::Nearby;
 use crate::map_paths::fast_sums::zero_search::{Near, Poles, Zero, ZeroSearch};
 use crate::map_paths::reversible::complex_pairs::Suspect;
-use crate::map_paths::reversible::residues::Residues;
+use crate::map_paths::reversible::residues::{Middle, Residues};
 use crate::map_paths::reversible::root::{Root, Roots};
 
 type C = Complex<f64>;
@@ -35,8 +35,8 @@ pub(crate) fn seek(
     suspects.sort_unstable_by(|a, b| a.closeness.total_cmp(&b.closeness));
     let lowest = suspects.iter().map(|suspect| (suspect.gap, C::new(suspect.t, suspect.height)));
     let above_neighbourhoods = (0..form.neighbourhoods.len()).flat_map(|neighbourhood| {
-        let (gap, offset, half) = form.above(neighbourhood);
-        [0.4, 0.15].map(|part| (gap, C::new(offset, part * half)))
+        let Middle { gap, offset, half_width } = form.middle(neighbourhood);
+        [0.4, 0.15].map(|part| (gap, C::new(offset, part * half_width)))
     });
     let above_gaps = (0..wanted).filter_map(|gap| {
         let width = form.distance(gap + 1, gap);

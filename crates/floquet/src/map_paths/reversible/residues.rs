@@ -67,6 +67,16 @@ pub struct Residues {
     pub(crate) edition: u64,
 }
 
+/// Where the middle of a neighbourhood is.
+pub(crate) struct Middle {
+    /// A gap between poles there.
+    pub(crate) gap: usize,
+    /// From the gap's left pole.
+    pub(crate) offset: f64,
+    /// Half the width of the neighbourhood.
+    pub(crate) half_width: f64,
+}
+
 impl Residues {
     /// Takes over a reversible orbit. After an error there is nothing of it, nor of the one before.
     ///
@@ -214,11 +224,12 @@ impl Residues {
         Local { near_poles, distances, origin: Some((self.poles()[place] - near_poles.middle) * near_poles.scale) }
     }
 
-    /// A gap in the middle of a neighbourhood, the offset of that middle from the gap's left pole, and half its width.
-    pub(crate) fn above(&self, neighbourhood: usize) -> (usize, f64, f64) {
+    /// Where the middle of a neighbourhood is.
+    pub(crate) fn middle(&self, neighbourhood: usize) -> Middle {
         let Neighbourhood { gaps, middle, scale, .. } = &self.neighbourhoods[neighbourhood];
         let gap = (gaps.start + gaps.len() / 2).min(self.count().saturating_sub(2));
-        (gap, middle - self.poles()[gap], if *scale > 0.0 { 1.0 / scale } else { 0.0 })
+        let half_width = if *scale > 0.0 { 1.0 / scale } else { 0.0 };
+        Middle { gap, offset: middle - self.poles()[gap], half_width }
     }
 
     /// Distances of all poles from that at `place`.
