@@ -16,7 +16,8 @@ use vibrochain_lattice::{Propagator, Spectrum, Stop, sine_over};
 use crate::error::FloquetError;
 use crate::saltation::saltations;
 
-/// The largest dense matrix that is analysed.
+/// The largest dense matrix that is analysed: minutes. One of 2000 took 14 s of a busy processor, 8 for the matrix and 6 for its eigenvalues,
+/// and 101 MB; time grows by its cube, memory by its square, to some 7 minutes and 0.9 GB here, five days and 90 GB at ten times this size.
 pub const MAX_DIMENSION: usize = 6000;
 
 /// Coordinates of the even subspace: X_k = Ω̃_k x_k and Y_k = ẋ_k of the normalised modes (u_site = Σ b_k x_k), with

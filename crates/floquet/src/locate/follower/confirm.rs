@@ -19,7 +19,7 @@ type C = Complex<f64>;
 /// A multiplier farther than this from where it should be is not the zero of the function.
 const POLE: f64 = 1e-4;
 
-/// How often a step is halved until Newton's method finds the event in it.
+/// How often a step is halved until Newton's method finds the event, or the fold, in it: down to 1/256 of the step.
 pub(super) const HALVINGS: usize = 8;
 
 /// Lengths as short as this are rounding.

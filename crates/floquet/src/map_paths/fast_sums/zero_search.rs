@@ -18,7 +18,8 @@ type C = Complex<f64>;
 pub(crate) const REACH: usize = 12;
 /// Steps of one search nearby.
 const STEPS: usize = 50;
-/// Terms that all searches over the whole ring may add up: a few seconds' worth.
+/// Terms that all searches over the whole ring may add up, those of zeros already known: for 50 000 zeros 2499 steps, whose sums alone took 19 s of a
+/// busy processor. Ten times as many would keep a map three minutes at one orbit.
 const BUDGET: usize = 250_000_000;
 /// Searches over the whole ring that may fail one after the other.
 const ATTEMPTS: u32 = 4;
