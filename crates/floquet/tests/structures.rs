@@ -4,7 +4,7 @@
 
 use vibrochain_breather::{BlochEquations, LinearImpact};
 use vibrochain_floquet::{Complex, ImpactSpectrum};
-use vibrochain_lattice::{BlochKernel, FeltModes, LinearMode, ModeShape};
+use vibrochain_lattice::{BlochKernel, LinearMode, ModeShape, ParticipatingModes};
 use vibrochain_testkit::{Before, Random, Structure, StructureImpact, structures};
 
 fn shape_at<T: Default>(contacts: Vec<T>) -> ModeShape<T> {
@@ -58,7 +58,7 @@ fn kernel(structure: &Structure) -> BlochKernel {
         modes.push(LinearMode::real_poles([pair[0], pair[1]], [both[0].0, both[1].0], shapes, &[]));
     }
     let contacts: Vec<usize> = (0..structure.contacts.len()).collect();
-    FeltModes { modes, ..FeltModes::default() }.kernel(structure.period, &contacts)
+    ParticipatingModes { modes, ..ParticipatingModes::default() }.kernel(structure.period, &contacts)
 }
 
 fn equations(structure: &Structure) -> BlochEquations {

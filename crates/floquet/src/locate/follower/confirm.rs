@@ -183,7 +183,7 @@ impl<E: Ends> Follower<E> {
         if matches!(test, Test::Touch(..)) {
             for corner in corners::<E>([from, to]) {
                 if let Some((solved, evidence)) = self.solved(corner, (from.0, to.0), share, None) {
-                    return Ok(Settled::At(solved, evidence));
+                    return Ok(Confirmed::At(solved, evidence));
                 }
             }
         }
