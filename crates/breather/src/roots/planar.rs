@@ -82,6 +82,10 @@ const MOST_BLURRED: usize = 2048;
 /// Rectangles are not halved below this, relative to their place (to the whole, in y).
 const NARROW: f64 = 64.0 * f64::EPSILON;
 
+/// A direction this much narrower than the other one waits for it: further down, where a zero at 0 has no rounding to stop at, the rectangle
+/// would be no wider than what rounding blurs once the other direction is done.
+const WAITS: f64 = 1e-6;
+
 /// An unresolved rectangle this close to another one, in their sizes, is of the same cluster.
 const CLUSTER: f64 = 16.0;
 
@@ -217,14 +221,18 @@ impl PlanarZeros {
         {
             return;
         }
-        let narrow =
-            [radius[0] <= NARROW * centre[0].abs().max(search.finest / NARROW), radius[1] <= NARROW * search.extent];
+        let scale = [centre[0].abs().max(search.finest / NARROW), search.extent];
+        let narrow: [bool; 2] = std::array::from_fn(|i| radius[i] <= NARROW * scale[i]);
         if is_blurred || narrow == [true; 2] {
             blurred.push(rectangle);
             return;
         }
         if let Some(linear) = best
-            && let Some(shrunk) = shrunk(&rectangle, &linear, narrow)
+            && let Some(shrunk) = shrunk(
+                &rectangle,
+                &linear,
+                std::array::from_fn(|i| narrow[i] || radius[i] / scale[i] <= WAITS * radius[1 - i] / scale[1 - i]),
+            )
         {
             let same_strip = shrunk.low[0] == rectangle.low[0] && shrunk.high[0] == rectangle.high[0];
             stack.push((shrunk, same_strip.then_some(strip)));
@@ -373,8 +381,7 @@ fn judge(patches: &[Patch; 2], radius: [f64; 2], form: usize) -> Verdict {
     Verdict::Linear(Linear { form, middle, reach, blur, alone: rows.iter().all(|row| *row < 0.99) })
 }
 
-/// The part of a rectangle where its zeros can be, if that is much smaller. A direction that is narrow stays: towards 0,
-/// which has no rounding, it would shrink for ever while the other one waits.
+/// The part of a rectangle where its zeros can be, if that is much smaller. A direction that is narrow stays.
 fn shrunk(rectangle: &Rectangle, linear: &Linear, narrow: [bool; 2]) -> Option<Rectangle> {
     let (centre, radius) = (rectangle.centre(), rectangle.radius());
     let mut next = *rectangle;
