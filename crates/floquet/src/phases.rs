@@ -12,7 +12,7 @@ use crate::eigenvectors::FloquetMode;
 /// largest is 1. Of a perturbation that is no shift in time the numbers mean nothing.
 ///
 /// # Errors
-/// [`BreatherError`], which an orbit that exists has already passed.
+/// [`BreatherError`] of an orbit next to a resonance; the search for it has passed the same check.
 ///
 /// ```
 /// use vibrochain_breather::{Finder, OrbitList, Scope};

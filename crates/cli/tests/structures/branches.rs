@@ -209,8 +209,8 @@ fn a_contact_that_another_ones_impact_turns_round_touches_too() {
     assert!(points.len() > 4 && last.iter().any(|[at, omega]| (at - stop).abs() < 1e-10 && *omega == 1.3), "{last:?}");
 }
 
-/// What else happens along a curve does not depend on its window: a pair that crosses the circle next to where it becomes real at −1, as another
-/// command finds both.
+/// A curve has the same special points in every window. Here a pair of multipliers crosses the circle and becomes real at −1 within one step;
+/// the curve of Neimark–Sacker points has both places, too.
 #[test]
 fn special_points_do_not_depend_on_the_window() {
     let dir = TestDir::new();

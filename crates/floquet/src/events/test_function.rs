@@ -12,6 +12,7 @@ use vibrochain_lattice::Barrier;
 use super::orbit::EventOrbit;
 use super::regular::Regular;
 use super::watcher::TOUCHES;
+use crate::followed::time_between;
 use crate::locate::Event;
 
 type C = Complex<f64>;
@@ -52,10 +53,8 @@ impl Test {
     /// What vanishes where a contact touches at the instant of another one's impact, if it does not stand still there.
     pub(crate) fn corner(touch: &Approach, orbit: &impl EventOrbit) -> Option<Self> {
         let period = orbit.period();
-        let is_there = |hit: &Hit| {
-            let apart = (hit.time - touch.time).rem_euclid(period);
-            hit.site != touch.site && apart.min(period - apart) <= TOGETHER * period
-        };
+        let is_there =
+            |hit: &Hit| hit.site != touch.site && time_between(hit.time, touch.time, period) <= TOGETHER * period;
         let impact = orbit.hits().iter().position(is_there)?;
         let [_, velocity] = orbit.state(touch.site, touch.time).ok()?;
         (velocity.abs() > TOUCHES * orbit.speed()).then_some(Self::Corner(touch.site, touch.barrier, impact))

@@ -6,6 +6,7 @@ use vibrochain_lattice::Barrier;
 
 use super::answer::{Event, Evidence, Located};
 use crate::events::EventOrbit;
+use crate::followed::time_between;
 
 /// A contact touches a barrier where it is this near to it, over the fastest velocity and ω, and its own velocity this small: a located grazing is
 /// known to rounding, its time, a square root, to half the digits.
@@ -60,10 +61,7 @@ fn touching(orbit: &impl EventOrbit, touch: &Approach) -> Option<Vec<Hit>> {
                 let near = orbit.wall(contact, barrier).is_ok_and(|wall| {
                     (place - wall).abs() * orbit.omega() <= TOUCHING * speed && velocity.abs() <= STILL * speed
                 });
-                let apart = |other: f64| {
-                    let apart = (other - time).rem_euclid(period);
-                    apart.min(period - apart) > TOGETHER * period
-                };
+                let apart = |other: f64| time_between(other, time, period) > TOGETHER * period;
                 let known = || own.iter().chain(&hits).filter(|hit| hit.site == contact).map(|hit| hit.time);
                 if near && known().all(apart) {
                     hits.push(Hit::new(contact, barrier, time, 0.0));

@@ -34,7 +34,7 @@ impl ModeLabels {
     /// The modes of an orbit.
     ///
     /// # Errors
-    /// [`FloquetError::Breather`], which an orbit that exists has already passed.
+    /// [`FloquetError::Breather`] of an orbit next to a resonance; the search for it has passed the same check.
     pub fn new(orbit: &Orbit, finder: &mut Finder) -> Result<Self, FloquetError> {
         let conservative = orbit.model().is_conservative();
         let Some(site) = orbit.impact_site() else {

@@ -11,6 +11,7 @@ use vibrochain_lattice::{Resonance, Stop};
 
 use super::watcher::OfStructures;
 use crate::events::{EventOrbit, Solved, Test, Watcher, solve};
+use crate::followed::time_between;
 use crate::locate::branch_off::branch_off;
 use crate::locate::follower::confirm::{AWAY, multiplier_at};
 use crate::locate::follower::{Ended, Ends};
@@ -68,9 +69,8 @@ impl Ends for OfStructure {
         let (period, slow, last) = (orbit.period(), MERGING * orbit.speed(), impacts.len() - 1);
         let merge = |i: usize, j: usize| {
             let (one, other) = (&impacts[i], &impacts[j]);
-            let apart = (other.time - one.time).rem_euclid(period);
             (one.contact, one.barrier) == (other.contact, other.barrier)
-                && apart.min(period - apart) <= MERGING * period
+                && time_between(one.time, other.time, period) <= MERGING * period
                 && one.velocity_before.abs().max(other.velocity_before.abs()) <= slow
         };
         let pair = (0..last).map(|i| (i, i + 1)).chain((last > 1).then_some((0, last)));

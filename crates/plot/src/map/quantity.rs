@@ -13,7 +13,7 @@ const LEAST_EXCESS: f64 = 1e-8;
 /// Excesses whose largest is so many times the smallest span decades: on a linear scale most of them would be zero.
 const DECADES: f64 = 100.0;
 
-/// Of excesses one in so many may lie beyond the scale: next to grazing a few are without bound.
+/// A scale of excesses leaves out the largest one in so many cells: next to grazing an excess has no bound.
 const FEW: usize = 100;
 
 /// Ticks beside a bar of colours, at most.

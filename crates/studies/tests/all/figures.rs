@@ -225,7 +225,7 @@ fn scenes_of_a_folder_take_the_place_of_those_built_in() {
     let scene = scenes.join("figure-15a.toml");
     swept_by(&format!("--quiet {} --out {}", scene.display(), swept.display()));
     assert_eq!(fs::read(swept).unwrap(), fs::read(out.join("figure-15a.csv")).unwrap());
-    // From which excess on an orbit is unstable always stands above the map.
+    // The heading of each map names the excess above which an orbit counts as unstable.
     let heading = |svg: &Path| {
         let text = fs::read_to_string(svg).unwrap();
         text.lines().find(|line| line.contains("stable: excess")).map(|line| line.trim().to_owned())

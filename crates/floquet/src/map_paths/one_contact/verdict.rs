@@ -131,7 +131,7 @@ impl ForcedSecular {
         Some(Leading { place, excess, error })
     }
 
-    /// Takes over a multiplier that the impacts' equations have refined, and its mirror image.
+    /// Replaces a multiplier and its complex conjugate by the value that J(z) has refined.
     fn adopt(&mut self, place: usize, refined: Option<Refined>) {
         let z = self.values[place];
         let Some(Refined { z: better, error }) = refined else {

@@ -185,8 +185,8 @@ fn hardly_coupled_masses_are_stable_beyond_doubt() {
     assert!(checked > 3500, "{checked}");
 }
 
-/// Next to a collision excess rises like the square root of the distance from it: a law that an excess of 1e-9 must still
-/// obey to be believed. A dense solver's ends at 1e-7.
+/// Beyond a collision the excess is proportional to the square root of the distance from it. An excess of 1e-9 must obey this law; a dense
+/// solver obeys it down to 1e-7 only.
 #[test]
 fn excess_far_below_the_resolution_of_dense_solvers() {
     let (mut finder, mut found, mut secular) = (Finder::new(21), OrbitList::default(), Secular::default());
