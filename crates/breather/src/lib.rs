@@ -87,6 +87,7 @@ pub use tracer::pace::Pace;
 pub use tracer::solution_curve::{SolutionCurve, SolutionPoint};
 #[doc(hidden)]
 pub use tracer::system;
+pub use tracer::walk;
 /// What orbits are asked of, so that this crate can be used alone.
 pub use vibrochain_lattice::{Chain, Model};
 pub use word::{Letter, MAX_IMPACTS, Word, WordError};

@@ -3,9 +3,12 @@
 //! The next point is foreseen through the last four and found by what the line is a line of. A step is as long as the straight line
 //! between its ends may be, which is told by the second difference of the last three points.
 
+use std::convert::Infallible;
+
 use smallvec::SmallVec;
 
 use crate::tracer::pace::Pace;
+use crate::tracer::walk::{Stride, Walk, walk};
 
 /// A step as short as this may bend: a corner is no curve.
 const SHORT: f64 = 3e-5;
@@ -75,41 +78,52 @@ pub trait Line {
 /// Follows a line from a point of it, which is the first of all that are handed over. A straight line between two neighbours errs by
 /// `tolerance` at most, as a part of the window's sides.
 pub fn trace<L: Line>(line: &mut L, start: L::Point, tolerance: f64) -> (Vec<L::Point>, L::End) {
-    let mut passed = vec![start];
-    let (mut pace, mut crawling) = (Pace::new(L::FIRST), 0);
-    while crawling < Pace::MOST_CRAWLING {
-        let (length, count) = (pace.length(), passed.len());
-        let next = match line.ahead(&passed, length) {
+    let mut drawn = Drawn { line, passed: vec![start], tolerance };
+    let Ok(end) = walk(&mut drawn, L::FIRST);
+    (drawn.passed, end)
+}
+
+/// A line as far as it is drawn.
+struct Drawn<'a, L: Line> {
+    line: &'a mut L,
+    passed: Vec<L::Point>,
+    tolerance: f64,
+}
+
+impl<L: Line> Walk for Drawn<'_, L> {
+    type End = L::End;
+    type Error = Infallible;
+
+    fn step(&mut self, length: f64) -> Result<Stride<L::End>, Infallible> {
+        let Self { line, passed, tolerance } = self;
+        let next = match line.ahead(passed, length) {
             Some(Step::On(next)) => next,
             Some(Step::Out(last, end)) => {
-                last.into_iter().for_each(|last| line.pass(&mut passed, last));
-                return (passed, end);
+                last.into_iter().for_each(|last| line.pass(passed, last));
+                return Ok(Stride::Ended(end));
             }
-            None if pace.shorten() => continue,
-            None => break,
+            None => return Ok(Stride::Failed),
         };
-        let bend = if count == 1 { 0.0 } else { line.bend([&passed[count - 2], &passed[count - 1], &next]) };
-        let wanted = if bend > 0.0 { (ROOM * tolerance / bend).sqrt() } else { f64::INFINITY };
-        if bend > tolerance && length > SHORT {
-            pace = Pace::new(length * wanted.max(LEAST));
-            continue;
+        let bend = passed.last_chunk().map_or(0.0, |[before, last]| line.bend([before, last, &next]));
+        let wanted = if bend > 0.0 { (ROOM * *tolerance / bend).sqrt() } else { f64::INFINITY };
+        if bend > *tolerance && length > SHORT {
+            return Ok(Stride::Shorter(length * wanted.max(LEAST)));
         }
-        if let Some(first) = line.closed(&passed, &next) {
-            line.pass(&mut passed, first);
-            return (passed, L::CLOSED);
+        if let Some(first) = line.closed(passed, &next) {
+            line.pass(passed, first);
+            return Ok(Stride::Ended(L::CLOSED));
         }
-        line.pass(&mut passed, next);
-        if let Some(end) = line.ended(&mut passed) {
-            return (passed, end);
-        }
-        if passed.len() > MOST_POINTS {
-            return (passed, L::LONG);
-        }
-        crawling = if length < Pace::CRAWL { crawling + 1 } else { 0 };
-        pace.lengthen(wanted, line.longest(&passed));
+        line.pass(passed, next);
+        Ok(match line.ended(passed) {
+            Some(end) => Stride::Ended(end),
+            None if passed.len() > MOST_POINTS => Stride::Ended(L::LONG),
+            None => Stride::Made { wanted, longest: line.longest(passed) },
+        })
     }
-    let end = line.lost(&passed);
-    (passed, end)
+
+    fn lost(&mut self) -> Result<L::End, Infallible> {
+        Ok(self.line.lost(&self.passed))
+    }
 }
 
 /// The points of one line that was followed both ways from its start, the first of both.

@@ -8,6 +8,7 @@
 //! | `solution_curve` | steps along tangents, and the points they lead to |
 //! | `reduction` | orbits of a symmetry among themselves |
 //! | `system` | any equations that are followed, and Newton's method |
+//! | `walk` | the one loop of steps |
 
 pub(crate) mod corrector;
 pub mod line;
@@ -15,3 +16,4 @@ pub(crate) mod pace;
 pub(crate) mod reduction;
 pub(crate) mod solution_curve;
 pub mod system;
+pub mod walk;

@@ -8,6 +8,7 @@ use crate::error::{BranchError, BreatherError};
 use crate::orbit::{Hit, Orbit};
 use crate::search::words::ended::{End, Ended};
 use crate::tracer::pace::Pace;
+use crate::tracer::walk::{Stride, Walk, walk};
 
 /// What couples masses, in the order in which it is raised.
 const COUPLINGS: [Parameter; 2] = [Parameter::Gamma2, Parameter::Gamma3];
@@ -107,74 +108,111 @@ fn follow_in(
     if target == start.model().get(coupling) {
         return Ok(Ok(start.clone()));
     }
-    let ended = |value: f64, by: End| Ok(Err(Ended { coupling, value, by }));
-    let branch = |error: BranchError| match error {
+    let lost = |error: BranchError| match error {
         BranchError::Breather(error) => Err(error),
-        _ => ended(0.0, End::Lost),
+        _ => Ok(Err(Ended { coupling, value: 0.0, by: End::Lost })),
     };
     let mut along = match Branch::of_symmetric(start, coupling, target) {
         Ok(along) => along.until(&effort.stop),
-        Err(error) => return branch(error),
+        Err(error) => return lost(error),
     };
     along.equations.tied = tied;
-    let mut point = match along.start() {
+    let point = match along.start() {
         Ok(point) => point,
-        Err(error) => return branch(error),
+        Err(error) => return lost(error),
     };
-    let (first, mut unit, mut paid) = (start.strength(), start.strength(), 0);
-    let (mut pace, mut crawling) = (Pace::new(Pace::LONGEST_TO_AN_END), 0);
-    loop {
-        effort.pay(along.evaluations() - paid, start);
-        paid = along.evaluations();
-        if effort.is_spent() {
-            return ended(point.value(), End::Unfinished);
-        }
-        let left = (target - point.value()) / target;
-        let there = left <= pace.length() * point.heading();
-        let mut next = if there { along.at(&point, target) } else { along.step(&point, pace.length()) };
-        effort.stop.heard()?;
-        if next.is_err() && pace.shorten() {
-            continue;
-        }
-        if next.is_err() {
-            // A word with a symmetry passes points where others branch off that lack it.
-            let over = OVER.iter().find_map(|&length| along.leap(&point, length).ok());
-            next = over.filter(|next| next.value() < target).ok_or(BranchError::NoConvergence);
-            pace = Pace::new(OVER[0]);
-        }
-        crawling = if pace.length() < Pace::CRAWL { crawling + 1 } else { 0 };
-        let Some(next) = next.ok().filter(|_| crawling < Pace::MOST_CRAWLING) else {
-            let here = point.value();
-            let near = along.resonance_within(&point, here + NEAR * target);
-            return ended(here, near.map_or(End::Lost, |(_, resonance)| End::Resonance(resonance)));
-        };
+    let unit = start.strength();
+    let mut raising = Raising { coupling, target, effort, start, along, point, unit, paid: 0 };
+    walk(&mut raising, Pace::LONGEST_TO_AN_END)
+}
+
+/// One coupling on its way to the model's.
+struct Raising<'a> {
+    coupling: Parameter,
+    target: f64,
+    effort: &'a mut Effort,
+    start: &'a Orbit,
+    along: Branch,
+    point: BranchPoint,
+    /// The impulse by which impulses are measured.
+    unit: f64,
+    /// Orbits that are paid for.
+    paid: usize,
+}
+
+/// How a step ends, if the way does.
+type Raised = Result<Stride<Result<Orbit, Ended>>, BreatherError>;
+
+impl Raising<'_> {
+    fn ended(&self, value: f64, by: End) -> Stride<Result<Orbit, Ended>> {
+        Stride::Ended(Err(Ended { coupling: self.coupling, value, by }))
+    }
+
+    /// Goes on to the next point, unless something has ended the branch before.
+    fn reach(&mut self, next: BranchPoint) -> Stride<Result<Orbit, Ended>> {
+        let (along, point, first) = (&mut self.along, &self.point, self.start.strength());
         if next.heading() <= 0.0 {
-            let there = last_value(&mut along, &point, &next, |there| there.heading() > 0.0);
-            return ended(there, End::Fold);
+            let there = last_value(along, point, &next, |there| there.heading() > 0.0);
+            return self.ended(there, End::Fold);
         }
         if let Some(site) = grazing(&next) {
-            let there = last_value(&mut along, &point, &next, |there| grazing(there).is_none());
+            let there = last_value(along, point, &next, |there| grazing(there).is_none());
             // Where a harmonic meets a mode all impulses vanish.
             let reach = NEAR * there;
-            let resonance = along.resonance_within(&point, there + reach);
+            let resonance = along.resonance_within(point, there + reach);
             let resonance = resonance.filter(|(value, _)| (value - there).abs() <= reach);
             let by = resonance.map_or(End::Grazing { site }, |(_, resonance)| End::Resonance(resonance));
-            return ended(there, by);
+            return self.ended(there, by);
         }
         let strength = next.orbit().strength();
         if strength > UNBOUNDED * first {
             // With losses they are bounded, and the branch goes on where rounding hides it.
-            let elastic = start.model().loss() == 0.0;
-            return ended(pole(&point, &next), if elastic { End::Unbounded } else { End::Lost });
+            let elastic = self.start.model().loss() == 0.0;
+            return self.ended(pole(point, &next), if elastic { End::Unbounded } else { End::Lost });
         }
-        if there && next.value() == target {
-            return Ok(Ok(next.orbit().clone()));
+        if next.value() == self.target {
+            return Stride::Ended(Ok(next.orbit().clone()));
         }
-        point = next;
-        if !(unit / RESCALED..=unit * RESCALED).contains(&strength) {
-            (point, unit) = (along.rescaled(point), strength);
+        self.point = next;
+        if !(self.unit / RESCALED..=self.unit * RESCALED).contains(&strength) {
+            (self.point, self.unit) = (self.along.rescaled(self.point.clone()), strength);
         }
-        pace.lengthen(f64::INFINITY, Pace::LONGEST_TO_AN_END);
+        Stride::Made { wanted: f64::INFINITY, longest: Pace::LONGEST_TO_AN_END }
+    }
+}
+
+impl Walk for Raising<'_> {
+    type End = Result<Orbit, Ended>;
+    type Error = BreatherError;
+
+    fn step(&mut self, length: f64) -> Raised {
+        self.effort.pay(self.along.evaluations() - self.paid, self.start);
+        self.paid = self.along.evaluations();
+        if self.effort.is_spent() {
+            return Ok(self.ended(self.point.value(), End::Unfinished));
+        }
+        let left = (self.target - self.point.value()) / self.target;
+        let next = if left <= length * self.point.heading() {
+            self.along.at(&self.point, self.target)
+        } else {
+            self.along.step(&self.point, length)
+        };
+        self.effort.stop.heard()?;
+        Ok(next.map_or(Stride::Failed, |next| self.reach(next)))
+    }
+
+    /// A word with a symmetry passes points where others branch off that lack it.
+    fn leap(&mut self) -> Result<(f64, Stride<Self::End>), BreatherError> {
+        let over = OVER.iter().find_map(|&length| self.along.leap(&self.point, length).ok());
+        let over = over.filter(|next| next.value() < self.target);
+        Ok((OVER[0], over.map_or(Stride::Failed, |next| self.reach(next))))
+    }
+
+    fn lost(&mut self) -> Result<Self::End, BreatherError> {
+        let here = self.point.value();
+        let near = self.along.resonance_within(&self.point, here + NEAR * self.target);
+        let by = near.map_or(End::Lost, |(_, resonance)| End::Resonance(resonance));
+        Ok(Err(Ended { coupling: self.coupling, value: here, by }))
     }
 }
 

@@ -1,5 +1,6 @@
 //! Along a branch, one way: steps, folds, and what ends the way.
 
+use vibrochain_breather::walk::{Stride, Walk, walk};
 use vibrochain_breather::{BranchError, Pace};
 
 use super::confirm::{Confirmed, HALVINGS, LEAST_LENGTH};
@@ -29,79 +30,13 @@ enum Passage {
 impl<E: Ends> Follower<E> {
     /// Follows one direction to the end of the way; what it passes is kept, but for the start.
     pub(crate) fn follow(&mut self, start: &Point<E>, seen: Seen) -> Result<Way, LocateError> {
-        let (mut point, mut seen) = (start.clone(), seen);
-        if point.value() == self.limit(&point) {
-            return Ok((point.value(), End::Range));
+        if start.value() == self.limit(start) {
+            return Ok((start.value(), End::Range));
         }
-        let mut pace = Pace::new(0.25 * Pace::LONGEST);
-        let first = strongest(point.orbit()).max(f64::MIN_POSITIVE);
-        let mut crawling = 0;
-        for step in 0..MOST_STEPS {
-            self.stop.heard()?;
-            let reached = match self.advance(&point, pace.length()) {
-                // Steps that stay this short lead to where the branch ends.
-                Ok(_) if crawling >= Pace::MOST_CRAWLING => Err(BranchError::NoConvergence),
-                reached => reached,
-            };
-            let (next, last) = match reached {
-                Ok(next) => next,
-                Err(error) => {
-                    let shorter = pace.shorten();
-                    if pace.length() < Pace::CRAWL
-                        && let Some((value, resonance)) = self.ends.resonance_ahead(&self.branch, &point)
-                    {
-                        return Ok((value, End::Resonance(resonance)));
-                    }
-                    if shorter {
-                        continue;
-                    }
-                    return Ok(self.given_up(&point, first, End::Lost(error)));
-                }
-            };
-            if let Some((value, resonance)) = E::resonance_between(&self.branch, &point, &next) {
-                return Ok((value, End::Resonance(resonance)));
-            }
-            let closed = self.stretch.whole && step > 0 && self.closes(start, &point, &next);
-            let next = if closed { start.clone() } else { next };
-            let before = (self.passed.len(), self.unresolved.clone(), self.untold);
-            let failed = match self.passage((&point, &seen), &next) {
-                Ok(Passage::On(next_seen)) => {
-                    (point, seen) = (next, *next_seen);
-                    None
-                }
-                Ok(Passage::Ends(way)) => return Ok(way),
-                Err(LocateError::Branch(error)) => Some(End::Lost(error)),
-                Err(LocateError::Floquet(error)) => Some(End::Unwatched(error)),
-                Err(other) => return Err(other),
-            };
-            if let Some(failed) = failed {
-                // A failure undoes its step, not what was found before.
-                self.passed.truncate(before.0);
-                (self.unresolved, self.untold) = (before.1, before.2);
-                if pace.shorten() {
-                    continue;
-                }
-                return Ok(self.given_up(&point, first, failed));
-            }
-            let growth = strongest(point.orbit()) / first;
-            let end = match () {
-                () if closed => End::Closed,
-                () if last => End::Range,
-                () if growth > UNBOUNDED => End::Unbounded,
-                () if growth < E::VANISHED => End::ImpulsesVanish,
-                () => {
-                    crawling = if pace.length() < Pace::CRAWL { crawling + 1 } else { 0 };
-                    // Impulses that grow without bound set a longer scale, as long as the parameter does not move far.
-                    pace.lengthen(f64::INFINITY, Pace::LONGEST * growth.clamp(1.0, 1.0 / point.heading().abs()));
-                    continue;
-                }
-            };
-            return Ok((point.value(), end));
-        }
-        if let Some((value, resonance)) = self.ends.resonance_ahead(&self.branch, &point) {
-            return Ok((value, End::Resonance(resonance)));
-        }
-        Ok(self.given_up(&point, first, End::Lost(BranchError::NoConvergence)))
+        let strength = strongest(start.orbit()).max(f64::MIN_POSITIVE);
+        let why = End::Lost(BranchError::NoConvergence);
+        let mut walker = Walker { follower: self, start, point: start.clone(), seen, strength, steps: 0, why };
+        walk(&mut walker, 0.25 * Pace::LONGEST)
     }
 
     /// The end of a way that leads no farther: `otherwise`, unless simpler orbits stand right ahead.
@@ -205,6 +140,96 @@ impl<E: Ends> Follower<E> {
         let value = met.as_ref().map_or(nearest.1, |met| met.value);
         self.passed.extend(met.filter(|met| self.watches(met.event)).map(Station::Event));
         Ok(Some((value, End::Pitchfork)))
+    }
+}
+
+/// One direction of the way.
+struct Walker<'a, E: Ends> {
+    follower: &'a mut Follower<E>,
+    start: &'a Point<E>,
+    /// The last point, and what is seen there.
+    point: Point<E>,
+    seen: Seen,
+    /// Of the strongest impact at the start.
+    strength: f64,
+    /// Made so far.
+    steps: usize,
+    /// Why the last step failed.
+    why: End,
+}
+
+impl<E: Ends> Walker<'_, E> {
+    fn failed(&mut self, why: End) -> Stride<Way> {
+        self.why = why;
+        Stride::Failed
+    }
+
+    /// The end at a resonance right ahead.
+    fn resonant(&self) -> Option<Way> {
+        let ahead = self.follower.ends.resonance_ahead(&self.follower.branch, &self.point);
+        ahead.map(|(value, resonance)| (value, End::Resonance(resonance)))
+    }
+}
+
+impl<E: Ends> Walk for Walker<'_, E> {
+    type End = Way;
+    type Error = LocateError;
+
+    fn step(&mut self, length: f64) -> Result<Stride<Way>, LocateError> {
+        self.follower.stop.heard()?;
+        if self.steps == MOST_STEPS {
+            return Ok(Stride::Ended(self.lost()?));
+        }
+        let (next, last) = match self.follower.advance(&self.point, length) {
+            Ok(next) => next,
+            Err(error) => {
+                let resonant = if length < Pace::CRAWL { self.resonant() } else { None };
+                return Ok(resonant.map_or_else(|| self.failed(End::Lost(error)), Stride::Ended));
+            }
+        };
+        let follower = &mut *self.follower;
+        if let Some((value, resonance)) = E::resonance_between(&follower.branch, &self.point, &next) {
+            return Ok(Stride::Ended((value, End::Resonance(resonance))));
+        }
+        let closed = follower.stretch.whole && self.steps > 0 && follower.closes(self.start, &self.point, &next);
+        let next = if closed { self.start.clone() } else { next };
+        let before = (follower.passed.len(), follower.unresolved.clone(), follower.untold);
+        let failed = match follower.passage((&self.point, &self.seen), &next) {
+            Ok(Passage::On(seen)) => {
+                (self.point, self.seen) = (next, *seen);
+                None
+            }
+            Ok(Passage::Ends(way)) => return Ok(Stride::Ended(way)),
+            Err(LocateError::Branch(error)) => Some(End::Lost(error)),
+            Err(LocateError::Floquet(error)) => Some(End::Unwatched(error)),
+            Err(other) => return Err(other),
+        };
+        if let Some(failed) = failed {
+            // A failure undoes its step, not what was found before.
+            follower.passed.truncate(before.0);
+            (follower.unresolved, follower.untold) = (before.1, before.2);
+            return Ok(self.failed(failed));
+        }
+        let growth = strongest(self.point.orbit()) / self.strength;
+        let end = match () {
+            () if closed => End::Closed,
+            () if last => End::Range,
+            () if growth > UNBOUNDED => End::Unbounded,
+            () if growth < E::VANISHED => End::ImpulsesVanish,
+            () => {
+                self.steps += 1;
+                self.why = End::Lost(BranchError::NoConvergence);
+                // Impulses that grow without bound set a longer scale, as long as the parameter does not move far.
+                let longest = Pace::LONGEST * growth.clamp(1.0, 1.0 / self.point.heading().abs());
+                return Ok(Stride::Made { wanted: f64::INFINITY, longest });
+            }
+        };
+        Ok(Stride::Ended((self.point.value(), end)))
+    }
+
+    fn lost(&mut self) -> Result<Way, LocateError> {
+        let resonant = if matches!(self.why, End::Lost(_)) { self.resonant() } else { None };
+        Ok(resonant.unwrap_or_else(|| self.follower.given_up(&self.point, self.strength, self.why.clone())))
     }
 }
 
