@@ -7,6 +7,7 @@ use std::convert::Infallible;
 
 use smallvec::SmallVec;
 
+use crate::equations::linear::{Vector, zeros};
 use crate::tracer::pace::Pace;
 use crate::tracer::walk::{Stride, Walk, walk};
 
@@ -21,8 +22,9 @@ const LEAST: f64 = 0.1;
 /// Points of a line at most, one way.
 const MOST_POINTS: usize = 50_000;
 
-/// Points through which the next one is foreseen.
+/// Points through which the next one is foreseen, each farther from the next than this part of the step.
 const THROUGH: usize = 4;
+const CROWDED: f64 = 0.1;
 
 /// A step along a line.
 #[derive(Debug)]
@@ -142,23 +144,28 @@ pub fn chord_error([a, b, c]: [[f64; 2]; 3], [before, last]: [f64; 2]) -> f64 {
     bend * last * last / 8.0
 }
 
-/// The curve through the last of some places, at these lengths, at another length.
-pub fn foreseen<const N: usize>(places: impl DoubleEndedIterator<Item = (f64, [f64; N])>, wanted: f64) -> [f64; N] {
-    let through: Vec<(f64, [f64; N])> = places.rev().take(THROUGH).collect();
-    let lengths: SmallVec<[f64; THROUGH]> = through.iter().map(|(at, _)| *at).collect();
-    let mut sum = [0.0; N];
-    for (weight, (_, place)) in weights(&lengths, wanted).zip(&through) {
-        sum.iter_mut().zip(place).for_each(|(sum, x)| *sum += weight * x);
+/// The polynomial through the last of some places, at these lengths, at another length. The last one comes first; those that nearly are one
+/// place, against how far the wanted length is from the last, tell nothing of how the curve bends. `None` where no two are left.
+pub fn foreseen<'a>(places: impl IntoIterator<Item = (f64, &'a [f64])>, wanted: f64) -> Option<Vector> {
+    let mut through: SmallVec<[(f64, &[f64]); THROUGH]> = SmallVec::new();
+    for (at, place) in places {
+        let [first, last] = [through.first(), through.last()].map(|one| one.map_or(at, |one| one.0));
+        if through.is_empty() || (at - last).abs() > CROWDED * (wanted - first).abs() {
+            through.push((at, place));
+        }
+        if through.len() == THROUGH {
+            break;
+        }
     }
-    sum
-}
-
-/// What each of some places at these lengths counts at another length, on the polynomial through all of them (Lagrange).
-pub fn weights(lengths: &[f64], wanted: f64) -> impl Iterator<Item = f64> {
-    lengths.iter().enumerate().map(move |(i, at)| {
-        let others = lengths.iter().enumerate().filter(|(j, _)| *j != i);
-        others.map(|(_, other)| (wanted - other) / (at - other)).product()
-    })
+    let [(_, last), _, ..] = &through[..] else { return None };
+    let mut sum = zeros(last.len());
+    for (i, (at, place)) in through.iter().enumerate() {
+        // Lagrange's.
+        let others = through.iter().enumerate().filter(|(j, _)| *j != i);
+        let weight: f64 = others.map(|(_, (other, _))| (wanted - other) / (at - other)).product();
+        sum.iter_mut().zip(*place).for_each(|(sum, x)| *sum += weight * x);
+    }
+    Some(sum)
 }
 
 /// A side of the window, whose sides are 1, on the way in a direction.

@@ -1,8 +1,7 @@
 //! From point to point of a curve.
 
-use smallvec::SmallVec;
-use vibrochain_breather::line::weights;
-use vibrochain_breather::system::{System, Vector, dot, zeros};
+use vibrochain_breather::line::foreseen;
+use vibrochain_breather::system::{System, Vector, dot};
 use vibrochain_breather::{Admissibility, BranchError, Obstruction, SolutionCurve, SolutionPoint};
 
 use super::answer::CurvePoint;
@@ -23,9 +22,8 @@ const ASTRAY: f64 = 0.1;
 /// Cosine of the angle by which it may turn in a step.
 const STRAIGHT: f64 = 0.9;
 
-/// Points through which the next one is foreseen, each farther from the next than this part of the step.
-const THROUGH: usize = 4;
-const CROWDED: f64 = 0.1;
+/// Steps shorter than this part of the last one are looked for along the tangent, too.
+const FAR_SHORTER: f64 = 0.1;
 
 /// A point of a curve.
 pub(super) type TracedPoint<O> = SolutionPoint<AtEvent<O>>;
@@ -106,29 +104,13 @@ where
     /// Where the curve is expected, a length ahead of the last of some points: through several of them, as edges of stripes are near to each other.
     pub(super) fn foreseen(&self, points: &[TracedPoint<W::Orbit>], length: f64) -> Option<Vector> {
         let last = points.last()?;
-        // Those that nearly are one place tell nothing of how it bends.
-        let mut places = vec![(0.0, last)];
-        let (mut at, mut apart) = (0.0, 0.0);
-        for pair in points.windows(2).rev() {
-            let step = self.manifold.distance(&pair[0], &pair[1]);
-            (at, apart) = (at - step, apart + step);
-            if apart > CROWDED * length.abs() {
-                places.push((at, &pair[0]));
-                apart = 0.0;
-            }
-            if places.len() == THROUGH {
-                break;
-            }
-        }
-        if places.len() == 1 {
-            return Some(self.manifold.ahead(last, length));
-        }
-        let lengths: SmallVec<[f64; THROUGH]> = places.iter().map(|(at, _)| *at).collect();
-        let mut sum = zeros(last.coordinates().len());
-        for (weight, (_, point)) in weights(&lengths, length).zip(&places) {
-            sum.iter_mut().zip(point.coordinates()).for_each(|(sum, x)| *sum += weight * x);
-        }
-        Some(sum)
+        let mut at = 0.0;
+        let behind = points.windows(2).rev().map(|pair| {
+            at -= self.manifold.distance(&pair[0], &pair[1]);
+            (at, pair[0].coordinates())
+        });
+        let through = foreseen(std::iter::once((0.0, last.coordinates())).chain(behind), length);
+        Some(through.unwrap_or_else(|| self.manifold.ahead(last, length)))
     }
 
     /// The point a length ahead of the last of some points, near where the points behind foresee it. Where none is found and the length is far
@@ -140,7 +122,7 @@ where
     ) -> Result<TracedPoint<W::Orbit>, BranchError> {
         let foreseen = self.foreseen(points, length).ok_or(BranchError::NoConvergence)?;
         self.advance_to(points, &foreseen).or_else(|why| match points.last_chunk() {
-            Some([before, last]) if length <= CROWDED * self.manifold.distance(before, last) => {
+            Some([before, last]) if length <= FAR_SHORTER * self.manifold.distance(before, last) => {
                 self.advance_to(points, &self.manifold.ahead(last, length)).map_err(|_| why)
             }
             _ => Err(why),

@@ -138,9 +138,10 @@ impl<C: Copy + PartialEq, F: FnMut([f64; 2]) -> Option<C>> Way<'_, C, F> {
     /// Where the border is expected, and the direction there.
     fn expected(&self, passed: &[Place], length: f64) -> ([f64; 2], [f64; 2]) {
         let (last, heading) = (&passed[passed.len() - 1], self.heading.0);
-        let ahead = match passed.len() {
-            1 => [0, 1].map(|i| last.place[i] + length * heading[i]),
-            _ => foreseen(passed.iter().map(|place| (place.at, place.place)), last.at + length),
+        let behind = passed.iter().rev().map(|place| (place.at, &place.place[..]));
+        let ahead = match foreseen(behind, last.at + length) {
+            Some(ahead) => [ahead[0], ahead[1]],
+            None => [0, 1].map(|i| last.place[i] + length * heading[i]),
         };
         let far = distance(last.place, ahead);
         (ahead, [0, 1].map(|i| (ahead[i] - last.place[i]) / far))

@@ -145,7 +145,8 @@ impl Line for Way<'_, '_, '_> {
         if length < SHORTEST {
             return None;
         }
-        let expected = foreseen(passed.iter().map(|point| (point.y, point.edges)), y);
+        let behind = passed.iter().rev().map(|point| (point.y, &point.edges[..]));
+        let expected = foreseen(behind, y).map_or(last.edges, |edges| [edges[0], edges[1]]);
         let value = self.liner.probe.window.point([0.5 * (expected[0] + expected[1]), y])[0];
         let line = self.liner.line(y)?;
         let stripe = self.liner.finder.outline(&line, self.modes, self.harmonic, value).ok()?;
