@@ -16,6 +16,7 @@ use smallvec::SmallVec;
 use vibrochain_lattice::{ImpulseResponse, KernelJet};
 
 use crate::equations::linear::{Matrix, Vector, zeros};
+use crate::equations::slopes::Slopes;
 use crate::equations::unknowns::{Unknowns, static_displacement};
 use crate::orbit::{Impact, Orbit};
 use crate::worse;
@@ -26,6 +27,7 @@ mod elimination;
 pub(crate) mod flights;
 pub mod linear;
 pub(crate) mod newton;
+pub(crate) mod slopes;
 mod system;
 pub(crate) mod unknowns;
 
@@ -93,11 +95,18 @@ impl<'a> Equations<'a> {
         self.response.jet_between(self.impact(i).site, self.impact(j).site, offset)
     }
 
-    /// All of them, by rows. (Not several at once: where a branch ends, a Jacobian that is rounded otherwise than the residuals loses half the
-    /// digits of that place.)
-    fn jets(&self) -> SmallVec<[KernelJet; 4]> {
-        let n = self.count();
-        (0..n * n).map(|at| self.jet(at / n, at % n)).collect()
+    /// Of all impacts at impact `i`, which itself has no velocity there, in the mean. (Not several at once: where a branch ends, a Jacobian that is
+    /// rounded otherwise than the residuals loses half the digits of that place.)
+    fn jets(&self, i: usize) -> SmallVec<[[f64; 4]; 4]> {
+        let of = |j: usize| {
+            let KernelJet { value, slope, curvature, third } = self.jet(i, j);
+            [value, if i == j { 0.0 } else { slope }, curvature, third]
+        };
+        (0..self.count()).map(of).collect()
+    }
+
+    fn impulses(&self) -> SmallVec<[f64; 4]> {
+        (0..self.count()).map(|i| self.impulse(i)).collect()
     }
 
     /// G and its first three derivatives at impact `i`.
@@ -164,44 +173,18 @@ impl<'a> Equations<'a> {
 
     /// The Jacobian.
     pub(crate) fn jacobian(&self) -> Matrix {
-        let (n, unknowns) = (self.count(), self.unknowns);
-        let (q, jets) = (self.orbit.model().loss(), self.jets());
+        let (n, unknowns, impulses) = (self.count(), self.unknowns, self.impulses());
         let mut matrix = Matrix::zeros(unknowns.size());
         for i in 0..n {
-            let row = unknowns.newton(i);
-            let force = self.force(i);
-            // Of the mass just before and after, in the mean.
-            let (mut velocity, mut acceleration) = (force[1], force[2]);
-            for j in 0..n {
-                let (jet, impulse) = (jets[i * n + j], self.impulse(j));
-                matrix[(i, j)] = jet.value;
-                if j == i {
-                    continue;
-                }
-                (velocity, acceleration) = (velocity + impulse * jet.slope, acceleration + impulse * jet.curvature);
-                if let Some(time) = unknowns.time(j) {
-                    matrix[(i, time)] -= impulse * jet.slope;
-                }
-                if let Some(row) = row {
-                    matrix[(row, j)] = jet.slope;
-                    if let Some(time) = unknowns.time(j) {
-                        matrix[(row, time)] -= impulse * jet.curvature;
-                    }
-                }
+            let (jets, load) = (self.jets(i), self.force(i));
+            let slopes = Slopes { impact: i, impulses: &impulses, jets: &jets, load: &load };
+            let mut add = |order, row| slopes.add(order, |j| unknowns.time(j), unknowns.psi(), matrix.row_mut(row));
+            add(0, i);
+            if let Some(row) = unknowns.newton(i) {
+                add(1, row);
+                matrix[(row, i)] = 0.5 * self.orbit.model().loss();
             }
             matrix[(i, n)] = 1.0;
-            for (place, [first, second]) in
-                [(unknowns.time(i), [velocity, acceleration]), (unknowns.psi(), [force[1], force[2]])]
-            {
-                let Some(place) = place else { continue };
-                matrix[(i, place)] += first;
-                if let Some(row) = row {
-                    matrix[(row, place)] += second;
-                }
-            }
-            if let Some(row) = row {
-                matrix[(row, i)] = 0.5 * q;
-            }
         }
         matrix.row_mut(n)[..n].fill(1.0);
         matrix[(n, n)] = -self.response.static_stiffness();
@@ -256,24 +239,10 @@ impl<'a> Equations<'a> {
 
     /// How the acceleration Σ_j P_j K″(t_i−t_j) + G̈(t_i+ψ) changes with the unknowns.
     pub(crate) fn acceleration_gradient(&self, i: usize) -> Vector {
+        let (impulses, jets, load) = (self.impulses(), self.jets(i), self.force(i));
         let mut gradient = zeros(self.unknowns.size());
-        let mut jerk = self.force(i)[3];
-        if let Some(psi) = self.unknowns.psi() {
-            gradient[psi] = jerk;
-        }
-        for j in 0..self.count() {
-            let jet = self.jet(i, j);
-            gradient[j] = jet.curvature;
-            if j != i {
-                jerk += self.impulse(j) * jet.third;
-                if let Some(time) = self.unknowns.time(j) {
-                    gradient[time] -= self.impulse(j) * jet.third;
-                }
-            }
-        }
-        if let Some(time) = self.unknowns.time(i) {
-            gradient[time] += jerk;
-        }
+        let slopes = Slopes { impact: i, impulses: &impulses, jets: &jets, load: &load };
+        slopes.add(2, |j| self.unknowns.time(j), self.unknowns.psi(), &mut gradient);
         gradient
     }
 }

@@ -13,6 +13,7 @@ use super::model::StructureModel;
 use super::periodic_kernel::PeriodicKernel;
 use super::response::Response;
 use crate::equations::linear::{Matrix, Vector, dot, zeros};
+use crate::equations::slopes::Slopes;
 use crate::orbit::Hit;
 
 type C = Complex<f64>;
@@ -250,43 +251,30 @@ impl<'a> Equations<'a> {
             arrivals: SmallVec::new(),
             gradients: SmallVec::with_capacity(n),
         };
-        let (psi, first_offset) = (2 * n - 1, size - offsets);
+        let first_offset = size - offsets;
+        let (time, psi) = (|i: usize| (i > 0).then(|| n + i - 1), self.forced.then_some(2 * n - 1));
+        let impulses: SmallVec<[f64; 4]> = point.strikes.iter().map(|strike| strike.impulse).collect();
         for (i, strike) in point.strikes.iter().enumerate() {
             let stop = self.model.barrier(strike.contact, strike.barrier)?;
             let load = self.load(strike.contact, strike.time + point.psi);
             let mut sums = load;
             sums[0] += self.still(strike.contact);
             let mut sizes = [sums[0].abs() + stop.abs(), sums[1].abs(), sums[2].abs()];
-            // By unknown, of place, velocity and acceleration.
-            let mut gradient = [zeros(size), zeros(size), zeros(size)];
+            let mut jets: SmallVec<[[f64; 4]; 4]> = SmallVec::with_capacity(n);
             for (j, other) in point.strikes.iter().enumerate() {
                 let lapse = if i == j { 0.0 } else { strike.time - other.time };
                 let (jet, terms) = self.kernel().jet(strike.contact, other.contact, lapse);
-                for order in 0..4 {
-                    sums[order] += other.impulse * jet[order];
-                }
-                for order in 0..3 {
-                    sizes[order] += (other.impulse * terms[order]).abs();
-                    gradient[order][j] += jet[order];
-                    if j > 0 && i != j {
-                        gradient[order][n + j - 1] -= other.impulse * jet[order + 1];
-                    }
-                }
-                // Its own time moves all others away.
-                if i > 0 && i != j {
-                    for order in 0..3 {
-                        gradient[order][n + i - 1] += other.impulse * jet[order + 1];
-                    }
-                }
+                sums.iter_mut().zip(jet).for_each(|(sum, derivative)| *sum += other.impulse * derivative);
+                sizes.iter_mut().zip(terms).for_each(|(size, term)| *size += (other.impulse * term).abs());
+                jets.push(jet);
             }
-            for order in 0..3 {
-                if i > 0 {
-                    gradient[order][n + i - 1] += load[order + 1];
-                }
-                if self.forced {
-                    gradient[order][psi] += load[order + 1];
-                }
-            }
+            // By unknown, of place, velocity and acceleration.
+            let slopes = Slopes { impact: i, impulses: &impulses, jets: &jets, load: &load };
+            let mut gradient = [0, 1, 2].map(|order| {
+                let mut row = zeros(size);
+                slopes.add(order, time, psi, &mut row);
+                row
+            });
             for (place, drift) in self.rigid.iter().enumerate() {
                 let shape = drift.shapes[strike.contact];
                 sums[0] += shape * point.offsets[place];
