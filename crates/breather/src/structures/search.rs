@@ -7,7 +7,8 @@
 //! F(φ) = Δ²(c² + s² − 1),      Δ the determinant of the linear equations.
 //! ```
 //!
-//! Without loads the positions give the impulses, and one of Newton's laws is left. Of three impacts two functions of two times are left.
+//! Without loads the positions give the impulses, and one of Newton's laws is left: the zeros of K₂₁′. Of three impacts two functions of two times
+//! are left.
 
 use smallvec::SmallVec;
 use vibrochain_lattice::Barrier;
@@ -33,7 +34,8 @@ pub enum StructureSearch {
     /// Closed form of instants half a period apart, without loads: others are not looked for.
     HalfPeriod,
     /// Enclosures of a function of one variable show on intervals where it has no zero and that each one found is alone: the list is complete
-    /// but for impacts of one contact closer than 1e-4 of the period, and for so many places where two may have merged.
+    /// but for impacts of one contact, or without loads of any two, closer than 1e-4 of the period, and for so many places where two may have
+    /// merged.
     Enclosures {
         /// Intervals enclosed.
         intervals: usize,
@@ -260,8 +262,7 @@ impl Impacts<'_> {
                 let x = self.linear(&[0.0])?.solve().ok_or(StructureOrbitError::Singular)?;
                 Ok((vec![self.point(&[0.0], &x).into()], StructureSearch::ClosedForm))
             }
-            (2, true) if single => self.proved().unwrap_or_else(|| self.scan()),
-            (2, false) => self.scan(),
+            (2, forced) if single || !forced => self.proved().unwrap_or_else(|| self.scan()),
             (3, _) => self.proved_in_the_plane(wanted.boxes()).unwrap_or_else(|| self.starts()),
             _ => self.starts(),
         }
@@ -289,11 +290,12 @@ impl Impacts<'_> {
         }
         let half = 0.5 * self.equations.period();
         let is_half = |phi: &&f64| (*phi - half).abs() <= SAME * half;
-        let mut unresolved = zeros.unresolved.iter().filter(|phi| !is_half(phi)).count();
+        let forced = self.equations.forced;
+        let mut unresolved = zeros.unresolved.iter().filter(|phi| !(forced && is_half(phi))).count();
         let mut starts = || -> Result<Vec<Start>, StructureOrbitError> {
             let mut starts: Vec<Start> = Vec::new();
             // A structure that is its own mirror image has a double zero there, one of the places that may be one.
-            if zeros.simple.iter().chain(&zeros.unresolved).any(|phi| is_half(&phi)) {
+            if forced && zeros.simple.iter().chain(&zeros.unresolved).any(|phi| is_half(&phi)) {
                 starts.extend(self.on_a_line(&[0.0, half])?.into_iter().map(Start::from));
             }
             // Those next to half a period apart come first.
@@ -302,7 +304,7 @@ impl Impacts<'_> {
             let apart = |phi: &f64| ((phi - half).abs() / (SAME * half)).round();
             simple.sort_by(|a, b| apart(a).total_cmp(&apart(b)));
             for phi in &simple {
-                let here = if function.is_homogeneous() {
+                let here = if forced && function.is_homogeneous() {
                     self.on_a_line(&[0.0, *phi])?
                 } else {
                     self.linear(&[0.0, *phi])?.solve().map(|x| self.point(&[0.0, *phi], &x)).into_iter().collect()
@@ -311,7 +313,9 @@ impl Impacts<'_> {
                 starts.extend(here.into_iter().map(|point| Start { point, is_zero: true }));
             }
             for phi in &zeros.unresolved {
-                starts.extend(self.on_a_line(&[0.0, *phi])?.into_iter().map(Start::from));
+                if forced {
+                    starts.extend(self.on_a_line(&[0.0, *phi])?.into_iter().map(Start::from));
+                }
                 starts.extend(self.linear(&[0.0, *phi])?.solve().map(|x| self.point(&[0.0, *phi], &x).into()));
             }
             Ok(starts)

@@ -1,5 +1,5 @@
-//! All orbits of two impacts under a load of one harmonic, with proof: enclosures of F(φ) = C² + S² − Δ², the determinants of the linear
-//! equations of (P₁, P₂, c, s) by Cramer's rule (`at_times`).
+//! All orbits of two impacts under a load of one harmonic, or without loads and losses, with proof: enclosures of F(φ) = C² + S² − Δ², the
+//! determinants of the linear equations of (P₁, P₂, c, s) by Cramer's rule (`at_times`).
 //!
 //! Rows are the places p₁, p₂ and laws l₁, l₂. U are the minors of the columns of P₁, P₂ in two rows, Δ and C + iS are sums of them times those
 //! of the other two columns (Laplace). With ĝ the load's amplitudes, ρ = ĝ₁ĝ₂* e^{−iωφ}, w = ω(1+e) and r the stops less what is still,
@@ -10,7 +10,8 @@
 //! |ĝ₁|S = −|ĝ₁|²r₂U_ll + Re ρ·r₁U_ll − Im ρ·b,     b = w₂(r₂U₁₁ − r₁U₂₁)
 //! ```
 //!
-//! but for a rotation of (C, S).
+//! but for a rotation of (C, S). Without loads the places give the impulses. Of the laws, one of which follows from the other, P₁K₂₁′(φ) = 0 is
+//! left, as K′ of a contact with itself is odd: F = K₂₁′.
 //!
 //! The same formulas serve for numbers and for enclosures.
 
@@ -26,7 +27,8 @@ use crate::roots::taylor::Taylor;
 
 type C = Complex<f64>;
 
-/// Of the period at both ends, within which two impacts of one contact cannot be told from one.
+/// Of the period at both ends, within which two impacts of one contact cannot be told from one; or, without loads, of any two, whose K₂₁′ is 0
+/// at one instant.
 const COINCIDENT: f64 = 1e-4;
 
 /// Intervals are not halved below this part of the period.
@@ -43,6 +45,8 @@ pub(super) fn told_apart(of_one_contact: bool) -> f64 {
 /// F of two impacts.
 pub(super) struct Function {
     period: f64,
+    /// Without loads.
+    is_free: bool,
     between: Between,
     /// ω
     rate: f64,
@@ -71,12 +75,17 @@ struct Minors<T> {
 }
 
 impl Function {
-    /// `None` of rigid modes, of modes that grow, without a single harmonic, and of a contact that the load does not move.
+    /// `None` of rigid modes, of modes that grow, of several harmonics, of a contact that the load does not move, and without loads where both
+    /// stops are at the rest position: nothing has a size.
     pub(super) fn new(equations: &Equations<'_>, contacts: [usize; 2], places: [f64; 2]) -> Option<Self> {
-        let (rate, swing) = equations.single()?;
-        let swings = contacts.map(|contact| swing[contact]);
+        let is_free = !equations.forced;
+        let (rate, swings) = match equations.single() {
+            Some((rate, swing)) => (rate, contacts.map(|contact| swing[contact])),
+            None if is_free && places != [0.0; 2] => (0.0, [C::default(); 2]),
+            None => return None,
+        };
         // Where the load does not move one of them, F may vanish altogether.
-        if swings.iter().any(|swing| swing.norm() == 0.0) {
+        if !is_free && swings.iter().any(|swing| swing.norm() == 0.0) {
             return None;
         }
         let weights = contacts.map(|contact| 1.0 + equations.restitution(contact));
@@ -84,6 +93,7 @@ impl Function {
         let period = equations.period();
         Some(Self {
             period,
+            is_free,
             between: equations.kernel().between(contacts[0], contacts[1])?,
             rate,
             product: swings[0] * swings[1].conj(),
@@ -92,7 +102,7 @@ impl Function {
             fast: weights.map(|weight| rate * weight),
             places,
             own,
-            least: period * told_apart(contacts[0] == contacts[1]),
+            least: period * told_apart(is_free || contacts[0] == contacts[1]),
         })
     }
 
@@ -139,6 +149,10 @@ impl Function {
 
     /// F of both kernels with their slopes, and of Re ρ and Im ρ.
     fn formula<T: Algebra>(&self, kernels: [[T; 2]; 2], waves: [T; 2]) -> T {
+        if self.is_free {
+            let [[_, slope], _] = kernels;
+            return slope;
+        }
         let minors = self.minors(kernels, waves);
         if self.is_homogeneous() {
             return minors.whole;
@@ -150,6 +164,9 @@ impl Function {
     /// How far F stays away from 0 on four intervals: by the enclosure of F itself, or by those of C, S and Δ one by one, which on long
     /// intervals say more.
     fn clearance(&self, kernels: [[Taylor<1, f64x4>; 2]; 2], waves: [Taylor<1, f64x4>; 2]) -> f64x4 {
+        if self.is_free {
+            return self.formula(kernels, waves).clearance();
+        }
         let minors = self.minors(kernels, waves);
         if self.is_homogeneous() {
             return minors.whole.clearance();
