@@ -30,7 +30,7 @@
 //! | [`Ends`] | closed, free, fixed; modes of one row, by images |
 //! | [`Steady`] | motion under the force alone, between walls too |
 //! | [`Spectrum`] | frequencies, weights, band, resonances |
-//! | [`Parameter`], [`Row`] | the real ones by name, to be varied; their table |
+//! | [`Parameter`], [`DampedParameter`], [`Row`] | the real ones by name, to be varied, those of damped chains alone; their table |
 //! | [`Point`] | values of all of them, not yet checked, from which a model is made |
 //! | [`Shapes`] | what each mode makes of each mass |
 //! | [`DistinctMasses`] | the masses that symmetry leaves |
@@ -73,7 +73,7 @@ pub use kernel::steady::Steady;
 pub use kernel::{BlochJet, BlochKernel, BlochMode, Coordinates, ModeFlow, SparedModes, Turn, Turned};
 pub use model::chain::{Barrier, Chain, Layout, MAX_SITES};
 pub use model::force::{Force, Harmonic, MAX_HARMONIC, MAX_HARMONICS, MAX_PHASE, Wave, WaveTerm};
-pub use model::parameter::{Parameter, Part, Range, Row};
+pub use model::parameter::{DampedParameter, Parameter, Part, Range, Row};
 pub use model::params::Model;
 pub use model::point::Point;
 #[cfg(feature = "serde")]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, ValueEnum};
 use vibrochain_breather::{Family, MAX_IMPACTS, Word};
-use vibrochain_lattice::{Ends, Force, Parameter, Row};
+use vibrochain_lattice::{DampedParameter, Ends, Force, Parameter, Row};
 use vibrochain_maps::numbers::{real, whole};
 
 use super::quantity::{Meanings, by_name};
@@ -76,7 +76,7 @@ pub struct ModelArgs {
     /// Number of equal chains side by side, coupled mass by mass [default: 1].
     #[arg(long, help_heading = MODEL, display_order = place(Parameter::Restitution) + 2, value_name = "L", value_parser = whole::<i64>, allow_negative_numbers = true)]
     pub layers: Option<i64>,
-    /// Dashpots, a static force, stops of their own; or numbers of a scene's structure.
+    /// Stops of their own, or numbers of a scene's structure.
     #[command(flatten)]
     pub structure: StructureArgs,
     /// Whether the last layer is the first one's neighbour, too [default: free].
@@ -96,9 +96,12 @@ impl ModelArgs {
 
     /// The first of the flags that makes a chain a structure.
     #[must_use]
-    pub fn of_structures(&self) -> Option<&'static str> {
-        let fixed_free = (self.ends == Some(RowEnds::FixedFree)).then_some("ends fixed-free");
-        self.structure.is_chains().or(fixed_free)
+    pub fn of_structures(&self) -> Option<String> {
+        let damped = DampedParameter::ALL.into_iter().find(|one| self.values.own(*one).is_some());
+        let others =
+            [("stops", !self.structure.stops.is_empty()), ("ends fixed-free", self.ends == Some(RowEnds::FixedFree))];
+        let other = others.into_iter().find(|(_, given)| *given).map(|(name, _)| name.to_owned());
+        damped.map(DampedParameter::flag).or(other)
     }
 }
 
@@ -107,29 +110,50 @@ fn place(parameter: Parameter) -> usize {
     10 * (1 + parameter as usize)
 }
 
-/// Values of parameters, in the order of [`Parameter::ALL`]: flags made from the table of parameters.
+/// The same of one that only damped chains have.
+fn own_place(parameter: DampedParameter) -> usize {
+    10 * (1 + parameter as usize)
+}
+
+/// Values of parameters: flags made from the table of parameters.
 #[derive(Debug, Default)]
-pub struct ParameterArgs([Option<f64>; Parameter::ALL.len()]);
+pub struct ParameterArgs {
+    /// In the order of [`Parameter::ALL`].
+    plain: [Option<f64>; Parameter::ALL.len()],
+    /// In the order of [`DampedParameter::ALL`].
+    own: [Option<f64>; DampedParameter::ALL.len()],
+}
 
 impl ParameterArgs {
     /// The value that a flag gives.
     pub fn get(&self, parameter: Parameter) -> Option<f64> {
-        self.0[parameter as usize]
+        self.plain[parameter as usize]
     }
+
+    /// The value that a flag of damped chains gives.
+    pub fn own(&self, parameter: DampedParameter) -> Option<f64> {
+        self.own[parameter as usize]
+    }
+}
+
+/// The flag of a parameter.
+fn flag(row: &'static Row, name: String, heading: &'static str, place: usize) -> Arg {
+    let flag = Arg::new(row.name).long(name).value_name(row.symbol).help(row.help).help_heading(heading);
+    flag.display_order(place).value_parser(real).allow_negative_numbers(true)
 }
 
 impl Args for ParameterArgs {
     fn augment_args(command: Command) -> Command {
-        command.args(Parameter::ALL.map(|parameter| {
-            let Row { name, symbol, help, default, .. } = parameter.row();
-            let flag = Arg::new(*name).long(parameter.flag()).value_name(*symbol).help(*help).help_heading(MODEL);
-            let flag = flag.display_order(place(parameter)).value_parser(real).allow_negative_numbers(true);
+        let plain = Parameter::ALL.map(|parameter| {
+            let flag = flag(parameter.row(), parameter.flag(), MODEL, place(parameter));
             match parameter {
-                _ if default.is_some() => flag,
+                _ if parameter.row().default.is_some() => flag,
                 Parameter::Asymmetry => flag.required_unless_present_any(["scene", "lower", "upper"]),
                 _ => flag.required_unless_present("scene"),
             }
-        }))
+        });
+        let own = DampedParameter::ALL;
+        command.args(plain).args(own.map(|one| flag(one.row(), one.flag(), DAMPED, own_place(one))))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -139,7 +163,9 @@ impl Args for ParameterArgs {
 
 impl FromArgMatches for ParameterArgs {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        Ok(Self(Parameter::ALL.map(|parameter| matches.get_one(parameter.name()).copied())))
+        let value = |name: &str| matches.get_one(name).copied();
+        let plain = Parameter::ALL.map(|parameter| value(parameter.name()));
+        Ok(Self { plain, own: DampedParameter::ALL.map(|parameter| value(parameter.name())) })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
@@ -148,47 +174,16 @@ impl FromArgMatches for ParameterArgs {
     }
 }
 
-/// What makes a chain a structure of its own (orbit, simulate), and changes the numbers of a scene's structure.
+/// Which masses of a chain have stops, and other numbers of a scene's structure.
 #[derive(Debug, Clone, Default, Args)]
 pub struct StructureArgs {
-    /// Dashpot c between each mass and the ground: ü + c u̇ + … (below 0: self-excited).
-    #[arg(long, help_heading = DAMPED, value_name = "c", value_parser = real, allow_negative_numbers = true)]
-    pub damping: Option<f64>,
-    /// Dashpot c₂ in each spring between neighbours.
-    #[arg(long, help_heading = DAMPED, value_name = "c₂", value_parser = real, allow_negative_numbers = true)]
-    pub coupling_damping: Option<f64>,
-    /// A force on every mass that does not change.
-    #[arg(long, help_heading = DAMPED, value_name = "F", value_parser = real, allow_negative_numbers = true)]
-    pub static_force: Option<f64>,
     /// Sites that have stops, a list with a comma [default: all].
-    #[arg(long, help_heading = DAMPED, value_name = "SITE,…", value_delimiter = ',', value_parser = whole::<usize>)]
+    #[arg(long, help_heading = DAMPED, display_order = own_place(DampedParameter::StaticForce) + 1, value_name = "SITE,…", value_delimiter = ',', value_parser = whole::<usize>)]
     pub stops: Vec<usize>,
-    /// Where the lower barrier is [default: asymmetry − 1; with --upper alone there is none].
-    #[arg(long, help_heading = DAMPED, value_name = "g", value_parser = real, allow_negative_numbers = true)]
-    pub lower: Option<f64>,
-    /// Where the upper barrier is [default: asymmetry + 1; with --lower alone there is none].
-    #[arg(long, help_heading = DAMPED, value_name = "g", value_parser = real, allow_negative_numbers = true)]
-    pub upper: Option<f64>,
     /// Another number of a scene's structure: omega, load, static, damping, contact.N.lower, contact.N.upper, contact.N.restitution; of
     /// matrices masses.I, mass.I.J, stiffness.I.J, damping.I.J, load.I, static.I.
-    #[arg(long, help_heading = DAMPED, value_name = "NAME=VALUE")]
+    #[arg(long, help_heading = DAMPED, display_order = own_place(DampedParameter::Upper) + 1, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
-}
-
-impl StructureArgs {
-    /// The first of the flags that makes a chain a structure.
-    #[must_use]
-    pub fn is_chains(&self) -> Option<&'static str> {
-        let given = [
-            ("damping", self.damping.is_some()),
-            ("coupling-damping", self.coupling_damping.is_some()),
-            ("static-force", self.static_force.is_some()),
-            ("stops", !self.stops.is_empty()),
-            ("lower", self.lower.is_some()),
-            ("upper", self.upper.is_some()),
-        ];
-        given.into_iter().find(|(_, given)| *given).map(|(name, _)| name)
-    }
 }
 
 /// Which breathers: of a family, of any impact word, or near a given one. With --scene: the one family or word of the scene, or the orbit

@@ -11,6 +11,7 @@ use vibrochain_breather::Family;
 use vibrochain_floquet::{Event, Mechanism};
 use vibrochain_lattice::{Barrier, Ends, Parameter, Part, Range, Row};
 use vibrochain_maps::cell::{Class, Status};
+use vibrochain_maps::scene::damped_keys;
 
 use crate::common::error::CliError;
 use vibrochain_maps::text::clipped;
@@ -111,6 +112,10 @@ fn parts() -> Option<Map<String, Value>> {
         // Where there may be none, the file has null.
         parts.get_mut(part)?["enum"].as_array_mut()?.splice(0..0, words.iter().map(|word| Value::from(*word)));
     }
+    let axis = &mut parts.get_mut("axis-of-dashpots")?["properties"]["parameter"];
+    axis["enum"] = damped_keys().map(Value::from).collect();
+    let damped = &mut parts.get_mut("scene-of-damped-chain")?["anyOf"][0]["properties"]["model"]["anyOf"];
+    damped.as_array_mut()?.splice(0..0, damped_keys().map(|key| json!({ "required": [key] })));
     for parameter in Parameter::told() {
         let Row { name, meaning, range: Range { least, most, open, .. }, part, default, .. } = parameter.row();
         let limits = [

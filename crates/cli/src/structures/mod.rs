@@ -10,11 +10,10 @@ pub(crate) mod simulate;
 use std::path::Path;
 
 use serde_json::json;
-use vibrochain_lattice::Ends;
-use vibrochain_lattice::Parameter::{self, Amplitude, Asymmetry, Gamma1, Gamma2, Restitution};
+use vibrochain_lattice::{DampedParameter, Ends, Parameter};
 use vibrochain_maps::structure::{Setting, StructureScene};
 
-use crate::args::{ModelArgs, RowEnds, StructureArgs};
+use crate::args::{ModelArgs, RowEnds};
 use crate::common::error::CliError;
 use vibrochain_maps::manifest::object;
 
@@ -29,7 +28,7 @@ pub(crate) fn asked(args: &ModelArgs) -> Result<Option<StructureScene>, CliError
             let of_chain = Parameter::ALL.into_iter().filter(|one| *one != Parameter::Omega);
             let flag = of_chain.filter(|one| args.values.get(*one).is_some()).map(Parameter::flag).next();
             let flag = flag.or_else(|| args.sites.map(|_| "sites".to_owned()));
-            if let Some(flag) = flag.or_else(|| args.of_structures().map(str::to_owned)) {
+            if let Some(flag) = flag.or_else(|| args.of_structures()) {
                 refuse!(
                     "--{flag} is of chains, and the scene holds a structure: change its numbers by --set NAME=VALUE"
                 );
@@ -86,7 +85,6 @@ fn refusal() -> CliError {
 
 /// A chain with dashpots, a static force, or stops of its own.
 fn chain(args: &ModelArgs) -> Result<StructureScene, CliError> {
-    let extra = &args.structure;
     ensure!(
         args.scene.is_none(),
         "a scene's chain takes no dashpots: write it as [structure] with chain = {{ … }}, or give all by flags"
@@ -97,31 +95,22 @@ fn chain(args: &ModelArgs) -> Result<StructureScene, CliError> {
     }
     let sites = args.sites.ok_or_else(|| CliError::Request("sites is missing: give --sites".to_owned()))?;
     ensure!(sites >= 1, "sites = {sites} is out of range: give a whole number from 1");
-    let value = |parameter: Parameter| args.values.get(parameter);
-    let parameters = [Gamma1, Gamma2, Asymmetry, Amplitude, Restitution];
-    for (parameter, value) in parameters.into_iter().filter_map(|parameter| Some((parameter, value(parameter)?))) {
-        parameter.check(value)?;
-    }
-    let StructureArgs { damping, coupling_damping, static_force, stops, lower, upper, .. } = extra;
-    let own = [damping, coupling_damping, static_force, lower, upper];
-    if let Some(value) = own.into_iter().flatten().find(|value| !value.is_finite()) {
-        refuse!("{value} is out of range: give finite numbers");
-    }
-    let is_forced = value(Amplitude).is_some_and(|amplitude| amplitude != 0.0);
-    let model = object([
+    let mut model = object([
         ("sites", json!(sites)),
         ("ends", json!(args.ends.unwrap_or(RowEnds::Alike(Ends::Closed)).name())),
-        ("gamma1", json!(value(Gamma1))),
-        ("gamma2", json!(value(Gamma2))),
-        ("asymmetry", json!(value(Asymmetry))),
-        ("amplitude", json!(value(Amplitude))),
-        ("restitution", json!(value(Restitution).or((!is_forced).then_some(1.0)))),
-        ("damping", json!(damping)),
-        ("coupling_damping", json!(coupling_damping)),
-        ("static_force", json!(static_force)),
-        ("stops", json!(stops)),
-        ("lower", json!(lower)),
-        ("upper", json!(upper)),
+        ("stops", json!(args.structure.stops)),
     ]);
+    let plain = Parameter::of(1).iter().copied().filter(|one| *one != Parameter::Omega);
+    for (parameter, value) in plain.filter_map(|one| Some((one, args.values.get(one)?))) {
+        parameter.check(value)?;
+        model.insert(parameter.name().to_owned(), json!(value));
+    }
+    for (parameter, value) in DampedParameter::ALL.into_iter().filter_map(|one| Some((one, args.values.own(one)?))) {
+        parameter.check(value)?;
+        model.insert(parameter.name().to_owned(), json!(value));
+    }
+    if args.values.get(Parameter::Amplitude).is_none_or(|amplitude| amplitude == 0.0) {
+        model.entry(Parameter::Restitution.name()).or_insert(json!(1.0));
+    }
     Ok(StructureScene::of_model(model)?)
 }

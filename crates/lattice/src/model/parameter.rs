@@ -1,5 +1,6 @@
 //! The table of the model's real parameters. Whatever reads, writes, shows or varies one takes it from here: flags, scenes, JSON, columns,
-//! Python, schemas and the explorer's controls. A new parameter is a row of it, and what it does in [`Model`](crate::Model).
+//! Python, schemas and the explorer's controls. A new parameter is a row of it, and what it does in [`Model`](crate::Model), or, of one that
+//! only damped chains have, in the structure that the chain is then.
 
 use std::sync::LazyLock;
 
@@ -21,6 +22,14 @@ pub struct Range {
 impl Range {
     const STIFFNESS: Self =
         Self { least: 0.0, most: MAX_MAGNITUDE, open: [false; 2], told: "a finite number from 0 to 1e100" };
+
+    /// Any number of a size that can be computed with.
+    pub const REAL: Self = Self {
+        least: -MAX_MAGNITUDE,
+        most: MAX_MAGNITUDE,
+        open: [false; 2],
+        told: "a number between -1e100 and 1e100",
+    };
 
     /// Whether it holds a value.
     pub fn contains(&self, value: f64) -> bool {
@@ -116,24 +125,95 @@ macro_rules! parameters {
 }
 pub(crate) use parameters;
 
-macro_rules! table {
-    ($($(#[$doc:meta])* $variant:ident $name:ident { $($rest:tt)* })*) => {
-        /// A real parameter of the model, which a sweep can vary or a search can solve for.
+macro_rules! enumerated {
+    ($(#[$of:meta])* $many:ident { $($(#[$doc:meta])* $variant:ident $name:ident { $($rest:tt)* })* }) => {
+        $(#[$of])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-        pub enum Parameter {
+        pub enum $many {
             $($(#[$doc])* $variant,)*
         }
 
-        const TABLE: &[Row] = &[$(Row { name: stringify!($name), $($rest)* }),*];
+        impl $many {
+            const TABLE: &[Row] = &[$(Row { name: stringify!($name), $($rest)* }),*];
 
-        impl Parameter {
             /// All of them, in the order of tables.
-            pub const ALL: [Self; TABLE.len()] = [$(Self::$variant),*];
+            pub const ALL: [Self; Self::TABLE.len()] = [$(Self::$variant),*];
+
+            /// Its row of the table.
+            pub const fn row(self) -> &'static Row {
+                &Self::TABLE[self as usize]
+            }
+
+            /// The name in scenes, flags and tables.
+            pub fn name(self) -> &'static str {
+                self.row().name
+            }
+
+            /// The name of its flag, without the two hyphens before it.
+            pub fn flag(self) -> String {
+                self.name().replace('_', "-")
+            }
+
+            /// The parameter of that name.
+            pub fn from_name(name: &str) -> Option<Self> {
+                Self::ALL.into_iter().find(|parameter| parameter.name() == name)
+            }
+
+            /// Refuses a value out of range.
+            ///
+            /// # Errors
+            /// A [`ParameterError`] with the range.
+            pub fn check(self, value: f64) -> Result<(), ParameterError> {
+                check(self.row().range.contains(value), self.name(), value, self.row().range.told)
+            }
+        }
+    };
+}
+
+macro_rules! table {
+    ($($rows:tt)*) => {
+        enumerated! {
+            /// A real parameter of the model, which a sweep can vary or a search can solve for.
+            Parameter { $($rows)* }
         }
     };
 }
 parameters!(table);
+
+enumerated! {
+    /// A real parameter that only damped chains have; with one, a chain is asked as a structure.
+    DampedParameter {
+        /// Dashpot c between each mass and the ground.
+        Damping damping {
+            symbol: "c", meaning: "damping", word: "damping",
+            help: "Dashpot c between each mass and the ground: ü + c u̇ + … (below 0: self-excited)",
+            range: Range::REAL, part: Part::Driving, default: Some(0.0), slider: [0.0, 1.0, 0.005],
+        }
+        /// Dashpot c₂ between neighbours.
+        CouplingDamping coupling_damping {
+            symbol: "c₂", meaning: "damping between neighbours", word: "damping", help: "Dashpot c₂ in each spring between neighbours",
+            range: Range::REAL, part: Part::Driving, default: Some(0.0), slider: [0.0, 1.0, 0.005],
+        }
+        /// Force s on every mass that does not change.
+        StaticForce static_force {
+            symbol: "s", meaning: "static force", word: "force", help: "A force on every mass that does not change",
+            range: Range::REAL, part: Part::Driving, default: Some(0.0), slider: [-1.0, 1.0, 0.005],
+        }
+        /// Place of the lower barrier.
+        Lower lower {
+            symbol: "g", meaning: "lower barrier", word: "barrier",
+            help: "Where the lower barrier is [default: asymmetry − 1; with --upper alone there is none]",
+            range: Range::REAL, part: Part::Motion, default: None, slider: [-2.0, 0.0, 0.01],
+        }
+        /// Place of the upper barrier.
+        Upper upper {
+            symbol: "g", meaning: "upper barrier", word: "barrier",
+            help: "Where the upper barrier is [default: asymmetry + 1; with --lower alone there is none]",
+            range: Range::REAL, part: Part::Motion, default: None, slider: [0.0, 2.0, 0.01],
+        }
+    }
+}
 
 impl Parameter {
     /// Those of a lattice of so many layers: γ₃ takes two.
@@ -148,21 +228,6 @@ impl Parameter {
         [true, false]
             .into_iter()
             .flat_map(|first| Self::ALL.into_iter().filter(move |one| one.is_of_lattice() == first))
-    }
-
-    /// Its row of the table.
-    pub fn row(self) -> &'static Row {
-        &TABLE[self as usize]
-    }
-
-    /// The name in scenes, flags and tables.
-    pub fn name(self) -> &'static str {
-        self.row().name
-    }
-
-    /// The name of its flag, without the two hyphens before it.
-    pub fn flag(self) -> String {
-        self.name().replace('_', "-")
     }
 
     /// The letter on pictures.
@@ -188,18 +253,5 @@ impl Parameter {
             Part::Driving => true,
             Part::Lattice | Part::Motion => self.row().default != Some(value),
         }
-    }
-
-    /// The parameter of that name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|parameter| parameter.name() == name)
-    }
-
-    /// Refuses a value out of range.
-    ///
-    /// # Errors
-    /// A [`ParameterError`] with the range.
-    pub fn check(self, value: f64) -> Result<(), ParameterError> {
-        check(self.row().range.contains(value), self.name(), value, self.row().range.told)
     }
 }

@@ -1,6 +1,9 @@
 //! Axes of a sweep.
 
-use serde::{Serialize, Serializer};
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize, Serializer};
+use toml::Spanned;
 use vibrochain_lattice::{Parameter, Short};
 
 /// The most points of one axis.
@@ -56,83 +59,90 @@ fn logarithmic<S: Serializer>(from: &f64, to: &f64, points: &usize, serializer: 
     Spaced { from: *from, to: *to, points: *points, spacing: "log" }.serialize(serializer)
 }
 
-/// The keys of an axis, as a file gives them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Key {
-    From,
-    To,
-    Points,
-    Spacing,
-    Values,
-    /// One of the values.
-    Value(usize),
-    /// The axis, which lacks one.
-    Axis,
+/// An axis as a file has it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct AxisTable {
+    pub(crate) parameter: Spanned<String>,
+    from: Option<Spanned<f64>>,
+    to: Option<Spanned<f64>>,
+    points: Option<Spanned<i64>>,
+    spacing: Option<Spanned<String>>,
+    values: Option<Spanned<Vec<Spanned<f64>>>>,
 }
 
-/// What a file gives of the values of an axis.
-#[derive(Debug, Default)]
-pub(crate) struct GivenAxis<'a> {
-    pub(crate) from: Option<f64>,
-    pub(crate) to: Option<f64>,
-    pub(crate) points: Option<i64>,
-    pub(crate) spacing: Option<&'a str>,
-    pub(crate) values: Option<Vec<f64>>,
-}
+/// What is wrong with an axis, and where; `None`: all of it.
+type Wrong = (Option<Range<usize>>, String);
 
-impl GivenAxis<'_> {
-    /// The values of the axis of this name; else what is wrong, and where.
-    pub(crate) fn values(self, name: &str) -> Result<Values, (Key, String)> {
-        let Self { from, to, points, spacing, values } = self;
+impl AxisTable {
+    /// Where the file gives this value.
+    pub(crate) fn place(&self, value: f64) -> Option<Range<usize>> {
+        let mut values = self.values.iter().flat_map(|list| list.get_ref()).chain(&self.from).chain(&self.to);
+        values.find(|given| *given.get_ref() == value).map(Spanned::span)
+    }
+
+    /// Its values.
+    ///
+    /// # Errors
+    /// What is wrong with them.
+    pub(crate) fn values(&self) -> Result<Values, Wrong> {
+        let Self { parameter, from, to, points, spacing, values } = self;
         if let Some(values) = values {
-            let rest = [(Key::From, from.is_some()), (Key::To, to.is_some())];
-            let rest = rest.into_iter().chain([(Key::Points, points.is_some()), (Key::Spacing, spacing.is_some())]);
-            return match rest.into_iter().find(|(_, given)| *given) {
-                Some((key, _)) => {
-                    Err((key, "values is given as well: give either values, or from, to and points".to_owned()))
+            let ends = from.as_ref().or(to.as_ref()).map(Spanned::span);
+            let rest = ends.or(points.as_ref().map(Spanned::span)).or(spacing.as_ref().map(Spanned::span));
+            return match rest {
+                Some(_) => {
+                    Err((rest, "values is given as well: give either values, or from, to and points".to_owned()))
                 }
                 None => list(values),
             };
         }
         let (Some(from), Some(to), Some(points)) = (from, to, points) else {
-            return Err((Key::Axis, format!("{name} has no values yet: give from, to and points, or values")));
+            let name = parameter.get_ref();
+            return Err((None, format!("{name} has no values yet: give from, to and points, or values")));
         };
-        let count = usize::try_from(points).ok().filter(|count| (2..=MAX_POINTS).contains(count));
-        let Some(points) = count else {
-            let range = format!("points = {points} is out of range: give a whole number from 2 to {MAX_POINTS}");
-            return Err((Key::Points, range));
+        let (place, given) = (Some(points.span()), *points.get_ref());
+        let Some(points) = usize::try_from(given).ok().filter(|points| (2..=MAX_POINTS).contains(points)) else {
+            let range = format!("points = {given} is out of range: give a whole number from 2 to {MAX_POINTS}");
+            return Err((place, range));
         };
+        let (begin, from, to) = (Some(from.span()), *from.get_ref(), *to.get_ref());
         if !from.is_finite() || !to.is_finite() || from >= to {
             let message =
                 format!("from = {}, to = {} is not a range: give finite values with from < to", Short(from), Short(to));
-            return Err((Key::From, message));
+            return Err((begin, message));
         }
-        match spacing.unwrap_or("linear") {
+        match spacing.as_ref().map_or("linear", |spacing| spacing.get_ref()) {
             "linear" => Ok(Values::Linear { from, to, points }),
             "log" if from > 0.0 => Ok(Values::Logarithmic { from, to, points }),
             "log" => Err((
-                Key::From,
+                begin,
                 format!("from = {} has no logarithm: give a positive one with spacing = \"log\"", Short(from)),
             )),
-            other => Err((Key::Spacing, format!("`{other}` is not a spacing: give \"linear\" or \"log\""))),
+            other => Err((
+                spacing.as_ref().map(Spanned::span),
+                format!("`{other}` is not a spacing: give \"linear\" or \"log\""),
+            )),
         }
     }
 }
 
 /// Values one by one.
-fn list(values: Vec<f64>) -> Result<Values, (Key, String)> {
+fn list(given: &Spanned<Vec<Spanned<f64>>>) -> Result<Values, Wrong> {
+    let values: Vec<f64> = given.get_ref().iter().map(|value| *value.get_ref()).collect();
+    let place = |at: usize| Some(given.get_ref()[at].span());
     let count = values.len();
     if !(1..=MAX_POINTS).contains(&count) {
-        return Err((Key::Values, format!("values has {count} numbers: give 1 to {MAX_POINTS}")));
+        return Err((Some(given.span()), format!("values has {count} numbers: give 1 to {MAX_POINTS}")));
     }
     if let Some(at) = values.iter().position(|value| !value.is_finite()) {
-        return Err((Key::Value(at), format!("{} is out of range: give finite values", Short(values[at]))));
+        return Err((place(at), format!("{} is out of range: give finite values", Short(values[at]))));
     }
     let mut order: Vec<usize> = (0..count).collect();
     // Equal ones in the order of the file, so that the second is the one pointed at.
     order.sort_by(|&a, &b| (values[a] + 0.0).total_cmp(&(values[b] + 0.0)));
     if let Some(pair) = order.windows(2).find(|pair| values[pair[0]] == values[pair[1]]) {
-        return Err((Key::Value(pair[1]), format!("{} is listed twice: remove one", Short(values[pair[1]]))));
+        return Err((place(pair[1]), format!("{} is listed twice: remove one", Short(values[pair[1]]))));
     }
     Ok(Values::List(values))
 }

@@ -1,7 +1,6 @@
 //! The form of a scene file.
 
 use std::fmt;
-use std::ops::Range;
 use std::path::Path;
 use std::sync::LazyLock;
 
@@ -9,10 +8,10 @@ use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value};
 use toml::Spanned;
-use vibrochain_lattice::{Ends, Force, Harmonic, Layout, MAX_HARMONIC, MAX_SITES, Parameter};
+use vibrochain_lattice::{DampedParameter, Ends, Force, Harmonic, Layout, MAX_HARMONIC, MAX_SITES, Parameter, Part};
 
 use crate::error::MapError;
-use crate::scene::axis::{Axis, GivenAxis, Key};
+use crate::scene::axis::{Axis, AxisTable};
 use crate::scene::compute::ComputeTable;
 use crate::scene::source::{SHOWN, Source, is_json};
 use crate::text::clipped;
@@ -29,13 +28,17 @@ pub(super) struct File {
     pub(super) compute: Option<ComputeTable>,
 }
 
-pub(super) struct ModelTable {
-    pub(super) sites: Spanned<i64>,
-    pub(super) ends: Option<Spanned<String>>,
+/// `[model]` of a plain chain, or of a damped one, which takes other keys.
+pub(crate) struct ModelTable<const DAMPED: bool = false> {
+    pub(crate) sites: Spanned<i64>,
+    pub(crate) ends: Option<Spanned<String>>,
     pub(super) layers: Option<Spanned<i64>>,
     pub(super) layer_ends: Option<Spanned<String>>,
     /// In the order of [`Parameter::ALL`].
     values: Values<Spanned<f64>>,
+    /// In the order of [`DampedParameter::ALL`].
+    damped: [Option<f64>; DampedParameter::ALL.len()],
+    pub(crate) stops: Vec<usize>,
     pub(super) forcing: Option<ForcingTable>,
     pub(super) force: Option<Spanned<Vec<HarmonicTable>>>,
 }
@@ -45,31 +48,43 @@ pub(super) type Values<T> = [Option<T>; Parameter::ALL.len()];
 
 /// A key of `[model]`: one of these, or a parameter's name. It is a newtype, so that the error of an unknown key points at that key.
 #[derive(Deserialize)]
-struct ModelKey(#[serde(deserialize_with = "known")] Name);
+struct ModelKey<const DAMPED: bool>(#[serde(deserialize_with = "known::<DAMPED, _>")] Name);
 
 type Name = &'static str;
 
-fn known<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Name, D::Error> {
-    static KEYS: LazyLock<Vec<&str>> = LazyLock::new(|| {
+/// Keys of `[model]`, and parameters of axes, that make a chain a damped one.
+pub fn damped_keys() -> impl Iterator<Item = Name> {
+    let of =
+        |part: Part| DampedParameter::ALL.into_iter().map(DampedParameter::row).filter(move |row| row.part == part);
+    of(Part::Driving).map(|row| row.name).chain(["stops"]).chain(of(Part::Motion).map(|row| row.name))
+}
+
+fn known<'de, const DAMPED: bool, D: Deserializer<'de>>(deserializer: D) -> Result<Name, D::Error> {
+    static PLAIN: LazyLock<Vec<&str>> = LazyLock::new(|| {
         let layout = ["sites", "ends", "layers", "layer_ends"].into_iter();
         layout.chain(Parameter::ALL.map(Parameter::name)).chain(["forcing", "force"]).collect()
     });
+    static OF_DAMPED: LazyLock<Vec<&str>> = LazyLock::new(|| {
+        let plain = ["sites", "ends"].into_iter().chain(Parameter::of(1).iter().map(|parameter| parameter.name()));
+        plain.chain(["forcing"]).chain(damped_keys()).collect()
+    });
+    let keys: &[&str] = if DAMPED { &OF_DAMPED } else { &PLAIN };
     let name = String::deserialize(deserializer)?;
-    KEYS.iter().find(|key| **key == name).copied().ok_or_else(|| D::Error::unknown_field(&name, &KEYS))
+    keys.iter().find(|key| **key == name).copied().ok_or_else(|| D::Error::unknown_field(&name, keys))
 }
 
-impl<'de> Deserialize<'de> for ModelTable {
+impl<'de, const DAMPED: bool> Deserialize<'de> for ModelTable<DAMPED> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Table;
+        struct Table<const DAMPED: bool>;
 
-        impl<'de> Visitor<'de> for Table {
-            type Value = ModelTable;
+        impl<'de, const DAMPED: bool> Visitor<'de> for Table<DAMPED> {
+            type Value = ModelTable<DAMPED>;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("a map")
             }
 
-            fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<ModelTable, M::Error> {
+            fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<Self::Value, M::Error> {
                 let mut sites = None;
                 let mut table = ModelTable {
                     sites: Spanned::new(0..0, 0),
@@ -77,10 +92,12 @@ impl<'de> Deserialize<'de> for ModelTable {
                     layers: None,
                     layer_ends: None,
                     values: Values::default(),
+                    damped: Default::default(),
+                    stops: Vec::new(),
                     forcing: None,
                     force: None,
                 };
-                while let Some(ModelKey(key)) = map.next_key()? {
+                while let Some(ModelKey::<DAMPED>(key)) = map.next_key()? {
                     match key {
                         "sites" => sites = Some(map.next_value()?),
                         "ends" => table.ends = Some(map.next_value()?),
@@ -88,10 +105,12 @@ impl<'de> Deserialize<'de> for ModelTable {
                         "layer_ends" => table.layer_ends = Some(map.next_value()?),
                         "forcing" => table.forcing = Some(map.next_value()?),
                         "force" => table.force = Some(map.next_value()?),
-                        name => {
-                            let parameter = Parameter::from_name(name).ok_or_else(|| M::Error::missing_field(key))?;
-                            table.values[parameter as usize] = Some(map.next_value()?);
-                        }
+                        "stops" => table.stops = map.next_value()?,
+                        name => match (Parameter::from_name(name), DampedParameter::from_name(name)) {
+                            (Some(parameter), _) => table.values[parameter as usize] = Some(map.next_value()?),
+                            (_, Some(parameter)) => table.damped[parameter as usize] = Some(map.next_value()?),
+                            (None, None) => return Err(M::Error::missing_field(key)),
+                        },
                     }
                 }
                 table.sites = sites.ok_or_else(|| M::Error::missing_field("sites"))?;
@@ -99,7 +118,7 @@ impl<'de> Deserialize<'de> for ModelTable {
             }
         }
 
-        deserializer.deserialize_map(Table)
+        deserializer.deserialize_map(Table::<DAMPED>)
     }
 }
 
@@ -137,17 +156,6 @@ pub(super) struct SweepTable {
 #[serde(deny_unknown_fields)]
 pub(super) struct RefineTable {
     pub(super) depth: Spanned<i64>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct AxisTable {
-    pub(super) parameter: Spanned<String>,
-    pub(super) from: Option<Spanned<f64>>,
-    pub(super) to: Option<Spanned<f64>>,
-    pub(super) points: Option<Spanned<i64>>,
-    pub(super) spacing: Option<Spanned<String>>,
-    pub(super) values: Option<Spanned<Vec<Spanned<f64>>>>,
 }
 
 impl SweepTable {
@@ -205,6 +213,23 @@ impl ModelTable {
     }
 }
 
+impl ModelTable<true> {
+    /// The value of a parameter, wherever it stands.
+    pub(crate) fn value(&self, parameter: Parameter) -> Option<f64> {
+        let nested = self.forcing.as_ref().and_then(|forcing| match parameter {
+            Parameter::Amplitude => forcing.amplitude.as_ref(),
+            Parameter::Restitution => forcing.restitution.as_ref(),
+            _ => None,
+        });
+        self.values[parameter as usize].as_ref().or(nested).map(|value| *value.get_ref())
+    }
+
+    /// The value of one that only damped chains have.
+    pub(crate) fn own(&self, parameter: DampedParameter) -> Option<f64> {
+        self.damped[parameter as usize]
+    }
+}
+
 /// A file that was read.
 pub(super) struct ReadFile<'a> {
     pub(super) file: File,
@@ -256,14 +281,6 @@ impl File {
     }
 }
 
-impl AxisTable {
-    /// Where the file gives this value.
-    pub(super) fn place(&self, value: f64) -> Option<Range<usize>> {
-        let mut values = self.values.iter().flat_map(|list| list.get_ref()).chain(&self.from).chain(&self.to);
-        values.find(|given| *given.get_ref() == value).map(Spanned::span)
-    }
-}
-
 impl Source<'_> {
     pub(super) fn force(&self, list: &Spanned<Vec<HarmonicTable>>) -> Result<Force, MapError> {
         let harmonic = |table: &HarmonicTable| {
@@ -286,28 +303,7 @@ impl Source<'_> {
             let known = Parameter::ALL.map(Parameter::name).join(", ");
             self.error(table.parameter.span(), format!("`{name}` cannot be swept: give one of {known}"))
         })?;
-        let number = |value: &Option<Spanned<f64>>| value.as_ref().map(|value| *value.get_ref());
-        let given = GivenAxis {
-            from: number(&table.from),
-            to: number(&table.to),
-            points: table.points.as_ref().map(|points| *points.get_ref()),
-            spacing: table.spacing.as_ref().map(|spacing| spacing.get_ref().as_str()),
-            values: table.values.as_ref().map(|list| list.get_ref().iter().map(|value| *value.get_ref()).collect()),
-        };
-        let place = |key| {
-            let list = || table.values.as_ref();
-            match key {
-                Key::From => table.from.as_ref().map(Spanned::span),
-                Key::To => table.to.as_ref().map(Spanned::span),
-                Key::Points => table.points.as_ref().map(Spanned::span),
-                Key::Spacing => table.spacing.as_ref().map(Spanned::span),
-                Key::Values => list().map(Spanned::span),
-                Key::Value(at) => list().map(|list| list.get_ref()[at].span()),
-                Key::Axis => None,
-            }
-        };
-        let values = given.values(name);
-        let values = values.map_err(|(key, message)| self.error(place(key).unwrap_or(span), message))?;
+        let values = table.values().map_err(|(place, message)| self.error(place.unwrap_or(span), message))?;
         Ok(Axis { parameter, values })
     }
 }

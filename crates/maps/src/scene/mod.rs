@@ -18,11 +18,12 @@ use toml::Spanned;
 use vibrochain_floquet::{OrderFinder, Tolerance};
 use vibrochain_lattice::{Model, Parameter, Part, Point, Row};
 
-pub(crate) use crate::scene::axis::GivenAxis;
+pub(crate) use crate::scene::axis::AxisTable;
 pub use crate::scene::axis::{Axis, MAX_POINTS, Values};
 pub use crate::scene::compute::tolerance_from;
 pub(crate) use crate::scene::data::Places;
-pub use crate::scene::file::MAX_BYTES;
+pub(crate) use crate::scene::file::ModelTable;
+pub use crate::scene::file::{MAX_BYTES, damped_keys};
 pub use crate::scene::given::Given;
 pub use crate::scene::refine::Refine;
 pub use crate::scene::slice::Slice;

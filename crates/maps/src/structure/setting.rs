@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use vibrochain_lattice::{DampedParameter, Parameter, Row};
+
 /// One number that can be varied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Setting {
@@ -58,20 +60,25 @@ impl Matrix {
     }
 }
 
-/// Those that need no number of a contact, by the names of a chain, too.
-const NAMED: [(&str, Setting); 11] = [
-    ("omega", Setting::Omega),
-    ("load", Setting::Load),
-    ("static", Setting::Static),
-    ("damping", Setting::Damping),
-    ("coupling_damping", Setting::CouplingDamping),
-    ("gamma1", Setting::Gamma1),
-    ("gamma2", Setting::Gamma2),
-    ("asymmetry", Setting::Asymmetry),
-    ("restitution", Setting::RestitutionOfAll),
-    ("amplitude", Setting::Load),
-    ("static_force", Setting::Static),
+/// Those that need no number of a contact: by the names of structures, and as the parameters of chains that they are.
+const NAMED: [(Setting, &str, &Row); 9] = [
+    (Setting::Omega, "omega", Parameter::Omega.row()),
+    (Setting::Load, "load", Parameter::Amplitude.row()),
+    (Setting::Static, "static", DampedParameter::StaticForce.row()),
+    (Setting::Damping, "damping", DampedParameter::Damping.row()),
+    (Setting::CouplingDamping, "coupling_damping", DampedParameter::CouplingDamping.row()),
+    (Setting::Gamma1, "gamma1", Parameter::Gamma1.row()),
+    (Setting::Gamma2, "gamma2", Parameter::Gamma2.row()),
+    (Setting::Asymmetry, "asymmetry", Parameter::Asymmetry.row()),
+    (Setting::RestitutionOfAll, "restitution", Parameter::Restitution.row()),
 ];
+
+impl Setting {
+    /// Its row of the table of parameters; `None` of what has no name of its own.
+    pub(super) fn row(self) -> Option<&'static Row> {
+        NAMED.into_iter().find(|(setting, ..)| *setting == self).map(|(.., row)| row)
+    }
+}
 
 impl fmt::Display for Setting {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -82,7 +89,7 @@ impl fmt::Display for Setting {
             Self::Entry(matrix, row, column) => write!(f, "{}.{row}.{column}", matrix.name()),
             Self::LoadOf(coordinate) => write!(f, "load.{coordinate}"),
             Self::StaticOf(coordinate) => write!(f, "static.{coordinate}"),
-            named => f.write_str(NAMED.iter().find(|(_, setting)| setting == named).map_or("", |(name, _)| name)),
+            named => f.write_str(NAMED.iter().find(|(setting, ..)| setting == named).map_or("", |(_, name, _)| name)),
         }
     }
 }
@@ -107,7 +114,7 @@ impl FromStr for Setting {
                  of a chain also gamma1, gamma2, coupling_damping"
             )
         };
-        if let Some((_, setting)) = NAMED.iter().find(|(name, _)| *name == text) {
+        if let Some((setting, ..)) = NAMED.iter().find(|(_, name, row)| *name == text || row.name == text) {
             return Ok(*setting);
         }
         let number = |text: &str| text.parse().map_err(|_| unknown());

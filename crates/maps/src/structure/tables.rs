@@ -5,7 +5,7 @@ use serde::Deserialize;
 use vibrochain_lattice::{Complex, Contact};
 
 use super::setting::Setting;
-use crate::scene::{Axis, GivenAxis};
+use crate::scene::{Axis, AxisTable};
 
 type C = Complex<f64>;
 
@@ -175,29 +175,15 @@ impl SweepTable {
 
     /// Whether an axis is of one of these names.
     pub(super) fn varies(&self, names: &[&str]) -> bool {
-        self.all().any(|axis| names.contains(&axis.parameter.as_str()))
+        self.all().any(|axis| names.contains(&axis.parameter.get_ref().as_str()))
     }
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct AxisTable {
-    pub(super) parameter: String,
-    from: Option<f64>,
-    to: Option<f64>,
-    points: Option<i64>,
-    spacing: Option<String>,
-    values: Option<Vec<f64>>,
-}
-
-impl AxisTable {
-    pub(super) fn axis(&self) -> Result<Axis<Setting>, String> {
-        let Self { parameter, from, to, points, spacing, values } = self;
-        let (spacing, values) = (spacing.as_deref(), values.clone());
-        let given = GivenAxis { from: *from, to: *to, points: *points, spacing, values };
-        let values = given.values(parameter).map_err(|(_, message)| format!("axis {parameter}: {message}"))?;
-        Ok(Axis { parameter: parameter.parse()?, values })
-    }
+/// An axis over a number of a structure.
+pub(super) fn axis(table: &AxisTable) -> Result<Axis<Setting>, String> {
+    let name = table.parameter.get_ref();
+    let values = table.values().map_err(|(_, message)| format!("axis {name}: {message}"))?;
+    Ok(Axis { parameter: name.parse()?, values })
 }
 
 #[derive(Deserialize)]

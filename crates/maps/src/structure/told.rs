@@ -1,6 +1,6 @@
 //! What pictures and answers say of a structure's scene.
 
-use vibrochain_lattice::{Contact, Parameter};
+use vibrochain_lattice::{Contact, Parameter, Row};
 
 use super::scene::StructureScene;
 use super::setting::Setting;
@@ -103,29 +103,24 @@ fn layout(chain: &ChainTable) -> String {
 }
 
 impl StructureScene {
-    /// The parameter of a plain chain that a number is.
-    fn parameter(&self, setting: Setting) -> Option<Parameter> {
-        match setting {
-            Setting::Omega => Some(Parameter::Omega),
-            Setting::Gamma1 => Some(Parameter::Gamma1),
-            Setting::Gamma2 => Some(Parameter::Gamma2),
-            Setting::Asymmetry => Some(Parameter::Asymmetry),
-            Setting::RestitutionOfAll => Some(Parameter::Restitution),
-            Setting::Load if self.is_uniform() => Some(Parameter::Amplitude),
-            _ => None,
-        }
+    /// The parameter of a chain that a number is; what multiplies loads and dashpots is none.
+    fn row(&self, setting: Setting) -> Option<&'static Row> {
+        let is_own = match setting {
+            Setting::Load | Setting::Static => self.is_uniform(),
+            Setting::Damping => self.is_chain(),
+            _ => true,
+        };
+        setting.row().filter(|_| is_own)
     }
 
-    /// The letter of a number, or its name, on pictures: a chain's own, or of what multiplies loads and dashpots.
+    /// The letter of a number, or its name, on pictures.
     fn symbol(&self, setting: Setting) -> String {
-        match setting {
-            Setting::Static if self.is_uniform() => "s".to_owned(),
-            Setting::Damping if self.is_chain() => "c".to_owned(),
-            Setting::CouplingDamping => "c₂".to_owned(),
-            Setting::Load if !self.is_uniform() => "factor of the load".to_owned(),
-            Setting::Static => "factor of the static load".to_owned(),
-            Setting::Damping => "factor of the damping".to_owned(),
-            own => self.parameter(own).map_or_else(|| own.to_string(), |parameter| parameter.symbol().to_owned()),
+        match (self.row(setting), setting) {
+            (Some(row), _) => row.symbol.to_owned(),
+            (None, Setting::Load) => "factor of the load".to_owned(),
+            (None, Setting::Static) => "factor of the static load".to_owned(),
+            (None, Setting::Damping) => "factor of the damping".to_owned(),
+            (None, own) => own.to_string(),
         }
     }
 
@@ -133,19 +128,16 @@ impl StructureScene {
     #[must_use]
     pub fn label(&self, setting: Setting) -> String {
         match setting {
-            Setting::Static if self.is_uniform() => "static force s".to_owned(),
-            Setting::Damping if self.is_chain() => "damping c".to_owned(),
-            Setting::CouplingDamping => "damping between neighbours c₂".to_owned(),
             Setting::Lower(contact) => format!("lower barrier of contact {contact}"),
             Setting::Upper(contact) => format!("upper barrier of contact {contact}"),
             Setting::Restitution(contact) => format!("restitution of contact {contact}"),
             Setting::LoadOf(coordinate) => format!("load on coordinate {coordinate}"),
             Setting::StaticOf(coordinate) => format!("static load on coordinate {coordinate}"),
             Setting::Entry(matrix, row, column) => format!("{} at ({row}, {column})", matrix.name()),
-            _ => {
-                let meaning = self.parameter(setting).map_or(String::new(), |one| format!("{} ", one.meaning()));
-                meaning + &self.symbol(setting)
-            }
+            _ => match self.row(setting) {
+                Some(row) => format!("{} {}", row.meaning, row.symbol),
+                None => self.symbol(setting),
+            },
         }
     }
 }

@@ -16,7 +16,7 @@ use crate::scene::{Axis, Places, Source, is_json, tolerance_from};
 use crate::structure::definition::Definition;
 use crate::structure::named::Named;
 use crate::structure::setting::Setting;
-use crate::structure::tables::{AxisTable, ComputeTable, ContactTable, ForceTable, StructureTable, SweepTable};
+use crate::structure::tables::{ComputeTable, ContactTable, ForceTable, StructureTable, SweepTable, axis};
 
 /// The most points of a map.
 const MOST_CELLS: u64 = 100_000_000;
@@ -120,13 +120,13 @@ impl StructureScene {
         let words = compute.map_or(Ok(Vec::new()), |compute| compute.families.iter().map(of_map).collect())?;
         let tolerance = compute.and_then(|compute| compute.threshold).map(tolerance_from).transpose()?;
         let sweep = || sweep.iter().flat_map(|sweep| sweep.all());
-        let axes = sweep().map(AxisTable::axis).collect::<Result<Vec<_>, _>>()?;
+        let axes = sweep().map(axis).collect::<Result<Vec<_>, _>>()?;
         for (i, Axis { parameter, .. }) in axes.iter().enumerate() {
             if axes[..i].iter().any(|earlier| earlier.parameter == *parameter) {
                 return Err(format!("{parameter} is swept twice: give different parameters"));
             }
         }
-        self.axis_names = sweep().map(|axis| axis.parameter.clone()).collect();
+        self.axis_names = sweep().map(|axis| axis.parameter.get_ref().clone()).collect();
         let points = axes.iter().try_fold(1_u64, |points, axis| points.checked_mul(axis.points() as u64));
         let points = points.unwrap_or(u64::MAX);
         if points > MOST_CELLS {
