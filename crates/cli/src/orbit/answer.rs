@@ -10,9 +10,7 @@ use crate::common::schemas::ORBIT;
 use crate::common::solution::Solution;
 use crate::orbit::modes::OrbitModes;
 use vibrochain_maps::manifest::object;
-
-/// The most multipliers of a solution that are listed.
-const MOST_LISTED: usize = 4096;
+use vibrochain_maps::structure::answer::{MOST_LISTED, stability as verdict_of};
 
 /// All breathers at a point.
 pub(super) fn answer(model: &Model, solutions: &[Solution], found: &OrbitList) -> Map<String, Value> {
@@ -82,16 +80,11 @@ fn solution(solution: &Solution) -> Value {
 fn stability(all: &Multipliers) -> Value {
     let verdict = all.verdict;
     let listed = all.len() <= MOST_LISTED;
-    let mut told = json!({
-        "stable": verdict.stable,
-        "undecided": verdict.undecided,
-        "mechanism": verdict.mechanism,
-        "spectral_radius": verdict.spectral_radius,
-        "excess": verdict.excess(),
-        "resolution": verdict.resolution,
+    let of_multipliers = json!({
         "method": verdict.method.name(),
         "multipliers": listed.then(|| all.sorted().map(|mu| [mu.re, mu.im]).collect::<Vec<_>>()),
     });
+    let mut told = joined(verdict_of(&verdict).into(), of_multipliers);
     if !listed {
         told["multipliers_note"] = json!(format!("{} of them: --multipliers FILE writes them as CSV", all.len()));
     }

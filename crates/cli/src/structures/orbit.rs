@@ -179,9 +179,8 @@ fn near(path: &Path, model: &StructureModel) -> Result<StructureOrbit, CliError>
         .impacts
         .iter()
         .map(|impact| {
-            let barrier = [Barrier::Lower, Barrier::Upper].into_iter().find(|barrier| barrier.name() == impact.barrier);
-            let barrier =
-                barrier.ok_or_else(|| wrong(&format!("barrier {} is unknown: give lower or upper", impact.barrier)))?;
+            let barrier = Barrier::from_name(&impact.barrier)
+                .ok_or_else(|| wrong(&format!("barrier {} is unknown: give lower or upper", impact.barrier)))?;
             Ok(Hit::new(impact.contact, barrier, impact.time, impact.impulse))
         })
         .collect::<Result<_, CliError>>()?;

@@ -1,20 +1,21 @@
 //! Orbits of a structure with all that is said of them, as JSON: what the program prints and Python reads.
 
-use serde_json::{Value, json as value};
+use serde_json::{Map, Value, json as value};
 use vibrochain_breather::{
-    Admissibility, Obstruction, StructureFound, StructureModel, StructureOrbit, StructureOrbitError,
+    Admissibility, Obstruction, StructureFound, StructureImpact, StructureModel, StructureOrbit, StructureOrbitError,
     structure_admissibility,
 };
-use vibrochain_floquet::{FloquetError, Stability, Tolerance, structure_stability};
+use vibrochain_floquet::{FloquetError, Stability, Tolerance, Verdict, structure_stability};
 
 use super::scene::StructureScene;
 use super::setting::Setting;
+use crate::manifest::object;
 
 /// What the answer names in its first key.
 const SCHEMA: &str = "urn:vibrochain:structure:1";
 
 /// The most multipliers of a solution that are listed.
-const MOST_LISTED: usize = 4096;
+pub const MOST_LISTED: usize = 4096;
 
 /// An orbit with all that is said about it.
 pub struct Answered<'a> {
@@ -98,65 +99,54 @@ pub fn structure(scene: &StructureScene, model: &StructureModel) -> Value {
     })
 }
 
-fn finite(x: f64) -> Option<f64> {
-    x.is_finite().then_some(x)
+/// Stability, as answers about chains and structures have it; of multipliers, the method and doubts some say more.
+#[must_use]
+pub fn stability(verdict: &Verdict) -> Map<String, Value> {
+    object([
+        ("stable", value!(verdict.stable)),
+        ("undecided", value!(verdict.undecided)),
+        ("mechanism", value!(verdict.mechanism)),
+        ("spectral_radius", value!(verdict.spectral_radius)),
+        ("excess", value!(verdict.excess())),
+        ("resolution", value!(verdict.resolution)),
+    ])
+}
+
+/// What is in the way: its site is a contact.
+fn obstruction(found: &Obstruction) -> Map<String, Value> {
+    let keys = if let Value::Object(keys) = value!(found) { keys } else { Map::new() };
+    let keys = keys.into_iter().map(|(key, value)| (if key == "site" { "contact".to_owned() } else { key }, value));
+    keys.chain([("message".to_owned(), told(found).into())]).collect()
 }
 
 impl Answered<'_> {
     fn json(&self) -> Value {
         let orbit = self.orbit;
-        let impacts = orbit.impacts().iter().map(|impact| {
-            value!({
-                "contact": impact.contact,
-                "barrier": impact.barrier.name(),
-                "time": impact.time,
-                "impulse": impact.impulse,
-                "velocity_before": impact.velocity_before,
-                "velocity_after": impact.velocity_after,
-                "acceleration_before": impact.acceleration_before,
-                "time_error": finite(impact.time_error),
-                "impulse_error": finite(impact.impulse_error),
-            })
-        });
-        let obstruction = self.admissibility.obstruction.map(|obstruction| {
-            let message = told(&obstruction);
-            match obstruction {
-                Obstruction::Crossing { site, barrier, time, excess } => value!({
-                    "kind": "crossing", "contact": site, "barrier": barrier.name(), "time": time, "excess": excess, "message": message,
-                }),
-                Obstruction::WrongSign { impact, site, time, velocity_before } => value!({
-                    "kind": "wrong-sign", "impact": impact, "contact": site, "time": time, "velocity_before": velocity_before, "message": message,
-                }),
-            }
-        });
+        let impact = |impact: &StructureImpact| {
+            let mut told = value!(impact);
+            told.as_object_mut().and_then(|told| told.shift_remove("acceleration_error"));
+            told
+        };
         let mut answer = value!({
             "word": orbit.word(),
             "period": orbit.period(),
             "psi": orbit.psi(),
-            "impacts": impacts.collect::<Vec<_>>(),
+            "impacts": orbit.impacts().iter().map(impact).collect::<Vec<_>>(),
             "residual": orbit.violation(),
             "physical": self.admissibility.is_physical(),
             "margin": self.admissibility.margin,
-            "obstruction": obstruction,
+            "obstruction": self.admissibility.obstruction.as_ref().map(obstruction),
             "stability": null,
         });
         if !orbit.offsets().is_empty() {
             answer["offsets"] = orbit.offsets().into();
         }
         match &self.stability {
-            Ok(stability) => {
-                let verdict = stability.verdict;
-                let listed: Vec<[f64; 2]> =
-                    stability.multipliers.iter().take(MOST_LISTED).map(|z| [z.re, z.im]).collect();
-                answer["stability"] = value!({
-                    "stable": verdict.stable,
-                    "undecided": verdict.undecided,
-                    "mechanism": verdict.mechanism.map(|mechanism| mechanism.name()),
-                    "spectral_radius": verdict.spectral_radius,
-                    "excess": verdict.excess(),
-                    "resolution": finite(verdict.resolution),
-                    "multipliers": listed,
-                });
+            Ok(found) => {
+                let mut told = stability(&found.verdict);
+                let listed = found.multipliers.iter().take(MOST_LISTED).map(|z| [z.re, z.im]);
+                told.insert("multipliers".to_owned(), listed.map(|z| value!(z)).collect());
+                answer["stability"] = told.into();
             }
             Err(error) => answer["stability_error"] = error.to_string().into(),
         }
