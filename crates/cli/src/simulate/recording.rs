@@ -69,7 +69,7 @@ pub(crate) fn trajectory_columns(sites: usize) -> impl Iterator<Item = String> {
     std::iter::once("time".to_owned()).chain(columns("displacement")).chain(columns("velocity"))
 }
 
-/// Periods at the end of the run of which the impacting mass is shown.
+/// Periods at the end of the run of which what is hit is shown.
 const SHOWN: f64 = 8.0;
 
 /// Points of its trace at most: some for every pixel.
@@ -93,17 +93,47 @@ impl Every {
     }
 }
 
+/// Places of what is hit over periods, at the end of a run.
+pub(crate) struct Trace {
+    /// Of the whole run.
+    periods: f64,
+    /// The samples that are points.
+    traced: Every,
+    pub(crate) simulated: Vec<(f64, f64)>,
+    pub(crate) analytic: Vec<(f64, f64)>,
+}
+
+impl Trace {
+    pub(crate) fn new(args: &SimulateArgs) -> Self {
+        let traced = Every::new((SHOWN * args.samples as f64 / POINTS) as u64);
+        Self { periods: args.periods, traced, simulated: Vec::new(), analytic: Vec::new() }
+    }
+
+    /// Takes note of an impact: between samples the tips of a trace would be cut off.
+    pub(crate) fn hit(&mut self, periods: f64, barrier: f64) {
+        // Of a mass that bounces on a barrier nobody sees each.
+        let seen = |last: &(f64, f64)| last.1 == barrier && periods - last.0 < SHOWN / POINTS;
+        if periods >= self.periods - SHOWN && !self.simulated.last().is_some_and(seen) {
+            self.simulated.push((periods, barrier));
+        }
+    }
+
+    /// Whether the next sample, at this time, is a point.
+    pub(crate) fn is_due(&mut self, periods: f64) -> bool {
+        self.traced.is_due() && periods >= self.periods - SHOWN - 1e-9
+    }
+}
+
 /// Collects what the picture needs, and no more of a long run.
 pub(crate) struct Plot {
     files: PictureFiles,
-    /// Without its field, until the end.
+    /// Without its trace and its field, until the end.
     picture: RunPicture,
+    trace: Trace,
     field: FieldWriter,
     orbit: Option<(Orbit, Motion)>,
     home: usize,
     start: f64,
-    /// The samples that are points of the trace.
-    traced: Every,
     scratch: (Vec<f64>, Vec<f64>),
 }
 
@@ -132,60 +162,51 @@ impl Plot {
         Ok(Some(Self {
             files,
             picture,
+            trace: Trace::new(args),
             field: field(),
             home: orbit.and_then(Orbit::impact_site).unwrap_or(0),
             orbit: motion,
             start: start.time,
-            traced: Every::new((SHOWN * args.samples as f64 / POINTS) as u64),
             scratch: (vec![0.0; sites], vec![0.0; sites]),
         }))
     }
 
-    /// Between samples the tips of a trace, which are its impacts, would be cut off.
     pub(crate) fn hit(&mut self, event: &Event) {
-        let RunPicture { barriers, simulated, periods: end, .. } = &mut self.picture;
-        let periods = event.time.in_periods();
-        if event.site != self.home || periods < *end - SHOWN {
-            return;
-        }
-        let point = (periods, place(*barriers, event.barrier));
-        // Of a mass that bounces on a barrier nobody sees each.
-        let seen = |last: &(f64, f64)| last.1 == point.1 && point.0 - last.0 < SHOWN / POINTS;
-        if !simulated.last().is_some_and(seen) {
-            simulated.push(point);
+        if event.site == self.home {
+            self.trace.hit(event.time.in_periods(), place(self.picture.barriers, event.barrier));
         }
     }
 
     pub(crate) fn see(&mut self, simulation: &Simulation) {
         let time = simulation.time();
         let periods = time.in_periods();
-        let trace = self.traced.is_due() && periods >= self.picture.periods - SHOWN - 1e-9;
-        if trace || self.field.wants() {
+        let is_point = self.trace.is_due(periods);
+        if is_point || self.field.wants() {
             simulation.read(&mut self.scratch.0, &mut self.scratch.1);
         }
         let u = &self.scratch.0;
         self.field.see(u, periods);
-        if trace {
-            self.picture.simulated.push((periods, u.get(self.home).copied().unwrap_or(0.0)));
+        if is_point {
+            self.trace.simulated.push((periods, u.get(self.home).copied().unwrap_or(0.0)));
             if let Some((orbit, motion)) = &mut self.orbit {
                 let now = motion.at(self.home, orbit_time(orbit, time, self.start));
-                self.picture.analytic.push((periods, now.displacement));
+                self.trace.analytic.push((periods, now.displacement));
             }
         }
     }
 
     pub(crate) fn finish(self) -> Result<(), CliError> {
         let tips = self.tips();
-        let Self { files, mut picture, field, .. } = self;
-        picture.analytic.extend(tips);
-        picture.analytic.sort_by(|one, other| one.0.total_cmp(&other.0));
-        picture.field = field.finish();
+        let Self { files, picture, trace: Trace { simulated, mut analytic, .. }, field, .. } = self;
+        analytic.extend(tips);
+        analytic.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let picture = RunPicture { simulated, analytic, field: field.finish(), ..picture };
         files.draw(|page| run_picture(&picture, page))
     }
 
     /// The impacts of the orbit's own mass within its trace.
     fn tips(&self) -> Vec<(f64, f64)> {
-        let RunPicture { barriers, analytic, .. } = &self.picture;
+        let (barriers, analytic) = (&self.picture.barriers, &self.trace.analytic);
         let (Some((orbit, _)), Some(first), Some(last)) = (&self.orbit, analytic.first(), analytic.last()) else {
             return Vec::new();
         };

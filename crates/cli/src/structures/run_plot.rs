@@ -9,12 +9,9 @@ use vibrochain_plot::{Curves, Mark, Pane, Series, curves_picture, run_trace};
 use crate::args::SimulateArgs;
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
+use crate::simulate::recording::Trace;
 
-/// Periods at the end of the run of which the contact is shown.
-const SHOWN: f64 = 8.0;
-
-/// Points of its trace at most, and impacts of each contact: some for every pixel.
-const POINTS: usize = 8000;
+/// Impacts of each contact at most: some for every pixel.
 const IMPACTS: usize = 40_000;
 
 /// Contacts that have a colour.
@@ -27,8 +24,7 @@ pub(super) struct RunPlot {
     home: usize,
     contact: Contact,
     periods: f64,
-    simulated: Vec<(f64, f64)>,
-    analytic: Vec<(f64, f64)>,
+    trace: Trace,
     orbit: Option<(StructureOrbit, f64)>,
     /// Of each contact that hits, in the order of their first impacts: how fast it is before each.
     velocities: Vec<(usize, Thinned)>,
@@ -78,8 +74,7 @@ impl RunPlot {
             home,
             contact: model.structure().contacts()[home],
             periods: args.periods,
-            simulated: Vec::new(),
-            analytic: Vec::new(),
+            trace: Trace::new(args),
             orbit,
             velocities: Vec::new(),
         };
@@ -89,11 +84,8 @@ impl RunPlot {
 
     pub(super) fn hit(&mut self, event: &ContactEvent) {
         let periods = event.time.in_periods();
-        // Between samples the tips of a trace, which are its impacts, would be cut off.
-        let tip = self.contact.barrier(event.barrier).filter(|_| event.contact == self.home);
-        if let Some(tip) = tip {
-            self.trace(periods, tip);
-        }
+        let barrier = self.contact.barrier(event.barrier).filter(|_| event.contact == self.home);
+        barrier.into_iter().for_each(|barrier| self.trace.hit(periods, barrier));
         let velocities = &mut self.velocities;
         let known = velocities.iter().position(|(contact, _)| *contact == event.contact);
         let at = known.unwrap_or(velocities.len());
@@ -107,18 +99,17 @@ impl RunPlot {
 
     pub(super) fn look(&mut self, time: Time, contacts: &[ContactState]) -> Result<(), CliError> {
         let periods = time.in_periods();
-        if let Some(contact) = contacts.get(self.home) {
-            self.trace(periods, contact.place);
+        if !self.trace.is_due(periods) {
+            return Ok(());
         }
+        self.trace.simulated.extend(contacts.get(self.home).map(|contact| (periods, contact.place)));
         let Some((orbit, start)) = &self.orbit else { return Ok(()) };
-        if periods >= self.periods - SHOWN && self.analytic.len() < POINTS {
-            let rounds = time.periods() % u64::from(orbit.force_periods());
-            let now = rounds as f64 * orbit.model().period() + time.offset() + start;
-            let (motion, now) = (StructureMotion::new(orbit)?, now.rem_euclid(orbit.period()));
-            let i = orbit.impacts().partition_point(|impact| impact.time <= now).saturating_sub(1);
-            let [place, ..] = motion.contact(self.home, i, now - orbit.impacts()[i].time);
-            self.analytic.push((periods, place));
-        }
+        let rounds = time.periods() % u64::from(orbit.force_periods());
+        let now = rounds as f64 * orbit.model().period() + time.offset() + start;
+        let (motion, now) = (StructureMotion::new(orbit)?, now.rem_euclid(orbit.period()));
+        let i = orbit.impacts().partition_point(|impact| impact.time <= now).saturating_sub(1);
+        let [place, ..] = motion.contact(self.home, i, now - orbit.impacts()[i].time);
+        self.trace.analytic.push((periods, place));
         Ok(())
     }
 
@@ -127,15 +118,10 @@ impl RunPlot {
         self.files.draw(|page| curves_picture(&picture, page))
     }
 
-    fn trace(&mut self, periods: f64, place: f64) {
-        if periods >= self.periods - SHOWN && self.simulated.len() < POINTS {
-            self.simulated.push((periods, place));
-        }
-    }
-
     fn picture(&self) -> Curves {
         let levels = [self.contact.lower, self.contact.upper].into_iter().flatten().collect();
-        let trace = run_trace(&format!("g of contact {}", self.home), &self.simulated, &self.analytic, levels);
+        let trace =
+            run_trace(&format!("g of contact {}", self.home), &self.trace.simulated, &self.trace.analytic, levels);
         let dots = |(colour, (contact, velocities)): (usize, &(usize, Thinned))| {
             let name = if self.velocities.len() > 1 { format!("contact {contact}") } else { String::new() };
             let mark = if velocities.points.len() > 400 { Mark::Dot } else { Mark::Small(colour) };

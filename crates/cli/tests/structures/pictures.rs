@@ -113,6 +113,9 @@ fn a_run_is_drawn_over_its_orbit_and_cut_by_sections() {
         &words(&dir, "r.svg"),
         &["from the orbit 0+,0-", "analytic orbit", "simulation", "velocity g′ before impacts", "g of contact 0"],
     );
+    // Both panels end with the run, however many samples it has.
+    dir.run("simulate --scene scene.toml --periods 10 --plot fine.svg --samples 4000").with(0, &[]);
+    assert_eq!(words(&dir, "fine.svg").iter().filter(|words| *words == "10").count(), 2);
     let (header, rows) = table(&dir, "t.csv");
     assert_eq!((header.len(), rows.len()), (7, 161));
     let period = number(&orbit["period"]);
