@@ -13,6 +13,7 @@ use vibrochain_floquet::{
     Diagram, Event, FollowedBranch, Station, StructureCourse, StructureWindow, Tolerance, structure_diagram,
 };
 use vibrochain_lattice::{Barrier, Stop, StructureError};
+use vibrochain_maps::scene::tolerance_from;
 use vibrochain_maps::structure::along::{curves, event, family};
 use vibrochain_maps::structure::answer::json as answer_of;
 use vibrochain_maps::structure::{Answered, Setting, StructureScene};
@@ -55,8 +56,7 @@ pub(crate) fn _structure(
     let work = move |_: &Stop| {
         let scene = StructureScene::of_text(&scene, Path::new("."))?;
         let model = scene.model()?;
-        let tolerance = vibrochain_maps::scene::tolerance_from(threshold)?;
-        let tolerance = if threshold == 0.0 { Tolerance::Rounding } else { tolerance };
+        let tolerance = tolerance(threshold)?;
         let found = match &word {
             Some(word) => {
                 let word: Word = word.parse().map_err(|error| Failure::Request(format!("word {word}: {error}")))?;
@@ -105,6 +105,12 @@ pub(crate) fn _structure_motion<'py>(
     };
     let (values, contacts) = long(py, |_| Ok(()), work)?;
     values.into_pyarray(py).reshape([count, contacts, 2])
+}
+
+/// What counts as unstable: from an excess on, or, of 0, what is not rounding.
+fn tolerance(threshold: f64) -> Result<Tolerance, Failure> {
+    let tolerance = tolerance_from(threshold)?;
+    Ok(if threshold == 0.0 { Tolerance::Rounding } else { tolerance })
 }
 
 /// A structure in JSON, and its orbit next to given impacts.
@@ -189,8 +195,7 @@ pub(crate) fn _structure_along(
         if wanted.is_empty() {
             wanted = Event::ALL.to_vec();
         }
-        let excess = vibrochain_maps::scene::tolerance_from(threshold)?;
-        let excess = if threshold == 0.0 { Tolerance::Rounding } else { excess };
+        let excess = self::tolerance(threshold)?;
         let orbit = orbit_near(&model, force_periods, psi, &near)?;
         let (setting, value) = free[0];
         let course = StructureCourse { from: start[0], to: stop_at[0], events: wanted, generations, tolerance: excess };

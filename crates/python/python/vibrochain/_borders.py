@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any, SupportsIndex
 
 from . import _vibrochain
-from ._map import _as_text, _Progress
+from ._map import given, telling
 from ._vibrochain import Borders
 
 
@@ -60,11 +60,5 @@ def curves(
     >>> bool(abs(sum(share for share, _ in found.areas.values()) - 1) < 1e-9)
     True
     """
-    text, path = (_as_text(scene), "scene") if isinstance(scene, dict) else (None, os.fspath(scene))
-    if progress is not True:
-        return _vibrochain._curves(text, path, tolerance, places, special, threads, progress or None)
-    line = _Progress("steps")
-    try:
-        return _vibrochain._curves(text, path, tolerance, places, special, threads, line)
-    finally:
-        line.close()
+    with telling(progress, "steps") as told:
+        return _vibrochain._curves(*given(scene), tolerance, places, special, threads, told)

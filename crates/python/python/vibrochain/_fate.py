@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any, SupportsIndex
 
 from . import _vibrochain
-from ._map import _as_text, _Progress, _Table
+from ._map import _Table, given, telling
 
 
 class Fates(_Table):
@@ -120,16 +120,6 @@ def fate(
     >>> every["spectral_radius"].shape == (2, 3, int(every["number"].max()))
     True
     """
-    text, path = (_as_text(scene), "scene") if isinstance(scene, dict) else (None, os.fspath(scene))
-
-    def run(told: Callable[[int, int], object] | None) -> Fates:
-        asked = (breathers, starts, perturb, seed, periods, transient, tolerance, leave)
-        return Fates(_vibrochain._fate(text, path, *asked, threads, told))
-
-    if progress is not True:
-        return run(progress or None)
-    line = _Progress("runs")
-    try:
-        return run(line)
-    finally:
-        line.close()
+    asked = (breathers, starts, perturb, seed, periods, transient, tolerance, leave)
+    with telling(progress, "runs") as told:
+        return Fates(_vibrochain._fate(*given(scene), *asked, threads, told))

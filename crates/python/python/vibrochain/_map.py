@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import builtins
+import contextlib
 import json
 import os
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, SupportsIndex
 
 import numpy as np
@@ -103,6 +104,11 @@ def _as_text(scene: dict[str, Any]) -> str:
         raise RequestError(f"scene: {error}: give finite numbers") from None
 
 
+def given(scene: str | os.PathLike[str] | dict[str, Any]) -> tuple[str | None, str]:
+    """The text of a scene that is no file, and where messages say that it stands."""
+    return (_as_text(scene), "scene") if isinstance(scene, dict) else (None, os.fspath(scene))
+
+
 def sweep(
     scene: str | os.PathLike[str] | dict[str, Any],
     *,
@@ -147,20 +153,14 @@ def sweep(
     >>> table["spectral_radius"].shape
     (30, 40)
     """
-    text, path = (_as_text(scene), "scene") if isinstance(scene, dict) else (None, os.fspath(scene))
-    line = _Progress() if progress is True else None
-    told: Any = line or progress or None
-    try:
-        return Map(_vibrochain._sweep(text, path, threads, told))
-    finally:
-        if line:
-            line.close()
+    with telling(progress, "cells") as told:
+        return Map(_vibrochain._sweep(*given(scene), threads, told))
 
 
 class _Progress:
     """A line that is written over and over."""
 
-    def __init__(self, what: str = "cells") -> None:
+    def __init__(self, what: str) -> None:
         self.told = ""
         self.what = what
 
@@ -175,6 +175,19 @@ class _Progress:
         if self.told:
             sys.stderr.write("\r" + " " * len(self.told) + "\r")
             sys.stderr.flush()
+
+
+@contextlib.contextmanager
+def telling(progress: bool | Callable[[int, int], object], what: str) -> Iterator[Callable[[int, int], object] | None]:
+    """What is called with how many of these are done: a line on standard error, the caller's own, or nothing."""
+    if progress is not True:
+        yield progress or None
+        return
+    line = _Progress(what)
+    try:
+        yield line
+    finally:
+        line.close()
 
 
 class _Table:
