@@ -71,6 +71,7 @@ pub use equations::{BlochEquations, LinearImpact, Shift};
 pub use error::{BranchError, BreatherError, NoBreather, Unsearched};
 pub use motion::{Kinematics, Motion};
 pub use orbit::{Family, Hit, Impact, Orbit};
+pub use roots::bracket;
 pub use search::completeness::{Completeness, Proof};
 pub use search::finder::{Finder, OrbitList, Prepared, Scope, breathers, condition};
 pub use search::words::ended::{End, Ended};

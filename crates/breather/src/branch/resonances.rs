@@ -6,6 +6,7 @@ use vibrochain_lattice::{Model, Parameter, Resonance, Shapes, Spectrum};
 
 use crate::branch::{Branch, BranchPoint};
 use crate::orbit::{Impact, Orbit};
+use crate::roots::bracket::zero;
 use crate::tracer::corrector::Continuation;
 
 /// A harmonic of which symmetry leaves no more than this part moves no mode: some roundings of its terms. Next to a resonance that
@@ -62,17 +63,16 @@ impl Continuation {
             if harmonic < 1.0 || !counts(mode, harmonic) {
                 continue;
             }
-            let (mut low, mut high) = (from, to);
-            let mut hit = None;
-            for _ in 0..100 {
-                let middle = 0.5 * (low + high);
-                let Some(model) = model(middle) else { break };
-                let (spectrum, omega) = of(&model);
+            let at = |value: f64| {
+                let (spectrum, omega) = of(&model(value)?);
                 let frequency = spectrum.frequencies().get(mode).copied().unwrap_or_default();
                 let distance = (-harmonic).mul_add(omega, frequency);
-                hit = Some((middle, Resonance { harmonic: harmonic as u64, mode, frequency, omega, distance }));
-                if ((frequency / omega).floor() - start).abs() < 0.5 { low = middle } else { high = middle }
-            }
+                Some((value, Resonance { harmonic: harmonic as u64, mode, frequency, omega, distance }))
+            };
+            let distance = |value: f64| at(value).map(|(_, resonance)| resonance.distance).ok_or(());
+            let ends = [from, to].map(|value| distance(value).map(|distance| (value, distance)));
+            let [Ok(low), Ok(high)] = ends else { continue };
+            let hit = zero(low, high, from.abs().max(to.abs()), distance).ok().and_then(at);
             let closer = |(value, _): &(f64, Resonance)| {
                 nearest.as_ref().is_none_or(|(old, _)| (value - from).abs() < (old - from).abs())
             };

@@ -1,5 +1,7 @@
-//! All zeros of smooth functions of one variable or two, each proved to exist and to be alone, or reported as unresolved.
+//! All zeros of smooth functions of one variable or two, each proved to exist and to be alone, or reported as unresolved; and the one zero
+//! between two values that differ in sign (`bracket`).
 
+pub mod bracket;
 pub(crate) mod dual;
 pub(crate) mod interval;
 pub(crate) mod patch;

@@ -6,6 +6,7 @@ use super::at_times::Impacts;
 use super::error::StructureOrbitError;
 use super::search::{Start, Starts, StructureSearch};
 use crate::equations::linear::Factors;
+use crate::roots::bracket::zero;
 
 /// Places at which a function of one variable is looked at, for each turn of the fastest mode that counts, and at least and at most.
 const PLACES: f64 = 24.0;
@@ -40,7 +41,7 @@ impl Impacts<'_> {
             if left == 0.0 {
                 zeros_found.push(a);
             } else if left * right < 0.0 {
-                zeros_found.push(closed_in(|phi| at(phi).unwrap_or(f64::NAN), (a, left), (b, right)));
+                zeros_found.push(zero((a, left), (b, right), period, at)?);
             }
         }
         // A structure that is its own mirror image: there F has a double zero, and no sign changes.
@@ -50,13 +51,12 @@ impl Impacts<'_> {
         for pair in both.windows(2) {
             let [(a, [left, first]), (b, [right, last])] = [pair[0], pair[1]];
             if self.equations.forced && left < 0.0 && right < 0.0 && first * last < 0.0 {
-                let determinant = |phi: f64| self.value(phi).map_or(f64::NAN, |value| value[1]);
-                let place = closed_in(determinant, (a, first), (b, last));
+                let place = zero((a, first), (b, last), period, |phi| self.value(phi).map(|value| value[1]))?;
                 points.extend(self.on_a_line(&[0.0, place])?);
                 let value = at(place)?;
                 if value > 0.0 {
                     for end in [(a, left), (b, right)] {
-                        zeros_found.push(closed_in(|phi| at(phi).unwrap_or(f64::NAN), end, (place, value)));
+                        zeros_found.push(zero(end, (place, value), period, at)?);
                     }
                 }
             }
@@ -71,7 +71,7 @@ impl Impacts<'_> {
                 let value = at(turn)?;
                 if value * middle <= 0.0 {
                     for end in [three[0], three[2]] {
-                        zeros_found.push(closed_in(|phi| at(phi).unwrap_or(f64::NAN), end, (turn, value)));
+                        zeros_found.push(zero(end, (turn, value), period, at)?);
                     }
                 }
             }
@@ -97,27 +97,6 @@ impl Impacts<'_> {
         };
         Ok([value, scale])
     }
-}
-
-/// The zero between two places of other signs, by halving and secants (Illinois).
-fn closed_in(f: impl Fn(f64) -> f64, (mut a, mut left): (f64, f64), (mut b, mut right): (f64, f64)) -> f64 {
-    for _ in 0..200 {
-        let middle = if right == left { 0.5 * (a + b) } else { (a * right - b * left) / (right - left) };
-        if (b - a).abs() <= 4.0 * f64::EPSILON * b.abs() {
-            return middle;
-        }
-        let value = f(middle);
-        if value == 0.0 {
-            return middle;
-        }
-        if value * right < 0.0 {
-            (a, left) = (b, right);
-        } else {
-            left *= 0.5;
-        }
-        (b, right) = (middle, value);
-    }
-    0.5 * (a + b)
 }
 
 /// Where a function is least between two places, by golden sections.

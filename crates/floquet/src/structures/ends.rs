@@ -10,6 +10,7 @@ use vibrochain_breather::{
 use vibrochain_lattice::{Resonance, Stop};
 
 use super::watcher::OfStructures;
+use crate::bracket::zero;
 use crate::events::{EventOrbit, Solved, Test, Watcher, solve};
 use crate::followed::time_between;
 use crate::locate::branch_off::branch_off;
@@ -24,10 +25,6 @@ const MERGING: f64 = 1e-3;
 
 /// How far from the last orbit the simpler one may be, in units.
 const REACH: f64 = 0.1;
-
-/// Where a resonance is sought by secants, the first of them is as long as this, as a part of the parameter; and so many there are at most.
-const BESIDE: f64 = 1e-6;
-const MOST_SECANTS: usize = 8;
 
 /// The orbit, or the resonance, at which a branch ends is no farther than this from where it turned back, as a part of the range.
 const NEAR: f64 = 1e-3;
@@ -121,22 +118,11 @@ impl OfStructure {
             let rate = model.structure().modes().get(resonance.mode)?.rates()[0];
             Some((-(resonance.harmonic as f64)).mul_add(model.omega() / periods, rate.im))
         };
-        let here = point.value();
-        let scale = here.abs().max(self.range);
-        let (mut before, mut value) = (here, here + point.heading().signum() * BESIDE * scale);
-        let mut off_before = off(before)?;
-        for _ in 0..MOST_SECANTS {
-            let off_there = off(value)?;
-            if off_there == off_before {
-                break;
-            }
-            let next = value - off_there * (value - before) / (off_there - off_before);
-            (before, off_before, value) = (value, off_there, next);
-            if (value - before).abs() <= f64::EPSILON * scale {
-                break;
-            }
-        }
-        ((value - here).abs() <= NEAR * scale).then_some(value)
+        let scale = point.value().abs().max(self.range);
+        let ends = [-NEAR, NEAR].map(|by| point.value() + by * scale);
+        let [low, high] = [off(ends[0])?, off(ends[1])?];
+        let differ = (low > 0.0) != (high > 0.0);
+        differ.then(|| zero((ends[0], low), (ends[1], high), scale, |value| off(value).ok_or(())).ok())?
     }
 
     fn evened(&mut self, point: &StructureBranchPoint) -> Option<Located<StructureOrbit>> {

@@ -1,9 +1,12 @@
 //! By bounds of the acceleration alone: with d the distance to a barrier and B ≥ |g″| on the rest of a flight, d stays positive until the
 //! root of d + d′h − Bh²/2. Steps to these roots pass no contact, however stiff some modes are.
 
+use std::convert::Infallible;
+
 use vibrochain_lattice::Barrier;
 
 use super::Search;
+use crate::roots::bracket::zero;
 use crate::structures::error::StructureOrbitError;
 use crate::structures::flight::StructureMotion;
 
@@ -78,16 +81,13 @@ impl Watch<'_> {
     }
 
     /// Where the distance turns between two places.
-    fn turning(&self, mut low: f64, mut high: f64) -> f64 {
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if self.distance(middle)[1] < 0.0 {
-                low = middle;
-            } else {
-                high = middle;
-            }
+    fn turning(&self, low: f64, high: f64) -> f64 {
+        let slope = |s: f64| self.distance(s)[1];
+        if slope(low) >= 0.0 {
+            return low;
         }
-        0.5 * (low + high)
+        let Ok(turn) = zero((low, slope(low)), (high, slope(high)), self.length, |s| Ok::<_, Infallible>(slope(s)));
+        turn
     }
 
     /// The first turn after a place beyond the barrier.
