@@ -113,8 +113,8 @@ pub enum Method {
     /// From the secular function: zeros of a scalar function, counted or found.
     #[default]
     Secular,
-    /// From a matrix: where it was asked for ([`crate::Analyser::dense`]), and where a verdict alone is asked for of impacts at several
-    /// sites or of masses without coupling; with the doubt where the secular function had no answer.
+    /// From a matrix: where it was asked for ([`crate::Analyser::dense`]), and where a verdict alone is asked for of an orbit that is
+    /// its own mirror image in time and has impacts at several sites; with the doubt where the secular function had no answer.
     Dense(Option<SecularError>),
 }
 
@@ -223,12 +223,6 @@ impl Verdict {
     }
 
     /// Compares the excess of the leading multiplier, known up to `resolution`, with the tolerance.
-    pub(crate) fn of(leading: Complex<f64>, resolution: f64, tolerance: Tolerance) -> Self {
-        let spectral_radius = leading.re.hypot(leading.im);
-        Self { spectral_radius, ..Self::of_excess(leading, spectral_radius - 1.0, resolution, tolerance) }
-    }
-
-    /// As [`Verdict::of`], for an excess known better than the modulus.
     pub(crate) fn of_excess(leading: Complex<f64>, excess: f64, resolution: f64, tolerance: Tolerance) -> Self {
         let above = excess - tolerance.allowed();
         // Where the error is not a number nothing is known.

@@ -2,7 +2,7 @@
 //! held against the tolerance.
 
 use nalgebra::Complex;
-use vibrochain_breather::{BlochEquations, Finder, MapBreather};
+use vibrochain_breather::{Finder, MapBreather};
 use vibrochain_lattice::Model;
 
 use crate::analyser::{Analyser, Failure};
@@ -10,7 +10,7 @@ use crate::error::FloquetError;
 use crate::map_paths::{Leading, SecularVerdict, Standing};
 use crate::saltation::saltations;
 use crate::sizes::{LARGE, MOST_DENSE, is_affordable, most_refined};
-use crate::spectrum::{SpectralFunction, origins};
+use crate::spectrum::{Posed, SpectralFunction, posed};
 use crate::verdict::{Mechanism, Question, Tolerance, Verdict};
 use crate::zeros::{SecularError, excess};
 
@@ -67,10 +67,7 @@ impl Analyser {
             .filter(|(most, value)| *most > 0.0 && value.im >= 0.0)
             .collect();
         open.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
-        let careful = question.thorough || finder.is_delicate(orbit)?;
-        let condition = if careful { Some(finder.condition(orbit)?) } else { None };
-        let (equations, _) = BlochEquations::of(orbit, finder.prepared(orbit)?.response());
-        let data = condition.map_or(Vec::new(), |condition| origins(&equations, &condition));
+        let Posed { equations, data, .. } = posed(question, finder)?;
         let function = SpectralFunction::new(&equations, true);
         let refined_at_most = most_refined(orbit.model().chain().even_modes());
         let mut leading: Option<(Complex<f64>, f64)> = None;

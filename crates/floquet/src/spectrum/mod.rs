@@ -33,7 +33,8 @@ pub(crate) use function::SpectralFunction;
 pub use multipliers::ImpactSpectrum;
 pub(crate) use refine::{Origin, Refined};
 pub use shape::ModalShape;
-pub(crate) use verdict::{origins, spectrum, told, verdict};
+pub(crate) use solve::Zero;
+pub(crate) use verdict::{Posed, judged, origins, posed, spectrum, told, verdict};
 
 /// Equations of one impact to three at one contact or two, over modes damped up to `most` times critically; some die within a period.
 #[cfg(test)]

@@ -244,17 +244,7 @@ impl Search<'_> {
 
     /// A refined multiplier in its plane.
     fn placed(&self, Refined { z, error }: Refined, settled: bool) -> Zero {
-        if !self.reciprocal {
-            return Zero { error, ..Zero::new(z, settled) };
-        }
-        // ν ∓ 1 = (z ∓ 1)²/2z
-        let [below, above] = [z - 1.0, z + 1.0].map(|root| root * root / (z * 2.0));
-        let nu = Nu { below: below.re, above: above.re, im: above.im };
-        let inverse = z.inv();
-        let slope = 0.5 * modulus((z - 1.0) * (z + 1.0)) * inverse.norm_sqr();
-        let error =
-            error * slope + 0.5 * error * error * inverse.norm_sqr() + 2.0 * f64::EPSILON * modulus(nu.complex());
-        Zero { nu, error, ..Zero::new(z, settled) }
+        if self.reciprocal { Zero::of_pair(z, error, settled) } else { Zero { error, ..Zero::new(z, settled) } }
     }
 
     /// The multiplier next to an approximation in its plane.
@@ -400,8 +390,20 @@ pub(super) fn refined(function: &SpectralFunction<'_>, start: C, data: &[Origin]
 }
 
 impl Zero {
-    fn new(z: C, settled: bool) -> Self {
+    pub(crate) fn new(z: C, settled: bool) -> Self {
         Self { z, nu: Nu::default(), error: 0.0, settled, apart: true, held: false }
+    }
+
+    /// That of ν, from one of its two multipliers and the error of this one.
+    pub(crate) fn of_pair(z: C, error: f64, settled: bool) -> Self {
+        // ν ∓ 1 = (z ∓ 1)²/2z
+        let [below, above] = [z - 1.0, z + 1.0].map(|root| root * root / (z * 2.0));
+        let nu = Nu { below: below.re, above: above.re, im: above.im };
+        let inverse = z.inv();
+        let slope = 0.5 * modulus((z - 1.0) * (z + 1.0)) * inverse.norm_sqr();
+        let error =
+            error * slope + 0.5 * error * error * inverse.norm_sqr() + 2.0 * f64::EPSILON * modulus(nu.complex());
+        Self { nu, error, ..Self::new(z, settled) }
     }
 }
 

@@ -42,18 +42,37 @@ impl Spectrum {
     }
 }
 
-/// All multipliers of an orbit, and what they say; a doubt where they could not be told apart and counted.
+/// An orbit's equations, the modes that do not feel its impacts, and what errors of its own data do, where these count.
+pub(crate) struct Posed {
+    pub(crate) equations: BlochEquations,
+    pub(crate) spared: Vec<SparedModes>,
+    pub(crate) data: Vec<Origin>,
+}
+
+pub(crate) fn posed(question: Question<'_>, finder: &mut Finder) -> Result<Posed, FloquetError> {
+    let orbit = question.orbit;
+    let _ = saltations(orbit)?;
+    let careful = question.thorough || finder.is_delicate(orbit)?;
+    let condition = if careful { Some(finder.condition(orbit)?) } else { None };
+    let (equations, spared) = BlochEquations::of(orbit, finder.prepared(orbit)?.response());
+    let data = condition.map_or(Vec::new(), |condition| origins(&equations, &condition));
+    Ok(Posed { equations, spared, data })
+}
+
+/// What the multipliers of an orbit say, and, if the question is thorough, all of them; a doubt where they could not be told apart and
+/// counted.
 pub(crate) fn spectrum(
     question: Question<'_>,
     finder: &mut Finder,
 ) -> Result<Result<Spectrum, SecularError>, FloquetError> {
     let Question { orbit, tolerance, thorough } = question;
-    let _ = saltations(orbit)?;
-    let careful = thorough || finder.is_delicate(orbit)?;
-    let condition = if careful { Some(finder.condition(orbit)?) } else { None };
-    let (equations, spared) = BlochEquations::of(orbit, finder.prepared(orbit)?.response());
-    let data = condition.map_or(Vec::new(), |condition| origins(&equations, &condition));
-    let told = told(&equations, orbit.model().is_conservative(), &data, tolerance);
+    let Posed { equations, spared, data } = posed(question, finder)?;
+    let conservative = orbit.model().is_conservative();
+    let told = if thorough {
+        told(&equations, conservative, &data, tolerance)
+    } else {
+        verdict(&equations, conservative, &data, tolerance).map(|verdict| (verdict, Vec::new()))
+    };
     Ok(told.map(|(verdict, multipliers)| Spectrum { verdict, multipliers, spared }))
 }
 
@@ -69,16 +88,27 @@ pub(crate) fn told(
         let found = list.iter().filter(|zero| zero.settled).count();
         return Err(SecularError::Incomplete { found, wanted: list.len() });
     }
+    let mut multipliers = Vec::with_capacity(2 * list.len());
+    let verdict = judged(&list, reciprocal, tolerance, &mut multipliers);
+    Ok((verdict, multipliers))
+}
+
+/// What zeros say, of which the multipliers go to `multipliers`.
+pub(crate) fn judged(
+    list: &[Zero],
+    reciprocal: bool,
+    tolerance: Tolerance,
+    multipliers: &mut Vec<Complex<f64>>,
+) -> Verdict {
     if !reciprocal {
-        let multipliers = list.iter().map(|zero| zero.z).collect();
-        return Ok((dissipative(&list, tolerance), multipliers));
+        multipliers.extend(list.iter().map(|zero| zero.z));
+        return dissipative(list, tolerance);
     }
-    let (mut multipliers, mut judge) = (Vec::with_capacity(2 * list.len()), Reciprocal::default());
-    for zero in &list {
+    let mut judge = Reciprocal::default();
+    for zero in list {
         multipliers.extend(judge.take(zero));
     }
-    let verdict = judge.verdict(multipliers.first().copied(), tolerance);
-    Ok((verdict, multipliers))
+    judge.verdict(multipliers.first().copied(), tolerance)
 }
 
 /// The verdict alone, of which the multipliers that lead say enough where there are losses.
