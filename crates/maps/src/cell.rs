@@ -6,9 +6,7 @@ use serde::Serialize;
 use vibrochain_breather::{
     BreatherError, Completeness, Family, Finder, MapSearch, Orbit, OrbitList, Scope, StructureSearch, Word,
 };
-use vibrochain_floquet::{
-    Analyser, Collision, DressedModes, FloquetError, Mechanism, OrderFinder, SignatureOrder, Tolerance, Verdict,
-};
+use vibrochain_floquet::{Analyser, Collision, DressedModes, FloquetError, Mechanism, Tolerance, Verdict};
 use vibrochain_lattice::{Model, Stop};
 
 use crate::extent::Extent;
@@ -242,6 +240,15 @@ impl Cell {
     }
 }
 
+/// Which family gives a cell its class where breathers of several are equally stable: that of the smallest number.
+pub(crate) fn precedence(family: Family) -> u8 {
+    match family {
+        Family::DoubleSided | Family::PeriodDoubled => 0,
+        Family::SingleSided => 1,
+        Family::Word => 2,
+    }
+}
+
 /// A candidate for the orbit that gives a cell its class.
 #[derive(Debug, Clone, Copy)]
 struct Candidate {
@@ -270,12 +277,7 @@ impl Candidate {
     fn rank(&self) -> (u8, u8, f64) {
         let doubt = self.verdict.map_or(2, |verdict| if verdict.stable { 0 } else { 2 - u8::from(verdict.undecided) });
         let radius = self.verdict.map_or(0.0, |verdict| verdict.spectral_radius);
-        let family = match self.family {
-            Family::SingleSided => 1,
-            Family::Word => 2,
-            Family::DoubleSided | Family::PeriodDoubled => 0,
-        };
-        (doubt, family, radius)
+        (doubt, precedence(self.family), radius)
     }
 }
 
@@ -286,7 +288,6 @@ pub struct Worker {
     analyser: Analyser,
     found: OrbitList,
     modes: DressedModes,
-    orders: OrderFinder,
 }
 
 impl Worker {
@@ -297,7 +298,6 @@ impl Worker {
             analyser: Analyser::default(),
             found: OrbitList::default(),
             modes: DressedModes::default(),
-            orders: OrderFinder::default(),
         }
     }
 
@@ -311,18 +311,6 @@ impl Worker {
     /// Computes one cell.
     pub fn cell(&mut self, model: &Model, task: &Task) -> Cell {
         self.of_map_breathers(model, task).unwrap_or_else(|| self.examine(model, task, |_, _| {}))
-    }
-
-    /// The same, and the order of signatures of the orbit that gives the cell its class: beyond a stripe it is another.
-    pub(crate) fn with_order(&mut self, model: &Model, task: &Task) -> (Cell, Option<SignatureOrder>) {
-        let mut best = None;
-        let cell = self.examine(model, task, |orbit, is_best| {
-            if is_best {
-                best = Some(orbit.clone());
-            }
-        });
-        let order = best.and_then(|orbit| self.orders.of(&orbit).ok().flatten());
-        (cell, order)
     }
 
     /// The cell from [`vibrochain_breather::MapBreather`]s, which take half the time of their orbits; `None` where they cannot tell all of it.

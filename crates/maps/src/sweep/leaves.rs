@@ -61,7 +61,6 @@ mod tests {
 
     use rayon::ThreadPool;
     use rayon::iter::{IntoParallelIterator, ParallelIterator};
-    use vibrochain_floquet::SignatureOrder;
     use vibrochain_lattice::Stop;
 
     use super::*;
@@ -70,6 +69,7 @@ mod tests {
     use crate::scene::Scene;
     use crate::sweep::covered::Covered;
     use crate::sweep::engine::sweep;
+    use crate::sweep::orders::{CellOrderFinder, CellOrders};
     use crate::sweep::refiner::are_alike;
 
     const SCENE: &str = r#"
@@ -91,7 +91,7 @@ mod tests {
     struct Plain<'a> {
         cells: &'a [Cell],
         /// Where they tell of stripes.
-        orders: &'a [Option<SignatureOrder>],
+        orders: &'a [Option<CellOrders>],
         size: [u32; 2],
         whole: u32,
         stripes: &'a Covered,
@@ -122,7 +122,7 @@ mod tests {
             orders.len() > 1 || self.stripes.divides(square, cell.class) || beside.iter().any(differs)
         }
 
-        fn order(&self, at: [u32; 2]) -> Option<SignatureOrder> {
+        fn order(&self, at: [u32; 2]) -> Option<CellOrders> {
             self.orders.get(self.index(at)).copied().flatten()
         }
 
@@ -193,11 +193,12 @@ mod tests {
             let size = [320, 240];
             let (mut stripes, mut orders) = (Covered::default(), Vec::new());
             if scene.follows_orders() {
-                let order = |worker: &mut Worker, number| {
+                let finders = || (Worker::new(6), CellOrderFinder::default());
+                let of_cell = |(worker, orders): &mut (Worker, CellOrderFinder), number| {
                     let model = finest.point(number).model().unwrap();
-                    worker.with_order(&model, &finest.task).1
+                    orders.cell(worker, &model, &finest.task).1
                 };
-                orders = (0..finest.cells()).into_par_iter().map_init(|| Worker::new(6), order).collect();
+                orders = (0..finest.cells()).into_par_iter().map_init(finders, of_cell).collect();
                 assert!(orders.iter().collect::<HashSet<_>>().len() > 5);
             } else {
                 stripes = Covered::of(&finest, &stop);

@@ -6,6 +6,7 @@
 //! | `refiner`, `leaves` | cells of a grid that is refined, and their leaves on many threads |
 //! | `tiles` | what a thread knows of such cells |
 //! | `covered` | which cells lie in thin stripes |
+//! | `orders` | cells together with the orders of their signatures |
 //! | `plan` | how a scene is cut into chunks, and what tells two sweeps apart |
 //! | `chunk` | the file of one chunk |
 //! | `store` | the folder of chunks |
@@ -20,6 +21,7 @@ mod content;
 mod covered;
 mod engine;
 mod leaves;
+mod orders;
 mod plan;
 mod refiner;
 mod shard;

@@ -5,7 +5,7 @@
 //! in whatever order, and by however many processes, they are found. Nothing is computed that no answer depends on.
 //!
 //! A cell that a stripe passes is halved, too. Stripes of conservative families are followed beforehand (`covered`). In maps with impact words
-//! the order of signatures is told at each point where a square begins; if the four orders at and beside a square differ, a stripe passes.
+//! the orders of signatures (`orders`) are told at each point where a square begins; if the four at and beside a square differ, a stripe passes.
 //!
 //! Where the border lies beyond all four quarters they are alike, and one leaf again. That changes what is written, and not what is halved:
 //! no neighbour sees it. Of squares of two columns and rows no decision hangs on the quarters but the first, so these are computed only as
@@ -17,11 +17,12 @@ use std::ops::Range;
 use std::sync::OnceLock;
 
 use vibrochain_breather::Family;
-use vibrochain_floquet::{Mechanism, SignatureOrder};
+use vibrochain_floquet::Mechanism;
 use vibrochain_lattice::{Point, Stop};
 
 use super::covered::Covered;
 use super::engine::Job;
+use super::orders::{CellOrderFinder, CellOrders};
 use super::tiles::{Sample, Tiles};
 use crate::cell::{Cell, Class, Worker};
 use crate::extent::Extent;
@@ -39,7 +40,7 @@ pub(super) struct RefineContext<'a> {
     whole: u32,
     cells: Vec<OnceLock<Sample>>,
     stripes: Covered,
-    /// Whether stripes are found by the order of signatures instead.
+    /// Whether stripes are found by orders of signatures instead.
     ordered: bool,
 }
 
@@ -64,22 +65,22 @@ fn lives(cell: &Cell) -> Lives {
     (cell.class, cell.mechanism, cell.solutions)
 }
 
-/// What lives in a cell, and in which order its signatures are, if that is known.
+/// What lives in a cell, and the orders of its signatures, if they are known.
 #[derive(Debug, Clone, Copy)]
 struct Seen {
     lives: Lives,
-    order: Option<SignatureOrder>,
+    orders: Option<CellOrders>,
 }
 
 impl Seen {
     fn of(sample: &Sample) -> Self {
-        Self { lives: lives(&sample.cell), order: sample.order }
+        Self { lives: lives(&sample.cell), orders: sample.orders }
     }
 }
 
-/// Whether a stripe passes between some of these: two orders that are known differ.
+/// Whether a stripe passes between some of these: orders that are known differ.
 fn are_parted(all: [Seen; 4]) -> bool {
-    let mut known = all.into_iter().filter_map(|seen| seen.order);
+    let mut known = all.into_iter().filter_map(|seen| seen.orders);
     let first = known.next();
     known.any(|other| Some(other) != first)
 }
@@ -117,6 +118,7 @@ pub(super) struct Refiner<'a, 'b> {
     context: &'a RefineContext<'b>,
     stop: &'a Stop,
     worker: Worker,
+    orders: CellOrderFinder,
     /// The point of the cell computed last.
     point: Point,
     tiles: Tiles,
@@ -128,7 +130,15 @@ impl<'a, 'b> Refiner<'a, 'b> {
     pub(super) fn new(context: &'a RefineContext<'b>, stop: &'a Stop) -> Self {
         let worker = Worker::new(context.scene.base.sites()).until(stop);
         let tiles = Tiles::new(context.size.map(|points| (points / context.whole) as usize), context.whole.ilog2());
-        Self { context, stop, worker, point: context.scene.base, tiles, last: HashMap::new() }
+        Self {
+            context,
+            stop,
+            worker,
+            orders: CellOrderFinder::default(),
+            point: context.scene.base,
+            tiles,
+            last: HashMap::new(),
+        }
     }
 
     /// The leaves of some cells of the grid, one after the other: of each those of its first quarter first. `None` if it was stopped.
@@ -199,10 +209,13 @@ impl<'a, 'b> Refiner<'a, 'b> {
         // The scene's corners were checked, so that every point between is a valid model.
         let model = self.point.model().ok()?;
         let task = &self.context.scene.task;
-        let (cell, order) =
-            if ordered { self.worker.with_order(&model, task) } else { (self.worker.cell(&model, task), None) };
+        let (cell, orders) = if ordered {
+            self.orders.cell(&mut self.worker, &model, task)
+        } else {
+            (self.worker.cell(&model, task), None)
+        };
         // One that was stopped is none.
-        (!self.stop.is_raised()).then_some(Sample { cell, order })
+        (!self.stop.is_raised()).then_some(Sample { cell, orders })
     }
 
     /// What was computed for the squares that begin at a place.

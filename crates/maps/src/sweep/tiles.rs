@@ -1,14 +1,13 @@
 //! What one thread knows of the cells of the grid that is refined: of each by places within it, so that nothing need be looked for.
 
-use vibrochain_floquet::SignatureOrder;
-
+use super::orders::CellOrders;
 use crate::cell::Cell;
 
-/// What was computed at a place: the cell, and in which order its signatures are, if that was asked for and is known.
+/// What was computed at a place: the cell, and the orders of its signatures, if they were asked for and are known.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sample {
     pub(super) cell: Cell,
-    pub(super) order: Option<SignatureOrder>,
+    pub(super) orders: Option<CellOrders>,
 }
 
 /// What is known of the squares that begin at a place.
@@ -179,7 +178,7 @@ mod tests {
                 assert_eq!(known, cells.get(&at).copied(), "{at:?}");
                 seen[2 + usize::from(known.is_some())] += 1;
                 if known.is_none() {
-                    tiles.set_cell(at, Sample { cell: Cell { solutions: step, ..Cell::EMPTY }, order: None });
+                    tiles.set_cell(at, Sample { cell: Cell { solutions: step, ..Cell::EMPTY }, orders: None });
                     cells.insert(at, step);
                 }
             }
