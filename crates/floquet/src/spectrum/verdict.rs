@@ -85,8 +85,9 @@ pub(crate) fn told(
 ) -> Result<(Verdict, Vec<Complex<f64>>), SecularError> {
     let Zeros { list, reciprocal, certified, .. } = zeros(equations, conservative, data);
     if !certified {
-        let found = list.iter().filter(|zero| zero.settled).count();
-        return Err(SecularError::Incomplete { found, wanted: list.len() });
+        let (found, wanted) = (list.iter().filter(|zero| zero.apart).count(), list.len());
+        let known = found == wanted;
+        return Err(if known { SecularError::Inconsistent } else { SecularError::Incomplete { found, wanted } });
     }
     let mut multipliers = Vec::with_capacity(2 * list.len());
     let verdict = judged(&list, reciprocal, tolerance, &mut multipliers);

@@ -48,6 +48,9 @@ pub enum SecularError {
         /// Roots there are.
         wanted: usize,
     },
+    /// Every root is told from the rest, but all together are not what they must be.
+    #[error("the product or sum of all roots is not what it must be, by more than rounding explains")]
+    Inconsistent,
 }
 
 /// A number in words; one that is none is said so.

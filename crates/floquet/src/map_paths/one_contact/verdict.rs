@@ -77,7 +77,6 @@ impl ForcedSecular {
         }
         self.solve(prepared)?;
         let Some(leading) = self.leading(prepared, None) else { return Err(SecularError::NotReversible) };
-        let clearance = self.values.iter().map(|z| excess(*z).abs()).fold(f64::INFINITY, f64::min);
         let Leading { place, excess, error } = leading;
         let leading = self.values[place];
         let real = leading.im.abs() <= error;
@@ -89,7 +88,7 @@ impl ForcedSecular {
             (Standing::Undecided, Reason::Tangency)
         };
         let leading = Some(if real { Complex::new(leading.re, 0.0) } else { leading });
-        Ok(SecularVerdict { outcome, reason, leading, excess, excess_error: error, clearance })
+        Ok(SecularVerdict { outcome, reason, leading, excess, excess_error: error })
     }
 
     /// The leading multiplier and its error, those that may lead instead counted in; whatever decides on it is

@@ -19,12 +19,10 @@ impl Secular {
         &mut self,
         unknown: Option<usize>,
         mut undecided: Option<LeadingRoot>,
-        mut clearance: f64,
     ) -> Result<SecularVerdict, SecularError> {
         let mut leading: Option<LeadingRoot> = None;
         for (nu, error) in self.all_nu()? {
             let excess = nu.excess();
-            clearance = clearance.min(if nu.im == 0.0 { nu.below.abs().min(nu.above.abs()) } else { nu.im.abs() });
             if excess == 0.0 || nu.im < 0.0 {
                 continue;
             }
@@ -44,7 +42,7 @@ impl Secular {
             undecided = most(undecided, LeadingRoot { nu, excess, error: excess, reason: Reason::Tangency });
         }
         let worst = if form.neighbourhoods.is_empty() { WORST } else { f64::INFINITY };
-        let verdict = assemble(leading, undecided, clearance, worst)?;
+        let verdict = assemble(leading, undecided, worst)?;
         match unknown {
             Some(mode) if verdict.outcome == Standing::Stable => Err(SecularError::ResidueSign { mode }),
             _ => Ok(verdict),

@@ -67,22 +67,6 @@ pub struct SecularVerdict {
     pub excess: f64,
     /// Estimated error of the excess.
     pub excess_error: f64,
-    /// How far, in ν, two multipliers are from meeting (stable) or have moved apart (unstable): the smallest distance of a
-    /// root from ±1, or half the distance of two roots of opposite signature in one gap. With losses, the smallest distance of a
-    /// multiplier from the circle. An estimate; infinite if there is nothing that could meet, or if it was not needed.
-    pub clearance: f64,
-}
-
-impl SecularVerdict {
-    /// The outcome is not undecided: rounding could not have changed it.
-    pub fn is_certain(&self) -> bool {
-        self.outcome != Standing::Undecided
-    }
-
-    /// |μ| of the leading multiplier, 1 for a stable orbit without losses.
-    pub fn spectral_radius(&self) -> f64 {
-        1.0 + self.excess
-    }
 }
 
 /// Work space of the secular function: residues, verdict, roots.
@@ -171,22 +155,20 @@ impl Secular {
             positive &= known && *residue > 0.0;
         }
         let (Some(&first), Some(&last)) = (signs.first(), signs.last()) else {
-            return Ok(stable(Reason::EqualResidueSigns, f64::INFINITY));
+            return Ok(stable(Reason::EqualResidueSigns));
         };
         if count == 1 {
-            return Ok(stable(Reason::EqualResidueSigns, f64::INFINITY));
+            return Ok(stable(Reason::EqualResidueSigns));
         }
         let mut leading: Option<LeadingRoot> = None;
         let mut undecided: Option<LeadingRoot> = None;
-        let (mut clearance, mut counted) = (f64::INFINITY, 0);
+        let mut counted = 0;
         if !positive {
             // Beyond ±1: the sum over 1/(|ν|−|d|…) is positive far away.
             for (end, distances, outermost) in [(1.0, &form.below_one, last), (-1.0, &form.above_minus_one, first)] {
                 let local = form.about(distances);
                 let Jet { value, slope, .. } = local.jet(0.0);
                 let error = local.noise(Complex::default());
-                let distance = (value / slope).abs();
-                clearance = clearance.min(distance);
                 // The sign next to the outermost pole is that of its residue.
                 counted += usize::from((outermost > 0.0) != (value > 0.0)) + usize::from(value < 0.0);
                 if value.abs() <= error {
@@ -204,12 +186,12 @@ impl Secular {
             }
             counted += signs.windows(2).filter(|pair| (pair[0] > 0.0) == (pair[1] > 0.0)).count();
         } else {
-            return Ok(stable(Reason::EqualResidueSigns, f64::INFINITY));
+            return Ok(stable(Reason::EqualResidueSigns));
         }
         suspects.clear();
         let wanted = count - 1;
         if large && (counted < wanted || unknown.is_some()) {
-            return self.judge_all_roots(unknown, undecided, clearance);
+            return self.judge_all_roots(unknown, undecided);
         }
         if counted < wanted {
             for gap in 0..wanted {
@@ -219,19 +201,17 @@ impl Secular {
                 }
                 let width = form.distance(gap + 1, gap);
                 let low = lowest(form.window(gap, gap, scratch), left.signum(), width, (left, right));
-                let half = low.half_distance();
                 if !low.is_certain() {
                     let reach = tangency(&low);
                     let nu = form.nu(gap, Complex::new(low.t, reach));
                     let excess = nu.excess();
                     undecided = most(undecided, LeadingRoot { nu, excess, error: excess, reason: Reason::Tangency });
-                    clearance = clearance.min(half);
                     counted += 2;
                 } else if low.value < 0.0 {
-                    clearance = clearance.min(half);
                     counted += 2;
                 } else {
-                    suspects.push(Suspect { gap, t: low.t, height: half, closeness: half / width });
+                    let height = low.half_distance();
+                    suspects.push(Suspect { gap, t: low.t, height, closeness: height / width });
                 }
                 if counted >= wanted {
                     break;
@@ -245,7 +225,6 @@ impl Secular {
                 let nu = form.nu(pair.place, pair.t);
                 let excess = nu.excess();
                 let error = nu.excess_error(excess, pair.error);
-                clearance = clearance.min(nu.im);
                 leading = most(leading, LeadingRoot { nu, excess, error, reason: Reason::ComplexPair });
             }
         }
@@ -254,15 +233,15 @@ impl Secular {
             let lost = undecided.is_some();
             return match lost {
                 true => Err(SecularError::Incomplete { found: counted, wanted }),
-                false => self.judge_all_roots(None, None, f64::INFINITY),
+                false => self.judge_all_roots(None, None),
             };
         }
-        assemble(leading, undecided, clearance, WORST)
+        assemble(leading, undecided, WORST)
     }
 }
 
-fn stable(reason: Reason, clearance: f64) -> SecularVerdict {
-    SecularVerdict { outcome: Standing::Stable, reason, leading: None, excess: 0.0, excess_error: 0.0, clearance }
+fn stable(reason: Reason) -> SecularVerdict {
+    SecularVerdict { outcome: Standing::Stable, reason, leading: None, excess: 0.0, excess_error: 0.0 }
 }
 
 pub(crate) fn most(best: Option<LeadingRoot>, other: LeadingRoot) -> Option<LeadingRoot> {
@@ -275,7 +254,6 @@ pub(crate) fn most(best: Option<LeadingRoot>, other: LeadingRoot) -> Option<Lead
 pub(crate) fn assemble(
     leading: Option<LeadingRoot>,
     undecided: Option<LeadingRoot>,
-    clearance: f64,
     worst: f64,
 ) -> Result<SecularVerdict, SecularError> {
     let tell = |this: LeadingRoot| {
@@ -284,8 +262,7 @@ pub(crate) fn assemble(
         let certain = this.reason != Reason::Tangency && excess_error < excess;
         let outcome = if certain { Standing::Unstable } else { Standing::Undecided };
         let precise = excess_error <= worst * (1.0 + excess);
-        let verdict =
-            SecularVerdict { outcome, reason: this.reason, leading: Some(large), excess, excess_error, clearance };
+        let verdict = SecularVerdict { outcome, reason: this.reason, leading: Some(large), excess, excess_error };
         if precise { Ok(verdict) } else { Err(SecularError::Imprecise { excess, excess_error }) }
     };
     match (leading, undecided) {
@@ -295,7 +272,7 @@ pub(crate) fn assemble(
         }
         (Some(leading), None) => tell(leading),
         (None, Some(undecided)) => tell(undecided),
-        (None, None) => Ok(stable(Reason::AllRootsCounted, clearance)),
+        (None, None) => Ok(stable(Reason::AllRootsCounted)),
     }
 }
 
