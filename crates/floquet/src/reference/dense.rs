@@ -8,9 +8,8 @@
 //! | impacts at one site | the modes that feel them | on a ring 2(⌊M/2⌋+1), less the trivial pair |
 //! | impacts at several sites | whole lattice | 2M, less the trivial pair |
 //!
-//! The trivial pair μ = 1 of a conservative orbit (the perturbation along the orbit and its canonical partner) is left out: the known left
-//! eigenvector of one is reflected to an axis before eigenvalues are computed, and what is then next to 1 is the other. (In ν there is
-//! none.) Rounding would split the two by 1e-7 and more, and weakly coupled breathers have others next to them.
+//! The trivial pair μ = 1 of a conservative orbit (the perturbation along the orbit and its canonical partner) is
+//! taken out before the eigenvalues are computed, by reflecting the known right and left eigenvectors to the axes.
 
 use nalgebra::{Complex, DMatrix};
 use vibrochain_breather::{Finder, Orbit};
@@ -21,8 +20,8 @@ use crate::map_paths::Modes;
 use crate::reference::eigen::eigenvalues_until;
 use crate::reference::half_sum::HalfSum;
 use crate::reference::mirrors::Mirrors;
-use crate::reference::monodromy::{EvenCoordinates, check_dimension, full_monodromy_until};
-use crate::reference::reflector::deflated;
+use crate::reference::monodromy::{EvenCoordinates, check_dimension, flow_before_first_impact, full_monodromy_until};
+use crate::reference::reflector::Reflector;
 use crate::zeros::Nu;
 
 /// Reusable work space for dense matrices.
@@ -34,6 +33,8 @@ pub(crate) struct Dense {
     coordinates: EvenCoordinates,
     /// Of which `values` are the eigenvalues.
     pub(crate) matrix: DMatrix<f64>,
+    flow: Vec<f64>,
+    left: Vec<f64>,
     pub(crate) values: Vec<Complex<f64>>,
 }
 
@@ -65,9 +66,12 @@ impl Dense {
             let mirrors = if centred { Mirrors::of(orbit) } else { Mirrors::default() };
             let half_sum = HalfSum::new(orbit, &mut self.spectrum)?;
             let basis = mirrors.basis(chain.sites(), 0);
-            let flow = HalfSum::flow(orbit, &basis, finder)?;
-            self.matrix = deflated(half_sum.on(&basis).matrix, &flow);
-        } else if is_reduced(orbit) || alone {
+            HalfSum::set_flow(orbit, &basis, finder, &mut self.left)?;
+            self.matrix = Reflector::of(&self.left).deflated(half_sum.on(&basis).matrix);
+            eigenvalues_until(&self.matrix, &mut self.values, finder.stop())?;
+            return Ok(self.matrix.norm());
+        }
+        if is_reduced(orbit) || alone {
             check_dimension(2 * chain.even_modes())?;
             self.modes.set_felt(finder.prepared(orbit)?);
             let felt = || self.modes.list().iter().map(|mode| (mode.frequency, mode.weight));
@@ -85,35 +89,43 @@ impl Dense {
         if !norm.is_finite() {
             return Err(FloquetError::NotConverged { dimension: self.matrix.nrows() });
         }
-        let mut trivial = if orbit.model().is_conservative() && !orbit.is_reversible() { 2 } else { 0 };
-        if trivial > 0 && orbit.impact_site().is_none() {
-            let left = canonical_flow(orbit, finder)?;
-            self.matrix = deflated(std::mem::take(&mut self.matrix), &left);
-            trivial = 1;
+        if orbit.model().is_conservative() {
+            self.deflate(orbit, finder)?;
         }
         eigenvalues_until(&self.matrix, &mut self.values, finder.stop())?;
-        for _ in 0..trivial {
-            let from_one = |i: &usize| (self.values[*i] - 1.0).norm_sqr();
-            let nearest = (0..self.values.len()).min_by(|i, j| from_one(i).total_cmp(&from_one(j)));
-            nearest.map(|i| self.values.remove(i));
-        }
         Ok(norm)
     }
-}
 
-/// ωᵀ(f, ·) of the flow f just before the first impact, a left eigenvector of M, which keeps the canonical form ω.
-fn canonical_flow(orbit: &Orbit, finder: &mut Finder) -> Result<Vec<f64>, FloquetError> {
-    let motion = finder.motion(orbit)?;
-    motion.seek(0, 0.0);
-    let sites = orbit.model().chain().sites();
-    let accelerations = (0..sites).map(|n| -motion.site(n).acceleration);
-    let mut left: Vec<f64> = accelerations.chain((0..sites).map(|n| motion.site(n).velocity)).collect();
-    // Several impacts may share the first instant; before it each site is slower by its impulse.
-    let first = orbit.impacts().first().map_or(0.0, |impact| impact.time);
-    for impact in orbit.impacts().iter().filter(|impact| impact.time == first) {
-        left[sites + impact.site] -= impact.impulse;
+    /// Removes the trivial pair: M f = f with the flow f, and ωᵀ(f, ·)M = ωᵀ(f, ·) because M keeps the canonical form ω.
+    fn deflate(&mut self, orbit: &Orbit, finder: &mut Finder) -> Result<(), FloquetError> {
+        let half = self.matrix.nrows() / 2;
+        self.left.clear();
+        if orbit.centre().is_some() {
+            flow_before_first_impact(orbit, finder, &self.coordinates, &mut self.flow)?;
+            // ω(f, z) = Σ (f_X z_Y − f_Y z_X)/Ω̃
+            let scales = &self.coordinates.scales;
+            self.left.extend((0..half).map(|k| -self.flow[k + half] / scales[k]));
+            self.left.extend((0..half).map(|k| self.flow[k] / scales[k]));
+        } else {
+            let motion = finder.motion(orbit)?;
+            motion.seek(0, 0.0);
+            self.flow.clear();
+            self.flow.extend((0..half).map(|n| motion.site(n).velocity));
+            self.flow.extend((0..half).map(|n| motion.site(n).acceleration));
+            // Several impacts may share the first instant; before it each site is slower by its impulse.
+            let first = orbit.impacts().first().map_or(0.0, |impact| impact.time);
+            for impact in orbit.impacts().iter().filter(|impact| impact.time == first) {
+                self.flow[impact.site] -= impact.impulse;
+            }
+            self.left.extend((0..half).map(|n| -self.flow[n + half]));
+            self.left.extend_from_slice(&self.flow[..half]);
+        }
+        let first = Reflector::of(&self.flow);
+        first.apply(&mut self.left);
+        let rest = first.deflated(std::mem::take(&mut self.matrix));
+        self.matrix = Reflector::of(self.left.get(1..).unwrap_or_default()).deflated(rest);
+        Ok(())
     }
-    Ok(left)
 }
 
 /// Matrices are those of the modes that feel the impacts.

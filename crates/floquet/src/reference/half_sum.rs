@@ -109,16 +109,22 @@ impl HalfSum {
     }
 
     /// The left eigenvector of ν = 1 in the coordinates of a basis, which the orbit's own motion must lie in.
-    pub(crate) fn flow(orbit: &Orbit, basis: &Basis, finder: &mut Finder) -> Result<Vec<f64>, FloquetError> {
+    pub(crate) fn set_flow(
+        orbit: &Orbit,
+        basis: &Basis,
+        finder: &mut Finder,
+        left: &mut Vec<f64>,
+    ) -> Result<(), FloquetError> {
         let motion = finder.motion(orbit)?;
         motion.at(0, 0.0);
-        let entry = |vector: &Vec<(usize, f64)>| {
+        left.clear();
+        left.extend(basis.vectors.iter().map(|vector| {
             let (n, share) = vector[0];
             let hit = orbit.impacts().iter().find(|impact| impact.time == 0.0 && impact.site == n);
             let flow =
                 hit.map_or_else(|| -motion.site(n).acceleration, |impact| impact.velocity_before * orbit.frequency());
             flow / share
-        };
-        Ok(basis.vectors.iter().map(entry).collect())
+        }));
+        Ok(())
     }
 }

@@ -10,7 +10,7 @@
 //!   have a node there and never feel an impact: their multipliers are e^{±iΩ_kT}, see [`crate::odd_multipliers`].
 
 use nalgebra::DMatrix;
-use vibrochain_breather::{BreatherError, Orbit};
+use vibrochain_breather::{BreatherError, Finder, Orbit};
 use vibrochain_lattice::{Propagator, Spectrum, Stop, sine_over};
 
 use crate::error::FloquetError;
@@ -173,4 +173,26 @@ pub(crate) fn full_monodromy_until(orbit: &Orbit, stop: &Stop) -> Result<DMatrix
 
 pub(crate) fn check_dimension(dimension: usize) -> Result<(), FloquetError> {
     if dimension <= MAX_DIMENSION { Ok(()) } else { Err(FloquetError::TooLarge { dimension, limit: MAX_DIMENSION }) }
+}
+
+/// The flow direction (v̇, v̈) just before the first impact, in even coordinates: the right eigenvector of a conservative
+/// orbit's trivial multiplier.
+pub(crate) fn flow_before_first_impact(
+    orbit: &Orbit,
+    finder: &mut Finder,
+    coordinates: &EvenCoordinates,
+    flow: &mut Vec<f64>,
+) -> Result<(), FloquetError> {
+    let motion = finder.motion(orbit)?;
+    motion.seek(0, 0.0);
+    // A Motion starts just after the impact; before it the site is slower by the impulse, spread over the modes.
+    let impulse = orbit.impacts().first().map_or(0.0, |impact| impact.impulse);
+    flow.clear();
+    for half in 0..2 {
+        for (k, mode) in motion.modes().iter().enumerate() {
+            let (b, scale) = (coordinates.amplitudes[k], coordinates.scales[k]);
+            flow.push(if half == 0 { scale * (mode[1] / b - impulse * b) } else { mode[2] / b });
+        }
+    }
+    Ok(())
 }
