@@ -7,10 +7,11 @@
 pub(crate) struct Slopes<'a> {
     /// Number of the impact.
     pub(crate) impact: usize,
-    /// All impulses, and the kernel from each to this one, with three derivatives.
+    /// The impulses of all impacts.
     pub(crate) impulses: &'a [f64],
+    /// The kernel from each of them to this impact, with its first three derivatives.
     pub(crate) jets: &'a [[f64; 4]],
-    /// What the loads do here, the same.
+    /// What the loads do to the contact here, with the first three derivatives.
     pub(crate) load: &'a [f64; 4],
 }
 

@@ -1,5 +1,7 @@
-//! All orbits of two impacts under a load of one harmonic, or without loads and losses, with proof: enclosures of F(φ) = C² + S² − Δ², the
-//! determinants of the linear equations of (P₁, P₂, c, s) by Cramer's rule (`at_times`).
+//! All orbits of two impacts, with proof, under a load of one harmonic or without loads and losses. They are zeros of one function F of the
+//! time φ between the impacts, which is enclosed on intervals.
+//!
+//! Under a load the linear equations of (P₁, P₂, c, s) (`at_times`) are solved by Cramer's rule: F = C² + S² − Δ².
 //!
 //! Rows are the places p₁, p₂ and laws l₁, l₂. U are the minors of the columns of P₁, P₂ in two rows, Δ and C + iS are sums of them times those
 //! of the other two columns (Laplace). With ĝ the load's amplitudes, ρ = ĝ₁ĝ₂* e^{−iωφ}, w = ω(1+e) and r the stops less what is still,
@@ -10,8 +12,10 @@
 //! |ĝ₁|S = −|ĝ₁|²r₂U_ll + Re ρ·r₁U_ll − Im ρ·b,     b = w₂(r₂U₁₁ − r₁U₂₁)
 //! ```
 //!
-//! but for a rotation of (C, S). Without loads the places give the impulses. Of the laws, one of which follows from the other, P₁K₂₁′(φ) = 0 is
-//! left, as K′ of a contact with itself is odd: F = K₂₁′.
+//! but for a rotation of (C, S).
+//!
+//! Without loads the places give the impulses, and one of Newton's laws follows from the other. As K′ of a contact with itself is odd, the law
+//! that is left is P₁K₂₁′(φ) = 0: F = K₂₁′.
 //!
 //! The same formulas serve for numbers and for enclosures.
 

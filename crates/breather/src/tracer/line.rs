@@ -144,8 +144,9 @@ pub fn chord_error([a, b, c]: [[f64; 2]; 3], [before, last]: [f64; 2]) -> f64 {
     bend * last * last / 8.0
 }
 
-/// The polynomial through the last of some places, at these lengths, at another length. The last one comes first; those that nearly are one
-/// place, against how far the wanted length is from the last, tell nothing of how the curve bends. `None` where no two are left.
+/// Where a curve is expected at the length `wanted`: on the polynomial through the last of its places, which come with their lengths, the last
+/// one first. A place much nearer to the one after it than `wanted` is to the last tells nothing of how the curve bends, and is passed over.
+/// `None` where fewer than two are left.
 pub fn foreseen<'a>(places: impl IntoIterator<Item = (f64, &'a [f64])>, wanted: f64) -> Option<Vector> {
     let mut through: SmallVec<[(f64, &[f64]); THROUGH]> = SmallVec::new();
     for (at, place) in places {

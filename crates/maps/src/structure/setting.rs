@@ -74,7 +74,7 @@ const NAMED: [(Setting, &str, &Row); 9] = [
 ];
 
 impl Setting {
-    /// Its row of the table of parameters; `None` of what has no name of its own.
+    /// Its row in the table of parameters; `None` where the table has none, as of numbers of a contact.
     pub(super) fn row(self) -> Option<&'static Row> {
         NAMED.into_iter().find(|(setting, ..)| *setting == self).map(|(.., row)| row)
     }

@@ -45,7 +45,7 @@ impl CellOrderFinder {
             if is_stable && number != best && precedence(orbit.family()) >= winner {
                 continue;
             }
-            // Orbits come in the order of the scene's words. So the number tells whose order it is.
+            // Orbits come word by word, as the scene lists these: the number tells which word has the order.
             (number, self.orders.of(orbit).ok()??).hash(&mut hasher);
         }
         Some(CellOrders(hasher.finish()))

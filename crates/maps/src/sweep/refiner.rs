@@ -40,7 +40,7 @@ pub(super) struct RefineContext<'a> {
     whole: u32,
     cells: Vec<OnceLock<Sample>>,
     stripes: Covered,
-    /// Whether stripes are found by orders of signatures instead.
+    /// Whether orders of signatures tell where a stripe passes. Then none is followed beforehand.
     ordered: bool,
 }
 

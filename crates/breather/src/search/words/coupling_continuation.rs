@@ -201,7 +201,7 @@ impl Walk for Raising<'_> {
         Ok(next.map_or(Stride::Failed, |next| self.reach(next)))
     }
 
-    /// A word with a symmetry passes points where others branch off that lack it.
+    /// Orbits of a symmetric word pass points at which orbits without that symmetry branch off: such a point is stepped over.
     fn leap(&mut self) -> Result<(f64, Stride<Self::End>), BreatherError> {
         let over = OVER.iter().find_map(|&length| self.along.leap(&self.point, length).ok());
         let over = over.filter(|next| next.value() < self.target);
