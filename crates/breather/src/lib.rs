@@ -70,7 +70,7 @@ pub use equations::linear;
 pub use equations::{BlochEquations, LinearImpact, Shift};
 pub use error::{BranchError, BreatherError, NoBreather, Unsearched};
 pub use motion::{Kinematics, Motion};
-pub use orbit::{Family, Hit, Impact, Orbit};
+pub use orbit::{Family, Hit, Impact, Orbit, time_between};
 pub use roots::bracket;
 pub use search::completeness::{Completeness, Proof};
 pub use search::finder::{Finder, OrbitList, Prepared, Scope, breathers, condition};

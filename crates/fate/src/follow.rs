@@ -1,6 +1,6 @@
 //! Whether a run follows its breather, impact by impact, and when it has left.
 
-use vibrochain_breather::Orbit;
+use vibrochain_breather::{Orbit, time_between};
 use vibrochain_eventsim::{Event, EventKind, Time};
 use vibrochain_lattice::Barrier;
 
@@ -61,8 +61,7 @@ impl Track {
 
     /// The shortest distance of two times on the breather's period.
     pub(crate) fn apart(&self, one: f64, other: f64) -> f64 {
-        let apart = (one - other).rem_euclid(self.period);
-        apart.min(self.period - apart)
+        time_between(one, other, self.period)
     }
 }
 

@@ -22,12 +22,6 @@ pub trait Followed: Clone {
     fn is_centred(&self) -> bool;
 }
 
-/// The time between two instants of an orbit that repeats itself: half a period at most.
-pub(crate) fn time_between(one: f64, other: f64, period: f64) -> f64 {
-    let ahead = (one - other).rem_euclid(period);
-    ahead.min(period - ahead)
-}
-
 macro_rules! followed {
     ($orbit:ty, $place:ident, $conservative:expr, $centred:expr) => {
         impl Followed for $orbit {

@@ -55,24 +55,24 @@ impl Continuation {
         let ((first, omega), (last, last_omega)) = (of(&model(from)?), of(&model(to)?));
         let mut nearest: Option<(f64, Resonance)> = None;
         for (mode, (start, end)) in first.frequencies().iter().zip(last.frequencies()).enumerate() {
-            let (start, end) = ((start / omega).floor(), (end / last_omega).floor());
-            if start == end {
+            let [before, behind] = [start / omega, end / last_omega].map(f64::floor);
+            if before == behind {
                 continue;
             }
-            let harmonic = if end > start { start + 1.0 } else { start };
+            let harmonic = if behind > before { before + 1.0 } else { before };
             if harmonic < 1.0 || !counts(mode, harmonic) {
                 continue;
             }
+            let off = |omega: f64, frequency: f64| (-harmonic).mul_add(omega, frequency);
             let at = |value: f64| {
                 let (spectrum, omega) = of(&model(value)?);
                 let frequency = spectrum.frequencies().get(mode).copied().unwrap_or_default();
-                let distance = (-harmonic).mul_add(omega, frequency);
+                let distance = off(omega, frequency);
                 Some((value, Resonance { harmonic: harmonic as u64, mode, frequency, omega, distance }))
             };
             let distance = |value: f64| at(value).map(|(_, resonance)| resonance.distance).ok_or(());
-            let ends = [from, to].map(|value| distance(value).map(|distance| (value, distance)));
-            let [Ok(low), Ok(high)] = ends else { continue };
-            let hit = zero(low, high, from.abs().max(to.abs()), distance).ok().and_then(at);
+            let ends = [(from, off(omega, *start)), (to, off(last_omega, *end))];
+            let hit = zero(ends[0], ends[1], from.abs().max(to.abs()), distance).ok().and_then(at);
             let closer = |(value, _): &(f64, Resonance)| {
                 nearest.as_ref().is_none_or(|(old, _)| (value - from).abs() < (old - from).abs())
             };

@@ -22,6 +22,16 @@ pub(crate) const SIMULTANEOUS: f64 = 1e-9;
 /// A solution that violates its equations by more than this is not listed: rounding has left nothing of it.
 pub(crate) const MOST_RESIDUAL: f64 = 0.1;
 
+/// The time between two instants of an orbit that repeats itself: half a period at most, in the unit of the arguments.
+///
+/// ```
+/// assert!((vibrochain_breather::time_between(0.5, 5.75, 6.0) - 0.75).abs() < 1e-15);
+/// ```
+pub fn time_between(one: f64, other: f64, period: f64) -> f64 {
+    let ahead = (one - other).rem_euclid(period);
+    ahead.min(period - ahead)
+}
+
 /// The families of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]

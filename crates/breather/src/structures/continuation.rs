@@ -11,6 +11,7 @@ use super::model::StructureModel;
 use super::orbit::{StructureImpact, StructureOrbit};
 use crate::equations::linear::{Vector, dot};
 use crate::error::{BranchError, BreatherError};
+use crate::orbit::time_between;
 use crate::tracer::solution_curve::{SolutionCurve, SolutionPoint};
 use crate::tracer::system::{Evaluation, System};
 
@@ -258,10 +259,9 @@ fn loses_energy(family: &StructureFamily, values: &[f64], which: usize) -> bool 
 fn is_own_image(orbit: &StructureOrbit) -> bool {
     let (impacts, period) = (orbit.impacts(), orbit.period());
     let alike = |one: &StructureImpact, other: &StructureImpact, sign: f64, time: f64| {
-        let apart = (other.time - time).rem_euclid(period);
         one.contact == other.contact
             && (one.barrier == other.barrier) == (sign > 0.0)
-            && apart.min(period - apart) <= IMAGE * period
+            && time_between(other.time, time, period) <= IMAGE * period
             && (one.impulse - sign * other.impulse).abs() <= IMAGE * one.impulse.abs()
     };
     let holds = |sign: f64, of: &dyn Fn(f64) -> f64| {

@@ -20,6 +20,7 @@ use super::model::StructureModel;
 use super::orbit::StructureOrbit;
 use super::three_impacts::ThreeImpacts;
 use super::two_impacts::Function;
+use crate::orbit::time_between;
 use crate::word::Word;
 
 /// Two orbits whose times agree to this part of the period, and impulses to this part of themselves, are one.
@@ -190,9 +191,8 @@ fn letters_at_once(word: &Word) -> bool {
 fn is_same(a: &StructureOrbit, b: &StructureOrbit, turn: usize) -> bool {
     let (period, n) = (a.period(), b.impacts().len());
     let begins = b.impacts()[turn].time;
-    let around = |x: f64, period: f64| x.rem_euclid(period).min((-x).rem_euclid(period));
     let psi = match (a.psi(), b.psi()) {
-        (Some(a_psi), Some(b_psi)) => around(a_psi - b_psi - begins, a.model().period()) < SAME * period,
+        (Some(a_psi), Some(b_psi)) => time_between(a_psi, b_psi + begins, a.model().period()) < SAME * period,
         _ => true,
     };
     psi && (0..n).all(|i| {
@@ -200,7 +200,7 @@ fn is_same(a: &StructureOrbit, b: &StructureOrbit, turn: usize) -> bool {
         let close = (own.impulse - other.impulse).abs() < SAME * own.impulse.abs().max(other.impulse.abs());
         own.contact == other.contact
             && own.barrier == other.barrier
-            && around(own.time - (other.time - begins), period) < SAME * period
+            && time_between(own.time, other.time - begins, period) < SAME * period
             && close
     })
 }

@@ -12,8 +12,8 @@ use vibrochain_lattice::Barrier;
 use super::orbit::EventOrbit;
 use super::regular::Regular;
 use super::watcher::TOUCHES;
-use crate::followed::time_between;
 use crate::locate::Event;
+use vibrochain_breather::time_between;
 
 type C = Complex<f64>;
 

@@ -6,7 +6,7 @@ use vibrochain_lattice::Barrier;
 
 use super::answer::{Event, Evidence, Located};
 use crate::events::EventOrbit;
-use crate::followed::time_between;
+use vibrochain_breather::time_between;
 
 /// A contact touches a barrier where it is this near to it, over the fastest velocity and ω, and its own velocity this small: a located grazing is
 /// known to rounding, its time, a square root, to half the digits.

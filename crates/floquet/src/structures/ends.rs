@@ -12,12 +12,12 @@ use vibrochain_lattice::{Resonance, Stop};
 use super::watcher::OfStructures;
 use crate::bracket::zero;
 use crate::events::{EventOrbit, Solved, Test, Watcher, solve};
-use crate::followed::time_between;
 use crate::locate::branch_off::branch_off;
 use crate::locate::follower::confirm::{AWAY, multiplier_at};
 use crate::locate::follower::{Ended, Ends};
 use crate::locate::{End, Event, Evidence, LocateError, Located};
 use crate::verdict::Tolerance;
+use vibrochain_breather::time_between;
 
 /// Two impacts of one contact this near to each other, as a part of the period, and this slow, against what moves there, are about to vanish: the
 /// flight between them is as short as they are slow.

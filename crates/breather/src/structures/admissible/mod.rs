@@ -14,6 +14,7 @@ use super::orbit::StructureOrbit;
 use super::windows::{View, Windows};
 use crate::admissible::answer::{Admissibility, Approach, Obstruction};
 use crate::admissible::check::Depth;
+use crate::orbit::time_between;
 
 /// Impacts closer than this part of the period are at one instant.
 const TOGETHER: f64 = 1e-12;
@@ -113,10 +114,9 @@ impl Search<'_> {
     /// Whether a contact is on a barrier at an instant of impacts.
     fn is_hit(&self, contact: usize, barrier: Barrier, time: f64) -> bool {
         let period = self.orbit.period();
-        let there = self.orbit.impacts().iter().filter(|impact| impact.contact == contact && impact.barrier == barrier);
-        there
-            .map(|impact| (impact.time - time).rem_euclid(period))
-            .any(|apart| apart.min(period - apart) <= TOGETHER * period)
+        let mut there =
+            self.orbit.impacts().iter().filter(|impact| impact.contact == contact && impact.barrier == barrier);
+        there.any(|impact| time_between(impact.time, time, period) <= TOGETHER * period)
     }
 }
 
