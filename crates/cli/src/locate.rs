@@ -33,7 +33,7 @@ pub fn run(args: &LocateArgs, console: &mut Console<'_>) -> Result<(), CliError>
 
 fn locate<A: Along>(args: &LocateArgs, scene: A::Scene, console: &mut Console<'_>) -> Result<(), CliError> {
     let taken = destinations(args.json, &args.along.reads(), &[("--out", args.out.as_deref())])?;
-    let free = A::free(args.along.free)?;
+    let free = A::free(&args.along.free)?;
     let name = A::name(free);
     let stop = (console.interrupt)()?;
     let table = args.out.as_deref().map(|path| CsvFile::create("--out", path, header(&name))).transpose()?;

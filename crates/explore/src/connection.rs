@@ -16,9 +16,9 @@ pub(crate) struct Connection {
 /// Stands for a connection whose answer is computed.
 const AT_WORK: u64 = u64::MAX;
 
-/// How long a connection keeps its place while others want it: until whoever has opened it has surely asked, also on a machine that is busy;
-/// and until an answer is surely on its way.
-const OPENED: Duration = Duration::from_secs(1);
+/// How long a connection keeps its place while others want it: until whoever has opened it has asked, also on a machine that is busy, where
+/// all who wait behind a thousand silent ones wait as long; and until an answer is surely on its way.
+const OPENED: Duration = Duration::from_millis(250);
 const ANSWERED: Duration = Duration::from_millis(100);
 
 /// While it lives, the connection is at work.
@@ -53,10 +53,10 @@ impl Connection {
         (last != AT_WORK).then(|| self.opened.elapsed().saturating_sub(Duration::from_millis(last)))
     }
 
-    /// For how long it has been open to others to take its place: `None` as long as it is not.
-    pub(crate) fn idle(&self) -> Option<Duration> {
+    /// Whether others may take its place.
+    pub(crate) fn is_idle(&self) -> bool {
         let grace = if self.asked.load(Ordering::Relaxed) { ANSWERED } else { OPENED };
-        self.silent()?.checked_sub(grace)
+        self.silent() >= Some(grace)
     }
 }
 
@@ -68,11 +68,11 @@ mod tests {
     fn a_connection_at_work_is_not_silent_and_one_that_has_just_opened_keeps_its_place() {
         let since = |time| Instant::now().checked_sub(time).unwrap();
         let connection = Connection { opened: since(OPENED / 2), ..Connection::new() };
-        assert!(connection.silent() >= Some(OPENED / 2) && connection.idle().is_none());
+        assert!(connection.silent() >= Some(OPENED / 2) && !connection.is_idle());
         let connection = Connection { opened: since(2 * OPENED), ..Connection::new() };
-        assert!(connection.idle() >= Some(OPENED));
+        assert!(connection.is_idle());
         let work = connection.at_work();
-        assert_eq!((connection.silent(), connection.idle()), (None, None));
+        assert_eq!((connection.silent(), connection.is_idle()), (None, false));
         drop(work);
         assert!(connection.silent() < Some(OPENED));
     }

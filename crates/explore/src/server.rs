@@ -22,9 +22,12 @@ use crate::guard::Guard;
 use crate::route::Service;
 use crate::token::Token;
 
-/// Connections at a time; a browser opens six. So many more wait to be taken up, at no cost here; others are put off by the system.
-const CONNECTIONS: usize = 256;
-const WAITING: u32 = 1024;
+/// Connections at a time; a browser opens six. With all that one may send before it is refused they take 100 MB.
+const CONNECTIONS: usize = 1024;
+
+/// So many more wait to be taken up, at no cost here. What comes beyond these the system drops, and whoever has asked tries again only
+/// after a second.
+const WAITING: u32 = 4096;
 
 /// How long a connection may take for the head of a request.
 const HEAD: Duration = Duration::from_secs(10);
@@ -85,12 +88,13 @@ impl Explorer {
         let Self { runtime, listener, guard } = self;
         let service = Arc::new(Service::new(guard, answers, pool));
         runtime.block_on(async {
-            let mut places = Places::default();
+            let mut places = Places { all: Vec::new(), most: CONNECTIONS.min(descriptors(2 * CONNECTIONS) / 2) };
             while !stop.is_raised() {
                 if !places.have_room() {
                     // What has arrived meanwhile is looked at first.
                     sleep(PAUSE).await;
-                    if !places.have_room() && !places.give_way() {
+                    if !places.have_room() {
+                        places.give_way();
                         continue;
                     }
                 }
@@ -99,23 +103,23 @@ impl Explorer {
                         let (service, one) = (Arc::clone(&service), Arc::new(Connection::new()));
                         let own = Arc::clone(&one);
                         let task = tokio::spawn(async move { serve(stream, &service, &own).await });
-                        places.0.push((task.abort_handle(), one));
+                        places.all.push((task.abort_handle(), one));
                         // What it asks is looked at before the next one is taken up, which may want its place.
                         yield_now().await;
                     }
                     // No descriptors left, or a connection that has gone already.
                     Ok(Err(_)) => {
                         places.give_way();
-                        sleep(LOOK).await;
+                        sleep(PAUSE).await;
                     }
                     Err(_) => {}
                 }
             }
             // Connections are dropped, which stops what they wait for. Those that are told so go when they are looked at next.
-            for (task, _) in &places.0 {
+            for (task, _) in &places.all {
                 task.abort();
             }
-            while places.0.iter().any(|(task, _)| !task.is_finished()) {
+            while places.all.iter().any(|(task, _)| !task.is_finished()) {
                 yield_now().await;
             }
         });
@@ -124,28 +128,53 @@ impl Explorer {
 }
 
 /// The connections there are.
-#[derive(Default)]
-struct Places(Vec<(AbortHandle, Arc<Connection>)>);
+struct Places {
+    all: Vec<(AbortHandle, Arc<Connection>)>,
+    /// How many there may be.
+    most: usize,
+}
 
 impl Places {
     /// Whether there is room for one more. Who has been silent for too long is left.
     fn have_room(&mut self) -> bool {
-        self.0.retain(|(task, one)| {
+        self.all.retain(|(task, one)| {
             if one.silent() > Some(SILENCE) {
                 task.abort();
             }
             !task.is_finished()
         });
-        self.0.len() < CONNECTIONS
+        self.all.len() < self.most
     }
 
-    /// Leaves the connection that has been idle for longest, so that another one can have its place.
-    fn give_way(&mut self) -> bool {
-        let idle = self.0.iter().enumerate().filter_map(|(i, (_, one))| Some((one.idle()?, i)));
-        let Some((_, longest)) = idle.max() else { return false };
-        self.0.swap_remove(longest).0.abort();
-        true
+    /// Leaves all connections that are idle, so that others can have their places. One at a time, those who wait behind a thousand silent
+    /// ones would wait for seconds; a browser opens a connection anew without a word.
+    fn give_way(&mut self) {
+        self.all.retain(|(task, one)| {
+            let idle = one.is_idle();
+            if idle {
+                task.abort();
+            }
+            !idle
+        });
     }
+}
+
+/// How many files and connections this process may have open: `wanted` of them, where the system lets it.
+#[cfg(unix)]
+fn descriptors(wanted: usize) -> usize {
+    use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+    let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
+    let all = |limit: Option<u64>| limit.and_then(|limit| usize::try_from(limit).ok()).unwrap_or(usize::MAX);
+    let more = wanted.min(all(maximum));
+    if all(current) >= more || setrlimit(Resource::Nofile, Rlimit { current: Some(more as u64), maximum }).is_err() {
+        return all(current);
+    }
+    more
+}
+
+#[cfg(not(unix))]
+fn descriptors(wanted: usize) -> usize {
+    wanted
 }
 
 async fn serve(stream: TcpStream, service: &Service, connection: &Connection) {

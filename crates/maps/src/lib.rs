@@ -23,6 +23,7 @@
 //! | `files` | files that appear whole or not at all, pipes, devices |
 //! | `caption` | what captions say of models and events |
 //! | `text`, `lines`, `fields` | text from outside, read and shown; lines of text that comes in pieces; fields of a row |
+//! | `hints` | what is said of a name that is not known |
 //! | `error` | why there is none |
 
 // The first, so that all have its macros.
@@ -38,6 +39,7 @@ pub mod fields;
 pub mod files;
 pub mod followed;
 pub mod grid;
+pub mod hints;
 pub mod lines;
 pub mod manifest;
 pub mod numbers;

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::text::closest;
+use crate::hints::meant;
 
 /// Reads a number, `-.5` and `1e-3` among them. Its range is the business of who uses it.
 ///
@@ -96,8 +96,8 @@ fn of_keys(message: &str) -> Option<String> {
     let known = rest.strip_prefix(", expected ")?;
     let (known, place) = known.find(" at line ").map_or((known, ""), |start| known.split_at(start));
     let names: Vec<&str> = known.split('`').skip(1).step_by(2).collect();
-    let meant = closest(key, names.iter().copied()).map_or(String::new(), |name| format!(" did you mean `{name}`?"));
-    Some(format!("unknown key `{key}`{place}:{meant} known here are {}", known.trim_start_matches("one of ")))
+    let meant = meant(key, names.iter().copied());
+    Some(format!("unknown key `{key}`{place}: {meant}known here are {}", known.trim_start_matches("one of ")))
 }
 
 /// A number in the fewest digits that read back the same, with an exponent where it would be a row of zeros.

@@ -57,7 +57,7 @@ impl Along for ChainAlong {
     type Scene = ();
     const OF_CHAINS: bool = true;
 
-    fn free(flag: Free) -> Result<Parameter, CliError> {
+    fn free(flag: &Free) -> Result<Parameter, CliError> {
         flag.parameter()
     }
 

@@ -49,7 +49,7 @@ pub(crate) trait Along: Sized {
     const OF_CHAINS: bool;
 
     /// What a flag names.
-    fn free(flag: Free) -> Result<Self::Free, CliError>;
+    fn free(flag: &Free) -> Result<Self::Free, CliError>;
     /// The name in scenes, flags and tables.
     fn name(free: Self::Free) -> String;
     /// What stands at its axis in a picture.

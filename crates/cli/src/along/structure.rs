@@ -38,7 +38,7 @@ impl Along for StructureAlong {
     type Scene = StructureScene;
     const OF_CHAINS: bool = false;
 
-    fn free(flag: Free) -> Result<Setting, CliError> {
+    fn free(flag: &Free) -> Result<Setting, CliError> {
         flag.setting()
     }
 

@@ -3,10 +3,11 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, TypedValueParser};
 use clap::{Arg, ArgGroup, Args, Command};
 use vibrochain_floquet::Event;
 use vibrochain_lattice::Parameter;
+use vibrochain_maps::hints::meant;
 use vibrochain_maps::numbers::{real, whole};
 use vibrochain_maps::structure::Setting;
 
@@ -28,59 +29,58 @@ const EVENTS: Meanings<Event> = &[
 ];
 
 /// What varies: a parameter, or a number that only structures have.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Free {
     /// A parameter of chains, by whose name structures have a number, too.
     Parameter(Parameter),
     /// A number of structures.
     Setting(Setting),
+    /// Neither: what there is instead depends on the model.
+    Unknown(String),
 }
 
 impl Free {
     /// Of a chain.
-    pub(crate) fn parameter(self) -> Result<Parameter, CliError> {
+    pub(crate) fn parameter(&self) -> Result<Parameter, CliError> {
         match self {
-            Self::Parameter(parameter) => Ok(parameter),
+            Self::Parameter(parameter) => Ok(*parameter),
             Self::Setting(setting) => {
                 refuse!("{setting} is a number of structures: give --scene with [structure], or dashpots by --damping")
+            }
+            Self::Unknown(name) => {
+                let names = Parameter::ALL.map(Parameter::name);
+                let meant = meant(name, names);
+                refuse!("`{name}` is no parameter of a chain: {meant}give one of {}", names.join(", "))
             }
         }
     }
 
     /// Of a structure.
-    pub(crate) fn setting(self) -> Result<Setting, CliError> {
+    pub(crate) fn setting(&self) -> Result<Setting, CliError> {
         match self {
             Self::Parameter(parameter) => parameter.name().parse().map_err(CliError::Request),
-            Self::Setting(setting) => Ok(setting),
+            Self::Setting(setting) => Ok(*setting),
+            Self::Unknown(name) => name.parse().map_err(CliError::Request),
         }
     }
 }
 
 /// Takes the name of what can be varied, as scenes and tables have it: of a parameter, or of any number of a structure.
 #[derive(Clone)]
-struct FreeParser(PossibleValuesParser);
-
-fn free() -> FreeParser {
-    let names = Parameter::ALL.map(|parameter| PossibleValue::new(parameter.name()).help(parameter.symbol()));
-    FreeParser(PossibleValuesParser::new(names))
-}
+struct FreeParser;
 
 impl TypedValueParser for FreeParser {
     type Value = Free;
 
-    fn parse_ref(&self, command: &Command, arg: Option<&Arg>, value: &OsStr) -> Result<Free, clap::Error> {
+    fn parse_ref(&self, _: &Command, _: Option<&Arg>, value: &OsStr) -> Result<Free, clap::Error> {
         let text = value.to_string_lossy();
-        if let Some(parameter) = Parameter::from_name(&text) {
-            return Ok(Free::Parameter(parameter));
-        }
-        text.parse().map(Free::Setting).or_else(|_: String| {
-            let name = self.0.parse_ref(command, arg, value)?;
-            Ok(Parameter::from_name(&name).map_or(Free::Setting(Setting::Omega), Free::Parameter))
-        })
+        let parameter = Parameter::from_name(&text).map(Free::Parameter);
+        Ok(parameter.or_else(|| text.parse().ok().map(Free::Setting)).unwrap_or_else(|| Free::Unknown(text.into_owned())))
     }
 
     fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
-        self.0.possible_values()
+        let value = |parameter: Parameter| PossibleValue::new(parameter.name()).help(parameter.symbol());
+        Some(Box::new(Parameter::ALL.map(value).into_iter()))
     }
 }
 
@@ -89,7 +89,7 @@ impl TypedValueParser for FreeParser {
 #[command(group = ArgGroup::new("start").args(["family", "word", "near", "scene"]).required(true).multiple(true))]
 pub struct AlongArgs {
     /// What varies: a parameter, or of a structure any number of it, as in contact.0.upper, load, damping or stiffness.1.2.
-    #[arg(long, value_parser = free())]
+    #[arg(long, value_parser = FreeParser)]
     pub free: Free,
     /// Least value of the free parameter [default: the lower end of its axis in --scene, or else half its start; asymmetry 0, restitution 0.05].
     #[arg(long, value_name = "VALUE", value_parser = real, allow_negative_numbers = true)]
@@ -196,7 +196,7 @@ pub struct CurveArgs {
     #[command(flatten)]
     pub along: AlongArgs,
     /// The second that varies.
-    #[arg(long, value_parser = free())]
+    #[arg(long, value_parser = FreeParser)]
     pub and: Free,
     /// Least value of the second parameter [default: as of the first].
     #[arg(long, value_name = "VALUE", value_parser = real, allow_negative_numbers = true)]

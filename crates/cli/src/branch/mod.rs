@@ -40,7 +40,7 @@ fn follow<A: Along>(args: &BranchArgs, scene: A::Scene, console: &mut Console<'_
     let wanted = Wanted { along, json: *json, out: out.as_deref(), plot: plot.as_deref(), page };
     let outputs = Outputs::open::<A>(&wanted, HEADER.split(','), console)?;
     let Outputs { taken, stop, file, manifest, pictures } = outputs;
-    let free = A::free(args.along.free)?;
+    let free = A::free(&args.along.free)?;
     let along = A::begin(&args.along, scene, &stop, console)?;
     ensure!(
         args.plot.is_none() || !args.show.contains(&QuantityName::Psi) || !along.start().orbit.is_conservative(),

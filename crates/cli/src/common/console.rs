@@ -38,17 +38,12 @@ impl<'a> Console<'a> {
         Self { out, err, progress: false, quiet: false, verbose: false, threads: None, interrupt }
     }
 
-    /// Prints the answer of a command. A reader that has seen enough (`| head`) is no failure.
+    /// Prints the answer of a command.
     ///
     /// # Errors
-    /// [`CliError::Computation`] if the answer cannot be written.
+    /// [`CliError::Computation`] if the answer cannot be written; a reader that has seen enough (`| head`) is no failure.
     pub fn print(&mut self, text: &str) -> Result<(), CliError> {
-        match self.out.write_all(text.as_bytes()).and_then(|()| self.out.flush()) {
-            Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-                Err(CliError::Computation(format!("cannot write to standard output: {error}")))
-            }
-            _ => Ok(()),
-        }
+        printed(self.out.write_all(text.as_bytes()).and_then(|()| self.out.flush()))
     }
 
     /// Prints an answer: as JSON, or in words, of which quiet has none. Where a file of the command is standard output (`taken`)
@@ -75,6 +70,19 @@ impl<'a> Console<'a> {
     /// reason to fail.
     pub fn remark(&mut self, text: &str) {
         let _ = writeln!(self.err, "{}", printable(text));
+    }
+}
+
+/// What became of an answer that was printed. A reader that has seen enough (`| head`) is no failure.
+///
+/// # Errors
+/// [`CliError::Computation`] if it could not be written.
+pub(crate) fn printed(written: io::Result<()>) -> Result<(), CliError> {
+    match written {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(CliError::Computation(format!("cannot write to standard output: {error}")))
+        }
+        _ => Ok(()),
     }
 }
 

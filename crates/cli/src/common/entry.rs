@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::io::{IsTerminal, Write, stderr, stdout};
 use std::process::ExitCode;
 
-use crate::common::console::{Console, ctrl_c, survive_file_limit};
+use crate::common::console::{Console, ctrl_c, printed, survive_file_limit};
 use crate::common::error::CliError;
 
 /// Whether this build's instructions exist on this machine; without the check an old one would just say "illegal
@@ -27,14 +27,18 @@ pub fn enter(run: fn(Vec<OsString>, &mut Console<'_>) -> Result<(), CliError>) -
     survive_file_limit();
     let (mut out, mut err, progress) = (stdout(), stderr(), stderr().is_terminal());
     let mut console = Console { progress, ..Console::new(&mut out, &mut err, &ctrl_c) };
-    let result = run(std::env::args_os().collect(), &mut console);
+    // clap knows where help and complaints go, and whether in colour.
+    let result = match run(std::env::args_os().collect(), &mut console) {
+        // Help is an answer like any other.
+        Err(CliError::Usage(help)) if !help.use_stderr() => {
+            printed(help.print().and_then(|()| console.out.flush()))
+        }
+        result => result,
+    };
     match &result {
         Ok(()) | Err(CliError::Unread) => {}
-        // clap knows where help and complaints go, and whether in colour. With both streams closed there is nobody left to
-        // tell; the exit code remains.
-        Err(CliError::Usage(error)) => {
-            let _ = error.print();
-        }
+        // With both streams closed there is nobody left to tell; the exit code remains.
+        Err(CliError::Usage(error)) => drop(error.print()),
         Err(error) => console.remark(&format!("error: {error}")),
     }
     ExitCode::from(result.map_or_else(|error| error.exit_code(), |()| 0))

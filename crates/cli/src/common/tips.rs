@@ -4,12 +4,13 @@ use std::ffi::OsString;
 
 use clap::Command;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
+use vibrochain_maps::hints::said;
 use vibrochain_maps::text::closest;
 
 /// Flags of what the model has not, and how it is.
 const NOT_THERE: [(&[&str], &str); 2] = [
     (
-        &["friction", "dissipation", "viscosity"],
+        &["dissipation", "viscosity"],
         "what a chain loses between impacts is --damping of each mass and --coupling-damping of each spring",
     ),
     (
@@ -99,7 +100,8 @@ fn of_flag(program: &Command, given: &str, arguments: &[OsString]) -> Option<Str
         ([], None) => {
             let near =
                 |(names, own, _): &&(&[&str], &str, &str)| has(own) && closest(name, names.iter().copied()).is_some();
-            CALLED.iter().find(near).map(|(.., words)| (*words).to_owned())
+            let called = CALLED.iter().find(near).map(|(.., words)| (*words).to_owned());
+            called.or_else(|| said(name).map(str::to_owned))
         }
         (others, _) => Some(format!("--{name} is of {}, not of {}", others.join(", "), command.get_name())),
     }

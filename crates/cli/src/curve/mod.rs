@@ -34,7 +34,7 @@ pub fn run(args: &CurveArgs, console: &mut Console<'_>) -> Result<(), CliError> 
 }
 
 fn follow<A: Along>(args: &CurveArgs, scene: A::Scene, console: &mut Console<'_>) -> Result<(), CliError> {
-    let free = [A::free(args.along.free)?, A::free(args.and)?];
+    let free = [A::free(&args.along.free)?, A::free(&args.and)?];
     let names = free.map(A::name);
     let [first, second] = [names[0].as_str(), names[1].as_str()];
     ensure!(first != second, "--free and --and are both {first}: give two parameters");

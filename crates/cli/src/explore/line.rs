@@ -8,10 +8,11 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Map, Value, json};
 
-use super::folder::Folder;
+use super::folder::{Folder, Scratch};
 use crate::common::chunked_run::quoted;
 use vibrochain_explore::Refusal;
 use vibrochain_lattice::Stop;
+use vibrochain_maps::files::{Entry, entries};
 
 /// A command line, and files beside it.
 pub(super) struct Line {
@@ -77,7 +78,12 @@ impl Line {
     /// own, so that it can be ended at any moment, wherever it computes, and takes its memory along.
     pub(super) fn run(&self, setting: &Setting, limit: Duration, stop: &Stop) -> Result<Value, Refusal> {
         let broken = |error: std::io::Error| Refusal::new(500, format!("no place for files: {error}"));
-        let folder = tempfile::tempdir_in(setting.folder.path()).map_err(broken)?;
+        // A program takes no such word, and the system says so in words of its own.
+        ensure!(
+            !self.words.iter().any(|word| matches!(word, Word::Plain(text) if text.contains('\0'))),
+            "the request has a text with the character NUL in it"
+        );
+        let folder = Scratch::within(setting.folder.path(), "line-").map_err(broken)?;
         let path = |name: &str| folder.path().join(name);
         if let Some(scene) = &self.scene {
             fs::write(path(VIEW), scene).map_err(broken)?;
@@ -207,8 +213,8 @@ fn ended(mut command: Command, folder: &Path, limit: Duration, stop: &Stop) -> R
 
 /// Bytes of the files in a folder.
 fn bytes(folder: &Path) -> u64 {
-    let size = |entry: fs::DirEntry| entry.metadata().map_or(0, |data| data.len());
-    fs::read_dir(folder).map_or(0, |entries| entries.flatten().map(size).sum())
+    let size = |entry: Entry| entry.path().symlink_metadata().map_or(0, |data| data.len());
+    entries(folder).map_or(0, |entries| entries.flatten().map(size).sum())
 }
 
 /// A text without the folder in it, of which nobody has heard.

@@ -11,6 +11,7 @@ use std::path::Path;
 
 use serde_json::json;
 use vibrochain_lattice::{DampedParameter, Ends, Parameter};
+use vibrochain_maps::scene::Given;
 use vibrochain_maps::structure::{Setting, StructureScene};
 
 use crate::args::{ModelArgs, RowEnds};
@@ -36,9 +37,13 @@ pub(crate) fn asked(args: &ModelArgs) -> Result<Option<StructureScene>, CliError
             scene
         }
         None if args.of_structures().is_some() => chain(args)?,
-        None if !args.structure.set.is_empty() => {
-            refuse!("--set changes the numbers of a structure: give --scene with [structure]");
-        }
+        None if !args.structure.set.is_empty() => match &args.scene {
+            Some(path) => refuse!(
+                "--set changes the numbers of a structure, and {} holds a chain: change its parameters by their flags, as --gamma1",
+                Given::read(path)?.path.display()
+            ),
+            None => refuse!("--set changes the numbers of a structure: give --scene with [structure]"),
+        },
         None => return Ok(None),
     };
     if let Some(omega) = args.values.get(Parameter::Omega) {
@@ -85,10 +90,11 @@ fn refusal() -> CliError {
 
 /// A chain with dashpots, a static force, or stops of its own.
 fn chain(args: &ModelArgs) -> Result<StructureScene, CliError> {
-    ensure!(
-        args.scene.is_none(),
-        "a scene's chain takes no dashpots: write it as [structure] with chain = {{ … }}, or give all by flags"
-    );
+    if let Some(path) = &args.scene {
+        // A file that is missing or broken says so itself.
+        Given::read(path)?;
+        refuse!("a scene's chain takes no dashpots: write it as [structure] with chain = {{ … }}, or give all by flags");
+    }
     if args.layers.is_some_and(|layers| layers != 1) || args.force.is_some() {
         let message = "dashpots, static forces and stops of their own are of one row under a plain force: leave --layers and --force away";
         return Err(CliError::Request(message.to_owned()));

@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use serde_json::Value;
 use vibrochain_testkit::{Random, TestDir, written};
 
 const SCENE: &str = r#"
@@ -207,10 +208,42 @@ fn the_file_that_was_meant_is_named() {
         ("orbit --scene scne.toml", "did you mean scene.toml?"),
         ("sweep scene/ring.tml --out map.csv", "did you mean scenes/ring.toml?"),
         ("orbit --scene ring.toml", "did you mean scenes/ring.toml?"),
-        ("orbit --scene figure-1.toml", "figure-1.toml: it sets a figure of the paper, which `studies figures"),
+        ("fate figure-1.toml --out fates.csv", "figure-1.toml: it sets a figure of the paper, which `studies figures"),
     ] {
         dir.run(line).with(2, &[told]);
     }
     let told = dir.run("orbit --scene nothing.toml").with(2, &["cannot read"]).err.clone();
     assert!(!told.contains("did you mean"), "{told}");
+}
+
+/// docs/figures.md says so of each: the model of a figure's scene is as good as any, whatever else the scene holds.
+#[test]
+fn the_breather_of_every_figure_of_the_paper_is_found_by_its_scene() {
+    let dir = TestDir::new();
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/figures");
+    let mut counts = [0; 2];
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let (name, text) = (path.file_name().unwrap().to_str().unwrap(), fs::read_to_string(&path).unwrap());
+        fs::copy(&path, dir.path(name)).unwrap();
+        let of_map = text.contains("[sweep]");
+        let which = if of_map { " --family double-sided --omega 1.5 --gamma2 .1" } else { "" };
+        let ran = dir.run(&format!("orbit --scene {name}{which} --json")).with(0, &[]);
+        let found = written(&ran.out);
+        let physical = |orbit: &Value| orbit["physical"] == true;
+        assert!(found["solutions"].as_array().unwrap().iter().any(physical), "{name}");
+        if !of_map {
+            let family = text.split("family = \"").nth(1).unwrap().split('"').next().unwrap();
+            let told = dir.run(&format!("orbit --scene {name}")).out;
+            assert!(told.starts_with(family), "{name}: {told}");
+            dir.run(&format!("simulate --scene {name} --periods 2")).with(0, &[]);
+        }
+        counts[usize::from(of_map)] += 1;
+    }
+    assert!(counts[0] >= 12 && counts[1] >= 6, "{counts:?}");
+    let branch = "branch --scene figure-4.toml --free omega --from .9 --to .93 --events fold";
+    dir.run(branch).with(0, &[]);
+    // What else is wrong in it is told as of any scene.
+    fs::write(dir.path("other.toml"), "gama1 = 1\n[figure]\nfamily = \"double-sided\"\n[model]\nsites = 3\n").unwrap();
+    dir.run("orbit --scene other.toml").with(2, &["other.toml:1:1: unknown key `gama1`"]);
 }

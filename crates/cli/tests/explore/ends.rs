@@ -4,11 +4,12 @@ use std::fs;
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpStream;
 use std::path::Path;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 
 use serde_json::json;
 use vibrochain_testkit::TestDir;
 
+use crate::points::{MODEL, model};
 use crate::served::{Served, scene, until};
 use crate::waiting::long_borders;
 
@@ -37,6 +38,80 @@ fn an_explorer_that_is_killed_leaves_nothing_running_and_no_files_for_long() {
     next.is_alive();
     assert_eq!(left(&next), 1);
     assert!(!next.has_files());
+}
+
+/// Folders of the same name that somebody else has made, with whatever is in them.
+#[cfg(unix)]
+#[test]
+fn folders_of_others_are_left_alone() {
+    let dir = TestDir::new();
+    for name in ["mapgen-explore-results", "mapgen-explore-Ab3xYz"] {
+        fs::create_dir_all(dir.path(&format!("tmp/{name}/deep"))).unwrap();
+        fs::write(dir.path(&format!("tmp/{name}/deep/map.csv")), "mine").unwrap();
+    }
+    let private = std::os::unix::fs::PermissionsExt::from_mode(0o700);
+    fs::set_permissions(dir.path("tmp/mapgen-explore-Ab3xYz"), private).unwrap();
+    let served = Served::on(dir, "");
+    served.is_alive();
+    let own = served.dir.names("tmp").len();
+    assert_eq!(own, 3);
+    // Nor is one removed by a program that is told its name.
+    let line = "orbit --family double-sided --sites 1 --gamma1 1 --gamma2 0 --omega 2 --asymmetry 0";
+    let mut command = served.dir.command(line);
+    command.env("MAPGEN_EXPLORE_FOLDER", served.dir.path("tmp/mapgen-explore-Ab3xYz"));
+    assert!(command.output().unwrap().status.code().is_some());
+    std::thread::sleep(std::time::Duration::from_millis(100));
+    for name in ["mapgen-explore-results", "mapgen-explore-Ab3xYz"] {
+        assert_eq!(served.dir.read(&format!("tmp/{name}/deep/map.csv")), b"mine");
+    }
+    served.is_alive();
+}
+
+/// Each removes what others have left, and none what another has just made.
+#[cfg(unix)]
+#[test]
+fn explorers_that_start_together_have_each_a_folder() {
+    let shared = TestDir::new();
+    let point = json!({ "model": model(MODEL), "which": "double-sided", "samples": 4 });
+    let together = 24;
+    let started: Vec<_> = (0..together)
+        .map(|_| {
+            let dir = TestDir::new();
+            let child = Served::start(dir.command("explore --threads 1"), &shared.path("."));
+            (dir, child)
+        })
+        .collect();
+    let all: Vec<Served> = started.into_iter().map(|(dir, child)| Served::begun(dir, child)).collect();
+    assert_eq!(shared.names(".").len(), together);
+    for served in &all {
+        // Which needs a folder.
+        assert_eq!(served.post("orbit", &point).code, 200);
+    }
+    assert_eq!(shared.names(".").len(), together);
+}
+
+/// The system cannot close the temporary folder: no reason to end, nor to leave anything.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_folder_that_cannot_be_closed_ends_no_explorer() {
+    let dir = TestDir::new();
+    fs::create_dir_all(dir.path("tmp/other")).unwrap();
+    let temporary = dir.path("tmp").canonicalize().unwrap();
+    let mut command = Command::new("strace");
+    command.args(["-D", "-f", "-qqq", "-o"]).arg(dir.path("trace")).args(["-e", "inject=close:error=EIO", "-P"]);
+    command.arg(&temporary).arg(assert_cmd::cargo::cargo_bin("mapgen")).arg("explore").current_dir(dir.path("."));
+    let traced = Command::new("strace").args(["-o", "/dev/null", "true"]).output();
+    if !traced.is_ok_and(|ran| ran.status.success()) {
+        eprintln!("skipped: strace cannot be had, or may not trace here");
+        return;
+    }
+    let child = Served::start(command, &temporary);
+    let served = Served::begun(dir, child);
+    let point = json!({ "model": model(MODEL), "which": "double-sided", "samples": 4 });
+    assert_eq!(served.post("orbit", &point).code, 200);
+    served.is_alive();
+    let trace = String::from_utf8(served.dir.read("trace")).unwrap();
+    assert!(trace.contains("EIO") && trace.contains("INJECTED"), "{trace}");
 }
 
 #[cfg(unix)]

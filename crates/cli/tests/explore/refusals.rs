@@ -160,6 +160,10 @@ fn what_is_no_question_is_refused_by_what_is_wrong_with_it() {
             "samples = 30000 is too many for a page: give at most 75",
         ),
         (point("double-sided", json!({ "out": "elsewhere.csv" })), "unknown key"),
+        // No word of a command line, which is made of these.
+        (point("0+,0-\0", json!({})), "the character NUL"),
+        (point("double\0-sided", json!({})), "the character NUL"),
+        (point("double-sided", json!({ "model": { "sites": 6, "ends": "fr\0ee" } })), "the character NUL"),
     ] {
         let message = served.post("orbit", &asked).refused(400);
         assert!(message.contains(told), "{message}");

@@ -3,7 +3,8 @@
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::process::{Child, Stdio};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
@@ -86,9 +87,18 @@ impl Served {
     }
 
     pub(crate) fn on(dir: TestDir, line: &str) -> Self {
-        let mut command = dir.command(&format!("explore{line}"));
-        let mut child =
-            command.env("TMPDIR", dir.path("tmp")).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+        let command = dir.command(&format!("explore{line}"));
+        let temporary = dir.path("tmp");
+        Self::begun(dir, Self::start(command, &temporary))
+    }
+
+    /// Starts the program, with its files in a folder.
+    pub(crate) fn start(mut command: Command, temporary: &Path) -> Child {
+        command.env("TMPDIR", temporary).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap()
+    }
+
+    /// The program that was started, once it has printed its address.
+    pub(crate) fn begun(dir: TestDir, mut child: Child) -> Self {
         let mut address = String::new();
         BufReader::new(child.stdout.take().unwrap()).read_line(&mut address).unwrap();
         let rest = address.trim().strip_prefix("http://127.0.0.1:").unwrap();
@@ -132,7 +142,7 @@ impl Served {
         stream
     }
 
-    /// Whether anything that computes has files.
+    /// Whether anything that computes has files, besides the mark of the explorer.
     pub(crate) fn has_files(&self) -> bool {
         let own: Vec<_> = fs::read_dir(self.dir.path("tmp")).unwrap().map(|one| one.unwrap().path()).collect();
         assert_eq!(own.len(), 1, "{own:?}");
@@ -141,7 +151,7 @@ impl Served {
             use std::os::unix::fs::PermissionsExt;
             assert_eq!(fs::metadata(&own[0]).unwrap().permissions().mode() & 0o7777, 0o700);
         }
-        fs::read_dir(&own[0]).unwrap().count() > 0
+        fs::read_dir(&own[0]).unwrap().count() > 1
     }
 
     /// Still there, and not only on the connection that has been ill-treated.

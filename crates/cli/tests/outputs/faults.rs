@@ -200,6 +200,30 @@ fn what_a_killed_process_left_of_a_file_is_removed_by_who_writes_it_next() {
     }
 }
 
+/// What takes no byte is told before anything is computed; and so is help that nobody gets.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_device_that_is_full_is_an_error_of_every_command() {
+    let dir = TestDir::with_scene(&crate::destinations::large());
+    for line in [
+        "sweep scene.toml --out /dev/full",
+        "sweep scene.toml --out map.csv --plot /dev/full",
+        "sweep scene.toml --out map.csv --png /dev/full",
+    ] {
+        dir.run(line).with(2, &["cannot write /dev/full: No space left on device"]);
+        assert_eq!(dir.names("."), ["scene.toml"], "{line}");
+    }
+    dir.shell("mapgen sweep scene.toml --out - > /dev/full").with(2, &["cannot write -: No space left on device"]);
+    let orbit = format!("orbit --family double-sided {}", crate::destinations::POINT);
+    let lines = ["--help", "--version", "orbit --help", "help sweep", "schema orbit", "completions bash", &orbit];
+    for line in lines.iter().map(|line| (*line).to_owned()).chain([format!("{orbit} --json")]) {
+        let ran = dir.shell(&format!("mapgen {line} > /dev/full"));
+        ran.with(1, &["error: cannot write to standard output: No space left on device"]);
+        // Whoever has read enough is no failure.
+        assert_eq!(dir.shell(&format!("mapgen {line} | head -c 1 > /dev/null")).code, Some(0), "{line}");
+    }
+}
+
 /// Stacks larger than any address space: no thread can be started.
 #[cfg(all(target_os = "linux", target_pointer_width = "64"))]
 #[test]

@@ -75,7 +75,7 @@ impl Output {
                 remove_abandoned(&place);
                 return Self::temporary(path, place, true);
             }
-            Destination::StandardOutput => Stream::to_standard_output(),
+            Destination::StandardOutput => Stream::to_standard_output().map_err(cannot)?,
             Destination::Direct(path) => Stream::to(&path).map_err(cannot)?,
         };
         Ok(Self { sink: Sink::Stream(sink), held: Vec::new(), path: path.to_owned() })

@@ -51,8 +51,13 @@ const LOOK: std::time::Duration = std::time::Duration::from_millis(50);
 const PAGE: usize = 4096;
 
 impl Stream {
-    pub(super) fn to_standard_output() -> Self {
-        Self { path: None, open: None }
+    /// To standard output.
+    ///
+    /// # Errors
+    /// If it takes nothing.
+    pub(super) fn to_standard_output() -> io::Result<Self> {
+        system::takes_bytes(&system::standard_output()?)?;
+        Ok(Self { path: None, open: None })
     }
 
     /// To what is at `path`.
@@ -130,7 +135,15 @@ mod system {
     }
 
     pub(super) fn may_write(path: &Path) -> io::Result<()> {
-        Ok(access(path, Access::WRITE_OK)?)
+        access(path, Access::WRITE_OK)?;
+        // A device has no reader who would be told that it is opened.
+        if fs::metadata(path)?.file_type().is_char_device() { takes_bytes(&open(path)?.file) } else { Ok(()) }
+    }
+
+    /// Whether a device takes anything: one that is full (`/dev/full`) refuses no bytes, too. Nobody else is asked, as a pipe may be closed
+    /// without a fault, and a disk tells only with the bytes.
+    pub(super) fn takes_bytes(mut file: &File) -> io::Result<()> {
+        if file.metadata()?.file_type().is_char_device() { file.write(&[]).map(drop) } else { Ok(()) }
     }
 
     /// What is no plain file, or one that somebody has opened: then what is in it is theirs, and stays.
@@ -189,6 +202,10 @@ mod system {
     }
 
     pub(super) fn may_write(_: &Path) -> io::Result<()> {
+        Ok(())
+    }
+
+    pub(super) fn takes_bytes(_: &File) -> io::Result<()> {
         Ok(())
     }
 

@@ -11,6 +11,7 @@ use toml::Spanned;
 use vibrochain_lattice::{DampedParameter, Ends, Force, Harmonic, Layout, MAX_HARMONIC, MAX_SITES, Parameter, Part};
 
 use crate::error::MapError;
+use crate::hints::meant;
 use crate::scene::axis::{Axis, AxisTable};
 use crate::scene::compute::ComputeTable;
 use crate::scene::source::{SHOWN, Source, is_json};
@@ -236,9 +237,30 @@ pub(super) struct ReadFile<'a> {
     pub(super) source: Source<'a>,
     /// It is the answer of a command, with orbits.
     pub(super) has_orbits: bool,
+    /// The family of a figure that the file sets beside its model.
+    pub(super) family: Option<String>,
 }
 
+/// Tables of a file that sets a figure of the paper.
+const OF_FIGURES: [&str; 2] = ["figure", "curves"];
+
 impl File {
+    /// As [`File::read`], for a command that asks for the model alone: a figure that the file sets beside it is left aside.
+    pub(super) fn read_model<'a>(path: &'a Path, text: &'a str) -> Result<ReadFile<'a>, MapError> {
+        if is_json(text) {
+            return Self::read(path, text);
+        }
+        let source = Source { path, text };
+        let (mut scene, places) = source.parsed()?;
+        let family = scene.pointer("/figure/family").and_then(Value::as_str).map(str::to_owned);
+        if let Value::Object(scene) = &mut scene
+            && scene.contains_key("figure")
+        {
+            scene.retain(|key, _| !OF_FIGURES.contains(&key.as_str()));
+        }
+        Ok(ReadFile { file: source.tables(&scene, Some(&places))?, source, has_orbits: false, family })
+    }
+
     /// Reads a scene's text; or the JSON of a manifest, or of the answer of a command, which calls its model `parameters`. A scene file itself never begins with a brace.
     pub(super) fn read<'a>(path: &'a Path, text: &'a str) -> Result<ReadFile<'a>, MapError> {
         if !is_json(text) {
@@ -246,12 +268,12 @@ impl File {
             let (scene, places) = source.parsed()?;
             let file = source.tables(&scene, Some(&places)).map_err(|error| match scene.get("figure") {
                 Some(_) => MapError::Request(format!(
-                    "{}: it sets a figure of the paper, which `studies figures` draws; give a scene with [model] or [structure] alone",
+                    "{}: it sets a figure of the paper, which `studies figures` draws; give a scene with [model] or [structure] alone, or ask orbit, simulate or branch, which take the model of this one",
                     path.display()
                 )),
                 None => error,
             })?;
-            return Ok(ReadFile { file, source, has_orbits: false });
+            return Ok(ReadFile { file, source, has_orbits: false, family: None });
         }
         let wrong = |what: &dyn fmt::Display| MapError::Request(format!("manifest {}: {what}", path.display()));
         let mut manifest: Map<String, Value> = serde_json::from_str(text).map_err(|error| wrong(&error))?;
@@ -271,7 +293,7 @@ impl File {
         }
         manifest.retain(|key, _| whole || matches!(key.as_str(), "title" | "model" | "sweep" | "compute"));
         let (file, source) = Self::of_data(path, &manifest.into())?;
-        Ok(ReadFile { file, source, has_orbits })
+        Ok(ReadFile { file, source, has_orbits, family: None })
     }
 
     /// The same of a scene that is data already.
@@ -300,8 +322,10 @@ impl Source<'_> {
         let (span, table) = (table.span(), table.get_ref());
         let name = table.parameter.get_ref();
         let parameter = Parameter::from_name(name).ok_or_else(|| {
-            let known = Parameter::ALL.map(Parameter::name).join(", ");
-            self.error(table.parameter.span(), format!("`{name}` cannot be swept: give one of {known}"))
+            let known = Parameter::ALL.map(Parameter::name);
+            let meant = meant(name, known);
+            let message = format!("`{name}` cannot be swept: {meant}give one of {}", known.join(", "));
+            self.error(table.parameter.span(), message)
         })?;
         let values = table.values().map_err(|(place, message)| self.error(place.unwrap_or(span), message))?;
         Ok(Axis { parameter, values })

@@ -13,8 +13,8 @@ use crate::scene::file::{File, MAX_BYTES, ModelTable, ReadFile, Values};
 use crate::scene::source::Source;
 use crate::text::read_text;
 
-/// The model of a file, as far as it goes: of a scene, a manifest, an answer of `mapgen orbit --json` and its like, or of a file that
-/// holds nothing but `[model]`. Nothing is checked yet that depends on what is left out.
+/// The model of a file, as far as it goes: of a scene, a manifest, an answer of `mapgen orbit --json` and its like, of a figure of the
+/// paper, or of a file that holds nothing but `[model]`. Nothing is checked yet that depends on what is left out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Given {
     /// The file, for messages.
@@ -25,7 +25,7 @@ pub struct Given {
     pub force: Option<Force>,
     /// What is swept, the fastest first.
     pub axes: Vec<Axis>,
-    /// Names of families, and impact words, as written.
+    /// Names of families, and impact words, as written; of a figure its family.
     pub families: Vec<String>,
     /// The excess from which on an orbit counts as unstable, if the file says it.
     pub tolerance: Option<Tolerance>,
@@ -57,7 +57,7 @@ impl Given {
     /// assert_eq!(given.get(Parameter::Omega), None);
     /// ```
     pub fn parse(path: &Path, text: &str) -> Result<Self, MapError> {
-        let ReadFile { file, source, has_orbits } = File::read(path, text)?;
+        let ReadFile { file, source, has_orbits, family } = File::read_model(path, text)?;
         let parts = Parts::of(&file, &source)?;
         let compute = file.compute.as_ref();
         let threshold = compute.and_then(|compute| compute.threshold.as_ref());
@@ -69,7 +69,7 @@ impl Given {
             path: path.to_owned(),
             layout: parts.layout,
             force: parts.force,
-            families: families.iter().map(|name| name.get_ref().clone()).collect(),
+            families: families.iter().map(|name| name.get_ref().clone()).chain(family).collect(),
             tolerance: threshold.map(tolerance).transpose()?,
             has_orbits,
             values: parts.values.map(|value| value.map(|value| *value.get_ref())),

@@ -5,6 +5,8 @@ use std::str::FromStr;
 
 use vibrochain_lattice::{DampedParameter, Parameter, Row};
 
+use crate::hints::said;
+
 /// One number that can be varied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Setting {
@@ -108,8 +110,9 @@ impl FromStr for Setting {
     /// ```
     fn from_str(text: &str) -> Result<Self, String> {
         let unknown = || {
+            let said = said(text).map_or(String::new(), |said| format!("{said}; "));
             format!(
-                "`{text}` is no number of a structure: give omega, load, static, damping, asymmetry, restitution, contact.N.lower, \
+                "`{text}` is no number of a structure: {said}give omega, load, static, damping, asymmetry, restitution, contact.N.lower, \
                  contact.N.upper or contact.N.restitution; of matrices also masses.I, mass.I.J, stiffness.I.J, damping.I.J, load.I, static.I; \
                  of a chain also gamma1, gamma2, coupling_damping"
             )
