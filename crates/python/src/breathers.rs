@@ -8,6 +8,7 @@ use vibrochain_breather::{Completeness, Family, Finder, OrbitList, Proof, Word};
 
 use crate::call::call;
 use crate::failure::{Failure, named};
+use crate::lengths::Items;
 use crate::orbits::PyOrbit;
 use crate::params::PyModel;
 
@@ -207,11 +208,11 @@ pub(crate) fn _words(
     model: PyRef<'_, PyModel>,
     sites_used: u32,
     reach: u32,
-    families: Vec<String>,
+    families: Items<String>,
 ) -> PyResult<Vec<String>> {
     let (model, sites, reach) = (&model.0, sites_used as usize, reach as usize);
     let known = [Family::DoubleSided, Family::SingleSided];
-    let families = families.iter().map(|name| named("families", name, known.map(|family| (family.name(), family))));
+    let families = families.0.iter().map(|name| named("families", name, known.map(|family| (family.name(), family))));
     let families = families.collect::<Result<Vec<_>, Failure>>()?;
     let layout = model.chain().layout();
     let most = (reach.min(layout.length.saturating_sub(1)) + 1) * layout.layers;

@@ -1,9 +1,12 @@
 //! Sequences from Python. Their lengths are looked at before their items: a range of any length is a sequence, too.
 
 use numpy::PyArrayDyn;
+use pyo3::conversion::FromPyObjectOwned;
 use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyString, PyTuple};
+
+use vibrochain_maps::text::clipped;
 
 use crate::failure::{Failure, named_error};
 
@@ -20,7 +23,7 @@ const DEEPEST: usize = 64;
 pub(crate) fn items<'py>(name: &str, value: &Bound<'py, PyAny>, most: usize) -> PyResult<Vec<Bound<'py, PyAny>>> {
     let length = length(value)
         .filter(|_| !value.is_instance_of::<PyString>())
-        .ok_or_else(|| PyTypeError::new_err(format!("{name} is {}: give a sequence", kind(value))))?;
+        .ok_or_else(|| PyTypeError::new_err(format!("{name} is {}: give a sequence{}", kind(value), as_one(value))))?;
     ensure!(
         length <= most,
         Failure::request(format!("{name}: {} items are too many: give at most {most}", told(length))).into()
@@ -29,8 +32,28 @@ pub(crate) fn items<'py>(name: &str, value: &Bound<'py, PyAny>, most: usize) -> 
     value.try_iter()?.take(length).collect()
 }
 
+/// The items of a sequence that one function of the package hands to another. As a `Vec` pyo3 would make room for as many as the sequence says to
+/// have before it asks for the first, and a range of any length ends the process.
+pub(crate) struct Items<T>(pub(crate) Vec<T>);
+
+impl<'py, T: FromPyObjectOwned<'py>> FromPyObject<'_, 'py> for Items<T> {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let items = items("a list", &value, MOST_ITEMS)?;
+        Ok(Self(items.iter().map(|item| item.extract().map_err(Into::into)).collect::<PyResult<_>>()?))
+    }
+}
+
 /// Numbers in an array of any shape.
 pub(crate) fn numbers<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    Ok(_numbers(name, value, "float64")?.cast_into()?)
+}
+
+/// The same for Python, of any type of numbers.
+#[pyfunction]
+#[pyo3(signature = (name, value, dtype = "float64"))]
+pub(crate) fn _numbers<'py>(name: &str, value: &Bound<'py, PyAny>, dtype: &str) -> PyResult<Bound<'py, PyAny>> {
     let count = count(value, 0);
     let most = if is_array(value) { MOST_NUMBERS } else { MOST_ITEMS };
     if count > most {
@@ -39,15 +62,14 @@ pub(crate) fn numbers<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Bo
         return Err(Failure::request(format!("{name}: {count} numbers are too many: give at most {most}{more}")).into());
     }
     let py = value.py();
-    let array = py.import("numpy")?.call_method1("asarray", (value, "float64"));
-    let array = array.map_err(|error| named_error(name, error, py))?;
-    Ok(array.cast_into()?)
+    let array = py.import("numpy")?.call_method1("asarray", (value, dtype));
+    array.map_err(|error| named_error(name, error, py))
 }
 
-/// The same for Python.
+/// The items of a sequence for Python.
 #[pyfunction]
-pub(crate) fn _numbers<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-    numbers(name, value)
+pub(crate) fn _items<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Vec<Bound<'py, PyAny>>> {
+    items(name, value, MOST_ITEMS)
 }
 
 /// Room for so many numbers.
@@ -76,6 +98,12 @@ fn told(length: usize) -> String {
 
 fn kind(value: &Bound<'_, PyAny>) -> String {
     value.get_type().name().map_or_else(|_| "something else".to_owned(), |name| format!("of type {name}"))
+}
+
+/// A text as the one item of a list, which it was meant to be.
+fn as_one(value: &Bound<'_, PyAny>) -> String {
+    let text = value.cast::<PyString>().ok().and_then(|text| text.to_str().ok());
+    text.map_or(String::new(), |text| format!(", as in [{:?}]", clipped(text, 40)))
 }
 
 /// How many numbers there are in an array, and whether it is one.

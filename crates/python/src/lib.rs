@@ -63,7 +63,7 @@ mod _vibrochain {
     #[pymodule_export]
     use crate::fates::_fate;
     #[pymodule_export]
-    use crate::lengths::_numbers;
+    use crate::lengths::{_items, _numbers};
     #[pymodule_export]
     use crate::orbits::{PyImpact, PyOrbit};
     #[pymodule_export]

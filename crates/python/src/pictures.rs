@@ -22,6 +22,7 @@ use vibrochain_plot::{
 
 use crate::call::long;
 use crate::failure::{Failure, named};
+use crate::lengths::Items;
 use crate::orbits::PyOrbit;
 use crate::params::PyModel;
 use crate::structures::{Hit, structure_orbit};
@@ -76,8 +77,8 @@ pub(crate) fn _style(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
 
 /// What the legend of a picture with these classes calls each of them; an empty name is of no class.
 #[pyfunction]
-pub(crate) fn _class_words(names: Vec<String>) -> Vec<&'static str> {
-    let classes: Vec<_> = names.iter().map(|name| class(name)).collect();
+pub(crate) fn _class_words(names: Items<String>) -> Vec<&'static str> {
+    let classes: Vec<_> = names.0.iter().map(|name| class(name)).collect();
     classes.iter().map(|one| class_words(*one, || classes.iter().copied().flatten())).collect()
 }
 
@@ -89,8 +90,8 @@ pub(crate) fn _in_words(name: &str) -> String {
 
 /// What these models have in common, as captions say it.
 #[pyfunction]
-pub(crate) fn _caption(models: Vec<PyRef<'_, PyModel>>) -> String {
-    in_common(&models.iter().map(|model| &model.0).collect::<Vec<_>>())
+pub(crate) fn _caption(models: Items<PyRef<'_, PyModel>>) -> String {
+    in_common(&models.0.iter().map(|model| &model.0).collect::<Vec<_>>())
 }
 
 /// The frequencies of a model's modes, by their numbers.
@@ -122,7 +123,7 @@ pub(crate) struct PyPane(Pane);
 type Curve<'py> = (String, usize, i32, &'static str, usize, Bound<'py, PyArray2<f64>>);
 
 /// The same as it is given.
-type GivenCurve = (String, usize, i32, String, usize, Vec<(f64, f64)>);
+type GivenCurve = (String, usize, i32, String, usize, Items<(f64, f64)>);
 
 fn given((name, colour, stroke, mark, shape, points): GivenCurve) -> Series {
     let width = stroke.unsigned_abs();
@@ -138,26 +139,26 @@ fn given((name, colour, stroke, mark, shape, points): GivenCurve) -> Series {
         "dot" => Mark::Dot,
         _ => Mark::None,
     };
-    Series { name, colour, stroke, mark, points }
+    Series { name, colour, stroke, mark, points: points.0 }
 }
 
 #[pymethods]
 impl PyPane {
     #[new]
-    #[pyo3(signature = (caption, x, y, series, *, x_range = None, levels = Vec::new(), about_one = false))]
+    #[pyo3(signature = (caption, x, y, series, *, x_range = None, levels = Items(Vec::new()), about_one = false))]
     fn new(
         caption: &str,
         x: &str,
         y: &str,
-        series: Vec<GivenCurve>,
+        series: Items<GivenCurve>,
         x_range: Option<(f64, f64)>,
-        levels: Vec<f64>,
+        levels: Items<f64>,
         about_one: bool,
     ) -> Self {
         let x_range = x_range.map(|(low, high)| low..high);
-        let series: Vec<Series> = series.into_iter().map(given).collect();
+        let series: Vec<Series> = series.0.into_iter().map(given).collect();
         let scale = if about_one { Scale::about_one(&series) } else { Scale::Linear };
-        Self(Pane { x_range, levels, scale, ..Pane::titled(caption, x, y, series) })
+        Self(Pane { x_range, levels: levels.0, scale, ..Pane::titled(caption, x, y, series) })
     }
 
     /// The words above, below and beside it.
@@ -246,13 +247,13 @@ fn asked<const N: usize>(
 pub(crate) fn _structure_pane(
     py: Python<'_>,
     scene: String,
-    near: Vec<Hit>,
+    near: Items<Hit>,
     psi: f64,
     force_periods: u32,
     what: String,
 ) -> PyResult<(PyPane, String)> {
     let work = move |_: &Stop| {
-        let (scene, orbit) = structure_orbit(&scene, &near, psi, force_periods)?;
+        let (scene, orbit) = structure_orbit(&scene, &near.0, psi, force_periods)?;
         let admissibility = structure_admissibility(&orbit)?;
         let stability = structure_stability(&orbit, Tolerance::Rounding);
         let [motion, portrait] = contact_panes(&orbit, admissibility.obstruction.as_ref())?.swap_remove(0);
@@ -268,7 +269,7 @@ pub(crate) fn _structure_pane(
 type GivenRow = (
     Option<String>,
     f64,
-    Vec<f64>,
+    Items<f64>,
     Option<f64>,
     Option<f64>,
     f64,
@@ -280,42 +281,53 @@ type GivenRow = (
 
 fn row((event, value, impulses, phi, psi, period, margin, physical, stable, spectral_radius): GivenRow) -> BranchRow {
     let event = event.and_then(|name| Event::from_name(&name));
-    BranchRow { event, value, impulses, phi, psi, period, margin, physical, stable, spectral_radius }
+    BranchRow { event, value, impulses: impulses.0, phi, psi, period, margin, physical, stable, spectral_radius }
 }
 
 /// A panel of branches, each with its name, its generation, and the periods of the force in its orbits'.
 #[pyfunction]
 pub(crate) fn _branch_pane(
     x: String,
-    branches: Vec<(String, u32, u32, Vec<GivenRow>)>,
+    branches: Items<(String, u32, u32, Items<GivenRow>)>,
     show: &str,
     all: bool,
 ) -> PyResult<PyPane> {
     let shown = named("show", show, OrbitQuantity::ALL.map(|one| (one.name(), one)))?;
     let (mut names, mut rows) = (Vec::new(), Vec::new());
-    for (name, generation, force_periods, points) in branches {
+    for (name, generation, force_periods, points) in branches.0 {
         names.push(BranchName { name, generation, force_periods });
-        rows.push(points.into_iter().map(row).collect::<Vec<_>>());
+        rows.push(points.0.into_iter().map(row).collect::<Vec<_>>());
     }
     let diagram = Diagram { heading: String::new(), x, names: &names, rows: &rows };
     Ok(PyPane(diagram_curves(&diagram, &[shown], all).panes.swap_remove(0)))
 }
 
 /// A point of a curve: values, whether its orbit is physical, what happens there besides.
-type GivenPoint = ([f64; 2], bool, Vec<String>);
+type GivenPoint = ([f64; 2], bool, Items<String>);
 
 /// A panel of curves of events over two parameters.
 #[pyfunction]
-pub(crate) fn _curve_pane(labels: [String; 2], low: [f64; 2], high: [f64; 2], curves: Vec<Vec<GivenPoint>>) -> PyPane {
-    let row = |(values, physical, special): GivenPoint| CurveRow { values, physical, special };
-    let curves: Vec<Vec<CurveRow>> = curves.into_iter().map(|points| points.into_iter().map(row).collect()).collect();
+pub(crate) fn _curve_pane(
+    labels: [String; 2],
+    low: [f64; 2],
+    high: [f64; 2],
+    curves: Items<Items<GivenPoint>>,
+) -> PyPane {
+    let row = |(values, physical, special): GivenPoint| CurveRow { values, physical, special: special.0 };
+    let curves: Vec<Vec<CurveRow>> =
+        curves.0.into_iter().map(|points| points.0.into_iter().map(row).collect()).collect();
     PyPane(event_curves("", labels, (low, high), &curves).panes.swap_remove(0))
 }
 
 /// A panel of a run over the orbit that it began on.
 #[pyfunction]
-pub(crate) fn _run_pane(y: &str, simulated: Vec<(f64, f64)>, analytic: Vec<(f64, f64)>, levels: Vec<f64>) -> PyPane {
-    PyPane(run_trace(y, &simulated, &analytic, levels))
+pub(crate) fn _run_pane(
+    y: &str,
+    simulated: Items<(f64, f64)>,
+    analytic: Items<(f64, f64)>,
+    levels: Items<f64>,
+) -> PyPane {
+    PyPane(run_trace(y, &simulated.0, &analytic.0, levels.0))
 }
 
 fn page(columns: usize) -> Page {
@@ -329,9 +341,9 @@ fn svg(bytes: Result<Vec<u8>, PlotError>) -> PyResult<String> {
 
 /// Panels side by side as SVG.
 #[pyfunction]
-pub(crate) fn _svg(panes: Vec<PyRef<'_, PyPane>>) -> PyResult<String> {
-    let columns = panes.len();
-    let panes = panes.iter().map(|pane| pane.0.clone()).collect();
+pub(crate) fn _svg(panes: Items<PyRef<'_, PyPane>>) -> PyResult<String> {
+    let columns = panes.0.len();
+    let panes = panes.0.iter().map(|pane| pane.0.clone()).collect();
     svg(curves_picture(&Curves { panes, columns, pane: (600, 400), ..Curves::default() }, page(columns)))
 }
 
@@ -382,12 +394,12 @@ fn spaced(values: Vec<f64>) -> Values {
 pub(crate) fn _map_svg(
     heading: String,
     caption: String,
-    axes: Vec<(String, String, Vec<f64>)>,
+    axes: Items<(String, String, Items<f64>)>,
     codes: PyReadonlyArray1<'_, i8>,
-    names: Vec<(String, Rgb)>,
+    names: Items<(String, Rgb)>,
 ) -> PyResult<String> {
-    let axis = |(name, label, values): (String, String, Vec<f64>)| MapAxis { name, label, values: spaced(values) };
-    let scene = Told { heading, axes: axes.into_iter().map(axis).collect() };
+    let axis = |(name, label, values): (String, String, Items<f64>)| MapAxis { name, label, values: spaced(values.0) };
+    let scene = Told { heading, axes: axes.0.into_iter().map(axis).collect() };
     let cells: Vec<Option<usize>> = codes.as_array().iter().map(|code| usize::try_from(*code).ok()).collect();
-    svg(ends_picture(&EndsPicture { scene: &scene, caption, names: &names, cells: &cells }, page(1)))
+    svg(ends_picture(&EndsPicture { scene: &scene, caption, names: &names.0, cells: &cells }, page(1)))
 }

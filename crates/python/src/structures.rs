@@ -20,6 +20,7 @@ use vibrochain_maps::structure::{Answered, Setting, StructureScene};
 
 use crate::call::long;
 use crate::failure::Failure;
+use crate::lengths::Items;
 
 /// Contact, barrier, time and impulse.
 pub(crate) type Hit = (usize, String, f64, f64);
@@ -50,7 +51,7 @@ pub(crate) fn _structure(
     word: Option<String>,
     force_periods: u32,
     threshold: f64,
-    near: Vec<Hit>,
+    near: Items<Hit>,
     psi: f64,
 ) -> PyResult<String> {
     let work = move |_: &Stop| {
@@ -63,7 +64,7 @@ pub(crate) fn _structure(
                 structure_orbits(&model, &word, force_periods)?
             }
             None => {
-                let orbit = orbit_near(&model, force_periods, psi, &near)?;
+                let orbit = orbit_near(&model, force_periods, psi, &near.0)?;
                 StructureFound { orbits: vec![orbit], search: StructureSearch::Starts { starts: 1 } }
             }
         };
@@ -82,11 +83,12 @@ pub(crate) fn _structure(
 pub(crate) fn _structure_motion<'py>(
     py: Python<'py>,
     scene: String,
-    near: Vec<Hit>,
+    near: Items<Hit>,
     psi: f64,
     force_periods: u32,
-    times: Vec<f64>,
+    times: Items<f64>,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let (near, times) = (near.0, times.0);
     let count = times.len();
     let work = move |_: &Stop| {
         let (_, orbit) = structure_orbit(&scene, &near, psi, force_periods)?;
@@ -169,17 +171,18 @@ fn told(found: &Diagram<StructureOrbit>, branch: &FollowedBranch<StructureOrbit>
 pub(crate) fn _structure_along(
     py: Python<'_>,
     scene: String,
-    near: Vec<Hit>,
+    near: Items<Hit>,
     psi: f64,
     force_periods: u32,
-    free: Vec<String>,
-    start: Vec<f64>,
-    stop_at: Vec<f64>,
-    events: Vec<String>,
+    free: Items<String>,
+    start: Items<f64>,
+    stop_at: Items<f64>,
+    events: Items<String>,
     generations: u32,
     tolerance: f64,
     threshold: f64,
 ) -> PyResult<String> {
+    let (near, free, start, stop_at, events) = (near.0, free.0, start.0, stop_at.0, events.0);
     let work = move |stop: &Stop| {
         let scene = StructureScene::of_text(&scene, Path::new("."))?;
         let model = scene.model()?;

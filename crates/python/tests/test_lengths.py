@@ -33,6 +33,18 @@ CALLS = {
     "velocity": lambda model, orbit, long: vc.simulate(model, displacement=[0.0] * 21, velocity=long),
     "perturbation": lambda model, orbit, long: vc.simulate(orbit, perturbation=([0.0] * 21, long)),
     "times": lambda model, orbit, long: vc.simulate(orbit, times=long),
+    "weights": lambda model, orbit, long: vc.Contact(weights=long),
+    "mass": lambda model, orbit, long: vc.Structure(long, [1.0], contacts=[]),
+    "load": lambda model, orbit, long: vc.Structure([1.0], [1.0], contacts=[], load=long),
+    "static_load": lambda model, orbit, long: vc.Structure([1.0], [1.0], contacts=[], static_load=long),
+    "frequencies": lambda model, orbit, long: vc.Structure.modal(long, [0.1], [[1.0]], contacts=[]),
+    "words": lambda model, orbit, long: vc.Structure([1.0], [1.0], contacts=[]).sweep(long, ("omega", 1.0, 2.0, 3)),
+    "families": lambda model, orbit, long: vc.words(model, families=long),
+    # What functions of the package hand to one another: as good as public, as the process would end.
+    "a list of panes": lambda model, orbit, long: vc._vibrochain._svg(long),
+    "a list of impacts": lambda model, orbit, long: vc._vibrochain._structure_pane("{}", long, 0.0, 1, "motion"),
+    "a list of times": lambda model, orbit, long: vc._vibrochain._structure_motion("{}", [], 0.0, 1, long),
+    "a list of points": lambda model, orbit, long: vc._vibrochain._run_pane("", long, [], []),
 }
 
 
@@ -40,7 +52,7 @@ CALLS = {
 @pytest.mark.parametrize("name", CALLS)
 def test_a_sequence_too_long_is_refused_by_its_name(name, long, model, orbit):
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    with pytest.raises(vc.RequestError, match=f"{name.split()[0]}: .* are too many: give at most") as error:
+    with pytest.raises(vc.RequestError, match=f"{' '.join(name.split()[: 2 if name.startswith('a ') else 1])}: .* are too many: give at most") as error:
         CALLS[name](model, orbit, long)
     assert isinstance(error.value, ValueError)
     # In KiB, on Linux: nothing was written out.
@@ -82,3 +94,24 @@ def test_what_is_no_sequence_or_no_number_is_told_by_name(model, orbit):
     ]:
         with pytest.raises((TypeError, ValueError), match=told):
             call()
+
+
+def test_what_stops_a_structure_is_told_by_name():
+    stop = vc.Contact(at=0, upper=0.1)
+    one = vc.Structure([1.0], [1.0], contacts=[stop], load=[1.0])
+    wrong = {
+        "between = 0.1 is no pair of coordinates": lambda: vc.Contact(0, 0.1),
+        "at = 0.5 is no coordinate": lambda: vc.Contact(at=0.5),
+        "upper = 'x' is no number": lambda: vc.Contact(at=0, upper="x"),
+        "contacts is one Contact: give a list": lambda: vc.Structure([1.0], [1.0], contacts=stop),
+        r"contacts\[1\] is of type dict: give vibrochain.Contact": lambda: vc.Structure([1.0], [1.0], contacts=[stop, {}]),
+        "mass of shape .* is not square": lambda: vc.Structure(np.ones((2, 3)), [1.0], contacts=[stop]),
+    }
+    for told, call in wrong.items():
+        with pytest.raises(vc.RequestError, match=told):
+            call()
+    for call in [lambda: one.sweep("0+", ("omega", 1.0, 2.0, 3)), lambda: one.scene("0+", ("omega", 1.0, 2.0, 3))]:
+        with pytest.raises(TypeError, match='words is of type str: give a sequence, as in \\["0\\+"\\]'):
+            call()
+    assert vc.Contact(weights=np.array([1, -1])).weights == (1.0, -1.0)
+    assert vc.Contact(between=[0, 1], lower=np.float64(-1)).between == [0, 1]

@@ -75,7 +75,9 @@ impl TypedValueParser for FreeParser {
     fn parse_ref(&self, _: &Command, _: Option<&Arg>, value: &OsStr) -> Result<Free, clap::Error> {
         let text = value.to_string_lossy();
         let parameter = Parameter::from_name(&text).map(Free::Parameter);
-        Ok(parameter.or_else(|| text.parse().ok().map(Free::Setting)).unwrap_or_else(|| Free::Unknown(text.into_owned())))
+        Ok(parameter
+            .or_else(|| text.parse().ok().map(Free::Setting))
+            .unwrap_or_else(|| Free::Unknown(text.into_owned())))
     }
 
     fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {

@@ -30,9 +30,7 @@ pub fn enter(run: fn(Vec<OsString>, &mut Console<'_>) -> Result<(), CliError>) -
     // clap knows where help and complaints go, and whether in colour.
     let result = match run(std::env::args_os().collect(), &mut console) {
         // Help is an answer like any other.
-        Err(CliError::Usage(help)) if !help.use_stderr() => {
-            printed(help.print().and_then(|()| console.out.flush()))
-        }
+        Err(CliError::Usage(help)) if !help.use_stderr() => printed(help.print().and_then(|()| console.out.flush())),
         result => result,
     };
     match &result {

@@ -93,7 +93,9 @@ fn chain(args: &ModelArgs) -> Result<StructureScene, CliError> {
     if let Some(path) = &args.scene {
         // A file that is missing or broken says so itself.
         Given::read(path)?;
-        refuse!("a scene's chain takes no dashpots: write it as [structure] with chain = {{ … }}, or give all by flags");
+        refuse!(
+            "a scene's chain takes no dashpots: write it as [structure] with chain = {{ … }}, or give all by flags"
+        );
     }
     if args.layers.is_some_and(|layers| layers != 1) || args.force.is_some() {
         let message = "dashpots, static forces and stops of their own are of one row under a plain force: leave --layers and --force away";

@@ -18,16 +18,33 @@ from ._pictures import sharing
 from ._structure_orbits import StructureBranch, StructureCurve, StructureOrbit, StructureOrbits
 
 
-def _dense(matrix: Any) -> list[list[float]]:
+def _dense(name: str, matrix: Any) -> list[list[float]]:
     """A matrix as rows of numbers; of scipy.sparse, too."""
-    whole = matrix.toarray() if hasattr(matrix, "toarray") else np.asarray(matrix, dtype=np.float64)
-    whole = np.asarray(whole, dtype=np.float64)
+    whole = _vibrochain._numbers(name, matrix.toarray() if hasattr(matrix, "toarray") else matrix)
     if whole.ndim == 1:
         whole = np.diag(whole)
     if whole.ndim != 2 or whole.shape[0] != whole.shape[1]:
-        raise RequestError(f"a matrix of shape {whole.shape} is not square: give (n, n), or (n,) for a diagonal")
+        raise RequestError(f"{name} of shape {whole.shape} is not square: give (n, n), or (n,) for a diagonal")
     rows: list[list[float]] = whole.tolist()
     return rows
+
+
+def _row(name: str, values: Any) -> list[float]:
+    """Numbers in a row; one number is a row of one."""
+    row: list[float] = np.atleast_1d(_vibrochain._numbers(name, values)).tolist()
+    return row
+
+
+def _scenes(contacts: Any) -> list[dict[str, Any]]:
+    """Contacts as scenes have them."""
+    if isinstance(contacts, Contact):
+        raise RequestError("contacts is one Contact: give a list, contacts=[Contact(...)]")
+    scenes = []
+    for number, contact in enumerate(contacts):
+        if not isinstance(contact, Contact):
+            raise RequestError(f"contacts[{number}] is of type {type(contact).__name__}: give vibrochain.Contact(...)")
+        scenes.append(contact._scene())
+    return scenes
 
 
 @dataclass(frozen=True)
@@ -47,6 +64,11 @@ class Contact:
     restitution : float
         e, from 0 to 1.
 
+    Raises
+    ------
+    RequestError
+        For what is no coordinate, no pair of them or no number.
+
     Examples
     --------
     >>> import vibrochain as vc
@@ -61,10 +83,34 @@ class Contact:
     upper: float | None = None
     restitution: float = 1.0
 
-    def _scene(self) -> dict[str, Any]:
-        parts: dict[str, Any] = {"lower": self.lower, "upper": self.upper, "restitution": float(self.restitution)}
+    def __post_init__(self) -> None:
+        if self.at is not None and not isinstance(self.at, SupportsIndex):
+            raise RequestError(f"at = {self.at} is no coordinate: give its number, from 0")
+        if self.between is not None:
+            pair = self.between if isinstance(self.between, (list, tuple, np.ndarray)) else ()
+            if len(pair) != 2 or not all(isinstance(place, SupportsIndex) for place in pair):
+                raise RequestError(
+                    f"between = {self.between} is no pair of coordinates: give two, between=(0, 1); barriers are given by their names, lower= and upper="
+                )
         if self.weights is not None:
-            parts["weights"] = [float(weight) for weight in self.weights]
+            object.__setattr__(self, "weights", tuple(_row("weights", self.weights)))
+        for name in ("lower", "upper", "restitution"):
+            value = getattr(self, name)
+            if value is None and name != "restitution":
+                continue
+            try:
+                float(value)
+            except (TypeError, ValueError, OverflowError):
+                raise RequestError(f"{name} = {value!r} is no number") from None
+
+    def _scene(self) -> dict[str, Any]:
+        parts: dict[str, Any] = {
+            "lower": None if self.lower is None else float(self.lower),
+            "upper": None if self.upper is None else float(self.upper),
+            "restitution": float(self.restitution),
+        }
+        if self.weights is not None:
+            parts["weights"] = list(self.weights)
         if self.between is not None:
             parts["between"] = [int(place) for place in self.between]
         if self.at is not None:
@@ -116,16 +162,16 @@ class Structure:
         static_load: ArrayLike | None = None,
         harmonic: int = 1,
     ) -> None:
-        self._structure: dict[str, Any] = {"mass": _dense(mass), "stiffness": _dense(stiffness)}
+        self._structure: dict[str, Any] = {"mass": _dense("mass", mass), "stiffness": _dense("stiffness", stiffness)}
         if damping is not None:
-            self._structure["damping"] = _dense(damping)
-        self._contacts = [contact._scene() for contact in contacts]
+            self._structure["damping"] = _dense("damping", damping)
+        self._contacts = _scenes(contacts)
         self._force: dict[str, Any] = {}
         if load is not None:
-            amplitude = np.atleast_1d(np.asarray(load, dtype=np.complex128))
+            amplitude = np.atleast_1d(_vibrochain._numbers("load", load, "complex128"))
             self._force = {"load": np.abs(amplitude).tolist(), "phases": np.angle(amplitude).tolist(), "harmonic": int(harmonic)}
         if static_load is not None:
-            self._force["static"] = np.atleast_1d(np.asarray(static_load, dtype=np.float64)).tolist()
+            self._force["static"] = _row("static_load", static_load)
 
     @classmethod
     def modal(
@@ -172,17 +218,16 @@ class Structure:
         2
         """
         whole = cls.__new__(cls)
-        as_list = lambda values: np.atleast_1d(np.asarray(values, dtype=np.float64)).tolist()  # noqa: E731
         whole._structure = {
-            "frequencies": as_list(frequencies),
-            "ratios": as_list(ratios),
-            "contact_shapes": np.atleast_2d(np.asarray(contact_shapes, dtype=np.float64)).tolist(),
+            "frequencies": _row("frequencies", frequencies),
+            "ratios": _row("ratios", ratios),
+            "contact_shapes": np.atleast_2d(_vibrochain._numbers("contact_shapes", contact_shapes)).tolist(),
         }
         if load_shapes is not None:
-            whole._structure["load_shapes"] = as_list(load_shapes)
+            whole._structure["load_shapes"] = _row("load_shapes", load_shapes)
         if static_shapes is not None:
-            whole._structure["static_shapes"] = as_list(static_shapes)
-        whole._contacts = [contact._scene() for contact in contacts]
+            whole._structure["static_shapes"] = _row("static_shapes", static_shapes)
+        whole._contacts = _scenes(contacts)
         whole._force = {"harmonic": int(harmonic)}
         return whole
 
@@ -332,7 +377,7 @@ class Structure:
         count = generations.__index__()
         if not 0 <= count < 2**32:
             raise RequestError(f"generations = {count} is out of range: give a whole number from 0")
-        return StructureBranch._all(free, self._along(orbit, omega, [free], ends, list(events), count, 1e-4, threshold))
+        return StructureBranch._all(free, self._along(orbit, omega, [free], ends, _vibrochain._items("events", events), count, 1e-4, threshold))
 
     def curves(
         self,
@@ -382,7 +427,7 @@ class Structure:
         ['at the edge of the window', 'at the edge of the window']
         """
         ends = ([float(one) for one in from_], [float(one) for one in to])
-        answer = self._along(orbit, omega, list(free), ends, [event], 0, float(tolerance), 0.0)
+        answer = self._along(orbit, omega, _vibrochain._items("free", free), ends, [event], 0, float(tolerance), 0.0)
         told = answer["labels"], answer["heading"]
         return [StructureCurve._of((free[0], free[1]), parts, *told) for parts in answer["curves"]]
 
@@ -458,7 +503,7 @@ class Structure:
         >>> found["words"].tolist()
         ['0+ 1', '0+ 1', '0+ 1']
         """
-        if not words:
+        if not _vibrochain._items("words", words):
             asked = {"breathers": "rest", **asked}
         return fate(self.scene(words, x, y, omega=omega), **asked)
 
@@ -494,7 +539,7 @@ class Structure:
         names = ("parameter", "from", "to", "points")
         scene: dict[str, Any] = {"structure": self._structure, "contact": self._contacts, "force": self._force}
         scene["sweep"] = {key: dict(zip(names, axis)) for key, axis in axes.items()}
-        scene["compute"] = {"families": list(words), **(compute or {})}
+        scene["compute"] = {"families": _vibrochain._items("words", words), **(compute or {})}
         scene.update({key: value for key, value in (("omega", omega), ("title", title)) if value is not None})
         return scene
 

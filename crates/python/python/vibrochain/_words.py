@@ -52,4 +52,4 @@ def words(
     {'0+,0-': 1, '0-': 1}
     """
     sites = sites_used.__index__()
-    return _vibrochain._words(model, sites, max(sites - 1, 0) if reach is None else reach.__index__(), list(families))
+    return _vibrochain._words(model, sites, max(sites - 1, 0) if reach is None else reach.__index__(), _vibrochain._items("families", families))

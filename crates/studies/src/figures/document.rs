@@ -26,8 +26,8 @@ impl Document {
             "# The figures of the paper\n\n\
              Made by `studies figures --out {} --document {}{only}` ([using.md](using.md) says how to run it), mapgen \
              {VERSION}, as PNG, SVG and CSV. `--only 9` makes one figure; `--scenes DIR` takes the scenes from a folder. \
-             The paper's, with all parameters, are in `scenes/figures`; `mapgen orbit` finds the breather of each: that of \
-             figure 8 is the example of [how/breathers.md](how/breathers.md). Numbers are the paper's labels: the last \
+             The paper's, with all parameters, are in `scenes/figures`; `mapgen orbit --scene` finds the breather of each, of a \
+             map that at one point (`--family double-sided --omega 1.5 --gamma2 .1`): that of figure 8 is the example of [how/breathers.md](how/breathers.md). Numbers are the paper's labels: the last \
              figure, 14 in print, is labelled 15 and is 15a to 15d here.\n\n\
              Impulses are signed and whole (the paper's 2p₁, −2p₂); margin is the smallest distance of any mass to a \
              barrier at a turning point; |μ| is the spectral radius, per period of the orbit. Of several solutions the one \
