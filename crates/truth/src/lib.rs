@@ -10,8 +10,9 @@
 //! | [`Kernel`] | the periodic impulse response between any two masses, plain modal sum |
 //! | [`TrueOrbit`] | the conditions at the impacts by Newton's method |
 //! | [`TrueSpectrum`] | multipliers from the secular determinant |
+//! | [`TrueStructureOrbit`] | the same of any structure with stops: orbit and multipliers by the exponential of its state matrix |
 //!
-//! Dimensionless throughout, see `vibrochain-lattice`.
+//! Chains are dimensionless, see `vibrochain-lattice`; a structure has the units of its matrices.
 
 mod complex;
 mod conditions;
@@ -23,8 +24,10 @@ mod linear;
 mod operators;
 mod orbit;
 mod real;
+mod root;
 mod secular;
 mod spectrum;
+mod structure;
 
 pub use complex::Complex;
 pub use error::TruthError;
@@ -32,6 +35,7 @@ pub use kernel::{Jet, Kernel};
 pub use orbit::{OrbitError, TrueImpact, TrueOrbit};
 pub use real::Real;
 pub use spectrum::TrueSpectrum;
+pub use structure::{StructureErrors, StructureStart, TrueStructureImpact, TrueStructureOrbit};
 
 /// Binary digits that serve most checks: 57 decimal digits.
 pub const DEFAULT_BITS: usize = 192;

@@ -3,6 +3,33 @@
 use crate::complex::Complex;
 use crate::real::Real;
 
+/// Rows of a matrix.
+pub(crate) type Matrix = Vec<Vec<Real>>;
+
+/// A B. Zeros of A cost nothing: blocks that are none stay free.
+pub(crate) fn product(a: &Matrix, b: &Matrix) -> Matrix {
+    let row = |line: &Vec<Real>| {
+        let known: Vec<_> = line.iter().zip(b).filter(|(x, _)| !x.is_zero()).collect();
+        let entry = |j: usize| {
+            let terms = known.iter().filter(|(_, row)| !row[j].is_zero());
+            terms.fold(Real::zero(line[0].bits()), |sum, (x, row)| sum + *x * &row[j])
+        };
+        (0..b[0].len()).map(entry).collect()
+    };
+    a.iter().map(row).collect()
+}
+
+/// A x
+pub(crate) fn times(a: &Matrix, x: &[Real]) -> Vec<Real> {
+    a.iter().map(|row| dot(row, x)).collect()
+}
+
+/// xᵀy
+pub(crate) fn dot(x: &[Real], y: &[Real]) -> Real {
+    let terms = x.iter().zip(y).filter(|(x, _)| !x.is_zero());
+    terms.fold(Real::zero(64), |sum, (x, y)| sum + x * y)
+}
+
 /// Solves A x = b; `None` for a singular A.
 pub(crate) fn solve(mut a: Vec<Vec<Real>>, mut b: Vec<Real>) -> Option<Vec<Real>> {
     let n = b.len();

@@ -14,6 +14,7 @@ use crate::flight::Flight;
 use crate::kernel::Kernel;
 use crate::orbit::{TrueImpact, TrueOrbit};
 use crate::real::Real;
+use crate::root::difference;
 
 /// |ν − c| below which a mode is kept out of the sums, and how many are at most.
 const NEAR_POLE: f64 = 1e-6;
@@ -231,7 +232,7 @@ impl TrueSpectrum {
 
     /// dD/dz, by a central difference. `None` on a pole.
     pub fn secular_slope(&self, z: &Complex) -> Option<Complex> {
-        let step = self.step(z.log2_abs());
+        let step = difference(z.log2_abs(), self.work);
         let difference = self.secular(&shifted(z, &step))? - self.secular(&shifted(z, &-&step))?;
         Some(difference.scale(&(Real::one(self.work) / (step * 2.0))))
     }
@@ -270,11 +271,6 @@ impl TrueSpectrum {
         near.sort_by(|&p, &q| distance(p).total_cmp(&distance(q)));
         near.truncate(MAX_EXPLICIT);
         near
-    }
-
-    /// Step of a difference quotient at a point of modulus 2^`size`: its error, the square of it, and rounding balance.
-    fn step(&self, size: f64) -> Real {
-        Real::one(self.work).times_power_of_two(size.round() as i32 - self.work as i32 / 3)
     }
 }
 

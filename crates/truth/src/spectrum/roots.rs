@@ -4,8 +4,7 @@ use super::{TrueSpectrum, half_sum};
 use crate::complex::{Complex, shifted};
 use crate::error::TruthError;
 use crate::real::Real;
-
-const MAX_STEPS: usize = 400;
+use crate::root::newton;
 
 /// Second starts are turned by this angle.
 const OFF_AXIS: f64 = 1e-4;
@@ -53,7 +52,7 @@ impl TrueSpectrum {
     fn root(&self, start: &Complex) -> Result<Complex, TruthError> {
         let explicit = self.near(&half_sum(start));
         let value = |z: &Complex| self.regular(z, &half_sum(z), &explicit);
-        let (z, step, iterations) = self.newton(start, value)?;
+        let (z, step, iterations) = newton(start, self.bits, self.work, value)?;
         self.accept(step - z.log2_abs(), iterations, z, start)
     }
 
@@ -62,7 +61,7 @@ impl TrueSpectrum {
         let nu = half_sum(start);
         let explicit = self.near(&nu);
         let value = |nu: &Complex| self.regular(&pair_of(nu).0, nu, &explicit);
-        let (nu, step, iterations) = self.newton(&nu, value)?;
+        let (nu, step, iterations) = newton(&nu, self.bits, self.work, value)?;
         let (plus, minus) = pair_of(&nu);
         let distance = |z: &Complex| (z - start).norm_sqr();
         let z = if distance(&plus) <= distance(&minus) { plus } else { minus };
@@ -78,42 +77,6 @@ impl TrueSpectrum {
         }
         let moved = (&z - start).abs().to_f64();
         Err(TruthError::NotConverged { iterations, last_step: error * 2f64.log10(), moved })
-    }
-
-    /// Newton's method with difference quotients, until the steps no longer shrink. Returns the point, log₂ of the last
-    /// step and their number.
-    fn newton(
-        &self,
-        start: &Complex,
-        value: impl Fn(&Complex) -> Option<Complex>,
-    ) -> Result<(Complex, f64, usize), TruthError> {
-        let mut point = start.clone();
-        let mut previous = f64::INFINITY;
-        for iteration in 1..=MAX_STEPS {
-            let size = point.log2_abs().max(start.log2_abs() - 8.0);
-            let h = self.step(size);
-            let (here, plus, minus) = (value(&point), value(&shifted(&point, &h)), value(&shifted(&point, &-&h)));
-            let (Some(here), Some(plus), Some(minus)) = (here, plus, minus) else {
-                return Err(TruthError::Singular { what: "Newton's method met a pole exactly; move the start" });
-            };
-            if here.is_zero() {
-                return Ok((point, f64::NEG_INFINITY, iteration));
-            }
-            let step = here.scale(&(h * 2.0)) / (plus - minus);
-            if !step.is_finite() {
-                break;
-            }
-            point = point - &step;
-            let moved = step.log2_abs();
-            let floor = size - self.work as f64;
-            // Next to a double root the steps halve at first: only small ones can have come to rest.
-            if moved <= floor || (moved < size - 0.5 * self.bits as f64 && moved > previous - 1.0) {
-                return Ok((point, moved, iteration));
-            }
-            previous = moved;
-        }
-        let moved = (&point - start).abs().to_f64();
-        Err(TruthError::NotConverged { iterations: MAX_STEPS, last_step: previous * 2f64.log10(), moved })
     }
 }
 
