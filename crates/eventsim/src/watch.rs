@@ -15,6 +15,9 @@
 //! **Rounding.** f is computed to μ = 4 ε (|c₀| + |c₁|τ + |c₂|τ²) or better, ε = 2⁻⁵²: an approach to within μ is a
 //! contact. Where displacements are measured from the barrier itself, μ shrinks with the distance.
 //!
+//! **A mass at rest** is released where its force has a root and then turns by more than its rounding before it presses again. A force that
+//! touches 0 and rises turns nothing, whatever rounding makes of the touch.
+//!
 //! **A mass that starts on its barrier** has f(0) = 0. If it leaves with f′ > 0 the parabola's second root is the
 //! answer, 2f′/B. If it leaves with a higher order m (3 after a release) the known zero is divided out:
 //! g = f/s^m, g(0) > 0, and g ≥ g(0) − G s with a bound G of the same kind gives the first safe step.
@@ -78,6 +81,16 @@ pub(crate) enum Step {
     Later,
     /// A contact, at `tau`.
     Hit,
+}
+
+/// What a force does after its root.
+enum Turned {
+    /// It pulls, by more than its rounding.
+    Away,
+    /// It presses again from here on, and has pulled by no more than that.
+    Back(f64),
+    /// Neither within the window.
+    NotYet,
 }
 
 /// One side of a step.
@@ -206,18 +219,29 @@ impl Watch {
     /// the whole window.
     pub(crate) fn prepare(&mut self) -> f64 {
         let c = &mut self.c[..=self.order];
-        if c[0] <= self.margin {
-            // The force starts at zero, to rounding: what it does next is in its first term that does not vanish.
-            c[0] = 0.0;
-            match c.iter().position(|&c| c != 0.0) {
-                None => return f64::INFINITY,
-                Some(m) if c[m] > 0.0 => self.tau = departure(&self.c[m..=self.order], self.horizon),
-                Some(_) => {}
-            }
-        } else if bound::polynomial(c, self.horizon).1 > self.margin {
+        if c[0] > self.margin && bound::polynomial(c, self.horizon).1 > self.margin {
             return f64::INFINITY;
         }
         self.bend();
+        let start = self.c[0];
+        if start <= self.margin {
+            // The force starts at zero, to rounding: what it does next is in its first term that does not vanish.
+            let term = (1..=self.order).find(|&k| self.c[k] != 0.0);
+            let turned = match term {
+                Some(m) if self.c[m] < 0.0 && start > -self.margin => self.turned(0.0),
+                _ => Turned::Away,
+            };
+            match (term, turned) {
+                (None, _) | (_, Turned::NotYet) => return f64::INFINITY,
+                (Some(_), Turned::Back(tau)) => self.tau = tau,
+                (Some(m), Turned::Away) => {
+                    self.c[0] = 0.0;
+                    if self.c[m] > 0.0 {
+                        self.tau = departure(&self.c[m..=self.order], self.horizon);
+                    }
+                }
+            }
+        }
         if self.tau == 0.0 && self.c[0] > 0.0 {
             return safe_step(self.c[0], self.c[1], self.bend_down);
         }
@@ -244,6 +268,30 @@ impl Watch {
         let m = self.c[..=self.order].iter().position(|&c| c != 0.0)?;
         let released = matches!(self.kind, Kind::Rest(_)) && self.tau == 0.0 && self.c[m] < 0.0;
         released.then_some(m as u8 + 2)
+    }
+
+    /// What a force does whose root is at `from`, or there to rounding: certified steps look for where it is below that.
+    fn turned(&self, from: f64) -> Turned {
+        let mut ahead = Self { tau: from, ..*self };
+        for steps in 0..PATIENCE {
+            let (x, slope) = ahead.value();
+            if x <= -self.margin {
+                return Turned::Away;
+            }
+            if x > self.margin && slope > 0.0 {
+                return Turned::Back(ahead.tau);
+            }
+            // Far from a turn the steps are Newton's and come no further than its rounding.
+            let step = safe_step(x + self.margin, slope, self.bend_down).max(f64::EPSILON * ahead.tau);
+            if slope < 0.0 && steps > 2 && step <= ROUNDING * ahead.tau {
+                return Turned::Away;
+            }
+            ahead.tau += step;
+            if ahead.tau > self.horizon {
+                return Turned::NotYet;
+            }
+        }
+        Turned::Away
     }
 
     /// Value and slope at `tau`.
@@ -303,6 +351,18 @@ impl Watch {
         match step {
             Side::Contact(d) => {
                 let tau = t + d;
+                if let Kind::Rest(_) = self.kind
+                    && self.margin > 0.0
+                {
+                    match self.turned(t) {
+                        Turned::Away => {}
+                        Turned::Back(later) => {
+                            self.tau = later;
+                            return Step::Later;
+                        }
+                        Turned::NotYet => return Step::Clear,
+                    }
+                }
                 self.tau = if tau > 0.0 { tau } else { 0.0 };
                 self.hit = Some(barrier);
                 Step::Hit

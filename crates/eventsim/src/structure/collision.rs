@@ -1,7 +1,8 @@
 //! Impacts of a structure.
 //!
 //! **Impact.** An impulse P = −(1+e) m g′⁻ at the contact, m = 1/(wᵀM⁻¹w): it changes the velocity of every contact that shares a coordinate.
-//! The modes are not moved: where rounding has put the barrier is where it is until the contact is back, so no energy is made.
+//! The modes are not moved: where rounding has put the barrier is where it is until the contact is back, so no energy is made. A contact that
+//! was followed by its own distance and velocity is an exception: there the modes take up what these say (`take_up`).
 //!
 //! **In sequence.** Contacts that share coordinates may meet their barriers at one instant. On request they hit one after another in the
 //! order of their numbers, those at rest among them, again and again until none moves outward. A velocity below 1e-12 of the first is none, and
@@ -9,7 +10,7 @@
 //! Without coordinates in common the order does not matter.
 
 use super::approach::Place;
-use super::motion::{Due, Motion};
+use super::motion::{Due, Motion, SIMULTANEOUS};
 use super::series::Series;
 use crate::cascade::Change;
 use crate::engine::CHATTER_TIME;
@@ -93,14 +94,20 @@ impl Motion {
                 return Some(Party { contact, barrier: due.barrier, role: Role::Hits });
             }
             let place = &self.places[contact];
-            if hits.iter().all(|due| self.system.mobility(contact, due.contact) == 0.0) {
-                return None;
-            }
+            let mut met = hits.iter().filter(|due| self.system.mobility(contact, due.contact) != 0.0).peekable();
+            met.peek()?;
             if let Contact::Resting(barrier) = place.touch {
                 return Some(Party { contact, barrier, role: Role::Rests });
             }
             let barrier = place.reference.filter(|_| place.v.is_some())?;
-            let on = f64::EPSILON * self.flight.size(&self.system, contact);
+            // The order of two that are followed by their own distances is known as well as the clock; an impact that modes tell is late or
+            // early by their rounding.
+            let is_known = met.all(|due| self.places[due.contact].v.is_some());
+            let on = if is_known {
+                place.v.map_or(0.0, f64::abs) * SIMULTANEOUS / self.system.fastest
+            } else {
+                f64::EPSILON * self.flight.scale(&self.system, contact)
+            };
             (place.x.abs() <= on).then_some(Party { contact, barrier, role: Role::Touches })
         };
         (0..self.places.len()).filter_map(party).collect()
@@ -144,6 +151,11 @@ impl Motion {
         if parties.is_empty() {
             return Ok(());
         }
+        let followed: Vec<(usize, Barrier)> = (parties.iter())
+            .filter(|party| party.role != Role::Rests && self.places[party.contact].v.is_some())
+            .map(|party| (party.contact, party.barrier))
+            .collect();
+        self.take_up(&followed);
         for party in parties {
             let v =
                 if party.role == Role::Rests { 0.0 } else { party.sign() * self.outward(party.contact, party.barrier) };
@@ -198,6 +210,21 @@ impl Motion {
             still.push(party.contact);
         }
         Ok(())
+    }
+
+    /// Lets the modes have the places and velocities of contacts that were followed by their own: their rounding would add up from bounce to
+    /// bounce, and the acceleration of a contact that chatters is what its modes say.
+    fn take_up(&mut self, followed: &[(usize, Barrier)]) {
+        // Each moves the others that share its modes.
+        for &(contact, barrier) in followed.iter().chain(followed) {
+            let place = self.system.barrier(contact, barrier);
+            let off = place.map_or(0.0, |place| place - self.flight.place(&self.system, contact));
+            self.flight.lean(&self.system, contact, off);
+        }
+        for &(contact, _) in followed.iter().chain(followed) {
+            let off = self.places[contact].v.map_or(0.0, |v| v - self.flight.velocity(&self.system, contact));
+            self.flight.strike(&self.system, contact, self.system.impulse(contact, off));
+        }
     }
 
     fn impact(&mut self, contact: usize, barrier: Barrier, outward: f64, changes: &mut Vec<Change>) {
@@ -318,7 +345,7 @@ mod tests {
                 LinearMode::oscillator(0.01, rates[k] * rates[k], &shape, &[])
             };
             let structure = ModalStructure::new(stops, Vec::new(), (0..modes).map(mode).collect()).unwrap();
-            Motion::new(System::new(structure, 1.0, 0.0), xi.clone())
+            Motion::new(System::new(structure, 1.0, 0.0), &xi)
         };
         let stand = |motion: &mut Motion, sides: &[Barrier]| {
             for c in 0..count {

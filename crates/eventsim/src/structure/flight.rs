@@ -2,7 +2,7 @@
 
 use super::loads::add;
 use super::system::System;
-use vibrochain_lattice::Complex;
+use vibrochain_lattice::{Complex, LinearMode};
 
 /// Coordinates of all modes at the base.
 #[derive(Debug, Clone)]
@@ -73,14 +73,58 @@ impl Flight {
         }
     }
 
+    /// Moves contact `contact` by `amount` as a slow force at it does: stiff modes, in which rounding would be energy, move next to nothing.
+    pub(crate) fn lean(&mut self, system: &System, contact: usize, amount: f64) {
+        let slow = Complex::new(system.omega, 0.0);
+        let answer = |mode: &LinearMode| {
+            let by = mode.generator().resolvent(mode.turn, slow);
+            let [first, second] = mode.columns[contact];
+            mode.turn.act(by, [Complex::new(first, 0.0), Complex::new(second, 0.0)]).map(|xi| xi.re)
+        };
+        let answers: Vec<[f64; 2]> = system.structure.modes().iter().map(answer).collect();
+        let moved: f64 =
+            system.seen_by(contact).map(|(k, _, row)| row[0] * answers[k][0] + row[1] * answers[k][1]).sum();
+        let factor = amount / moved;
+        // (The frequency may be a real pole of a mode that feeds itself.)
+        if !factor.is_finite() {
+            return;
+        }
+        for ((xi, free), answer) in self.xi.iter_mut().zip(&mut self.free).zip(answers) {
+            let given = answer.map(|answer| answer * factor);
+            (*xi, *free) = (add(*xi, given), add(*free, given));
+        }
+    }
+
     /// g of a contact at the base.
     pub(crate) fn place(&self, system: &System, contact: usize) -> f64 {
         system.seen_by(contact).map(|(k, _, row)| row[0] * self.xi[k][0] + row[1] * self.xi[k][1]).sum()
     }
 
-    /// The sum of the sizes of its terms, of which its rounding is a part.
-    pub(crate) fn size(&self, system: &System, contact: usize) -> f64 {
-        system.seen_by(contact).map(|(k, _, row)| (row[0] * self.xi[k][0]).abs() + (row[1] * self.xi[k][1]).abs()).sum()
+    /// How far its modes swing and its loads move it, whatever its g is now: in flight g has some units in the last place of that as its
+    /// rounding. Of a rigid mode, which swings nowhere, its place.
+    pub(crate) fn scale(&self, system: &System, contact: usize) -> f64 {
+        let of_mode = |(k, mode, row): (usize, &LinearMode, [f64; 2])| {
+            let (xi, free) = (self.xi[k], self.free[k]);
+            let steady = (row[0] * (xi[0] - free[0])).abs() + (row[1] * (xi[1] - free[1])).abs();
+            let own = if mode.is_rigid() {
+                (row[0] * free[0]).abs() + (row[1] * free[1]).abs()
+            } else {
+                row[0].hypot(row[1]) * free[0].hypot(free[1])
+            };
+            steady + own
+        };
+        system.seen_by(contact).map(of_mode).sum()
+    }
+
+    /// The same of g′: the sizes of the velocities that it is a sum of.
+    pub(crate) fn pace(&self, system: &System, contact: usize) -> f64 {
+        let of_mode = |(k, mode, row): (usize, &LinearMode, [f64; 2])| {
+            let rise = self.rise(system, k);
+            let now = (row[0] * rise[0]).abs() + (row[1] * rise[1]).abs();
+            let swing = row[0].hypot(row[1]) * self.free[k][0].hypot(self.free[k][1]);
+            if mode.is_rigid() { now } else { now.max((mode.rate + mode.decay.abs()) * swing) }
+        };
+        system.seen_by(contact).map(of_mode).sum()
     }
 
     /// ξ′ of a mode at the base, without forces at contacts.

@@ -8,6 +8,9 @@
 //! ```
 //!
 //! is taken from each base of flight on: it has no such limit.
+//!
+//! A mode that answers the static load steadily is measured from where that load holds it, and feels it no more: places of contacts
+//! beside their barriers are small there, and keep their digits.
 
 use vibrochain_lattice::{Complex, LinearMode, ModalStructure, Turn, Turned};
 
@@ -36,6 +39,8 @@ pub(crate) struct Loads {
     psi: f64,
     given: Vec<Vec<[C; 2]>>,
     pub(crate) answers: Vec<Vec<Answer>>,
+    /// ξ of each mode where the static load holds it, from which it is measured; 0 of one that answers that load from rest.
+    pub(crate) equilibrium: Vec<[f64; 2]>,
 }
 
 impl Loads {
@@ -43,7 +48,7 @@ impl Loads {
         let harmonics = structure.harmonics().iter().map(|number| f64::from(*number) * omega);
         let rates: Vec<f64> = std::iter::once(0.0).chain(harmonics).collect();
         let still = |mode: &LinearMode| mode.still.map(|load| C::new(load, 0.0));
-        let given: Vec<Vec<[C; 2]>> = (structure.modes().iter())
+        let mut given: Vec<Vec<[C; 2]>> = (structure.modes().iter())
             .map(|mode| std::iter::once(still(mode)).chain(mode.loads.iter().copied()).collect())
             .collect();
         let answer = |mode: &LinearMode, w: f64, load: [C; 2]| {
@@ -57,10 +62,16 @@ impl Loads {
                 Answer::Steady(mode.steady(w, load))
             }
         };
-        let answers = (structure.modes().iter().zip(&given))
+        let mut answers: Vec<Vec<Answer>> = (structure.modes().iter().zip(&given))
             .map(|(mode, given)| rates.iter().zip(given).map(|(w, load)| answer(mode, *w, *load)).collect())
             .collect();
-        Self { rates, psi, given, answers }
+        let held = |(answers, given): (&mut Vec<Answer>, &mut Vec<[C; 2]>)| {
+            let Answer::Steady(xi) = answers[0] else { return [0.0; 2] };
+            (answers[0], given[0]) = (Answer::Spared, [C::default(); 2]);
+            xi.map(|xi| xi.re)
+        };
+        let equilibrium = answers.iter_mut().zip(&mut given).map(held).collect();
+        Self { rates, psi, given, answers, equilibrium }
     }
 
     /// About how far the loads move mode `k`; a resonance counts as what is next to it.

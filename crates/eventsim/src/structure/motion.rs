@@ -14,13 +14,13 @@ use crate::watch::{self, Kind, Step, Watch};
 use vibrochain_lattice::Barrier;
 
 /// Events this close together, relative to the time since the base or to the time of the fastest rate, happen together.
-const SIMULTANEOUS: f64 = 8.0 * f64::EPSILON;
+pub(super) const SIMULTANEOUS: f64 = 8.0 * f64::EPSILON;
 
-/// Beyond this part of the terms that g is made of a contact forgets the barrier that x is measured from: g is known as well.
+/// Beyond this part of the scale of its motion a contact forgets the barrier that x is measured from: g is known as well.
 const FORGET: f64 = 1.0 / 16.0;
 
-/// A flight that rises less than this part of those terms is followed by its own distance and velocity, of which modes would tell some
-/// digits less.
+/// A contact whose flight rises less than this part of that scale, or which is so close to its barrier and so slow against the velocities
+/// that make up its own, is followed by its own distance and velocity: modes would tell some digits less.
 const LOW: f64 = 1.0 / 64.0;
 
 /// A contact on its way to its barrier, or at rest and on its way to be released.
@@ -67,8 +67,9 @@ pub(crate) struct Motion {
 }
 
 impl Motion {
-    pub(crate) fn new(system: System, xi: Vec<[f64; 2]>) -> Self {
-        let flight = Flight::new(&system, xi, 0.0);
+    /// From ξ of the structure.
+    pub(crate) fn new(system: System, xi: &[[f64; 2]]) -> Self {
+        let flight = Flight::new(&system, system.from_equilibrium(xi), 0.0);
         let place =
             |contact| Place { reference: None, x: flight.place(&system, contact), v: None, touch: Contact::Free };
         let places = (0..system.contacts()).map(place).collect();
@@ -122,9 +123,11 @@ impl Motion {
         }
         let tendencies = Series::tendencies(&self.system, &self.flight, &self.places);
         self.places.iter().zip(&tendencies.contacts).enumerate().any(|(contact, (place, c))| {
+            let Some(v) = place.v else { return false };
             let most = c[2].abs().max(c[3].abs()).max(c[4].abs());
-            let low = LOW * self.flight.size(&self.system, contact);
-            place.v.is_some() && c[0].abs() <= low && c[1].abs() <= most && c[1] * c[1] <= low * most
+            let low = LOW * self.flight.scale(&self.system, contact);
+            let is_slow = || v.abs() <= LOW * self.flight.pace(&self.system, contact);
+            c[0].abs() <= low && (c[1].abs() <= most && c[1] * c[1] <= low * most || is_slow())
         })
     }
 
@@ -215,7 +218,7 @@ impl Motion {
             .collect();
     }
 
-    /// ξ of all modes at `s` since the base.
+    /// ξ of all modes at `s` since the base, from their equilibrium.
     pub(crate) fn modes_at(&self, s: f64) -> Vec<[f64; 2]> {
         match &self.series {
             Some(series) if !series.forces.is_empty() => {
@@ -247,7 +250,7 @@ impl Motion {
         // A flight that repeats would repeat its rounding.
         let s = if self.series.is_none() { s * (1.0 + 4.0 * f64::EPSILON * spread(&mut self.seed)) } else { s };
         if let Some(mut ledger) = self.ledger.take() {
-            ledger.flight(&self.system, &self.flight.turned, s, |time| self.modes_at(time));
+            ledger.flight(&self.system, &self.flight.turned, s, |time| self.system.absolute(&self.modes_at(time)));
             self.ledger = Some(ledger);
         }
         let states: Vec<(f64, f64)> = (0..self.places.len()).map(|contact| self.contact_at(contact, s)).collect();
@@ -258,12 +261,11 @@ impl Motion {
             if let Contact::Resting(_) = place.touch {
                 continue;
             }
-            let Some(barrier) = place.reference.and_then(|barrier| self.system.barrier(contact, barrier)) else {
+            if place.reference.is_none() {
                 place.x = self.flight.place(&self.system, contact);
                 continue;
-            };
-            let size = self.flight.size(&self.system, contact) + barrier.abs();
-            if x.abs() > FORGET * size {
+            }
+            if x.abs() > FORGET * self.flight.scale(&self.system, contact) {
                 *place = Place {
                     reference: None,
                     x: self.flight.place(&self.system, contact),

@@ -125,15 +125,16 @@ impl StructureSimulation {
         }
         let psi = psi.rem_euclid(std::f64::consts::TAU / omega);
         let system = System::new(structure, omega, psi);
-        let reach = system.reach(modes).into_iter().map(|reach| reach.min(LARGEST)).collect();
-        let mut motion = Motion::new(system, modes.to_vec());
+        let mut motion = Motion::new(system, modes);
+        let reach = motion.system.reach(&motion.flight.xi).into_iter().map(|reach| reach.min(LARGEST)).collect();
         let mut touching = Vec::new();
         for contact in 0..motion.places.len() {
-            let value = motion.places[contact].x;
+            let terms = motion.system.seen_by(contact).map(|(k, _, row)| [row[0] * modes[k][0], row[1] * modes[k][1]]);
+            let (value, terms) = terms.flatten().fold((0.0, 0.0), |(sum, size), term| (sum + term, size + term.abs()));
             for barrier in [Barrier::Lower, Barrier::Upper] {
-                let Some(place) = motion.system.barrier(contact, barrier) else { continue };
+                let Some(place) = motion.system.structure.contacts()[contact].barrier(barrier) else { continue };
                 let excess = barrier.sign() * (value - place);
-                let size = motion.flight.size(&motion.system, contact) + place.abs();
+                let size = terms + place.abs() + motion.system.origins[contact].abs();
                 if excess > OVERSHOOT * size {
                     return Err(StructureStateError::OutsideGap { contact, barrier, value, place, excess });
                 }
@@ -201,9 +202,10 @@ impl StructureSimulation {
     /// What contact number `contact` does now; `None`: there is no such contact.
     pub fn contact(&self, contact: usize) -> Option<ContactState> {
         let place = self.motion.places.get(contact)?;
-        let reference = place.reference.and_then(|barrier| self.motion.system.barrier(contact, barrier)).unwrap_or(0.0);
         let (x, velocity) = self.motion.contact_at(contact, self.now);
         let limits = self.structure().contacts()[contact];
+        let reference = place.reference.and_then(|barrier| limits.barrier(barrier));
+        let reference = reference.unwrap_or(self.motion.system.origins[contact]);
         let inside =
             (reference + x).clamp(limits.lower.unwrap_or(f64::NEG_INFINITY), limits.upper.unwrap_or(f64::INFINITY));
         let Contact::Resting(barrier) = place.touch else {
@@ -216,13 +218,14 @@ impl StructureSimulation {
 
     /// The exact state now. Looking changes nothing.
     pub fn state(&self) -> StructureState {
-        let modes = self.motion.modes_at(self.now);
+        let measured = self.motion.modes_at(self.now);
+        let modes = self.motion.system.absolute(&measured);
         let turned = self.motion.system.loads.later(&self.motion.flight.turned, self.now);
         let coordinates = self.structure().coordinates();
         let (mut place, mut velocity) = (vec![0.0; coordinates], vec![0.0; coordinates]);
         for (k, (mode, xi)) in self.structure().modes().iter().zip(&modes).enumerate() {
             let given = self.motion.system.loads.given(k, &turned);
-            let rise = mode.turn.act(mode.generator(), *xi);
+            let rise = mode.turn.act(mode.generator(), measured[k]);
             for (i, row) in mode.coordinates.iter().enumerate() {
                 place[i] += row[0] * xi[0] + row[1] * xi[1];
                 velocity[i] += row[0] * (rise[0] + given[0]) + row[1] * (rise[1] + given[1]);

@@ -1,8 +1,8 @@
 //! A structure under its loads: what stays the same during a run.
 
-use super::loads::{Answer, Loads};
+use super::loads::{Answer, Loads, add};
 use crate::time::two_sum;
-use vibrochain_lattice::{Barrier, Complex, LinearMode, ModalStructure};
+use vibrochain_lattice::{Barrier, Complex, Contact, LinearMode, ModalStructure};
 
 type C = Complex<f64>;
 
@@ -36,6 +36,10 @@ pub(crate) struct System {
     pub(crate) terms: Vec<Term>,
     /// Steady motion of each contact under each load.
     pub(crate) swings: Vec<Vec<C>>,
+    /// g of each contact where the static load holds its modes, from which places are measured.
+    pub(crate) origins: Vec<f64>,
+    /// The contacts' barriers as they are measured from there.
+    stops: Vec<Contact>,
     mobility: Vec<f64>,
     /// What rounding took from each contact's own, relative to it: the same at every impact, it would add up.
     lost: Vec<f64>,
@@ -67,6 +71,16 @@ impl System {
             modes.iter().zip(&loads.answers).map(of_mode).sum::<C>()
         };
         let swings = (0..contacts).map(|i| (0..loads.rates.len()).map(|j| swing(i, j)).collect()).collect();
+        let held = |contact: usize| {
+            let terms = modes.iter().zip(&loads.equilibrium);
+            terms.map(|(mode, xi)| mode.rows[contact][0] * xi[0] + mode.rows[contact][1] * xi[1]).sum::<f64>()
+        };
+        let origins: Vec<f64> = (0..contacts).map(held).collect();
+        let moved = |(contact, by): (&Contact, &f64)| {
+            let [lower, upper] = [contact.lower, contact.upper].map(|place| place.map(|place| place - by));
+            Contact { lower, upper, ..*contact }
+        };
+        let stops = structure.contacts().iter().zip(&origins).map(moved).collect();
         let mut mobility: Vec<f64> =
             (0..contacts * contacts).map(|at| structure.mobility(at / contacts, at % contacts)).collect();
         for at in 0..contacts * contacts {
@@ -82,19 +96,19 @@ impl System {
         }
         let lost = (0..contacts).map(|contact| lost(&structure, contact)).collect();
         let longest = (std::f64::consts::TAU / omega).min(1.0 / growth).min(LONGEST / fastest);
-        Self { terms, swings, mobility, lost, fastest, longest, omega, loads, structure }
+        Self { terms, swings, origins, stops, mobility, lost, fastest, longest, omega, loads, structure }
     }
 
-    /// Of each mode the largest coordinate that is of use in a run from ξ; infinite where it does not feed itself.
+    /// Of each mode the largest coordinate that is of use in a run from ξ, as it is measured here; infinite where it does not feed itself.
     pub(crate) fn reach(&self, start: &[[f64; 2]]) -> Vec<f64> {
         let (modes, largest) = (self.structure.modes(), |xi: &[f64; 2]| xi[0].abs().max(xi[1].abs()));
-        let barriers: Vec<(usize, f64)> = (self.structure.contacts().iter().enumerate())
+        let barriers: Vec<(usize, f64)> = (self.stops.iter().enumerate())
             .flat_map(|(i, contact)| [contact.lower, contact.upper].into_iter().flatten().map(move |at| (i, at.abs())))
             .collect();
         let seen = |mode: &LinearMode, contact: usize| mode.rows[contact][0].hypot(mode.rows[contact][1]);
         let all = |contact: usize| modes.iter().map(|mode| seen(mode, contact)).fold(0.0, f64::hypot);
         let responses = modes.iter().enumerate().map(|(k, mode)| self.loads.response(mode, k, self.omega));
-        let usual = (start.iter().map(largest).chain(responses))
+        let usual = (start.iter().chain(&self.loads.equilibrium).map(largest).chain(responses))
             .chain(barriers.iter().map(|&(i, at)| at / all(i)).filter(|reach| reach.is_finite()))
             .fold(0.0, f64::max);
         let of_mode = |mode: &LinearMode| {
@@ -116,8 +130,19 @@ impl System {
         self.structure.contacts().len()
     }
 
+    /// A barrier as places are measured.
     pub(crate) fn barrier(&self, contact: usize, barrier: Barrier) -> Option<f64> {
-        self.structure.contacts()[contact].barrier(barrier)
+        self.stops[contact].barrier(barrier)
+    }
+
+    /// ξ of all modes of the structure, from where the static load holds them.
+    pub(crate) fn from_equilibrium(&self, xi: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        xi.iter().zip(&self.loads.equilibrium).map(|(xi, held)| [xi[0] - held[0], xi[1] - held[1]]).collect()
+    }
+
+    /// ξ of all modes of the structure again.
+    pub(crate) fn absolute(&self, xi: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        xi.iter().zip(&self.loads.equilibrium).map(|(xi, held)| add(*xi, *held)).collect()
     }
 
     /// w_iᵀM⁻¹w_j; 0 where they share no coordinate.

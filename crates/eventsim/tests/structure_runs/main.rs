@@ -5,5 +5,6 @@ mod dense;
 mod energies;
 mod found;
 mod made;
+mod preloaded;
 mod resting;
 mod runs;
