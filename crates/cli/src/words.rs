@@ -181,6 +181,7 @@ fn fate(finder: &mut Finder, model: &Model, word: &Word) -> Result<String, CliEr
             Obstruction::WrongSign { site, .. } => {
                 format!("an impact of site {} loses its velocity", layout.name(site))
             }
+            Obstruction::Sticking { site, .. } => format!("site {} begins to rest", layout.name(site)),
             Obstruction::Crossing { site, barrier, .. } => {
                 format!("site {} touches the {barrier} barrier", layout.name(site))
             }

@@ -100,7 +100,6 @@ pub(crate) struct PyObstruction {
 
 impl PyObstruction {
     fn new(found: &Obstruction, layout: Layout) -> Self {
-        let (Obstruction::WrongSign { site, time, .. } | Obstruction::Crossing { site, time, .. }) = *found;
         let (kind, barrier, excess, impact, velocity_before) = match *found {
             Obstruction::WrongSign { impact, velocity_before, .. } => {
                 ("wrong-sign", None, None, Some(impact), Some(velocity_before))
@@ -108,8 +107,11 @@ impl PyObstruction {
             Obstruction::Crossing { barrier, excess, .. } => {
                 ("crossing", Some(barrier.to_string()), Some(excess), None, None)
             }
+            // Of chains, whose impacts are never plastic, there is none.
+            Obstruction::Sticking { impact, .. } => ("sticking", None, None, Some(impact), None),
         };
-        let ((site, layer), kind, text) = (layout.place(site), kind.to_owned(), found.to_string());
+        let ((site, layer), time, kind, text) =
+            (layout.place(found.site()), found.time(), kind.to_owned(), found.to_string());
         Self { kind, site, layer, time, barrier, excess, impact, velocity_before, text }
     }
 }

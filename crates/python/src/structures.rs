@@ -34,9 +34,9 @@ impl From<StructureOrbitError> for Failure {
             | StructureOrbitError::Unbalanced
             | StructureOrbitError::Unfelt
             | StructureOrbitError::Singular => Self::NoBreather(message),
-            StructureOrbitError::NotConverged { .. } | StructureOrbitError::Structure(StructureError::NotConverged) => {
-                Self::NotConverged(message)
-            }
+            StructureOrbitError::Undecided { .. }
+            | StructureOrbitError::NotConverged { .. }
+            | StructureOrbitError::Structure(StructureError::NotConverged) => Self::NotConverged(message),
             _ => Self::Request(message),
         }
     }

@@ -38,9 +38,36 @@ pub enum Obstruction {
         /// By how much; 0 where it just touches.
         excess: f64,
     },
+    /// A mass that does not leave its barrier after an impact that takes all its velocity: it begins to rest there.
+    Sticking {
+        /// Index of the impact.
+        impact: usize,
+        /// The mass.
+        site: usize,
+        /// Its time.
+        time: f64,
+        /// The acceleration after it, which presses the mass to its barrier.
+        acceleration_after: f64,
+    },
 }
 
 impl Obstruction {
+    /// The mass.
+    #[must_use]
+    pub fn site(&self) -> usize {
+        match *self {
+            Self::WrongSign { site, .. } | Self::Crossing { site, .. } | Self::Sticking { site, .. } => site,
+        }
+    }
+
+    /// When, within the period.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        match *self {
+            Self::WrongSign { time, .. } | Self::Crossing { time, .. } | Self::Sticking { time, .. } => time,
+        }
+    }
+
     /// In words, with its mass as words of this lattice name it.
     #[must_use]
     pub fn told(&self, layout: &Layout) -> String {
@@ -55,6 +82,10 @@ impl Obstruction {
             Self::Crossing { site, barrier, time, excess } => {
                 format!("site {} is {excess} beyond the {barrier} barrier at t = {time}", layout.name(site))
             }
+            Self::Sticking { impact, site, time, acceleration_after } => format!(
+                "site {} begins to rest at its barrier after impact {impact} (t = {time}): the acceleration {acceleration_after} presses it there",
+                layout.name(site)
+            ),
         }
     }
 }
@@ -71,7 +102,7 @@ impl std::fmt::Display for Obstruction {
 #[must_use]
 pub struct Admissibility {
     /// Smallest distance left between any mass and a barrier at a turning point, the top of a bounce included; negative if
-    /// a mass crosses. `None` if an impact has the wrong sign, which makes distances moot, and of a mass alone that flies
+    /// a mass crosses. `None` if an impact has the wrong sign or begins a rest, which makes distances moot, and of a mass alone that flies
     /// from barrier to barrier without turning.
     pub margin: Option<f64>,
     /// What is in the way, if anything.

@@ -72,6 +72,17 @@ pub enum StructureOrbitError {
         /// Steps that were taken.
         steps: usize,
     },
+    /// Velocity, acceleration and jerk after an impact are no larger than their errors.
+    #[error(
+        "whether contact {contact} leaves its barrier after impact {impact} cannot be told: its velocity, acceleration and jerk there are below \
+         their errors; move a number of the structure a little"
+    )]
+    Undecided {
+        /// The contact.
+        contact: usize,
+        /// Index of the impact.
+        impact: usize,
+    },
     /// Impulses cannot balance the load on a rigid motion.
     #[error(
         "a rigid motion is pushed by a static load that no impact of this word balances, or by impacts that no load balances"

@@ -7,7 +7,7 @@ use vibrochain_lattice::{Complex, LinearMode, ModalStructure, ModeFlow, Particip
 
 use super::equations::Equations;
 use super::error::StructureOrbitError;
-use super::orbit::StructureOrbit;
+use super::orbit::{StructureImpact, StructureOrbit};
 use super::periodic_kernel::{PeriodicKernel, length, rigid_jet};
 use super::response::Response;
 
@@ -62,9 +62,15 @@ impl<'a> StructureMotion<'a> {
 
     /// Place, velocity and acceleration of a contact at `s` after impact `i`, before the next one.
     pub fn contact(&self, contact: usize, i: usize, s: f64) -> [f64; 3] {
+        let [place, velocity, acceleration, _] = self.jet(contact, i, s);
+        [place, velocity, acceleration]
+    }
+
+    /// The same with the jerk.
+    pub(super) fn jet(&self, contact: usize, i: usize, s: f64) -> [f64; 4] {
         let response = self.response();
-        let [place, velocity, acceleration, _] = response.load(contact, self.load_time(i, s));
-        let mut sums = [place + response.still(contact), velocity, acceleration];
+        let mut sums = response.load(contact, self.load_time(i, s));
+        sums[0] += response.still(contact);
         for (mode, state) in self.felt(i) {
             let row = mode.rows[contact];
             if row == [0.0; 2] {
@@ -135,7 +141,7 @@ impl<'a> StructureMotion<'a> {
         let mut offsets = self.orbit.offsets().iter();
         for (mode, sum) in structure.modes().iter().zip(&mut all) {
             let own = if mode.is_rigid() {
-                let [place, velocity, _] = self.rigid(mode, i, s);
+                let [place, velocity, ..] = self.rigid(mode, i, s);
                 let place = place + offsets.next().copied().unwrap_or_default();
                 [place, (velocity + mode.decay * place) / mode.rate]
             } else {
@@ -147,27 +153,58 @@ impl<'a> StructureMotion<'a> {
     }
 
     /// A rigid mode's own coordinate without its offset.
-    fn rigid(&self, mode: &LinearMode, i: usize, s: f64) -> [f64; 3] {
+    fn rigid(&self, mode: &LinearMode, i: usize, s: f64) -> [f64; 4] {
         let impacts = self.orbit.impacts();
-        let mut sums = [0.0; 3];
+        let mut sums = [0.0; 4];
         for (j, other) in impacts.iter().enumerate() {
             let lapse = impacts[i].time - other.time + if j > i { self.orbit.period() } else { 0.0 } + s;
             let jet = rigid_jet(mode, self.orbit.period(), lapse);
-            (0..3).for_each(|order| sums[order] += Equations::shape(mode, other.contact) * other.impulse * jet[order]);
+            (0..4).for_each(|order| sums[order] += Equations::shape(mode, other.contact) * other.impulse * jet[order]);
         }
         sums
     }
 
-    /// A bound of |acceleration| of a contact from `s` to `end` after impact `i`.
-    pub(super) fn most_acceleration(&self, contact: usize, i: usize, s: f64, end: f64) -> f64 {
+    /// A bound of the error of a contact's derivative of some order up to the third, just after impact `i`: what errors of impulses and times, of
+    /// the phase, and rounding make of its terms.
+    pub(super) fn error(&self, contact: usize, order: usize, i: usize) -> f64 {
+        let (orbit, response, kernel) = (self.orbit, self.response(), &self.response().kernel);
+        let (impacts, rounding) = (orbit.impacts(), 8.0 * f64::EPSILON);
+        let fastest = self.felt(i).map(|(mode, _)| length([mode.decay, mode.rate])).fold(0.0, f64::max);
+        let of = |other: &StructureImpact| {
+            let lapse = impacts[i].time - other.time;
+            let (_, sizes) = kernel.jet(contact, other.contact, lapse);
+            // What it has given at this instant itself, beside earlier periods.
+            let now = if lapse == 0.0 {
+                self.structure().mobility(contact, other.contact).abs() * fastest.powi(order as i32 - 1)
+            } else {
+                0.0
+            };
+            let part = other.impulse_error + other.impulse.abs() * (fastest * other.time_error + rounding);
+            (sizes[order] + now) * part
+        };
+        let late = self.load_time(i, 0.0).abs();
+        let of_loads = response.swings(contact).map(|(rate, swing)| {
+            let time = rate * (orbit.psi_error() + impacts[i].time_error + f64::EPSILON * late);
+            swing.norm() * rate.powi(order as i32) * (time + rounding)
+        });
+        impacts.iter().map(of).chain(of_loads).sum()
+    }
+
+    /// A bound of a contact's derivative of second order or a higher one, from `s` to `end` after impact `i`.
+    pub(super) fn bound(&self, contact: usize, order: u32, i: usize, [s, end]: [f64; 2]) -> f64 {
         let swings = self.response().swings(contact);
-        let mut most: f64 = swings.map(|(rate, swing)| swing.norm() * rate * rate).sum();
+        let mut most: f64 = swings.map(|(rate, swing)| swing.norm() * rate.powi(order as i32)).sum();
         for (mode, state) in self.felt(i).filter(|(mode, _)| mode.rows[contact] != [0.0; 2]) {
-            most += length(mode.rows[contact]) * reach(mode.flow(), mode.turn.act(mode.flight(s), state), end - s, 2);
+            let there = mode.turn.act(mode.flight(s), state);
+            most += length(mode.rows[contact]) * reach(mode.flow(), there, end - s, order);
         }
         for mode in self.response().kernel.rigid() {
-            // Between impacts nothing but its load and its dashpot turn it.
-            let [first, last] = [s, end].map(|t| self.rigid(mode, i, t)[2].abs());
+            // Between impacts nothing but its load and its dashpot turn it: from the jerk on derivatives fall by 2δ.
+            let of = |jet: [f64; 4]| match order {
+                2 => jet[2].abs(),
+                _ => jet[3].abs() * (2.0 * mode.decay).powi(order as i32 - 3),
+            };
+            let [first, last] = [s, end].map(|t| of(self.rigid(mode, i, t)));
             most += mode.rows[contact][0].abs() * first.max(last);
         }
         most

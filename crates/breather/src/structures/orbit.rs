@@ -47,6 +47,7 @@ pub struct StructureOrbit {
     response: Arc<Response>,
     force_periods: u32,
     psi: Option<f64>,
+    psi_error: f64,
     offsets: SmallVec<[f64; 1]>,
     impacts: Vec<StructureImpact>,
     /// The largest violation of the conditions at the impacts, against their terms.
@@ -84,7 +85,8 @@ impl StructureOrbit {
                 time: strike.time,
                 impulse: strike.impulse,
                 velocity_before: arrival.velocity,
-                velocity_after: -equations.restitution(strike.contact) * arrival.velocity,
+                // From 0, so that none is left as 0 and not as −0.
+                velocity_after: 0.0 - equations.restitution(strike.contact) * arrival.velocity,
                 acceleration_before: arrival.acceleration,
                 time_error: if i == 0 { 0.0 } else { errors[n + i - 1] },
                 impulse_error: errors[i],
@@ -104,6 +106,7 @@ impl StructureOrbit {
             response: equations.response.clone(),
             force_periods,
             psi: equations.forced.then(|| point.psi.rem_euclid(period)),
+            psi_error: if equations.forced { errors[2 * n - 1] } else { 0.0 },
             offsets: equations.all_offsets(&point.offsets),
             impacts,
             violation,
@@ -168,6 +171,11 @@ impl StructureOrbit {
     /// The phase ψ of the loads, as a time, at the first impact; `None` without loads that change.
     pub fn psi(&self) -> Option<f64> {
         self.psi
+    }
+
+    /// The error of ψ.
+    pub(super) fn psi_error(&self) -> f64 {
+        self.psi_error
     }
 
     /// Where each rigid mode is; in the order of the modes.

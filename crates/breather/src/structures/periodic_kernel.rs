@@ -44,8 +44,8 @@ pub(super) struct PeriodicKernel {
     own: Vec<(usize, Jet)>,
 }
 
-/// K and its first three derivatives; and the size of the terms of K and two, with what next to a resonance is lost on them.
-pub(super) type Jet = ([f64; 4], [f64; 3]);
+/// K and its first three derivatives; and the sizes of their terms, with what next to a resonance is lost on them.
+pub(super) type Jet = ([f64; 4], [f64; 4]);
 
 /// What a mode has lost at four places and at their nearest ends, either way.
 type Losses = [[f64x4; 2]; 2];
@@ -101,7 +101,7 @@ impl PeriodicKernel {
             return *jet;
         }
         let t = if t > 0.0 { t } else { t + self.period };
-        let (mut jet, mut sizes) = ([0.0; 4], [0.0; 3]);
+        let (mut jet, mut sizes) = ([0.0; 4], [0.0; 4]);
         let flights = Turn::flights(self.sums_of().map(|(mode, _)| mode.flow()), t);
         for ((mode, sum), flight) in self.sums_of().zip(flights) {
             let (row, column, turn) = (mode.rows[to], mode.columns[from], mode.turn);
@@ -113,19 +113,15 @@ impl PeriodicKernel {
             for (order, entry) in jet.iter_mut().enumerate() {
                 *entry += turn.pair(row, motion, column);
                 motion = turn.product(motion, mode.generator());
-                if let Some(place) = sizes.get_mut(order) {
-                    *place += size;
-                    size *= sum.fast;
-                }
+                sizes[order] += size;
+                size *= sum.fast;
             }
         }
         for mode in &self.rigid {
             let shapes = mode.rows[to][0] * mode.columns[from][1] * mode.rate;
             for (order, own) in rigid_jet(mode, self.period, t).into_iter().enumerate() {
                 jet[order] += shapes * own;
-                if let Some(place) = sizes.get_mut(order) {
-                    *place += (shapes * own).abs();
-                }
+                sizes[order] += (shapes * own).abs();
             }
         }
         (jet, sizes)

@@ -233,6 +233,9 @@ pub(crate) fn evidence_text<A: Along>(found: &Located<A::Orbit>) -> String {
             let place = A::place(&found.orbit, touch.site);
             format!("{place} touches the {} barrier at t = {}", touch.barrier, Number(touch.time))
         }
+        Evidence::Impact(impact) if found.event == Event::Sticking => {
+            format!("after impact {impact} the contact begins to rest")
+        }
         Evidence::Impact(impact) => format!("impact {impact} has no velocity left"),
     }
 }

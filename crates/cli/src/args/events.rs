@@ -26,6 +26,7 @@ const EVENTS: Meanings<Event> = &[
     (Event::PeriodDoubling, "A multiplier meets −1"),
     (Event::NeimarkSacker, "A complex pair of multipliers crosses the circle; without loss, two pairs collide on it"),
     (Event::Fold, "The branch turns back"),
+    (Event::Sticking, "The acceleration after a plastic impact turns: the contact begins to rest"),
 ];
 
 /// What varies: a parameter, or a number that only structures have.

@@ -135,6 +135,7 @@ impl From<StructureOrbitError> for CliError {
             StructureOrbitError::NotConverged { .. }
             | StructureOrbitError::OutOfOrder { found: true }
             | StructureOrbitError::TooStiff { .. }
+            | StructureOrbitError::Undecided { .. }
             | StructureOrbitError::Structure(StructureError::NotConverged) => Self::Computation(error.to_string()),
             _ => Self::Request(error.to_string()),
         }

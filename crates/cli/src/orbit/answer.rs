@@ -54,8 +54,7 @@ fn solution(solution: &Solution) -> Value {
         joined(told, layer.map_or(Value::Null, |layer| json!({ "layer": layer })))
     };
     let obstruction = |obstruction: &Obstruction| {
-        let (Obstruction::WrongSign { site, .. } | Obstruction::Crossing { site, .. }) = *obstruction;
-        placed(site, joined(json!(obstruction), json!({ "message": obstruction.told(&layout) })))
+        placed(obstruction.site(), joined(json!(obstruction), json!({ "message": obstruction.told(&layout) })))
     };
     let errors = json!({ "impulse_error": condition.impulse_error(orbit), "time_error": condition.time_error(orbit) });
     let mut told = json!({

@@ -79,6 +79,11 @@ where
                 add(Special::With(Event::Grazing), 1 + i, hit.barrier.sign() * arrival.velocity / speed);
             }
         }
+        for (i, hit) in orbit.hits().iter().enumerate() {
+            if let (false, Ok(Some([acceleration, _]))) = (self.test == Test::Release(i), orbit.acceleration_after(i)) {
+                add(Special::With(Event::Sticking), i, -hit.barrier.sign() * acceleration / (orbit.omega() * speed));
+            }
+        }
         // Where one touches all along, be it with an impact, others are told once they are beyond.
         let own = if event == Event::Grazing { TOUCHES } else { 0.0 };
         if let Some(margin) = told.and_then(|told| told.margin) {

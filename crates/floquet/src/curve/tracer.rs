@@ -71,6 +71,9 @@ pub(super) fn is_physical(told: &Admissibility, orbit: &impl EventOrbit) -> bool
         None => true,
         Some(Obstruction::Crossing { excess, .. }) => excess <= TOUCHES * orbit.speed() / orbit.omega(),
         Some(Obstruction::WrongSign { velocity_before, .. }) => velocity_before.abs() <= TOUCHES * orbit.speed(),
+        Some(Obstruction::Sticking { acceleration_after, .. }) => {
+            acceleration_after.abs() <= TOUCHES * orbit.omega() * orbit.speed()
+        }
     }
 }
 

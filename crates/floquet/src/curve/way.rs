@@ -37,6 +37,7 @@ fn test_of(event: Event, evidence: Evidence, orbit: &impl EventOrbit) -> Option<
             (if orbit.is_lossless() { Test::Collision } else { Test::Circle }, Some(mu.arg().abs()))
         }
         (Event::Grazing, Evidence::Impact(i)) => (Test::Velocity(i), None),
+        (Event::Sticking, Evidence::Impact(i)) => (Test::Release(i), None),
         (Event::Grazing, Evidence::Touch(touch)) => match Test::corner(&touch, orbit) {
             Some(corner) => (corner, None),
             None => (Test::Touch(touch.site, touch.barrier), Some(touch.time / orbit.period())),

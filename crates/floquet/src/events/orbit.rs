@@ -33,6 +33,10 @@ pub(crate) trait EventOrbit: Followed {
     fn is_lossless(&self) -> bool;
     /// The impacts, in order of time.
     fn arrivals(&self) -> SmallVec<[Arrival; 2]>;
+    /// The acceleration after a plastic impact, and its error; `None` of others.
+    fn acceleration_after(&self, _impact: usize) -> Result<Option<[f64; 2]>, BranchError> {
+        Ok(None)
+    }
     /// J(z).
     fn linearised(&self) -> Result<BlochEquations, BranchError>;
     /// Where a contact has a barrier.
@@ -198,6 +202,10 @@ impl EventOrbit for StructureOrbit {
             acceleration: one.acceleration_before,
         });
         of.collect()
+    }
+
+    fn acceleration_after(&self, impact: usize) -> Result<Option<[f64; 2]>, BranchError> {
+        Ok(self.acceleration_after(impact)?)
     }
 
     fn linearised(&self) -> Result<BlochEquations, BranchError> {

@@ -38,6 +38,10 @@ fn told<O: EventOrbit, K>(test: Test, here: &Evaluation<O, K>, mark: Option<f64>
             smallvec![error, error / mark?.sin().abs().max(REAL)]
         }
         Test::Velocity(i) => smallvec![orbit.arrivals().get(i)?.velocity_error? / orbit.speed()],
+        Test::Release(i) => {
+            let [_, error] = orbit.acceleration_after(i).ok()??;
+            smallvec![error / (orbit.omega() * orbit.speed())]
+        }
         Test::Touch(contact, _) => {
             let error = orbit.place_error(contact, mark?.rem_euclid(1.0) * orbit.period())?;
             smallvec![error * orbit.omega() / orbit.speed(); 2]

@@ -40,6 +40,8 @@ pub(crate) enum Test {
     Collision,
     /// The velocity before an impact.
     Velocity(usize),
+    /// The acceleration after a plastic impact.
+    Release(usize),
     /// The distance of a contact to a barrier where it turns round; the mark is when, in periods.
     Touch(usize, Barrier),
     /// The distance of a contact to a barrier where an impact of another contact turns it round, as coupled masses or bars do; that impact.
@@ -68,6 +70,7 @@ impl Test {
             Self::One | Self::AnotherOne => Event::Pitchfork,
             Self::MinusOne => Event::PeriodDoubling,
             Self::Circle | Self::Collision => Event::NeimarkSacker,
+            Self::Release(_) => Event::Sticking,
             Self::Velocity(_) | Self::Touch(..) | Self::Corner(..) => Event::Grazing,
         }
     }
@@ -111,6 +114,10 @@ impl Test {
             Self::Velocity(i) => {
                 let arrival = *orbit.arrivals().get(i).ok_or(BranchError::NoConvergence)?;
                 smallvec![arrival.velocity / orbit.speed()]
+            }
+            Self::Release(i) => {
+                let [acceleration, _] = orbit.acceleration_after(i)?.ok_or(BranchError::NoConvergence)?;
+                smallvec![acceleration / (orbit.omega() * orbit.speed())]
             }
             Self::Touch(contact, barrier) => {
                 let wall = orbit.wall(contact, barrier)?;

@@ -22,10 +22,13 @@ pub enum Event {
     NeimarkSacker,
     /// The branch turns back in the parameter; a multiplier +1.
     Fold,
+    /// The acceleration after a plastic impact turns: the contact begins to rest on its barrier.
+    Sticking,
 }
 
 vibrochain_lattice::names!(Event {
     Grazing "grazing", Pitchfork "pitchfork", PeriodDoubling "period-doubling", NeimarkSacker "neimark-sacker", Fold "fold",
+    Sticking "sticking",
 });
 
 /// A search: what, in which parameter, how far.
@@ -73,7 +76,7 @@ pub enum Evidence {
     ),
     /// The mass that touches a barrier, and when.
     Touch(Approach),
-    /// Index of the impact whose velocity vanishes.
+    /// Index of the impact whose velocity vanishes, or after which the acceleration does.
     Impact(usize),
 }
 

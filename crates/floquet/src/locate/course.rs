@@ -82,7 +82,7 @@ pub fn is_physical_about<S>(stations: &[S], at: usize, tell: impl Fn(&S) -> (Opt
         (None, physical) => Some(physical == Some(true)),
         (Some(_), _) => None,
     };
-    let grazes = |station: &&S| tell(station).0 == Some(Event::Grazing);
+    let grazes = |station: &&S| matches!(tell(station).0, Some(Event::Grazing | Event::Sticking));
     let (before, behind) = stations.split_at(at.min(stations.len()));
     let mut before = before.iter().rev().take_while(|station| !grazes(station));
     let own = behind.first().and_then(told);

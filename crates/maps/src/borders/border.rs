@@ -18,6 +18,8 @@ pub enum BorderKind {
     NeimarkSacker,
     /// Two orbits merge.
     Fold,
+    /// The acceleration after a plastic impact turns.
+    Sticking,
     /// A harmonic of the orbit meets a mode.
     Resonance,
     /// Impulses grow without bound.
@@ -38,13 +40,14 @@ impl From<Event> for BorderKind {
             Event::PeriodDoubling => Self::PeriodDoubling,
             Event::NeimarkSacker => Self::NeimarkSacker,
             Event::Fold => Self::Fold,
+            Event::Sticking => Self::Sticking,
         }
     }
 }
 
 vibrochain_lattice::names!(BorderKind {
     Grazing "grazing", Pitchfork "pitchfork", PeriodDoubling "period-doubling", NeimarkSacker "neimark-sacker", Fold "fold",
-    Resonance "resonance", Unbounded "unbounded", ImpulsesVanish "impulses-vanish", Threshold "threshold", Change "change",
+    Sticking "sticking", Resonance "resonance", Unbounded "unbounded", ImpulsesVanish "impulses-vanish", Threshold "threshold", Change "change",
 });
 
 /// A point of a border.

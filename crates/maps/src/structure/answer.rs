@@ -55,6 +55,9 @@ pub fn told(obstruction: &Obstruction) -> String {
         Obstruction::Crossing { site, barrier, time, excess } => {
             format!("contact {site} is {excess} beyond the {barrier} barrier at t = {time}")
         }
+        Obstruction::Sticking { impact, site, time, acceleration_after } => format!(
+            "contact {site} begins to rest on its barrier after impact {impact} (t = {time}): the acceleration {acceleration_after} presses it there"
+        ),
     }
 }
 

@@ -57,9 +57,7 @@ pub fn contact_panes(
 /// Those that are hit, and the one that is in the way.
 fn groups(orbit: &StructureOrbit, obstruction: Option<&Obstruction>) -> Result<Vec<Group>, StructureOrbitError> {
     let mut shown: Vec<usize> = orbit.impacts().iter().map(|impact| impact.contact).collect();
-    if let Some(Obstruction::Crossing { site, .. } | Obstruction::WrongSign { site, .. }) = obstruction {
-        shown.push(*site);
-    }
+    shown.extend(obstruction.map(Obstruction::site));
     let mut seen = Vec::new();
     shown.retain(|contact| {
         !seen.contains(contact) && seen.len() < MOST && {

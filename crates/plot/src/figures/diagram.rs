@@ -178,7 +178,7 @@ fn heights(quantity: OrbitQuantity, branch: Branch<'_>, at: usize) -> Vec<f64> {
     let within = |row: &Row| row.spectral_radius.is_some_and(|radius| radius < ON_CIRCLE);
     let stable = |point: Option<&Row>| point.is_some_and(|row| kind(row) == Some(Kind::Stable) && within(row));
     // Next to stable orbits it is the leading multiplier that is on the circle.
-    let grazes = found.event == Some(Event::Grazing);
+    let grazes = matches!(found.event, Some(Event::Grazing | Event::Sticking));
     if quantity == OrbitQuantity::SpectralRadius && !grazes && (stable(before) || stable(behind)) {
         return vec![1.0];
     }

@@ -12,6 +12,9 @@ use crate::panels::curves::Mark;
 /// The shape that stands for a cusp: a star, which no event has.
 const CUSP: usize = 5;
 
+/// The shape of the event that stands at the star's place.
+const STICKING: usize = 6;
+
 /// How what happens at a point is marked, in every picture alike: an event by its filled shape; a resonance of multipliers by an outline, of three or
 /// four corners where it is 1:3 or 1:4.
 pub(crate) fn mark(name: &str) -> Mark {
@@ -20,6 +23,10 @@ pub(crate) fn mark(name: &str) -> Mark {
         "1:2" => Mark::Hollow(3),
         "1:3" => Mark::Hollow(2),
         "1:4" => Mark::Hollow(1),
-        _ => Mark::Filled(Event::from_name(name).map_or(CUSP, |event| event as usize)),
+        _ => Mark::Filled(match Event::from_name(name) {
+            None => CUSP,
+            Some(Event::Sticking) => STICKING,
+            Some(event) => event as usize,
+        }),
     }
 }

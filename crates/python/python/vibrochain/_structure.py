@@ -349,7 +349,7 @@ class Structure:
         from_, to : float
             From where to where, the start between.
         events : sequence of str
-            grazing, pitchfork, period-doubling, neimark-sacker, fold; empty: all.
+            grazing, pitchfork, period-doubling, neimark-sacker, fold, sticking; empty: all.
         generations : int
             How often a branch may leave another; 0 is the orbit's own alone.
         threshold : float
@@ -399,7 +399,7 @@ class Structure:
         omega : float
             Frequency of the load there.
         event : str
-            grazing, pitchfork, period-doubling, neimark-sacker or fold.
+            grazing, pitchfork, period-doubling, neimark-sacker, fold or sticking.
         free : tuple of two str
             The numbers that vary, as for `branch`.
         from_, to : tuple of two float

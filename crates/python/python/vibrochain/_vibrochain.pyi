@@ -14,7 +14,7 @@ __version__: str
 
 _Barrier = Literal["lower", "upper"]
 _Ends = Literal["closed", "free", "fixed"]
-_Event = Literal["grazing", "pitchfork", "period-doubling", "neimark-sacker", "fold"]
+_Event = Literal["grazing", "pitchfork", "period-doubling", "neimark-sacker", "fold", "sticking"]
 _Mechanism = Literal["plus-one", "pitchfork", "period-doubling", "neimark-sacker"]
 _Parameter = Literal["gamma1", "gamma2", "gamma3", "omega", "asymmetry", "amplitude", "restitution"]
 

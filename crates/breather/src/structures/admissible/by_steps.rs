@@ -36,12 +36,13 @@ impl Watch<'_> {
     }
 
     /// The least distance at a turning point or end of the flight, and where; `None` if it only goes. `leaves`, `arrives`: it is on the
-    /// barrier at the ends.
-    fn least(&self, leaves: bool, arrives: bool) -> Result<Option<(f64, f64)>, StructureOrbitError> {
-        let bend = |s: f64| self.motion.most_acceleration(self.contact, self.i, s, self.length) * (1.0 + 1e-12);
+    /// barrier at the ends, and surely off it for so long after the first.
+    fn least(&self, leaves: Option<f64>, arrives: bool) -> Result<Option<(f64, f64)>, StructureOrbitError> {
+        let bend = |s: f64| self.motion.bound(self.contact, 2, self.i, [s, self.length]) * (1.0 + 1e-12);
         let whole = bend(0.0);
         let (first, last) = (self.distance(0.0), self.distance(self.length));
-        let mut s = if leaves { (1.999 * first[1] / whole).max(0.0) } else { 0.0 };
+        // Between its first turn and here it comes back no farther than this.
+        let mut s = leaves.map_or(0.0, |clear| (1.999 * first[1] / whole).max(clear));
         let end = if arrives { self.length - (1.999 * -last[1] / whole).max(0.0) } else { self.length };
         let mut least: Option<(f64, f64)> = None;
         let mut keep = |d: f64, s: f64| {
@@ -49,10 +50,7 @@ impl Watch<'_> {
                 least = Some((d, s));
             }
         };
-        if leaves {
-            // Between its first turn and here it comes back no farther than this.
-            s = s.min(end);
-        }
+        s = s.min(end);
         let mut before: Option<(f64, f64)> = None;
         for _ in 0..MOST_STEPS {
             let [d, slope] = self.distance(s);
@@ -120,8 +118,8 @@ impl Search<'_> {
                 }
                 let touch = TOUCH * stops.reach().max(f64::MIN_POSITIVE);
                 let watch = Watch { motion: self.motion, contact, barrier, stop, i, length, touch };
-                let (leaves, arrives) =
-                    (self.is_hit(contact, barrier, begins), self.is_hit(contact, barrier, begins + length));
+                let leaves = self.impact_at(contact, barrier, begins).map(|impact| self.clear[impact]);
+                let arrives = self.impact_at(contact, barrier, begins + length).is_some();
                 if let Some((least, s)) = watch.least(leaves, arrives)? {
                     self.note(least, (contact, barrier), begins + s);
                 }

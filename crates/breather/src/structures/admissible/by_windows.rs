@@ -25,6 +25,8 @@ struct Wall {
     contact: usize,
     barrier: Barrier,
     stop: f64,
+    /// The contact is surely off it until then, since the flight's beginning.
+    clear: f64,
 }
 
 /// The cubic that has a contact's place and velocity at both ends of a window, by Bézier's four points, between which it stays, and how far
@@ -89,7 +91,7 @@ impl Search<'_> {
             // A contact that feels an impact of another has a corner there.
             for (barrier, stop) in stops.into_iter().flatten() {
                 for (s, [at, _]) in [(0.0, here), (whole, end)] {
-                    if !self.is_hit(contact, barrier, begins + s) {
+                    if self.impact_at(contact, barrier, begins + s).is_none() {
                         self.note(barrier.sign() * (stop - at), (contact, barrier), begins + s);
                     }
                 }
@@ -159,7 +161,9 @@ impl Search<'_> {
                 continue;
             }
             let own_polynomial = polynomial.get_or_insert_with(|| windows.polynomial(own.place));
-            self.turns(windows, own_polynomial, Wall { contact: own.contact, barrier, stop }, begins, pending);
+            let clear = self.clear_after(own.contact, barrier, begins);
+            let wall = Wall { contact: own.contact, barrier, stop, clear };
+            self.turns(windows, own_polynomial, wall, begins, pending);
         }
     }
 
@@ -168,10 +172,15 @@ impl Search<'_> {
         &mut self,
         windows: &Windows<'_>,
         polynomial: &Polynomial,
-        Wall { contact, barrier, stop }: Wall,
+        Wall { contact, barrier, stop, clear }: Wall,
         begins: f64,
         pending: &mut Vec<(f64, f64)>,
     ) {
+        let [from, to] = with_overlap(windows.length, windows.goes_on());
+        let from = from.max(if clear > 0.0 { clear - windows.start() } else { f64::NEG_INFINITY });
+        if from >= to {
+            return;
+        }
         // In the form that turning points are sought in: the distance is 1 − |p|, and p beyond −1 is far away.
         let terms = polynomial.coefficients.iter().enumerate();
         let far = terms.fold(0.0, |sum: f64, (k, c)| sum + c.abs() * windows.length.powi(k as i32));
@@ -185,6 +194,6 @@ impl Search<'_> {
             self.note((1.0 - value) * scale, (contact, barrier), start + s);
             self.closest.as_ref().map_or(f64::INFINITY, |(least, _)| *least / scale)
         };
-        turning_points(&own, with_overlap(windows.length, windows.goes_on()), pending, least, &mut note, 0.0);
+        turning_points(&own, [from, to], pending, least, &mut note, 0.0);
     }
 }

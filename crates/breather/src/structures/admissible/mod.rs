@@ -5,16 +5,19 @@
 
 mod by_steps;
 mod by_windows;
+mod release;
 
+use smallvec::SmallVec;
 use vibrochain_lattice::Barrier;
 
 use super::error::StructureOrbitError;
 use super::flight::StructureMotion;
-use super::orbit::StructureOrbit;
+use super::orbit::{StructureImpact, StructureOrbit};
 use super::windows::{View, Windows};
 use crate::admissible::answer::{Admissibility, Approach, Obstruction};
 use crate::admissible::check::Depth;
 use crate::orbit::time_between;
+use release::Release;
 
 /// Impacts closer than this part of the period are at one instant.
 const TOGETHER: f64 = 1e-12;
@@ -50,7 +53,18 @@ fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, Structur
         }
     }
     let motion = StructureMotion::new(orbit)?;
-    let mut search = Search { orbit, motion: &motion, closest: None, pending: Vec::new(), depth };
+    let mut clear = SmallVec::new();
+    for (number, impact) in impacts.iter().enumerate() {
+        match Release::after(orbit, &motion, number)? {
+            Release::Leaves(time) => clear.push(time),
+            Release::Rests(acceleration_after) => {
+                let (site, time) = (impact.contact, impact.time);
+                let obstruction = Obstruction::Sticking { impact: number, site, time, acceleration_after };
+                return Ok(Admissibility { margin: None, obstruction: Some(obstruction), closest: None });
+            }
+        }
+    }
+    let mut search = Search { orbit, motion: &motion, clear, closest: None, pending: Vec::new(), depth };
     let order = search.order();
     let view = View::new(&motion, &order);
     for i in 0..impacts.len() {
@@ -76,6 +90,8 @@ fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, Structur
 struct Search<'a> {
     orbit: &'a StructureOrbit,
     motion: &'a StructureMotion<'a>,
+    /// For how long after each impact its contact is surely off its barrier.
+    clear: SmallVec<[f64; 4]>,
     closest: Option<(f64, Approach)>,
     pending: Vec<(f64, f64)>,
     depth: Depth,
@@ -111,12 +127,19 @@ impl Search<'_> {
         order
     }
 
-    /// Whether a contact is on a barrier at an instant of impacts.
-    fn is_hit(&self, contact: usize, barrier: Barrier, time: f64) -> bool {
-        let period = self.orbit.period();
-        let mut there =
-            self.orbit.impacts().iter().filter(|impact| impact.contact == contact && impact.barrier == barrier);
-        there.any(|impact| time_between(impact.time, time, period) <= TOGETHER * period)
+    /// The impact of a contact on a barrier at an instant, if there is one.
+    fn impact_at(&self, contact: usize, barrier: Barrier, time: f64) -> Option<usize> {
+        let (period, impacts) = (self.orbit.period(), self.orbit.impacts());
+        let is_there = |impact: &StructureImpact| {
+            (impact.contact, impact.barrier) == (contact, barrier)
+                && time_between(impact.time, time, period) <= TOGETHER * period
+        };
+        impacts.iter().position(is_there)
+    }
+
+    /// For how long after an instant a contact is surely off a barrier that it has just hit; 0 where nothing is known.
+    fn clear_after(&self, contact: usize, barrier: Barrier, time: f64) -> f64 {
+        self.impact_at(contact, barrier, time).map_or(0.0, |impact| self.clear[impact])
     }
 }
 
@@ -162,8 +185,9 @@ mod tests {
                 let answer = structure_admissibility(orbit).unwrap();
                 let Some(margin) = answer.margin else { continue };
                 let motion = StructureMotion::new(orbit).unwrap();
+                let clear = smallvec::smallvec![0.0; orbit.impacts().len()];
                 let mut search =
-                    Search { orbit, motion: &motion, closest: None, pending: Vec::new(), depth: Depth::Worst };
+                    Search { orbit, motion: &motion, clear, closest: None, pending: Vec::new(), depth: Depth::Worst };
                 (0..orbit.impacts().len()).for_each(|i| search.by_steps(i).unwrap());
                 let Some((stepped, _)) = search.closest else {
                     assert!(margin > 0.0);

@@ -107,6 +107,7 @@ impl<E: Ends> Follower<E> {
         let (mut clear, mut clear_of_edges) = (true, true);
         let mut hold = |values: [f64; 3]| clear &= no_pair(values);
         let mut tests: Vec<Test> = (0..from.1.velocities.len()).map(Test::Velocity).collect();
+        tests.extend((0..from.1.releases.len()).map(Test::Release));
         tests.extend([Test::Touch(0, Barrier::Lower), Test::One, Test::AnotherOne, Test::MinusOne]);
         for test in tests {
             let [a, m, b] = [from, middle, to].map(|at| value::<E>(test, at));

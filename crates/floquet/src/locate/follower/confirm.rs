@@ -101,6 +101,7 @@ impl<E: Ends> Follower<E> {
         };
         let mut tests = vec![one, Test::MinusOne];
         tests.extend((0..from.1.velocities.len()).map(Test::Velocity));
+        tests.extend((0..from.1.releases.len()).map(Test::Release));
         tests.retain(|test| changes::<E>(*test, from, to));
         tests.extend(touch_between::<E>(from, to));
         tests.retain(|test| self.watches(test.event(turns)));
@@ -253,7 +254,7 @@ impl<E: Ends> Follower<E> {
     pub(super) fn evidence(&mut self, test: Test, solved: &Solved<OrbitOf<E>>) -> Option<Evidence> {
         let orbit = &solved.at.orbit;
         let goal = match test {
-            Test::Velocity(i) => return Some(Evidence::Impact(i)),
+            Test::Velocity(i) | Test::Release(i) => return Some(Evidence::Impact(i)),
             Test::Touch(site, barrier) | Test::Corner(site, barrier, _) => {
                 let time = match test {
                     Test::Corner(.., impact) => orbit.hits().get(impact)?.time,

@@ -44,6 +44,8 @@ pub(crate) type Begun<E> = (Track<E>, Point<E>);
 pub(crate) struct Seen {
     /// Velocity before each impact, towards its barrier.
     pub(super) velocities: Vec<f64>,
+    /// Acceleration after each impact that is plastic, away from its barrier.
+    pub(super) releases: Vec<Option<f64>>,
     pub(super) admissibility: Option<Admissibility>,
     pub(super) minus_one: Option<f64>,
     pub(super) another_one: Option<f64>,

@@ -1,6 +1,6 @@
 //! What is seen at a point of a branch, and what that tells of the step to the next one.
 
-use vibrochain_breather::Admissibility;
+use vibrochain_breather::{Admissibility, Hit};
 
 use super::{At, Ends, Follower, Point, Seen};
 use crate::events::half_sums::upper_half;
@@ -16,6 +16,9 @@ impl<E: Ends> Follower<E> {
         if self.watches(Event::Grazing) {
             seen.velocities = velocities(orbit);
             seen.admissibility = Some(self.watcher.admissibility(orbit)?);
+        }
+        if self.watches(Event::Sticking) {
+            seen.releases = releases(orbit);
         }
         if self.watches(Event::PeriodDoubling) {
             seen.minus_one = Some(minus_one(orbit)?);
@@ -42,6 +45,7 @@ impl<E: Ends> Follower<E> {
     pub(super) fn read(&mut self, test: Test, point: &Point<E>) -> Option<f64> {
         match test {
             Test::Velocity(i) => velocities(point.orbit()).get(i).copied(),
+            Test::Release(i) => releases(point.orbit()).get(i).copied().flatten(),
             Test::Touch(..) | Test::Corner(..) => Some(margin(&self.watcher.admissibility(point.orbit()).ok()?)),
             Test::MinusOne => minus_one(point.orbit()).ok(),
             Test::AnotherOne => another_one(point.orbit()),
@@ -54,6 +58,15 @@ impl<E: Ends> Follower<E> {
 pub(super) fn velocities(orbit: &impl EventOrbit) -> Vec<f64> {
     let arrivals = orbit.arrivals();
     orbit.hits().iter().zip(arrivals).map(|(hit, arrival)| hit.barrier.sign() * arrival.velocity).collect()
+}
+
+/// The acceleration after each plastic impact, away from its barrier; `None` of others.
+pub(super) fn releases(orbit: &impl EventOrbit) -> Vec<Option<f64>> {
+    let of = |(i, hit): (usize, Hit)| {
+        let [acceleration, _] = orbit.acceleration_after(i).ok()??;
+        Some(-hit.barrier.sign() * acceleration)
+    };
+    orbit.hits().into_iter().enumerate().map(of).collect()
 }
 
 /// An impact that turned its sign has no margin: beyond grazing.
@@ -69,6 +82,7 @@ pub(super) fn value<E: Ends>(test: Test, (point, seen): At<'_, E>) -> Option<f64
         Test::AnotherOne => seen.another_one,
         Test::MinusOne => seen.minus_one,
         Test::Velocity(i) => seen.velocities.get(i).copied(),
+        Test::Release(i) => seen.releases.get(i).copied().flatten(),
         Test::Touch(..) | Test::Corner(..) => seen.admissibility.as_ref().and_then(|told| told.margin),
         Test::Circle | Test::Collision => None,
     }

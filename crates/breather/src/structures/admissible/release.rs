@@ -1,0 +1,160 @@
+//! What a contact does right after its impact. It is on its barrier there: the first of velocity, acceleration and jerk that is larger than its
+//! error decides whether it leaves or begins to rest. After a plastic impact the velocity is 0, and the sign of a distance nearby is rounding.
+
+use super::TOGETHER;
+use crate::structures::error::StructureOrbitError;
+use crate::structures::flight::StructureMotion;
+use crate::structures::orbit::StructureOrbit;
+
+/// Rounding of a term with the few operations that it takes.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+/// How an impact ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Release {
+    /// The contact leaves, and is surely off its barrier for so long; 0 where its velocity tells.
+    Leaves(f64),
+    /// It is pressed to its barrier, with this acceleration.
+    Rests(f64),
+}
+
+/// A number with its error.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Known {
+    pub(crate) value: f64,
+    pub(crate) error: f64,
+}
+
+impl Known {
+    /// 1 or −1; 0 of one that may be 0.
+    fn sign(self) -> f64 {
+        if self.value.abs() > self.error { self.value.signum() } else { 0.0 }
+    }
+}
+
+impl Release {
+    /// After impact `number`.
+    ///
+    /// # Errors
+    /// [`StructureOrbitError::Undecided`] where all three are below their errors.
+    pub(super) fn after(
+        orbit: &StructureOrbit,
+        motion: &StructureMotion<'_>,
+        number: usize,
+    ) -> Result<Self, StructureOrbitError> {
+        let impact = &orbit.impacts()[number];
+        let last = last_at_once(orbit, motion, number);
+        let velocity = velocity(orbit, number, last);
+        if velocity.sign() != 0.0 {
+            return Ok(Self::Leaves(0.0));
+        }
+        let contact = impact.contact;
+        let [_, _, acceleration, jerk] = motion.jet(contact, last, 0.0);
+        let acceleration = Known { value: acceleration, error: acceleration_error(orbit, number, acceleration) };
+        let jerk = Known { value: jerk, error: motion.error(contact, 3, last) };
+        let decided = if acceleration.sign() == 0.0 { jerk.sign() } else { acceleration.sign() };
+        // Away from the barrier is positive.
+        let away = -impact.barrier.sign();
+        match away * decided {
+            0.0 => Err(StructureOrbitError::Undecided { contact, impact: number }),
+            decided if decided < 0.0 => Ok(Self::Rests(acceleration.value)),
+            _ => {
+                let flight = motion.until_next(last);
+                let bound = motion.bound(contact, 4, last, [0.0, flight]);
+                let bend = (away * acceleration.value - acceleration.error).max(0.0);
+                Ok(Self::Leaves(convex(bend, away * jerk.value - jerk.error, bound).min(flight)))
+            }
+        }
+    }
+}
+
+/// For half so long g″ surely keeps its sign: a + js − Bs²/2 is positive up to the root.
+fn convex(acceleration: f64, jerk: f64, bound: f64) -> f64 {
+    let root = (jerk * jerk + 2.0 * bound * acceleration).sqrt();
+    // Without cancellation.
+    let whole = if jerk > 0.0 { (jerk + root) / bound } else { 2.0 * acceleration / (root - jerk) };
+    if whole.is_nan() { 0.0 } else { 0.5 * whole }
+}
+
+/// The last impact at the same instant: the flight after it is where the contact moves.
+fn last_at_once(orbit: &StructureOrbit, motion: &StructureMotion<'_>, number: usize) -> usize {
+    let count = orbit.impacts().len();
+    let together = |i: usize| motion.until_next(i) <= TOGETHER * orbit.period();
+    let later = (0..count).map(|more| (number + more) % count).find(|&i| !together(i));
+    later.unwrap_or(number)
+}
+
+/// −e g′⁻, and what impacts of others at the same instant give to it.
+fn velocity(orbit: &StructureOrbit, number: usize, last: usize) -> Known {
+    let (impacts, structure) = (orbit.impacts(), orbit.model().structure());
+    let impact = &impacts[number];
+    let restitution = structure.contacts()[impact.contact].restitution;
+    let own = || structure.mobility(impact.contact, impact.contact);
+    let mobility = orbit.response().mobility(impact.contact).unwrap_or_else(own);
+    let of_impulse = restitution / (1.0 + restitution) * mobility * impact.impulse_error;
+    let own = Known { value: impact.velocity_after, error: of_impulse + ROUNDING * impact.velocity_after.abs() };
+    let count = impacts.len();
+    let others = (1..=(last + count - number) % count).map(|more| &impacts[(number + more) % count]);
+    others.fold(own, |sum, other| {
+        let by = structure.mobility(impact.contact, other.contact);
+        let given = by * other.impulse;
+        let error = by.abs() * other.impulse_error + ROUNDING * given.abs();
+        Known { value: sum.value + given, error: sum.error + error }
+    })
+}
+
+/// That of g″⁺: the one before, and of what dashpots make the impact change.
+fn acceleration_error(orbit: &StructureOrbit, number: usize, after: f64) -> f64 {
+    let impact = &orbit.impacts()[number];
+    let jump = (after - impact.acceleration_before).abs();
+    let part = impact.impulse_error / impact.impulse.abs().max(f64::MIN_POSITIVE);
+    impact.acceleration_error + jump * (part + ROUNDING) + ROUNDING * after.abs()
+}
+
+impl StructureOrbit {
+    /// The acceleration after an impact that takes all velocity, where it turns the contact begins to rest; with its error. `None` of others.
+    ///
+    /// # Errors
+    /// [`StructureOrbitError`] at a resonance.
+    pub fn acceleration_after(&self, number: usize) -> Result<Option<[f64; 2]>, StructureOrbitError> {
+        let Some(impact) = self.impacts().get(number) else { return Ok(None) };
+        if self.model().structure().contacts()[impact.contact].restitution != 0.0 {
+            return Ok(None);
+        }
+        let motion = StructureMotion::new(self)?;
+        let last = last_at_once(self, &motion, number);
+        let [_, _, acceleration, _] = motion.jet(impact.contact, last, 0.0);
+        Ok(Some([acceleration, acceleration_error(self, number, acceleration)]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// While g″ ≥ a + js − Bs²/2 the least that it can be is positive for as long as told, and not for three times as long.
+    #[test]
+    fn a_contact_stays_away_as_long_as_told() {
+        let mut checked = 0;
+        for a in [0.0, 1e-12, 1e-3, 2.0] {
+            for j in [-3.0, -1e-6, 0.0, 1e-6, 3.0] {
+                for bound in [1e-3, 1.0, 1e6] {
+                    let told = convex(a, j, bound);
+                    let least = |s: f64| a + j * s - 0.5 * bound * s * s;
+                    if a == 0.0 && j <= 0.0 {
+                        assert_eq!(told, 0.0);
+                        continue;
+                    }
+                    assert!(
+                        told > 0.0 && (1..=100).all(|n| least(told * f64::from(n) / 100.0) > 0.0),
+                        "{a} {j} {bound}"
+                    );
+                    assert!(least(3.0 * told) < 0.0, "{a} {j} {bound}");
+                    checked += 1;
+                }
+            }
+        }
+        assert_eq!(checked, 51);
+        assert!(convex(1.0, 1.0, 0.0) > 1e300);
+    }
+}
