@@ -189,6 +189,9 @@ pub struct OrbitArgs {
     /// How it is made.
     #[command(flatten)]
     pub page: PageArgs,
+    /// Draw this solution alone, numbered as they are listed [default: the physical ones first, at most 8, and no more than a page holds].
+    #[arg(long, help_heading = PICTURES, value_name = "K", value_parser = whole::<usize>, allow_negative_numbers = true)]
+    pub solution: Option<usize>,
     /// Folder for pictures of each solution: profile, space and time, trace, phase portrait, multipliers, leading eigenvector, decay.
     #[arg(long, help_heading = PICTURES, value_name = "DIR")]
     pub all_plots: Option<PathBuf>,

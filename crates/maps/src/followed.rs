@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use vibrochain_breather::{Family, Orbit, Word};
-use vibrochain_floquet::{CurvePoint, Event, EventCurve, Followed, SpecialPoint, Station, is_physical_about};
+use vibrochain_floquet::{CurvePoint, Event, EventCurve, Evidence, Followed, SpecialPoint, Station, is_physical_about};
 
 /// What the rows do not say of a branch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -84,6 +84,19 @@ pub struct CurveRow {
 /// What happens besides at a point of a curve.
 pub fn special<O>(curve: &EventCurve<O>, at: usize) -> impl Iterator<Item = &SpecialPoint> {
     curve.special.iter().filter(move |one| one.point == at)
+}
+
+/// What the orbits of a curve of grazing have at its event, where it was taken up: which site or contact touches which barrier. `place` names it.
+/// Empty of other events.
+pub fn touch<O: Followed>(curve: &EventCurve<O>, place: impl Fn(&O, usize) -> String) -> String {
+    let Some(orbit) = curve.points.first().map(|point| &point.orbit) else { return String::new() };
+    match curve.evidence {
+        Evidence::Touch(touch) => format!("{} touches the {} barrier", place(orbit, touch.site), touch.barrier),
+        Evidence::Impact(number) => orbit.hits().get(number).map_or(String::new(), |hit| {
+            format!("the impact of {} on the {} barrier vanishes", place(orbit, hit.site), hit.barrier)
+        }),
+        Evidence::Multiplier(_) => String::new(),
+    }
 }
 
 /// The rows of curves.

@@ -33,7 +33,7 @@ mod panels;
 mod tests;
 mod text;
 
-pub use axes::axis::{place, power_of_ten};
+pub use axes::axis::{ModulusAxis, modulus_axis, place, power_of_ten};
 pub use backend::canvas::{open, render};
 pub use backend::drawing;
 pub use backend::format::{Format, PlotError};
@@ -59,6 +59,8 @@ pub use moving::motion::{Animation, Instant, MOST_MASSES, Moving};
 pub use panels::curves::{Curves, Mark, Pane, Scale, Series, Stroke};
 pub use panels::curves_picture;
 pub use panels::field;
-pub use panels::orbit::{OrbitPanels, Profile, Trace, orbit_picture, portrait_pane, profile_pane, trace_pane};
+pub use panels::orbit::{
+    OrbitPanels, Profile, Trace, orbit_picture, orbits_on_page, portrait_pane, profile_pane, trace_pane,
+};
 pub use panels::run::{RunPicture, run_picture, run_trace};
 pub use panels::spacetime::{Spacetime, diverging, spacetime_picture};

@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 use serde::{Deserialize, Serialize};
 use vibrochain_floquet::{CurvePoint, Event, EventCurve, Search, Walk, Window, curve_along};
 use vibrochain_lattice::{Parameter, Stop};
+use vibrochain_maps::followed::touch;
 
 use crate::call::long;
 use crate::events::PyLocated;
@@ -37,6 +38,9 @@ pub(crate) struct PyEventCurve {
     /// tuple of (str, str) : how it ends before the first and behind the last point.
     #[pyo3(get)]
     ends: (String, String),
+    /// str : of a curve of grazing, which site touches which barrier; empty of other events.
+    #[pyo3(get)]
+    touch: String,
 }
 
 /// What a point of a curve has besides its orbit.
@@ -50,6 +54,7 @@ struct Point {
 
 impl PyEventCurve {
     fn new(curve: EventCurve, free: [Parameter; 2]) -> Self {
+        let touch = touch(&curve, |orbit, site| format!("site {}", orbit.model().chain().layout().name(site)));
         let EventCurve { event, points, special, ends: [first, last], .. } = curve;
         let point = |CurvePoint { values, error, orbit, angle, physical }: CurvePoint| {
             (Point { values, error, angle, physical }, PyOrbit::new(orbit))
@@ -57,7 +62,7 @@ impl PyEventCurve {
         let (points, orbits) = points.into_iter().map(point).unzip();
         let special =
             special.iter().map(|special| (special.special.to_string(), special.point, special.error)).collect();
-        Self { event, free, points, orbits, special, ends: (first.to_string(), last.to_string()) }
+        Self { event, free, points, orbits, special, ends: (first.to_string(), last.to_string()), touch }
     }
 }
 

@@ -72,8 +72,8 @@ mod _vibrochain {
     use crate::pickle::{_reduce, _restore};
     #[pymodule_export]
     use crate::pictures::{
-        _branch_pane, _caption, _class_words, _curve_pane, _frequencies, _in_words, _map_svg, _orbit_pane, _run_pane,
-        _structure_frequencies, _structure_pane, _style, _svg, PyPane,
+        _branch_pane, _caption, _class_words, _curve_pane, _frequencies, _in_words, _map_svg, _modulus_axis,
+        _orbit_pane, _run_pane, _structure_frequencies, _structure_pane, _style, _svg, PyPane,
     };
     #[pymodule_export]
     use crate::scenes::_scene;

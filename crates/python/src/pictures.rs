@@ -15,9 +15,10 @@ use vibrochain_maps::scene::Values;
 use vibrochain_maps::structure::StructureScene;
 use vibrochain_plot::palette::{self, BORDERS, LINES};
 use vibrochain_plot::{
-    Curves, Diagram, EndsPicture, Format, MapAxis, Mapped, Mark, OrbitQuantity, Page, Palette, Pane, PlotError,
-    Quantity, Scale, Series, Stroke, Tile, class_words, contact_panes, curves_picture, diagram_curves, diverging,
-    ends_picture, event_curves, loss, multiplier_pane, orbit_flights, orbit_panes, run_trace, state,
+    Curves, Diagram, EndsPicture, Format, MapAxis, Mapped, Mark, ModulusAxis, OrbitQuantity, Page, Palette, Pane,
+    PlotError, Quantity, Scale, Series, Stroke, Tile, class_words, contact_panes, curves_picture, diagram_curves,
+    diverging, ends_picture, event_curves, loss, modulus_axis, multiplier_pane, orbit_flights, orbit_panes, run_trace,
+    state,
 };
 
 use crate::call::long;
@@ -145,7 +146,7 @@ fn given((name, colour, stroke, mark, shape, points): GivenCurve) -> Series {
 #[pymethods]
 impl PyPane {
     #[new]
-    #[pyo3(signature = (caption, x, y, series, *, x_range = None, levels = Items(Vec::new()), about_one = false))]
+    #[pyo3(signature = (caption, x, y, series, *, x_range = None, levels = Items(Vec::new()), moduli = false))]
     fn new(
         caption: &str,
         x: &str,
@@ -153,11 +154,11 @@ impl PyPane {
         series: Items<GivenCurve>,
         x_range: Option<(f64, f64)>,
         levels: Items<f64>,
-        about_one: bool,
+        moduli: bool,
     ) -> Self {
         let x_range = x_range.map(|(low, high)| low..high);
         let series: Vec<Series> = series.0.into_iter().map(given).collect();
-        let scale = if about_one { Scale::about_one(&series) } else { Scale::Linear };
+        let scale = if moduli { Scale::Moduli } else { Scale::Linear };
         Self(Pane { x_range, levels: levels.0, scale, ..Pane::titled(caption, x, y, series) })
     }
 
@@ -166,16 +167,12 @@ impl PyPane {
         (&self.0.caption, &self.0.x, &self.0.y)
     }
 
-    /// Ends of the horizontal and of the vertical axis, where they are given; the step next to 1 of an axis by logarithms of the distance from 1.
+    /// Ends of the horizontal and of the vertical axis, where they are given; whether the latter is one of moduli.
     #[allow(clippy::type_complexity, reason = "three parts for Python")]
-    fn axes(&self) -> (Option<(f64, f64)>, Option<(f64, f64)>, Option<f64>) {
+    fn axes(&self) -> (Option<(f64, f64)>, Option<(f64, f64)>, bool) {
         let ends = |range: &std::ops::Range<f64>| (range.start, range.end);
-        let (y, step) = match &self.0.scale {
-            Scale::Between(range) => (Some(ends(range)), None),
-            Scale::AboutOne(step) => (None, Some(*step)),
-            Scale::Linear | Scale::Logarithmic => (None, None),
-        };
-        (self.0.x_range.as_ref().map(ends), y, step)
+        let y = if let Scale::Between(range) = &self.0.scale { Some(ends(range)) } else { None };
+        (self.0.x_range.as_ref().map(ends), y, self.0.scale == Scale::Moduli)
     }
 
     /// Heights of thin lines across it, places of upright ones, and whether a circle is round.
@@ -312,12 +309,22 @@ pub(crate) fn _curve_pane(
     low: [f64; 2],
     high: [f64; 2],
     curves: Items<Items<GivenPoint>>,
+    touches: Items<String>,
 ) -> PyPane {
     let row = |(values, physical, special): GivenPoint| CurveRow { values, physical, special: special.0 };
     let curves: Vec<Vec<CurveRow>> =
         curves.0.into_iter().map(|points| points.0.into_iter().map(row).collect()).collect();
-    PyPane(event_curves("", labels, (low, high), &curves).panes.swap_remove(0))
+    PyPane(event_curves("", labels, (low, high), (&curves, &touches.0)).panes.swap_remove(0))
 }
+
+/// The axis of these moduli, as `mapgen` draws it: its ends, its ticks with their words, and the marks between them.
+#[pyfunction]
+pub(crate) fn _modulus_axis(moduli: Items<f64>) -> ModulusAxis {
+    modulus_axis(moduli.0, TICKS)
+}
+
+/// Ticks of a vertical axis of matplotlib's usual height.
+const TICKS: usize = 8;
 
 /// A panel of a run over the orbit that it began on.
 #[pyfunction]

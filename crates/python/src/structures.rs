@@ -13,6 +13,7 @@ use vibrochain_floquet::{
     Diagram, Event, FollowedBranch, Station, StructureCourse, StructureWindow, Tolerance, structure_diagram,
 };
 use vibrochain_lattice::{Barrier, Stop, StructureError};
+use vibrochain_maps::followed::touch;
 use vibrochain_maps::scene::tolerance_from;
 use vibrochain_maps::structure::along::{curves, event, family};
 use vibrochain_maps::structure::answer::json as answer_of;
@@ -215,6 +216,7 @@ pub(crate) fn _structure_along(
         let answer = json!({
             "branches": found.branches.iter().map(|branch| told(&found, branch)).collect::<Value>(),
             "complete": found.complete,
+            "touches": followed.iter().map(|curve| touch(curve, |_, contact| format!("contact {contact}"))).collect::<Vec<_>>(),
             "curves": followed,
             "labels": settings.iter().map(|setting| scene.label(*setting)).collect::<Vec<_>>(),
             "heading": scene.fixed_but(&orbit.word(), &settings),

@@ -179,7 +179,7 @@ def test_plot(table, monkeypatch):
     curve = vc.sweep(given)
     assert curve.shape == (40,) and curve.plot("margin").get_ylabel() == "margin, the smallest distance to a barrier"
     ax = curve.plot()
-    assert ax.get_ylabel() == "largest |μ|"
+    assert ax.get_ylabel() == "largest |μ|, logarithmic"
     drawn = {line.get_label(): line for line in ax.get_lines() if not line.get_label().startswith("_")}
     assert set(drawn) == set(words(curve)) - {"no physical breather"} and {"stable double-sided", "unstable double-sided"} <= set(drawn)
     for name, line in drawn.items():

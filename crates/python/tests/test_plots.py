@@ -188,7 +188,7 @@ def test_structures_are_drawn_like_chains():
     again = vc.sweep(table.scene)
     assert np.array_equal(again["margin"], table["margin"], equal_nan=True) and again.classes == table.classes
     file = vc.sweep("scenes/structures/shaw-holmes.toml")
-    assert file.dims == ("omega",) and file["word"].dtype.kind == "U" and file.plot().get_ylabel() == "largest |μ|"
+    assert file.dims == ("omega",) and file["word"].dtype.kind == "U" and file.plot().get_ylabel() == "largest |μ|, logarithmic"
 
 
 def test_one_place_says_what_a_colour_means():

@@ -54,7 +54,7 @@ impl RowEnds {
 }
 
 /// The model: its parameters as flags, or a scene's, some of them changed by flags.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct ModelArgs {
     /// Take the model from a file: a scene, a manifest, a file with `[model]` alone, or what --json has printed, whose orbit is then the
     /// one to start near. Flags change its values; what the scene sweeps they must give.
@@ -116,7 +116,7 @@ fn own_place(parameter: DampedParameter) -> usize {
 }
 
 /// Values of parameters: flags made from the table of parameters.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct ParameterArgs {
     /// In the order of [`Parameter::ALL`].
     plain: [Option<f64>; Parameter::ALL.len()],

@@ -107,13 +107,14 @@ pub struct FateArgs {
 }
 
 /// Arguments of `mapgen simulate`.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(group = ArgGroup::new("start").args(["family", "word", "near", "state", "scene"]).required(true).multiple(true))]
 pub struct SimulateArgs {
     /// Start on a breather, in the flight before its impact at t = 0.
     #[command(flatten)]
     pub which: WhichArgs,
-    /// Start from a state, JSON {"displacement":[…],"velocity":[…],"psi":0} or what --json has printed, at t = 0. A mass at rest on a barrier leaves it if
+    /// Start from a state, JSON {"displacement":[…],"velocity":[…],"psi":0} or what --json has printed, at t = 0: a file, `-` for standard
+    /// input, or the JSON itself in quotes. A mass at rest on a barrier leaves it if
     /// springs and force pull it inward; if not, it rests there (event stick at t = 0) until they do.
     #[arg(long, value_name = "FILE", conflicts_with = "which")]
     pub state: Option<PathBuf>,
@@ -138,6 +139,10 @@ pub struct SimulateArgs {
     /// Periods of the force to simulate, whole or not.
     #[arg(long, value_name = "P", default_value_t = 20.0, value_parser = real, allow_negative_numbers = true)]
     pub periods: f64,
+    /// Instead, the length of the run in units of time. Where nothing has a period, a structure without load and omega, it is needed, and
+    /// --samples are of an eighth of the run.
+    #[arg(long, value_name = "T", conflicts_with = "periods", value_parser = real, allow_negative_numbers = true)]
+    pub time: Option<f64>,
     /// Stop after this many impacts.
     #[arg(long, value_name = "K", value_parser = whole::<u64>, allow_negative_numbers = true)]
     pub max_impacts: Option<u64>,

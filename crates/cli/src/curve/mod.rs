@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 use vibrochain_floquet::{CurveError, Event, EventCurve, Followed, StructureWindow};
-use vibrochain_maps::followed::curve_rows;
+use vibrochain_maps::followed::{curve_rows, touch};
 use vibrochain_maps::numbers::Number;
 use vibrochain_plot::{curves_picture, event_curves};
 
@@ -48,16 +48,17 @@ fn follow<A: Along>(args: &CurveArgs, scene: A::Scene, console: &mut Console<'_>
     let and = checked_range(&along, free[1], SECOND, [args.and_from, args.and_to])?;
     let (from, to) = ([range[0], and[0]], [range[1], and[1]]);
     let labels = free.map(|free| along.label(free));
-    let nothing = event_curves("", labels.clone(), (from, to), &[]);
+    let nothing = event_curves("", labels.clone(), (from, to), (&[], &[]));
     pictures.fit(|page| curves_picture(&nothing, page))?;
     let found = along.located(args.event, free[0], range, &stop)?;
     let curves = along.curves(free, &found.located, (StructureWindow { from, to }, args.tolerance), &stop)?;
+    let touches: Vec<String> = curves.iter().map(|curve| touch(curve, A::place)).collect();
     let text = if args.json {
         let mut told = answer(&along, if A::OF_CHAINS { CURVE } else { STRUCTURE_CURVE }, json!(names));
         told.extend(object([("from", json!(from)), ("to", json!(to)), ("curves", json!(curves))]));
         printed(&told)?
     } else {
-        as_text(&along, args.event, free[0], [first, second], &found, &curves)?
+        as_text(&along, args.event, free[0], [first, second], &found, (&curves, &touches))?
     };
     console.answer(&text, args.json, taken)?;
     let heading = along.over_curves(free, &curves);
@@ -66,12 +67,16 @@ fn follow<A: Along>(args: &CurveArgs, scene: A::Scene, console: &mut Console<'_>
         let count: usize = curves.iter().map(|curve| curve.points.len()).sum();
         let window = object([("free", json!(names)), ("from", json!(from)), ("to", json!(to))]);
         let parameters = along.head().remove("parameters").unwrap_or_default();
-        manifest.finish("curve", count as u64, &About { window, heading: heading.clone(), parameters })?;
+        manifest.finish(
+            "curve",
+            count as u64,
+            &About { window, heading: heading.clone(), parameters, touches: touches.clone() },
+        )?;
     }
     if pictures.is_empty() {
         return Ok(());
     }
-    let picture = event_curves(&heading, labels, (from, to), &curve_rows(&curves));
+    let picture = event_curves(&heading, labels, (from, to), (&curve_rows(&curves), &touches));
     pictures.draw(|page| curves_picture(&picture, page))
 }
 
@@ -82,7 +87,7 @@ fn as_text<A: Along>(
     free: A::Free,
     [first, second]: [&str; 2],
     found: &Events<A::Orbit>,
-    curves: &[EventCurve<A::Orbit>],
+    (curves, touches): (&[EventCurve<A::Orbit>], &[String]),
 ) -> Result<String, CliError> {
     let mut out = format!("{event} of {}\n", along.heading(free)?);
     if curves.is_empty() {
@@ -92,10 +97,11 @@ fn as_text<A: Along>(
         }
     }
     let place = |values: [f64; 2]| format!("{first} = {}, {second} = {}", Number(values[0]), Number(values[1]));
-    for (i, curve) in curves.iter().enumerate() {
+    for (i, (curve, touch)) in curves.iter().zip(touches).enumerate() {
+        let touch = if touch.is_empty() { String::new() } else { format!("{touch}, ") };
         let worst = curve.points.iter().map(|point| point.error).fold(0.0, f64::max);
         let count = curve.points.len();
-        let _ = writeln!(out, "\ncurve {}: {count} points, known to {worst:.0e} of the window or better", i + 1);
+        let _ = writeln!(out, "\ncurve {}: {touch}{count} points, known to {worst:.0e} of the window or better", i + 1);
         for one in &curve.special {
             let at = &curve.points[one.point];
             let aside = if at.physical == Some(false) { "; not physical" } else { "" };

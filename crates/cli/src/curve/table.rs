@@ -24,6 +24,9 @@ pub(crate) struct About<W = Window> {
     /// All that is fixed, for people; and the start.
     pub(crate) heading: String,
     pub(crate) parameters: Value,
+    /// Of each curve, which site touches which barrier.
+    #[serde(default)]
+    pub(crate) touches: Vec<String>,
 }
 
 /// The points of each curve.

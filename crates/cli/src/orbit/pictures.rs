@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use vibrochain_maps::files::{Output, name_within, promises_folder};
-use vibrochain_plot::{Curves, Format, OrbitPanels, Page, Pane, curves_picture, orbit_picture};
+use vibrochain_plot::{Curves, Format, OrbitPanels, Page, Pane, curves_picture, orbit_picture, orbits_on_page};
 
 use crate::args::OrbitArgs;
 use crate::common::console::{Console, destinations};
@@ -66,6 +66,9 @@ impl Folder<'_> {
 
 /// A solution that can be drawn.
 pub(crate) trait Pictured {
+    /// Those that are physical come first.
+    fn is_physical(&self) -> bool;
+
     /// Its panels in the picture of all, solution `number` from 1.
     fn panels(&self, number: usize) -> Result<OrbitPanels, CliError>;
 
@@ -77,6 +80,8 @@ pub(crate) struct OrbitPictures {
     one: Option<(Page, Output)>,
     /// The folder of --all-plots.
     all: Option<(Page, PathBuf)>,
+    /// The one solution that is drawn.
+    solution: Option<usize>,
 }
 
 impl OrbitPictures {
@@ -84,7 +89,12 @@ impl OrbitPictures {
     /// [`CliError::Request`] of files that cannot be written, or of a page that cannot be.
     pub(crate) fn open(args: &OrbitArgs) -> Result<Self, CliError> {
         let page = args.page.page(if args.svg { Format::Svg } else { args.format })?;
-        args.page.checked(args.plot.is_some() || args.all_plots.is_some(), "--plot or --all-plots")?;
+        let is_drawn = args.plot.is_some() || args.all_plots.is_some();
+        args.page.checked(is_drawn, "--plot or --all-plots")?;
+        ensure!(
+            is_drawn || args.solution.is_none(),
+            "--solution is of pictures: ask for one with --plot or --all-plots, or leave it out"
+        );
         if let (Some(folder), Some(plot)) = (&args.all_plots, &args.plot)
             && name_within(folder, plot).is_some_and(|name| name.to_string_lossy().starts_with(NAME))
         {
@@ -100,20 +110,38 @@ impl OrbitPictures {
             let nothing = OrbitPanels { caption: String::new(), panes: vec![Pane::default(); 2] };
             orbit_picture(&[nothing], page.to_measure()).map_err(|error| CliError::Request(error.0))?;
         }
-        Ok(Self { one, all: all.transpose()? })
+        Ok(Self { one, all: all.transpose()?, solution: args.solution })
     }
 
     /// # Errors
     /// [`CliError`] of what cannot be drawn or written.
     pub(crate) fn finish(self, solutions: &[impl Pictured], console: &mut Console<'_>) -> Result<(), CliError> {
-        let drawn = || solutions.iter().zip(1..).take(MOST);
+        let count = solutions.len();
+        if let Some(number) = self.solution.filter(|number| !(1..=count).contains(number)) {
+            refuse!("--solution {number} is out of range: there are {count}, give 1 to {count}");
+        }
+        let wanted = |(solution, number): &(&_, usize)| match self.solution {
+            Some(wanted) => wanted == *number,
+            None => Pictured::is_physical(*solution),
+        };
+        let all = || solutions.iter().zip(1..);
+        let others = all().filter(|one| self.solution.is_none() && !wanted(one));
+        let drawn: Vec<_> = all().filter(wanted).chain(others).take(MOST).collect();
         if let Some((page, folder)) = &self.all {
-            drawn().try_for_each(|(solution, number)| solution.write(folder, *page, number))?;
-            let (drawn, folder) = (solutions.len().min(MOST), folder.display());
-            console.summary(&format!("pictures of {drawn} of {} solutions are in {folder}", solutions.len()));
+            drawn.iter().try_for_each(|(solution, number)| solution.write(folder, *page, *number))?;
+            let (drawn, folder) = (drawn.len(), folder.display());
+            console.summary(&format!("pictures of {drawn} of {count} solutions are in {folder}"));
         }
         let Some((page, file)) = self.one else { return Ok(()) };
-        let panels = drawn().map(|(solution, number)| solution.panels(number)).collect::<Result<Vec<_>, _>>()?;
+        let mut panels =
+            drawn.iter().map(|(solution, number)| solution.panels(*number)).collect::<Result<Vec<_>, _>>()?;
+        panels.truncate(orbits_on_page(&panels, page));
+        if panels.len() < count && self.solution.is_none() {
+            let (shown, path) = (panels.len(), file.path().display());
+            console.summary(&format!(
+                "{path} shows {shown} of {count} solutions, the physical ones first: --solution K draws one"
+            ));
+        }
         if panels.is_empty() {
             // The answer has been printed; that there is nothing to draw is not a failure.
             let path = file.path().display();

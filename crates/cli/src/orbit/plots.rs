@@ -31,6 +31,10 @@ use vibrochain_plot::{
 const HARMONICS: u64 = 1000;
 
 impl Pictured for Solution {
+    fn is_physical(&self) -> bool {
+        self.admissibility.is_physical()
+    }
+
     fn panels(&self, number: usize) -> Result<OrbitPanels, CliError> {
         let orbit = &self.orbit;
         let verdict = self.multipliers.as_ref().ok().map(|all| &all.verdict);

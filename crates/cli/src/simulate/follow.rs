@@ -1,5 +1,7 @@
 //! A run from its start to its end: what is the same for chains and structures.
 
+use std::path::Path;
+
 use vibrochain_eventsim::{Limits, Time};
 use vibrochain_lattice::Stop;
 
@@ -8,26 +10,47 @@ use crate::common::console::{Console, destinations};
 use crate::common::error::CliError;
 use crate::simulate::pace::Pace;
 use crate::simulate::section::Section;
+use crate::simulate::start;
 
 /// Samples that may be asked for in all; more would be centuries of work.
 const MAX_STEPS: u64 = 1 << 48;
+
+impl SimulateArgs {
+    /// The same with its length in periods.
+    pub(crate) fn lasting(&self, period: f64) -> Result<Self, CliError> {
+        let Some(time) = self.time else { return Ok(self.clone()) };
+        ensure!((0.0..=f64::MAX).contains(&time), "--time {time} is out of range: give a number from 0");
+        Ok(Self { periods: time / period, ..self.clone() })
+    }
+
+    /// The length of the run, as it was given.
+    pub(crate) fn length(&self) -> String {
+        self.time.map_or_else(|| format!("--periods {}", self.periods), |time| format!("--time {time}"))
+    }
+
+    /// The file of the state, if it is one.
+    fn state_file(&self) -> Option<&Path> {
+        self.state.as_deref().filter(|path| start::of_no_file(path).is_none())
+    }
+}
 
 /// Checks how long the run is and what files it has; whether standard output is taken by one.
 pub(crate) fn checked(args: &SimulateArgs) -> Result<bool, CliError> {
     let (samples, periods) = (args.samples, args.periods);
     let allowed = (1..=1_000_000).contains(&samples);
     ensure!(allowed, "--samples {samples} is out of range: give a whole number from 1 to 1000000");
-    ensure!((0.0..=f64::MAX).contains(&periods), "--periods {periods} is out of range: give a number from 0");
+    ensure!((0.0..=f64::MAX).contains(&periods), "{} is out of range: give a number from 0", args.length());
     ensure!(
         periods * samples as f64 <= MAX_STEPS as f64,
-        "--periods {periods} with {samples} samples each is out of range: give at most {MAX_STEPS} samples in all"
+        "{} with {samples} samples a period is out of range: give at most {MAX_STEPS} samples in all",
+        args.length()
     );
     destinations(
         args.json,
         &[
             ("--scene", args.model.scene.as_deref()),
             ("--near", args.which.near.as_deref()),
-            ("--state", args.state.as_deref()),
+            ("--state", args.state_file()),
         ],
         &[
             ("--impacts", args.impacts.as_deref()),
@@ -79,7 +102,7 @@ pub(crate) fn follow(
     // The last sample is at the end.
     let sampled = (periods * samples as f64) as u64;
     let total = sampled + u64::from(samples == 0 || sampled as f64 / (samples as f64) < periods);
-    let mut pace = Pace::new(periods, args.max_impacts, console);
+    let mut pace = Pace::new(args, console);
     let mut reached = run.advance(&Limits::until(run.time_of(0, 0.0)))?;
     let (mut step, mut stopped) = (0, false);
     loop {

@@ -48,6 +48,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     }
     let chosen = chosen(&args.model, console)?;
     let model = chosen.model;
+    let args = &args.lasting(model.period())?;
     let taken = follow::checked(args)?;
     let periods = args.periods;
     let stop = (console.interrupt)()?;
@@ -59,7 +60,8 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     let windows = simulation.least_windows(end);
     ensure!(
         windows <= MAX_WINDOWS || args.max_impacts.is_some(),
-        "--periods {periods} is out of range here: a period of omega = {} is so long against the swing of a mass that they take {windows:.0e} windows of flight, the limit is {MAX_WINDOWS:.0e}; give at most {:.0e}, or --max-impacts",
+        "{} is out of range here: a period of omega = {} is so long against the swing of a mass that they take {windows:.0e} windows of flight, the limit is {MAX_WINDOWS:.0e}; give at most {:.0e}, or --max-impacts",
+        args.length(),
         Number(model.omega()),
         // Half of it, so that the one digit is not rounded beyond the limit.
         0.5 * periods / windows * MAX_WINDOWS

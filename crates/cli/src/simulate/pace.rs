@@ -30,14 +30,17 @@ pub(crate) struct Pace {
     begun: Instant,
     next: Duration,
     periods: f64,
+    /// The same in units of time, where it was given so.
+    time: Option<f64>,
     impacts: Option<u64>,
 }
 
 impl Pace {
     /// Of a run that ends after so many periods, or impacts if they come first.
-    pub(crate) fn new(periods: f64, impacts: Option<u64>, console: &Console<'_>) -> Self {
+    pub(crate) fn new(args: &SimulateArgs, console: &Console<'_>) -> Self {
         let bar = bar(STEPS, "{bar:32} {percent:>3}%  {msg}", console.progress);
-        Self { bar, begun: Instant::now(), next: PATIENCE, periods, impacts }
+        let SimulateArgs { periods, time, max_impacts: impacts, .. } = *args;
+        Self { bar, begun: Instant::now(), next: PATIENCE, periods, time, impacts }
     }
 
     /// Tells, if it is time to.
@@ -75,7 +78,15 @@ impl Pace {
         let left = elapsed.as_secs_f64() * (1.0 - part) / part;
         let left =
             if left.is_finite() { format!("about {} left", duration(left)) } else { "no end in sight".to_owned() };
-        format!("{} of {} periods, {} impacts, {left}", periods(time), self.periods, impacts)
+        format!("{}, {impacts} impacts, {left}", so_far(time, self.periods, self.time))
+    }
+}
+
+/// How far a run has come of so many periods, which are as long as `length`, if that was given.
+fn so_far(time: Time, all: f64, length: Option<f64>) -> String {
+    match length {
+        Some(length) => format!("t = {:.6} of {length}", time.in_periods() * (length / all)),
+        None => format!("{} of {all} periods", periods(time)),
     }
 }
 
@@ -88,7 +99,7 @@ pub(crate) fn interrupted(args: &SimulateArgs, time: Time) -> CliError {
         [one] => format!("{one} holds the run up to there"),
         several => format!("{} hold the run up to there", several.join(", ")),
     };
-    CliError::Paused(format!("the run ends after {} of {} periods; {kept}", periods(time), args.periods))
+    CliError::Paused(format!("the run ends after {}; {kept}", so_far(time, args.periods, args.time)))
 }
 
 #[cfg(test)]
@@ -104,16 +115,23 @@ mod tests {
             let time = Time::new(&model, 0, part);
             pace.text(time, impacts, pace.part(time, impacts), Duration::from_secs(seconds))
         };
-        let (mut out, mut err) = (Vec::new(), Vec::new());
-        let interrupt = crate::common::console::ctrl_c;
-        let console = Console::new(&mut out, &mut err, &interrupt);
-        let pace = Pace::new(20.0, None, &console);
+        let of = |periods: f64, time: Option<f64>, impacts: Option<u64>| Pace {
+            bar: ProgressBar::hidden(),
+            begun: Instant::now(),
+            next: PATIENCE,
+            periods,
+            time,
+            impacts,
+        };
+        let pace = of(20.0, None, None);
         assert_eq!(quiet(&pace, 5.0, 10, 10), "5.000000 of 20 periods, 10 impacts, about 30.0 s left");
         assert_eq!(quiet(&pace, 2e-9, 7, 10), "2.000e-9 of 20 periods, 7 impacts, about 3168.8 years left");
         assert_eq!(quiet(&pace, 0.0, 0, 10), "0.000000 of 20 periods, 0 impacts, no end in sight");
-        let pace = Pace::new(20.0, Some(100), &console);
+        let pace = of(20.0, None, Some(100));
         assert_eq!(quiet(&pace, 2.0, 50, 10), "2.000000 of 20 periods, 50 impacts, about 10.0 s left");
-        let short = Pace::new(0.25, None, &console);
+        let short = of(0.25, None, None);
         assert_eq!(quiet(&short, 0.125, 0, 4), "0.125000 of 0.25 periods, 0 impacts, about 4.0 s left");
+        let timed = of(8.0, Some(12.0), None);
+        assert_eq!(quiet(&timed, 2.0, 3, 10), "t = 3.000000 of 12, 3 impacts, about 30.0 s left");
     }
 }

@@ -1,5 +1,6 @@
 //! Where a simulation starts: on an orbit, perhaps perturbed ([`Start`]), or from a state file.
 
+use std::io::Read;
 use std::path::Path;
 
 use serde::Deserialize;
@@ -11,6 +12,7 @@ use vibrochain_lattice::{Propagator, Spectrum, Stop};
 use crate::common::error::CliError;
 use crate::common::schemas::{self, STATE, expect};
 use vibrochain_maps::numbers::plain;
+use vibrochain_maps::text::read_text;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -30,13 +32,40 @@ struct RunFile {
     state: StateFile,
 }
 
+/// The most bytes of a state.
+const MOST_BYTES: u64 = 64 << 20;
+
+/// A state that is in no file.
+pub(crate) enum NoFile<'a> {
+    Inline(&'a str),
+    StandardInput,
+}
+
+/// Where the state is that --state names, if not in a file: no name of one begins with a brace.
+pub(crate) fn of_no_file(path: &Path) -> Option<NoFile<'_>> {
+    match path.to_str()? {
+        "-" => Some(NoFile::StandardInput),
+        text => text.trim_start().starts_with('{').then_some(NoFile::Inline(text)),
+    }
+}
+
 /// A state from a JSON file `{"displacement":[…],"velocity":[…],"psi":0}`, or the answer of a `run`, by what that names in its first
 /// key; `psi` goes before that of the file.
 ///
 /// # Errors
 /// [`CliError::Request`] for a file that cannot be read or is not such an object.
 pub fn read(path: &Path, run: &str, psi: Option<f64>) -> Result<Start, CliError> {
-    let text = std::fs::read_to_string(path).map_err(|error| CliError::file("cannot read state", path, &error))?;
+    let (text, path) = match of_no_file(path) {
+        Some(NoFile::Inline(text)) => (text.to_owned(), Path::new("--state")),
+        Some(NoFile::StandardInput) => {
+            let mut text = String::new();
+            let read = std::io::stdin().lock().take(MOST_BYTES + 1).read_to_string(&mut text);
+            read.map_err(|error| CliError::file("cannot read state", path, &error))?;
+            ensure!(text.len() as u64 <= MOST_BYTES, "the state has more than the {MOST_BYTES} bytes that it may have");
+            (text, Path::new("standard input"))
+        }
+        None => (read_text("state", path, MOST_BYTES)?, path),
+    };
     let (state, told, wanted) = match serde_json::from_str(&text) {
         Ok(RunFile { schema, state }) => (state, schema, run),
         Err(_) => {

@@ -26,6 +26,10 @@ impl Drawn<'_> {
 }
 
 impl Pictured for Drawn<'_> {
+    fn is_physical(&self) -> bool {
+        self.answered.admissibility.is_physical()
+    }
+
     fn panels(&self, number: usize) -> Result<OrbitPanels, CliError> {
         let panes = self.panes()?.into_iter().flatten().collect();
         Ok(OrbitPanels { caption: self.title(number), panes })

@@ -48,6 +48,10 @@ pub(super) enum End {
     Rests,
     /// None of these.
     Other,
+    /// Where nothing has a period: a contact rests on its barrier.
+    AtRest,
+    /// The same: what repeats is not looked for.
+    Untold,
 }
 
 impl Settled {
@@ -188,7 +192,7 @@ fn name(outcome: &StructureOutcome) -> &'static str {
 }
 
 pub(super) fn text(
-    model: &StructureModel,
+    (model, has_period): (&StructureModel, bool),
     from: &str,
     report: &StructureReport,
     [impacts, sticks, releases]: [usize; 3],
@@ -196,7 +200,8 @@ pub(super) fn text(
 ) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
-    let _ = writeln!(out, "from {from}, omega = {}", Short(model.omega()));
+    let driven = if has_period { format!("omega = {}", Short(model.omega())) } else { "no load".to_owned() };
+    let _ = writeln!(out, "from {from}, {driven}");
     let _ = writeln!(
         out,
         "{impacts} impacts, {sticks} sticks, {releases} releases up to t = {}",
@@ -227,7 +232,10 @@ pub(super) fn text(
             let _ =
                 writeln!(out, "its last impacts do not repeat {REPETITIONS} times within {MOST_PERIODS} periods each");
         }
-        End::Other => {}
+        End::AtRest => {
+            let _ = writeln!(out, "a contact rests on its barrier at the end");
+        }
+        End::Other | End::Untold => {}
     }
     out
 }
@@ -248,14 +256,14 @@ pub(super) fn energy_text([before, after]: [f64; 2], balance: &EnergyBalance) ->
 
 pub(super) fn answer(
     scene: &StructureScene,
-    model: &StructureModel,
+    (model, has_period): (&StructureModel, bool),
     psi: f64,
     report: &StructureReport,
     state: &StructureState,
     [impacts, sticks, releases]: [usize; 3],
     settled: &End,
 ) -> Value {
-    let psi_there = (psi + state.time.offset()).rem_euclid(model.period());
+    let psi_there = if has_period { (psi + state.time.offset()).rem_euclid(model.period()) } else { psi };
     let settled = if let End::Repeats(settled) = settled { Some(settled) } else { None };
     let repeated = settled.map(|settled| {
         let impacts = settled.impacts.iter().map(|Hit { site, barrier, time, impulse }| {
@@ -269,9 +277,13 @@ pub(super) fn answer(
             "impacts": impacts.collect::<Vec<_>>(),
         })
     });
+    let mut structure = structure(scene, model);
+    if !has_period {
+        structure["omega"] = Value::Null;
+    }
     json!({
         "schema": STRUCTURE_RUN,
-        "structure": structure(scene, model),
+        "structure": structure,
         "psi": psi,
         "outcome": name(&report.outcome),
         "time": report.time.to_f64(),

@@ -24,6 +24,8 @@ pub(super) struct RunPlot {
     home: usize,
     contact: Contact,
     periods: f64,
+    /// A period in units of time, where nothing has one that is worth a word.
+    unit: Option<f64>,
     trace: Trace,
     orbit: Option<(StructureOrbit, f64)>,
     /// Of each contact that hits, in the order of their first impacts: how fast it is before each.
@@ -59,7 +61,7 @@ impl RunPlot {
     pub(super) fn open(
         args: &SimulateArgs,
         scene: &StructureScene,
-        model: &StructureModel,
+        (model, has_period): (&StructureModel, bool),
         (from, home): (&str, usize),
         orbit: Option<(StructureOrbit, f64)>,
     ) -> Result<Option<Self>, CliError> {
@@ -74,6 +76,7 @@ impl RunPlot {
             home,
             contact: model.structure().contacts()[home],
             periods: args.periods,
+            unit: (!has_period).then(|| model.period()),
             trace: Trace::new(args),
             orbit,
             velocities: Vec::new(),
@@ -120,17 +123,25 @@ impl RunPlot {
 
     fn picture(&self) -> Curves {
         let levels = [self.contact.lower, self.contact.upper].into_iter().flatten().collect();
-        let trace =
-            run_trace(&format!("g of contact {}", self.home), &self.trace.simulated, &self.trace.analytic, levels);
+        let unit = self.unit.unwrap_or(1.0);
+        let timed = |&(periods, height): &(f64, f64)| (periods * unit, height);
+        let [simulated, analytic] =
+            [&self.trace.simulated, &self.trace.analytic].map(|points| points.iter().map(timed).collect::<Vec<_>>());
+        let mut trace = run_trace(&format!("g of contact {}", self.home), &simulated, &analytic, levels);
+        let mut x = "time in periods (whole run)";
+        if self.unit.is_some() {
+            x = "time";
+            trace.x = x.to_owned();
+        }
         let dots = |(colour, (contact, velocities)): (usize, &(usize, Thinned))| {
             let name = if self.velocities.len() > 1 { format!("contact {contact}") } else { String::new() };
             let mark = if velocities.points.len() > 400 { Mark::Dot } else { Mark::Small(colour) };
-            Series::marks(name, colour, mark, velocities.points.iter().copied())
+            Series::marks(name, colour, mark, velocities.points.iter().map(timed))
         };
         let impacts = Pane {
-            x: "time in periods (whole run)".to_owned(),
+            x: x.to_owned(),
             y: "velocity g′ before impacts".to_owned(),
-            x_range: Some(0.0..self.periods.max(1e-9)),
+            x_range: Some(0.0..self.periods.max(1e-9) * unit),
             levels: vec![0.0],
             series: self.velocities.iter().enumerate().map(dots).collect(),
             ..Pane::default()

@@ -6,10 +6,10 @@ use vibrochain_eventsim::{
 };
 use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::numbers::Number;
-use vibrochain_maps::structure::StructureScene;
+use vibrochain_maps::structure::{Setting, StructureScene};
 
 use super::orbit::{OfWord, columns, found};
-use super::run_answer::{MOST_PERIODS, REPETITIONS, answer, energy_text, settled, text};
+use super::run_answer::{End, MOST_PERIODS, REPETITIONS, answer, energy_text, settled, text};
 use super::run_plot::RunPlot;
 use crate::args::SimulateArgs;
 use crate::common::console::Console;
@@ -18,7 +18,7 @@ use crate::common::schemas::STRUCTURE_RUN;
 use crate::simulate::follow::{Reached, Run, checked, follow};
 use crate::simulate::pace::interrupted;
 use crate::simulate::section::{Section, Sectioned};
-use crate::simulate::start::{Start as State, read};
+use crate::simulate::start::{Start as State, of_no_file, read};
 
 /// Periods of a run, of which there are fewer.
 const MOST: f64 = 1e15;
@@ -37,9 +37,10 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
             "--{flag} is of chains without dashpots: a structure's run has --impacts, --trajectory, --section, --plot and --json"
         );
     }
-    ensure!(args.periods < MOST, "--periods {} is out of range: give a number from 0 to {MOST:e}", args.periods);
+    let (model, has_period) = model(args, scene)?;
+    let args = &args.lasting(model.period())?;
+    ensure!(args.periods < MOST, "{} is out of range: give at most {MOST:e} periods", args.length());
     let taken = checked(args)?;
-    let model = scene.model()?;
     let Start { psi, modes, from, orbit } = start(args, scene, &model)?;
     let structure = (**model.structure()).clone();
     let simulation = StructureSimulation::new(structure, model.omega(), psi, &modes);
@@ -70,7 +71,7 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
         names: ["contact", "contact", "contact_velocity"],
     };
     let section = Section::open(args, section)?;
-    let plot = RunPlot::open(args, scene, &model, (&from, hit[0]), orbit)?;
+    let plot = RunPlot::open(args, scene, (&model, has_period), (&from, hit[0]), orbit)?;
     let samples = if trajectory.is_some() || plot.is_some() { args.samples } else { 0 };
     let (report, counts, events) = (None, [0; 3], Vec::new());
     let mut kept = Kept { simulation, report, table, trajectory, section, plot, counts, events };
@@ -83,18 +84,46 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
     table.map_or(Ok(()), CsvFile::finish)?;
     let Some(report) = report.filter(|_| !stopped) else { return Err(interrupted(args, simulation.time())) };
     let rests = simulation.state().contacts.iter().any(|contact| contact.resting.is_some());
-    let settled = settled(&model, psi, &events, report.time, rests);
+    let settled = if has_period {
+        settled(&model, psi, &events, report.time, rests)
+    } else if rests {
+        End::AtRest
+    } else {
+        End::Untold
+    };
     let told = if args.json {
-        let value = answer(scene, &model, psi, &report, &simulation.state(), counts, &settled);
+        let value = answer(scene, (&model, has_period), psi, &report, &simulation.state(), counts, &settled);
         format!("{value:#}\n")
     } else {
-        let mut told = text(&model, &from, &report, counts, &settled);
+        let mut told = text((&model, has_period), &from, &report, counts, &settled);
         if let (Some(form), Some(balance)) = (&form, simulation.balance()) {
             told.push_str(&energy_text([before, form.energy(&simulation.state().modes)], &balance));
         }
         told
     };
     console.answer(&told, args.json, taken)
+}
+
+/// A run of a structure in which nothing has a period lasts so many, as many as its picture shows.
+const PARTS: f64 = 8.0;
+
+/// The model, and whether anything has a period: without a load and a frequency the run is divided into parts instead.
+fn model(args: &SimulateArgs, scene: &StructureScene) -> Result<(StructureModel, bool), CliError> {
+    let which = &args.which;
+    let on_orbit = which.family.is_some() || which.word.is_some() || which.near.is_some() || scene.word.is_some();
+    let from_orbit = on_orbit && args.state.is_none();
+    if scene.omega().is_some() || from_orbit || scene.structure()?.is_forced() {
+        return Ok((scene.model()?, true));
+    }
+    let Some(time) = args.time.filter(|time| (0.0..=f64::MAX).contains(time)) else {
+        // What is out of range is told with its flag.
+        args.lasting(1.0)?;
+        refuse!("nothing here has a period, there is neither a load nor omega: give --time, the length of the run");
+    };
+    ensure!(args.section.is_none(), "--section takes phases of a load, and there is none: give omega, or --impacts");
+    let mut scene = scene.clone();
+    scene.set(Setting::Omega, std::f64::consts::TAU * if time > 0.0 { PARTS / time } else { 1.0 })?;
+    Ok((scene.model()?, false))
 }
 
 /// Where a run begins.
@@ -113,8 +142,9 @@ fn start(args: &SimulateArgs, scene: &StructureScene, model: &StructureModel) ->
     if let Some(path) = &args.state {
         let State { displacement, velocity, psi, .. } = read(path, STRUCTURE_RUN, args.psi)?;
         let modes = scene.modes_of(&displacement, &velocity);
-        let modes = modes.map_err(|why| CliError::Request(format!("{}: {why}", path.display())))?;
-        return of_no_orbit(psi, modes, format!("the state of {}", path.display()));
+        let name = if of_no_file(path).is_some() { "given".into() } else { format!("of {}", path.display()) };
+        let modes = modes.map_err(|why| CliError::Request(format!("the state {name}: {why}")))?;
+        return of_no_orbit(psi, modes, format!("the state {name}"));
     }
     let named = args.which.family.is_some() || args.which.word.is_some() || args.which.near.is_some();
     if !named && scene.word.is_none() {

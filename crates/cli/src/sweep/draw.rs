@@ -253,8 +253,12 @@ fn curve(files: PictureFiles, table: TableRows, source: &Path) -> Result<String,
     }
     let mut curves = Vec::new();
     table.rows(rows, |fields| crate::curve::table::take(&mut curves, fields))?;
-    let picture =
-        vibrochain_plot::event_curves(&about.heading, labels(window.parameters), (window.from, window.to), &curves);
+    let picture = vibrochain_plot::event_curves(
+        &about.heading,
+        labels(window.parameters),
+        (window.from, window.to),
+        (&curves, &about.touches),
+    );
     files.draw(|page| curves_picture(&picture, page))?;
     Ok(format!("{} of {}", counted(curves.len(), "curve"), counted(rows, "point")))
 }

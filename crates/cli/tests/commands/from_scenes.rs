@@ -247,3 +247,73 @@ fn the_breather_of_every_figure_of_the_paper_is_found_by_its_scene() {
     fs::write(dir.path("other.toml"), "gama1 = 1\n[figure]\nfamily = \"double-sided\"\n[model]\nsites = 3\n").unwrap();
     dir.run("orbit --scene other.toml").with(2, &["other.toml:1:1: unknown key `gama1`"]);
 }
+
+/// What people call it: the key that says it, or that it cannot be said, whether it is a key, a flag or a number that varies.
+#[test]
+fn people_s_words_are_answered_by_how_that_is_said() {
+    let structure = "omega = 1\nword = \"0+\"\nTOP\n[structure]\nmasses = [1]\nstiffness = [[1]]\nSTRUCTURE\n[[contact]]\nat = 0\nupper = 1\nCONTACT\n";
+    let dir = TestDir::new();
+    let words = [
+        ("gravity", "`static = [...]` in [force]"),
+        ("weight", "`static = [...]` in [force]"),
+        ("preload", "`static = [...]` in [force]"),
+        ("gap", "`lower` and `upper` of [[contact]]"),
+        ("clearance", "`lower` and `upper` of [[contact]]"),
+        ("base", "minus each mass times the amplitude"),
+        ("frequency", "is `omega`"),
+        ("zeta", "`ratios` beside `frequencies`"),
+        ("friction", "friction cannot be said"),
+        ("noise", "noise cannot be said"),
+    ];
+    let mut answered = 0;
+    for (word, said) in words {
+        for place in ["TOP", "STRUCTURE", "CONTACT"] {
+            let text = structure.replace(place, &format!("{word} = 1"));
+            let text = ["TOP", "STRUCTURE", "CONTACT"].iter().fold(text, |text, other| text.replace(other, ""));
+            fs::write(dir.path("scene.toml"), text).unwrap();
+            let ran =
+                dir.run("orbit --scene scene.toml").with(2, &[&format!("unknown key `{word}`"), "known here are"]);
+            // One of these is a slip for a key that is there.
+            assert!(ran.err.contains(said) || (word, place) == ("weight", "CONTACT"), "{place}: {ran:?}");
+            answered += 1;
+        }
+        let model = format!("[model]\nsites = 3\ngamma1 = .2\ngamma2 = .1\nomega = 1.5\nasymmetry = .4\n{word} = 1\n");
+        fs::write(dir.path("chain.toml"), model.replace(" .", " 0.")).unwrap();
+        dir.run("orbit --family double-sided --scene chain.toml").with(2, &[&format!("unknown key `{word}`"), said]);
+        dir.run(&format!("orbit --family double-sided --{word} 1")).with(2, &[said]);
+        fs::write(dir.path("scene.toml"), structure.replace("TOP", "").replace("STRUCTURE", "").replace("CONTACT", ""))
+            .unwrap();
+        for line in [
+            format!("branch --scene scene.toml --free {word} --from 0 --to 1"),
+            format!("orbit --scene scene.toml --set {word}=1"),
+            format!(
+                "branch --family double-sided --sites 3 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --free {word}"
+            ),
+        ] {
+            let told = dir.run(&line).with(2, &[&format!("`{word}` is no "), said]).err.clone();
+            // Numbers of the model that is asked about.
+            assert_eq!(told.contains("contact.N.upper"), line.contains("scene.toml"), "{told}");
+        }
+    }
+    assert_eq!(answered, 30);
+    let limits = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/limits.md")).unwrap();
+    for named in ["friction", "gives way", "noise", "rests on a stop", "Every coordinate has a mass", "symmetric"] {
+        assert!(limits.contains(named), "{named}");
+    }
+}
+
+/// --set beside a scene that is none: what is wrong with the file is told, not that there is none.
+#[test]
+fn numbers_that_are_set_do_not_hide_what_is_wrong_with_the_scene() {
+    let dir = TestDir::with_scene(SCENE);
+    fs::write(dir.path("broken.toml"), "omega = 1\n[structure]\nmasses = [1\n").unwrap();
+    for flags in ["--set load=2", "--damping .1"] {
+        dir.run(&format!("orbit --word 0+ --scene none.toml {flags}")).with(2, &["cannot read scene none.toml"]);
+        let told =
+            dir.run(&format!("orbit --word 0+ --scene broken.toml {flags}")).with(2, &["broken.toml:"]).err.clone();
+        assert!(!told.contains("[structure]"), "{told}");
+    }
+    dir.run("orbit --word 0+ --scene scene.toml --set load=2").with(2, &["scene.toml holds a chain", "--gamma1"]);
+    dir.run("orbit --word 0+ --sites 1 --gamma1 1 --gamma2 0 --omega 1 --asymmetry 0 --set load=2")
+        .with(2, &["give --scene with [structure]"]);
+}

@@ -238,6 +238,7 @@ fn headings_of_help_hold_what_they_name() {
         "--font-size",
         "--letters",
         "--all",
+        "--solution",
     ];
     let mut seen = 0;
     for command in ["sweep", "merge", "draw", "orbit", "branch", "curve", "curves", "simulate", "fate", "stripes"] {
@@ -343,7 +344,8 @@ fn a_flag_or_command_that_is_not_there_gets_a_tip_that_helps() {
         (format!("{scene} --png a.png"), "pictures are --plot FILE"),
         (format!("{scene} --pgn a.png"), "pictures are --plot FILE"),
         ("sweep scene.toml --out a.csv --plto a.png".to_owned(), "did you mean --plot?"),
-        (format!("{orbit} --friction .1"), "--damping of each mass"),
+        (format!("{orbit} --friction .1"), "friction cannot be said"),
+        (format!("{orbit} --viscosity .1"), "--damping of each mass"),
         (format!("{orbit} --mass 2"), "all masses of a chain are 1"),
         (format!("{orbit} --gama1 2"), "did you mean --gamma1?"),
         (format!("{orbit} --starts 3"), "--starts is of fate, not of orbit"),

@@ -48,6 +48,14 @@ fn drawn() -> (TestDir, Vec<(&'static str, String, &'static str)>) {
             ),
             "",
         ),
+        (
+            "touch",
+            "curve --event grazing --free amplitude --from .1 --to .25 --and restitution --and-from .05 --and-to 1 --tolerance 1e-3 \
+             --family period-doubled --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .1583 --restitution .25 \
+             --csv TABLE --plot PICTURE"
+                .to_owned(),
+            "",
+        ),
         ("lines", "stripes scene.toml --csv TABLE --plot PICTURE".to_owned(), "--map map.csv"),
         (
             "differences",
@@ -76,7 +84,8 @@ fn every_table_with_a_picture_is_drawn_again_to_the_byte() {
         dir.shell(&piped).with(0, &[]);
         assert!(dir.read("piped.svg") == dir.read("again.svg"), "{name}");
     }
-    assert_eq!(lines.len(), 8);
+    assert_eq!(lines.len(), 9);
+    assert!(String::from_utf8(dir.read("touch.svg")).unwrap().contains("curve 1: site 4 touches the lower barrier"));
     // One that is merged of shards has the same manifest beside it.
     let dir = TestDir::new();
     fs::write(dir.path("runs.toml"), RUNS).unwrap();
@@ -126,7 +135,7 @@ fn what_is_no_table_or_a_damaged_one_is_refused() {
         }
         fs::remove_file(dir.path("bad.csv")).unwrap();
         // Of another table, of none, or damaged.
-        let other = if *name == "curve" { "branch" } else { "curve" };
+        let other = if ["curve", "touch"].contains(name) { "branch" } else { "curve" };
         refused(&format!("draw {name}.csv --svg new.svg --scene {other}.manifest.json {flags}"), "it is of a table of");
         refused(&format!("draw {name}.csv --svg new.svg --scene map.manifest.json {flags}"), "urn:vibrochain:table:1");
         fs::write(dir.path("bad.json"), "{").unwrap();
@@ -137,7 +146,7 @@ fn what_is_no_table_or_a_damaged_one_is_refused() {
             "--palette is of maps, this is a table of",
         );
     }
-    assert_eq!(damaged, 40);
+    assert_eq!(damaged, 45);
     refused("draw ends.csv --svg new.svg --show phi", "--show is of tables of sweep or branch, this is one of fate");
     refused("draw curve.csv --svg new.svg --all", "--all is of tables of branch or stripes, this is one of curve");
     refused("draw map.csv --svg new.svg --map map.csv", "--map is of tables of stripes, this is one of sweep");

@@ -93,8 +93,8 @@ fn stable_and_unstable_pieces_are_told_apart_and_gaps_left() {
         // Once, for all panels.
         assert_eq!(texts(&svg).iter().filter(|(_, text)| text == words).count(), 1, "{words}");
     }
-    // Growth from grazing to stripes spans decades: multipliers by their distance from 1, which has its own tick.
-    for words in ["largest |μ|", "1", "1.01", "10"] {
+    // Growth from grazing to stripes spans decades.
+    for words in ["largest |μ|, logarithmic", "1", "2", "10"] {
         assert!(texts(&svg).iter().any(|(_, text)| text == words), "{words}");
     }
     // Solid lines are three pixels wide, dashes two. In the lower panel, of margins, runs of a class are pieces of a line.

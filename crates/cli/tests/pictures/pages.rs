@@ -152,3 +152,35 @@ fn limits_of_a_picture_are_known_at_once() {
         assert_eq!(dir.names("."), ["line.toml", "scene.toml"], "{command}");
     }
 }
+
+/// Eight solutions, the third and fourth of them physical: on paper these come first, and no more than a page holds.
+#[test]
+fn a_picture_of_many_solutions_is_a_page_and_begins_with_the_physical_ones() {
+    let dir = TestDir::new();
+    let orbit = "orbit --family double-sided --sites 1 --gamma1 .3 --gamma2 0 --omega .5 --asymmetry .1 --amplitude .3 --restitution .8";
+    let draw = |flags: &str| {
+        let ran = dir.run(format!("{orbit} --plot a.svg {flags}").trim_end()).with(0, &[]);
+        assert!(ran.out.contains("8 solutions, 2 physical"), "{ran:?}");
+        let svg = fs::read_to_string(dir.path("a.svg")).unwrap();
+        let height = svg.split("viewBox=\"0 0 ").nth(1).unwrap().split('"').next().unwrap().split(' ').nth(1).unwrap();
+        let numbers: Vec<usize> =
+            svg.split("breather ").skip(1).filter_map(|rest| rest.split(':').next()?.parse().ok()).collect();
+        (numbers, height.parse::<f64>().unwrap() / 96.0 * 25.4, ran.err)
+    };
+    let (screen, _, told) = draw("");
+    assert!(screen[..2] == [3, 4] && screen.len() == 8 && told.is_empty(), "{screen:?} {told}");
+    for style in ["column", "page"] {
+        let (shown, height, told) = draw(&format!("--style {style}"));
+        assert!(height <= 240.0 && shown.len() < 8 && shown[0] == 3, "{style}: {height} mm, {shown:?}");
+        assert!(
+            told.contains(&format!("a.svg shows {} of 8 solutions, the physical ones first", shown.len())),
+            "{told}"
+        );
+    }
+    let (one, ..) = draw("--solution 7");
+    assert_eq!(one, [7]);
+    dir.run(&format!("{orbit} --all-plots all --solution 4 --quiet")).with(0, &[]);
+    assert!(dir.names("all").len() > 4 && dir.names("all").iter().all(|name| name.starts_with("solution-4-")));
+    dir.run(&format!("{orbit} --plot a.svg --solution 9")).with(2, &["--solution 9 is out of range: there are 8"]);
+    dir.run(&format!("{orbit} --solution 1")).with(2, &["--solution is of pictures"]);
+}

@@ -66,7 +66,13 @@ fn a_curve_is_written_as_it_is_told() {
     assert!(table.starts_with("curve,event,load,omega,error,special,special_error,angle,physical,impulses,phi,psi\n"));
     let points: usize = curves.iter().map(|curve| curve["points"].as_array().unwrap().len()).sum();
     assert_eq!(table.lines().count(), points + 1);
-    assert!(fs::read_to_string(dir.path("curve.svg")).unwrap().contains("factor of the load"));
+    let svg = fs::read_to_string(dir.path("curve.svg")).unwrap();
+    assert!(svg.contains("factor of the load"));
+    // Which contact meets which barrier.
+    let words = dir.run(ask).with(0, &[]).out;
+    for told in [svg, words] {
+        assert!(told.contains("curve 1: the impact of contact 0 on the upper barrier vanishes"), "{told}");
+    }
 }
 
 #[test]

@@ -227,3 +227,69 @@ fn a_run_goes_on_from_its_own_answer() {
     dir.run(&format!("simulate {chain} --state first.json"))
         .with(2, &["structure-run:1, wanted is urn:vibrochain:simulate:1"]);
 }
+
+/// Nothing here has a period: a ball that is dropped, and a mass on a spring far from its stop. States by a file, as words and through a pipe.
+#[test]
+fn a_run_without_a_load_needs_no_frequency_and_lasts_as_long_as_it_is_told() {
+    let ball = "[structure]\nmasses = [1]\nstiffness = [[0]]\n[[contact]]\nat = 0\nlower = 0\nrestitution = 0.8\n[force]\nstatic = [-1]\n";
+    let dir = TestDir::with_scene(ball);
+    let state = r#"{"displacement":[0.5],"velocity":[0]}"#;
+    fs::write(dir.path("state.json"), state).unwrap();
+    let ask = "simulate --scene scene.toml --time 12";
+    let all = "--impacts impacts.csv --trajectory run.csv --plot run.svg --json";
+    let by_file = dir.run(&format!("{ask} --state state.json {all}")).with(0, &[]).out;
+    let told = written(&by_file);
+    assert!(told["structure"]["omega"].is_null() && told["repeats"].is_null() && told["sticks"] == 1);
+    assert!((number(&told["time"]) - 12.0).abs() < 1e-13);
+    // It comes to rest at 1 + 2e/(1 − e) = 9, and its n-th bounce is at 1 + 2(e + … + eⁿ⁻¹).
+    let rows = String::from_utf8(dir.read("impacts.csv")).unwrap();
+    let times: Vec<f64> = rows.lines().skip(1).map(|row| row.split(',').next().unwrap().parse().unwrap()).collect();
+    for (n, time) in times.iter().take(8).enumerate() {
+        let exact = 1.0 + 2.0 * (0.8 - 0.8_f64.powi(n as i32 + 1)) / 0.2;
+        assert!((time - exact).abs() < 1e-12, "{n}: {time} {exact}");
+    }
+    assert!((times.last().unwrap() - 9.0).abs() < 1e-12);
+    assert!(String::from_utf8(dir.read("run.csv")).unwrap().lines().count() > 500);
+    let svg = String::from_utf8(dir.read("run.svg")).unwrap();
+    assert!(svg.contains("\"time\"") && !svg.contains("in periods"), "the axis is time");
+    let mut inline = dir.command(ask);
+    inline.args(["--state", state, "--json"]);
+    assert_eq!(written(inline.output().unwrap().stdout), told);
+    let piped = dir.shell(&format!("mapgen {ask} --state - --json < state.json"));
+    assert_eq!(written(&piped.out), told);
+    let words = dir.run(&format!("{ask} --state state.json")).with(0, &[]).out;
+    assert!(words.contains("no load") && words.contains("rests on its barrier at the end"), "{words}");
+    for (line, code, why) in [
+        ("simulate --scene scene.toml --state state.json", 2, "give --time, the length of the run"),
+        (
+            "simulate --scene scene.toml --state state.json --time -1",
+            2,
+            "--time -1 is out of range: give a number from 0",
+        ),
+        ("simulate --scene scene.toml --time 1 --section s.csv", 2, "--section takes phases of a load"),
+        ("simulate --scene scene.toml --time 1 --state {}", 2, "--state: the key `displacement` is missing"),
+        ("simulate --scene scene.toml --time 1 --periods 2", 2, "cannot be used with"),
+        ("simulate --scene scene.toml --time 1 --state none.json", 2, "cannot read state none.json"),
+        ("orbit --scene scene.toml --word 0-", 2, "omega is missing"),
+    ] {
+        dir.run(line).with(code, &[why]);
+    }
+    // A spring: x = cos 2t.
+    fs::write(
+        dir.path("spring.toml"),
+        ball.replace("[[0]]", "[[4]]").replace("[-1]", "[0]").replace("lower = 0", "lower = -2"),
+    )
+    .unwrap();
+    fs::write(dir.path("state.json"), r#"{"displacement":[1],"velocity":[0]}"#).unwrap();
+    let ran = dir.run("simulate --scene spring.toml --time 1.7 --state state.json --json").with(0, &[]).out;
+    let end = number(&written(&ran)["state"]["displacement"][0]);
+    assert!((end - 3.4_f64.cos()).abs() < 1e-14, "{end}");
+    // With a load --time is --periods in other units.
+    let under = |length: &str| {
+        let line = format!("simulate --scene two.toml --json {length}");
+        written(&dir.run(&line).with(0, &[]).out)["state"]["velocity"][0].as_f64().unwrap()
+    };
+    fs::write(dir.path("two.toml"), TWO.replace("word = \"0+\"\n", "")).unwrap();
+    let period = std::f64::consts::TAU / 0.9;
+    assert!((under("--periods 3.25") - under(&format!("--time {}", 3.25 * period))).abs() < 1e-9);
+}

@@ -19,8 +19,8 @@ pub(crate) enum Scale {
     Powers,
     /// Decimal logarithms, with ticks at whole decades alone.
     Decades,
-    /// Distances from 1 by [`decades_from_one`].
-    AboutOne(f64),
+    /// Decimal logarithms of moduli, with ticks at round numbers and marks between them.
+    Moduli,
     /// Places 0, 1, … of a list of values.
     List(Vec<f64>),
 }
@@ -29,19 +29,20 @@ impl Scale {
     /// Where a number lies along a vertical axis.
     pub(crate) fn place(&self, number: f64) -> f64 {
         match self {
-            Self::Decades => number.log10(),
-            Self::AboutOne(least) => decades_from_one(number, *least),
+            Self::Decades | Self::Moduli => number.log10(),
             Self::Numbers | Self::Powers | Self::List(_) => number,
         }
     }
 }
 
-/// How many decades a number is away from 1, of which the first ends at the distance `least`: nearly so for greater distances, and in
-/// proportion to smaller ones.
-fn decades_from_one(number: f64, least: f64) -> f64 {
-    // asinh x is ln 2x for large x: a decade each from 1 on.
-    (5.0 * (number - 1.0) / least).asinh() / std::f64::consts::LN_10
-}
+/// The least and the largest modulus that an axis shows: next to a grazing impact multipliers grow without bound, and such ends leave the picture.
+const MODULI: [f64; 2] = [1e-2, 1e2];
+
+/// An axis of moduli reaches this far from 1 in any case, so that rounding does not look like growth.
+const LEAST: f64 = 1.01;
+
+/// Air beyond the moduli, as a part of the axis.
+const AIR: f64 = 0.07;
 
 /// An axis from one end to the other.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,6 +76,18 @@ impl Axis {
         Self { range: low..(high + 0.1).ceil().max(low + 2.0), scale: Scale::Decades }
     }
 
+    /// The axis that holds these moduli of multipliers, and 1: one logarithmic scale for all pictures of them.
+    pub(crate) fn moduli(values: impl Iterator<Item = f64>) -> Self {
+        let [least, largest] = MODULI.map(f64::log10);
+        let places = values.filter(|modulus| *modulus > 0.0 && modulus.is_finite()).map(f64::log10);
+        let near = LEAST.log10();
+        let (low, high) = places
+            .map(|place| place.clamp(least, largest))
+            .fold((-near, near), |(low, high), place| (low.min(place), high.max(place)));
+        let air = AIR * (high - low);
+        Self { range: low - air..high + air, scale: Scale::Moduli }
+    }
+
     /// The part of the axis that lies below a place.
     pub(crate) fn part(&self, place: f64) -> f64 {
         (place - self.range.start) / (self.range.end - self.range.start)
@@ -103,9 +116,9 @@ impl Axis {
                 let whole = inside.filter(|decade| decade.rem_euclid(stride) == 0).map(f64::from);
                 whole.map(|decade| (decade, power_of_ten(decade))).collect()
             }
-            Scale::AboutOne(least) => {
-                let numbers = about_one(*least, |number| (start..=end).contains(&self.scale.place(number)), most);
-                numbers.into_iter().map(|number| (self.scale.place(number), modulus_tick(number))).collect()
+            Scale::Moduli => {
+                let places = logarithms(start, end, most).into_iter();
+                places.map(|place| (place, tick(10f64.powf(place)))).collect()
             }
             Scale::List(values) => {
                 let stride = values.len().div_ceil(most.max(1)).max(1);
@@ -115,6 +128,45 @@ impl Axis {
             }
         }
     }
+}
+
+impl Axis {
+    /// Places of marks without words between so many ticks: steps of a logarithmic axis are not alike, and without them it is read as a linear one.
+    pub(crate) fn marks(&self, most: usize) -> Vec<f64> {
+        if self.scale != Scale::Moduli {
+            return Vec::new();
+        }
+        let Range { start, end } = self.range;
+        let decades = (start.floor() as i32)..=(end.ceil() as i32);
+        let all: Vec<f64> = if end - start > 1.0 {
+            decades.flat_map(|decade| (1..10).map(move |times| f64::from(decade) + f64::from(times).log10())).collect()
+        } else {
+            round_numbers(10f64.powf(start), 10f64.powf(end), 5 * most).into_iter().map(f64::log10).collect()
+        };
+        let ticks = logarithms(start, end, most);
+        let is_between =
+            |place: &f64| (start..=end).contains(place) && ticks.iter().all(|tick| (tick - place).abs() > 1e-9);
+        all.into_iter().filter(is_between).collect()
+    }
+}
+
+/// An axis of moduli in numbers: its ends, its ticks with their words, and the marks between them.
+pub type ModulusAxis = ([f64; 2], Vec<(f64, String)>, Vec<f64>);
+
+/// The axis that pictures have which show these moduli, with at most about so many ticks.
+///
+/// ```
+/// let (ends, ticks, marks) = vibrochain_plot::modulus_axis([0.699, 0.97], 8);
+/// assert!(ends[0] < 0.699 && ends[1] > 1.0);
+/// assert_eq!(ticks.iter().map(|(_, words)| words.as_str()).collect::<Vec<_>>(), ["0.7", "0.75", "0.8", "0.85", "0.9", "0.95", "1"]);
+/// assert!(marks.len() > 10);
+/// ```
+#[must_use]
+pub fn modulus_axis(moduli: impl IntoIterator<Item = f64>, most: usize) -> ModulusAxis {
+    let axis = Axis::moduli(moduli.into_iter());
+    let number = |place: f64| 10f64.powf(place);
+    let ticks = axis.ticks(most).into_iter().map(|(place, words)| (number(place), words)).collect();
+    ([axis.range.start, axis.range.end].map(number), ticks, axis.marks(most).into_iter().map(number).collect())
 }
 
 /// At most about so many numbers between the ends, in steps of 1, 2 or 5 times a power of ten.
@@ -162,29 +214,6 @@ fn logarithms(start: f64, end: f64, most: usize) -> Vec<f64> {
     }
     let numbers = round_numbers(10f64.powf(start), 10f64.powf(end), most);
     numbers.into_iter().filter(|number| *number > 0.0).map(f64::log10).filter(inside).collect()
-}
-
-/// At most about so many numbers that are on an axis of distances from 1, a decade or several apart: 1, 1.01, 1.1, 2, 10, 100 and so on,
-/// and 0.99, 0.9, 0 below it.
-fn about_one(least: f64, inside: impl Fn(f64) -> bool, most: usize) -> Vec<f64> {
-    let first = least.log10().round() as i32;
-    // By division below 1: 1 + 1/100 is closer to 1.01 than 1 + 10⁻² by powers.
-    let distance = |decade: i32| if decade < 0 { 1.0 / 10f64.powi(-decade) } else { 10f64.powi(decade) };
-    let above = |decade: i32| if decade > 0 { distance(decade) } else { 1.0 + distance(decade) };
-    let above: Vec<f64> = (first..=LAST_DECADE).map(above).filter(|number| inside(*number)).collect();
-    let below: Vec<f64> = (first..=0).map(|decade| 1.0 - distance(decade)).filter(|number| inside(*number)).collect();
-    let stride = (above.len() + below.len() + 1).div_ceil(most.max(1)).max(1);
-    // 1 itself is always there.
-    let every = |side: Vec<f64>| side.into_iter().skip(stride - 1).step_by(stride);
-    every(below).chain(Some(1.0).filter(|one| inside(*one))).chain(every(above)).collect()
-}
-
-/// Axes of multipliers end below this power of ten: what grows faster leaves the picture.
-const LAST_DECADE: i32 = 6;
-
-/// A modulus: powers of ten from 1000 on, plain numbers below.
-fn modulus_tick(number: f64) -> String {
-    if number >= 1e3 { power_of_ten(number.log10()) } else { tick(number) }
 }
 
 /// Where the first value of a swept axis lies on the picture, and the distance of neighbours: their logarithms where the ratio is
@@ -367,21 +396,32 @@ mod tests {
     }
 
     #[test]
-    fn distances_from_one_have_a_tick_a_decade_and_1_is_one_of_them() {
-        let axis = |least: f64, from: f64, to: f64| {
-            let scale = Scale::AboutOne(least);
-            Axis { range: scale.place(from)..scale.place(to), scale }
-        };
+    fn moduli_lie_by_their_logarithms_and_marks_tell_so() {
+        let axis = |moduli: &[f64]| Axis::moduli(moduli.iter().copied());
         let words = |axis: &Axis, most| axis.ticks(most).into_iter().map(|tick| tick.1).collect::<Vec<_>>();
-        let wide = axis(1e-2, 0.5, 5e4);
-        assert_eq!(words(&wide, 10), ["0.99", "0.9", "1", "1.01", "1.1", "2", "10", "100", "10³", "10⁴"]);
-        assert_eq!(words(&wide, 5), ["0.9", "1", "1.1", "10", "10³"]);
-        assert_eq!(words(&axis(1e-3, 1.0, 1.5), 10), ["1", "1.001", "1.01", "1.1"]);
-        // Steps between ticks above 1 are those of a decade, within a tenth; 1 lies at 0, and 0 is on the axis.
-        let places: Vec<f64> = axis(1e-3, 1.0, 2e4).ticks(20).into_iter().map(|tick| tick.0).collect();
-        assert!(places.len() == 9 && places[0] == 0.0);
-        assert!(places.windows(2).all(|pair| (pair[1] - pair[0] - 1.0).abs() < 0.1), "{places:?}");
-        assert!(Scale::AboutOne(0.1).place(0.0) > -3.0 && Scale::AboutOne(0.1).place(0.0) < -1.0);
+        assert_eq!(words(&axis(&[0.2, 30.0]), 10), ["0.2", "0.5", "1", "2", "5", "10", "20"]);
+        assert_eq!(words(&axis(&[0.5, 5e4]), 10), ["0.5", "1", "2", "5", "10", "20", "50", "100"]);
+        assert_eq!(words(&axis(&[1.0, 1.0 + 1e-9]), 10), ["0.99", "0.995", "1", "1.005", "1.01"]);
+        let mut checked = 0;
+        for moduli in [&[0.699, 0.97][..], &[0.2, 30.0], &[1e-9, 0.0, 1e9], &[1.003], &[], &[f64::NAN, 4.0]] {
+            let axis = axis(moduli);
+            let (low, high) = (axis.range.start, axis.range.end);
+            assert!(low < 0.0 && high > 0.0 && low >= -3.5 && high <= 3.5, "{moduli:?} {axis:?}");
+            let shown = moduli.iter().filter(|modulus| (1e-2..=1e2).contains(*modulus));
+            assert!(shown.into_iter().all(|modulus| (low..=high).contains(&modulus.log10())), "{moduli:?}");
+            for most in [3, 5, 10] {
+                let (ticks, marks) = (axis.ticks(most), axis.marks(most));
+                assert!((2..=most + 1).contains(&ticks.len()), "{moduli:?} {most} {ticks:?}");
+                // What a tick says is where it is.
+                for (place, words) in &ticks {
+                    let number: f64 = words.parse().unwrap();
+                    assert!((number.log10() - place).abs() < 1e-6, "{words} {place}");
+                    checked += 1;
+                }
+                assert!(marks.len() > ticks.len() / 2 && marks.iter().all(|place| (low..=high).contains(place)));
+            }
+        }
+        assert!(checked > 50);
     }
 
     #[test]

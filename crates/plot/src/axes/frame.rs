@@ -52,7 +52,12 @@ fn across(axis: &Axis, length: f64, em: f64) -> Vec<(f64, String)> {
 }
 
 fn upright(axis: &Axis, length: f64, em: f64) -> Vec<(f64, String)> {
-    axis.ticks(((length / (LINE * em)) as usize).clamp(2, 10))
+    axis.ticks(many(length, em))
+}
+
+/// How many ticks a vertical axis so long has room for.
+fn many(length: f64, em: f64) -> usize {
+    ((length / (LINE * em)) as usize).clamp(2, 10)
 }
 
 /// The width of the ticks of a vertical axis so long.
@@ -155,6 +160,10 @@ impl Frame {
             let y = bottom - self.y.part(place) * height;
             drawing.line(vec![[left - mark, y], [left, y]], line);
             drawing.anchored(&words, [left - mark - air, y], tick, BLACK, (Across::Right, Upright::Middle));
+        }
+        for place in self.y.marks(many(height, em)) {
+            let y = bottom - self.y.part(place) * height;
+            drawing.line(vec![[left - 0.5 * mark, y], [left, y]], line);
         }
         // About the panel, not on it: a map keeps all its pixels.
         let half = 0.5 / page.scale();

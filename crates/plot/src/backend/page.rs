@@ -28,6 +28,8 @@ pub struct Page {
     pub format: Format,
     /// Its width in units of 1/96 inch; without it each picture has its own.
     pub width: Option<f64>,
+    /// How high it may be, in the same units: of what has any number of parts only the first are drawn. Nothing limits it on a screen.
+    pub height: Option<f64>,
     /// Pixels of an inch: of a PNG, and of rasters in the others.
     pub dpi: f64,
     /// Height of the letters of legends, in units of 1/96 inch.
@@ -41,9 +43,12 @@ pub struct Page {
 impl From<Format> for Page {
     /// For a screen.
     fn from(format: Format) -> Self {
-        Self { format, width: None, dpi: INCH, font: SCREEN, letters: false, measures: false }
+        Self { format, width: None, height: None, dpi: INCH, font: SCREEN, letters: false, measures: false }
     }
 }
+
+/// Height of a printed page in millimetres: that of A4 within its margins.
+const SHEET: f64 = 240.0;
 
 /// Dots of an inch and points of letters on paper, where nothing else is asked for.
 const PRINT_DPI: f64 = 300.0;
@@ -70,6 +75,7 @@ impl Purpose {
         let page = Page::from(format);
         let print = |millimetres: f64, points: f64, dpi: f64| Page {
             width: Some(millimetres * MILLIMETRE),
+            height: Some(SHEET * MILLIMETRE),
             dpi,
             font: points * POINT,
             ..page
@@ -79,7 +85,7 @@ impl Purpose {
             Self::Column => print(86.0, 7.5, 600.0),
             Self::Page => print(178.0, 8.0, 600.0),
             Self::Paper(millimetres) => print(millimetres, PRINT_POINTS, PRINT_DPI),
-            Self::Slide => Page { width: Some(1280.0), dpi: 2.0 * INCH, font: 20.0, ..page },
+            Self::Slide => Page { width: Some(1280.0), height: Some(720.0), dpi: 2.0 * INCH, font: 20.0, ..page },
         }
     }
 }

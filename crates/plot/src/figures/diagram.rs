@@ -63,7 +63,7 @@ fn label(quantity: OrbitQuantity) -> &'static str {
         OrbitQuantity::Phi => "second impact φ/T",
         OrbitQuantity::Psi => "phase of the force ψ/T",
         OrbitQuantity::Margin => "smallest distance to a barrier",
-        OrbitQuantity::SpectralRadius => "largest |μ|",
+        OrbitQuantity::SpectralRadius => "largest |μ|, logarithmic",
     }
 }
 
@@ -157,7 +157,7 @@ fn pane(quantity: OrbitQuantity, all: bool, table: &Diagram<'_>) -> Pane {
     };
     series.extend(Event::ALL.into_iter().filter_map(|event| events(quantity, event, sized(event), table)));
     let (scale, levels) = match quantity {
-        OrbitQuantity::SpectralRadius => (Scale::about_one(&series), vec![1.0]),
+        OrbitQuantity::SpectralRadius => (Scale::Moduli, vec![1.0]),
         _ => (Scale::Linear, Vec::new()),
     };
     Pane { x: table.x.clone(), y: label(quantity).to_owned(), scale, levels, series, ..Pane::default() }

@@ -12,33 +12,36 @@ use crate::panels::curves::{Curves, Pane, Scale, Series, Stroke};
 /// What a legend calls points whose orbit is none that can live.
 const NOT_PHYSICAL: &str = "not physical";
 
-/// The picture of the curves in a window from some values to others.
+/// The picture of the curves in a window from some values to others. `touches` says of each what its orbits have in common; it may be empty, or
+/// shorter.
 #[must_use]
 pub fn event_curves(
     heading: &str,
     [x, y]: [String; 2],
     (from, to): ([f64; 2], [f64; 2]),
-    curves: &[Vec<Row>],
+    (curves, touches): (&[Vec<Row>], &[String]),
 ) -> Curves {
     let pane = Pane {
         x,
         y,
         x_range: Some(from[0]..to[0]),
         scale: Scale::Between(from[1]..to[1]),
-        series: series(curves),
+        series: series(curves, touches),
         ..Pane::default()
     };
     Curves { title: heading.to_owned(), columns: 1, panes: vec![pane], pane: (1000, 720), ..Curves::default() }
 }
 
 /// The lines of each curve, physical parts and others, then marks for what is special.
-fn series(curves: &[Vec<Row>]) -> Vec<Series> {
+fn series(curves: &[Vec<Row>], touches: &[String]) -> Vec<Series> {
     let mut all = Vec::new();
     let mut marks: BTreeMap<&str, Vec<(f64, f64)>> = BTreeMap::new();
     for (i, curve) in curves.iter().enumerate() {
         let line = |physical: bool| part(curve, physical);
         let is_seen = |points: &[(f64, f64)]| points.iter().any(|point| point.0.is_finite());
-        let name = if is_seen(&line(true)) { format!("curve {}", i + 1) } else { String::new() };
+        let touch = touches.get(i).filter(|touch| !touch.is_empty());
+        let touch = touch.map_or(String::new(), |touch| format!(": {touch}"));
+        let name = if is_seen(&line(true)) { format!("curve {}{touch}", i + 1) } else { String::new() };
         // Of two curves of one colour the later is thicker.
         let (turn, place) = (i / CURVES.len(), i % CURVES.len());
         let (colour, stroke) = (CURVES[place], Stroke::Solid(2 + 2 * turn.min(3) as u32));
@@ -84,7 +87,7 @@ mod tests {
             resonances.into_iter().chain(Event::ALL.map(Special::With)).map(|one| one.to_string()).collect();
         let marks = |names: &[String]| -> BTreeMap<String, String> {
             let point = |name: &String| Row { values: [0.5, 0.5], physical: true, special: vec![name.clone()] };
-            let all = series(&[names.iter().map(point).collect()]);
+            let all = series(&[names.iter().map(point).collect()], &[]);
             let marked = all.into_iter().filter(|series| series.mark != Mark::None);
             marked.map(|series| (series.name, format!("{:?} {}", series.mark, series.colour))).collect()
         };

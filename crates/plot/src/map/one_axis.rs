@@ -95,12 +95,14 @@ fn pane(quantity: Quantity, scene: &dyn Mapped, axis: &MapAxis, cells: &[(f64, &
     }
     series.extend(missing(&points));
     let (scale, levels) = match quantity {
-        Quantity::SpectralRadius => (Scale::about_one(&series), vec![1.0]),
+        Quantity::SpectralRadius => (Scale::Moduli, vec![1.0]),
         _ => (Scale::Linear, Vec::new()),
     };
     let ends = cells.first().zip(cells.last()).filter(|(first, last)| first.0 < last.0);
     let x_range = ends.map(|(first, last)| first.0..last.0);
-    Pane { y: quantity.label().to_owned(), x_range, scale, levels, series, ..Pane::over(axis) }
+    let y =
+        if scale == Scale::Moduli { format!("{}, logarithmic", quantity.label()) } else { quantity.label().to_owned() };
+    Pane { y, x_range, scale, levels, series, ..Pane::over(axis) }
 }
 
 /// A cell in a panel.
@@ -252,14 +254,14 @@ mod tests {
     }
 
     #[test]
-    fn excesses_over_decades_are_drawn_by_logarithms_and_what_is_stable_at_1() {
+    fn moduli_are_drawn_by_logarithms_and_what_is_stable_at_1() {
         let scene = scene("from = 1, to = 2, points = 5");
         let axis = MapAxis::from(&scene.axes[0]);
         let cells: Vec<Cell> = [1.0, 1.0 + 3e-4, 1.02, 3.0, 0.9]
             .map(|radius| cell(if radius > 1.0 { Class::UnstableDouble } else { Class::StableDouble }, radius))
             .to_vec();
         let drawn = pane(Quantity::SpectralRadius, &scene, &axis, &ordered(&axis.values, &cells));
-        assert_eq!((drawn.scale.clone(), drawn.y.as_str()), (Scale::AboutOne(1e-4), "largest |μ|"));
+        assert_eq!((drawn.scale.clone(), drawn.y.as_str()), (Scale::Moduli, "largest |μ|, logarithmic"));
         assert_eq!(drawn.levels, [1.0]);
         let named = |name: &str| drawn.series.iter().find(|series| series.name == name).unwrap();
         let (stable, unstable) = (named("stable double-sided"), named("unstable double-sided"));
@@ -270,7 +272,7 @@ mod tests {
         assert_eq!((stable.stroke, unstable.stroke), (Stroke::Solid(3), Stroke::Dashed(2)));
         let few = &cells[1..2];
         let drawn = pane(Quantity::SpectralRadius, &scene, &axis, &ordered(&axis.values, few));
-        assert!(matches!(drawn.scale, Scale::Between(_)) && drawn.levels == [1.0]);
+        assert!(drawn.scale == Scale::Moduli && drawn.levels == [1.0]);
         assert_eq!(pane(Quantity::Margin, &scene, &axis, &ordered(&axis.values, &cells)).scale, Scale::Linear);
     }
 }

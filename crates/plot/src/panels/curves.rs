@@ -72,32 +72,8 @@ pub enum Scale {
     Between(Range<f64>),
     /// Logarithmic; values that are not positive are left out.
     Logarithmic,
-    /// Of moduli of multipliers: by the logarithm of their distance from 1, of which this much is a decade's step away from 1, and
-    /// linear next to 1.
-    AboutOne(f64),
-}
-
-impl Scale {
-    /// The scale of multipliers: linear about 1, where stability changes, if most of what is unstable is not far from there and of
-    /// two orders at most; otherwise by the logarithm of the distance from 1. Next to a grazing impact they grow without bound; such ends leave the
-    /// picture.
-    pub fn about_one(series: &[Series]) -> Self {
-        let points = series.iter().flat_map(|series| &series.points);
-        let mut drawn: Vec<f64> = points.map(|point| point.1).filter(|value| value.is_finite()).collect();
-        drawn.sort_by(f64::total_cmp);
-        let unstable = &drawn[drawn.partition_point(|value| *value <= 1.0 + LEAST / 100.0)..];
-        let Some(least) = drawn.first() else { return Self::Linear };
-        let share = |hundredths: usize| unstable.get(unstable.len() * hundredths / 100).copied().unwrap_or(1.0);
-        let (most, weak) = (share(MOST_OF_IT), share(WEAK) - 1.0);
-        if most > FAR || most - 1.0 > ORDERS * weak {
-            return Self::AboutOne(10f64.powf(weak.log10().floor()).min(COARSEST));
-        }
-        let (low, highest) = (least.min(1.0), drawn.last().copied().unwrap_or(most));
-        let top = highest.min(1.0 + ROOM * (most - 1.0)).max(1.0 + LEAST);
-        // A peak that is nearly all seen is seen whole; what leaves the picture does so at its edge.
-        let (top, air) = if highest <= 1.0 + WHOLE * (top - 1.0) { (highest.max(top), AIR) } else { (top, 0.0) };
-        Self::Between(low - AIR * (top - low)..top + air * (top - low))
-    }
+    /// Logarithmic, of moduli of multipliers, 1 always among them: from 0.01 to 100 at most.
+    Moduli,
 }
 
 /// How the points of a series are joined.
@@ -160,63 +136,5 @@ impl Series {
         points: impl IntoIterator<Item = (f64, f64)>,
     ) -> Self {
         Self { mark, ..Self::line(name, colour, Stroke::None, points) }
-    }
-}
-
-/// Multipliers are drawn linearly where of those beyond 1 this many in a hundred are below `FAR`, up to so many times as far from
-/// 1 as these are, and at least so far; otherwise by logarithms.
-const MOST_OF_IT: usize = 80;
-const FAR: f64 = 5.0;
-/// And where the weakest excesses, this many in a hundred, are less than so many times weaker: on a linear axis a hundredth of its height is
-/// a line on that of 1. A stripe that a branch crosses is a few points of hundreds.
-const WEAK: usize = 3;
-const ORDERS: f64 = 100.0;
-/// The largest step next to 1 of an axis by logarithms: an excess of a tenth a period is never next to none.
-const COARSEST: f64 = 0.1;
-const ROOM: f64 = 2.0;
-const LEAST: f64 = 0.01;
-
-/// What rises at most so much further than that does not leave the picture; about it is air, a part of its height.
-const WHOLE: f64 = 1.5;
-const AIR: f64 = 0.07;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Ends of the scale of multipliers: ten that are 1.01 and one of another height.
-    fn ends(height: f64) -> Range<f64> {
-        let points = std::iter::repeat_n(1.01, 10).chain([1.0, height]).enumerate().map(|(i, y)| (i as f64, y));
-        match Scale::about_one(&[Series::line("", 0, Stroke::Solid(1), points)]) {
-            Scale::Between(ends) => ends,
-            other => panic!("{other:?}"),
-        }
-    }
-
-    /// Stripes that grow by a thousandth beside a branch that ends in a grazing impact: neither flattens the other.
-    #[test]
-    fn excesses_of_several_orders_are_drawn_by_logarithms() {
-        let scale = |heights: &[f64]| {
-            let points = heights.iter().enumerate().map(|(i, y)| (i as f64, *y));
-            Scale::about_one(&[Series::line("", 0, Stroke::Solid(1), points)])
-        };
-        assert_eq!(scale(&[1.0, 1.0, 1.003, 1.004, 1.8, 2.5, 3.0, 2.0]), Scale::AboutOne(1e-3));
-        assert_eq!(scale(&[0.9, 20.0, 300.0, 1e4]), Scale::AboutOne(COARSEST));
-        assert!(matches!(scale(&[1.0, 1.002, 1.01, 1.03]), Scale::Between(_)));
-        assert!(matches!(scale(&[0.5, 0.9, 1.0]), Scale::Between(_)));
-    }
-
-    #[test]
-    fn a_peak_is_seen_whole_and_what_grows_without_bound_leaves_the_picture() {
-        for height in [1.011, 1.019, 1.025, 1.029] {
-            let seen = ends(height);
-            assert!(
-                seen.end > height && seen.end < height + 0.1 * (height - 1.0) && seen.start < 1.0,
-                "{height} {seen:?}"
-            );
-        }
-        for height in [1.04, 7.0, 1e9] {
-            assert!((ends(height).end - 1.02).abs() < 1e-12, "{height} {:?}", ends(height));
-        }
     }
 }

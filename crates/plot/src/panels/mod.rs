@@ -40,6 +40,11 @@ pub fn curves_picture(picture: &Curves, page: impl Into<Page>) -> Result<Vec<u8>
     render(&draw(picture, &page), &page)
 }
 
+/// Width and height that such a picture has, in units.
+pub(crate) fn curves_size(picture: &Curves, page: &Page) -> [f64; 2] {
+    draw(picture, page).size
+}
+
 fn draw(picture: &Curves, page: &Page) -> Drawing {
     let em = page.font;
     let mut columns = picture.columns.clamp(1, picture.panes.len().max(1));

@@ -3,7 +3,7 @@
 use crate::backend::format::PlotError;
 use crate::backend::page::Page;
 use crate::panels::curves::{Curves, Mark, Pane, Series, Stroke};
-use crate::panels::curves_picture;
+use crate::panels::{curves_picture, curves_size};
 
 /// Displacements of a row of masses at one instant.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,13 +47,26 @@ const JUMP: f64 = 1e-9;
 /// # Errors
 /// [`PlotError`].
 pub fn orbit_picture(orbits: &[OrbitPanels], page: impl Into<Page>) -> Result<Vec<u8>, PlotError> {
+    curves_picture(&below_each_other(orbits), page)
+}
+
+/// How many of the first orbits a picture may have without being higher than its page: one in any case.
+pub fn orbits_on_page(orbits: &[OrbitPanels], page: impl Into<Page>) -> usize {
+    let page = page.into();
+    let fits = |count: &usize| {
+        page.height.is_none_or(|height| curves_size(&below_each_other(&orbits[..*count]), &page)[1] <= height)
+    };
+    (1..=orbits.len()).rev().find(fits).unwrap_or_else(|| orbits.len().min(1))
+}
+
+fn below_each_other(orbits: &[OrbitPanels]) -> Curves {
     let (mut panes, mut headings) = (Vec::new(), Vec::new());
     for orbit in orbits {
         panes.extend(orbit.panes.iter().cloned());
         headings.push(orbit.caption.clone());
         headings.resize(panes.len().div_ceil(2), String::new());
     }
-    curves_picture(&Curves { panes, columns: 2, pane: PANEL, headings, ..Curves::default() }, page)
+    Curves { panes, columns: 2, pane: PANEL, headings, ..Curves::default() }
 }
 
 /// Displacements along a chain at the instants of impacts, over what `x` names.

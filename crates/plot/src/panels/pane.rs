@@ -11,9 +11,6 @@ use crate::backend::strokes::thinned;
 use crate::map::palette::{BORDERS, LINES};
 use crate::panels::curves::{Mark, Pane, Scale, Series, Stroke};
 
-/// Multipliers beyond this leave the picture: next to a grazing impact they grow without bound.
-const HIGHEST: f64 = 1e5;
-
 /// Dashes and gaps of lines, on a screen.
 const DASH: [f64; 2] = [8.0, 5.0];
 
@@ -50,11 +47,7 @@ pub(crate) fn axes(pane: &Pane) -> (Axis, Axis) {
     let y = match &pane.scale {
         Scale::Logarithmic => Axis::decades(visible.filter(|y| *y > 0.0 && y.is_finite()).map(f64::log10)),
         Scale::Between(range) => Axis::numbers(range.clone()),
-        Scale::AboutOne(least) => {
-            let scale = Along::AboutOne(*least);
-            let seen = visible.chain(pane.levels.iter().copied()).filter(|y| *y <= HIGHEST);
-            Axis { range: padded(seen.map(|y| scale.place(y))), scale }
-        }
+        Scale::Moduli => Axis::moduli(visible),
         Scale::Linear => Axis::numbers(padded(visible.chain(pane.levels.iter().copied()))),
     };
     let scale = if pane.x_log { Along::Powers } else { Along::Numbers };

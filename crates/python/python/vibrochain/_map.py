@@ -488,7 +488,7 @@ class Map(_Table):
     def _curves(self, ax: Axes, dim: str, where: tuple[Any, ...], color: str) -> None:
         if color == "class":
             color = next((name for name, values in self._numbers.items() if not np.isnan(values[where]).all()), "margin")
-        ax.set_ylabel(_LABELS.get(color, color))
+        ax.set_ylabel(_LABELS.get(color, color) + (", logarithmic" if color == "spectral_radius" else ""))
         place = self.coords[dim]
         order = np.argsort(place)
         codes, names, words = self._shown
@@ -512,7 +512,7 @@ class Map(_Table):
             ax.plot(place, shown, style, color=own, label=label)
             ax.plot(place[alone], shown[alone], ".", color=own, markersize=3)
         if color == "spectral_radius":
-            scaled(ax, _vibrochain._Pane("", "", "", [("", 0, 1, "", 0, list(zip(place.tolist(), values.tolist())))], about_one=True))
+            scaled(ax, _vibrochain._Pane("", "", "", [("", 0, 1, "", 0, list(zip(place.tolist(), values.tolist())))], moduli=True))
         if ax.get_legend_handles_labels()[1]:
             ax.legend(**BESIDE)
 

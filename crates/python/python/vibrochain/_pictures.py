@@ -176,36 +176,27 @@ def draw(pane: _Pane, ax: Axes | None, heading: str) -> Axes:
 
 def scaled(ax: Axes, pane: _Pane, fresh: bool = True) -> None:
     """Gives axes the ends and the scale of a panel; axes that are not fresh grow at most."""
-    x_range, y_range, step = pane.axes()
+    x_range, y_range, moduli = pane.axes()
     for ends, name in [(x_range, "x"), (y_range, "y")]:
         if ends is not None:
             low, high = ends if fresh else getattr(ax, f"get_{name}lim")()
             ax.set(**{f"{name}lim": (min(ends[0], low), max(ends[1], high))})
-    if step is not None:
-        _about_one(ax, step)
+    if moduli:
+        _moduli(ax)
 
 
-def _about_one(ax: Axes, step: float) -> None:
-    """Multipliers by the logarithm of their distance from 1, and linear within `step`."""
+def _moduli(ax: Axes) -> None:
+    """Moduli of multipliers on the logarithmic axis that pictures of ``mapgen`` have, whatever of them the axes show."""
+    from matplotlib.ticker import NullFormatter
+
     heights = np.concatenate([np.ravel(line.get_ydata()).astype(float) for line in ax.get_lines()])
-    most = float(np.nanmax(heights[np.isfinite(heights)], initial=1.0))
-
-    def forward(y: Any) -> Any:
-        return np.sign(y - 1) * np.log10(1 + np.abs(y - 1) / step)
-
-    def back(z: Any) -> Any:
-        return 1 + np.sign(z) * step * (10 ** np.abs(z) - 1)
-
-    ax.set_yscale("function", functions=(forward, back))
-    far = max(most - 1, step)
-    decades = np.log10(step) + np.arange(np.floor(np.log10(far / step)) + 1)
-    # On a logarithmic axis 1 + 10 is 10.
-    above = [10**decade + (decade < 0.5) for decade in decades]
-    ticks = [1.0, *above[len(above) % 2 :: 2]] if len(above) > 3 else [1.0, *above]
-    ax.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
-    least = float(np.nanmin(heights[np.isfinite(heights)], initial=1.0))
-    ax.set_ylim(float(back(forward(least) - 0.3)), float(back(1.05 * forward(1 + far))))
-    ax.minorticks_off()
+    seen = heights[np.isfinite(heights) & (heights > 0)]
+    ends, ticks, marks = _vibrochain._modulus_axis([float(seen.min()), float(seen.max())] if seen.size else [])
+    ax.set_yscale("log")
+    ax.set_yticks([number for number, _ in ticks], [words for _, words in ticks])
+    ax.set_yticks(marks, minor=True)
+    ax.yaxis.set_minor_formatter(NullFormatter())
+    ax.set_ylim(*ends)
 
 
 def orbit_panes(orbit: Orbit) -> tuple[list[_Pane], str]:
@@ -251,6 +242,7 @@ def curve_pane(
     special: Iterable[tuple[str, int]],
     labels: tuple[str, str],
     before: int = 0,
+    touch: str = "",
 ) -> _Pane:
     """One curve of an event in the plane of two numbers, behind so many others."""
     named: dict[int, list[str]] = {}
@@ -260,7 +252,7 @@ def curve_pane(
     low, high = values.min(axis=0), values.max(axis=0)
     air = np.where(high > low, 0.03 * (high - low), 1e-6 + 0.03 * np.abs(low))
     others: list[list[Any]] = [[] for _ in range(before)]
-    return _vibrochain._curve_pane(labels, (low - air).tolist(), (high + air).tolist(), [*others, points])
+    return _vibrochain._curve_pane(labels, (low - air).tolist(), (high + air).tolist(), [*others, points], [""] * before + [touch])
 
 
 def curves_there(ax: Axes | None) -> int:
@@ -321,7 +313,7 @@ class _Plots:
             >>> ax.get_xlabel(), ax.get_ylabel()  # doctest: +MATPLOTLIB
             ('force amplitude A', 'impulses |P|')
             >>> diagram.branches[0].plot("spectral_radius").get_ylabel()  # doctest: +MATPLOTLIB
-            'largest |μ|'
+            'largest |μ|, logarithmic'
             """
             return draw(*_with(branch_pane(self.branches if isinstance(self, Diagram) else [self], show, all), ax))
 
@@ -405,7 +397,7 @@ def event_pane(curve: EventCurve, before: int = 0) -> tuple[_Pane, str]:
     """A curve of an event, with its caption."""
     x, y = (STYLE["labels"][name] for name in curve.free)
     special = [(name, place) for name, place, _ in curve.special]
-    pane = curve_pane(curve.values, curve.physical, special, (x, y), before)
+    pane = curve_pane(curve.values, curve.physical, special, (x, y), before, curve.touch)
     ends = [curve.orbits[0], curve.orbits[-1]]
     orbit = ends[0]
     whose = orbit.word if orbit.family == "word" else orbit.family

@@ -429,7 +429,8 @@ class Structure:
         ends = ([float(one) for one in from_], [float(one) for one in to])
         answer = self._along(orbit, omega, _vibrochain._items("free", free), ends, [event], 0, float(tolerance), 0.0)
         told = answer["labels"], answer["heading"]
-        return [StructureCurve._of((free[0], free[1]), parts, *told) for parts in answer["curves"]]
+        found = zip(answer["curves"], answer["touches"])
+        return [StructureCurve._of((free[0], free[1]), parts, touch, *told) for parts, touch in found]
 
     @sharing
     def sweep(

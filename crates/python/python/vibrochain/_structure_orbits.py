@@ -343,6 +343,8 @@ class StructureCurve:
         special, point, values, error: what else happens on the way.
     ends : list of str
         How it ends before the first and behind the last point.
+    touch : str
+        Of a curve of grazing, which contact touches which barrier; empty of other events.
 
     Examples
     --------
@@ -364,11 +366,12 @@ class StructureCurve:
     physical: NDArray[np.bool_]
     special: list[dict[str, Any]]
     ends: list[str]
+    touch: str = ""
     # What stands at the axes and above the picture.
     _told: tuple[tuple[str, str], str] = field(default=(("", ""), ""))
 
     @classmethod
-    def _of(cls, free: tuple[str, str], parts: dict[str, Any], labels: list[str], heading: str) -> StructureCurve:
+    def _of(cls, free: tuple[str, str], parts: dict[str, Any], touch: str, labels: list[str], heading: str) -> StructureCurve:
         points = parts["points"]
         return cls(
             event=parts["event"],
@@ -378,6 +381,7 @@ class StructureCurve:
             physical=np.array([point["physical"] is True for point in points]),
             special=parts["special"],
             ends=parts["ends"],
+            touch=touch,
             _told=((labels[0], labels[1]), f"{_vibrochain._in_words(parts['event'])}, {heading}"),
         )
 
@@ -398,4 +402,4 @@ class StructureCurve:
         """
         labels, heading = self._told
         special = [(one["special"], one["point"]) for one in self.special]
-        return draw(curve_pane(self.values, self.physical, special, labels, curves_there(ax)), ax, heading)
+        return draw(curve_pane(self.values, self.physical, special, labels, curves_there(ax), self.touch), ax, heading)
