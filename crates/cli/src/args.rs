@@ -231,7 +231,7 @@ pub struct WordsArgs {
     #[arg(long, value_name = "D", value_parser = whole::<usize>, allow_negative_numbers = true)]
     pub reach: usize,
     /// What each of the sites does, a list with a comma.
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "double-sided")]
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "either")]
     pub families: Vec<SiteFamily>,
     /// The model.
     #[command(flatten)]

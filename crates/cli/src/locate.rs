@@ -127,8 +127,8 @@ fn located_text<A: Along>(out: &mut String, name: &str, found: &Located<A::Orbit
     if found.physical == Some(false) && matches!(found.evidence, Evidence::Multiplier(_)) {
         let _ = writeln!(out, "  not physical there");
     }
-    for (value, verdict) in &found.verdicts {
-        let _ = writeln!(out, "  at {name} = {}: {verdict}", Number(*value));
+    for side in &found.sides {
+        let _ = writeln!(out, "  at {name} = {}: {side}", Number(side.value));
     }
     if let Some(branching) = &found.branching {
         let which = if branching.orbits.len() == 1 { "the doubled orbit" } else { "the asymmetric pair" };

@@ -12,9 +12,9 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::{BlochEquations, BreatherError, Finder, Orbit};
+use vibrochain_lattice::aside;
 
 use crate::all_multipliers::{Multipliers, Spared};
-use crate::aside::aside;
 use crate::error::FloquetError;
 use crate::map_paths::{ForcedSecular, Secular};
 use crate::reference::dense::{Dense, is_reduced, uncoupled};

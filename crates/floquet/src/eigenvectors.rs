@@ -4,10 +4,9 @@
 use faer::MatRef;
 use nalgebra::Complex;
 use vibrochain_breather::{BreatherError, Finder, Orbit};
-use vibrochain_lattice::{Shapes, Spectrum, Stop};
+use vibrochain_lattice::{Shapes, Spectrum, Stop, aside};
 
 use crate::analyser::{Analyser, Failure};
-use crate::aside::aside;
 use crate::error::FloquetError;
 use crate::multipliers::sort_multipliers;
 use crate::reference::dense::uncoupled;

@@ -47,7 +47,6 @@
 
 mod all_multipliers;
 mod analyser;
-mod aside;
 mod bracket;
 mod curve;
 mod eigenvectors;
@@ -80,8 +79,9 @@ pub use eigenvectors::{FloquetMode, leading_modes, leading_modes_until};
 pub use error::FloquetError;
 pub use followed::Followed;
 pub use locate::{
-    Answer, BranchedOrbit, Branching, Course, Diagram, DiagramPoint, End, Event, Evidence, FollowedBranch, LocateError,
-    Located, Origin, Search, Station, Unresolved, diagram, diagram_until, is_physical_about, locate, locate_until,
+    Answer, BranchedOrbit, Branching, Course, Diagram, DiagramPoint, End, Event, EventSide, Evidence, FollowedBranch,
+    LocateError, Located, Origin, Search, Station, Unresolved, diagram, diagram_until, is_physical_about, locate,
+    locate_until,
 };
 pub use map_paths::{
     ForcedSecular, ModeLabels, Reason, Residues, Secular, SecularMultipliers, SecularVerdict, Standing,

@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use vibrochain_breather::{BreatherError, Family, Motion, Orbit, breathers};
 use vibrochain_floquet::{
-    Answer, Course, End, Event, Evidence, LocateError, Located, Mechanism, Search, Unresolved, Verdict, diagram_until,
-    eigenvalues, full_monodromy, locate, locate_until,
+    Answer, Course, End, Event, EventSide, Evidence, LocateError, Located, Mechanism, Search, Unresolved,
+    diagram_until, eigenvalues, full_monodromy, locate, locate_until,
 };
 use vibrochain_lattice::{Barrier, Chain, Force, Harmonic, ImpulseResponse, Model, Parameter, Point, Spectrum, Stop};
 use vibrochain_testkit::Values::{Is, Log};
@@ -45,8 +45,10 @@ fn period_doubling_of_the_errata_hands_over_to_the_doubled_orbit() {
     let Evidence::Multiplier(multiplier) = found.evidence else { panic!("{:?}", found.evidence) };
     assert!((multiplier + 1.0).norm() < 1e-10);
     // Supercritical: below it the single-sided orbit is unstable and the doubled one stable.
-    let [(low, below), (high, above)] = found.verdicts.as_slice() else { panic!("{:?}", found.verdicts) };
-    assert!(*low < found.value && found.value < *high);
+    let [below, above] = found.sides.as_slice() else { panic!("{:?}", found.sides) };
+    assert!(below.value < found.value && found.value < above.value);
+    assert_eq!([below.physical, above.physical], [Some(true); 2]);
+    let [below, above] = [below.stability, above.stability];
     assert!(below.mechanism == Some(Mechanism::PeriodDoubling) && above.stable);
     let branching = found.branching.as_ref().unwrap();
     assert!(!branching.above && branching.value < found.value);
@@ -77,8 +79,8 @@ fn neimark_sacker_of_the_errata() {
     let answer = search(&start, Event::NeimarkSacker, Parameter::Gamma2, Some((0.07, 0.11)));
     // Pairs cross that do not lead, too: this is the one where stability is lost.
     let lost =
-        |verdicts: &[(f64, Verdict)]| matches!(verdicts, [(_, below), (_, above)] if below.stable != above.stable);
-    let found = answer.located.iter().find(|found| lost(&found.verdicts)).unwrap();
+        |sides: &[EventSide]| matches!(sides, [below, above] if below.stability.stable != above.stability.stable);
+    let found = answer.located.iter().find(|found| lost(&found.sides)).unwrap();
     assert!((found.value - 0.088347387971).abs() < 1e-12, "{}", found.value);
     assert!(found.error < 1e-11, "{:e}", found.error);
     let Evidence::Multiplier(multiplier) = found.evidence else { panic!("{:?}", found.evidence) };
@@ -161,7 +163,8 @@ fn conservative_orbits() {
         assert!(answer.located.len() >= 2, "{answer:?}");
         for found in &answer.located {
             assert!(found.error < 1e-12, "{found:?}");
-            let [(_, below), (_, above)] = found.verdicts.as_slice() else { panic!("{:?}", found.verdicts) };
+            let [below, above] = found.sides.as_slice() else { panic!("{:?}", found.sides) };
+            let [below, above] = [below.stability, above.stability];
             assert!(below.stable != above.stable, "{found:?}");
             assert!(below.mechanism.or(above.mechanism) == Some(mechanism), "{found:?}");
         }
@@ -192,7 +195,7 @@ fn a_multiplier_of_conservative_orbits_is_one_where_their_energy_is_extreme() {
         // How far the vertex of the parabola is from there.
         assert!((slope / curvature).abs() < 10.0 * h * h && curvature.abs() > 1.0, "{found:?}: {slope} {curvature}");
         assert!(found.branching.is_none(), "{found:?}");
-        let said: Vec<_> = found.verdicts.iter().map(|(_, verdict)| verdict.mechanism).collect();
+        let said: Vec<_> = found.sides.iter().map(|side| side.stability.mechanism).collect();
         assert_eq!(said, [Some(Mechanism::PlusOne), None]);
     }
 }

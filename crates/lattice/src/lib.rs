@@ -38,7 +38,7 @@
 //! | [`BlochKernel`] | the kernel K^z of impacts that repeat every period, each z times the one before, of any damped modes |
 //! | [`Decay`] | harmonic response, far field in full relative accuracy |
 //! | [`Propagator`] | exact free flight |
-//! | [`Stop`] | ends long work early |
+//! | [`Stop`], [`aside`] | ends long work early; waits for work that cannot look at it |
 //!
 //! With the feature `serde` values are written and read by the names of `mapgen`'s JSON, and what is out of range is refused.
 //!
@@ -54,6 +54,7 @@
 //! # Ok::<(), vibrochain_lattice::LatticeError>(())
 //! ```
 
+mod aside;
 mod error;
 mod flight;
 mod kernel;
@@ -65,6 +66,7 @@ pub mod simd;
 mod stop;
 mod structure;
 
+pub use aside::aside;
 pub use error::{LatticeError, MAX_MAGNITUDE, ParameterError, RESONANCE_TOLERANCE, Resonance, Short};
 pub use flight::propagator::Propagator;
 pub use kernel::decay::{Decay, decay, far_field, far_motion, harmonic_response};

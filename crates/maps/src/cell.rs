@@ -9,6 +9,7 @@ use vibrochain_breather::{
 use vibrochain_floquet::{Analyser, Collision, DressedModes, FloquetError, Mechanism, Tolerance, Verdict};
 use vibrochain_lattice::{Model, Stop};
 
+use crate::absence::Absence;
 use crate::extent::Extent;
 
 /// What a map is asked to compute.
@@ -198,6 +199,8 @@ pub struct Cell {
     pub collision: Option<Collision>,
     /// Which cells of the finest grid it stands for, where a grid is refined.
     pub extent: Option<Extent>,
+    /// Why it has no physical orbit, where maps tell that: those of structures do.
+    pub absence: Option<Absence>,
 }
 
 impl Cell {
@@ -213,6 +216,7 @@ impl Cell {
         residual: 0.0,
         collision: None,
         extent: None,
+        absence: None,
     };
 
     /// With what the best of its orbits says, if there is one.

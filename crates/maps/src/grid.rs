@@ -38,8 +38,11 @@ pub trait Grid: Clone + Debug + Send + Sync {
     /// What one thread computes cells with.
     type Worker;
 
-    /// The most bytes of its text, and of a file that it names.
+    /// The most bytes of its text.
     const MOST_BYTES: u64;
+
+    /// The most bytes of a file that it names.
+    const MOST_FILE_BYTES: u64 = 0;
 
     /// Whether a text is a scene of this kind, right or wrong.
     fn is_one(text: &str) -> bool;

@@ -13,6 +13,7 @@
 //! | `structure` | the same of any linear structure with stops |
 //! | `grid` | what sweeps, chunks and tables ask of both |
 //! | `cell`, `summary` | one cell: a point and what lives there; the counts of many |
+//! | `absence` | why a point has no physical orbit |
 //! | `extent` | the cells of the finest grid that a cell of a refined one stands for |
 //! | `table` | its columns, rows of cells written and read back, the forms of its file |
 //! | `manifest` | where a table came from |
@@ -30,6 +31,7 @@
 #[macro_use]
 pub mod error;
 
+pub mod absence;
 pub mod borders;
 pub mod caption;
 pub mod cell;

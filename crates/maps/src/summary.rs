@@ -1,5 +1,6 @@
 //! What the cells of a sweep add up to.
 
+use crate::absence::Absence;
 use crate::cell::{Cell, Class, Status};
 use crate::extent::Extent;
 
@@ -18,6 +19,8 @@ pub struct Summary {
     pub worst_residual: f64,
     /// Cells with an unstable breather that grows by less than [`SLOW`] a period.
     pub slow: u64,
+    /// Cells without a physical orbit per reason, in the order of [`Absence::ALL`], where a scene tells it.
+    pub absences: [u64; Absence::ALL.len()],
     /// Cells that were computed: each stands for itself alone unless the grid is refined.
     pub computed: u64,
 }
@@ -43,6 +46,9 @@ impl Summary {
             }
         }
         self.statuses[cell.status as usize] += cells;
+        if let Some(absence) = cell.absence {
+            self.absences[absence as usize] += cells;
+        }
         self.computed += 1;
         self.worst_residual = self.worst_residual.max(cell.residual);
     }
@@ -51,6 +57,7 @@ impl Summary {
     pub fn add(&mut self, other: &Self) {
         self.classes.iter_mut().zip(other.classes).for_each(|(count, more)| *count += more);
         self.statuses.iter_mut().zip(other.statuses).for_each(|(count, more)| *count += more);
+        self.absences.iter_mut().zip(other.absences).for_each(|(count, more)| *count += more);
         self.worst_residual = self.worst_residual.max(other.worst_residual);
         self.slow += other.slow;
         self.computed += other.computed;

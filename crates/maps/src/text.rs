@@ -20,7 +20,13 @@ pub fn read_text(what: &str, path: &Path, most: u64) -> Result<String, MapError>
     let mut bytes = Vec::new();
     File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes)).map_err(|error| failed(&error))?;
     ensure!(bytes.len() as u64 <= most, "{what} {} has more than the {most} bytes that it may have", path.display());
-    String::from_utf8(bytes).map_err(|error| failed(&io::Error::new(io::ErrorKind::InvalidData, error.utf8_error())))
+    let text = String::from_utf8(bytes);
+    let text = text.map_err(|error| failed(&io::Error::new(io::ErrorKind::InvalidData, error.utf8_error())))?;
+    // Editors and spreadsheets of some systems begin a file with a byte order mark.
+    Ok(match text.strip_prefix('\u{feff}') {
+        Some(rest) => rest.to_owned(),
+        None => text,
+    })
 }
 
 /// Entries of a folder that are looked at for a name.

@@ -1,10 +1,13 @@
-//! What a cell of a damped ring's map costs, counted and not timed: what is alike is worked out once.
+//! What a cell of a damped ring's map costs, counted and not timed: what is alike is worked out once. And what a cell says where nothing is physical.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 use std::path::Path;
 
-use vibrochain_breather::{StructureSearch, structure_orbits};
-use vibrochain_maps::structure::StructureScene;
+use vibrochain_breather::{StructureMotion, StructureSearch, structure_orbits};
+use vibrochain_lattice::Stop;
+use vibrochain_maps::absence::{AT_ONCE, Absence};
+use vibrochain_maps::grid::Grid;
+use vibrochain_maps::structure::{StructureClass, StructureScene};
 
 const SITES: usize = 21;
 
@@ -55,4 +58,47 @@ fn proofs_take_few_intervals() {
         }
     }
     assert!(cells == 12 && intervals < 60 * cells, "{intervals} of {cells}");
+}
+
+/// A heavy mass with a light tip, which rings after each impact: a cell without a physical orbit says which contact is in the way and how soon after
+/// an impact, and the motion is beyond the barrier there.
+#[test]
+fn cells_say_why_nothing_is_physical() {
+    let text = "omega = 1\n[structure]\nmasses = [1, 0.02]\nstiffness = [[9, -8], [-8, 8]]\ndamping = [[0.05, 0], [0, 0.001]]\n\
+                [[contact]]\nat = 1\nupper = 0.3\nrestitution = 0.7\n[[contact]]\nat = 0\nlower = -0.6\n[force]\nload = [0.2, 0]\n\
+                [sweep]\nx = { parameter = \"omega\", from = 0.3, to = 3, points = 40 }\n\
+                y = { parameter = \"load\", from = 0.2, to = 4, points = 6 }\n[compute]\nfamilies = [\"0+\"]\n";
+    let scene = StructureScene::of_text(text, Path::new(".")).unwrap();
+    let stop = Stop::default();
+    let (mut worker, mut cells) = (scene.worker(&stop), Vec::new());
+    scene.compute(&mut worker, 0..240, &stop, &mut cells).unwrap();
+    let mut counts = [0; Absence::ALL.len()];
+    for (number, cell) in (0..).zip(&cells) {
+        assert_eq!(cell.found.absence.is_some(), cell.class == StructureClass::None, "{cell:?}");
+        let Some(absence) = cell.found.absence else { continue };
+        counts[absence as usize] += 1;
+        let model = scene.worker(&stop).model(&scene, number).unwrap();
+        let found = structure_orbits(&model, &"0+".parse().unwrap(), 1).unwrap();
+        let pushing = |orbit: &&vibrochain_breather::StructureOrbit| orbit.impacts()[0].impulse < 0.0;
+        let candidates: Vec<_> = found.orbits.iter().filter(pushing).collect();
+        let Some(first) = cell.obstruction else {
+            assert!(absence == Absence::NoOrbit && candidates.is_empty(), "{cell:?}");
+            continue;
+        };
+        let within = |orbit: &&&vibrochain_breather::StructureOrbit| {
+            let motion = StructureMotion::new(orbit).unwrap();
+            let stops = model.structure().contacts()[first.contact];
+            let room = |part: f64| stops.room(motion.contact(first.contact, 0, part * orbit.period())[0]);
+            match absence {
+                Absence::NoOrbit | Absence::NotFound | Absence::Sticks => false,
+                Absence::WrongSign => orbit.impacts()[0].velocity_before <= 0.0,
+                // It is farthest out there, or touches.
+                _ => room(first.after) <= 1e-9,
+            }
+        };
+        assert!(candidates.iter().any(|orbit| within(&orbit)), "{cell:?}");
+        assert_eq!(absence == Absence::CrossesAtOnce, first.after > 0.0 && first.after <= AT_ONCE);
+    }
+    let told = counts.iter().filter(|count| **count > 0).count();
+    assert!(told >= 3 && counts[Absence::Crosses as usize] > 10, "{counts:?}");
 }

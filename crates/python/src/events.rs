@@ -90,9 +90,10 @@ pub(crate) struct PyLocated {
     /// bool or None : whether it is physical, where that can be told; at grazing a matter of rounding.
     #[pyo3(get)]
     physical: Option<bool>,
-    /// list of (float, Verdict) : the verdict a small step away on either side, as far as the orbit exists there.
+    /// list of (float, Verdict, bool or None) : the orbits a small step away on either side, as far as they exist there: where, whether they are
+    /// stable, and whether they are physical.
     #[pyo3(get)]
-    sides: Vec<(f64, PyVerdict)>,
+    sides: Vec<(f64, PyVerdict, Option<bool>)>,
     /// list of BranchPoint : the orbits that branch off, a small step from the event.
     #[pyo3(get)]
     branching: Vec<PyBranchPoint>,
@@ -100,7 +101,7 @@ pub(crate) struct PyLocated {
 
 impl PyLocated {
     pub(crate) fn new(located: Located, free: Parameter) -> Self {
-        let Located { event, value, error, orbit, evidence, physical, verdicts, branching, .. } = located;
+        let Located { event, value, error, orbit, evidence, physical, sides, branching, .. } = located;
         let off = |Branching { value, orbits, .. }: Branching| {
             let point = move |BranchedOrbit { orbit, physical, verdict }| PyBranchPoint {
                 value,
@@ -119,7 +120,7 @@ impl PyLocated {
             orbit: PyOrbit::new(orbit),
             evidence,
             physical,
-            sides: verdicts.iter().map(|(value, verdict)| (*value, verdict.into())).collect(),
+            sides: sides.iter().map(|side| (side.value, (&side.stability).into(), side.physical)).collect(),
             branching: branching.map_or_else(Vec::new, off),
         }
     }

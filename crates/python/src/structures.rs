@@ -55,8 +55,8 @@ pub(crate) fn _structure(
     near: Items<Hit>,
     psi: f64,
 ) -> PyResult<String> {
-    let work = move |_: &Stop| {
-        let scene = StructureScene::of_text(&scene, Path::new("."))?;
+    let work = move |stop: &Stop| {
+        let scene = StructureScene::of_text(&scene, Path::new("."))?.until(stop);
         let model = scene.model()?;
         let tolerance = tolerance(threshold)?;
         let found = match &word {
@@ -160,6 +160,7 @@ fn told(found: &Diagram<StructureOrbit>, branch: &FollowedBranch<StructureOrbit>
         "points": branch.points().collect::<Vec<_>>(),
         "events": branch.events().map(event).collect::<Value>(),
         "places": places(&branch.stations),
+        "unresolved": branch.unresolved,
         "ends": branch.ends.iter().map(|(value, end)| (*value, end.name())).collect::<Vec<_>>(),
     })
 }
@@ -185,7 +186,7 @@ pub(crate) fn _structure_along(
 ) -> PyResult<String> {
     let (near, free, start, stop_at, events) = (near.0, free.0, start.0, stop_at.0, events.0);
     let work = move |stop: &Stop| {
-        let scene = StructureScene::of_text(&scene, Path::new("."))?;
+        let scene = StructureScene::of_text(&scene, Path::new("."))?.until(stop);
         let model = scene.model()?;
         let named = |name: &String| {
             let setting: Setting = name.parse()?;

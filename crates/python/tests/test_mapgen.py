@@ -283,7 +283,7 @@ def test_events_along_a_parameter(mapgen):
     for point, theirs in zip(answer.points, told["points"]):
         compare(point, theirs, ["event", "value", "error", "physical"])
         assert [point.multiplier.real, point.multiplier.imag] == theirs["evidence"]["multiplier"]
-        assert [side[0] for side in point.sides] == [side["value"] for side in theirs["sides"]]
+        assert [(value, physical) for value, _, physical in point.sides] == [(side["value"], side["physical"]) for side in theirs["sides"]]
         assert len(point.branching) == len(theirs["branching"]["orbits"]) == 1
         for branched, solution in zip(point.branching, theirs["branching"]["orbits"]):
             assert branched.orbit.period == solution["period"] and branched.physical == solution["physical"]

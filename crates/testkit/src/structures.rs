@@ -146,6 +146,7 @@ impl Structure {
             contacts: self.contacts.iter().cloned().zip(stops).collect(),
             static_load: self.static_load.clone(),
             loads: if self.load.amax() == 0.0 { vec![] } else { vec![(1, load)] },
+            modes: None,
         }
     }
 }

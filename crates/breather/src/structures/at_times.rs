@@ -34,6 +34,7 @@ impl Impacts<'_> {
             Linear { columns, rows: SmallVec::with_capacity(rows), right: Vector::new(), laws: SmallVec::new() };
         let mut laws: SmallVec<[Vector; 2]> = SmallVec::new();
         for (i, &(contact, barrier)) in self.letters.iter().enumerate() {
+            equations.model.heard()?;
             let (mut place, mut law) = (zeros(columns), zeros(columns));
             let weight = 1.0 + equations.restitution(contact);
             for (j, &(other, _)) in self.letters.iter().enumerate() {

@@ -42,6 +42,7 @@ pub struct StructureContinuation {
     /// Unknowns: impulses, times but the first, ψ if there is a load, offsets of rigid modes.
     size: usize,
     forced: bool,
+    rigid: usize,
     /// The strongest impact where this begins.
     strongest: usize,
     units: Vector,
@@ -95,13 +96,14 @@ impl StructureContinuation {
         origin.extend(orbit.psi());
         origin.extend(felt);
         origin.extend_from_slice(values);
-        let (force_periods, forced) = (orbit.force_periods(), equations.forced);
+        let (force_periods, forced, rigid) = (orbit.force_periods(), equations.forced, equations.rigid.len());
         Ok(Self {
             family,
             contacts,
             force_periods,
             size,
             forced,
+            rigid,
             strongest,
             units: own,
             origin,
@@ -114,7 +116,7 @@ impl StructureContinuation {
     fn model(&mut self, z: &[f64]) -> Result<StructureModel, BranchError> {
         self.stop.heard().map_err(|stopped| BranchError::Breather(BreatherError::from(stopped)))?;
         self.evaluations += 1;
-        (self.family)(&z[self.size..]).map_err(BranchError::Model)
+        Ok((self.family)(&z[self.size..]).map_err(BranchError::Model)?.until(&self.stop))
     }
 
     fn point(&self, z: &[f64], period: f64) -> Result<Point, BranchError> {
@@ -142,10 +144,14 @@ impl StructureContinuation {
     ) -> Result<T, BranchError> {
         let model = self.model(z)?;
         let mut equations = Equations::new(&model, self.force_periods, self.contacts.iter().map(|one| one.0))?;
+        // Where a stiffness vanishes, or a load does, there is no such point.
+        if (equations.forced, equations.rigid.len()) != (self.forced, self.rigid) {
+            return Err(StructureOrbitError::OtherUnknowns.into());
+        }
         equations.left_out = self.strongest;
         let point = self.point(z, equations.period())?;
         let rows = equations.system(&point)?;
-        if rows.rows.iter().all(|row| row.is_finite()) && rows.rows.len() == self.size {
+        if rows.rows.iter().all(|row| row.is_finite()) {
             Ok(make(&equations, point, rows)?)
         } else {
             Err(BranchError::NoConvergence)

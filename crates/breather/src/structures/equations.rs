@@ -255,6 +255,7 @@ impl<'a> Equations<'a> {
         let (time, psi) = (|i: usize| (i > 0).then(|| n + i - 1), self.forced.then_some(2 * n - 1));
         let impulses: SmallVec<[f64; 4]> = point.strikes.iter().map(|strike| strike.impulse).collect();
         for (i, strike) in point.strikes.iter().enumerate() {
+            self.model.heard()?;
             let stop = self.model.barrier(strike.contact, strike.barrier)?;
             let load = self.load(strike.contact, strike.time + point.psi);
             let mut sums = load;

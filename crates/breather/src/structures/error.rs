@@ -1,7 +1,7 @@
 //! Why there is no answer about the orbits of a structure.
 
 use thiserror::Error;
-use vibrochain_lattice::{Short, StructureError};
+use vibrochain_lattice::{Short, Stopped, StructureError};
 
 /// Why a structure's orbits could not be worked out. That there are none is an answer, not one of these.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -47,6 +47,15 @@ pub enum StructureOrbitError {
         "the conditions at the impacts are singular here: orbits of any size, or none; move omega or a barrier a little"
     )]
     Singular,
+    /// The [`Stop`](vibrochain_lattice::Stop) of [`StructureModel::until`](crate::StructureModel::until) was raised.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    /// A branch has come to where the structure's orbits have other unknowns: offsets of motions that nothing holds, the phase of a load.
+    #[error(
+        "the equations of the branch end here: a motion of the structure that a spring has held is held by none, or the other way round, or \
+         the load vanishes"
+    )]
+    OtherUnknowns,
     /// The load moves none of the contacts that are to be hit.
     #[error(
         "the load moves none of the contacts of this word: nothing tells its phase; leave the load out, or give another word"

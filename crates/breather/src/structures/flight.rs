@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Complex, LinearMode, ModalStructure, ModeFlow, ParticipatingModes, Turn, Turned};
+use vibrochain_lattice::{Complex, LinearMode, ModalStructure, ModeFlow, ParticipatingModes, Stopped, Turn, Turned};
 
 use super::equations::Equations;
 use super::error::StructureOrbitError;
@@ -32,6 +32,11 @@ impl<'a> StructureMotion<'a> {
 
     fn structure(&self) -> &ModalStructure {
         self.orbit.model().structure()
+    }
+
+    /// Whether the model's request to stop is raised.
+    pub(super) fn heard(&self) -> Result<(), Stopped> {
+        self.orbit.model().heard()
     }
 
     pub(super) fn response(&self) -> &'a Response {

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use vibrochain_lattice::{Barrier, MAX_MAGNITUDE, ModalStructure, ParticipatingModes, StructureError};
+use vibrochain_lattice::{Barrier, MAX_MAGNITUDE, ModalStructure, ParticipatingModes, Stop, Stopped, StructureError};
 
 use super::error::StructureOrbitError;
 use super::response::Response;
@@ -15,6 +15,7 @@ pub struct StructureModel {
     omega: f64,
     felt: Arc<Mutex<Felt>>,
     responses: Arc<Mutex<Responses>>,
+    stop: Stop,
 }
 
 /// The modes that some contacts feel, of each list of contacts that has been asked for.
@@ -35,7 +36,22 @@ impl StructureModel {
     /// # Errors
     /// [`StructureOrbitError::Omega`].
     pub fn new(structure: Arc<ModalStructure>, omega: f64) -> Result<Self, StructureOrbitError> {
-        Self { structure, omega, felt: Arc::default(), responses: Arc::default() }.at(omega)
+        Self { structure, omega, felt: Arc::default(), responses: Arc::default(), stop: Stop::default() }.at(omega)
+    }
+
+    /// The same, whose orbits, and all that is asked of them, are worked out no longer than until the request to stop is raised.
+    pub fn until(self, stop: &Stop) -> Self {
+        Self { stop: stop.clone(), ..self }
+    }
+
+    /// The request to stop.
+    pub fn stop(&self) -> &Stop {
+        &self.stop
+    }
+
+    /// For loops: a look costs nanoseconds.
+    pub(super) fn heard(&self) -> Result<(), Stopped> {
+        self.stop.heard()
     }
 
     /// The same structure at another frequency. What does not depend on it is worked out once for all of them.
@@ -44,8 +60,8 @@ impl StructureModel {
     /// [`StructureOrbitError::Omega`].
     pub fn at(&self, omega: f64) -> Result<Self, StructureOrbitError> {
         if (1.0 / MAX_MAGNITUDE..=MAX_MAGNITUDE).contains(&omega) {
-            let (structure, felt) = (self.structure.clone(), self.felt.clone());
-            Ok(Self { structure, omega, felt, responses: Arc::default() })
+            let (structure, felt, stop) = (self.structure.clone(), self.felt.clone(), self.stop.clone());
+            Ok(Self { structure, omega, felt, responses: Arc::default(), stop })
         } else {
             Err(StructureOrbitError::Omega { omega })
         }

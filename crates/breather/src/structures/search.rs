@@ -154,6 +154,7 @@ fn found(
     let (starts, mut search) = if letters_at_once(word) { impacts.reversible(word)? } else { impacts.begin(wanted)? };
     let mut orbits: Vec<StructureOrbit> = Vec::new();
     for Start { point, is_zero } in starts {
+        model.heard()?;
         if wanted == Wanted::Pushing && point.pulls() {
             continue;
         }
@@ -179,6 +180,8 @@ fn found(
             orbits.push(orbit);
         }
     }
+    // Where Newton's method was stopped, too.
+    model.heard()?;
     Ok(StructureFound { orbits, search })
 }
 

@@ -40,6 +40,7 @@ impl Impacts<'_> {
         let mut law = Matrix::zeros(n);
         let mut right = zeros(n);
         for (i, strike) in point.strikes.iter().enumerate() {
+            self.equations.model.heard()?;
             let weight = 1.0 + self.equations.restitution(strike.contact);
             let load = self.equations.load(strike.contact, strike.time + psi);
             right[i] = if self.equations.forced {

@@ -8,8 +8,8 @@
 //! is left is eliminated in enclosures. So no determinant that vanishes somewhere divides anything, unless W loses two ranks: at single places of
 //! structures with symmetries ([`ThreeImpacts::double`]), and all over where the conditions are singular.
 
-use vibrochain_lattice::Complex;
 use vibrochain_lattice::simd::lanes::LANES;
+use vibrochain_lattice::{Complex, Stop};
 
 use super::at_times::Impacts;
 use super::periodic_kernel::Between;
@@ -64,6 +64,7 @@ pub(super) struct ThreeImpacts {
     rows: usize,
     columns: usize,
     budget: usize,
+    stop: Stop,
 }
 
 /// Of a pair of impacts: K and (1+e)K′ at the later one, and at the earlier one.
@@ -117,6 +118,7 @@ impl ThreeImpacts {
             columns: 3 + 2 * usize::from(load.is_some()) + usize::from(!homogeneous),
             double: false,
             budget,
+            stop: equations.model.stop().clone(),
         };
         functions.double = load.is_some() && functions.is_double();
         Some(functions)
@@ -124,7 +126,7 @@ impl ThreeImpacts {
 
     /// All zeros whose impacts do not surely pull.
     pub(super) fn zeros(&self) -> PlanarZeros {
-        let mut zeros = PlanarZeros::default();
+        let mut zeros = PlanarZeros { stop: self.stop.clone(), ..PlanarZeros::default() };
         let [first, second, third] = self.least;
         let shortest = if self.alike { self.period / 3.0 } else { self.period - second - third };
         let fastest = self.between.iter().map(|pair| pair.fastest).fold(self.rate, f64::max);

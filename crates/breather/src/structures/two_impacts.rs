@@ -20,7 +20,7 @@
 //! The same formulas serve for numbers and for enclosures.
 
 use vibrochain_lattice::simd::lanes::{LANES, Lane, ZERO, all, four};
-use vibrochain_lattice::{Complex, Turn};
+use vibrochain_lattice::{Complex, Stop, Turn};
 use wide::f64x4;
 
 use super::equations::Equations;
@@ -66,6 +66,7 @@ pub(super) struct Function {
     own: [[f64; 2]; 2],
     /// Where two impacts begin to be told apart.
     least: f64,
+    stop: Stop,
 }
 
 /// U₁₁, U₁₂, U₂₁, U₂₂, U_ll and Δ.
@@ -107,6 +108,7 @@ impl Function {
             places,
             own,
             least: period * told_apart(is_free || contacts[0] == contacts[1]),
+            stop: equations.model.stop().clone(),
         })
     }
 
@@ -118,6 +120,7 @@ impl Function {
     /// All zeros between the coincident ends; the second list is where two may have merged, the last number says whether all places were looked at.
     pub(super) fn zeros(&self) -> Zeros {
         let mut zeros = Zeros::default();
+        zeros.stop = self.stop.clone();
         let pieces = ((self.between.fastest.max(self.rate) * self.period) as usize).clamp(16, MOST_PIECES);
         zeros.find(self, self.least, self.period - self.least, pieces, |_| RESOLUTION * self.period);
         zeros

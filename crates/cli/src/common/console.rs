@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 
 use crate::common::error::CliError;
-use vibrochain_lattice::Stop;
+use vibrochain_lattice::{Stop, Stopped, aside};
 use vibrochain_maps::files::{distinct, halt_on};
 use vibrochain_maps::text::printable;
 
@@ -114,6 +114,14 @@ pub fn ctrl_c() -> Result<Stop, CliError> {
         installed.map(|()| stop).map_err(|error| format!("cannot listen for Ctrl-C: {error}"))
     });
     stop.clone().map_err(CliError::Computation)
+}
+
+/// Does work that does not look at signals, as reading a scene with all its modes is, on a thread of its own.
+///
+/// # Errors
+/// [`CliError::Interrupted`] by a signal, at once; [`CliError::Computation`] if none can be heard.
+pub(crate) fn interruptible<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, CliError> {
+    aside(&ctrl_c()?, work).map_err(|Stopped| CliError::Interrupted)
 }
 
 #[cfg(unix)]

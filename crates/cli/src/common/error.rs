@@ -127,6 +127,7 @@ impl From<FloquetError> for CliError {
 impl From<StructureOrbitError> for CliError {
     fn from(error: StructureOrbitError) -> Self {
         match error {
+            StructureOrbitError::Stopped(_) => Self::Interrupted,
             StructureOrbitError::Structure(StructureError::Resonance { .. })
             | StructureOrbitError::LossWithoutLoad
             | StructureOrbitError::Unfelt

@@ -18,7 +18,7 @@ use crate::common::pictures::Pictures;
 use crate::sweep::leaves::rows_per_cell;
 
 /// A scene that commands over a map take.
-pub(crate) trait SweptScene: Swept + Sectioned + Mapped {
+pub(crate) trait SweptScene: Swept + Sectioned + Mapped + 'static {
     /// What a user may not expect of it.
     fn remark(&self) -> Option<&'static str> {
         None

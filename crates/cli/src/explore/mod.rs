@@ -26,6 +26,7 @@ pub(crate) use crate::explore::folder::end_with_explorer;
 use crate::explore::line::Setting;
 use crate::explore::structure::StructureProgram;
 use crate::setup::SCENE;
+use crate::structures;
 use vibrochain_explore::{Answers, Explorer, View, port_will_do};
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::structure::StructureScene;
@@ -38,7 +39,7 @@ use vibrochain_maps::structure::StructureScene;
 pub(crate) fn run(args: &ExploreArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     port_will_do(args.port).map_err(|refusal| CliError::Request(refusal.message))?;
     if let Some(path) = &args.scene
-        && let Some(scene) = StructureScene::read(path)?
+        && let Some(scene) = structures::read(path)?
     {
         return of_structure(scene, path, args.port, console);
     }

@@ -19,7 +19,7 @@ use vibrochain_maps::sweep::{Content, Ended, Job, Plan, Settings, Watcher};
 use crate::args::FateArgs;
 use crate::common::answer::printed;
 use crate::common::chunked_run::{ChunkedRun, nothing_to_resume, parts_path, place, quoted, shard_of};
-use crate::common::console::{Console, destinations};
+use crate::common::console::{Console, destinations, interruptible};
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
 use crate::common::progress::counter;
@@ -45,7 +45,8 @@ const POINTS: u64 = 100;
 /// # Errors
 /// [`CliError`].
 pub fn run(args: &FateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    if StructureScene::is_at(&args.scene) {
+    let path = args.scene.clone();
+    if interruptible(move || StructureScene::is_at(&path))? {
         of_scene::<StructureScene>(args, console)
     } else {
         of_scene::<Scene>(args, console)
@@ -55,7 +56,8 @@ pub fn run(args: &FateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
 fn of_scene<S: SweptScene>(args: &FateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let fates = asked(args);
     let ensemble = &fates.ensemble;
-    let plan = Plan::<S>::of_ensemble(&args.scene, fates.settings(), fates.chunk_cells())?;
+    let (path, settings, cells) = (args.scene.clone(), fates.settings(), fates.chunk_cells());
+    let plan = interruptible(move || Plan::<S>::of_ensemble(&path, settings, cells))??;
     let scene = &plan.scene;
     // (clap does not ask for --diagram where something is given that conflicts with it.)
     if args.diagram.is_none() && (args.carry || args.points.is_some()) {

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use vibrochain_breather::{StructureFound, StructureModel, StructureSearch};
 use vibrochain_maps::numbers::Number;
-use vibrochain_maps::structure::answer::told;
+use vibrochain_maps::structure::answer::{kept, told};
 use vibrochain_maps::structure::{Answered, StructureScene};
 
 use crate::common::answer::told_verdict;
@@ -46,6 +46,7 @@ pub(crate) fn text(
     let plural = |count: usize| if count == 1 { "" } else { "s" };
     // Writing to a String cannot fail.
     let _ = writeln!(out, "{heading}: {}, {}", scene.heading(), scene.here());
+    let _ = write!(out, "{}", kept(scene, model));
     let physical = answered.iter().filter(|one| one.admissibility.is_physical()).count();
     let none = found.search.is_complete();
     let _ = match (answered.len(), none) {

@@ -15,6 +15,7 @@ use vibrochain_maps::scene::Given;
 use vibrochain_maps::structure::{Setting, StructureScene};
 
 use crate::args::{ModelArgs, RowEnds};
+use crate::common::console::{ctrl_c, interruptible};
 use crate::common::error::CliError;
 use vibrochain_maps::manifest::object;
 
@@ -23,7 +24,7 @@ use vibrochain_maps::manifest::object;
 /// # Errors
 /// [`CliError::Request`] for flags that do not go together, and for what is wrong in the scene.
 pub(crate) fn asked(args: &ModelArgs) -> Result<Option<StructureScene>, CliError> {
-    let scene = args.scene.as_deref().map(StructureScene::read).transpose()?.flatten();
+    let scene = args.scene.as_deref().map(read).transpose()?.flatten();
     let mut scene = match scene {
         Some(scene) => {
             let of_chain = Parameter::ALL.into_iter().filter(|one| *one != Parameter::Omega);
@@ -60,6 +61,17 @@ pub(crate) fn asked(args: &ModelArgs) -> Result<Option<StructureScene>, CliError
     Ok(Some(scene))
 }
 
+/// The scene of a file if it is one of a structure: it, and all that it is asked, ends early by a signal.
+///
+/// # Errors
+/// [`CliError::Request`] with what is wrong in the scene.
+pub(crate) fn read(scene: &Path) -> Result<Option<StructureScene>, CliError> {
+    let path = scene.to_owned();
+    let scene = interruptible(move || StructureScene::read(&path))??;
+    let stop = ctrl_c()?;
+    Ok(scene.map(|scene| scene.until(&stop)))
+}
+
 /// Refuses what only chains without dashpots can be asked.
 ///
 /// # Errors
@@ -76,7 +88,7 @@ pub(crate) fn refuse(args: &ModelArgs) -> Result<(), CliError> {
 /// # Errors
 /// [`CliError::Request`] with the commands that answer, or what is wrong in the scene.
 pub(crate) fn refuse_scene(scene: &Path) -> Result<(), CliError> {
-    match StructureScene::read(scene)? {
+    match read(scene)? {
         Some(_) => Err(refusal()),
         None => Ok(()),
     }

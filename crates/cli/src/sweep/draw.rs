@@ -15,7 +15,7 @@ use crate::along::labels;
 use crate::args::{DrawArgs, OF_BRANCHES, QuantityName, SHOWN};
 use crate::branch::drawn;
 use crate::branch::table::Table;
-use crate::common::console::{Console, destinations};
+use crate::common::console::{Console, destinations, interruptible};
 use crate::common::error::CliError;
 use crate::common::pictures::files::{PictureFiles, of_no_map};
 use crate::common::swept_scene::SweptScene;
@@ -130,7 +130,8 @@ pub fn run(args: &DrawArgs, console: &mut Console<'_>) -> Result<(), CliError> {
         let what = if kind == Kind::Cells { "the scene of the table" } else { "its manifest" };
         refuse!("{} is not there, which says what the table is of: give {what} by --scene", manifest.display());
     }
-    let is_structure = StructureScene::is_at(source);
+    let path = source.to_owned();
+    let is_structure = interruptible(move || StructureScene::is_at(&path))?;
     let told = match kind {
         Kind::Cells if is_structure => cells::<StructureScene>(args, table, source, console)?,
         Kind::Cells => cells::<Scene>(args, table, source, console)?,
@@ -156,8 +157,10 @@ pub fn run(args: &DrawArgs, console: &mut Console<'_>) -> Result<(), CliError> {
 }
 
 /// The scene in a file, or in a manifest.
-fn scene<S: Grid>(source: &Path) -> Result<S, CliError> {
-    Ok(S::parse(source, &read_text("scene", source, S::MOST_BYTES)?, &Files::new())?)
+fn scene<S: Grid + 'static>(source: &Path) -> Result<S, CliError> {
+    let path = source.to_owned();
+    let parsed = interruptible(move || S::parse(&path, &read_text("scene", &path, S::MOST_BYTES)?, &Files::new()));
+    Ok(parsed??)
 }
 
 fn cells<S: SweptScene>(

@@ -13,7 +13,7 @@ use vibrochain_lattice::{Short, Stop};
 
 use crate::args::{QuantityName, SweepArgs};
 use crate::common::chunked_run::{ChunkedRun, Streamed, nothing_to_resume, parts_path, place, quoted, shard_of};
-use crate::common::console::{Console, destinations};
+use crate::common::console::{Console, destinations, interruptible};
 use crate::common::error::CliError;
 use crate::common::swept_scene::SweptScene;
 use crate::common::table_manifest::manifest_path;
@@ -35,7 +35,8 @@ use vibrochain_maps::table::Form;
 /// # Errors
 /// [`CliError`].
 pub fn run(args: &SweepArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    if StructureScene::is_at(&args.scene) {
+    let path = args.scene.clone();
+    if interruptible(move || StructureScene::is_at(&path))? {
         swept::<StructureScene>(args, console)
     } else {
         swept::<Scene>(args, console)
@@ -43,7 +44,8 @@ pub fn run(args: &SweepArgs, console: &mut Console<'_>) -> Result<(), CliError> 
 }
 
 fn swept<S: SweptScene>(args: &SweepArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    let plan = Plan::<S>::read(&args.scene, args.threshold)?;
+    let (path, threshold) = (args.scene.clone(), args.threshold);
+    let plan = interruptible(move || Plan::<S>::read(&path, threshold))??;
     let (shard, given) = shard_of(args.shard)?;
     plan.scene.remark().iter().for_each(|remark| console.summary(remark));
     let pool = threads(console.threads.or(given))?;

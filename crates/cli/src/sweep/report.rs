@@ -2,6 +2,7 @@
 
 use crate::common::threads::cores;
 use vibrochain_floquet::Tolerance;
+use vibrochain_maps::absence::Absence;
 use vibrochain_maps::cell::{Class, Status};
 use vibrochain_maps::grid::{Grid, Refined};
 use vibrochain_maps::manifest::Effort;
@@ -46,6 +47,12 @@ pub(crate) fn report<S: Grid>(scene: &S, summary: &Summary, effort: Option<&Effo
     let share = |count: u64| 100.0 * count as f64 / cells as f64;
     for (class, count) in summary.by_name(S::class_name).into_iter().filter(|(_, count)| *count > 0) {
         lines.push(format!("  {class:<16} {count:>9}  {:5.1} %", share(count)));
+    }
+    for (absence, count) in Absence::ALL.into_iter().zip(summary.absences).filter(|(_, count)| *count > 0) {
+        lines.push(format!("    none in {count}: {}", absence.told()));
+    }
+    if summary.absences.iter().skip(Absence::WrongSign as usize).any(|count| *count > 0) {
+        lines.push("    (columns obstruction_contact and obstruction_after: which contact, and how soon)".to_owned());
     }
     // Under a force hardly anything is strictly stable, and most of it grows so slowly that nobody sees it.
     if summary.slow > 0 && scene.tolerance() == Some(Tolerance::Rounding) {

@@ -277,3 +277,52 @@ fn a_resonance_is_told_where_it_is() {
         assert!((number(&end["value"]) - exact).abs() < 1e-14, "{end} {exact}");
     }
 }
+
+/// Where the spring is gone the mass drifts, and its orbits have one unknown more: the branch ends there, it does not panic.
+#[test]
+fn a_branch_ends_where_a_spring_vanishes() {
+    let dir = dir();
+    let mut ended = 0;
+    for (event, to) in [("pitchfork", "2"), ("grazing", "2"), ("period-doubling", "1.5")] {
+        let line = format!("locate --scene scene.toml --event {event} --free stiffness.0.0 --from 0 --to {to} --json");
+        let answer = written(&dir.run(&line).with(0, &[]).out);
+        ended += answer["ends"].as_array().unwrap().len();
+    }
+    assert_eq!(ended, 6);
+    // A stiffness that is all but singular among far masses: rounding decides how many motions nothing holds.
+    let scene = "omega = 2.2\nword = \"0-\"\n[structure]\nmasses = [1, 1e9]\nstiffness = [[1, -1], [-1, 1.0000001]]\n\
+                 [[contact]]\nweights = [1, 1e9]\nlower = -1e-9\nrestitution = 0.5\n[force]\nload = [1, 1]\n";
+    fs::write(dir.path("far.toml"), scene).unwrap();
+    let ran = dir.run("locate --scene far.toml --event pitchfork --free stiffness.0.0 --json");
+    assert!(ran.code.is_some_and(|code| code != 101) && !ran.err.contains("panicked"), "{ran:?}");
+}
+
+/// On either side of a grazing the orbit is physical on one side alone: "stable" by itself would say that it lives on both.
+#[test]
+fn the_sides_of_an_event_say_whether_they_are_physical() {
+    let dir = dir();
+    let told = dir.run("locate --scene scene.toml --event grazing --free omega --from 1 --to 3").with(0, &[]).out;
+    let answer = dir.run("locate --scene scene.toml --event grazing --free omega --from 1 --to 3 --json").with(0, &[]);
+    let events = written(&answer.out)["events"].as_array().unwrap().clone();
+    let touches = events.iter().filter(|event| event["evidence"].get("barrier").is_some());
+    let (mut checked, mut beyond) = (0, 0);
+    for event in touches {
+        let sides = event["sides"].as_array().unwrap();
+        let physical: Vec<bool> = sides.iter().map(|side| side["physical"].as_bool().unwrap()).collect();
+        assert!(physical.len() < 2 || physical[0] != physical[1], "{event}");
+        for side in sides {
+            let omega = number(&side["value"]);
+            let found = dir.run(&format!("orbit --scene scene.toml --omega {omega} --json")).with(0, &[]);
+            let impulse = number(&event["impulses"][0]);
+            let found = written(&found.out);
+            let apart = |one: &Value| (number(&one["impacts"][0]["impulse"]) - impulse).abs();
+            let solutions = found["solutions"].as_array().unwrap();
+            let nearest = solutions.iter().min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap();
+            assert_eq!(nearest["physical"], side["physical"], "{side}");
+            beyond += usize::from(side["physical"] == false);
+            checked += 1;
+        }
+    }
+    assert!(checked >= 2 && beyond >= 1, "{checked} {beyond}");
+    assert_eq!(told.matches(": not physical, ").count(), beyond, "{told}");
+}

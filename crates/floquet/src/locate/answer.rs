@@ -1,5 +1,7 @@
 //! What is looked for, and what is found.
 
+use std::fmt;
+
 use nalgebra::Complex;
 use thiserror::Error;
 use vibrochain_breather::{Approach, BranchError, BreatherError, Orbit};
@@ -107,6 +109,25 @@ pub struct Branching<O = Orbit> {
     pub orbits: Vec<BranchedOrbit<O>>,
 }
 
+/// The orbit beside an event.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct EventSide {
+    /// Value of the free parameter.
+    pub value: f64,
+    /// Whether it is stable, if it is physical at all.
+    pub stability: Verdict,
+    /// Whether it is physical, where that can be told.
+    pub physical: Option<bool>,
+}
+
+impl fmt::Display for EventSide {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let not = if self.physical == Some(false) { "not physical, " } else { "" };
+        write!(f, "{not}{}", self.stability)
+    }
+}
+
 /// An event that was found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Located<O = Orbit> {
@@ -122,8 +143,8 @@ pub struct Located<O = Orbit> {
     pub evidence: Evidence,
     /// Whether the orbit there is physical, where that can be told; at grazing a matter of rounding.
     pub physical: Option<bool>,
-    /// The verdict a small step away on either side in the parameter, as far as the orbit exists there.
-    pub verdicts: Vec<(f64, Verdict)>,
+    /// The orbits a small step away on either side in the parameter, as far as they exist there.
+    pub sides: Vec<EventSide>,
     /// The orbits that branch off, at a period doubling or pitchfork.
     pub branching: Option<Branching<O>>,
     /// Orbits assembled between the start and this answer.

@@ -27,7 +27,9 @@ pub(crate) mod follower;
 mod serde_impl;
 mod switch;
 
-pub use answer::{Answer, BranchedOrbit, Branching, End, Event, Evidence, LocateError, Located, Search, Unresolved};
+pub use answer::{
+    Answer, BranchedOrbit, Branching, End, Event, EventSide, Evidence, LocateError, Located, Search, Unresolved,
+};
 pub use chain::{locate, locate_until};
 pub use course::{Course, Diagram, DiagramPoint, FollowedBranch, Origin, Station, is_physical_about};
 pub(crate) use diagram::{Tracing, both_ways, grown};

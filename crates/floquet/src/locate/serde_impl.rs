@@ -3,8 +3,7 @@
 use serde::{Serialize, Serializer};
 use vibrochain_breather::{Approach, Orbit};
 
-use super::answer::{Branching, Event, Evidence, Located, Unresolved};
-use crate::verdict::Verdict;
+use super::answer::{Branching, Event, EventSide, Evidence, Located, Unresolved};
 
 /// As `[from, to]`.
 impl Serialize for Unresolved {
@@ -22,7 +21,7 @@ struct PlainLocated<'a> {
     evidence: PlainEvidence,
     physical: Option<bool>,
     orbit: &'a Orbit,
-    sides: Vec<Side<'a>>,
+    sides: &'a [EventSide],
     branching: Option<&'a Branching>,
     evaluations: usize,
 }
@@ -40,16 +39,9 @@ enum PlainEvidence {
     Other(Evidence),
 }
 
-#[derive(Serialize)]
-struct Side<'a> {
-    value: f64,
-    stability: &'a Verdict,
-}
-
 impl Serialize for Located {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Self { event, value, error, ref orbit, evidence, physical, ref verdicts, ref branching, evaluations } =
-            *self;
+        let Self { event, value, error, ref orbit, evidence, physical, ref sides, ref branching, evaluations } = *self;
         let evidence = match evidence {
             Evidence::Touch(touch) => {
                 let (site, layer) = orbit.model().chain().layout().site_and_layer(touch.site);
@@ -57,7 +49,6 @@ impl Serialize for Located {
             }
             other => PlainEvidence::Other(other),
         };
-        let sides = verdicts.iter().map(|(value, stability)| Side { value: *value, stability }).collect();
         let branching = branching.as_ref();
         PlainLocated { event, value, error, evidence, physical, orbit, sides, branching, evaluations }
             .serialize(serializer)

@@ -3,9 +3,8 @@
 use faer::MatRef;
 use nalgebra::{Complex, DMatrix, Schur};
 use vibrochain_breather::BreatherError;
-use vibrochain_lattice::Stop;
+use vibrochain_lattice::{Stop, aside};
 
-use crate::aside::aside;
 use crate::error::FloquetError;
 use crate::sizes::LARGE;
 

@@ -15,7 +15,7 @@ use crate::events::{EventOrbit, Solved, Test, Watcher, solve};
 use crate::locate::branch_off::branch_off;
 use crate::locate::follower::confirm::{AWAY, multiplier_at};
 use crate::locate::follower::{Ended, Ends};
-use crate::locate::{End, Event, Evidence, LocateError, Located};
+use crate::locate::{End, Event, EventSide, Evidence, LocateError, Located};
 use crate::verdict::Tolerance;
 use vibrochain_breather::time_between;
 
@@ -153,17 +153,19 @@ impl OfStructure {
         solved: Solved<StructureOrbit>,
         point: &StructureBranchPoint,
     ) -> Located<StructureOrbit> {
-        let beside = self.others.verdict(point.orbit(), self.tolerance);
+        let physical = |orbit: &StructureOrbit| structure_is_physical(orbit).ok().map(|told| told.is_physical());
+        let beside = self.others.verdict(point.orbit(), self.tolerance).into_iter();
+        let side = |stability| EventSide { value: point.value(), stability, physical: physical(point.orbit()) };
         let distance = AWAY * solved.value.abs().max(1e-2 * self.range);
         let branching = branch_off(self, event, (&solved.at.orbit, solved.value), distance);
         Located {
             event,
             value: solved.value,
             error: solved.error,
-            physical: structure_is_physical(&solved.at.orbit).ok().map(|told| told.is_physical()),
+            physical: physical(&solved.at.orbit),
             orbit: solved.at.orbit,
             evidence,
-            verdicts: beside.into_iter().map(|verdict| (point.value(), verdict)).collect(),
+            sides: beside.map(side).collect(),
             branching,
             evaluations: 0,
         }

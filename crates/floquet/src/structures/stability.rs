@@ -2,7 +2,10 @@
 
 use nalgebra::Complex;
 use smallvec::SmallVec;
-use vibrochain_breather::{BlochEquations, Condition, ImpactError, StructureImpact, StructureOrbit, Together};
+use vibrochain_breather::{
+    BlochEquations, BreatherError, Condition, ImpactError, StructureImpact, StructureOrbit, Together,
+};
+use vibrochain_lattice::aside;
 
 use crate::analyser::Stability;
 use crate::error::FloquetError;
@@ -36,6 +39,11 @@ const ROOT: f64 = 1e-7;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn structure_stability(orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Stability, FloquetError> {
+    heard(orbit, move |orbit| stability(orbit, tolerance))
+}
+
+/// All of it here and now.
+fn stability(orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Stability, FloquetError> {
     let known = StructureMultipliers::of(orbit);
     let (verdict, mut multipliers) = known.all(tolerance)?;
     multipliers.extend(known.spared.iter().flat_map(|pair| known.multipliers_of(pair)));
@@ -51,7 +59,22 @@ pub fn structure_stability(orbit: &StructureOrbit, tolerance: Tolerance) -> Resu
 /// # Errors
 /// As [`structure_stability`].
 pub fn structure_verdict(orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Verdict, FloquetError> {
-    StructureMultipliers::of(orbit).verdict(tolerance)
+    heard(orbit, move |orbit| StructureMultipliers::of(orbit).verdict(tolerance))
+}
+
+/// Modes times impacts from which on the work on multipliers, which does not look at a request to stop, may take longer than whoever stops waits.
+const LONG: usize = 128;
+
+/// Does work on an orbit's multipliers: no longer than until its model's request to stop is raised.
+fn heard<T: Send + 'static>(
+    orbit: &StructureOrbit,
+    work: impl FnOnce(&StructureOrbit) -> Result<T, FloquetError> + Send + 'static,
+) -> Result<T, FloquetError> {
+    if orbit.model().structure().modes().len() * orbit.impacts().len() < LONG {
+        return work(orbit);
+    }
+    let (stop, orbit) = (orbit.model().stop().clone(), orbit.clone());
+    aside(&stop, move || work(&orbit)).map_err(BreatherError::from)?
 }
 
 /// The multipliers of the modes that the orbit's impacts feel, and the verdict on all. Along folds errors may have no bound; then the multipliers are
@@ -60,12 +83,14 @@ pub(super) fn participating_multipliers(
     orbit: &StructureOrbit,
     tolerance: Tolerance,
 ) -> Result<(Vec<Complex<f64>>, Option<Verdict>), FloquetError> {
-    let known = StructureMultipliers::of(orbit);
-    if let Ok((verdict, multipliers)) = known.all(tolerance) {
-        return Ok((multipliers, Some(verdict)));
-    }
-    let there = told(&known.equations, orbit.is_conservative(), &[], Tolerance::Rounding);
-    Ok((there.map_err(FloquetError::Uncounted)?.1, None))
+    heard(orbit, move |orbit| {
+        let known = StructureMultipliers::of(orbit);
+        if let Ok((verdict, multipliers)) = known.all(tolerance) {
+            return Ok((multipliers, Some(verdict)));
+        }
+        let there = told(&known.equations, orbit.is_conservative(), &[], Tolerance::Rounding);
+        Ok((there.map_err(FloquetError::Uncounted)?.1, None))
+    })
 }
 
 /// An orbit with its equations J(z), from which all that is asked of its multipliers is told.

@@ -56,6 +56,25 @@ pub enum StructureError {
         /// Its number.
         contact: usize,
     },
+    /// Dashpots couple more modes than are worked out together.
+    #[error(
+        "dashpots couple {modes} modes, at most {most} are worked out together: keep the slowest, modes = {most}, or give dashpots that do not \
+         couple them"
+    )]
+    Coupled {
+        /// How many.
+        modes: usize,
+        /// The most.
+        most: usize,
+    },
+    /// A contact that stands still in all modes that are kept.
+    #[error("contact {contact} does not move in the first {modes} modes: keep more of them")]
+    Unmoved {
+        /// Its number.
+        contact: usize,
+        /// How many are kept.
+        modes: usize,
+    },
     /// A contact with its lower barrier above the upper one.
     #[error("contact {contact} has its lower barrier at {} and its upper one at {}: give lower < upper", Short(*lower), Short(*upper))]
     Barriers {

@@ -4,7 +4,7 @@
 //! λ² + λD + Ω² are eigenvalues of the state matrix [[0, Ω], [−Ω, −D]] of (Ωy, y′), and its triangular form has their shapes. (With 1 and
 //! Ω² in it instead, digits would depend on the unit of time.)
 
-use nalgebra::{Cholesky, DMatrix, DVector, Schur};
+use nalgebra::{Cholesky, DMatrix, DVector};
 use rustfft::num_complex::Complex;
 
 use super::contact::Contact;
@@ -12,6 +12,7 @@ use super::energy::{Block, EnergyForm};
 use super::error::StructureError;
 use super::linear_mode::{LinearMode, ModeShape};
 use super::modal::{MOST_DAMPING, ModalStructure};
+use super::state_matrix::{SWEEPS, eigen};
 use crate::kernel::turn::Turn;
 
 type C = Complex<f64>;
@@ -23,8 +24,9 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// What a contact sees of a mode below this part of what it may see is rounding of the eigenvectors.
 const UNFELT: f64 = 16.0 * f64::EPSILON;
 
-/// Steps of QR for an eigenvalue; a handful is usual.
-const SWEEPS: usize = 60;
+/// Modes at most that dashpots couple. Their state matrix is twice as large, and its triangular form takes twenty times as long as modes without
+/// dashpots do: 300 take as long as 1000 of these.
+const MOST_COUPLED: usize = 300;
 
 /// Poles of one shape closer than this part of their size are as good as one.
 const COINCIDENT: f64 = 1e-7;
@@ -60,6 +62,8 @@ pub struct Structure {
     pub static_load: DVector<f64>,
     /// Number j and f of each harmonic, complex: |f|cos(jω(t+ψ) + arg f).
     pub loads: Vec<(u32, DVector<C>)>,
+    /// Only so many of its modes count, the slowest; `None`: all do. What loads, dashpots and contacts do to the others is left out.
+    pub modes: Option<usize>,
 }
 
 impl Structure {
@@ -67,7 +71,8 @@ impl Structure {
     ///
     /// # Errors
     /// [`StructureError`]: sizes that do not fit, numbers that are not finite, a mass that is not positive, a stiffness that is not
-    /// symmetric or has a negative eigenvalue, damping that makes two poles of one shape coincide.
+    /// symmetric or has a negative eigenvalue, damping that makes two poles of one shape coincide. Of a contact that none of the modes which are
+    /// kept moves, [`StructureError::Unmoved`].
     pub fn modal(&self) -> Result<ModalStructure, StructureError> {
         let n = self.mass.nrows();
         self.check()?;
@@ -90,21 +95,24 @@ impl Structure {
             }
             squares.push(if square <= floor { 0.0 } else { square });
         }
-        let sorted = DMatrix::from_fn(n, n, |i, k| eigen.eigenvectors[(i, order[k])]);
+        // From here on of the modes that are kept.
+        let kept = self.modes.map_or(n, |modes| modes.min(n));
+        squares.truncate(kept);
+        let sorted = DMatrix::from_fn(n, kept, |i, k| eigen.eigenvectors[(i, order[k])]);
         let shapes = lower.tr_solve_lower_triangular(&sorted).ok_or(StructureError::Massless)?;
         let modes = if self.damping.is_empty() {
-            self.oscillators(&shapes, &squares, &vec![0.0; n])?
+            self.oscillators(&shapes, &squares, &vec![0.0; kept])?
         } else {
             let mut damping = shapes.transpose() * &self.damping * &shapes;
             let size = damping.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()));
-            for k in (0..n).filter(|&k| squares[k] == 0.0) {
+            for k in (0..kept).filter(|&k| squares[k] == 0.0) {
                 if damping[(k, k)].abs() <= ROUNDING * n as f64 * size {
                     damping[(k, k)] = 0.0;
                 }
             }
             let off = |i: usize, j: usize| i != j && damping[(i, j)].abs() > ROUNDING * n as f64 * size;
-            if (0..n).all(|i| (0..n).all(|j| !off(i, j))) {
-                let decays = as_one((0..n).map(|k| 0.5 * damping[(k, k)]));
+            if (0..kept).all(|i| (0..kept).all(|j| !off(i, j))) {
+                let decays = as_one((0..kept).map(|k| 0.5 * damping[(k, k)]));
                 self.oscillators(&shapes, &squares, &decays)?
             } else {
                 self.poles(&shapes, &squares, &damping)?
@@ -115,7 +123,18 @@ impl Structure {
         let reaches: Vec<f64> = self.contacts.iter().map(|(weights, _)| reach(weights)).collect();
         let modes = modes.into_iter().map(|mode| without_rounding(&lower, &reaches, mode)).collect();
         let contacts = self.contacts.iter().map(|(_, contact)| *contact).collect();
-        ModalStructure::new(contacts, self.loads.iter().map(|(number, _)| *number).collect(), modes)
+        let harmonics = self.loads.iter().map(|(number, _)| *number).collect();
+        ModalStructure::new(contacts, harmonics, modes).map_err(|error| match (error, self.modes) {
+            (StructureError::NoWeight { contact }, Some(modes)) => StructureError::Unmoved { contact, modes },
+            (error, _) => error,
+        })
+    }
+
+    /// 1/(wᵀM⁻¹w) of each contact: the mass that an impact there feels, whether all modes are kept or not. `None` of a mass that is not
+    /// positive definite.
+    pub fn effective_masses(&self) -> Option<Vec<f64>> {
+        let mass = Cholesky::new(self.mass.clone())?;
+        Some(self.contacts.iter().map(|(weights, _)| 1.0 / weights.dot(&mass.solve(weights))).collect())
     }
 
     /// Coordinates ξ of all modes of a state (q, q′); `modal` is what [`Structure::modal`] made of it.
@@ -205,6 +224,9 @@ impl Structure {
         };
         if n == 0 {
             return Err(StructureError::Size { what: "the mass matrix".to_owned(), given: 0, wanted: 1 });
+        }
+        if self.modes == Some(0) {
+            return Err(StructureError::Range { what: "modes".to_owned(), value: 0.0, requirement: "a number from 1" });
         }
         size("the mass matrix", self.mass.ncols(), n)?;
         for (what, matrix) in [("the stiffness matrix", &self.stiffness), ("the damping matrix", &self.damping)] {
@@ -304,7 +326,10 @@ impl Structure {
         if coupled.iter().any(|&k| squares[k] == 0.0) {
             return Err(StructureError::RigidDamped);
         }
-        let pick = |list: &[usize]| DMatrix::from_fn(n, list.len(), |i, k| shapes[(i, list[k])]);
+        if coupled.len() > MOST_COUPLED {
+            return Err(StructureError::Coupled { modes: coupled.len(), most: MOST_COUPLED });
+        }
+        let pick = |list: &[usize]| DMatrix::from_fn(shapes.nrows(), list.len(), |i, k| shapes[(i, list[k])]);
         let picked = |list: &[usize]| list.iter().map(|&k| squares[k]).collect::<Vec<_>>();
         let decays = as_one(own.iter().map(|&k| 0.5 * damping[(k, k)]));
         let mut modes = self.oscillators(&pick(&own), &picked(&own), &decays)?;
@@ -399,41 +424,4 @@ fn as_one(rates: impl Iterator<Item = f64>) -> Vec<f64> {
         list.push(known.copied().unwrap_or(rate));
     }
     list
-}
-
-/// Eigenvalues λ of [[0, Ω], [−Ω, −D]] and y of their vectors (Ωy, λy); complex ones in exact pairs, real ones exactly real.
-fn eigen(squares: &[f64], damping: &DMatrix<f64>) -> Result<(Vec<C>, Vec<DVector<C>>), StructureError> {
-    let m = squares.len();
-    let state = DMatrix::from_fn(2 * m, 2 * m, |i, j| match (i < m, j < m) {
-        (true, _) if j == i + m => squares[i].sqrt(),
-        (false, true) if i == j + m => -squares[j].sqrt(),
-        (false, false) => -damping[(i - m, j - m)],
-        _ => 0.0,
-    });
-    let schur = Schur::try_new(state.map(|x| C::new(x, 0.0)), f64::EPSILON, SWEEPS * 2 * m);
-    let (unitary, triangle) = schur.ok_or(StructureError::NotConverged)?.unpack();
-    let norm = triangle.iter().map(|x| x.norm()).fold(0.0, f64::max);
-    let (mut values, mut vectors) = (Vec::new(), Vec::new());
-    for k in 0..2 * m {
-        let value = triangle[(k, k)];
-        let mut vector = DVector::from_element(2 * m, C::default());
-        vector[k] = C::new(1.0, 0.0);
-        for i in (0..k).rev() {
-            let sum: C = (i + 1..=k).map(|j| triangle[(i, j)] * vector[j]).sum();
-            let mut distance = triangle[(i, i)] - value;
-            if distance.norm() < f64::EPSILON * norm {
-                // Of one value twice any combination serves, if there are two shapes at all.
-                distance = C::new(f64::EPSILON * norm, 0.0);
-            }
-            vector[i] = -sum / distance;
-        }
-        let whole = &unitary * vector;
-        // Of real matrices: what is as good as real is.
-        let is_real = value.im.abs() <= 1e-9 * norm * f64::EPSILON.sqrt();
-        values.push(if is_real { C::new(value.re, 0.0) } else { value });
-        let half = DVector::from_fn(m, |i, _| whole[i] / squares[i].sqrt());
-        let length = half.iter().map(|x| x.norm_sqr()).sum::<f64>().sqrt();
-        vectors.push(half / C::new(length, 0.0));
-    }
-    Ok((values, vectors))
 }

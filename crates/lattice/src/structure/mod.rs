@@ -6,6 +6,7 @@
 //! | `linear_mode` | [`LinearMode`]: two coordinates that move together, what contacts see of them, what impulses and loads give to them |
 //! | `modal` | [`ModalStructure`]: modes and contacts, from which kernels and steady motions are made |
 //! | `matrices` | [`Structure`]: mass, damping and stiffness, from which modes are made (feature `matrices`) |
+//! | `state_matrix` | poles and shapes of modes that dashpots couple |
 //! | `energy` | [`EnergyForm`]: energy and powers in the coordinates of the modes |
 //! | `error` | [`StructureError`] |
 
@@ -16,3 +17,5 @@ pub(crate) mod linear_mode;
 #[cfg(feature = "matrices")]
 pub(crate) mod matrices;
 pub(crate) mod modal;
+#[cfg(feature = "matrices")]
+mod state_matrix;

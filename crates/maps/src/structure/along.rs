@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 use vibrochain_breather::{StructureFamily, StructureOrbit};
 use vibrochain_floquet::{
-    BranchedOrbit, Branching, CurveError, Evidence, Located, StructureCurve, StructureWindow, Verdict, structure_curve,
+    BranchedOrbit, Branching, CurveError, Evidence, Located, StructureCurve, StructureWindow, structure_curve,
 };
 use vibrochain_lattice::Stop;
 
@@ -34,7 +34,6 @@ pub fn event(found: &Located<StructureOrbit>) -> Value {
         }
         Evidence::Impact(impact) => json!({ "impact": impact }),
     };
-    let side = |(value, verdict): &(f64, Verdict)| json!({ "value": value, "stability": verdict });
     let orbit = |orbit: &StructureOrbit| {
         let times = orbit.impacts().iter().map(|impact| json!(impact.time)).collect();
         let (period, psi) = (json!(orbit.period()), json!(orbit.psi()));
@@ -56,7 +55,7 @@ pub fn event(found: &Located<StructureOrbit>) -> Value {
         ("physical", json!(found.physical)),
     ]);
     told.extend(orbit(&found.orbit));
-    told.extend(object([("sides", found.verdicts.iter().map(side).collect()), ("branching", branching.into())]));
+    told.extend(object([("sides", json!(found.sides)), ("branching", branching.into())]));
     told.into()
 }
 

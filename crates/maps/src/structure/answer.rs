@@ -10,6 +10,7 @@ use vibrochain_floquet::{FloquetError, Stability, Tolerance, Verdict, structure_
 use super::scene::StructureScene;
 use super::setting::Setting;
 use crate::manifest::object;
+use crate::numbers::Number;
 
 /// What the answer names in its first key.
 const SCHEMA: &str = "urn:vibrochain:structure:1";
@@ -79,16 +80,30 @@ pub fn json(
     })
 }
 
+/// What each contact feels where only some modes are kept, a line a contact.
+#[must_use]
+pub fn kept(scene: &StructureScene, model: &StructureModel) -> String {
+    let (structure, whole) = (model.structure(), scene.whole());
+    let line = |(contact, mass): (usize, &f64)| {
+        let own = Number(1.0 / structure.mobility(contact, contact));
+        format!("contact {contact} feels a mass of {own}, with all modes {}\n", Number(*mass))
+    };
+    whole.iter().flat_map(|(_, masses)| masses.iter().enumerate().map(line)).collect()
+}
+
 /// The structure as it was asked about.
 #[must_use]
 pub fn structure(scene: &StructureScene, model: &StructureModel) -> Value {
     let structure = model.structure();
+    let whole = scene.whole();
     let contacts = structure.contacts().iter().enumerate().map(|(number, contact)| {
+        let of_all = whole.as_ref().map(|(_, masses)| masses[number]);
         value!({
             "lower": contact.lower,
             "upper": contact.upper,
             "restitution": contact.restitution,
             "effective_mass": 1.0 / structure.mobility(number, number),
+            "effective_mass_of_all_modes": of_all,
         })
     });
     value!({
@@ -98,6 +113,7 @@ pub fn structure(scene: &StructureScene, model: &StructureModel) -> Value {
         "static": scene.get(Setting::Static),
         "damping": scene.get(Setting::Damping),
         "modes": structure.modes().len(),
+        "all_modes": whole.as_ref().map(|(all, _)| *all),
         "contacts": contacts.collect::<Vec<_>>(),
     })
 }

@@ -8,9 +8,9 @@ use vibrochain_lattice::DampedParameter::{CouplingDamping, Damping, Lower, Stati
 use vibrochain_lattice::Parameter::{Amplitude, Asymmetry, Gamma1, Gamma2, Omega, Restitution};
 use vibrochain_lattice::{Contact, DampedParameter, Parameter, Range};
 
-use super::definition::MOST_MASSES;
 use super::scene::StructureScene;
 use super::setting::Setting;
+use super::sizes::check_size;
 use super::tables::{ChainTable, ComputeTable, SweepTable};
 use crate::error::MapError;
 use crate::scene::{ModelTable, Source, damped_keys};
@@ -79,9 +79,9 @@ pub(super) fn read((file, told): (File, Map<String, Value>)) -> Result<Structure
         return Err("nothing stops the masses: give asymmetry, lower or upper in [model]".to_owned());
     }
     let count = *model.sites.get_ref();
-    let sites = usize::try_from(count).ok().filter(|sites| (1..=MOST_MASSES).contains(sites));
-    let sites =
-        sites.ok_or_else(|| format!("sites = {count} is out of range: give a whole number from 1 to {MOST_MASSES}"))?;
+    let sites = usize::try_from(count).ok().filter(|sites| *sites > 0);
+    let sites = sites.ok_or_else(|| format!("sites = {count} is out of range: give a whole number from 1"))?;
+    check_size("sites", sites)?;
     if let Some(stop) = model.stops.iter().find(|stop| **stop >= sites) {
         return Err(format!("stops: site {stop} does not exist: this chain has the sites 0 to {}", sites - 1));
     }

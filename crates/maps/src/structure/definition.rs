@@ -5,18 +5,13 @@ use vibrochain_lattice::{Complex, Contact, EnergyForm, LinearMode, ModalStructur
 
 use super::named::Named;
 use super::setting::{Matrix, Setting};
-use super::tables::{ChainTable, ContactTable, ForceTable, StructureTable};
+use super::sizes::check_size;
+use super::tables::{ChainTable, ContactTable, ForceTable, ModesGiven, StructureTable};
 
 type C = Complex<f64>;
 
 /// The most a mode may be damped, against critical: its slow pole is a difference, of which no four digits are left beyond.
 const MOST_RATIO: f64 = 7e5;
-
-/// The most masses of a chain that is made a structure, and the most contacts.
-pub const MOST_MASSES: usize = 1000;
-
-/// The most coordinates: structures are dense.
-const MOST_COORDINATES: usize = 2000;
 
 /// A structure as it was given.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,32 +33,40 @@ impl Definition {
         if let Some(number) = contacts.iter().position(free) {
             return Err(format!("contact {number} has no barrier: give lower, upper or both"));
         }
-        let sites = table.chain.as_ref().map_or(0, |chain| chain.sites);
-        let counts = [
-            ("sites", sites, MOST_MASSES),
-            ("masses", table.masses.as_ref().map_or(0, Vec::len), MOST_COORDINATES),
-            ("contacts", contacts.len(), MOST_MASSES),
-        ];
-        if let Some((what, count, most)) = counts.iter().find(|(_, count, most)| count > most) {
-            return Err(format!("{what}: {count} are too many: give at most {most}"));
-        }
+        check_size("masses", table.masses.as_ref().map_or(0, Vec::len))?;
+        check_size("frequencies", table.frequencies.as_ref().map_or(0, Vec::len))?;
+        check_size("contacts", contacts.len())?;
+        let (kept, file) = match &table.modes {
+            Some(ModesGiven::Kept(0)) => return Err("modes = 0 is out of range: give a whole number from 1".to_owned()),
+            Some(ModesGiven::Kept(count)) => (Some(*count), None),
+            Some(ModesGiven::File(file)) => (None, Some(file)),
+            None => (None, None),
+        };
         let kinds = [
             ("mass", table.mass.is_some() || table.masses.is_some()),
             ("frequencies", table.frequencies.is_some()),
-            ("modes", table.modes.is_some()),
+            ("modes", file.is_some()),
             ("chain", table.chain.is_some()),
         ];
         let given: Vec<&str> = kinds.iter().filter(|(_, given)| *given).map(|(name, _)| *name).collect();
         match given[..] {
-            ["mass"] => Self::of_matrices(table, contacts, force, files),
-            ["frequencies" | "modes"] => Self::of_modes(table, contacts, force, files),
+            ["mass"] => Self::of_matrices((table, kept), contacts, force, files),
+            ["frequencies"] if kept.is_some() => Err(
+                "modes keeps some of what matrices or a chain have: give the frequencies that are kept, and no others"
+                    .to_owned(),
+            ),
+            ["frequencies"] => Self::of_modes(table, contacts, force),
+            ["modes"] => {
+                let table = files.modes(file.map_or("", String::as_str))?;
+                Self::of_modes(&table, contacts, force)
+            }
             ["chain"] => {
                 let chain = table.chain.clone().ok_or("chain is missing")?;
                 let n = chain.sites;
                 let contacts = contacts.iter().enumerate().map(|(number, given)| given.weighted(number, n));
                 let contacts = contacts.collect::<Result<_, _>>()?;
                 let still = force.still.clone().map(DVector::from_vec).unwrap_or_default();
-                Self::of_chain(chain, contacts, still, force.loads(n)?)
+                Self::of_chain(chain, contacts, still, force.loads(n)?)?.keeping(kept)
             }
             [] => Err(
                 "[structure] says nothing of masses: give mass or masses with stiffness, frequencies, modes, or chain"
@@ -74,7 +77,7 @@ impl Definition {
     }
 
     fn of_matrices(
-        table: &StructureTable,
+        (table, modes): (&StructureTable, Option<usize>),
         contacts: &[ContactTable],
         force: &ForceTable,
         files: &Named<'_>,
@@ -98,20 +101,36 @@ impl Definition {
             static_load: force.still.clone().map(DVector::from_vec).unwrap_or_default(),
             loads: force.loads(n)?,
             mass,
+            modes: None,
         };
-        Ok(Self::Matrices(Box::new(structure), None))
+        Self::Matrices(Box::new(structure), None).keeping(modes)
     }
 
-    fn of_modes(
-        table: &StructureTable,
-        contacts: &[ContactTable],
-        force: &ForceTable,
-        files: &Named<'_>,
-    ) -> Result<Self, String> {
-        let table = match &table.modes {
-            Some(file) => &files.modes(file)?,
-            None => table,
-        };
+    /// The same with its slowest modes alone.
+    fn keeping(mut self, modes: Option<usize>) -> Result<Self, String> {
+        if let Self::Matrices(structure, _) = &mut self {
+            let n = structure.mass.nrows();
+            if let Some(kept) = modes.filter(|kept| *kept > n) {
+                return Err(format!("modes = {kept} is out of range: the structure has {n}"));
+            }
+            structure.modes = modes;
+        }
+        Ok(self)
+    }
+
+    /// Whether only some modes are kept.
+    pub(super) fn keeps_some(&self) -> bool {
+        matches!(self, Self::Matrices(structure, _) if structure.modes.is_some())
+    }
+
+    /// Of each contact the effective mass that all modes give it, where some are left out.
+    pub(super) fn whole_masses(&self) -> Option<Vec<f64>> {
+        let Self::Matrices(structure, _) = self else { return None };
+        structure.modes?;
+        structure.effective_masses()
+    }
+
+    fn of_modes(table: &StructureTable, contacts: &[ContactTable], force: &ForceTable) -> Result<Self, String> {
         let frequencies = table.frequencies.as_ref().ok_or("frequencies are missing")?;
         let n = frequencies.len();
         let list = |name: &str, given: &Option<Vec<f64>>| match given {
@@ -178,9 +197,10 @@ impl Definition {
         loads: Vec<(u32, DVector<C>)>,
     ) -> Result<Self, String> {
         let n = chain.sites;
-        if !(1..=MOST_MASSES).contains(&n) {
-            return Err(format!("sites = {n} is out of range: give a whole number from 1 to {MOST_MASSES}"));
+        if n == 0 {
+            return Err("sites = 0 is out of range: give a whole number from 1".to_owned());
         }
+        check_size("sites", n)?;
         let (left, right) = match chain.ends.as_str() {
             "closed" => (None, None),
             "free" => (Some(0.0), Some(0.0)),
@@ -215,6 +235,7 @@ impl Definition {
             contacts,
             static_load,
             loads,
+            modes: None,
         };
         Ok(Self::Matrices(Box::new(structure), Some(chain)))
     }
@@ -237,8 +258,8 @@ impl Definition {
         let Self::Matrices(structure, Some(chain)) = self else { return None };
         let mut chain = chain.clone();
         change(&mut chain);
-        let Structure { contacts, static_load, loads, .. } = Structure::clone(structure);
-        Some(Self::of_chain(chain, contacts, static_load, loads))
+        let Structure { contacts, static_load, loads, modes, .. } = Structure::clone(structure);
+        Some(Self::of_chain(chain, contacts, static_load, loads).and_then(|changed| changed.keeping(modes)))
     }
 
     /// The matrices that are given as such, which can be changed; `None` of modes and of chains.

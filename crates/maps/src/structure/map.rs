@@ -2,21 +2,23 @@
 
 use std::ops::Range;
 use std::path::Path;
-use std::sync::Arc;
 
 use serde_json::{Map, Value as Json};
-use vibrochain_breather::{StructureModel, Word, structure_candidates, structure_is_physical};
+use vibrochain_breather::{Admissibility, StructureModel, Word, structure_candidates, structure_is_physical};
 use vibrochain_floquet::{StructureMultipliers, Tolerance, Verdict};
 use vibrochain_lattice::Stop;
 
-use super::named::MOST_BYTES;
+use super::cell::{COLUMNS, StructureCell, StructureClass};
+use super::first_obstruction::FirstObstruction;
+use super::named::{MOST_BYTES, MOST_FILE_BYTES};
 use super::scene::StructureScene;
 use super::setting::Setting;
+use crate::absence::Absence;
 use crate::cell::{Cell, Class, Status};
 use crate::error::MapError;
 use crate::grid::{Files, Grid};
 use crate::scene::Axis;
-use crate::table::columns::{Column, Found, Kind, Value, common};
+use crate::table::columns::{Column, common};
 
 /// Work of a chunk, in cells of one mode and one word of one impact, each some five microseconds.
 const CHUNK_WORK: u64 = 1 << 15;
@@ -30,106 +32,6 @@ const CHUNK_CELLS: [u64; 2] = [16, 4096];
 /// Times that threads take cells of a chunk: some milliseconds of work each.
 const TAKES: u64 = 16;
 
-/// Existence and stability in one word.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StructureClass {
-    /// No physical orbit of these words was found.
-    None,
-    /// Something could not be worked out, and nothing was found.
-    Unknown,
-    /// A stable orbit.
-    Stable,
-    /// An orbit whose excess is closer to the border of stability than its own error.
-    Undecided,
-    /// An unstable orbit.
-    Unstable,
-    /// An orbit, stability not asked for, or not worked out.
-    Physical,
-}
-
-vibrochain_lattice::names!(StructureClass {
-    None "none", Unknown "unknown", Stable "stable", Undecided "undecided" | "marginal", Unstable "unstable", Physical "physical",
-});
-
-/// What a point says.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StructureCell {
-    /// What lives there.
-    pub class: StructureClass,
-    /// The word of the best orbit, with its periods of the load where these are several: a stable one if there is one, of several the first.
-    pub word: Option<Arc<str>>,
-    /// Why something could not be worked out.
-    pub trouble: Option<String>,
-    /// How the best orbit's stability is lost, its spectral radius and margin; the number of physical orbits of the words asked for, and
-    /// their largest residual; whether the lists are complete, and nothing was left open. Its class is that of [`Grid::shown`].
-    pub found: Cell,
-}
-
-impl Found for StructureCell {
-    fn found(&self) -> &Cell {
-        &self.found
-    }
-
-    fn found_mut(&mut self) -> &mut Cell {
-        &mut self.found
-    }
-}
-
-impl StructureCell {
-    const EMPTY: Self = Self { class: StructureClass::None, word: None, trouble: None, found: Cell::EMPTY };
-
-    fn troubled(why: String) -> Self {
-        Self { class: StructureClass::Unknown, trouble: Some(why), ..Self::EMPTY }
-    }
-
-    /// Its status: that of its lists, unless it has trouble of its own.
-    fn judged(mut self) -> Self {
-        self.found.status = match (&self.trouble, self.class) {
-            (Some(_), _) => Status::IllConditioned,
-            (None, StructureClass::Undecided) => Status::Undecided,
-            (None, _) => self.found.status,
-        };
-        self
-    }
-}
-
-/// The columns after the axes, but for those common to all scenes, which stand before the last.
-const COLUMNS: [Column<StructureCell>; 3] = [
-    Column {
-        name: "class",
-        kind: Kind::Word,
-        optional: false,
-        get: |cell| Some(Value::Word(cell.class.name())),
-        set: |cell, value| {
-            let Value::Word(name) = value else { return None };
-            cell.class = StructureClass::from_name(name)?;
-            Some(())
-        },
-    },
-    Column {
-        name: "word",
-        kind: Kind::Word,
-        optional: true,
-        get: |cell| cell.word.as_deref().map(Value::Word),
-        set: |cell, value| {
-            let Value::Word(word) = value else { return None };
-            cell.word = Some(word.into());
-            Some(())
-        },
-    },
-    Column {
-        name: "trouble",
-        kind: Kind::Text,
-        optional: true,
-        get: |cell| cell.trouble.as_deref().map(Value::Text),
-        set: |cell, value| {
-            let Value::Text(text) = value else { return None };
-            cell.trouble = Some(text.to_owned());
-            Some(())
-        },
-    },
-];
-
 /// The scene of the row that a thread is in: what is slow to change is changed once.
 #[derive(Debug, Default)]
 pub struct RowOfModels {
@@ -138,6 +40,7 @@ pub struct RowOfModels {
     scene: Option<Result<StructureScene, String>>,
     /// Along a row of frequencies the structure is the same: its model at one of them.
     base: Option<StructureModel>,
+    stop: Stop,
 }
 
 impl RowOfModels {
@@ -151,7 +54,8 @@ impl RowOfModels {
         let (column, row) = ((cell % points) as usize, cell / points);
         if self.row != Some(row) {
             let point = whole.point(cell).into_iter().skip(1);
-            let scene = point.into_iter().try_fold(whole.clone(), |mut scene, (parameter, value)| {
+            let whole = whole.clone().until(&self.stop);
+            let scene = point.into_iter().try_fold(whole, |mut scene, (parameter, value)| {
                 scene.set(parameter, value)?;
                 Ok(scene)
             });
@@ -203,6 +107,7 @@ fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
     let mut cell = StructureCell::EMPTY;
     let lists: Vec<_> = scene.words.iter().map(|(word, periods)| structure_candidates(model, word, *periods)).collect();
     let mut best: Option<Best<'_>> = None;
+    let mut way: Option<(Absence, FirstObstruction)> = None;
     let unstable = 1.0 + Option::from(scene.tolerance).unwrap_or(0.0);
     for (word, found) in lists.iter().enumerate() {
         let found = match found {
@@ -215,8 +120,11 @@ fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
         cell.found.status = cell.found.status.max(Status::of_search(found.search));
         for orbit in &found.orbits {
             let physical = match structure_is_physical(orbit) {
-                Ok(answer) if answer.is_physical() => answer,
-                Ok(_) => continue,
+                Ok(Admissibility { obstruction: Some(obstruction), .. }) => {
+                    way.get_or_insert_with(|| FirstObstruction::of(orbit, &obstruction));
+                    continue;
+                }
+                Ok(answer) => answer,
                 Err(error) => {
                     cell.trouble = Some(error.to_string());
                     continue;
@@ -245,8 +153,12 @@ fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
         }
     }
     let Some(Best { word, margin, told }) = best else {
-        let class = if cell.trouble.is_some() { StructureClass::Unknown } else { StructureClass::None };
-        return StructureCell { class, ..cell };
+        if cell.trouble.is_some() {
+            return StructureCell { class: StructureClass::Unknown, ..cell };
+        }
+        let missed = if cell.found.status == Status::Ok { Absence::NoOrbit } else { Absence::NotFound };
+        cell.found.absence = Some(way.map_or(missed, |(reason, _)| reason));
+        return StructureCell { class: StructureClass::None, obstruction: way.map(|(_, way)| way), ..cell };
     };
     let verdict = match told {
         Told::Verdict(verdict) => Some(verdict),
@@ -277,6 +189,7 @@ impl Grid for StructureScene {
     type Worker = RowOfModels;
 
     const MOST_BYTES: u64 = MOST_BYTES;
+    const MOST_FILE_BYTES: u64 = MOST_FILE_BYTES;
 
     fn is_one(text: &str) -> bool {
         Self::is_scene(text)
@@ -362,8 +275,8 @@ impl Grid for StructureScene {
     }
 
     fn columns(&self) -> Vec<Column<StructureCell>> {
-        let [class, word, trouble] = COLUMNS;
-        [class, word].into_iter().chain(common()).chain([trouble]).collect()
+        let [class, word, further @ ..] = COLUMNS;
+        [class, word].into_iter().chain(common()).chain(further).collect()
     }
 
     fn untold() -> StructureCell {
@@ -394,8 +307,8 @@ impl Grid for StructureScene {
         class.name()
     }
 
-    fn worker(&self, _: &Stop) -> RowOfModels {
-        RowOfModels::default()
+    fn worker(&self, stop: &Stop) -> RowOfModels {
+        RowOfModels { stop: stop.clone(), ..RowOfModels::default() }
     }
 
     fn compute(
@@ -412,6 +325,10 @@ impl Grid for StructureScene {
             }
             let model = row.model(self, number);
             cells.push(model.map_or_else(StructureCell::troubled, |model| cell_of(self, &model)).judged());
+        }
+        // What was stopped has no answer.
+        if stop.is_raised() {
+            return None;
         }
         Some(())
     }

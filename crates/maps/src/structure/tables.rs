@@ -17,6 +17,17 @@ pub(super) enum MatrixGiven {
     File(String),
 }
 
+/// How many modes are kept, or the file that has them.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "give how many modes are kept, a whole number from 1, or the name of a CSV file of modes"
+)]
+pub(super) enum ModesGiven {
+    Kept(usize),
+    File(String),
+}
+
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct StructureTable {
@@ -29,7 +40,7 @@ pub(super) struct StructureTable {
     pub(super) contact_shapes: Option<Vec<Vec<f64>>>,
     pub(super) load_shapes: Option<Vec<f64>>,
     pub(super) static_shapes: Option<Vec<f64>>,
-    pub(super) modes: Option<String>,
+    pub(super) modes: Option<ModesGiven>,
     pub(super) chain: Option<ChainTable>,
 }
 

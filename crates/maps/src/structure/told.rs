@@ -43,9 +43,14 @@ impl StructureScene {
         let plural = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
         let (is_chain, is_uniform) = (self.is_chain(), self.is_uniform());
         let contacts = self.contacts();
+        let modes = match self.all_modes() {
+            Some(all) => format!("{} of {}", self.modes(), plural(all, "mode")),
+            None => plural(self.modes(), "mode"),
+        };
         let mut parts = match self.chain() {
+            Some(chain) if self.all_modes().is_some() => vec![layout(chain), modes],
             Some(chain) => vec![layout(chain)],
-            None => vec![plural(self.modes(), "mode"), plural(contacts.len(), "contact")],
+            None => vec![modes, plural(contacts.len(), "contact")],
         };
         let told = |setting: Setting, usual: Option<f64>| {
             let value = self.get(setting).filter(|value| Some(*value) != usual)?;

@@ -90,10 +90,10 @@ fn listed(counts: &[u64]) -> String {
 }
 
 fn summary_line(summary: &Summary) -> String {
-    let (classes, statuses) = (listed(&summary.classes), listed(&summary.statuses));
+    let [classes, statuses, absences] = [&summary.classes[..], &summary.statuses, &summary.absences].map(listed);
     let Summary { worst_residual, slow, computed, .. } = summary;
     format!(
-        "summary classes {classes} statuses {statuses} worst_residual {worst_residual:e} slow {slow} computed {computed}\n"
+        "summary classes {classes} statuses {statuses} absences {absences} worst_residual {worst_residual:e} slow {slow} computed {computed}\n"
     )
 }
 
@@ -106,6 +106,8 @@ fn read_summary(line: &str) -> Option<Summary> {
         classes,
         "statuses",
         statuses,
+        "absences",
+        absences,
         "worst_residual",
         residual,
         "slow",
@@ -122,6 +124,7 @@ fn read_summary(line: &str) -> Option<Summary> {
     };
     read(classes, &mut summary.classes)?;
     read(statuses, &mut summary.statuses)?;
+    read(absences, &mut summary.absences)?;
     summary.worst_residual = residual.parse().ok().filter(|residual: &f64| residual.is_finite())?;
     summary.slow = slow.parse().ok()?;
     summary.computed = computed.parse().ok()?;

@@ -33,7 +33,7 @@ const PATIENCE: u32 = 100;
 /// The most bytes of a plan of a scene: the longest text, and four files that it names, quoted, where a quotation mark takes two, and a
 /// little besides.
 const fn most_bytes<S: Grid>() -> u64 {
-    2 * 5 * S::MOST_BYTES + (1 << 16)
+    2 * (S::MOST_BYTES + 4 * S::MOST_FILE_BYTES) + (1 << 16)
 }
 
 /// What a process means to do in the folder.

@@ -236,7 +236,9 @@ impl<'a, S: Grid> Reader<'a, S> {
     /// What is wrong.
     pub fn finish(self, summary: &Summary) -> Result<(), String> {
         let counts = self.whole()?;
-        if (counts.classes, counts.statuses, counts.slow) != (summary.classes, summary.statuses, summary.slow) {
+        if (counts.classes, counts.statuses, counts.absences, counts.slow)
+            != (summary.classes, summary.statuses, summary.absences, summary.slow)
+        {
             refuse!("its counts are not those of its rows");
         }
         Ok(())

@@ -135,6 +135,9 @@ class Structure:
         s.
     harmonic : int
         The load's harmonic.
+    modes : int, optional
+        Keep so many modes, the slowest, and leave out what the others do; all of them if not given. Of light ends of beams the impacts feel more
+        mass then.
 
     Examples
     --------
@@ -161,8 +164,11 @@ class Structure:
         load: ArrayLike | None = None,
         static_load: ArrayLike | None = None,
         harmonic: int = 1,
+        modes: SupportsIndex | None = None,
     ) -> None:
         self._structure: dict[str, Any] = {"mass": _dense("mass", mass), "stiffness": _dense("stiffness", stiffness)}
+        if modes is not None:
+            self._structure["modes"] = modes.__index__()
         if damping is not None:
             self._structure["damping"] = _dense("damping", damping)
         self._contacts = _scenes(contacts)

@@ -200,6 +200,8 @@ class StructureBranch:
         value, side, orbits, these with period, psi, times, impulses, physical, stability.
     ends : list of tuple (float, str)
         Where and how it ends at the first and behind the last point.
+    unresolved : list of tuple (float, float)
+        Ranges in which there is a sign of more events that rounding hides.
     word : str
         That of its first orbit.
     force_periods : int
@@ -233,6 +235,7 @@ class StructureBranch:
     stable: NDArray[np.bool_]
     events: list[dict[str, Any]]
     ends: list[tuple[float, str]]
+    unresolved: list[tuple[float, float]] = field(default_factory=list)
     word: str = ""
     force_periods: int = 1
     leaving: tuple[StructureBranch, ...] = ()
@@ -265,6 +268,7 @@ class StructureBranch:
             stable=np.array([one.get("stable") is True and not one.get("undecided") for one in stability]),
             events=parts["events"],
             ends=[(value, name) for value, name in parts["ends"]],
+            unresolved=[(low, high) for low, high in parts["unresolved"]],
             word=parts["word"],
             force_periods=parts["force_periods"],
             leaving=leaving,
@@ -275,7 +279,8 @@ class StructureBranch:
         )
 
     def __repr__(self) -> str:
-        return f"<StructureBranch of {self.word} in {self.free}: {len(self.values)} points, {len(self.events)} events>"
+        hidden = f", in {len(self.unresolved)} ranges a sign of more" if self.unresolved else ""
+        return f"<StructureBranch of {self.word} in {self.free}: {len(self.values)} points, {len(self.events)} events{hidden}>"
 
     def _rows(self) -> tuple[str, int, int, list[Any]]:
         known = lambda value: None if np.isnan(value) else float(value)  # noqa: E731

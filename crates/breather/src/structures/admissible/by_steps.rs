@@ -53,6 +53,7 @@ impl Watch<'_> {
         s = s.min(end);
         let mut before: Option<(f64, f64)> = None;
         for _ in 0..MOST_STEPS {
+            self.motion.heard()?;
             let [d, slope] = self.distance(s);
             if let Some((s_before, slope_before)) = before
                 && slope_before < 0.0

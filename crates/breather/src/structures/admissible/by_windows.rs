@@ -1,8 +1,8 @@
 //! Contacts as polynomials on windows of a radian, whose turning points are isolated.
 
 use smallvec::smallvec;
-use vibrochain_lattice::Barrier;
 use vibrochain_lattice::simd::lanes::{LANES, Number, four};
+use vibrochain_lattice::{Barrier, Stopped};
 use wide::f64x4;
 
 use super::Search;
@@ -73,7 +73,7 @@ impl Passage<f64> {
 
 impl Search<'_> {
     /// Turning points of the contacts' polynomials, window by window.
-    pub(super) fn by_windows(&mut self, windows: &mut Windows<'_>, order: &[usize], i: usize) {
+    pub(super) fn by_windows(&mut self, windows: &mut Windows<'_>, order: &[usize], i: usize) -> Result<(), Stopped> {
         let begins = self.orbit.impacts()[i].time;
         let whole = self.motion.until_next(i);
         let bounds = windows.bounds();
@@ -101,7 +101,7 @@ impl Search<'_> {
             }
         }
         if watched.is_empty() {
-            return;
+            return Ok(());
         }
         windows.keep(&mut watched.iter_mut().map(|own| &mut own.place));
         // Of all of them, four at a time.
@@ -119,6 +119,7 @@ impl Search<'_> {
         let mut there = here.clone();
         let mut pending = std::mem::take(&mut self.pending);
         loop {
+            self.motion.heard()?;
             let sighted = windows.pass();
             there[0].copy_from_slice(&sighted.places);
             there[1].copy_from_slice(&sighted.velocities);
@@ -141,6 +142,7 @@ impl Search<'_> {
             }
         }
         self.pending = pending;
+        Ok(())
     }
 
     /// Looks at one contact on a window.

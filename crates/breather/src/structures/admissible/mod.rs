@@ -72,7 +72,7 @@ fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, Structur
             continue;
         }
         match view.as_ref().and_then(|view| Windows::new(view, &motion, i)) {
-            Some(mut windows) => search.by_windows(&mut windows, &order, i),
+            Some(mut windows) => search.by_windows(&mut windows, &order, i)?,
             None => search.by_steps(i)?,
         }
     }

@@ -9,9 +9,9 @@ use super::{At, Ends, Follower, OrbitOf, Point};
 use crate::bracket::crossing;
 use crate::events::{AtEvent, EventOrbit, Solved, TOUCHES, Test, Watcher, solve};
 use crate::followed::Followed;
-use crate::locate::answer::{Event, Evidence, LocateError, Located};
+use crate::locate::answer::{Event, EventSide, Evidence, LocateError, Located};
 use crate::locate::branch_off::branch_off;
-use crate::verdict::{Tolerance, Verdict};
+use crate::verdict::Tolerance;
 use crate::zeros::Nu;
 
 type C = Complex<f64>;
@@ -281,18 +281,19 @@ impl<E: Ends> Follower<E> {
     ) -> Located<OrbitOf<E>> {
         let Solved { at: AtEvent { orbit, .. }, value, error, .. } = solved;
         let physical = self.watcher.admissibility(&orbit).ok().map(|told| told.is_physical());
-        let mut verdicts: Vec<(f64, Verdict)> = Vec::new();
+        let mut sides: Vec<EventSide> = Vec::new();
         for side in [-1e-2, 1e-2] {
             // Along the curve: at a fold both sides lie on one side in the parameter.
             let Ok(point) = self.branch.step(from, along + side * Pace::LONGEST) else { continue };
-            if let Ok(verdict) = self.watcher.verdict(point.orbit(), self.stretch.tolerance) {
-                verdicts.push((point.value(), verdict));
+            if let Ok(stability) = self.watcher.verdict(point.orbit(), self.stretch.tolerance) {
+                let physical = self.watcher.admissibility(point.orbit()).ok().map(|told| told.is_physical());
+                sides.push(EventSide { value: point.value(), stability, physical });
             }
         }
-        verdicts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sides.sort_by(|a, b| a.value.total_cmp(&b.value));
         let distance = AWAY * value.abs().max(1e-2 * self.range());
         let branching = branch_off(&mut self.ends, event, (&orbit, value), distance);
         let evaluations = self.evaluations();
-        Located { event, value, error, orbit, evidence, physical, verdicts, branching, evaluations }
+        Located { event, value, error, orbit, evidence, physical, sides, branching, evaluations }
     }
 }

@@ -15,7 +15,7 @@ use nalgebra::DVector;
 use serde_json::{Map, Value};
 use vibrochain_breather::Word;
 use vibrochain_floquet::Tolerance;
-use vibrochain_lattice::{Complex, Contact, ModalStructure};
+use vibrochain_lattice::{Complex, Contact, ModalStructure, Stop, aside};
 
 use super::definition::Definition;
 use super::setting::Setting;
@@ -57,7 +57,11 @@ pub struct StructureScene {
     contacts: Vec<Contact>,
     /// The modes at the damping there is now, with the contacts and loads of the file.
     modal: Arc<ModalStructure>,
+    stop: Stop,
 }
+
+/// Coordinates from which on modes take longer than it takes to begin a thread.
+const MANY: usize = 100;
 
 impl StructureScene {
     fn of(definition: Definition) -> Result<Self, String> {
@@ -81,7 +85,26 @@ impl StructureScene {
             still: 1.0,
             damping: 1.0,
             uniform: false,
+            stop: Stop::default(),
         })
+    }
+
+    /// The same, whose modes, and whatever is asked of its models, are worked out no longer than until the request to stop is raised.
+    #[must_use]
+    pub fn until(self, stop: &Stop) -> Self {
+        Self { stop: stop.clone(), ..self }
+    }
+
+    /// The modes of what it is made of now, with its dashpots times `damping`.
+    fn with_modes(&mut self, damping: f64) -> Result<(), String> {
+        let modal = if self.modal.coordinates() < MANY {
+            self.definition.modal(damping)?
+        } else {
+            let definition = self.definition.clone();
+            aside(&self.stop, move || definition.modal(damping)).map_err(|stopped| stopped.to_string())??
+        };
+        self.modal = Arc::new(modal);
+        Ok(())
     }
 
     /// A chain under the load `amplitude` and the static load `still` on every mass; contact n is mass n, free where it has no barrier.
@@ -182,6 +205,17 @@ impl StructureScene {
     /// Number of modes.
     pub(in crate::structure) fn modes(&self) -> usize {
         self.modal.modes().len()
+    }
+
+    /// How many modes there are where only some are kept, and the effective mass that all of them give each contact.
+    #[must_use]
+    pub fn whole(&self) -> Option<(usize, Vec<f64>)> {
+        self.definition.whole_masses().map(|masses| (self.modal.coordinates(), masses))
+    }
+
+    /// How many modes there are where only some are kept.
+    pub(in crate::structure) fn all_modes(&self) -> Option<usize> {
+        self.definition.keeps_some().then(|| self.modal.coordinates())
     }
 
     /// The contacts as they are now.

@@ -56,7 +56,7 @@ impl StructureScene {
             Setting::Load => self.load = value,
             Setting::Static => self.still = value,
             Setting::Damping if self.definition.chain().is_none() => {
-                self.modal = Arc::new(self.definition.modal(value)?);
+                self.with_modes(value)?;
                 self.damping = value;
             }
             Setting::Damping | Setting::CouplingDamping | Setting::Gamma1 | Setting::Gamma2 => {
@@ -73,11 +73,11 @@ impl StructureScene {
                 let changed =
                     changed.ok_or_else(|| format!("{setting} is of chains: this structure has matrices or modes"))?;
                 self.definition = Arc::new(changed?);
-                self.modal = Arc::new(self.definition.modal(1.0)?);
+                self.with_modes(1.0)?;
             }
             Setting::Entry(..) | Setting::LoadOf(_) | Setting::StaticOf(_) => {
                 self.definition = Arc::new(self.definition.with_entry(setting, value)?);
-                self.modal = Arc::new(self.definition.modal(self.damping)?);
+                self.with_modes(self.damping)?;
             }
             Setting::Asymmetry => self.contacts.iter_mut().for_each(|contact| {
                 if let (Some(lower), Some(upper)) = (contact.lower, contact.upper) {
@@ -111,7 +111,8 @@ impl StructureScene {
     /// As [`StructureScene::structure`]; a frequency that is missing.
     pub fn model(&self) -> Result<StructureModel, String> {
         let omega = self.omega.ok_or("omega is missing: give omega = … in the scene, or --omega")?;
-        StructureModel::new(self.structure()?, omega).map_err(|error| error.to_string())
+        let model = StructureModel::new(self.structure()?, omega).map_err(|error| error.to_string())?;
+        Ok(model.until(&self.stop))
     }
 
     /// Coordinates ξ of all modes of displacements and velocities of the coordinates.

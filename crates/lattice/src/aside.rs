@@ -1,4 +1,4 @@
-//! Work that cannot look at a request to stop: eigenvectors in a library, all multipliers of a large lattice.
+//! Work that cannot look at a request to stop: eigenvectors in a library, all multipliers of a large lattice, a scene that is read.
 
 use std::panic::resume_unwind;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::Builder;
 use std::time::Duration;
 
-use vibrochain_lattice::{Stop, Stopped};
+use crate::stop::{Stop, Stopped};
 
 /// Between two looks at the request: a user does not notice half of what is promised, and a look costs microseconds.
 const LOOK: Duration = Duration::from_millis(50);
@@ -15,7 +15,7 @@ const LOOK: Duration = Duration::from_millis(50);
 ///
 /// # Errors
 /// [`Stopped`].
-pub(crate) fn aside<T: Send + 'static>(stop: &Stop, work: impl FnOnce() -> T + Send + 'static) -> Result<T, Stopped> {
+pub fn aside<T: Send + 'static>(stop: &Stop, work: impl FnOnce() -> T + Send + 'static) -> Result<T, Stopped> {
     stop.heard()?;
     // Shared, so that it is still here if no thread can be had.
     let work = Arc::new(Mutex::new(Some(work)));
