@@ -21,8 +21,8 @@ vibrochain_lattice::names!(Absence {
     NoOrbit "no-orbit", NotFound "not-found", WrongSign "wrong-sign", Sticks "sticks", CrossesAtOnce "crosses-at-once", Crosses "crosses",
 });
 
-/// The part of a period after an impact in which a light contact that rings comes back.
-pub const AT_ONCE: f64 = 0.01;
+/// The part of a period after an impact that is soon: a light contact that rings, or bounces, comes back in it.
+pub const AT_ONCE: f64 = 0.1;
 
 impl Absence {
     /// In the summary of a map.

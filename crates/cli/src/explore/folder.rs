@@ -176,6 +176,7 @@ mod tests {
     }
 
     /// A folder as an explorer leaves it that is killed, but for what `change` does.
+    #[allow(clippy::unwrap_used, reason = "of a test")]
     fn abandoned(parent: &Path, change: impl FnOnce(&Path)) -> PathBuf {
         let Folder { folder, _held } = Folder::within(parent).unwrap();
         let path = folder.path().to_owned();

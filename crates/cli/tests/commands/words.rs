@@ -225,7 +225,12 @@ fn wrong_words_of_a_scene_are_pointed_at() {
 fn all_words_of_a_few_sites_are_listed_with_their_fate() {
     let dir = TestDir::new();
     let pairs = dir.run(&format!("words --sites-used 2 --reach 4 {MODEL} --csv pairs.csv")).with(0, &[]);
-    assert!(pairs.out.contains("8 words up to symmetry: 8 orbits, 8 physical, 4 stable"), "{}", pairs.out);
+    assert!(pairs.out.contains("24 words up to symmetry: 24 orbits, 8 physical, 4 stable"), "{}", pairs.out);
+    // Here those of both barriers are not physical, and others are: a list of "every word" holds both.
+    let low = "words --sites-used 2 --reach 6 --sites 12 --gamma1 .2 --gamma2 .03 --omega .7 --asymmetry .4";
+    let told = |families: &str| dir.run(&format!("{low}{families}")).with(0, &[]).out;
+    assert!(told("").contains(" 12 physical, 6 stable") && told("") == told(" --families either"));
+    assert!(told(" --families double-sided").contains(" 0 physical, 0 stable"));
     let table = fs::read_to_string(dir.path("pairs.csv")).unwrap();
     let mut checked = 0;
     for case in words() {

@@ -69,7 +69,7 @@ pub(crate) struct Motion {
 impl Motion {
     /// From ξ of the structure.
     pub(crate) fn new(system: System, xi: &[[f64; 2]]) -> Self {
-        let flight = Flight::new(&system, system.from_equilibrium(xi), 0.0);
+        let flight = Flight::new(&system, system.about_equilibrium(xi), 0.0);
         let place =
             |contact| Place { reference: None, x: flight.place(&system, contact), v: None, touch: Contact::Free };
         let places = (0..system.contacts()).map(place).collect();

@@ -136,7 +136,7 @@ impl System {
     }
 
     /// ξ of all modes of the structure, from where the static load holds them.
-    pub(crate) fn from_equilibrium(&self, xi: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    pub(crate) fn about_equilibrium(&self, xi: &[[f64; 2]]) -> Vec<[f64; 2]> {
         xi.iter().zip(&self.loads.equilibrium).map(|(xi, held)| [xi[0] - held[0], xi[1] - held[1]]).collect()
     }
 
