@@ -118,8 +118,12 @@ pub enum SuiteName {
     Simulation,
     /// Classes of a map's cells.
     Map,
+    /// Impulses, times and ψ of an orbit of two damped masses.
+    Shooting,
     /// Extreme corners of the parameters and random points: promised and delivered errors.
     Extremes,
+    /// Random structures: are errors within the bounds that are told with each number?
+    Structures,
 }
 
 /// Arguments of `studies refinement`.

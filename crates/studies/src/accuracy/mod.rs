@@ -9,7 +9,8 @@
 //! | `table`, `document` | rows and their files; sections and the Markdown they make |
 //! | `meter` | the time of one evaluation; Ctrl-C; progress |
 //! | [`extremes`] | extreme corners and random points against many digits |
-//! | `spectrum`, `simulation`, `map`, `kernels`, `orbits` | the suites |
+//! | [`structures`] | random structures against many digits |
+//! | `spectrum`, `simulation`, `map`, `kernels`, `orbits`, `shooting` | the suites |
 //! | [`paper`], `series` | the paper's procedure, and its Fourier series |
 //! | `steppers` | general solvers for ordinary differential equations |
 
@@ -22,9 +23,11 @@ mod orbits;
 pub mod paper;
 mod picture;
 mod series;
+mod shooting;
 mod simulation;
 mod spectrum;
 mod steppers;
+pub mod structures;
 mod table;
 
 use std::path::Path;
@@ -64,6 +67,7 @@ const SUITES: &[(SuiteName, &Suite)] = &[
     (SuiteName::Spectrum, &spectrum::SUITE),
     (SuiteName::Simulation, &simulation::SUITE),
     (SuiteName::Map, &map::SUITE),
+    (SuiteName::Shooting, &shooting::SUITE),
 ];
 
 /// The name of the document.
@@ -91,12 +95,17 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<(), CliErro
     let folder = args.out.join(FILES);
     let files = chosen.iter().map(|suite| Files::open(&folder, suite.name)).collect::<Result<Vec<_>, _>>()?;
     let everything = args.suite.is_empty();
-    let extremes_file = (everything || args.suite.contains(&SuiteName::Extremes))
-        .then(|| Output::create(&folder.join(EXTREMES)))
-        .transpose()?;
+    let file_of = |suite: SuiteName, name: &str| {
+        (everything || args.suite.contains(&suite)).then(|| Output::create(&folder.join(name))).transpose()
+    };
+    let extremes_file = file_of(SuiteName::Extremes, EXTREMES)?;
+    let structures_file = file_of(SuiteName::Structures, STRUCTURES)?;
 
     let stop = (console.interrupt)()?;
-    let bar = progress(chosen.len() + usize::from(extremes_file.is_some()), console.progress);
+    let bar = progress(
+        chosen.len() + usize::from(extremes_file.is_some()) + usize::from(structures_file.is_some()),
+        console.progress,
+    );
     let mut meter = Meter::new(&stop, &bar, args.quick);
     let mut document = Document::new(args.quick);
     let mut written = Vec::new();
@@ -107,12 +116,20 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<(), CliErro
         written.push((files, table, suite));
         bar.inc(1);
     }
-    let mut broken = None;
+    let mut broken = Vec::new();
     if let Some(file) = extremes_file {
         meter.enter("extremes");
         let report = Report::run(&meter, &threads(None)?, args.quick)?;
         document.sections.push(extreme_section(&report));
-        broken = report.broken().map(|(count, row)| format!("{count} promises are broken, the first: {row:?}"));
+        broken.extend(report.broken().map(told));
+        file.finish_with(&report.csv()?)?;
+        bar.inc(1);
+    }
+    if let Some(file) = structures_file {
+        meter.enter("structures");
+        let report = structures::report::Report::run(&meter, &threads(None)?, args.quick)?;
+        document.sections.push(structure_section(&report));
+        broken.extend(report.broken().map(told));
         file.finish_with(&report.csv()?)?;
     }
     if everything {
@@ -134,7 +151,12 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<(), CliErro
         files.write(&table, suite)?;
     }
     document_file.finish_with(document.markdown().as_bytes())?;
-    broken.map_or(Ok(()), |message| Err(CliError::Computation(message)))
+    if broken.is_empty() { Ok(()) } else { Err(CliError::Computation(broken.join("; "))) }
+}
+
+/// Promises that are broken, in words.
+fn told((count, row): (usize, &extremes::Row)) -> String {
+    format!("{count} promises are broken, the first: {row:?}")
 }
 
 /// Draws the tables that are in `folder`.
@@ -148,6 +170,9 @@ fn redraw(folder: &Path, chosen: &[&Suite]) -> Result<(), CliError> {
     }
     Ok(())
 }
+
+/// The table of random structures.
+const STRUCTURES: &str = "structures.csv";
 
 /// The table of the extremes.
 const EXTREMES: &str = "extremes.csv";
@@ -165,6 +190,13 @@ fn extreme_section(report: &Report) -> Section {
     blocks.push(Block::Prose(format!("Every case: [{EXTREMES}]({FILES}/{EXTREMES}).")));
     blocks.extend(report.markdown().into_iter().map(Block::Prose));
     Section { title: "Extremes".to_owned(), blocks }
+}
+
+/// The random structures' part of the document.
+fn structure_section(report: &structures::report::Report) -> Section {
+    let broken = format!("Bounds that are broken, each with its scene: [{STRUCTURES}]({FILES}/{STRUCTURES}).");
+    let blocks = [structures::report::PROSE.to_owned(), broken, report.markdown()];
+    Section { title: "Random structures".to_owned(), blocks: blocks.into_iter().map(Block::Prose).collect() }
 }
 
 /// The suite's part of the document.

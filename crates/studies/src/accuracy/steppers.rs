@@ -55,8 +55,9 @@ fn bounce(model: &Model, y: &mut [f64], site: usize) {
     }
 }
 
-type State = DVector<f64>;
+pub(super) type State = DVector<f64>;
 
+#[derive(Clone, Copy)]
 struct Ring<'a> {
     model: &'a Model,
 }
@@ -69,14 +70,14 @@ impl System<f64, State> for Ring<'_> {
 
 /// Times and states of the dense output every `step` over `time`, or of every step taken without one.
 fn dop853_flight(
-    model: &Model,
+    system: impl System<f64, State>,
     from: &State,
     time: f64,
     step: Option<f64>,
     tolerance: f64,
 ) -> Result<(Vec<f64>, Vec<State>), StepperError> {
     let dx = step.unwrap_or(time);
-    let mut solver = Dop853::new(Ring { model }, 0.0, time, dx, from.clone(), tolerance, tolerance);
+    let mut solver = Dop853::new(system, 0.0, time, dx, from.clone(), tolerance, tolerance);
     if step.is_none() {
         solver.set_output(OutputType::Sparse);
     }
@@ -84,9 +85,14 @@ fn dop853_flight(
     Ok((solver.x_out().clone(), solver.y_out().clone()))
 }
 
-/// The state after `time`.
-fn dop853_end(model: &Model, from: &State, time: f64, tolerance: f64) -> Result<State, StepperError> {
-    let (_, mut states) = dop853_flight(model, from, time, None, tolerance)?;
+/// The state after `time`, from t = 0.
+pub(super) fn dop853_end(
+    system: impl System<f64, State>,
+    from: &State,
+    time: f64,
+    tolerance: f64,
+) -> Result<State, StepperError> {
+    let (_, mut states) = dop853_flight(system, from, time, None, tolerance)?;
     states.pop().ok_or_else(|| StepperError { time, reason: "it took no step".to_owned() })
 }
 
@@ -97,23 +103,23 @@ fn dop853_end(model: &Model, from: &State, time: f64, tolerance: f64) -> Result<
 /// # Errors
 /// [`StepperError`].
 pub(super) fn dop853(model: &Model, start: &[f64], time: f64, tolerance: f64) -> Result<Run, StepperError> {
-    let (m, period) = (model.chain().sites(), model.period());
+    let (m, period, ring) = (model.chain().sites(), model.period(), Ring { model });
     let mut state = State::from_column_slice(start);
     let (mut left, mut impacts) = (time, 0);
     while left > 0.0 {
         // A bit more than the time between two impacts of a breather on both barriers.
         let flight = left.min(0.6 * period);
-        let (times, states) = dop853_flight(model, &state, flight, Some((period / 20.0).min(flight)), tolerance)?;
+        let (times, states) = dop853_flight(ring, &state, flight, Some((period / 20.0).min(flight)), tolerance)?;
         // A mass that has just hit may still be outside by rounding: the first output is passed over.
         let hit = states.iter().enumerate().skip(1).find_map(|(i, y)| Some((i, outside(model, y.as_slice())?)));
         let Some((index, site)) = hit else {
-            state = dop853_end(model, &state, flight, tolerance)?;
+            state = dop853_end(ring, &state, flight, tolerance)?;
             left -= flight;
             continue;
         };
         let before = times[index - 1];
         if index > 1 {
-            state = dop853_end(model, &state, before, tolerance)?;
+            state = dop853_end(ring, &state, before, tolerance)?;
             left -= before;
         }
         let barrier = model.asymmetry() + (states[index][site] - model.asymmetry()).signum();
@@ -128,7 +134,7 @@ pub(super) fn dop853(model: &Model, start: &[f64], time: f64, tolerance: f64) ->
                 });
             }
             t = (t - step).max(f64::MIN_POSITIVE);
-            at = dop853_end(model, &state, t, tolerance)?;
+            at = dop853_end(ring, &state, t, tolerance)?;
             if step.abs() < 1e-15 {
                 break;
             }

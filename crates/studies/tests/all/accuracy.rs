@@ -150,6 +150,19 @@ fn a_short_series_gets_cells_wrong_that_the_closed_form_gets_right() {
 }
 
 #[test]
+fn shooting_buys_digits_with_steps_and_the_closed_form_has_them() {
+    let rows = suite("shooting");
+    for case in ["one stop", "two stops"] {
+        let shooting = errors(&rows, case, "shooting");
+        assert!(falls(&shooting) && shooting[0] > 1e-9 && shooting[1] > 1e-14, "{case} {shooting:?}");
+        assert!(errors(&rows, case, "closed form")[0] < 1e-14, "{case}");
+        assert!(errors(&rows, case, "closed form, all orbits")[0] < 1e-14, "{case}");
+        let digits = errors(&rows, case, "many digits");
+        assert!(falls(&digits) && digits[0] < 1e-19 && digits[1] < 1e-38, "{case} {digits:?}");
+    }
+}
+
+#[test]
 fn extremes_keep_their_promises_and_say_what_they_refuse() {
     let folder = tempfile::tempdir().unwrap();
     accuracy(folder.path(), &["--suite", "extremes"]).success();

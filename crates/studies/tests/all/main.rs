@@ -8,3 +8,4 @@ mod figures;
 mod net;
 mod peer;
 mod requests;
+mod structures;

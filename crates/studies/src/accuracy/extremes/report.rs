@@ -60,20 +60,8 @@ impl Report {
 
     /// The rows of the corners as CSV, and those random points that broke their promise.
     pub(crate) fn csv(&self) -> Result<Vec<u8>, CliError> {
-        let failed = |error: &dyn std::fmt::Display| CliError::Computation(format!("could not write a table: {error}"));
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(COLUMNS).map_err(|error| failed(&error))?;
-        let broken = ("random points", &self.tally.broken);
-        let corners = self.corners.iter().map(|(corner, rows)| (*corner, rows));
-        for (corner, rows) in corners.chain([broken]) {
-            for row in rows {
-                let kept = if row.holds() { "yes" } else { "no" };
-                let (promised, delivered) = (number(row.promised), number(row.delivered));
-                let record: [&str; 7] = [corner, &row.case, &row.quantity, &promised, &delivered, &row.outcome, kept];
-                writer.write_record(record).map_err(|error| failed(&error))?;
-            }
-        }
-        writer.into_inner().map_err(|error| failed(&error))
+        let broken = ("random points", self.tally.broken.as_slice());
+        csv(self.corners.iter().map(|(corner, rows)| (*corner, rows.as_slice())).chain([broken]))
     }
 
     /// A Markdown table of the corners, and that of the random points.
@@ -107,6 +95,22 @@ impl Report {
         parts.push(text);
         parts
     }
+}
+
+/// Rows under the names of their groups, as CSV.
+pub(in crate::accuracy) fn csv<'a>(groups: impl Iterator<Item = (&'a str, &'a [Row])>) -> Result<Vec<u8>, CliError> {
+    let failed = |error: &dyn std::fmt::Display| CliError::Computation(format!("could not write a table: {error}"));
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(COLUMNS).map_err(|error| failed(&error))?;
+    for (group, rows) in groups {
+        for row in rows {
+            let kept = if row.holds() { "yes" } else { "no" };
+            let (promised, delivered) = (number(row.promised), number(row.delivered));
+            let record: [&str; 7] = [group, &row.case, &row.quantity, &promised, &delivered, &row.outcome, kept];
+            writer.write_record(record).map_err(|error| failed(&error))?;
+        }
+    }
+    writer.into_inner().map_err(|error| failed(&error))
 }
 
 fn number(value: Option<f64>) -> String {

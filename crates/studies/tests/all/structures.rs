@@ -1,0 +1,30 @@
+//! Random structures of each kind against many digits: every bound is one.
+
+use vibrochain_studies::accuracy::structures::draws::Kind;
+use vibrochain_studies::accuracy::structures::{KindTally, check_structures};
+
+fn bounds_hold(kind: Kind, count: u64) {
+    let KindTally { tally, answered, .. } = check_structures(kind, 0, count);
+    println!("{}: {} compared, worst {}", kind.name(), tally.compared, tally.worst);
+    for (outcome, count) in &tally.outcomes {
+        println!("{count:8} {outcome}");
+    }
+    let broken: Vec<String> = tally.broken.iter().map(|row| format!("{row:?}")).collect();
+    assert!(2 * answered > count && tally.compared > 3 * answered, "{answered} of {count}, {} numbers", tally.compared);
+    assert!(broken.is_empty(), "{} of {count}:\n{}", broken.len(), broken.join("\n"));
+}
+
+#[test]
+fn bounds_hold_from_weak_damping_through_critical_damping_to_strong() {
+    bounds_hold(Kind::Critical, 40);
+}
+
+#[test]
+fn bounds_hold_for_plastic_and_elastic_impacts() {
+    bounds_hold(Kind::EndsOfRestitution, 40);
+}
+
+#[test]
+fn bounds_hold_without_loads_and_losses() {
+    bounds_hold(Kind::Conservative, 40);
+}
