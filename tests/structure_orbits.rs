@@ -32,6 +32,7 @@ fn modal(dense: &Dense, contacts: &[Contact]) -> ModalStructure {
         contacts: dense.contacts.iter().cloned().zip(contacts.iter().copied()).collect(),
         static_load: dense.static_load.clone(),
         loads: vec![(1, dense.load.map(|load| Complex::new(load, 0.0)))],
+        modes: None,
     };
     structure.modal().unwrap()
 }
@@ -408,6 +409,7 @@ fn two_free_bodies_have_the_orbits_of_their_distance() {
             contacts: vec![(DVector::from_column_slice(weights), contact)],
             static_load: DVector::from_column_slice(still) * reduced,
             loads: vec![(1, DVector::from_column_slice(load).map(|load| Complex::new(load * reduced, 0.0)))],
+            modes: None,
         };
         let both = of(&masses, &[1.0, -1.0], &[0.4 * masses[0] / reduced, 0.0], &[0.05, -0.05]);
         let distance = of(&[reduced], &[1.0], &[0.4], &[0.05]);

@@ -83,7 +83,7 @@ fn verdicts_on_either_side_of_an_event_have_its_name() {
     let answer = locate(start, &Search { event, free, from: 0.4, to: 0.7 }).unwrap();
     let pitchfork = &answer.located[0];
     assert_eq!(pitchfork.branching.as_ref().unwrap().orbits.len(), 2);
-    let said: Vec<_> = pitchfork.verdicts.iter().map(|(_, verdict)| verdict.mechanism).collect();
+    let said: Vec<_> = pitchfork.sides.iter().map(|side| side.stability.mechanism).collect();
     assert_eq!(said, [None, Some(Mechanism::Pitchfork)]);
 
     // Two orbits meet in a fold where the force gets too weak for its losses: symmetric ones without asymmetry, others with it,
@@ -99,7 +99,7 @@ fn verdicts_on_either_side_of_an_event_have_its_name() {
             let search = Search { from: 1e-3, to: 1.0, ..Search::new(start, Event::Fold, Parameter::Amplitude) };
             let search = Search { to: 1.1 * model.amplitude(), ..search };
             for fold in &locate(start, &search).unwrap().located {
-                let said: Vec<_> = fold.verdicts.iter().filter_map(|(_, verdict)| verdict.mechanism).collect();
+                let said: Vec<_> = fold.sides.iter().filter_map(|side| side.stability.mechanism).collect();
                 assert!(!said.contains(&Mechanism::Pitchfork), "{said:?} at {}", fold.value);
                 folds += usize::from(said.contains(&Mechanism::PlusOne));
             }

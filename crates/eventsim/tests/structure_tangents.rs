@@ -29,6 +29,7 @@ fn structure(random: &mut Random) -> (ModalStructure, f64, Modes) {
         contacts,
         static_load: DVector::from_fn(n, |_, _| random.between(-1.0, 1.0)),
         loads: vec![(1, load)],
+        modes: None,
     };
     let v = DVector::from_fn(n, |_, _| random.between(-0.5, 0.5));
     let modal = structure.modal().unwrap();

@@ -50,6 +50,7 @@ fn a_rigid_mode_has_no_dashpot_of_rounding() {
             contacts: vec![contact(&[1.0, 0.0], Some(0.0), None, 0.3)],
             static_load: DVector::from_column_slice(&masses) * -9.81,
             loads: harmonic(&DVector::from_vec(vec![40.0 * mass, 0.0])),
+            modes: None,
         };
         let modal = structure.modal().unwrap();
         assert!(modal.modes()[0].is_rigid() && modal.modes()[0].decay == 0.0, "{:?}", modal.modes()[0]);
@@ -127,6 +128,7 @@ fn under_pressure(made: usize, is_run: impl Fn(usize) -> bool) -> (u64, u64, usi
             contacts,
             static_load: DVector::from_fn(n, |_, _| random.between(-1.0, 1.0)),
             loads: vec![(1, load.clone()), (3, load * Complex::new(0.2, 0.1))],
+            modes: None,
         };
         let omega = random.between(0.2, 1.0);
         let v = DVector::from_fn(n, |_, _| random.between(-0.5, 0.5));

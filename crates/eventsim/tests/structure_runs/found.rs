@@ -61,6 +61,7 @@ fn random_structures_hit_where_exponentials_and_bisection_hit() {
             contacts,
             static_load: made.static_load.clone(),
             loads: vec![(1, load)],
+            modes: None,
         };
         let q = DVector::zeros(n);
         let v = DVector::from_fn(n, |_, _| random.between(-1.0, 1.0));

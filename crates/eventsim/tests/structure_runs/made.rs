@@ -56,5 +56,6 @@ pub(crate) fn pressed() -> Structure {
         ],
         static_load: DVector::from_vec(vec![0.0, 0.0, 0.6]),
         loads: harmonic(&DVector::from_vec(vec![1.0, 0.4, -0.7])),
+        modes: None,
     }
 }

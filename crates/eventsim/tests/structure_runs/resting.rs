@@ -23,6 +23,7 @@ fn contacts_at_rest_move_as_their_constraint_says_and_leave_when_their_force_van
         ],
         static_load: DVector::from_vec(vec![0.5, 0.1, 0.45]),
         loads: harmonic(&DVector::from_vec(vec![0.6, -0.2, 0.2])),
+        modes: None,
     };
     let (omega, psi) = (0.7, 0.2);
     // Contact 0 comes back and pushes the other one, which rests, into its barrier: without a word about the order that is the end.

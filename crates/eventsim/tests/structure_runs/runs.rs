@@ -114,6 +114,7 @@ fn states_are_projected_and_told_back_whatever_the_damping() {
             contacts: vec![(made.contacts[0].clone(), Contact { lower: None, upper: Some(1e3), restitution: 1.0 })],
             static_load: made.static_load.clone(),
             loads: harmonic(&made.load),
+            modes: None,
         };
         let (q, v) = (
             DVector::from_fn(n, |_, _| random.between(-1.0, 1.0)),
@@ -158,6 +159,7 @@ fn resonances_and_rigid_modes_under_loads_have_no_limit() {
                 contacts: vec![contact(&[1.0], Some(-1e3), None, 1.0)],
                 static_load: DVector::from_element(1, 0.2),
                 loads: vec![(1, DVector::from_element(1, Complex::new(0.7, 0.3)))],
+                modes: None,
             };
             let omega = 1.0 + detuning;
             let (q, v) = (DVector::from_element(1, 0.4), DVector::from_element(1, -0.3));

@@ -157,7 +157,7 @@ pub fn draw(random: &mut Rng, kind: Kind) -> StructureDraw {
     } else {
         DVector::default()
     };
-    let structure = Structure { mass, damping, stiffness, contacts: Vec::new(), static_load, loads };
+    let structure = Structure { mass, damping, stiffness, contacts: Vec::new(), static_load, loads, modes: None };
     with_contacts(random, kind, structure, omega)
 }
 
