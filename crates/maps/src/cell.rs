@@ -145,7 +145,9 @@ impl Status {
     pub fn of_search(search: StructureSearch) -> Self {
         match search {
             search if search.is_complete() => Self::Ok,
-            StructureSearch::Enclosures { .. } | StructureSearch::BranchAndPrune { .. } => Self::Unresolved,
+            StructureSearch::ClosedForm { .. }
+            | StructureSearch::Enclosures { .. }
+            | StructureSearch::BranchAndPrune { .. } => Self::Unresolved,
             _ => Self::Incomplete,
         }
     }

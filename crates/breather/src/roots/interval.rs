@@ -4,6 +4,10 @@
 //! derivative cannot (at most one zero, found by its change of sign), and halved otherwise. What cannot be decided
 //! at the resolution of the arithmetic is a double zero, or two closer than can be told apart: it is returned as
 //! unresolved, not dropped.
+//!
+//! A zero is larger than its own rounding. Where a symmetry puts a zero that is no solution, values next to it are rounding, and change their
+//! sign as that does: an interval from which the derivative keeps its sign all the way there has no other zero, and one whose zero cannot be
+//! told from that one is unresolved.
 
 use smallvec::SmallVec;
 use vibrochain_lattice::Stop;
@@ -72,6 +76,11 @@ pub(crate) trait Enclosed {
 
     /// The function and its derivative at a point.
     fn at(&self, x: f64) -> (f64, f64);
+
+    /// Where the function vanishes by symmetry, at the ends of what is searched or beyond: no zero that is asked for.
+    fn known_zeros(&self) -> SmallVec<[f64; 2]> {
+        SmallVec::new()
+    }
 }
 
 /// The zeros found.
@@ -103,6 +112,10 @@ const LEAST_BUDGET: usize = 20_000;
 /// Places of zeros after which the rest is reported as exhausted. Two impacts of a slow orbit have about 2/ω zeros: at ω = 10⁻⁷ they
 /// filled 790 MB.
 const MOST_PLACES: usize = 10_000;
+
+/// An interval shorter than this part of the whole is looked at whether it is lost in rounding: such intervals would be halved down to the
+/// resolution all over the place where they are.
+const FINE: f64 = 1e-8;
 
 /// 2⁻²⁶, the root of the rounding.
 const SMALL: f64 = 1.4901161193847656e-8;
@@ -167,10 +180,16 @@ impl Zeros {
                     continue;
                 }
                 if clearances[i].derivative > 0.0 {
-                    if let Some(zero) = self.bracketed(f, [low, centre, high], &clearances[i]) {
-                        self.places.push(Place { zero, width: resolution(zero), simple: true });
+                    if self.leads_to_a_known_zero(f, [low, high], &clearances[i]) {
+                        continue;
                     }
-                } else if radius <= resolution(centre) {
+                    if let Some(zero) = self.bracketed(f, [low, centre, high], &clearances[i]) {
+                        let simple = self.is_told_from_known_ones(f, zero);
+                        self.places.push(Place { zero, width: resolution(zero), simple });
+                    }
+                } else if radius <= resolution(centre)
+                    || radius <= FINE * (to - from) && self.is_lost_in_rounding(f, [low, centre, high])
+                {
                     self.places.push(Place { zero: centre, width: 8.0 * radius, simple: false });
                 } else {
                     self.stack.push((centre, high));
@@ -182,6 +201,37 @@ impl Zeros {
         for place in &self.places {
             push_distinct(if place.simple { &mut self.simple } else { &mut self.unresolved }, place.zero, place.width);
         }
+    }
+
+    /// Whether the derivative keeps its sign from this interval, where it does, to a zero that is known: there is no other one. Asked only where
+    /// the function's sign is not sure at both ends.
+    fn leads_to_a_known_zero(&mut self, f: &impl Enclosed, [low, high]: [f64; 2], here: &Clearance) -> bool {
+        here.ends.contains(&0.0)
+            && f.known_zeros().into_iter().any(|zero| {
+                let (low, high) = (low.min(zero), high.max(zero));
+                let centre = 0.5 * (low + high);
+                self.evaluations += 1;
+                f.clearances([centre; LANES], [(high - centre).max(centre - low); LANES])[0].derivative > 0.0
+            })
+    }
+
+    /// Whether a zero is farther from all known ones than rounding of the function may have moved it.
+    fn is_told_from_known_ones(&mut self, f: &impl Enclosed, zero: f64) -> bool {
+        let known = f.known_zeros();
+        if known.is_empty() {
+            return true;
+        }
+        self.evaluations += 1;
+        let Clearance { function, centre: (value, slope), .. } = f.clearances([zero; LANES], [0.0; LANES])[0];
+        let rounding = value.abs() - function;
+        known.iter().all(|known| (zero - known).abs() * slope.abs() > 2.0 * rounding)
+    }
+
+    /// Whether at both ends and in the middle function and derivative are no larger than their rounding.
+    fn is_lost_in_rounding(&mut self, f: &impl Enclosed, [low, centre, high]: [f64; 3]) -> bool {
+        self.evaluations += 3;
+        let here = f.clearances([low, centre, high, centre], [0.0; LANES]);
+        here.iter().all(|here| here.function <= 0.0 && here.derivative <= 0.0)
     }
 
     /// The zero of a monotone function on an interval, by its ends and its middle, if its sign changes: Newton kept inside the bracket.

@@ -5,7 +5,11 @@ use vibrochain_lattice::{Barrier, Complex};
 
 use super::equations::{Equations, Point, Strike};
 use super::error::StructureOrbitError;
+use super::starts::Start;
 use crate::equations::linear::{Factors, Matrix, Vector, zeros};
+
+/// An equation that is off by this part of its terms holds: numbers that solve others have lost some digits.
+const HOLDS: f64 = 1e3 * f64::EPSILON;
 
 /// A word's impacts, in order, and the equations of their contacts.
 pub(super) struct Impacts<'a> {
@@ -91,9 +95,9 @@ impl Impacts<'_> {
         Point { strikes: strikes.collect(), psi, offsets: x[n..n + rigid].iter().copied().collect() }
     }
 
-    /// Both phases where the equations leave a line of (c, s), which meets the circle: of one impact; and of two half a period apart where
-    /// what the second one asks is what the first one does.
-    pub(super) fn on_a_line(&self, times: &[f64]) -> Result<Vec<Point>, StructureOrbitError> {
+    /// The line of (c, s) that the equations leave: of one impact; and of two half a period apart where what the second one asks is what the
+    /// first one does. `None` where they leave more.
+    pub(super) fn line(&self, times: &[f64]) -> Result<Option<Line>, StructureOrbitError> {
         let linear = self.linear(times)?;
         let size = linear.columns;
         // (c, s) along a direction in which the equations determine the rest best.
@@ -102,24 +106,49 @@ impl Impacts<'_> {
             Factors::new(Matrix::from_fn(size, |i, j| if i + 1 < size { linear.rows[i][j] } else { row(j) }))
         });
         let best = bordered.into_iter().flatten().max_by(|a, b| a.determinant.abs().total_cmp(&b.determinant.abs()));
-        let Some(best) = best else { return Ok(Vec::new()) };
+        let Some(best) = best else { return Ok(None) };
         let solved = |last: f64| {
             let right: Vector = linear.right[..size - 1].iter().copied().chain([last]).collect();
             Some(best.solve(&right)).filter(|x| x.iter().all(|x| x.is_finite()))
         };
-        let (Some(base), Some(moved)) = (solved(0.0), solved(1.0)) else { return Ok(Vec::new()) };
-        let along: Vector = moved.iter().zip(&base).map(|(a, b)| a - b).collect();
-        // |(c, s)|² = 1 on base + τ·along
-        let [c, s] = [size - 2, size - 1].map(|place| (base[place], along[place]));
-        let (square, half, rest) = (c.1 * c.1 + s.1 * s.1, c.0 * c.1 + s.0 * s.1, c.0 * c.0 + s.0 * s.0 - 1.0);
-        let under = half * half - square * rest;
-        if under < 0.0 || square == 0.0 {
-            return Ok(Vec::new());
+        let (Some(base), Some(moved)) = (solved(0.0), solved(1.0)) else { return Ok(None) };
+        let holds = [&base, &moved].iter().all(|x| linear.holds_from(size - 1, x));
+        let along = moved.iter().zip(&base).map(|(a, b)| a - b).collect();
+        Ok(Some(Line { base, along, holds }))
+    }
+
+    /// Both phases where that line meets the circle.
+    pub(super) fn on_a_line(&self, times: &[f64]) -> Result<Vec<Start>, StructureOrbitError> {
+        let line = self.line(times)?;
+        let start = |line: &Line, x: &Vector| Start { point: self.point(times, x), is_zero: line.holds };
+        Ok(line.map_or_else(Vec::new, |line| line.on_the_circle().iter().map(|x| start(&line, x)).collect()))
+    }
+}
+
+/// Solutions of all linear equations but the last one, but for a number τ.
+pub(super) struct Line {
+    base: Vector,
+    along: Vector,
+    /// All of them solve the last one, too, as far as rounding tells.
+    pub(super) holds: bool,
+}
+
+impl Line {
+    /// |(c, s)|² = 1 on base + τ·along, from the line's point nearest to 0 on. By its distance from there, not by squares: next to grazing,
+    /// where the line touches the circle, both solutions keep their digits.
+    fn on_the_circle(&self) -> SmallVec<[Vector; 2]> {
+        let size = self.base.len();
+        let [c, s] = [size - 2, size - 1].map(|place| (self.base[place], self.along[place]));
+        let length = c.1.hypot(s.1);
+        let distance = (c.0 * s.1 - s.0 * c.1).abs() / length;
+        // Also where the line has no direction.
+        if distance.is_nan() || distance > 1.0 {
+            return SmallVec::new();
         }
-        let far = -(half + under.sqrt().copysign(half));
-        let roots = [far / square, if far == 0.0 { 0.0 } else { rest / far }];
-        let at = |tau: f64| base.iter().zip(&along).map(|(base, along)| base + tau * along).collect::<Vector>();
-        Ok(roots.into_iter().map(|tau| self.point(times, &at(tau))).collect())
+        let foot = -(c.0 * c.1 + s.0 * s.1) / length / length;
+        let reach = ((1.0 - distance) * (1.0 + distance)).sqrt() / length;
+        let at = |tau: f64| self.base.iter().zip(&self.along).map(|(base, along)| base + tau * along).collect();
+        [foot - reach, foot + reach].map(at).into()
     }
 }
 
@@ -135,6 +164,14 @@ pub(super) struct Linear {
 impl Linear {
     pub(super) fn matrix(&self) -> Matrix {
         Matrix::from_fn(self.columns, |i, j| self.rows[i][j])
+    }
+
+    /// Whether the equations from this one on hold for some numbers, to the rounding of their terms.
+    fn holds_from(&self, first: usize, x: &[f64]) -> bool {
+        self.rows.iter().zip(&self.right).skip(first).all(|(row, right)| {
+            let terms = || row.iter().zip(x).map(|(entry, x)| entry * x).chain([-right]);
+            terms().sum::<f64>().abs() <= HOLDS * terms().map(f64::abs).sum::<f64>()
+        })
     }
 
     pub(super) fn solve(&self) -> Option<Vector> {

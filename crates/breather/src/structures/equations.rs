@@ -216,6 +216,12 @@ impl<'a> Equations<'a> {
         2 * impacts - 1 + usize::from(self.forced) + self.rigid.len()
     }
 
+    /// The row of Newton's law of an impact among `impacts`; `None` of the one that follows from the others.
+    pub(super) fn row_of_law(&self, impacts: usize, i: usize) -> Option<usize> {
+        let above = usize::from(!self.forced && i > self.left_out);
+        (self.forced || i != self.left_out).then_some(impacts + i - above)
+    }
+
     /// Offsets of all rigid modes.
     pub(super) fn all_offsets(&self, felt: &[f64]) -> SmallVec<[f64; 1]> {
         let count = self.model.structure().modes().iter().filter(|mode| mode.is_rigid()).count();
@@ -259,8 +265,10 @@ impl<'a> Equations<'a> {
             let stop = self.model.barrier(strike.contact, strike.barrier)?;
             let load = self.load(strike.contact, strike.time + point.psi);
             let mut sums = load;
-            sums[0] += self.still(strike.contact);
-            let mut sizes = [sums[0].abs() + stop.abs(), sums[1].abs(), sums[2].abs()];
+            let mut sizes = self.response.load_sizes(strike.contact, strike.time + point.psi);
+            let still = self.still(strike.contact);
+            sums[0] += still;
+            sizes[0] += still.abs() + stop.abs();
             let mut jets: SmallVec<[[f64; 4]; 4]> = SmallVec::with_capacity(n);
             for (j, other) in point.strikes.iter().enumerate() {
                 let lapse = if i == j { 0.0 } else { strike.time - other.time };
@@ -287,9 +295,8 @@ impl<'a> Equations<'a> {
             system.sizes[i] = sizes[0];
             system.jacobian.row_mut(i).copy_from_slice(&of_place);
             let weight = 1.0 + self.restitution(strike.contact);
-            if self.forced || i != self.left_out {
-                let above = usize::from(!self.forced && i > self.left_out);
-                let (row, mobility) = (n + i - above, self.mobility(strike.contact));
+            if let Some(row) = self.row_of_law(n, i) {
+                let mobility = self.mobility(strike.contact);
                 system.rows[row] = strike.impulse * mobility + weight * sums[1];
                 system.sizes[row] = strike.impulse.abs() * mobility + weight * sizes[1];
                 let line = system.jacobian.row_mut(row);

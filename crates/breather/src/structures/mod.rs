@@ -14,7 +14,9 @@
 //! | `response` | what contacts do after impacts and under the loads, shared by all words of the same contacts |
 //! | `equations` | rows and Jacobian of an orbit's impacts |
 //! | `orbit` | [`StructureOrbit`], and how far it can be trusted |
+//! | `resonant_doubts` | what the error of a frequency does to them next to a resonance |
 //! | `newton` | from impacts nearby to an orbit |
+//! | `distinct` | which orbits of a list are one, and which are orbits of its word |
 //! | `search` | all orbits of up to three impacts; of more, those that starts lead to |
 //! | `at_times` | impulses, offsets and phase at given times |
 //! | `two_impacts` | the proof that no two impacts are missing |
@@ -30,6 +32,7 @@ pub(crate) mod admissible;
 mod at_times;
 pub(crate) mod continuation;
 mod departure;
+mod distinct;
 mod equations;
 pub(crate) mod error;
 pub(crate) mod flight;
@@ -37,6 +40,7 @@ pub(crate) mod model;
 mod newton;
 pub(crate) mod orbit;
 mod periodic_kernel;
+mod resonant_doubts;
 mod response;
 mod scan;
 pub(crate) mod search;

@@ -7,11 +7,11 @@ use crate::equations::linear::{Factors, Matrix, Vector};
 /// Steps at most: a start that leads anywhere takes a handful.
 const STEPS: usize = 60;
 
-/// Rows below this part of their terms are as small as rounding lets them be.
-const ROUNDING: f64 = 2.0 * f64::EPSILON;
+/// Rows below this part of their terms are as small as rounding lets them be: no orbit is found where steps end above it.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// A row that no step makes smaller counts as solved up to this part of its terms: where these are far larger than their sum.
-const STALLED: f64 = 1e-9;
+/// A step that leaves more than this part of the rows, once they are rounding, is followed by none.
+const IMPROVED: f64 = 0.5;
 
 impl Equations<'_> {
     /// The orbit that Newton's method leads to, with the system there.
@@ -25,13 +25,11 @@ impl Equations<'_> {
             if violation.is_nan() {
                 break;
             }
-            let improved = best.as_ref().is_none_or(|(least, ..)| violation < *least);
-            let stalled = best.as_ref().is_some_and(|(least, ..)| !improved && *least < STALLED);
-            if stalled {
-                break;
-            }
-            let step = (violation >= ROUNDING).then(|| Factors::new(system.jacobian.clone()));
-            let step = step.flatten().map(|factors| factors.solve(&system.rows));
+            let least = best.as_ref().map_or(f64::INFINITY, |(least, ..)| *least);
+            let improved = violation < least;
+            let last = violation == 0.0 || (least < ROUNDING && violation >= IMPROVED * least);
+            let step = if last { None } else { Factors::new(system.jacobian.clone()) };
+            let step = step.map(|factors| factors.solve(&system.rows));
             if improved {
                 best = Some((violation, point.clone(), system));
             }
@@ -42,7 +40,7 @@ impl Equations<'_> {
             self.take(&mut point, &step);
         }
         let (violation, point, system) = best.ok_or(StructureOrbitError::NotConverged { violation: f64::NAN })?;
-        if violation < STALLED { Ok((point, system)) } else { Err(StructureOrbitError::NotConverged { violation }) }
+        if violation < ROUNDING { Ok((point, system)) } else { Err(StructureOrbitError::NotConverged { violation }) }
     }
 
     /// The same point with offsets that bring the impacts to their barriers as well as they can.

@@ -8,8 +8,9 @@ use vibrochain_lattice::Barrier;
 use super::equations::{Equations, Point, Strike, System};
 use super::error::StructureOrbitError;
 use super::model::StructureModel;
+use super::resonant_doubts::ResonantDoubt;
 use super::response::Response;
-use crate::equations::linear::{Factors, Matrix, Vector};
+use crate::equations::linear::{Factors, Matrix, Vector, dot};
 use crate::equations::{BlochEquations, LinearImpact};
 use crate::orbit::Hit;
 use crate::word::MAX_IMPACTS;
@@ -67,7 +68,12 @@ impl StructureOrbit {
         let off: Vector =
             system.rows.iter().zip(&system.sizes).map(|(row, size)| row.abs() + 4.0 * f64::EPSILON * size).collect();
         let size = off.len();
-        let error = |inverse: &Matrix, i: usize| inverse.row(i).iter().zip(&off).map(|(x, off)| x.abs() * off).sum();
+        // What is one number in all rows keeps its signs.
+        let common = equations.resonant_doubts(&point);
+        let error = |inverse: &Matrix, i: usize| -> f64 {
+            let apart: f64 = inverse.row(i).iter().zip(&off).map(|(x, off)| x.abs() * off).sum();
+            apart + common.iter().map(|doubt| dot(inverse.row(i), &doubt.rows).abs()).sum::<f64>()
+        };
         let errors: Vector =
             (0..size).map(|i| inverse.as_ref().map_or(f64::INFINITY, |inverse| error(inverse, i))).collect();
         let impact = |i: usize| {
@@ -77,7 +83,14 @@ impl StructureOrbit {
             let from = |inverse: &Matrix, j: usize| {
                 (0..size).map(|k| system.gradients[i][k] * inverse[(k, j)]).sum::<f64>().abs()
             };
-            let of = |inverse: &Matrix| (0..size).map(|j| from(inverse, j) * off[j]).sum();
+            let of = |inverse: &Matrix| {
+                let apart: f64 = (0..size).map(|j| from(inverse, j) * off[j]).sum();
+                let carried = |doubt: &ResonantDoubt| {
+                    let moved = (0..size).map(|k| system.gradients[i][k] * dot(inverse.row(k), &doubt.rows));
+                    (doubt.accelerations[i] - moved.sum::<f64>()).abs()
+                };
+                apart + common.iter().map(carried).sum::<f64>()
+            };
             let carried: f64 = inverse.as_ref().map_or(f64::INFINITY, of);
             StructureImpact {
                 contact: strike.contact,
@@ -171,6 +184,13 @@ impl StructureOrbit {
     /// The phase ψ of the loads, as a time, at the first impact; `None` without loads that change.
     pub fn psi(&self) -> Option<f64> {
         self.psi
+    }
+
+    /// How far it may be off at most, times as parts of the period and impulses as parts of the strongest.
+    pub(super) fn error(&self) -> f64 {
+        let strongest = self.impacts.iter().map(|impact| impact.impulse.abs()).fold(f64::MIN_POSITIVE, f64::max);
+        let off = |one: &StructureImpact| (one.time_error / self.period()).max(one.impulse_error / strongest);
+        self.impacts.iter().map(off).fold(self.psi_error / self.period(), f64::max)
     }
 
     /// The error of ψ.

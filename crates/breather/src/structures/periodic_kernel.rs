@@ -17,6 +17,10 @@ use wide::f64x4;
 /// From here on 1 − R is rounding: the period is a whole number of the mode's own.
 const RESONANT: f64 = 1e14;
 
+/// From 1 − R = 1e-3 on the error of (1−R)⁻¹ is kept apart from that of terms: it is the same in all of them, as if the frequency of the mode
+/// were another one, and an orbit next to a resonance feels it far less than errors of its terms one by one.
+const NEAR: f64 = 1e-3;
+
 /// A part of a contact's mobility that is rounding: a contact at a node of the mode.
 const UNSEEN: f64 = 1e-12;
 
@@ -27,6 +31,8 @@ struct Sum {
     sum: Turned,
     /// How much its errors are larger than those of R.
     steep: f64,
+    /// How much errors of terms are larger than rounding: by this sum's own, or next to a resonance by those of the mode's flight alone.
+    blur: f64,
     /// The length of its generator, κ or more.
     fast: f64,
 }
@@ -44,7 +50,7 @@ pub(super) struct PeriodicKernel {
     own: Vec<(usize, Jet)>,
 }
 
-/// K and its first three derivatives; and the sizes of their terms, with what next to a resonance is lost on them.
+/// K and its first three derivatives; and the sizes of their terms, with what is lost on them.
 pub(super) type Jet = ([f64; 4], [f64; 4]);
 
 /// What a mode has lost at four places and at their nearest ends, either way.
@@ -109,7 +115,7 @@ impl PeriodicKernel {
                 continue;
             }
             let mut motion = turn.product(flight, sum.sum);
-            let mut size = length(row) * length(column) * length([motion.even, motion.odd]) * (1.0 + sum.steep);
+            let mut size = length(row) * length(column) * length([motion.even, motion.odd]) * (1.0 + sum.blur);
             for (order, entry) in jet.iter_mut().enumerate() {
                 *entry += turn.pair(row, motion, column);
                 motion = turn.product(motion, mode.generator());
@@ -125,6 +131,27 @@ impl PeriodicKernel {
             }
         }
         (jet, sizes)
+    }
+
+    /// Modes next to a resonance, by their place among the regular ones, and the relative error of their (1−R)⁻¹.
+    pub(super) fn nearly_resonant(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let near =
+            |(place, (_, sum)): (usize, (&LinearMode, &Sum))| (sum.blur < sum.steep).then_some((place, sum.steep));
+        self.sums_of().enumerate().filter_map(near).map(|(place, steep)| (place, f64::EPSILON * steep))
+    }
+
+    /// What one regular mode has of the kernel and its first three derivatives at −T < t ≤ T.
+    pub(super) fn jet_of_mode(&self, place: usize, to: usize, from: usize, t: f64) -> [f64; 4] {
+        let mut jet = [0.0; 4];
+        let t = if t > 0.0 { t } else { t + self.period };
+        for (mode, sum) in self.sums_of().skip(place).take(1) {
+            let mut motion = mode.turn.product(mode.turn.flight(mode.decay, mode.rate, t), sum.sum);
+            for entry in &mut jet {
+                *entry = mode.turn.pair(mode.rows[to], motion, mode.columns[from]);
+                motion = mode.turn.product(motion, mode.generator());
+            }
+        }
+        jet
     }
 
     /// The kernel from one contact to another and back, of modes that do not grow; `None` where one does, or is rigid.
@@ -163,7 +190,7 @@ impl PeriodicKernel {
                     *part = [even * plain + odd * turned, even * turned - turn.sign() * odd * plain].map(|x| by * x);
                     let size = motion.even.abs() + motion.odd.abs();
                     if let Some(doubt) = between.doubts[way].get_mut(order) {
-                        *doubt += 6.0 * f64::EPSILON * (1.0 + sum.steep) * reach * size;
+                        *doubt += 6.0 * f64::EPSILON * (1.0 + sum.blur) * reach * size;
                     }
                     motion = turn.product(motion, mode.generator());
                 }
@@ -203,8 +230,9 @@ impl Sum {
         };
         // 1 − R = a − bJ has the inverse (a + bJ)/(a² + σb²); `odd` holds −b.
         let sum = Turned { even: one_less.even / square, odd: -one_less.odd / square };
-        let size = (mode.decay.abs() + mode.rate) * period;
-        Some(Self { sum, steep: size / square.abs().sqrt(), fast: length([mode.decay, mode.rate]) })
+        let (size, away) = ((mode.decay.abs() + mode.rate) * period, square.abs().sqrt());
+        let steep = size / away;
+        Some(Self { sum, steep, blur: if away < NEAR { size } else { steep }, fast: length([mode.decay, mode.rate]) })
     }
 }
 

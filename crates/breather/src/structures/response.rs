@@ -97,4 +97,20 @@ impl Response {
         }
         jet
     }
+
+    /// Sizes of the terms of G and two derivatives at t + ψ, with what rounding of that time makes of them: where one of them vanishes, as the
+    /// velocity does at a grazing, its own size says nothing of its error.
+    pub(super) fn load_sizes(&self, contact: usize, t: f64) -> [f64; 3] {
+        let mut sizes = [0.0; 3];
+        for (rate, swing) in self.swings(contact) {
+            let mut value = swing * C::from_polar(1.0, rate * t);
+            let mut length = swing.norm();
+            for size in &mut sizes {
+                value *= C::new(0.0, rate);
+                *size += length + (value.re * t).abs();
+                length *= rate;
+            }
+        }
+        sizes
+    }
 }

@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use super::at_times::Impacts;
 use super::error::StructureOrbitError;
-use super::search::{Start, Starts, StructureSearch};
+use super::search::StructureSearch;
+use super::starts::Starts;
 use crate::equations::linear::Factors;
 use crate::roots::bracket::zero;
 
@@ -45,14 +46,14 @@ impl Impacts<'_> {
             }
         }
         // A structure that is its own mirror image: there F has a double zero, and no sign changes.
-        let mut points = if self.equations.forced { self.on_a_line(&[0.0, 0.5 * period])? } else { Vec::new() };
+        let mut starts = if self.equations.forced { self.on_a_line(&[0.0, 0.5 * period])? } else { Vec::new() };
         // Where Δ = 0, F is a sum of squares: between two places with F < 0 that is a pair of zeros, or of all barriers at the rest
         // position a double one, with F = −Δ² all around.
         for pair in both.windows(2) {
             let [(a, [left, first]), (b, [right, last])] = [pair[0], pair[1]];
             if self.equations.forced && left < 0.0 && right < 0.0 && first * last < 0.0 {
                 let place = zero((a, first), (b, last), period, |phi| self.value(phi).map(|value| value[1]))?;
-                points.extend(self.on_a_line(&[0.0, place])?);
+                starts.extend(self.on_a_line(&[0.0, place])?);
                 let value = at(place)?;
                 if value > 0.0 {
                     for end in [(a, left), (b, right)] {
@@ -78,10 +79,10 @@ impl Impacts<'_> {
         }
         for phi in zeros_found {
             if let Some(x) = self.linear(&[0.0, phi])?.solve() {
-                points.push(self.point(&[0.0, phi], &x));
+                starts.push(self.point(&[0.0, phi], &x).into());
             }
         }
-        Ok((points.into_iter().map(Start::from).collect(), StructureSearch::Scan { places }))
+        Ok((starts, StructureSearch::Scan { places }))
     }
 
     /// F(φ), or the law that is left times the determinant; and the determinant Δ.

@@ -18,20 +18,23 @@ use super::equations::{Equations, Point};
 use super::error::StructureOrbitError;
 use super::model::StructureModel;
 use super::orbit::StructureOrbit;
+use super::starts::{Start, Starts};
 use super::three_impacts::ThreeImpacts;
 use super::two_impacts::Function;
-use crate::orbit::time_between;
 use crate::word::Word;
 
-/// Two orbits whose times agree to this part of the period, and impulses to this part of themselves, are one.
-const SAME: f64 = 1e-7;
+/// Half a period apart, to this part of it, two impacts may be those that a symmetry makes alike.
+const HALF: f64 = 1e-7;
 
 /// What is known of a list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(tag = "by", rename_all = "kebab-case"))]
 pub enum StructureSearch {
-    /// Closed form: the list is complete.
-    ClosedForm,
+    /// Closed form: the list is complete but for so many solutions that could not be told from none.
+    ClosedForm {
+        /// Solutions left open.
+        unresolved: usize,
+    },
     /// Closed form of instants half a period apart, without loads: others are not looked for.
     HalfPeriod,
     /// Enclosures of a function of one variable show on intervals where it has no zero and that each one found is alone: the list is complete
@@ -67,9 +70,20 @@ impl StructureSearch {
     /// Whether the list holds all that there are: where it is empty there is none.
     pub fn is_complete(self) -> bool {
         match self {
-            Self::ClosedForm => true,
-            Self::Enclosures { unresolved, .. } | Self::BranchAndPrune { unresolved, .. } => unresolved == 0,
+            Self::ClosedForm { unresolved }
+            | Self::Enclosures { unresolved, .. }
+            | Self::BranchAndPrune { unresolved, .. } => unresolved == 0,
             Self::HalfPeriod | Self::Scan { .. } | Self::Starts { .. } => false,
+        }
+    }
+
+    /// So many more places are left open.
+    fn leave_open(&mut self, places: usize) {
+        match self {
+            Self::ClosedForm { unresolved }
+            | Self::Enclosures { unresolved, .. }
+            | Self::BranchAndPrune { unresolved, .. } => *unresolved += places,
+            Self::HalfPeriod | Self::Scan { .. } | Self::Starts { .. } => {}
         }
     }
 }
@@ -152,79 +166,52 @@ fn found(
     equations.off_resonance(&contacts)?;
     let impacts = Impacts { equations: &equations, letters };
     let (starts, mut search) = if letters_at_once(word) { impacts.reversible(word)? } else { impacts.begin(wanted)? };
-    let mut orbits: Vec<StructureOrbit> = Vec::new();
+    let pushing = matches!(search, StructureSearch::Starts { .. } | StructureSearch::BranchAndPrune { .. });
+    let listed = |orbit: &StructureOrbit| {
+        let pulls = orbit.impacts().iter().any(|impact| impact.barrier.sign() * impact.impulse >= 0.0);
+        !(pulls && pushing) && !orbit.repeats_sooner()
+    };
+    let (mut solutions, mut lost): (Vec<Solution>, usize) = (Vec::new(), 0);
     for Start { point, is_zero } in starts {
         model.heard()?;
         if wanted == Wanted::Pushing && point.pulls() {
             continue;
         }
-        let Ok(solved) = equations.solve(point) else {
-            // A zero whose orbit is not reached is told, not dropped.
-            if let StructureSearch::Enclosures { unresolved, .. } | StructureSearch::BranchAndPrune { unresolved, .. } =
-                &mut search
-            {
-                *unresolved += usize::from(is_zero);
-            }
+        let orbit = equations.solve(point).and_then(|solved| StructureOrbit::new(&equations, force_periods, solved));
+        // A zero whose orbit is not reached, or is none as far as its errors tell, is told, not dropped.
+        let sound = orbit.ok().filter(|orbit| (letters_at_once(word) || orbit.has_its_instants()) && orbit.hits());
+        let Some(orbit) = sound else {
+            lost += usize::from(is_zero);
             continue;
         };
-        let Ok(orbit) = StructureOrbit::new(&equations, force_periods, solved) else { continue };
-        let pulls = orbit.impacts().iter().any(|impact| impact.barrier.sign() * impact.impulse >= 0.0);
-        let in_order = letters_at_once(word) || orbit.impacts().windows(2).all(|pair| pair[1].time > pair[0].time);
-        let sound = in_order
-            && orbit.impacts().last().is_some_and(|last| last.time < orbit.period())
-            && !(pulls && matches!(search, StructureSearch::Starts { .. } | StructureSearch::BranchAndPrune { .. }));
-        // An impulse below its own error is none.
-        let hits = orbit.impacts().iter().all(|impact| impact.impulse.abs() > impact.impulse_error);
-        let new = || !orbits.iter().any(|other| (0..word.letters().count()).any(|turn| is_same(other, &orbit, turn)));
-        if sound && hits && !repeats_sooner(&orbit) && new() {
-            orbits.push(orbit);
+        let known = solutions.iter_mut().find_map(|known| Some((known.orbit.begun_at(&orbit)?, known)));
+        let Some((turn, known)) = known else {
+            solutions.push(Solution { zeros: if is_zero { vec![0] } else { vec![] }, orbit });
+            continue;
+        };
+        // Two zeros that lead to one orbit begun at the same impact: the orbit of one of them is missing.
+        lost += usize::from(is_zero && known.zeros.contains(&turn));
+        known.zeros.extend(is_zero.then_some(turn));
+        if turn == 0 && orbit.error() < known.orbit.error() {
+            known.orbit = orbit;
         }
     }
     // Where Newton's method was stopped, too.
     model.heard()?;
+    search.leave_open(lost);
+    let orbits = solutions.into_iter().map(|solution| solution.orbit).filter(listed).collect();
     Ok(StructureFound { orbits, search })
+}
+
+/// An orbit, and at which of its impacts those begin that zeros have led to.
+struct Solution {
+    orbit: StructureOrbit,
+    zeros: Vec<usize>,
 }
 
 /// Whether several contacts are hit at one instant.
 fn letters_at_once(word: &Word) -> bool {
     word.letters().count() > word.instants().len()
-}
-
-/// Whether the second orbit, begun at its impact number `turn`, is the first one.
-fn is_same(a: &StructureOrbit, b: &StructureOrbit, turn: usize) -> bool {
-    let (period, n) = (a.period(), b.impacts().len());
-    let begins = b.impacts()[turn].time;
-    let psi = match (a.psi(), b.psi()) {
-        (Some(a_psi), Some(b_psi)) => time_between(a_psi, b_psi + begins, a.model().period()) < SAME * period,
-        _ => true,
-    };
-    psi && (0..n).all(|i| {
-        let (own, other) = (&a.impacts()[i], &b.impacts()[(i + turn) % n]);
-        let close = (own.impulse - other.impulse).abs() < SAME * own.impulse.abs().max(other.impulse.abs());
-        own.contact == other.contact
-            && own.barrier == other.barrier
-            && time_between(own.time, other.time - begins, period) < SAME * period
-            && close
-    })
-}
-
-/// Whether an orbit is one of fewer periods, gone through several times.
-fn repeats_sooner(orbit: &StructureOrbit) -> bool {
-    let (n, periods) = (orbit.impacts().len(), orbit.force_periods() as usize);
-    // Without loads any part of the period may be one.
-    let parts = |part: usize| n.is_multiple_of(part) && (orbit.psi().is_none() || periods.is_multiple_of(part));
-    (2..=n).filter(|&part| parts(part)).any(|part| {
-        let shift = n / part;
-        let lapse = orbit.period() / part as f64;
-        (0..n).all(|i| {
-            let (own, other) = (&orbit.impacts()[i], &orbit.impacts()[(i + shift) % n]);
-            let later = other.time + if i + shift >= n { orbit.period() } else { 0.0 };
-            own.contact == other.contact
-                && own.barrier == other.barrier
-                && (later - own.time - lapse).abs() < SAME * orbit.period()
-                && (own.impulse - other.impulse).abs() < SAME * own.impulse.abs()
-        })
-    })
 }
 
 /// A barrier pulls where its impulse has the wrong sign by more than this part of the largest one.
@@ -238,20 +225,7 @@ impl Point {
     }
 }
 
-/// Where Newton's method begins.
-pub(super) struct Start {
-    pub(super) point: Point,
-    /// It belongs to a zero that is known to be there.
-    pub(super) is_zero: bool,
-}
-
-impl From<Point> for Start {
-    fn from(point: Point) -> Self {
-        Self { point, is_zero: false }
-    }
-}
-
-pub(super) type Starts = Result<(Vec<Start>, StructureSearch), StructureOrbitError>;
+const CLOSED_FORM: StructureSearch = StructureSearch::ClosedForm { unresolved: 0 };
 
 impl Impacts<'_> {
     fn begin(&self, wanted: Wanted) -> Starts {
@@ -259,11 +233,11 @@ impl Impacts<'_> {
         match (self.letters.len(), self.equations.forced) {
             (1, true) if single => {
                 let points = self.on_a_line(&[0.0])?;
-                Ok((points.into_iter().map(Start::from).collect(), StructureSearch::ClosedForm))
+                Ok((points, CLOSED_FORM))
             }
             (1, false) => {
                 let x = self.linear(&[0.0])?.solve().ok_or(StructureOrbitError::Singular)?;
-                Ok((vec![self.point(&[0.0], &x).into()], StructureSearch::ClosedForm))
+                Ok((vec![Start::zero(self.point(&[0.0], &x))], CLOSED_FORM))
             }
             (2, forced) if single || !forced => self.proved().unwrap_or_else(|| self.scan()),
             (3, _) => self.proved_in_the_plane(wanted.boxes()).unwrap_or_else(|| self.starts()),
@@ -278,8 +252,8 @@ impl Impacts<'_> {
             .flat_map(|(number, instant)| instant.iter().map(move |_| 0.5 * period * number as f64))
             .collect();
         let x = self.linear(&times)?.solve().ok_or(StructureOrbitError::Singular)?;
-        let search = if word.instants().len() == 1 { StructureSearch::ClosedForm } else { StructureSearch::HalfPeriod };
-        Ok((vec![self.point(&times, &x).into()], search))
+        let search = if word.instants().len() == 1 { CLOSED_FORM } else { StructureSearch::HalfPeriod };
+        Ok((vec![Start::zero(self.point(&times, &x))], search))
     }
 
     /// Zeros of the function of the time between two impacts, all of them; `None` where it cannot be enclosed, or takes too long.
@@ -292,32 +266,38 @@ impl Impacts<'_> {
             return None;
         }
         let half = 0.5 * self.equations.period();
-        let is_half = |phi: &&f64| (*phi - half).abs() <= SAME * half;
+        let is_half = |phi: &&f64| (*phi - half).abs() <= HALF * half;
         let forced = self.equations.forced;
-        let mut unresolved = zeros.unresolved.iter().filter(|phi| !(forced && is_half(phi))).count();
+        // A structure that is its own mirror image has a double zero there, one of the places that may be one.
+        let line = if forced { self.line(&[0.0, half]) } else { Ok(None) };
+        let mirrored = match line {
+            Ok(line) => line.is_some_and(|line| line.holds),
+            Err(error) => return Some(Err(error)),
+        };
+        let mut unresolved = zeros.unresolved.iter().filter(|phi| !(mirrored && is_half(phi))).count();
         let mut starts = || -> Result<Vec<Start>, StructureOrbitError> {
             let mut starts: Vec<Start> = Vec::new();
-            // A structure that is its own mirror image has a double zero there, one of the places that may be one.
             if forced && zeros.simple.iter().chain(&zeros.unresolved).any(|phi| is_half(&phi)) {
-                starts.extend(self.on_a_line(&[0.0, half])?.into_iter().map(Start::from));
+                starts.extend(self.on_a_line(&[0.0, half])?);
             }
             // Those next to half a period apart come first.
             let mut simple = zeros.simple.clone();
             // Of one orbit begun at either impact the shorter time.
-            let apart = |phi: &f64| ((phi - half).abs() / (SAME * half)).round();
+            let apart = |phi: &f64| ((phi - half).abs() / (HALF * half)).round();
             simple.sort_by(|a, b| apart(a).total_cmp(&apart(b)));
             for phi in &simple {
                 let here = if forced && function.is_homogeneous() {
-                    self.on_a_line(&[0.0, *phi])?
+                    self.on_a_line(&[0.0, *phi])?.into_iter().map(|start| start.point).collect()
                 } else {
-                    self.linear(&[0.0, *phi])?.solve().map(|x| self.point(&[0.0, *phi], &x)).into_iter().collect()
+                    let x = self.linear(&[0.0, *phi])?.solve();
+                    x.map(|x| self.point(&[0.0, *phi], &x)).into_iter().collect::<Vec<_>>()
                 };
                 unresolved += usize::from(here.is_empty());
-                starts.extend(here.into_iter().map(|point| Start { point, is_zero: true }));
+                starts.extend(here.into_iter().map(Start::zero));
             }
             for phi in &zeros.unresolved {
                 if forced {
-                    starts.extend(self.on_a_line(&[0.0, *phi])?.into_iter().map(Start::from));
+                    starts.extend(self.on_a_line(&[0.0, *phi])?.into_iter().map(|start| Start::from(start.point)));
                 }
                 starts.extend(self.linear(&[0.0, *phi])?.solve().map(|x| self.point(&[0.0, *phi], &x).into()));
             }
@@ -339,7 +319,7 @@ impl Impacts<'_> {
         let times = |[x, y]: [f64; 2]| [0.0, x, x + y];
         if functions.double {
             match self.on_a_line(&times([self.equations.period() / 3.0; 2])) {
-                Ok(points) => starts.extend(points.into_iter().map(Start::from)),
+                Ok(points) => starts.extend(points),
                 Err(error) => return Some(Err(error)),
             }
         }

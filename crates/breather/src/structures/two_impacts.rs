@@ -19,6 +19,7 @@
 //!
 //! The same formulas serve for numbers and for enclosures.
 
+use smallvec::{SmallVec, smallvec};
 use vibrochain_lattice::simd::lanes::{LANES, Lane, ZERO, all, four};
 use vibrochain_lattice::{Complex, Stop, Turn};
 use wide::f64x4;
@@ -67,6 +68,8 @@ pub(super) struct Function {
     /// Where two impacts begin to be told apart.
     least: f64,
     stop: Stop,
+    /// Without loads, an impulse at one of the two contacts does not move the other at once: F vanishes where the instants are one.
+    vanishes: bool,
 }
 
 /// U₁₁, U₁₂, U₂₁, U₂₂, U_ll and Δ.
@@ -109,6 +112,7 @@ impl Function {
             own,
             least: period * told_apart(is_free || contacts[0] == contacts[1]),
             stop: equations.model.stop().clone(),
+            vanishes: is_free && are_apart(equations, contacts),
         })
     }
 
@@ -212,6 +216,12 @@ impl Function {
     }
 }
 
+/// Whether an impulse at one contact does not move the other at once, but for rounding of the modes' shapes.
+fn are_apart(equations: &Equations<'_>, [one, other]: [usize; 2]) -> bool {
+    let size = (equations.mobility(one) * equations.mobility(other)).sqrt();
+    equations.model.structure().mobility(one, other).abs() <= 64.0 * f64::EPSILON * size
+}
+
 impl Enclosed for Function {
     fn clearances(&self, centres: Lane, radii: Lane) -> [Clearance; LANES] {
         let pieces = self.pieces(centres, radii);
@@ -239,6 +249,10 @@ impl Enclosed for Function {
         let waves = waves.map(|(function, derivative)| Dual { function, derivative });
         let point = self.formula([there, back], waves);
         (point.function, point.derivative)
+    }
+
+    fn known_zeros(&self) -> SmallVec<[f64; 2]> {
+        if self.vanishes { smallvec![0.0, self.period] } else { SmallVec::new() }
     }
 }
 

@@ -11,7 +11,10 @@ use crate::common::answer::told_verdict;
 
 fn how(search: StructureSearch) -> String {
     match search {
-        StructureSearch::ClosedForm => "complete, by closed form".to_owned(),
+        StructureSearch::ClosedForm { unresolved: 0 } => "complete, by closed form".to_owned(),
+        StructureSearch::ClosedForm { unresolved } => {
+            format!("complete but for {unresolved} solutions of the closed form that rounding does not tell from none")
+        }
         StructureSearch::HalfPeriod => {
             "not complete: instants half a period apart alone, where reversal of time has them".to_owned()
         }

@@ -22,6 +22,7 @@
 //! [`all`] finds every zero. A map of rings asks only for those that can be physical, and has few of them: [`candidates`] searches the
 //! places that `kernel_grid` leaves.
 
+use smallvec::{SmallVec, smallvec};
 use vibrochain_lattice::simd::lanes::{LANES, Lane};
 use vibrochain_lattice::{ImpulseResponse, Model};
 use wide::f64x4;
@@ -29,6 +30,7 @@ use wide::f64x4;
 use crate::orbit::Draft;
 use crate::roots::dual::Dual;
 use crate::roots::interval::{Clearance, Enclosed, Zeros};
+use crate::roots::taylor::SUMS;
 use crate::search::families::conservative::{impulses, two_impact_draft};
 use crate::search::families::pattern::Pattern;
 use crate::search::screens::kernel_grid::{KernelGrid, MOST, top};
@@ -44,21 +46,35 @@ pub(crate) const UNFELT: f64 = 1e-14;
 struct Balance<'a> {
     response: &'a ImpulseResponse,
     shapes: &'a [f64],
-    fourth: f64,
+    /// Of |K′|, |K″|, |K‴| and |K⁗|. The first two are sizes of the terms of s and s′, too, far larger than their sums where masses are far
+    /// from each other.
+    bounds: [f64; 4],
+    /// The same masses hit at both instants: s does not vanish where these are one.
+    same_masses: bool,
 }
 
 impl<'a> Balance<'a> {
-    fn new(response: &'a ImpulseResponse, shapes: &'a [f64]) -> Self {
-        let [.., fourth] = response.derivative_bounds_of(shapes);
-        Self { response, shapes, fourth }
+    fn new(response: &'a ImpulseResponse, shapes: &'a [f64], same_masses: bool) -> Self {
+        Self { response, shapes, bounds: response.derivative_bounds_of(shapes), same_masses }
     }
 }
 
 impl Enclosed for Balance<'_> {
     fn clearances(&self, deltas: Lane, radii: Lane) -> [Clearance; LANES] {
         let [_, slope, curvature, third] = self.response.jets_of(self.shapes, deltas).map(f64x4::from);
-        let fourth = f64x4::splat(self.fourth);
-        Clearance::of(&Dual::from_jet([slope, curvature, third, fourth], f64x4::ZERO, f64x4::from(radii)))
+        let [first, second, _, fourth] = self.bounds.map(f64x4::splat);
+        let (deltas, radii) = (f64x4::from(deltas), f64x4::from(radii));
+        let mut enclosed = Dual::from_jet([slope, curvature, third, fourth], f64x4::ZERO, radii);
+        // Every term of s is odd in δ.
+        let size = first.fast_min(second * (deltas.abs() + radii));
+        enclosed.function.rest += size * f64x4::splat(SUMS);
+        enclosed.derivative.rest += second * f64x4::splat(SUMS);
+        Clearance::of(&enclosed)
+    }
+
+    fn known_zeros(&self) -> SmallVec<[f64; 2]> {
+        let half = 0.5 * self.response.period();
+        if self.same_masses { smallvec![0.0] } else { smallvec![0.0, half] }
     }
 
     fn at(&self, delta: f64) -> (f64, f64) {
@@ -83,7 +99,7 @@ pub(crate) fn all(model: &Model, response: &ImpulseResponse, zeros: &mut Zeros, 
         return;
     }
     let half = 0.5 * response.period();
-    search(response, &[], zeros, &[(0.0, half)], pieces(response));
+    search(&Balance::new(response, &[], true), zeros, &[(0.0, half)], pieces(response));
     drafts(model, response, zeros, found);
 }
 
@@ -98,7 +114,7 @@ pub(crate) fn candidates(
     if grid.places().is_empty() {
         return;
     }
-    search(response, &[], zeros, grid.places(), 1);
+    search(&Balance::new(response, &[], true), zeros, grid.places(), 1);
     drafts(model, response, zeros, found);
 }
 
@@ -114,16 +130,15 @@ pub(crate) fn times(response: &ImpulseResponse, shapes: &[f64], same_masses: boo
         zeros.exhausted += 1;
         return;
     }
-    search(response, shapes, zeros, &[(0.0, to)], pieces(response));
+    search(&Balance::new(response, shapes, same_masses), zeros, &[(0.0, to)], pieces(response));
 }
 
 /// Adds the zeros of s in intervals of δ > 0 to `zeros`, each of them in so many `pieces` to begin with.
-fn search(response: &ImpulseResponse, shapes: &[f64], zeros: &mut Zeros, places: &[(f64, f64)], pieces: usize) {
-    let balance = Balance::new(response, shapes);
-    let shortest = APART * 0.5 * response.period();
+fn search(balance: &Balance<'_>, zeros: &mut Zeros, places: &[(f64, f64)], pieces: usize) {
+    let shortest = APART * 0.5 * balance.response.period();
     let resolution = |delta: f64| 64.0 * f64::EPSILON * delta.max(shortest);
     for &(from, to) in places {
-        zeros.find(&balance, from.max(shortest), to, pieces, resolution);
+        zeros.find(balance, from.max(shortest), to, pieces, resolution);
     }
 }
 

@@ -1,0 +1,89 @@
+//! Which orbits of a list are one, and which are orbits of its word at all: all by the errors that they tell.
+
+use vibrochain_lattice::Complex;
+
+use super::orbit::{StructureImpact, StructureOrbit};
+use crate::orbit::time_between;
+
+type C = Complex<f64>;
+
+/// Rounding of a number that is not solved for, as the time from an impact to itself: sums and differences of a few times.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+impl StructureOrbit {
+    /// The impact of another orbit from which on it is this one: nothing of them differs by more than their errors. `None` of two orbits.
+    pub(super) fn begun_at(&self, other: &Self) -> Option<usize> {
+        (0..other.impacts().len()).find(|turn| self.is_same_from(other, *turn))
+    }
+
+    /// The same with the other orbit begun at its impact number `turn`.
+    fn is_same_from(&self, other: &Self, turn: usize) -> bool {
+        let (period, n) = (self.period(), other.impacts().len());
+        let start = &other.impacts()[turn];
+        let within = |apart: f64, errors: f64| apart <= errors + ROUNDING * period;
+        let psi = match (self.psi(), other.psi()) {
+            (Some(own), Some(psi)) => within(
+                time_between(own, psi + start.time, self.loads_repeat()),
+                self.psi_error() + other.psi_error() + start.time_error,
+            ),
+            _ => true,
+        };
+        psi && (0..n).all(|i| {
+            let (own, impact) = (&self.impacts()[i], &other.impacts()[(i + turn) % n]);
+            are_alike(own, impact)
+                && within(
+                    time_between(own.time, impact.time - start.time, period),
+                    own.time_error + impact.time_error + start.time_error,
+                )
+        })
+    }
+
+    /// Whether it is an orbit of fewer periods, gone through several times.
+    pub(super) fn repeats_sooner(&self) -> bool {
+        let (impacts, n) = (self.impacts(), self.impacts().len());
+        // Without loads any part of the period may be one.
+        let repeats = (self.period() / self.loads_repeat()).round() as usize;
+        let parts = |part: usize| n.is_multiple_of(part) && (self.psi().is_none() || repeats.is_multiple_of(part));
+        (2..=n).filter(|&part| parts(part)).any(|part| {
+            let (shift, lapse) = (n / part, self.period() / part as f64);
+            (0..n).all(|i| {
+                let (own, other) = (&impacts[i], &impacts[(i + shift) % n]);
+                let errors = own.time_error + other.time_error + ROUNDING * self.period();
+                are_alike(own, other) && time_between(other.time, own.time + lapse, self.period()) <= errors
+            })
+        })
+    }
+
+    /// After which time all loads are the same again.
+    fn loads_repeat(&self) -> f64 {
+        let structure = self.model().structure();
+        let is_there = |place: usize| structure.modes().iter().any(|mode| mode.loads[place] != [C::default(); 2]);
+        let harmonics = structure.harmonics().iter().enumerate().filter(|(place, _)| is_there(*place));
+        let common = harmonics.fold(0, |common, (_, &harmonic)| greatest_divisor(common, harmonic));
+        self.model().period() / f64::from(common.max(1))
+    }
+
+    /// Whether every impact has an impulse: one that is no larger than its error is none, and the orbit one of fewer impacts.
+    pub(super) fn hits(&self) -> bool {
+        self.impacts().iter().all(|impact| impact.impulse.abs() > impact.impulse_error)
+    }
+
+    /// Whether the impacts come one after the other within the period, farther apart than their errors: else it is an orbit of fewer instants.
+    pub(super) fn has_its_instants(&self) -> bool {
+        let end = (self.period(), 0.0);
+        let later = self.impacts().iter().map(|impact| (impact.time, impact.time_error)).skip(1).chain([end]);
+        let apart = |(one, (time, error)): (&StructureImpact, (f64, f64))| time - one.time > one.time_error + error;
+        self.impacts().iter().zip(later).all(apart)
+    }
+}
+
+/// Whether two impacts are of one contact on one barrier and their impulses differ by no more than their errors.
+fn are_alike(one: &StructureImpact, other: &StructureImpact) -> bool {
+    let errors = one.impulse_error + other.impulse_error + ROUNDING * one.impulse.abs();
+    (one.contact, one.barrier) == (other.contact, other.barrier) && (one.impulse - other.impulse).abs() <= errors
+}
+
+/// The greatest common divisor of two numbers, 0 being a multiple of all.
+fn greatest_divisor(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { greatest_divisor(b, a % b) }
+}
