@@ -5,9 +5,9 @@
 //! at the resolution of the arithmetic is a double zero, or two closer than can be told apart: it is returned as
 //! unresolved, not dropped.
 //!
-//! A zero is larger than its own rounding. Where a symmetry puts a zero that is no solution, values next to it are rounding, and change their
-//! sign as that does: an interval from which the derivative keeps its sign all the way there has no other zero, and one whose zero cannot be
-//! told from that one is unresolved.
+//! A zero is larger than its own rounding. Next to a double zero, and where a symmetry puts a zero that is no solution, values are rounding, and
+//! change their sign as that does: a change is a zero if the function surely has both signs a few roundings away, while the derivative keeps its
+//! own. Where this is so all the way to a zero that symmetry puts there, there is no other one.
 
 use smallvec::SmallVec;
 use vibrochain_lattice::Stop;
@@ -77,7 +77,7 @@ pub(crate) trait Enclosed {
     /// The function and its derivative at a point.
     fn at(&self, x: f64) -> (f64, f64);
 
-    /// Where the function vanishes by symmetry, at the ends of what is searched or beyond: no zero that is asked for.
+    /// Where the function vanishes by symmetry, at the ends of what is searched: no zero that is asked for.
     fn known_zeros(&self) -> SmallVec<[f64; 2]> {
         SmallVec::new()
     }
@@ -99,6 +99,8 @@ pub(crate) struct Zeros {
     stack: Vec<(f64, f64)>,
     /// Places and widths of zeros, simple or not, in the order in which intervals were looked at.
     places: Vec<Place>,
+    /// Where the derivative has one sign and the function may have either.
+    sloping: Vec<Sloping>,
     /// Once raised, what is left is not looked at.
     pub(crate) stop: Stop,
 }
@@ -115,7 +117,10 @@ const MOST_PLACES: usize = 10_000;
 
 /// An interval shorter than this part of the whole is looked at whether it is lost in rounding: such intervals would be halved down to the
 /// resolution all over the place where they are.
-const FINE: f64 = 1e-8;
+const FINE: f64 = 1e-4;
+
+/// Widths of rounding at which a sign is looked at again: beyond one it is sure, but for what the derivative changes by.
+const SURE: f64 = 4.0;
 
 /// 2⁻²⁶, the root of the rounding.
 const SMALL: f64 = 1.4901161193847656e-8;
@@ -160,6 +165,7 @@ impl Zeros {
         }
         let budget = self.evaluations + LEAST_BUDGET.max(MOST_PER_PIECE * pieces);
         self.places.clear();
+        let known = f.known_zeros();
         while !self.stack.is_empty() {
             if self.evaluations > budget || self.places.len() >= MOST_PLACES || self.stop.is_raised() {
                 self.exhausted += self.stack.len();
@@ -180,11 +186,12 @@ impl Zeros {
                     continue;
                 }
                 if clearances[i].derivative > 0.0 {
-                    if self.leads_to_a_known_zero(f, [low, high], &clearances[i]) {
-                        continue;
+                    // Next to a zero that is known values are rounding.
+                    if !known.is_empty() && clearances[i].ends.contains(&0.0) {
+                        self.sloping.push(Sloping { low, high, sign: clearances[i].centre.1.signum() });
                     }
                     if let Some(zero) = self.bracketed(f, [low, centre, high], &clearances[i]) {
-                        let simple = self.is_told_from_known_ones(f, zero);
+                        let simple = self.is_proved(f, zero, &clearances[i]);
                         self.places.push(Place { zero, width: resolution(zero), simple });
                     }
                 } else if radius <= resolution(centre)
@@ -197,34 +204,42 @@ impl Zeros {
                 }
             }
         }
+        self.leave_out(&known);
         self.places.sort_unstable_by(|a, b| a.zero.total_cmp(&b.zero));
         for place in &self.places {
             push_distinct(if place.simple { &mut self.simple } else { &mut self.unresolved }, place.zero, place.width);
         }
     }
 
-    /// Whether the derivative keeps its sign from this interval, where it does, to a zero that is known: there is no other one. Asked only where
-    /// the function's sign is not sure at both ends.
-    fn leads_to_a_known_zero(&mut self, f: &impl Enclosed, [low, high]: [f64; 2], here: &Clearance) -> bool {
-        here.ends.contains(&0.0)
-            && f.known_zeros().into_iter().any(|zero| {
-                let (low, high) = (low.min(zero), high.max(zero));
-                let centre = 0.5 * (low + high);
-                self.evaluations += 1;
-                f.clearances([centre; LANES], [(high - centre).max(centre - low); LANES])[0].derivative > 0.0
-            })
+    /// Leaves out the places of zeros in intervals from which the derivative keeps its sign all the way to a zero that is known: there is no
+    /// other one.
+    fn leave_out(&mut self, known: &[f64]) {
+        for zero in known {
+            let (mut low, mut high, mut sign) = (*zero, *zero, 0.0);
+            let neighbour = |sloping: &Sloping, low: f64, high: f64, sign: f64| {
+                (sloping.high == low || sloping.low == high) && (sign == 0.0 || sloping.sign == sign)
+            };
+            while let Some(place) = self.sloping.iter().position(|sloping| neighbour(sloping, low, high, sign)) {
+                let next = self.sloping.swap_remove(place);
+                (low, high, sign) = (low.min(next.low), high.max(next.high), next.sign);
+            }
+            self.places.retain(|place| !(low..=high).contains(&place.zero));
+        }
+        self.sloping.clear();
     }
 
-    /// Whether a zero is farther from all known ones than rounding of the function may have moved it.
-    fn is_told_from_known_ones(&mut self, f: &impl Enclosed, zero: f64) -> bool {
-        let known = f.known_zeros();
-        if known.is_empty() {
+    /// Whether the function surely changes its sign about a zero, one that it has changed by rounding as far as is known: on an interval a few
+    /// times as wide as rounding moves the zero, the derivative keeps its sign. Next to a double zero it does not.
+    fn is_proved(&mut self, f: &impl Enclosed, zero: f64, here: &Clearance) -> bool {
+        if !here.ends.contains(&0.0) {
             return true;
         }
-        self.evaluations += 1;
+        self.evaluations += 2;
         let Clearance { function, centre: (value, slope), .. } = f.clearances([zero; LANES], [0.0; LANES])[0];
-        let rounding = value.abs() - function;
-        known.iter().all(|known| (zero - known).abs() * slope.abs() > 2.0 * rounding)
+        // Without rounding of a function that vanishes there is no width.
+        let width = SURE * ((value.abs() - function) / slope.abs()).max(f64::EPSILON * zero.abs());
+        let about = f.clearances([zero; LANES], [width; LANES])[0];
+        about.derivative > 0.0 && about.ends[0] * about.ends[1] < 0.0
     }
 
     /// Whether at both ends and in the middle function and derivative are no larger than their rounding.
@@ -293,6 +308,14 @@ struct Place {
     simple: bool,
 }
 
+/// An interval on which the derivative has this sign.
+#[derive(Debug, Clone, Copy)]
+struct Sloping {
+    low: f64,
+    high: f64,
+    sign: f64,
+}
+
 fn push_distinct(list: &mut Vec<f64>, value: f64, width: f64) {
     if list.last().is_none_or(|&last| (value - last).abs() > width) {
         list.push(value);
@@ -344,6 +367,60 @@ mod tests {
         let mut zeros = Zeros::default();
         zeros.find(&Pairs { level: 0.0 }, -1.0, 4.0, 7, resolution);
         assert!(zeros.simple.is_empty() && zeros.unresolved.len() == 2, "{zeros:?}");
+    }
+
+    /// x(x − b) or (x − b)², blurred as by rounding of far larger terms.
+    struct Blurred {
+        second: f64,
+        twice: bool,
+    }
+
+    /// Rounding of its terms.
+    const BLUR: f64 = 1e-9;
+
+    impl Blurred {
+        fn enclose(&self, x: f64, radius: f64) -> Dual {
+            let first = if self.twice { self.second } else { 0.0 };
+            let noise = BLUR * (1e13 * x).sin();
+            let jet = [(x - first) * (x - self.second) + noise, 2.0 * x - first - self.second, 2.0, 0.0];
+            Dual::from_jet(jet, 0.0, radius).widened([BLUR, BLUR])
+        }
+    }
+
+    impl Enclosed for Blurred {
+        fn clearances(&self, centres: Lane, radii: Lane) -> [Clearance; LANES] {
+            one_by_one(centres, radii, |x, radius| self.enclose(x, radius))
+        }
+
+        fn at(&self, x: f64) -> (f64, f64) {
+            self.enclose(x, 0.0).at_centre()
+        }
+
+        fn known_zeros(&self) -> SmallVec<[f64; 2]> {
+            if self.twice { SmallVec::new() } else { smallvec::smallvec![0.0] }
+        }
+    }
+
+    #[test]
+    fn a_zero_is_larger_than_its_rounding() {
+        let find = |second: f64, twice: bool, to: f64| {
+            let mut zeros = Zeros::default();
+            zeros.find(&Blurred { second, twice }, 0.0, to, 5, |_| 1e-14);
+            assert!(zeros.exhausted == 0 && zeros.evaluations < 5000, "{second} {twice}: {}", zeros.evaluations);
+            zeros
+        };
+        for i in 0..200 {
+            let second = 0.3 + 1e-3 * f64::from(i);
+            // The zero at 0 is known, the other one is found where it is there.
+            let zeros = find(second, false, 1.0);
+            assert!(zeros.simple.len() == 1 && zeros.unresolved.is_empty(), "{second} {zeros:?}");
+            assert!((zeros.simple[0] - second).abs() < 4.0 * BLUR / second);
+            let zeros = find(second, false, 0.8 * second);
+            assert!(zeros.simple.is_empty() && zeros.unresolved.is_empty(), "{second} {zeros:?}");
+            // Noise about a double zero is none.
+            let zeros = find(second, true, 1.0);
+            assert!(zeros.simple.is_empty() && !zeros.unresolved.is_empty(), "{second} {zeros:?}");
+        }
     }
 
     /// x² − 2 with noise like the rounding of many terms of this size.

@@ -39,6 +39,9 @@ const COINCIDENT: f64 = 1e-4;
 /// Intervals are not halved below this part of the period.
 pub(super) const RESOLUTION: f64 = 1e-11;
 
+/// The same of one function: next to a resonance its zeros come in pairs, as close as the square of the distance.
+const FINEST: f64 = 1e-14;
+
 /// Intervals to begin with: where modes are far faster than the load, they have died out in nearly all of them.
 const MOST_PIECES: usize = 512;
 
@@ -126,7 +129,10 @@ impl Function {
         let mut zeros = Zeros::default();
         zeros.stop = self.stop.clone();
         let pieces = ((self.between.fastest.max(self.rate) * self.period) as usize).clamp(16, MOST_PIECES);
-        zeros.find(self, self.least, self.period - self.least, pieces, |_| RESOLUTION * self.period);
+        // Where it is known to vanish at one instant it is followed up to there.
+        let least = if self.vanishes { 0.0 } else { self.least };
+        zeros.find(self, least, self.period - least, pieces, |_| FINEST * self.period);
+        zeros.unresolved.retain(|phi| (self.least..=self.period - self.least).contains(phi));
         zeros
     }
 

@@ -122,7 +122,6 @@ pub(crate) fn candidates(
 /// too, which is one instant and left out.
 pub(crate) fn times(response: &ImpulseResponse, shapes: &[f64], same_masses: bool, zeros: &mut Zeros) {
     let half = 0.5 * response.period();
-    let to = if same_masses { half } else { half * (1.0 - APART) };
     // Masses that feel nothing of each other hit whenever they like.
     let [most, ..] = response.derivative_bounds_of(shapes);
     let felt = (1..8).any(|i| response.jet_of(shapes, half * f64::from(i) / 8.0).slope.abs() > UNFELT * most);
@@ -130,7 +129,9 @@ pub(crate) fn times(response: &ImpulseResponse, shapes: &[f64], same_masses: boo
         zeros.exhausted += 1;
         return;
     }
-    search(&Balance::new(response, shapes, same_masses), zeros, &[(0.0, to)], pieces(response));
+    search(&Balance::new(response, shapes, same_masses), zeros, &[(0.0, half)], pieces(response));
+    // Two instants this close are not told from one.
+    zeros.unresolved.retain(|delta| same_masses || *delta < half * (1.0 - APART));
 }
 
 /// Adds the zeros of s in intervals of δ > 0 to `zeros`, each of them in so many `pieces` to begin with.
