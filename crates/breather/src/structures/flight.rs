@@ -192,7 +192,15 @@ impl<'a> StructureMotion<'a> {
             let time = rate * (orbit.psi_error() + impacts[i].time_error + f64::EPSILON * late);
             swing.norm() * rate.powi(order as i32) * (time + rounding)
         });
-        impacts.iter().map(of).chain(of_loads).sum()
+        // Next to a resonance, what the error of the frequency makes of all terms at once.
+        let of_sums = kernel.nearly_resonant().map(|(place, doubt)| {
+            let term = |other: &StructureImpact| {
+                let lapse = impacts[i].time - other.time;
+                other.impulse * kernel.jet_of_mode(place, contact, other.contact, lapse)[order]
+            };
+            doubt * impacts.iter().map(term).sum::<f64>().abs()
+        });
+        impacts.iter().map(of).chain(of_loads).chain(of_sums).sum()
     }
 
     /// A bound of a contact's derivative of second order or a higher one, from `s` to `end` after impact `i`.

@@ -150,7 +150,7 @@ class StructureOrbits:
     orbits : tuple of StructureOrbit
         The orbits, physical or not.
     search : dict
-        by: "closed-form", "enclosures" and "branch-and-prune" (with unresolved = 0) are complete, "half-period", "scan" and "starts"
+        by: "closed-form", "enclosures" and "branch-and-prune" are complete where unresolved is 0, "half-period", "scan" and "starts"
         need not be.
 
     Examples
