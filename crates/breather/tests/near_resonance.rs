@@ -254,6 +254,41 @@ fn a_load_of_one_harmonic_is_one_of_as_many_periods() {
     assert!(lists > 40 && orbits > 60, "{lists} {orbits}");
 }
 
+#[test]
+fn long_words_have_no_orbit_of_fewer_instants() {
+    // Two masses that a load moves alike hit at one instant, to the last bits: no orbit of four.
+    let mut random = Random(6);
+    let mut orbits = 0;
+    for round in 0..60 {
+        let (coupling, omega) = (random.between(0.05, 0.4), random.between(0.5, 2.5));
+        let other = if round % 3 == 0 { random.between(0.8, 2.0) } else { 1.0 };
+        let stiffness = DMatrix::from_row_slice(2, 2, &[1.0 + coupling, -coupling, -coupling, other + coupling]);
+        let contact = between(-random.between(0.1, 0.6), random.between(0.1, 0.6), 0.8);
+        let side = |place: usize| (DVector::from_fn(2, |n, _| if n == place { 1.0 } else { 0.0 }), contact);
+        let load = DVector::from_element(2, Complex::new(random.between(0.4, 1.5), 0.0));
+        let structure = Structure {
+            mass: DMatrix::identity(2, 2),
+            damping: DMatrix::identity(2, 2) * 0.1,
+            stiffness,
+            contacts: vec![side(0), side(1)],
+            loads: vec![(1, load)],
+            ..Structure::default()
+        };
+        let model = StructureModel::new(Arc::new(structure.modal().unwrap()), omega).unwrap();
+        for word in ["0+,1+,0-,1-", "0+,1-,0-,1+"] {
+            let found = list(&model, word, 1);
+            assert_distinct(&found.orbits);
+            for orbit in &found.orbits {
+                let times = orbit.impacts().iter().map(|impact| impact.time).chain([orbit.period()]);
+                let times: Vec<f64> = times.collect();
+                assert!(times.windows(2).all(|pair| pair[1] - pair[0] > 1e-9 * omega.recip()), "{word}: {times:?}");
+                orbits += 1;
+            }
+        }
+    }
+    assert!(orbits > 5, "{orbits}");
+}
+
 /// A row with free ends, its first mass and another one between their barriers.
 fn row_of_masses(sites: usize, far: usize, [gamma1, gamma2, asymmetry]: [f64; 3], omega: f64) -> StructureModel {
     let mut stiffness = DMatrix::identity(sites, sites) * gamma1;
