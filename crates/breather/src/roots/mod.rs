@@ -2,6 +2,7 @@
 //! between two values that differ in sign (`bracket`).
 
 pub mod bracket;
+pub(crate) mod clearance;
 pub(crate) mod dual;
 pub(crate) mod interval;
 pub(crate) mod patch;
