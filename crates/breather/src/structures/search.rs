@@ -169,7 +169,7 @@ fn found(
     let pushing = matches!(search, StructureSearch::Starts { .. } | StructureSearch::BranchAndPrune { .. });
     let listed = |orbit: &StructureOrbit| {
         let pulls = orbit.impacts().iter().any(|impact| impact.barrier.sign() * impact.impulse >= 0.0);
-        !(pulls && pushing) && !orbit.repeats_sooner()
+        !(orbit.repeats_sooner() || pulls && pushing)
     };
     let (mut solutions, mut lost): (Vec<Solution>, usize) = (Vec::new(), 0);
     for Start { point, is_zero } in starts {
