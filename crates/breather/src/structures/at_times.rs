@@ -146,9 +146,10 @@ impl Line {
             return SmallVec::new();
         }
         let foot = -(c.0 * c.1 + s.0 * s.1) / length / length;
-        let reach = ((1.0 - distance) * (1.0 + distance)).sqrt() / length;
+        // Lists begin with the solution of the larger τ.
+        let reach = (((1.0 - distance) * (1.0 + distance)).sqrt() / length).copysign(foot);
         let at = |tau: f64| self.base.iter().zip(&self.along).map(|(base, along)| base + tau * along).collect();
-        [foot - reach, foot + reach].map(at).into()
+        [foot + reach, foot - reach].map(at).into()
     }
 }
 
