@@ -39,7 +39,7 @@ fn answers(dir: &TestDir) -> Vec<(&'static str, Value)> {
     ] {
         answers.push(("locate", told(&format!("locate --json {line}"))));
     }
-    let words = "--sites-used 2 --reach 2 --all --sites 5 --gamma1 .2 --gamma2 .05 --omega 1.5 --asymmetry .2";
+    let words = "--sites-used 2 --reach 2 --families double-sided --all --sites 5 --gamma1 .2 --gamma2 .05 --omega 1.5 --asymmetry .2";
     answers.push(("words", told(&format!("words --json {words}"))));
     answers.push(("simulate", told(&format!("simulate --json --periods 3.5 {}", ORBITS[3]))));
     answers.push(("branch", told(&format!("branch --json --free amplitude --to .17 --switch {DOUBLING} --csv b.csv"))));

@@ -301,8 +301,9 @@ fn a_branch_ends_where_a_spring_vanishes() {
 #[test]
 fn the_sides_of_an_event_say_whether_they_are_physical() {
     let dir = dir();
-    let told = dir.run("locate --scene scene.toml --event grazing --free omega --from 1 --to 3").with(0, &[]).out;
-    let answer = dir.run("locate --scene scene.toml --event grazing --free omega --from 1 --to 3 --json").with(0, &[]);
+    let told = dir.run("locate --scene scene.toml --event grazing --free omega --from 0.5 --to 3").with(0, &[]).out;
+    let answer =
+        dir.run("locate --scene scene.toml --event grazing --free omega --from 0.5 --to 3 --json").with(0, &[]);
     let events = written(&answer.out)["events"].as_array().unwrap().clone();
     let touches = events.iter().filter(|event| event["evidence"].get("barrier").is_some());
     let (mut checked, mut beyond) = (0, 0);

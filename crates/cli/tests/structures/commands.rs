@@ -205,7 +205,7 @@ fn a_map_is_a_row_a_point() {
     let (empty, physical): (Vec<&str>, Vec<&str>) = rows[1..].iter().partition(|row| row.contains(",none,"));
     assert!(physical.len() > 5 && physical.iter().all(|row| row.ends_with(",,,,")), "{text}");
     // None has trouble, all say why they are empty.
-    assert!(empty.len() > 5 && empty.iter().all(|row| row.contains(",ok,,") && !row.ends_with(",,,,")), "{text}");
+    assert!(empty.len() >= 3 && empty.iter().all(|row| row.contains(",ok,,") && !row.ends_with(",,,,")), "{text}");
     // Each is what `orbit` says of the point.
     let stable = rows[1..].iter().find(|row| row.contains(",stable,\"0+,0-\",")).unwrap();
     let parts: Vec<&str> = stable.split(',').collect();
