@@ -202,39 +202,4 @@ impl Mul for Patch {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn patches_contain_what_they_enclose() {
-        // f = sin x (cos 3y − 0.3) + x-free and y-free terms + 1/(2 + sin(x + y)), about several centres.
-        for (x0, y0) in [(0.0, 0.0), (1e-6, 0.3), (-1.0, 2.0), (0.4_f64, -0.7_f64)] {
-            for r in [[0.5, 0.2], [0.1, 0.1], [1e-3, 1e-2]] {
-                let sin = Piece::wave([x0.sin(), -x0.cos()], 1.0, 1.0).along(0, r);
-                let cos = Piece::wave([(3.0 * y0).cos(), (3.0 * y0).sin()], 3.0, 1.0).along(1, r);
-                let both = Piece::wave([(x0 + y0).sin(), -(x0 + y0).cos()], 1.0, 1.0).of([true; 2], r);
-                let inverse = both.shifted(2.0).reciprocal().unwrap();
-                let f = sin * cos.shifted(-0.3) + cos.scaled(2.0) - sin + inverse;
-                for i in -20..=20 {
-                    for j in -20..=20 {
-                        let (x, y) = (f64::from(i) / 20.0 * r[0], f64::from(j) / 20.0 * r[1]);
-                        let (sx, cx) = (x0 + x).sin_cos();
-                        let (sy, cy) = (3.0 * (y0 + y)).sin_cos();
-                        let (sin, cos) = (x0 + x + y0 + y).sin_cos();
-                        let (inverse, rise) = ((2.0 + sin).recip(), -cos / ((2.0 + sin) * (2.0 + sin)));
-                        let value = sx * (cy - 0.3) + 2.0 * cy - sx + inverse;
-                        let slopes = [cx * (cy - 0.3) - cx + rise, -3.0 * sx * sy - 6.0 * sy + rise];
-                        let middle = f.value() + f.slope()[0] * x + f.slope()[1] * y;
-                        assert!((value - middle).abs() <= f.rest() + 1e-15);
-                        assert!(value.abs() <= f.bound() + 1e-15);
-                        for k in 0..2 {
-                            assert!((slopes[k] - f.slope()[k]).abs() <= f.swing()[k] + 1e-14);
-                        }
-                    }
-                }
-                // Useful, not only safe: the excess is of second order.
-                assert!(f.rest() < 40.0 * (r[0] * r[0] + r[1] * r[1]) + 1e-14);
-            }
-        }
-    }
-}
+mod tests;

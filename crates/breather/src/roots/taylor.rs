@@ -125,3 +125,6 @@ impl<const N: usize, T: Number> Mul for Taylor<N, T> {
         Self { value, slope, rest, radius: self.radius }
     }
 }
+
+#[cfg(test)]
+mod tests;

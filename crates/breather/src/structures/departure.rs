@@ -182,3 +182,6 @@ impl StructureOrbit {
         self.impacts().iter().map(strike)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -45,6 +45,8 @@ mod response;
 mod scan;
 pub(crate) mod search;
 mod starts;
+#[cfg(test)]
+mod tests;
 mod three_impacts;
 mod two_impacts;
 mod windows;

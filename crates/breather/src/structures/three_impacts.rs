@@ -400,3 +400,6 @@ impl Planar for ThreeImpacts {
         Some((reduced.left, true))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -175,3 +175,6 @@ impl Approach<'_> {
         (if *tau > horizon { Step::Clear } else { Step::Later }, None)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -216,32 +216,4 @@ fn discs(form: &Rational, poles: &[C], roots: &[C]) -> Vec<f64> {
 }
 
 #[cfg(test)]
-mod tests {
-    use vibrochain_testkit::Random;
-
-    use super::super::random_equations;
-    use super::super::solve::zeros;
-    use super::*;
-
-    /// The leading zeros alone are those of all.
-    #[test]
-    fn those_that_lead_lead_all() {
-        let mut random = Random(61);
-        let (mut quick, mut all) = (0, 0);
-        for _ in 0..400 {
-            let equations = random_equations(&mut random, 0.9);
-            let thorough = zeros(&equations, false, &[]);
-            if !thorough.certified {
-                continue;
-            }
-            all += 1;
-            let Some(list) = SpectralFunction::new(&equations, false).leading(&[]) else { continue };
-            quick += 1;
-            let largest = |list: &[Zero]| list.iter().map(|zero| modulus(zero.z)).fold(0.0, f64::max);
-            let (found, wanted) = (largest(&list), largest(&thorough.list));
-            let room: f64 = list.iter().map(|zero| zero.error).fold(1e-13 * (1.0 + wanted), f64::max);
-            assert!((found - wanted).abs() <= 4.0 * room, "{found} {wanted} {room:e} {equations:?}");
-        }
-        assert!(all > 300 && quick > all * 3 / 4, "{quick} of {all}");
-    }
-}
+mod tests;

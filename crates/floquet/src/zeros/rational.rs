@@ -99,3 +99,6 @@ impl Rational {
         f64::EPSILON + total(doubt)
     }
 }
+
+#[cfg(test)]
+mod tests;

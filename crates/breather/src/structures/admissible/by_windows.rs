@@ -199,3 +199,6 @@ impl Search<'_> {
         turning_points(&own, [from, to], pending, least, &mut note, 0.0);
     }
 }
+
+#[cfg(test)]
+mod tests;

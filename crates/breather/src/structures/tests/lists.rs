@@ -1,0 +1,149 @@
+//! What lists of orbits promise: each orbit once, none that repeats sooner, each one an orbit; without loads instants half a period apart.
+
+use std::sync::Arc;
+
+use vibrochain_lattice::{Contact, LinearMode, ModalStructure, ModeShape};
+use vibrochain_testkit::Random;
+
+use super::model;
+use crate::structures::flight::StructureMotion;
+use crate::structures::model::StructureModel;
+use crate::structures::orbit::StructureOrbit;
+use crate::structures::search::{StructureFound, structure_candidates, structure_orbits};
+
+/// Times of a period at which motions are compared.
+const TIMES: usize = 24;
+
+/// Places of both contacts at so many times of the load, begun at phase 0: the same for one orbit, however its impacts are numbered.
+fn track(orbit: &StructureOrbit) -> Vec<f64> {
+    let motion = StructureMotion::new(orbit).unwrap();
+    let place = |k: usize, contact: usize| {
+        let time = orbit.period() * k as f64 / TIMES as f64 - orbit.psi().unwrap_or(0.0);
+        let time = time.rem_euclid(orbit.period());
+        let i = orbit.impacts().partition_point(|impact| impact.time <= time) - 1;
+        motion.contact(contact, i, time - orbit.impacts()[i].time)[0]
+    };
+    (0..TIMES).flat_map(|k| [place(k, 0), place(k, 1)]).collect()
+}
+
+/// How far two tracks are apart when one of them begins so many periods of the load later.
+fn apart(one: &[f64], other: &[f64], later: usize, periods: usize) -> f64 {
+    let shift = 2 * TIMES * later / periods;
+    let pairs = one.iter().zip(other.iter().cycle().skip(shift));
+    let size = one.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) / size
+}
+
+#[test]
+fn no_orbit_is_listed_twice_nor_one_that_repeats_sooner() {
+    let mut random = Random(83);
+    let (mut lists, mut pairs, mut doubled) = (0, 0, 0);
+    for _ in 0..120 {
+        let model = model(&mut random);
+        for (word, periods) in [("0+", 1), ("0+,0+", 1), ("0+,0+", 2), ("1-,1+", 1), ("0+,1-", 2), ("1-,1+,1+", 1)] {
+            let Ok(found) = structure_orbits(&model, &word.parse().unwrap(), periods) else { continue };
+            let tracks: Vec<Vec<f64>> = found.orbits.iter().map(track).collect();
+            for (n, own) in tracks.iter().enumerate() {
+                for (m, other) in tracks[..n].iter().enumerate() {
+                    for later in 0..periods as usize {
+                        let away = apart(own, other, later, periods as usize);
+                        assert!(
+                            away > 1e-6,
+                            "{word} {periods}: {n} and {m} are one, {later} later\n{:?}",
+                            found.orbits
+                        );
+                        pairs += 1;
+                    }
+                }
+                // After every part of its periods it is somewhere else.
+                if periods == 2 {
+                    assert!(apart(own, own, 1, 2) > 1e-6, "{word}: {n} has one period");
+                    doubled += 1;
+                }
+            }
+            lists += usize::from(tracks.len() > 1);
+        }
+    }
+    assert!(lists > 100 && pairs > 300 && doubled > 40, "{lists} {pairs} {doubled}");
+}
+
+/// Contacts are on their barriers at impacts, where Newton's law holds from one flight to the next, and the motion repeats: by the flights, which
+/// know nothing of the equations. Candidates are those of all that push.
+#[test]
+fn what_is_listed_are_orbits() {
+    let mut random = Random(89);
+    let (mut impacts, mut pulled) = (0, 0);
+    let check = |orbit: &StructureOrbit| {
+        let motion = StructureMotion::new(orbit).unwrap();
+        let n = orbit.impacts().len();
+        for i in 0..n {
+            let (before, impact) = ((i + n - 1) % n, orbit.impacts()[i]);
+            let contact = impact.contact;
+            let ([from, arrives, _], [to, leaves, _]) =
+                (motion.contact(contact, before, motion.until_next(before)), motion.contact(contact, i, 0.0));
+            let stop = orbit.model().barrier(contact, impact.barrier).unwrap();
+            let e = orbit.model().structure().contacts()[contact].restitution;
+            let size = 1.0 + arrives.abs();
+            assert!((from - stop).abs() < 1e-8 * size && (to - stop).abs() < 1e-8 * size, "{i}: {from} {to} {stop}");
+            assert!((leaves + e * arrives).abs() < 1e-8 * size, "{i} {leaves} {arrives}");
+        }
+        n
+    };
+    for _ in 0..60 {
+        let model = model(&mut random);
+        for word in ["0+", "1-,1+", "0+,1-", "0+,0+"] {
+            let word = word.parse().unwrap();
+            let Ok(found) = structure_orbits(&model, &word, 1) else { continue };
+            impacts += found.orbits.iter().map(check).sum::<usize>();
+            let pushes = |orbit: &&StructureOrbit| {
+                orbit.impacts().iter().all(|impact| impact.barrier.sign() * impact.impulse < 0.0)
+            };
+            let StructureFound { orbits, .. } = structure_candidates(&model, &word, 1).unwrap();
+            let pushing: Vec<_> = found.orbits.iter().filter(pushes).collect();
+            assert_eq!(orbits.iter().filter(pushes).collect::<Vec<_>>(), pushing);
+            pulled += found.orbits.len() - pushing.len();
+        }
+    }
+    assert!(impacts > 200 && pulled > 30, "{impacts} {pulled}");
+}
+
+/// Without loads and losses half a period between two impacts is on each list once, and that orbit is its own mirror image in time.
+#[test]
+fn half_periods_are_listed_without_loads() {
+    let mut random = Random(97);
+    let (mut halves, mut others) = (0, 0);
+    for _ in 0..60 {
+        let count = 1 + random.below(4);
+        let modes = (0..count).map(|_| {
+            let contacts = vec![random.between(-1.0, 1.0), random.between(-1.0, 1.0)];
+            let shape = ModeShape { contacts, coordinates: Vec::new(), still: 0.0 };
+            LinearMode::oscillator(0.0, random.log(0.1, 9.0), &shape, &[])
+        });
+        let modes = modes.collect();
+        let stops = Contact { lower: Some(-random.log(0.1, 1.0)), upper: Some(random.log(0.1, 1.0)), restitution: 1.0 };
+        let structure = Arc::new(ModalStructure::new(vec![stops; 2], Vec::new(), modes).unwrap());
+        let model = StructureModel::new(structure, random.between(0.5, 3.0)).unwrap();
+        for word in ["0-,0+", "0+,1-"] {
+            let Ok(found) = structure_orbits(&model, &word.parse().unwrap(), 1) else { continue };
+            let half = 0.5 * model.period();
+            let is_half = |orbit: &&StructureOrbit| (orbit.impacts()[1].time - half).abs() < 1e-9 * half;
+            assert_eq!(found.orbits.iter().filter(is_half).count(), 1, "{word} {found:?}");
+            halves += 1;
+            for orbit in &found.orbits {
+                let motion = StructureMotion::new(orbit).unwrap();
+                // Reversed in time about its impacts it is the same motion.
+                let whole = motion.until_next(0);
+                for (contact, part) in [(0, 0.2), (1, 0.2), (0, 0.7), (1, 0.7)] {
+                    if is_half(&orbit) {
+                        let there = motion.contact(contact, 0, part * whole);
+                        let back = motion.contact(contact, 1, (1.0 - part) * whole);
+                        let size = 1.0 + there[0].abs() + there[1].abs();
+                        assert!((there[0] - back[0]).abs() < 1e-8 * size && (there[1] + back[1]).abs() < 1e-8 * size);
+                    }
+                }
+                others += usize::from(!is_half(&orbit));
+            }
+        }
+    }
+    assert!(halves > 60 && others > 10, "{halves} {others}");
+}

@@ -1,0 +1,70 @@
+//! Promises of structures' orbits and of the bounds that prove them: on random structures, against samples, differences and closed forms.
+
+mod bounds;
+mod enclosures;
+mod lists;
+
+use std::sync::Arc;
+
+use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape};
+use vibrochain_testkit::Random;
+
+use super::model::StructureModel;
+use super::orbit::StructureOrbit;
+use super::search::structure_orbits;
+
+/// A mode of real shape below, at or above critical damping, as two contacts see it.
+fn mode(random: &mut Random, frequency: f64, ratio: f64) -> LinearMode {
+    let contacts = vec![random.between(-1.0, 1.0), random.between(-1.0, 1.0)];
+    let shape = ModeShape { contacts, coordinates: Vec::new(), still: random.between(-0.1, 0.1) };
+    let load = Complex::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0));
+    LinearMode::oscillator(ratio * frequency, frequency * frequency * (1.0 - ratio * ratio), &shape, &[load])
+}
+
+/// Two poles λ, μ of one complex shape, φ and iφ: so much of each that an impulse moves no contact at once, 2 Re(φφᵀ + (iφ)(iφ)ᵀ) = 0, and gives it a
+/// velocity, 2 Re (λ−μ)φφᵀ > 0.
+fn poles(random: &mut Random) -> [LinearMode; 2] {
+    let mut pole = || Complex::new(-random.log(1e-3, 0.5), random.log(0.4, 5.0));
+    let rates = [pole(), pole()];
+    let turn = Complex::from_polar(1.0, -0.5 * (rates[0] - rates[1]).arg());
+    let number = |random: &mut Random| turn * random.between(-0.5, 0.5);
+    let contacts = vec![number(random), number(random)];
+    let load = [random.between(-0.5, 0.5), random.between(-0.5, 0.5)];
+    [(0, Complex::new(1.0, 0.0)), (1, Complex::new(0.0, 1.0))].map(|(k, by)| {
+        let contacts = contacts.iter().map(|shape| shape * by).collect();
+        let shape = ModeShape { contacts, coordinates: Vec::new(), still: turn * by * 0.1 };
+        let loads = [[Complex::new((turn * by).re, 0.0) * load[0], Complex::new((turn * by).im, 0.0) * load[1]]];
+        LinearMode::pole(rates[k], &shape, &loads)
+    })
+}
+
+/// A few modes of all kinds under a load of one harmonic, with a stop above one contact and two about the other; at a frequency.
+pub(in crate::structures) fn model(random: &mut Random) -> StructureModel {
+    let count = 1 + random.below(5);
+    let ratios = [random.log(1e-3, 0.9), random.log(1e-3, 0.9), 1.0, 1.5];
+    let mut modes: Vec<LinearMode> = (0..count)
+        .map(|_| {
+            let (frequency, ratio) = (random.log(0.3, 5.0), ratios[random.below(4)]);
+            mode(random, frequency, ratio)
+        })
+        .collect();
+    if random.chance(0.4) {
+        modes.extend(poles(random));
+    }
+    let contacts = vec![
+        Contact { lower: None, upper: Some(random.between(0.0, 0.5)), restitution: random.between(0.3, 1.0) },
+        Contact { lower: Some(-random.log(0.1, 1.0)), upper: Some(random.log(0.1, 1.0)), restitution: 0.8 },
+    ];
+    let structure = ModalStructure::new(contacts, vec![1], modes).unwrap();
+    StructureModel::new(Arc::new(structure), random.between(0.5, 3.0)).unwrap()
+}
+
+/// Orbits of one impact and of two of random structures, so many structures long.
+fn orbits(random: &mut Random, structures: usize, mut visit: impl FnMut(&StructureOrbit, &mut Random)) {
+    for _ in 0..structures {
+        let model = model(random);
+        let word = random.of(&["0+", "0+,0+", "1-,1+", "0+,1-"]).parse().unwrap();
+        let Ok(found) = structure_orbits(&model, &word, 1) else { continue };
+        found.orbits.iter().for_each(|orbit| visit(orbit, random));
+    }
+}
