@@ -6,7 +6,6 @@ import random
 import re
 import subprocess
 import sys
-import tempfile
 import time
 
 BEGAN = time.monotonic()
@@ -120,16 +119,21 @@ def built(tree, words):
     return programs, errors
 
 
+def module(name):
+    """The path of a file's module, by which its own tests are picked; of the crate's root nothing."""
+    names = pathlib.Path(name).with_suffix("").parts[3:]
+    return "::".join(names[:-1] if names[-1] in ("mod", "lib") else names)
+
+
 def is_caught(programs, fault, limits):
     """By which program a fault is noticed; one that takes far longer than usual is, too."""
-    for program, folder, _ in programs:
+    for program, folder, *some in programs:
         began = time.monotonic()
+        environment = {**os.environ, "CARGO_MANIFEST_DIR": folder}
+        environment.update({} if fault is None else {"FAULT": str(fault)})
         try:
-            words = [program, "--quiet"] if fault is None else [program, "--quiet", "--test-threads=2"]
-            environment = {**os.environ, "CARGO_MANIFEST_DIR": folder}
-            environment.update({} if fault is None else {"FAULT": str(fault)})
-            limit = None if fault is None else limits[program]
-            if run(words, folder, env=environment, timeout=limit).returncode != 0:
+            words = [program, "--quiet", *some[1:]]
+            if run(words, folder, env=environment, timeout=limits.get(program)).returncode != 0:
                 return pathlib.Path(program).name
         except subprocess.TimeoutExpired:
             return pathlib.Path(program).name + " (too long)"
@@ -139,16 +143,18 @@ def is_caught(programs, fault, limits):
 
 
 def main():
-    folder = pathlib.Path(tempfile.mkdtemp(prefix="mutants-"))
-    tree = folder / "tree"
-    if run(["git", "worktree", "add", "--detach", str(tree), "HEAD"], ROOT).returncode != 0:
-        sys.exit("no second work tree can be had")
-    os.environ["CARGO_TARGET_DIR"] = str(pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")).resolve())
+    # Apart from what is compiled without faults: cargo takes the same files of another tree for its own.
+    target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")).resolve() / "mutants"
+    tree = target / "tree"
+    os.environ["CARGO_TARGET_DIR"] = str(target)
+    run(["git", "worktree", "remove", "--force", str(tree)], ROOT)
+    added = run(["git", "worktree", "add", "--detach", str(tree), "HEAD"], ROOT)
+    if added.returncode != 0:
+        sys.exit(added.stderr)
     try:
         examine(tree)
     finally:
         run(["git", "worktree", "remove", "--force", str(tree)], ROOT)
-        folder.rmdir()
 
 
 def examine(tree):
@@ -181,8 +187,10 @@ def examine(tree):
             left.append(number)
             continue
         crate = mutants[number]["file"].split("/")[1]
-        # The crate's own tests first.
+        # The file's own tests first, then its crate's.
         own = sorted(units, key=lambda unit: not unit[1].endswith("/" + crate))
+        if module(mutants[number]["file"]):
+            own.insert(0, (*own[0], module(mutants[number]["file"]) + "::"))
         by = is_caught(own, place, limits)
         caught.update({number: by} if by else {})
         open_ones += [] if by else [(place, number)]

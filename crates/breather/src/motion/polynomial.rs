@@ -123,27 +123,4 @@ fn turning_point(polynomial: &Polynomial, mut low: f64, mut high: f64) -> Option
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_turning_point_that_rounding_puts_before_a_piece_is_found_where_the_flight_goes_on() {
-        // −10⁻¹⁷s − s²/2: turns at −10⁻¹⁷.
-        let mut coefficients = [0.0; ORDER];
-        (coefficients[1], coefficients[2]) = (-1e-17, -0.5);
-        let polynomial = Polynomial { coefficients };
-        let count = |range| {
-            let (mut seen, mut pending) = (0, Vec::new());
-            let mut note = |s: f64, value: f64| {
-                assert!(s.abs() < 1e-15 && value.abs() < 1e-30);
-                seen += 1;
-                f64::INFINITY
-            };
-            turning_points(&polynomial, range, &mut pending, f64::INFINITY, &mut note, 0.0);
-            seen
-        };
-        assert_eq!(count(with_overlap(1.0, [false, true])), 0);
-        assert_eq!(count(with_overlap(1.0, [true, false])), 1);
-        assert_eq!(with_overlap(2.0, [false; 2]), [0.0, 2.0]);
-    }
-}
+mod tests;

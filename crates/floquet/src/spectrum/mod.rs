@@ -26,6 +26,8 @@ mod refine;
 mod shape;
 mod solve;
 mod starts;
+#[cfg(test)]
+mod tests;
 mod verdict;
 
 pub(crate) use beyond::{BEYOND, is_surely_beyond};

@@ -103,3 +103,6 @@ impl Radiation {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;
