@@ -50,7 +50,7 @@ fn accelerations_stay_within_their_bound() {
             for contact in 0..2 {
                 let s = random.between(0.0, 0.9) * whole;
                 let end = random.between(s, whole);
-                let bound = motion.most_acceleration(contact, i, s, end);
+                let bound = motion.bound(contact, 2, i, [s, end]);
                 let at = |k: i32| motion.contact(contact, i, s + (end - s) * f64::from(k) / 100.0)[2].abs();
                 let most = (0..=100).map(at).fold(0.0, f64::max);
                 assert!(most <= bound * (1.0 + 1e-12), "{most} {bound}");
