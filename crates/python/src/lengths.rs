@@ -102,8 +102,8 @@ fn kind(value: &Bound<'_, PyAny>) -> String {
 
 /// A text as the one item of a list, which it was meant to be.
 fn as_one(value: &Bound<'_, PyAny>) -> String {
-    let text = value.cast::<PyString>().ok().and_then(|text| text.to_str().ok());
-    text.map_or(String::new(), |text| format!(", as in [{:?}]", clipped(text, 40)))
+    let text = value.cast::<PyString>().ok().and_then(|text| text.extract::<String>().ok());
+    text.map_or(String::new(), |text| format!(", as in [{:?}]", clipped(&text, 40)))
 }
 
 /// How many numbers there are in an array, and whether it is one.
