@@ -76,6 +76,52 @@ def test_forms_of_matrices_are_one():
     assert [a.impacts for a in again] == [b.impacts for b in told]
 
 
+def test_few_modes_are_those_of_lapack():
+    load = np.array([1.0, 0.5])
+    half = np.diag(np.diag(MASS) ** -0.5)
+    squares, vectors = np.linalg.eigh(half @ STIFFNESS @ half)
+    rate, shape = np.sqrt(squares[0]), half @ vectors[:, 0]
+    few = vc.Structure(MASS, STIFFNESS, 0.1 * MASS, contacts=[STOP], load=load, modes=1)
+    tip = vc.Contact(lower=-0.7, upper=0.6, restitution=0.8)
+    alone = vc.Structure.modal([rate], [0.05 / rate], [[shape[1]]], contacts=[tip], load_shapes=[shape @ load])
+    whole = vc.Structure(MASS, STIFFNESS, 0.1 * MASS, contacts=[STOP], load=load)
+    impulses = [[orbit.impacts[0]["impulse"] for orbit in one.orbits("0+", omega=0.5)] for one in (few, alone, whole)]
+    assert len(impulses[0]) == 2 and np.allclose(impulses[0], impulses[1], rtol=1e-12, atol=0)
+    assert not np.allclose(impulses[0], impulses[2], rtol=1e-3)
+    for modes in (0, 3):
+        with pytest.raises(vc.RequestError, match="modes = "):
+            vc.Structure(MASS, STIFFNESS, contacts=[STOP], modes=modes).orbits("0+", omega=0.5)
+
+
+def test_an_event_that_rounding_hides_is_told():
+    """A crossing of the circle whose place is known to forty digits from elsewhere: the branch has it, or a range that holds it."""
+    mass = [
+        [0.7437917384682091, -0.10649125917486568, -0.027455372409473666],
+        [-0.10649125917486568, 1.854002485409669, -0.05998744780790608],
+        [-0.027455372409473666, -0.05998744780790608, 0.894163976577072],
+    ]
+    stiffness = [
+        [0.96733385321138, 1.0541812891397515, -1.2427155830375107],
+        [1.0541812891397515, 1.6679763119615, -1.7188229481413906],
+        [-1.2427155830375107, -1.7188229481413906, 2.2193251394193143],
+    ]
+    damping = [
+        [0.0009238133966571123, 0.0004377152861348759, -0.00014196926451629204],
+        [0.0004377152861348759, 0.001212385640484097, -7.239740158481128e-05],
+        [-0.00014196926451629204, -7.239740158481128e-05, 0.0011638040096972847],
+    ]
+    hit = vc.Contact(weights=[1.0, 0.0, 0.0], upper=-0.11192930404971192, restitution=0.5)
+    load = [-1.1242444682723935, -2.6219963990933213, -0.1705754422842902]
+    still = [-0.2333316442128846, 0.23261972709696194, 0.4325025846629874]
+    whole = vc.Structure(mass, stiffness, damping, contacts=[hit], load=load, static_load=still)
+    omega, place = 0.514982390428796, 0.514147684994445
+    branch = whole.branch(whole.orbits("0+", omega=omega)[0], omega=omega, free="omega", from_=0.5 * omega, to=2 * omega)
+    found = [event["value"] for event in branch.events if event["event"] == "neimark-sacker"]
+    hidden = [place for low, high in branch.unresolved if low - 1e-14 <= place <= high + 1e-14]
+    assert hidden or min(abs(value - place) for value in found) < 1e-10
+    assert not branch.unresolved or "a sign of more" in repr(branch)
+
+
 def test_multipliers_and_copies():
     orbit = both().orbits("0+", omega=0.6)[0]
     assert orbit.multipliers.shape == (4,)
