@@ -5,7 +5,7 @@ use std::fmt;
 use nalgebra::Complex;
 use vibrochain_breather::Orbit;
 
-use crate::zeros::SecularError;
+use crate::zeros::{SecularError, modulus};
 
 /// Where the leading multiplier of an unstable orbit is: how stability is lost.
 ///
@@ -229,7 +229,9 @@ impl Verdict {
         let undecided = resolution.is_nan() || above.abs() <= resolution;
         let stable = !undecided && above < 0.0;
         let mechanism = (!undecided && !stable).then(|| Mechanism::of(leading));
-        let (spectral_radius, method) = (1.0 + excess, Method::Secular);
+        // Of a small multiplier the modulus itself has more digits.
+        let spectral_radius = if excess < -0.5 { modulus(leading) } else { 1.0 + excess };
+        let method = Method::Secular;
         Self { stable, undecided, mechanism, spectral_radius, leading, resolution, method, excess }
     }
 }

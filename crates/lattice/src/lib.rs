@@ -93,7 +93,7 @@ pub use stop::{Stop, Stopped};
 pub use structure::contact::Contact;
 pub use structure::energy::{Block, EnergyForm};
 pub use structure::error::StructureError;
-pub use structure::linear_mode::{LinearMode, ModeShape};
+pub use structure::linear_mode::{LinearMode, ModeErrors, ModeShape};
 #[cfg(feature = "matrices")]
 pub use structure::matrices::Structure;
 pub use structure::modal::{ModalStructure, ParticipatingModes};

@@ -1,4 +1,5 @@
-//! Which orbits of a list are one, and which are orbits of its word at all: all by the errors that they tell.
+//! Which orbits of a list are one, and which are orbits of its word at all: all by their errors to first order,
+//! which are there where no bound is known, too.
 
 use vibrochain_lattice::Complex;
 
@@ -24,16 +25,17 @@ impl StructureOrbit {
         let psi = match (self.psi(), other.psi()) {
             (Some(own), Some(psi)) => within(
                 time_between(own, psi + start.time, self.loads_repeat()),
-                self.psi_error() + other.psi_error() + start.time_error,
+                self.psi_error() + other.psi_error() + other.estimate(turn)[1],
             ),
             _ => true,
         };
         psi && (0..n).all(|i| {
-            let (own, impact) = (&self.impacts()[i], &other.impacts()[(i + turn) % n]);
-            are_alike(own, impact)
+            let (place, own) = ((i + turn) % n, &self.impacts()[i]);
+            let errors = [0, 1].map(|which| self.estimate(i)[which] + other.estimate(place)[which]);
+            are_alike(own, &other.impacts()[place], errors[0])
                 && within(
-                    time_between(own.time, impact.time - start.time, period),
-                    own.time_error + impact.time_error + start.time_error,
+                    time_between(own.time, other.impacts()[place].time - start.time, period),
+                    errors[1] + other.estimate(turn)[1],
                 )
         })
     }
@@ -47,9 +49,10 @@ impl StructureOrbit {
         (2..=n).filter(|&part| parts(part)).any(|part| {
             let (shift, lapse) = (n / part, self.period() / part as f64);
             (0..n).all(|i| {
-                let (own, other) = (&impacts[i], &impacts[(i + shift) % n]);
-                let errors = own.time_error + other.time_error + ROUNDING * self.period();
-                are_alike(own, other) && time_between(other.time, own.time + lapse, self.period()) <= errors
+                let (place, own) = ((i + shift) % n, &impacts[i]);
+                let errors = [0, 1].map(|which| self.estimate(i)[which] + self.estimate(place)[which]);
+                let apart = time_between(impacts[place].time, own.time + lapse, self.period());
+                are_alike(own, &impacts[place], errors[0]) && apart <= errors[1] + ROUNDING * self.period()
             })
         })
     }
@@ -65,21 +68,21 @@ impl StructureOrbit {
 
     /// Whether every impact has an impulse: one that is no larger than its error is none, and the orbit one of fewer impacts.
     pub(super) fn hits(&self) -> bool {
-        self.impacts().iter().all(|impact| impact.impulse.abs() > impact.impulse_error)
+        self.impacts().iter().enumerate().all(|(i, impact)| impact.impulse.abs() > self.estimate(i)[0])
     }
 
     /// Whether the impacts come one after the other within the period, farther apart than their errors: else it is an orbit of fewer instants.
     pub(super) fn has_its_instants(&self) -> bool {
         let end = (self.period(), 0.0);
-        let later = self.impacts().iter().map(|impact| (impact.time, impact.time_error)).skip(1).chain([end]);
-        let apart = |(one, (time, error)): (&StructureImpact, (f64, f64))| time - one.time > one.time_error + error;
-        self.impacts().iter().zip(later).all(apart)
+        let times = self.impacts().iter().enumerate().map(|(i, impact)| (impact.time, self.estimate(i)[1]));
+        let later = times.clone().skip(1).chain([end]);
+        times.zip(later).all(|((one, own), (time, error))| time - one > own + error)
     }
 }
 
 /// Whether two impacts are of one contact on one barrier and their impulses differ by no more than their errors.
-fn are_alike(one: &StructureImpact, other: &StructureImpact) -> bool {
-    let errors = one.impulse_error + other.impulse_error + ROUNDING * one.impulse.abs();
+fn are_alike(one: &StructureImpact, other: &StructureImpact, errors: f64) -> bool {
+    let errors = errors + ROUNDING * one.impulse.abs();
     (one.contact, one.barrier) == (other.contact, other.barrier) && (one.impulse - other.impulse).abs() <= errors
 }
 

@@ -10,7 +10,7 @@ use vibrochain_lattice::{Barrier, Complex, LinearMode, ModalStructure, Structure
 
 use super::error::StructureOrbitError;
 use super::model::StructureModel;
-use super::periodic_kernel::PeriodicKernel;
+use super::periodic_kernel::{PeriodicKernel, UNIT};
 use super::response::Response;
 use crate::equations::linear::{Matrix, Vector, dot, zeros};
 use crate::equations::slopes::Slopes;
@@ -131,7 +131,9 @@ pub(super) struct Equations<'a> {
 #[derive(Debug, Clone)]
 pub(super) struct System {
     pub(super) rows: Vector,
-    /// Sizes of their terms.
+    /// Sizes of their terms, [`UNIT`] of which bounds their errors.
+    ///
+    /// [`UNIT`]: super::periodic_kernel::UNIT
     pub(super) sizes: Vector,
     pub(super) jacobian: Matrix,
     pub(super) arrivals: SmallVec<[Arrival; 4]>,
@@ -265,10 +267,9 @@ impl<'a> Equations<'a> {
             let stop = self.model.barrier(strike.contact, strike.barrier)?;
             let load = self.load(strike.contact, strike.time + point.psi);
             let mut sums = load;
+            sums[0] += self.still(strike.contact);
             let mut sizes = self.response.load_sizes(strike.contact, strike.time + point.psi);
-            let still = self.still(strike.contact);
-            sums[0] += still;
-            sizes[0] += still.abs() + stop.abs();
+            sizes[0] += stop.abs();
             let mut jets: SmallVec<[[f64; 4]; 4]> = SmallVec::with_capacity(n);
             for (j, other) in point.strikes.iter().enumerate() {
                 let lapse = if i == j { 0.0 } else { strike.time - other.time };
@@ -298,7 +299,8 @@ impl<'a> Equations<'a> {
             if let Some(row) = self.row_of_law(n, i) {
                 let mobility = self.mobility(strike.contact);
                 system.rows[row] = strike.impulse * mobility + weight * sums[1];
-                system.sizes[row] = strike.impulse.abs() * mobility + weight * sizes[1];
+                let doubt = self.response.mobility_error(strike.contact) / UNIT;
+                system.sizes[row] = strike.impulse.abs() * (mobility + doubt) + weight * sizes[1];
                 let line = system.jacobian.row_mut(row);
                 line.iter_mut().zip(&of_velocity).for_each(|(entry, slope)| *entry = weight * slope);
                 line[i] += mobility;

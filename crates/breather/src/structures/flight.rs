@@ -8,7 +8,7 @@ use vibrochain_lattice::{Complex, LinearMode, ModalStructure, ModeFlow, Particip
 use super::equations::Equations;
 use super::error::StructureOrbitError;
 use super::orbit::{StructureImpact, StructureOrbit};
-use super::periodic_kernel::{PeriodicKernel, length, rigid_jet};
+use super::periodic_kernel::{EITHER_WAY, PeriodicKernel, length, rigid_jet};
 use super::response::Response;
 
 type C = Complex<f64>;
@@ -193,10 +193,11 @@ impl<'a> StructureMotion<'a> {
             swing.norm() * rate.powi(order as i32) * (time + rounding)
         });
         // Next to a resonance, what the error of the frequency makes of all terms at once.
-        let of_sums = kernel.nearly_resonant().map(|(place, doubt)| {
+        let both = kernel.nearly_resonant().flat_map(|of| EITHER_WAY.map(|by| (of, by)));
+        let of_sums = both.map(|((place, doubt), by)| {
             let term = |other: &StructureImpact| {
                 let lapse = impacts[i].time - other.time;
-                other.impulse * kernel.jet_of_mode(place, contact, other.contact, lapse)[order]
+                other.impulse * kernel.jet_of_mode(place, by, (contact, other.contact), lapse)[order]
             };
             doubt * impacts.iter().map(term).sum::<f64>().abs()
         });

@@ -15,6 +15,7 @@
 //! | `equations` | rows and Jacobian of an orbit's impacts |
 //! | `orbit` | [`StructureOrbit`], and how far it can be trusted |
 //! | `resonant_doubts` | what the error of a frequency does to them next to a resonance |
+//! | `errors` | bounds of an orbit's errors |
 //! | `newton` | from impacts nearby to an orbit |
 //! | `distinct` | which orbits of a list are one, and which are orbits of its word |
 //! | `search` | all orbits of up to three impacts; of more, those that starts lead to |
@@ -35,6 +36,7 @@ mod departure;
 mod distinct;
 mod equations;
 pub(crate) mod error;
+mod errors;
 pub(crate) mod flight;
 pub(crate) mod model;
 mod newton;

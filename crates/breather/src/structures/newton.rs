@@ -60,7 +60,7 @@ impl Equations<'_> {
     }
 
     /// One step back along the unknowns, shortened where a time would move by more than a part of the period.
-    fn take(&self, point: &mut Point, step: &[f64]) {
+    pub(super) fn take(&self, point: &mut Point, step: &[f64]) {
         let (n, period) = (point.strikes.len(), self.period());
         let times = &step[n..2 * n - 1 + usize::from(self.forced)];
         let longest = times.iter().map(|x| x.abs()).fold(0.0, f64::max);

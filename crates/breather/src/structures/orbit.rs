@@ -7,15 +7,15 @@ use vibrochain_lattice::Barrier;
 
 use super::equations::{Equations, Point, Strike, System};
 use super::error::StructureOrbitError;
+use super::errors::OrbitErrors;
 use super::model::StructureModel;
-use super::resonant_doubts::ResonantDoubt;
 use super::response::Response;
-use crate::equations::linear::{Factors, Matrix, Vector, dot};
+use crate::equations::condition::{ImpactError, Together};
 use crate::equations::{BlochEquations, LinearImpact};
 use crate::orbit::Hit;
 use crate::word::MAX_IMPACTS;
 
-/// One impact of a structure's orbit, in units of the user's, with estimated errors of what has been solved for.
+/// One impact of a structure's orbit, in units of the user's, with bounds of the errors of what has been solved for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct StructureImpact {
@@ -33,11 +33,11 @@ pub struct StructureImpact {
     pub velocity_after: f64,
     /// g″⁻, loads and dashpots included.
     pub acceleration_before: f64,
-    /// Error of the time.
+    /// A bound of the error of the time, for the matrices or modes as they are given; not finite where none is known, as next to a fold.
     pub time_error: f64,
-    /// Error of the impulse.
+    /// The same of the impulse.
     pub impulse_error: f64,
-    /// Error of the acceleration.
+    /// The same of the acceleration.
     pub acceleration_error: f64,
 }
 
@@ -48,11 +48,15 @@ pub struct StructureOrbit {
     response: Arc<Response>,
     force_periods: u32,
     psi: Option<f64>,
+    /// Errors of impulses and times, and of ψ, to first order.
+    estimates: Vec<[f64; 2]>,
     psi_error: f64,
     offsets: SmallVec<[f64; 1]>,
     impacts: Vec<StructureImpact>,
     /// The largest violation of the conditions at the impacts, against their terms.
     violation: f64,
+    /// Bounds of the impacts' errors by origin.
+    origins: Vec<Together>,
 }
 
 impl StructureOrbit {
@@ -62,36 +66,9 @@ impl StructureOrbit {
         (point, system): (Point, System),
     ) -> Result<Self, StructureOrbitError> {
         let n = point.strikes.len();
-        // At a fold the unknowns are not determined by the rows: their errors have no bound.
-        let inverse = Factors::new(system.jacobian.clone()).map(|factors| factors.inverse());
-        // Of the rows as they stand and of what rounding makes of their terms, with the worst signs.
-        let off: Vector =
-            system.rows.iter().zip(&system.sizes).map(|(row, size)| row.abs() + 4.0 * f64::EPSILON * size).collect();
-        let size = off.len();
-        // What is one number in all rows keeps its signs.
-        let common = equations.resonant_doubts(&point);
-        let error = |inverse: &Matrix, i: usize| -> f64 {
-            let apart: f64 = inverse.row(i).iter().zip(&off).map(|(x, off)| x.abs() * off).sum();
-            apart + common.iter().map(|doubt| dot(inverse.row(i), &doubt.rows).abs()).sum::<f64>()
-        };
-        let errors: Vector =
-            (0..size).map(|i| inverse.as_ref().map_or(f64::INFINITY, |inverse| error(inverse, i))).collect();
+        let OrbitErrors { unknowns, accelerations, origins, estimates } = OrbitErrors::of(equations, &point, &system)?;
         let impact = |i: usize| {
             let (strike, arrival) = (&point.strikes[i], &system.arrivals[i]);
-            let own = 8.0 * f64::EPSILON * arrival.sizes[2];
-            // What the unknowns bring along, by the rows that they come from.
-            let from = |inverse: &Matrix, j: usize| {
-                (0..size).map(|k| system.gradients[i][k] * inverse[(k, j)]).sum::<f64>().abs()
-            };
-            let of = |inverse: &Matrix| {
-                let apart: f64 = (0..size).map(|j| from(inverse, j) * off[j]).sum();
-                let carried = |doubt: &ResonantDoubt| {
-                    let moved = (0..size).map(|k| system.gradients[i][k] * dot(inverse.row(k), &doubt.rows));
-                    (doubt.accelerations[i] - moved.sum::<f64>()).abs()
-                };
-                apart + common.iter().map(carried).sum::<f64>()
-            };
-            let carried: f64 = inverse.as_ref().map_or(f64::INFINITY, of);
             StructureImpact {
                 contact: strike.contact,
                 barrier: strike.barrier,
@@ -101,9 +78,9 @@ impl StructureOrbit {
                 // From 0, so that none is left as 0 and not as −0.
                 velocity_after: 0.0 - equations.restitution(strike.contact) * arrival.velocity,
                 acceleration_before: arrival.acceleration,
-                time_error: if i == 0 { 0.0 } else { errors[n + i - 1] },
-                impulse_error: errors[i],
-                acceleration_error: own + carried,
+                time_error: if i == 0 { 0.0 } else { unknowns[n + i - 1] },
+                impulse_error: unknowns[i],
+                acceleration_error: accelerations[i],
             }
         };
         let impacts: Vec<StructureImpact> = (0..n).map(impact).collect();
@@ -119,10 +96,12 @@ impl StructureOrbit {
             response: equations.response.clone(),
             force_periods,
             psi: equations.forced.then(|| point.psi.rem_euclid(period)),
-            psi_error: if equations.forced { errors[2 * n - 1] } else { 0.0 },
+            estimates: (0..n).map(|i| [estimates[i], if i == 0 { 0.0 } else { estimates[n + i - 1] }]).collect(),
+            psi_error: if equations.forced { estimates[2 * n - 1] } else { 0.0 },
             offsets: equations.all_offsets(&point.offsets),
             impacts,
             violation,
+            origins,
         })
     }
 
@@ -189,11 +168,16 @@ impl StructureOrbit {
     /// How far it may be off at most, times as parts of the period and impulses as parts of the strongest.
     pub(super) fn error(&self) -> f64 {
         let strongest = self.impacts.iter().map(|impact| impact.impulse.abs()).fold(f64::MIN_POSITIVE, f64::max);
-        let off = |one: &StructureImpact| (one.time_error / self.period()).max(one.impulse_error / strongest);
-        self.impacts.iter().map(off).fold(self.psi_error / self.period(), f64::max)
+        let off = |[impulse, time]: &[f64; 2]| (time / self.period()).max(impulse / strongest);
+        self.estimates.iter().map(off).fold(self.psi_error / self.period(), f64::max)
     }
 
-    /// The error of ψ.
+    /// Errors of the impulse and of the time of an impact to first order.
+    pub(super) fn estimate(&self, i: usize) -> [f64; 2] {
+        self.estimates[i]
+    }
+
+    /// Error of ψ to first order.
     pub(super) fn psi_error(&self) -> f64 {
         self.psi_error
     }
@@ -226,6 +210,12 @@ impl StructureOrbit {
         self.violation
     }
 
+    /// Bounds of the errors of its impacts by origin, with signs: what depends on several data of the orbit moves by the sum over these of the
+    /// moduli. Not finite where no bound is known.
+    pub fn error_origins(&self) -> &[Together] {
+        &self.origins
+    }
+
     /// Whether neither loads that change nor losses are there: the orbit may begin at any time.
     pub fn is_conservative(&self) -> bool {
         self.psi.is_none()
@@ -247,6 +237,23 @@ impl StructureOrbit {
 
     /// Its linearised equations J(z), and the poles of modes that none of its contacts feels.
     pub fn bloch_equations(&self) -> (BlochEquations, Vec<[vibrochain_lattice::Complex<f64>; 2]>) {
+        (self.bloch_equations_of(&self.impacts), self.response.kernel.felt.spared.clone())
+    }
+
+    /// J(z) with the impacts as far away as one origin of errors may have them; `None` where they are no impacts of a period in order.
+    pub fn bloch_equations_aside(&self, origin: &[ImpactError]) -> Option<BlochEquations> {
+        let mut impacts = self.impacts.clone();
+        for (impact, error) in impacts.iter_mut().zip(origin) {
+            impact.time += error.time;
+            impact.impulse += error.impulse;
+            impact.acceleration_before += error.acceleration;
+        }
+        let kept = impacts.iter().zip(&self.impacts).all(|(aside, own)| aside.impulse * own.impulse > 0.0);
+        let ordered = in_order(impacts.iter().map(|impact| impact.time), self.period());
+        (kept && ordered).then(|| self.bloch_equations_of(&impacts))
+    }
+
+    fn bloch_equations_of(&self, impacts: &[StructureImpact]) -> BlochEquations {
         let mut hit: Vec<usize> = self.impacts.iter().map(|impact| impact.contact).collect();
         hit.sort_unstable();
         hit.dedup();
@@ -259,16 +266,12 @@ impl StructureOrbit {
             restitution: structure.contacts()[impact.contact].restitution,
             acceleration_before: impact.acceleration_before,
         };
-        let impacts = self.impacts.iter().map(impact).collect();
-        let conservative = self.is_conservative();
-        (
-            if conservative {
-                BlochEquations::conservative(kernel, impacts)
-            } else {
-                BlochEquations::new(kernel, impacts)
-            },
-            felt.spared.clone(),
-        )
+        let impacts = impacts.iter().map(impact).collect();
+        if self.is_conservative() {
+            BlochEquations::conservative(kernel, impacts)
+        } else {
+            BlochEquations::new(kernel, impacts)
+        }
     }
 }
 

@@ -24,12 +24,15 @@ const NEAR: f64 = 1e-3;
 /// A part of a contact's mobility that is rounding: a contact at a node of the mode.
 const UNSEEN: f64 = 1e-12;
 
+/// The unit that errors of sums over modes are counted in: each term is a product of four rounded numbers.
+pub(super) const UNIT: f64 = 4.0 * f64::EPSILON;
+
 /// What a regular mode adds up to over all periods.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Sum {
     /// (1−R)⁻¹
     sum: Turned,
-    /// How much its errors are larger than those of R.
+    /// How much its errors are larger than the unit of rounding: next to a resonance, and where the mode's own poles are known worse.
     steep: f64,
     /// How much errors of terms are larger than rounding: by this sum's own, or next to a resonance by those of the mode's flight alone.
     blur: f64,
@@ -50,7 +53,11 @@ pub(super) struct PeriodicKernel {
     own: Vec<(usize, Jet)>,
 }
 
-/// K and its first three derivatives; and the sizes of their terms, with what is lost on them.
+/// What changes a number in size, and what turns it.
+pub(super) const EITHER_WAY: [Turned; 2] = [Turned { even: 1.0, odd: 0.0 }, Turned { even: 0.0, odd: 1.0 }];
+
+/// K and its first three derivatives; and the sizes of their terms, with what next to a resonance, and by errors of the modes, is lost on them:
+/// [`UNIT`] of it bounds the error.
 pub(super) type Jet = ([f64; 4], [f64; 4]);
 
 /// What a mode has lost at four places and at their nearest ends, either way.
@@ -84,6 +91,11 @@ impl PeriodicKernel {
         self.felt.modes.iter().zip(&self.sums).filter_map(|(mode, sum)| Some((mode, sum.as_ref()?)))
     }
 
+    /// The largest rate |λ| of a mode that is felt.
+    pub(super) fn fastest(&self) -> f64 {
+        self.sums_of().map(|(_, sum)| sum.fast).fold(0.0, f64::max)
+    }
+
     /// The number of the first mode that impacts of these contacts would drive without bound.
     pub(super) fn resonant(&self, contacts: &[usize]) -> Option<usize> {
         let seen =
@@ -111,11 +123,12 @@ impl PeriodicKernel {
         let flights = Turn::flights(self.sums_of().map(|(mode, _)| mode.flow()), t);
         for ((mode, sum), flight) in self.sums_of().zip(flights) {
             let (row, column, turn) = (mode.rows[to], mode.columns[from], mode.turn);
-            if row == [0.0; 2] || column == [0.0; 2] {
+            let (reach, doubt) = (length(row) * length(column), mode.errors_between(to, from));
+            if reach == 0.0 && doubt == 0.0 {
                 continue;
             }
             let mut motion = turn.product(flight, sum.sum);
-            let mut size = length(row) * length(column) * length([motion.even, motion.odd]) * (1.0 + sum.blur);
+            let mut size = (reach * (1.0 + sum.blur) + doubt / UNIT) * length([motion.even, motion.odd]);
             for (order, entry) in jet.iter_mut().enumerate() {
                 *entry += turn.pair(row, motion, column);
                 motion = turn.product(motion, mode.generator());
@@ -125,9 +138,10 @@ impl PeriodicKernel {
         }
         for mode in &self.rigid {
             let shapes = mode.rows[to][0] * mode.columns[from][1] * mode.rate;
+            let size = shapes.abs() + mode.errors_between(to, from) * mode.rate / UNIT;
             for (order, own) in rigid_jet(mode, self.period, t).into_iter().enumerate() {
                 jet[order] += shapes * own;
-                sizes[order] += (shapes * own).abs();
+                sizes[order] += size * own.abs();
             }
         }
         (jet, sizes)
@@ -140,12 +154,13 @@ impl PeriodicKernel {
         self.sums_of().enumerate().filter_map(near).map(|(place, steep)| (place, f64::EPSILON * steep))
     }
 
-    /// What one regular mode has of the kernel and its first three derivatives at −T < t ≤ T.
-    pub(super) fn jet_of_mode(&self, place: usize, to: usize, from: usize, t: f64) -> [f64; 4] {
+    /// What one regular mode has of the kernel and its first three derivatives at −T < t ≤ T, (1−R)⁻¹ times a number.
+    pub(super) fn jet_of_mode(&self, place: usize, by: Turned, (to, from): (usize, usize), t: f64) -> [f64; 4] {
         let mut jet = [0.0; 4];
         let t = if t > 0.0 { t } else { t + self.period };
         for (mode, sum) in self.sums_of().skip(place).take(1) {
             let mut motion = mode.turn.product(mode.turn.flight(mode.decay, mode.rate, t), sum.sum);
+            motion = mode.turn.product(motion, by);
             for entry in &mut jet {
                 *entry = mode.turn.pair(mode.rows[to], motion, mode.columns[from]);
                 motion = mode.turn.product(motion, mode.generator());
@@ -190,7 +205,8 @@ impl PeriodicKernel {
                     *part = [even * plain + odd * turned, even * turned - turn.sign() * odd * plain].map(|x| by * x);
                     let size = motion.even.abs() + motion.odd.abs();
                     if let Some(doubt) = between.doubts[way].get_mut(order) {
-                        *doubt += 6.0 * f64::EPSILON * (1.0 + sum.blur) * reach * size;
+                        let own = 6.0 * f64::EPSILON * (1.0 + sum.blur) * reach;
+                        *doubt += (own + flight * mode.errors_between(to, from)) * size;
                     }
                     motion = turn.product(motion, mode.generator());
                 }
@@ -230,7 +246,8 @@ impl Sum {
         };
         // 1 − R = a − bJ has the inverse (a + bJ)/(a² + σb²); `odd` holds −b.
         let sum = Turned { even: one_less.even / square, odd: -one_less.odd / square };
-        let (size, away) = ((mode.decay.abs() + mode.rate) * period, square.abs().sqrt());
+        let size = (mode.errors.poles / f64::EPSILON).max(mode.decay.abs() + mode.rate) * period;
+        let away = square.abs().sqrt();
         let steep = size / away;
         Some(Self { sum, steep, blur: if away < NEAR { size } else { steep }, fast: length([mode.decay, mode.rate]) })
     }

@@ -7,12 +7,11 @@
 use vibrochain_lattice::Complex;
 
 use super::equations::{Equations, Point};
+use super::periodic_kernel::EITHER_WAY;
+use super::response::NEAR;
 use crate::equations::linear::{Vector, zeros};
 
 type C = Complex<f64>;
-
-/// A load this close to a mode, relative to itself, moves it by a number whose error is one in all rows.
-const NEAR: f64 = 1e-3;
 
 /// What one number with an error adds to the rows, and to the accelerations of the impacts; times its relative error.
 #[derive(Debug, Clone)]
@@ -22,40 +21,37 @@ pub(super) struct ResonantDoubt {
 }
 
 impl Equations<'_> {
-    /// Those of the modes next to a resonance with the period, and with a load.
+    /// Those of the modes next to a resonance with the period, and with a load: of each what changes it in size, and what turns it.
     pub(super) fn resonant_doubts(&self, point: &Point) -> Vec<ResonantDoubt> {
-        let impulses = self.kernel().nearly_resonant().map(|(place, doubt)| {
+        let near = self.kernel().nearly_resonant().flat_map(|of| EITHER_WAY.map(|by| (of, by)));
+        let impulses = near.map(|((place, doubt), by)| {
             self.doubt(point, doubt, |i| {
                 let strike = &point.strikes[i];
                 let mut jet = [0.0; 3];
                 for (j, other) in point.strikes.iter().enumerate() {
                     let lapse = if i == j { 0.0 } else { strike.time - other.time };
-                    let own = self.kernel().jet_of_mode(place, strike.contact, other.contact, lapse);
+                    let own = self.kernel().jet_of_mode(place, by, (strike.contact, other.contact), lapse);
                     jet.iter_mut().zip(own).for_each(|(sum, own)| *sum += other.impulse * own);
                 }
                 jet
             })
         });
-        let structure = self.model.structure();
+        let (structure, omega) = (self.model.structure(), self.model.omega());
         let modes = structure.modes().iter().filter(|_| self.forced);
-        let loads =
-            modes.flat_map(|mode| structure.harmonics().iter().zip(&mode.loads).map(move |(j, load)| (mode, j, load)));
-        let driven = loads.filter_map(|(mode, harmonic, load)| {
-            let w = f64::from(*harmonic) * self.model.omega();
-            let away =
-                mode.rates().map(|rate| (C::new(0.0, w) - rate).norm()).into_iter().fold(f64::INFINITY, f64::min);
-            if *load == [C::default(); 2] || away >= NEAR * w {
-                return None;
-            }
-            let xi = mode.steady(w, *load);
-            Some(self.doubt(point, f64::EPSILON * w / away, |i| {
+        let driven = modes.flat_map(|mode| (0..structure.harmonics().len()).map(move |place| (mode, place)));
+        let driven = driven.filter(|(mode, place)| structure.is_near(mode, *place, omega, NEAR));
+        let driven = driven.flat_map(|(mode, place)| [C::new(1.0, 0.0), C::new(0.0, 1.0)].map(|by| (mode, place, by)));
+        let loads = driven.map(|(mode, place, by)| {
+            let w = f64::from(structure.harmonics()[place]) * omega;
+            let xi = mode.steady(w, mode.loads[place]);
+            self.doubt(point, structure.swing_error(mode, place, omega), |i| {
                 let (strike, row) = (&point.strikes[i], mode.rows[point.strikes[i].contact]);
                 let turn = C::from_polar(1.0, w * (strike.time + point.psi));
-                let swing = (xi[0] * row[0] + xi[1] * row[1]) * turn;
+                let swing = (xi[0] * row[0] + xi[1] * row[1]) * turn * by;
                 [swing, swing * C::new(0.0, w), swing * C::new(-w * w, 0.0)].map(|part| part.re)
-            }))
+            })
         });
-        impulses.chain(driven).collect()
+        impulses.chain(loads).collect()
     }
 
     /// From place, velocity and acceleration at each impact.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use vibrochain_lattice::{Complex, ModalStructure, ParticipatingModes, StructureError};
 
-use super::periodic_kernel::PeriodicKernel;
+use super::periodic_kernel::{PeriodicKernel, UNIT};
 
 type C = Complex<f64>;
 
@@ -15,13 +15,18 @@ const ALIKE: f64 = 1e-13;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Response {
     pub(super) kernel: PeriodicKernel,
-    /// ĝ of each harmonic, at each contact.
+    /// ĝ of each harmonic, at each contact; bounds of the errors.
     swings: Vec<(f64, Vec<C>)>,
-    /// g⁰
+    swing_errors: Vec<Vec<f64>>,
+    /// g⁰; bounds of the errors.
     still: Vec<f64>,
-    /// 1/m of the contacts that are hit.
-    mobilities: Vec<(usize, f64)>,
+    still_errors: Vec<f64>,
+    /// 1/m of the contacts that are hit, with bounds of the errors.
+    mobilities: Vec<(usize, [f64; 2])>,
 }
+
+/// The error of a mode that a load drives this close to its frequency, relative to that, is carried as one number.
+pub(super) const NEAR: f64 = 1e-3;
 
 impl Response {
     /// Of a structure at a frequency of its loads, whose modes the impacts at the contacts `hit` feel as `felt`.
@@ -35,9 +40,10 @@ impl Response {
         hit: &[usize],
     ) -> Result<Self, StructureError> {
         let kernel = PeriodicKernel::new(structure.modes(), felt, hit, period);
-        let mut swings = Vec::new();
+        let (mut swings, mut swing_errors) = (Vec::new(), Vec::new());
         for (place, harmonic) in structure.harmonics().iter().enumerate() {
             swings.push((f64::from(*harmonic) * omega, structure.steady_at(place, omega)?));
+            swing_errors.push(structure.steady_errors_at(place, omega, NEAR));
         }
         let resting = structure.still();
         let moved: Vec<_> = structure.modes().iter().zip(&resting).filter(|(_, xi)| **xi != [0.0; 2]).collect();
@@ -49,8 +55,11 @@ impl Response {
             terms.sum()
         };
         let still = (0..structure.contacts().len()).map(at_rest).collect();
-        let mobilities = hit.iter().map(|&contact| (contact, structure.mobility(contact, contact))).collect();
-        Ok(Self { kernel, swings, still, mobilities })
+        let mobility =
+            |contact: usize| [structure.mobility(contact, contact), structure.mobility_error(contact, contact)];
+        let mobilities = hit.iter().map(|&contact| (contact, mobility(contact))).collect();
+        let still_errors = structure.still_errors();
+        Ok(Self { kernel, swings, swing_errors, still, still_errors, mobilities })
     }
 
     /// Frequency of the only harmonic and ĝ of every contact; `None` of several or none.
@@ -72,7 +81,12 @@ impl Response {
 
     /// 1/m of a contact that is hit.
     pub(super) fn mobility(&self, contact: usize) -> Option<f64> {
-        self.mobilities.iter().find(|(hit, _)| *hit == contact).map(|(_, mobility)| *mobility)
+        self.mobilities.iter().find(|(hit, _)| *hit == contact).map(|(_, [mobility, _])| *mobility)
+    }
+
+    /// A bound of its error; 0 of one that is not hit.
+    pub(super) fn mobility_error(&self, contact: usize) -> f64 {
+        self.mobilities.iter().find(|(hit, _)| *hit == contact).map_or(0.0, |(_, [_, error])| *error)
     }
 
     /// g⁰ of a contact.
@@ -98,13 +112,13 @@ impl Response {
         jet
     }
 
-    /// Sizes of the terms of G and two derivatives at t + ψ, with what rounding of that time makes of them: where one of them vanishes, as the
-    /// velocity does at a grazing, its own size says nothing of its error.
+    /// Sizes of the terms of g⁰ + G and two derivatives at t + ψ, with what rounding of that time makes of them and what errors of ĝ do: where
+    /// one of them vanishes, as the velocity does at a grazing, its own size says nothing of its error.
     pub(super) fn load_sizes(&self, contact: usize, t: f64) -> [f64; 3] {
-        let mut sizes = [0.0; 3];
-        for (rate, swing) in self.swings(contact) {
+        let mut sizes = [self.still[contact].abs() + self.still_errors[contact] / UNIT, 0.0, 0.0];
+        for ((rate, swing), errors) in self.swings(contact).zip(&self.swing_errors) {
             let mut value = swing * C::from_polar(1.0, rate * t);
-            let mut length = swing.norm();
+            let mut length = swing.norm() + errors[contact] / UNIT;
             for size in &mut sizes {
                 value *= C::new(0.0, rate);
                 *size += length + (value.re * t).abs();

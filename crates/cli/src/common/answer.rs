@@ -32,6 +32,9 @@ pub(crate) fn estimate(error: f64) -> String {
 pub(crate) fn told_verdict(verdict: &Verdict) -> String {
     let how = match verdict.mechanism {
         Some(mechanism) => format!("unstable ({})", mechanism.name()),
+        None if verdict.undecided && !verdict.resolution.is_finite() => {
+            return format!("undecided (no bound of its error is known): spectral radius {}", verdict.spectral_radius);
+        }
         None if verdict.undecided => "undecided (closer to the border than its own error)".to_owned(),
         None => "stable".to_owned(),
     };

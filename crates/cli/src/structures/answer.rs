@@ -89,14 +89,16 @@ pub(crate) fn text(
             Ok(stability) => writeln!(out, "  {}", told_verdict(&stability.verdict)),
             Err(error) => writeln!(out, "  stability unknown: {error}"),
         };
+        // In the user's units no number is large.
+        let bound = |error: f64| if error.is_finite() { format!("{error:.0e}") } else { "unknown".to_owned() };
         let worst =
             |of: fn(&vibrochain_breather::StructureImpact) -> f64| orbit.impacts().iter().map(of).fold(0.0, f64::max);
         let _ = writeln!(
             out,
-            "  residual {:.1e}; errors: impulses {:.0e}, times {:.0e}",
+            "  residual {:.1e}; errors: impulses {}, times {}",
             orbit.violation(),
-            worst(|impact| impact.impulse_error),
-            worst(|impact| impact.time_error)
+            bound(worst(|impact| impact.impulse_error)),
+            bound(worst(|impact| impact.time_error))
         );
     }
     out

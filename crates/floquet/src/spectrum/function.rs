@@ -111,7 +111,8 @@ impl<'a> SpectralFunction<'a> {
             let from = row_sizes.len();
             row_sizes.extend(rows.iter().map(length));
             column_sizes.extend(columns.iter().map(length));
-            let error = f64::EPSILON * (6.0 + 3.0 * (mode.rate + mode.decay.abs()) * longest) + mode.shape_error;
+            let turned = f64::EPSILON * (6.0 + 3.0 * (mode.rate + mode.decay.abs()) * longest);
+            let error = turned + mode.shape_error + mode.rate_error * longest;
             relative.push(error);
             if let Some(shift) = &shift {
                 // Sums over the impacts, times (1−R)⁻¹.

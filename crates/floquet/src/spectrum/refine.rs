@@ -114,7 +114,8 @@ impl SpectralFunction<'_> {
             let mean = moves.trace() / count as f64;
             let spread = (&moves - DMatrix::identity(count, count) * mean).norm();
             let reach = error / least;
-            if step + 1 < STEPS && modulus(mean) > reach.max(spread) {
+            let creeps = modulus(mean) > reach.max(spread);
+            if step + 1 < STEPS && creeps {
                 z += mean;
                 continue;
             }
@@ -122,7 +123,8 @@ impl SpectralFunction<'_> {
             // All of them are within the spread of their mean; a pencil that is no multiple of one matrix moves them by a root.
             let m = count as f64;
             let error = 2.0 * (reach + spread.powf(1.0 - 1.0 / m) * reach.powf(1.0 / m)).min(2.0 * (reach + spread));
-            let error = error + 2.0 * f64::EPSILON * modulus(z);
+            // Steps that have not ended leave the last one open.
+            let error = error + 2.0 * f64::EPSILON * modulus(z) + if creeps { modulus(mean) } else { 0.0 };
             let refined = shifts.iter().map(|shift| Refined { z: z + shift, error });
             return error.is_finite().then(|| (refined.collect(), definite));
         }

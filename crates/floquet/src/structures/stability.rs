@@ -1,10 +1,7 @@
 //! Stability of orbits of any linear structure: all multipliers from J(z), no other way.
 
 use nalgebra::Complex;
-use smallvec::SmallVec;
-use vibrochain_breather::{
-    BlochEquations, BreatherError, Condition, ImpactError, StructureImpact, StructureOrbit, Together,
-};
+use vibrochain_breather::{BlochEquations, BreatherError, Condition, ImpactError, StructureOrbit};
 use vibrochain_lattice::aside;
 
 use crate::analyser::Stability;
@@ -13,10 +10,16 @@ use crate::spectrum::{BEYOND, Origin, is_surely_beyond, origins, told, verdict};
 use crate::verdict::{Tolerance, Verdict};
 use crate::zeros::{SecularError, excess};
 
-/// The root of rounding, with room: how well an orbit is known along a fold, relative.
-const ROOT: f64 = 1e-7;
+/// An error of the spectral radius above this part of it is held against multipliers of orbits that far away: squares count from the root of
+/// rounding on.
+const FIRST_ORDER: f64 = 1e-9;
 
-/// All multipliers of an orbit of a structure, and what they say. A conservative orbit's trivial pair 1, 1 is among them.
+/// How many times more than to first order the spectral radius may move with the orbit's data, or less, for the bound to be one.
+const STRAIGHT: f64 = 1.5;
+
+/// All multipliers of an orbit of a structure, and what they say. A conservative orbit's trivial pair 1, 1 is among them. Where the orbit's own
+/// errors have no bound, as next to a fold, or are too large for the multipliers' to have one, the verdict is undecided and its
+/// [`Verdict::resolution`] not finite.
 ///
 /// # Errors
 /// [`FloquetError::Uncounted`] where the multipliers could not be told apart and counted.
@@ -77,19 +80,14 @@ fn heard<T: Send + 'static>(
     aside(&stop, move || work(&orbit)).map_err(BreatherError::from)?
 }
 
-/// The multipliers of the modes that the orbit's impacts feel, and the verdict on all. Along folds errors may have no bound; then the multipliers are
-/// told as the orbit stands, with no verdict.
+/// The multipliers of the modes that the orbit's impacts feel, and the verdict on all; none where no bound of its error is known, as along folds.
 pub(super) fn participating_multipliers(
     orbit: &StructureOrbit,
     tolerance: Tolerance,
 ) -> Result<(Vec<Complex<f64>>, Option<Verdict>), FloquetError> {
     heard(orbit, move |orbit| {
-        let known = StructureMultipliers::of(orbit);
-        if let Ok((verdict, multipliers)) = known.all(tolerance) {
-            return Ok((multipliers, Some(verdict)));
-        }
-        let there = told(&known.equations, orbit.is_conservative(), &[], Tolerance::Rounding);
-        Ok((there.map_err(FloquetError::Uncounted)?.1, None))
+        let (verdict, multipliers) = StructureMultipliers::of(orbit).all(tolerance)?;
+        Ok((multipliers, verdict.resolution.is_finite().then_some(verdict)))
     })
 }
 
@@ -122,23 +120,60 @@ impl<'a> StructureMultipliers<'a> {
     /// # Errors
     /// As [`structure_stability`].
     pub fn verdict(&self, tolerance: Tolerance) -> Result<Verdict, FloquetError> {
-        let conservative = self.orbit.is_conservative();
-        let felt = self.as_well_as_known(|data| verdict(&self.equations, conservative, data, tolerance))?;
-        Ok(self.with_spared(felt, tolerance))
+        let ask = |equations: &BlochEquations, data: &[Origin]| {
+            verdict(equations, self.orbit.is_conservative(), data, tolerance).map(|verdict| (verdict, ()))
+        };
+        self.as_well_as_known(ask, tolerance).map(|(felt, ())| self.with_spared(felt, tolerance))
     }
 
     /// The same with the multipliers of the modes that the impacts feel.
     fn all(&self, tolerance: Tolerance) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
-        let conservative = self.orbit.is_conservative();
-        let (felt, multipliers) = self.as_well_as_known(|data| told(&self.equations, conservative, data, tolerance))?;
+        let ask = |equations: &BlochEquations, data: &[Origin]| {
+            told(equations, self.orbit.is_conservative(), data, tolerance)
+        };
+        let (felt, multipliers) = self.as_well_as_known(ask, tolerance)?;
         Ok((self.with_spared(felt, tolerance), multipliers))
     }
 
-    /// What the equations answer, given the errors of the orbit's data. On a fold the equations are singular and these errors have no bound to
-    /// first order: there the orbit's times and impulses are known to the root of rounding.
-    fn as_well_as_known<T>(&self, ask: impl Fn(&[Origin]) -> Result<T, SecularError>) -> Result<T, FloquetError> {
-        let data = |most| data(self.orbit, &self.equations, most);
-        ask(&data(f64::INFINITY)).or_else(|_| ask(&data(ROOT))).map_err(FloquetError::Uncounted)
+    /// What the equations answer, given the errors of the orbit's data; as the orbit stands, and undecided, where these have no bound or are so
+    /// large that multipliers do not move in a straight line with them.
+    fn as_well_as_known<T>(
+        &self,
+        ask: impl Fn(&BlochEquations, &[Origin]) -> Result<(Verdict, T), SecularError>,
+        tolerance: Tolerance,
+    ) -> Result<(Verdict, T), FloquetError> {
+        let errors = self.orbit.error_origins();
+        let finite = |error: &ImpactError| (error.time + error.impulse + error.acceleration).is_finite();
+        if errors.iter().flatten().all(finite) {
+            let condition = Condition { origins: errors.to_vec(), ..Condition::default() };
+            let answer = ask(&self.equations, &origins(&self.equations, &condition));
+            if let Ok((verdict, rest)) = answer
+                && self.moves_straight(&verdict, &ask)
+            {
+                return Ok((verdict, rest));
+            }
+        }
+        let (verdict, rest) = ask(&self.equations, &[]).map_err(FloquetError::Uncounted)?;
+        let none = Verdict::unsettled(verdict.leading, verdict.excess(), f64::INFINITY, tolerance);
+        Ok((none, rest))
+    }
+
+    /// Whether the spectral radius of orbits as far away as this one may be off is as far away as its error says, each origin on its own.
+    fn moves_straight<T>(
+        &self,
+        verdict: &Verdict,
+        ask: &impl Fn(&BlochEquations, &[Origin]) -> Result<(Verdict, T), SecularError>,
+    ) -> bool {
+        if verdict.resolution <= FIRST_ORDER * (1.0 + verdict.spectral_radius) {
+            return true;
+        }
+        let mut sum = 0.0;
+        for origin in self.orbit.error_origins() {
+            let Some(aside) = self.orbit.bloch_equations_aside(origin) else { return false };
+            let Ok((there, _)) = ask(&aside, &[]) else { return false };
+            sum += (there.excess() - verdict.excess()).abs();
+        }
+        sum <= STRAIGHT * verdict.resolution
     }
 
     fn multipliers_of(&self, pair: &[Complex<f64>; 2]) -> [Complex<f64>; 2] {
@@ -156,26 +191,4 @@ impl<'a> StructureMultipliers<'a> {
             verdict.or_worse(Verdict::of_excess(leading, excess(leading), error, tolerance))
         })
     }
-}
-
-/// What the orbit's errors do to J(z), each no larger than this part of the largest time, impulse and acceleration.
-fn data(orbit: &StructureOrbit, equations: &BlochEquations, most: f64) -> Vec<Origin> {
-    let impacts = orbit.impacts();
-    let apart = |i: usize, error: ImpactError| {
-        let mut origin: Together = SmallVec::from_elem(ImpactError::default(), impacts.len());
-        origin[i] = error;
-        origin
-    };
-    let largest = |of: fn(&StructureImpact) -> f64| most * impacts.iter().map(|one| of(one).abs()).fold(0.0, f64::max);
-    let impulses = largest(|impact| impact.impulse);
-    let accelerations = largest(|impact| impact.acceleration_before);
-    let each = impacts.iter().enumerate().flat_map(|(i, impact)| {
-        let none = ImpactError::default();
-        [
-            apart(i, ImpactError { time: impact.time_error.min(most * orbit.period()), ..none }),
-            apart(i, ImpactError { impulse: impact.impulse_error.min(impulses), ..none }),
-            apart(i, ImpactError { acceleration: impact.acceleration_error.min(accelerations), ..none }),
-        ]
-    });
-    origins(equations, &Condition { origins: each.collect(), ..Condition::default() })
 }

@@ -23,6 +23,8 @@ pub struct BlochMode {
     pub pole_error: f64,
     /// Error of the shapes, against the largest.
     pub shape_error: f64,
+    /// Error of the rates λ beyond rounding.
+    pub rate_error: f64,
 }
 
 impl BlochMode {
@@ -61,6 +63,21 @@ impl BlochMode {
     /// A = −δ + κJ
     pub fn generator(&self) -> Turned {
         self.coordinates.generator(self.decay, self.rate)
+    }
+
+    /// Takes the errors of a structure's mode, that of its rates beyond what a root rounds.
+    fn know(&mut self, mode: &LinearMode, rate_error: f64, period: f64, contacts: &[usize]) {
+        let size = self.poles().map(|pole| pole.norm()).into_iter().fold(0.0, f64::max);
+        self.rate_error = rate_error;
+        self.pole_error += size * (rate_error * period).exp_m1();
+        let part = |table: &[[f64; 2]], errors: &[f64]| {
+            let of = |&contact: &usize| {
+                let length = table[contact][0].hypot(table[contact][1]);
+                if length > 0.0 { errors[contact] / length } else { 0.0 }
+            };
+            contacts.iter().map(of).fold(0.0, f64::max)
+        };
+        self.shape_error += part(&mode.rows, &mode.errors.rows) + part(&mode.columns, &mode.errors.columns);
     }
 }
 
@@ -148,6 +165,10 @@ impl BlochKernel {
             let [rows, columns] =
                 [&mode.rows, &mode.columns].map(|table| contacts.iter().map(|&contact| table[contact]));
             kernel.push(mode.turn, (mode.decay, mode.rate), rows, columns);
+            if let Some(last) = kernel.modes.last_mut() {
+                let known = f64::EPSILON * (mode.decay.abs() + mode.rate);
+                last.know(mode, (mode.errors.poles - known).max(0.0), period, contacts);
+            }
         }
         kernel
     }
@@ -165,7 +186,8 @@ impl BlochKernel {
         let slowest = if turn == Turn::Hyperbolic { rate - decay } else { -decay };
         let pole_error =
             f64::EPSILON * (2.0 + 2.0 * (decay.abs() + rate) * self.period) * (slowest * self.period).exp();
-        let mode = BlochMode { coordinates, decay, rate, period, pole_error, shape_error: 4.0 * f64::EPSILON };
+        let (shape_error, rate_error) = (4.0 * f64::EPSILON, 0.0);
+        let mode = BlochMode { coordinates, decay, rate, period, pole_error, shape_error, rate_error };
         self.add(mode, rows, columns);
     }
 
@@ -173,7 +195,8 @@ impl BlochKernel {
     pub(super) fn push_known(&mut self, frequency: f64, known: Known, shapes: &[f64]) {
         let coordinates = Coordinates::of(Turn::Circular, frequency, self.period);
         let Known { period, pole_error, shape_error } = known;
-        let mode = BlochMode { coordinates, decay: 0.0, rate: frequency, period, pole_error, shape_error };
+        let (decay, rate, rate_error) = (0.0, frequency, 0.0);
+        let mode = BlochMode { coordinates, decay, rate, period, pole_error, shape_error, rate_error };
         let columns = shapes.iter().map(|shape| [0.0, shape / frequency]);
         self.add(mode, shapes.iter().map(|shape| [*shape, 0.0]), columns);
     }

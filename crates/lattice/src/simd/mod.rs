@@ -3,3 +3,5 @@
 pub mod lanes;
 pub(crate) mod sines;
 pub(crate) mod small;
+#[cfg(feature = "matrices")]
+pub(crate) mod twofold;

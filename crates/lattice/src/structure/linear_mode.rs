@@ -30,6 +30,38 @@ pub struct LinearMode {
     pub loads: Vec<[C; 2]>,
     /// It is an oscillator of real shape: contacts see the first coordinate, impulses change the second.
     pub is_real: bool,
+    /// Bounds of the errors of these numbers.
+    pub errors: ModeErrors,
+}
+
+/// How far the numbers of a mode may be from those of the matrices that it was made of. A list without entries: they are as given.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ModeErrors {
+    /// Of either pole λ.
+    pub poles: f64,
+    /// Of what each contact sees of ξ.
+    pub rows: Vec<f64>,
+    /// Of what a unit impulse at each contact adds to ξ.
+    pub columns: Vec<f64>,
+    /// Of what the static load adds.
+    pub still: f64,
+    /// Of what the loads of each harmonic add.
+    pub loads: Vec<f64>,
+}
+
+impl ModeErrors {
+    /// Of numbers that are right up to the rounding of a root, a product and a quotient.
+    fn of_rounding(mode: &LinearMode) -> Self {
+        const UNIT: f64 = 2.0 * f64::EPSILON;
+        let length = |list: &[f64; 2]| list[0].hypot(list[1]);
+        Self {
+            poles: UNIT * (mode.decay.abs() + mode.rate),
+            rows: vec![0.0; mode.rows.len()],
+            columns: mode.columns.iter().map(|column| UNIT * length(column)).collect(),
+            still: UNIT * length(&mode.still),
+            loads: mode.loads.iter().map(|load| UNIT * load.iter().map(|load| load.norm()).sum::<f64>()).collect(),
+        }
+    }
 }
 
 /// The shape φ of a mode as it is asked for.
@@ -56,7 +88,7 @@ impl LinearMode {
             (Turn::Parabolic, if decay == 0.0 { 1.0 } else { decay.abs() })
         };
         let seen = |list: &[f64]| list.iter().map(|shape| [*shape, 0.0]).collect();
-        Self {
+        let mode = Self {
             turn,
             decay,
             rate,
@@ -66,7 +98,9 @@ impl LinearMode {
             still: [0.0, shape.still / rate],
             loads: loads.iter().map(|load| [C::default(), load / rate]).collect(),
             is_real: true,
-        }
+            errors: ModeErrors::default(),
+        };
+        mode.with_rounding()
     }
 
     /// A complex pole λ and its conjugate, φᵀ(2λM + C)φ = 1: φφᵀ is the residue there. `loads` are (Re φ)ᵀf and (Im φ)ᵀf.
@@ -74,7 +108,7 @@ impl LinearMode {
         // The complex amplitude ξ, as (Re ξ, −Im ξ).
         let seen = |list: &[C]| list.iter().map(|shape| [2.0 * shape.re, 2.0 * shape.im]).collect();
         let given = |shape: C| [shape.re, -shape.im];
-        Self {
+        let mode = Self {
             turn: Turn::Circular,
             decay: -rate.re,
             rate: rate.im,
@@ -84,7 +118,9 @@ impl LinearMode {
             still: given(shape.still),
             loads: loads.iter().map(|[real, imaginary]| [*real, -*imaginary]).collect(),
             is_real: false,
-        }
+            errors: ModeErrors::default(),
+        };
+        mode.with_rounding()
     }
 
     /// Two real poles, each with the sign of its residue: sign·φφᵀ. `loads` are φᵀf of both.
@@ -100,7 +136,7 @@ impl LinearMode {
         let [contacts, coordinates] =
             [|shape: &ModeShape<f64>| shape.contacts.clone(), |shape: &ModeShape<f64>| shape.coordinates.clone()]
                 .map(|list| shapes.map(list));
-        Self {
+        let mode = Self {
             turn: Turn::Hyperbolic,
             decay: -0.5 * (rates[0] + rates[1]),
             rate: 0.5 * (rates[0] - rates[1]),
@@ -115,12 +151,27 @@ impl LinearMode {
                 })
                 .collect(),
             is_real: false,
-        }
+            errors: ModeErrors::default(),
+        };
+        mode.with_rounding()
+    }
+
+    fn with_rounding(mut self) -> Self {
+        self.errors = ModeErrors::of_rounding(&self);
+        self
     }
 
     /// How its coordinates move.
     pub fn flow(&self) -> ModeFlow {
         ModeFlow { turn: self.turn, decay: self.decay, rate: self.rate }
+    }
+
+    /// A bound of the error of what one contact sees times what another gives, per size of the number between them.
+    pub fn errors_between(&self, to: usize, from: usize) -> f64 {
+        let size = |[x, y]: [f64; 2]| (x * x + y * y).sqrt();
+        let [seen, given] =
+            [(&self.errors.rows, to), (&self.errors.columns, from)].map(|(list, contact)| list[contact]);
+        seen * (size(self.columns[from]) + given) + size(self.rows[to]) * given
     }
 
     /// e^{At}
@@ -158,7 +209,23 @@ impl LinearMode {
         let square = self.turn.sign() * self.rate * self.rate + self.decay * self.decay;
         let decay = self.decay * factor;
         let loads: Vec<C> = self.loads.iter().map(|load| load[1] * self.rate).collect();
-        Self::oscillator(decay, square - decay * decay, &shape, &loads)
+        let mut mode = Self::oscillator(decay, square - decay * decay, &shape, &loads);
+        // Of Ω² = κ² + δ², and of ν² = Ω² − δ² with it.
+        let of_square = 2.0 * (self.rate + self.decay.abs()) * self.errors.poles
+            + 2.0 * f64::EPSILON * (square.abs() + decay * decay);
+        let of_rate = (of_square / mode.rate).min(of_square.sqrt());
+        mode.errors.poles += of_rate + factor.abs() * self.errors.poles;
+        mode.errors.rows.clone_from(&self.errors.rows);
+        let (part, scale) = (of_rate / mode.rate, self.rate / mode.rate);
+        let moved = |own: &mut f64, before: f64, value: f64| *own += before * scale + part * value;
+        for (k, own) in mode.errors.columns.iter_mut().enumerate() {
+            moved(own, self.errors.columns[k], mode.columns[k][1].abs());
+        }
+        moved(&mut mode.errors.still, self.errors.still, mode.still[1].abs());
+        for (k, own) in mode.errors.loads.iter_mut().enumerate() {
+            moved(own, self.errors.loads[k], mode.loads[k][1].norm());
+        }
+        mode
     }
 
     /// Whether another oscillator has the same poles, to the rounding of eigenvalues.

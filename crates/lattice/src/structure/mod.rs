@@ -7,9 +7,17 @@
 //! | `modal` | [`ModalStructure`]: modes and contacts, from which kernels and steady motions are made |
 //! | `matrices` | [`Structure`]: mass, damping and stiffness, from which modes are made (feature `matrices`) |
 //! | `state_matrix` | poles and shapes of modes that dashpots couple |
+//! | `basis` | modes without dashpots, refined in twice the digits, with bounds of their errors |
+//! | `poles` | the same of poles that dashpots couple |
+//! | `assembly` | modes from both |
+//! | `steady` | motions under the loads alone |
 //! | `energy` | [`EnergyForm`]: energy and powers in the coordinates of the modes |
 //! | `error` | [`StructureError`] |
 
+#[cfg(feature = "matrices")]
+mod assembly;
+#[cfg(feature = "matrices")]
+mod basis;
 pub(crate) mod contact;
 pub(crate) mod energy;
 pub(crate) mod error;
@@ -18,4 +26,7 @@ pub(crate) mod linear_mode;
 pub(crate) mod matrices;
 pub(crate) mod modal;
 #[cfg(feature = "matrices")]
+mod poles;
+#[cfg(feature = "matrices")]
 mod state_matrix;
+mod steady;

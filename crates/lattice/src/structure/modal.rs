@@ -4,8 +4,7 @@ use rustfft::num_complex::Complex;
 
 use super::contact::Contact;
 use super::error::StructureError;
-use super::linear_mode::LinearMode;
-use crate::error::RESONANCE_TOLERANCE;
+use super::linear_mode::{LinearMode, ModeErrors};
 use crate::kernel::bloch::BlochKernel;
 use crate::kernel::turn::Turn;
 
@@ -59,10 +58,10 @@ pub struct ParticipatingModes {
 }
 
 impl ParticipatingModes {
-    fn push(&mut self, number: usize, like: &LinearMode, rows: Vec<[f64; 2]>, columns: Vec<[f64; 2]>) {
+    fn push(&mut self, number: usize, like: &LinearMode, [rows, columns]: [Vec<[f64; 2]>; 2], errors: ModeErrors) {
         let LinearMode { turn, decay, rate, is_real, .. } = *like;
         let (coordinates, still, loads) = (Vec::new(), [0.0; 2], Vec::new());
-        self.modes.push(LinearMode { turn, decay, rate, is_real, rows, columns, coordinates, still, loads });
+        self.modes.push(LinearMode { turn, decay, rate, is_real, rows, columns, coordinates, still, loads, errors });
         self.numbers.push(number);
     }
 
@@ -175,6 +174,8 @@ impl ModalStructure {
         for mode in &mut structure.modes {
             mode.loads.iter_mut().flatten().for_each(|load| *load *= factor);
             mode.still.iter_mut().for_each(|load| *load *= still);
+            mode.errors.loads.iter_mut().for_each(|error| *error *= factor.abs());
+            mode.errors.still *= still.abs();
         }
         structure
     }
@@ -195,6 +196,11 @@ impl ModalStructure {
         self.modes.iter().map(|mode| mode.turn.pair(mode.rows[to], mode.generator(), mode.columns[from])).sum()
     }
 
+    /// A bound of the error of [`ModalStructure::mobility`] by those of the modes.
+    pub fn mobility_error(&self, to: usize, from: usize) -> f64 {
+        self.modes.iter().map(|mode| mode.errors_between(to, from) * mode.decay.hypot(mode.rate)).sum()
+    }
+
     /// The modes as impacts at some of its contacts feel them: every contact is seen, those alone are hit. Oscillators of one frequency and
     /// damping are merged: the products of their shapes are one matrix, of which pivoted Cholesky factors are as many modes as the hit
     /// contacts can feel.
@@ -203,8 +209,14 @@ impl ModalStructure {
         let mut felt = ParticipatingModes::default();
         let mut done = vec![false; self.modes.len()];
         let largest = |list: &[[f64; 2]]| list.iter().flatten().map(|x| x * x).fold(0.0, f64::max);
-        let all = self.modes.iter().map(|mode| largest(&mode.rows)).fold(0.0, f64::max);
-        let all_given = self.modes.iter().map(|mode| largest(&mode.columns)).fold(0.0, f64::max);
+        // Of each contact on its own: a light one sees far more of every mode than a heavy one.
+        let most =
+            |contact: usize| self.modes.iter().map(|mode| largest(&mode.rows[contact..=contact])).fold(0.0, f64::max);
+        let most_given = |contact: usize| {
+            self.modes.iter().map(|mode| largest(&mode.columns[contact..=contact])).fold(0.0, f64::max)
+        };
+        let (seen, given): (Vec<f64>, Vec<f64>) =
+            hit.iter().map(|&contact| (most(contact), most_given(contact))).unzip();
         // Of all contacts with each that is hit: [hit contact][contact].
         let mut products = vec![0.0; contacts * hit.len()];
         for (k, mode) in self.modes.iter().enumerate() {
@@ -212,34 +224,51 @@ impl ModalStructure {
                 continue;
             }
             if !mode.is_real {
-                let most = |list: &[[f64; 2]]| hit.iter().map(|&i| largest(&list[i..=i])).fold(0.0, f64::max);
-                if most(&mode.rows) > SPARED * all && most(&mode.columns) > SPARED * all_given {
+                let is_felt = |list: &[[f64; 2]], all: &[f64]| {
+                    hit.iter().zip(all).any(|(&i, all)| largest(&list[i..=i]) > SPARED * all)
+                };
+                if is_felt(&mode.rows, &seen) && is_felt(&mode.columns, &given) {
                     let mut columns = vec![[0.0; 2]; contacts];
                     hit.iter().for_each(|&i| columns[i] = mode.columns[i]);
-                    felt.push(k, mode, mode.rows.clone(), columns);
+                    felt.push(k, mode, [mode.rows.clone(), columns], mode.errors.clone());
                 } else {
                     felt.spared.push(mode.rates());
                 }
                 continue;
             }
             products.fill(0.0);
+            let mut errors =
+                ModeErrors { rows: vec![0.0; contacts], columns: vec![0.0; contacts], ..ModeErrors::default() };
             let mut count = 0;
             for (other, alike) in self.modes.iter().enumerate().skip(k) {
                 if other == k || !done[other] && mode.is_alike(alike) {
                     done[other] = true;
                     count += 1;
+                    let off = (mode.decay - alike.decay).abs() + (mode.rate - alike.rate).abs();
+                    errors.poles = errors.poles.max(alike.errors.poles + off);
+                    add(&mut errors.rows, &alike.errors.rows);
+                    add(&mut errors.columns, &alike.errors.columns);
                     for (row, &from) in products.chunks_exact_mut(contacts).zip(hit) {
                         let by = alike.rows[from][0];
                         row.iter_mut().zip(&alike.rows).for_each(|(entry, shape)| *entry += by * shape[0]);
                     }
                 }
             }
+            if count == 1 && hit.iter().zip(&seen).any(|(&i, all)| mode.rows[i][0].powi(2) > SPARED * all) {
+                let mut columns = vec![[0.0; 2]; contacts];
+                hit.iter().for_each(|&i| columns[i] = mode.columns[i]);
+                felt.push(k, mode, [mode.rows.clone(), columns], errors);
+                continue;
+            }
+            // What a contact that is hit has left, as a part of what it may have: rounding of the products below 1.
+            let first: Vec<f64> = hit.iter().enumerate().map(|(j, &i)| products[j * contacts + i]).collect();
+            let least = |j: usize| (SPARED * seen[j]).max(ROUNDING * first[j]);
             let pivots = |products: &[f64]| {
-                let squares = hit.iter().enumerate().map(|(j, &i)| (j, products[j * contacts + i]));
-                squares.max_by(|a, b| a.1.total_cmp(&b.1))
+                let left = hit.iter().enumerate().map(|(j, &i)| (j, products[j * contacts + i]));
+                let left = left.filter(|&(j, square)| square > least(j));
+                left.max_by(|a, b| (a.1 / seen[a.0]).total_cmp(&(b.1 / seen[b.0])))
             };
-            let least = pivots(&products).map_or(0.0, |(_, square)| (SPARED * all).max(ROUNDING * square));
-            while let Some((pivot, square)) = pivots(&products).filter(|(_, square)| *square > least && count > 0) {
+            while let Some((pivot, square)) = pivots(&products).filter(|_| count > 0) {
                 let scale = square.sqrt().recip();
                 let row = &products[pivot * contacts..(pivot + 1) * contacts];
                 let shape: Vec<f64> = row.iter().map(|entry| entry * scale).collect();
@@ -248,7 +277,12 @@ impl ModalStructure {
                 }
                 let mut columns = vec![[0.0; 2]; contacts];
                 hit.iter().for_each(|&i| columns[i] = [0.0, shape[i] / mode.rate]);
-                felt.push(k, mode, shape.into_iter().map(|own| [own, 0.0]).collect(), columns);
+                // Of products and their roots.
+                let mut own = errors.clone();
+                let rounded = shape.iter().map(|shape| 8.0 * f64::EPSILON * shape.abs());
+                own.rows.iter_mut().zip(rounded.clone()).for_each(|(error, by)| *error += by);
+                own.columns.iter_mut().zip(rounded).for_each(|(error, by)| *error += by / mode.rate);
+                felt.push(k, mode, [shape.into_iter().map(|own| [own, 0.0]).collect(), columns], own);
                 count -= 1;
             }
             felt.spared.extend(std::iter::repeat_n(mode.rates(), count));
@@ -256,58 +290,11 @@ impl ModalStructure {
         felt.twins = felt.firsts(contacts);
         felt
     }
+}
 
-    /// Coordinates ξ of all modes under harmonic number `place` of the loads at frequency ω, complex: Re of them times e^{ijω(t+ψ)}.
-    ///
-    /// # Errors
-    /// [`StructureError::Resonance`] where a mode that nothing damps is met.
-    pub fn steady(&self, place: usize, omega: f64) -> Result<Vec<[C; 2]>, StructureError> {
-        let mut all = vec![[C::default(); 2]; self.modes.len()];
-        for driven in self.driven(place, omega) {
-            let (k, xi) = driven?;
-            all[k] = xi;
-        }
-        Ok(all)
-    }
-
-    /// The motion of each contact under that harmonic, complex.
-    ///
-    /// # Errors
-    /// As [`ModalStructure::steady`].
-    pub fn steady_at(&self, place: usize, omega: f64) -> Result<Vec<C>, StructureError> {
-        let mut sums = vec![C::default(); self.contacts.len()];
-        for driven in self.driven(place, omega) {
-            let (k, xi) = driven?;
-            sums.iter_mut().zip(&self.modes[k].rows).for_each(|(sum, row)| *sum += xi[0] * row[0] + xi[1] * row[1]);
-        }
-        Ok(sums)
-    }
-
-    /// Numbers and coordinates of the modes that it drives.
-    fn driven(&self, place: usize, omega: f64) -> impl Iterator<Item = Result<(usize, [C; 2]), StructureError>> {
-        let harmonic = self.harmonics[place];
-        let w = f64::from(harmonic) * omega;
-        let driven = self.modes.iter().enumerate().filter(move |(_, mode)| mode.loads[place] != [C::default(); 2]);
-        driven.map(move |(k, mode)| {
-            let distance =
-                mode.rates().map(|rate| (C::new(0.0, w) - rate).norm()).into_iter().fold(f64::INFINITY, f64::min);
-            if distance <= RESONANCE_TOLERANCE * w {
-                return Err(StructureError::Resonance { harmonic, mode: k, frequency: mode.rate, omega });
-            }
-            Ok((k, mode.steady(w, mode.loads[place])))
-        })
-    }
-
-    /// Coordinates ξ of all modes under the static load alone; of a rigid one 0.
-    pub fn still(&self) -> Vec<[f64; 2]> {
-        let of_mode = |mode: &LinearMode| {
-            if mode.still == [0.0; 2] || mode.is_rigid() {
-                return [0.0; 2];
-            }
-            mode.steady(0.0, mode.still.map(|load| C::new(load, 0.0))).map(|xi| xi.re)
-        };
-        self.modes.iter().map(of_mode).collect()
-    }
+/// A list added to one that may be longer.
+fn add(sums: &mut [f64], list: &[f64]) {
+    sums.iter_mut().zip(list).for_each(|(sum, error)| *sum += error);
 }
 
 #[cfg(test)]

@@ -1,0 +1,192 @@
+//! How far an orbit's times, impulses and accelerations may be from those of the model.
+//!
+//! Rows F of the equations are off by what is left of them and by bounds of their errors, δF. To first order unknowns are off by r = |J⁻¹|δF.
+//! That is a bound only as long as J does not change much on the way: with H = Σ_k |J⁻¹ ∂_kJ| r′_k, from the equations at points a little
+//! aside, there is a root within r′ if r + H r′ ≤ r′ (Krawczyk). Where not even r′ = 2r will do nothing is known.
+
+use smallvec::SmallVec;
+
+use super::equations::{Equations, Point, System};
+use super::error::StructureOrbitError;
+use super::periodic_kernel::UNIT;
+use super::resonant_doubts::ResonantDoubt;
+use crate::equations::condition::{ImpactError, Together};
+use crate::equations::linear::{Factors, Matrix, Vector, dot, zeros};
+
+/// Unknowns that are off by less, as parts of what they can be, have no square that counts: next to a fold at the distance of the root of
+/// rounding they are off by about that root.
+const FIRST_ORDER: f64 = 1e-10;
+
+/// A time that is off by more of the period is not known.
+const MOST: f64 = 0.05;
+
+/// Bounds of errors of an orbit.
+#[derive(Debug, Clone)]
+pub(super) struct OrbitErrors {
+    /// Of the unknowns, and of the acceleration at each impact.
+    pub(super) unknowns: Vector,
+    pub(super) accelerations: Vector,
+    /// The same by origin.
+    pub(super) origins: Vec<Together>,
+    /// Those of the unknowns to first order, of which orbits are told apart where no bound is known.
+    pub(super) estimates: Vector,
+}
+
+impl OrbitErrors {
+    /// Those of a point that solves the equations.
+    ///
+    /// # Errors
+    /// As [`Equations::system`].
+    pub(super) fn of(equations: &Equations<'_>, point: &Point, system: &System) -> Result<Self, StructureOrbitError> {
+        let (n, size) = (point.strikes.len(), system.rows.len());
+        let off: Vector = system.rows.iter().zip(&system.sizes).map(|(row, size)| row.abs() + UNIT * size).collect();
+        let own: Vector = system.arrivals.iter().map(|arrival| 2.0 * UNIT * arrival.sizes[2]).collect();
+        let unknown = |estimates: Vector| Self::unknown(n, size, estimates);
+        let nothing = || SmallVec::from_elem(f64::INFINITY, size);
+        // At a fold the unknowns are not determined by the rows.
+        let Some(factors) = Factors::new(system.jacobian.clone()) else { return Ok(unknown(nothing())) };
+        let inverse = factors.inverse();
+        let mut first: Vector = (0..size).map(|i| weighted(inverse.row(i), &off)).collect();
+        // What is one number in all rows keeps its signs.
+        let common = equations.resonant_doubts(point);
+        let common: Vec<(Vector, &ResonantDoubt)> =
+            common.iter().map(|doubt| (factors.solve(&doubt.rows), doubt)).collect();
+        for (moved, _) in &common {
+            first.iter_mut().zip(moved).for_each(|(error, by)| *error += by.abs());
+        }
+        if !first.iter().all(|error| error.is_finite()) {
+            return Ok(unknown(nothing()));
+        }
+        let mut bent = zeros(size);
+        let mut accelerations = own.clone();
+        if equations.parts(point, &first) > FIRST_ORDER {
+            match beyond_first_order(equations, point, system, (&factors, &first))? {
+                Some((by, of_accelerations)) => {
+                    bent = by;
+                    accelerations.iter_mut().zip(of_accelerations).for_each(|(error, by)| *error += by);
+                }
+                None => return Ok(unknown(first)),
+            }
+        }
+        let along = |i: usize, moved: &[f64]| dot(&system.gradients[i], moved);
+        let mut origins: Vec<Together> = Vec::with_capacity(2 * size + n);
+        for row in 0..size {
+            let moved: Vector = (0..size).map(|i| inverse[(i, row)] * off[row]).collect();
+            origins.push((0..n).map(|i| impact_error(n, i, &moved, along(i, &moved))).collect());
+        }
+        for (moved, doubt) in &common {
+            let moved: Vector = moved.iter().map(|by| -by).collect();
+            let carried = |i: usize| along(i, &moved) + doubt.accelerations[i];
+            origins.push((0..n).map(|i| impact_error(n, i, &moved, carried(i))).collect());
+            // Both are far larger than their sum, of which as many digits are left as the matrix lets be.
+            for (i, error) in accelerations.iter_mut().enumerate() {
+                let size: f64 = system.gradients[i].iter().zip(&moved).map(|(slope, by)| (slope * by).abs()).sum();
+                *error += size * f64::EPSILON * equations.steepest();
+            }
+        }
+        for unknown in (0..size).filter(|unknown| bent[*unknown] > 0.0) {
+            let mut moved = zeros(size);
+            moved[unknown] = bent[unknown];
+            origins.push((0..n).map(|i| impact_error(n, i, &moved, along(i, &moved))).collect());
+        }
+        let apart = accelerations.clone();
+        for origin in &origins {
+            accelerations.iter_mut().zip(origin).for_each(|(sum, error)| *sum += error.acceleration.abs());
+        }
+        for (i, acceleration) in apart.into_iter().enumerate() {
+            let mut origin: Together = SmallVec::from_elem(ImpactError::default(), n);
+            origin[i].acceleration = acceleration;
+            origins.push(origin);
+        }
+        let unknowns = first.iter().zip(&bent).map(|(first, bent)| first + bent).collect();
+        Ok(Self { unknowns, accelerations, origins, estimates: first })
+    }
+
+    fn unknown(n: usize, size: usize, estimates: Vector) -> Self {
+        let lost = ImpactError { time: f64::INFINITY, impulse: f64::INFINITY, acceleration: f64::INFINITY };
+        let all = |count: usize| SmallVec::from_elem(f64::INFINITY, count);
+        Self { unknowns: all(size), accelerations: all(n), origins: vec![SmallVec::from_elem(lost, n)], estimates }
+    }
+}
+
+/// Σ |a_i| b_i
+fn weighted(row: &[f64], by: &[f64]) -> f64 {
+    row.iter().zip(by).map(|(x, off)| x.abs() * off).sum()
+}
+
+fn impact_error(n: usize, i: usize, moved: &[f64], acceleration: f64) -> ImpactError {
+    ImpactError { time: if i == 0 { 0.0 } else { moved[n + i - 1] }, impulse: moved[i], acceleration }
+}
+
+/// What is to be added to errors r of first order, and to those of accelerations; `None` where no bound is known.
+fn beyond_first_order(
+    equations: &Equations<'_>,
+    point: &Point,
+    system: &System,
+    (factors, first): (&Factors, &Vector),
+) -> Result<Option<(Vector, Vector)>, StructureOrbitError> {
+    let (n, size) = (point.strikes.len(), first.len());
+    // A little more than nothing for what is not off at all.
+    let least: Vector = equations.scales(point).iter().map(|scale| f64::EPSILON * scale).collect();
+    let first: Vector = first.iter().zip(&least).map(|(first, least)| first + least).collect();
+    let reach: Vector = first.iter().map(|first| 2.0 * first).collect();
+    let times = &reach[n..2 * n - 1 + usize::from(equations.forced)];
+    if times.iter().any(|time| *time > MOST * equations.period()) {
+        return Ok(None);
+    }
+    let mut bent = zeros(size);
+    let add = |bent: &mut Vector, matrix: &Matrix, less: f64| {
+        for j in 0..size {
+            let column: Vector = (0..size).map(|i| matrix[(i, j)]).collect();
+            for (i, (by, entry)) in bent.iter_mut().zip(factors.solve(&column)).enumerate() {
+                *by += (entry - if i == j { less } else { 0.0 }).abs() * reach[j];
+            }
+        }
+    };
+    // The inverse of a matrix that is nearly singular is none.
+    add(&mut bent, &system.jacobian, 1.0);
+    let mut accelerations = zeros(n);
+    for place in 0..size {
+        let mut step = zeros(size);
+        step[place] = reach[place];
+        let mut aside = point.clone();
+        equations.take(&mut aside, &step);
+        let there = equations.system(&aside)?;
+        let change = Matrix::from_fn(size, |i, j| there.jacobian[(i, j)] - system.jacobian[(i, j)]);
+        add(&mut bent, &change, 0.0);
+        for (i, by) in accelerations.iter_mut().enumerate() {
+            let change = |j: usize| (there.gradients[i][j] - system.gradients[i][j]).abs() * reach[j];
+            *by += (0..size).map(change).sum::<f64>();
+        }
+    }
+    let known = bent.iter().zip(&first).all(|(bent, first)| bent <= first);
+    Ok(known.then_some((bent, accelerations)))
+}
+
+impl Equations<'_> {
+    /// What unknowns are measured by: impulses by the largest, times by the inverse of the fastest mode's rate, offsets by themselves.
+    fn scales(&self, point: &Point) -> Vector {
+        let n = point.strikes.len();
+        let impulse = point.strikes.iter().map(|strike| strike.impulse.abs()).fold(0.0, f64::max);
+        let time = self.kernel().fastest().max(self.period().recip()).recip();
+        let offset = point.offsets.iter().fold(0.0, |most: f64, offset| most.max(offset.abs()));
+        let of = |k: usize| match k {
+            k if k < n => impulse,
+            k if k < self.unknowns(n) - point.offsets.len() => time,
+            _ => offset,
+        };
+        (0..self.unknowns(n)).map(of).collect()
+    }
+
+    /// How much more than by rounding a mode next to a resonance is off at most.
+    fn steepest(&self) -> f64 {
+        self.kernel().nearly_resonant().map(|(_, doubt)| doubt / f64::EPSILON).fold(1.0, f64::max)
+    }
+
+    /// The largest part of its scale that an unknown is off by.
+    fn parts(&self, point: &Point, errors: &[f64]) -> f64 {
+        let parts =
+            errors.iter().zip(self.scales(point)).map(|(error, scale)| if *error > 0.0 { error / scale } else { 0.0 });
+        parts.fold(0.0, f64::max)
+    }
+}
