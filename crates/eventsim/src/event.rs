@@ -63,9 +63,6 @@ pub const MAX_BOUNCES: u32 = 100_000;
 /// Default of [`Limits::flights`]: hours of work, met only where a period is astronomically long.
 pub const MAX_FLIGHTS: u64 = 10_000_000_000;
 
-/// Flights of single masses between two looks at a stop flag: some tens of milliseconds of work.
-const BETWEEN_LOOKS: usize = 100_000;
-
 impl Default for Limits {
     fn default() -> Self {
         Self { until: None, impacts: u64::MAX, bounces: MAX_BOUNCES, flights: MAX_FLIGHTS }
@@ -73,17 +70,6 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// So many flights of `sites` masses that whoever runs them in such portions hears in time that it is to stop.
-    ///
-    /// ```
-    /// use vibrochain_eventsim::Limits;
-    /// assert_eq!([1, 21, 1_000_000].map(Limits::portion), [100_000, 4761, 1]);
-    /// ```
-    #[must_use]
-    pub fn portion(sites: usize) -> u64 {
-        (BETWEEN_LOOKS / sites.max(1)).max(1) as u64
-    }
-
     /// Up to and including `time`, with defaults for the rest.
     pub fn until(time: Time) -> Self {
         Self { until: Some(time), ..Self::default() }
@@ -116,6 +102,8 @@ pub enum Outcome {
     },
     /// [`Limits::flights`] was reached.
     WorkLimit,
+    /// The run was told to stop ([`Simulation::heed`](crate::Simulation::heed)); another one goes on with it.
+    Stopped,
 }
 
 /// How much was done, since the simulation was created.

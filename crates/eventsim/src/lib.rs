@@ -90,6 +90,7 @@ mod queue;
 mod ring;
 mod series;
 mod simulation;
+mod stop_check;
 mod structure;
 mod tangent;
 mod time;

@@ -5,10 +5,11 @@ use crate::engine::Engine;
 use crate::error::{StateError, TangentError};
 use crate::event::{BOUNCE_TIME, Event, Limits, Outcome, Report, Work};
 use crate::ring::{FORGET, Ring};
+use crate::stop_check::StopCheck;
 use crate::tangent::{Alone, Company, Tangents};
 use crate::time::Time;
 use crate::units::Units;
-use vibrochain_lattice::{Barrier, Layout, Model};
+use vibrochain_lattice::{Barrier, Layout, Model, Stop};
 
 /// Largest speed and force in units of the gap and of the fastest rate.
 const FASTEST: f64 = 1e12;
@@ -63,6 +64,7 @@ pub struct Simulation {
     cascades: Cascades,
     changes: Vec<Change>,
     stalls: u32,
+    check: StopCheck,
 }
 
 impl Simulation {
@@ -116,6 +118,7 @@ impl Simulation {
             cascades: Cascades::new(displacement.len()),
             changes: Vec::new(),
             stalls: 0,
+            check: StopCheck::new(Stop::default(), displacement.len()),
         };
         simulation.classify_contacts();
         simulation.engine.begin_window();
@@ -150,6 +153,11 @@ impl Simulation {
     /// The model.
     pub fn model(&self) -> &Model {
         &self.model
+    }
+
+    /// From now on runs end with [`Outcome::Stopped`] once `stop` is raised, between two flights. What it has come to does not depend on that.
+    pub fn heed(&mut self, stop: &Stop) {
+        self.check = StopCheck::new(stop.clone(), self.engine.ring.sites());
     }
 
     /// Present time.
@@ -279,6 +287,9 @@ impl Simulation {
             }
             if self.flights() >= flights {
                 return Outcome::WorkLimit;
+            }
+            if self.check.is_raised() {
+                return Outcome::Stopped;
             }
             let target = match limits.until {
                 Some(time) => self.engine.clock.until(time.periods(), time.offset() * self.engine.units.scale),

@@ -159,3 +159,32 @@ fn a_run_with_tangents_is_the_same_to_the_bit_and_those_of_another_structure_are
     );
     assert!(matches!(StructureTangents::of(&structure, &[vec![[0.0; 2]; 1]]), Err(TangentError::Entries { .. })));
 }
+
+/// Two masses alike that hit at one instant: no linear map goes through that where a dashpot between them lets the impulse at one change the
+/// acceleration of the other, though neither place nor velocity. With a spring between them alone there is one.
+#[test]
+fn contacts_that_a_dashpot_couples_have_no_tangents_through_one_instant() {
+    let at = |weights: [f64; 2]| {
+        let stop = Contact { lower: None, upper: Some(0.3), restitution: 0.7 };
+        (DVector::from_column_slice(&weights), stop)
+    };
+    for (dashpot, spring, has_grazed) in [(0.0, 0.0, false), (0.0, 0.2, false), (0.03, 0.0, true), (1e-6, 0.2, true)] {
+        let coupled = |own: f64, shared: f64| DMatrix::from_row_slice(2, 2, &[own, -shared, -shared, own]);
+        let structure = Structure {
+            mass: DMatrix::identity(2, 2),
+            damping: coupled(0.05, dashpot),
+            stiffness: coupled(1.0, spring),
+            contacts: vec![at([1.0, 0.0]), at([0.0, 1.0])],
+            ..Structure::default()
+        };
+        let modal = structure.modal().unwrap();
+        let modes = structure.project(&modal, &DVector::zeros(2), &DVector::from_vec(vec![1.0, 1.0])).unwrap();
+        let mut simulation = StructureSimulation::new(modal.clone(), 1.0, 0.0, &modes).unwrap();
+        let mut tangents = StructureTangents::random(&modal, 1, 3).unwrap();
+        let limits = Limits { impacts: 2, ..Limits::until(simulation.time_of(0, 0.5)) };
+        let mut times = Vec::new();
+        simulation.run_with(&mut tangents, &limits, |event| times.push(event.time)).unwrap();
+        assert!(times.len() == 2 && times[0] == times[1], "{times:?}");
+        assert_eq!(tangents.has_grazed(), has_grazed, "{dashpot} {spring}");
+    }
+}

@@ -19,6 +19,9 @@ const CHUNK_PERIODS: u64 = 1 << 16;
 /// The most cells of a chunk: even where nothing lives each costs a search.
 const MOST_CELLS: u64 = 512;
 
+/// The setting of [`Ensemble::in_sequence`], which is there or not.
+const IN_SEQUENCE: &str = "in-sequence";
+
 /// What is asked of all cells of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Fates {
@@ -39,7 +42,7 @@ impl Fates {
     /// All of it, by the names of the program's flags.
     #[must_use]
     pub fn settings(&self) -> Settings {
-        let Ensemble { starts, size, seed, periods, transient, tolerance, leave } = self.ensemble;
+        let Ensemble { starts, size, seed, periods, transient, tolerance, leave, in_sequence } = self.ensemble;
         let all = [
             ("breathers", self.from.name().to_owned()),
             ("starts", starts.to_string()),
@@ -50,7 +53,8 @@ impl Fates {
             ("tolerance", tolerance.to_string()),
             ("leave", leave.to_string()),
         ];
-        all.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+        let in_sequence = in_sequence.then(|| (IN_SEQUENCE, true.to_string()));
+        all.into_iter().chain(in_sequence).map(|(name, value)| (name.to_owned(), value)).collect()
     }
 
     /// What [`Fates::settings`] was made of.
@@ -70,6 +74,7 @@ impl Fates {
             transient: value(settings, "transient")?,
             tolerance: value(settings, "tolerance")?,
             leave: value(settings, "leave")?,
+            in_sequence: settings.contains_key(IN_SEQUENCE),
         };
         let name: String = value(settings, "breathers")?;
         let from = From::from_name(&name).ok_or_else(|| format!("the breathers of its ensemble are `{name}`"))?;

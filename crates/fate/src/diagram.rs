@@ -143,7 +143,7 @@ impl<S: Sectioned> Diagram<'_, S> {
                 return None;
             }
             // A whole period at a time before the first point, so that nothing takes long to be stopped.
-            if reach(&mut run, None, strobe.time(period), stop, |_| {})? != Reached::Time {
+            if reach(&mut run, None, strobe.time(period), |_| {})? != Reached::Time {
                 return Some((Column { number, points, complete: false }, None));
             }
             if period >= first {

@@ -8,7 +8,7 @@ pub enum End {
     /// The breather it started on: its impacts, within the tolerance.
     Breather,
     /// Another motion whose impacts repeat, and its word.
-    Another(Word),
+    Periodic(Word),
     /// No impact any more.
     Quiet,
     /// The largest Lyapunov exponent is clearly positive.
@@ -17,7 +17,7 @@ pub enum End {
     /// that the run does not tell it from that.
     QuasiPeriodic,
     /// None of these: still on its way, or periodic with more impacts than a word has, or with rests.
-    Other,
+    Unclassified,
     /// The run could not be completed: a cascade that does not end, a mass behind its barrier at the start, the limit of work.
     Incomplete,
 }
@@ -25,18 +25,18 @@ pub enum End {
 impl End {
     /// Names of the kinds, in the order of tables.
     pub const NAMES: [&'static str; 7] =
-        ["breather", "another", "quiet", "chaos", "quasi-periodic", "other", "incomplete"];
+        ["breather", "periodic", "quiet", "chaos", "quasi-periodic", "unclassified", "incomplete"];
 
     /// Number of its kind in [`End::NAMES`].
     #[must_use]
     pub fn kind(&self) -> usize {
         match self {
             Self::Breather => 0,
-            Self::Another(_) => 1,
+            Self::Periodic(_) => 1,
             Self::Quiet => 2,
             Self::Chaos => 3,
             Self::QuasiPeriodic => 4,
-            Self::Other => 5,
+            Self::Unclassified => 5,
             Self::Incomplete => 6,
         }
     }

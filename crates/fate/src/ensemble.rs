@@ -49,11 +49,15 @@ pub struct Ensemble {
     pub tolerance: f64,
     /// By how much impacts must differ from the breather's before a run has left it, likewise.
     pub leave: f64,
+    /// Whether contacts of a structure that share coordinates and hit at one instant do so in sequence, where a run cannot be completed otherwise.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub in_sequence: bool,
 }
 
 impl Default for Ensemble {
     fn default() -> Self {
-        Self { starts: 16, size: 1e-3, seed: 1, periods: 2000, transient: 0.5, tolerance: 0.02, leave: 0.1 }
+        let (tolerance, leave) = (0.02, 0.1);
+        Self { starts: 16, size: 1e-3, seed: 1, periods: 2000, transient: 0.5, tolerance, leave, in_sequence: false }
     }
 }
 

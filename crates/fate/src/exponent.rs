@@ -100,7 +100,7 @@ pub(crate) fn measure_from<O: Origin>(origin: &O, periods: u64, stop: &Stop) -> 
     let mut states = [const { Vec::new() }; 3];
     let mut logs = [0.0; 3];
     let mut estimates: Vec<f64> = Vec::new();
-    let started = || origin.run(None).ok_or(Unmeasured::NoStart);
+    let started = || origin.run(None, stop).ok_or(Unmeasured::NoStart);
     let mut run = started()?;
     let (mut since, mut grown, mut before) = (0, 0.0, 0);
     for period in 1..=periods.max(1) {
@@ -108,10 +108,10 @@ pub(crate) fn measure_from<O: Origin>(origin: &O, periods: u64, stop: &Stop) -> 
             (run, since, grown, before) = (started()?, 0, 0.0, 0);
         }
         since += 1;
-        ensure!(!stop.is_raised(), Unmeasured::Stopped);
         // (An orbit's period is one or two of the force, or a few.)
         let limits = Limits::until(run.time_of(since * track.span));
         let (ended, work) = run.advance(Some(&mut tangents), &limits, &mut |_| {}).ok_or(Unmeasured::NotFollowed)?;
+        ensure!(ended != Reached::Stopped, Unmeasured::Stopped);
         let log = tangents.orthonormalise()[0];
         let state = tangents.vector(0).unwrap_or_default();
         // (Its own units, not those in which the tangents have length 1.)
@@ -159,6 +159,7 @@ fn in_all_directions<R: Run>(
     for (count, log) in (1..).zip(&mut logs) {
         let limits = Limits::until(run.time_of(count * track.span));
         let (ended, _) = run.advance(Some(&mut tangents), &limits, &mut |_| {}).ok_or(Unmeasured::NotFollowed)?;
+        ensure!(ended != Reached::Stopped, Unmeasured::Stopped);
         if ended != Reached::Time || tangents.has_grazed() {
             return Err(Unmeasured::NotFollowed);
         }

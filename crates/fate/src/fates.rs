@@ -99,7 +99,7 @@ impl BreatherFates {
         let mut ends = [0; End::NAMES.len()];
         for fate in fates {
             ends[fate.end.kind()] += 1;
-            if let End::Another(word) = &fate.end {
+            if let End::Periodic(word) = &fate.end {
                 *words.entry(word.clone()).or_default() += 1;
             }
         }
@@ -369,6 +369,10 @@ impl Ensembled for Scene {
         ensure!(
             from != From::Rest,
             "--breathers rest is of structures, and of chains with dashpots: give class, every or unstable"
+        );
+        ensure!(
+            !ensemble.in_sequence,
+            "--in-sequence is of structures: masses of a chain share no coordinate, and hit at one instant in any order"
         );
         ensemble.check(self.base.sites()).map_err(|error| error.to_string())
     }

@@ -7,7 +7,7 @@ use vibrochain_eventsim::{
     ContactEvent, Event, Limits, Outcome, Simulation, StructureOutcome, StructureSimulation, StructureTangents,
     Tangents, Time, Work,
 };
-use vibrochain_lattice::{Barrier, ModalStructure};
+use vibrochain_lattice::{Barrier, ModalStructure, Stop};
 
 use crate::follow::{Expected, Track};
 use crate::repeat::{Hit, word_of};
@@ -17,13 +17,13 @@ use crate::start::Start;
 /// Lattices on which all directions at once are no work.
 const FEW_MASSES: usize = 128;
 
-/// How one portion of a run ends.
+/// How a run ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reached {
     /// At the time asked for.
     Time,
-    /// At the limit of work, to go on.
-    WorkLimit,
+    /// Where it was told to stop.
+    Stopped,
     /// Unresolved.
     Unresolved,
 }
@@ -36,13 +36,15 @@ pub trait Run: Sized {
     /// Now.
     fn time(&self) -> Time;
 
+    /// Lets contacts that share coordinates and hit at one instant do so in sequence; masses of a chain share none.
+    fn in_sequence(self) -> Self {
+        self
+    }
+
     /// So many periods of the force after the start.
     fn time_of(&self, periods: u64) -> Time;
 
-    /// Flights between two looks at a stop flag.
-    fn portion(&self) -> u64;
-
-    /// A portion of it, with tangent vectors of its own model or without.
+    /// Goes on to its limits, with tangent vectors of its own model or without.
     fn advance(
         &mut self,
         tangents: Option<&mut Self::Tangents>,
@@ -77,8 +79,8 @@ pub trait Origin: Clone + Send + Sync {
     /// The time of the start on the orbit's clock, 0 or negative.
     fn time(&self) -> f64;
 
-    /// A run, from a perturbation of a size drawn from a seed; `None`: nothing can start there.
-    fn run(&self, perturbed: Option<(f64, u64)>) -> Option<Self::Run>;
+    /// A run that heeds `stop`, from a perturbation of a size drawn from a seed; `None`: nothing can start there.
+    fn run(&self, perturbed: Option<(f64, u64)>, stop: &Stop) -> Option<Self::Run>;
 
     /// A tangent vector drawn from a seed.
     fn tangent(&self, seed: u64) -> Option<<Self::Run as Run>::Tangents>;
@@ -114,13 +116,15 @@ impl Origin for Breather {
         self.start.time
     }
 
-    fn run(&self, perturbed: Option<(f64, u64)>) -> Option<Simulation> {
+    fn run(&self, perturbed: Option<(f64, u64)>, stop: &Stop) -> Option<Simulation> {
         let model = self.orbit.model();
         let mut start = self.start.clone();
         if let Some((size, seed)) = perturbed {
             start.perturb_at_random(model, size, seed);
         }
-        start.simulation(model).ok()
+        let mut run = start.simulation(model).ok()?;
+        run.heed(stop);
+        Some(run)
     }
 
     fn tangent(&self, seed: u64) -> Option<Tangents> {
@@ -155,10 +159,6 @@ impl Run for Simulation {
         Time::new(self.model(), periods, 0.0)
     }
 
-    fn portion(&self) -> u64 {
-        Limits::portion(self.model().chain().sites())
-    }
-
     fn advance(
         &mut self,
         tangents: Option<&mut Tangents>,
@@ -171,8 +171,8 @@ impl Run for Simulation {
         };
         let ended = match report.outcome {
             Outcome::TimeReached => Reached::Time,
-            Outcome::WorkLimit => Reached::WorkLimit,
-            Outcome::ImpactsReached | Outcome::Cascade { .. } => Reached::Unresolved,
+            Outcome::Stopped => Reached::Stopped,
+            Outcome::ImpactsReached | Outcome::Cascade { .. } | Outcome::WorkLimit => Reached::Unresolved,
         };
         Some((ended, report.work))
     }
@@ -211,9 +211,15 @@ pub struct OfStructure {
     modes: Vec<[f64; 2]>,
     psi: f64,
     time: f64,
+    in_sequence: bool,
 }
 
 impl OfStructure {
+    /// Whether contacts that share coordinates and hit at one instant do so in sequence.
+    pub(crate) fn in_sequence(self, in_sequence: bool) -> Self {
+        Self { in_sequence, ..self }
+    }
+
     pub(crate) fn on(orbit: &StructureOrbit) -> Result<Self, StructureOrbitError> {
         // In the middle of the flight before the first impact.
         let motion = StructureMotion::new(orbit)?;
@@ -222,7 +228,7 @@ impl OfStructure {
         let time = orbit.impacts().get(last).map_or(0.0, |impact| impact.time) + lapse;
         let (psi, modes) = (orbit.psi().unwrap_or(0.0) + time, motion.modes(last, lapse)?);
         let model = orbit.model().clone();
-        Ok(Self { model, modes, psi, time: time - orbit.period(), orbit: Some(orbit.clone()) })
+        Ok(Self { model, modes, psi, time: time - orbit.period(), orbit: Some(orbit.clone()), in_sequence: false })
     }
 
     pub(crate) fn at_rest(model: &StructureModel) -> Self {
@@ -231,7 +237,7 @@ impl OfStructure {
 
     /// In any state, on no orbit, brought between the barriers.
     pub(crate) fn at(model: &StructureModel, modes: Vec<[f64; 2]>) -> Self {
-        Self { model: model.clone(), orbit: None, modes, psi: 0.0, time: 0.0 }
+        Self { model: model.clone(), orbit: None, modes, psi: 0.0, time: 0.0, in_sequence: false }
     }
 
     /// The instants at which the load is greatest, of a run.
@@ -252,7 +258,7 @@ impl Origin for OfStructure {
     }
 
     /// The size is the largest change of a contact's g, or of g′ over ω.
-    fn run(&self, perturbed: Option<(f64, u64)>) -> Option<StructureSimulation> {
+    fn run(&self, perturbed: Option<(f64, u64)>, stop: &Stop) -> Option<StructureSimulation> {
         let (structure, omega) = (&**self.model.structure(), self.model.omega());
         let mut modes = self.modes.clone();
         if let Some((size, seed)) = perturbed {
@@ -275,7 +281,9 @@ impl Origin for OfStructure {
         if self.orbit.is_none() {
             move_inside(structure, &mut modes);
         }
-        StructureSimulation::new(structure.clone(), omega, self.psi, &modes).ok()
+        let mut run = StructureSimulation::new(structure.clone(), omega, self.psi, &modes).ok()?;
+        run.heed(stop);
+        Some(if self.in_sequence { run.in_sequence() } else { run })
     }
 
     fn tangent(&self, seed: u64) -> Option<StructureTangents> {
@@ -312,12 +320,12 @@ impl Run for StructureSimulation {
         Self::time(self)
     }
 
-    fn time_of(&self, periods: u64) -> Time {
-        Self::time_of(self, periods, 0.0)
+    fn in_sequence(self) -> Self {
+        Self::in_sequence(self)
     }
 
-    fn portion(&self) -> u64 {
-        Limits::portion(self.structure().modes().len())
+    fn time_of(&self, periods: u64) -> Time {
+        Self::time_of(self, periods, 0.0)
     }
 
     fn advance(
@@ -333,7 +341,7 @@ impl Run for StructureSimulation {
         };
         let ended = match report.outcome {
             StructureOutcome::TimeReached => Reached::Time,
-            StructureOutcome::WorkLimit => Reached::WorkLimit,
+            StructureOutcome::Stopped => Reached::Stopped,
             _ => Reached::Unresolved,
         };
         Some((ended, report.work))

@@ -164,3 +164,37 @@ impl Latest {
         Some(self.instants.iter().take(length).map(|instant| instant.hits.clone()).collect())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vibrochain_eventsim::Time;
+
+    /// Impacts of one mass, once a period, with these velocities in turn.
+    fn latest(velocities: &[f64]) -> Latest {
+        let mut latest = Latest::default();
+        for (period, velocity) in (0..40).zip(velocities.iter().cycle()) {
+            let time = Time::of_period(2.0, period, 0.25);
+            let (site, barrier, kind) = (0, Barrier::Upper, EventKind::Impact);
+            let event = Event { time, site, barrier, velocity_before: *velocity, velocity_after: -*velocity, kind };
+            latest.see(&event, 1e-3);
+        }
+        latest
+    }
+
+    /// A run repeats where velocities do, too: times alone would call each of these one impact a period.
+    #[test]
+    fn velocities_that_differ_are_another_motion() {
+        let tolerance = 0.02;
+        for (velocities, instants) in [
+            (vec![1.0], Some(1)),
+            (vec![1.0, 1.01], Some(1)),
+            (vec![1.0, 1.1], Some(2)),
+            (vec![1.0, 1.1, 0.8], Some(3)),
+            ((0..13).map(|i| 1.0 + 0.1 * f64::from(i)).collect(), None),
+        ] {
+            let found = latest(&velocities).repeated(tolerance, true).map(|instants| instants.len());
+            assert_eq!(found, instants, "{velocities:?}");
+        }
+    }
+}

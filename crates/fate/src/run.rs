@@ -1,7 +1,7 @@
 //! One run from a perturbed breather: how it ends, and when it leaves.
 
 use vibrochain_breather::{BreatherError, Orbit, StructureModel, StructureOrbit, StructureOrbitError};
-use vibrochain_eventsim::{Event, Exponent, Growth, Limits, MAX_FLIGHTS, Time};
+use vibrochain_eventsim::{Event, Exponent, Growth, Limits, Time};
 use vibrochain_lattice::Stop;
 
 use crate::end::End;
@@ -75,6 +75,12 @@ impl Home<OfStructure> {
     pub fn at_rest(model: &StructureModel) -> Self {
         Self::with(OfStructure::at_rest(model))
     }
+
+    /// Whether contacts that share coordinates and hit at one instant do so in sequence, whatever the ensemble says.
+    #[must_use]
+    pub fn in_sequence(self, in_sequence: bool) -> Self {
+        Self { origin: self.origin.in_sequence(in_sequence), ..self }
+    }
 }
 
 impl<O: Origin> Home<O> {
@@ -86,8 +92,9 @@ impl<O: Origin> Home<O> {
     #[must_use]
     pub fn run(&self, ensemble: &Ensemble, seed: u64, stop: &Stop) -> Option<Fate> {
         let incomplete = |left| Some(Fate { end: End::Incomplete, left, exponent: None });
-        let started = self.origin.run(Some((ensemble.size, seed))).zip(self.origin.tangent(seed));
-        let Some((mut simulation, mut tangents)) = started else { return incomplete(None) };
+        let started = self.origin.run(Some((ensemble.size, seed)), stop).zip(self.origin.tangent(seed));
+        let Some((simulation, mut tangents)) = started else { return incomplete(None) };
+        let mut simulation = if ensemble.in_sequence { simulation.in_sequence() } else { simulation };
         let mut follower = Follower::new(&self.track, self.origin.time(), ensemble.leave);
         let mut latest = Latest::default();
         let close = CLOSE * ensemble.tolerance.min(self.track.shortest_wait() / self.track.unit);
@@ -103,7 +110,7 @@ impl<O: Origin> Home<O> {
                 }
             };
             let riders = (period > skipped).then_some(&mut tangents);
-            let reached = reach(&mut simulation, riders, until, stop, observe)?;
+            let reached = reach(&mut simulation, riders, until, observe)?;
             follower.reach(simulation.time());
             if reached != Reached::Time {
                 return incomplete(follower.left());
@@ -133,7 +140,7 @@ impl<O: Origin> Home<O> {
         }
         let repeated = latest.repeated(tolerance, self.track.forced);
         if let Some(word) = repeated.and_then(|instants| self.origin.word(instants)) {
-            return End::Another(word);
+            return End::Periodic(word);
         }
         // What a power of time allows.
         let looked_at = ensemble.periods - ensemble.skipped();
@@ -141,28 +148,19 @@ impl<O: Origin> Home<O> {
         match (grown, exponent) {
             (Some(grown), Some(exponent)) if grown > powers && exponent.value > CLEARLY * exponent.error => End::Chaos,
             (Some(grown), _) if grown.abs() <= powers && looked_at >= TOLD_APART => End::QuasiPeriodic,
-            _ => End::Other,
+            _ => End::Unclassified,
         }
     }
 }
 
-/// Carries a run to a time, in portions of work, with tangent vectors or without. `None` if the stop flag is raised.
+/// Carries a run to a time, with tangent vectors or without. `None` if the stop flag that it heeds is raised.
 pub(crate) fn reach<R: Run>(
     run: &mut R,
-    mut tangents: Option<&mut R::Tangents>,
+    tangents: Option<&mut R::Tangents>,
     until: Time,
-    stop: &Stop,
     mut observe: impl FnMut(&Event),
 ) -> Option<Reached> {
-    let limits = Limits { flights: run.portion(), ..Limits::until(until) };
-    loop {
-        if stop.is_raised() {
-            return None;
-        }
-        // (They are of this model.)
-        let (ended, work) = run.advance(tangents.as_deref_mut(), &limits, &mut observe)?;
-        if ended != Reached::WorkLimit || work.windows + work.restarts > MAX_FLIGHTS {
-            return Some(ended);
-        }
-    }
+    // (They are of this model.)
+    let (ended, _) = run.advance(tangents, &Limits::until(until), &mut observe)?;
+    (ended != Reached::Stopped).then_some(ended)
 }

@@ -31,10 +31,7 @@ impl Start {
     /// [`BreatherError`] if the orbit's motion is not defined.
     pub fn on(orbit: &Orbit) -> Result<Self, BreatherError> {
         let time = orbit.time_in_last_flight();
-        let mut motion = Motion::of(orbit)?;
-        motion.at(0, time);
-        let masses = (0..motion.sites()).map(|n| motion.site(n));
-        let (displacement, velocity) = masses.map(|mass| (mass.displacement, mass.velocity)).unzip();
+        let (displacement, velocity) = Motion::of(orbit)?.state(time);
         Ok(Self { displacement, velocity, psi: orbit.psi().unwrap_or(0.0) + time, time })
     }
 

@@ -20,8 +20,8 @@ use crate::section::Strobe;
 type Judged = (Departure<OfStructure>, Option<bool>);
 
 /// The physical orbits of all words that are asked for, and what a sweep says of their lists: where one is not complete, or something could not
-/// be worked out, more may live here.
-fn departures(scene: &StructureScene, model: &StructureModel) -> (Vec<Judged>, Status) {
+/// be worked out, more may live here. `None` if stopped.
+fn departures(scene: &StructureScene, model: &StructureModel, stop: &Stop) -> Option<(Vec<Judged>, Status)> {
     let (mut all, mut status) = (Vec::new(), Status::Ok);
     for (word, periods) in scene.asked() {
         let Ok(found) = structure_candidates(model, &word, periods) else {
@@ -30,6 +30,7 @@ fn departures(scene: &StructureScene, model: &StructureModel) -> (Vec<Judged>, S
         };
         status = status.max(Status::of_search(found.search));
         for orbit in &found.orbits {
+            stop.heard().ok()?;
             let physical = structure_is_physical(orbit).map(|answer| answer.is_physical());
             if matches!(physical, Ok(false)) {
                 continue;
@@ -39,13 +40,14 @@ fn departures(scene: &StructureScene, model: &StructureModel) -> (Vec<Judged>, S
                 status = Status::IllConditioned;
             }
             let (Ok(_), Ok(home)) = (physical, Home::of_structure(orbit)) else { continue };
+            let home = home.in_sequence(scene.in_sequence);
             let known = known.ok();
             let verdict = known.as_ref().map(|known| known.verdict);
             let departure = Departure::of(all.len() as u32 + 1, orbit.name(), known.as_ref(), orbit.period(), home);
             all.push((departure, verdict.filter(|verdict| !verdict.undecided).map(|verdict| verdict.stable)));
         }
     }
-    (all, status)
+    Some((all, status))
 }
 
 impl Ensembled for StructureScene {
@@ -72,11 +74,12 @@ impl Ensembled for StructureScene {
             return Some(Found { cell, departures: Vec::new() });
         };
         if from == From::Rest {
-            let rest = Departure::of(1, From::Rest.name().to_owned(), None, 0.0, Home::at_rest(&model));
+            let home = Home::at_rest(&model).in_sequence(self.in_sequence);
+            let rest = Departure::of(1, From::Rest.name().to_owned(), None, 0.0, home);
             let rest = Departure { measured: false, ..rest };
             return Some(Found { cell: Cell::EMPTY, departures: vec![rest] });
         }
-        let (mut all, status) = departures(self, &model);
+        let (mut all, status) = departures(self, &model, stop)?;
         let solutions = all.len() as u32;
         match from {
             From::Unstable => all.retain(|(_, stable)| *stable == Some(false)),
@@ -148,7 +151,8 @@ impl Sectioned for StructureScene {
                 None => (OfStructure::at_rest(&model), None),
             },
         };
-        Some(origin.run(perturbed).map(|run| (run, origin.strobe())))
+        let origin = origin.in_sequence(self.in_sequence || ensemble.in_sequence);
+        Some(origin.run(perturbed, stop).map(|run| (run, origin.strobe())))
     }
 
     fn look(run: &StructureSimulation, watched: &[usize]) -> (Vec<(f64, f64)>, Self::State) {
@@ -156,5 +160,40 @@ impl Sectioned for StructureScene {
         let of =
             |contact: &usize| state.contacts.get(*contact).map_or((f64::NAN, f64::NAN), |at| (at.place, at.velocity));
         (watched.iter().map(of).collect(), state.modes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+
+    use vibrochain_lattice::{Contact, LinearMode, ModalStructure, ModeShape};
+
+    /// The size of a perturbation is the largest change of a contact's g, or of g′ over ω: of fast modes it is the velocity.
+    #[test]
+    fn a_perturbation_has_its_size_at_contacts() {
+        let (mut places, mut velocities) = (0, 0);
+        for omega in [0.05, 1.0, 40.0] {
+            let stop = Contact { lower: None, upper: Some(10.0), restitution: 0.5 };
+            let shapes = [[0.7, -0.2], [0.4, 0.9]];
+            let mode = |k: usize| {
+                let shape = ModeShape { contacts: shapes[k].to_vec(), coordinates: Vec::new(), still: 0.0 };
+                LinearMode::oscillator(0.0, [1.0, 2.3][k], &shape, &[])
+            };
+            let structure = ModalStructure::new(vec![stop; 2], Vec::new(), vec![mode(0), mode(1)]).unwrap();
+            let origin = OfStructure::at_rest(&StructureModel::new(Arc::new(structure), omega).unwrap());
+            for seed in 0..20 {
+                let size = 1e-3;
+                let run = origin.run(Some((size, seed)), &Stop::default()).unwrap();
+                let moved = run.state().contacts.iter().fold([0.0; 2], |most: [f64; 2], contact| {
+                    [most[0].max(contact.place.abs()), most[1].max(contact.velocity.abs() / omega)]
+                });
+                assert!((moved[0].max(moved[1]) / size - 1.0).abs() < 1e-12, "{omega} {seed}: {moved:?}");
+                places += usize::from(moved[0] > moved[1]);
+                velocities += usize::from(moved[1] > moved[0]);
+            }
+        }
+        assert!(places >= 20 && velocities >= 20, "{places} {velocities}");
     }
 }

@@ -116,7 +116,7 @@ impl<'a> Witness<'a> {
             Some((track, start, _)) if self.latest.is(track, *start, tolerance) => Some(End::Breather),
             _ => {
                 let repeated = self.latest.repeated(tolerance, self.forced);
-                repeated.and_then(|instants| word_of(instants, |site| self.layout.place(site))).map(End::Another)
+                repeated.and_then(|instants| word_of(instants, |site| self.layout.place(site))).map(End::Periodic)
             }
         };
         let is_too_short = end.is_none() && now.in_periods() < TELLING;

@@ -64,7 +64,7 @@ fn all_ends_that_are_named_occur_where_they_should() {
     let ensemble = Ensemble { periods: 1500, ..Ensemble::default() };
     let ends: Vec<End> = (0..12).map(|seed| run(&orbits[1], &ensemble, ensemble.seed_of(0, 0, seed)).end).collect();
     let quiet = ends.iter().position(|end| *end == End::Quiet).unwrap();
-    assert!(ends.iter().any(|end| matches!(end, End::Another(_))), "{ends:?}");
+    assert!(ends.iter().any(|end| matches!(end, End::Periodic(_))), "{ends:?}");
     // Quiet: the same start, simulated on, has no impact in its last periods.
     let mut start = vibrochain_fate::Start::on(&orbits[1]).unwrap();
     start.perturb_at_random(&model, ensemble.size, ensemble.seed_of(0, 0, quiet as u64));

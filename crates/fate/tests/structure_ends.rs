@@ -89,7 +89,7 @@ fn from_rest_it_settles_on_the_stable_orbit() {
         let ensemble = Ensemble { periods: 400, ..Ensemble::default() };
         for seed in 1..=4 {
             let fate = Home::at_rest(&model).run(&ensemble, seed, &Stop::default()).unwrap();
-            assert_eq!(fate.end, End::Another("0+".parse().unwrap()), "{stop} {seed}");
+            assert_eq!(fate.end, End::Periodic("0+".parse().unwrap()), "{stop} {seed}");
             assert!(fate.left.is_none());
         }
     }

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use thiserror::Error;
 
@@ -31,6 +32,12 @@ impl Stop {
     /// Raised as soon as `raised` says so. It is asked from any thread, at every look; once it has said so, it must keep to it.
     pub fn when(raised: impl Fn() -> bool + Send + Sync + 'static) -> Self {
         Self(Some(Arc::new(raised)))
+    }
+
+    /// Raised with this one, and once so much time has passed from now.
+    pub fn within(&self, time: Duration) -> Self {
+        let (stop, begun) = (self.clone(), Instant::now());
+        Self::when(move || stop.is_raised() || begun.elapsed() >= time)
     }
 
     /// Whether the work is to end.

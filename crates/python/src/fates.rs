@@ -52,6 +52,7 @@ pub(crate) fn _fate<'py>(
     transient: f64,
     tolerance: f64,
     leave: f64,
+    in_sequence: bool,
     threads: Option<&Bound<'py, PyAny>>,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -62,7 +63,7 @@ pub(crate) fn _fate<'py>(
         [("starts", starts), ("periods", periods)].map(|(name, value)| whole(name, value, 0, i64::MAX));
     let (starts, periods) = (starts? as u64, periods? as u64);
     let seed = natural("seed", seed)?;
-    let ensemble = Ensemble { starts, size: perturb, seed, periods, transient, tolerance, leave };
+    let ensemble = Ensemble { starts, size: perturb, seed, periods, transient, tolerance, leave, in_sequence };
     let asked = FateRequest { ensemble, from, threads: count, progress };
     if is_of_structure(text.as_deref(), &path)? {
         fates_of(py, scene::<StructureScene>(text.as_deref(), &path)?, asked)

@@ -16,6 +16,9 @@ use crate::params::PyModel;
 /// The most events that are kept: some gigabytes.
 const MOST_EVENTS: usize = 50_000_000;
 
+/// Impacts between two looks at how many events there are: a second of work.
+const MANY_IMPACTS: u64 = 1_000_000;
+
 /// Windows of flight that a run may need at least, as of `mapgen`: of a single mass 1e15 are some three years.
 const MOST_WINDOWS: f64 = 1e15;
 
@@ -102,22 +105,20 @@ impl Course {
         let (mut displacement, mut velocity) = (room(numbers)?, room(numbers)?);
         let (mut events, mut times) = (Events::default(), Vec::new());
         let (mut now, mut speed) = (vec![0.0; sites], vec![0.0; sites]);
-        let flights = Limits::portion(sites);
+        simulation.heed(stop);
         let watched = |time: Time| looks.contains(&time);
         let mut report = None;
         for (place, &target) in looks.iter().chain((!watched(end)).then_some(&end)).enumerate() {
-            // In portions of work, so that Ctrl-C is heard however long a period takes.
             let told = loop {
-                let done = simulation.work().impacts;
-                let limits =
-                    Limits { until: Some(target), impacts: impacts.saturating_sub(done), flights, ..Limits::default() };
+                let left = impacts.saturating_sub(simulation.work().impacts);
+                let limits = Limits { until: Some(target), impacts: left.min(MANY_IMPACTS), ..Limits::default() };
                 let told = simulation.run(&limits, |event| events.push(event, &layout, start));
                 if events.time.len() > MOST_EVENTS {
                     return Err(Failure::TooLarge(format!(
                         "a run of more than {MOST_EVENTS} events does not fit into memory: give fewer periods, or max_impacts"
                     )));
                 }
-                if told.outcome != Outcome::WorkLimit || stop.is_raised() {
+                if told.outcome != Outcome::ImpactsReached || left <= MANY_IMPACTS {
                     break told;
                 }
             };
@@ -131,7 +132,7 @@ impl Course {
                         layout.name(site)
                     )));
                 }
-                Outcome::ImpactsReached | Outcome::WorkLimit => break,
+                Outcome::ImpactsReached | Outcome::WorkLimit | Outcome::Stopped => break,
             }
             if place < looks.len() {
                 simulation.read(&mut now, &mut speed);

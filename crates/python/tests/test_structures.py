@@ -204,7 +204,7 @@ def test_branches_leave_where_they_double():
 def test_runs_settle_on_stable_orbits_from_wherever():
     one, asked = shaw_holmes(), {"starts": 2, "periods": 400}
     rest = one.fate([], ("omega", 2.25, 2.4, 4), **asked)
-    assert rest["words"].ravel().tolist() == ["0+ 2"] * 4 and rest.ends["another"] == 8
+    assert rest["words"].ravel().tolist() == ["0+ 2"] * 4 and rest.ends["periodic"] == 8
     near = one.fate(["0+"], ("omega", 2.25, 2.4, 4), ("load", 1.0, 1.1, 2), breathers="every", **asked)
     assert near.dims == ("load", "omega") and (near["share_breather"] == 1.0).all() and (near["solutions"] == 1).all()
     assert np.abs(near["measured_exponent"] - near["predicted_exponent"]).max() < 1e-6

@@ -42,9 +42,9 @@ const STARTS: Meanings<From> = &[
 /// Arguments of `mapgen fate`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "A run ends as `breather` (its impacts are the breather's, within the tolerance), `another` (they repeat, as another word), \
+    after_help = "A run ends as `breather` (its impacts are the breather's, within the tolerance), `periodic` (they repeat, as another word), \
                   `quiet` (none any more), `chaos` (the largest Lyapunov exponent is clearly positive), `quasi-periodic` (they do not repeat, and \
-                  neighbours part no faster than by a power of time), `other`, or `incomplete`. All numbers follow from the seed, whatever \
+                  neighbours part no faster than by a power of time), `unclassified` (none of these), or `incomplete`. All numbers follow from the seed, whatever \
                   the number of threads. Work is kept in chunks in a folder FILE.parts until the table is whole: after Ctrl-C, SIGTERM or a kill, \
                   --resume goes on with it."
 )]
@@ -92,6 +92,10 @@ pub struct FateArgs {
     /// By how much impacts must differ from the breather's before a run has left it, likewise.
     #[arg(long, value_name = "PART", default_value_t = 0.1, value_parser = real, allow_negative_numbers = true)]
     pub leave: f64,
+    /// Let contacts of a structure that share coordinates and hit at one instant do so in the order of their numbers, again until none moves into its
+    /// barrier; otherwise such a run is incomplete. A scene says it by in_sequence = true in [structure].
+    #[arg(long)]
+    pub in_sequence: bool,
     /// Instead, a bifurcation diagram by simulation over a scene with one axis (CSV): the last points of a stroboscopic section of one run a cell.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["out", "starts", "breathers", "json", "resume", "shard"])]
     pub diagram: Option<PathBuf>,
@@ -146,6 +150,10 @@ pub struct SimulateArgs {
     /// Stop after this many impacts.
     #[arg(long, value_name = "K", value_parser = whole::<u64>, allow_negative_numbers = true)]
     pub max_impacts: Option<u64>,
+    /// Let contacts of a structure that share coordinates and hit at one instant do so in the order of their numbers, again until none moves into its
+    /// barrier; otherwise the run ends there. A scene says it by in_sequence = true in [structure].
+    #[arg(long)]
+    pub in_sequence: bool,
     /// Table of all events (CSV): time, site, barrier, velocity_before, velocity_after, kind (impact, stick, release).
     #[arg(long, value_name = "FILE")]
     pub impacts: Option<PathBuf>,

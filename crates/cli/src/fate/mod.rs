@@ -105,6 +105,7 @@ fn asked(args: &FateArgs) -> Fates {
         transient: args.transient,
         tolerance: args.tolerance,
         leave: args.leave,
+        in_sequence: args.in_sequence,
     };
     Fates { ensemble, from: args.breathers }
 }
@@ -114,7 +115,10 @@ pub(crate) fn command(scene_file: &Path, out: &Path, settings: &Settings) -> Vec
     let mut words = vec![format!("mapgen fate {} --out {}", quoted(scene_file), quoted(out))];
     let usual = Fates::default().settings();
     let given = settings.iter().filter(|(name, value)| usual.get(*name) != Some(value));
-    words.extend(given.map(|(name, value)| format!("--{name} {value}")));
+    let flag = |(name, value): (&String, &String)| {
+        if value == "true" { format!("--{name}") } else { format!("--{name} {value}") }
+    };
+    words.extend(given.map(flag));
     words
 }
 

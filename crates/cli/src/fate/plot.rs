@@ -27,7 +27,7 @@ const WORDS: [&str; End::NAMES.len()] = [
     "quiet, no impacts",
     "chaos",
     "quasi-periodic",
-    "other",
+    "unclassified",
     "incomplete run",
 ];
 
@@ -129,7 +129,7 @@ impl Plot {
                 let words = cell.breathers.iter().flat_map(|breather| &breather.words);
                 let word = words.rev().max_by_key(|(_, count)| **count).map(|(word, _)| word.clone());
                 self.cells.push(most.map(
-                    |kind| match word.filter(|_| self.by_word && End::NAMES[kind] == "another") {
+                    |kind| match word.filter(|_| self.by_word && End::NAMES[kind] == "periodic") {
                         Some(word) => Seen::Word(word),
                         None => Seen::Kind(kind),
                     },

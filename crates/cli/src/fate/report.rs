@@ -95,7 +95,7 @@ impl Totals {
         }
         let words = self.words();
         if !words.is_empty() {
-            let _ = writeln!(out, "  impact words of `another`, by runs");
+            let _ = writeln!(out, "  impact words of `periodic`, by runs");
         }
         for (word, count) in words.iter().take(SHOWN) {
             let _ = writeln!(out, "    {count:>9}  {word}");

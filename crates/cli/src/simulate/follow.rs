@@ -1,6 +1,7 @@
 //! A run from its start to its end: what is the same for chains and structures.
 
 use std::path::Path;
+use std::time::Duration;
 
 use vibrochain_eventsim::{Limits, Time};
 use vibrochain_lattice::Stop;
@@ -62,13 +63,16 @@ pub(crate) fn checked(args: &SimulateArgs) -> Result<bool, CliError> {
     )
 }
 
+/// Between two looks at how far a long run is.
+const PORTION: Duration = Duration::from_millis(100);
+
 /// How far a simulation has come.
 #[derive(PartialEq)]
 pub(crate) enum Reached {
     /// The time that was asked for.
     Time,
-    /// The end of a portion of work.
-    Portion,
+    /// Where it was told to stop.
+    Stopped,
     /// Its end.
     End,
 }
@@ -77,8 +81,8 @@ pub(crate) enum Reached {
 pub(crate) trait Run {
     /// `periods` periods of the force and the `part` of one more, as a limit.
     fn time_of(&self, periods: u64, part: f64) -> Time;
-    /// Goes on to these limits, and takes note of all events.
-    fn advance(&mut self, limits: &Limits) -> Result<Reached, CliError>;
+    /// Goes on to these limits, or until it is to stop, and takes note of all events.
+    fn advance(&mut self, limits: &Limits, stop: &Stop) -> Result<Reached, CliError>;
     /// Present time, and the impacts up to it.
     fn now(&self) -> (Time, u64);
     /// Takes a sample.
@@ -88,12 +92,12 @@ pub(crate) trait Run {
     fn state(&self) -> [Vec<f64>; 2];
 }
 
-/// Runs to the end, with so many samples a period (0: a look at the end alone), in portions of work, so that Ctrl-C is heard however long a
-/// period takes. Whether it was.
+/// Runs to the end, with so many samples a period (0: a look at the end alone), in portions of time, so that Ctrl-C is heard and people are told
+/// however long a period takes. Whether it was.
 pub(crate) fn follow(
     run: &mut impl Run,
     args: &SimulateArgs,
-    (samples, portion): (u64, u64),
+    samples: u64,
     stop: &Stop,
     console: &mut Console<'_>,
 ) -> Result<bool, CliError> {
@@ -103,8 +107,8 @@ pub(crate) fn follow(
     let sampled = (periods * samples as f64) as u64;
     let total = sampled + u64::from(samples == 0 || sampled as f64 / (samples as f64) < periods);
     let mut pace = Pace::new(args, console);
-    let mut reached = run.advance(&Limits::until(run.time_of(0, 0.0)))?;
-    let (mut step, mut stopped) = (0, false);
+    let mut reached = run.advance(&Limits::until(run.time_of(0, 0.0)), stop)?;
+    let (mut step, mut stopped) = (0, stop.is_raised());
     loop {
         run.look()?;
         if stopped || reached != Reached::Time || step >= total {
@@ -119,14 +123,14 @@ pub(crate) fn follow(
             let look = run.section().and_then(|section| section.due(time));
             let left = args.max_impacts.map_or(u64::MAX, |most| most.saturating_sub(run.now().1));
             let until = look.or(Some(time));
-            reached = run.advance(&Limits { until, impacts: left, flights: portion, ..Limits::default() })?;
+            reached = run.advance(&Limits { until, impacts: left, ..Limits::default() }, &stop.within(PORTION))?;
             stopped = stop.is_raised();
             let (now, impacts) = run.now();
             pace.see(now, impacts, console);
             if look.is_some() && reached == Reached::Time {
                 let [places, velocities] = run.state();
                 run.section().map_or(Ok(()), |section| section.look(now, &places, &velocities))?;
-            } else if reached != Reached::Portion {
+            } else if reached != Reached::Stopped {
                 break;
             }
             if stopped {

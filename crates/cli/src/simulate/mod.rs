@@ -46,6 +46,10 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     if let Some(scene) = structures::asked(&args.model)? {
         return structures::simulate::run(args, &scene, console);
     }
+    ensure!(
+        !args.in_sequence,
+        "--in-sequence is of structures: masses of a chain share no coordinate, and hit at one instant in any order"
+    );
     let chosen = chosen(&args.model, console)?;
     let model = chosen.model;
     let args = &args.lasting(model.period())?;
@@ -91,7 +95,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     let (report, state) = (None, [vec![0.0; sites], vec![0.0; sites]]);
     let (start, events) = (start.time, 0);
     let mut run = Kept { simulation, report, start, state, impacts, trajectory, section, plot, film, witness, events };
-    let stopped = follow::follow(&mut run, args, (samples, Limits::portion(sites)), &stop, console)?;
+    let stopped = follow::follow(&mut run, args, samples, &stop, console)?;
     let Kept { simulation, report, impacts, trajectory, section, plot, film, witness, events, .. } = run;
     let Some(report) = report else { return Ok(()) };
 
@@ -116,6 +120,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     let text = if args.json { printed(&told.answer())? } else { told.text(console.verbose) };
     console.answer(&text, args.json, taken)?;
     match report.outcome {
+        Outcome::Stopped => Err(interrupted(args, simulation.time())),
         _ if stopped => Err(interrupted(args, simulation.time())),
         Outcome::TimeReached | Outcome::ImpactsReached => Ok(()),
         Outcome::Cascade { site, barrier, bounces } => Err(CliError::Computation(format!(
@@ -171,11 +176,9 @@ fn starting_point(
 
 /// Largest distance of any mass from the orbit, now.
 fn deviation(orbit: &Orbit, simulation: &Simulation, start: f64) -> Result<f64, CliError> {
-    let mut motion = Motion::of(orbit)?;
-    motion.at(0, orbit_time(orbit, simulation.time(), start));
-    let state = simulation.state();
-    let masses = state.displacement.iter().enumerate();
-    Ok(masses.map(|(n, u)| (u - motion.site(n).displacement).abs()).fold(0.0, f64::max))
+    let exact = Motion::of(orbit)?.displacements(orbit_time(orbit, simulation.time(), start));
+    let masses = simulation.state().displacement.into_iter().zip(exact);
+    Ok(masses.map(|(u, exact)| (u - exact).abs()).fold(0.0, f64::max))
 }
 
 /// A run with what is kept of it.
@@ -200,8 +203,9 @@ impl Run for Kept<'_> {
         Time::new(self.simulation.model(), periods, part)
     }
 
-    fn advance(&mut self, limits: &Limits) -> Result<Reached, CliError> {
+    fn advance(&mut self, limits: &Limits, stop: &Stop) -> Result<Reached, CliError> {
         let Self { simulation, impacts, section, plot, film, witness, events, .. } = self;
+        simulation.heed(stop);
         let report = simulation.run(limits, |event| {
             *events += 1;
             impacts.iter_mut().for_each(|table| table.write(event));
@@ -216,8 +220,8 @@ impl Run for Kept<'_> {
         }
         let reached = match report.outcome {
             Outcome::TimeReached => Reached::Time,
-            Outcome::WorkLimit => Reached::Portion,
-            Outcome::ImpactsReached | Outcome::Cascade { .. } => Reached::End,
+            Outcome::Stopped => Reached::Stopped,
+            Outcome::ImpactsReached | Outcome::Cascade { .. } | Outcome::WorkLimit => Reached::End,
         };
         self.report = Some(report);
         Ok(reached)
@@ -271,13 +275,14 @@ impl Told<'_> {
         let (work, time, state) = (simulation.work(), simulation.time(), simulation.state());
         let outcome = match self.report.outcome {
             _ if self.stopped => "interrupted",
+            Outcome::Stopped => "interrupted",
             Outcome::TimeReached => "time-reached",
             Outcome::ImpactsReached => "impacts-reached",
             Outcome::Cascade { .. } => "cascade",
             Outcome::WorkLimit => "work-limit",
         };
         let word = match &fate.end {
-            Some(End::Another(word)) => Some(word.to_string()),
+            Some(End::Periodic(word)) => Some(word.to_string()),
             _ => None,
         };
         // The force repeats: its phase at the end needs no whole periods.
@@ -327,7 +332,8 @@ impl Told<'_> {
         let _ = writeln!(out, "{} periods, {} impacts{rests}{end}", pace::periods(time), work.impacts);
         let _ = writeln!(out, "outcome: {}", self.outcome());
         if let Some(distance) = self.distance {
-            let _ = writeln!(out, "largest distance from the orbit at the end: {distance:.3e}");
+            let clock = if self.may_drift() { ", on its clock" } else { "" };
+            let _ = writeln!(out, "largest distance from the orbit at the end{clock}: {distance:.3e}");
         }
         if verbose {
             let _ = writeln!(
@@ -339,16 +345,25 @@ impl Told<'_> {
         out
     }
 
+    /// Whether it began beside the breather without a force: it is then next to another one of the family, whose frequency differs.
+    fn may_drift(&self) -> bool {
+        self.args.perturb.is_some_and(|size| size != 0.0) && self.simulation.model().amplitude() == 0.0
+    }
+
     /// What the run has come to, in a sentence.
     fn outcome(&self) -> String {
         let last = self.simulation.time().periods().min(LOOKED_AT);
         let ends = match &self.fate.end {
-            Some(End::Another(word)) => format!("its impacts repeat as {word}"),
+            Some(End::Periodic(word)) => format!("its impacts repeat as {word}"),
             Some(End::Quiet) => format!("there is no impact in its last {last} periods"),
             None if self.fate.is_too_short => "it is too short to tell".to_owned(),
             _ => "its impacts do not repeat".to_owned(),
         };
         match (self.home, self.fate.left, &self.fate.end) {
+            (Some(_), None, Some(End::Breather)) if self.may_drift() => {
+                "its impacts stay those of the breather, while its phase may drift: without a force nothing holds it"
+                    .to_owned()
+            }
             (Some(_), None, Some(End::Breather)) => "it stays on the breather".to_owned(),
             (Some(_), None, None) => "it stays near the breather".to_owned(),
             (Some(_), Some(left), Some(End::Breather)) => {

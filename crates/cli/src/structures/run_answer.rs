@@ -9,7 +9,7 @@ use vibrochain_eventsim::{
     ContactEvent, EnergyBalance, EventKind, StructureOutcome, StructureReport, StructureState, Time,
 };
 use vibrochain_floquet::{Tolerance, Verdict, structure_verdict};
-use vibrochain_lattice::{Barrier, Short};
+use vibrochain_lattice::{Barrier, Short, Stop, Stopped};
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::structure::answer::structure;
@@ -104,14 +104,23 @@ impl Settled {
 
 /// The shortest pattern that the last impacts of a run repeat: next to an orbit that is stable or not, or, where that is neutral or unknown, to
 /// rounding. `rests`: whether a contact rests in the end.
-pub(super) fn settled(model: &StructureModel, psi: f64, events: &[ContactEvent], end: Time, rests: bool) -> End {
+///
+/// # Errors
+/// [`Stopped`].
+pub(super) fn settled(
+    model: &StructureModel,
+    psi: f64,
+    events: &[ContactEvent],
+    (end, rests): (Time, bool),
+    stop: &Stop,
+) -> Result<End, Stopped> {
     let period = model.period();
     let since = |event: &ContactEvent| {
         (end.periods() as f64 - event.time.periods() as f64) + (end.offset() - event.time.offset()) / period
     };
     let is_lately = |event: &ContactEvent| event.kind != EventKind::Impact && since(event) < REPETITIONS as f64;
     if rests || events.iter().any(is_lately) {
-        return End::Rests;
+        return Ok(End::Rests);
     }
     let late = quiet(events.iter().map(since).filter(|since| *since < MOST_PERIODS as f64));
     let since = |event: &ContactEvent| since(event) - late;
@@ -119,6 +128,7 @@ pub(super) fn settled(model: &StructureModel, psi: f64, events: &[ContactEvent],
     // Of periods that do not repeat well enough, their differences.
     let mut missed: Vec<(u64, f64)> = Vec::new();
     for count in (1..=MOST_PERIODS).take_while(|count| (REPETITIONS * count) as f64 <= seen) {
+        stop.heard()?;
         let windows = [0, 1, 2, 3].map(|number: u64| -> Vec<(&ContactEvent, f64)> {
             let (from, to) = (((number + 1) * count) as f64, (number * count) as f64);
             let inside = |event: &&ContactEvent| (to..from).contains(&since(event));
@@ -146,12 +156,12 @@ pub(super) fn settled(model: &StructureModel, psi: f64, events: &[ContactEvent],
         // About a neutral orbit there may be tori.
         if is_equal || verdict.is_some_and(|verdict| verdict.excess() != 0.0) {
             settled.stable = verdict.map(|verdict| verdict.stable);
-            return End::Repeats(settled);
+            return Ok(End::Repeats(settled));
         }
         missed.push((count, now));
     }
     let nearly = missed.iter().filter(|(_, by)| *by < FAR).map(|(count, by)| by / *count as f64);
-    nearly.reduce(f64::min).map_or(End::Other, End::Moves)
+    Ok(nearly.reduce(f64::min).map_or(End::Other, End::Moves))
 }
 
 fn outcome(outcome: &StructureOutcome) -> String {
@@ -160,7 +170,7 @@ fn outcome(outcome: &StructureOutcome) -> String {
         StructureOutcome::ImpactsReached => "the impacts asked for were reached".to_owned(),
         StructureOutcome::Simultaneous { first, second } => {
             format!(
-                "contacts {first} and {second} share a coordinate and hit at one instant: what comes of it depends on their order"
+                "contacts {first} and {second} share a coordinate and hit at one instant: what comes of it depends on their order; --in-sequence lets them hit in that of their numbers"
             )
         }
         StructureOutcome::Cascade { contact, barrier, bounces: 0 } => {
@@ -177,6 +187,7 @@ fn outcome(outcome: &StructureOutcome) -> String {
             "mode {mode} grows without bound: it is beyond 1e4 times what barriers, loads and the start make of the modes, or 1e100"
         ),
         StructureOutcome::WorkLimit => "the limit of work was reached".to_owned(),
+        StructureOutcome::Stopped => "it was told to stop".to_owned(),
     }
 }
 
@@ -188,6 +199,7 @@ fn name(outcome: &StructureOutcome) -> &'static str {
         StructureOutcome::Cascade { .. } => "cascade",
         StructureOutcome::Diverged { .. } => "diverged",
         StructureOutcome::WorkLimit => "work-limit",
+        StructureOutcome::Stopped => "interrupted",
     }
 }
 
@@ -210,6 +222,7 @@ pub(super) fn text(
     if report.outcome != StructureOutcome::TimeReached {
         let _ = writeln!(out, "ended: {}", outcome(&report.outcome));
     }
+    let is_short = report.time.in_periods() < REPETITIONS as f64;
     match settled {
         End::Repeats(settled) => {
             let plural = if settled.force_periods == 1 { "" } else { "s" };
@@ -225,8 +238,12 @@ pub(super) fn text(
             let _ = writeln!(out, "it has not settled yet: its impacts are still moving by {by:.1e} a period");
         }
         End::Rests => {
+            let when = if is_short { String::new() } else { format!(" in the last {REPETITIONS} periods") };
+            let _ = writeln!(out, "a contact rests on its barrier{when}: no word says that");
+        }
+        End::Other if impacts > 0 && is_short => {
             let _ =
-                writeln!(out, "a contact rests on its barrier in the last {REPETITIONS} periods: no word says that");
+                writeln!(out, "it is too short to tell what its impacts repeat: give {REPETITIONS} periods or more");
         }
         End::Other if impacts > 0 => {
             let _ =

@@ -4,6 +4,7 @@ use vibrochain_breather::{StructureModel, StructureMotion, StructureOrbit, struc
 use vibrochain_eventsim::{
     ContactEvent, EventKind, Limits, StructureOutcome, StructureReport, StructureSimulation, StructureState, Time,
 };
+use vibrochain_lattice::Stop;
 use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::structure::{Setting, StructureScene};
@@ -22,9 +23,6 @@ use crate::simulate::start::{Start as State, of_no_file, read};
 
 /// Periods of a run, of which there are fewer.
 const MOST: f64 = 1e15;
-
-/// Flights between two looks at a request to stop.
-const FLIGHTS: u64 = 20_000;
 
 /// Runs the subcommand for a structure.
 ///
@@ -45,6 +43,9 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
     let structure = (**model.structure()).clone();
     let simulation = StructureSimulation::new(structure, model.omega(), psi, &modes);
     let mut simulation = simulation.map_err(|error| CliError::Request(error.to_string()))?;
+    if args.in_sequence || scene.in_sequence {
+        simulation = simulation.in_sequence();
+    }
     // Keeping account costs more than the flights.
     let form = if console.verbose { scene.energy_form()? } else { None };
     let before = form.as_ref().map_or(0.0, |form| form.energy(&modes));
@@ -75,7 +76,7 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
     let samples = if trajectory.is_some() || plot.is_some() { args.samples } else { 0 };
     let (report, counts, events) = (None, [0; 3], Vec::new());
     let mut kept = Kept { simulation, report, table, trajectory, section, plot, counts, events };
-    let stopped = follow(&mut kept, args, (samples, FLIGHTS), &stop, console)?;
+    let stopped = follow(&mut kept, args, samples, &stop, console)?;
     let Kept { mut simulation, report, table, trajectory, section, plot, counts, events } = kept;
     // What was simulated is kept.
     trajectory.map_or(Ok(()), CsvFile::finish)?;
@@ -85,7 +86,8 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
     let Some(report) = report.filter(|_| !stopped) else { return Err(interrupted(args, simulation.time())) };
     let rests = simulation.state().contacts.iter().any(|contact| contact.resting.is_some());
     let settled = if has_period {
-        settled(&model, psi, &events, report.time, rests)
+        let settled = settled(&model, psi, &events, (report.time, rests), &stop);
+        settled.map_err(|_| interrupted(args, simulation.time()))?
     } else if rests {
         End::AtRest
     } else {
@@ -192,9 +194,10 @@ impl Run for Kept {
         self.simulation.time_of(periods, part)
     }
 
-    fn advance(&mut self, limits: &Limits) -> Result<Reached, CliError> {
+    fn advance(&mut self, limits: &Limits, stop: &Stop) -> Result<Reached, CliError> {
         let Self { simulation, table, section, plot, counts, events, .. } = self;
         let mut failed = Ok(());
+        simulation.heed(stop);
         let report = simulation.run(limits, |event| {
             counts[event.kind as usize] += 1;
             if event.kind == EventKind::Impact {
@@ -212,7 +215,7 @@ impl Run for Kept {
         section.as_mut().and_then(Section::failed).map_or(Ok(()), Err)?;
         let reached = match report.outcome {
             StructureOutcome::TimeReached => Reached::Time,
-            StructureOutcome::WorkLimit => Reached::Portion,
+            StructureOutcome::Stopped => Reached::Stopped,
             _ => Reached::End,
         };
         self.report = Some(report);

@@ -275,7 +275,7 @@ fn words_of_other_motions_stand_under_their_heading() {
         "[model]\nsites = 5\ngamma1 = 0.2\ngamma2 = 0.1\nasymmetry = 0.4\namplitude = 0.3\nrestitution = 0.8\n[sweep]\nx = { parameter = 'omega', values = [0.9, 1.1] }\n[compute]\nfamilies = ['double-sided', 'single-sided']\n",
     );
     let out = dir.run("fate scene.toml --breathers every --starts 2 --periods 300").with(0, &[]).out;
-    let heading = out.lines().position(|line| line == "  impact words of `another`, by runs");
+    let heading = out.lines().position(|line| line == "  impact words of `periodic`, by runs");
     let word = out.lines().position(|line| line.ends_with("  0+1+2+3+4+,0-1-2-3-4-"));
     assert!(heading.is_some() && word > heading, "{out}");
 }

@@ -140,7 +140,7 @@ fn shares_of_fates_are_one_table() {
     }
     dir.run("draw whole.csv --plot drawn.svg").with(0, &[]);
     assert!(dir.read("whole.svg") == dir.read("drawn.svg"));
-    let words = String::from_utf8(dir.read("whole.csv")).unwrap().matches(",another,").count();
+    let words = String::from_utf8(dir.read("whole.csv")).unwrap().matches(",periodic,").count();
     assert!(words > 10, "{words}");
     let json = written(&dir.run("merge parts --out json.csv --json").with(0, &[]).out);
     assert_eq!(json["axes"], serde_json::json!(["omega", "contact.0.upper"]));

@@ -197,7 +197,7 @@ fn fates_of_structures_are_counted_and_drawn() {
     let told = dir.run(&format!("{line} --out r.csv")).with(0, &[]).out;
     dir.run(&format!("{line} --out one.csv --threads 1")).with(0, &[]);
     assert_eq!(dir.read("r.csv"), dir.read("one.csv"));
-    assert!(told.contains("impact words of `another`") && told.contains("0+,0-"), "{told}");
+    assert!(told.contains("impact words of `periodic`") && told.contains("0+,0-"), "{told}");
     assert!(told.contains("), from rest, 24 runs of 200 periods") && !told.contains("breather"), "{told}");
     has(&words(&dir, "w.svg"), &["0+,0-", "from rest"]);
     for (flags, told) in [("--diagram d.csv", "needs a scene with one axis"), ("--periods 5", "--periods 5")] {

@@ -2,7 +2,7 @@
 //!
 //! **Impact.** An impulse P = −(1+e) m g′⁻ at the contact, m = 1/(wᵀM⁻¹w): it changes the velocity of every contact that shares a coordinate.
 //! The modes are not moved: where rounding has put the barrier is where it is until the contact is back, so no energy is made. A contact that
-//! was followed by its own distance and velocity is an exception: there the modes take up what these say (`take_up`).
+//! was followed by its own distance and velocity is an exception: there the modes take up what these say ([`Motion::take_up`]).
 //!
 //! **In sequence.** Contacts that share coordinates may meet their barriers at one instant. On request they hit one after another in the
 //! order of their numbers, those at rest among them, again and again until none moves outward. A velocity below 1e-12 of the first is none, and
@@ -210,21 +210,6 @@ impl Motion {
             still.push(party.contact);
         }
         Ok(())
-    }
-
-    /// Lets the modes have the places and velocities of contacts that were followed by their own: their rounding would add up from bounce to
-    /// bounce, and the acceleration of a contact that chatters is what its modes say.
-    fn take_up(&mut self, followed: &[(usize, Barrier)]) {
-        // Each moves the others that share its modes.
-        for &(contact, barrier) in followed.iter().chain(followed) {
-            let place = self.system.barrier(contact, barrier);
-            let off = place.map_or(0.0, |place| place - self.flight.place(&self.system, contact));
-            self.flight.lean(&self.system, contact, off);
-        }
-        for &(contact, _) in followed.iter().chain(followed) {
-            let off = self.places[contact].v.map_or(0.0, |v| v - self.flight.velocity(&self.system, contact));
-            self.flight.strike(&self.system, contact, self.system.impulse(contact, off));
-        }
     }
 
     fn impact(&mut self, contact: usize, barrier: Barrier, outward: f64, changes: &mut Vec<Change>) {

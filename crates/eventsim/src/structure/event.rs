@@ -62,6 +62,8 @@ pub enum StructureOutcome {
     },
     /// [`Limits::flights`](crate::Limits::flights) was reached.
     WorkLimit,
+    /// The run was told to stop ([`StructureSimulation::heed`](crate::StructureSimulation::heed)); another one goes on with it.
+    Stopped,
 }
 
 /// The end of a run of a structure.

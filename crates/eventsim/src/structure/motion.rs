@@ -8,10 +8,11 @@ use super::system::System;
 use crate::bound;
 use crate::event::Work;
 use crate::ring::Contact;
+use crate::stop_check::StopCheck;
 use crate::time::Clock;
 use crate::units::{MAX_ORDER, spread};
 use crate::watch::{self, Kind, Step, Watch};
-use vibrochain_lattice::Barrier;
+use vibrochain_lattice::{Barrier, Stopped};
 
 /// Events this close together, relative to the time since the base or to the time of the fastest rate, happen together.
 pub(super) const SIMULTANEOUS: f64 = 8.0 * f64::EPSILON;
@@ -167,11 +168,17 @@ impl Motion {
     ///
     /// The candidate with the earliest key is advanced by certified steps until another one is earlier or its event is reached: so an
     /// event that comes out is the first of all.
-    pub(crate) fn next(&mut self, limit: f64) -> Option<f64> {
+    ///
+    /// # Errors
+    /// [`Stopped`], which may be asked again.
+    pub(crate) fn next(&mut self, limit: f64, check: &mut StopCheck) -> Result<Option<f64>, Stopped> {
         self.due.clear();
         self.candidates.iter_mut().for_each(|candidate| candidate.is_due = false);
         let (mut first, mut last) = (None, limit);
         loop {
+            if check.is_raised() {
+                return Err(Stopped);
+            }
             let open = self.candidates.iter_mut().enumerate().filter(|(_, candidate)| !candidate.is_due);
             let Some((i, candidate)) = open.min_by(|a, b| a.1.key.total_cmp(&b.1.key)) else { break };
             if candidate.key > last {
@@ -207,7 +214,7 @@ impl Motion {
             }
         }
         self.due.sort_unstable_by_key(|due| due.contact);
-        first
+        Ok(first)
     }
 
     /// Starts a window and leaves the impacts that are due at the base for another run. (What is released comes again by itself.)
@@ -301,6 +308,21 @@ impl Motion {
             self.push(contact, impulse);
         }
         resting.iter().for_each(|&contact| self.places[contact].v = Some(0.0));
+    }
+
+    /// Lets the modes have the places and velocities of contacts that were followed by their own: their rounding would add up from bounce to
+    /// bounce, and the acceleration of a contact that chatters is what its modes say.
+    pub(super) fn take_up(&mut self, followed: &[(usize, Barrier)]) {
+        // Each moves the others that share its modes.
+        for &(contact, barrier) in followed.iter().chain(followed) {
+            let place = self.system.barrier(contact, barrier);
+            let off = place.map_or(0.0, |place| place - self.flight.place(&self.system, contact));
+            self.flight.lean(&self.system, contact, off);
+        }
+        for &(contact, _) in followed.iter().chain(followed) {
+            let off = self.places[contact].v.map_or(0.0, |v| v - self.flight.velocity(&self.system, contact));
+            self.flight.strike(&self.system, contact, self.system.impulse(contact, off));
+        }
     }
 
     /// An impulse at a contact, which moves all that share a coordinate with it.

@@ -12,8 +12,9 @@ use crate::engine::CHATTER_TIME;
 use crate::error::TangentError;
 use crate::event::{BOUNCE_TIME, Limits, Work};
 use crate::ring::Contact;
+use crate::stop_check::StopCheck;
 use crate::time::Time;
-use vibrochain_lattice::{Barrier, EnergyForm, ModalStructure};
+use vibrochain_lattice::{Barrier, EnergyForm, ModalStructure, Stop, Stopped};
 
 /// How far behind a barrier a contact may start, relative to the terms it is made of: it is put on it.
 const OVERSHOOT: f64 = 1e-12;
@@ -92,6 +93,7 @@ pub struct StructureSimulation {
     reach: Vec<f64>,
     /// Events of the start, which the first run tells.
     untold: Vec<Change>,
+    check: StopCheck,
 }
 
 impl StructureSimulation {
@@ -158,7 +160,14 @@ impl StructureSimulation {
         motion.let_go(&mut untold);
         let cascades = Cascades::new(motion.places.len());
         motion.begin();
-        Ok(Self { motion, now: 0.0, in_sequence: false, cascades, stalls: 0, reach, untold })
+        let check = StopCheck::new(Stop::default(), wanted);
+        Ok(Self { motion, now: 0.0, in_sequence: false, cascades, stalls: 0, reach, untold, check })
+    }
+
+    /// From now on runs end with [`StructureOutcome::Stopped`] once `stop` is raised, before the next event is known or before the next flight.
+    /// What it has come to does not depend on that.
+    pub fn heed(&mut self, stop: &Stop) {
+        self.check = StopCheck::new(stop.clone(), self.structure().modes().len());
     }
 
     /// Contacts that share coordinates and hit at one instant do so in the order of their numbers, again until none moves into its barrier,
@@ -306,7 +315,11 @@ impl StructureSimulation {
             let horizon = self.motion.horizon;
             let pending = self.cascades.next_rest();
             let limit = target.min(horizon).min(pending);
-            if let Some(first) = self.motion.next(limit) {
+            let next = match self.motion.next(limit, &mut self.check) {
+                Ok(next) => next,
+                Err(Stopped) => return StructureOutcome::Stopped,
+            };
+            if let Some(first) = next {
                 if let Some(outcome) = self.event(first, limits, observer, company) {
                     return outcome;
                 }

@@ -1,5 +1,7 @@
 //! A structure under its loads: what stays the same during a run.
 
+use std::sync::OnceLock;
+
 use super::loads::{Answer, Loads, add};
 use crate::time::two_sum;
 use vibrochain_lattice::{Barrier, Complex, Contact, LinearMode, ModalStructure};
@@ -40,7 +42,8 @@ pub(crate) struct System {
     pub(crate) origins: Vec<f64>,
     /// The contacts' barriers as they are measured from there.
     stops: Vec<Contact>,
-    mobility: Vec<f64>,
+    /// To all contacts from each, once it is asked for: of a thousand contacts all of it takes seconds.
+    mobility: Vec<OnceLock<Vec<f64>>>,
     /// What rounding took from each contact's own, relative to it: the same at every impact, it would add up.
     lost: Vec<f64>,
     /// Largest rate of a mode or of a load.
@@ -81,19 +84,7 @@ impl System {
             Contact { lower, upper, ..*contact }
         };
         let stops = structure.contacts().iter().zip(&origins).map(moved).collect();
-        let mut mobility: Vec<f64> =
-            (0..contacts * contacts).map(|at| structure.mobility(at / contacts, at % contacts)).collect();
-        for at in 0..contacts * contacts {
-            let (i, j) = (at / contacts, at % contacts);
-            // Of complex shapes that nearly meet the terms are larger than the sum.
-            let size = modes.iter().map(|mode| {
-                let given = mode.turn.act(mode.generator(), mode.columns[j]);
-                (mode.rows[i][0] * given[0]).abs() + (mode.rows[i][1] * given[1]).abs()
-            });
-            if mobility[at].abs() <= ROUNDING * size.sum::<f64>() {
-                mobility[at] = 0.0;
-            }
-        }
+        let mobility = vec![OnceLock::new(); contacts];
         let lost = (0..contacts).map(|contact| lost(&structure, contact)).collect();
         let longest = (std::f64::consts::TAU / omega).min(1.0 / growth).min(LONGEST / fastest);
         Self { terms, swings, origins, stops, mobility, lost, fastest, longest, omega, loads, structure }
@@ -147,7 +138,20 @@ impl System {
 
     /// w_iᵀM⁻¹w_j; 0 where they share no coordinate.
     pub(crate) fn mobility(&self, to: usize, from: usize) -> f64 {
-        self.mobility[to * self.contacts() + from]
+        self.mobility[from].get_or_init(|| self.mobility_from(from))[to]
+    }
+
+    fn mobility_from(&self, from: usize) -> Vec<f64> {
+        let to = |to: usize| {
+            let mobility = self.structure.mobility(to, from);
+            // Of complex shapes that nearly meet the terms are larger than the sum.
+            let size = self.structure.modes().iter().map(|mode| {
+                let given = mode.turn.act(mode.generator(), mode.columns[from]);
+                (mode.rows[to][0] * given[0]).abs() + (mode.rows[to][1] * given[1]).abs()
+            });
+            if mobility.abs() <= ROUNDING * size.sum::<f64>() { 0.0 } else { mobility }
+        };
+        (0..self.contacts()).map(to).collect()
     }
 
     /// The impulse that changes the velocity of a contact.

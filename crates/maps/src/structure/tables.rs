@@ -42,6 +42,8 @@ pub(super) struct StructureTable {
     pub(super) static_shapes: Option<Vec<f64>>,
     pub(super) modes: Option<ModesGiven>,
     pub(super) chain: Option<ChainTable>,
+    #[serde(default)]
+    pub(super) in_sequence: bool,
 }
 
 /// Unit masses, each on a spring γ₁ and a dashpot, with springs γ₂ and dashpots between neighbours.

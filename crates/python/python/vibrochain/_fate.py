@@ -62,6 +62,7 @@ def fate(
     transient: float = 0.5,
     tolerance: float = 0.02,
     leave: float = 0.1,
+    in_sequence: bool = False,
     threads: SupportsIndex | None = None,
     progress: bool | Callable[[int, int], object] = False,
 ) -> Fates:
@@ -86,6 +87,9 @@ def fate(
         Share of a run that is left out before its end is looked at.
     tolerance, leave : float
         By how much impacts may differ and still be the same; by how much before the breather counts as left.
+    in_sequence : bool
+        Of a structure: whether contacts that share coordinates and hit at one instant do so in the order of their numbers, again until none moves
+        into its barrier. Otherwise such a run is incomplete. A scene says it by ``in_sequence = true`` in ``[structure]``.
     threads : int, optional
         Threads to compute on, 1 to 1024; one a core if not given. The result is the same to the bit whatever their number.
     progress : bool or callable
@@ -120,6 +124,6 @@ def fate(
     >>> every["spectral_radius"].shape == (2, 3, int(every["number"].max()))
     True
     """
-    asked = (breathers, starts, perturb, seed, periods, transient, tolerance, leave)
+    asked = (breathers, starts, perturb, seed, periods, transient, tolerance, leave, in_sequence)
     with telling(progress, "runs") as told:
         return Fates(_vibrochain._fate(*given(scene), *asked, threads, told))

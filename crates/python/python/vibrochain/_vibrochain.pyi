@@ -479,6 +479,7 @@ def _fate(
     transient: float,
     tolerance: float,
     leave: float,
+    in_sequence: bool,
     threads: SupportsIndex | None,
     progress: Callable[[int, int], object] | None,
 ) -> dict[str, Any]: ...

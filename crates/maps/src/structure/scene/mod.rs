@@ -38,6 +38,8 @@ pub struct StructureScene {
     pub tolerance: Tolerance,
     /// Whether a map tells stability.
     pub stability: bool,
+    /// Whether contacts that share coordinates and hit at one instant do so in sequence, where a run ends otherwise.
+    pub in_sequence: bool,
     /// Axes of a map, the fastest first.
     pub axes: Vec<Axis<Setting>>,
     /// Their names as the file has them.
@@ -72,6 +74,7 @@ impl StructureScene {
             words: Vec::new(),
             tolerance: Tolerance::Rounding,
             stability: true,
+            in_sequence: false,
             axes: Vec::new(),
             axis_names: Vec::new(),
             names: Vec::new(),

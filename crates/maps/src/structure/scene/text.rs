@@ -97,6 +97,7 @@ impl StructureScene {
             .transpose()?;
         scene.force_periods = file.force_periods.unwrap_or(1);
         scene.omega = file.omega;
+        scene.in_sequence = file.structure.in_sequence;
         scene.named = Arc::new(files.read());
         scene.with_map(told, file.sweep.as_ref(), file.compute.as_ref())
     }
