@@ -228,6 +228,35 @@ fn a_run_goes_on_from_its_own_answer() {
         .with(2, &["structure-run:1, wanted is urn:vibrochain:simulate:1"]);
 }
 
+/// Two balls run into one between them at one instant: a run ends there unless a flag, or the scene, says that contacts hit by their numbers.
+#[test]
+fn contacts_that_hit_at_one_instant_do_so_in_sequence_on_request() {
+    let balls = "[structure]\nmasses = [1, 1, 1]\nstiffness = [[0, 0, 0], [0, 0, 0], [0, 0, 0]]\n\
+        [[contact]]\nbetween = [0, 1]\nupper = 0.5\n[[contact]]\nbetween = [1, 2]\nupper = 0.5\n";
+    let dir = TestDir::with_scene(balls);
+    fs::write(dir.path("sequence.toml"), balls.replace("[structure]", "[structure]\nin_sequence = true")).unwrap();
+    fs::write(dir.path("state.json"), r#"{"displacement":[0,0,0],"velocity":[1,0,-1]}"#).unwrap();
+    let run = |scene: &str| {
+        let line = format!("simulate --scene {scene} --state state.json --time 2 --json");
+        written(&dir.run(&line).with(0, &[]).out)
+    };
+    let told = run("scene.toml");
+    assert!(told["outcome"] == "simultaneous" && told["impacts"] == 0, "{told}");
+    assert!((number(&told["time"]) - 0.5).abs() < 1e-15);
+    let words = dir.run("simulate --scene scene.toml --state state.json --time 2").with(0, &[]).out;
+    assert!(words.contains("--in-sequence lets them hit"), "{words}");
+    // Velocities are exchanged: (1, 0, -1), (0, 1, -1), (0, -1, 1), (-1, 0, 1).
+    let flagged = run("scene.toml --in-sequence");
+    assert!(flagged["outcome"] == "time-reached" && flagged["impacts"] == 3, "{flagged}");
+    for (v, expected) in flagged["state"]["velocity"].as_array().unwrap().iter().zip([-1.0, 0.0, 1.0]) {
+        assert!((number(v) - expected).abs() < 1e-14, "{flagged}");
+    }
+    assert_eq!(run("sequence.toml")["state"], flagged["state"]);
+    // Masses of a chain share no coordinate.
+    let chain = "--sites 2 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4";
+    dir.run(&format!("simulate {chain} --family double-sided --in-sequence"))
+        .with(2, &["--in-sequence is of structures"]);
+}
 /// Nothing here has a period: a ball that is dropped, and a mass on a spring far from its stop. States by a file, as words and through a pipe.
 #[test]
 fn a_run_without_a_load_needs_no_frequency_and_lasts_as_long_as_it_is_told() {
