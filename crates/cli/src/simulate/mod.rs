@@ -319,6 +319,7 @@ impl Told<'_> {
         let _ = writeln!(out, "{from}{}; {model}", perturbed(self.args));
         let end = match self.report.outcome {
             _ if self.stopped => ", interrupted",
+            Outcome::Stopped => ", interrupted",
             Outcome::TimeReached => "",
             Outcome::ImpactsReached => ", number of impacts reached",
             Outcome::Cascade { .. } => ", a cascade of impacts could not be resolved",

@@ -6,14 +6,13 @@
 //!
 //! **In sequence.** Contacts that share coordinates may meet their barriers at one instant. On request they hit one after another in the
 //! order of their numbers, those at rest among them, again and again until none moves outward. A velocity below 1e-12 of the first is none, and
-//! so is one that the force on a contact at rest takes off within [`CHATTER_TIME`]: contacts that chatter together would never end.
+//! so is one that the force on a contact at rest takes off within [`CHATTER_TIME`](crate::CHATTER_TIME): contacts that chatter together would never end.
 //! Without coordinates in common the order does not matter.
 
 use super::approach::Place;
 use super::motion::{Due, Motion, SIMULTANEOUS};
 use super::series::Series;
 use crate::cascade::Change;
-use crate::engine::CHATTER_TIME;
 use crate::event::EventKind;
 use crate::ring::Contact;
 use vibrochain_lattice::Barrier;
@@ -111,12 +110,6 @@ impl Motion {
             (place.x.abs() <= on).then_some(Party { contact, barrier, role: Role::Touches })
         };
         (0..self.places.len()).filter_map(party).collect()
-    }
-
-    /// The velocity of a contact at rest that its force takes off again within [`CHATTER_TIME`]: it is none.
-    fn holds(&self, series: &Series, contact: usize) -> f64 {
-        let pressing = series.force(contact, 0.0).abs() * self.system.mobility(contact, contact);
-        0.5 * pressing * CHATTER_TIME / self.system.fastest
     }
 
     /// Applies what is due at the base.

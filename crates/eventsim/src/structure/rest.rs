@@ -44,6 +44,12 @@ impl Motion {
         }
     }
 
+    /// The velocity of a contact at rest that its force takes off again within [`CHATTER_TIME`]: it is none.
+    pub(super) fn holds(&self, series: &Series, contact: usize) -> f64 {
+        let pressing = series.force(contact, 0.0).abs() * self.system.mobility(contact, contact);
+        0.5 * pressing * CHATTER_TIME / self.system.fastest
+    }
+
     fn rest(&mut self, contact: usize, barrier: Barrier, delay: f64, changes: &mut Vec<Change>) {
         if let Some(ledger) = &mut self.ledger {
             let v = self.places[contact].v.unwrap_or(0.0);
