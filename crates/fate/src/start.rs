@@ -8,6 +8,9 @@ use vibrochain_eventsim::{Simulation, StateError};
 use vibrochain_floquet::Complex;
 use vibrochain_lattice::Model;
 
+/// From so many masses on all are moved by a Fourier transform at once: of 1e5 one by one takes ten seconds.
+const MANY: usize = 1000;
+
 /// A Floquet mode: (displacement, velocity) of each mass.
 pub type ModeShape = Vec<(Complex<f64>, Complex<f64>)>;
 
@@ -31,8 +34,22 @@ impl Start {
     /// [`BreatherError`] if the orbit's motion is not defined.
     pub fn on(orbit: &Orbit) -> Result<Self, BreatherError> {
         let time = orbit.time_in_last_flight();
-        let (displacement, velocity) = Motion::of(orbit)?.state(time);
+        let (displacement, velocity) = Self::states(orbit, time)?;
         Ok(Self { displacement, velocity, psi: orbit.psi().unwrap_or(0.0) + time, time })
+    }
+
+    /// Displacements and velocities of all masses of an orbit at a time on its clock.
+    ///
+    /// # Errors
+    /// [`BreatherError`] if the orbit's motion is not defined.
+    pub fn states(orbit: &Orbit, time: f64) -> Result<(Vec<f64>, Vec<f64>), BreatherError> {
+        let mut motion = Motion::of(orbit)?;
+        if motion.sites() > MANY {
+            return Ok(motion.state(time));
+        }
+        motion.at(0, time);
+        let masses = (0..motion.sites()).map(|n| motion.site(n));
+        Ok(masses.map(|mass| (mass.displacement, mass.velocity)).unzip())
     }
 
     /// A simulation from here.

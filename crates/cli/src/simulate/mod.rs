@@ -10,7 +10,7 @@ pub mod start;
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
-use vibrochain_breather::{Finder, Motion, Orbit};
+use vibrochain_breather::{Finder, Orbit};
 use vibrochain_eventsim::{Limits, Outcome, Report, Simulation, Time};
 use vibrochain_fate::{End, LOOKED_AT, Pattern, Witness};
 use vibrochain_floquet::{Analyser, Tolerance};
@@ -176,7 +176,7 @@ fn starting_point(
 
 /// Largest distance of any mass from the orbit, now.
 fn deviation(orbit: &Orbit, simulation: &Simulation, start: f64) -> Result<f64, CliError> {
-    let exact = Motion::of(orbit)?.displacements(orbit_time(orbit, simulation.time(), start));
+    let (exact, _) = State::states(orbit, orbit_time(orbit, simulation.time(), start))?;
     let masses = simulation.state().displacement.into_iter().zip(exact);
     Ok(masses.map(|(u, exact)| (u - exact).abs()).fold(0.0, f64::max))
 }
