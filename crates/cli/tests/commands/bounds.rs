@@ -33,8 +33,8 @@ fn a_scene_is_read_no_further_than_it_may_be_long() {
     }
     let line = "x = { parameter = \"omega\", from = 0.4, to = 3.0, points = 1600 }";
     let long = SCENE.replace(line, &format!("x = {{ parameter = \"omega\", values = [{values}] }}"));
-    let told = "scene scene.toml has more than the 4194304 bytes that it may have";
-    for text in [&long, &format!("# {}\n{SCENE}", "-".repeat(4 << 20))] {
+    let told = "scene scene.toml has more than the 8388608 bytes that it may have";
+    for text in [&long, &format!("# {}\n{SCENE}", "-".repeat(8 << 20))] {
         let dir = TestDir::with_scene(text);
         dir.run("sweep scene.toml --out map.csv").with(2, &[told]);
         // In as little memory as any other run, where the shell can limit it.
@@ -42,6 +42,18 @@ fn a_scene_is_read_no_further_than_it_may_be_long() {
             dir.shell("ulimit -v 400000; exec mapgen sweep scene.toml --dry-run --threads 1").with(2, &[told]);
         }
     }
+}
+
+/// Four million numbers of one digit take the most memory for their length: 0.8 GB, where the shell can limit it.
+#[test]
+#[cfg(target_os = "linux")]
+fn the_longest_scene_of_a_structure_is_read_in_a_gigabyte() {
+    let head = "omega = 1\nword = \"0+\"\n[structure]\nmasses = [1]\nstiffness = [[";
+    let tail = "1]]\n[[contact]]\nat = 0\nupper = 1\n";
+    let numbers = "1,".repeat(((8 << 20) - head.len() - tail.len()) / 2);
+    let dir = TestDir::with_scene(&format!("{head}{numbers}{tail}"));
+    let told = "the stiffness matrix has 4194258 entries where the structure needs 1";
+    dir.shell("ulimit -v 1000000; exec mapgen orbit --scene scene.toml").with(2, &[told]);
 }
 
 #[test]

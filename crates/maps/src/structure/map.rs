@@ -10,14 +10,14 @@ use vibrochain_lattice::Stop;
 
 use super::cell::{COLUMNS, StructureCell, StructureClass};
 use super::first_obstruction::FirstObstruction;
-use super::named::{MOST_BYTES, MOST_FILE_BYTES};
+use super::named::MOST_FILE_BYTES;
 use super::scene::StructureScene;
 use super::setting::Setting;
 use crate::absence::Absence;
 use crate::cell::{Cell, Class, Status};
 use crate::error::MapError;
 use crate::grid::{Files, Grid};
-use crate::scene::Axis;
+use crate::scene::{Axis, MAX_BYTES};
 use crate::table::columns::{Column, common};
 
 /// Work of a chunk, in cells of one mode and one word of one impact, each some five microseconds.
@@ -188,7 +188,7 @@ impl Grid for StructureScene {
     type Cell = StructureCell;
     type Worker = RowOfModels;
 
-    const MOST_BYTES: u64 = MOST_BYTES;
+    const MOST_BYTES: u64 = MAX_BYTES;
     const MOST_FILE_BYTES: u64 = MOST_FILE_BYTES;
 
     fn is_one(text: &str) -> bool {

@@ -11,10 +11,6 @@ use super::tables::{MatrixGiven, StructureTable};
 use crate::grid::Files;
 use crate::text::{clipped, read_text};
 
-/// The most bytes of a scene. Numbers of one digit take 95 bytes of memory a byte while they are read, all of them 800 MB; of larger matrices the
-/// entries stand in files of their own.
-pub(super) const MOST_BYTES: u64 = 8 << 20;
-
 /// The most bytes of a file that a scene names: four million entries.
 pub(super) const MOST_FILE_BYTES: u64 = 64 << 20;
 

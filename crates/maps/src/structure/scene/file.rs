@@ -6,8 +6,9 @@ use super::StructureScene;
 use super::text::Parsed;
 use crate::error::MapError;
 use crate::grid::Files;
+use crate::scene::MAX_BYTES;
 use crate::structure::damped_chain;
-use crate::structure::named::{MOST_BYTES, Named};
+use crate::structure::named::Named;
 use crate::text::read_text;
 
 impl StructureScene {
@@ -49,7 +50,7 @@ impl StructureScene {
 /// The text of a plain file: what cannot be read, and what can be read only once, is left to those who read chains.
 fn text_of(path: &Path) -> Option<String> {
     let plain = path.metadata().is_ok_and(|data| data.is_file());
-    plain.then(|| read_text("the scene", path, MOST_BYTES).ok()).flatten()
+    plain.then(|| read_text("the scene", path, MAX_BYTES).ok()).flatten()
 }
 
 /// A text if it is such a scene.
