@@ -18,6 +18,9 @@ fn read(text: &str, files: &[(&str, String)]) -> Result<StructureScene, String> 
     Ok(scene.unwrap())
 }
 
+/// What a structure is given by, its scene, and the files that the scene names, with their texts.
+type Scene<'a> = (&'a str, String, &'a [(&'a str, String)]);
+
 /// One more than the most is refused by one sentence whichever way it comes, before any work.
 #[test]
 fn one_limit_holds_however_a_structure_is_given() {
@@ -25,7 +28,7 @@ fn one_limit_holds_however_a_structure_is_given() {
     let rows = format!("[{}]", listed("[1]", n));
     let diagonal = format!("%%MatrixMarket matrix coordinate real symmetric\n{n} {n} 1\n1 1 1\n");
     let free = "[[contact]]\nupper = 1\n";
-    let ways: [(&str, String, &[(&str, String)]); 9] = [
+    let ways: [Scene<'_>; 9] = [
         ("masses", format!("[structure]\nmasses = [{}]\nstiffness = [[1]]\n{contact}", listed("1", n)), &[]),
         ("rows", format!("[structure]\nmass = {rows}\nstiffness = [[1]]\n{contact}"), &[]),
         ("rows of the stiffness", format!("[structure]\nmasses = [1]\nstiffness = {rows}\n{contact}"), &[]),
