@@ -187,6 +187,11 @@ fn check(structure: &Structure, omega: f64) -> Result<(), TruthError> {
     if !fits {
         return Err(TruthError::Mismatch { what: "matrices, contacts and loads of a structure: one row a coordinate" });
     }
+    if structure.modes.is_some() {
+        return Err(TruthError::Mismatch {
+            what: "a structure of which some modes alone count: its state has all of them",
+        });
+    }
     let matrices = [&structure.mass, &structure.stiffness, damping];
     let entries = matrices.into_iter().flatten().chain(&structure.static_load);
     let weights = structure.contacts.iter().flat_map(|(weights, _)| weights);
@@ -271,6 +276,7 @@ mod tests {
         };
         assert!(matches!(with(&|one| one.mass = DMatrix::zeros(2, 2)), TruthError::Singular { .. }));
         assert!(matches!(with(&|one| one.damping = DMatrix::identity(3, 3)), TruthError::Mismatch { .. }));
+        assert!(matches!(with(&|one| one.modes = Some(1)), TruthError::Mismatch { .. }));
         assert!(matches!(with(&|one| one.stiffness[(0, 1)] = f64::NAN), TruthError::Parameter { .. }));
         assert!(matches!(Flow::new(&sound, 0.0, 128), Err(TruthError::Parameter { .. })));
     }
