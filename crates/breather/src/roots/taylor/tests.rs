@@ -27,6 +27,9 @@ fn worst(model: &Taylor<2>, at: impl Fn([f64; 2]) -> f64) -> [f64; 3] {
     worst
 }
 
+/// A model, and the function that it is of.
+type Modelled<'a> = (Taylor<2>, Box<dyn Fn([f64; 2]) -> f64 + 'a>);
+
 /// Sums, differences and products of cubics on boxes: what is left over is within `rest`, which the corners of a box attain where all terms
 /// have one sign; sizes are between clearance and most.
 #[test]
@@ -39,7 +42,7 @@ fn what_is_left_over_is_within_the_rest_and_reaches_it() {
         let (f, f_at) = cubic(&mut random, axes[round % 3], radius);
         let (g, g_at) = cubic(&mut random, axes[(round / 3) % 3], radius);
         let factor = random.between(-3.0, 3.0);
-        let all: [(Taylor<2>, Box<dyn Fn([f64; 2]) -> f64>); 4] = [
+        let all: [Modelled<'_>; 4] = [
             (f, Box::new(&f_at)),
             (f + g, Box::new(|x| f_at(x) + g_at(x))),
             (f.scaled(factor) - g.shifted(0.3), Box::new(|x| factor * f_at(x) - g_at(x) - 0.3)),

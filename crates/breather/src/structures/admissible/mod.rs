@@ -17,10 +17,7 @@ use super::windows::{View, Windows};
 use crate::admissible::answer::{Admissibility, Approach, Obstruction};
 use crate::admissible::check::Depth;
 use crate::orbit::time_between;
-use release::Release;
-
-/// Impacts closer than this part of the period are at one instant.
-const TOGETHER: f64 = 1e-12;
+use release::{Release, TOGETHER};
 
 /// Whether an orbit is physical, with the least distance at a turning point or what is in the way, where it is farthest out; contacts stand
 /// in place of sites.

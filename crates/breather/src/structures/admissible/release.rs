@@ -1,10 +1,12 @@
 //! What a contact does right after its impact. It is on its barrier there: the first of velocity, acceleration and jerk that is larger than its
 //! error decides whether it leaves or begins to rest. After a plastic impact the velocity is 0, and the sign of a distance nearby is rounding.
 
-use super::TOGETHER;
 use crate::structures::error::StructureOrbitError;
 use crate::structures::flight::StructureMotion;
 use crate::structures::orbit::StructureOrbit;
+
+/// Impacts closer than this part of the period are at one instant.
+pub(super) const TOGETHER: f64 = 1e-12;
 
 /// Rounding of a term with the few operations that it takes.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;

@@ -28,10 +28,10 @@ fn poles(random: &mut Random) -> [LinearMode; 2] {
     let rates = [pole(), pole()];
     let turn = Complex::from_polar(1.0, -0.5 * (rates[0] - rates[1]).arg());
     let number = |random: &mut Random| turn * random.between(-0.5, 0.5);
-    let contacts = vec![number(random), number(random)];
+    let contacts = [number(random), number(random)];
     let load = [random.between(-0.5, 0.5), random.between(-0.5, 0.5)];
     [(0, Complex::new(1.0, 0.0)), (1, Complex::new(0.0, 1.0))].map(|(k, by)| {
-        let contacts = contacts.iter().map(|shape| shape * by).collect();
+        let contacts = contacts.map(|shape| shape * by).to_vec();
         let shape = ModeShape { contacts, coordinates: Vec::new(), still: turn * by * 0.1 };
         let loads = [[Complex::new((turn * by).re, 0.0) * load[0], Complex::new((turn * by).im, 0.0) * load[1]]];
         LinearMode::pole(rates[k], &shape, &loads)
