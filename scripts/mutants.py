@@ -200,7 +200,9 @@ def examine(tree):
         wholes, errors = built(tree, ["-p", "vibrochain", *whole])
         inner, _ = built(tree, ["--tests", *packages])
         inner = [one for one in inner if one[2] == "test"]
-        is_caught(inner + wholes, None, limits)
+        failed = is_caught(inner + wholes, None, limits)
+        if errors or failed:
+            sys.exit(f"tests of the whole do not pass without a fault: {errors[:3] or failed}")
         for place, number in list(open_ones):
             if time.monotonic() - BEGAN > 60 * MINUTES:
                 break
