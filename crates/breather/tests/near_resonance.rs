@@ -235,7 +235,8 @@ fn a_load_of_one_harmonic_is_one_of_as_many_periods() {
             assert!(found.orbits[..i].iter().all(|other| !is_it(orbit, other)), "{harmonic} {word}: twice {orbit:?}");
             let [first, last] = [0, orbit.impacts().len() - 1].map(|i| orbit.impacts()[i]);
             let half = last.time - 0.5 * orbit.period();
-            let repeats = harmonic % 2 == 0 && half.abs() < 1e-6 && (first.impulse - last.impulse).abs() < 1e-6;
+            let repeats =
+                harmonic.is_multiple_of(2) && half.abs() < 1e-6 && (first.impulse - last.impulse).abs() < 1e-6;
             assert!(
                 !repeats || last.barrier != first.barrier || last.time == 0.0,
                 "{harmonic} {word}: sooner {orbit:?}"

@@ -5,8 +5,26 @@ use vibrochain_lattice::{Barrier, Complex};
 
 use super::equations::{Equations, Point, Strike};
 use super::error::StructureOrbitError;
-use super::starts::Start;
 use crate::equations::linear::{Factors, Matrix, Vector, zeros};
+
+/// Where Newton's method begins.
+pub(super) struct Start {
+    pub(super) point: Point,
+    /// It belongs to a zero that is known to be there.
+    pub(super) is_zero: bool,
+}
+
+impl From<Point> for Start {
+    fn from(point: Point) -> Self {
+        Self { point, is_zero: false }
+    }
+}
+
+impl Start {
+    pub(super) fn zero(point: Point) -> Self {
+        Self { point, is_zero: true }
+    }
+}
 
 /// An equation that is off by this part of its terms holds: numbers that solve others have lost some digits.
 const HOLDS: f64 = 1e3 * f64::EPSILON;

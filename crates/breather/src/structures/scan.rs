@@ -4,8 +4,7 @@ use std::f64::consts::TAU;
 
 use super::at_times::Impacts;
 use super::error::StructureOrbitError;
-use super::search::StructureSearch;
-use super::starts::Starts;
+use super::search::{Starts, StructureSearch};
 use crate::equations::linear::Factors;
 use crate::roots::bracket::zero;
 

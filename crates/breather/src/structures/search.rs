@@ -13,12 +13,11 @@
 use smallvec::SmallVec;
 use vibrochain_lattice::Barrier;
 
-use super::at_times::Impacts;
+use super::at_times::{Impacts, Start};
 use super::equations::{Equations, Point};
 use super::error::StructureOrbitError;
 use super::model::StructureModel;
 use super::orbit::StructureOrbit;
-use super::starts::{Start, Starts};
 use super::three_impacts::ThreeImpacts;
 use super::two_impacts::Function;
 use crate::word::Word;
@@ -226,6 +225,9 @@ impl Point {
 }
 
 const CLOSED_FORM: StructureSearch = StructureSearch::ClosedForm { unresolved: 0 };
+
+/// Where Newton's method begins, and what is known of the list that it leads to.
+pub(super) type Starts = Result<(Vec<Start>, StructureSearch), StructureOrbitError>;
 
 impl Impacts<'_> {
     fn begin(&self, wanted: Wanted) -> Starts {

@@ -1,31 +1,10 @@
 //! Orbits of longer words: Newton's method from starts spread over times and phase.
 
-use super::at_times::Impacts;
+use super::at_times::{Impacts, Start};
 use super::equations::{Point, Strike};
 use super::error::StructureOrbitError;
-use super::search::StructureSearch;
+use super::search::{Starts, StructureSearch};
 use crate::equations::linear::{Matrix, zeros};
-
-/// Where Newton's method begins.
-pub(super) struct Start {
-    pub(super) point: Point,
-    /// It belongs to a zero that is known to be there.
-    pub(super) is_zero: bool,
-}
-
-impl From<Point> for Start {
-    fn from(point: Point) -> Self {
-        Self { point, is_zero: false }
-    }
-}
-
-impl Start {
-    pub(super) fn zero(point: Point) -> Self {
-        Self { point, is_zero: true }
-    }
-}
-
-pub(super) type Starts = Result<(Vec<Start>, StructureSearch), StructureOrbitError>;
 
 /// Starts of a word of three impacts or more.
 const STARTS: usize = 600;

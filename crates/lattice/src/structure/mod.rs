@@ -5,7 +5,8 @@
 //! | `contact` | [`Contact`]: where it is stopped, and what an impact leaves of its velocity |
 //! | `linear_mode` | [`LinearMode`]: two coordinates that move together, what contacts see of them, what impulses and loads give to them |
 //! | `modal` | [`ModalStructure`]: modes and contacts, from which kernels and steady motions are made |
-//! | `matrices` | [`Structure`]: mass, damping and stiffness, from which modes are made (feature `matrices`) |
+//! | `matrices` | [`Structure`]: mass, damping and stiffness with contacts and loads (feature `matrices`) |
+//! | `eigenmodes` | its modes, by `assembly` from a `basis` |
 //! | `state_matrix` | poles and shapes of modes that dashpots couple |
 //! | `basis` | modes without dashpots, refined in twice the digits, with bounds of their errors |
 //! | `poles` | the same of poles that dashpots couple |
@@ -19,6 +20,8 @@ mod assembly;
 #[cfg(feature = "matrices")]
 mod basis;
 pub(crate) mod contact;
+#[cfg(feature = "matrices")]
+mod eigenmodes;
 pub(crate) mod energy;
 pub(crate) mod error;
 pub(crate) mod linear_mode;

@@ -33,7 +33,7 @@ pub struct Row {
 }
 
 impl Row {
-    pub(in crate::accuracy) fn new(case: &str, quantity: impl Into<String>) -> Self {
+    pub(crate) fn new(case: &str, quantity: impl Into<String>) -> Self {
         Self {
             case: case.to_owned(),
             quantity: quantity.into(),
@@ -51,12 +51,12 @@ impl Row {
         Self::new(case, "kernels").told(format!("no truth to compare with: {error}"))
     }
 
-    pub(in crate::accuracy) fn told(mut self, outcome: impl Into<String>) -> Self {
+    pub(crate) fn told(mut self, outcome: impl Into<String>) -> Self {
         self.outcome = outcome.into();
         self
     }
 
-    pub(in crate::accuracy) fn measured(mut self, promised: f64, delivered: f64) -> Self {
+    pub(crate) fn measured(mut self, promised: f64, delivered: f64) -> Self {
         (self.promised, self.delivered) = (Some(promised), Some(delivered));
         self
     }
@@ -186,7 +186,7 @@ pub fn check_orbits(case: &str, model: &Model, family: Family, depth: Depth) -> 
 }
 
 /// Whether a row says more than another one of its quantity: broken before kept, then the larger share of the promise.
-pub(in crate::accuracy) fn worse(row: &Row, old: &Row) -> bool {
+pub(crate) fn worse(row: &Row, old: &Row) -> bool {
     let ratio = |row: &Row| match (row.promised, row.delivered) {
         _ if row.wrong => f64::INFINITY,
         (Some(promised), Some(delivered)) if delivered > row.floor => delivered / promised,

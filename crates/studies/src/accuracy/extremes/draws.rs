@@ -17,7 +17,7 @@ const KERNELS: u64 = 16;
 const SPECTRA: u64 = 8;
 
 /// 10^x, x uniform.
-pub(in crate::accuracy) fn power(random: &mut Rng, from: f64, to: f64) -> f64 {
+pub(crate) fn power(random: &mut Rng, from: f64, to: f64) -> f64 {
     10f64.powf(from + (to - from) * random.f64())
 }
 
@@ -76,7 +76,7 @@ pub struct Tally {
 
 impl Tally {
     /// With one more row.
-    pub(in crate::accuracy) fn count(mut self, row: Row) -> Self {
+    pub(crate) fn count(mut self, row: Row) -> Self {
         let kind = match (row.promised, row.delivered) {
             (Some(promised), Some(delivered)) => {
                 self.compared += 1;
@@ -101,7 +101,7 @@ impl Tally {
     }
 
     /// Both together.
-    pub(in crate::accuracy) fn join(mut self, other: Self) -> Self {
+    pub(crate) fn join(mut self, other: Self) -> Self {
         self.draws += other.draws;
         self.compared += other.compared;
         self.worst = self.worst.max(other.worst);

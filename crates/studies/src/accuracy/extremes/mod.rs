@@ -13,5 +13,5 @@ mod checks;
 pub mod draws;
 pub(crate) mod report;
 
-pub(in crate::accuracy) use checks::worse;
+pub(crate) use checks::worse;
 pub use checks::{Depth, Row, Spectra, check_kernels, check_orbits, check_profile, check_simulation, check_uncoupled};

@@ -98,7 +98,7 @@ impl Report {
 }
 
 /// Rows under the names of their groups, as CSV.
-pub(in crate::accuracy) fn csv<'a>(groups: impl Iterator<Item = (&'a str, &'a [Row])>) -> Result<Vec<u8>, CliError> {
+pub(crate) fn csv<'a>(groups: impl Iterator<Item = (&'a str, &'a [Row])>) -> Result<Vec<u8>, CliError> {
     let failed = |error: &dyn std::fmt::Display| CliError::Computation(format!("could not write a table: {error}"));
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(COLUMNS).map_err(|error| failed(&error))?;
