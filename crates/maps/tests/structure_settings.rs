@@ -112,6 +112,9 @@ fn a_number_that_is_set_is_as_one_that_was_written() {
     }
 }
 
+/// A number of all, its value, and the numbers of each that are the same.
+type Settings<'a> = (&'a str, f64, &'a [(&'a str, f64)]);
+
 /// What all loads, static loads and dashpots are multiplied by, and the middle of gaps.
 #[test]
 fn numbers_of_all_at_once_are_as_each_by_itself() {
@@ -120,7 +123,7 @@ fn numbers_of_all_at_once_are_as_each_by_itself() {
         changes.iter().for_each(|(name, value)| scene.set(name.parse().unwrap(), *value).unwrap());
         motion(&scene)
     };
-    let cases: [(&str, f64, &[(&str, f64)]); 4] = [
+    let cases: [Settings<'_>; 4] = [
         ("static", 3.0, &[("static.0", 0.06), ("static.1", 0.0)]),
         ("damping", 2.0, &[("damping.0.0", 0.4), ("damping.0.1", -0.1), ("damping.1.1", 0.2)]),
         ("asymmetry", 0.1, &[("contact.0.lower", -0.55), ("contact.0.upper", 0.75)]),

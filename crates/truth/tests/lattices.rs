@@ -78,6 +78,8 @@ impl Counts {
                 assert!(off <= error, "{off:e} {error:e} {found:?} {model:?}");
                 self.crossing += 1;
             }
+            // Chains have no plastic impacts: none begins to rest.
+            Some(Obstruction::Sticking { .. }) => unreachable!("{found:?} {model:?}"),
             None => {
                 if let (Some(margin), Some(closest)) = (found.margin, found.closest) {
                     let off = (room(closest.site, &Real::new(closest.time, 128)) - margin).abs();
