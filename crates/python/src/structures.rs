@@ -66,7 +66,7 @@ pub(crate) fn _structure(
             }
             None => {
                 let orbit = orbit_near(&model, force_periods, psi, &near.0)?;
-                StructureFound { orbits: vec![orbit], search: StructureSearch::Starts { starts: 1 } }
+                StructureFound { orbits: vec![orbit], search: StructureSearch::Starts { starts: 1 }, periods: None }
             }
         };
         let answered = found.orbits.iter().map(|orbit| Answered::new(orbit, tolerance));

@@ -110,7 +110,8 @@ impl Impacts<'_> {
             Some((rate, _)) => x[n + rigid + 1].atan2(x[n + rigid]) / rate,
             None => 0.0,
         };
-        Point { strikes: strikes.collect(), psi, offsets: x[n..n + rigid].iter().copied().collect() }
+        let (period, offsets) = (self.equations.period(), x[n..n + rigid].iter().copied().collect());
+        Point { strikes: strikes.collect(), psi, period, offsets }
     }
 
     /// The line of (c, s) that the equations leave: of one impact; and of two half a period apart where what the second one asks is what the

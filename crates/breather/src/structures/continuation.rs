@@ -39,10 +39,11 @@ pub struct StructureContinuation {
     family: StructureFamily,
     contacts: Vec<(usize, Barrier)>,
     force_periods: u32,
-    /// Unknowns: impulses, times but the first, ψ if there is a load, offsets of rigid modes.
+    /// Unknowns: impulses, times but the first, ψ if there is a load, the period if nothing gives it, offsets of rigid modes.
     size: usize,
     forced: bool,
     rigid: usize,
+    self_excited: bool,
     /// The strongest impact where this begins.
     strongest: usize,
     units: Vector,
@@ -82,21 +83,26 @@ impl StructureContinuation {
             most.max(FAINT * model.omega() * place.abs() / equations.mobility(contact)).max(f64::MIN_POSITIVE)
         };
         let mut own: Vector = orbit.impacts().iter().map(|one| impulse_unit(one.contact, one.barrier)).collect();
-        let times = orbit.impacts().len() - 1 + usize::from(equations.forced);
+        let times = orbit.impacts().len() - 1 + usize::from(equations.has_time());
         own.extend(std::iter::repeat_n(1.0 / model.omega(), times));
         let reach = own[0] * equations.mobility(orbit.impacts()[0].contact) / model.omega();
         own.extend(std::iter::repeat_n(reach, felt.len()));
         let size = own.len();
         own.extend(units.iter().map(|unit| unit.abs().max(f64::MIN_POSITIVE)));
-        if !equations.forced && (0..values.len()).any(|k| loses_energy(&family, values, k)) {
+        if !equations.has_time() && (0..values.len()).any(|k| loses_energy(&family, values, k)) {
             return Err(StructureOrbitError::LossWithoutLoad.into());
+        }
+        if equations.self_excited && (0..values.len()).any(|k| is_idle(&family, values, k)) {
+            return Err(StructureOrbitError::NoOmega.into());
         }
         let mut origin: Vector = orbit.impacts().iter().map(|impact| impact.impulse).collect();
         origin.extend(orbit.impacts().iter().skip(1).map(|impact| impact.time));
         origin.extend(orbit.psi());
+        origin.extend(equations.self_excited.then(|| orbit.period()));
         origin.extend(felt);
         origin.extend_from_slice(values);
         let (force_periods, forced, rigid) = (orbit.force_periods(), equations.forced, equations.rigid.len());
+        let self_excited = equations.self_excited;
         Ok(Self {
             family,
             contacts,
@@ -104,6 +110,7 @@ impl StructureContinuation {
             size,
             forced,
             rigid,
+            self_excited,
             strongest,
             units: own,
             origin,
@@ -121,6 +128,7 @@ impl StructureContinuation {
 
     fn point(&self, z: &[f64], period: f64) -> Result<Point, BranchError> {
         let n = self.contacts.len();
+        let period = if self.self_excited { z[2 * n - 1] } else { period };
         let mut last = 0.0;
         let mut strikes = smallvec::SmallVec::new();
         for (i, &(contact, barrier)) in self.contacts.iter().enumerate() {
@@ -133,8 +141,8 @@ impl StructureContinuation {
             strikes.push(Strike { contact, barrier, time, impulse: z[i] });
         }
         let psi = if self.forced { z[2 * n - 1] } else { 0.0 };
-        let first = 2 * n - 1 + usize::from(self.forced);
-        Ok(Point { strikes, psi, offsets: z[first..self.size].iter().copied().collect() })
+        let first = 2 * n - 1 + usize::from(self.forced || self.self_excited);
+        Ok(Point { strikes, psi, period, offsets: z[first..self.size].iter().copied().collect() })
     }
 
     fn assembled<T>(
@@ -145,7 +153,8 @@ impl StructureContinuation {
         let model = self.model(z)?;
         let mut equations = Equations::new(&model, self.force_periods, self.contacts.iter().map(|one| one.0))?;
         // Where a stiffness vanishes, or a load does, there is no such point.
-        if (equations.forced, equations.rigid.len()) != (self.forced, self.rigid) {
+        let kind = (equations.forced, equations.self_excited, equations.rigid.len());
+        if kind != (self.forced, self.self_excited, self.rigid) {
             return Err(StructureOrbitError::OtherUnknowns.into());
         }
         equations.left_out = self.strongest;
@@ -259,6 +268,16 @@ fn loses_energy(family: &StructureFamily, values: &[f64], which: usize) -> bool 
         moved[which] += sign * MOVED * values[which].abs().max(1.0);
         family(&moved).is_ok_and(|model| !model.structure().is_lossless())
     })
+}
+
+/// Whether a self-excited structure is the same wherever one of the numbers moves: ω, which no load has.
+fn is_idle(family: &StructureFamily, values: &[f64], which: usize) -> bool {
+    let moved = |sign: f64| {
+        let mut moved = values.to_vec();
+        moved[which] += sign * MOVED * values[which].abs().max(1.0);
+        family(&moved)
+    };
+    matches!([moved(1.0), moved(-1.0)], [Ok(one), Ok(other)] if one.structure() == other.structure())
 }
 
 /// Whether half a period later an orbit does the same at the other barriers; or, where time may run backwards, the same.

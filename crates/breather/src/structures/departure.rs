@@ -83,7 +83,8 @@ impl StructureOrbit {
         }
         let equations = Equations::new(model, force_periods, strikes.iter().map(|strike| strike.contact))?;
         let offsets = smallvec::smallvec![0.0; equations.rigid.len()];
-        let point = equations.with_offsets(Point { strikes: strikes.into(), psi, offsets })?;
+        let period = equations.period();
+        let point = equations.with_offsets(Point { strikes: strikes.into(), psi, period, offsets })?;
         let system = equations.system(&point)?;
         Self::new(&equations, force_periods, (point, system))
     }
@@ -93,7 +94,12 @@ impl StructureOrbit {
         let period = self.period();
         let later = |by: f64| self.strikes().map(move |strike| Strike { time: strike.time + by, ..strike });
         let strikes = later(0.0).chain(later(period)).collect();
-        Self::assembled(self.model(), 2 * self.force_periods(), self.psi().unwrap_or(0.0), strikes)
+        let (model, periods) = if self.is_self_excited() {
+            (self.model().at(0.5 * self.model().omega())?, 1)
+        } else {
+            (self.model().clone(), 2 * self.force_periods())
+        };
+        Self::assembled(&model, periods, self.psi().unwrap_or(0.0), strikes)
     }
 
     /// The orbit next to this one that repeats itself after half the period or, mirrored, at the other barriers, in its own period: of neighbouring
@@ -110,7 +116,7 @@ impl StructureOrbit {
         }
         let again = pairs().all(|(a, b)| a.barrier == b.barrier);
         let mirrored = pairs().all(|(a, b)| a.barrier != b.barrier);
-        let repeats = again && self.force_periods().is_multiple_of(2);
+        let repeats = again && (self.is_self_excited() || self.force_periods().is_multiple_of(2));
         if !(repeats || mirrored) {
             return None;
         }
@@ -133,8 +139,13 @@ impl StructureOrbit {
             strikes.extend(images);
         }
         let psi = self.psi().unwrap_or(0.0) + 0.5 * (shift - lapse);
-        let periods = if repeats { self.force_periods() / 2 } else { self.force_periods() };
-        Some(Self::assembled(self.model(), periods, psi, strikes))
+        let (periods, own) = (self.force_periods(), self.is_self_excited());
+        let of = |model: &StructureModel, periods| Self::assembled(model, periods, psi, strikes);
+        Some(match (repeats, own) {
+            (true, true) => self.model().at(2.0 * self.model().omega()).and_then(|model| of(&model, periods)),
+            (true, false) => of(self.model(), periods / 2),
+            (false, _) => of(self.model(), periods),
+        })
     }
 
     /// The same motion without one of its impacts, whatever impulse that has.

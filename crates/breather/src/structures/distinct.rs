@@ -29,15 +29,17 @@ impl StructureOrbit {
             ),
             _ => true,
         };
-        psi && (0..n).all(|i| {
-            let (place, own) = ((i + turn) % n, &self.impacts()[i]);
-            let errors = [0, 1].map(|which| self.estimate(i)[which] + other.estimate(place)[which]);
-            are_alike(own, &other.impacts()[place], errors[0])
-                && within(
-                    time_between(own.time, other.impacts()[place].time - start.time, period),
-                    errors[1] + other.estimate(turn)[1],
-                )
-        })
+        let periods = within((period - other.period()).abs(), self.period_error() + other.period_error());
+        psi && periods
+            && (0..n).all(|i| {
+                let (place, own) = ((i + turn) % n, &self.impacts()[i]);
+                let errors = [0, 1].map(|which| self.estimate(i)[which] + other.estimate(place)[which]);
+                are_alike(own, &other.impacts()[place], errors[0])
+                    && within(
+                        time_between(own.time, other.impacts()[place].time - start.time, period),
+                        errors[1] + other.estimate(turn)[1],
+                    )
+            })
     }
 
     /// Whether it is an orbit of fewer periods, gone through several times.

@@ -36,11 +36,13 @@ impl From<&Hit> for Strike {
     }
 }
 
-/// What is solved for: the impacts, the phase of the loads, and where rigid modes are.
+/// What is solved for: the impacts, the phase of the loads or, where nothing gives it, the period, and where rigid modes are.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Point {
     pub(super) strikes: SmallVec<[Strike; 4]>,
     pub(super) psi: f64,
+    /// Of a self-excited orbit an unknown, of others that of the equations.
+    pub(super) period: f64,
     pub(super) offsets: SmallVec<[f64; 1]>,
 }
 
@@ -123,7 +125,11 @@ pub(super) struct Equations<'a> {
     pub(super) response: Arc<Response>,
     pub(super) rigid: Vec<Drift>,
     pub(super) forced: bool,
-    /// Without loads one of Newton's laws follows from the others: that of this impact, which must not lose its impulse.
+    /// No load, but losses that negative dashpots make up for: the period is an unknown.
+    pub(super) self_excited: bool,
+    /// The contacts that are hit.
+    hit: SmallVec<[usize; 4]>,
+    /// Without loads and losses one of Newton's laws follows from the others: that of this impact, which must not lose its impulse.
     pub(super) left_out: usize,
 }
 
@@ -158,7 +164,22 @@ impl<'a> Equations<'a> {
         let response = model.response(&contacts, force_periods)?;
         let rigid = Drift::felt(structure, &contacts)?;
         let forced = structure.is_forced();
-        Ok(Self { model, response, rigid, forced, left_out: 0 })
+        let self_excited = !forced && !structure.is_lossless();
+        if self_excited && force_periods > 1 {
+            return Err(StructureOrbitError::OwnPeriod { force_periods });
+        }
+        Ok(Self { model, response, rigid, forced, self_excited, hit: contacts, left_out: 0 })
+    }
+
+    /// What the same equations of another period answer.
+    pub(super) fn at_period<T>(
+        &self,
+        period: f64,
+        ask: impl FnOnce(&Equations<'_>) -> Result<T, StructureOrbitError>,
+    ) -> Result<T, StructureOrbitError> {
+        let model = self.model.at(TAU / period)?;
+        let (response, rigid, hit) = (model.response(&self.hit, 1)?, self.rigid.clone(), self.hit.clone());
+        ask(&Equations { model: &model, response, rigid, hit, ..*self })
     }
 
     /// The periodic kernel.
@@ -213,15 +234,20 @@ impl<'a> Equations<'a> {
         self.response.load(contact, t)
     }
 
-    /// Numbers of unknowns: impulses, times but the first, ψ if there is a load, offsets.
+    /// Numbers of unknowns: impulses, times but the first, ψ if there is a load, the period if nothing gives it, offsets.
     pub(super) fn unknowns(&self, impacts: usize) -> usize {
-        2 * impacts - 1 + usize::from(self.forced) + self.rigid.len()
+        2 * impacts - 1 + usize::from(self.has_time()) + self.rigid.len()
+    }
+
+    /// Whether ψ or the period is an unknown, behind the times; then no law follows from the others.
+    pub(super) fn has_time(&self) -> bool {
+        self.forced || self.self_excited
     }
 
     /// The row of Newton's law of an impact among `impacts`; `None` of the one that follows from the others.
     pub(super) fn row_of_law(&self, impacts: usize, i: usize) -> Option<usize> {
-        let above = usize::from(!self.forced && i > self.left_out);
-        (self.forced || i != self.left_out).then_some(impacts + i - above)
+        let above = usize::from(!self.has_time() && i > self.left_out);
+        (self.has_time() || i != self.left_out).then_some(impacts + i - above)
     }
 
     /// Offsets of all rigid modes.
@@ -249,9 +275,18 @@ impl<'a> Equations<'a> {
 
     /// All of it at a point.
     pub(super) fn system(&self, point: &Point) -> Result<System, StructureOrbitError> {
+        if self.self_excited {
+            self.at_period(point.period, |equations| equations.assembled(point))
+        } else {
+            self.assembled(point)
+        }
+    }
+
+    /// The same where the period is that of the equations.
+    fn assembled(&self, point: &Point) -> Result<System, StructureOrbitError> {
         let (n, offsets) = (point.strikes.len(), self.rigid.len());
         let size = self.unknowns(n);
-        let laws_left_out = usize::from(!self.forced);
+        let laws_left_out = usize::from(!self.has_time());
         let mut system = System {
             rows: zeros(size),
             sizes: zeros(size),
@@ -271,18 +306,26 @@ impl<'a> Equations<'a> {
             let mut sizes = self.response.load_sizes(strike.contact, strike.time + point.psi);
             sizes[0] += stop.abs();
             let mut jets: SmallVec<[[f64; 4]; 4]> = SmallVec::with_capacity(n);
+            let mut by_period = [0.0; 3];
             for (j, other) in point.strikes.iter().enumerate() {
                 let lapse = if i == j { 0.0 } else { strike.time - other.time };
                 let (jet, terms) = self.kernel().jet(strike.contact, other.contact, lapse);
                 sums.iter_mut().zip(jet).for_each(|(sum, derivative)| *sum += other.impulse * derivative);
                 sizes.iter_mut().zip(terms).for_each(|(size, term)| *size += (other.impulse * term).abs());
                 jets.push(jet);
+                if self.self_excited {
+                    let slopes = self.kernel().by_period(strike.contact, other.contact, lapse);
+                    by_period.iter_mut().zip(slopes).for_each(|(sum, slope)| *sum += other.impulse * slope);
+                }
             }
             // By unknown, of place, velocity and acceleration.
             let slopes = Slopes { impact: i, impulses: &impulses, jets: &jets, load: &load };
             let mut gradient = [0, 1, 2].map(|order| {
                 let mut row = zeros(size);
                 slopes.add(order, time, psi, &mut row);
+                if self.self_excited {
+                    row[2 * n - 1] = by_period[order];
+                }
                 row
             });
             for (place, drift) in self.rigid.iter().enumerate() {
@@ -319,6 +362,9 @@ impl<'a> Equations<'a> {
             let push = drift.push * self.period();
             system.rows[row] = push;
             system.sizes[row] = push.abs();
+            if self.self_excited {
+                system.jacobian[(row, 2 * n - 1)] = drift.push;
+            }
             for (j, strike) in point.strikes.iter().enumerate() {
                 let shape = drift.shapes[strike.contact];
                 system.rows[row] += shape * strike.impulse;

@@ -40,8 +40,24 @@ pub enum StructureOrbitError {
     )]
     AtOnce,
     /// Losses and nothing that restores them.
-    #[error("losses end every motion without a load that changes: give a load, or restitution 1 and no dashpots")]
+    #[error(
+        "losses end the motion: no load changes, and no mode grows by itself; give a load, a dashpot of negative damping, or restitution 1 and \
+         no dashpots"
+    )]
     LossWithoutLoad,
+    /// Periods of a load that there is not.
+    #[error(
+        "force-periods = {force_periods}: no load acts, and a self-excited orbit has a period of its own; leave them out"
+    )]
+    OwnPeriod {
+        /// As given.
+        force_periods: u32,
+    },
+    /// ω, of a structure that no load drives.
+    #[error(
+        "omega does not act on a self-excited orbit, whose period is its own: free another number of the structure"
+    )]
+    NoOmega,
     /// The conditions at the impacts do not determine the impulses.
     #[error(
         "the conditions at the impacts are singular here: orbits of any size, or none; move omega or a barrier a little"

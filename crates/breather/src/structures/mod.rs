@@ -22,6 +22,7 @@
 //! | `at_times` | impulses, offsets and phase at given times |
 //! | `two_impacts` | the proof that no two impacts are missing |
 //! | `three_impacts` | the same of three |
+//! | `self_excited` | orbits whose period is their own |
 //! | `scan`, `starts` | where there is no proof |
 //! | `flight` | [`StructureMotion`]: every contact at any time |
 //! | `windows` | one flight as polynomials |
@@ -46,6 +47,7 @@ mod resonant_doubts;
 mod response;
 mod scan;
 pub(crate) mod search;
+mod self_excited;
 mod starts;
 #[cfg(test)]
 mod tests;

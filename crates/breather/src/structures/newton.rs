@@ -62,7 +62,7 @@ impl Equations<'_> {
     /// One step back along the unknowns, shortened where a time would move by more than a part of the period.
     pub(super) fn take(&self, point: &mut Point, step: &[f64]) {
         let (n, period) = (point.strikes.len(), self.period());
-        let times = &step[n..2 * n - 1 + usize::from(self.forced)];
+        let times = &step[n..2 * n - 1 + usize::from(self.has_time())];
         let longest = times.iter().map(|x| x.abs()).fold(0.0, f64::max);
         let by = if longest > 0.1 * period { 0.1 * period / longest } else { 1.0 };
         for (i, strike) in point.strikes.iter_mut().enumerate() {
@@ -73,6 +73,8 @@ impl Equations<'_> {
         }
         if self.forced {
             point.psi -= by * step[2 * n - 1];
+        } else if self.self_excited {
+            point.period -= by * step[2 * n - 1];
         }
         let first = step.len() - point.offsets.len();
         point.offsets.iter_mut().zip(&step[first..]).for_each(|(offset, step)| *offset -= by * step);

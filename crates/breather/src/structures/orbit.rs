@@ -51,6 +51,7 @@ pub struct StructureOrbit {
     /// Errors of impulses and times, and of ψ, to first order.
     estimates: Vec<[f64; 2]>,
     psi_error: f64,
+    period_error: f64,
     offsets: SmallVec<[f64; 1]>,
     impacts: Vec<StructureImpact>,
     /// The largest violation of the conditions at the impacts, against their terms.
@@ -65,8 +66,21 @@ impl StructureOrbit {
         force_periods: u32,
         (point, system): (Point, System),
     ) -> Result<Self, StructureOrbitError> {
+        if equations.self_excited {
+            let all = |equations: &Equations<'_>| Self::assembled_at(equations, force_periods, (&point, &system));
+            return equations.at_period(point.period, all);
+        }
+        Self::assembled_at(equations, force_periods, (&point, &system))
+    }
+
+    /// The orbit at a point of the equations of its own period.
+    fn assembled_at(
+        equations: &Equations<'_>,
+        force_periods: u32,
+        (point, system): (&Point, &System),
+    ) -> Result<Self, StructureOrbitError> {
         let n = point.strikes.len();
-        let OrbitErrors { unknowns, accelerations, origins, estimates } = OrbitErrors::of(equations, &point, &system)?;
+        let OrbitErrors { unknowns, accelerations, origins, estimates } = OrbitErrors::of(equations, point, system)?;
         let impact = |i: usize| {
             let (strike, arrival) = (&point.strikes[i], &system.arrivals[i]);
             StructureImpact {
@@ -91,13 +105,15 @@ impl StructureOrbit {
             .map(|(row, size)| row.abs() / size.max(f64::MIN_POSITIVE))
             .fold(0.0, f64::max);
         let period = equations.model.period();
+        let last = |is_it: bool| if is_it { estimates[2 * n - 1] } else { 0.0 };
         Ok(Self {
             model: equations.model.clone(),
             response: equations.response.clone(),
             force_periods,
             psi: equations.forced.then(|| point.psi.rem_euclid(period)),
             estimates: (0..n).map(|i| [estimates[i], if i == 0 { 0.0 } else { estimates[n + i - 1] }]).collect(),
-            psi_error: if equations.forced { estimates[2 * n - 1] } else { 0.0 },
+            psi_error: last(equations.forced),
+            period_error: if equations.self_excited { unknowns[2 * n - 1] } else { 0.0 },
             offsets: equations.all_offsets(&point.offsets),
             impacts,
             violation,
@@ -128,15 +144,19 @@ impl StructureOrbit {
         let point = Point {
             strikes: strikes.collect(),
             psi: psi + first,
+            period,
             offsets: smallvec::smallvec![0.0; equations.rigid.len()],
         };
         let point = equations.with_offsets(point)?;
         let solved = equations.solve(point)?;
-        if !in_order(solved.0.strikes.iter().map(|strike| strike.time), period) {
+        let last = if equations.self_excited { solved.0.period } else { period };
+        if !in_order(solved.0.strikes.iter().map(|strike| strike.time), last) {
             return Err(StructureOrbitError::OutOfOrder { found: true });
         }
         let contacts: Vec<usize> = impacts.iter().map(|impact| impact.site).collect();
-        equations.off_resonance(&contacts)?;
+        if !equations.self_excited {
+            equations.off_resonance(&contacts)?;
+        }
         Self::new(&equations, force_periods, solved)
     }
 
@@ -218,7 +238,17 @@ impl StructureOrbit {
 
     /// Whether neither loads that change nor losses are there: the orbit may begin at any time.
     pub fn is_conservative(&self) -> bool {
-        self.psi.is_none()
+        self.psi.is_none() && self.model.structure().is_lossless()
+    }
+
+    /// Whether no load acts on it, but losses that a dashpot of negative damping makes up for: it has a period of its own, and may begin at any time.
+    pub fn is_self_excited(&self) -> bool {
+        self.psi.is_none() && !self.model.structure().is_lossless()
+    }
+
+    /// The error of the period: 0 where a frequency gives it.
+    pub fn period_error(&self) -> f64 {
+        self.period_error
     }
 
     /// Its word: `0+,1-`.

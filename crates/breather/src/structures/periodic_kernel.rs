@@ -169,6 +169,31 @@ impl PeriodicKernel {
         jet
     }
 
+    /// Derivatives by the period of the kernel and its first two derivatives, at −T < t < T as [`Self::jet`] takes it: the impulses of n periods
+    /// ago are n times as much later.
+    ///
+    /// ```text
+    /// Σ nA e^{A(t+nT)} = e^{A(t+T)}A(1−R)⁻²
+    /// ```
+    pub(super) fn by_period(&self, to: usize, from: usize, t: f64) -> [f64; 3] {
+        let mut slopes = [0.0; 3];
+        let flights = Turn::flights(self.sums_of().map(|(mode, _)| mode.flow()), t + self.period);
+        for ((mode, sum), flight) in self.sums_of().zip(flights) {
+            let (row, column, turn) = (mode.rows[to], mode.columns[from], mode.turn);
+            let mut motion = turn.product(turn.product(flight, sum.sum), sum.sum);
+            for entry in &mut slopes {
+                motion = turn.product(motion, mode.generator());
+                *entry += turn.pair(row, motion, column);
+            }
+        }
+        for mode in &self.rigid {
+            let shapes = mode.rows[to][0] * mode.columns[from][1] * mode.rate;
+            let own = rigid_by_period(mode, self.period, t);
+            slopes.iter_mut().zip(own).for_each(|(entry, own)| *entry += shapes * own);
+        }
+        slopes
+    }
+
     /// The kernel from one contact to another and back, of modes that do not grow; `None` where one does, or is rigid.
     pub(super) fn between(&self, first: usize, second: usize) -> Option<Between> {
         let held = self.felt.modes.iter().all(is_held);
@@ -400,6 +425,18 @@ pub(super) fn rigid_jet(mode: &LinearMode, period: f64, t: f64) -> [f64; 4] {
     let dying = (-dashpot * t).exp() / -(-dashpot * period).exp_m1();
     let speed = dying - (dashpot * period).recip();
     [(0.5 - part - dying) / dashpot, speed, -dashpot * dying, dashpot * dashpot * dying]
+}
+
+/// Derivatives by T of a rigid mode's k and its first two derivatives, at −T < t < T: of those at t + T where t is not positive.
+fn rigid_by_period(mode: &LinearMode, period: f64, t: f64) -> [f64; 3] {
+    let (part, dashpot) = (t / period, 2.0 * mode.decay);
+    if dashpot == 0.0 {
+        return [0.5 * part * part, part / period, (period * period).recip()];
+    }
+    let left = (-dashpot * period).exp_m1();
+    let dying = (-dashpot * (t + period)).exp() / (left * left);
+    let pull = (dashpot * period).recip();
+    [pull * part + dying, pull / period - dashpot * dying, dashpot * dashpot * dying]
 }
 
 /// 1 − e^{AT} as a + bJ, without cancellation next to a resonance.

@@ -94,6 +94,8 @@ pub struct StructureFound {
     pub orbits: Vec<StructureOrbit>,
     /// How they were sought.
     pub search: StructureSearch,
+    /// Of self-excited motion, whose period is an unknown, the least and the largest that were searched: of others nothing is known.
+    pub periods: Option<[f64; 2]>,
 }
 
 /// All orbits of a word that are found: contacts stand in place of sites. Those of one impact or two are listed with their signs as they are,
@@ -155,20 +157,27 @@ fn found(
     {
         return Err(StructureOrbitError::Unfelt);
     }
-    if letters.len() > word.instants().len() && (equations.forced || word.instants().len() > 2) {
+    if letters.len() > word.instants().len() && (equations.has_time() || word.instants().len() > 2) {
         return Err(StructureOrbitError::AtOnce);
     }
-    if !equations.forced && !model.structure().is_lossless() {
+    let impacts = Impacts { equations: &equations, letters };
+    if equations.self_excited && !impacts.are_excited() {
         return Err(StructureOrbitError::LossWithoutLoad);
     }
-    let contacts: SmallVec<[usize; 4]> = letters.iter().map(|(contact, _)| *contact).collect();
-    equations.off_resonance(&contacts)?;
-    let impacts = Impacts { equations: &equations, letters };
-    let (starts, mut search) = if letters_at_once(word) { impacts.reversible(word)? } else { impacts.begin(wanted)? };
+    let periods = equations.self_excited.then(|| impacts.periods());
+    let (starts, mut search) = match periods {
+        Some(periods) => impacts.of_own_period(periods)?,
+        None => {
+            let contacts: SmallVec<[usize; 4]> = impacts.letters.iter().map(|(contact, _)| *contact).collect();
+            equations.off_resonance(&contacts)?;
+            if letters_at_once(word) { impacts.reversible(word)? } else { impacts.begin(wanted)? }
+        }
+    };
     let pushing = matches!(search, StructureSearch::Starts { .. } | StructureSearch::BranchAndPrune { .. });
     let listed = |orbit: &StructureOrbit| {
         let pulls = orbit.impacts().iter().any(|impact| impact.barrier.sign() * impact.impulse >= 0.0);
-        !(orbit.repeats_sooner() || pulls && pushing)
+        let searched = periods.is_none_or(|[from, to]| (from..=to).contains(&orbit.period()));
+        searched && !(orbit.repeats_sooner() || pulls && pushing)
     };
     let (mut solutions, mut lost): (Vec<Solution>, usize) = (Vec::new(), 0);
     for Start { point, is_zero } in starts {
@@ -199,7 +208,7 @@ fn found(
     model.heard()?;
     search.leave_open(lost);
     let orbits = solutions.into_iter().map(|solution| solution.orbit).filter(listed).collect();
-    Ok(StructureFound { orbits, search })
+    Ok(StructureFound { orbits, search, periods })
 }
 
 /// An orbit, and at which of its impacts those begin that zeros have led to.
@@ -218,7 +227,7 @@ const PULLS: f64 = 1e-6;
 
 impl Point {
     /// Whether a barrier surely pulls: no such orbit is physical.
-    fn pulls(&self) -> bool {
+    pub(super) fn pulls(&self) -> bool {
         let largest = self.strikes.iter().map(|strike| strike.impulse.abs()).fold(0.0, f64::max);
         self.strikes.iter().any(|strike| strike.barrier.sign() * strike.impulse > PULLS * largest)
     }

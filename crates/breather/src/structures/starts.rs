@@ -7,7 +7,7 @@ use super::search::{Starts, StructureSearch};
 use crate::equations::linear::{Matrix, zeros};
 
 /// Starts of a word of three impacts or more.
-const STARTS: usize = 600;
+pub(super) const STARTS: usize = 600;
 
 impl Impacts<'_> {
     /// Starts spread over times and phase, with impulses that fit them.
@@ -36,7 +36,7 @@ impl Impacts<'_> {
             impulse: 0.0,
         });
         let offsets = smallvec::smallvec![0.0; self.equations.rigid.len()];
-        let mut point = Point { strikes: strikes.collect(), psi, offsets };
+        let mut point = Point { strikes: strikes.collect(), psi, period: self.equations.period(), offsets };
         let mut law = Matrix::zeros(n);
         let mut right = zeros(n);
         for (i, strike) in point.strikes.iter().enumerate() {
@@ -68,7 +68,7 @@ impl Impacts<'_> {
 }
 
 /// Powers of the inverse of the root of x^{d+1} = x + 1.
-fn golden(axis: usize, dimensions: usize) -> f64 {
+pub(super) fn golden(axis: usize, dimensions: usize) -> f64 {
     let mut root: f64 = 2.0;
     for _ in 0..30 {
         root = (1.0 + root).powf(1.0 / (dimensions as f64 + 1.0));

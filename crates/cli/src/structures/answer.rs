@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use vibrochain_breather::{StructureFound, StructureModel, StructureSearch};
+use vibrochain_lattice::Short;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::structure::answer::{kept, told};
 use vibrochain_maps::structure::{Answered, StructureScene};
@@ -60,7 +61,10 @@ pub(crate) fn text(
         (0, false) => writeln!(out, "none was found"),
         (count, _) => writeln!(out, "{count} solution{}, {physical} physical", plural(count)),
     };
-    let _ = writeln!(out, "the list is {}", how(found.search));
+    let of_periods = found.periods.map_or_else(String::new, |[from, to]| {
+        format!("; periods are unknown here, and searched from {} to {}", Short(from), Short(to))
+    });
+    let _ = writeln!(out, "the list is {}{of_periods}", how(found.search));
     for (number, one) in answered.iter().enumerate() {
         let orbit = one.orbit;
         let _ = write!(out, "\nsolution {}: period {}", number + 1, Number(orbit.period()));
@@ -100,6 +104,9 @@ pub(crate) fn text(
             bound(worst(|impact| impact.impulse_error)),
             bound(worst(|impact| impact.time_error))
         );
+        if orbit.is_self_excited() {
+            let _ = writeln!(out, "  the period is its own, to {:.0e}", orbit.period_error());
+        }
     }
     out
 }

@@ -117,7 +117,8 @@ pub(crate) fn found(which: &WhichArgs, scene: &StructureScene, model: &Structure
     if let Some(path) = &which.near {
         let orbit = near(path, model)?;
         let (word, periods) = (orbit.word(), orbit.force_periods());
-        let found = StructureFound { orbits: vec![orbit], search: StructureSearch::Starts { starts: 1 } };
+        let found =
+            StructureFound { orbits: vec![orbit], search: StructureSearch::Starts { starts: 1 }, periods: None };
         return Ok(OfWord { found, word, periods });
     }
     let of_family = which

@@ -1,5 +1,6 @@
 //! What a run of a structure came to: what its last impacts repeat, as text and as JSON.
 
+use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
 use crate::common::schemas::STRUCTURE_RUN;
@@ -17,6 +18,9 @@ use vibrochain_maps::structure::answer::structure;
 /// Periods of the load that one of what a run repeats may have.
 pub(super) const MOST_PERIODS: u64 = 32;
 
+/// Impacts that one of what a run without a load repeats may have.
+const MOST_IMPACTS: usize = 8;
+
 /// So often a pattern must be seen.
 pub(super) const REPETITIONS: u64 = 4;
 
@@ -33,7 +37,9 @@ const FAR: f64 = 1e-2;
 pub(super) struct Settled {
     /// Whether the orbit that holds them is, if that is known.
     stable: Option<bool>,
+    /// Periods of the load; 0 without one.
     force_periods: u64,
+    period: f64,
     psi: f64,
     impacts: Vec<Hit>,
 }
@@ -90,8 +96,11 @@ impl Settled {
     /// The verdict on the orbit that holds these impacts: Newton's method finds it from here. Differences from one repetition to the next
     /// tell less: rounding makes them shrink or grow, and on a torus they may shrink for long.
     fn verdict(&self, model: &StructureModel) -> Option<Verdict> {
-        let orbit = StructureOrbit::near(model, self.force_periods as u32, self.psi, &self.impacts).ok()?;
-        let period = model.period();
+        let forced = self.force_periods > 0;
+        let own = if forced { model.clone() } else { model.at(TAU / self.period).ok()? };
+        let count = self.force_periods.max(1) as u32;
+        let orbit = StructureOrbit::near(&own, count, self.psi, &self.impacts).ok()?;
+        let period = own.period();
         let late = orbit.psi().map_or(0.0, |psi| (psi - self.psi + 0.5 * period).rem_euclid(period) - 0.5 * period);
         let off = self.impacts.iter().zip(orbit.impacts()).map(|(hit, own)| {
             let impulse = (own.impulse - hit.impulse).abs() / own.impulse.abs();
@@ -122,6 +131,9 @@ pub(super) fn settled(
     if rests || events.iter().any(is_lately) {
         return Ok(End::Rests);
     }
+    if !model.structure().is_forced() {
+        return of_own_period(model, events);
+    }
     let late = quiet(events.iter().map(since).filter(|since| *since < MOST_PERIODS as f64));
     let since = |event: &ContactEvent| since(event) - late;
     let seen = events.first().map_or(0.0, since);
@@ -146,6 +158,7 @@ pub(super) fn settled(
         let mut settled = Settled {
             stable: None,
             force_periods: count,
+            period: count as f64 * period,
             psi: (psi + begin.offset()).rem_euclid(period),
             impacts: impacts.collect(),
         };
@@ -162,6 +175,42 @@ pub(super) fn settled(
     }
     let nearly = missed.iter().filter(|(_, by)| *by < FAR).map(|(count, by)| by / *count as f64);
     Ok(nearly.reduce(f64::min).map_or(End::Other, End::Moves))
+}
+
+/// The same without a load, which gives no period: by the order of the impacts.
+fn of_own_period(model: &StructureModel, events: &[ContactEvent]) -> End {
+    let after = |event: &ContactEvent, begin: &ContactEvent| {
+        let periods = event.time.periods() as f64 - begin.time.periods() as f64;
+        periods * model.period() + (event.time.offset() - begin.time.offset())
+    };
+    let (mut missed, whole) = (Vec::new(), REPETITIONS as usize);
+    for count in 1..=MOST_IMPACTS {
+        let Some(from) = events.len().checked_sub(whole * count + 1) else { break };
+        let latest = &events[from..];
+        let lasted = |n: usize| after(&latest[(n + 1) * count], &latest[n * count]);
+        let windows = [0, 1, 2, 3].map(|n: usize| -> Vec<(&ContactEvent, f64)> {
+            let begin = &latest[n * count];
+            latest[n * count..(n + 1) * count].iter().map(|event| (event, after(event, begin) / lasted(n))).collect()
+        });
+        let [first, second, before, last] = &windows;
+        let differences = [apart(last, before), apart(before, second), apart(second, first)];
+        let [Some(now), Some(then), Some(once)] = differences else { continue };
+        let period = lasted(3);
+        let slip = (lasted(2) - period).abs() / period;
+        let begin = &latest[3 * count];
+        let hit = |event: &ContactEvent| Hit::new(event.contact, event.barrier, after(event, begin), event.impulse);
+        let impacts = latest[3 * count..4 * count].iter().map(hit).collect();
+        let mut settled = Settled { stable: None, force_periods: 0, period, psi: 0.0, impacts };
+        let now = now.max(slip);
+        let verdict = if now <= FAR { settled.verdict(model) } else { None };
+        let verdict = verdict.filter(|verdict| !verdict.undecided);
+        if now.max(then).max(once) <= EQUAL || verdict.is_some_and(|verdict| verdict.excess() != 0.0) {
+            settled.stable = verdict.map(|verdict| verdict.stable);
+            return End::Repeats(settled);
+        }
+        missed.push(now);
+    }
+    missed.into_iter().filter(|by| *by < FAR).reduce(f64::min).map_or(End::Other, End::Moves)
 }
 
 fn outcome(outcome: &StructureOutcome) -> String {
@@ -224,6 +273,10 @@ pub(super) fn text(
     }
     let is_short = report.time.in_periods() < REPETITIONS as f64;
     match settled {
+        End::Repeats(settled) if settled.force_periods == 0 => {
+            let held = if settled.stable == Some(false) { ": an unstable orbit, which it will leave" } else { "" };
+            let _ = writeln!(out, "it repeats {}, with a period of {}{held}", settled.word(), Number(settled.period));
+        }
         End::Repeats(settled) => {
             let plural = if settled.force_periods == 1 { "" } else { "s" };
             let held = if settled.stable == Some(false) { ": an unstable orbit, which it will leave" } else { "" };
@@ -289,7 +342,7 @@ pub(super) fn answer(
         json!({
             "word": settled.word(),
             "stable": settled.stable,
-            "period": settled.force_periods as f64 * model.period(),
+            "period": settled.period,
             "psi": settled.psi,
             "impacts": impacts.collect::<Vec<_>>(),
         })

@@ -36,7 +36,7 @@ pub use multipliers::ImpactSpectrum;
 pub(crate) use refine::{Origin, Refined};
 pub use shape::ModalShape;
 pub(crate) use solve::Zero;
-pub(crate) use verdict::{Posed, judged, origins, posed, spectrum, told, verdict};
+pub(crate) use verdict::{Posed, judged, origins, posed, spectrum, told, told_of_cycle, verdict};
 
 /// Equations of one impact to three at one contact or two, over modes damped up to `most` times critically; some die within a period.
 #[cfg(test)]

@@ -19,6 +19,9 @@ use crate::zeros::{SecularError, excess};
 /// Room for what estimates of errors leave out where an answer hangs on them.
 const ROOM: f64 = 4.0;
 
+/// How far the multiplier of an orbit's own derivative may be off where the orbit's errors are left out: the root of rounding, with room.
+const AS_IT_STANDS: f64 = 1e-6;
+
 /// Verdict and multipliers of one orbit.
 #[derive(Debug, Clone)]
 pub(crate) struct Spectrum {
@@ -83,15 +86,40 @@ pub(crate) fn told(
     data: &[Origin],
     tolerance: Tolerance,
 ) -> Result<(Verdict, Vec<Complex<f64>>), SecularError> {
-    let Zeros { list, reciprocal, certified, .. } = zeros(equations, conservative, data);
-    if !certified {
-        let (found, wanted) = (list.iter().filter(|zero| zero.apart).count(), list.len());
-        let known = found == wanted;
-        return Err(if known { SecularError::Inconsistent } else { SecularError::Incomplete { found, wanted } });
-    }
+    let Zeros { list, reciprocal, .. } = certified(zeros(equations, conservative, data))?;
     let mut multipliers = Vec::with_capacity(2 * list.len());
     let verdict = judged(&list, reciprocal, tolerance, &mut multipliers);
     Ok((verdict, multipliers))
+}
+
+/// The same of a self-excited orbit, which may begin at any time though energy is lost: its own derivative has the multiplier 1, a simple one,
+/// which is left out. `drift` is what the error of its period makes of multipliers, relative.
+pub(crate) fn told_of_cycle(
+    equations: &BlochEquations,
+    data: &[Origin],
+    drift: f64,
+    tolerance: Tolerance,
+) -> Result<(Verdict, Vec<Complex<f64>>), SecularError> {
+    let Zeros { mut list, .. } = certified(zeros(equations, false, data))?;
+    list.iter_mut().for_each(|zero| zero.error += drift * zero.z.norm());
+    let off = |zero: &Zero| (zero.z - 1.0).norm();
+    let nearest = (0..list.len()).min_by(|&i, &j| off(&list[i]).total_cmp(&off(&list[j])));
+    // Where the orbit's own errors are not asked about, as far as they may move it.
+    let reach = |i: usize| if data.is_empty() { AS_IT_STANDS } else { ROOM * list[i].error };
+    let own = nearest.filter(|&i| off(&list[i]) <= reach(i)).ok_or(SecularError::Inconsistent)?;
+    list.remove(own);
+    let mut multipliers = Vec::with_capacity(list.len());
+    let verdict = judged(&list, false, tolerance, &mut multipliers);
+    Ok((verdict, multipliers))
+}
+
+/// Zeros that are all there and told apart.
+fn certified(zeros: Zeros) -> Result<Zeros, SecularError> {
+    if zeros.certified {
+        return Ok(zeros);
+    }
+    let (found, wanted) = (zeros.list.iter().filter(|zero| zero.apart).count(), zeros.list.len());
+    Err(if found == wanted { SecularError::Inconsistent } else { SecularError::Incomplete { found, wanted } })
 }
 
 /// What zeros say, of which the multipliers go to `multipliers`.

@@ -128,7 +128,7 @@ impl OfStructure {
     fn evened(&mut self, point: &StructureBranchPoint) -> Option<Located<StructureOrbit>> {
         let orbit = point.orbit();
         let simpler = orbit.evened()?.ok()?;
-        let doubled = simpler.force_periods() < orbit.force_periods();
+        let doubled = simpler.period() < 0.75 * orbit.period();
         let (test, event, goal) =
             if doubled { (Test::MinusOne, Event::PeriodDoubling, -1.0) } else { (Test::One, Event::Pitchfork, 1.0) };
         let solved = self.solved(&simpler, test, point.value())?;

@@ -6,7 +6,7 @@ use vibrochain_lattice::aside;
 
 use crate::analyser::Stability;
 use crate::error::FloquetError;
-use crate::spectrum::{BEYOND, Origin, is_surely_beyond, origins, told, verdict};
+use crate::spectrum::{BEYOND, Origin, is_surely_beyond, origins, told, told_of_cycle, verdict};
 use crate::verdict::{Tolerance, Verdict};
 use crate::zeros::{SecularError, excess};
 
@@ -17,7 +17,8 @@ const FIRST_ORDER: f64 = 1e-9;
 /// How many times more than to first order the spectral radius may move with the orbit's data, or less, for the bound to be one.
 const STRAIGHT: f64 = 1.5;
 
-/// All multipliers of an orbit of a structure, and what they say. A conservative orbit's trivial pair 1, 1 is among them. Where the orbit's own
+/// All multipliers of an orbit of a structure, and what they say. A conservative orbit's trivial pair 1, 1 is among them, and the 1 of a
+/// self-excited one. Where the orbit's own
 /// errors have no bound, as next to a fold, or are too large for the multipliers' to have one, the verdict is undecided and its
 /// [`Verdict::resolution`] not finite.
 ///
@@ -50,9 +51,8 @@ fn stability(orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Stability, 
     let known = StructureMultipliers::of(orbit);
     let (verdict, mut multipliers) = known.all(tolerance)?;
     multipliers.extend(known.spared.iter().flat_map(|pair| known.multipliers_of(pair)));
-    if orbit.is_conservative() {
-        multipliers.extend([Complex::new(1.0, 0.0); 2]);
-    }
+    let own = if orbit.is_conservative() { 2 } else { usize::from(orbit.is_self_excited()) };
+    multipliers.extend(std::iter::repeat_n(Complex::new(1.0, 0.0), own));
     multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
     Ok(Stability { verdict, multipliers })
 }
@@ -121,16 +121,33 @@ impl<'a> StructureMultipliers<'a> {
     /// As [`structure_stability`].
     pub fn verdict(&self, tolerance: Tolerance) -> Result<Verdict, FloquetError> {
         let ask = |equations: &BlochEquations, data: &[Origin]| {
-            verdict(equations, self.orbit.is_conservative(), data, tolerance).map(|verdict| (verdict, ()))
+            if self.orbit.is_self_excited() {
+                self.told(equations, data, tolerance).map(|(verdict, _)| (verdict, ()))
+            } else {
+                verdict(equations, self.orbit.is_conservative(), data, tolerance).map(|verdict| (verdict, ()))
+            }
         };
         self.as_well_as_known(ask, tolerance).map(|(felt, ())| self.with_spared(felt, tolerance))
     }
 
+    /// The verdict on the modes that the impacts feel, and their multipliers without what is the orbit's own derivative.
+    fn told(
+        &self,
+        equations: &BlochEquations,
+        data: &[Origin],
+        tolerance: Tolerance,
+    ) -> Result<(Verdict, Vec<Complex<f64>>), SecularError> {
+        if !self.orbit.is_self_excited() {
+            return told(equations, self.orbit.is_conservative(), data, tolerance);
+        }
+        let rates = equations.kernel().modes().iter().flat_map(|mode| mode.rates());
+        let fastest = rates.map(|rate| rate.norm()).fold(0.0, f64::max);
+        told_of_cycle(equations, data, fastest * self.orbit.period_error(), tolerance)
+    }
+
     /// The same with the multipliers of the modes that the impacts feel.
     fn all(&self, tolerance: Tolerance) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
-        let ask = |equations: &BlochEquations, data: &[Origin]| {
-            told(equations, self.orbit.is_conservative(), data, tolerance)
-        };
+        let ask = |equations: &BlochEquations, data: &[Origin]| self.told(equations, data, tolerance);
         let (felt, multipliers) = self.as_well_as_known(ask, tolerance)?;
         Ok((self.with_spared(felt, tolerance), multipliers))
     }

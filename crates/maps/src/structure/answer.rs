@@ -77,6 +77,7 @@ pub fn json(
         "word": heading,
         "solutions": answered.iter().map(Answered::json).collect::<Vec<_>>(),
         "search": found.search,
+        "periods": found.periods,
     })
 }
 
@@ -157,6 +158,9 @@ impl Answered<'_> {
             "obstruction": self.admissibility.obstruction.as_ref().map(obstruction),
             "stability": null,
         });
+        if orbit.is_self_excited() {
+            answer["period_error"] = orbit.period_error().into();
+        }
         if !orbit.offsets().is_empty() {
             answer["offsets"] = orbit.offsets().into();
         }

@@ -22,9 +22,9 @@ pub(super) enum Release {
 
 /// A number with its error.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Known {
-    pub(crate) value: f64,
-    pub(crate) error: f64,
+struct Known {
+    value: f64,
+    error: f64,
 }
 
 impl Known {
