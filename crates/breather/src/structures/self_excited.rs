@@ -68,7 +68,8 @@ impl Impacts<'_> {
     /// Of one impact all zeros of F; `None` where it cannot be enclosed, or takes too long.
     fn proved_periods(&self, [from, to]: [f64; 2]) -> Option<Starts> {
         let law = PeriodLaw::new(self)?;
-        let mut zeros = Zeros { stop: self.equations.model.stop().clone(), ..Zeros::default() };
+        let mut zeros = Zeros::default();
+        zeros.stop = self.equations.model.stop().clone();
         let pieces = ((law.fastest() * to) as usize).clamp(PIECES[0], PIECES[1]);
         zeros.find(&law, from, to, pieces, |_| RESOLUTION * to);
         if zeros.exhausted > 0 {
