@@ -132,7 +132,7 @@ pub(super) fn settled(
         return Ok(End::Rests);
     }
     if !model.structure().is_forced() {
-        return of_own_period(model, events);
+        return Ok(of_own_period(model, events));
     }
     let late = quiet(events.iter().map(since).filter(|since| *since < MOST_PERIODS as f64));
     let since = |event: &ContactEvent| since(event) - late;
