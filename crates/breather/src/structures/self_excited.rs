@@ -19,12 +19,12 @@ use std::f64::consts::TAU;
 use vibrochain_lattice::simd::lanes::{LANES, Lane};
 use vibrochain_lattice::{Complex, LinearMode, Turn};
 
-use super::at_times::Impacts;
+use super::at_times::{Impacts, Start};
 use super::equations::Point;
 use super::error::StructureOrbitError;
 use super::periodic_kernel::{PeriodicKernel, length};
-use super::search::StructureSearch;
-use super::starts::{STARTS, Start, Starts, golden};
+use super::search::{Starts, StructureSearch};
+use super::starts::{STARTS, golden};
 use super::two_impacts::RESOLUTION;
 use crate::roots::interval::{Clearance, Enclosed, Zeros};
 
