@@ -319,3 +319,51 @@ impl Meromorphic for OfHalfSum<'_, '_> {
         Value { slope, poles, slope_error, ..value }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use vibrochain_breather::LinearImpact;
+    use vibrochain_lattice::BlochKernel;
+
+    use super::super::ImpactSpectrum;
+    use super::*;
+
+    /// A fast mode that dies within a period turns thousands of times between impacts: its flights are rounded as often, which moves the
+    /// multipliers, though no pole of it is left.
+    #[test]
+    fn rounding_of_flights_grows_with_their_turns() {
+        let period = 4.0;
+        let (mut checked, mut felt) = (0, 0);
+        for (turns, lapse) in [(1e3, 0.05), (1e4, 0.05), (1e5, 0.03), (1e5, 0.1), (1e6, 0.02)] {
+            for (slow, accelerations) in [(0.7, [0.3, -0.2]), (1.9, [0.5, 0.4]), (1.1, [-0.6, 0.1])] {
+                let equations = |unit: f64| {
+                    let mut kernel = BlochKernel::new(period, 2);
+                    kernel.push_oscillator(slow, 0.05, &[1.0, 0.3]);
+                    let fast = turns / period * (1.0 + unit * f64::EPSILON);
+                    kernel.push_decaying(25.0 / period, fast * fast, &[0.8, -0.9]);
+                    let impact = |contact: usize, time: f64, impulse: f64| LinearImpact {
+                        contact,
+                        time,
+                        impulse,
+                        restitution: 0.8,
+                        acceleration_before: accelerations[contact],
+                    };
+                    BlochEquations::new(kernel, vec![impact(0, 0.0, 1.1), impact(1, lapse * period, -0.7)])
+                };
+                let [here, aside] = [0.0, 4.0].map(|unit| ImpactSpectrum::new(&equations(unit)));
+                if !(here.is_certified && aside.is_certified) {
+                    continue;
+                }
+                for (z, error) in here.multipliers.iter().zip(&here.errors) {
+                    let distance = |(other, of): (&C, &f64)| (modulus(other - z), *of);
+                    let nearest = aside.multipliers.iter().zip(&aside.errors).map(distance);
+                    let (apart, of) = nearest.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+                    assert!(apart <= 4.0 * (error + of), "{turns} {lapse} {z}: {apart:e} {error:e}");
+                    felt += usize::from(apart > 100.0 * f64::EPSILON * modulus(*z));
+                    checked += 1;
+                }
+            }
+        }
+        assert!(checked >= 40 && felt >= 10, "{checked} {felt}");
+    }
+}

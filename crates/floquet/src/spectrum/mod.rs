@@ -40,7 +40,10 @@ pub(crate) use verdict::{Posed, judged, origins, posed, spectrum, told, told_of_
 
 /// Equations of one impact to three at one contact or two, over modes damped up to `most` times critically; some die within a period.
 #[cfg(test)]
-fn random_equations(random: &mut vibrochain_testkit::Random, most: f64) -> vibrochain_breather::BlochEquations {
+pub(crate) fn random_equations(
+    random: &mut vibrochain_testkit::Random,
+    most: f64,
+) -> vibrochain_breather::BlochEquations {
     let (modes, contacts, period) = (1 + random.below(9), 1 + random.below(2), random.between(1.0, 8.0));
     let mut kernel = vibrochain_lattice::BlochKernel::new(period, contacts);
     for _ in 0..modes {

@@ -258,3 +258,55 @@ pub(crate) fn origins(equations: &BlochEquations, condition: &Condition) -> Vec<
     }
     origins
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::random_equations;
+    use super::*;
+
+    /// A datum of an orbit that is off, a time, an impulse or an acceleration, moves the leading multiplier by what is told, and rounding is far
+    /// less than that.
+    #[test]
+    fn errors_of_times_impulses_and_accelerations_are_carried_to_the_verdict() {
+        let mut random = vibrochain_testkit::Random(77);
+        let (mut checked, mut felt) = ([0; 3], [0; 3]);
+        for round in 0..240 {
+            let equations = random_equations(&mut random, 0.5);
+            let (n, kind) = (equations.impacts().len(), round % 3);
+            let i = random.below(n);
+            if kind == 0 && i == 0 {
+                // Times are counted from the first impact on.
+                continue;
+            }
+            let off = 1e-8;
+            let mut impacts = equations.impacts().to_vec();
+            let mut origin: Together = impacts.iter().map(|_| ImpactError::default()).collect();
+            match kind {
+                0 => (impacts[i].time, origin[i].time) = (impacts[i].time + off, off),
+                1 => (impacts[i].impulse, origin[i].impulse) = (impacts[i].impulse + off, off),
+                _ => {
+                    (impacts[i].acceleration_before, origin[i].acceleration) =
+                        (impacts[i].acceleration_before + off, off)
+                }
+            }
+            let moved = BlochEquations::new(equations.kernel().clone(), impacts);
+            let data = origins(&equations, &Condition { origins: vec![origin], ..Condition::default() });
+            let ask = |equations: &BlochEquations, data: &[Origin]| {
+                told(equations, false, data, Tolerance::Rounding).map(|(verdict, _)| verdict)
+            };
+            let (Ok(known), Ok(exact), Ok(there)) = (ask(&equations, &data), ask(&equations, &[]), ask(&moved, &[]))
+            else {
+                continue;
+            };
+            let apart = (there.excess() - exact.excess()).abs();
+            let room = 1e-4 * apart + exact.resolution + there.resolution;
+            assert!(apart <= known.resolution + room, "{kind} {i}: {apart:e} {:e} {equations:?}", known.resolution);
+            checked[kind] += 1;
+            felt[kind] += usize::from(apart > 1e3 * exact.resolution && known.resolution < 1e3 * apart);
+        }
+        assert!(
+            checked.iter().all(|count| *count > 20) && felt.iter().all(|count| *count > 10),
+            "{checked:?} {felt:?}"
+        );
+    }
+}
