@@ -192,14 +192,17 @@ impl Enclosed for PeriodLaw<'_> {
             let (centre, radius) = (centres[i], radii[i]);
             let ([value, slope], doubt) = self.jet(centre);
             let bend = self.bend(centre - radius, centre + radius) * (1.0 + 1e-9);
-            let away = slope.abs() - bend * radius;
-            Clearance {
-                function: value.abs() - (slope.abs() + 0.5 * bend * radius) * radius - doubt,
-                // Of the slope rounding is as large a part.
-                derivative: away - doubt * self.fastest(),
-                ends: [0.0; 2],
-                centre: (value, slope),
-            }
+            let function = value.abs() - (slope.abs() + 0.5 * bend * radius) * radius - doubt;
+            // Of the slope rounding is as large a part.
+            let derivative = slope.abs() - bend * radius - doubt * self.fastest();
+            let end = |period: f64| {
+                let ([value, _], doubt) = self.jet(period);
+                if value.abs() > doubt { value } else { 0.0 }
+            };
+            // They are asked for where there may be a zero, and one alone.
+            let alone = function <= 0.0 && derivative > 0.0;
+            let ends = if alone { [centre - radius, centre + radius].map(end) } else { [0.0; 2] };
+            Clearance { function, derivative, ends, centre: (value, slope) }
         })
     }
 
