@@ -1,9 +1,9 @@
 //! The file of one chunk: a line that says what it is, rows of the table, a line with their counts, a checksum.
 //!
 //! ```text
-//! vibrochain-chunk 2 IDENTITY chunk 12 cells 98304..106496
+//! vibrochain-chunk 3 IDENTITY chunk 12 cells 98304..106496
 //! 0.1,1.5,stable-double,…
-//! summary classes 0,8192,… statuses 8192,0,… worst_residual 8.9e-16 slow 0 computed 8192
+//! summary classes 0,8192,… statuses 8192,0,… absences 0,… worst_residual 8.9e-16 slow 0 computed 8192
 //! checksum XXH3-128 OF ALL ABOVE
 //! ```
 

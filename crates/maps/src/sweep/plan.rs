@@ -21,7 +21,7 @@ use crate::text::{clipped, read_text};
 pub(super) const PLAN_BEGINS: &[u8] = b"{\n  \"program\": \"mapgen\"";
 
 /// The form of chunks and of the plan beside them.
-pub(super) const FORMAT: u32 = 2;
+pub(super) const FORMAT: u32 = 3;
 
 /// The most chunks: no folder should have to hold more files. Beyond it chunks grow.
 const MOST_CHUNKS: u64 = 1 << 17;
