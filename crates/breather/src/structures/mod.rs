@@ -17,13 +17,7 @@
 //! | `resonant_doubts` | what the error of a frequency does to them next to a resonance |
 //! | `errors` | bounds of an orbit's errors |
 //! | `newton` | from impacts nearby to an orbit |
-//! | `distinct` | which orbits of a list are one, and which are orbits of its word |
 //! | `search` | all orbits of up to three impacts; of more, those that starts lead to |
-//! | `at_times` | impulses, offsets and phase at given times |
-//! | `two_impacts` | the proof that no two impacts are missing |
-//! | `three_impacts` | the same of three |
-//! | `self_excited` | orbits whose period is their own |
-//! | `scan`, `starts` | where there is no proof |
 //! | `flight` | [`StructureMotion`]: every contact at any time |
 //! | `windows` | one flight as polynomials |
 //! | `admissible` | physical or what is in the way |
@@ -31,10 +25,8 @@
 //! | `departure` | where the branch of other orbits begins |
 
 pub(crate) mod admissible;
-mod at_times;
 pub(crate) mod continuation;
 mod departure;
-mod distinct;
 mod equations;
 pub(crate) mod error;
 mod errors;
@@ -45,12 +37,7 @@ pub(crate) mod orbit;
 mod periodic_kernel;
 mod resonant_doubts;
 mod response;
-mod scan;
 pub(crate) mod search;
-mod self_excited;
-mod starts;
 #[cfg(test)]
 mod tests;
-mod three_impacts;
-mod two_impacts;
 mod windows;

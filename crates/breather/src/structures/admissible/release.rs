@@ -22,12 +22,12 @@ pub(super) enum Release {
 
 /// A number with its error.
 #[derive(Debug, Clone, Copy)]
-struct Known {
+struct Estimate {
     value: f64,
     error: f64,
 }
 
-impl Known {
+impl Estimate {
     /// 1 or −1; 0 of one that may be 0.
     fn sign(self) -> f64 {
         if self.value.abs() > self.error { self.value.signum() } else { 0.0 }
@@ -52,8 +52,8 @@ impl Release {
         }
         let contact = impact.contact;
         let [_, _, acceleration, jerk] = motion.jet(contact, last, 0.0);
-        let acceleration = Known { value: acceleration, error: acceleration_error(orbit, number, acceleration) };
-        let jerk = Known { value: jerk, error: motion.error(contact, 3, last) };
+        let acceleration = Estimate { value: acceleration, error: acceleration_error(orbit, number, acceleration) };
+        let jerk = Estimate { value: jerk, error: motion.error(contact, 3, last) };
         let decided = if acceleration.sign() == 0.0 { jerk.sign() } else { acceleration.sign() };
         // Away from the barrier is positive.
         let away = -impact.barrier.sign();
@@ -87,21 +87,21 @@ fn last_at_once(orbit: &StructureOrbit, motion: &StructureMotion<'_>, number: us
 }
 
 /// −e g′⁻, and what impacts of others at the same instant give to it.
-fn velocity(orbit: &StructureOrbit, number: usize, last: usize) -> Known {
+fn velocity(orbit: &StructureOrbit, number: usize, last: usize) -> Estimate {
     let (impacts, structure) = (orbit.impacts(), orbit.model().structure());
     let impact = &impacts[number];
     let restitution = structure.contacts()[impact.contact].restitution;
     let own = || structure.mobility(impact.contact, impact.contact);
     let mobility = orbit.response().mobility(impact.contact).unwrap_or_else(own);
     let of_impulse = restitution / (1.0 + restitution) * mobility * impact.impulse_error;
-    let own = Known { value: impact.velocity_after, error: of_impulse + ROUNDING * impact.velocity_after.abs() };
+    let own = Estimate { value: impact.velocity_after, error: of_impulse + ROUNDING * impact.velocity_after.abs() };
     let count = impacts.len();
     let others = (1..=(last + count - number) % count).map(|more| &impacts[(number + more) % count]);
     others.fold(own, |sum, other| {
         let by = structure.mobility(impact.contact, other.contact);
         let given = by * other.impulse;
         let error = by.abs() * other.impulse_error + ROUNDING * given.abs();
-        Known { value: sum.value + given, error: sum.error + error }
+        Estimate { value: sum.value + given, error: sum.error + error }
     })
 }
 

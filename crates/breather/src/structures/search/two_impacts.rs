@@ -24,11 +24,11 @@ use vibrochain_lattice::simd::lanes::{LANES, Lane, ZERO, all, four};
 use vibrochain_lattice::{Complex, Stop, Turn};
 use wide::f64x4;
 
-use super::equations::Equations;
-use super::periodic_kernel::Between;
 use crate::roots::dual::{Algebra, Dual};
 use crate::roots::interval::{Clearance, Enclosed, Zeros};
 use crate::roots::taylor::Taylor;
+use crate::structures::equations::Equations;
+use crate::structures::periodic_kernel::Between;
 
 type C = Complex<f64>;
 
@@ -271,8 +271,8 @@ mod tests {
     use vibrochain_testkit::Random;
 
     use super::*;
-    use crate::structures::at_times::Impacts;
     use crate::structures::model::StructureModel;
+    use crate::structures::search::at_times::Impacts;
 
     /// F has the sign that elimination gives, its slope is that of its values, and enclosures hold what they enclose.
     #[test]

@@ -20,13 +20,13 @@ use vibrochain_lattice::simd::lanes::{LANES, Lane};
 use vibrochain_lattice::{Complex, LinearMode, Turn};
 
 use super::at_times::{Impacts, Start};
-use super::equations::Point;
-use super::error::StructureOrbitError;
-use super::periodic_kernel::{PeriodicKernel, length};
-use super::search::{Starts, StructureSearch};
+use super::orbits::{Starts, StructureSearch};
 use super::starts::{STARTS, golden};
 use super::two_impacts::RESOLUTION;
 use crate::roots::interval::{Clearance, Enclosed, Zeros};
+use crate::structures::equations::Point;
+use crate::structures::error::StructureOrbitError;
+use crate::structures::periodic_kernel::{PeriodicKernel, length};
 
 /// Periods that are searched: from this part of the fastest mode's to so many of the slowest one's.
 const SHORTEST: f64 = 1e-3;
@@ -231,7 +231,7 @@ mod tests {
             let shape = ModeShape { contacts: vec![random.between(0.2, 1.0)], coordinates: Vec::new(), still: 0.0 };
             LinearMode::oscillator(ratio * frequency, frequency * frequency * (1.0 - ratio * ratio), &shape, &[])
         };
-        let modes = (0..modes).map(|k| mode(k)).collect();
+        let modes = (0..modes).map(mode).collect();
         let stop = Contact { lower: Some(-1.0), upper: None, restitution: random.between(0.2, 1.0) };
         let structure = ModalStructure::new(vec![stop], Vec::new(), modes).unwrap();
         StructureModel::new(Arc::new(structure), 1.0).unwrap()

@@ -14,12 +14,12 @@ use smallvec::SmallVec;
 use vibrochain_lattice::Barrier;
 
 use super::at_times::{Impacts, Start};
-use super::equations::{Equations, Point};
-use super::error::StructureOrbitError;
-use super::model::StructureModel;
-use super::orbit::StructureOrbit;
 use super::three_impacts::ThreeImpacts;
 use super::two_impacts::Function;
+use crate::structures::equations::{Equations, Point};
+use crate::structures::error::StructureOrbitError;
+use crate::structures::model::StructureModel;
+use crate::structures::orbit::StructureOrbit;
 use crate::word::Word;
 
 /// Half a period apart, to this part of it, two impacts may be those that a symmetry makes alike.

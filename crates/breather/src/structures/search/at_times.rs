@@ -3,9 +3,9 @@
 use smallvec::SmallVec;
 use vibrochain_lattice::{Barrier, Complex};
 
-use super::equations::{Equations, Point, Strike};
-use super::error::StructureOrbitError;
 use crate::equations::linear::{Factors, Matrix, Vector, zeros};
+use crate::structures::equations::{Equations, Point, Strike};
+use crate::structures::error::StructureOrbitError;
 
 /// Where Newton's method begins.
 pub(super) struct Start {

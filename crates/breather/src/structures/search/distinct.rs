@@ -3,8 +3,8 @@
 
 use vibrochain_lattice::Complex;
 
-use super::orbit::{StructureImpact, StructureOrbit};
 use crate::orbit::time_between;
+use crate::structures::orbit::{StructureImpact, StructureOrbit};
 
 type C = Complex<f64>;
 

@@ -3,10 +3,10 @@
 use std::f64::consts::TAU;
 
 use super::at_times::Impacts;
-use super::error::StructureOrbitError;
-use super::search::{Starts, StructureSearch};
+use super::orbits::{Starts, StructureSearch};
 use crate::equations::linear::Factors;
 use crate::roots::bracket::zero;
+use crate::structures::error::StructureOrbitError;
 
 /// Places at which a function of one variable is looked at, for each turn of the fastest mode that counts, and at least and at most.
 const PLACES: f64 = 24.0;

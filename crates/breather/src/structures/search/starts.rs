@@ -1,10 +1,10 @@
 //! Orbits of longer words: Newton's method from starts spread over times and phase.
 
 use super::at_times::{Impacts, Start};
-use super::equations::{Point, Strike};
-use super::error::StructureOrbitError;
-use super::search::{Starts, StructureSearch};
+use super::orbits::{Starts, StructureSearch};
 use crate::equations::linear::{Matrix, zeros};
+use crate::structures::equations::{Point, Strike};
+use crate::structures::error::StructureOrbitError;
 
 /// Starts of a word of three impacts or more.
 pub(super) const STARTS: usize = 600;

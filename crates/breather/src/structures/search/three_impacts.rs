@@ -12,10 +12,10 @@ use vibrochain_lattice::simd::lanes::LANES;
 use vibrochain_lattice::{Complex, Stop};
 
 use super::at_times::Impacts;
-use super::periodic_kernel::Between;
 use super::two_impacts::{RESOLUTION, told_apart};
 use crate::roots::patch::{Patch, Piece};
 use crate::roots::planar::{Planar, PlanarZeros};
+use crate::structures::periodic_kernel::Between;
 
 type C = Complex<f64>;
 

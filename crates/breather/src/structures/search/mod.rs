@@ -1,0 +1,22 @@
+//! All orbits of a word: of up to three impacts with proof; of more, those that starts lead to.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `orbits` | [`structure_orbits`]: which search a word takes, and the list that comes of it |
+//! | `at_times` | impulses, offsets and phase at given times |
+//! | `distinct` | which orbits of a list are one, and which are orbits of its word |
+//! | `two_impacts` | the proof that no two impacts are missing |
+//! | `three_impacts` | the same of three |
+//! | `self_excited` | orbits whose period is their own |
+//! | `scan`, `starts` | where there is no proof |
+
+mod at_times;
+mod distinct;
+mod orbits;
+mod scan;
+mod self_excited;
+mod starts;
+mod three_impacts;
+mod two_impacts;
+
+pub use orbits::{StructureFound, StructureSearch, structure_candidates, structure_orbits};
