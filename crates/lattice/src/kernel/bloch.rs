@@ -71,15 +71,20 @@ impl BlochMode {
         self.rate_error = rate_error;
         self.pole_error += size * (rate_error * period).exp_m1();
         let part = |table: &[[f64; 2]], errors: &[f64]| {
-            let of = |&contact: &usize| {
-                let length = table[contact][0].hypot(table[contact][1]);
-                if length > 0.0 { errors[contact] / length } else { 0.0 }
+            let length = |&contact: &usize| table[contact][0].hypot(table[contact][1]);
+            let largest = contacts.iter().map(length).fold(0.0, f64::max);
+            let of = |contact: &usize| match length(contact) {
+                0.0 => 0.0,
+                length => errors[*contact] / length.max(NODE * largest),
             };
             contacts.iter().map(of).fold(0.0, f64::max)
         };
         self.shape_error += part(&mode.rows, &mode.errors.rows) + part(&mode.columns, &mode.errors.columns);
     }
 }
+
+/// What a contact sees below this part of what another one sees is next to nothing: as a part of that, its rounding would say nothing of the mode.
+const NODE: f64 = 1e-4;
 
 /// What is known of an undamped mode beside its frequency.
 #[derive(Debug, Clone, Copy)]

@@ -268,10 +268,14 @@ impl ModalStructure {
                 let left = left.filter(|&(j, square)| square > least(j));
                 left.max_by(|a, b| (a.1 / seen[a.0]).total_cmp(&(b.1 / seen[b.0])))
             };
+            let mut taken = Vec::with_capacity(hit.len());
             while let Some((pivot, square)) = pivots(&products).filter(|_| count > 0) {
                 let scale = square.sqrt().recip();
                 let row = &products[pivot * contacts..(pivot + 1) * contacts];
-                let shape: Vec<f64> = row.iter().map(|entry| entry * scale).collect();
+                let mut shape: Vec<f64> = row.iter().map(|entry| entry * scale).collect();
+                // What earlier ones have taken whole is left as rounding.
+                taken.iter().for_each(|&contact: &usize| shape[contact] = 0.0);
+                taken.push(hit[pivot]);
                 for (row, &from) in products.chunks_exact_mut(contacts).zip(hit) {
                     row.iter_mut().zip(&shape).for_each(|(entry, own)| *entry -= own * shape[from]);
                 }
