@@ -225,7 +225,7 @@ mod tests {
     use crate::structures::model::StructureModel;
 
     fn model(random: &mut Random, modes: usize) -> StructureModel {
-        let mut mode = |k: usize| {
+        let mode = |k: usize| {
             let (frequency, ratio) = (random.log(0.3, 6.0), random.log(1e-3, 0.4));
             let ratio = if k == 0 { -ratio } else { ratio * [1.0, 0.0, 4.0][random.below(3)] };
             let shape = ModeShape { contacts: vec![random.between(0.2, 1.0)], coordinates: Vec::new(), still: 0.0 };
