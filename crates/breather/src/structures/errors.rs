@@ -9,7 +9,6 @@ use smallvec::SmallVec;
 use super::equations::{Equations, Point, System};
 use super::error::StructureOrbitError;
 use super::periodic_kernel::UNIT;
-use super::resonant_doubts::ResonantDoubt;
 use crate::equations::condition::{ImpactError, Together};
 use crate::equations::linear::{Factors, Matrix, Vector, dot, zeros};
 
@@ -28,8 +27,8 @@ pub(super) struct OrbitErrors {
     pub(super) accelerations: Vector,
     /// The same by origin.
     pub(super) origins: Vec<Together>,
-    /// Those of the unknowns to first order, of which orbits are told apart where no bound is known.
-    pub(super) estimates: Vector,
+    /// Those of the unknowns and of the accelerations to first order, by which orbits are told apart, and judged, where no bound is known.
+    pub(super) estimates: [Vector; 2],
 }
 
 impl OrbitErrors {
@@ -41,71 +40,66 @@ impl OrbitErrors {
         let (n, size) = (point.strikes.len(), system.rows.len());
         let off: Vector = system.rows.iter().zip(&system.sizes).map(|(row, size)| row.abs() + UNIT * size).collect();
         let own: Vector = system.arrivals.iter().map(|arrival| 2.0 * UNIT * arrival.sizes[2]).collect();
-        let unknown = |estimates: Vector| Self::unknown(n, size, estimates);
-        let nothing = || SmallVec::from_elem(f64::INFINITY, size);
+        let lost = |count: usize| -> Vector { SmallVec::from_elem(f64::INFINITY, count) };
         // At a fold the unknowns are not determined by the rows.
-        let Some(factors) = Factors::new(system.jacobian.clone()) else { return Ok(unknown(nothing())) };
+        let Some(factors) = Factors::new(system.jacobian.clone()) else {
+            return Ok(Self::unknown([lost(size), lost(n)]));
+        };
         let inverse = factors.inverse();
         let mut first: Vector = (0..size).map(|i| weighted(inverse.row(i), &off)).collect();
-        // What is one number in all rows keeps its signs.
-        let common = equations.resonant_doubts(point);
-        let common: Vec<(Vector, &ResonantDoubt)> =
-            common.iter().map(|doubt| (factors.solve(&doubt.rows), doubt)).collect();
-        for (moved, _) in &common {
-            first.iter_mut().zip(moved).for_each(|(error, by)| *error += by.abs());
-        }
-        if !first.iter().all(|error| error.is_finite()) {
-            return Ok(unknown(nothing()));
-        }
-        let mut bent = zeros(size);
-        let mut accelerations = own.clone();
-        if equations.parts(point, &first) > FIRST_ORDER {
-            match beyond_first_order(equations, point, system, (&factors, &first))? {
-                Some((by, of_accelerations)) => {
-                    bent = by;
-                    accelerations.iter_mut().zip(of_accelerations).for_each(|(error, by)| *error += by);
-                }
-                None => return Ok(unknown(first)),
-            }
-        }
         let along = |i: usize, moved: &[f64]| dot(&system.gradients[i], moved);
         let mut origins: Vec<Together> = Vec::with_capacity(2 * size + n);
         for row in 0..size {
             let moved: Vector = (0..size).map(|i| inverse[(i, row)] * off[row]).collect();
             origins.push((0..n).map(|i| impact_error(n, i, &moved, along(i, &moved))).collect());
         }
-        for (moved, doubt) in &common {
-            let moved: Vector = moved.iter().map(|by| -by).collect();
+        // What is one number in all rows keeps its signs.
+        let mut apart = own;
+        for doubt in equations.resonant_doubts(point) {
+            let moved: Vector = factors.solve(&doubt.rows).iter().map(|by| -by).collect();
+            first.iter_mut().zip(&moved).for_each(|(error, by)| *error += by.abs());
             let carried = |i: usize| along(i, &moved) + doubt.accelerations[i];
             origins.push((0..n).map(|i| impact_error(n, i, &moved, carried(i))).collect());
             // Both are far larger than their sum, of which as many digits are left as the matrix lets be.
-            for (i, error) in accelerations.iter_mut().enumerate() {
+            for (i, error) in apart.iter_mut().enumerate() {
                 let size: f64 = system.gradients[i].iter().zip(&moved).map(|(slope, by)| (slope * by).abs()).sum();
                 *error += size * f64::EPSILON * equations.steepest();
             }
         }
-        for unknown in (0..size).filter(|unknown| bent[*unknown] > 0.0) {
-            let mut moved = zeros(size);
-            moved[unknown] = bent[unknown];
-            origins.push((0..n).map(|i| impact_error(n, i, &moved, along(i, &moved))).collect());
+        let of_accelerations = |apart: &Vector, origins: &[Together]| -> Vector {
+            let carried = |i: usize| origins.iter().map(|origin| origin[i].acceleration.abs()).sum::<f64>();
+            apart.iter().enumerate().map(|(i, apart)| apart + carried(i)).collect()
+        };
+        let estimates = [first.clone(), of_accelerations(&apart, &origins)];
+        if !first.iter().all(|error| error.is_finite()) {
+            return Ok(Self::unknown([lost(size), lost(n)]));
         }
-        let apart = accelerations.clone();
-        for origin in &origins {
-            accelerations.iter_mut().zip(origin).for_each(|(sum, error)| *sum += error.acceleration.abs());
+        let mut unknowns = first;
+        if equations.parts(point, &unknowns) > FIRST_ORDER {
+            let beyond = beyond_first_order(equations, point, system, (&factors, &unknowns))?;
+            let Some((bent, more)) = beyond else { return Ok(Self::unknown(estimates)) };
+            apart.iter_mut().zip(more).for_each(|(error, by)| *error += by);
+            for (place, by) in bent.iter().enumerate().filter(|(_, by)| **by > 0.0) {
+                let mut moved = zeros(size);
+                moved[place] = *by;
+                unknowns[place] += by;
+                origins.push((0..n).map(|i| impact_error(n, i, &moved, along(i, &moved))).collect());
+            }
         }
+        let accelerations = of_accelerations(&apart, &origins);
         for (i, acceleration) in apart.into_iter().enumerate() {
             let mut origin: Together = SmallVec::from_elem(ImpactError::default(), n);
             origin[i].acceleration = acceleration;
             origins.push(origin);
         }
-        let unknowns = first.iter().zip(&bent).map(|(first, bent)| first + bent).collect();
-        Ok(Self { unknowns, accelerations, origins, estimates: first })
+        Ok(Self { unknowns, accelerations, origins, estimates })
     }
 
-    fn unknown(n: usize, size: usize, estimates: Vector) -> Self {
+    fn unknown(estimates: [Vector; 2]) -> Self {
         let lost = ImpactError { time: f64::INFINITY, impulse: f64::INFINITY, acceleration: f64::INFINITY };
-        let all = |count: usize| SmallVec::from_elem(f64::INFINITY, count);
-        Self { unknowns: all(size), accelerations: all(n), origins: vec![SmallVec::from_elem(lost, n)], estimates }
+        let [unknowns, accelerations] = estimates.each_ref().map(|list| SmallVec::from_elem(f64::INFINITY, list.len()));
+        let origins = vec![SmallVec::from_elem(lost, accelerations.len())];
+        Self { unknowns, accelerations, origins, estimates }
     }
 }
 

@@ -175,7 +175,7 @@ impl<'a> StructureMotion<'a> {
         let (orbit, response, kernel) = (self.orbit, self.response(), &self.response().kernel);
         let (impacts, rounding) = (orbit.impacts(), 8.0 * f64::EPSILON);
         let fastest = self.felt(i).map(|(mode, _)| length([mode.decay, mode.rate])).fold(0.0, f64::max);
-        let of = |other: &StructureImpact| {
+        let of = |(place, other): (usize, &StructureImpact)| {
             let lapse = impacts[i].time - other.time;
             let (_, sizes) = kernel.jet(contact, other.contact, lapse);
             // What it has given at this instant itself, beside earlier periods.
@@ -184,12 +184,13 @@ impl<'a> StructureMotion<'a> {
             } else {
                 0.0
             };
-            let part = other.impulse_error + other.impulse.abs() * (fastest * other.time_error + rounding);
+            let known = orbit.estimate(place);
+            let part = known.impulse + other.impulse.abs() * (fastest * known.time + rounding);
             (sizes[order] + now) * part
         };
         let late = self.load_time(i, 0.0).abs();
         let of_loads = response.swings(contact).map(|(rate, swing)| {
-            let time = rate * (orbit.psi_error() + impacts[i].time_error + f64::EPSILON * late);
+            let time = rate * (orbit.psi_error() + orbit.estimate(i).time + f64::EPSILON * late);
             swing.norm() * rate.powi(order as i32) * (time + rounding)
         });
         // Next to a resonance, what the error of the frequency makes of all terms at once.
@@ -201,7 +202,7 @@ impl<'a> StructureMotion<'a> {
             };
             doubt * impacts.iter().map(term).sum::<f64>().abs()
         });
-        impacts.iter().map(of).chain(of_loads).chain(of_sums).sum()
+        impacts.iter().enumerate().map(of).chain(of_loads).chain(of_sums).sum()
     }
 
     /// A bound of a contact's derivative of second order or a higher one, from `s` to `end` after impact `i`.

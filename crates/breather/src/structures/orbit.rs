@@ -48,8 +48,8 @@ pub struct StructureOrbit {
     response: Arc<Response>,
     force_periods: u32,
     psi: Option<f64>,
-    /// Errors of impulses and times, and of ψ, to first order.
-    estimates: Vec<[f64; 2]>,
+    /// Errors of the impacts, and of ψ, to first order.
+    estimates: Together,
     psi_error: f64,
     period_error: f64,
     offsets: SmallVec<[f64; 1]>,
@@ -105,13 +105,19 @@ impl StructureOrbit {
             .map(|(row, size)| row.abs() / size.max(f64::MIN_POSITIVE))
             .fold(0.0, f64::max);
         let period = equations.model.period();
-        let last = |is_it: bool| if is_it { estimates[2 * n - 1] } else { 0.0 };
+        let [of_unknowns, of_accelerations] = estimates;
+        let estimate = |i: usize| ImpactError {
+            time: if i == 0 { 0.0 } else { of_unknowns[n + i - 1] },
+            impulse: of_unknowns[i],
+            acceleration: of_accelerations[i],
+        };
+        let last = |is_it: bool| if is_it { of_unknowns[2 * n - 1] } else { 0.0 };
         Ok(Self {
             model: equations.model.clone(),
             response: equations.response.clone(),
             force_periods,
             psi: equations.forced.then(|| point.psi.rem_euclid(period)),
-            estimates: (0..n).map(|i| [estimates[i], if i == 0 { 0.0 } else { estimates[n + i - 1] }]).collect(),
+            estimates: (0..n).map(estimate).collect(),
             psi_error: last(equations.forced),
             period_error: if equations.self_excited { unknowns[2 * n - 1] } else { 0.0 },
             offsets: equations.all_offsets(&point.offsets),
@@ -188,12 +194,12 @@ impl StructureOrbit {
     /// How far it may be off at most, times as parts of the period and impulses as parts of the strongest.
     pub(super) fn error(&self) -> f64 {
         let strongest = self.impacts.iter().map(|impact| impact.impulse.abs()).fold(f64::MIN_POSITIVE, f64::max);
-        let off = |[impulse, time]: &[f64; 2]| (time / self.period()).max(impulse / strongest);
+        let off = |one: &ImpactError| (one.time / self.period()).max(one.impulse / strongest);
         self.estimates.iter().map(off).fold(self.psi_error / self.period(), f64::max)
     }
 
-    /// Errors of the impulse and of the time of an impact to first order.
-    pub(super) fn estimate(&self, i: usize) -> [f64; 2] {
+    /// Errors of an impact to first order, which are there where no bound is known, too.
+    pub(super) fn estimate(&self, i: usize) -> ImpactError {
         self.estimates[i]
     }
 
@@ -288,7 +294,8 @@ impl StructureOrbit {
         hit.sort_unstable();
         hit.dedup();
         let (structure, felt) = (self.model.structure(), &self.response.kernel.felt);
-        let kernel = felt.kernel(self.period(), &hit);
+        let part = self.period_error / self.period();
+        let kernel = felt.kernel(self.period(), &hit).of_uncertain_period(if part.is_finite() { part } else { 0.0 });
         let impact = |impact: &StructureImpact| LinearImpact {
             contact: hit.partition_point(|&contact| contact < impact.contact),
             time: impact.time,

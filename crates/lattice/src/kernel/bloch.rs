@@ -215,6 +215,17 @@ impl BlochKernel {
         }
     }
 
+    /// The same of a period that is known up to a part of it alone, as that of a self-excited orbit is: rates are known no better.
+    pub fn of_uncertain_period(mut self, part: f64) -> Self {
+        for mode in &mut self.modes {
+            let rate_error = part * (mode.decay.abs() + mode.rate);
+            let size = mode.poles().map(|pole| pole.norm()).into_iter().fold(0.0, f64::max);
+            mode.rate_error += rate_error;
+            mode.pole_error += size * (rate_error * self.period).exp_m1();
+        }
+        self
+    }
+
     /// The period T.
     pub fn period(&self) -> f64 {
         self.period

@@ -93,14 +93,15 @@ fn velocity(orbit: &StructureOrbit, number: usize, last: usize) -> Estimate {
     let restitution = structure.contacts()[impact.contact].restitution;
     let own = || structure.mobility(impact.contact, impact.contact);
     let mobility = orbit.response().mobility(impact.contact).unwrap_or_else(own);
-    let of_impulse = restitution / (1.0 + restitution) * mobility * impact.impulse_error;
+    let of_impulse = restitution / (1.0 + restitution) * mobility * orbit.estimate(number).impulse;
     let own = Estimate { value: impact.velocity_after, error: of_impulse + ROUNDING * impact.velocity_after.abs() };
     let count = impacts.len();
-    let others = (1..=(last + count - number) % count).map(|more| &impacts[(number + more) % count]);
-    others.fold(own, |sum, other| {
+    let others = (1..=(last + count - number) % count).map(|more| (number + more) % count);
+    others.fold(own, |sum, place| {
+        let other = &impacts[place];
         let by = structure.mobility(impact.contact, other.contact);
         let given = by * other.impulse;
-        let error = by.abs() * other.impulse_error + ROUNDING * given.abs();
+        let error = by.abs() * orbit.estimate(place).impulse + ROUNDING * given.abs();
         Estimate { value: sum.value + given, error: sum.error + error }
     })
 }
@@ -109,8 +110,8 @@ fn velocity(orbit: &StructureOrbit, number: usize, last: usize) -> Estimate {
 fn acceleration_error(orbit: &StructureOrbit, number: usize, after: f64) -> f64 {
     let impact = &orbit.impacts()[number];
     let jump = (after - impact.acceleration_before).abs();
-    let part = impact.impulse_error / impact.impulse.abs().max(f64::MIN_POSITIVE);
-    impact.acceleration_error + jump * (part + ROUNDING) + ROUNDING * after.abs()
+    let part = orbit.estimate(number).impulse / impact.impulse.abs().max(f64::MIN_POSITIVE);
+    orbit.estimate(number).acceleration + jump * (part + ROUNDING) + ROUNDING * after.abs()
 }
 
 impl StructureOrbit {

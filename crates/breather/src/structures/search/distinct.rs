@@ -25,7 +25,7 @@ impl StructureOrbit {
         let psi = match (self.psi(), other.psi()) {
             (Some(own), Some(psi)) => within(
                 time_between(own, psi + start.time, self.loads_repeat()),
-                self.psi_error() + other.psi_error() + other.estimate(turn)[1],
+                self.psi_error() + other.psi_error() + other.estimate(turn).time,
             ),
             _ => true,
         };
@@ -33,11 +33,12 @@ impl StructureOrbit {
         psi && periods
             && (0..n).all(|i| {
                 let (place, own) = ((i + turn) % n, &self.impacts()[i]);
-                let errors = [0, 1].map(|which| self.estimate(i)[which] + other.estimate(place)[which]);
+                let [one, two] = [self.estimate(i), other.estimate(place)];
+                let errors = [one.impulse + two.impulse, one.time + two.time];
                 are_alike(own, &other.impacts()[place], errors[0])
                     && within(
                         time_between(own.time, other.impacts()[place].time - start.time, period),
-                        errors[1] + other.estimate(turn)[1],
+                        errors[1] + other.estimate(turn).time,
                     )
             })
     }
@@ -52,7 +53,8 @@ impl StructureOrbit {
             let (shift, lapse) = (n / part, self.period() / part as f64);
             (0..n).all(|i| {
                 let (place, own) = ((i + shift) % n, &impacts[i]);
-                let errors = [0, 1].map(|which| self.estimate(i)[which] + self.estimate(place)[which]);
+                let [one, two] = [self.estimate(i), self.estimate(place)];
+                let errors = [one.impulse + two.impulse, one.time + two.time];
                 let apart = time_between(impacts[place].time, own.time + lapse, self.period());
                 are_alike(own, &impacts[place], errors[0]) && apart <= errors[1] + ROUNDING * self.period()
             })
@@ -70,13 +72,13 @@ impl StructureOrbit {
 
     /// Whether every impact has an impulse: one that is no larger than its error is none, and the orbit one of fewer impacts.
     pub(super) fn hits(&self) -> bool {
-        self.impacts().iter().enumerate().all(|(i, impact)| impact.impulse.abs() > self.estimate(i)[0])
+        self.impacts().iter().enumerate().all(|(i, impact)| impact.impulse.abs() > self.estimate(i).impulse)
     }
 
     /// Whether the impacts come one after the other within the period, farther apart than their errors: else it is an orbit of fewer instants.
     pub(super) fn has_its_instants(&self) -> bool {
         let end = (self.period(), 0.0);
-        let times = self.impacts().iter().enumerate().map(|(i, impact)| (impact.time, self.estimate(i)[1]));
+        let times = self.impacts().iter().enumerate().map(|(i, impact)| (impact.time, self.estimate(i).time));
         let later = times.clone().skip(1).chain([end]);
         times.zip(later).all(|((one, own), (time, error))| time - one > own + error)
     }
