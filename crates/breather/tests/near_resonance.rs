@@ -6,8 +6,8 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use vibrochain_breather::{
-    Completeness, Family, Finder, OrbitList, Scope, StructureFound, StructureModel, StructureOrbit, breathers,
-    structure_orbits,
+    Completeness, Family, Finder, OrbitList, Scope, StructureFound, StructureImpact, StructureModel, StructureOrbit,
+    breathers, structure_orbits,
 };
 use vibrochain_lattice::{Complex, Contact, DMatrix, DVector, Ends, Point, Structure};
 use vibrochain_testkit::Random;
@@ -53,19 +53,25 @@ fn told(orbit: &StructureOrbit) -> [f64; 3] {
     [impacts[0].impulse, impacts.get(1).map_or(0.0, |impact| impact.time), orbit.psi().unwrap_or(0.0)]
 }
 
+/// What a number is off by: where no bound is known, a part of it that two orbits differ by far more than.
+fn off(value: f64, error: f64) -> f64 {
+    if error.is_finite() { error } else { 1e-6 * value.abs() }
+}
+
 /// Whether both are known to be two orbits, by their impulses or times, however one begins.
 fn are_two(one: &StructureOrbit, other: &StructureOrbit) -> bool {
     let pairs = || one.impacts().iter().zip(other.impacts());
     pairs().any(|(a, b)| {
-        (a.impulse - b.impulse).abs() > a.impulse_error + b.impulse_error
-            || (a.time - b.time).abs() > a.time_error + b.time_error
+        (a.impulse - b.impulse).abs() > off(a.impulse, a.impulse_error) + off(b.impulse, b.impulse_error)
+            || (a.time - b.time).abs() > off(a.time, a.time_error) + off(b.time, b.time_error)
     }) || (told(one)[2] - told(other)[2]).abs() > 1e-7 * one.period()
 }
 
 fn assert_distinct(orbits: &[StructureOrbit]) {
     for (i, one) in orbits.iter().enumerate() {
         assert!(orbits[..i].iter().all(|other| are_two(one, other)), "{one:?}");
-        assert!(one.impacts().iter().all(|impact| impact.impulse.abs() > impact.impulse_error), "{one:?}");
+        let hits = |impact: &StructureImpact| impact.impulse.abs() > off(impact.impulse, impact.impulse_error);
+        assert!(one.impacts().iter().all(hits), "{one:?}");
     }
 }
 

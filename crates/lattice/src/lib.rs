@@ -38,7 +38,7 @@
 //! | [`BlochKernel`] | the kernel K^z of impacts that repeat every period, each z times the one before, of any damped modes |
 //! | [`Decay`] | harmonic response, far field in full relative accuracy |
 //! | [`Propagator`] | exact free flight |
-//! | [`Stop`], [`aside`] | ends long work early; waits for work that cannot look at it |
+//! | [`Stop`], [`aside()`] | ends long work early; waits for work that cannot look at it |
 //!
 //! With the feature `serde` values are written and read by the names of `mapgen`'s JSON, and what is out of range is refused.
 //!

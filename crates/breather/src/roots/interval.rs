@@ -137,7 +137,7 @@ impl Zeros {
                         self.sloping.push(Sloping { low, high, sign: clearances[i].centre.1.signum() });
                     }
                     if let Some(zero) = self.bracketed(f, [low, centre, high], &clearances[i]) {
-                        let simple = self.is_proved(f, zero, &clearances[i]);
+                        let simple = self.is_proved(f, (zero, low.abs().max(high.abs())), &clearances[i]);
                         self.places.push(Place { zero, width: resolution(zero), simple });
                     }
                 } else if radius <= resolution(centre)
@@ -176,14 +176,14 @@ impl Zeros {
 
     /// Whether the function surely changes its sign about a zero, one that it has changed by rounding as far as is known: on an interval a few
     /// times as wide as rounding moves the zero, the derivative keeps its sign. Next to a double zero it does not.
-    fn is_proved(&mut self, f: &impl Enclosed, zero: f64, here: &Clearance) -> bool {
+    fn is_proved(&mut self, f: &impl Enclosed, (zero, size): (f64, f64), here: &Clearance) -> bool {
         if !here.ends.contains(&0.0) {
             return true;
         }
         self.evaluations += 2;
         let Clearance { function, centre: (value, slope), .. } = f.clearances([zero; LANES], [0.0; LANES])[0];
-        // Without rounding of a function that vanishes there is no width.
-        let width = SURE * ((value.abs() - function) / slope.abs()).max(f64::EPSILON * zero.abs());
+        // Without rounding of a function that vanishes there is no width; a zero at 0 is known as well as its interval.
+        let width = SURE * ((value.abs() - function) / slope.abs()).max(f64::EPSILON * size);
         let about = f.clearances([zero; LANES], [width; LANES])[0];
         about.derivative > 0.0 && about.ends[0] * about.ends[1] < 0.0
     }

@@ -191,7 +191,7 @@ fn wrong_scenes() {
             force("{ harmonic = 1, amplitude = 0.1 }", "amplitude = 0.2, "),
             "5:25: amplitude and force are both given",
         ),
-        (r#""omega","#, r#""omga","#.into(), "`omga` cannot be swept: give one of gamma1"),
+        (r#""omega","#, r#""omga","#.into(), "`omga` cannot be swept: did you mean `omega`? give one of gamma1"),
         (r#""omega","#, r#""gamma2","#.into(), "gamma2 is swept twice"),
         ("from = 0.4, to = 3.0", "from = 3.0, to = 0.4".into(), "is not a range: give finite values with from < to"),
         (
