@@ -119,8 +119,8 @@ fn next_to_a_resonance_each_orbit_is_listed_once() {
         if let Some([impulse, time]) = known {
             let is_it = |orbit: &&StructureOrbit| {
                 let [first, second] = [orbit.impacts()[0], orbit.impacts()[1]];
-                (first.impulse - impulse).abs() <= first.impulse_error
-                    && (second.time - time).abs() <= second.time_error
+                (first.impulse - impulse).abs() <= off(impulse, first.impulse_error)
+                    && (second.time - time).abs() <= off(time, second.time_error)
             };
             assert_eq!(found.orbits.iter().filter(is_it).count(), 1, "{name}: {:?}", found.orbits);
         }
@@ -196,7 +196,8 @@ fn next_to_grazing_both_solutions_are_found() {
         let impulse = stop * below / kernel;
         // What rounding of the load makes of it, and x².
         let error = 2e-15 * stop / kernel.abs() + 1e-3 * impulse.abs();
-        if impulse.abs() < 4.0 * error {
+        // An impulse that the told errors hide is none, and its place is open.
+        if impulse.abs() < 4.0 * error || below.abs() < 1e-13 {
             assert!(found.orbits.len() == 2 || !found.search.is_complete(), "{below:e}: {found:?}");
             continue;
         }

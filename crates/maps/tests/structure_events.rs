@@ -262,7 +262,7 @@ fn losses_without_a_load_are_refused() {
         let value = scene.get(setting).unwrap();
         let followed =
             structure_diagram(orbit, &family(&scene, &[setting]), value, &course(range, 0), &Stop::default());
-        assert!(followed.unwrap_err().to_string().contains("without a load"), "{setting}");
+        assert!(followed.unwrap_err().to_string().contains("losses end the motion"), "{setting}");
     }
     assert!(branch(&scene, (orbit, 0.7), Setting::Omega, [0.65, 0.75]).points().count() > 10);
 }

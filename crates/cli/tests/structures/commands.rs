@@ -266,7 +266,7 @@ fn what_is_wrong_is_told() {
         ("orbit --scene scene.toml --word 1+", 2, "contact 1 does not exist"),
         ("orbit --scene scene.toml --set contact.0.gap=1", 2, "contact.N.upper"),
         ("orbit --scene scene.toml --gamma1 .2", 2, "of chains"),
-        ("orbit --scene scene.toml --set load=0", 3, "without a load that changes"),
+        ("orbit --scene scene.toml --set load=0", 3, "losses end the motion: no load changes"),
         ("locate --scene scene.toml --word 0+ --event fold --free omega", 3, "none of the 2 orbits of 0+ is physical"),
         ("sweep scene.toml --out map.csv", 2, "sweeps nothing"),
         (
