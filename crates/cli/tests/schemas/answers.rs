@@ -152,7 +152,8 @@ const MAY_BE_MISSING: [&str; 15] = [
 ];
 
 /// Text that may be anything.
-const PROSE: [&str; 17] = [
+const PROSE: [&str; 18] = [
+    "touches",
     "obstruction",
     "reason",
     "message",
