@@ -93,7 +93,7 @@ mod tests {
         };
         let whole = marks(&kinds);
         assert!(
-            kinds.len() == 10
+            kinds.len() == 11
                 && whole.keys().eq(kinds
                     .iter()
                     .map(|name| in_words(name))
