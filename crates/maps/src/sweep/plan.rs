@@ -370,7 +370,7 @@ mod tests {
             Plan::<Scene>::from_json(&text.replace("gamma1 = 0.2", "gamma1 = 0.3")).unwrap_err().contains("damaged")
         );
         assert!(
-            Plan::<Scene>::from_json(&text.replace("\"format\": 2", "\"format\": 3")).unwrap_err().contains("format 4")
+            Plan::<Scene>::from_json(&text.replace("\"format\": 3", "\"format\": 4")).unwrap_err().contains("format 4")
         );
         assert!(Plan::<Scene>::from_json(&text[..text.len() / 2]).unwrap_err().contains("damaged"));
     }
