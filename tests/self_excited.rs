@@ -64,7 +64,7 @@ fn one_mass_has_the_cycle_of_many_digits() {
     assert!(orbit.is_self_excited() && !orbit.is_conservative());
     assert!((orbit.period() - 4.231628856140046).abs() <= orbit.period_error() && orbit.period_error() < 1e-13);
     let impact = &orbit.impacts()[0];
-    assert!((impact.impulse - 3.568534193789094704).abs() <= impact.impulse_error && impact.impulse_error < 1e-12);
+    assert!((impact.impulse - 3.568_534_193_789_094_6).abs() <= impact.impulse_error && impact.impulse_error < 1e-12);
     assert!(structure_admissibility(orbit).unwrap().is_physical());
     // One is 1; the map from impact to impact has the other as its slope.
     let stability = structure_stability(orbit, Tolerance::Rounding).unwrap();
@@ -133,14 +133,14 @@ fn two_stops_have_the_cycle_that_is_its_own_mirror_image() {
 
 fn structure(random: &mut Random) -> ModalStructure {
     let modes = 1 + random.below(3);
-    let mut mode = |k: usize| {
+    let mode = |k: usize| {
         let (frequency, ratio) = (random.log(0.4, 4.0), random.log(2e-2, 0.3));
         let ratio = if k == 0 { -ratio } else { ratio };
         let contacts = vec![random.between(0.3, 1.0), random.between(-1.0, 1.0)];
         let shape = ModeShape { contacts, coordinates: Vec::new(), still: random.between(-0.1, 0.1) };
         LinearMode::oscillator(ratio * frequency, frequency * frequency * (1.0 - ratio * ratio), &shape, &[])
     };
-    let modes = (0..modes).map(|k| mode(k)).collect();
+    let modes = (0..modes).map(mode).collect();
     let contacts = vec![
         Contact { lower: None, upper: Some(random.between(0.1, 1.0)), restitution: random.between(0.2, 0.9) },
         Contact { lower: Some(-random.log(0.5, 3.0)), upper: None, restitution: random.between(0.2, 0.9) },
