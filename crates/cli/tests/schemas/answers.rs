@@ -103,7 +103,7 @@ fn of_structures(dir: &TestDir) -> Vec<(&'static str, Value)> {
         dir.scene(&text);
         dir.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
         answers.push(("manifest", dir.json("map.manifest.json")));
-        dir.run("fate scene.toml --starts 1 --periods 20 --out f.csv").with(0, &[]);
+        dir.run("fate scene.toml --starts 1 --periods 20 --in-sequence --out f.csv").with(0, &[]);
         answers.push(("table", dir.json("f.manifest.json")));
     }
     dir.scene(one);

@@ -102,7 +102,7 @@ mod tests {
             "{whole:?}"
         );
         let shapes: std::collections::BTreeSet<_> = whole.values().collect();
-        assert_eq!(shapes.len(), 10, "{whole:?}");
+        assert_eq!(shapes.len(), 11, "{whole:?}");
         for name in &kinds {
             assert_eq!(marks(std::slice::from_ref(name)), [(in_words(name), whole[&in_words(name)].clone())].into());
         }
