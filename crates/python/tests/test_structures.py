@@ -146,7 +146,7 @@ def test_what_is_wrong_is_told():
         vc.Structure(np.ones((2, 3)), STIFFNESS, contacts=[STOP])
     with pytest.raises(vc.RequestError, match="omega"):
         both().orbits("0+", omega=-1.0)
-    with pytest.raises(vc.NoBreatherError, match="without a load"):
+    with pytest.raises(vc.NoBreatherError, match="give a load"):
         both(load=None).orbits("0+", omega=1.0)
 
 

@@ -23,12 +23,6 @@ pub(crate) trait Enclosed {
     /// The function and its derivative at a point.
     fn at(&self, x: f64) -> (f64, f64);
 
-    /// Whether changes of sign by rounding are to be told from zeros. Where three zeros are about to be one a proof by signs asks for more than
-    /// there is: functions of forced families, whose zeros do so at pitchforks, go without.
-    fn is_rounded(&self) -> bool {
-        true
-    }
-
     /// Where the function vanishes by symmetry, at the ends of what is searched: no zero that is asked for.
     fn known_zeros(&self) -> SmallVec<[f64; 2]> {
         SmallVec::new()
@@ -71,8 +65,9 @@ const MOST_PLACES: usize = 10_000;
 /// resolution all over the place where they are.
 const FINE: f64 = 1e-4;
 
-/// Widths of rounding at which a sign is looked at again: beyond one it is sure, but for what the derivative changes by.
-const SURE: f64 = 4.0;
+/// Widths of rounding at which a sign is looked at again: beyond two it is sure, but for what the derivative changes by. Where three zeros are about
+/// to be one there is not much more room than that.
+const SURE: Lane = [2.1, 3.0, 5.0, 10.0];
 
 /// 2⁻²⁶, the root of the rounding.
 const SMALL: f64 = 1.4901161193847656e-8;
@@ -143,8 +138,9 @@ impl Zeros {
                         self.sloping.push(Sloping { low, high, sign: clearances[i].centre.1.signum() });
                     }
                     if let Some(zero) = self.bracketed(f, [low, centre, high], &clearances[i]) {
-                        let simple = self.is_proved(f, (zero, low.abs().max(high.abs())), &clearances[i]);
-                        self.places.push(Place { zero, width: resolution(zero), simple });
+                        let proved = self.proved(f, (zero, low.abs().max(high.abs())), &clearances[i]);
+                        let width = resolution(zero).max(proved.unwrap_or(0.0));
+                        self.places.push(Place { zero, width, simple: proved.is_some() });
                     }
                 } else if radius <= resolution(centre)
                     || radius <= FINE * (to - from) && self.is_lost_in_rounding(f, [low, centre, high])
@@ -180,18 +176,27 @@ impl Zeros {
         self.sloping.clear();
     }
 
-    /// Whether the function surely changes its sign about a zero, one that it has changed by rounding as far as is known: on an interval a few
-    /// times as wide as rounding moves the zero, the derivative keeps its sign. Next to a double zero it does not.
-    fn is_proved(&mut self, f: &impl Enclosed, (zero, size): (f64, f64), here: &Clearance) -> bool {
-        if !f.is_rounded() || !here.ends.contains(&0.0) {
-            return true;
+    /// How far from a zero, one that the function has changed its sign at as far as is known, it surely has both signs, while the derivative
+    /// keeps its own: there is one zero there, and another one that close is the same. `None` next to a double zero, where rounding is all there is.
+    fn proved(&mut self, f: &impl Enclosed, (zero, size): (f64, f64), here: &Clearance) -> Option<f64> {
+        if !here.ends.contains(&0.0) {
+            return Some(0.0);
         }
-        self.evaluations += 2;
+        self.evaluations += 3 + 4 * LANES;
         let Clearance { function, centre: (value, slope), .. } = f.clearances([zero; LANES], [0.0; LANES])[0];
         // Without rounding of a function that vanishes there is no width; a zero at 0 is known as well as its interval.
-        let width = SURE * ((value.abs() - function) / slope.abs()).max(f64::EPSILON * size);
-        let about = f.clearances([zero; LANES], [width; LANES])[0];
-        about.derivative > 0.0 && about.ends[0] * about.ends[1] < 0.0
+        let width = ((value.abs() - function) / slope.abs()).max(f64::EPSILON * size);
+        // What is left over of a series hides a sign that the function's own value shows.
+        let side = |side: f64| {
+            let ends = SURE.map(|times| zero + side * times * width);
+            let radii = SURE.map(|times| 0.5 * times * width);
+            let (about, there) =
+                (f.clearances(ends.map(|end| 0.5 * (zero + end)), radii), f.clearances(ends, [0.0; LANES]));
+            let place = (0..LANES).find(|&i| about[i].derivative > 0.0 && there[i].function > 0.0)?;
+            Some((f.at(ends[place]).0, SURE[place] * width))
+        };
+        let (below, above) = (side(-1.0)?, side(1.0)?);
+        (below.0 * above.0 < 0.0).then_some(below.1.max(above.1))
     }
 
     /// Whether at both ends and in the middle function and derivative are no larger than their rounding.

@@ -35,10 +35,6 @@ struct Line<'a> {
 }
 
 impl Enclosed for Line<'_> {
-    fn is_rounded(&self) -> bool {
-        false
-    }
-
     fn clearances(&self, phases: Lane, radii: Lane) -> [Clearance; LANES] {
         one_by_one(phases, radii, |psi, radius| self.enclose(psi, radius))
     }

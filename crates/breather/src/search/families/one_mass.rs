@@ -145,10 +145,6 @@ impl OneMass {
 }
 
 impl Enclosed for OneMass {
-    fn is_rounded(&self) -> bool {
-        false
-    }
-
     fn clearances(&self, deltas: Lane, radii: Lane) -> [Clearance; LANES] {
         one_by_one(deltas, radii, |delta, radius| self.enclose(delta, radius))
     }

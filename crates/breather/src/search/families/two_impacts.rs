@@ -191,10 +191,6 @@ impl<'a> TwoImpacts<'a> {
 }
 
 impl Enclosed for TwoImpacts<'_> {
-    fn is_rounded(&self) -> bool {
-        false
-    }
-
     fn clearances(&self, deltas: Lane, radii: Lane) -> [Clearance; LANES] {
         let pieces = self.pieces(deltas, radii);
         // Where the function itself has no zero nobody asks for its slope.

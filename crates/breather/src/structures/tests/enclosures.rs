@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use vibrochain_lattice::{Contact, LinearMode, ModalStructure, ModeShape};
+use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape};
 use vibrochain_testkit::Random;
 
 use super::model;
@@ -64,13 +64,12 @@ fn kernels_between_contacts_have_derivatives_within_their_bounds() {
     assert!(checked > 1000 && near > 200, "{checked} {near}");
 }
 
-/// What rounding of a mode's frequency and of the period does to kernels next to a resonance is within what is told of it, and not far below.
+/// What rounding of a mode's frequency and of the period does to kernels is within what is told of it, and not far below.
 #[test]
 fn doubts_of_kernels_cover_what_rounding_does() {
     let mut random = Random(67);
     let mut checked = 0;
     let stop = Contact { lower: None, upper: Some(1.0), restitution: 0.8 };
-    // Closer than that the frequency is one number in all kernels, and the orbit that of a model nearby.
     for away in [1e-1, 1e-2, 1e-3] {
         for _ in 0..10 {
             let (shape, decay) = (random.between(0.3, 1.0), random.of(&[0.0, 1e-6]));
@@ -102,4 +101,62 @@ fn doubts_of_kernels_cover_what_rounding_does() {
         }
     }
     assert_eq!(checked, 3 * 10 * 6);
+}
+
+/// Closer to a resonance the kernels, both ways and all derivatives, are those of one mode nearby to within their doubts: all have the same
+/// (1−R)⁻¹, whose error is that of a rounding of the frequency. So what is proved of them is proved of that mode.
+#[test]
+fn kernels_next_to_a_resonance_are_those_of_a_mode_nearby() {
+    let mut random = Random(68);
+    let (mut checked, mut beyond) = (0, 0);
+    let stop = Contact { lower: None, upper: Some(1.0), restitution: 0.8 };
+    for away in [9e-5, 1e-5, 1e-6, 1e-7, 1e-8] {
+        for _ in 0..10 {
+            let (shape, decay) = (random.between(0.3, 1.0), random.of(&[0.0, 1e-9]));
+            let frequency = 1.0 + away * random.between(0.5, 1.0);
+            let contacts = ModeShape { contacts: vec![shape], coordinates: Vec::new(), still: 0.0 };
+            let mode = LinearMode::oscillator(decay, frequency * frequency, &contacts, &[]);
+            let rate = mode.rate;
+            let structure = ModalStructure::new(vec![stop], Vec::new(), vec![mode]).unwrap();
+            let model = StructureModel::new(Arc::new(structure), 1.0).unwrap();
+            let equations = Equations::new(&model, 1, [0, 0].into_iter()).unwrap();
+            let between = equations.kernel().between(0, 0).unwrap();
+            // 1 − e^z of z = λT, whose angle is small but for a turn: rate − 1 is exact.
+            let (a, b) = (-decay * TAU, TAU * (rate - 1.0));
+            let half = (0.5 * b).sin();
+            let one_less = Complex::new(2.0 * half * half - a.exp_m1() * b.cos(), -a.exp() * b.sin());
+            let pole = Complex::new(-decay, rate);
+            // K and two derivatives at φ, of the exact sum times a number.
+            let exact = |phi: f64, times: Complex<f64>| -> [[f64; 3]; 2] {
+                let way = |t: f64, sign: f64| {
+                    let motion = (pole * t).exp() / one_less * times * (shape * shape / rate);
+                    [motion.im, sign * (pole * motion).im, (pole * pole * motion).im]
+                };
+                [way(phi, 1.0), way(TAU - phi, -1.0)]
+            };
+            let [one, i] = [Complex::new(1.0, 0.0), Complex::new(0.0, 1.0)];
+            // The relative error of the sum from the kernel at two φ.
+            let off = |phi: f64| between.jets_at(phi)[0][0] - exact(phi, one)[0][0];
+            let (p, q) = (0.4, 2.0);
+            let by = |phi: f64| [exact(phi, one)[0][0], exact(phi, i)[0][0]];
+            let ([a, b], [c, d]) = (by(p), by(q));
+            let determinant = a * d - b * c;
+            let error = Complex::new(d * off(p) - b * off(q), a * off(q) - c * off(p)) / determinant;
+            assert!(error.norm() * one_less.norm() < 20.0 * f64::EPSILON, "{away:e}: {error}");
+            for k in 1..40 {
+                let phi = TAU * f64::from(k) / 40.0;
+                let (told, plain) = (between.jets_at(phi), exact(phi, one));
+                let nearby = exact(phi, one + error);
+                for (way, order) in (0..2).flat_map(|way| (0..3).map(move |order| (way, order))) {
+                    let doubt = 2.0 * between.doubts[way][order];
+                    let apart = (told[way][order] - nearby[way][order]).abs();
+                    assert!(apart <= doubt, "{away:e} {phi} {way} {order}: {apart:e} {doubt:e}");
+                    checked += 1;
+                    beyond += usize::from((told[way][order] - plain[way][order]).abs() > doubt);
+                }
+            }
+        }
+    }
+    // They are not those of the mode itself.
+    assert!(checked == 5 * 10 * 39 * 6 && beyond > 1000, "{checked} {beyond}");
 }
