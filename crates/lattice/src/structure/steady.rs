@@ -64,10 +64,8 @@ impl ModalStructure {
     /// load that it feels by rounding alone may drive it. Without those of driven modes closer to the load's frequency than a part of it,
     /// which [`ModalStructure::swing_error`] tells one by one.
     pub fn steady_errors_at(&self, place: usize, omega: f64, apart: f64) -> Vec<f64> {
-        let w = f64::from(self.harmonics()[place]) * omega;
-        let modes = self.modes().iter();
-        let modes = modes.filter(|mode| !self.is_near(mode, place, omega, apart));
-        self.errors_of(w, modes.map(|mode| (mode, mode.loads[place], mode.errors.loads[place])))
+        let modes = self.modes().iter().filter(|mode| !self.is_near(mode, place, omega, apart));
+        self.errors_of(self.rate(place, omega), modes.map(|mode| (mode, mode.loads[place], mode.errors.loads[place])))
     }
 
     /// Whether a harmonic of the loads drives a mode closer to its frequency than a part of that.
@@ -78,37 +76,56 @@ impl ModalStructure {
 
     /// A bound of the error of the swing of a mode under a harmonic of the loads, as a part of it.
     pub fn swing_error(&self, mode: &LinearMode, place: usize, omega: f64) -> f64 {
-        let w = f64::from(self.harmonics()[place]) * omega;
         let size = mode.loads[place][0].norm() + mode.loads[place][1].norm();
-        part(mode, w) + 4.0 * f64::EPSILON + mode.errors.loads[place] / size
+        let [even, odd] = resolvent(mode, self.rate(place, omega)[0]);
+        part(mode, self.rate(place, omega), even + odd) + ROUNDING + mode.errors.loads[place] / size
+    }
+
+    /// The frequency of a harmonic of the loads, and a bound of its rounding.
+    fn rate(&self, place: usize, omega: f64) -> [f64; 2] {
+        let harmonic = self.harmonics()[place];
+        let rate = f64::from(harmonic) * omega;
+        [rate, if harmonic.is_power_of_two() { 0.0 } else { 0.5 * f64::EPSILON * rate }]
     }
 
     /// Bounds of the errors of what each contact sees of [`ModalStructure::still`].
     pub fn still_errors(&self) -> Vec<f64> {
         let modes = self.modes().iter().filter(|mode| !mode.is_rigid());
         let given = |mode: &LinearMode| mode.still.map(|load| C::new(load, 0.0));
-        self.errors_of(0.0, modes.map(|mode| (mode, given(mode), mode.errors.still)))
+        self.errors_of([0.0; 2], modes.map(|mode| (mode, given(mode), mode.errors.still)))
     }
 
     /// From modes with what drives them and bounds of its errors.
-    fn errors_of<'a>(&self, w: f64, driven: impl Iterator<Item = (&'a LinearMode, [C; 2], f64)>) -> Vec<f64> {
+    fn errors_of<'a>(&self, rate: [f64; 2], driven: impl Iterator<Item = (&'a LinearMode, [C; 2], f64)>) -> Vec<f64> {
         let mut sums = vec![0.0; self.contacts().len()];
         for (mode, given, error) in driven {
-            let size = given[0].norm() + given[1].norm();
-            if size == 0.0 && error == 0.0 {
+            let given = given.map(C::norm);
+            if given == [0.0; 2] && error == 0.0 {
                 continue;
             }
-            // (iw − A)⁻¹ is no longer than this.
-            let ways: f64 = mode.rates().map(|rate| (C::new(0.0, w) - rate).norm()).iter().product();
-            let reach = (w + mode.decay.abs() + mode.rate) / ways;
-            let moved = reach * (error + size * (part(mode, w) + 4.0 * f64::EPSILON));
+            let [even, odd] = resolvent(mode, rate[0]);
+            // Of either coordinate its terms, not their sum.
+            let xi = [even * given[0] + odd * given[1], even * given[1] + odd * given[0]];
+            let size = xi[0].hypot(xi[1]);
+            let moved = (even + odd) * error + if size > 0.0 { size * part(mode, rate, even + odd) } else { 0.0 };
             for (contact, sum) in sums.iter_mut().enumerate() {
-                let row = mode.rows[contact][0].hypot(mode.rows[contact][1]);
-                *sum += row * moved + mode.errors.rows[contact] * (reach * size + moved);
+                let row = mode.rows[contact].map(f64::abs);
+                let seen = row[0] * xi[0] + row[1] * xi[1];
+                *sum += row[0].hypot(row[1]) * moved + ROUNDING * seen + mode.errors.rows[contact] * (size + moved);
             }
         }
         sums
     }
+}
+
+/// Of what a contact sees of a mode: each of the two poles takes a difference, an inverse of seven roundings in all and half as many of a product,
+/// what drives and what sees it one each.
+const ROUNDING: f64 = 6.5 * f64::EPSILON;
+
+/// The lengths of a and b of (iw − A)⁻¹ = a + bJ, which together are no less than its own.
+fn resolvent(mode: &LinearMode, w: f64) -> [f64; 2] {
+    let by = mode.generator().resolvent(mode.turn, C::new(0.0, w));
+    [by.even.norm(), by.odd.norm()]
 }
 
 /// How far a load's frequency is from the nearer pole of a mode.
@@ -116,11 +133,10 @@ fn distance(mode: &LinearMode, w: f64) -> f64 {
     mode.rates().map(|rate| (C::new(0.0, w) - rate).norm()).into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// A bound of the error of (iw − A)⁻¹ by those of both poles and of w, as a part of it.
-fn part(mode: &LinearMode, w: f64) -> f64 {
-    let fastest = mode.rates().map(|rate| rate.norm()).into_iter().fold(w, f64::max);
-    let (rounding, nearest) = (mode.errors.poles + 4.0 * f64::EPSILON * fastest, distance(mode, w));
-    if rounding < nearest { 2.0 * rounding / (nearest - rounding) } else { f64::INFINITY }
+/// A bound of the error of (iw − A)⁻¹, which is no longer than `length`, by those of A and of w, as a part of it.
+fn part(mode: &LinearMode, [_, rounding]: [f64; 2], length: f64) -> f64 {
+    let off = (mode.errors.poles + rounding) * length;
+    if off < 1.0 { off / (1.0 - off) } else { f64::INFINITY }
 }
 
 #[cfg(test)]
@@ -148,8 +164,9 @@ mod tests {
                 let exact = mode.errors.clone();
                 mode.errors.poles += 0.51 * square;
                 mode.errors.rows[0] += shape;
-                mode.errors.loads[0] += load;
-                mode.errors.still += load;
+                // What is added is divided by the frequency.
+                mode.errors.loads[0] += load + 0.51 * square * given;
+                mode.errors.still += load + 0.51 * square * given;
                 let told = ModalStructure::new(vec![stop], vec![1], vec![mode]).unwrap();
                 let moved = made(1.0 + square, 1.0 + shape, given + load);
                 let moved = ModalStructure::new(vec![stop], vec![1], vec![moved]).unwrap();
