@@ -11,6 +11,7 @@
 //! |---|---|
 //! | `model` | [`StructureModel`]: a structure and a frequency |
 //! | `periodic_kernel` | K and its derivatives, regular modes and rigid ones |
+//! | `between` | K from one contact to another and back as functions of one time, with bounds |
 //! | `response` | what contacts do after impacts and under the loads, shared by all words of the same contacts |
 //! | `equations` | rows and Jacobian of an orbit's impacts |
 //! | `orbit` | [`StructureOrbit`], and how far it can be trusted |
@@ -25,6 +26,7 @@
 //! | `departure` | where the branch of other orbits begins |
 
 pub(crate) mod admissible;
+mod between;
 pub(crate) mod continuation;
 mod departure;
 mod equations;

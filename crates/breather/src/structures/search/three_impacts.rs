@@ -15,7 +15,7 @@ use super::at_times::Impacts;
 use super::two_impacts::{RESOLUTION, told_apart};
 use crate::roots::patch::{Patch, Piece};
 use crate::roots::planar::{Planar, PlanarZeros};
-use crate::structures::periodic_kernel::Between;
+use crate::structures::between::Between;
 
 type C = Complex<f64>;
 
@@ -97,7 +97,7 @@ impl ThreeImpacts {
         if homogeneous && load.is_none() {
             return None;
         }
-        let between = |[i, j]: [usize; 2]| equations.kernel().between(contacts[i], contacts[j]);
+        let between = |[i, j]: [usize; 2]| Between::new(equations.kernel(), contacts[i], contacts[j]);
         let period = equations.period();
         let mut functions = Self {
             period,

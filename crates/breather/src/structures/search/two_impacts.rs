@@ -27,8 +27,8 @@ use wide::f64x4;
 use crate::roots::dual::{Algebra, Dual};
 use crate::roots::interval::{Clearance, Enclosed, Zeros};
 use crate::roots::taylor::Taylor;
+use crate::structures::between::Between;
 use crate::structures::equations::Equations;
-use crate::structures::periodic_kernel::Between;
 
 type C = Complex<f64>;
 
@@ -105,7 +105,7 @@ impl Function {
         Some(Self {
             period,
             is_free,
-            between: equations.kernel().between(contacts[0], contacts[1])?,
+            between: Between::new(equations.kernel(), contacts[0], contacts[1])?,
             rate,
             product: swings[0] * swings[1].conj(),
             squares: swings.map(|swing| swing.norm_sqr()),

@@ -7,6 +7,7 @@ use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape
 use vibrochain_testkit::Random;
 
 use super::model;
+use crate::structures::between::Between;
 use crate::structures::equations::Equations;
 use crate::structures::model::StructureModel;
 
@@ -21,7 +22,7 @@ fn kernels_between_contacts_have_derivatives_within_their_bounds() {
         let (from, to) = (random.below(2), random.below(2));
         let equations = Equations::new(&model, 1, [from, to].into_iter()).unwrap();
         let (kernel, period) = (equations.kernel(), equations.period());
-        let Some(between) = kernel.between(from, to) else { continue };
+        let Some(between) = Between::new(kernel, from, to) else { continue };
         let fast = kernel.regular().map(|(mode, _)| mode.rate + mode.decay).fold(0.0, f64::max);
         for _ in 0..10 {
             let phi = period * random.between(0.02, 0.98);
@@ -83,7 +84,7 @@ fn doubts_of_kernels_cover_what_rounding_does() {
             let step = 1e-9;
             let models = [kernels(0.0), kernels(step)];
             let [one, other] = models.each_ref().map(|model| Equations::new(model, 1, [0, 0].into_iter()).unwrap());
-            let [one, other] = [one, other].map(|equations| equations.kernel().between(0, 0).unwrap());
+            let [one, other] = [one, other].map(|equations| Between::new(equations.kernel(), 0, 0).unwrap());
             let mut most = [[0.0_f64; 3]; 2];
             for i in 1..40 {
                 let phi = TAU * f64::from(i) / 40.0;
@@ -120,7 +121,7 @@ fn kernels_next_to_a_resonance_are_those_of_a_mode_nearby() {
             let structure = ModalStructure::new(vec![stop], Vec::new(), vec![mode]).unwrap();
             let model = StructureModel::new(Arc::new(structure), 1.0).unwrap();
             let equations = Equations::new(&model, 1, [0, 0].into_iter()).unwrap();
-            let between = equations.kernel().between(0, 0).unwrap();
+            let between = Between::new(equations.kernel(), 0, 0).unwrap();
             // 1 − e^z of z = λT, whose angle is small but for a turn: rate − 1 is exact.
             let (a, b) = (-decay * TAU, TAU * (rate - 1.0));
             let half = (0.5 * b).sin();
