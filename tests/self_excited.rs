@@ -10,18 +10,27 @@ use vibrochain_breather::{
     structure_orbits,
 };
 use vibrochain_eventsim::{ContactEvent, EventKind, Limits, StructureOutcome, StructureSimulation};
-use vibrochain_floquet::{Event, StructureCourse, Tolerance, structure_diagram, structure_stability};
+use vibrochain_floquet::{
+    Event, Located, StructureCourse, StructureWindow, Tolerance, structure_curve, structure_diagram,
+    structure_stability,
+};
 use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Stop};
+use vibrochain_maps::grid::Grid;
 use vibrochain_maps::structure::along::family;
-use vibrochain_maps::structure::{Setting, StructureScene};
+use vibrochain_maps::structure::{Setting, StructureClass, StructureScene};
 use vibrochain_testkit::Random;
 
 type C = Complex<f64>;
 
 /// q″ − 0.2 q′ + q = 0 with stops.
 fn scene(stops: &str, restitution: f64) -> StructureScene {
+    damped(-0.2, stops, restitution, "")
+}
+
+/// q″ + cq′ + q = 0 with stops.
+fn damped(c: f64, stops: &str, restitution: f64, map: &str) -> StructureScene {
     let text = format!(
-        "omega = 1\nword = \"0-\"\n[structure]\nmasses = [1]\nstiffness = [[1]]\ndamping = [[-0.2]]\n[[contact]]\nat = 0\n{stops}\nrestitution = {restitution}\n"
+        "omega = 1\nword = \"0-\"\n[structure]\nmasses = [1]\nstiffness = [[1]]\ndamping = [[{c}]]\n[[contact]]\nat = 0\n{stops}\nrestitution = {restitution}\n{map}"
     );
     StructureScene::of_text(&text, Path::new(".")).unwrap()
 }
@@ -31,8 +40,12 @@ fn orbits(model: &StructureModel, word: &str) -> StructureFound {
 }
 
 /// q and q′ of the mass alone, a time after these.
-fn flight([q, v]: [f64; 2], t: f64) -> [f64; 2] {
-    let (decay, rate) = (-0.1, 0.99f64.sqrt());
+fn flight(start: [f64; 2], t: f64) -> [f64; 2] {
+    flight_of(-0.2, start, t)
+}
+
+fn flight_of(c: f64, [q, v]: [f64; 2], t: f64) -> [f64; 2] {
+    let (decay, rate) = (0.5 * c, (1.0 - 0.25 * c * c).sqrt());
     let (sin, cos) = (rate * t).sin_cos();
     let (b, dying) = ((v + decay * q) / rate, (-decay * t).exp());
     [dying * (q * cos + b * sin), dying * ((rate * b - decay * q) * cos - (rate * q + decay * b) * sin)]
@@ -40,14 +53,18 @@ fn flight([q, v]: [f64; 2], t: f64) -> [f64; 2] {
 
 /// The first time that it is at −1 on its way down.
 fn until_stop(start: [f64; 2]) -> f64 {
+    until_stop_of(-0.2, start)
+}
+
+fn until_stop_of(c: f64, start: [f64; 2]) -> f64 {
     let (mut low, step) = (1e-6, 1e-3);
-    while flight(start, low + step)[0] > -1.0 {
+    while flight_of(c, start, low + step)[0] > -1.0 {
         low += step;
     }
     let mut high = low + step;
     for _ in 0..80 {
         let middle = 0.5 * (low + high);
-        *(if flight(start, middle)[0] > -1.0 { &mut low } else { &mut high }) = middle;
+        *(if flight_of(c, start, middle)[0] > -1.0 { &mut low } else { &mut high }) = middle;
     }
     low
 }
@@ -241,6 +258,149 @@ fn a_branch_keeps_to_the_cycle_and_has_no_event_of_its_own_derivative() {
     assert!(checked > 10, "{checked}");
     let refused = structure_diagram(orbit, &family_of(Setting::Omega), 1.0, &course(0.5, 2.0), &Stop::default());
     assert!(refused.is_err_and(|error| error.to_string().contains("omega does not act")));
+}
+
+/// The two orbits that pull meet where F and its derivative vanish, by Newton's method in 30 digits.
+#[test]
+fn a_fold_is_told_where_it_is() {
+    let scene = damped(-0.154, "lower = -1", 0.5, "");
+    let found = orbits(&scene.model().unwrap(), "0-").orbits;
+    assert_eq!(found.len(), 3);
+    let course =
+        |events| StructureCourse { from: 0.99, to: 1.5, events, generations: 0, tolerance: Tolerance::Rounding };
+    let family = family(&scene, &[Setting::Damping]);
+    for (solution, events) in [(1, Event::ALL.to_vec()), (2, Event::ALL.to_vec()), (1, vec![Event::Fold])] {
+        let orbit = &found[solution];
+        let diagram = structure_diagram(orbit, &family, 1.0, &course(events), &Stop::default()).unwrap();
+        let branch = &diagram.branches[0];
+        assert!(branch.unresolved.is_empty(), "{:?}", branch.unresolved);
+        let folds: Vec<_> = branch.events().collect();
+        let [fold] = folds[..] else { panic!("{}", folds.len()) };
+        assert!(fold.event == Event::Fold && fold.error < 1e-9, "{:?} {}", fold.event, fold.error);
+        assert!((fold.value - 1.000_670_062_414_756_5).abs() <= fold.error, "{} {}", fold.value, fold.error);
+        assert!((fold.orbit.period() - 8.995_883_632_334_53).abs() < 1e-6, "{}", fold.orbit.period());
+        assert!((fold.orbit.impacts()[0].impulse + 9.733_737_528_586_73).abs() < 1e-5);
+    }
+}
+
+/// Along the curve of this fold the law and its derivative vanish, and nothing else happens: of two multipliers one is 1 by itself.
+#[test]
+fn a_curve_of_folds_has_no_second_multiplier() {
+    let scene = damped(-0.154, "lower = -1", 0.5, "");
+    let orbit = &orbits(&scene.model().unwrap(), "0-").orbits[1];
+    let settings = [Setting::Damping, Setting::Restitution(0)];
+    let (free, values) = (family(&scene, &settings), [1.0, 0.5]);
+    let fold = structure_diagram(
+        orbit,
+        &family(&scene, &settings[..1]),
+        1.0,
+        &StructureCourse {
+            from: 0.99,
+            to: 1.5,
+            events: vec![Event::Fold],
+            generations: 0,
+            tolerance: Tolerance::Rounding,
+        },
+        &Stop::default(),
+    );
+    let fold = fold.unwrap();
+    let fold = fold.branches[0].events().next().unwrap();
+    let window = StructureWindow { from: [0.9, 0.45], to: [1.1, 0.55] };
+    let curve = structure_curve(fold, &free, [fold.value, values[1]], window, 1e-3, &Stop::default()).unwrap();
+    assert!(curve.special.is_empty(), "{:?}", curve.special);
+    let mut checked = 0;
+    for point in &curve.points {
+        let [factor, e] = point.values;
+        let law = |period: f64| {
+            let pole = C::new(0.077 * factor, (1.0 - (0.077 * factor).powi(2)).sqrt());
+            let grown = (pole * period).exp();
+            1.0 + (1.0 + e) * (pole * grown / (C::new(1.0, 0.0) - grown)).im / pole.im
+        };
+        let (period, h) = (point.orbit.period(), 1e-4);
+        let slope = (law(period + h) - law(period - h)) / (2.0 * h);
+        assert!(law(period).abs() < 1e-10 && slope.abs() < 1e-7, "{factor} {e}: {} {slope}", law(period));
+        checked += 1;
+    }
+    assert!(checked > 20, "{checked}");
+}
+
+/// Two masses, the dashpot of one of which is negative: complex modes. Newton's method in 30 digits on the matrix exponential has the place where
+/// the period doubles; the doubled orbits leave there, come back there, and runs follow them.
+#[test]
+fn doubled_orbits_leave_and_come_back_where_the_period_doubles() {
+    let text = "omega = 1\nword = \"0-\"\n[structure]\nmasses = [1, 2]\nstiffness = [[2, -1], [-1, 1.7]]\n\
+                damping = [[-0.14, 0], [0, 0.015]]\n[[contact]]\nat = 0\nlower = -1\nrestitution = 0.64\n";
+    let scene = StructureScene::of_text(text, Path::new(".")).unwrap();
+    let free = family(&scene, &[Setting::Restitution(0)]);
+    let course = |from, to, generations| StructureCourse {
+        from,
+        to,
+        events: Event::ALL.to_vec(),
+        generations,
+        tolerance: Tolerance::Rounding,
+    };
+    let (e, period) = (0.630_452_109_815_442_7, 3.111_806_665_081_936);
+    let is_there = |event: &Located<StructureOrbit>, periods: f64| {
+        assert!(event.event == Event::PeriodDoubling && event.error < 1e-11, "{:?} {}", event.event, event.error);
+        assert!((event.value - e).abs() <= event.error, "{} {}", event.value, event.error);
+        assert!((event.orbit.period() - periods * period).abs() < 1e-9, "{}", event.orbit.period());
+    };
+    let found = orbits(&scene.model().unwrap(), "0-").orbits;
+    let mut followed = 0;
+    for orbit in &found {
+        let told = structure_admissibility(orbit).unwrap();
+        assert_eq!(told.is_physical(), runs_as_told(orbit), "{told:?}");
+        followed += usize::from(told.is_physical());
+    }
+    assert_eq!((found.len(), followed), (3, 2));
+    let simple = found.iter().find(|orbit| structure_admissibility(orbit).unwrap().is_physical()).unwrap();
+    let diagram = structure_diagram(simple, &free, 0.64, &course(0.6, 0.66, 1), &Stop::default()).unwrap();
+    let [own, doubled] = &diagram.branches[..] else { panic!("{}", diagram.branches.len()) };
+    let events: Vec<_> = own.events().collect();
+    let [event] = events[..] else { panic!("{}", events.len()) };
+    is_there(event, 1.0);
+    let mut runs = 0;
+    // Where they leave the equations are singular, and bound no error.
+    for point in doubled.points().skip(1) {
+        assert_eq!((point.orbit.impacts().len(), point.physical), (2, Some(true)), "{}", point.value);
+        assert!(runs_as_told(&point.orbit), "{}", point.value);
+        assert!(point.orbit.is_self_excited() && point.verdict.is_some_and(|verdict| !verdict.stable));
+        runs += 1;
+    }
+    assert!(runs > 10, "{runs}");
+    // From one of them back to where they began.
+    let last = doubled.points().last().unwrap();
+    let back =
+        structure_diagram(&last.orbit, &free, last.value, &course(0.6, last.value, 0), &Stop::default()).unwrap();
+    let events: Vec<_> = back.branches[0].events().collect();
+    let [event] = events[..] else { panic!("{}", events.len()) };
+    is_there(event, 1.0);
+}
+
+/// A map has the orbit of each point: by the flight of the mass alone, and Liouville's formula.
+#[test]
+fn a_map_has_the_cycle_of_each_point() {
+    let map = "[sweep]\nx = { parameter = \"damping\", from = 0.25, to = 0.75, points = 7 }\n\
+               y = { parameter = \"contact.0.restitution\", values = [0.4, 0.7] }\n[compute]\nfamilies = [\"0-\"]\n";
+    let scene = damped(-0.2, "lower = -1", 0.5, map);
+    let (mut worker, mut cells) = (scene.worker(&Stop::default()), Vec::new());
+    scene.compute(&mut worker, 0..14, &Stop::default(), &mut cells).unwrap();
+    let mut stable = 0;
+    for (number, cell) in (0..).zip(&cells) {
+        let [(_, factor), (_, e)] = scene.point(number)[..] else { panic!() };
+        let c = -0.2 * factor;
+        // The velocity after an impact, as each takes the last one, from 1 on.
+        let next = |v: f64| -e * flight_of(c, [-1.0, v], until_stop_of(c, [-1.0, v]))[1];
+        let v = (0..400).fold(1.0, |v, _| next(v));
+        let told = (cell.found.solutions, cell.found.spectral_radius, cell.found.margin);
+        assert!((next(v) - v).abs() < 1e-12 && told.0 == 1, "{factor} {e} {told:?}");
+        let period = until_stop_of(c, [-1.0, v]);
+        let multiplier = e * e * (-c * period).exp();
+        assert!((told.1.unwrap() - multiplier).abs() < 1e-9, "{factor} {e} {told:?} {multiplier}");
+        assert_eq!(cell.class, StructureClass::Stable);
+        stable += 1;
+    }
+    assert_eq!(stable, 14);
 }
 
 fn scene_at(restitution: f64) -> Vec<StructureOrbit> {

@@ -94,3 +94,32 @@ fn from_rest_it_settles_on_the_stable_orbit() {
         }
     }
 }
+
+/// A mass that a negative dashpot excites settles on its cycle from rest, stays on it, and neighbours keep their distance along it: the largest
+/// exponent is 0.
+#[test]
+fn self_excited_runs_settle_on_their_cycle() {
+    let shape = vibrochain_lattice::ModeShape { contacts: vec![1.0], coordinates: Vec::new(), still: 0.0 };
+    let contact = Contact { lower: Some(-1.0), upper: None, restitution: 0.5 };
+    let mut checked = 0;
+    for decay in [-0.1, -0.05, -0.02] {
+        let mode = vibrochain_lattice::LinearMode::oscillator(decay, 1.0 - decay * decay, &shape, &[]);
+        let structure = vibrochain_lattice::ModalStructure::new(vec![contact], Vec::new(), vec![mode]).unwrap();
+        let model = StructureModel::new(Arc::new(structure), 1.0).unwrap();
+        let word = "0-".parse().unwrap();
+        let found = vibrochain_breather::structure_orbits(&model, &word, 1).unwrap().orbits;
+        let physical = found.iter().find(|orbit| structure_is_physical(orbit).unwrap().is_physical()).unwrap();
+        let measured = measure_structure(physical, 1000, &Stop::default()).unwrap();
+        assert!(measured.value.abs() < 1e-7 + measured.error, "{measured:?}");
+        let ensemble = Ensemble { periods: 800, size: 1e-3, ..Ensemble::default() };
+        let home = Home::of_structure(physical).unwrap();
+        for seed in 1..=4 {
+            let fate = home.run(&ensemble, seed, &Stop::default()).unwrap();
+            assert_eq!((&fate.end, fate.left), (&End::Breather, None), "{decay} {seed}");
+            let fate = Home::at_rest(&model).run(&ensemble, seed, &Stop::default()).unwrap();
+            assert_eq!(fate.end, End::Periodic(word.clone()), "{decay} {seed}");
+            checked += 1;
+        }
+    }
+    assert_eq!(checked, 12);
+}

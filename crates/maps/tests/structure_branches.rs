@@ -6,8 +6,8 @@ use std::collections::BTreeSet;
 
 use vibrochain_breather::{Family, StructureOrbit, Word, breathers, structure_orbits};
 use vibrochain_floquet::{
-    Course, Event, Followed, FollowedBranch, Located, Special, SpecialPoint, StructureCourse, StructureWindow,
-    Tolerance, Window, curve, diagram, structure_curve, structure_diagram,
+    Course, End, Event, Evidence, Followed, FollowedBranch, Located, Special, SpecialPoint, StructureCourse,
+    StructureWindow, Tolerance, Window, curve, diagram, structure_curve, structure_diagram,
 };
 use vibrochain_lattice::{Chain, Model, Parameter, Stop};
 use vibrochain_maps::structure::along::family;
@@ -230,4 +230,50 @@ fn distance(window: &StructureWindow, place: [f64; 2], ends: [[f64; 2]; 2]) -> f
     let square = (chord[0] * chord[0] + chord[1] * chord[1]).max(f64::MIN_POSITIVE);
     let share = ((away[0] * chord[0] + away[1] * chord[1]) / square).clamp(0.0, 1.0);
     (away[0] - share * chord[0]).hypot(away[1] - share * chord[1])
+}
+
+/// All orbits of one impact a period at one frequency are one loop, the stop being a sum of a cosine and a sine of the phase: 0 without velocity at
+/// the cosine's ends, farthest at those of the sum. Round it once each of them is told once, whatever the phase is then.
+#[test]
+fn a_branch_closes_where_its_phase_has_gone_round() {
+    let (omega, c, e) = (2.6f64, 0.1f64, 0.8f64);
+    let text = format!(
+        "omega = {omega}\nword = \"0+\"\n[structure]\nmasses = [1]\nstiffness = [[1]]\ndamping = [[{c}]]\n\
+         [[contact]]\nat = 0\nupper = 0.05\nrestitution = {e}\n[force]\nload = [1]\n"
+    );
+    let scene = scene(&text);
+    // P = ω|g| sin x·(1+e)/(1 + (1+e)K′), and the stop is |g| cos x + KP.
+    let (rate, dying) = ((1.0 - 0.25 * c * c).sqrt(), 0.5 * c);
+    let pole = vibrochain_lattice::Complex::new(-dying, rate);
+    let gone = (pole * (std::f64::consts::TAU / omega)).exp();
+    let kernel = gone / (vibrochain_lattice::Complex::new(1.0, 0.0) - gone) / rate;
+    let size = ((1.0 - omega * omega).powi(2) + (c * omega).powi(2)).sqrt().recip();
+    let sine = omega * size * (1.0 + e) * kernel.im / (1.0 + (1.0 + e) * (pole * kernel).im);
+    let farthest = size.hypot(sine);
+    let found = structure_orbits(&scene.model().unwrap(), &"0+".parse().unwrap(), 1).unwrap();
+    assert_eq!(found.orbits.len(), 2);
+    for orbit in &found.orbits {
+        let branch = branch(&scene, orbit, Setting::Upper(0), [-3.0, 5.0]);
+        let values = |wanted: &dyn Fn(&Located<StructureOrbit>) -> bool| {
+            let mut values: Vec<f64> = branch.events().filter(|one| wanted(one)).map(|one| one.value).collect();
+            values.sort_by(f64::total_cmp);
+            values
+        };
+        let folds = values(&|one| one.event == Event::Fold);
+        let lost = values(&|one| matches!(one.evidence, Evidence::Impact(_)));
+        for (told, right) in [(folds, farthest), (lost, size)] {
+            assert_eq!(told.len(), 2, "{told:?}");
+            assert!(
+                told.iter().zip([-right, right]).all(|(told, right)| (told - right).abs() < 1e-9),
+                "{told:?} {right}"
+            );
+        }
+        // None of any kind stands twice.
+        let all: Vec<_> = branch.events().collect();
+        let same = |i: usize, j: usize| {
+            all[i].event == all[j].event && (all[i].value - all[j].value).abs() <= all[i].error + all[j].error
+        };
+        assert!((0..all.len()).all(|j| (0..j).all(|i| !same(i, j))), "{}", all.len());
+        assert!(branch.ends.iter().any(|end| end.1 == End::Closed), "{:?}", branch.ends);
+    }
 }

@@ -48,6 +48,8 @@ pub struct StructureContinuation {
     strongest: usize,
     units: Vector,
     origin: Vector,
+    /// After how long the load of the last equations repeats itself.
+    load_period: f64,
     stop: Stop,
     evaluations: usize,
 }
@@ -114,9 +116,16 @@ impl StructureContinuation {
             strongest,
             units: own,
             origin,
+            load_period: load_period(&equations),
             stop: stop.clone(),
             evaluations: 0,
         })
+    }
+
+    /// What part of its place an impact adds to its law, if any.
+    fn weight_of_places(&self) -> Option<f64> {
+        // ω where this begins: a place times it is a velocity.
+        self.self_excited.then(|| 1.0 / self.units[2 * self.contacts.len() - 1])
     }
 
     /// The model at `z`.
@@ -158,6 +167,7 @@ impl StructureContinuation {
             return Err(StructureOrbitError::OtherUnknowns.into());
         }
         equations.left_out = self.strongest;
+        self.load_period = load_period(&equations);
         let point = self.point(z, equations.period())?;
         let rows = equations.system(&point)?;
         if rows.rows.iter().all(|row| row.is_finite()) {
@@ -186,13 +196,14 @@ impl System for StructureContinuation {
     }
 
     fn rows(&mut self, z: &[f64]) -> Result<Vector, BranchError> {
-        self.assembled(z, |_, _, rows| Ok(rows.rows))
+        let weight = self.weight_of_places();
+        self.assembled(z, |_, _, rows| Ok(with_places(rows, weight).rows))
     }
 
     fn evaluate(&mut self, z: &[f64]) -> Result<Evaluation<StructureOrbit, Vector>, BranchError> {
-        let (units, periods) = (self.units.clone(), self.force_periods);
+        let (units, periods, weight) = (self.units.clone(), self.force_periods, self.weight_of_places());
         self.assembled(z, |equations, point, here| {
-            let (rows, kept, mut matrix) = (here.rows.clone(), here.sizes.clone(), here.jacobian.clone());
+            let Rows { rows, sizes: kept, jacobian: mut matrix, .. } = with_places(here.clone(), weight);
             for i in 0..matrix.size() {
                 matrix.row_mut(i).iter_mut().zip(&units).for_each(|(entry, unit)| *entry *= unit);
             }
@@ -207,6 +218,18 @@ impl System for StructureContinuation {
 
     fn evaluations(&self) -> usize {
         self.evaluations
+    }
+
+    /// Phases a period of the load apart are one: a branch that has come round is closed.
+    fn chord(&self, from: &[f64], to: &[f64]) -> Vector {
+        let apart = to.iter().zip(from).zip(&self.units);
+        let mut chord: Vector = apart.map(|((to, from), unit)| (to - from) / unit).collect();
+        if self.forced {
+            let place = 2 * self.contacts.len() - 1;
+            let turn = self.load_period / self.units[place];
+            chord[place] -= turn * (chord[place] / turn).round();
+        }
+        chord
     }
 
     /// At the resonance of a mode that nothing damps the equations have a pole; where an orbit is its own mirror image others branch off, and where
@@ -259,6 +282,28 @@ impl StructureOrbit {
         let impulses = (0..half).map(|i| (impacts[i + half].impulse.abs() - impacts[i].impulse.abs()) / strongest);
         impulses.chain((0..half).map(|i| flight(i + half) - flight(i))).collect()
     }
+}
+
+/// The same equations, each law with a part of its impact's place. Of one impact that nothing drives the law is the impulse times a function of the
+/// period: at a fold all its derivatives vanish, and its row, scaled to length 1, would jump from one sign to the other.
+fn with_places(mut here: Rows, weight: Option<f64>) -> Rows {
+    let Some(weight) = weight else { return here };
+    let impacts = here.arrivals.len();
+    for i in 0..impacts {
+        let law = impacts + i;
+        here.rows[law] += weight * here.rows[i];
+        here.sizes[law] += weight * here.sizes[i];
+        for j in 0..here.jacobian.size() {
+            let slope = here.jacobian[(i, j)];
+            here.jacobian[(law, j)] += weight * slope;
+        }
+    }
+    here
+}
+
+/// After how long the load repeats itself.
+fn load_period(equations: &Equations<'_>) -> f64 {
+    std::f64::consts::TAU / equations.single().map_or(equations.model.omega(), |(frequency, _)| frequency)
 }
 
 /// Whether one of the numbers brings losses where it moves.

@@ -282,6 +282,16 @@ where
     fn evaluations(&self) -> usize {
         self.base.evaluations()
     }
+
+    /// With that of the orbit's own equations.
+    fn chord(&self, from: &[f64], to: &[f64]) -> Vector {
+        let ((from, marked), (to, mark)) = (self.parts(from), self.parts(to));
+        let mut chord = self.base.chord(&from, &to);
+        let at = self.base.size();
+        let marks = mark.zip(marked).map(|(to, from)| (to - from) / MARK);
+        chord.insert_many(at, marks);
+        chord
+    }
 }
 
 /// An event of a branch, to which Newton's method has led.
