@@ -1,7 +1,7 @@
 //! Why a point has no physical orbit.
 
 /// Why a point of a map has no physical orbit. Of several candidates that are not physical the first decides.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Absence {
     /// There is no orbit whose barriers push.
     NoOrbit,

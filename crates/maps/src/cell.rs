@@ -11,6 +11,7 @@ use vibrochain_lattice::{Model, Stop};
 
 use crate::absence::Absence;
 use crate::extent::Extent;
+use crate::first_obstruction::FirstObstruction;
 
 /// What a map is asked to compute.
 #[derive(Debug, Clone, PartialEq)]
@@ -203,6 +204,8 @@ pub struct Cell {
     pub extent: Option<Extent>,
     /// Why it has no physical orbit, where maps tell that: those of structures do.
     pub absence: Option<Absence>,
+    /// What is in the way of its first candidate.
+    pub obstruction: Option<FirstObstruction>,
 }
 
 impl Cell {
@@ -219,6 +222,7 @@ impl Cell {
         collision: None,
         extent: None,
         absence: None,
+        obstruction: None,
     };
 
     /// With what the best of its orbits says, if there is one.

@@ -64,6 +64,11 @@ pub trait Grid: Clone + Debug + Send + Sync {
     /// All that decides what its table holds, as manifests have it.
     fn parts(&self) -> Map<String, Value>;
 
+    /// What follows from that and explains the table: keys for a manifest, and lines for people.
+    fn explained(&self) -> (Map<String, Value>, Vec<String>) {
+        (Map::new(), Vec::new())
+    }
+
     /// The same for all scenes that mean the same, whatever words they have for it.
     fn meaning(&self) -> Map<String, Value> {
         self.parts()

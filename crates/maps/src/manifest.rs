@@ -4,8 +4,10 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 use vibrochain_lattice::{Parameter, PointPart};
 
+use crate::absence::Absence;
 use crate::cell::Status;
 use crate::grid::{Grid, Refined};
+use crate::obstructions::Obstructed;
 use crate::scene::Scene;
 use crate::summary::Summary;
 
@@ -82,6 +84,33 @@ pub fn scene_parts(scene: &Scene) -> Map<String, Value> {
     object([("model", json!(model)), ("sweep", sweep.into()), ("compute", compute.into())])
 }
 
+/// Cells without a physical orbit by the reason, and by the contact and the impact where a contact is in the way.
+fn absences(summary: &Summary) -> Vec<Map<String, Value>> {
+    let obstructions = summary.obstructions.all();
+    let counts = Absence::ALL.into_iter().zip(summary.absences);
+    let of = |(absence, count): (Absence, u64)| {
+        let own = || obstructions.iter().filter(move |one| one.absence == absence);
+        let rest = count.saturating_sub(own().map(|one| one.cells).sum());
+        let entry = |one: &Obstructed| {
+            let reason = json!(absence.name());
+            let [from, to] = one.after.map(|after| json!(after));
+            let [contact, impact] = [one.contact, one.impact].map(|number| json!(number));
+            object([
+                ("reason", reason),
+                ("cells", json!(one.cells)),
+                ("contact", contact),
+                ("impact", impact),
+                ("from", from),
+                ("to", to),
+            ])
+        };
+        let all: Vec<_> = own().map(entry).collect();
+        let others = (rest > 0).then(|| object([("reason", json!(absence.name())), ("cells", json!(rest))]));
+        all.into_iter().chain(others)
+    };
+    counts.flat_map(of).collect()
+}
+
 /// The manifest as a JSON value.
 pub fn manifest<S: Grid>(run: &Run<'_, S>) -> Value {
     let (scene, summary) = (run.scene, run.summary);
@@ -106,6 +135,11 @@ pub fn manifest<S: Grid>(run: &Run<'_, S>) -> Value {
         ("statuses", statuses.filter_map(count).collect()),
         ("worst_residual", json!(summary.worst_residual)),
     ]));
+    let absences: Vec<Value> = absences(summary).into_iter().map(Value::from).collect();
+    if !absences.is_empty() {
+        told.extend(object([("absences", absences.into())]));
+    }
+    told.extend(scene.explained().0);
     if let Value::Object(effort) = json!(run.effort) {
         told.extend(effort);
     }

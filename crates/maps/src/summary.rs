@@ -3,6 +3,7 @@
 use crate::absence::Absence;
 use crate::cell::{Cell, Class, Status};
 use crate::extent::Extent;
+use crate::obstructions::Obstructions;
 
 /// Excess of a period that a look at the breather does not show: under a force nearly all double-sided breathers radiate into the ring and
 /// grow, most of them by less than this, which is what `--threshold` is for.
@@ -21,6 +22,8 @@ pub struct Summary {
     pub slow: u64,
     /// Cells without a physical orbit per reason, in the order of [`Absence::ALL`], where a scene tells it.
     pub absences: [u64; Absence::ALL.len()],
+    /// And of those where a contact is in the way, which one and after which impact.
+    pub obstructions: Obstructions,
     /// Cells that were computed: each stands for itself alone unless the grid is refined.
     pub computed: u64,
 }
@@ -48,6 +51,9 @@ impl Summary {
         self.statuses[cell.status as usize] += cells;
         if let Some(absence) = cell.absence {
             self.absences[absence as usize] += cells;
+            if let Some(first) = cell.obstruction {
+                self.obstructions.count(absence, first, cells);
+            }
         }
         self.computed += 1;
         self.worst_residual = self.worst_residual.max(cell.residual);
@@ -58,6 +64,7 @@ impl Summary {
         self.classes.iter_mut().zip(other.classes).for_each(|(count, more)| *count += more);
         self.statuses.iter_mut().zip(other.statuses).for_each(|(count, more)| *count += more);
         self.absences.iter_mut().zip(other.absences).for_each(|(count, more)| *count += more);
+        self.obstructions.add(&other.obstructions);
         self.worst_residual = self.worst_residual.max(other.worst_residual);
         self.slow += other.slow;
         self.computed += other.computed;

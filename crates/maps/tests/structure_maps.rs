@@ -81,14 +81,16 @@ fn cells_say_why_nothing_is_physical() {
         let found = structure_orbits(&model, &"0+".parse().unwrap(), 1).unwrap();
         let pushing = |orbit: &&vibrochain_breather::StructureOrbit| orbit.impacts()[0].impulse < 0.0;
         let candidates: Vec<_> = found.orbits.iter().filter(pushing).collect();
-        let Some(first) = cell.obstruction else {
+        let Some(first) = cell.found.obstruction else {
             assert!(absence == Absence::NoOrbit && candidates.is_empty(), "{cell:?}");
             continue;
         };
         let within = |orbit: &&&vibrochain_breather::StructureOrbit| {
             let motion = StructureMotion::new(orbit).unwrap();
-            let stops = model.structure().contacts()[first.contact];
-            let room = |part: f64| stops.room(motion.contact(first.contact, 0, part * orbit.period())[0]);
+            let stops = model.structure().contacts()[first.contact as usize];
+            let room = |part: f64| {
+                stops.room(motion.contact(first.contact as usize, first.impact as usize, part * orbit.period())[0])
+            };
             match absence {
                 Absence::NoOrbit | Absence::NotFound | Absence::Sticks => false,
                 Absence::WrongSign => orbit.impacts()[0].velocity_before <= 0.0,

@@ -50,7 +50,7 @@ pub(crate) fn text(
     let plural = |count: usize| if count == 1 { "" } else { "s" };
     // Writing to a String cannot fail.
     let _ = writeln!(out, "{heading}: {}, {}", scene.heading(), scene.here());
-    let _ = write!(out, "{}", kept(scene, model));
+    let _ = write!(out, "{}", kept(scene));
     let physical = answered.iter().filter(|one| one.admissibility.is_physical()).count();
     let none = found.search.is_complete();
     let _ = match (answered.len(), none) {

@@ -6,8 +6,12 @@ use vibrochain_maps::absence::Absence;
 use vibrochain_maps::cell::{Class, Status};
 use vibrochain_maps::grid::{Grid, Refined};
 use vibrochain_maps::manifest::Effort;
+use vibrochain_maps::obstructions::Obstructed;
 use vibrochain_maps::scene::Axis;
 use vibrochain_maps::summary::{SLOW, Summary};
+
+/// Contacts and impacts that are told of each reason; the manifest has more.
+const MOST_TOLD: usize = 4;
 
 /// "1 cell", "2 cells".
 pub(crate) fn counted(count: impl TryInto<u64>, thing: &str) -> String {
@@ -50,10 +54,9 @@ pub(crate) fn report<S: Grid>(scene: &S, summary: &Summary, effort: Option<&Effo
     }
     for (absence, count) in Absence::ALL.into_iter().zip(summary.absences).filter(|(_, count)| *count > 0) {
         lines.push(format!("    none in {count}: {}", absence.told()));
+        lines.extend(obstructed(summary, absence));
     }
-    if summary.absences.iter().skip(Absence::WrongSign as usize).any(|count| *count > 0) {
-        lines.push("    (columns obstruction_contact and obstruction_after: which contact, and how soon)".to_owned());
-    }
+    lines.extend(scene.explained().1.into_iter().map(|line| format!("    {line}")));
     // Under a force hardly anything is strictly stable, and most of it grows so slowly that nobody sees it.
     if summary.slow > 0 && scene.tolerance() == Some(Tolerance::Rounding) {
         let unstable = [Class::UnstableDouble, Class::UnstableSingle, Class::UnstableWord];
@@ -71,6 +74,15 @@ pub(crate) fn report<S: Grid>(scene: &S, summary: &Summary, effort: Option<&Effo
     lines.push(format!("worst residual of an orbit {:.1e}", summary.worst_residual));
     lines.extend(scene.refined().map(|refined| format!("may have missed: {}", refined.may_miss)));
     lines.join("\n")
+}
+
+/// The commonest contacts and impacts of a reason.
+fn obstructed(summary: &Summary, absence: Absence) -> impl Iterator<Item = String> {
+    let of_reason = summary.obstructions.all().into_iter().filter(move |one| one.absence == absence);
+    of_reason.take(MOST_TOLD).map(|Obstructed { contact, impact, cells, after: [from, to], .. }| {
+        let later = if to > 0.0 { format!(", {from:.4} to {to:.4} of a period later") } else { String::new() };
+        format!("      contact {contact} at impact {impact}{later}: {cells}")
+    })
 }
 
 /// How fast it went.

@@ -106,6 +106,17 @@ fn of_structures(dir: &TestDir) -> Vec<(&'static str, Value)> {
         dir.run("fate scene.toml --starts 1 --periods 20 --in-sequence --out f.csv").with(0, &[]);
         answers.push(("table", dir.json("f.manifest.json")));
     }
+    // Of a light tip in front of its stop, of which one mode is kept or all.
+    for modes in ["", "modes = 1\n"] {
+        let tip = format!(
+            "omega = 1\n[structure]\nmasses = [1, 0.02]\nstiffness = [[9, -8], [-8, 8]]\n{modes}[[contact]]\nweights = [0, 1]\nupper = 0.3\n\
+             restitution = 0.7\n[force]\nload = [0.2, 0]\n[sweep]\nx = {{ parameter = \"omega\", from = 0.3, to = 3, points = 40 }}\n\
+             [compute]\nfamilies = [\"0+\"]\n"
+        );
+        dir.scene(&tip);
+        dir.run("sweep scene.toml --out map.csv --quiet").with(0, &[]);
+        answers.push(("manifest", dir.json("map.manifest.json")));
+    }
     dir.scene(one);
     dir.run("sweep scene.toml --out shares --shard 0/1 --quiet").with(0, &[]);
     answers.push(("plan", dir.json("shares/plan.json")));
@@ -238,7 +249,7 @@ fn answers_have_their_form_and_nothing_near_them_has() {
         Schema::named(name).check(value).unwrap_or_else(|error| panic!("{name}: {error}"));
         seen.extend(places(value).iter().filter_map(|place| Some(place.rsplit_once('/')?.1.to_owned())));
     }
-    assert_eq!(of_structures.len(), 7);
+    assert_eq!(of_structures.len(), 9);
     // Every key of a schema was in an answer, but for what the borders of a good window lack, and a table of scenes alone.
     for name in
         ["orbit", "locate", "branch", "curve", "curves", "words", "simulate", "manifest", "table", "plan", "fate"]

@@ -199,7 +199,7 @@ fn a_map_is_a_row_a_point() {
     let text = String::from_utf8(dir.read("map.csv")).unwrap();
     let rows: Vec<&str> = text.lines().collect();
     let known = "omega,contact.0.upper,class,word,mechanism,spectral_radius,margin,solutions,status,trouble";
-    assert_eq!(rows[0], format!("{known},absence,obstruction_contact,obstruction_after"));
+    assert_eq!(rows[0], format!("{known},absence,obstruction_contact,obstruction_impact,obstruction_after"));
     assert_eq!(rows.len(), 37);
     assert!(rows[1].starts_with("0.6,0.5,") && rows[36].starts_with("1.4,0.8,"), "{} {}", rows[1], rows[36]);
     let (empty, physical): (Vec<&str>, Vec<&str>) = rows[1..].iter().partition(|row| row.contains(",none,"));

@@ -4,5 +4,6 @@
 mod branches;
 mod commands;
 mod long_runs;
+mod maps;
 mod pictures;
 mod runs;

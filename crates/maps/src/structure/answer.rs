@@ -83,13 +83,11 @@ pub fn json(
 
 /// What each contact feels where only some modes are kept, a line a contact.
 #[must_use]
-pub fn kept(scene: &StructureScene, model: &StructureModel) -> String {
-    let (structure, whole) = (model.structure(), scene.whole());
-    let line = |(contact, mass): (usize, &f64)| {
-        let own = Number(1.0 / structure.mobility(contact, contact));
-        format!("contact {contact} feels a mass of {own}, with all modes {}\n", Number(*mass))
+pub fn kept(scene: &StructureScene) -> String {
+    let line = |(contact, (own, all)): (usize, (f64, f64))| {
+        format!("contact {contact} feels a mass of {}, with all modes {}\n", Number(own), Number(all))
     };
-    whole.iter().flat_map(|(_, masses)| masses.iter().enumerate().map(line)).collect()
+    scene.kept_masses().into_iter().enumerate().map(line).collect()
 }
 
 /// The structure as it was asked about.

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::first_obstruction::FirstObstruction;
 use crate::absence::Absence;
 use crate::cell::{Cell, Status};
+use crate::first_obstruction::FirstObstruction;
 use crate::table::columns::{Column, Found, Kind, Value};
 
 /// Existence and stability in one word.
@@ -37,8 +37,6 @@ pub struct StructureCell {
     pub word: Option<Arc<str>>,
     /// Why something could not be worked out.
     pub trouble: Option<String>,
-    /// What is in the way of the first candidate, where none is physical.
-    pub obstruction: Option<FirstObstruction>,
     /// How the best orbit's stability is lost, its spectral radius and margin; the number of physical orbits of the words asked for, and
     /// their largest residual; whether the lists are complete, and nothing was left open. Its class is that of [`Grid::shown`].
     pub found: Cell,
@@ -55,8 +53,12 @@ impl Found for StructureCell {
 }
 
 impl StructureCell {
-    pub(super) const EMPTY: Self =
-        Self { class: StructureClass::None, word: None, trouble: None, obstruction: None, found: Cell::EMPTY };
+    pub(super) const EMPTY: Self = Self { class: StructureClass::None, word: None, trouble: None, found: Cell::EMPTY };
+
+    /// What is in the way, to be filled in.
+    fn first_obstruction(&mut self) -> &mut FirstObstruction {
+        self.found.obstruction.get_or_insert(FirstObstruction::EMPTY)
+    }
 
     pub(super) fn troubled(why: String) -> Self {
         Self { class: StructureClass::Unknown, trouble: Some(why), ..Self::EMPTY }
@@ -74,7 +76,7 @@ impl StructureCell {
 }
 
 /// The columns after the axes, but for those common to all scenes, which stand before the last.
-pub(super) const COLUMNS: [Column<StructureCell>; 6] = [
+pub(super) const COLUMNS: [Column<StructureCell>; 7] = [
     Column {
         name: "class",
         kind: Kind::Word,
@@ -123,23 +125,31 @@ pub(super) const COLUMNS: [Column<StructureCell>; 6] = [
         name: "obstruction_contact",
         kind: Kind::Count,
         optional: true,
-        get: |cell| Some(Value::Count(cell.obstruction?.contact as u64)),
-        set: |cell, value| {
-            let Value::Count(count) = value else { return None };
-            cell.obstruction.get_or_insert(FirstObstruction { contact: 0, after: 0.0 }).contact =
-                usize::try_from(count).ok()?;
-            Some(())
-        },
+        get: |cell| Some(Value::Count(cell.found.obstruction?.contact.into())),
+        set: |cell, value| number(&mut cell.first_obstruction().contact, value),
+    },
+    Column {
+        name: "obstruction_impact",
+        kind: Kind::Count,
+        optional: true,
+        get: |cell| Some(Value::Count(cell.found.obstruction?.impact.into())),
+        set: |cell, value| number(&mut cell.first_obstruction().impact, value),
     },
     Column {
         name: "obstruction_after",
         kind: Kind::Number,
         optional: true,
-        get: |cell| Some(Value::Number(cell.obstruction?.after)),
+        get: |cell| Some(Value::Number(cell.found.obstruction?.after)),
         set: |cell, value| {
             let Value::Number(number) = value else { return None };
-            cell.obstruction.get_or_insert(FirstObstruction { contact: 0, after: 0.0 }).after = number;
+            cell.first_obstruction().after = number;
             Some(())
         },
     },
 ];
+
+fn number(place: &mut u32, value: Value<'_>) -> Option<()> {
+    let Value::Count(count) = value else { return None };
+    *place = u32::try_from(count).ok()?;
+    Some(())
+}

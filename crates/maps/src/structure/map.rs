@@ -8,14 +8,15 @@ use vibrochain_breather::{Admissibility, StructureModel, Word, structure_candida
 use vibrochain_floquet::{StructureMultipliers, Tolerance, Verdict};
 use vibrochain_lattice::Stop;
 
+use super::answer;
 use super::cell::{COLUMNS, StructureCell, StructureClass};
-use super::first_obstruction::FirstObstruction;
 use super::named::MOST_FILE_BYTES;
 use super::scene::StructureScene;
 use super::setting::Setting;
 use crate::absence::Absence;
 use crate::cell::{Cell, Class, Status};
 use crate::error::MapError;
+use crate::first_obstruction::FirstObstruction;
 use crate::grid::{Files, Grid};
 use crate::scene::{Axis, MAX_BYTES};
 use crate::table::columns::{Column, common};
@@ -158,7 +159,8 @@ fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
         }
         let missed = if cell.found.status == Status::Ok { Absence::NoOrbit } else { Absence::NotFound };
         cell.found.absence = Some(way.map_or(missed, |(reason, _)| reason));
-        return StructureCell { class: StructureClass::None, obstruction: way.map(|(_, way)| way), ..cell };
+        cell.found.obstruction = way.map(|(_, way)| way);
+        return StructureCell { class: StructureClass::None, ..cell };
     };
     let verdict = match told {
         Told::Verdict(verdict) => Some(verdict),
@@ -209,6 +211,15 @@ impl Grid for StructureScene {
 
     fn parts(&self) -> Map<String, Json> {
         Self::parts(self)
+    }
+
+    /// Effective masses, where only some modes are kept.
+    fn explained(&self) -> (Map<String, Json>, Vec<String>) {
+        let told =
+            |(own, all): (f64, f64)| serde_json::json!({ "effective_mass": own, "effective_mass_of_all_modes": all });
+        let contacts: Vec<Json> = self.kept_masses().into_iter().map(told).collect();
+        let keys = (!contacts.is_empty()).then(|| ("contacts".to_owned(), contacts.into()));
+        (keys.into_iter().collect(), answer::kept(self).lines().map(str::to_owned).collect())
     }
 
     fn meaning(&self) -> Map<String, Json> {

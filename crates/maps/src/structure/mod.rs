@@ -21,7 +21,6 @@ pub mod answer;
 mod cell;
 mod damped_chain;
 mod definition;
-mod first_obstruction;
 pub mod map;
 mod matrix_market;
 mod named;
@@ -33,7 +32,6 @@ mod told;
 
 pub use answer::Answered;
 pub use cell::{StructureCell, StructureClass};
-pub use first_obstruction::FirstObstruction;
 pub use scene::StructureScene;
 pub use setting::Setting;
 pub use sizes::MOST_COORDINATES;

@@ -3,7 +3,7 @@
 //! ```text
 //! vibrochain-chunk 3 IDENTITY chunk 12 cells 98304..106496
 //! 0.1,1.5,stable-double,…
-//! summary classes 0,8192,… statuses 8192,0,… absences 0,… worst_residual 8.9e-16 slow 0 computed 8192
+//! summary classes 0,8192,… statuses 8192,0,… absences 0,… obstructions 0 worst_residual 8.9e-16 slow 0 computed 8192
 //! checksum XXH3-128 OF ALL ABOVE
 //! ```
 
@@ -21,6 +21,7 @@ use super::plan::Plan;
 use crate::error::MapError;
 use crate::files::Output;
 use crate::grid::Grid;
+use crate::obstructions::Obstructions;
 use crate::summary::Summary;
 use crate::text::open_plain;
 
@@ -28,7 +29,7 @@ use crate::text::open_plain;
 const HEAD: u64 = 256;
 
 /// Enough for the last two lines.
-const TAIL: u64 = 1024;
+const TAIL: u64 = 8192;
 
 /// `checksum `, 32 digits, end of line.
 const CHECKSUM: u64 = 42;
@@ -92,8 +93,9 @@ fn listed(counts: &[u64]) -> String {
 fn summary_line(summary: &Summary) -> String {
     let [classes, statuses, absences] = [&summary.classes[..], &summary.statuses, &summary.absences].map(listed);
     let Summary { worst_residual, slow, computed, .. } = summary;
+    let obstructions = summary.obstructions.text();
     format!(
-        "summary classes {classes} statuses {statuses} absences {absences} worst_residual {worst_residual:e} slow {slow} computed {computed}\n"
+        "summary classes {classes} statuses {statuses} absences {absences} obstructions {obstructions} worst_residual {worst_residual:e} slow {slow} computed {computed}\n"
     )
 }
 
@@ -108,6 +110,8 @@ fn read_summary(line: &str) -> Option<Summary> {
         statuses,
         "absences",
         absences,
+        "obstructions",
+        obstructions,
         "worst_residual",
         residual,
         "slow",
@@ -125,6 +129,7 @@ fn read_summary(line: &str) -> Option<Summary> {
     read(classes, &mut summary.classes)?;
     read(statuses, &mut summary.statuses)?;
     read(absences, &mut summary.absences)?;
+    summary.obstructions = Obstructions::read(obstructions)?;
     summary.worst_residual = residual.parse().ok().filter(|residual: &f64| residual.is_finite())?;
     summary.slow = slow.parse().ok()?;
     summary.computed = computed.parse().ok()?;

@@ -216,6 +216,13 @@ impl StructureScene {
         self.definition.whole_masses().map(|masses| (self.modal.coordinates(), masses))
     }
 
+    /// Of each contact the effective masses that the modes which are kept give it, and all; none where all are kept.
+    pub(in crate::structure) fn kept_masses(&self) -> Vec<(f64, f64)> {
+        let all = self.definition.whole_masses().unwrap_or_default();
+        let own = |contact: usize| 1.0 / self.modal.mobility(contact, contact);
+        all.into_iter().enumerate().map(|(contact, all)| (own(contact), all)).collect()
+    }
+
     /// How many modes there are where only some are kept.
     pub(in crate::structure) fn all_modes(&self) -> Option<usize> {
         self.definition.keeps_some().then(|| self.modal.coordinates())
