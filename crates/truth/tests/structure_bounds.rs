@@ -291,13 +291,10 @@ fn structures_whose_errors_were_told_too_small() {
         let orbit = found.first().unwrap();
         let told = orbit.impacts().iter().map(|impact| impact.impulse_error).fold(0.0, f64::max);
         assert!(away(orbit) <= told + 1e-14 && away(orbit) < 1e-8, "{word}: {:e} {told:e}", away(orbit));
-        // Of the third one the multipliers are not told apart: no radius is told at all.
-        let Ok(stability) = structure_stability(orbit, Tolerance::Rounding) else {
-            assert_eq!(word, "0-,0+");
-            continue;
-        };
-        let verdict = stability.verdict;
+        // Of the third one a multiplier is 0, from which refinement once led to another one.
+        let verdict = structure_stability(orbit, Tolerance::Rounding).unwrap().verdict;
         assert!((verdict.spectral_radius - radius).abs() <= verdict.resolution + 1e-14, "{word}: {verdict:?}");
+        assert!((verdict.spectral_radius - radius).abs() < 1e-7, "{word}: {verdict:?}");
         assert!(verdict.undecided || verdict.stable == (radius < 1.0), "{word}: {verdict:?}");
     }
 }

@@ -190,7 +190,7 @@ impl<'a> StructureMotion<'a> {
         };
         let late = self.load_time(i, 0.0).abs();
         let of_loads = response.swings(contact).map(|(rate, swing)| {
-            let time = rate * (orbit.psi_error() + orbit.estimate(i).time + f64::EPSILON * late);
+            let time = rate * (orbit.psi_estimate() + orbit.estimate(i).time + f64::EPSILON * late);
             swing.norm() * rate.powi(order as i32) * (time + rounding)
         });
         // Next to a resonance, what the error of the frequency makes of all terms at once.

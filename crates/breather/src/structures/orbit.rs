@@ -50,6 +50,8 @@ pub struct StructureOrbit {
     psi: Option<f64>,
     /// Errors of the impacts, and of ψ, to first order.
     estimates: Together,
+    psi_estimate: f64,
+    /// A bound of that of ψ.
     psi_error: f64,
     period_error: f64,
     offsets: SmallVec<[f64; 1]>,
@@ -111,14 +113,15 @@ impl StructureOrbit {
             impulse: of_unknowns[i],
             acceleration: of_accelerations[i],
         };
-        let last = |is_it: bool| if is_it { of_unknowns[2 * n - 1] } else { 0.0 };
+        let of_psi = |list: &[f64]| if equations.forced { list[2 * n - 1] } else { 0.0 };
         Ok(Self {
             model: equations.model.clone(),
             response: equations.response.clone(),
             force_periods,
             psi: equations.forced.then(|| point.psi.rem_euclid(period)),
             estimates: (0..n).map(estimate).collect(),
-            psi_error: last(equations.forced),
+            psi_estimate: of_psi(&of_unknowns),
+            psi_error: of_psi(&unknowns),
             period_error: if equations.self_excited { unknowns[2 * n - 1] } else { 0.0 },
             offsets: equations.all_offsets(&point.offsets),
             impacts,
@@ -195,7 +198,7 @@ impl StructureOrbit {
     pub(super) fn error(&self) -> f64 {
         let strongest = self.impacts.iter().map(|impact| impact.impulse.abs()).fold(f64::MIN_POSITIVE, f64::max);
         let off = |one: &ImpactError| (one.time / self.period()).max(one.impulse / strongest);
-        self.estimates.iter().map(off).fold(self.psi_error / self.period(), f64::max)
+        self.estimates.iter().map(off).fold(self.psi_estimate / self.period(), f64::max)
     }
 
     /// Errors of an impact to first order, which are there where no bound is known, too.
@@ -204,7 +207,12 @@ impl StructureOrbit {
     }
 
     /// Error of ψ to first order.
-    pub(super) fn psi_error(&self) -> f64 {
+    pub(super) fn psi_estimate(&self) -> f64 {
+        self.psi_estimate
+    }
+
+    /// A bound of the error of ψ, not finite where none is known; 0 without loads that change.
+    pub fn psi_error(&self) -> f64 {
         self.psi_error
     }
 

@@ -149,13 +149,19 @@ impl Search<'_> {
         } else {
             aberth.solve_from(&mut self.function, starts.into_iter(), known, LAST);
         }
-        let roots: Vec<C> = aberth.roots.drain(..).collect();
         let trivial = if self.trivial == Trivial::Known { self.per_mode() } else { 0 };
-        let mut list = self.settled(&roots[dead + trivial..]);
+        let mut roots = aberth.roots.split_off(dead + trivial);
+        let mut gone = aberth.roots;
+        gone.truncate(dead);
+        // After a plastic impact a multiplier is 0. Rows and columns of J vanish there, and made alike in size they lead to another zero.
+        if !self.reciprocal {
+            gone.extend(roots.extract_if(.., |z| modulus(*z) < DEAD));
+        }
+        let dead = gone.len();
+        let mut list = self.settled(&roots);
         // A multiplier that has died out is not told from 0; how small those are the product of all says.
         let error = DEAD.max(self.left_for(&list, dead));
-        let of_dead = |z: &C| Zero { error, ..Zero::new(*z, true) };
-        list.extend(roots[..dead].iter().map(of_dead));
+        list.extend(gone.into_iter().map(|z| Zero { error, ..Zero::new(z, true) }));
         let known_enough = |zero: &Zero| zero.apart && zero.error <= USELESS * (1.0 + modulus(zero.z));
         // Where two meet the iteration creeps, and does not end; what counts is that each is told from the rest.
         let certified = list.iter().all(known_enough) && self.is_complete(&list);

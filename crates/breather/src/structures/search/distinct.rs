@@ -25,7 +25,7 @@ impl StructureOrbit {
         let psi = match (self.psi(), other.psi()) {
             (Some(own), Some(psi)) => within(
                 time_between(own, psi + start.time, self.loads_repeat()),
-                self.psi_error() + other.psi_error() + other.estimate(turn).time,
+                self.psi_estimate() + other.psi_estimate() + other.estimate(turn).time,
             ),
             _ => true,
         };
