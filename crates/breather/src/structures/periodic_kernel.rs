@@ -207,8 +207,13 @@ impl Sum {
         let sum = Turned { even: one_less.even / square, odd: -one_less.odd / square };
         let size = (mode.errors.poles / f64::EPSILON).max(mode.decay.abs() + mode.rate) * period;
         let away = square.abs().sqrt();
-        let steep = size / away;
-        Some(Self { sum, steep, blur: if away < NEAR { size } else { steep }, fast: length([mode.decay, mode.rate]) })
+        let fast = length([mode.decay, mode.rate]);
+        if away >= NEAR {
+            return Some(Self { sum, steep: size / away, blur: size / away, fast });
+        }
+        // The poles are off, and beside them T = 2πn/ω and its product with them are rounded, four times in all.
+        let turned = (mode.errors.poles / f64::EPSILON + 2.0 * (mode.decay.abs() + mode.rate)) * period;
+        Some(Self { sum, steep: turned / away, blur: size, fast })
     }
 }
 

@@ -40,7 +40,8 @@ impl Document {
             "Made by `studies accuracy --out DIR`, mapgen {VERSION}, on one thread of: {}.\n\n\
              Each method is set against a truth of its section at several settings. *time* is that of one evaluation: the \
              least mean of several batches, 20 ms or more in all, or of one call that takes 0.3 s or more. In the pictures the best place is at the lower left; \
-             both axes are logarithmic, and errors of exactly 0 are drawn a decade below all others.{quick}",
+             both axes are logarithmic, and errors of exactly 0 are drawn a decade below all others. Tables have each method at its last \
+             setting, where it errs most.{quick}",
             processor()
         );
         Self { preface, sections: Vec::new() }

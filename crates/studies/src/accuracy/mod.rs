@@ -204,7 +204,7 @@ fn section(suite: &Suite, table: &Table) -> Section {
     let mut blocks = vec![Block::Prose(suite.prose.to_owned())];
     blocks.push(Block::Picture { file: format!("{FILES}/{}.png", suite.name), caption: suite.title.to_owned() });
     blocks.push(Block::Prose(format!(
-        "*error*: {}. Each method at its last setting, where it errs most; all rows are in [{name}.csv]({FILES}/{name}.csv).",
+        "*error*: {}. All rows: [{name}.csv]({FILES}/{name}.csv).",
         suite.error,
         name = suite.name
     )));

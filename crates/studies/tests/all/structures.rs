@@ -15,6 +15,18 @@ fn bounds_hold(kind: Kind, count: u64) {
 }
 
 #[test]
+fn bounds_hold_next_to_resonances() {
+    bounds_hold(Kind::Resonant, 40);
+}
+
+/// In the first 1250 draws fifteen bounds were exceeded, by up to 1.43, while the rounding of the period was left out.
+#[test]
+#[ignore = "two minutes: cargo test -p vibrochain-studies -- --ignored slow"]
+fn slow_bounds_hold_next_to_resonances() {
+    bounds_hold(Kind::Resonant, 1250);
+}
+
+#[test]
 fn bounds_hold_from_weak_damping_through_critical_damping_to_strong() {
     bounds_hold(Kind::Critical, 40);
 }
