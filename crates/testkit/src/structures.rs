@@ -162,15 +162,6 @@ impl Random {
     /// A structure of two to eight coordinates with one to four impacts on contacts of any kind, damping that is no combination of mass
     /// and stiffness; restitutions are those that make its impacts an orbit.
     pub fn structure(&mut self) -> Structure {
-        self.structure_of(|random| random.between(0.1, 1.0))
-    }
-
-    /// The same with plastic impacts.
-    pub fn plastic_structure(&mut self) -> Structure {
-        self.structure_of(|_| 0.0)
-    }
-
-    fn structure_of(&mut self, restitution: fn(&mut Self) -> f64) -> Structure {
         let size = 2 + self.below(7);
         let full = |random: &mut Self| DMatrix::from_fn(size, size, |_, _| random.between(-1.0, 1.0));
         let square = |random: &mut Self| {
@@ -191,7 +182,7 @@ impl Random {
         let impacts: Vec<StructureImpact> = (times.into_iter())
             .map(|time| {
                 let contact = self.below(contacts.len());
-                StructureImpact { contact, time, impulse: 0.0, restitution: restitution(self), stop: 0.0 }
+                StructureImpact { contact, time, impulse: 0.0, restitution: self.between(0.1, 1.0), stop: 0.0 }
             })
             .collect();
         let mut structure = Structure {

@@ -335,7 +335,7 @@ mod tests {
             let told = physical(&structure, &word.parse().unwrap()).unwrap();
             let truth = TrueStructureOrbit::near(&told.start(&structure), 128).unwrap();
             let (error, bound) = (told.error(&truth), told.bound.unwrap());
-            assert!(error <= bound && bound < 1e-12, "{word}: {error:e} {bound:e}");
+            assert!(error <= bound && bound < 1e-11, "{word}: {error:e} {bound:e}");
             assert!(told.rough().error(&truth) > 1e-4, "{word}");
             let errors = [1e-5, 1e-8, 1e-12].map(|tolerance| {
                 let barriers = told.impacts.iter().map(|hit| hit.barrier).collect();
