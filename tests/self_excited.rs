@@ -30,7 +30,7 @@ fn scene(stops: &str, restitution: f64) -> StructureScene {
 /// q″ + cq′ + q = 0 with stops.
 fn damped(c: f64, stops: &str, restitution: f64, map: &str) -> StructureScene {
     let text = format!(
-        "omega = 1\nword = \"0-\"\n[structure]\nmasses = [1]\nstiffness = [[1]]\ndamping = [[{c}]]\n[[contact]]\nat = 0\n{stops}\nrestitution = {restitution}\n{map}"
+        "word = \"0-\"\n[structure]\nmasses = [1]\nstiffness = [[1]]\ndamping = [[{c}]]\n[[contact]]\nat = 0\n{stops}\nrestitution = {restitution}\n{map}"
     );
     StructureScene::of_text(&text, Path::new(".")).unwrap()
 }

@@ -164,7 +164,7 @@ impl<'a> Equations<'a> {
         let response = model.response(&contacts, force_periods)?;
         let rigid = Drift::felt(structure, &contacts)?;
         let forced = structure.is_forced();
-        let self_excited = !forced && !structure.is_lossless();
+        let self_excited = structure.has_own_period();
         if self_excited && force_periods > 1 {
             return Err(StructureOrbitError::OwnPeriod { force_periods });
         }

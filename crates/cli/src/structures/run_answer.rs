@@ -261,7 +261,8 @@ pub(super) fn text(
 ) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
-    let driven = if has_period { format!("omega = {}", Short(model.omega())) } else { "no load".to_owned() };
+    let is_driven = has_period && !model.structure().has_own_period();
+    let driven = if is_driven { format!("omega = {}", Short(model.omega())) } else { "no load".to_owned() };
     let _ = writeln!(out, "from {from}, {driven}");
     let _ = writeln!(
         out,

@@ -299,7 +299,7 @@ fn a_run_without_a_load_needs_no_frequency_and_lasts_as_long_as_it_is_told() {
         ("simulate --scene scene.toml --time 1 --state {}", 2, "--state: the key `displacement` is missing"),
         ("simulate --scene scene.toml --time 1 --periods 2", 2, "cannot be used with"),
         ("simulate --scene scene.toml --time 1 --state none.json", 2, "cannot read state none.json"),
-        ("orbit --scene scene.toml --word 0-", 2, "omega is missing"),
+        ("orbit --scene scene.toml --word 0-", 3, "losses end the motion"),
     ] {
         dir.run(line).with(code, &[why]);
     }

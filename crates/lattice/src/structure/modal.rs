@@ -191,6 +191,11 @@ impl ModalStructure {
             && self.contacts.iter().all(|contact| contact.restitution == 1.0)
     }
 
+    /// Whether a periodic motion has a period of its own: no load gives it one, and losses leave no family of periods.
+    pub fn has_own_period(&self) -> bool {
+        !self.is_forced() && !self.is_lossless()
+    }
+
     /// w_iᵀM⁻¹w_j: the velocity that a unit impulse at one contact gives to another.
     pub fn mobility(&self, to: usize, from: usize) -> f64 {
         self.modes.iter().map(|mode| mode.turn.pair(mode.rows[to], mode.generator(), mode.columns[from])).sum()

@@ -107,7 +107,7 @@ pub fn structure(scene: &StructureScene, model: &StructureModel) -> Value {
     });
     value!({
         "title": scene.title,
-        "omega": model.omega(),
+        "omega": scene.omega().map(|_| model.omega()),
         "load": scene.get(Setting::Load),
         "static": scene.get(Setting::Static),
         "damping": scene.get(Setting::Damping),

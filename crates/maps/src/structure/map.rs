@@ -246,7 +246,7 @@ impl Grid for StructureScene {
             "the scene sweeps nothing: give [sweep] with an axis x"
         } else if self.words.is_empty() {
             "the scene asks for no words: give [compute] with families = [\"0+\", …]"
-        } else if self.omega().is_none() {
+        } else if self.omega().is_none() && !self.structure()?.has_own_period() {
             "omega is missing: give omega = … in the scene, or sweep it"
         } else {
             return Ok(());

@@ -110,8 +110,11 @@ impl StructureScene {
     /// # Errors
     /// As [`StructureScene::structure`]; a frequency that is missing.
     pub fn model(&self) -> Result<StructureModel, String> {
-        let omega = self.omega.ok_or("omega is missing: give omega = … in the scene, or --omega")?;
-        let model = StructureModel::new(self.structure()?, omega).map_err(|error| error.to_string())?;
+        let structure = self.structure()?;
+        // Any frequency serves where nothing has it.
+        let omega = self.omega.or(structure.has_own_period().then_some(1.0));
+        let omega = omega.ok_or("omega is missing: give omega = … in the scene, or --omega")?;
+        let model = StructureModel::new(structure, omega).map_err(|error| error.to_string())?;
         Ok(model.until(&self.stop))
     }
 
