@@ -56,3 +56,48 @@ impl Contact {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_contact_knows_its_barriers_and_how_far_a_place_is_inside() {
+        let both = Contact { lower: Some(-1.5), upper: Some(0.5), restitution: 0.8 };
+        assert_eq!([Barrier::Lower, Barrier::Upper].map(|barrier| both.barrier(barrier)), [Some(-1.5), Some(0.5)]);
+        assert_eq!([-2.0, -1.0, 0.0, 0.25, 0.75].map(|place| both.room(place)), [-0.5, 0.5, 0.5, 0.25, -0.25]);
+        let (floor, ceiling) = (Contact { upper: None, ..both }, Contact { lower: None, ..both });
+        assert_eq!([floor.room(3.0), ceiling.room(-3.0)], [4.5, 3.5]);
+        assert_eq!([both.reach(), floor.reach(), ceiling.reach()], [1.5, 1.5, 0.5]);
+        assert_eq!([floor.barrier(Barrier::Upper), ceiling.barrier(Barrier::Lower)], [None, None]);
+        let free = Contact { lower: None, ..floor };
+        assert!(free.room(1e9) == f64::INFINITY && free.reach() == 0.0);
+    }
+
+    #[test]
+    fn what_cannot_be_a_contact_is_refused_by_its_number() {
+        let both = Contact { lower: Some(-1.5), upper: Some(0.5), restitution: 0.8 };
+        let free = Contact { lower: None, upper: None, restitution: 0.0 };
+        let widest = Contact { lower: Some(-MAX_MAGNITUDE), upper: Some(MAX_MAGNITUDE), restitution: 1.0 };
+        assert!([both, free, widest].iter().all(|contact| contact.check(3).is_ok()));
+        let far = 2.0 * MAX_MAGNITUDE;
+        let wrong = [
+            (Contact { lower: Some(f64::NAN), ..both }, "lower of contact 3"),
+            (Contact { lower: Some(-far), ..both }, "lower of contact 3"),
+            (Contact { upper: Some(far), ..both }, "upper of contact 3"),
+            (Contact { restitution: -0.1, ..both }, "restitution of contact 3"),
+            (Contact { restitution: 1.1, ..both }, "restitution of contact 3"),
+            (Contact { restitution: f64::NAN, ..both }, "restitution of contact 3"),
+        ];
+        for (contact, expected) in wrong {
+            assert!(
+                matches!(contact.check(3), Err(StructureError::Range { what, .. }) if what == expected),
+                "{contact:?}"
+            );
+        }
+        for upper in [-1.5, -2.0] {
+            let crossed = Contact { upper: Some(upper), ..both };
+            assert_eq!(crossed.check(3), Err(StructureError::Barriers { contact: 3, lower: -1.5, upper }));
+        }
+    }
+}

@@ -33,3 +33,6 @@ mod poles;
 #[cfg(feature = "matrices")]
 mod state_matrix;
 mod steady;
+#[cfg(test)]
+#[cfg(feature = "matrices")]
+mod tests;

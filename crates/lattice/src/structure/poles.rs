@@ -22,6 +22,9 @@ type C = Complex<f64>;
 /// Poles of one shape closer than this part of their size are as good as one.
 const COINCIDENT: f64 = 1e-7;
 
+/// Poles closer than this part of their size are one with several shapes, of which any mixtures are shapes, too.
+const ONE: f64 = 64.0 * f64::EPSILON;
+
 /// Corrections this small have no square that counts.
 const SETTLED: f64 = 1e-13;
 
@@ -103,6 +106,10 @@ impl Pole {
         Self { rate: rate.into(), error: 0.0, shape, rest: none, shape_errors }
     }
 
+    fn is_one_with(&self, other: &Self) -> bool {
+        (self.rate() - other.rate()).norm() <= ONE * self.rate().norm()
+    }
+
     fn conjugate(&self) -> Self {
         let turned = |list: &[C]| list.iter().map(C::conj).collect();
         let rate = ComplexTwofold { re: self.rate.re, im: -self.rate.im };
@@ -137,7 +144,7 @@ impl Pencil<'_> {
             last = size;
         }
         let all = with_conjugates(&poles);
-        let errors: Vec<_> = poles.iter().map(|pole| self.errors(pole, &all)).collect();
+        let errors: Vec<_> = (0..poles.len()).map(|k| self.errors(k, &all)).collect();
         for (pole, (error, shape_errors)) in poles.iter_mut().zip(errors) {
             (pole.error, pole.shape_errors) = (error, shape_errors);
         }
@@ -152,12 +159,19 @@ impl Pencil<'_> {
         let size = damping.amax();
         let (rates, vectors) = eigen(&squares, &damping)?;
         let complex_damping = damping.map(|x| C::new(x, 0.0));
-        let mut poles = Vec::with_capacity(m);
-        for (rate, vector) in rates.into_iter().zip(&vectors).filter(|(rate, _)| rate.im >= 0.0) {
+        let mut poles: Vec<Pole> = Vec::with_capacity(m);
+        for (rate, mut vector) in rates.into_iter().zip(vectors).filter(|(rate, _)| rate.im >= 0.0) {
+            // The shapes that count have yᵢᵀ(λᵢ + λⱼ + D)yⱼ = 0, which those of one pole do not have by themselves. Twice is enough.
+            let beside = |other: &&Pole| (other.rate() - rate).norm() <= COINCIDENT * (rate.norm() + size);
+            for other in poles.iter().filter(beside).chain(poles.iter().filter(beside)) {
+                let shape = Pole::shape(other);
+                let along = shape.dot(&(&vector * (rate + other.rate()) + &complex_damping * &vector));
+                vector -= shape * along;
+            }
             // yᵀ(2λ + D)y, of a symmetric D; of others both sides would count.
             let square = |y: &DVector<C>| y.dot(&(y * (rate * 2.0) + &complex_damping * y));
             let length = vector.iter().map(|x| x.norm_sqr()).sum::<f64>();
-            if square(vector).norm() <= COINCIDENT * length * (rate.norm() + size) {
+            if square(&vector).norm() <= COINCIDENT * length * (rate.norm() + size) {
                 return Err(StructureError::Defective { re: rate.re, im: rate.im });
             }
             let mut shape = vector.clone();
@@ -230,7 +244,7 @@ impl Pencil<'_> {
         let rate = pole.rate();
         let part = |other: &Pole| {
             let distance = rate - other.rate();
-            if other.rate == pole.rate { C::default() } else { -dot(&other.shape, whole) / distance }
+            if pole.is_one_with(other) { C::default() } else { -dot(&other.shape, whole) / distance }
         };
         all.iter().map(part).collect()
     }
@@ -261,17 +275,26 @@ impl Pencil<'_> {
         Step { rate, shape, size }
     }
 
-    /// Bounds of the errors of a pole and of the entries of its shape.
-    fn errors(&self, pole: &Pole, all: &[Pole]) -> (f64, Vec<f64>) {
+    /// Bounds of the errors of pole number `k` and of the entries of its shape.
+    fn errors(&self, k: usize, all: &[Pole]) -> (f64, Vec<f64>) {
+        let pole = &all[k];
         let Residual { left, errors, slope, length } = self.residual(pole);
         let left: Vec<f64> = left.iter().zip(&errors).map(|(left, error)| left.norm() + error).collect();
         let size = |other: &Pole, list: &[f64]| other.shape.iter().zip(list).map(|(y, x)| y.norm() * x).sum::<f64>();
         let moved = size(pole, &left);
+        let crossed = |other: &Pole| dot(&other.shape, &slope).norm();
+        let others = all.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, other)| other);
+        let (one, apart): (Vec<&Pole>, Vec<&Pole>) = others.partition(|other| pole.is_one_with(other));
+        let crossings: Vec<f64> = one.iter().map(|other| crossed(other)).collect();
         let slope: Vec<f64> = slope.iter().map(|steep| steep.norm()).collect();
         let mut error = moved + 4.0 * FINE * pole.rate().norm();
         let whole: Vec<f64> = left.iter().zip(&slope).map(|(left, steep)| left + moved * steep).collect();
         let mut shape_errors = vec![0.0; left.len()];
-        for other in all.iter().filter(|other| other.rate != pole.rate) {
+        for (other, along) in one.into_iter().zip(crossings) {
+            error += size(other, &whole);
+            shape_errors.iter_mut().zip(&other.shape).for_each(|(entry, y)| *entry += along * y.norm());
+        }
+        for other in apart {
             let part = size(other, &whole);
             let along = part / (pole.rate() - other.rate()).norm();
             // Of two that are not told apart each may be where the other one is said to be.
