@@ -364,7 +364,9 @@ impl SpectralFunction<'_> {
         let error = a * y + c * x + a * c + 8.0 * f64::EPSILON * x * y;
         out.value += pair(sum);
         out.slope -= pair(slope);
-        out.value_error += size(sum) * error + size(slope) * mode.pole_error * x * y;
+        // Either sum changes with R by z(z−R)⁻².
+        let moved = modulus(z) * size(coordinates.product(resolvent, resolvent)) * mode.pole_error;
+        out.value_error += size(sum) * error + moved * x * y;
         out.slope_error += size(slope) * error;
     }
 }

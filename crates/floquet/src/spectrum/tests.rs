@@ -4,6 +4,8 @@ use vibrochain_breather::{BlochEquations, LinearImpact};
 use vibrochain_lattice::BlochKernel;
 use vibrochain_testkit::Random;
 
+use super::function::SpectralFunction;
+use super::refine::{DataError, Origin};
 use super::solve::{Zero, zeros};
 use crate::zeros::modulus;
 
@@ -56,4 +58,135 @@ fn errors_of_multipliers_cover_what_rounding_does() {
         near += usize::from(worst > 1e-3);
     }
     assert!(lists > 200 && compared > 1000 && near > lists * 3 / 4, "{lists} {compared} {near}");
+}
+
+/// Impacts of no loss between undamped modes, which may begin at any time.
+fn lossless(random: &mut Random) -> BlochEquations {
+    let (modes, contacts, period) = (2 + random.below(6), 1 + random.below(3), random.between(2.0, 6.0));
+    let mut kernel = BlochKernel::new(period, contacts);
+    for _ in 0..modes {
+        let shapes: Vec<f64> = (0..contacts).map(|_| random.between(-1.0, 1.0)).collect();
+        kernel.push_oscillator(random.log(0.3, 5.0), 0.0, &shapes);
+    }
+    let impact = |i: usize, random: &mut Random| LinearImpact {
+        contact: random.below(contacts),
+        time: period * (i as f64 + random.between(0.0, 0.9)) / 4.0,
+        impulse: random.between(0.3, 2.0),
+        restitution: 1.0,
+        acceleration_before: 0.0,
+    };
+    let impacts = (0..2 + random.below(3)).map(|i| impact(i, random)).collect();
+    BlochEquations::conservative(kernel, impacts)
+}
+
+/// The same equations with their impacts changed, and what J₀ holds of accelerations over ωP then.
+fn with_impacts(
+    equations: &BlochEquations,
+    conservative: bool,
+    impacts: Vec<LinearImpact>,
+) -> (BlochEquations, Vec<f64>) {
+    let kernel = equations.kernel().clone();
+    let changed =
+        if conservative { BlochEquations::conservative(kernel, impacts) } else { BlochEquations::new(kernel, impacts) };
+    let size = changed.size();
+    let slides = (0..size / 2).map(|i| changed.constant(false)[(2 * i + 1) * (size + 1)]).collect();
+    (changed, slides)
+}
+
+/// A time, an impulse or an acceleration that is off moves each multiplier by as much as is told: by finite differences, to a part of a hundred.
+#[test]
+fn each_datum_moves_each_multiplier_as_far_as_is_told() {
+    let mut random = Random(78);
+    let mut checked = [[0; 3]; 2];
+    for round in 0..400 {
+        let conservative = round % 2 == 1;
+        let equations = if conservative { lossless(&mut random) } else { equations(&mut random, 1.0, false) };
+        let function = SpectralFunction::new(&equations, conservative);
+        if function.shift.is_some() != conservative {
+            continue;
+        }
+        let (n, omega, h) = (equations.impacts().len(), equations.omega(), 1e-6);
+        // An impulse alone is felt by way of an orbit's own derivative.
+        let (i, kind) = (random.below(n), if conservative { random.below(2) } else { 2 * random.below(2) });
+        let aside = |by: f64| {
+            let mut impacts = equations.impacts().to_vec();
+            match kind {
+                0 => impacts[i].time += by,
+                1 => {
+                    impacts[i].impulse *= 1.0 + by;
+                    impacts[i].acceleration_before *= 1.0 + by;
+                }
+                _ => impacts[i].acceleration_before += by * omega * impacts[i].impulse,
+            }
+            with_impacts(&equations, conservative, impacts)
+        };
+        let ([(minus, low), (plus, high)], mut origin) = ([-h, h].map(aside), Origin::default());
+        for j in 0..n {
+            let slide = 0.5 * (high[j] - low[j]);
+            let of_impact = |of: usize| if j == i && kind == of { h } else { 0.0 };
+            origin.push(DataError { slide, time: of_impact(0), share: of_impact(1) });
+        }
+        for zero in zeros(&equations, conservative, &[]).list.iter().filter(|zero| zero.settled) {
+            let ask = |equations: &BlochEquations, data: &[Origin]| {
+                SpectralFunction::new(equations, conservative).refine(zero.z, data)
+            };
+            let (Some(exact), Some(told)) = (ask(&equations, &[]), ask(&equations, std::slice::from_ref(&origin)))
+            else {
+                continue;
+            };
+            let (Some(minus), Some(plus)) = (ask(&minus, &[]), ask(&plus, &[])) else { continue };
+            let (moved, told) = (0.5 * modulus(plus.z - minus.z), told.error - exact.error);
+            let bent = 0.5 * modulus(plus.z + minus.z - exact.z * 2.0);
+            if exact.error > 1e-3 * moved || bent > 1e-3 * moved {
+                continue;
+            }
+            assert!((told / moved - 1.0).abs() < 0.01, "{round} {kind} {i} {}: {moved:e} {told:e}", zero.z);
+            checked[usize::from(conservative)][kind] += 1;
+        }
+    }
+    let [lossy, lossless] = checked;
+    assert!(lossy[0].min(lossy[2]) > 200 && lossless[0].min(lossless[1]) > 200, "{checked:?}");
+}
+
+/// A period that is off by a part moves the multipliers no farther than is told of it, whether modes swing, creep or do both, next to their
+/// poles and away from them; and what is told is no idle number.
+#[test]
+fn a_period_that_is_off_moves_multipliers_within_their_errors() {
+    let (part, mut checked, mut near) = (1e-9, [0; 3], [0; 3]);
+    for seed in 0..240 {
+        let kind = seed as usize % 3;
+        let made = |part: f64| {
+            let mut random = Random(2000 + seed);
+            let period = random.between(1.0, 5.0);
+            let mut kernel = BlochKernel::new(period * (1.0 + part), 1);
+            for _ in 0..1 + random.below(3) {
+                let damping = [random.log(1e-3, 0.5), 1.0, 1.0 + random.log(1e-2, 1.0)][kind];
+                // Hardly felt, a mode leaves its multipliers next to its poles.
+                kernel.push_oscillator(random.log(0.1, 2.0), damping, &[random.log(1e-4, 1.0)]);
+            }
+            let impact = LinearImpact {
+                contact: 0,
+                time: 0.0,
+                impulse: random.between(0.2, 2.0),
+                restitution: random.between(0.3, 0.99),
+                acceleration_before: random.between(-1.0, 1.0),
+            };
+            (kernel, impact)
+        };
+        let [(kernel, impact), (longer, later)] = [0.0, part].map(made);
+        let told = BlochEquations::new(kernel.of_uncertain_period(part), vec![impact]);
+        let moved = BlochEquations::new(longer, vec![later]);
+        let [told, moved] = [told, moved].map(|equations| zeros(&equations, false, &[]));
+        if !(told.certified && moved.certified) {
+            continue;
+        }
+        for zero in &told.list {
+            let off = moved.list.iter().map(|other| modulus(other.z - zero.z)).fold(f64::INFINITY, f64::min);
+            assert!(off <= zero.error, "{seed} {}: {off:e} {:e}", zero.z, zero.error);
+            checked[kind] += 1;
+            near[kind] += usize::from(zero.error < 100.0 * off);
+        }
+    }
+    assert!(checked.iter().all(|count| *count > 80), "{checked:?}");
+    assert!(near.iter().zip(checked).all(|(near, checked)| 2 * near > checked), "{near:?} {checked:?}");
 }
