@@ -429,4 +429,40 @@ mod tests {
         let (found, steps) = flight(&[0.0, 0.9, 0.4, -0.3, 0.05, 0.01], 1.5, Contact::Free, (-1.0, 1.0));
         assert!(found.is_some() && steps <= 8, "{steps}");
     }
+
+    /// A force that presses with these coefficients, known to 1e-12, for a time of 1: what is told before it is followed, and where it then
+    /// changes sign.
+    fn rest(c: &[f64]) -> (f64, Option<f64>) {
+        let mut watch = Watch::rest(0, Barrier::Upper, 10, 1.0, 1e-12);
+        c.iter().enumerate().for_each(|(k, c)| watch.press(k, *c));
+        let told = watch.prepare();
+        if told.is_infinite() {
+            return (told, None);
+        }
+        for _ in 0..200 {
+            match watch.step() {
+                Step::Clear => return (told, None),
+                Step::Hit => return (told, Some(watch.tau)),
+                Step::Later => {}
+            }
+        }
+        panic!("no end: {watch:?}");
+    }
+
+    #[test]
+    fn a_contact_is_let_go_where_its_force_changes_sign_by_more_than_rounding() {
+        // One that falls to 0.1 holds, as does one that falls by less than its rounding, from 0 or close to it.
+        for c in [&[1.0, -0.9][..], &[0.0, -1e-14], &[1e-13, -2e-13], &[0.0, 0.0, -1e-13], &[0.0]] {
+            assert_eq!(rest(c), (f64::INFINITY, None), "{c:?}");
+        }
+        let (told, end) = rest(&[1.0, -2.0]);
+        assert!((0.0..=0.5).contains(&told) && (end.unwrap() - 0.5).abs() < 1e-15, "{told} {end:?}");
+        // (t − ½)² − 1e-8
+        let (told, end) = rest(&[0.25 - 1e-8, -1.0, 1.0]);
+        assert!(told <= 0.4999 && (end.unwrap() - 0.4999).abs() < 1e-11, "{told} {end:?}");
+        // It begins to pull, by nothing, and presses again: for good, or until t² = 5t⁴.
+        assert_eq!(rest(&[0.0, -1e-14, 1.0]), (f64::INFINITY, None));
+        let (told, end) = rest(&[0.0, -1e-14, 1.0, 0.0, -5.0]);
+        assert!(told < 0.447 && (end.unwrap() - 0.2f64.sqrt()).abs() < 1e-12, "{told} {end:?}");
+    }
 }

@@ -298,7 +298,7 @@ impl Window {
 
 #[cfg(test)]
 mod tests {
-    use vibrochain_lattice::{Barrier, Chain, Ends};
+    use vibrochain_lattice::{Barrier, Chain, Ends, Force, Harmonic};
 
     use super::*;
     use crate::orbit::{Hit, Orbit};
@@ -362,5 +362,56 @@ mod tests {
         let (low, high) = window.range(0);
         assert!(low <= 0.0 && high >= 1f64.sin() && high <= 1.01);
         assert_eq!(window.final_displacement(0), sine.evaluate(1.0).0);
+    }
+
+    /// Under a force of three harmonics, on a ring, between walls and in layers: at the end of each window of a flight masses are where their
+    /// modes are, within a window they stay in its range and on its polynomials.
+    #[test]
+    fn windows_follow_forced_motions_of_any_lattice() {
+        let harmonic = |number: u32, amplitude: f64| Harmonic { number, amplitude, phase: 0.4 * f64::from(number) };
+        let force = Force::new(&[harmonic(1, 0.4), harmonic(3, -0.3), harmonic(5, 0.2)]).unwrap();
+        let ring = Chain::new(7, 0.2, 0.1).unwrap();
+        let torus = Chain::new(5, 0.2, 0.1).unwrap().with_layers(4, 0.07, Ends::Closed).unwrap();
+        let sheet = Chain::new(4, 0.2, 0.1).unwrap().with_ends(Ends::Fixed).with_layers(3, 0.07, Ends::Free).unwrap();
+        for chain in [ring, ring.with_ends(Ends::Fixed), ring.with_ends(Ends::Free), torus, sheet] {
+            let model = Model::conservative(chain, 0.31, 0.4).unwrap().point().under(&force).model().unwrap();
+            let orbit = Orbit::from_impulses(&model, 1, 0.9, &[Hit::new(1, Barrier::Lower, 0.0, 1.0)]).unwrap();
+            let mut motion = Motion::of(&orbit).unwrap();
+            let (mut watched, mut window) = (DistinctMasses::default(), Window::default());
+            watched.reset(&chain, None);
+            window.set_rate(motion.top_frequency().max(model.force_wave().top_rate()));
+            window.set(&watched, &mut motion, 0, 0.0);
+            let windows = (0.9 * orbit.period() / (0.8 * window.unit())) as usize;
+            for w in 0..windows {
+                let step = 0.8 * window.unit();
+                let elapsed = w as f64 * step;
+                if w > 0 {
+                    window.advance(&watched, &mut motion, 0, elapsed);
+                }
+                let pushes = window.pushes(&model.force_wave(), motion.force_time(0, elapsed));
+                for block in window.blocks(&watched) {
+                    window.expand(&watched, &model, &pushes, block);
+                    window.enclose(0.8);
+                }
+                for (i, &site) in watched.sites().iter().enumerate() {
+                    let (low, high) = window.range(i);
+                    for part in [0.0, 0.3, 0.7, 1.0] {
+                        motion.seek(0, elapsed + part * step);
+                        let now = motion.site(site);
+                        let [place, speed, curve] = window.polynomial(i).jet(0.8 * part);
+                        let (unit, room) = (window.unit(), 1e-13);
+                        assert!((place - now.displacement).abs() < room, "{chain} {w} {site}: {place} {now:?}");
+                        assert!(
+                            (speed / unit - now.velocity).abs() < 10.0 * room,
+                            "{chain} {w} {site}: {speed} {now:?}"
+                        );
+                        assert!((curve / (unit * unit) - now.acceleration).abs() < 1e-10, "{chain} {w} {site} {now:?}");
+                        assert!(low - room < now.displacement && now.displacement < high + room, "{chain} {w} {site}");
+                    }
+                    assert!((window.final_displacement(i) - motion.site(site).displacement).abs() < 1e-13);
+                }
+            }
+            assert!(windows > REFRESH / 2, "{chain}: {windows}");
+        }
     }
 }

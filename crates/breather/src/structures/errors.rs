@@ -191,6 +191,7 @@ mod tests {
 
     use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape};
 
+    use crate::structures::flight::StructureMotion;
     use crate::structures::model::StructureModel;
     use crate::structures::orbit::StructureOrbit;
     use crate::structures::search::structure_orbits;
@@ -214,7 +215,7 @@ mod tests {
     #[test]
     fn errors_of_a_load_are_carried_to_accelerations() {
         let off = 1e-7;
-        let mut checked = 0;
+        let (mut checked, mut near) = (0, 0);
         for omega in [2.1, 2.325, 2.6] {
             let (rough, exact) = (model(0.1, omega, 0.05, off), model(0.1, omega, 0.05, 0.0));
             let moved = model(0.1, omega, 0.05, 0.0);
@@ -238,10 +239,20 @@ mod tests {
                         assert!(off.abs() > 1e-9 && error < 1e3 * off.abs(), "{word} {omega}: {off:e} {error:e}");
                         checked += 1;
                     }
+                    let [told, right] = [rough, moved].map(|orbit| StructureMotion::new(orbit).unwrap());
+                    for i in 0..rough.impacts().len() {
+                        let jets = [&told, &right].map(|motion| motion.jet(0, i, 0.0));
+                        for order in 0..4 {
+                            let (off, error) = ((jets[0][order] - jets[1][order]).abs(), told.error(0, order, i));
+                            assert!(off <= error && error < 1e-4, "{word} {omega} {i} {order}: {off:e} {error:e}");
+                            near += usize::from(error < 1e3 * off);
+                        }
+                    }
                 }
             }
         }
-        assert!(checked >= 12, "{checked}");
+        // Places are the barriers'.
+        assert!(checked >= 12 && near >= checked / 2, "{checked} {near}");
     }
 
     /// Two orbits that are born in a fold part like the root of the distance: what is off by more than that distance may be either, or none,

@@ -113,3 +113,40 @@ impl Motion {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use vibrochain_lattice::{Complex, Contact as Stops, LinearMode, ModalStructure, ModeShape};
+
+    use crate::{CHATTER_TIME, EventKind, Limits, StructureSimulation};
+
+    /// A free mass chatters on a table while its load changes from pressing to lifting: how soon, not how fast the motion is, decides how many
+    /// of its bounces are told one by one. It rests at the first whose rest lasts no longer than [`CHATTER_TIME`] against that, and is let go
+    /// where the load vanishes.
+    #[test]
+    fn a_contact_rests_only_if_its_load_does_not_change_before() {
+        let pressing = 1e-2;
+        for (restitution, lift) in [(0.5, 100.0), (0.5, 10.0), (0.8, 100.0), (0.3, 1.0)] {
+            for left in [5e-9, 1.3e-8] {
+                let table = Stops { lower: Some(0.0), upper: None, restitution };
+                let shape = ModeShape { contacts: vec![1.0], coordinates: vec![1.0], still: -pressing };
+                // g″ = −pressing + lift·sin t
+                let mode = LinearMode::oscillator(0.0, 0.0, &shape, &[Complex::new(0.0, -lift)]);
+                let structure = ModalStructure::new(vec![table], vec![1], vec![mode.clone()]).unwrap();
+                let speed = 0.5 * left * pressing * (1.0 - restitution);
+                let start = [0.0, -speed / restitution / mode.rate];
+                let mut simulation = StructureSimulation::new(structure, 1.0, 0.0, &[start]).unwrap();
+                let limits = Limits { until: Some(simulation.time_of(0, 2.0 * pressing / lift)), ..Limits::default() };
+                let (_, events) = simulation.collect(&limits);
+                let bounces = events.iter().filter(|event| event.kind == EventKind::Impact).count();
+                let too_soon = |n: i32| left * restitution.powi(n) * (1.0 + lift / pressing) >= CHATTER_TIME;
+                let expected = 1 + (0..).take_while(|n| too_soon(*n)).count();
+                assert_eq!(bounces, expected, "{restitution} {lift} {left}: {events:?}");
+                assert_eq!(events[bounces].kind, EventKind::Stick);
+                let released = &events[bounces + 1];
+                let off = (released.time.to_f64() - (pressing / lift).asin()).abs();
+                assert!(released.kind == EventKind::Release && off < 1e-12, "{released:?} {off:e}");
+            }
+        }
+    }
+}

@@ -184,3 +184,123 @@ impl Series {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use vibrochain_lattice::{Complex, Contact as Stops, LinearMode, ModalStructure, ModeShape};
+    use vibrochain_testkit::Random;
+
+    use super::super::motion::Motion;
+    use super::*;
+
+    /// One to five modes that swing or creep, under a static load and two harmonics, with two contacts.
+    fn motion(random: &mut Random) -> Motion {
+        let stop = Stops { lower: Some(-100.0), upper: Some(100.0), restitution: 0.7 };
+        let modes: Vec<LinearMode> = (0..1 + random.below(5))
+            .map(|_| {
+                let mut number = || random.between(-1.0, 1.0);
+                let shape = ModeShape { contacts: vec![number(), number()], coordinates: Vec::new(), still: number() };
+                let loads = [(); 2].map(|()| Complex::new(number(), number()));
+                let (decay, frequency) = (random.log(1e-2, 1.0), random.log(0.3, 3.0));
+                let square = random.of(&[1.0, 1.0, -0.5]) * frequency * frequency;
+                LinearMode::oscillator(decay + frequency, square, &shape, &loads)
+            })
+            .collect();
+        let xi: Vec<[f64; 2]> = modes.iter().map(|_| [random.between(-1.0, 1.0), random.between(-1.0, 1.0)]).collect();
+        let structure = ModalStructure::new(vec![stop; 2], vec![1, 3], modes).unwrap();
+        Motion::new(System::new(structure, random.between(0.4, 1.5), random.unit()), &xi)
+    }
+
+    /// Where nothing rests a window is the flight of the modes.
+    #[test]
+    fn a_window_without_contacts_at_rest_is_the_exact_flight() {
+        let mut random = Random(43);
+        for _ in 0..100 {
+            let Motion { system, flight, places, .. } = motion(&mut random);
+            let series = Series::window(&system, &flight, &places);
+            for sigma in [0.1, 0.6, 1.0] {
+                let exact = flight.all_at(&system, sigma * series.length);
+                for (k, exact) in exact.iter().enumerate() {
+                    let told = series.mode(k, sigma);
+                    let (off, size) = ((told[0] - exact[0]).hypot(told[1] - exact[1]), 1.0 + exact[0].hypot(exact[1]));
+                    assert!(off < 1e-13 * size, "{k} {sigma}: {told:?} {exact:?}");
+                }
+                let later = Flight::new(&system, exact, sigma * series.length);
+                for contact in 0..2 {
+                    let (x, v) = series.contact(contact, sigma);
+                    assert!((x - later.place(&system, contact)).abs() < 1e-12, "{contact} {sigma}: {x}");
+                    assert!((v - later.velocity(&system, contact)).abs() < 1e-11, "{contact} {sigma}: {v}");
+                }
+            }
+        }
+    }
+
+    /// A contact at rest is not accelerated, and the force that holds it makes up for what its modes would do: by differences of the series.
+    #[test]
+    fn forces_on_contacts_at_rest_keep_them_there() {
+        let mut random = Random(47);
+        for round in 0..100 {
+            let Motion { system, flight, mut places, .. } = motion(&mut random);
+            let modes = system.structure.modes().len();
+            let held: &[usize] = if modes < 2 { &[round % 2] } else { [&[0][..], &[1], &[0, 1]][round % 3] };
+            held.iter().for_each(|&contact| places[contact].touch = Contact::Resting(Barrier::Lower));
+            let series = Series::window(&system, &flight, &places);
+            let (h, step) = (series.length, 1e-3);
+            for sigma in [0.2, 0.8] {
+                let turned = system.loads.later(&flight.turned, sigma * h);
+                for (k, mode) in system.structure.modes().iter().enumerate() {
+                    let [low, now, high] = [-step, 0.0, step].map(|by| series.mode(k, sigma + by));
+                    let given = system.loads.given(k, &turned);
+                    let by_rate = mode.turn.act(mode.generator(), now);
+                    for i in 0..2 {
+                        let pushed: f64 =
+                            held.iter().map(|&contact| mode.columns[contact][i] * series.force(contact, sigma)).sum();
+                        let (rise, right) = ((high[i] - low[i]) / (2.0 * step * h), by_rate[i] + given[i] + pushed);
+                        assert!((rise - right).abs() < 1e-4 * (1.0 + right.abs()), "{round} {k} {i}: {rise} {right}");
+                    }
+                }
+                for &contact in held {
+                    let place = |sigma: f64| {
+                        system
+                            .seen_by(contact)
+                            .map(|(k, _, row)| {
+                                let xi = series.mode(k, sigma);
+                                row[0] * xi[0] + row[1] * xi[1]
+                            })
+                            .sum::<f64>()
+                    };
+                    let straight = place(0.0) + sigma * (place(1.0) - place(0.0));
+                    assert!((place(sigma) - straight).abs() < 1e-12 * (1.0 + straight.abs()), "{round} {contact}");
+                    assert_eq!(series.contact(contact, sigma), (0.0, 0.0));
+                    let inward = Series { forces: Vec::new(), ..series.clone() };
+                    assert_eq!(inward.force(contact, sigma), 0.0);
+                }
+            }
+        }
+    }
+
+    /// From rest on a barrier a contact goes where the first derivative points that does not vanish: place −1/2 t², 1/6 t³ and their like.
+    #[test]
+    fn the_first_derivative_that_is_not_zero_tells_where_a_contact_goes() {
+        let mut series = Series {
+            length: 1.0,
+            xi: Vec::new(),
+            contacts: vec![[0.0; MAX_ORDER + 1]],
+            doubts: vec![[1e-12; LOW + 1]],
+            forces: Vec::new(),
+            is_short: true,
+        };
+        assert_eq!(series.tendency(0, Barrier::Lower, 2), None);
+        for (order, value) in [(5, -1.0), (4, 1.0), (3, -1.0), (2, 1.0)] {
+            // What is below four times its doubt is nothing.
+            series.contacts[0][order] = value * 3.9e-12;
+            let before = series.tendency(0, Barrier::Lower, 2);
+            series.contacts[0][order] = value;
+            assert_eq!(before, (order < 5).then(|| (order as u8 + 1, value > 0.0)));
+            assert_eq!(series.tendency(0, Barrier::Lower, 2), Some((order as u8, value < 0.0)));
+            assert_eq!(series.tendency(0, Barrier::Upper, 2), Some((order as u8, value > 0.0)));
+            let above = (order < 5).then(|| (order as u8 + 1, value > 0.0));
+            assert_eq!(series.tendency(0, Barrier::Lower, order + 1), above);
+        }
+    }
+}

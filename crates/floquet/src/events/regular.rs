@@ -141,3 +141,129 @@ fn slide_errors(equations: &BlochEquations) -> Vec<f64> {
     };
     (0..impacts.len()).map(of).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use vibrochain_breather::{Family, LinearImpact, Orbit, breathers};
+    use vibrochain_lattice::{BlochKernel, Chain, Model};
+    use vibrochain_testkit::Random;
+
+    use super::*;
+
+    /// A part by which periods are off: far more than rounding, far less than what is not linear in it.
+    const PART: f64 = 1e-10;
+
+    /// Two or three impacts over two to five modes that swing, and the same in a period that is longer by a part.
+    fn twice(random: &mut Random) -> [(BlochKernel, Vec<LinearImpact>); 2] {
+        let (modes, count, period) = (2 + random.below(4), 2 + random.below(2), random.between(1.0, 6.0));
+        let kernels = (0..modes).map(|_| {
+            let damping = random.log(1e-3, 0.5);
+            (random.log(0.3, 6.0), damping, [(); 2].map(|()| random.between(-1.0, 1.0)))
+        });
+        let kernels: Vec<_> = kernels.collect();
+        let impacts: Vec<LinearImpact> = (0..count)
+            .map(|i| LinearImpact {
+                contact: random.below(2),
+                time: period * (i as f64 + random.between(0.0, 0.8)) / 3.0,
+                impulse: random.between(0.3, 2.0),
+                restitution: random.between(0.4, 1.0),
+                acceleration_before: random.between(-1.0, 1.0),
+            })
+            .collect();
+        [1.0, 1.0 + PART].map(|longer| {
+            let mut kernel = BlochKernel::new(period * longer, 2);
+            kernels
+                .iter()
+                .for_each(|(frequency, damping, shapes)| kernel.push_oscillator(*frequency, *damping, shapes));
+            (kernel, impacts.clone())
+        })
+    }
+
+    /// Entries of J and accelerations as sums over modes move with the period by less than their errors, and these are no idle numbers.
+    #[test]
+    fn entries_and_accelerations_move_within_their_errors() {
+        let (mut random, mut near) = (Random(17), [0.0_f64; 2]);
+        for round in 0..300 {
+            let [(kernel, impacts), (longer, later)] = twice(&mut random);
+            let told = BlochEquations::new(kernel.of_uncertain_period(PART), impacts);
+            let moved = BlochEquations::new(longer, later);
+            let (size, z) = (told.size(), C::from_polar(1.0, random.between(0.1, PI)));
+            let (here, there) = (told.matrix(z), moved.matrix(z));
+            // Rows of places are in units of 1/ω, columns of times in units of ω.
+            let by_omega = |at: usize| [1.0 + PART, 1.0][at / size % 2] / [1.0, 1.0 + PART][at % 2];
+            for (at, error) in entry_errors(&told, z, true).into_iter().enumerate() {
+                let off = (here[at] - there[at] * by_omega(at)).norm();
+                assert!(off <= error, "{round} {at}: {off:e} {error:e}");
+                near[0] = near[0].max(off / error);
+            }
+            let one = C::new(1.0, 0.0);
+            let [here, there] = [&told, &moved].map(|equations| equations.matrix(one));
+            let impulses: Vec<f64> = told.impacts().iter().map(|impact| impact.impulse).collect();
+            for (i, error) in slide_errors(&told).into_iter().enumerate() {
+                let slide = |sums: &[C]| {
+                    let row = &sums[(2 * i + 1) * size..(2 * i + 2) * size];
+                    impulses.iter().enumerate().map(|(j, impulse)| row[2 * j + 1].re * impulse).sum::<f64>()
+                        / impulses[i]
+                };
+                let off = (slide(&here) - slide(&there) / (1.0 + PART)).abs();
+                assert!(off <= error, "{round} {i}: {off:e} {error:e}");
+                near[1] = near[1].max(off / error);
+                // What rounding leaves of the acceleration itself.
+                let own = told.impacts()[i].acceleration_before.abs() / (told.omega() * impulses[i].abs());
+                assert!(error >= 2.0 * f64::EPSILON * own, "{round} {i}");
+            }
+        }
+        assert!(near.iter().all(|near| *near > 0.05), "{near:?}");
+    }
+
+    /// The determinant next to 0, where the acceleration of the first impact makes it vanish, moves by less than is told, be it a period that is
+    /// off or an acceleration; and its slope is that of a finite difference.
+    #[test]
+    fn a_determinant_that_vanishes_moves_by_less_than_its_rounding() {
+        let model = Model::conservative(Chain::new(3, 0.3, 0.1).unwrap(), 1.1, 0.2).unwrap();
+        let orbit: Orbit = breathers(&model, Family::DoubleSided).unwrap().orbits.remove(0);
+        let (mut random, mut near, mut checked) = (Random(29), [0.0_f64; 2], 0);
+        for round in 0..200 {
+            let mut both = twice(&mut random);
+            let size = 2 * both[0].1.len();
+            let matrix = BlochEquations::new(both[0].0.clone(), both[0].1.clone()).matrix(C::new(-1.0, 0.0));
+            let whole = determinant(&mut matrix.clone(), size);
+            let mut one = matrix.clone();
+            (0..size).for_each(|j| one[size + j] = C::new(if j == 1 { 1.0 } else { 0.0 }, 0.0));
+            let slide = -(whole / determinant(&mut one, size)).re;
+            if slide.abs() > 30.0 {
+                continue;
+            }
+            let added = slide * std::f64::consts::TAU / both[0].0.period() * both[0].1[0].impulse;
+            both.iter_mut().for_each(|(_, impacts)| impacts[0].acceleration_before += added);
+            let [(kernel, impacts), (longer, later)] = both;
+            let told = BlochEquations::new(kernel.of_uncertain_period(PART), impacts.clone());
+            let moved = BlochEquations::new(longer, later);
+            let at = |equations: &BlochEquations, theta: f64| Regular::of(&orbit, equations, theta).values()[0];
+            let (here, rounding) = (at(&told, PI), Regular::of(&orbit, &told, PI).rounding(None));
+            let off = (at(&moved, PI) - here).norm();
+            assert!(here.norm() <= 1e-3 * rounding && off <= rounding, "{round}: {here} {off:e} {rounding:e}");
+            near[0] = near[0].max(off / rounding);
+            for (i, error) in slide_errors(&told).into_iter().enumerate() {
+                let mut aside = impacts.clone();
+                aside[i].acceleration_before += error * told.omega() * aside[i].impulse;
+                let off = (at(&BlochEquations::new(told.kernel().clone(), aside), PI) - here).norm();
+                assert!(off <= 1.001 * rounding, "{round} {i}: {off:e} {rounding:e}");
+                near[1] = near[1].max(off / rounding);
+                // Without its row the acceleration does not count.
+                let without = Regular::of(&orbit, &told, PI).rounding(Some(2 * i + 1));
+                assert!(
+                    (rounding - without - off).abs() <= 1e-3 * rounding,
+                    "{round} {i}: {rounding:e} {without:e} {off:e}"
+                );
+            }
+            let [_, slope] = Regular::of(&orbit, &told, PI).values();
+            let difference = (at(&told, PI + 1e-6) - at(&told, PI - 1e-6)) / 2e-6;
+            assert!((slope - difference).norm() < 1e-4 * (slope.norm() + 1e-2), "{round}: {slope} {difference}");
+            checked += 1;
+        }
+        assert!(checked > 100 && near.iter().all(|near| *near > 0.1), "{checked} {near:?}");
+    }
+}

@@ -217,6 +217,11 @@ mod tests {
             let size = motion.states_bound().max(1.0);
             let same = (grid.distance - windows.distance).abs() < 1e-13 * size || grid.distance == windows.distance;
             assert!(same, "{} {} {orbit:?}", grid.distance, windows.distance);
+            for told in [&grid, &windows].into_iter().filter(|told| told.distance.is_finite()) {
+                let there = motion.at(told.site, told.time).displacement;
+                let off = (distance(orbit.model().asymmetry(), there) - told.distance).abs();
+                assert!(off < 1e-13 * size, "{off:e} at {} of {orbit:?}", told.time);
+            }
             if windows.distance.abs() > 1e-13 * size {
                 assert_eq!(first.distance > 0.0, windows.distance > 0.0, "{orbit:?}");
             }

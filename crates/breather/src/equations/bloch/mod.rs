@@ -335,4 +335,73 @@ mod tests {
         });
         assert!(checked > 20, "{checked}");
     }
+
+    /// Next to z = 0, what an impact does to a later one of the same period vanishes like z: with damped modes, whose flights back are large,
+    /// far below the rounding of its terms.
+    #[test]
+    fn next_to_zero_nothing_is_left_of_large_terms() {
+        let mut kernel = BlochKernel::new(3.0, 2);
+        kernel.push_oscillator(2.0, 0.9, &[1.0, 0.4]);
+        kernel.push_oscillator(9.0, 0.3, &[0.7, -0.8]);
+        let poles: Vec<f64> = kernel.modes().iter().flat_map(|mode| mode.poles()).map(|pole| pole.norm()).collect();
+        let impact = |contact: usize, time: f64| LinearImpact {
+            contact,
+            time,
+            impulse: 1.3,
+            restitution: 0.8,
+            acceleration_before: 0.4,
+        };
+        let equations = BlochEquations::new(kernel, vec![impact(0, 0.0), impact(1, 1.1)]);
+        let z = C::new(1e-13, 2e-13) * poles.iter().copied().fold(1.0, f64::min);
+        let [once, twice] = [1.0, 2.0].map(|by| equations.matrix(z * by));
+        for entry in [2, 3].into_iter().flat_map(|row| [0, 1].map(|column| 4 * row + column)) {
+            let (once, twice) = (once[entry], twice[entry]);
+            assert!((twice - once * 2.0).norm() < 1e-9 * twice.norm() && twice.norm() > 0.0, "{entry}: {once} {twice}");
+        }
+        // Far out the sum over the past is left, alike in either form.
+        let far = equations.matrix(C::new(1e12, 0.0));
+        let off = far.iter().zip(equations.constant(false)).map(|(entry, constant)| (entry - constant).norm());
+        assert!(off.fold(0.0, f64::max) < 1e-9);
+    }
+
+    /// Without its own derivative s: a column is J(z)s/(z−1), a row sᵀJ(z)/(z−1), their corner sᵀJ(z)s/(z−1)², all else is as it was.
+    #[test]
+    fn an_orbits_own_derivative_is_divided_out() {
+        let mut checked = 0;
+        orbits(120, |orbit, random| {
+            let (equations, _) = BlochEquations::of(orbit, &response(orbit));
+            let Some((without, shift)) = equations.without_shift().filter(|_| orbit.model().is_conservative()) else {
+                return;
+            };
+            let (size, at) = (equations.size(), shift.place);
+            let own = |r: usize| if r % 2 == 1 { shift.weights[r / 2] } else { 0.0 };
+            for radius in [0.2, 0.45, 0.9, 3.0] {
+                let z = C::from_polar(radius, random.between(0.0, 6.3));
+                let poles = equations.kernel().modes().iter().flat_map(|mode| mode.poles()).map(|p| (z - p).norm());
+                let nearest = poles.fold((z - 1.0).norm(), f64::min);
+                if nearest < 0.05 {
+                    continue;
+                }
+                let (whole, left) = (equations.matrix(z), without.matrix(z));
+                let column: Vec<C> =
+                    (0..size).map(|r| (0..size).map(|j| whole[r * size + j] * own(j)).sum::<C>() / (z - 1.0)).collect();
+                let row: Vec<C> =
+                    (0..size).map(|j| (0..size).map(|r| whole[r * size + j] * own(r)).sum::<C>() / (z - 1.0)).collect();
+                let corner = (0..size).map(|r| column[r] * own(r)).sum::<C>() / (z - 1.0);
+                let scale = whole.iter().chain([&corner]).map(|entry| entry.norm()).fold(1.0, f64::max) / nearest;
+                for (r, j) in (0..size).flat_map(|r| (0..size).map(move |j| (r, j))) {
+                    let right = match (r == at, j == at) {
+                        (true, true) => corner,
+                        (true, false) => row[j],
+                        (false, true) => column[r],
+                        (false, false) => whole[r * size + j],
+                    };
+                    let off = (left[r * size + j] - right).norm();
+                    assert!(off < 1e-10 * scale, "{r} {j} {z}: {} {right}", left[r * size + j]);
+                    checked += 1;
+                }
+            }
+        });
+        assert!(checked > 2000, "{checked}");
+    }
 }

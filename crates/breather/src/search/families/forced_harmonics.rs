@@ -232,3 +232,62 @@ pub(crate) fn listed(pattern: Pattern, model: &Model, half: f64) -> [f64; 2] {
         false => [guard, edge],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use vibrochain_lattice::{Chain, Force, Harmonic};
+    use vibrochain_testkit::Random;
+
+    use super::*;
+
+    fn forced(random: &mut Random) -> Model {
+        let harmonic = |number: u32, size: f64, random: &mut Random| Harmonic {
+            number,
+            amplitude: size * random.between(0.5, 1.0),
+            phase: random.between(-3.0, 3.0),
+        };
+        let force =
+            Force::new(&[harmonic(1, 0.3, random), harmonic(3, 0.3, random), harmonic(5, 0.2, random)]).unwrap();
+        let chain = Chain::new(1 + random.below(4), random.between(0.2, 1.0), 0.1).unwrap();
+        Model::conservative(chain, random.between(0.4, 1.8), 0.2).unwrap().point().under(&force).model().unwrap()
+    }
+
+    /// As many as there are changes of sign on a fine grid.
+    #[test]
+    fn all_zeros_of_a_wave_are_found_once() {
+        let (mut random, mut count) = (Random(5), 0);
+        for _ in 0..60 {
+            let model = forced(&mut random);
+            let Ok(steady) = model.steady_response() else { continue };
+            let [velocity, displacement, constant] = [1.0, 1.0, 0.3].map(|size| random.between(-size, size));
+            let line = Line { steady: &steady, velocity, displacement, constant };
+            let (mut zeros, repeat) = (Zeros::default(), repetition(&model));
+            line.zeros(repeat, &mut zeros);
+            let value = |psi: f64| {
+                let [place, speed, ..] = steady.jet(psi);
+                velocity * speed + displacement * place + constant
+            };
+            let points = 4000;
+            let at = |i: usize| value(repeat * (i as f64 + 0.37) / points as f64);
+            let changes = (0..points).filter(|&i| (at(i) > 0.0) != (at(i + 1) > 0.0)).count();
+            assert!(zeros.unresolved.is_empty() && zeros.exhausted == 0);
+            assert_eq!(zeros.simple.len(), changes, "{model:?}");
+            let size = velocity.abs() * steady.bound(1) + displacement.abs() * steady.bound(0) + constant.abs();
+            assert!(zeros.simple.iter().all(|psi| value(*psi).abs() < 1e-12 * size), "{model:?}");
+            count += changes;
+        }
+        assert!(count > 60, "{count}");
+    }
+
+    #[test]
+    fn none_is_an_answer_only_where_no_place_is_open() {
+        let (mut zeros, mut plane) = (Zeros::default(), PlanarZeros::default());
+        zeros.unresolved.extend([0.1; 2]);
+        zeros.exhausted += 3;
+        plane.unresolved.extend([[0.1; 2]; 5]);
+        plane.exhausted += 7;
+        let searches = Searches { zeros: &mut zeros, plane: &mut plane };
+        assert_eq!(searches.open(), 17);
+        assert!(matches!(outcome(0, 0), Err(NoBreather::NoPhase)) && outcome(0, 1).is_ok() && outcome(1, 0).is_ok());
+    }
+}

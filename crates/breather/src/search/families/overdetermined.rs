@@ -269,3 +269,69 @@ impl Impulses {
         surely(1.0) && (surely(-1.0) || scaled[n + 1] > doubt[n + 1])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum};
+    use vibrochain_testkit::Random;
+
+    use super::*;
+    use crate::word::Word;
+
+    /// Slopes and impulses anywhere within a radius are within their bounds about its centre, next to δ = 0 and T/2 and away from both, and the
+    /// bounds are no idle numbers.
+    #[test]
+    fn slopes_and_impulses_stay_within_their_bounds() {
+        let mut random = Random(41);
+        let (mut checked, mut nearest) = ([0; 2], [[0.0_f64; 2]; 2]);
+        for round in 0..600 {
+            let text = ["0+,1-", "0-,2-", "0+1-,2+", "0+1+,0-1-", "0-2-,1-2-"][round % 5];
+            let chain = Chain::new(3 + random.below(3), random.between(0.1, 1.0), random.log(1e-3, 0.5)).unwrap();
+            let model = Model::conservative(chain, random.between(0.3, 2.5), 0.3).unwrap();
+            let word: Word = text.parse().unwrap();
+            let Ok(response) = ImpulseResponse::new(&Spectrum::new(chain), model.omega()) else { continue };
+            let Ok(positions) = Positions::new(&model, &response, &word) else { continue };
+            let classes = word.classes(&model, true);
+            let rows = Rows::new(&positions, &classes, true);
+            let distance = |delta: f64| if rows.apart { delta.min(rows.half - delta) } else { delta };
+            let radius = rows.half * random.log(1e-6, 1e-2);
+            let end = random.chance(0.3);
+            let centre = match random.chance(0.5) {
+                true => radius * random.between(1.0, 4.0),
+                false => random.between(radius, rows.half - radius),
+            };
+            let centre = if end { rows.half - centre } else { centre };
+            let near = radius > NEAR * distance(centre);
+            let jets = rows.jets(centre);
+            let slopes = rows.slopes(&jets, centre, radius);
+            let impulses = rows.impulses(&jets, radius);
+            for part in [-0.98, -0.5, 0.5, 0.98] {
+                let delta = centre + part * radius;
+                let there = rows.jets(delta);
+                let scale = if near { distance(delta) } else { 1.0 };
+                let exact = rows.summed(true, |pair, across| if across { there[pair].slope / scale } else { 0.0 });
+                let n = exact.size();
+                for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+                    let (off, wide) = ((exact[(i, j)] - slopes.rows[(i, j)]).abs(), slopes.wide[(i, j)]);
+                    assert!(off <= wide, "{text} {near} {i} {j} {part}: {off:e} {wide:e}");
+                    let tight = &mut nearest[usize::from(near)][0];
+                    *tight = tight.max(if wide > 0.0 { off / wide } else { 0.0 });
+                }
+                let (Some(about), Some(here)) = (&impulses, rows.impulses(&there, 0.0)) else { continue };
+                // With c·x = 1, as about the centre.
+                let unit = |k: usize| if k < n { response.omega() } else { 1.0 };
+                let along = |k: usize| about.scaled[k] * here.scaled[k] / (unit(k) * unit(k));
+                let length: f64 = (0..n + 2).map(along).sum();
+                for k in 0..n + 2 {
+                    let (off, doubt) = ((here.scaled[k] / length - about.scaled[k]).abs(), about.doubt[k]);
+                    assert!(off <= doubt, "{text} {k} {part}: {off:e} {doubt:e}");
+                    let tight = &mut nearest[usize::from(near)][1];
+                    *tight = tight.max(off / doubt);
+                }
+                checked[usize::from(near)] += 1;
+            }
+        }
+        assert!(checked.iter().all(|count| *count > 300), "{checked:?}");
+        assert!(nearest.as_flattened().iter().all(|part| *part > 0.2), "{nearest:?}");
+    }
+}

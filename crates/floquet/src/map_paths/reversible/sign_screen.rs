@@ -192,9 +192,10 @@ impl Four<'_> {
 #[cfg(test)]
 mod tests {
     use vibrochain_breather::{Family, Finder, OrbitList};
-    use vibrochain_lattice::{Chain, Model};
+    use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum};
     use vibrochain_testkit::Random;
 
+    use super::*;
     use crate::map_paths::reversible::residues::Residues;
     use crate::map_paths::reversible::verdict::{Reason, Secular, Standing};
 
@@ -234,5 +235,58 @@ mod tests {
         }
         let many = |i: usize| 3 * yes[i] > equal[i] && yes[i] > 500;
         assert!(many(0) && many(1) && others > 500, "{yes:?} {equal:?} {others}");
+    }
+
+    /// Residues of rings and their errors, plain ones and careful ones, as lists of (residue, error).
+    fn both(modes: &Modes, ratio: Option<f64>) -> [Vec<(f64, f64)>; 2] {
+        let (mut shift, mut relative) = (0.0_f64, 0.0_f64);
+        for mode in modes.list() {
+            (shift, relative) = (shift.max(mode.shift), relative.max(mode.relative));
+        }
+        let saltations = ratio.map(|ratio| Saltations::by_fours(modes, ratio, 0.0));
+        let mut plain = Vec::new();
+        for (place, group) in modes.groups().iter().enumerate() {
+            let group = group.four();
+            let four = Four { modes, group, place, shift: all(shift), relative: all(relative) };
+            let (residue, error) = match &saltations {
+                Some(saltations) => {
+                    let (own, mirror) = four.double_sided();
+                    double_sided::residue(&group, saltations, &own, &mirror)
+                }
+                None => four.single_sided(),
+            };
+            plain.extend(residue.to_array().into_iter().zip(error.to_array()));
+        }
+        plain.truncate(modes.count());
+        let (mut masked, mut poles) = (Vec::new(), Vec::new());
+        match ratio {
+            Some(ratio) => {
+                double_sided::residues(modes, &Saltations::new(modes, ratio, 0.0), &mut masked, &mut poles);
+            }
+            None => single_sided::residues(modes, &mut poles),
+        }
+        [plain, poles.iter().map(|pole| (pole.residue, pole.error)).collect()]
+    }
+
+    /// Plain residues are careful ones to the errors of both, and what is beyond several times its own error is beyond the careful one.
+    #[test]
+    fn plain_residues_are_careful_ones_and_have_no_smaller_errors() {
+        let (mut random, mut checked) = (Random(71), [0; 2]);
+        for round in 0..400 {
+            let (sites, gamma1, gamma2) = (2 + random.below(30), random.log(1e-2, 1.0), random.log(1e-2, 1.0));
+            let ratio = if round % 2 == 0 { None } else { Some(random.of(&[1.0, -1.0]) * random.log(0.3, 3.0)) };
+            let spectrum = Spectrum::new(Chain::new(sites, gamma1, gamma2).unwrap());
+            let Ok(response) = ImpulseResponse::new(&spectrum, random.between(0.3, 3.0)) else { continue };
+            let mut modes = Modes::default();
+            modes.set(&response);
+            let [plain, careful] = both(&modes, ratio);
+            for (k, (plain, careful)) in plain.iter().zip(&careful).enumerate() {
+                let off = (plain.0 - careful.0).abs();
+                assert!(off <= plain.1 + careful.1, "{round} {k}: {plain:?} {careful:?}");
+                assert!(careful.1 <= ROOM * plain.1, "{round} {k}: {plain:?} {careful:?}");
+                checked[usize::from(ratio.is_some())] += 1;
+            }
+        }
+        assert!(checked.iter().all(|count| *count > 500), "{checked:?}");
     }
 }
