@@ -16,6 +16,8 @@ CRATES = sys.argv[3:] or ["lattice", "breather", "floquet", "eventsim", "fate", 
 MINUTES = float(os.environ.get("MINUTES", 30))
 # Tests of the whole that meet what a crate's own tests may not: of each crate its own run first.
 WHOLE = ["values", "secular", "reference", "structure_orbits", "structure_attractors", "simulation", "maps"]
+# Crates that see one another, from below: a fault is noticed in its own crate or above.
+FROM_BELOW = ["lattice", "breather", "eventsim", "floquet", "fate", "maps"]
 # Whose items all crates see.
 LIBRARY = "crates/lattice/src/lib.rs"
 SWITCH = """
@@ -33,14 +35,18 @@ def run(words, folder, **more):
     return subprocess.run(words, cwd=folder, text=True, capture_output=True, **more)
 
 
+def checked(words, folder):
+    told = run(words, folder)
+    if told.returncode != 0:
+        sys.exit(told.stderr)
+    return told.stdout
+
+
 def drawn(tree):
     """The sample, from all that cargo-mutants would do and .cargo/mutants.toml does not name."""
     mutants = []
     for crate in CRATES:
-        listed = run(["cargo", "mutants", "--list", "--json", "-p", f"vibrochain-{crate}"], tree)
-        if listed.returncode != 0:
-            sys.exit(listed.stderr)
-        mutants += json.loads(listed.stdout)
+        mutants += json.loads(checked(["cargo", "mutants", "--list", "--json", "-p", f"vibrochain-{crate}"], tree))
     # Two values of one opaque type cannot stand behind a switch, nor can what is worked out by the compiler.
     mutants = [one for one in mutants if one["function"] and "impl " not in one["function"]["return_type"]]
     print(f"{len(mutants)} faults; seed {SEED} draws {COUNT}")
@@ -68,11 +74,12 @@ def body(text, start, end):
     return at + 1, text.rindex("}", at, end)
 
 
-def switched(tree, texts, mutants):
-    """Writes the files with all faults behind switches; of each fault the file and its lines."""
+def switched(tree, texts, mutants, dead):
+    """Writes the files with all faults but dead ones behind switches; of each fault the file and its lines."""
     files = {}
     for number, one in enumerate(mutants):
-        files.setdefault(one["file"], []).append((number, one))
+        if number not in dead:
+            files.setdefault(one["file"], []).append((number, one))
     blocks = {}
     for name, text in texts.items():
         faults = files.get(name, [])
@@ -97,15 +104,15 @@ def switched(tree, texts, mutants):
                 blocks[number] = (name, before, before + block.count("\n"))
             pieces.append(f"{{{text[start:end]}}}")
             last = end
-        (tree / name).write_text("".join(pieces) + text[last:])
-    library = tree / LIBRARY
-    library.write_text(library.read_text() + SWITCH)
+        told = "".join(pieces) + text[last:] + (SWITCH if name == LIBRARY else "")
+        if (tree / name).read_text() != told:
+            (tree / name).write_text(told)
     return blocks
 
 
-def built(tree, words):
+def built(tree, words, command=("test", "--no-run")):
     """The test programs with the folders they run in, and the errors by file and line."""
-    told = run(["cargo", "test", "--locked", "--no-run", "--message-format", "json", *words], tree)
+    told = run(["cargo", command[0], "--locked", *command[1:], "--message-format", "json", *words], tree)
     programs, errors = [], []
     for line in told.stdout.splitlines():
         message = json.loads(line)
@@ -125,95 +132,121 @@ def module(name):
     return "::".join(names[:-1] if names[-1] in ("mod", "lib") else names)
 
 
+def took(words, folder, fault, limit):
+    """Whether a program ends well, and how long that takes; nothing where it takes too long."""
+    began = time.monotonic()
+    environment = {**os.environ, "CARGO_MANIFEST_DIR": folder}
+    environment.update({} if fault is None else {"FAULT": str(fault)})
+    try:
+        passed = run(words, folder, env=environment, timeout=limit).returncode == 0
+    except subprocess.TimeoutExpired:
+        return None
+    return passed, time.monotonic() - began
+
+
 def is_caught(programs, fault, limits):
     """By which program a fault is noticed; one that takes far longer than usual is, too."""
     for program, folder, *some in programs:
-        began = time.monotonic()
-        environment = {**os.environ, "CARGO_MANIFEST_DIR": folder}
-        environment.update({} if fault is None else {"FAULT": str(fault)})
-        try:
-            words = [program, "--quiet", *some[1:]]
-            if run(words, folder, env=environment, timeout=limits.get(program)).returncode != 0:
-                return pathlib.Path(program).name
-        except subprocess.TimeoutExpired:
-            return pathlib.Path(program).name + " (too long)"
+        name, words = pathlib.Path(program).name, [program, "--quiet", *some[1:]]
+        told = took(words, folder, fault, limits.get(program))
+        while told is None:
+            # Where the program is as slow without the fault, the machine is busy.
+            _, usual = took(words, folder, None, None)
+            if 3 * usual < limits[program]:
+                return name + " (too long)"
+            limits[program] = 10 * usual
+            told = took(words, folder, fault, limits[program])
+        passed, seconds = told
+        if not passed:
+            return name
         if fault is None:
-            limits[program] = 20 + 5 * (time.monotonic() - began)
+            limits[program] = 20 + 5 * seconds
     return None
 
 
+def above(programs, crate):
+    """Of test programs those of a crate and of what sees it, its own first."""
+    seen = FROM_BELOW[FROM_BELOW.index(crate):]
+    of = [next((name for name in seen if program[1].endswith("/" + name)), None) for program in programs]
+    return [program for name in seen for program, own in zip(programs, of) if own == name]
+
+
 def main():
-    # Apart from what is compiled without faults: cargo takes the same files of another tree for its own.
+    # Apart from what is compiled without faults: cargo takes the same files of another tree for its own. What has not changed since a run
+    # before is not compiled again.
     target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")).resolve() / "mutants"
     tree = target / "tree"
     os.environ["CARGO_TARGET_DIR"] = str(target)
-    run(["git", "worktree", "remove", "--force", str(tree)], ROOT)
-    added = run(["git", "worktree", "add", "--detach", str(tree), "HEAD"], ROOT)
-    if added.returncode != 0:
-        sys.exit(added.stderr)
-    try:
-        examine(tree)
-    finally:
-        run(["git", "worktree", "remove", "--force", str(tree)], ROOT)
+    target.mkdir(parents=True, exist_ok=True)
+    if not (tree / ".git").exists():
+        checked(["git", "clone", "--quiet", "--shared", "--no-checkout", str(ROOT), str(tree)], ROOT)
+    head = checked(["git", "rev-parse", "HEAD"], ROOT).strip()
+    checked(["git", "fetch", "--quiet", "origin", head], tree)
+    checked(["git", "checkout", "--quiet", "--force", "--detach", head], tree)
+    examine(tree)
 
 
 def examine(tree):
     mutants = drawn(tree)
     texts = {name: (tree / name).read_text() for name in {LIBRARY, *(one["file"] for one in mutants)}}
-    packages = [word for crate in CRATES for word in ["-p", f"vibrochain-{crate}"]]
-    dead = set()
-    # What the compiler refuses is no fault.
-    while True:
-        # Numbers of the list that is compiled.
-        order = [number for number in range(len(mutants)) if number not in dead]
-        blocks = switched(tree, texts, [mutants[number] for number in order])
-        units, errors = built(tree, ["--lib", *packages])
-        if not errors:
-            break
-        refused = {order[place] for place, (name, first, last) in blocks.items()
+    # The same ones for all tests: others would have other features, and be compiled twice.
+    packages = ["-p", "vibrochain", *(word for crate in FROM_BELOW for word in ["-p", f"vibrochain-{crate}"])]
+    dead, blocks, errors = set(), {}, [None]
+    # What the compiler refuses is no fault; that is known before anything is compiled.
+    while errors:
+        blocks = switched(tree, texts, mutants, dead)
+        _, errors = built(tree, ["--lib", *packages], ("check",))
+        refused = {number for number, (name, first, last) in blocks.items()
                    for file, low, high in errors if file.endswith(name) and low <= last and high >= first}
-        if not refused:
+        if errors and not refused:
             sys.exit(f"not compiled, for no fault: {errors[:3]}")
         dead |= refused
-    dead |= {number for place, number in enumerate(order) if place not in blocks}
-    tried = [(place, number) for place, number in enumerate(order) if place in blocks]
+    tried = sorted(blocks)
+    units, errors = built(tree, ["--lib", *packages])
+    if errors:
+        sys.exit(f"tests are not compiled: {errors[:3]}")
     print(f"{len(tried)} compiled, after {(time.monotonic() - BEGAN) / 60:.0f} minutes", flush=True)
     limits, caught, open_ones, left = {}, {}, [], []
     failed = is_caught(units, None, limits)
     if failed:
         sys.exit(f"{failed} fails without a fault")
-    for place, number in tried:
+    for number in tried:
         if time.monotonic() - BEGAN > 60 * MINUTES * 0.8:
             left.append(number)
             continue
         crate = mutants[number]["file"].split("/")[1]
         # The file's own tests first, then its crate's.
-        own = sorted(units, key=lambda unit: not unit[1].endswith("/" + crate))
+        own = above(units, crate)
         if module(mutants[number]["file"]):
             own.insert(0, (*own[0], module(mutants[number]["file"]) + "::"))
-        by = is_caught(own, place, limits)
+        by = is_caught(own, number, limits)
         caught.update({number: by} if by else {})
-        open_ones += [] if by else [(place, number)]
+        open_ones += [] if by else [number]
         print(f"{'caught' if by else 'open'}: {mutants[number]['name']}{', by ' + by if by else ''}", flush=True)
     if open_ones and os.environ.get("UNITS") is None:
-        whole = [word for name in WHOLE for word in ["--test", name]]
-        wholes, errors = built(tree, ["-p", "vibrochain", *whole])
-        inner, _ = built(tree, ["--tests", *packages])
-        inner = [one for one in inner if one[2] == "test"]
+        # Tests of what has faults or sees it.
+        lowest = min(FROM_BELOW.index(mutants[number]["file"].split("/")[1]) for number in open_ones)
+        folders = [tree / "crates" / crate / "tests" for crate in FROM_BELOW[lowest:]]
+        names = {path.stem for folder in folders for path in folder.glob("*.rs")}
+        names |= {path.parent.name for folder in folders for path in folder.glob("*/main.rs")} | set(WHOLE)
+        programs, errors = built(tree, [word for name in sorted(names) for word in ["--test", name]] + packages)
+        wholes = [one for one in programs if one[1] == str(tree)]
+        inner = [one for one in programs if one[1] != str(tree)]
         failed = is_caught(inner + wholes, None, limits)
         if errors or failed:
             sys.exit(f"tests of the whole do not pass without a fault: {errors[:3] or failed}")
-        for place, number in list(open_ones):
+        for number in list(open_ones):
             if time.monotonic() - BEGAN > 60 * MINUTES:
-                break
+                open_ones.remove(number)
+                left.append(number)
+                continue
             crate = mutants[number]["file"].split("/")[1]
-            own = sorted(inner, key=lambda unit: not unit[1].endswith("/" + crate)) + wholes
-            by = is_caught(own, place, limits)
+            by = is_caught(above(inner, crate) + wholes, number, limits)
             if by:
                 caught[number] = by
-                open_ones.remove((place, number))
+                open_ones.remove(number)
                 print(f"caught: {mutants[number]['name']}, by {by}", flush=True)
-    for _, number in open_ones:
+    for number in open_ones:
         print(f"MISSED: {mutants[number]['name']}")
     for number in left:
         print(f"not tried: {mutants[number]['name']}")

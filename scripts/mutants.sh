@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Draws faults with cargo-mutants and says which of them no test notices. All are compiled into one program, each behind a switch, so that each costs
-# a run of tests and no build: a hundred in half an hour on two cores. Not for CI. Equivalent ones are in .cargo/mutants.toml, with reasons.
+# a run of tests and no build of its own. What is committed counts. Not for CI. Equivalent ones are in .cargo/mutants.toml, with reasons.
 #
 #     scripts/mutants.sh [SEED [COUNT [CRATE…]]]         1 100, and lattice breather floquet eventsim fate maps
 #
