@@ -115,7 +115,8 @@ fn entry_errors(equations: &BlochEquations, z: C, simple: bool) -> Vec<f64> {
         if !near.is_finite() {
             continue;
         }
-        let flights = ENTRY * (1.0 + (mode.rate + mode.decay.abs()) * equations.kernel().period());
+        let period = equations.kernel().period();
+        let flights = ENTRY * (1.0 + (mode.rate + mode.decay.abs()) * period) + mode.rate_error * period;
         let of_pole = if simple || mode.coordinates.are_parabolic() { mode.pole_error * near } else { 0.0 };
         let own = near * (flights + mode.shape_error + of_pole);
         let (rows, columns) = (equations.rows(k), equations.columns(k));
