@@ -160,7 +160,7 @@ mod tests {
     fn twice(random: &mut Random) -> [(BlochKernel, Vec<LinearImpact>); 2] {
         let (modes, count, period) = (2 + random.below(4), 2 + random.below(2), random.between(1.0, 6.0));
         let kernels = (0..modes).map(|_| {
-            let damping = random.log(1e-3, 0.5);
+            let damping = random.log(1e-3, 3.0);
             (random.log(0.3, 6.0), damping, [(); 2].map(|()| random.between(-1.0, 1.0)))
         });
         let kernels: Vec<_> = kernels.collect();
