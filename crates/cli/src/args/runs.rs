@@ -93,7 +93,7 @@ pub struct FateArgs {
     #[arg(long, value_name = "PART", default_value_t = 0.1, value_parser = real, allow_negative_numbers = true)]
     pub leave: f64,
     /// Let contacts of a structure that share coordinates and hit at one instant do so in the order of their numbers, again until none moves into its
-    /// barrier; otherwise such a run is incomplete. A scene says it by in_sequence = true in [structure].
+    /// barrier; otherwise such a run is incomplete. A scene says it by `in_sequence = true` in `[structure]`.
     #[arg(long)]
     pub in_sequence: bool,
     /// Instead, a bifurcation diagram by simulation over a scene with one axis (CSV): the last points of a stroboscopic section of one run a cell.
@@ -151,7 +151,7 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "K", value_parser = whole::<u64>, allow_negative_numbers = true)]
     pub max_impacts: Option<u64>,
     /// Let contacts of a structure that share coordinates and hit at one instant do so in the order of their numbers, again until none moves into its
-    /// barrier; otherwise the run ends there. A scene says it by in_sequence = true in [structure].
+    /// barrier; otherwise the run ends there. A scene says it by `in_sequence = true` in `[structure]`.
     #[arg(long)]
     pub in_sequence: bool,
     /// Table of all events (CSV): time, site, barrier, velocity_before, velocity_after, kind (impact, stick, release).

@@ -38,7 +38,7 @@ pub struct StructureCell {
     /// Why something could not be worked out.
     pub trouble: Option<String>,
     /// How the best orbit's stability is lost, its spectral radius and margin; the number of physical orbits of the words asked for, and
-    /// their largest residual; whether the lists are complete, and nothing was left open. Its class is that of [`Grid::shown`].
+    /// their largest residual; whether the lists are complete, and nothing was left open. Its class is that of [`Grid::shown`](crate::grid::Grid::shown).
     pub found: Cell,
 }
 
