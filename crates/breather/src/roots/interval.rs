@@ -138,7 +138,7 @@ impl Zeros {
                         self.sloping.push(Sloping { low, high, sign: clearances[i].centre.1.signum() });
                     }
                     if let Some(zero) = self.bracketed(f, [low, centre, high], &clearances[i]) {
-                        let proved = self.proved(f, (zero, low.abs().max(high.abs())), &clearances[i]);
+                        let proved = self.proved(f, (low, zero, high), &clearances[i]);
                         let width = resolution(zero).max(proved.unwrap_or(0.0));
                         self.places.push(Place { zero, width, simple: proved.is_some() });
                     }
@@ -178,15 +178,20 @@ impl Zeros {
 
     /// How far from a zero, one that the function has changed its sign at as far as is known, it surely has both signs, while the derivative
     /// keeps its own: there is one zero there, and another one that close is the same. `None` next to a double zero, where rounding is all there is.
-    fn proved(&mut self, f: &impl Enclosed, (zero, size): (f64, f64), here: &Clearance) -> Option<f64> {
+    fn proved(&mut self, f: &impl Enclosed, (low, zero, high): (f64, f64, f64), here: &Clearance) -> Option<f64> {
         if !here.ends.contains(&0.0) {
             return Some(0.0);
         }
-        self.evaluations += 3 + 4 * LANES;
-        let Clearance { function, centre: (value, slope), .. } = f.clearances([zero; LANES], [0.0; LANES])[0];
+        // What is left over of a series hides a sign that the function's own value shows: at the ends of the interval, or next to the zero.
+        self.evaluations += 3;
+        let points = f.clearances([low, high, zero, zero], [0.0; LANES]);
+        if points[0].function > 0.0 && points[1].function > 0.0 {
+            return Some(0.0);
+        }
+        self.evaluations += 2 + 4 * LANES;
+        let Clearance { function, centre: (value, slope), .. } = points[2];
         // Without rounding of a function that vanishes there is no width; a zero at 0 is known as well as its interval.
-        let width = ((value.abs() - function) / slope.abs()).max(f64::EPSILON * size);
-        // What is left over of a series hides a sign that the function's own value shows.
+        let width = ((value.abs() - function) / slope.abs()).max(f64::EPSILON * low.abs().max(high.abs()));
         let side = |side: f64| {
             let ends = SURE.map(|times| zero + side * times * width);
             let radii = SURE.map(|times| 0.5 * times * width);
