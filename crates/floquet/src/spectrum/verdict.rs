@@ -104,7 +104,7 @@ pub(crate) fn told_of_cycle(
     list.iter_mut().for_each(|zero| zero.error += drift * zero.z.norm());
     let off = |zero: &Zero| (zero.z - 1.0).norm();
     let nearest = (0..list.len()).min_by(|&i, &j| off(&list[i]).total_cmp(&off(&list[j])));
-    // Where the orbit's own errors are not asked about, as far as they may move it.
+    // The orbit's own errors move the trivial multiplier from 1; without them (no data) the distance that they may cause is allowed for.
     let reach = |i: usize| if data.is_empty() { AS_IT_STANDS } else { ROOM * list[i].error };
     let own = nearest.filter(|&i| off(&list[i]) <= reach(i)).ok_or(SecularError::Inconsistent)?;
     list.remove(own);

@@ -42,7 +42,7 @@ const GROWTH: f64 = 1e-12;
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 impl Impacts<'_> {
-    /// Whether a mode grows by itself: losses end no motion that feeds on it.
+    /// Whether a mode grows by itself. Without one, losses end every motion.
     pub(super) fn are_excited(&self) -> bool {
         let grows = |mode: &LinearMode| mode.rates().iter().any(|rate| rate.re > GROWTH * rate.norm());
         self.equations.model.structure().modes().iter().any(grows)
@@ -171,7 +171,7 @@ impl<'a> PeriodLaw<'a> {
             let reach = length(mode.rows[self.contact]) * length(mode.columns[self.contact]);
             // Of two real poles the larger bound, as of a conjugate pair either.
             let own = mode.rates().map(|rate| {
-                // R(1+R)/(1−R)³ is the same of R and 1/R but for its sign: R of modulus 1 or less.
+                // R(1+R)/(1−R)³ only changes its sign when R is replaced by 1/R, so |R| ≤ 1 may be assumed.
                 let (growth, turn) = (rate.re.abs(), rate.im);
                 let most = (-growth * from).exp();
                 let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));

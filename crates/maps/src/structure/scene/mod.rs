@@ -216,7 +216,7 @@ impl StructureScene {
         self.definition.whole_masses().map(|masses| (self.modal.coordinates(), masses))
     }
 
-    /// Of each contact the effective masses that the modes which are kept give it, and all; none where all are kept.
+    /// For each contact its effective mass by the modes that are kept, and by all modes. The list is empty where all modes are kept.
     pub(in crate::structure) fn kept_masses(&self) -> Vec<(f64, f64)> {
         let all = self.definition.whole_masses().unwrap_or_default();
         let own = |contact: usize| 1.0 / self.modal.mobility(contact, contact);
