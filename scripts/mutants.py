@@ -1,31 +1,38 @@
-"""What scripts/mutants.sh does: draws mutants, compiles them behind switches, runs tests with one after the other."""
+"""What scripts/mutants.sh does: draws mutants, compiles them behind switches, runs of each the tests that reach it."""
+import concurrent.futures
 import json
 import os
 import pathlib
 import random
 import re
+import resource
+import signal
 import subprocess
 import sys
+import tempfile
 import time
 
 BEGAN = time.monotonic()
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SEED = int(sys.argv[1]) if len(sys.argv) > 1 else 1
-COUNT = int(sys.argv[2]) if len(sys.argv) > 2 else 100
+COUNT = int(sys.argv[2]) if len(sys.argv) > 2 else 30
 CRATES = sys.argv[3:] or ["lattice", "breather", "floquet", "eventsim", "fate", "maps"]
-MINUTES = float(os.environ.get("MINUTES", 30))
-# Tests of the whole that meet what a crate's own tests may not: of each crate its own run first.
-WHOLE = ["values", "secular", "reference", "structure_orbits", "structure_attractors", "simulation", "maps"]
-# Crates that see one another, from below: a fault is noticed in its own crate or above.
-FROM_BELOW = ["lattice", "breather", "eventsim", "floquet", "fate", "maps"]
+MINUTES = float(os.environ.get("MINUTES", 60))
+# All that CI tests, in its one build.
+ALL = ["--workspace", "--features", "vibrochain-cli/parquet"]
 # Whose items all crates see.
 LIBRARY = "crates/lattice/src/lib.rs"
 SWITCH = """
-/// Which fault is switched on: for `scripts/mutants.sh` alone.
+/// Which fault is switched on: for `scripts/mutants.sh` alone. The first time that a program asks for one it says so in the file REACHED.
 #[doc(hidden)]
 pub fn fault(number: usize) -> bool {
-    static ON: std::sync::LazyLock<usize> =
-        std::sync::LazyLock::new(|| std::env::var("FAULT").ok().and_then(|on| on.parse().ok()).unwrap_or(usize::MAX));
+    use std::sync::{LazyLock, atomic::{AtomicBool, Ordering::Relaxed}};
+    static ON: LazyLock<usize> = LazyLock::new(|| std::env::var("FAULT").ok().and_then(|on| on.parse().ok()).unwrap_or(usize::MAX));
+    static ASKED: [AtomicBool; COUNT] = [const { AtomicBool::new(false) }; COUNT];
+    if !ASKED[number].load(Relaxed) && !ASKED[number].swap(true, Relaxed) && let Some(name) = std::env::var_os("REACHED") {
+        let file = std::fs::OpenOptions::new().append(true).create(true).open(name);
+        let _ = file.and_then(|mut file| std::io::Write::write_all(&mut file, format!("{number}\\n").as_bytes()));
+    }
     *ON == number
 }
 """
@@ -50,7 +57,8 @@ def drawn(tree):
     # Two values of one opaque type cannot stand behind a switch, nor can what is worked out by the compiler.
     mutants = [one for one in mutants if one["function"] and "impl " not in one["function"]["return_type"]]
     print(f"{len(mutants)} faults; seed {SEED} draws {COUNT}")
-    return random.Random(SEED).sample(mutants, min(COUNT, len(mutants)))
+    # Each has its own lot: what is added or left out elsewhere changes no other one's.
+    return sorted(mutants, key=lambda one: random.Random(f"{SEED} {one['name']}").random())[:COUNT]
 
 
 def place(starts, at):
@@ -60,7 +68,8 @@ def place(starts, at):
 
 def body(text, start, end):
     """Where a function's body begins and ends, within its braces; nothing of a constant one."""
-    head = re.compile(r"^[ \t]*(?:pub(?:\([^)]*\))? )?(?:unsafe )?fn \w+", re.M).search(text, start, end)
+    line = text.rfind("\n", 0, start) + 1
+    head = re.compile(r"^[ \t]*(?:pub(?:\([^)]*\))? )?(?:unsafe )?fn \w+", re.M).search(text, line, end)
     if not head:
         return None
     at, depth = head.end(), 0
@@ -104,7 +113,7 @@ def switched(tree, texts, mutants, dead):
                 blocks[number] = (name, before, before + block.count("\n"))
             pieces.append(f"{{{text[start:end]}}}")
             last = end
-        told = "".join(pieces) + text[last:] + (SWITCH if name == LIBRARY else "")
+        told = "".join(pieces) + text[last:] + (SWITCH.replace("COUNT", str(len(mutants))) if name == LIBRARY else "")
         if (tree / name).read_text() != told:
             (tree / name).write_text(told)
     return blocks
@@ -116,9 +125,8 @@ def built(tree, words, command=("test", "--no-run")):
     programs, errors = [], []
     for line in told.stdout.splitlines():
         message = json.loads(line)
-        if message["reason"] == "compiler-artifact" and message["executable"]:
-            package = pathlib.Path(message["manifest_path"]).parent
-            programs.append((message["executable"], str(package), message["target"]["kind"][0]))
+        if message["reason"] == "compiler-artifact" and message["executable"] and message["profile"]["test"]:
+            programs.append((message["executable"], pathlib.Path(message["manifest_path"]).parent))
         elif message["reason"] == "compiler-message" and message["message"]["level"] == "error":
             errors += [(span["file_name"], span["line_start"], span["line_end"]) for span in message["message"]["spans"]]
     if told.returncode != 0 and not errors:
@@ -126,49 +134,63 @@ def built(tree, words, command=("test", "--no-run")):
     return programs, errors
 
 
-def module(name):
-    """The path of a file's module, by which its own tests are picked; of the crate's root nothing."""
-    names = pathlib.Path(name).with_suffix("").parts[3:]
-    return "::".join(names[:-1] if names[-1] in ("mod", "lib") else names)
+def listed(programs):
+    """Of all programs each test that is not left for later: program, folder, name."""
+    tests = []
+    for program, folder in programs:
+        names, ignored = (
+            [line.removesuffix(": test") for line in run([program, "--list", "--format", "terse", *some], folder).stdout.splitlines()]
+            for some in ([], ["--ignored"]))
+        tests += [(program, folder, name) for name in names if name not in ignored]
+    return tests
 
 
-def took(words, folder, fault, limit):
-    """Whether a program ends well, and how long that takes; nothing where it takes too long."""
+def took(test, limit=None, **more):
+    """Whether a test passes, alone in its process, and in how many seconds; nothing where it takes longer than its limit."""
+    program, folder, name = test
     began = time.monotonic()
-    environment = {**os.environ, "CARGO_MANIFEST_DIR": folder}
-    environment.update({} if fault is None else {"FAULT": str(fault)})
+    environment = {**os.environ, "CARGO_MANIFEST_DIR": str(folder), **more}
+    process = subprocess.Popen([program, "--exact", name], cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                               stderr=subprocess.DEVNULL, start_new_session=True)
     try:
-        passed = run(words, folder, env=environment, timeout=limit).returncode == 0
+        passed = process.wait(limit) == 0
     except subprocess.TimeoutExpired:
-        return None
+        passed = None
+    # With what the test has begun.
+    try:
+        os.killpg(process.pid, signal.SIGKILL)
+    except ProcessLookupError:
+        pass
+    process.wait()
     return passed, time.monotonic() - began
 
 
-def is_caught(programs, fault, limits):
-    """By which program a fault is noticed; one that takes far longer than usual is, too."""
-    for program, folder, *some in programs:
-        name, words = pathlib.Path(program).name, [program, "--quiet", *some[1:]]
-        told = took(words, folder, fault, limits.get(program))
-        while told is None:
-            # Where the program is as slow without the fault, the machine is busy.
-            _, usual = took(words, folder, None, None)
-            if 3 * usual < limits[program]:
-                return name + " (too long)"
-            limits[program] = 10 * usual
-            told = took(words, folder, fault, limits[program])
-        passed, seconds = told
-        if not passed:
-            return name
-        if fault is None:
-            limits[program] = 20 + 5 * seconds
+def reached(test, note):
+    """Whether a test passes without a fault, its seconds, and the faults that it reaches."""
+    note.unlink(missing_ok=True)
+    passed, seconds = took(test, REACHED=str(note))
+    return passed, seconds, {int(line) for line in note.read_text().split()} if note.exists() else set()
+
+
+def notices(test, usual, fault):
+    """Whether a test fails with a fault, twice, and passes without: what waits for a clock may fail on a busy machine."""
+    limit = 20 + 10 * usual
+    return all(took(test, limit, FAULT=str(fault))[0] is not True for _ in range(2)) and took(test, limit / 2)[0] is True
+
+
+def tried(tests, fault):
+    """By which test a fault is noticed, of those that reach it, the cheapest first; nothing where none does; False where time is over."""
+    for seconds, test in tests:
+        if time.monotonic() - BEGAN > 60 * MINUTES:
+            return False
+        if notices(test, seconds, fault):
+            return test
     return None
 
 
-def above(programs, crate):
-    """Of test programs those of a crate and of what sees it, its own first."""
-    seen = FROM_BELOW[FROM_BELOW.index(crate):]
-    of = [next((name for name in seen if program[1].endswith("/" + name)), None) for program in programs]
-    return [program for name in seen for program, own in zip(programs, of) if own == name]
+def told(test):
+    program, _, name = test
+    return f"{pathlib.Path(program).name.rsplit('-', 1)[0]} {name}"
 
 
 def main():
@@ -186,75 +208,59 @@ def main():
     examine(tree)
 
 
-def examine(tree):
-    mutants = drawn(tree)
+def compiled(tree, mutants):
+    """The tests of the program with all faults behind switches, and the numbers of those that the compiler takes."""
     texts = {name: (tree / name).read_text() for name in {LIBRARY, *(one["file"] for one in mutants)}}
-    # The same ones for all tests: others would have other features, and be compiled twice.
-    packages = ["-p", "vibrochain", *(word for crate in FROM_BELOW for word in ["-p", f"vibrochain-{crate}"])]
     dead, blocks, errors = set(), {}, [None]
-    # What the compiler refuses is no fault; that is known before anything is compiled.
     while errors:
         blocks = switched(tree, texts, mutants, dead)
-        _, errors = built(tree, ["--lib", *packages], ("check",))
+        _, errors = built(tree, ["--lib", *ALL], ("check",))
         refused = {number for number, (name, first, last) in blocks.items()
                    for file, low, high in errors if file.endswith(name) and low <= last and high >= first}
         if errors and not refused:
             sys.exit(f"not compiled, for no fault: {errors[:3]}")
         dead |= refused
-    tried = sorted(blocks)
-    units, errors = built(tree, ["--lib", *packages])
+    programs, errors = built(tree, ALL)
     if errors:
         sys.exit(f"tests are not compiled: {errors[:3]}")
-    print(f"{len(tried)} compiled, after {(time.monotonic() - BEGAN) / 60:.0f} minutes", flush=True)
-    limits, caught, open_ones, left = {}, {}, [], []
-    failed = is_caught(units, None, limits)
-    if failed:
-        sys.exit(f"{failed} fails without a fault")
-    for number in tried:
-        if time.monotonic() - BEGAN > 60 * MINUTES * 0.8:
-            left.append(number)
-            continue
-        crate = mutants[number]["file"].split("/")[1]
-        # The file's own tests first, then its crate's.
-        own = above(units, crate)
-        if module(mutants[number]["file"]):
-            own.insert(0, (*own[0], module(mutants[number]["file"]) + "::"))
-        by = is_caught(own, number, limits)
-        caught.update({number: by} if by else {})
-        open_ones += [] if by else [number]
-        print(f"{'caught' if by else 'open'}: {mutants[number]['name']}{', by ' + by if by else ''}", flush=True)
-    if open_ones and os.environ.get("UNITS") is None:
-        # Tests of what has faults or sees it.
-        lowest = min(FROM_BELOW.index(mutants[number]["file"].split("/")[1]) for number in open_ones)
-        folders = [tree / "crates" / crate / "tests" for crate in FROM_BELOW[lowest:]]
-        names = {path.stem for folder in folders for path in folder.glob("*.rs")}
-        names |= {path.parent.name for folder in folders for path in folder.glob("*/main.rs")} | set(WHOLE)
-        programs, errors = built(tree, [word for name in sorted(names) for word in ["--test", name]] + packages)
-        wholes = [one for one in programs if one[1] == str(tree)]
-        inner = [one for one in programs if one[1] != str(tree)]
-        failed = is_caught(inner + wholes, None, limits)
-        if errors or failed:
-            sys.exit(f"tests of the whole do not pass without a fault: {errors[:3] or failed}")
-        for number in list(open_ones):
-            if time.monotonic() - BEGAN > 60 * MINUTES:
-                open_ones.remove(number)
-                left.append(number)
-                continue
-            crate = mutants[number]["file"].split("/")[1]
-            by = is_caught(above(inner, crate) + wholes, number, limits)
+    return listed(programs), sorted(blocks)
+
+
+def minutes():
+    return f"{(time.monotonic() - BEGAN) / 60:.0f} minutes"
+
+
+def examine(tree):
+    mutants = drawn(tree)
+    tests, numbers = compiled(tree, mutants)
+    print(f"{len(numbers)} compiled, {len(tests)} tests, after {minutes()}", flush=True)
+    # A fault may ask for all memory.
+    resource.setrlimit(resource.RLIMIT_AS, (8 << 30, resource.getrlimit(resource.RLIMIT_AS)[1]))
+    reaching = {number: [] for number in numbers}
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool, tempfile.TemporaryDirectory() as notes:
+        runs = pool.map(lambda i: reached(tests[i], pathlib.Path(notes) / str(i)), range(len(tests)))
+        for test, (passed, seconds, faults) in zip(tests, runs):
+            if not passed:
+                print(f"fails without a fault, and counts for none: {told(test)}")
+            for number in faults if passed else ():
+                reaching[number].append((seconds, test))
+        print(f"which test reaches which fault is known after {minutes()}", flush=True)
+        caught, missed, left = 0, [], []
+        for number, by in zip(numbers, pool.map(lambda number: tried(sorted(reaching[number]), number), numbers)):
+            name, by_which = mutants[number]["name"], sorted(reaching[number])
             if by:
-                caught[number] = by
-                open_ones.remove(number)
-                print(f"caught: {mutants[number]['name']}, by {by}", flush=True)
-    for number in open_ones:
-        print(f"MISSED: {mutants[number]['name']}")
-    for number in left:
-        print(f"not tried: {mutants[number]['name']}")
-    count = len(caught) + len(open_ones)
-    minutes = (time.monotonic() - BEGAN) / 60
-    print(f"drawn {len(mutants)}, refused by the compiler {len(mutants) - len(tried)}, caught {len(caught)}, "
-          f"missed {len(open_ones)}, not tried {len(left)}; {minutes:.0f} minutes")
-    sys.exit(0 if 10 * len(caught) >= 9 * count else 1)
+                caught += 1
+                print(f"caught: {name}, by {told(by)}", flush=True)
+            elif by is False:
+                left.append(f"not tried: {name}")
+            else:
+                near = f"{len(by_which)} tests reach it, first {told(by_which[0][1])}" if by_which else "no test reaches it"
+                missed.append(f"MISSED: {name}; {near}")
+    print("\n".join(missed + left))
+    print(f"drawn {len(mutants)}, refused by the compiler {len(mutants) - len(numbers)}, caught {caught}, "
+          f"missed {len(missed)}, not tried {len(left)}; {minutes()}")
+    sys.exit(0 if 10 * caught >= 9 * (caught + len(missed)) else 1)
 
 
-main()
+if __name__ == "__main__":
+    main()
