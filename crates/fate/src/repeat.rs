@@ -168,6 +168,7 @@ impl Latest {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::follow::Expected;
     use vibrochain_eventsim::Time;
 
     /// Impacts of one mass, once a period, with these velocities in turn.
@@ -195,6 +196,30 @@ mod tests {
         ] {
             let found = latest(&velocities).repeated(tolerance, true).map(|instants| instants.len());
             assert_eq!(found, instants, "{velocities:?}");
+        }
+    }
+
+    /// Impacts at the breather's times are its own only with its velocities; nor are they where another mass is hit, or at other times.
+    #[test]
+    fn a_run_is_on_its_breather_by_places_times_and_velocities() {
+        let track = |site: usize, time: f64, velocity: f64| Track {
+            instants: vec![vec![Expected { site, barrier: Barrier::Upper, time, velocity }]],
+            fastest: velocity,
+            period: std::f64::consts::PI,
+            unit: std::f64::consts::PI,
+            span: 1,
+            forced: true,
+        };
+        let time = 0.25 * std::f64::consts::PI;
+        for (own, is) in [
+            (track(0, time, 1.0), true),
+            (track(0, time, 1.01), true),
+            (track(0, time, 1.1), false),
+            (track(0, time, 0.9), false),
+            (track(1, time, 1.0), false),
+            (track(0, time + 0.1, 1.0), false),
+        ] {
+            assert_eq!(latest(&[1.0]).is(&own, 0.0, 0.02), is, "{own:?}");
         }
     }
 }

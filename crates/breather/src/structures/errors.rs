@@ -286,4 +286,34 @@ mod tests {
         }
         assert!(open >= 6 && known >= 6, "{open} {known}");
     }
+
+    /// Next to a resonance of a mode that nothing damps its frequency moves an acceleration by itself and, the other way, through impulses and
+    /// phase: what is told is about the sum, which orbits of another frequency show.
+    #[test]
+    fn what_a_frequency_moves_next_to_a_resonance_is_told_with_its_signs() {
+        let (mut checked, mut near) = (0, 0);
+        for (omega, distance, off) in [(2.325, 1e-5, 1e-10), (2.325, -1e-6, 1e-11), (2.6, 1e-6, 1e-11)] {
+            let model = |shift: f64, doubt: f64| {
+                let shape = |seen: f64| ModeShape { contacts: vec![seen], coordinates: Vec::new(), still: 0.0 };
+                let load = |size: f64| [Complex::new(size, 0.0)];
+                let frequency: f64 = 2.0 * omega + distance + shift;
+                let mut free = LinearMode::oscillator(0.0, frequency.powi(2), &shape(0.4), &load(0.0));
+                free.errors.poles += doubt;
+                let modes = vec![LinearMode::oscillator(0.05, 0.9975, &shape(1.0), &load(1.0)), free];
+                let stop = Contact { lower: None, upper: Some(0.1), restitution: 0.8 };
+                let structure = ModalStructure::new(vec![stop], vec![1], modes).unwrap();
+                StructureModel::new(Arc::new(structure), omega).unwrap()
+            };
+            let lists = [model(0.0, off), model(off, 0.0)].map(|model| orbits(&model, "0+"));
+            for (told, moved) in lists[0].iter().zip(&lists[1]) {
+                let (told, moved) = (&told.impacts()[0], &moved.impacts()[0]);
+                let apart = (told.acceleration_before - moved.acceleration_before).abs();
+                assert!(apart <= told.acceleration_error);
+                // Each of the two is as much larger as the distance is than the doubt: 10⁵ times.
+                near += usize::from(told.acceleration_error < 100.0 * apart);
+                checked += 1;
+            }
+        }
+        assert!(checked >= 3 && near == checked, "{checked} {near}");
+    }
 }

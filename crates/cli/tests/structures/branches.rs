@@ -195,6 +195,12 @@ fn a_contact_that_another_ones_impact_turns_round_touches_too() {
         .collect();
     assert!(touches.len() == 1 && touches[0]["evidence"]["time"] == 0.0, "{told:#}");
     let stop = number(&touches[0]["value"]);
+    // In another unit of length it is the same place.
+    let small = BAR.replace("0.5, 0.1]", "5e-7, 1e-7]").replace("upper = 0.5", "upper = 5e-7");
+    fs::write(dir.path("small.toml"), small.replace("upper = 1.0", "upper = 1e-6")).unwrap();
+    let line = "branch --scene small.toml --free contact.1.upper --from 5e-7 --to 2e-6 --solution 2 --json";
+    let small = written(&dir.run(line).with(0, &[]).out);
+    assert!((number(&small["events"][0]["value"]) * 1e6 - stop).abs() < 1e-12 * stop, "{small:#}");
     let hits = |stop: f64| {
         let line = format!(
             "simulate --scene bar.toml --solution 2 --set contact.1.upper={stop} --periods 2 --impacts hits.csv"

@@ -210,3 +210,39 @@ fn by_monodromy(orbit: &Orbit) -> Result<Vec<i8>, FloquetError> {
     };
     Ok(order.iter().map(sign).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vibrochain_testkit::Random;
+
+    /// (T − t_ii) v = 0 beside pairs of conjugates on the diagonal, too.
+    #[test]
+    fn vectors_of_a_triangle_with_blocks_are_eigenvectors() {
+        let mut random = Random(7);
+        let mut blocks = 0;
+        for _ in 0..200 {
+            let size = 2 + random.below(7);
+            let mut triangle =
+                DMatrix::from_fn(size, size, |i, j| if j >= i { random.between(-2.0, 2.0) } else { 0.0 });
+            let (mut alone, mut i) = (Vec::new(), 0);
+            while i < size {
+                if i + 1 < size && random.chance(0.4) {
+                    let below = -random.between(0.5, 2.0) * triangle[(i, i + 1)].signum();
+                    triangle[(i + 1, i)] = below;
+                    triangle[(i + 1, i + 1)] = triangle[(i, i)];
+                    (i, blocks) = (i + 2, blocks + 1);
+                } else {
+                    alone.push(i);
+                    i += 1;
+                }
+            }
+            for i in alone {
+                let vector = eigenvector(&triangle, i);
+                let off = (&triangle * &vector - triangle[(i, i)] * &vector).norm();
+                assert!(off < 1e-11 * triangle.norm() * vector.norm(), "{off}: {triangle}{vector}");
+            }
+        }
+        assert!(blocks > 100, "{blocks}");
+    }
+}

@@ -308,3 +308,55 @@ impl Aberth {
         (left / modulus(value.slope) + 2.0 * f64::EPSILON * modulus(z), ended)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vibrochain_testkit::Random;
+
+    /// f(z) = 1 + Σ ρ/(z−p) + conj. with zeros that are known: two residues are those of Π(z−ζ)/Π(z−p).
+    fn with_zeros(zeros: [C; 2], poles: [C; 2]) -> Rational {
+        let mut form = Rational::default();
+        let [first, second] = [0, 1].map(|k| {
+            let (p, other) = (poles[k], poles[1 - k]);
+            let above = zeros.iter().fold(C::new(1.0, 0.0), |product, z| product * (p - z) * (p - z.conj()));
+            above / ((p - p.conj()) * (p - other) * (p - other.conj()))
+        });
+        form.pole_re.push([poles[0].re, poles[1].re, 1e100, 1e100]);
+        form.pole_im.push([poles[0].im, poles[1].im, 0.0, 0.0]);
+        form.residue_re.push([first.re, second.re, 0.0, 0.0]);
+        form.residue_im.push([first.im, second.im, 0.0, 0.0]);
+        // Of ten products and differences.
+        form.residue_error.push([first, second, C::default(), C::default()].map(|r| 10.0 * f64::EPSILON * r.norm()));
+        form.pole_error.push([0.0; 4]);
+        form
+    }
+
+    /// The zero that is told is within its error of the right one; and what is far from a zero is not said to be one.
+    #[test]
+    fn last_steps_end_at_a_zero_or_say_that_they_do_not() {
+        let (mut random, mut ended) = (Random(3), 0);
+        for round in 0..300 {
+            let mut at = |radius: f64| C::from_polar(radius * random.between(0.8, 1.0), random.between(0.3, 2.8));
+            let (zeros, poles) = ([at(1.0), at(1.2)], [at(0.9), at(0.9)]);
+            let apart = [zeros[0] - zeros[1], poles[0] - poles[1], zeros[0] - poles[0], zeros[0] - poles[1]];
+            if apart.iter().any(|distance| distance.norm() < 0.1) {
+                continue;
+            }
+            let form = with_zeros(zeros, poles);
+            let aside = [0.0, 1e-10, 1e-8, 5e-8, 1e-4, 1e-2][round % 6];
+            let start = zeros[0] + C::from_polar(aside, random.between(-3.0, 3.0));
+            let mut aberth = Aberth { roots: vec![start, start.conj()], paired: vec![true], ..Aberth::default() };
+            aberth.spread();
+            let (error, settled) = aberth.finish(&form, 0);
+            let off = (aberth.roots[0] - zeros[0]).norm();
+            assert_eq!(aberth.roots[1], aberth.roots[0].conj());
+            assert!(settled == (aside < 1e-6), "{aside:e} {off:e}");
+            // Of a step that does not settle the error is one to first order.
+            let slack = if settled { 1.001 } else { 2.0 };
+            assert!(off <= slack * error && error < 1e-11 + 3.0 * aside, "{aside:e} {off:e} {error:e}");
+            ended += usize::from(settled);
+        }
+        assert!(ended > 100, "{ended}");
+    }
+}

@@ -321,3 +321,55 @@ fn with_conjugates(poles: &[Pole]) -> Vec<Pole> {
     let below = poles.iter().filter(|pole| pole.rate.im.value() != 0.0).map(Pole::conjugate);
     poles.iter().cloned().chain(below).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Poles and shapes move within their errors where squares and dashpots are off within theirs, and the errors are no idle numbers.
+    #[test]
+    fn errors_of_entries_are_carried_to_poles_and_shapes() {
+        let (mut draw, mut near, mut checked) = (0.0_f64, [0.0_f64; 2], 0);
+        for round in 0..300 {
+            let m = 1 + round % 4;
+            let mut entry = |value: f64| {
+                // Spread over 0 to 1 by the golden section.
+                draw = (draw + 0.618_033_988_749_894_9).fract();
+                let error = 1e-10 * value.abs() * draw;
+                let moved = value + if (64.0 * draw) % 2.0 < 1.0 { error } else { -error };
+                [value, moved].map(|value| Bounded { sum: value.into(), error })
+            };
+            let squares: Vec<_> = (0..m).map(|k| entry(1.0 + 1.7 * (k * k) as f64)).collect();
+            let mut damping = vec![vec![[Bounded::default(); 2]; m]; m];
+            for i in 0..m {
+                for j in 0..=i {
+                    let size = [0.1, 0.3, 1.0][(round / 4) % 3];
+                    let value = if i == j { size + 0.1 * (i + 1) as f64 } else { 0.2 * size * (i + 2 * j + 1) as f64 };
+                    damping[i][j] = entry(value);
+                    damping[j][i] = damping[i][j];
+                }
+            }
+            let [told, moved] = [0, 1].map(|which| {
+                let squares: Vec<Bounded> = squares.iter().map(|both| both[which]).collect();
+                let damping: Vec<Vec<Bounded>> =
+                    damping.iter().map(|row| row.iter().map(|both| both[which]).collect()).collect();
+                Pencil { squares: &squares, damping: &damping }.poles().unwrap()
+            });
+            for (pole, other) in told.iter().zip(&moved) {
+                let off = (pole.rate() - other.rate()).norm();
+                assert!(off <= pole.error * (1.0 + 1e-6), "{round}: {off:e} {:e}", pole.error);
+                near[0] = near[0].max(off / pole.error);
+                let (shape, theirs) = (pole.shape(), other.shape());
+                // Either sign.
+                let sign = if (&shape - &theirs).norm() < shape.norm() { 1.0 } else { -1.0 };
+                for ((y, x), error) in shape.iter().zip(&theirs).zip(&pole.shape_errors) {
+                    let off = (y - x * sign).norm();
+                    assert!(off <= error * (1.0 + 1e-6) + 4.0 * f64::EPSILON * y.norm(), "{round}: {off:e} {error:e}");
+                    near[1] = near[1].max(off / error);
+                }
+                checked += 1;
+            }
+        }
+        assert!(checked > 600 && near.iter().all(|near| *near > 0.2), "{checked} {near:?}");
+    }
+}

@@ -179,3 +179,25 @@ impl Line for Way<'_, '_, '_> {
         "where it is no stripe of two modes alone any more"
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Edges on the chord between two points are a lane's own; beside it, below its first point and above its last one they are not.
+    #[test]
+    fn a_lane_has_what_lies_on_its_chords() {
+        let point = |y: f64, low: f64, high: f64| LanePoint { y, edges: [low, high], half_width: 0.1, error: 0.0 };
+        let points = vec![point(0.2, 0.4, 0.5), point(0.4, 0.6, 0.8), point(0.8, 0.6, 0.7)];
+        let lane = Lane { modes: (1, 2), harmonic: 1, points, ends: [EDGE; 2] };
+        for (y, edges) in
+            [(0.2, [0.4, 0.5]), (0.3, [0.5, 0.65]), (0.4, [0.6, 0.8]), (0.7, [0.6, 0.725]), (0.8, [0.6, 0.7])]
+        {
+            assert!(lane.has(y, edges, 1e-12), "{y} {edges:?}");
+            for aside in [[0.01, 0.0], [0.0, -0.01]] {
+                assert!(!lane.has(y, [edges[0] + aside[0], edges[1] + aside[1]], 5e-3), "{y} {edges:?}");
+            }
+        }
+        assert!(!lane.has(0.19, [0.4, 0.5], 0.02) && !lane.has(0.81, [0.6, 0.7], 0.02));
+    }
+}

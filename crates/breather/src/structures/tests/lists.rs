@@ -5,7 +5,7 @@ use std::sync::Arc;
 use vibrochain_lattice::{Contact, LinearMode, ModalStructure, ModeShape};
 use vibrochain_testkit::Random;
 
-use super::model;
+use super::{model, orbits};
 use crate::structures::flight::StructureMotion;
 use crate::structures::model::StructureModel;
 use crate::structures::orbit::StructureOrbit;
@@ -146,4 +146,30 @@ fn half_periods_are_listed_without_loads() {
         }
     }
     assert!(halves > 60 && others > 10, "{halves} {others}");
+}
+
+/// What differs between two halves of a period is that of the impacts; of one impact there are no halves, and nothing is across.
+#[test]
+fn halves_of_an_orbit_differ_as_its_impacts_do() {
+    let (mut single, mut double) = (0, 0);
+    orbits(&mut Random(101), 60, |orbit, _| {
+        assert!(!orbit.is_across(orbit), "{orbit:?}");
+        match orbit.impacts() {
+            [_] => {
+                assert!(orbit.unevenness().is_empty());
+                single += 1;
+            }
+            [first, second] => {
+                let [one, other] = [first, second].map(|impact| impact.impulse.abs());
+                let flights = [second.time, orbit.period() - second.time];
+                let uneven = [(other - one) / one.max(other), (flights[1] - flights[0]) / orbit.period()];
+                for (told, right) in orbit.unevenness().into_iter().zip(uneven) {
+                    assert!((told - right).abs() < 1e-14, "{told} {right}");
+                }
+                double += 1;
+            }
+            _ => {}
+        }
+    });
+    assert!(single > 10 && double > 10, "{single} {double}");
 }
