@@ -5,15 +5,12 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
 
-use vibrochain_breather::{
-    Obstruction, StructureModel, StructureMotion, StructureOrbit, structure_admissibility, structure_orbits,
-};
-use vibrochain_eventsim::{EventKind, Limits, StructureOutcome, StructureSimulation};
+use vibrochain_breather::{Obstruction, StructureModel, structure_admissibility, structure_orbits};
 use vibrochain_floquet::{Event, StructureCourse, Tolerance, structure_diagram};
 use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Stop};
 use vibrochain_maps::structure::along::family;
 use vibrochain_maps::structure::{Setting, StructureScene};
-use vibrochain_testkit::Random;
+use vibrochain_testkit::{Random, run_follows};
 
 /// q″ + 0.1 q′ + q = cos ωt with a stop at 0.1 that takes all velocity.
 const SCENE: &str = "omega = 2.325\nword = \"0+\"\n[structure]\nmasses = [1]\nstiffness = [[1]]\ndamping = [[0.1]]\n\
@@ -117,31 +114,6 @@ fn structure(random: &mut Random) -> ModalStructure {
     ModalStructure::new(contacts, vec![1], modes).unwrap()
 }
 
-/// Whether a run from the middle of the first flight has the orbit's impacts for a period, and nothing else.
-fn runs_as_told(orbit: &StructureOrbit) -> bool {
-    let (model, motion) = (orbit.model(), StructureMotion::new(orbit).unwrap());
-    let s = 0.5 * motion.until_next(0);
-    let psi = (orbit.psi().unwrap() + s).rem_euclid(model.period());
-    let xi = motion.modes(0, s).unwrap();
-    let Ok(mut simulation) = StructureSimulation::new((**model.structure()).clone(), model.omega(), psi, &xi) else {
-        return false;
-    };
-    let until = simulation.time_of(u64::from(orbit.force_periods()), 0.0);
-    let (report, events) = simulation.collect(&Limits { until: Some(until), ..Limits::default() });
-    let impacts = orbit.impacts();
-    let alike = |(i, event): (usize, &vibrochain_eventsim::ContactEvent)| {
-        let impact = &impacts[(i + 1) % impacts.len()];
-        let time = impact.time - s + if i + 1 >= impacts.len() { orbit.period() } else { 0.0 };
-        event.kind == EventKind::Impact
-            && event.contact == impact.contact
-            && (event.time.to_f64() - time).abs() < 1e-8 * orbit.period()
-            && (event.impulse - impact.impulse).abs() < 1e-7 * impact.impulse.abs()
-    };
-    report.outcome == StructureOutcome::TimeReached
-        && events.len() == impacts.len()
-        && events.iter().enumerate().all(alike)
-}
-
 /// Of random structures an orbit is physical where a run goes along it for a period, and not where it rests, or meets another barrier.
 #[test]
 fn orbits_of_plastic_impacts_are_physical_where_runs_have_them() {
@@ -160,7 +132,7 @@ fn orbits_of_plastic_impacts_are_physical_where_runs_have_them() {
                     Some(Obstruction::Crossing { .. }) => crossing += 1,
                     None => physical += 1,
                 }
-                assert_eq!(told.is_physical(), runs_as_told(orbit), "{told:?} {orbit:?}");
+                assert_eq!(told.is_physical(), run_follows(orbit), "{told:?} {orbit:?}");
             }
         }
     }

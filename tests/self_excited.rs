@@ -6,10 +6,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use vibrochain_breather::{
-    StructureFound, StructureModel, StructureMotion, StructureOrbit, StructureOrbitError, structure_admissibility,
-    structure_orbits,
+    StructureFound, StructureModel, StructureOrbit, StructureOrbitError, structure_admissibility, structure_orbits,
 };
-use vibrochain_eventsim::{ContactEvent, EventKind, Limits, StructureOutcome, StructureSimulation};
+use vibrochain_eventsim::{Limits, StructureOutcome, StructureSimulation};
 use vibrochain_floquet::{
     Event, Located, StructureCourse, StructureWindow, Tolerance, structure_curve, structure_diagram,
     structure_stability,
@@ -18,7 +17,7 @@ use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape
 use vibrochain_maps::grid::Grid;
 use vibrochain_maps::structure::along::family;
 use vibrochain_maps::structure::{Setting, StructureClass, StructureScene};
-use vibrochain_testkit::Random;
+use vibrochain_testkit::{Random, run_follows};
 
 type C = Complex<f64>;
 
@@ -176,29 +175,6 @@ fn law(structure: &ModalStructure, period: f64) -> f64 {
     terms.sum()
 }
 
-/// Whether a run from the middle of the first flight has the orbit's impacts for a period, and nothing else.
-fn runs_as_told(orbit: &StructureOrbit) -> bool {
-    let (model, motion) = (orbit.model(), StructureMotion::new(orbit).unwrap());
-    let s = 0.5 * motion.until_next(0);
-    let xi = motion.modes(0, s).unwrap();
-    let structure = (**model.structure()).clone();
-    let Ok(mut simulation) = StructureSimulation::new(structure, model.omega(), 0.0, &xi) else { return false };
-    let until = simulation.time_of(1, 0.0);
-    let (report, events) = simulation.collect(&Limits { until: Some(until), ..Limits::default() });
-    let impacts = orbit.impacts();
-    let alike = |(i, event): (usize, &ContactEvent)| {
-        let impact = &impacts[(i + 1) % impacts.len()];
-        let time = impact.time - s + if i + 1 >= impacts.len() { orbit.period() } else { 0.0 };
-        event.kind == EventKind::Impact
-            && event.contact == impact.contact
-            && (event.time.to_f64() - time).abs() < 1e-7 * orbit.period()
-            && (event.impulse - impact.impulse).abs() < 1e-6 * impact.impulse.abs()
-    };
-    report.outcome == StructureOutcome::TimeReached
-        && events.len() == impacts.len()
-        && events.iter().enumerate().all(alike)
-}
-
 #[test]
 fn lists_of_one_impact_have_all_periods_and_runs_follow_what_is_physical() {
     let mut random = Random(77);
@@ -220,7 +196,7 @@ fn lists_of_one_impact_have_all_periods_and_runs_follow_what_is_physical() {
         }
         for orbit in found.orbits.iter().chain(&orbits(&model, "0+,1-").orbits) {
             let told = structure_admissibility(orbit).unwrap();
-            assert_eq!(told.is_physical(), runs_as_told(orbit), "{told:?} {orbit:?}");
+            assert_eq!(told.is_physical(), run_follows(orbit), "{told:?} {orbit:?}");
             *(if told.is_physical() { &mut physical } else { &mut other }) += 1;
             two += usize::from(told.is_physical() && orbit.impacts().len() == 2);
         }
@@ -349,7 +325,7 @@ fn doubled_orbits_leave_and_come_back_where_the_period_doubles() {
     let mut followed = 0;
     for orbit in &found {
         let told = structure_admissibility(orbit).unwrap();
-        assert_eq!(told.is_physical(), runs_as_told(orbit), "{told:?}");
+        assert_eq!(told.is_physical(), run_follows(orbit), "{told:?}");
         followed += usize::from(told.is_physical());
     }
     assert_eq!((found.len(), followed), (3, 2));
@@ -363,7 +339,7 @@ fn doubled_orbits_leave_and_come_back_where_the_period_doubles() {
     // Where they leave the equations are singular, and bound no error.
     for point in doubled.points().skip(1) {
         assert_eq!((point.orbit.impacts().len(), point.physical), (2, Some(true)), "{}", point.value);
-        assert!(runs_as_told(&point.orbit), "{}", point.value);
+        assert!(run_follows(&point.orbit), "{}", point.value);
         assert!(point.orbit.is_self_excited() && point.verdict.is_some_and(|verdict| !verdict.stable));
         runs += 1;
     }
