@@ -201,6 +201,11 @@ impl ModalStructure {
         self.modes.iter().map(|mode| mode.turn.pair(mode.rows[to], mode.generator(), mode.columns[from])).sum()
     }
 
+    /// The mass that an impact of a contact feels, 1/(wᵀM⁻¹w): that of the modes there are.
+    pub fn effective_mass(&self, contact: usize) -> f64 {
+        1.0 / self.mobility(contact, contact)
+    }
+
     /// A bound of the error of [`ModalStructure::mobility`] by those of the modes.
     pub fn mobility_error(&self, to: usize, from: usize) -> f64 {
         self.modes.iter().map(|mode| mode.errors_between(to, from) * mode.decay.hypot(mode.rate)).sum()

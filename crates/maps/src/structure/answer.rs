@@ -101,7 +101,7 @@ pub fn structure(scene: &StructureScene, model: &StructureModel) -> Value {
             "lower": contact.lower,
             "upper": contact.upper,
             "restitution": contact.restitution,
-            "effective_mass": 1.0 / structure.mobility(number, number),
+            "effective_mass": structure.effective_mass(number),
             "effective_mass_of_all_modes": of_all,
         })
     });

@@ -219,8 +219,7 @@ impl StructureScene {
     /// For each contact its effective mass by the modes that are kept, and by all modes. The list is empty where all modes are kept.
     pub(in crate::structure) fn kept_masses(&self) -> Vec<(f64, f64)> {
         let all = self.definition.whole_masses().unwrap_or_default();
-        let own = |contact: usize| 1.0 / self.modal.mobility(contact, contact);
-        all.into_iter().enumerate().map(|(contact, all)| (own(contact), all)).collect()
+        all.into_iter().enumerate().map(|(contact, all)| (self.modal.effective_mass(contact), all)).collect()
     }
 
     /// How many modes there are where only some are kept.
