@@ -88,6 +88,7 @@ mod event;
 mod growth;
 mod queue;
 mod ring;
+mod safe_step;
 mod series;
 mod simulation;
 mod stop_check;

@@ -14,6 +14,7 @@
 //!
 //! Chains are dimensionless, see `vibrochain-lattice`; a structure has the units of its matrices.
 
+mod binary64;
 mod complex;
 mod conditions;
 mod direction;

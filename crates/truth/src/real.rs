@@ -7,10 +7,9 @@ use std::ops::Neg;
 
 use astro_float_num::{BigFloat, Consts, NAN, Radix, RoundingMode};
 
-const ROUNDING: RoundingMode = RoundingMode::ToEven;
+use crate::binary64::{self, scaled};
 
-/// Exact powers of two: values below the normal range of `f64` go in and out through them.
-const SUBNORMAL_SHIFT: i32 = 128;
+const ROUNDING: RoundingMode = RoundingMode::ToEven;
 
 thread_local! {
     /// π and the like, computed once a thread and precision.
@@ -42,12 +41,7 @@ impl Real {
     /// `x`, exactly, to be calculated with in `bits` binary digits (rounded up to whole words of 64).
     pub fn new(x: f64, bits: usize) -> Self {
         let bits = words(bits);
-        let value = if x.is_subnormal() {
-            // The library's own conversion halves these.
-            scaled(&BigFloat::from_f64(x * 2f64.powi(SUBNORMAL_SHIFT), bits), -SUBNORMAL_SHIFT)
-        } else {
-            BigFloat::from_f64(x, bits)
-        };
+        let value = binary64::exact(x, bits);
         Self { value, bits }
     }
 
@@ -148,28 +142,7 @@ impl Real {
 
     /// The nearest `f64` (ties to even): subnormal, zero or infinite where the number is beyond the normal range.
     pub fn to_f64(&self) -> f64 {
-        let sign = if self.value.is_negative() { -1.0 } else { 1.0 };
-        if self.value.is_nan() {
-            return f64::NAN;
-        }
-        let Some((mantissa, _, _, exponent, _)) = self.value.as_raw_parts() else {
-            return sign * f64::INFINITY;
-        };
-        // The value is 0.mantissa · 2^exponent, the last word first in rank.
-        let Some((&high, low)) = mantissa.split_last() else { return 0.0 };
-        if high == 0 || exponent < -1074 {
-            return sign * 0.0;
-        }
-        if exponent > 1024 {
-            return sign * f64::INFINITY;
-        }
-        // 53 digits, fewer below the normal range; none at all between a quarter and half of the least number.
-        let keep = (exponent + 1074).clamp(0, 53);
-        let (whole, rest) = if keep == 0 { (0, high) } else { (high >> (64 - keep), high << keep) };
-        let half = 1_u64 << 63;
-        let sticky = low.iter().any(|&word| word != 0);
-        let up = rest > half || (rest == half && (sticky || whole % 2 == 1));
-        sign * (whole + u64::from(up)) as f64 * power_of_two(exponent - keep)
+        binary64::nearest(&self.value)
     }
 
     /// log₁₀|x|, to the accuracy of `f64`, also far beyond its range; −∞ for zero.
@@ -179,16 +152,7 @@ impl Real {
 
     /// log₂|x|, as [`Real::log10_abs`].
     pub fn log2_abs(&self) -> f64 {
-        if self.value.is_nan() {
-            return f64::NAN;
-        }
-        match self.value.exponent() {
-            _ if self.value.is_zero() => f64::NEG_INFINITY,
-            Some(exponent) => {
-                f64::from(exponent) + Self { value: scaled(&self.value, -exponent), bits: 64 }.to_f64().abs().log2()
-            }
-            None => f64::INFINITY,
-        }
+        binary64::log2_abs(&self.value)
     }
 
     /// An operation of the library with the larger of both precisions.
@@ -205,19 +169,6 @@ impl Real {
 /// Whole words, at least one: the library's unit of precision, and enough for any `f64`.
 fn words(bits: usize) -> usize {
     bits.clamp(64, 1 << 24).next_multiple_of(64)
-}
-
-fn scaled(value: &BigFloat, power: i32) -> BigFloat {
-    let mut value = value.clone();
-    if let (Some(exponent), false) = (value.exponent(), value.is_zero()) {
-        value.set_exponent(exponent.saturating_add(power));
-    }
-    value
-}
-
-/// 2^`power` for −1074 ≤ `power` ≤ 1023, subnormal ones exact too.
-fn power_of_two(power: i32) -> f64 {
-    if power >= -1022 { f64::from_bits(((power + 1023) as u64) << 52) } else { f64::from_bits(1 << (power + 1074)) }
 }
 
 impl Neg for Real {

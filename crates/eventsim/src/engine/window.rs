@@ -9,9 +9,10 @@ use super::{Choice, Engine, NONE, eight};
 use crate::bound;
 use crate::queue::Entry;
 use crate::ring::Contact;
+use crate::safe_step::safe_step;
 use crate::series::{Extent, LANES};
 use crate::units::{ORDERS, spread};
-use crate::watch::{Watch, safe_step};
+use crate::watch::Watch;
 
 /// A mass is cleared if its bound stays this far from the barriers: the rounding of displacements below 2, many times.
 const CLEARANCE: f64 = 64.0 * f64::EPSILON;

@@ -14,7 +14,8 @@ use super::flight::Flight;
 use super::loads::add;
 use super::system::{System, Term};
 use crate::ring::Contact;
-use crate::watch::{ROUNDING, Side, Step, safe_step, side};
+use crate::safe_step::{ROUNDING, Side, safe_step, side};
+use crate::watch::Step;
 use vibrochain_lattice::{Barrier, Complex, LinearMode, Turn};
 
 /// Where a contact is at the base.
