@@ -40,7 +40,7 @@ pub(crate) fn impulses(model: &Model, response: &ImpulseResponse, kernel: f64) -
     let half_sum = 0.5 / (kernel - at_impulse);
     let a = model.asymmetry();
     let static_displacement = if a == 0.0 { 0.0 } else { 2.0 * a / (2.0 + g * (at_impulse + kernel)) };
-    let half_difference = -0.5 * static_displacement * 0.5 * g;
+    let half_difference = -0.25 * static_displacement * g;
     let (p1, p2) = (half_sum - half_difference, half_sum + half_difference);
     (p1.is_finite() && p2.is_finite()).then_some(((p1, p2), static_displacement))
 }

@@ -109,7 +109,7 @@ pub fn structure_orbits(
     word: &Word,
     force_periods: u32,
 ) -> Result<StructureFound, StructureOrbitError> {
-    found(model, word, force_periods, Wanted::All)
+    found(model, word, force_periods, ListScope::All)
 }
 
 /// The same without those whose barriers pull: what a map asks for.
@@ -121,21 +121,24 @@ pub fn structure_candidates(
     word: &Word,
     force_periods: u32,
 ) -> Result<StructureFound, StructureOrbitError> {
-    found(model, word, force_periods, Wanted::Pushing)
+    found(model, word, force_periods, ListScope::Candidates)
 }
 
+/// Which orbits a list is to hold.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Wanted {
+enum ListScope {
+    /// Whether barriers push or pull.
     All,
-    Pushing,
+    /// Those whose barriers push: others are not physical.
+    Candidates,
 }
 
-impl Wanted {
+impl ListScope {
     /// Rectangles on which three impacts may be sought, a few microseconds each: as long as starts take for a map, and a second or two for one list.
     fn boxes(self) -> usize {
         match self {
             Self::All => 400_000,
-            Self::Pushing => 40_000,
+            Self::Candidates => 40_000,
         }
     }
 }
@@ -144,7 +147,7 @@ fn found(
     model: &StructureModel,
     word: &Word,
     force_periods: u32,
-    wanted: Wanted,
+    scope: ListScope,
 ) -> Result<StructureFound, StructureOrbitError> {
     let mut letters: SmallVec<[(usize, Barrier); 4]> = SmallVec::new();
     for letter in word.letters() {
@@ -170,7 +173,7 @@ fn found(
         None => {
             let contacts: SmallVec<[usize; 4]> = impacts.letters.iter().map(|(contact, _)| *contact).collect();
             equations.off_resonance(&contacts)?;
-            if letters_at_once(word) { impacts.reversible(word)? } else { impacts.begin(wanted)? }
+            if letters_at_once(word) { impacts.reversible(word)? } else { impacts.begin(scope)? }
         }
     };
     let pushing = matches!(search, StructureSearch::Starts { .. } | StructureSearch::BranchAndPrune { .. });
@@ -182,7 +185,7 @@ fn found(
     let (mut solutions, mut lost): (Vec<Solution>, usize) = (Vec::new(), 0);
     for Start { point, is_zero } in starts {
         model.heard()?;
-        if wanted == Wanted::Pushing && point.pulls() {
+        if scope == ListScope::Candidates && point.pulls() {
             continue;
         }
         let orbit = equations.solve(point).and_then(|solved| StructureOrbit::new(&equations, force_periods, solved));
@@ -239,7 +242,7 @@ const CLOSED_FORM: StructureSearch = StructureSearch::ClosedForm { unresolved: 0
 pub(super) type Starts = Result<(Vec<Start>, StructureSearch), StructureOrbitError>;
 
 impl Impacts<'_> {
-    fn begin(&self, wanted: Wanted) -> Starts {
+    fn begin(&self, scope: ListScope) -> Starts {
         let single = self.equations.single().is_some();
         match (self.letters.len(), self.equations.forced) {
             (1, true) if single => {
@@ -251,7 +254,7 @@ impl Impacts<'_> {
                 Ok((vec![Start::zero(self.point(&[0.0], &x))], CLOSED_FORM))
             }
             (2, forced) if single || !forced => self.proved().unwrap_or_else(|| self.scan()),
-            (3, _) => self.proved_in_the_plane(wanted.boxes()).unwrap_or_else(|| self.starts()),
+            (3, _) => self.proved_in_the_plane(scope.boxes()).unwrap_or_else(|| self.starts()),
             _ => self.starts(),
         }
     }
