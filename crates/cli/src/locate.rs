@@ -83,7 +83,7 @@ fn json_of<A: Along>(
         ("range", json!(range)),
         (if A::OF_CHAINS { "points" } else { "events" }, found.located.iter().map(A::event).collect()),
         ("unresolved", json!(found.unresolved)),
-        ("ends", ends(free, along.start().orbit.force_periods(), &found.ends)),
+        ("ends", ends(free, &found.ends)),
     ]));
     if A::OF_CHAINS {
         let [evaluations, spectra] = found.counts.map(|count| json!(count));
@@ -113,7 +113,7 @@ fn as_text<A: Along>(along: &A, event: Event, free: A::Free, found: &Events<A::O
     }
     let _ = writeln!(out);
     for (direction, (value, end)) in ["down", "up"].into_iter().zip(&found.ends) {
-        let _ = writeln!(out, "{direction}: {}", ending(&name, along.start().orbit.force_periods(), *value, end));
+        let _ = writeln!(out, "{direction}: {}", ending(&name, *value, end));
     }
     let [evaluations, spectra] = found.counts;
     let _ = writeln!(out, "{evaluations} orbits assembled, {spectra} eigenvalue problems");

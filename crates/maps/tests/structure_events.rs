@@ -195,7 +195,7 @@ fn doubled_orbits_end_at_a_grazing_and_at_a_doubling() {
         found.branches[1..].iter().filter(|one| one.points().all(|one| one.orbit.force_periods() == 2)).collect();
     // One connects two doublings, and is not told twice.
     assert_eq!(doubled.len(), 2);
-    let end = doubled.iter().flat_map(|one| &one.ends).find(|end| end.1 == End::Pitchfork).unwrap();
+    let end = doubled.iter().flat_map(|one| &one.ends).find(|end| end.1 == End::PeriodDoubling).unwrap();
     assert!((end.0 - doublings[1].value).abs() <= 2.0 * doublings[1].error, "{end:?}");
 }
 

@@ -32,8 +32,8 @@ pub(crate) fn event(name: &str) -> Result<Event, Failure> {
 pub(crate) struct PyEnd {
     /// float : value of the parameter.
     value: f64,
-    /// str : "range", "fold", "closed", "symmetric" (it meets its own mirror image), "resonance", "unbounded", "impulses-vanish",
-    /// "grazing" (two impacts vanish together), "lost" or "unwatched".
+    /// str : "range", "fold", "closed", "symmetric" (it meets its own mirror image), "period-doubling" (it ends on orbits of half
+    /// its period), "resonance", "unbounded", "impulses-vanish", "grazing" (two impacts vanish together), "lost" or "unwatched".
     reason: String,
     /// str or None : what there is to say besides.
     detail: Option<String>,
@@ -54,7 +54,13 @@ impl From<&(f64, End)> for PyEnd {
             End::Resonance(resonance) => Some(resonance.to_string()),
             End::Lost(error) => Some(error.to_string()),
             End::Unwatched(error) => Some(error.to_string()),
-            End::Range | End::Closed | End::Pitchfork | End::Unbounded | End::ImpulsesVanish | End::Grazing => None,
+            End::Range
+            | End::Closed
+            | End::Pitchfork
+            | End::PeriodDoubling
+            | End::Unbounded
+            | End::ImpulsesVanish
+            | End::Grazing => None,
         };
         Self { value: *value, reason: end.name().to_owned(), detail }
     }

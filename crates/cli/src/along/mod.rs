@@ -187,21 +187,20 @@ pub(crate) fn answer<A: Along>(along: &A, schema: &str, free: Value) -> Map<Stri
     answer
 }
 
-/// Where and how a way of orbits of so many periods of the force ended.
-pub(crate) fn ends(free: &str, force_periods: u32, ends: &[(f64, End)]) -> Value {
-    let answer = |(value, end): &(f64, End)| json!({ "value": value, "reason": end.name(), "message": ending(free, force_periods, *value, end) });
+/// Where and how a way ended.
+pub(crate) fn ends(free: &str, ends: &[(f64, End)]) -> Value {
+    let answer = |(value, end): &(f64, End)| json!({ "value": value, "reason": end.name(), "message": ending(free, *value, end) });
     ends.iter().map(answer).collect()
 }
 
 /// How the way in one direction ended, as a sentence.
-pub(crate) fn ending(free: &str, force_periods: u32, value: f64, end: &End) -> String {
+pub(crate) fn ending(free: &str, value: f64, end: &End) -> String {
     let here = format!("{free} = {}", Number(value));
     match end {
         End::Range => format!("searched to {here}"),
         End::Fold { error } => format!("the branch ends in a fold at {here} ± {error:.0e}"),
         End::Closed => format!("the branch is back at its start, {here}"),
-        // Orbits of several periods are no mirror images of each other: begun a period later they are.
-        End::Pitchfork if force_periods > 1 => format!("the branch ends at {here}, on orbits of half its period"),
+        End::PeriodDoubling => format!("the branch ends at {here}, on orbits of half its period"),
         End::Pitchfork => format!("the branch ends at {here}, where it meets its own mirror image"),
         End::Resonance(resonance) => {
             format!("resonance at {here}: harmonic {} meets mode {}", resonance.harmonic, resonance.mode)

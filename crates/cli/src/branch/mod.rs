@@ -107,7 +107,7 @@ fn on_branch<A: Along>(free: &str, branch: &FollowedBranch<A::Orbit>) -> Map<Str
         ("points", json!(branch.points().collect::<Vec<_>>())),
         ("events", branch.events().map(A::event).collect()),
         ("unresolved", json!(branch.unresolved)),
-        ("ends", ends(free, periods(branch), &branch.ends)),
+        ("ends", ends(free, &branch.ends)),
     ])
 }
 
@@ -187,7 +187,7 @@ fn as_text<A: Along>(heading: String, free: &str, diagram: &Diagram<A::Orbit>, a
             let _ = writeln!(out, "  between {free} = {from} and {to} a sign of more that rounding hides");
         }
         for (value, end) in &branch.ends {
-            let _ = writeln!(out, "  end: {}", ending(free, periods(branch), *value, end));
+            let _ = writeln!(out, "  end: {}", ending(free, *value, end));
         }
     }
     for left in diagram.dead_ends.iter().filter_map(|from| left(*from)) {

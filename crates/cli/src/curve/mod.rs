@@ -5,7 +5,7 @@ pub(crate) mod table;
 use std::fmt::Write as _;
 
 use serde_json::json;
-use vibrochain_floquet::{CurveError, Event, EventCurve, Followed, StructureWindow};
+use vibrochain_floquet::{CurveError, Event, EventCurve, StructureWindow};
 use vibrochain_maps::followed::{curve_rows, touch};
 use vibrochain_maps::numbers::Number;
 use vibrochain_plot::{curves_picture, event_curves};
@@ -93,7 +93,7 @@ fn as_text<A: Along>(
     if curves.is_empty() {
         let _ = writeln!(out, "\nno {event} along {first}: nothing to follow");
         for (way, (value, end)) in ["down", "up"].into_iter().zip(&found.ends) {
-            let _ = writeln!(out, "{way}: {}", ending(first, along.start().orbit.force_periods(), *value, end));
+            let _ = writeln!(out, "{way}: {}", ending(first, *value, end));
         }
     }
     let place = |values: [f64; 2]| format!("{first} = {}, {second} = {}", Number(values[0]), Number(values[1]));

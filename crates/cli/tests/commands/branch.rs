@@ -172,7 +172,7 @@ fn a_doubled_orbit_ends_at_another_doubling() {
     let mut joined = Vec::new();
     for branch in doubled {
         let end = &list(&branch["ends"])[0];
-        if end["reason"] == "symmetric" {
+        if end["reason"] == "period-doubling" {
             assert!(end["message"].as_str().unwrap().ends_with("on orbits of half its period"));
             joined.push((branch["origin"]["value"].as_f64().unwrap(), end["value"].as_f64().unwrap()));
         }

@@ -53,6 +53,15 @@ pub(crate) trait EventOrbit: Followed {
     fn unevenness(&self) -> Vec<f64>;
     /// Whether a more symmetric orbit lies between this one and another of its branch.
     fn is_across(&self, other: &Self) -> bool;
+    /// Whether the impacts of its second half are at the places of the first, in the same order: more symmetric orbits on its branch repeat
+    /// after half its period. Of others they are mirror images of themselves.
+    fn is_hit_again(&self) -> bool {
+        let hits = self.hits();
+        let (one, other) = hits.split_at(hits.len() / 2);
+        let mut pairs = one.iter().zip(other);
+        one.len() == other.len() && pairs.all(|(a, b)| (a.site, a.barrier) == (b.site, b.barrier))
+    }
+
     /// Whether others of less symmetry may leave it at a multiplier +1.
     fn may_lose_symmetry(&self) -> bool;
 

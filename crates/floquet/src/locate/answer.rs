@@ -175,6 +175,8 @@ pub enum End {
     Closed,
     /// The branch of asymmetric orbits ends on the symmetric one.
     Pitchfork,
+    /// The branch of doubled orbits ends on those of half their period.
+    PeriodDoubling,
     /// A harmonic of the orbit meets a mode.
     Resonance(Resonance),
     /// The impulses grow without bound: the conditions at the impacts become singular.
@@ -190,14 +192,15 @@ pub enum End {
 }
 
 impl End {
-    /// The name used in files: `range`, `fold`, `closed`, `symmetric`, `resonance`, `unbounded`, `impulses-vanish`, `grazing`,
-    /// `lost` or `unwatched`.
+    /// The name used in files: `range`, `fold`, `closed`, `symmetric`, `period-doubling`, `resonance`, `unbounded`,
+    /// `impulses-vanish`, `grazing`, `lost` or `unwatched`.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Range => "range",
             Self::Fold { .. } => "fold",
             Self::Closed => "closed",
             Self::Pitchfork => "symmetric",
+            Self::PeriodDoubling => "period-doubling",
             Self::Resonance(_) => "resonance",
             Self::Unbounded => "unbounded",
             Self::ImpulsesVanish => "impulses-vanish",

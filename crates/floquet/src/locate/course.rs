@@ -154,8 +154,12 @@ impl<O: Followed> FollowedBranch<O> {
                 && (one.value - located.value).abs() <= ALIKE * ALIKE * located.value.abs() + one.error + located.error
                 && are_alike(&one.orbit, &located.orbit)
         };
-        let ends = |value: f64| self.ends.contains(&(value, End::Pitchfork));
-        self.origin.is_some() && self.events().any(|one| ends(one.value) && same(one))
+        self.origin.is_some() && self.events().any(|one| self.ends_on_simpler(one.value) && same(one))
+    }
+
+    /// Whether orbits that repeat or mirror themselves sooner end it there.
+    pub(super) fn ends_on_simpler(&self, value: f64) -> bool {
+        [End::Pitchfork, End::PeriodDoubling].into_iter().any(|end| self.ends.contains(&(value, end)))
     }
 
     /// Whether an orbit is one of it, or the mirror image of one.

@@ -190,7 +190,7 @@ fn switch<T: Tracing>(diagram: &mut Diagram<OrbitOf<T::Ends>>, tracing: &T, orig
         let others = diagram.branches.iter().enumerate().filter(|(i, _)| *i != origin.branch);
         others.into_iter().any(|(_, branch)| branch.holds(value, orbit))
     };
-    if parent.ends.contains(&(located.value, End::Pitchfork)) {
+    if parent.ends_on_simpler(located.value) {
         // The pair ends on the symmetric orbits: those are what goes on.
         if !known(located.value, &located.orbit) {
             let (branch, point) = tracing.through(located)?;

@@ -139,7 +139,8 @@ impl<E: Ends> Follower<E> {
         };
         let value = met.as_ref().map_or(nearest.1, |met| met.value);
         self.passed.extend(met.filter(|met| self.watches(met.event)).map(Station::Event));
-        Ok(Some((value, End::Pitchfork)))
+        let end = if point.orbit().is_hit_again() { End::PeriodDoubling } else { End::Pitchfork };
+        Ok(Some((value, end)))
     }
 }
 
