@@ -157,3 +157,68 @@ fn numbers_that_are_not_there_are_refused() {
     }
     assert!(scene.set(Setting::Omega, -1.0).is_err() && scene.set(Setting::Load, f64::NAN).is_err());
 }
+
+/// One mass, with these dashpots, stops and loads; and axes.
+fn one(damping: f64, stop: &str, force: &str, axes: &str) -> Result<StructureScene, String> {
+    let text = format!(
+        "omega = 1\n[structure]\nmasses = [1]\nstiffness = [[1]]\ndamping = [[{damping}]]\n[[contact]]\nat = 0\n{stop}\n{force}{axes}"
+    );
+    StructureScene::of_text(&text, std::path::Path::new(".")).map_err(|error| error.to_string())
+}
+
+/// A number that changes nothing is refused, on an axis, too, and one that does is not: by what it does to the structure and to its orbits.
+#[test]
+fn a_number_that_changes_nothing_is_refused() {
+    let (inelastic, both, elastic) =
+        ("upper = 1\nrestitution = 0.5", "lower = -1\nupper = 1\nrestitution = 0.5", "upper = 1");
+    let (load, still) = ("[force]\nload = [0.5]\n", "[force]\nstatic = [0.1]\n");
+    let cases = [
+        (-0.2, inelastic, "", vec!["omega", "load", "static", "asymmetry"]),
+        (0.2, both, "", vec!["omega", "load", "static"]),
+        (0.0, elastic, "", vec!["load", "static", "damping", "asymmetry"]),
+        (0.0, both, still, vec!["omega", "load", "damping"]),
+        (-0.2, both, load, vec!["static"]),
+        (0.0, inelastic, load, vec!["static", "damping", "asymmetry"]),
+    ];
+    let mut refused = 0;
+    for (damping, stop, force, idle) in cases {
+        let plain = one(damping, stop, force, "").unwrap();
+        for name in ["omega", "load", "static", "damping", "asymmetry", "contact.0.restitution"] {
+            let setting: Setting = name.parse().unwrap();
+            let is_idle = idle.contains(&name);
+            let axis = format!("[sweep]\nx = {{ parameter = \"{name}\", from = 0.3, to = 0.6, points = 4 }}\n");
+            let swept = one(damping, stop, force, &axis);
+            for answer in [plain.has_effect(setting), swept.map(|_| ())] {
+                let told = answer.err();
+                assert_eq!(told.is_some(), is_idle, "{name}: {told:?}");
+                if let Some(told) = told {
+                    assert!(told.contains(&format!("{name} changes nothing here")) && told.contains("vary"), "{told}");
+                    refused += 1;
+                }
+            }
+            // By itself: the structure is another one at another value, or the orbits that it gives a period to.
+            let mut moved = plain.clone();
+            moved.set(setting, 0.45).unwrap();
+            let (before, after) = (plain.structure().unwrap(), moved.structure().unwrap());
+            if name != "omega" {
+                assert_eq!(before == after, is_idle, "{name}");
+            }
+        }
+    }
+    assert_eq!(refused, 2 * 18);
+    // With another axis that gives a load, or takes the losses, at one of its ends, ω has its effect there.
+    let with = |damping, stop, force: &str, other: &str| {
+        let omega = "{ parameter = \"omega\", from = 0.3, to = 0.6, points = 4 }";
+        one(damping, stop, force, &format!("[sweep]\nx = {omega}\ny = {{ parameter = {other}, points = 2 }}\n"))
+    };
+    let no_load = "[force]\nload = [0]\n";
+    for (damping, stop, force, other, is_refused) in [
+        (-0.2, inelastic, no_load, "\"load.0\", from = 0, to = 1", false),
+        (-0.2, inelastic, no_load, "\"contact.0.upper\", from = 0.5, to = 1", true),
+        (0.0, inelastic, "", "\"contact.0.restitution\", from = 0.5, to = 1", false),
+        (0.0, inelastic, "", "\"contact.0.restitution\", from = 0.5, to = 0.9", true),
+    ] {
+        let told = with(damping, stop, force, other);
+        assert_eq!(told.is_err(), is_refused, "{other}: {:?}", told.err());
+    }
+}

@@ -15,7 +15,7 @@ use vibrochain_floquet::{
 use vibrochain_lattice::{Barrier, Stop, StructureError};
 use vibrochain_maps::followed::touch;
 use vibrochain_maps::scene::tolerance_from;
-use vibrochain_maps::structure::along::{curves, event, family};
+use vibrochain_maps::structure::along::{curves, event, family, value};
 use vibrochain_maps::structure::answer::json as answer_of;
 use vibrochain_maps::structure::{Answered, Setting, StructureScene};
 
@@ -190,8 +190,7 @@ pub(crate) fn _structure_along(
         let model = scene.model()?;
         let named = |name: &String| {
             let setting: Setting = name.parse()?;
-            let value = scene.get(setting);
-            Ok((setting, value.ok_or_else(|| Failure::Request(format!("{name}: this structure has no such number")))?))
+            Ok((setting, value(&scene, setting)?))
         };
         let free = free.iter().map(named).collect::<Result<Vec<_>, Failure>>()?;
         let known =

@@ -95,7 +95,7 @@ impl StructureContinuation {
             return Err(StructureOrbitError::LossWithoutLoad.into());
         }
         if equations.self_excited && (0..values.len()).any(|k| is_idle(&family, values, k)) {
-            return Err(StructureOrbitError::NoOmega.into());
+            return Err(StructureOrbitError::NoEffect.into());
         }
         let mut origin: Vector = orbit.impacts().iter().map(|impact| impact.impulse).collect();
         origin.extend(orbit.impacts().iter().skip(1).map(|impact| impact.time));

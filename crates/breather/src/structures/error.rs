@@ -53,11 +53,9 @@ pub enum StructureOrbitError {
         /// As given.
         force_periods: u32,
     },
-    /// ω, of a structure that no load drives.
-    #[error(
-        "omega does not act on a self-excited orbit, whose period is its own: free another number of the structure"
-    )]
-    NoOmega,
+    /// A number that changes nothing is to vary, such as ω of a structure that no load drives.
+    #[error("what varies changes nothing of this structure: vary another number of it")]
+    NoEffect,
     /// The conditions at the impacts do not determine the impulses.
     #[error(
         "the conditions at the impacts are singular here: orbits of any size, or none; move omega or a barrier a little"

@@ -8,7 +8,7 @@ use vibrochain_floquet::{
 use vibrochain_lattice::{Short, Stop};
 use vibrochain_maps::caption::in_words;
 use vibrochain_maps::scene::tolerance_from;
-use vibrochain_maps::structure::along::{curves, event, family};
+use vibrochain_maps::structure::along::{curves, event, family, value};
 use vibrochain_maps::structure::answer::structure;
 use vibrochain_maps::structure::{Setting, StructureScene};
 
@@ -24,12 +24,6 @@ pub(crate) struct StructureAlong {
     scene: StructureScene,
     start: Start<StructureOrbit>,
     word: String,
-}
-
-/// Where a number of the structure is.
-fn value(scene: &StructureScene, free: Setting) -> Result<f64, CliError> {
-    let none = || format!("{free}: this structure has no such number, or it is not given: nothing to start from");
-    scene.get(free).ok_or_else(|| CliError::Request(none()))
 }
 
 impl Along for StructureAlong {
@@ -73,7 +67,7 @@ impl Along for StructureAlong {
     }
 
     fn value(&self, free: Setting) -> Result<f64, CliError> {
-        value(&self.scene, free)
+        Ok(value(&self.scene, free)?)
     }
 
     fn allows(&self, free: Setting, value: f64) -> Result<(), String> {

@@ -333,3 +333,55 @@ fn the_sides_of_an_event_say_whether_they_are_physical() {
     assert!(checked >= 2 && beyond >= 1, "{checked} {beyond}");
     assert_eq!(told.matches(": not physical, ").count(), beyond, "{told}");
 }
+
+/// Two masses, one of which a dashpot feeds; no load.
+const SELF_EXCITED: &str = "word = \"0-\"\n[structure]\nmasses = [1, 2.8]\nstiffness = [[2.5, -1.5], [-1.5, 4.38]]\n\
+    damping = [[-0.34, 0], [0, 0.24]]\n[[contact]]\nat = 0\nlower = -1\nrestitution = 0.71\n";
+
+#[test]
+fn doubled_self_excited_orbits_end_on_those_of_half_their_period() {
+    let dir = TestDir::with_scene(SELF_EXCITED);
+    let ask = "branch --scene scene.toml --free contact.0.restitution --from 0.05 --to 0.999 --switch";
+    let told = written(&dir.run(&format!("{ask} --json")).with(0, &[]).out);
+    let doubled = told["branches"].as_array().unwrap().iter().find(|branch| branch["word"] == "0-,0-").unwrap();
+    let end = &doubled["ends"][0];
+    assert!(
+        end["reason"] == "period-doubling"
+            && end["message"].as_str().unwrap().ends_with("on orbits of half its period"),
+        "{end}"
+    );
+    // There one of the orbits of half the period has the multiplier -1.
+    let place = number(&end["value"]);
+    let there = written(
+        &dir.run(&format!("orbit --scene scene.toml --set contact.0.restitution={place} --json")).with(0, &[]).out,
+    );
+    let flips = |solution: &&Value| {
+        solution["stability"]["multipliers"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .any(|mu| (number(&mu[0]) + 1.0).abs() < 1e-9 && number(&mu[1]) == 0.0)
+    };
+    assert_eq!(there["solutions"].as_array().unwrap().iter().filter(flips).count(), 1, "{there:#}");
+}
+
+#[test]
+fn a_number_that_changes_nothing_is_refused_before_any_work() {
+    let dir = TestDir::with_scene(SELF_EXCITED);
+    let map = "[sweep]\nx = { parameter = \"omega\", from = 1, to = 2, points = 3 }\n[compute]\nfamilies = [\"0-\"]\n";
+    fs::write(dir.path("map.toml"), format!("{SELF_EXCITED}{map}")).unwrap();
+    let omega = "omega changes nothing here: no load has it";
+    for (ask, message) in [
+        ("sweep map.toml --out map.csv", omega),
+        ("fate map.toml --out fates.csv", omega),
+        ("branch --scene scene.toml --free omega", omega),
+        ("branch --scene scene.toml --omega 1 --free omega", omega),
+        ("locate --scene scene.toml --omega 1 --free omega --event fold", omega),
+        ("curve --scene scene.toml --omega 1 --free contact.0.restitution --and omega --event fold", omega),
+        ("branch --scene scene.toml --free load", "load changes nothing here: no load changes with time"),
+        ("branch --scene scene.toml --free static", "static changes nothing here: there is no static load"),
+        ("branch --scene scene.toml --free asymmetry", "asymmetry changes nothing here: no contact has both barriers"),
+    ] {
+        dir.run(ask).with(2, &[message]);
+    }
+}

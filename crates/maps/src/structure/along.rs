@@ -13,6 +13,16 @@ use super::scene::StructureScene;
 use super::setting::Setting;
 use crate::manifest::object;
 
+/// Where a number of a scene is, from which it varies.
+///
+/// # Errors
+/// A sentence: the structure has no such number, or it changes nothing.
+pub fn value(scene: &StructureScene, free: Setting) -> Result<f64, String> {
+    scene.has_effect(free)?;
+    let none = || format!("{free}: this structure has no such number, or it is not given: nothing to start from");
+    scene.get(free).ok_or_else(none)
+}
+
 /// The models of a scene as these numbers vary.
 #[must_use]
 pub fn family(scene: &StructureScene, settings: &[Setting]) -> StructureFamily {

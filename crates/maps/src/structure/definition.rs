@@ -253,6 +253,14 @@ impl Definition {
         modal.map_err(|error| error.to_string())
     }
 
+    /// Whether any dashpot can be multiplied; those of a chain are numbers of their own.
+    pub(super) fn has_dashpots(&self) -> bool {
+        match self {
+            Self::Matrices(structure, chain) => chain.is_some() || structure.damping.iter().any(|entry| *entry != 0.0),
+            Self::Modes(modal) => modal.modes().iter().any(|mode| mode.decay != 0.0),
+        }
+    }
+
     /// A chain with other numbers; `None` of what is no chain.
     pub(super) fn with_chain(&self, change: impl Fn(&mut ChainTable)) -> Option<Result<Self, String>> {
         let Self::Matrices(structure, Some(chain)) = self else { return None };

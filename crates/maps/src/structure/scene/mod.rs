@@ -4,7 +4,9 @@
 //! |---|---|
 //! | `text`, `file` | the scene of a text, of a file |
 //! | `numbers` | its numbers by name, and the model at their values |
+//! | `effect` | whether one of them changes anything |
 
+mod effect;
 mod file;
 mod numbers;
 mod text;

@@ -147,6 +147,7 @@ impl StructureScene {
             if axis.parameter == Setting::Omega && self.omega.is_none() {
                 self.omega = Some(axis.first());
             }
+            self.axis_has_effect(axis.parameter)?;
         }
         Ok(self)
     }
