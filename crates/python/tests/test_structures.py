@@ -180,6 +180,73 @@ def test_branches_and_curves_meet_what_is_known_by_hand():
         one.branch(first, 1.0, "omega", from_=0.5, to=1.5, events=["flip"])
 
 
+def self_excited(damping=-0.2):
+    """q'' - 0.2 q' + q = 0 with a stop below, which no load drives."""
+    return vc.Structure([1.0], [1.0], damping=[damping], contacts=[vc.Contact(at=0, lower=-1.0, restitution=0.5)])
+
+
+def after_a_flight(damping, velocity, t):
+    """Place and velocity a time after leaving the stop."""
+    decay, rate = 0.5 * damping, np.sqrt(1 - 0.25 * damping**2)
+    b = (velocity - decay) / rate
+    cos, sin, grown = np.cos(rate * t), np.sin(rate * t), np.exp(-decay * t)
+    return grown * (b * sin - cos), grown * ((rate * b + decay) * cos + (rate - decay * b) * sin)
+
+
+def test_where_nothing_has_a_frequency_none_is_asked_for():
+    one = self_excited()
+    found = one.orbits("0-")
+    orbit, = found
+    assert found.search["by"] == "enclosures" and found.periods[0] < orbit.period < found.periods[1]
+    assert orbit.physical and orbit.psi is None and 0 < orbit.period_error < 1e-12
+    hit = orbit.impacts[0]
+    place, velocity = after_a_flight(-0.2, hit["velocity_after"], orbit.period)
+    assert abs(place + 1) < 1e-12 and abs(-0.5 * velocity - hit["velocity_after"]) < 1e-12
+    # A frequency that is given changes nothing, whatever it is.
+    for omega in (0.3, 5.0):
+        again, = one.orbits("0-", omega=omega)
+        assert abs(again.period - orbit.period) < 1e-12
+        assert abs(one.near(again, omega=omega).period - orbit.period) < 1e-12
+        assert abs(again.motion([1.0])[0][0, 0] - orbit.motion([1.0])[0][0, 0]) < 1e-12
+    place, velocity = orbit.motion([0.7, 0.7 + orbit.period])
+    assert np.allclose(place[:, 0], after_a_flight(-0.2, hit["velocity_after"], 0.7)[0], rtol=0, atol=1e-12)
+    assert np.allclose(velocity[:, 0], after_a_flight(-0.2, hit["velocity_after"], 0.7)[1], rtol=0, atol=1e-12)
+    assert pickle.loads(pickle.dumps(orbit)) == orbit and pickle.loads(pickle.dumps(orbit)).period_error == orbit.period_error
+    # That of a load has no error of its own.
+    assert both().orbits("0+", omega=0.6)[0].period_error is None and both().orbits("0+", omega=0.6).periods is None
+
+    less = self_excited(-0.19)
+    near = less.near(orbit)
+    assert abs(near.period - less.orbits("0-")[0].period) < 1e-12 and abs(near.period - orbit.period) > 1e-3
+    branch = one.branch(orbit, free="damping", from_=0.9, to=1.1)
+    assert len(branch.values) > 2 and branch.physical.all() and branch.stable.all()
+    for value, period, (impulse,) in zip(branch.values, branch.period, branch.impulses):
+        velocity = impulse / 3
+        place, before = after_a_flight(-0.2 * value, velocity, period)
+        assert abs(place + 1) < 1e-9 and abs(-0.5 * before - velocity) < 1e-9
+    assert one.curves(orbit, event="fold", free=("damping", "contact.0.restitution"), from_=(0.9, 0.4), to=(1.1, 0.6)) == []
+
+    table = one.sweep(["0-"], ("damping", 0.9, 1.1, 3))
+    assert table["class"].tolist() == ["stable"] * 3
+    middle = table["spectral_radius"][1]
+    assert abs(middle - 0.25 * np.exp(0.2 * orbit.period)) < 1e-9
+    fates = one.fate(["0-"], ("damping", 0.9, 1.1, 3), starts=1, periods=200)
+    assert fates["share_breather"].tolist() == [1.0] * 3 and np.allclose(fates["spectral_radius"], table["spectral_radius"], rtol=1e-9)
+    from_rest = one.fate([], ("damping", 0.9, 1.1, 3), starts=1, periods=200)
+    assert [words[:2] for words in from_rest["words"].tolist()] == ["0-"] * 3
+
+    for asked in (lambda: one.branch(orbit, free="omega", from_=0.5, to=2.0), lambda: one.sweep(["0-"], ("omega", 1.0, 2.0, 3)), lambda: one.fate(["0-"], ("omega", 1.0, 2.0, 3), starts=1)):
+        with pytest.raises(vc.RequestError, match="omega changes nothing here"):
+            asked()
+    with pytest.raises(vc.RequestError, match="load changes nothing here"):
+        one.branch(orbit, free="load", from_=0.5, to=2.0)
+    with pytest.raises(vc.RequestError, match="is no number of a structure"):
+        one.branch(orbit, from_=0.5, to=2.0)
+    # A load has one.
+    with pytest.raises(vc.RequestError, match="omega is missing"):
+        both().orbits("0+")
+
+
 def shaw_holmes():
     stop = vc.Contact(at=0, upper=0.1, restitution=0.8)
     return vc.Structure([1.0], [1.0], damping=[0.1], contacts=[stop], load=[1.0])

@@ -130,7 +130,8 @@ impl StructureOrbit {
         })
     }
 
-    /// The orbit of given impacts, refined from there by Newton's method: in order of time, the contact of each as its site.
+    /// The orbit of given impacts, refined from there by Newton's method: in order of time, the contact of each as its site. A period of its own
+    /// begins as the model's.
     ///
     /// # Errors
     /// [`StructureOrbitError`]: a contact or barrier that is not there, a resonance, or no orbit near enough.

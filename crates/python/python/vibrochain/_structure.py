@@ -237,27 +237,31 @@ class Structure:
         whole._force = {"harmonic": int(harmonic)}
         return whole
 
-    def _scene(self, omega: float) -> str:
-        parts = {"omega": float(omega), "structure": self._structure, "contact": self._contacts, "force": self._force}
+    def _scene(self, omega: float | None) -> str:
+        parts: dict[str, Any] = {"structure": self._structure, "contact": self._contacts, "force": self._force}
+        if omega is not None:
+            parts["omega"] = float(omega)
         return json.dumps(parts)
 
     def _answer(
-        self, omega: float, word: str | None, force_periods: int, threshold: float, near: list[Any], psi: float
+        self, omega: float | None, word: str | None, force_periods: int, threshold: float, near: list[Any], psi: float
     ) -> StructureOrbits:
-        scene = self._scene(omega)
-        answer = json.loads(_vibrochain._structure(scene, word, force_periods, threshold, near, psi))
-        orbits = tuple(StructureOrbit._of(parts, scene, float(omega)) for parts in answer["solutions"])
-        return StructureOrbits(orbits, answer["search"])
+        answer = json.loads(_vibrochain._structure(self._scene(omega), word, force_periods, threshold, near, psi))
+        # A period of its own is where Newton's method begins again.
+        own = [2 * np.pi / parts["period"] if "period_error" in parts else float(omega or 0.0) for parts in answer["solutions"]]
+        orbits = tuple(StructureOrbit._of(parts, self._scene(at), at) for parts, at in zip(answer["solutions"], own))
+        periods = answer["periods"]
+        return StructureOrbits(orbits, answer["search"], periods if periods is None else tuple(periods))
 
-    def orbits(self, word: str, omega: float, *, force_periods: int = 1, threshold: float = 0.0) -> StructureOrbits:
+    def orbits(self, word: str, omega: float | None = None, *, force_periods: int = 1, threshold: float = 0.0) -> StructureOrbits:
         """Orbits of a word: of one impact all, of two all where `search` says so, of more what starts lead to.
 
         Parameters
         ----------
         word : str
             Contacts and barriers in their order, as in "0+" or "0-,1+".
-        omega : float
-            Frequency of the load, above 0.
+        omega : float, optional
+            Frequency of the load, above 0; nothing has it where no load acts and dashpots feed the motion, whose period is its own.
         force_periods : int
             Periods of the load in one of the word.
         threshold : float
@@ -283,15 +287,15 @@ class Structure:
         """
         return self._answer(omega, word, force_periods, threshold, [], 0.0)
 
-    def near(self, orbit: StructureOrbit, omega: float, *, threshold: float = 0.0) -> StructureOrbit:
+    def near(self, orbit: StructureOrbit, omega: float | None = None, *, threshold: float = 0.0) -> StructureOrbit:
         """The orbit next to one of a neighbouring structure or frequency, by Newton's method.
 
         Parameters
         ----------
         orbit : StructureOrbit
             Where to begin.
-        omega : float
-            Frequency of the load.
+        omega : float, optional
+            Frequency of the load; if not given that of the orbit.
         threshold : float
             Excess a period from which on an orbit counts as unstable.
 
@@ -309,13 +313,14 @@ class Structure:
         >>> round(first.impacts[0]["impulse"], 9), round(one.near(first, omega=2.33).impacts[0]["impulse"], 9)
         (-1.097937536, -1.074207568)
         """
+        omega = orbit._frequency(omega)
         near, psi, periods = orbit._start(omega)
         return self._answer(omega, None, periods, threshold, near, psi)[0]
 
     def _along(
         self,
         orbit: StructureOrbit,
-        omega: float,
+        omega: float | None,
         free: list[str],
         ends: tuple[list[float], list[float]],
         events: list[str],
@@ -323,6 +328,7 @@ class Structure:
         tolerance: float,
         threshold: float,
     ) -> dict[str, Any]:
+        omega = orbit._frequency(omega)
         near, psi, periods = orbit._start(omega)
         told = _vibrochain._structure_along(
             self._scene(omega), near, psi, periods, free, *ends, events, generations, tolerance, threshold
@@ -333,8 +339,8 @@ class Structure:
     def branch(
         self,
         orbit: StructureOrbit,
-        omega: float,
-        free: str,
+        omega: float | None = None,
+        free: str = "",
         *,
         from_: float,
         to: float,
@@ -348,8 +354,8 @@ class Structure:
         ----------
         orbit : StructureOrbit
             Where to begin.
-        omega : float
-            Frequency of the load there.
+        omega : float, optional
+            Frequency of the load there; if not given that of the orbit.
         free : str
             "omega", "load", "static", "damping", "asymmetry", "restitution", "contact.0.upper", "stiffness.0.1" and the like.
         from_, to : float
@@ -388,9 +394,9 @@ class Structure:
     def curves(
         self,
         orbit: StructureOrbit,
-        omega: float,
-        event: str,
-        free: tuple[str, str],
+        omega: float | None = None,
+        event: str = "",
+        free: tuple[str, str] = ("", ""),
         *,
         from_: tuple[float, float],
         to: tuple[float, float],
@@ -402,8 +408,8 @@ class Structure:
         ----------
         orbit : StructureOrbit
             Where to begin.
-        omega : float
-            Frequency of the load there.
+        omega : float, optional
+            Frequency of the load there; if not given that of the orbit.
         event : str
             grazing, pitchfork, period-doubling, neimark-sacker, fold or sticking.
         free : tuple of two str

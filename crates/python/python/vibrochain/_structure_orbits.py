@@ -26,6 +26,8 @@ class StructureOrbit:
         Contacts and barriers in their order, "0+,1-".
     period : float
         Its period.
+    period_error : float or None
+        A bound of its error, of an orbit whose period is its own: that of others is a load's.
     psi : float or None
         The load's phase at the first impact, as a time.
     impacts : list of dict
@@ -55,6 +57,7 @@ class StructureOrbit:
 
     word: str
     period: float
+    period_error: float | None
     psi: float | None
     impacts: list[dict[str, Any]]
     physical: bool
@@ -73,7 +76,9 @@ class StructureOrbit:
         pairs = [] if stability is None else stability.pop("multipliers")
         multipliers = np.array([complex(re, im) for re, im in pairs], dtype=np.complex128)
         kept = ("word", "period", "psi", "impacts", "physical", "margin", "obstruction", "residual")
-        return cls(**{key: parts[key] for key in kept}, stability=stability, multipliers=multipliers, _scene=scene, _omega=omega)
+        known = {key: parts[key] for key in kept}
+        period_error = parts.get("period_error")
+        return cls(**known, period_error=period_error, stability=stability, multipliers=multipliers, _scene=scene, _omega=omega)
 
     def __repr__(self) -> str:
         hits = ", ".join(str(hit["impulse"]) for hit in self.impacts)
@@ -82,6 +87,10 @@ class StructureOrbit:
             state = "undecided" if verdict["undecided"] else "stable" if verdict["stable"] else f"unstable ({verdict['mechanism']})"
             told += f", {state}, spectral radius {verdict['spectral_radius']}"
         return f"<StructureOrbit {self.word}: period {self.period}, impulses {hits}; {told}>"
+
+    def _frequency(self, omega: float | None) -> float:
+        """That of a load, as given or as the orbit has it; of an orbit whose period is its own the orbit's."""
+        return self._omega if omega is None or self.period_error is not None else float(omega)
 
     def _start(self, omega: float) -> tuple[list[tuple[int, str, float, float]], float, int]:
         """Its impacts, its phase and the periods of a load of this frequency that it lasts: where to begin from it."""
@@ -152,6 +161,8 @@ class StructureOrbits:
     search : dict
         by: "closed-form", "enclosures" and "branch-and-prune" are complete where unresolved is 0, "half-period", "scan" and "starts"
         need not be.
+    periods : tuple (float, float) or None
+        The least and the largest period that was searched, where orbits have periods of their own: of others nothing is known.
 
     Examples
     --------
@@ -164,6 +175,7 @@ class StructureOrbits:
 
     orbits: tuple[StructureOrbit, ...]
     search: dict[str, Any]
+    periods: tuple[float, float] | None = None
 
     def __repr__(self) -> str:
         physical = sum(orbit.physical for orbit in self.orbits)
