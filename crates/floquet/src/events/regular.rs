@@ -107,6 +107,7 @@ impl<'a> Regular<'a> {
 /// asked for.
 fn entry_errors(equations: &BlochEquations, z: C, simple: bool) -> Vec<f64> {
     let mut errors: Vec<f64> = equations.constant(false).iter().map(|entry| ENTRY * entry.abs()).collect();
+    let (doubts, size) = (equations.shape_errors(), equations.size());
     for (k, mode) in equations.kernel().modes().iter().enumerate() {
         // Sums of the past have 1/(z−p), and its error is that of the pole.
         let near = mode.poles().map(|pole| (z - pole).norm().recip());
@@ -118,13 +119,17 @@ fn entry_errors(equations: &BlochEquations, z: C, simple: bool) -> Vec<f64> {
         let period = equations.kernel().period();
         let flights = ENTRY * (1.0 + (mode.rate + mode.decay.abs()) * period) + mode.rate_error * period;
         let of_pole = if simple || mode.coordinates.are_parabolic() { mode.pole_error * near } else { 0.0 };
-        let own = near * (flights + mode.shape_error + of_pole);
         let (rows, columns) = (equations.rows(k), equations.columns(k));
-        for (row, line) in rows.iter().zip(errors.chunks_mut(equations.size())) {
-            let reach = |column: &[f64; 2]| mode.coordinates.reach(*row, *column);
-            line.iter_mut().zip(columns).for_each(|(error, column)| *error += own * reach(column));
+        let [row_errors, column_errors] = doubts.each_ref().map(|table| &table[k * size..(k + 1) * size]);
+        let reach = |row: [f64; 2], column: [f64; 2]| mode.coordinates.reach(row, column);
+        for (i, line) in errors.chunks_mut(size).enumerate() {
+            for (j, error) in line.iter_mut().enumerate() {
+                let shapes = mode.coordinates.reach_error([rows[i], row_errors[i]], [columns[j], column_errors[j]]);
+                *error += near * ((flights + of_pole) * reach(rows[i], columns[j]) + shapes);
+            }
         }
     }
+    errors.iter_mut().zip(equations.sent_errors()).for_each(|(error, sent)| *error += sent);
     errors
 }
 

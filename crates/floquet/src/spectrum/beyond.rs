@@ -24,7 +24,7 @@ pub(crate) fn is_surely_beyond(equations: &BlochEquations, reach: f64) -> bool {
     if equations.left_out() > NEGLIGIBLE || poles().any(|(pole, _)| modulus(pole) >= reach) {
         return false;
     }
-    let shapes = modes.iter().map(|mode| mode.shape_error).fold(0.0, f64::max);
+    let shapes = (0..modes.len()).map(|k| equations.kernel().shape_error(k)).fold(0.0, f64::max);
     let (mut matrix, mut sizes) = (Vec::new(), Vec::new());
     [reach, -reach].into_iter().any(|z| {
         let of_poles = poles().map(|(pole, error)| error / modulus(pole - z)).fold(0.0, f64::max);

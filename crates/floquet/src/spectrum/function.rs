@@ -14,7 +14,6 @@ use std::borrow::Cow;
 use nalgebra::{Complex, DMatrix};
 use smallvec::SmallVec;
 use vibrochain_breather::{BlochEquations, Shift};
-use vibrochain_lattice::Coordinates;
 
 use crate::zeros::{Meromorphic, Value, modulus};
 
@@ -62,11 +61,9 @@ pub(crate) struct SpectralFunction<'a> {
     pub(super) simple: Vec<Pole>,
     /// Both coordinates of each double one.
     double: Vec<[Pole; 2]>,
-    /// Sizes of A_k and C_k: [mode][row].
-    pub(super) row_sizes: Vec<f64>,
-    pub(super) column_sizes: Vec<f64>,
-    /// Relative errors of both, by mode.
-    pub(super) relative: Vec<f64>,
+    /// Errors of A_k and C_k, [mode][row], as [`vibrochain_lattice::Coordinates::carried`] has them.
+    pub(super) row_errors: Vec<[f64; 2]>,
+    pub(super) column_errors: Vec<[f64; 2]>,
     /// Of J₀ outside and inside.
     pub(super) constants: [Constant; 2],
     matrix: Vec<C>,
@@ -86,11 +83,10 @@ impl<'a> SpectralFunction<'a> {
         let longest = since.iter().copied().fold(0.0, f64::max);
         let (count, all) = (modes.len(), size * modes.len());
         let (mut poles, mut simple) = (Vec::with_capacity(2 * count), Vec::with_capacity(2 * count));
-        let (mut row_sizes, mut column_sizes) = (Vec::with_capacity(all), Vec::with_capacity(all));
-        let (mut relative, mut double) = (Vec::with_capacity(count), Vec::new());
+        let (mut row_errors, mut column_errors) = (Vec::with_capacity(all), Vec::with_capacity(all));
+        let (mut double, doubts) = (Vec::new(), whole.shape_errors());
         let mut constants =
             [(); 2].map(|()| Constant { errors: vec![0.0; size * size], slides: vec![0.0; size * size] });
-        let length = |[x, y]: &[f64; 2]| (x * x + y * y).sqrt();
         for (k, mode) in modes.iter().enumerate() {
             let values = mode.poles();
             poles.extend(values);
@@ -108,38 +104,39 @@ impl<'a> SpectralFunction<'a> {
                 simple.extend(both);
             }
             let (rows, columns) = (equations.rows(k), equations.columns(k));
-            let from = row_sizes.len();
-            row_sizes.extend(rows.iter().map(length));
-            column_sizes.extend(columns.iter().map(length));
-            let turned = f64::EPSILON * (6.0 + 3.0 * (mode.rate + mode.decay.abs()) * longest);
-            let error = turned + mode.shape_error + mode.rate_error * longest;
-            relative.push(error);
+            let (from, coordinates) = (row_errors.len(), mode.coordinates);
+            let part =
+                f64::EPSILON * (6.0 + 3.0 * (mode.rate + mode.decay.abs()) * longest) + mode.rate_error * longest;
+            let own = from..from + size;
+            for (table, doubts, errors) in
+                [(rows, &doubts[0], &mut row_errors), (columns, &doubts[1], &mut column_errors)]
+            {
+                let pairs = table.iter().zip(&doubts[own.clone()]);
+                errors.extend(pairs.map(|(entries, error)| coordinates.with_part(*error, part, *entries)));
+            }
             if let Some(shift) = &shift {
-                // Sums over the impacts, times (1−R)⁻¹.
+                // Sums over the impacts, times (1−R)⁻¹, of which each term is turned, and the pole is moved.
                 let near = (mode.poles()[0] - 1.0).norm().recip();
-                let room = near * (1.0 + mode.pole_error * near / error);
-                let size = |table: &[[f64; 2]]| {
-                    let sizes =
-                        shift.weights.iter().enumerate().map(|(i, weight)| weight.abs() * length(&table[2 * i + 1]));
-                    room * sizes.sum::<f64>()
+                let part = part + 2.0 * near * mode.pole_error;
+                let sum = |table: &[[f64; 2]], doubts: &[[f64; 2]]| {
+                    let error = |r: usize| coordinates.with_part(doubts[from + r], part, table[r])[0];
+                    let terms = shift.weights.iter().enumerate().map(|(i, weight)| weight.abs() * error(2 * i + 1));
+                    [near * terms.sum::<f64>(), 0.0]
                 };
-                row_sizes[from + shift.place] = size(whole.rows(k));
-                column_sizes[from + shift.place] = size(whole.columns(k));
+                row_errors[from + shift.place] = sum(whole.rows(k), &doubts[0]);
+                column_errors[from + shift.place] = sum(whole.columns(k), &doubts[1]);
             }
             for (i, row) in rows.iter().enumerate() {
                 let moved = mode.coordinates.seen(*row, mode.generator());
                 for (j, column) in columns.iter().enumerate() {
-                    let reach = match mode.coordinates {
-                        Coordinates::Shared(_) => row_sizes[from + i] * column_sizes[from + j],
-                        Coordinates::Apart => mode.coordinates.reach(*row, *column),
-                    };
                     if shift.as_ref().is_some_and(|shift| i == shift.place || j == shift.place) {
                         continue;
                     }
                     let earlier = since[i / 2] > since[j / 2];
                     let (form, sign) = if earlier { (0, 1.0) } else { (1, -1.0) };
                     let Constant { errors, slides } = &mut constants[form];
-                    errors[i * size + j] += 2.0 * error * reach;
+                    errors[i * size + j] +=
+                        coordinates.reach_error([*row, row_errors[from + i]], [*column, column_errors[from + j]]);
                     if i / 2 != j / 2 {
                         slides[i * size + j] += sign * (moved[0] * column[0] + moved[1] * column[1]);
                     }
@@ -150,6 +147,14 @@ impl<'a> SpectralFunction<'a> {
         for (form, Constant { errors, .. }) in constants.iter_mut().enumerate() {
             let entries = equations.constant(form == 1);
             errors.iter_mut().zip(entries).for_each(|(error, entry)| *error += 4.0 * f64::EPSILON * entry.abs());
+            let sent = equations.sent_errors().iter().filter(|_| form == 0);
+            errors.iter_mut().zip(sent).for_each(|(error, sent)| *error += sent);
+            for (i, at) in (0..size / 2).map(|i| (i, 2 * i * (size + 1))) {
+                let kept = shift.as_ref().is_none_or(|shift| shift.place != 2 * i + 1);
+                let hit = if kept { equations.hit_error(i) } else { 0.0 };
+                errors[at + 1] += hit;
+                errors[at + size] += hit;
+            }
             let slides = equations.slide_errors().into_iter().flatten().enumerate();
             let kept = slides.filter(|(i, _)| shift.as_ref().is_none_or(|shift| shift.place != 2 * i + 1));
             kept.for_each(|(i, error)| errors[(2 * i + 1) * (size + 1)] += error);
@@ -162,9 +167,8 @@ impl<'a> SpectralFunction<'a> {
             poles,
             simple,
             double,
-            row_sizes,
-            column_sizes,
-            relative,
+            row_errors,
+            column_errors,
             constants,
             matrix,
             derivative,
@@ -181,6 +185,17 @@ impl<'a> SpectralFunction<'a> {
         let double = self.double.iter().filter(|pair| distance(&pair[0]) < reach).take(MOST_NEAR / 2);
         near.splice(0..0, double.flatten().copied());
         near
+    }
+
+    /// Error of A_k and of C_k, each against its largest row.
+    pub(super) fn relative(&self, mode: usize) -> f64 {
+        let own = mode * self.equations.size()..(mode + 1) * self.equations.size();
+        let part = |table: &[[f64; 2]], errors: &[[f64; 2]]| {
+            let largest = |list: &[[f64; 2]]| list.iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max);
+            let (size, error) = (largest(table), largest(&errors[own.clone()]));
+            if size == 0.0 { 0.0 } else { error / size }
+        };
+        part(self.equations.rows(mode), &self.row_errors) + part(self.equations.columns(mode), &self.column_errors)
     }
 
     /// a and c of a simple pole.

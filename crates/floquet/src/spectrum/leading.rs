@@ -162,7 +162,7 @@ impl SpectralFunction<'_> {
             };
             let residue = -bordered * z * scale;
             let size_of = modulus(residue);
-            let error = f64::EPSILON * 16.0 + self.relative[pole.mode] + pole.error / nearest;
+            let error = f64::EPSILON * 16.0 + self.relative(pole.mode) + pole.error / nearest;
             poles.push(if z.im < 0.0 { z.conj() } else { z });
             residues.push(if z.im < 0.0 { residue.conj() } else { residue });
             residue_errors.push(size_of * error * condition.max(1.0));

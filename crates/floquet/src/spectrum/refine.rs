@@ -197,17 +197,16 @@ impl SpectralFunction<'_> {
                 let add = |[p, q]: [C; 2], (v, [s, t]): (&C, &[f64; 2])| [p + v * *s, q + v * *t];
                 v.iter().zip(table).fold([C::default(); 2], add)
             };
-            let length = |v: &[f64], table: &[f64]| v.iter().zip(table).map(|(v, size)| v * size).sum::<f64>();
             let (xi, eta) = (sum(&x[..size], rows), sum(&y[..size], columns));
-            let (sizes_of_rows, sizes_of_columns) =
-                (&self.row_sizes[k * size..(k + 1) * size], &self.column_sizes[k * size..(k + 1) * size]);
-            let relative = self.relative[k];
+            let (row_errors, column_errors) =
+                (&self.row_errors[k * size..(k + 1) * size], &self.column_errors[k * size..(k + 1) * size]);
+            let errors_of = |v: &[f64], table: &[[f64; 2]], which: usize| {
+                v.iter().zip(table).map(|(v, error)| v * error[which]).sum::<f64>()
+            };
             // Of real poles the sum of both coordinates is longer than their length.
             let widest = if mode.coordinates.are_circular() { 1.0 } else { std::f64::consts::SQRT_2 };
-            let (a_error, c_error) = (
-                widest * relative * length(&x_sizes, sizes_of_rows),
-                widest * 0.5 * relative * length(&y_sizes, sizes_of_columns),
-            );
+            let (a_error, c_error) =
+                (widest * errors_of(&x_sizes, row_errors, 0), widest * 0.5 * errors_of(&y_sizes, column_errors, 0));
             if mode.coordinates.are_parabolic() {
                 if let Some(place) = near.iter().position(|other| other.mode == k) {
                     let own = |v: &[C]| [v[size + place], v[size + place + 1]];
@@ -223,15 +222,11 @@ impl SpectralFunction<'_> {
                 let (a_error, c_error) = match mode.coordinates {
                     Coordinates::Shared(_) => (a_error, c_error),
                     Coordinates::Apart => {
-                        let own = |v: &[C], table: &[[f64; 2]]| {
-                            let sizes = v.iter().zip(table).map(|(v, both)| modulus(*v) * both[pole.which].abs());
-                            relative * sizes.sum::<f64>()
-                        };
-                        (own(&x[..size], rows), own(&y[..size], columns))
+                        (errors_of(&x_sizes, row_errors, pole.which), errors_of(&y_sizes, column_errors, pole.which))
                     }
                 };
-                let border = near.iter().position(|other| other.mode == k && other.which == pole.which);
                 // What the columns send on, and what the rows have received.
+                let border = near.iter().position(|other| other.mode == k && other.which == pole.which);
                 let (sent, received) = if let Some(place) = border {
                     let (xs, ys) = (x[size + place], y[size + place]);
                     let own = xs * (z - pole.value) * ys;

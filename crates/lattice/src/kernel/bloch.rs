@@ -21,8 +21,6 @@ pub struct BlochMode {
     pub period: Turned,
     /// Error of the larger pole e^{λT}.
     pub pole_error: f64,
-    /// Error of the shapes, against the largest.
-    pub shape_error: f64,
     /// Error of the rates λ beyond rounding.
     pub rate_error: f64,
 }
@@ -65,35 +63,32 @@ impl BlochMode {
         self.coordinates.generator(self.decay, self.rate)
     }
 
-    /// Takes the errors of a structure's mode, that of its rates beyond what a root rounds.
-    fn know(&mut self, mode: &LinearMode, rate_error: f64, period: f64, contacts: &[usize]) {
+    /// Takes the error of its rates beyond what a root rounds.
+    fn know(&mut self, rate_error: f64, period: f64) {
         let size = self.poles().map(|pole| pole.norm()).into_iter().fold(0.0, f64::max);
-        self.rate_error = rate_error;
+        self.rate_error += rate_error;
         self.pole_error += size * (rate_error * period).exp_m1();
-        let part = |table: &[[f64; 2]], errors: &[f64]| {
-            let length = |&contact: &usize| table[contact][0].hypot(table[contact][1]);
-            let largest = contacts.iter().map(length).fold(0.0, f64::max);
-            let of = |contact: &usize| match length(contact) {
-                0.0 => 0.0,
-                length => errors[*contact] / length.max(NODE * largest),
-            };
-            contacts.iter().map(of).fold(0.0, f64::max)
-        };
-        self.shape_error += part(&mode.rows, &mode.errors.rows) + part(&mode.columns, &mode.errors.columns);
     }
 }
-
-/// What a contact sees below this part of what another one sees is next to nothing: as a part of that, its rounding would say nothing of the mode.
-const NODE: f64 = 1e-4;
 
 /// What is known of an undamped mode beside its frequency.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Known {
     /// Its flight over the period.
     pub(super) period: Turned,
-    /// Error of its poles, and error of its shapes relative to the largest of them.
+    /// Error of its poles, and error of its shape at any contact.
     pub(super) pole_error: f64,
     pub(super) shape_error: f64,
+}
+
+/// What rounding alone makes of a shape, relative.
+const ROUNDED: f64 = 2.0 * f64::EPSILON;
+
+/// What a contact sees of a mode and gives to it, in the mode's own coordinates, with errors beyond rounding.
+struct Sight {
+    row: [f64; 2],
+    column: [f64; 2],
+    errors: [f64; 2],
 }
 
 /// K^z and its first three derivatives in t, and what they change by with z.
@@ -128,6 +123,8 @@ pub struct BlochKernel {
     /// What a contact sees of a mode's two coordinates, and what a unit impulse at it gives them: [mode][contact]
     rows: Vec<[f64; 2]>,
     columns: Vec<[f64; 2]>,
+    /// Errors of the lengths of both beyond rounding.
+    doubts: Vec<[f64; 2]>,
 }
 
 impl BlochKernel {
@@ -138,8 +135,8 @@ impl BlochKernel {
 
     /// The same with room for so many modes.
     pub(super) fn with_room(period: f64, contacts: usize, modes: usize) -> Self {
-        let [rows, columns] = [(); 2].map(|()| Vec::with_capacity(contacts * modes));
-        Self { period, contacts, modes: Vec::with_capacity(modes), rows, columns }
+        let [rows, columns, doubts] = [(); 3].map(|()| Vec::with_capacity(contacts * modes));
+        Self { period, contacts, modes: Vec::with_capacity(modes), rows, columns, doubts }
     }
 
     /// Adds an oscillator q″ + 2ζΩq′ + Ω²q of real shape: `shapes` are w_iᵀφ at the contacts, φᵀMφ = 1. ζ may be anything, below 0,
@@ -158,42 +155,37 @@ impl BlochKernel {
         } else {
             (Turn::Parabolic, self.period.recip())
         };
-        let rows = shapes.iter().map(|shape| [*shape, 0.0]);
-        let columns = shapes.iter().map(|shape| [0.0, shape / rate]);
-        self.push(turn, (decay, rate), rows, columns);
+        let sight = |shape: &f64| Sight { row: [*shape, 0.0], column: [0.0, shape / rate], errors: [0.0; 2] };
+        self.push(turn, (decay, rate), shapes.iter().map(sight));
     }
 
     /// The kernel of modes of a structure between some of its contacts.
     pub(crate) fn of_modes(modes: &[LinearMode], period: f64, contacts: &[usize]) -> Self {
         let mut kernel = Self::with_room(period, contacts.len(), modes.len());
         for mode in modes {
-            let [rows, columns] =
-                [&mode.rows, &mode.columns].map(|table| contacts.iter().map(|&contact| table[contact]));
-            kernel.push(mode.turn, (mode.decay, mode.rate), rows, columns);
+            let sights = contacts.iter().map(|&contact| Sight {
+                row: mode.rows[contact],
+                column: mode.columns[contact],
+                errors: [mode.errors.rows[contact], mode.errors.columns[contact]],
+            });
+            kernel.push(mode.turn, (mode.decay, mode.rate), sights);
             if let Some(last) = kernel.modes.last_mut() {
                 let known = f64::EPSILON * (mode.decay.abs() + mode.rate);
-                last.know(mode, (mode.errors.poles - known).max(0.0), period, contacts);
+                last.know((mode.errors.poles - known).max(0.0), period);
             }
         }
         kernel
     }
 
-    fn push(
-        &mut self,
-        turn: Turn,
-        (decay, rate): (f64, f64),
-        rows: impl Iterator<Item = [f64; 2]>,
-        columns: impl Iterator<Item = [f64; 2]>,
-    ) {
+    fn push(&mut self, turn: Turn, (decay, rate): (f64, f64), sights: impl Iterator<Item = Sight>) {
         let coordinates = Coordinates::of(turn, rate, self.period);
         let period = coordinates.flight(decay, rate, self.period);
         // The exponent carries a relative error of 2ε.
         let slowest = if turn == Turn::Hyperbolic { rate - decay } else { -decay };
         let pole_error =
             f64::EPSILON * (2.0 + 2.0 * (decay.abs() + rate) * self.period) * (slowest * self.period).exp();
-        let (shape_error, rate_error) = (4.0 * f64::EPSILON, 0.0);
-        let mode = BlochMode { coordinates, decay, rate, period, pole_error, shape_error, rate_error };
-        self.add(mode, rows, columns);
+        let mode = BlochMode { coordinates, decay, rate, period, pole_error, rate_error: 0.0 };
+        self.add(mode, sights);
     }
 
     /// Adds a mode without damping whose flight over the period, and whose errors, are known better than from its frequency.
@@ -201,27 +193,26 @@ impl BlochKernel {
         let coordinates = Coordinates::of(Turn::Circular, frequency, self.period);
         let Known { period, pole_error, shape_error } = known;
         let (decay, rate, rate_error) = (0.0, frequency, 0.0);
-        let mode = BlochMode { coordinates, decay, rate, period, pole_error, shape_error, rate_error };
-        let columns = shapes.iter().map(|shape| [0.0, shape / frequency]);
-        self.add(mode, shapes.iter().map(|shape| [*shape, 0.0]), columns);
+        let mode = BlochMode { coordinates, decay, rate, period, pole_error, rate_error };
+        let errors = [shape_error, shape_error / frequency];
+        let sight = |shape: &f64| Sight { row: [*shape, 0.0], column: [0.0, shape / frequency], errors };
+        self.add(mode, shapes.iter().map(sight));
     }
 
-    fn add(&mut self, mode: BlochMode, rows: impl Iterator<Item = [f64; 2]>, columns: impl Iterator<Item = [f64; 2]>) {
+    fn add(&mut self, mode: BlochMode, sights: impl Iterator<Item = Sight>) {
         self.modes.push(mode);
-        for (row, column) in rows.zip(columns).take(self.contacts) {
+        for Sight { row, column, errors } in sights.take(self.contacts) {
             let [row, column] = mode.coordinates.told(row, column);
             self.rows.push(row);
             self.columns.push(column);
+            self.doubts.push(errors);
         }
     }
 
     /// The same of a period that is known up to a part of it alone, as that of a self-excited orbit is: rates are known no better.
     pub fn of_uncertain_period(mut self, part: f64) -> Self {
         for mode in &mut self.modes {
-            let rate_error = part * (mode.decay.abs() + mode.rate);
-            let size = mode.poles().map(|pole| pole.norm()).into_iter().fold(0.0, f64::max);
-            mode.rate_error += rate_error;
-            mode.pole_error += size * (rate_error * self.period).exp_m1();
+            mode.know(part * (mode.decay.abs() + mode.rate), self.period);
         }
         self
     }
@@ -251,11 +242,48 @@ impl BlochKernel {
         self.columns[k * self.contacts + contact]
     }
 
+    /// Errors of [`Self::row`] and [`Self::column`], as [`Coordinates::carried`] has them.
+    pub fn shape_errors(&self, k: usize, contact: usize) -> [[f64; 2]; 2] {
+        let at = k * self.contacts + contact;
+        let coordinates = self.modes[k].coordinates;
+        let [row, column] = coordinates.doubts(self.doubts[at]);
+        let rounded = |error, entries| coordinates.with_part(error, ROUNDED, entries);
+        [rounded(row, self.rows[at]), rounded(column, self.columns[at])]
+    }
+
+    /// Error of the shape of mode `k`, against the largest that a contact sees of it: of what contacts see and of what they give.
+    pub fn shape_error(&self, k: usize) -> f64 {
+        let length = |[x, y]: [f64; 2]| (x * x + y * y).sqrt();
+        let (mut sizes, mut errors) = ([0.0f64; 2], [0.0f64; 2]);
+        for contact in 0..self.contacts {
+            for (i, (entries, error)) in [self.row(k, contact), self.column(k, contact)]
+                .into_iter()
+                .zip(self.shape_errors(k, contact))
+                .enumerate()
+            {
+                (sizes[i], errors[i]) = (sizes[i].max(length(entries)), errors[i].max(length(error)));
+            }
+        }
+        (0..2).filter(|&i| sizes[i] > 0.0).map(|i| errors[i] / sizes[i]).sum()
+    }
+
     /// The velocity that a unit impulse at one contact gives to another, w_iᵀM⁻¹w_j: the inverse of the effective mass for i = j.
     pub fn mobility(&self, to: usize, from: usize) -> f64 {
         let of_mode = |k: usize| {
             let mode = &self.modes[k];
             mode.coordinates.pair(self.row(k, to), mode.generator(), self.column(k, from))
+        };
+        (0..self.modes.len()).map(of_mode).sum()
+    }
+
+    /// Error of [`Self::mobility`] by the shapes.
+    pub fn mobility_error(&self, to: usize, from: usize) -> f64 {
+        let of_mode = |k: usize| {
+            let coordinates = self.modes[k].coordinates;
+            let given = coordinates.given(self.modes[k].generator(), self.column(k, from));
+            let [[seen, _], [_, error]] = [to, from].map(|contact| self.shape_errors(k, contact));
+            let carried = coordinates.carried(error, self.modes[k].generator());
+            coordinates.reach_error([self.row(k, to), seen], [given, carried])
         };
         (0..self.modes.len()).map(of_mode).sum()
     }

@@ -1,6 +1,7 @@
 //! In which two coordinates the flight of a mode is written.
 
 use rustfft::num_complex::Complex;
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 use std::ops::{Add, Mul, Sub};
 
 use super::turn::{Turn, Turned};
@@ -34,6 +35,34 @@ impl Coordinates {
             Self::Apart => {
                 [[row[0] + row[1], row[0] - row[1]], [0.5 * (column[0] + column[1]), 0.5 * (column[0] - column[1])]]
             }
+        }
+    }
+
+    /// Errors of a row and a column by their lengths, in these coordinates: one number where these turn into one another, one for each where
+    /// they do not.
+    pub(super) fn doubts(self, [row, column]: [f64; 2]) -> [[f64; 2]; 2] {
+        match self {
+            Self::Shared(_) => [[row, 0.0], [column, 0.0]],
+            Self::Apart => [[SQRT_2 * row; 2], [FRAC_1_SQRT_2 * column; 2]],
+        }
+    }
+
+    /// What is left of the error of a row or a column when a number has acted on it: of coordinates that turn into one another the length of
+    /// what it may be, and nothing in the second place; of two that do not, either's own.
+    pub fn carried(self, error: [f64; 2], by: Turned) -> [f64; 2] {
+        match self {
+            Self::Shared(Turn::Circular) => [error[0] * (by.even * by.even + by.odd * by.odd).sqrt(), 0.0],
+            Self::Shared(_) => [error[0] * (by.even.abs() + by.odd.abs()), 0.0],
+            Self::Apart => [error[0] * by.even.abs(), error[1] * by.odd.abs()],
+        }
+    }
+
+    /// An error with that part of the entries themselves.
+    pub fn with_part(self, error: [f64; 2], part: f64, entries: [f64; 2]) -> [f64; 2] {
+        let [x, y] = entries;
+        match self {
+            Self::Shared(_) => [error[0] + part * (x * x + y * y).sqrt(), 0.0],
+            Self::Apart => [error[0] + part * x.abs(), error[1] + part * y.abs()],
         }
     }
 
@@ -129,6 +158,11 @@ impl Coordinates {
             Self::Shared(_) => length(row) * length(column),
             Self::Apart => (row[0] * column[0]).abs() + (row[1] * column[1]).abs(),
         }
+    }
+
+    /// What the errors of a row and a column make of their product, per size of the number between them.
+    pub fn reach_error(self, [row, row_error]: [[f64; 2]; 2], [column, column_error]: [[f64; 2]; 2]) -> f64 {
+        self.reach(row_error, column) + self.reach(row, column_error) + self.reach(row_error, column_error)
     }
 
     /// The eigenvalues of a number: of a flight the two factors e^{λt}.

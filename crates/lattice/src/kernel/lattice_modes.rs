@@ -66,7 +66,8 @@ impl BlochKernel {
                 if frequency > 0.0 {
                     // From half the phase, out of which the nearest multiple of π was taken exactly.
                     let period = Turned { even: (cos - sin) * (cos + sin), odd: 2.0 * sin * cos };
-                    let shape_error = 4.0 * f64::EPSILON * (full / square).max(1.0);
+                    // Of the products, over the root of the pivot.
+                    let shape_error = 2.0 * f64::EPSILON * full / square.sqrt();
                     kernel.push_known(frequency, Known { period, pole_error, shape_error }, &shape);
                 } else {
                     kernel.push_oscillator(frequency, 0.0, &shape);

@@ -59,26 +59,47 @@ pub(super) struct Cut<'a> {
     pub(super) since: &'a [f64],
 }
 
+/// J₀ outside, what it changes by with the time of its row's impact, and its errors.
+pub(super) struct Sent<'a> {
+    pub(super) now: &'a mut [f64],
+    pub(super) slide: &'a mut [f64],
+    pub(super) errors: &'a mut [f64],
+}
+
 /// What impacts send straight on to later ones of the same period in the coordinates of mode `k` that die before the next.
-pub(super) fn send_on(cut: &Cut<'_>, k: usize, died: [bool; 2], outside: &mut [f64], sliding: &mut [f64]) {
+pub(super) fn send_on(cut: &Cut<'_>, k: usize, died: [bool; 2], sent: Sent<'_>) {
     let &Cut { kernel, impacts, since } = cut;
     let (mode, size) = (&kernel.modes()[k], 2 * impacts.len());
+    let coordinates = mode.coordinates;
     let omega = std::f64::consts::TAU / kernel.period();
     for (i, to) in impacts.iter().enumerate() {
         for (j, by) in impacts.iter().enumerate().filter(|(j, _)| since[*j] < since[i]) {
-            let mut flight = only(died, mode.flight(since[i] - since[j]));
-            let jet = [(); 4].map(|()| {
-                let value = mode.coordinates.pair(kernel.row(k, to.contact), flight, kernel.column(k, by.contact));
-                flight = mode.coordinates.product(flight, mode.generator());
-                value
+            let (row, column) = (kernel.row(k, to.contact), kernel.column(k, by.contact));
+            let [[seen, _], [_, sent_error]] = [to, by].map(|impact| kernel.shape_errors(k, impact.contact));
+            let t = since[i] - since[j];
+            let mut flight = only(died, mode.flight(t));
+            let turned = f64::EPSILON * (4.0 + 2.0 * (mode.rate + mode.decay.abs()) * t) + mode.rate_error * t;
+            let jets = [(); 4].map(|()| {
+                let value = coordinates.pair(row, flight, column);
+                let given = coordinates.given(flight, column);
+                let carried = coordinates.carried(sent_error, flight);
+                let error =
+                    turned * coordinates.reach(row, given) + coordinates.reach_error([row, seen], [given, carried]);
+                flight = coordinates.product(flight, mode.generator());
+                (value, error)
             });
+            let [jet, errors] = [jets.map(|(value, _)| value), jets.map(|(_, error)| error)];
             let at = 2 * i * size + 2 * j;
-            for (matrix, jet) in [(&mut *outside, &jet[..3]), (&mut *sliding, &jet[1..])] {
+            for (matrix, jet) in [(&mut *sent.now, &jet[..3]), (&mut *sent.slide, &jet[1..])] {
                 matrix[at] += omega * jet[0];
                 matrix[at + 1] -= jet[1];
                 matrix[at + size] += jet[1];
                 matrix[at + size + 1] -= jet[2] / omega;
             }
+            sent.errors[at] += omega * errors[0];
+            sent.errors[at + 1] += errors[1];
+            sent.errors[at + size] += errors[1];
+            sent.errors[at + size + 1] += errors[2] / omega;
         }
     }
 }

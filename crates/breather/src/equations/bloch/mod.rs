@@ -77,6 +77,8 @@ pub struct BlochEquations {
     /// A_k and C_k: [mode][row] and [mode][column].
     rows: Vec<[f64; 2]>,
     columns: Vec<[f64; 2]>,
+    /// What the errors of modes make of what dies before the next period; empty where nothing does.
+    sent_errors: Vec<f64>,
     /// J₀ for R(z−R)⁻¹, of use outside the poles, and for z(z−R)⁻¹, of use inside.
     outside: Vec<f64>,
     inside: Vec<f64>,
@@ -136,6 +138,17 @@ impl BlochEquations {
     /// C_k: what the unknowns give to them.
     pub fn columns(&self, k: usize) -> &[[f64; 2]] {
         &self.columns[k * self.size()..(k + 1) * self.size()]
+    }
+
+    /// What the errors of shapes and rates make of J₀ outside by way of what dies before the next period; empty where nothing does.
+    pub fn sent_errors(&self) -> &[f64] {
+        &self.sent_errors
+    }
+
+    /// Error of m(1+e)⁻¹, which J₀ holds at the impact itself, by the shapes.
+    pub fn hit_error(&self, impact: usize) -> f64 {
+        let LinearImpact { contact, restitution, .. } = self.impacts[impact];
+        self.kernel.mobility_error(contact, contact) / (1.0 + restitution)
     }
 
     /// Π_i(m_i(1+e_i))², by which det J(z) is det(z−M)/det(z−R).

@@ -2,7 +2,7 @@
 
 use vibrochain_lattice::{BlochKernel, Complex, ImpulseResponse, SparedModes, Turned};
 
-use super::dying::{Cut, died, largest, only, send_on, since_cut};
+use super::dying::{Cut, Sent, died, largest, only, send_on, since_cut};
 use super::{BlochEquations, LinearImpact, Shift};
 use crate::orbit::Orbit;
 
@@ -35,14 +35,16 @@ impl BlochEquations {
         let all = size * kernel.modes().len();
         let (mut rows, mut columns) = (Vec::with_capacity(all), Vec::with_capacity(all));
         let (mut outside, mut inside) = (vec![0.0; size * size], vec![0.0; size * size]);
+        let mut sent_errors = Vec::new();
         for (k, mode) in kernel.modes().iter().enumerate() {
             let (coordinates, generator) = (mode.coordinates, mode.generator());
             let died = died(mode, spread, kernel.period());
             if died != [false; 2] {
                 left_out = left_out.max(largest(only(died, mode.flight(kernel.period() - spread))));
                 sliding.resize(size * size, 0.0);
+                sent_errors.resize(size * size, 0.0);
                 let cut = Cut { kernel: &kernel, impacts: &impacts, since: &since };
-                send_on(&cut, k, died, &mut outside, &mut sliding);
+                send_on(&cut, k, died, Sent { now: &mut outside, slide: &mut sliding, errors: &mut sent_errors });
             }
             // At the cut itself nothing has moved.
             let alive = |t: f64| {
@@ -94,11 +96,31 @@ impl BlochEquations {
             sliding,
             rows,
             columns,
+            sent_errors,
             outside,
             inside,
             innermost,
             slide_errors: None,
         }
+    }
+
+    /// What the errors of the shapes make of A_k and C_k, [mode][row], as [`vibrochain_lattice::Coordinates::carried`] has them.
+    pub fn shape_errors(&self) -> [Vec<[f64; 2]>; 2] {
+        let all = self.size() * self.kernel.modes().len();
+        let [mut rows, mut columns] = [(); 2].map(|()| Vec::with_capacity(all));
+        let spread = self.since.iter().copied().fold(0.0, f64::max);
+        for (k, mode) in self.kernel.modes().iter().enumerate() {
+            let (coordinates, generator) = (mode.coordinates, mode.generator());
+            let alive = died(mode, spread, self.kernel.period()).map(|died| !died);
+            for (impact, t) in self.impacts.iter().zip(&self.since) {
+                let [forth, back] = mode.flights(*t).map(|flight| only(alive, flight));
+                let [seen, given] = self.kernel.shape_errors(k, impact.contact);
+                let [seen, given] = [coordinates.carried(seen, forth), coordinates.carried(given, back)];
+                rows.extend([seen.map(|x| self.omega * x), coordinates.carried(seen, generator)]);
+                columns.extend([given, coordinates.carried(given, generator).map(|x| x / self.omega)]);
+            }
+        }
+        [rows, columns]
     }
 
     /// The same of an orbit without force or losses, which may begin at any time: J(1) has its own derivative as a null vector. So the
@@ -113,6 +135,7 @@ impl BlochEquations {
         let sums = equations.matrix(one);
         let impulse = |j: usize| equations.impacts[j].impulse;
         let (mut slides, mut errors) = (Vec::new(), Vec::new());
+        let doubts = equations.shape_errors();
         for i in 0..equations.impacts.len() {
             let row = &sums[(2 * i + 1) * size..(2 * i + 2) * size];
             let left: f64 = (0..equations.impacts.len()).map(|j| row[2 * j + 1].re * impulse(j)).sum();
@@ -121,9 +144,14 @@ impl BlochEquations {
             for (k, mode) in equations.kernel.modes().iter().enumerate() {
                 let (rows, columns) = (equations.rows(k), equations.columns(k));
                 let [near, _] = mode.poles().map(|pole| (one - pole).norm().recip());
-                let reach = |j: usize| mode.coordinates.reach(rows[2 * i + 1], columns[2 * j + 1]) * impulse(j).abs();
-                let size: f64 = (0..equations.impacts.len()).map(reach).sum();
-                error += size * near * (mode.pole_error * near + mode.shape_error);
+                let [row_errors, column_errors] = doubts.each_ref().map(|table| &table[k * size..(k + 1) * size]);
+                let reach = |j: usize| {
+                    let (row, column) = (rows[2 * i + 1], columns[2 * j + 1]);
+                    let shapes = [[row, row_errors[2 * i + 1]], [column, column_errors[2 * j + 1]]];
+                    let shapes = mode.coordinates.reach_error(shapes[0], shapes[1]);
+                    (mode.coordinates.reach(row, column) * mode.pole_error * near + shapes) * impulse(j).abs()
+                };
+                error += near * (0..equations.impacts.len()).map(reach).sum::<f64>();
             }
             errors.push(error / impulse(i).abs());
         }
