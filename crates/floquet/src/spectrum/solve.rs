@@ -153,9 +153,12 @@ impl Search<'_> {
         let mut roots = aberth.roots.split_off(dead + trivial);
         let mut gone = aberth.roots;
         gone.truncate(dead);
-        // After a plastic impact a multiplier is 0. Rows and columns of J vanish there, and made alike in size they lead to another zero.
+        // Next to 0 rows and columns of J vanish, and made alike in size they lead to another zero.
         if !self.reciprocal {
             gone.extend(roots.extract_if(.., |z| modulus(*z) < DEAD));
+            if gone.is_empty() {
+                gone.extend(self.left_by_plastic_impacts(&mut roots));
+            }
         }
         let dead = gone.len();
         let mut list = self.settled(&roots);
@@ -167,6 +170,19 @@ impl Search<'_> {
         let certified = list.iter().all(known_enough) && self.is_complete(&list);
         let certified = certified && self.function.equations.left_out() <= NEGLIGIBLE;
         Zeros { list, dead, reciprocal: self.reciprocal, certified }
+    }
+
+    /// The root that is exactly 0 where an impact takes all velocity: that leaves its contact on the barrier and at rest, two numbers of which
+    /// time makes up for one. The iteration creeps there; next to 0 alone it is this one.
+    fn left_by_plastic_impacts(&self, roots: &mut Vec<C>) -> Option<C> {
+        let is_plastic = self.function.equations.impacts().iter().any(|impact| impact.restitution == 0.0);
+        let least = (0..roots.len()).min_by(|&a, &b| modulus(roots[a]).total_cmp(&modulus(roots[b])))?;
+        let next = (0..roots.len()).filter(|&k| k != least).map(|k| modulus(roots[k])).fold(f64::INFINITY, f64::min);
+        let is_next_to_zero = modulus(roots[least]) < CREEPING.min(CREEPING.sqrt() * next);
+        (is_plastic && is_next_to_zero).then(|| {
+            roots.remove(least);
+            C::default()
+        })
     }
 
     /// The geometric mean of so many multipliers beside those of the list, by the product of all.
@@ -419,6 +435,9 @@ const CLOSED: f64 = 1e-11;
 
 /// A zero counts as found only if its error is at most this part of its size.
 const USELESS: f64 = 1e-2;
+
+/// A root this close to 0 may be 0.
+const CREEPING: f64 = 1e-4;
 
 /// How far, as a multiple of their distances and errors, several zeros may be from where they were sought together.
 const STRAY: f64 = 100.0;
