@@ -20,7 +20,7 @@ pub(super) const SUITE: Suite = Suite {
             harmonics;\n- *series, leading tail summed*: with Σ 1/j² in closed form;\n- *harmonics, four tails summed*: \
             with four powers of 1/j²;\n- *closed form*: one sine a mode, what the program uses.\n\nThe plain series errs \
             by 0.4/J in χ₂, 2e-4 with the paper's 2000 harmonics. Four powers of its tail correct that where the band lies \
-            below ω; elsewhere they cancel each other. The closed form has all the digits that the parameters define, in \
+            below ω. The closed form has all the digits that the parameters define, in \
             about the time of ten harmonics.",
     error: "absolute error of the kernel",
     run,

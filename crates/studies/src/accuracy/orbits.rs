@@ -20,7 +20,7 @@ pub(super) const SUITE: Suite = Suite {
             20, γ₁ = 0.2, γ₂ = 0.1, a = 0.4). The truth solves the conditions at the impacts in 57 digits.\n\n- *series*: \
             the paper's procedure with J harmonics. Under a force it looks for a(φ) = a at 64 values of φ and refines;\n- \
             *closed-form kernels*: the same with exact kernels;\n- *enclosures*: what the program does, with proof that \
-            there are no more solutions.\n\nThe series' error reaches impulses and phase in full. A scan finds only zeros whose sign changes show between its samples; the enclosures find all, under a force in less time.",
+            there are no more solutions.\n\nA scan finds only zeros whose sign changes show between its samples; the enclosures find all, under a force in less time.",
     error: "largest of the errors of the impulses (over the largest one), of φ over the period, of ψ over that of the force",
     run,
 };

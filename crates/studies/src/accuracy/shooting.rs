@@ -19,12 +19,11 @@ use vibrochain_cli::common::error::CliError;
 pub(super) const SUITE: Suite = Suite {
     name: "shooting",
     title: "An orbit of two damped masses",
-    prose: "Two masses between springs, with dashpots that are no combination of masses and springs, under a load on the second; the first \
-            hits one stop, or two in turn. Every method but the list begins with impulses, times and phase in two digits. The truth has 57 \
-            digits.\n\n- *shooting*: Newton's method on the state that a period brings back, flights by DOP853 (the crate `ode_solvers`), \
-            derivatives by differences;\n- *closed form*: what `mapgen` does from given impacts, with the bound of the error that it tells;\n- *closed \
-            form, all orbits*: what `mapgen orbit` does, without a start and with proof that there are no more;\n- *many digits*: shooting with \
-            the exponential of the state matrix in so many bits, its end rounded to 53.\n\nShooting buys digits with steps; the closed form has all that an `f64` holds in less time than shooting takes for four.",
+    prose: "Two masses, with dashpots that couple their modes and a load on the second; the first hits one stop, or two in turn. Methods begin with \
+            two digits of the orbit; the truth has 57.\n\n- *shooting*: Newton's method on the state that a period brings back, flights by DOP853, \
+            derivatives by differences;\n- *closed form*: what `mapgen` does from given impacts, with the bound that it tells;\n- *closed form, \
+            all orbits*: without a start, with proof that there are no more;\n- *many digits*: shooting with exponentials of so many \
+            bits.\n\nShooting buys digits with steps; the closed form has all that an `f64` holds in less time than shooting takes for four.",
     error: "largest of the errors of impulses (over the largest one), of times and ψ over the period",
     run,
 };

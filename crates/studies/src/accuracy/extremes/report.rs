@@ -122,10 +122,9 @@ fn number(value: Option<f64>) -> String {
 }
 
 /// What the section is about.
-pub(crate) const PROSE: &str = "Corners where formulas lose digits; each answer is compared with 57 digits (the far field with 360). The \
-    error promised is the program's own estimate: for kernels four units in the last place times the condition number, for orbits \
-    `condition`, for spectral radii `resolution`; for the far field, the long simulation and the single oscillator by hand a bound that \
-    belongs to the case. A kernel must keep its promise; estimates may be exceeded tenfold. Where there is no number, the point has no \
-    orbit, or no truth to compare with.\n\nThe random points spread logarithmically over all parameters: stiffnesses over 16 decades and \
-    none, frequencies from 1/30 of the band's top to 1000 times it, forces over nine decades, restitution up to 1 − 1e-15, asymmetry up to \
-    1 − 1e-12.";
+pub(crate) const PROSE: &str = "Corners where formulas lose digits, against 57 digits (the far field 360). The error promised is the \
+    program's own: for kernels four units in the last place times the condition number, for orbits `condition`, for spectral radii \
+    `resolution`; for the far field, the long simulation and the single oscillator a bound by hand. A kernel must keep its promise; \
+    estimates may be exceeded tenfold. Where there is no number, there is no orbit, or no truth.\n\nThe random points spread \
+    logarithmically: stiffnesses over 16 decades and none, frequencies from 1/30 of the band's top to 1000 times it, forces over nine \
+    decades, restitution up to 1 − 1e-15, asymmetry up to 1 − 1e-12.";

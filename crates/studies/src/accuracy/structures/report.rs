@@ -114,7 +114,6 @@ impl Report {
 }
 
 /// What the section is about.
-pub(crate) const PROSE: &str = "Random structures of one to three coordinates with one or two contacts, damping of any form, loads with \
-    phases, static loads, and words of one to three impacts. Every impulse, time and acceleration of their orbits is told with a bound of \
-    its error, and so is the spectral radius; the truth is the state that the exponential of the structure's state matrix brings back, in \
-    38 digits or more. A bound may not be exceeded at all, a verdict not be wrong; saying that no bound is known is allowed.";
+pub(crate) const PROSE: &str = "Random structures of one to three coordinates and one or two contacts, with damping of any form, loads with \
+    phases, and words of one to three impacts. Impulses, times, accelerations and spectral radii are compared with 38 digits or more: no \
+    bound may be exceeded, no verdict wrong. That no bound is known may be told.";
