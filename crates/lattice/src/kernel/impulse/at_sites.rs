@@ -104,6 +104,7 @@ impl ImpulseResponse {
 mod tests {
     use super::*;
     use crate::model::chain::Chain;
+    use crate::modes::row::Ends;
     use crate::modes::spectrum::Spectrum;
 
     fn response(sites: usize, g1: f64, g2: f64, omega: f64) -> ImpulseResponse {
@@ -205,5 +206,20 @@ mod tests {
             assert!((r.mode_dynamic(0, fraction * r.period) - expected).abs() < 1e-15);
         }
         assert!((r.mode_slope(0, 0.25 * r.period) - 0.25).abs() < 1e-16);
+    }
+    /// Between walls Ω₀² = γ₁ + 4γ₂ sin²(π/2(M+1)); without them it is γ₁.
+    #[test]
+    fn what_a_net_impulse_holds_up_is_known_by_hand() {
+        let (gamma1, gamma2, omega) = (0.2, 0.3, 1.7);
+        for sites in [1, 2, 5, 40] {
+            let chain = Chain::new(sites, gamma1, gamma2).unwrap();
+            let half = 0.5 * std::f64::consts::PI / (sites as f64 + 1.0);
+            let walled = (chain.with_ends(Ends::Fixed), gamma1 + 4.0 * gamma2 * half.sin().powi(2));
+            for (chain, square) in [(chain, gamma1), walled] {
+                let r = ImpulseResponse::new(&Spectrum::new(chain), omega).unwrap();
+                let right = omega / (std::f64::consts::TAU * square * sites as f64);
+                assert!((r.uniform_static().unwrap() - right).abs() < 1e-14 * right, "{sites} {square}");
+            }
+        }
     }
 }
