@@ -257,3 +257,29 @@ impl<O> Diagram<O> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use vibrochain_breather::{Family, breathers};
+    use vibrochain_lattice::{Chain, Model};
+
+    use super::*;
+
+    /// Where barriers are at different distances an orbit is alike to itself and to no other one.
+    #[test]
+    fn an_orbit_is_alike_to_itself_alone() {
+        let mut compared = 0;
+        for omega in [1.2, 1.5, 1.9] {
+            let model = Model::conservative(Chain::new(5, 0.2, 0.1).unwrap(), omega, 0.4).unwrap();
+            let lists = [Family::DoubleSided, Family::SingleSided].map(|family| breathers(&model, family).unwrap());
+            let orbits: Vec<_> = lists.iter().flat_map(|list| &list.orbits).collect();
+            for (i, one) in orbits.iter().enumerate() {
+                for (j, other) in orbits.iter().enumerate() {
+                    assert_eq!(are_alike(*one, *other), i == j, "{omega}: {i} {j}");
+                    compared += 1;
+                }
+            }
+        }
+        assert!(compared >= 12, "{compared}");
+    }
+}
