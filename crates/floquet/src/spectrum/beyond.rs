@@ -24,13 +24,14 @@ pub(crate) fn is_surely_beyond(equations: &BlochEquations, reach: f64) -> bool {
     if equations.left_out() > NEGLIGIBLE || poles().any(|(pole, _)| modulus(pole) >= reach) {
         return false;
     }
-    let shapes = (0..modes.len()).map(|k| equations.kernel().shape_error(k)).fold(0.0, f64::max);
+    let of_shapes = || (0..modes.len()).map(|k| equations.kernel().shape_error(k)).fold(0.0, f64::max);
     let (mut matrix, mut sizes) = (Vec::new(), Vec::new());
     [reach, -reach].into_iter().any(|z| {
         let of_poles = poles().map(|(pole, error)| error / modulus(pole - z)).fold(0.0, f64::max);
         equations.fill_real(z, &mut matrix);
         let (value, condition) = determinant_and_condition(&mut matrix, &mut sizes, equations.size());
-        value < 0.0 && condition * (16.0 * f64::EPSILON + of_poles + shapes) < SURE
+        let known = 16.0 * f64::EPSILON + of_poles;
+        value < 0.0 && condition * known < SURE && condition * (known + of_shapes()) < SURE
     })
 }
 

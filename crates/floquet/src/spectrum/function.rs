@@ -144,19 +144,21 @@ impl<'a> SpectralFunction<'a> {
             }
         }
         constants[0].slides.iter_mut().zip(equations.sliding()).for_each(|(slide, died)| *slide += died);
+        let is_kept = |i: usize| shift.as_ref().is_none_or(|shift| shift.place != 2 * i + 1);
+        let hit = |i: usize| if is_kept(i) { equations.hit_error(i) } else { 0.0 };
+        let hits: SmallVec<[f64; 8]> = (0..size / 2).map(hit).collect();
         for (form, Constant { errors, .. }) in constants.iter_mut().enumerate() {
             let entries = equations.constant(form == 1);
             errors.iter_mut().zip(entries).for_each(|(error, entry)| *error += 4.0 * f64::EPSILON * entry.abs());
             let sent = equations.sent_errors().iter().filter(|_| form == 0);
             errors.iter_mut().zip(sent).for_each(|(error, sent)| *error += sent);
-            for (i, at) in (0..size / 2).map(|i| (i, 2 * i * (size + 1))) {
-                let kept = shift.as_ref().is_none_or(|shift| shift.place != 2 * i + 1);
-                let hit = if kept { equations.hit_error(i) } else { 0.0 };
+            for (i, hit) in hits.iter().enumerate() {
+                let at = 2 * i * (size + 1);
                 errors[at + 1] += hit;
                 errors[at + size] += hit;
             }
             let slides = equations.slide_errors().into_iter().flatten().enumerate();
-            let kept = slides.filter(|(i, _)| shift.as_ref().is_none_or(|shift| shift.place != 2 * i + 1));
+            let kept = slides.filter(|(i, _)| is_kept(*i));
             kept.for_each(|(i, error)| errors[(2 * i + 1) * (size + 1)] += error);
         }
         let (matrix, derivative) = (Vec::new(), Vec::new());

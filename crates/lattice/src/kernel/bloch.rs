@@ -1,5 +1,7 @@
 //! The kernel of any list of modes.
 
+use std::f64::consts::SQRT_2;
+
 use rustfft::num_complex::Complex;
 
 use super::coordinates::Coordinates;
@@ -23,6 +25,8 @@ pub struct BlochMode {
     pub pole_error: f64,
     /// Error of the rates λ beyond rounding.
     pub rate_error: f64,
+    /// Error of its shape at any contact beyond rounding.
+    pub shape_error: f64,
 }
 
 impl BlochMode {
@@ -58,6 +62,15 @@ impl BlochMode {
         [forth, if turns_alone { Turned { even: forth.even, odd: -forth.odd } } else { self.flight(-t) }]
     }
 
+    /// Numbers as long as e^{At} and e^{−At}: those of a mode that swings need no sine.
+    pub fn flight_sizes(&self, t: f64) -> [Turned; 2] {
+        if !self.coordinates.are_circular() {
+            return self.flights(t);
+        }
+        let size = if self.decay == 0.0 { 1.0 } else { (-self.decay * t).exp() };
+        [size, size.recip()].map(|even| Turned { even, odd: 0.0 })
+    }
+
     /// A = −δ + κJ
     pub fn generator(&self) -> Turned {
         self.coordinates.generator(self.decay, self.rate)
@@ -84,12 +97,8 @@ pub(super) struct Known {
 /// What rounding alone makes of a shape, relative.
 const ROUNDED: f64 = 2.0 * f64::EPSILON;
 
-/// What a contact sees of a mode and gives to it, in the mode's own coordinates, with errors beyond rounding.
-struct Sight {
-    row: [f64; 2],
-    column: [f64; 2],
-    errors: [f64; 2],
-}
+/// What a contact sees of a mode and gives to it, in the mode's own coordinates.
+type Sight = [[f64; 2]; 2];
 
 /// K^z and its first three derivatives in t, and what they change by with z.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -123,7 +132,7 @@ pub struct BlochKernel {
     /// What a contact sees of a mode's two coordinates, and what a unit impulse at it gives them: [mode][contact]
     rows: Vec<[f64; 2]>,
     columns: Vec<[f64; 2]>,
-    /// Errors of the lengths of both beyond rounding.
+    /// Errors of the lengths of both beyond rounding and what the modes tell; empty where there are none.
     doubts: Vec<[f64; 2]>,
 }
 
@@ -135,8 +144,8 @@ impl BlochKernel {
 
     /// The same with room for so many modes.
     pub(super) fn with_room(period: f64, contacts: usize, modes: usize) -> Self {
-        let [rows, columns, doubts] = [(); 3].map(|()| Vec::with_capacity(contacts * modes));
-        Self { period, contacts, modes: Vec::with_capacity(modes), rows, columns, doubts }
+        let [rows, columns] = [(); 2].map(|()| Vec::with_capacity(contacts * modes));
+        Self { period, contacts, modes: Vec::with_capacity(modes), rows, columns, doubts: Vec::new() }
     }
 
     /// Adds an oscillator q″ + 2ζΩq′ + Ω²q of real shape: `shapes` are w_iᵀφ at the contacts, φᵀMφ = 1. ζ may be anything, below 0,
@@ -155,7 +164,7 @@ impl BlochKernel {
         } else {
             (Turn::Parabolic, self.period.recip())
         };
-        let sight = |shape: &f64| Sight { row: [*shape, 0.0], column: [0.0, shape / rate], errors: [0.0; 2] };
+        let sight = |shape: &f64| [[*shape, 0.0], [0.0, shape / rate]];
         self.push(turn, (decay, rate), shapes.iter().map(sight));
     }
 
@@ -163,16 +172,14 @@ impl BlochKernel {
     pub(crate) fn of_modes(modes: &[LinearMode], period: f64, contacts: &[usize]) -> Self {
         let mut kernel = Self::with_room(period, contacts.len(), modes.len());
         for mode in modes {
-            let sights = contacts.iter().map(|&contact| Sight {
-                row: mode.rows[contact],
-                column: mode.columns[contact],
-                errors: [mode.errors.rows[contact], mode.errors.columns[contact]],
-            });
+            let sights = contacts.iter().map(|&contact| [mode.rows[contact], mode.columns[contact]]);
             kernel.push(mode.turn, (mode.decay, mode.rate), sights);
             if let Some(last) = kernel.modes.last_mut() {
                 let known = f64::EPSILON * (mode.decay.abs() + mode.rate);
                 last.know((mode.errors.poles - known).max(0.0), period);
             }
+            let errors = contacts.iter().map(|&contact| [mode.errors.rows[contact], mode.errors.columns[contact]]);
+            kernel.doubts.extend(errors);
         }
         kernel
     }
@@ -184,7 +191,7 @@ impl BlochKernel {
         let slowest = if turn == Turn::Hyperbolic { rate - decay } else { -decay };
         let pole_error =
             f64::EPSILON * (2.0 + 2.0 * (decay.abs() + rate) * self.period) * (slowest * self.period).exp();
-        let mode = BlochMode { coordinates, decay, rate, period, pole_error, rate_error: 0.0 };
+        let mode = BlochMode { coordinates, decay, rate, period, pole_error, rate_error: 0.0, shape_error: 0.0 };
         self.add(mode, sights);
     }
 
@@ -193,19 +200,16 @@ impl BlochKernel {
         let coordinates = Coordinates::of(Turn::Circular, frequency, self.period);
         let Known { period, pole_error, shape_error } = known;
         let (decay, rate, rate_error) = (0.0, frequency, 0.0);
-        let mode = BlochMode { coordinates, decay, rate, period, pole_error, rate_error };
-        let errors = [shape_error, shape_error / frequency];
-        let sight = |shape: &f64| Sight { row: [*shape, 0.0], column: [0.0, shape / frequency], errors };
-        self.add(mode, shapes.iter().map(sight));
+        let mode = BlochMode { coordinates, decay, rate, period, pole_error, rate_error, shape_error };
+        self.add(mode, shapes.iter().map(|shape| [[*shape, 0.0], [0.0, shape / frequency]]));
     }
 
     fn add(&mut self, mode: BlochMode, sights: impl Iterator<Item = Sight>) {
         self.modes.push(mode);
-        for Sight { row, column, errors } in sights.take(self.contacts) {
+        for [row, column] in sights.take(self.contacts) {
             let [row, column] = mode.coordinates.told(row, column);
             self.rows.push(row);
             self.columns.push(column);
-            self.doubts.push(errors);
         }
     }
 
@@ -246,25 +250,25 @@ impl BlochKernel {
     pub fn shape_errors(&self, k: usize, contact: usize) -> [[f64; 2]; 2] {
         let at = k * self.contacts + contact;
         let coordinates = self.modes[k].coordinates;
-        let [row, column] = coordinates.doubts(self.doubts[at]);
+        let [row, column] = coordinates.doubts(self.doubt(k, contact));
         let rounded = |error, entries| coordinates.with_part(error, ROUNDED, entries);
         [rounded(row, self.rows[at]), rounded(column, self.columns[at])]
     }
 
+    /// Errors of the lengths of what a contact sees and gives, beyond rounding.
+    fn doubt(&self, k: usize, contact: usize) -> [f64; 2] {
+        let BlochMode { shape_error, rate, .. } = self.modes[k];
+        let [row, column] = self.doubts.get(k * self.contacts + contact).copied().unwrap_or_default();
+        [shape_error + row, shape_error / rate + column]
+    }
+
     /// Error of the shape of mode `k`, against the largest that a contact sees of it: of what contacts see and of what they give.
     pub fn shape_error(&self, k: usize) -> f64 {
-        let length = |[x, y]: [f64; 2]| (x * x + y * y).sqrt();
-        let (mut sizes, mut errors) = ([0.0f64; 2], [0.0f64; 2]);
-        for contact in 0..self.contacts {
-            for (i, (entries, error)) in [self.row(k, contact), self.column(k, contact)]
-                .into_iter()
-                .zip(self.shape_errors(k, contact))
-                .enumerate()
-            {
-                (sizes[i], errors[i]) = (sizes[i].max(length(entries)), errors[i].max(length(error)));
-            }
-        }
-        (0..2).filter(|&i| sizes[i] > 0.0).map(|i| errors[i] / sizes[i]).sum()
+        let own = k * self.contacts..(k + 1) * self.contacts;
+        let largest = |table: &[[f64; 2]]| table.iter().flatten().fold(0.0f64, |most, x| most.max(x.abs()));
+        let doubt = |which| (0..self.contacts).map(|contact| self.doubt(k, contact)[which]).fold(0.0f64, f64::max);
+        let part = |size: f64, doubt: f64| if size == 0.0 { 0.0 } else { SQRT_2 * (doubt / size + ROUNDED) };
+        part(largest(&self.rows[own.clone()]), doubt(0)) + part(largest(&self.columns[own.clone()]), doubt(1))
     }
 
     /// The velocity that a unit impulse at one contact gives to another, w_iᵀM⁻¹w_j: the inverse of the effective mass for i = j.

@@ -112,12 +112,15 @@ impl BlochEquations {
         for (k, mode) in self.kernel.modes().iter().enumerate() {
             let (coordinates, generator) = (mode.coordinates, mode.generator());
             let alive = died(mode, spread, self.kernel.period()).map(|died| !died);
+            // The rates of both coordinates, or of both together.
+            let [first, second] = coordinates.carried([1.0; 2], generator);
+            let faster = |[x, y]: [f64; 2]| [first * x, second * y];
             for (impact, t) in self.impacts.iter().zip(&self.since) {
-                let [forth, back] = mode.flights(*t).map(|flight| only(alive, flight));
+                let [forth, back] = mode.flight_sizes(*t).map(|flight| only(alive, flight));
                 let [seen, given] = self.kernel.shape_errors(k, impact.contact);
                 let [seen, given] = [coordinates.carried(seen, forth), coordinates.carried(given, back)];
-                rows.extend([seen.map(|x| self.omega * x), coordinates.carried(seen, generator)]);
-                columns.extend([given, coordinates.carried(given, generator).map(|x| x / self.omega)]);
+                rows.extend([seen.map(|x| self.omega * x), faster(seen)]);
+                columns.extend([given, faster(given).map(|x| x / self.omega)]);
             }
         }
         [rows, columns]
