@@ -203,7 +203,7 @@ def main():
     if not (tree / ".git").exists():
         checked(["git", "clone", "--quiet", "--shared", "--no-checkout", str(ROOT), str(tree)], ROOT)
     head = checked(["git", "rev-parse", "HEAD"], ROOT).strip()
-    checked(["git", "fetch", "--quiet", "origin", head], tree)
+    checked(["git", "fetch", "--quiet", str(ROOT), head], tree)
     checked(["git", "checkout", "--quiet", "--force", "--detach", head], tree)
     examine(tree)
 
