@@ -18,7 +18,8 @@ pub(super) const SUITE: Suite = Suite {
             and whether it is stable. The truth is this program's map, so that its own rows are 0 by definition; the suite `spectrum` compares its multipliers with 57 digits.\n\n- *series and samples*: the paper's formulas as printed, J harmonics, 64 samples a period;\n- *series and general exponential*: the same, then the \
             monodromy matrix by a general exponential; stable if none grows by more than 1e-5 a period;\n- *closed form \
             and general exponential*: that with exact kernels;\n- *closed form*: what `mapgen sweep` does.\n\nA thousand \
-            harmonics are enough for existence. For stability 2000 are not: next to grazing saltation is large. The motion of a truncated series is not quite periodic, its trivial pair splits, and the split counts as growth.",
+            harmonics are enough for existence. For stability 2000 are not: next to grazing saltation is \
+            large. The trivial pair splits, and the split counts as growth.",
     error: "share of the cells with the wrong class",
     run,
 };

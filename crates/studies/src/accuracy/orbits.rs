@@ -18,7 +18,7 @@ pub(super) const SUITE: Suite = Suite {
     title: "Breathers",
     prose: "Impulses of the two conservative families, and impulses, φ and ψ of a forced breather (A = 0.1, e = 0.9; N = \
             20, γ₁ = 0.2, γ₂ = 0.1, a = 0.4). The truth solves the conditions at the impacts in 57 digits.\n\n- *series*: \
-            the paper's procedure with J harmonics. Under a force it looks for a(φ) = a at 64 values of φ and refines;\n- \
+            the paper's procedure with J harmonics. Under a force it samples 64 values of φ;\n- \
             *closed-form kernels*: the same with exact kernels;\n- *enclosures*: what the program does, with proof that \
             there are no more solutions.\n\nA scan finds only zeros whose sign changes show between its samples; the enclosures find all, under a force in less time.",
     error: "largest of the errors of the impulses (over the largest one), of φ over the period, of ψ over that of the force",

@@ -25,8 +25,7 @@ pub(super) const SUITE: Suite = Suite {
             *even subspace*: only modes even about the impacting mass: half the dimension;\n- *reversible block*: half of \
             that again, with the trivial pair removed exactly;\n- *secular function*: all multipliers as zeros of a scalar \
             function. This is what `mapgen orbit` does, unless a certificate fails; then there is no line.\n\nA dense \
-            solver splits the trivial pair of a conservative orbit by the square root of rounding (last column). That blur \
-            bounds the excess it can tell from none.",
+            solver splits the trivial pair of a conservative orbit by the square root of rounding (last column).",
     error: "distance of the leading non-trivial multiplier μ from the true one",
     run,
 };

@@ -81,18 +81,14 @@ impl Report {
         }
         let mut parts = vec![text];
         let tally = &self.tally;
-        let mut text = format!(
+        parts.push(format!(
             "**random points**\n\n{} points, {} numbers compared with the truth; the largest error is {:.2} of the one \
-             promised, {} promises are broken.\n\n| outcome | times |\n|---|---|\n",
+             promised, {} promises are broken.\n",
             tally.draws,
             tally.compared,
             tally.worst,
             tally.broken.len()
-        );
-        for (kind, times) in &tally.outcomes {
-            let _ = writeln!(text, "| {} | {times} |", kind.replace('|', "\\|"));
-        }
-        parts.push(text);
+        ));
         parts
     }
 }
