@@ -1,0 +1,228 @@
+//! A chain is a structure whose modes are known in closed form: asked of both, the same orbits, obstructions and multipliers.
+//!
+//! Matrices are put together spring by spring (`testkit::stiffness`) and their modes found by a dense solver.
+#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+use std::sync::Arc;
+
+use nalgebra::{Complex, DMatrix, DVector};
+use vibrochain_breather::{
+    Completeness, Family, Finder, Orbit, OrbitList, Scope, StructureFound, StructureModel, StructureOrbit, Word,
+    structure_admissibility, structure_orbits,
+};
+use vibrochain_floquet::{Analyser, Tolerance, structure_verdict};
+use vibrochain_lattice::{Barrier, Contact, Model, Structure};
+use vibrochain_testkit::{Random, Ranges, Values, stiffness};
+
+/// The chain of a model by its matrices, contact n at mass n.
+fn structure(model: &Model) -> StructureModel {
+    let n = model.chain().sites();
+    let unit = |site: usize| DVector::from_fn(n, |i, _| f64::from(u8::from(i == site)));
+    let [lower, upper] = [Barrier::Lower, Barrier::Upper].map(|barrier| Some(model.barrier(barrier)));
+    let contact = Contact { lower, upper, restitution: model.restitution() };
+    let load = |amplitude: f64, phase: f64| DVector::from_element(n, Complex::from_polar(amplitude, phase));
+    let harmonics = model.force().harmonics().iter();
+    let structure = Structure {
+        mass: DMatrix::identity(n, n),
+        stiffness: stiffness(model.chain()),
+        contacts: (0..n).map(|site| (unit(site), contact)).collect(),
+        loads: harmonics.map(|harmonic| (harmonic.number, load(harmonic.amplitude, harmonic.phase))).collect(),
+        ..Structure::default()
+    };
+    StructureModel::new(Arc::new(structure.modal().unwrap()), model.omega()).unwrap()
+}
+
+/// A family's word at one mass, with its periods of the force.
+fn word(family: Family, site: usize) -> (Word, u32) {
+    let (text, periods) = match family {
+        Family::DoubleSided => (format!("{site}+,{site}-"), 1),
+        Family::SingleSided => (format!("{site}-"), 1),
+        Family::PeriodDoubled | Family::Word => (format!("{site}-,{site}-"), 2),
+    };
+    (text.parse().unwrap(), periods)
+}
+
+/// A difference modulo a period.
+fn apart(a: f64, b: f64, period: f64) -> f64 {
+    let way = (a - b).rem_euclid(period);
+    way.min(period - way)
+}
+
+/// What both have been asked, and how far their answers were apart in units of the errors told.
+#[derive(Default)]
+struct Tally {
+    lists: usize,
+    orbits: usize,
+    physical: usize,
+    stable: usize,
+    unstable: usize,
+    /// Lists of the chain that say less, or were refused.
+    fewer: usize,
+    complete: usize,
+    /// Orbits of a chain that are not in a structure's list, which does not say that it holds them.
+    missed: usize,
+    worst: f64,
+}
+
+impl Tally {
+    /// Whether it is the same orbit, begun at whichever impact, to within what both tell of their errors.
+    fn is_same(&mut self, chain: &Orbit, finder: &mut Finder, other: &StructureOrbit) -> bool {
+        let (own, impacts, period) = (chain.impacts(), other.impacts(), chain.period());
+        if own.len() != impacts.len() || chain.force_periods() != other.force_periods() {
+            return false;
+        }
+        let Ok(condition) = finder.condition(chain) else { return false };
+        let count = own.len();
+        let share = |turn: usize| {
+            let since = |i: usize| (own[i].time - own[turn].time, impacts[(i + count - turn) % count]);
+            let mut share = 0.0f64;
+            for i in 0..count {
+                let (time, impact) = since(i);
+                if impact.contact != own[i].site || impact.barrier != own[i].barrier {
+                    return f64::INFINITY;
+                }
+                let told = &condition.impacts[i];
+                let room = |error: f64, bound: f64, size: f64| error + bound + 4.0 * f64::EPSILON * size;
+                let impulse = (impact.impulse - own[i].impulse).abs();
+                share = share.max(impulse / room(told.impulse, impact.impulse_error, impact.impulse.abs()));
+                let time = apart(impact.time - impacts[0].time, time, period);
+                share = share.max(time / room(told.time + condition.impacts[turn].time, impact.time_error, period));
+            }
+            share
+        };
+        let share = (0..count).map(share).fold(f64::INFINITY, f64::min);
+        if share <= 1.0 {
+            self.worst = self.worst.max(share);
+        }
+        share <= 1.0
+    }
+
+    /// Each orbit of one list is one of the other; all of them where both lists are said to be complete.
+    fn compare(&mut self, what: &str, (found, finder): (&OrbitList, &mut Finder), other: &StructureFound) {
+        self.lists += 1;
+        let mut taken = vec![false; other.orbits.len()];
+        for orbit in &found.orbits {
+            let same = (0..taken.len()).find(|&k| !taken[k] && self.is_same(orbit, finder, &other.orbits[k]));
+            let Some(same) = same else {
+                // Impacts of one contact closer than this are left out of what a structure's list is said to hold.
+                let is_crowded = orbit.phi().is_some_and(|phi| apart(phi, 0.0, orbit.period()) < 1e-4 * orbit.period());
+                let search = other.search;
+                assert!(!search.is_complete() || is_crowded, "{what}: {search:?} but {:?}", orbit.impacts());
+                self.missed += 1;
+                continue;
+            };
+            taken[same] = true;
+            self.compare_orbits(what, (orbit, finder), &other.orbits[same]);
+        }
+        let is_complete = matches!(found.completeness, Completeness::All(_) | Completeness::None { by: Some(_), .. });
+        if is_complete {
+            self.complete += usize::from(other.search.is_complete());
+            // Of words, a chain lists those whose barriers push.
+            let pushes = |orbit: &StructureOrbit| {
+                orbit.impacts().iter().all(|impact| impact.barrier.sign() * impact.impulse < 0.0)
+            };
+            let lacking = other.orbits.iter().zip(&taken).filter(|(orbit, taken)| !**taken && pushes(orbit)).count();
+            assert_eq!(lacking, 0, "{what}: {:?} but {:?}", found.completeness, other.orbits);
+        } else {
+            self.fewer += usize::from(taken.iter().any(|taken| !taken));
+        }
+    }
+
+    fn compare_orbits(&mut self, what: &str, (chain, finder): (&Orbit, &mut Finder), other: &StructureOrbit) {
+        self.orbits += 1;
+        let (one, two) = (finder.admissibility(chain).unwrap(), structure_admissibility(other).unwrap());
+        let grazes = |margin: Option<f64>| margin.is_some_and(|margin| margin.abs() < 1e-9);
+        if !grazes(one.margin) && !grazes(two.margin) {
+            assert_eq!(one.is_physical(), two.is_physical(), "{what}: {one:?} {two:?}");
+            if let [Some(a), Some(b)] = [one.margin, two.margin] {
+                assert!((a - b).abs() < 1e-9 * (1.0 + a.abs()), "{what}: {one:?} {two:?}");
+            }
+        }
+        self.physical += usize::from(one.is_physical());
+        let told = Analyser::default().verdict(chain, finder, Tolerance::Rounding);
+        let (Ok(one), Ok(two)) = (told, structure_verdict(other, Tolerance::Rounding)) else { return };
+        // What a chain tells of a forced orbit is an estimate: of 3 masses at γ₃ = 1.4e-5 it is off by six times as much (many digits: 259.86246534848782).
+        let room = 16.0 * one.resolution + 2.0 * two.resolution + 1e-14 * one.spectral_radius;
+        assert!((one.spectral_radius - two.spectral_radius).abs() <= room, "{what}: {one:?} {two:?}");
+        if !one.undecided && !two.undecided {
+            assert_eq!(one.stable, two.stable, "{what}: {one:?} {two:?}");
+            self.stable += usize::from(one.stable);
+            self.unstable += usize::from(!one.stable);
+        }
+    }
+}
+
+#[test]
+fn families_are_words_of_a_structure() {
+    let (mut random, mut tally) = (Random(5), Tally::default());
+    for number in 0..1000 {
+        let extreme = number % 5 == 4;
+        let ranges = match (random.chance(0.5), extreme) {
+            (true, false) => Ranges { sites: [1, 6], ..Ranges::FORCED },
+            (false, false) => Ranges { sites: [1, 9], ..Ranges::CONSERVATIVE },
+            (true, true) => Ranges {
+                sites: [1, 4],
+                gamma2: Values::Log(1e-9, 1e-3),
+                restitution: Values::Even(0.97, 1.0),
+                ..Ranges::FORCED
+            },
+            (false, true) => Ranges {
+                sites: [1, 6],
+                omega: Values::Log(0.1, 1e3),
+                asymmetry: Values::Log(1e-9, 0.99),
+                ..Ranges::CONSERVATIVE
+            },
+        };
+        let chain = random.lattice(&ranges);
+        let model = random.model(&ranges).point().on(&chain).model().unwrap();
+        let (mut finder, mut found, other) = (Finder::new(chain.sites()), OrbitList::default(), structure(&model));
+        for family in [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled] {
+            if model.is_conservative() && family == Family::PeriodDoubled {
+                continue;
+            }
+            if finder.find(&model, family, &mut found).is_err() {
+                continue;
+            }
+            let site = found.orbits.first().and_then(Orbit::impact_site).unwrap_or(0);
+            let (word, periods) = word(family, site);
+            let Ok(list) = structure_orbits(&other, &word, periods) else { continue };
+            if found.orbits.is_empty() && site == 0 && !chain.is_ring() {
+                continue;
+            }
+            tally.compare(&format!("{number} {family} {model}"), (&found, &mut finder), &list);
+        }
+    }
+    let Tally { lists, orbits, physical, stable, unstable, complete, fewer, missed, worst } = tally;
+    let counts = format!("{lists} {complete} {fewer} {missed} {orbits} {physical} {stable} {unstable} {worst}");
+    assert!(lists > 2000 && complete > 1800 && fewer < 20 && missed < 5 && worst < 1.0, "{counts}");
+    assert!(orbits > 3500 && physical > 700 && stable > 1200 && unstable > 2000, "{counts}");
+}
+
+#[test]
+fn words_of_a_chain_are_words_of_a_structure() {
+    let (mut random, mut tally) = (Random(7), Tally::default());
+    for number in 0..400 {
+        let forced = number % 2 == 0;
+        let gamma2 = Values::Log(1e-3, 0.1);
+        let ranges = match forced {
+            true => Ranges { sites: [2, 4], gamma2, ..Ranges::FORCED },
+            false => Ranges { sites: [2, 6], gamma2, ..Ranges::CONSERVATIVE },
+        };
+        let chain = random.chain(&ranges);
+        let model = random.model(&ranges).point().on(&chain).model().unwrap();
+        let first = random.below(chain.sites());
+        let sites = [first, (first + 1 + random.below(chain.sites() - 1)) % chain.sites()];
+        let sides = [(); 2].map(|()| random.of(&["+", "-"]));
+        let word: Word = format!("{}{},{}{}", sites[0], sides[0], sites[1], sides[1]).parse().unwrap();
+        let (mut finder, mut found) = (Finder::new(chain.sites()), OrbitList::default());
+        if finder.find_word(&model, &word, Scope::All, &mut found).is_err() {
+            continue;
+        }
+        let Ok(list) = structure_orbits(&structure(&model), &word, 1) else { continue };
+        tally.compare(&format!("{number} {word} {model}"), (&found, &mut finder), &list);
+    }
+    let Tally { lists, orbits, physical, stable, unstable, complete, fewer, missed, worst } = tally;
+    let counts = format!("{lists} {complete} {fewer} {missed} {orbits} {physical} {stable} {unstable} {worst}");
+    assert!(lists > 380 && complete > 150 && missed == 0 && worst < 1.0, "{counts}");
+    assert!(orbits > 200 && physical > 0 && fewer > 100 && stable > 80 && unstable > 80, "{counts}");
+}
