@@ -104,7 +104,7 @@ impl BlochEquations {
         }
     }
 
-    /// What the errors of the shapes make of A_k and C_k, [mode][row], as [`vibrochain_lattice::Coordinates::carried`] has them.
+    /// What the errors of the shapes make of A_k and C_k, mode by mode, as [`vibrochain_lattice::Coordinates::carried`] has them.
     pub fn shape_errors(&self) -> [Vec<[f64; 2]>; 2] {
         let all = self.size() * self.kernel.modes().len();
         let [mut rows, mut columns] = [(); 2].map(|()| Vec::with_capacity(all));
