@@ -142,6 +142,7 @@ impl<S: Grid> Table<S> {
 }
 
 /// Writes a count, without room on the heap.
+#[inline]
 fn push_count(text: &mut Vec<u8>, count: u64) {
     // As numbers of solutions are.
     if count < 10 {
