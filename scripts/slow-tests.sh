@@ -14,6 +14,8 @@ first=$(($(git rev-list --count HEAD 2>/dev/null || echo 0) % ${#files[@]}))
 # Fewer seconds than this are not worth beginning with: the shortest files take as long.
 least=5
 left=()
+told=$(mktemp)
+trap 'rm -f "$told"' EXIT
 for file in "${files[@]:first}" "${files[@]:0:first}"; do
     limit=()
     if [ "$most" != unlimited ]; then
@@ -27,12 +29,19 @@ for file in "${files[@]:first}" "${files[@]:0:first}"; do
     fi
     began=$SECONDS
     status=0
-    "${limit[@]}" cargo test --locked --quiet --workspace ${FEATURES:+--features "$FEATURES"} --test "$file" -- --ignored slow || status=$?
+    "${limit[@]}" cargo test --locked --quiet --workspace ${FEATURES:+--features "$FEATURES"} --test "$file" -- --ignored slow --nocapture \
+        >"$told" 2>&1 || status=$?
+    # One that has failed by the time that the others are ended has failed.
+    if [ "$status" != 0 ] && grep -q -- 'FAILED' "$told"; then
+        cat "$told"
+        exit 1
+    fi
     # 124 by the first signal, 137 by the second.
     if [ "$status" = 124 ] || [ "$status" = 137 ] && [ "${#limit[@]}" -gt 0 ]; then
         echo "slow tests of $file: ended after $((SECONDS - began)) s, NOT TESTED"
         left+=("$file")
     elif [ "$status" != 0 ]; then
+        cat "$told"
         exit "$status"
     else
         echo "slow tests of $file: $((SECONDS - began)) s"
