@@ -62,18 +62,22 @@ fn stability(orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Stability, 
 /// # Errors
 /// As [`structure_stability`].
 pub fn structure_verdict(orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Verdict, FloquetError> {
-    heard(orbit, move |orbit| StructureMultipliers::of(orbit).verdict(tolerance))
+    StructureMultipliers::of(orbit).verdict(tolerance)
 }
 
 /// Modes times impacts from which on the work on multipliers, which does not look at a request to stop, may take longer than whoever stops waits.
 const LONG: usize = 128;
+
+fn is_long(orbit: &StructureOrbit) -> bool {
+    orbit.model().structure().modes().len() * orbit.impacts().len() >= LONG
+}
 
 /// Does work on an orbit's multipliers: no longer than until its model's request to stop is raised.
 fn heard<T: Send + 'static>(
     orbit: &StructureOrbit,
     work: impl FnOnce(&StructureOrbit) -> Result<T, FloquetError> + Send + 'static,
 ) -> Result<T, FloquetError> {
-    if orbit.model().structure().modes().len() * orbit.impacts().len() < LONG {
+    if !is_long(orbit) {
         return work(orbit);
     }
     let (stop, orbit) = (orbit.model().stop().clone(), orbit.clone());
@@ -120,6 +124,13 @@ impl<'a> StructureMultipliers<'a> {
     /// # Errors
     /// As [`structure_stability`].
     pub fn verdict(&self, tolerance: Tolerance) -> Result<Verdict, FloquetError> {
+        if is_long(self.orbit) {
+            return heard(self.orbit, move |orbit| StructureMultipliers::of(orbit).worked_out(tolerance));
+        }
+        self.worked_out(tolerance)
+    }
+
+    fn worked_out(&self, tolerance: Tolerance) -> Result<Verdict, FloquetError> {
         let ask = |equations: &BlochEquations, data: &[Origin]| {
             if self.orbit.is_self_excited() {
                 self.told(equations, data, tolerance).map(|(verdict, _)| (verdict, ()))
