@@ -199,7 +199,7 @@ mod tests {
         }
     }
 
-    /// Impacts at the breather's times are its own only with its velocities; nor are they where another mass is hit, or at other times.
+    /// A run is on its breather if its impacts have the breather's times, velocities and masses; it is not if one of the three differs.
     #[test]
     fn a_run_is_on_its_breather_by_places_times_and_velocities() {
         let track = |site: usize, time: f64, velocity: f64| Track {

@@ -350,7 +350,7 @@ fn doubled_self_excited_orbits_end_on_those_of_half_their_period() {
             && end["message"].as_str().unwrap().ends_with("on orbits of half its period"),
         "{end}"
     );
-    // There one of the orbits of half the period has the multiplier -1.
+    // At the end an orbit of half the period doubles: it has the multiplier -1.
     let place = number(&end["value"]);
     let there = written(
         &dir.run(&format!("orbit --scene scene.toml --set contact.0.restitution={place} --json")).with(0, &[]).out,

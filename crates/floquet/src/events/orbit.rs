@@ -53,8 +53,8 @@ pub(crate) trait EventOrbit: Followed {
     fn unevenness(&self) -> Vec<f64>;
     /// Whether a more symmetric orbit lies between this one and another of its branch.
     fn is_across(&self, other: &Self) -> bool;
-    /// Whether the impacts of its second half are at the places of the first, in the same order: more symmetric orbits on its branch repeat
-    /// after half its period. Of others they are mirror images of themselves.
+    /// Whether its second half hits the same places as its first, in the same order. Where its branch ends on more symmetric orbits, these then
+    /// repeat after half its period; where it does not, they are their own mirror images.
     fn is_hit_again(&self) -> bool {
         let hits = self.hits();
         let (one, other) = hits.split_at(hits.len() / 2);

@@ -265,7 +265,7 @@ mod tests {
 
     use super::*;
 
-    /// Where barriers are at different distances an orbit is alike to itself and to no other one.
+    /// In an asymmetric gap no two orbits are images of each other.
     #[test]
     fn an_orbit_is_alike_to_itself_alone() {
         let mut compared = 0;

@@ -153,7 +153,7 @@ impl Search<'_> {
         let mut roots = aberth.roots.split_off(dead + trivial);
         let mut gone = aberth.roots;
         gone.truncate(dead);
-        // Next to 0 rows and columns of J vanish, and made alike in size they lead to another zero.
+        // Next to z = 0 rows and columns of J vanish. Scaled to equal size they are rounding, and refinement ends at another zero.
         if !self.reciprocal {
             gone.extend(roots.extract_if(.., |z| modulus(*z) < DEAD));
             if gone.is_empty() {

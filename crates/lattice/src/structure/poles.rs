@@ -326,7 +326,7 @@ fn with_conjugates(poles: &[Pole]) -> Vec<Pole> {
 mod tests {
     use super::*;
 
-    /// Poles and shapes move within their errors where squares and dashpots are off within theirs, and the errors are no idle numbers.
+    /// If squares and dashpots are off by no more than their errors, poles and shapes move by no more than theirs; some move by a fifth of it.
     #[test]
     fn errors_of_entries_are_carried_to_poles_and_shapes() {
         let (mut draw, mut near, mut checked) = (0.0_f64, [0.0_f64; 2], 0);

@@ -104,7 +104,7 @@ impl BlochEquations {
         }
     }
 
-    /// What the errors of the shapes make of A_k and C_k, mode by mode, as [`vibrochain_lattice::Coordinates::carried`] has them.
+    /// Errors of A_k and C_k that come from the shapes of modes, mode by mode, in the form of [`vibrochain_lattice::Coordinates::carried`].
     pub fn shape_errors(&self) -> [Vec<[f64; 2]>; 2] {
         let all = self.size() * self.kernel.modes().len();
         let [mut rows, mut columns] = [(); 2].map(|()| Vec::with_capacity(all));

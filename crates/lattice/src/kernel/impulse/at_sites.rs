@@ -207,6 +207,7 @@ mod tests {
         }
         assert!((r.mode_slope(0, 0.25 * r.period) - 0.25).abs() < 1e-16);
     }
+
     /// Between walls Ω₀² = γ₁ + 4γ₂ sin²(π/2(M+1)); without them it is γ₁.
     #[test]
     fn what_a_net_impulse_holds_up_is_known_by_hand() {
