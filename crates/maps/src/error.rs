@@ -13,7 +13,7 @@ pub enum MapError {
     /// It could not be completed.
     #[error("{0}")]
     Computation(String),
-    /// The stop flag was raised while nobody was reading a pipe.
+    /// The stop flag was raised while nobody was reading a pipe, or before a plan was read.
     #[error("interrupted: {} was not read", .0.display())]
     Halted(PathBuf),
     /// Whoever read standard output has seen enough (`| head`), which is no failure.

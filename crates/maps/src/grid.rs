@@ -28,7 +28,7 @@ pub struct Refined {
 }
 
 /// A checked scene over a grid of cells.
-pub trait Grid: Clone + Debug + Send + Sync {
+pub trait Grid: Clone + Debug + Send + Sync + 'static {
     /// What its axes vary.
     type Parameter: Copy + Debug + PartialEq + Send + Sync;
     /// Where a cell is.

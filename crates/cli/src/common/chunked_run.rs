@@ -104,7 +104,7 @@ impl<S: Grid, C: Content<S>> ChunkedRun<'_, C, S> {
         console: &mut Console<'_>,
     ) -> Result<Gathered, CliError> {
         let claim = if self.resume { Claim::Resume } else { Claim::Fresh };
-        let store = Store::open(parts, self.plan, claim)?;
+        let store = Store::open(parts, self.plan, claim, self.stop)?;
         let along = if store.present()?.is_empty() {
             // Where nothing is finished nothing is lost by an early end.
             match Assembly::begin(self.content, self.plan, out, self.threads(), &mut *watcher) {
@@ -199,7 +199,7 @@ impl<S: Grid, C: Content<S>> ChunkedRun<'_, C, S> {
         if !folder.exists() {
             promises_folder(flag, folder)?;
         }
-        let store = Store::open(folder, self.plan, Claim::Share)?;
+        let store = Store::open(folder, self.plan, Claim::Share, self.stop)?;
         let there = store.present()?;
         ensure!(
             self.resume || !shard.chunks(self.plan).any(|chunk| there.contains(&chunk)),

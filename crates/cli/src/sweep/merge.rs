@@ -9,7 +9,7 @@ use vibrochain_lattice::{Short, Stop};
 
 use crate::args::{MergeArgs, QuantityName};
 use crate::common::chunked_run::quoted;
-use crate::common::console::{Console, destinations};
+use crate::common::console::{Console, destinations, interruptible};
 use crate::common::error::CliError;
 use crate::common::pictures::files::{PictureFiles, of_no_map};
 use crate::common::swept_scene::SweptScene;
@@ -43,7 +43,8 @@ pub fn run(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> 
 }
 
 fn merged<S: SweptScene>(args: &MergeArgs, console: &mut Console<'_>) -> Result<(), CliError> {
-    let plan = Store::plan::<S>(&args.folder)?;
+    let folder = args.folder.clone();
+    let plan = interruptible(move || Store::plan::<S>(&folder))??;
     let pool = threads(console.threads)?;
     match &plan.ensemble {
         None => sweep(args, &plan, &pool, console),

@@ -7,7 +7,7 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use vibrochain_lattice::Stop;
+use vibrochain_lattice::{Stop, Stopped, aside};
 
 use super::chunk::{Fault, Writer, check};
 use super::content::Content;
@@ -60,8 +60,9 @@ impl Store {
     ///
     /// # Errors
     /// [`MapError::Request`]: the folder cannot be made, is that of another sweep, holds chunks and the claim is
-    /// [`Claim::Fresh`], or another process has it. [`MapError::Computation`] if the plan cannot be written.
-    pub fn open<S: Grid>(folder: &Path, plan: &Plan<S>, claim: Claim) -> Result<Self, MapError> {
+    /// [`Claim::Fresh`], or another process has it. [`MapError::Computation`] if the plan cannot be written;
+    /// [`MapError::Halted`] if `stop` is raised while another plan is read.
+    pub fn open<S: Grid>(folder: &Path, plan: &Plan<S>, claim: Claim, stop: &Stop) -> Result<Self, MapError> {
         let place = folder.display();
         ensure!(
             claim == Claim::Share || !folder.is_symlink(),
@@ -72,7 +73,7 @@ impl Store {
         }
         let new = !folder.exists();
         let store = Self::locked(folder, claim)?;
-        let taken = store.take(plan, claim);
+        let taken = store.take(plan, claim, stop);
         // Whoever else has come there in the meantime keeps it.
         if new && taken.is_err() && store.lock.try_lock().is_ok() {
             store.leave();
@@ -107,7 +108,7 @@ impl Store {
         Err(MapError::Request(format!("{place} is made and removed by other processes all the time: stop them first")))
     }
 
-    fn take<S: Grid>(&self, plan: &Plan<S>, claim: Claim) -> Result<(), MapError> {
+    fn take<S: Grid>(&self, plan: &Plan<S>, claim: Claim, stop: &Stop) -> Result<(), MapError> {
         let place = self.folder.display();
         let entries = self.entries()?;
         if let Some((chunk, _)) = entries.iter().find(|(_, plain)| !plain) {
@@ -121,9 +122,10 @@ impl Store {
         );
         let path = self.folder.join(PLAN);
         let new = path.symlink_metadata().is_err_and(|error| error.kind() == io::ErrorKind::NotFound);
+        let ours = plan.to_json();
         if new {
             let mut file = Output::beside(&path)?;
-            io::Write::write_all(&mut file, plan.to_json().as_bytes()).map_err(|error| file.unwritten(&error))?;
+            io::Write::write_all(&mut file, ours.as_bytes()).map_err(|error| file.unwritten(&error))?;
             // Another process may have been faster; what counts is what is there now. Whoever is alone need not wait for the
             // disk before there is a chunk.
             if claim == Claim::Share {
@@ -131,15 +133,22 @@ impl Store {
             } else {
                 file.place_new()?
             };
-        } else if claim != Claim::Share && chunks == 0 {
+        }
+        // To read a plan is to work out all modes of a structure: one that is ours to the letter need not be read.
+        if Self::plan_text::<S>(&self.folder).is_ok_and(|there| there == ours) {
+            return Ok(());
+        }
+        let folder = self.folder.clone();
+        let there = aside(stop, move || Self::plan::<S>(&folder)).map_err(|Stopped| MapError::Halted(path.clone()))?;
+        if !new && claim != Claim::Share && chunks == 0 {
             // Nobody's work: the plan of a sweep that got nowhere binds nobody, whether or not it can be read.
-            match Self::plan::<S>(&self.folder) {
+            match there {
                 Ok(other) if plan.differences(&other).is_none() => return Ok(()),
                 Err(error) if !is_of_mapgen(&path) => return Err(error),
-                _ => return Output::beside(&path)?.finish_with(plan.to_json().as_bytes()),
+                _ => return Output::beside(&path)?.finish_with(ours.as_bytes()),
             }
         }
-        match plan.differences(&Self::plan(&self.folder)?) {
+        match plan.differences(&there?) {
             None => Ok(()),
             Some(told) => {
                 let message = format!("{place} belongs to {told}; name another --out");
@@ -346,10 +355,10 @@ mod tests {
         fs::write(&scene, TEXT).unwrap();
         let here = Plan::<Scene>::read(&scene, None).unwrap();
         let there = Plan::<Scene>::by_version(&scene, TEXT, "0.0.9");
-        drop(Store::open(&folder, &there, Claim::Share).unwrap());
+        drop(Store::open(&folder, &there, Claim::Share, &Stop::default()).unwrap());
         fs::write(Store::path(&folder, 0), "").unwrap();
         for claim in [Claim::Resume, Claim::Share] {
-            let error = Store::open(&folder, &here, claim).unwrap_err();
+            let error = Store::open(&folder, &here, claim, &Stop::default()).unwrap_err();
             let told = error.to_string();
             assert!(
                 told.contains("belongs to another version of mapgen: 0.0.9 (") && matches!(error, MapError::Request(_)),
@@ -358,7 +367,7 @@ mod tests {
             assert!(told.contains(&format!(") there, {} (", crate::manifest::VERSION)), "{told}");
         }
         // Chunks that are sound, but of that version: without their plan they are refused one by one.
-        Store::open(&folder, &there, Claim::Share).unwrap().writer(&there, 0).unwrap().finish().unwrap();
+        Store::open(&folder, &there, Claim::Share, &Stop::default()).unwrap().writer(&there, 0).unwrap().finish().unwrap();
         assert!(matches!(Store::check(&Cells, &folder, &here, 0, &Stop::default()), Err(Fault::Foreign)));
     }
 
@@ -378,7 +387,7 @@ mod tests {
             "old.chunk",
         ];
         others.iter().for_each(|name| fs::write(folder.join(name), "mine").unwrap());
-        let store = Store::open(&folder, &plan, Claim::Fresh).unwrap();
+        let store = Store::open(&folder, &plan, Claim::Fresh, &Stop::default()).unwrap();
         // This sweep has one chunk: there is no second.
         fs::write(Store::path(&folder, 1), "mine").unwrap();
         fs::write(Store::path(&folder, 0), "a chunk").unwrap();
@@ -389,7 +398,7 @@ mod tests {
         left.sort_unstable();
         assert_eq!(left, [&others[..5], &["000001.chunk", "old.chunk"]].concat());
         left.iter().for_each(|name| fs::remove_file(folder.join(name)).unwrap());
-        assert!(Store::open(&folder, &plan, Claim::Resume).unwrap().remove(&plan) && !folder.exists());
+        assert!(Store::open(&folder, &plan, Claim::Resume, &Stop::default()).unwrap().remove(&plan) && !folder.exists());
     }
 
     #[test]
@@ -410,7 +419,7 @@ mod tests {
         ] {
             fs::write(folder.join(PLAN), text).unwrap();
             for claim in [Claim::Fresh, Claim::Resume] {
-                assert_eq!(Store::open(&folder, &plan, claim).is_ok(), is_ours, "{text}");
+                assert_eq!(Store::open(&folder, &plan, claim, &Stop::default()).is_ok(), is_ours, "{text}");
             }
             let expected = if is_ours { &whole[..] } else { text };
             assert_eq!(fs::read_to_string(folder.join(PLAN)).unwrap(), expected);
@@ -423,16 +432,16 @@ mod tests {
         let (scene, folder) = (dir.path().join("scene.toml"), dir.path().join("parts"));
         fs::write(&scene, TEXT).unwrap();
         let plan = Plan::<Scene>::read(&scene, None).unwrap();
-        let first = Store::open(&folder, &plan, Claim::Fresh).unwrap();
-        let told = Store::open(&folder, &plan, Claim::Share).unwrap_err().to_string();
+        let first = Store::open(&folder, &plan, Claim::Fresh, &Stop::default()).unwrap();
+        let told = Store::open(&folder, &plan, Claim::Share, &Stop::default()).unwrap_err().to_string();
         assert!(told.contains("another mapgen is at work in ") && told.contains("parts/lock, for 0."), "{told}");
         fs::remove_file(folder.join(LOCK)).unwrap();
         assert!(!is_still_at(&first.lock, &folder.join(LOCK)));
         // Two shares get along, and keep a whole sweep out.
         drop(first);
-        let shares = [(); 2].map(|()| Store::open(&folder, &plan, Claim::Share).unwrap());
-        assert!(Store::open(&folder, &plan, Claim::Resume).is_err());
+        let shares = [(); 2].map(|()| Store::open(&folder, &plan, Claim::Share, &Stop::default()).unwrap());
+        assert!(Store::open(&folder, &plan, Claim::Resume, &Stop::default()).is_err());
         drop(shares);
-        assert!(Store::open(&folder, &plan, Claim::Resume).unwrap().remove(&plan) && !folder.exists());
+        assert!(Store::open(&folder, &plan, Claim::Resume, &Stop::default()).unwrap().remove(&plan) && !folder.exists());
     }
 }

@@ -194,7 +194,7 @@ mod tests {
         std::fs::write(&scene, text).unwrap();
         let plan: Plan = Plan::read(&scene, None).unwrap();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-        let store = Store::open(&dir.path().join("parts"), &plan, Claim::Fresh).unwrap();
+        let store = Store::open(&dir.path().join("parts"), &plan, Claim::Fresh, &Stop::default()).unwrap();
         let todo = |stop| {
             Todo::of(
                 &Cells,
@@ -227,7 +227,7 @@ mod tests {
         assert!(chunks.len() > 2);
         // The first one has come from elsewhere since.
         for (some, grows) in [(&chunks[1..], false), (&chunks[..], true)] {
-            let store = Store::open(&dir.path().join("parts"), &plan, Claim::Fresh).unwrap();
+            let store = Store::open(&dir.path().join("parts"), &plan, Claim::Fresh, &Stop::default()).unwrap();
             let given = Work { content: &Cells, job: &job, plan: &plan, store: &store };
             let mut nobody = Nobody;
             let along = Assembly::begin(&Cells, &plan, &out, 1, &mut nobody).unwrap();
