@@ -21,7 +21,7 @@ use crate::common::pictures::page_args::{PICTURES, PageArgs};
 use quantity::{Meanings, by_name};
 
 pub use events::{AlongArgs, BranchArgs, CurveArgs, CurvesArgs, Free, LocateArgs};
-pub use model::{ModelArgs, ParameterArgs, RowEnds, SiteFamily, StructureArgs, WhichArgs};
+pub use model::{ModelArgs, ParameterArgs, SiteFamily, StructureArgs, WhichArgs};
 pub use quantity::QuantityName;
 pub(crate) use quantity::{OF_BRANCHES, OF_MAPS, SHOWN, of_orbits};
 pub use runs::{Direction, FateArgs, SectionName, SimulateArgs};

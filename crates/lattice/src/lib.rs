@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Point ──> Model: Chain, Force, Barrier ──> Spectrum ──> ImpulseResponse, BlochKernel, Propagator
-//! Structure ──> ModalStructure: LinearMode, Contact ───────────────────> BlochKernel
+//! Structure, DampedChain ──> ModalStructure: LinearMode, Contact ──────> BlochKernel
 //! ```
 //!
 //! Between impacts the chain is linear: `M` unit masses on a ring, each held by an on-site spring γ₁ and
@@ -27,7 +27,8 @@
 //! |---|---|
 //! | [`Chain`], [`Model`], [`Barrier`] | validated parameters |
 //! | [`Force`], [`Wave`] | odd harmonics and the uniform motion they drive |
-//! | [`Ends`] | closed, free, fixed; modes of one row, by images |
+//! | [`Ends`], [`RowEnds`] | closed, free, fixed, or fixed and free; modes of one row, by images |
+//! | [`DampedChain`] | one row with dashpots, any contacts and loads |
 //! | [`Steady`] | motion under the force alone, between walls too |
 //! | [`Spectrum`] | frequencies, weights, band, resonances |
 //! | [`Parameter`], [`DampedParameter`], [`Row`] | the real ones by name, to be varied, those of damped chains alone; their table |
@@ -81,7 +82,7 @@ pub use model::point::Point;
 #[cfg(feature = "serde")]
 pub use model::serde_impl::PointPart;
 pub use modes::distinct::DistinctMasses;
-pub use modes::row::Ends;
+pub use modes::row::{Ends, RowEnds};
 pub use modes::shapes::Shapes;
 pub use modes::spectrum::Spectrum;
 /// What a structure is given by, so that this crate can be used alone.
@@ -91,6 +92,7 @@ pub use rustfft::num_complex::Complex;
 pub use simd::small::{sinc, sine_over};
 pub use stop::{Stop, Stopped};
 pub use structure::contact::Contact;
+pub use structure::damped_chain::DampedChain;
 pub use structure::energy::{Block, EnergyForm};
 pub use structure::error::StructureError;
 pub use structure::linear_mode::{LinearMode, ModeErrors, ModeShape};

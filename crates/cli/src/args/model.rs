@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, ValueEnum};
 use vibrochain_breather::{Family, MAX_IMPACTS, Word};
-use vibrochain_lattice::{DampedParameter, Ends, Force, Parameter, Row};
+use vibrochain_lattice::{DampedParameter, Ends, Force, Parameter, Row, RowEnds};
 use vibrochain_maps::numbers::{real, whole};
 
 use super::quantity::{Meanings, by_name};
@@ -32,26 +32,6 @@ const ENDS: Meanings<RowEnds> = &[
     ),
 ];
 const LAYER_ENDS: Meanings<Ends> = &[(Ends::Closed, "Each other"), (Ends::Free, "Nothing")];
-
-/// What stands at both ends of a chain.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RowEnds {
-    /// The same.
-    Alike(Ends),
-    /// A wall and nothing.
-    FixedFree,
-}
-
-impl RowEnds {
-    /// The name in scenes and flags.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Alike(ends) => ends.name(),
-            Self::FixedFree => "fixed-free",
-        }
-    }
-}
 
 /// The model: its parameters as flags, or a scene's, some of them changed by flags.
 #[derive(Debug, Clone, Args)]

@@ -10,11 +10,11 @@ pub(crate) mod simulate;
 use std::path::Path;
 
 use serde_json::json;
-use vibrochain_lattice::{DampedParameter, Ends, Parameter};
+use vibrochain_lattice::{DampedParameter, Ends, Parameter, RowEnds};
 use vibrochain_maps::scene::Given;
 use vibrochain_maps::structure::{Setting, StructureScene};
 
-use crate::args::{ModelArgs, RowEnds};
+use crate::args::ModelArgs;
 use crate::common::console::{ctrl_c, interruptible};
 use crate::common::error::CliError;
 use vibrochain_maps::manifest::object;

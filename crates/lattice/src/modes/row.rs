@@ -27,6 +27,36 @@ pub enum Ends {
 
 crate::names!(Ends { Closed "closed", Free "free", Fixed "fixed" });
 
+/// What stands at the two ends of a row, alike or not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum RowEnds {
+    /// The same at both.
+    Alike(Ends),
+    /// A wall before the first mass, nothing behind the last one.
+    FixedFree,
+}
+
+impl RowEnds {
+    /// All of them.
+    pub const ALL: [Self; 4] =
+        [Self::Alike(Ends::Closed), Self::Alike(Ends::Free), Self::Alike(Ends::Fixed), Self::FixedFree];
+
+    /// The name in files and on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Alike(ends) => ends.name(),
+            Self::FixedFree => "fixed-free",
+        }
+    }
+
+    /// The one of that name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|one| one.name() == name)
+    }
+}
+
 /// A row of masses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct Line {
@@ -41,7 +71,7 @@ impl Line {
     }
 
     /// Masses of the ring of images.
-    fn circle(self) -> usize {
+    pub(crate) fn circle(self) -> usize {
         match self.ends {
             Ends::Closed => self.masses,
             Ends::Free => 2 * self.masses,
@@ -50,7 +80,7 @@ impl Line {
     }
 
     /// The wavenumber on the ring of images of mode 0.
-    fn lowest(self) -> usize {
+    pub(crate) fn lowest(self) -> usize {
         usize::from(self.ends == Ends::Fixed)
     }
 
@@ -70,13 +100,18 @@ impl Line {
 
     /// What the products of [`LineShapes::even`] lack to be those of normalised shapes.
     pub(crate) fn weight(self, k: usize) -> f64 {
-        let m = self.masses as f64;
+        let (part, of) = self.share(k);
+        part as f64 / of as f64
+    }
+
+    /// The same as a fraction.
+    pub(crate) fn share(self, k: usize) -> (usize, usize) {
+        let m = self.masses;
         match self.ends {
-            Ends::Closed if k == 0 || 2 * k == self.masses => 1.0 / m,
-            Ends::Closed => 2.0 / m,
-            Ends::Free if k == 0 => 1.0 / m,
-            Ends::Free => 2.0 / m,
-            Ends::Fixed => 2.0 / (m + 1.0),
+            Ends::Closed if k == 0 || 2 * k == m => (1, m),
+            Ends::Free if k == 0 => (1, m),
+            Ends::Closed | Ends::Free => (2, m),
+            Ends::Fixed => (2, m + 1),
         }
     }
 

@@ -1,7 +1,8 @@
 //! Arithmetic of four numbers at a time, for the crates of this workspace.
 
+#[cfg(feature = "matrices")]
+pub(crate) mod complex_twofold;
 pub mod lanes;
 pub(crate) mod sines;
 pub(crate) mod small;
-#[cfg(feature = "matrices")]
 pub(crate) mod twofold;

@@ -2,8 +2,6 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use rustfft::num_complex::Complex;
-
 /// high + low, |low| at most half a unit of the last digit of high.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Twofold {
@@ -31,6 +29,18 @@ impl Twofold {
     pub(crate) fn of_product(a: f64, b: f64) -> Self {
         let high = a * b;
         Self { high, low: a.mul_add(b, -high) }
+    }
+
+    /// Divided by a number.
+    pub(crate) fn over(self, by: f64) -> Self {
+        let high = self.high / by;
+        Self::of_sum(high, (high.mul_add(-by, self.high) + self.low) / by)
+    }
+
+    /// The root of a number above 0.
+    pub(crate) fn root(self) -> Self {
+        let high = self.high.sqrt();
+        Self::of_sum(high, (high.mul_add(-high, self.high) + self.low) / (2.0 * high))
     }
 
     /// Rounded to one number.
@@ -93,41 +103,6 @@ impl Mul for Twofold {
     }
 }
 
-/// A complex number of two parts each way.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct ComplexTwofold {
-    pub(crate) re: Twofold,
-    pub(crate) im: Twofold,
-}
-
-impl ComplexTwofold {
-    pub(crate) fn value(self) -> Complex<f64> {
-        Complex::new(self.re.value(), self.im.value())
-    }
-}
-
-impl From<Complex<f64>> for ComplexTwofold {
-    fn from(z: Complex<f64>) -> Self {
-        Self { re: z.re.into(), im: z.im.into() }
-    }
-}
-
-impl Add for ComplexTwofold {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self { re: self.re + other.re, im: self.im + other.im }
-    }
-}
-
-impl Mul for ComplexTwofold {
-    type Output = Self;
-
-    fn mul(self, other: Self) -> Self {
-        Self { re: self.re * other.re - self.im * other.im, im: self.re * other.im + self.im * other.re }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -140,9 +115,5 @@ mod tests {
         assert_eq!(dot.value(), 2f64.powi(-80));
         let square = Twofold::from(one) * Twofold::from(one) - Twofold::from(1.0) - Twofold::from(small);
         assert_eq!(square.value(), 2f64.powi(-80));
-        let i = ComplexTwofold::from(Complex::new(one, one));
-        // (a + ai)² = 2a²i
-        let square = i * i;
-        assert_eq!((square.re.value(), (square.im - Twofold::from(2.0)).value()), (0.0, 2.0 * small + 2f64.powi(-79)));
     }
 }

@@ -3,11 +3,11 @@
 use nalgebra::{DMatrix, DVector};
 use rustfft::num_complex::Complex;
 
-use super::basis::{Basis, Bounded};
+use super::basis::Basis;
 use super::error::StructureError;
 use super::linear_mode::{LinearMode, ModeErrors, ModeShape};
 use super::matrices::Structure;
-use super::modal::MOST_DAMPING;
+use super::oscillator::{Bounded, SeenShape, without_rounding};
 use super::poles::{Pencil, Pole};
 use crate::simd::twofold::Twofold;
 
@@ -16,9 +16,6 @@ type C = Complex<f64>;
 /// Entries of D below this part of their terms are rounding: off the diagonal, and on it of a rigid mode. With a dashpot of 1e-17 that would
 /// have coordinates of 1e17, and the force on a contact at rest no digits.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
-
-/// What a contact sees of a mode below this part of what it may see is rounding of the matrices.
-const UNFELT: f64 = 16.0 * f64::EPSILON;
 
 /// Modes at most that dashpots couple. Their state matrix is twice as large, and its triangular form takes twenty times as long as modes without
 /// dashpots do: 300 take as long as 1000 of these.
@@ -43,7 +40,8 @@ impl<'a> Assembly<'a> {
         let contacts = structure.contacts.iter().map(|(weights, _)| basis.seen(weights)).collect();
         let loaded = |load: &DVector<f64>| {
             let seen = basis.seen(load);
-            (0..seen.len()).map(|k| unless_rounding(seen[k], load, &basis.shapes.column(k).into_owned())).collect()
+            let size = |k: usize| load.iter().zip(&basis.shapes.column(k)).map(|(f, x)| (f * x).abs()).sum();
+            (0..seen.len()).map(|k| seen[k].unless_rounding(size(k))).collect()
         };
         let n = basis.squares.len();
         let still =
@@ -99,37 +97,13 @@ impl<'a> Assembly<'a> {
 
     /// An oscillator of real shape.
     fn oscillator(&self, k: usize, decay: Bounded) -> Result<LinearMode, StructureError> {
-        let square = self.basis.squares[k];
-        let (frequency, delta) = (square.value().sqrt(), decay.sum.value());
-        // ν² = Ω² − δ² would be that of a rigid mode in the end.
-        if square.high > 0.0 && delta > MOST_DAMPING * frequency {
-            return Err(StructureError::Overdamped { mode: k, ratio: delta / frequency });
-        }
-        let seen = |list: &Vec<Bounded>| list[k].sum.value();
-        let shape = ModeShape {
-            contacts: self.contacts.iter().map(seen).collect(),
+        let shape = SeenShape {
+            contacts: self.contacts.iter().map(|list| list[k]).collect(),
             coordinates: self.basis.coordinates(k),
-            still: seen(&self.still),
+            still: self.still[k],
+            loads: self.loads.iter().map(|[re, im]| [re[k], im[k]]).collect(),
         };
-        let loads: Vec<C> = self.loads.iter().map(|[re, im]| C::new(seen(re), seen(im))).collect();
-        let turned = square - decay.sum * decay.sum;
-        let turned_error = self.basis.square_errors[k] + (2.0 * delta.abs() + decay.error) * decay.error;
-        let mut mode = LinearMode::oscillator(delta, turned.value(), &shape, &loads);
-        let rate = mode.rate;
-        let of_rate = f64::EPSILON * rate + (turned_error / rate).min(turned_error.sqrt());
-        let (part, given) = (of_rate / rate, |error: f64, value: f64| error + 0.5 * f64::EPSILON * value.abs());
-        let rows: Vec<f64> = self.contacts.iter().map(|list| given(list[k].error, seen(list))).collect();
-        let added = |error: f64, value: f64| (error + (part + f64::EPSILON) * value.abs()) / rate;
-        mode.errors = ModeErrors {
-            poles: of_rate + decay.error + 0.5 * f64::EPSILON * delta.abs(),
-            columns: rows.iter().zip(&shape.contacts).map(|(error, shape)| added(*error, *shape)).collect(),
-            rows,
-            still: added(self.still[k].error, shape.still),
-            loads: (self.loads.iter().zip(&loads))
-                .map(|([re, im], load)| added(re[k].error + im[k].error, load.norm()))
-                .collect(),
-        };
-        Ok(mode)
+        shape.oscillator(k, Bounded { sum: self.basis.squares[k], error: self.basis.square_errors[k] }, decay)
     }
 
     /// Entries of D beside the diagonal that are left out couple a mode to others.
@@ -234,28 +208,12 @@ impl<'a> Assembly<'a> {
         (0..n).map(|i| coupled.iter().zip(&shape).map(|(&k, y)| y * self.basis.shapes[(i, k)]).sum()).collect()
     }
 
-    /// A mode that a contact sees by rounding of its shape alone is not seen: one that grows would be felt in the end.
-    fn without_rounding(&self, mut mode: LinearMode) -> LinearMode {
+    /// Without what contacts see by rounding alone.
+    fn without_rounding(&self, mode: LinearMode) -> LinearMode {
         let part = |i: usize| DVector::from_iterator(mode.coordinates.len(), mode.coordinates.iter().map(|row| row[i]));
         let size = [0, 1].map(|i| self.lower.tr_mul(&part(i)).norm_squared()).iter().sum::<f64>().sqrt();
-        for (number, reach) in self.reaches.iter().enumerate() {
-            let [first, second] = mode.rows[number];
-            let seen = first.hypot(second);
-            if seen <= UNFELT * reach * size {
-                mode.errors.rows[number] += seen;
-                mode.errors.columns[number] += mode.columns[number][0].hypot(mode.columns[number][1]);
-                (mode.rows[number], mode.columns[number]) = ([0.0; 2], [0.0; 2]);
-            }
-        }
-        mode
+        without_rounding(mode, self.reaches.iter().map(|reach| reach * size))
     }
-}
-
-/// A sum; 0 where it is rounding of its terms: a rigid mode would be pushed by it for ever.
-fn unless_rounding(seen: Bounded, load: &DVector<f64>, shape: &DVector<f64>) -> Bounded {
-    let size: f64 = load.iter().zip(shape).map(|(f, x)| (f * x).abs()).sum();
-    let value = seen.sum.value().abs();
-    if value > 4.0 * f64::EPSILON * size { seen } else { Bounded { error: seen.error + value, ..Bounded::default() } }
 }
 
 /// Rates that differ by rounding alone as one number: what depends on a rate alone is worked out once for all modes that have it.

@@ -12,6 +12,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::error::StructureError;
+use super::oscillator::Bounded;
 use crate::simd::twofold::{FINE, Twofold};
 
 /// Corrections this small have no square that counts.
@@ -39,13 +40,6 @@ pub(super) struct Basis {
     pub(super) shapes: DMatrix<f64>,
     pub(super) rest: DMatrix<f64>,
     pub(super) shape_errors: DMatrix<f64>,
-}
-
-/// A sum over all modes, with a bound of its error.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Bounded {
-    pub(super) sum: Twofold,
-    pub(super) error: f64,
 }
 
 /// The rows of a symmetric matrix without their zeros.

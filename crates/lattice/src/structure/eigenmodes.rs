@@ -45,9 +45,6 @@ impl Structure {
         let modes = Assembly::new(self, &basis, &lower, reaches).modes()?;
         let contacts = self.contacts.iter().map(|(_, contact)| *contact).collect();
         let harmonics = self.loads.iter().map(|(number, _)| *number).collect();
-        ModalStructure::new(contacts, harmonics, modes).map_err(|error| match (error, self.modes) {
-            (StructureError::NoWeight { contact }, Some(modes)) => StructureError::Unmoved { contact, modes },
-            (error, _) => error,
-        })
+        ModalStructure::keeping(self.modes, contacts, harmonics, modes)
     }
 }

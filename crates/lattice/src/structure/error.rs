@@ -1,5 +1,6 @@
 //! What can be wrong with a structure.
 
+use rustfft::num_complex::Complex;
 use thiserror::Error;
 
 use crate::error::Short;
@@ -133,4 +134,41 @@ pub enum StructureError {
     /// The eigenvalues were not found.
     #[error("the eigenvalues of the structure did not converge")]
     NotConverged,
+}
+
+impl StructureError {
+    /// Refuses a list of another size.
+    pub(super) fn sized(what: &str, given: usize, wanted: usize) -> Result<(), Self> {
+        if given == wanted { Ok(()) } else { Err(Self::Size { what: what.to_owned(), given, wanted }) }
+    }
+}
+
+/// Refuses loads that do not fit `n` coordinates.
+pub(super) fn check_loads<'a>(
+    n: usize,
+    still: &[f64],
+    loads: impl Iterator<Item = (u32, &'a [Complex<f64>])>,
+) -> Result<(), StructureError> {
+    if !still.is_empty() {
+        StructureError::sized("the static load", still.len(), n)?;
+    }
+    finite("the static load", still.iter().copied())?;
+    for (number, load) in loads {
+        StructureError::sized("the load", load.len(), n)?;
+        if number == 0 {
+            let (what, requirement) =
+                ("harmonic of the load".to_owned(), "a number from 1; the static load has its own key");
+            return Err(StructureError::Range { what, value: 0.0, requirement });
+        }
+        finite("the load", load.iter().flat_map(|f| [f.re, f.im]))?;
+    }
+    Ok(())
+}
+
+/// Refuses what is no number.
+pub(super) fn finite(what: &str, mut values: impl Iterator<Item = f64>) -> Result<(), StructureError> {
+    match values.find(|value| !value.is_finite()) {
+        Some(value) => Err(StructureError::Range { what: what.to_owned(), value, requirement: "finite numbers" }),
+        None => Ok(()),
+    }
 }

@@ -161,6 +161,11 @@ impl LinearMode {
         self
     }
 
+    /// ξ of an oscillator where φᵀMq = `at` and φᵀMq′ = `moving`.
+    pub(super) fn amplitudes(&self, at: f64, moving: f64) -> [f64; 2] {
+        [at, (moving + self.decay * at) / self.rate]
+    }
+
     /// How its coordinates move.
     pub fn flow(&self) -> ModeFlow {
         ModeFlow { turn: self.turn, decay: self.decay, rate: self.rate }

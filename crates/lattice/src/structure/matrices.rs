@@ -5,7 +5,7 @@ use rustfft::num_complex::Complex;
 
 use super::contact::Contact;
 use super::energy::{Block, EnergyForm};
-use super::error::StructureError;
+use super::error::{StructureError, check_loads, finite};
 use super::linear_mode::LinearMode;
 use super::modal::ModalStructure;
 use crate::kernel::turn::Turn;
@@ -66,11 +66,8 @@ impl Structure {
         velocity: &DVector<f64>,
     ) -> Result<Vec<[f64; 2]>, StructureError> {
         let n = self.mass.nrows();
-        for (what, given) in [("the place", place.len()), ("the velocity", velocity.len())] {
-            if given != n {
-                return Err(StructureError::Size { what: what.to_owned(), given, wanted: n });
-            }
-        }
+        StructureError::sized("the place", place.len(), n)?;
+        StructureError::sized("the velocity", velocity.len(), n)?;
         let (weight, momentum) = (&self.mass * place, &self.mass * velocity);
         let damped = if self.damping.is_empty() { DVector::zeros(n) } else { &self.damping * place };
         // A pole λ has the amplitude φᵀ(λMq + Mq′ + Cq), the shape as a list of numbers.
@@ -81,7 +78,7 @@ impl Structure {
             if mode.is_real {
                 let shape = shape(&|row| C::new(row[0], 0.0));
                 let (at, moving) = (dot(&shape, &weight).re, dot(&shape, &momentum).re);
-                return [at, (moving + mode.decay * at) / mode.rate];
+                return mode.amplitudes(at, moving);
             }
             let [first, second] = mode.rates();
             if mode.turn == Turn::Circular {
@@ -137,9 +134,7 @@ impl Structure {
 
     pub(super) fn check(&self) -> Result<(), StructureError> {
         let n = self.mass.nrows();
-        let size = |what: &str, given: usize, wanted: usize| {
-            if given == wanted { Ok(()) } else { Err(StructureError::Size { what: what.to_owned(), given, wanted }) }
-        };
+        let size = StructureError::sized;
         if n == 0 {
             return Err(StructureError::Size { what: "the mass matrix".to_owned(), given: 0, wanted: 1 });
         }
@@ -168,17 +163,8 @@ impl Structure {
                 }
             }
         }
-        if !self.static_load.is_empty() {
-            size("the static load", self.static_load.len(), n)?;
-        }
-        for (number, load) in &self.loads {
-            size("the load", load.len(), n)?;
-            if *number == 0 {
-                let (what, requirement) =
-                    ("harmonic of the load".to_owned(), "a number from 1; the static load has its own key");
-                return Err(StructureError::Range { what, value: 0.0, requirement });
-            }
-        }
+        let loads = self.loads.iter().map(|(number, load)| (*number, load.as_slice()));
+        check_loads(n, self.static_load.as_slice(), loads)?;
         for (number, (weights, _)) in self.contacts.iter().enumerate() {
             size(&format!("the weights of contact {number}"), weights.len(), n)?;
             if weights.iter().all(|weight| *weight == 0.0) {
@@ -186,19 +172,9 @@ impl Structure {
             }
         }
         let of_contacts = self.contacts.iter().flat_map(|(weights, _)| weights.iter().copied());
-        let of_loads = self.loads.iter().flat_map(|(_, load)| load.iter().flat_map(|f| [f.re, f.im]));
         finite("the mass matrix", self.mass.iter().copied())?;
         finite("the stiffness matrix", self.stiffness.iter().copied())?;
         finite("the damping matrix", self.damping.iter().copied())?;
-        finite("the static load", self.static_load.iter().copied())?;
-        finite("the weights of contacts", of_contacts)?;
-        finite("the load", of_loads)
-    }
-}
-
-fn finite(what: &str, mut values: impl Iterator<Item = f64>) -> Result<(), StructureError> {
-    match values.find(|value| !value.is_finite()) {
-        Some(value) => Err(StructureError::Range { what: what.to_owned(), value, requirement: "finite numbers" }),
-        None => Ok(()),
+        finite("the weights of contacts", of_contacts)
     }
 }

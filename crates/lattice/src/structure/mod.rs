@@ -5,12 +5,14 @@
 //! | `contact` | [`Contact`]: where it is stopped, and what an impact leaves of its velocity |
 //! | `linear_mode` | [`LinearMode`]: two coordinates that move together, what contacts see of them, what impulses and loads give to them |
 //! | `modal` | [`ModalStructure`]: modes and contacts, from which kernels and steady motions are made |
+//! | `damped_chain` | [`DampedChain`]: a chain with its dashpots, whose modes are known in closed form |
 //! | `matrices` | [`Structure`]: mass, damping and stiffness with contacts and loads (feature `matrices`) |
 //! | `eigenmodes` | its modes, by `assembly` from a `basis` |
 //! | `state_matrix` | poles and shapes of modes that dashpots couple |
 //! | `basis` | modes without dashpots, refined in twice the digits, with bounds of their errors |
 //! | `poles` | the same of poles that dashpots couple |
 //! | `assembly` | modes from both |
+//! | `oscillator` | modes of real shape with bounds of their errors, whatever they are made of |
 //! | `steady` | motions under the loads alone |
 //! | `energy` | [`EnergyForm`]: energy and powers in the coordinates of the modes |
 //! | `error` | [`StructureError`] |
@@ -20,6 +22,7 @@ mod assembly;
 #[cfg(feature = "matrices")]
 mod basis;
 pub(crate) mod contact;
+pub(crate) mod damped_chain;
 #[cfg(feature = "matrices")]
 mod eigenmodes;
 pub(crate) mod energy;
@@ -28,6 +31,7 @@ pub(crate) mod linear_mode;
 #[cfg(feature = "matrices")]
 pub(crate) mod matrices;
 pub(crate) mod modal;
+mod oscillator;
 #[cfg(feature = "matrices")]
 mod poles;
 #[cfg(feature = "matrices")]

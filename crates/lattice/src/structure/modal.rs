@@ -133,6 +133,19 @@ impl ModalStructure {
         Ok(structure)
     }
 
+    /// The same of the `kept` slowest modes, if not of all: a contact may move in none of these.
+    pub(super) fn keeping(
+        kept: Option<usize>,
+        contacts: Vec<Contact>,
+        harmonics: Vec<u32>,
+        modes: Vec<LinearMode>,
+    ) -> Result<Self, StructureError> {
+        Self::new(contacts, harmonics, modes).map_err(|error| match (error, kept) {
+            (StructureError::NoWeight { contact }, Some(modes)) => StructureError::Unmoved { contact, modes },
+            (error, _) => error,
+        })
+    }
+
     /// The contacts.
     pub fn contacts(&self) -> &[Contact] {
         &self.contacts

@@ -12,10 +12,11 @@
 use nalgebra::{DMatrix, DVector};
 use rustfft::num_complex::Complex;
 
-use super::basis::Bounded;
 use super::error::StructureError;
+use super::oscillator::Bounded;
 use super::state_matrix::eigen;
-use crate::simd::twofold::{ComplexTwofold, FINE, Twofold};
+use crate::simd::complex_twofold::ComplexTwofold;
+use crate::simd::twofold::{FINE, Twofold};
 
 type C = Complex<f64>;
 

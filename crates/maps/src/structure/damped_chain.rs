@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde_json::{Map, Value};
 use vibrochain_lattice::DampedParameter::{CouplingDamping, Damping, Lower, StaticForce, Upper};
 use vibrochain_lattice::Parameter::{Amplitude, Asymmetry, Gamma1, Gamma2, Omega, Restitution};
-use vibrochain_lattice::{Contact, DampedParameter, Parameter, Range};
+use vibrochain_lattice::{Contact, DampedParameter, Parameter, Range, RowEnds};
 
 use super::scene::StructureScene;
 use super::setting::Setting;
@@ -38,7 +38,7 @@ fn check(model: &ModelTable<true>) -> Result<(), String> {
 /// Whether a scene is one of these.
 pub(super) fn is_one(scene: &Value) -> bool {
     let (model, sweep) = (&scene["model"], &scene["sweep"]);
-    let in_model = model["ends"] == "fixed-free" || damped_keys().any(|key| model.get(key).is_some());
+    let in_model = model["ends"] == RowEnds::FixedFree.name() || damped_keys().any(|key| model.get(key).is_some());
     let swept = |axis: &&str| damped_keys().any(|key| sweep[axis]["parameter"] == key);
     in_model || model.is_object() && ["x", "y"].iter().any(swept)
 }
@@ -98,7 +98,7 @@ pub(super) fn read((file, told): (File, Map<String, Value>)) -> Result<Structure
         damping: model.own(Damping).unwrap_or(0.0),
         coupling_damping: model.own(CouplingDamping).unwrap_or(0.0),
     };
-    let mut scene = StructureScene::of_chain(chain, (0..sites).map(contact).collect(), 0.0, 0.0)?;
+    let mut scene = StructureScene::of_chain(&chain, (0..sites).map(contact).collect(), 0.0, 0.0)?;
     scene.title = title;
     let numbers = [
         (Setting::Omega, model.value(Omega)),

@@ -1,7 +1,9 @@
 //! What a structure is made of: matrices, modes or a chain.
 
 use nalgebra::{DMatrix, DVector};
-use vibrochain_lattice::{Complex, Contact, EnergyForm, LinearMode, ModalStructure, ModeShape, Structure};
+use vibrochain_lattice::{
+    Complex, Contact, DampedChain, EnergyForm, LinearMode, ModalStructure, ModeShape, RowEnds, Structure,
+};
 
 use super::named::Named;
 use super::setting::{Matrix, Setting};
@@ -16,8 +18,8 @@ const MOST_RATIO: f64 = 7e5;
 /// A structure as it was given.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Definition {
-    /// By matrices, perhaps those of a chain.
-    Matrices(Box<Structure>, Option<ChainTable>),
+    Matrices(Box<Structure>),
+    Chain(Box<DampedChain>),
     Modes(ModalStructure),
 }
 
@@ -61,12 +63,11 @@ impl Definition {
                 Self::of_modes(&table, contacts, force)
             }
             ["chain"] => {
-                let chain = table.chain.clone().ok_or("chain is missing")?;
-                let n = chain.sites;
-                let contacts = contacts.iter().enumerate().map(|(number, given)| given.weighted(number, n));
+                let chain = table.chain.as_ref().ok_or("chain is missing")?;
+                let contacts = contacts.iter().enumerate().map(|(number, given)| given.weighted(number, chain.sites));
                 let contacts = contacts.collect::<Result<_, _>>()?;
-                let still = force.still.clone().map(DVector::from_vec).unwrap_or_default();
-                Self::of_chain(chain, contacts, still, force.loads(n)?)?.keeping(kept)
+                let (still, loads) = (force.still.clone().unwrap_or_default(), force.loads(chain.sites)?);
+                Self::of_chain(chain, contacts, still, loads)?.keeping(kept)
             }
             [] => Err(
                 "[structure] says nothing of masses: give mass or masses with stiffness, frequencies, modes, or chain"
@@ -96,38 +97,51 @@ impl Definition {
             contacts: contacts
                 .iter()
                 .enumerate()
-                .map(|(number, given)| given.weighted(number, n))
-                .collect::<Result<_, _>>()?,
+                .map(|(number, given)| {
+                    let (places, contact) = given.weighted(number, n)?;
+                    let mut weights = DVector::zeros(n);
+                    places.into_iter().for_each(|(place, weight)| weights[place] = weight);
+                    Ok((weights, contact))
+                })
+                .collect::<Result<_, String>>()?,
             static_load: force.still.clone().map(DVector::from_vec).unwrap_or_default(),
-            loads: force.loads(n)?,
+            loads: (force.loads(n)?.into_iter()).map(|(number, load)| (number, DVector::from_vec(load))).collect(),
             mass,
             modes: None,
         };
-        Self::Matrices(Box::new(structure), None).keeping(modes)
+        Self::Matrices(Box::new(structure)).keeping(modes)
     }
 
     /// The same with its slowest modes alone.
     fn keeping(mut self, modes: Option<usize>) -> Result<Self, String> {
-        if let Self::Matrices(structure, _) = &mut self {
-            let n = structure.mass.nrows();
-            if let Some(kept) = modes.filter(|kept| *kept > n) {
-                return Err(format!("modes = {kept} is out of range: the structure has {n}"));
-            }
-            structure.modes = modes;
+        let (n, kept) = match &mut self {
+            Self::Matrices(structure) => (structure.mass.nrows(), &mut structure.modes),
+            Self::Chain(chain) => (chain.sites, &mut chain.modes),
+            Self::Modes(_) => return Ok(self),
+        };
+        if let Some(kept) = modes.filter(|kept| *kept > n) {
+            return Err(format!("modes = {kept} is out of range: the structure has {n}"));
         }
+        *kept = modes;
         Ok(self)
     }
 
     /// Whether only some modes are kept.
     pub(super) fn keeps_some(&self) -> bool {
-        matches!(self, Self::Matrices(structure, _) if structure.modes.is_some())
+        match self {
+            Self::Matrices(structure) => structure.modes.is_some(),
+            Self::Chain(chain) => chain.modes.is_some(),
+            Self::Modes(_) => false,
+        }
     }
 
     /// Of each contact the effective mass that all modes give it, where some are left out.
     pub(super) fn whole_masses(&self) -> Option<Vec<f64>> {
-        let Self::Matrices(structure, _) = self else { return None };
-        structure.modes?;
-        structure.effective_masses()
+        match self {
+            Self::Matrices(structure) if structure.modes.is_some() => structure.effective_masses(),
+            Self::Chain(chain) if chain.modes.is_some() => Some(chain.effective_masses()),
+            _ => None,
+        }
     }
 
     fn of_modes(table: &StructureTable, contacts: &[ContactTable], force: &ForceTable) -> Result<Self, String> {
@@ -189,58 +203,36 @@ impl Definition {
         modal.map(Self::Modes).map_err(|error| error.to_string())
     }
 
-    /// The matrices of a chain.
+    /// A chain under loads.
     pub(super) fn of_chain(
-        chain: ChainTable,
-        contacts: Vec<(DVector<f64>, Contact)>,
-        static_load: DVector<f64>,
-        loads: Vec<(u32, DVector<C>)>,
+        table: &ChainTable,
+        contacts: Vec<(Vec<(usize, f64)>, Contact)>,
+        static_load: Vec<f64>,
+        loads: Vec<(u32, Vec<C>)>,
     ) -> Result<Self, String> {
-        let n = chain.sites;
-        if n == 0 {
+        let ChainTable { sites, gamma1, gamma2, damping, coupling_damping, .. } = *table;
+        if sites == 0 {
             return Err("sites = 0 is out of range: give a whole number from 1".to_owned());
         }
-        check_size("sites", n)?;
-        let (left, right) = match chain.ends.as_str() {
-            "closed" => (None, None),
-            "free" => (Some(0.0), Some(0.0)),
-            "fixed" => (Some(1.0), Some(1.0)),
-            "fixed-free" => (Some(1.0), Some(0.0)),
-            other => return Err(format!("ends = \"{other}\" is unknown: give closed, free, fixed or fixed-free")),
-        };
-        // Springs between neighbours, by which stiffness and dashpots alike are made.
-        let mut coupling = DMatrix::zeros(n, n);
-        let mut spring = |i: usize, j: usize| {
-            coupling[(i, i)] += 1.0;
-            coupling[(j, j)] += 1.0;
-            coupling[(i, j)] -= 1.0;
-            coupling[(j, i)] -= 1.0;
-        };
-        (1..n).for_each(|i| spring(i - 1, i));
-        if left.is_none() && n > 1 {
-            spring(n - 1, 0);
-        }
-        coupling[(0, 0)] += left.unwrap_or(0.0);
-        coupling[(n - 1, n - 1)] += right.unwrap_or(0.0);
-        let unit = DMatrix::<f64>::identity(n, n);
-        let damped = chain.damping != 0.0 || chain.coupling_damping != 0.0;
-        let structure = Structure {
-            mass: unit.clone(),
-            stiffness: &unit * chain.gamma1 + &coupling * chain.gamma2,
-            damping: if damped {
-                &unit * chain.damping + &coupling * chain.coupling_damping
-            } else {
-                DMatrix::default()
-            },
+        check_size("sites", sites)?;
+        let ends = RowEnds::from_name(&table.ends)
+            .ok_or_else(|| format!("ends = \"{}\" is unknown: give closed, free, fixed or fixed-free", table.ends))?;
+        let chain = DampedChain {
+            sites,
+            ends,
+            gamma1,
+            gamma2,
+            damping,
+            coupling_damping,
             contacts,
             static_load,
             loads,
             modes: None,
         };
-        Ok(Self::Matrices(Box::new(structure), Some(chain)))
+        Ok(Self::Chain(Box::new(chain)))
     }
 
-    /// Its modes with all dashpots times `damping`.
+    /// Its modes with all dashpots times `damping`; of a chain they are numbers of its own, as they are.
     pub(super) fn modal(&self, damping: f64) -> Result<ModalStructure, String> {
         let modal = match self {
             Self::Modes(modal) if damping == 1.0 => return Ok(modal.clone()),
@@ -248,7 +240,8 @@ impl Definition {
                 let modes = modal.modes().iter().map(|mode| mode.damped_times(damping)).collect();
                 ModalStructure::new(modal.contacts().to_vec(), modal.harmonics().to_vec(), modes)
             }
-            Self::Matrices(structure, _) => damped_times(structure, damping).modal(),
+            Self::Matrices(structure) => damped_times(structure, damping).modal(),
+            Self::Chain(chain) => chain.modal(),
         };
         modal.map_err(|error| error.to_string())
     }
@@ -256,25 +249,25 @@ impl Definition {
     /// Whether any dashpot can be multiplied; those of a chain are numbers of their own.
     pub(super) fn has_dashpots(&self) -> bool {
         match self {
-            Self::Matrices(structure, chain) => chain.is_some() || structure.damping.iter().any(|entry| *entry != 0.0),
+            Self::Matrices(structure) => structure.damping.iter().any(|entry| *entry != 0.0),
+            Self::Chain(_) => true,
             Self::Modes(modal) => modal.modes().iter().any(|mode| mode.decay != 0.0),
         }
     }
 
     /// A chain with other numbers; `None` of what is no chain.
-    pub(super) fn with_chain(&self, change: impl Fn(&mut ChainTable)) -> Option<Result<Self, String>> {
-        let Self::Matrices(structure, Some(chain)) = self else { return None };
+    pub(super) fn with_chain(&self, change: impl Fn(&mut DampedChain)) -> Option<Self> {
+        let Self::Chain(chain) = self else { return None };
         let mut chain = chain.clone();
         change(&mut chain);
-        let Structure { contacts, static_load, loads, modes, .. } = Structure::clone(structure);
-        Some(Self::of_chain(chain, contacts, static_load, loads).and_then(|changed| changed.keeping(modes)))
+        Some(Self::Chain(chain))
     }
 
     /// The matrices that are given as such, which can be changed; `None` of modes and of chains.
     fn matrices(&self) -> Option<&Structure> {
         match self {
-            Self::Matrices(structure, None) => Some(structure),
-            Self::Matrices(_, Some(_)) | Self::Modes(_) => None,
+            Self::Matrices(structure) => Some(structure),
+            Self::Chain(_) | Self::Modes(_) => None,
         }
     }
 
@@ -317,7 +310,7 @@ impl Definition {
             return Err(format!("{setting} {what}"));
         }
         let mut changed = self.clone();
-        let Self::Matrices(structure, None) = &mut changed else { return Err(format!("{setting} is of matrices")) };
+        let Self::Matrices(structure) = &mut changed else { return Err(format!("{setting} is of matrices")) };
         let n = structure.mass.nrows();
         match setting {
             Setting::Entry(matrix, i, j) => {
@@ -349,10 +342,10 @@ impl Definition {
     }
 
     /// The chain, if it is one.
-    pub(super) fn chain(&self) -> Option<&ChainTable> {
+    pub(super) fn chain(&self) -> Option<&DampedChain> {
         match self {
-            Self::Matrices(_, chain) => chain.as_ref(),
-            Self::Modes(_) => None,
+            Self::Chain(chain) => Some(chain),
+            Self::Matrices(_) | Self::Modes(_) => None,
         }
     }
 
@@ -364,11 +357,17 @@ impl Definition {
         velocity: &[f64],
         damping: f64,
     ) -> Result<Vec<[f64; 2]>, String> {
-        let Self::Matrices(structure, _) = self else {
-            return Err("a modal model has no coordinates: start on an orbit, or at rest".to_owned());
+        let modes = match self {
+            Self::Matrices(structure) => {
+                let [place, velocity] = [place, velocity].map(DVector::from_row_slice);
+                damped_times(structure, damping).project(modal, &place, &velocity)
+            }
+            Self::Chain(chain) => chain.project(modal, place, velocity),
+            Self::Modes(_) => {
+                return Err("a modal model has no coordinates: start on an orbit, or at rest".to_owned());
+            }
         };
-        let [place, velocity] = [place, velocity].map(DVector::from_row_slice);
-        damped_times(structure, damping).project(modal, &place, &velocity).map_err(|error| error.to_string())
+        modes.map_err(|error| error.to_string())
     }
 
     /// The energy, and the powers of loads and dashpots scaled by these factors. `None` for a modal model with complex shapes: they do not
@@ -377,7 +376,7 @@ impl Definition {
         if let Some(form) = modal.energy_form() {
             return Some(form);
         }
-        let Self::Matrices(given, _) = self else { return None };
+        let Self::Matrices(given) = self else { return None };
         let loads = given.loads.iter().map(|(harmonic, load_of)| (*harmonic, load_of * C::new(load, 0.0)));
         let static_load = &given.static_load * still;
         let structure = Structure { static_load, loads: loads.collect(), ..damped_times(given, damping) };
@@ -388,12 +387,13 @@ impl Definition {
     pub(super) fn contacts(&self) -> Vec<Contact> {
         match self {
             Self::Modes(modal) => modal.contacts().to_vec(),
-            Self::Matrices(structure, _) => structure.contacts.iter().map(|(_, contact)| *contact).collect(),
+            Self::Matrices(structure) => structure.contacts.iter().map(|(_, contact)| *contact).collect(),
+            Self::Chain(chain) => chain.contacts.iter().map(|(_, contact)| *contact).collect(),
         }
     }
 }
 
-/// With all dashpots times `damping`; those of a chain, which are its own numbers, times 1.
+/// With all dashpots times `damping`.
 fn damped_times(structure: &Structure, damping: f64) -> Structure {
     Structure { damping: &structure.damping * damping, ..structure.clone() }
 }

@@ -1,8 +1,7 @@
 //! What the tables of a scene may hold: `[structure]`, `[[contact]]`, `[force]`, `[sweep]`, `[compute]`.
 
-use nalgebra::DVector;
 use serde::Deserialize;
-use vibrochain_lattice::{Complex, Contact};
+use vibrochain_lattice::{Complex, Contact, StructureError};
 
 use super::setting::Setting;
 use crate::scene::{Axis, AxisTable};
@@ -88,8 +87,8 @@ impl ContactTable {
         Contact { lower: self.lower, upper: self.upper, restitution: self.restitution }
     }
 
-    /// w and the barriers, of a structure of `n` coordinates.
-    pub(super) fn weighted(&self, number: usize, n: usize) -> Result<(DVector<f64>, Contact), String> {
+    /// The coordinates that it sees, each once, with their weights, and the barriers; of a structure of `n` coordinates.
+    pub(super) fn weighted(&self, number: usize, n: usize) -> Result<(Vec<(usize, f64)>, Contact), String> {
         let one = |coordinate: usize| {
             if coordinate < n {
                 Ok(coordinate)
@@ -100,17 +99,18 @@ impl ContactTable {
                 ))
             }
         };
-        let mut weights = DVector::zeros(n);
-        match (&self.weights, self.at, self.between) {
-            (Some(list), None, None) => weights = DVector::from_vec(list.clone()),
-            (None, Some(at), None) => weights[one(at)?] = 1.0,
-            (None, None, Some([from, to])) => {
-                weights[one(from)?] = 1.0;
-                weights[one(to)?] -= 1.0;
+        let weights = match (&self.weights, self.at, self.between) {
+            (Some(list), None, None) if list.len() != n => {
+                let what = format!("the weights of contact {number}");
+                return Err(StructureError::Size { what, given: list.len(), wanted: n }.to_string());
             }
+            (Some(list), None, None) => list.iter().copied().enumerate().filter(|(_, weight)| *weight != 0.0).collect(),
+            (None, Some(at), None) => vec![(one(at)?, 1.0)],
+            (None, None, Some([from, to])) if from == to => vec![(one(from)?, 0.0)],
+            (None, None, Some([from, to])) => vec![(one(from)?, 1.0), (one(to)?, -1.0)],
             (None, None, None) => return Err(format!("contact {number} is nowhere: give weights, at or between")),
             _ => return Err(format!("contact {number} is given twice: give one of weights, at and between")),
-        }
+        };
         Ok((weights, self.contact()))
     }
 }
@@ -133,10 +133,10 @@ pub(super) struct ForceTable {
 
 impl ForceTable {
     /// Number and load of each harmonic.
-    pub(super) fn loads(&self, n: usize) -> Result<Vec<(u32, DVector<C>)>, String> {
-        let complex = |load: &[f64], phases: &Option<Vec<f64>>| {
+    pub(super) fn loads(&self, n: usize) -> Result<Vec<(u32, Vec<C>)>, String> {
+        let complex = |load: &[f64], phases: &Option<Vec<f64>>| -> Vec<C> {
             let phase = |i: usize| phases.as_ref().and_then(|list| list.get(i)).copied().unwrap_or(0.0);
-            DVector::from_iterator(load.len(), load.iter().enumerate().map(|(i, f)| C::from_polar(1.0, phase(i)) * *f))
+            load.iter().enumerate().map(|(i, f)| C::from_polar(1.0, phase(i)) * *f).collect()
         };
         let sized = |phases: &Option<Vec<f64>>| match phases {
             Some(list) if list.len() != n => {

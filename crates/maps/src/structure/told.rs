@@ -1,10 +1,9 @@
 //! What pictures and answers say of a structure's scene.
 
-use vibrochain_lattice::{Contact, Parameter, Row};
+use vibrochain_lattice::{Contact, DampedChain, Parameter, Row};
 
 use super::scene::StructureScene;
 use super::setting::Setting;
-use super::tables::ChainTable;
 use crate::scene::criterion;
 
 impl StructureScene {
@@ -97,11 +96,11 @@ impl StructureScene {
 }
 
 /// As a chain's layout is told.
-fn layout(chain: &ChainTable) -> String {
-    let ChainTable { sites, ends, .. } = chain;
-    let masses = if *sites == 1 { "mass" } else { "masses" };
-    match ends.as_str() {
-        "closed" if *sites > 1 => format!("{sites} {masses} (N = {})", sites - 1),
+fn layout(chain: &DampedChain) -> String {
+    let DampedChain { sites, ends, .. } = *chain;
+    let masses = if sites == 1 { "mass" } else { "masses" };
+    match ends.name() {
+        "closed" if sites > 1 => format!("{sites} {masses} (N = {})", sites - 1),
         "closed" => format!("{sites} {masses}"),
         ends => format!("{sites} {masses}, {ends} ends"),
     }

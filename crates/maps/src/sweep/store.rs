@@ -367,7 +367,12 @@ mod tests {
             assert!(told.contains(&format!(") there, {} (", crate::manifest::VERSION)), "{told}");
         }
         // Chunks that are sound, but of that version: without their plan they are refused one by one.
-        Store::open(&folder, &there, Claim::Share, &Stop::default()).unwrap().writer(&there, 0).unwrap().finish().unwrap();
+        Store::open(&folder, &there, Claim::Share, &Stop::default())
+            .unwrap()
+            .writer(&there, 0)
+            .unwrap()
+            .finish()
+            .unwrap();
         assert!(matches!(Store::check(&Cells, &folder, &here, 0, &Stop::default()), Err(Fault::Foreign)));
     }
 
@@ -398,7 +403,9 @@ mod tests {
         left.sort_unstable();
         assert_eq!(left, [&others[..5], &["000001.chunk", "old.chunk"]].concat());
         left.iter().for_each(|name| fs::remove_file(folder.join(name)).unwrap());
-        assert!(Store::open(&folder, &plan, Claim::Resume, &Stop::default()).unwrap().remove(&plan) && !folder.exists());
+        assert!(
+            Store::open(&folder, &plan, Claim::Resume, &Stop::default()).unwrap().remove(&plan) && !folder.exists()
+        );
     }
 
     #[test]
@@ -442,6 +449,8 @@ mod tests {
         let shares = [(); 2].map(|()| Store::open(&folder, &plan, Claim::Share, &Stop::default()).unwrap());
         assert!(Store::open(&folder, &plan, Claim::Resume, &Stop::default()).is_err());
         drop(shares);
-        assert!(Store::open(&folder, &plan, Claim::Resume, &Stop::default()).unwrap().remove(&plan) && !folder.exists());
+        assert!(
+            Store::open(&folder, &plan, Claim::Resume, &Stop::default()).unwrap().remove(&plan) && !folder.exists()
+        );
     }
 }

@@ -13,11 +13,10 @@ mod text;
 
 use std::sync::Arc;
 
-use nalgebra::DVector;
 use serde_json::{Map, Value};
 use vibrochain_breather::Word;
 use vibrochain_floquet::Tolerance;
-use vibrochain_lattice::{Complex, Contact, ModalStructure, Stop, aside};
+use vibrochain_lattice::{Complex, Contact, DampedChain, ModalStructure, Stop, aside};
 
 use super::definition::Definition;
 use super::setting::Setting;
@@ -116,15 +115,14 @@ impl StructureScene {
     ///
     /// # Errors
     /// Numbers out of range, as many contacts as there are masses not given.
-    pub fn of_chain(chain: ChainTable, contacts: Vec<Contact>, amplitude: f64, still: f64) -> Result<Self, String> {
+    pub fn of_chain(chain: &ChainTable, contacts: Vec<Contact>, amplitude: f64, still: f64) -> Result<Self, String> {
         let n = chain.sites;
         if contacts.len() != n {
             return Err(format!("{} contacts where there are {n} masses", contacts.len()));
         }
-        let unit = |place: usize| DVector::from_fn(n, |i, _| f64::from(u8::from(i == place)));
-        let contacts = contacts.into_iter().enumerate().map(|(place, contact)| (unit(place), contact)).collect();
-        let load = DVector::from_element(n, Complex::new(1.0, 0.0));
-        let definition = Definition::of_chain(chain, contacts, DVector::from_element(n, 1.0), vec![(1, load)])?;
+        let contacts = contacts.into_iter().enumerate().map(|(n, contact)| (vec![(n, 1.0)], contact)).collect();
+        let load = vec![Complex::new(1.0, 0.0); n];
+        let definition = Definition::of_chain(chain, contacts, vec![1.0; n], vec![(1, load)])?;
         Ok(Self { load: amplitude, still, uniform: true, ..Self::of(definition)? })
     }
 
@@ -198,7 +196,7 @@ impl StructureScene {
     }
 
     /// The chain, if it is one.
-    pub(in crate::structure) fn chain(&self) -> Option<&ChainTable> {
+    pub(in crate::structure) fn chain(&self) -> Option<&DampedChain> {
         self.definition.chain()
     }
 

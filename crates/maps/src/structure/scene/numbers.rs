@@ -3,11 +3,10 @@
 use std::sync::Arc;
 
 use vibrochain_breather::StructureModel;
-use vibrochain_lattice::{Contact, EnergyForm, ModalStructure};
+use vibrochain_lattice::{Contact, DampedChain, EnergyForm, ModalStructure};
 
 use super::StructureScene;
 use crate::structure::setting::Setting;
-use crate::structure::tables::ChainTable;
 
 impl StructureScene {
     /// The value of a number of it.
@@ -60,7 +59,7 @@ impl StructureScene {
                 self.damping = value;
             }
             Setting::Damping | Setting::CouplingDamping | Setting::Gamma1 | Setting::Gamma2 => {
-                let change = |chain: &mut ChainTable| {
+                let change = |chain: &mut DampedChain| {
                     let place = match setting {
                         Setting::Damping => &mut chain.damping,
                         Setting::CouplingDamping => &mut chain.coupling_damping,
@@ -72,7 +71,7 @@ impl StructureScene {
                 let changed = self.definition.with_chain(change);
                 let changed =
                     changed.ok_or_else(|| format!("{setting} is of chains: this structure has matrices or modes"))?;
-                self.definition = Arc::new(changed?);
+                self.definition = Arc::new(changed);
                 self.with_modes(1.0)?;
             }
             Setting::Entry(..) | Setting::LoadOf(_) | Setting::StaticOf(_) => {
