@@ -28,7 +28,7 @@ fn one_limit_holds_however_a_structure_is_given() {
     let rows = format!("[{}]", listed("[1]", n));
     let diagonal = format!("%%MatrixMarket matrix coordinate real symmetric\n{n} {n} 1\n1 1 1\n");
     let free = "[[contact]]\nupper = 1\n";
-    let ways: [Scene<'_>; 9] = [
+    let ways: [Scene<'_>; 8] = [
         ("masses", format!("[structure]\nmasses = [{}]\nstiffness = [[1]]\n{contact}", listed("1", n)), &[]),
         ("rows", format!("[structure]\nmass = {rows}\nstiffness = [[1]]\n{contact}"), &[]),
         ("rows of the stiffness", format!("[structure]\nmasses = [1]\nstiffness = {rows}\n{contact}"), &[]),
@@ -47,7 +47,6 @@ fn one_limit_holds_however_a_structure_is_given() {
             format!("[structure]\nmodes = \"m.csv\"\n{free}"),
             &[("m.csv", format!("frequency,contact0\n{}", "1,1\n".repeat(n)))],
         ),
-        ("a chain", format!("[structure]\nchain = {{ sites = {n}, gamma1 = 1, gamma2 = 1 }}\n{contact}"), &[]),
         ("a damped chain", format!("[model]\nsites = {n}\ngamma1 = 1\ngamma2 = 1\ndamping = 0.1\nupper = 1\n"), &[]),
         ("contacts", format!("[structure]\nmasses = [1]\nstiffness = [[1]]\n{}", contact.repeat(n)), &[]),
     ];
@@ -55,6 +54,39 @@ fn one_limit_holds_however_a_structure_is_given() {
     for (way, text, files) in ways {
         let told = read(&text, files).unwrap_err();
         assert!(told.contains(sentence) && told.len() < 300, "{way}: {told}");
+    }
+}
+
+/// A chain may have more masses than other structures have coordinates, where it has few contacts or keeps few modes.
+#[test]
+fn a_chain_is_as_large_as_its_modes_let_it_be() {
+    let scene = |sites: usize, modes: &str, contacts: usize| {
+        let chain = format!("chain = {{ sites = {sites}, gamma1 = 1, gamma2 = 1, damping = 0.1 }}");
+        read(
+            &format!("omega = 1\n[structure]\n{chain}\n{modes}{}", "[[contact]]\nat = 0\nupper = 1\n".repeat(contacts)),
+            &[],
+        )
+    };
+    let n = 1990;
+    let whole = scene(n, "", 1).unwrap().model().unwrap();
+    assert!(whole.structure().modes().len() == n && (whole.structure().effective_mass(0) - 1.0).abs() < 1e-12);
+    let slowest = scene(40_000, "modes = 50\n", 1).unwrap();
+    let (all, masses) = slowest.whole().unwrap();
+    assert!(all == 40_000 && masses == [1.0] && slowest.model().unwrap().structure().modes().len() == 50);
+    for (sites, modes, contacts, told) in [
+        (
+            2000,
+            "",
+            1,
+            "2000 sites are too many for 2000 modes and 1 contacts: keep the slowest, modes = 1997 in [structure]",
+        ),
+        (MOST_COORDINATES + 1, "", MOST_COORDINATES, "modes = 999 in [structure], or give fewer contacts"),
+        (40_000, "modes = 100\n", 1, "modes = 99 in"),
+        (100_001, "modes = 1\n", 1, "a chain has at most 100000 masses"),
+        (3, "modes = 4\n", 1, "the structure has 3"),
+    ] {
+        let error = scene(sites, modes, contacts).unwrap_err();
+        assert!(error.contains(told), "{error}");
     }
 }
 

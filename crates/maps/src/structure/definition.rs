@@ -7,7 +7,7 @@ use vibrochain_lattice::{
 
 use super::named::Named;
 use super::setting::{Matrix, Setting};
-use super::sizes::check_size;
+use super::sizes::{check_chain, check_size};
 use super::tables::{ChainTable, ContactTable, ForceTable, ModesGiven, StructureTable};
 
 type C = Complex<f64>;
@@ -67,7 +67,7 @@ impl Definition {
                 let contacts = contacts.iter().enumerate().map(|(number, given)| given.weighted(number, chain.sites));
                 let contacts = contacts.collect::<Result<_, _>>()?;
                 let (still, loads) = (force.still.clone().unwrap_or_default(), force.loads(chain.sites)?);
-                Self::of_chain(chain, contacts, still, loads)?.keeping(kept)
+                Self::of_chain(chain, contacts, still, loads, kept)
             }
             [] => Err(
                 "[structure] says nothing of masses: give mass or masses with stiffness, frequencies, modes, or chain"
@@ -209,12 +209,13 @@ impl Definition {
         contacts: Vec<(Vec<(usize, f64)>, Contact)>,
         static_load: Vec<f64>,
         loads: Vec<(u32, Vec<C>)>,
+        modes: Option<usize>,
     ) -> Result<Self, String> {
         let ChainTable { sites, gamma1, gamma2, damping, coupling_damping, .. } = *table;
+        let count = contacts.len();
         if sites == 0 {
             return Err("sites = 0 is out of range: give a whole number from 1".to_owned());
         }
-        check_size("sites", sites)?;
         let ends = RowEnds::from_name(&table.ends)
             .ok_or_else(|| format!("ends = \"{}\" is unknown: give closed, free, fixed or fixed-free", table.ends))?;
         let chain = DampedChain {
@@ -229,7 +230,9 @@ impl Definition {
             loads,
             modes: None,
         };
-        Ok(Self::Chain(Box::new(chain)))
+        let chain = Self::Chain(Box::new(chain)).keeping(modes)?;
+        check_chain(sites, modes.unwrap_or(sites), count)?;
+        Ok(chain)
     }
 
     /// Its modes with all dashpots times `damping`; of a chain they are numbers of its own, as they are.

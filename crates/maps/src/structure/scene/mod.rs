@@ -122,7 +122,7 @@ impl StructureScene {
         }
         let contacts = contacts.into_iter().enumerate().map(|(n, contact)| (vec![(n, 1.0)], contact)).collect();
         let load = vec![Complex::new(1.0, 0.0); n];
-        let definition = Definition::of_chain(chain, contacts, vec![1.0; n], vec![(1, load)])?;
+        let definition = Definition::of_chain(chain, contacts, vec![1.0; n], vec![(1, load)], None)?;
         Ok(Self { load: amplitude, still, uniform: true, ..Self::of(definition)? })
     }
 
