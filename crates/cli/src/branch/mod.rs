@@ -200,7 +200,7 @@ fn as_text<A: Along>(heading: String, free: &str, diagram: &Diagram<A::Orbit>, a
     if untold > 0 {
         let _ = writeln!(
             out,
-            "\nin {} stripes thinner than the step may be missing: Krein signatures, which tell of them, are not known there",
+            "\nin {} stripes thinner than the step may be missing: neither Krein signatures nor, with losses, slopes of multipliers tell of them there",
             counted(untold, "step")
         );
     }

@@ -1,4 +1,4 @@
-//! Multipliers on their way: which pair crosses the circle between two points, and which two collide on it.
+//! Spectra on their way: one of each pair above the real axis; without losses, which two collide on the circle.
 
 use nalgebra::Complex;
 
@@ -6,64 +6,17 @@ use nalgebra::Complex;
 /// rounding, by which a double eigenvalue may split.
 pub(crate) const SPLIT: f64 = 1e-7;
 
-/// A pair that is closer to the circle than this at both ends of a step stays on it: it hardly feels the impacts.
-const ON_CIRCLE: f64 = 1e-12;
-
-/// A match is clear if it is closer than this part of the distance to the next eigenvalue.
-const CLEAR: f64 = 0.4;
+/// A pair that is closer to the circle than this, as ln|μ|, all along a step stays on it: it hardly feels the impacts.
+pub(crate) const ON_CIRCLE: f64 = 1e-12;
 
 /// One of each complex pair, the one above the real axis.
 pub(crate) fn upper_half(values: &[Complex<f64>]) -> Vec<Complex<f64>> {
     values.iter().copied().filter(|value| value.im > SPLIT).collect()
 }
 
-/// What two spectra tell about a pair that crosses the circle between them.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Crossing {
-    /// None does.
-    None,
-    /// This one does, from inside to outside or back.
-    Pair(Complex<f64>, Complex<f64>),
-    /// One may, but which is which cannot be told: the spectra are too far apart.
-    Unclear,
-}
-
 fn nearest(value: Complex<f64>, others: &[Complex<f64>]) -> Option<(usize, f64)> {
     let distances = others.iter().enumerate().map(|(j, other)| (j, (other - value).norm()));
     distances.min_by(|a, b| a.1.total_cmp(&b.1))
-}
-
-/// Distance to the nearest other eigenvalue of the same spectrum, the pair's own other half included.
-fn gap(i: usize, values: &[Complex<f64>]) -> f64 {
-    let others = values.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| (other - values[i]).norm());
-    others.fold(2.0 * values[i].im, f64::min)
-}
-
-/// −1 inside the circle, 0 on it, 1 outside.
-pub(crate) fn side(value: &Complex<f64>) -> i32 {
-    let excess = value.norm_sqr() - 1.0;
-    if excess.abs() < ON_CIRCLE { 0 } else { 1 - 2 * i32::from(excess < 0.0) }
-}
-
-/// Compares two spectra of the upper half plane.
-pub(crate) fn crossing(from: &[Complex<f64>], to: &[Complex<f64>]) -> Crossing {
-    let count = |values: &[Complex<f64>], of: i32| values.iter().filter(|value| side(value) == of).count();
-    let mut unclear = [-1, 1].iter().all(|&of| count(from, of) != count(to, of));
-    for (i, value) in from.iter().enumerate() {
-        let Some((j, distance)) = nearest(*value, to) else { continue };
-        let sides = [side(value), side(&to[j])];
-        if sides[0] * sides[1] >= 0 {
-            // One that grows, and then cannot be told from the circle, may have crossed it.
-            unclear |= sides[0] != sides[1] && sides.contains(&1);
-            continue;
-        }
-        let back = nearest(to[j], from).is_some_and(|(back, _)| back == i);
-        if back && distance < CLEAR * gap(i, from).min(gap(j, to)) {
-            return Crossing::Pair(*value, to[j]);
-        }
-        unclear = true;
-    }
-    if unclear { Crossing::Unclear } else { Crossing::None }
 }
 
 /// ν = ½(μ + 1/μ), one for each pair μ, 1/μ of a spectrum without loss, those on the circle made real.
@@ -106,23 +59,6 @@ pub(crate) fn collided(on: &[Complex<f64>], off: &[Complex<f64>]) -> Option<Comp
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_pair_that_crosses_is_told_from_its_neighbours() {
-        let polar = |r: f64, t: f64| Complex::from_polar(r, t);
-        let from = [polar(0.99, 1.0), polar(1.02, 2.0), polar(0.999, 0.3)];
-        let to = [polar(1.01, 1.05), polar(1.03, 2.1), polar(0.998, 0.33)];
-        assert_eq!(crossing(&from, &to), Crossing::Pair(from[0], to[0]));
-        assert_eq!(crossing(&from, &from), Crossing::None);
-        // Two that are as close as the step is long.
-        let from = [polar(0.99, 1.0), polar(1.01, 1.1)];
-        let to = [polar(1.01, 1.1), polar(1.01, 1.2)];
-        assert_eq!(crossing(&from, &to), Crossing::Unclear);
-        // A pair that arrives from the real axis outside has crossed nothing.
-        assert_eq!(crossing(&from[..1], &[polar(0.99, 1.0), polar(1.2, 3.0)]), Crossing::None);
-        // Pairs that hardly feel the impacts wander about the circle by rounding.
-        assert_eq!(crossing(&[polar(1.0 - 1e-15, 1.0)], &[polar(1.0 + 1e-15, 1.01)]), Crossing::None);
-    }
 
     #[test]
     fn pairs_that_collide_are_told_from_others() {

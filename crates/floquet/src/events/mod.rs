@@ -3,7 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `orbit` | what is asked of an orbit |
-//! | `half_sums` | spectra on their way: pairs that cross the circle or meet on it |
+//! | `half_sums` | spectra on their way: pairs, and those that meet on the circle |
 //! | `of_chains` | who looks at a chain's orbits |
 //! | `regular` | det J(z), made regular, and what rounding does to it |
 //! | `test_function` | what vanishes at each event |

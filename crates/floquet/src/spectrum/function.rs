@@ -189,6 +189,12 @@ impl<'a> SpectralFunction<'a> {
         near
     }
 
+    /// The first or the second pole of a mode.
+    pub(super) fn pole(&self, mode: usize, which: usize) -> Option<Pole> {
+        let is_it = |pole: &&Pole| pole.mode == mode && pole.which == which;
+        self.simple.iter().find(is_it).or_else(|| self.double.iter().flatten().find(is_it)).copied()
+    }
+
     /// Error of A_k and of C_k, each against its largest row.
     pub(super) fn relative(&self, mode: usize) -> f64 {
         let own = mode * self.equations.size()..(mode + 1) * self.equations.size();

@@ -10,6 +10,7 @@
 //! | `starts` | where the zeros are to first order |
 //! | `null` | null vectors of J(z) |
 //! | `refine` | one zero, or several close ones, with errors |
+//! | `drift` | how one moves along a branch |
 //! | `solve` | all of them, counted |
 //! | `leading` | those that lead alone, for a verdict |
 //! | `beyond` | whether one is surely beyond some modulus, by a sign |
@@ -18,6 +19,7 @@
 //! | `verdict` | stable or not |
 
 mod beyond;
+mod drift;
 mod function;
 mod leading;
 mod multipliers;

@@ -45,11 +45,11 @@ pub(crate) struct Refined {
 
 /// xᵀBy, xᵀB′y and bounds of their errors, the last of the former from the orbit's data.
 #[derive(Debug, Clone, Copy, Default)]
-struct Product {
-    value: C,
-    slope: C,
-    value_error: f64,
-    slope_error: f64,
+pub(super) struct Product {
+    pub(super) value: C,
+    pub(super) slope: C,
+    pub(super) value_error: f64,
+    pub(super) slope_error: f64,
     data: f64,
 }
 
@@ -160,7 +160,7 @@ impl SpectralFunction<'_> {
     }
 
     /// The products with two vectors of B(z).
-    fn product(&self, z: C, near: &[Pole], (x, y): (&[C], &[C]), data: &[Origin]) -> Option<Product> {
+    pub(super) fn product(&self, z: C, near: &[Pole], (x, y): (&[C], &[C]), data: &[Origin]) -> Option<Product> {
         const EPSILON: f64 = f64::EPSILON;
         let (equations, size) = (&self.equations, self.equations.size());
         let (n, inside) = (size / 2, equations.is_inside(z));

@@ -9,7 +9,6 @@ use vibrochain_lattice::Barrier;
 use super::confirm::Found;
 use super::seen::value;
 use super::{At, Ends, Follower, Point, Seen};
-use crate::events::half_sums::upper_half;
 use crate::events::{EventOrbit, Test};
 use crate::locate::answer::{Event, LocateError};
 use crate::locate::course::Station;
@@ -26,13 +25,11 @@ const SAFETY: f64 = 2.0;
 /// Next to the edge of a stripe its opening grows by this factor at most within what is looked at at once.
 const STEEPEST: f64 = 4.0;
 
-/// Growth per period that rounding of a multiplier may feign.
-const NOISE: f64 = 1e-9;
-
 impl<E: Ends> Follower<E> {
     /// All events on the way to `next`, and what is seen there.
     pub(super) fn watch(&mut self, from: At<'_, E>, next: &Point<E>) -> Result<Seen, LocateError> {
-        let seen = self.look(next)?;
+        let length = self.branch.length_between(from.0, next);
+        let seen = self.look_on(next, length)?;
         self.halved(from, (next, &seen), 0)?;
         self.pass(next, &seen);
         Ok(seen)
@@ -50,20 +47,25 @@ impl<E: Ends> Follower<E> {
     fn halved(&mut self, from: At<'_, E>, to: At<'_, E>, depth: u32) -> Result<(), LocateError> {
         let length = self.branch.length_between(from.0, to.0);
         let middle = self.branch.step(from.0, 0.5 * length)?;
-        let seen = self.look(&middle)?;
+        let seen = self.look_on(&middle, length)?;
         let between = (&middle, &seen);
         let clear = depth >= DEEPEST || self.is_clear([from, between, to]);
-        // A stripe at ±1, however thin, shows in the signatures at both sides of it.
-        for (part, (from, to)) in [(from, between), (between, to)].into_iter().enumerate() {
-            if part == 1 {
-                self.pass(&middle, &seen);
-            }
+        let mut told = [false; 2];
+        for (told, (from, to)) in told.iter_mut().zip([(from, between), (between, to)]) {
+            // A stripe at ±1, however thin, shows in the signatures at both sides of it.
             let hidden = self.hides_stripe(from.1, to.1, depth);
             if depth >= THINNEST && hidden {
                 self.hidden(from.0.value(), to.0.value());
             }
-            if clear && (depth >= THINNEST || !hidden && !self.hides_doubling(from, to, depth)?) {
-                let found = self.all_between(from, to)?;
+            *told = clear && (depth >= THINNEST || !hidden && !self.hides_doubling(from, to, depth)?);
+        }
+        let mut crossings = self.crossings([from, between, to], told)?;
+        for (part, (from, to)) in [(from, between), (between, to)].into_iter().enumerate() {
+            if part == 1 {
+                self.pass(&middle, &seen);
+            }
+            if told[part] {
+                let found = self.all_between(from, to, std::mem::take(&mut crossings[part]))?;
                 self.pass_events(from.0, found);
             } else {
                 self.halved(from, to, depth + 1)?;
@@ -86,16 +88,18 @@ impl<E: Ends> Follower<E> {
         }
     }
 
-    /// All events between two neighbouring points, in the order of the way.
-    pub(super) fn all_between(&mut self, from: At<'_, E>, to: At<'_, E>) -> Result<Vec<Found<E>>, LocateError> {
+    /// All events between two neighbouring points, crossings of the circle among them, in the order of the way.
+    pub(super) fn all_between(
+        &mut self,
+        from: At<'_, E>,
+        to: At<'_, E>,
+        crossings: Vec<Found<E>>,
+    ) -> Result<Vec<Found<E>>, LocateError> {
         let mut found = Vec::new();
         self.zeros_between(from, to, &mut found)?;
-        if self.watches(Event::NeimarkSacker) {
-            if from.0.orbit().is_lossless() && to.0.orbit().is_lossless() {
-                self.collisions(from, to, &mut found)?;
-            } else {
-                self.crossings(from, to, &mut found)?;
-            }
+        found.extend(crossings);
+        if self.watches(Event::NeimarkSacker) && from.0.orbit().is_lossless() && to.0.orbit().is_lossless() {
+            self.collisions(from, to, &mut found)?;
         }
         found.sort_by(|one, other| one.0.total_cmp(&other.0));
         Ok(found)
@@ -103,7 +107,6 @@ impl<E: Ends> Follower<E> {
 
     /// No function that is watched can vanish twice within either half of a step.
     fn is_clear(&self, [from, middle, to]: [At<'_, E>; 3]) -> bool {
-        let lossless = middle.0.orbit().is_lossless();
         let (mut clear, mut clear_of_edges) = (true, true);
         let mut hold = |values: [f64; 3]| clear &= no_pair(values);
         let mut tests: Vec<Test> = (0..from.1.velocities.len()).map(Test::Velocity).collect();
@@ -124,21 +127,8 @@ impl<E: Ends> Follower<E> {
                 clear_of_edges &= a.max(*m).max(*b) <= STEEPEST * a.min(*m).min(*b);
             }
         }
-        let [a, m, b] = [from, middle, to].map(|seen| if lossless { Vec::new() } else { growths(seen) });
-        for ((a, m), b) in a.iter().zip(&m).zip(&b) {
-            if a.abs().max(m.abs()).max(b.abs()) > NOISE {
-                hold([*a, *m, *b]);
-            }
-        }
         clear && clear_of_edges
     }
-}
-
-/// With losses, ln|μ| of the complex pairs, the largest first: each is a continuous function of the way, whichever pair it is.
-fn growths(seen: &Seen) -> Vec<f64> {
-    let mut growths: Vec<f64> = upper_half(&seen.values).iter().map(|value| value.norm().ln()).collect();
-    growths.sort_by(|a, b| b.total_cmp(a));
-    growths
 }
 
 /// The parabola through values at the beginning, the middle and the end of a step, its bend doubled, has no two zeros within either

@@ -213,10 +213,10 @@ impl<E: Ends> Follower<E> {
         let length = self.branch.length_between(from, to);
         let ends = from.coordinates().iter().zip(to.coordinates());
         let mut z: Vec<f64> = ends.map(|(a, b)| a + share * (b - a)).collect();
-        if test == Test::One
+        if matches!(test, Test::One | Test::Circle)
             && let Ok(there) = self.branch.step(from, share * length)
         {
-            // Symmetric orbits are told by their symmetry, which a chord loses.
+            // Symmetric orbits are told by their symmetry, which a chord loses; and of many pairs the nearest is found.
             z = there.coordinates().to_vec();
         }
         let reach = (2.0 * length).max(LEAST_LENGTH);

@@ -96,14 +96,20 @@ impl<E: Ends> Follower<E> {
         if !turns || self.stretch.whole {
             return Ok(Passage::On(self.watch(from, next)?.into()));
         }
-        let seen = self.look(next)?;
+        let length = self.branch.length_between(from.0, next);
+        let seen = self.look_on(next, length)?;
         let Confirmed::At(fold, evidence) = self.confirm(Test::Fold, from, (next, &seen), HALVINGS)? else {
             return Ok(Passage::Ends((next.value(), End::Lost(BranchError::NoConvergence))));
         };
         let way = (fold.value, End::Fold { error: fold.error });
         let along = self.length_to(from.0, &fold);
+        let middle = self.branch.step(from.0, 0.5 * length)?;
+        let middle_seen = self.look_on(&middle, length)?;
+        let [mut crossings, behind] = self.crossings([from, (&middle, &middle_seen), (next, &seen)], [true; 2])?;
+        let half = self.branch.length_between(from.0, &middle);
+        crossings.extend(behind.into_iter().map(|(at, located)| (half + at, located)));
         let before = self
-            .all_between(from, (next, &seen))?
+            .all_between(from, (next, &seen), crossings)?
             .into_iter()
             .filter(|(at, one)| *at < along && one.event != Event::Fold);
         self.passed.extend(before.map(|(_, located)| Station::Event(located)));

@@ -5,14 +5,17 @@
 //! | `follow` | steps, folds and ends, one way |
 //! | `seen`, `between` | what is seen at a point; steps so short that no pair of events hides |
 //! | `confirm`, `beside_resonance` | events where a test function changes its sign |
-//! | `crossings`, `collision` | pairs of multipliers that cross the circle; without losses, that meet on it |
+//! | `crossings`, `paths`, `cubic` | pairs of multipliers that cross the circle, by their slopes |
+//! | `collision` | without losses, pairs that meet on it |
 
 mod beside_resonance;
 mod between;
 mod collision;
 pub(crate) mod confirm;
 mod crossings;
+mod cubic;
 pub(crate) mod follow;
+mod paths;
 mod seen;
 
 use nalgebra::Complex;
@@ -51,6 +54,8 @@ pub(crate) struct Seen {
     pub(super) another_one: Option<f64>,
     /// Multipliers, or without losses ν of each pair.
     pub(super) values: Vec<Complex<f64>>,
+    /// With losses, how they move.
+    moving: crossings::Moving,
     /// Without loss, (Im ν)² of the pairs off the circle, by Re ν.
     pub(super) openings: Vec<f64>,
     /// Of impacts at several sites, the order of Krein signatures along the circle.
@@ -140,7 +145,8 @@ pub(crate) struct Follower<E: Ends> {
     pub(crate) stop: Stop,
     pub(crate) passed: Vec<Station<OrbitOf<E>>>,
     pub(crate) unresolved: Vec<Unresolved>,
-    /// Steps without loss at an end of which Krein signatures could not be told.
+    /// Steps without loss at an end of which Krein signatures could not be told; with losses parts of steps in which rounding leaves open what crosses
+    /// the circle.
     pub(crate) untold: usize,
 }
 
