@@ -53,12 +53,14 @@ fn sagitta(curve: &EventCurve, i: usize, window: &Window) -> Option<f64> {
         let other = window.parameters[1 - axis];
         let model = from.orbit.model().with(other, middle[1 - axis]).ok()?.with(free, start).ok()?;
         let list = breathers(&model, from.orbit.family()).ok()?;
-        list.orbits.iter().find_map(|orbit| {
+        // Other orbits may have the event, too, farther away.
+        let nearest = list.orbits.iter().filter_map(|orbit| {
             let search = Search { event: curve.event, free, from: middle[axis] - reach, to: middle[axis] + reach };
             let found = locate(orbit, &search).ok()?;
             let apart = |value: f64| (value - middle[axis]).abs() / window.sides()[axis] * across;
             found.located.iter().map(|one| apart(one.value)).min_by(f64::total_cmp)
-        })
+        });
+        nearest.min_by(f64::total_cmp)
     })
 }
 

@@ -8,6 +8,7 @@
 
 pub(crate) mod assembly;
 pub(crate) mod display;
+pub(crate) mod order;
 #[cfg(feature = "serde")]
 pub(crate) mod serde_impl;
 pub(crate) mod symmetries;

@@ -181,9 +181,7 @@ impl Finder {
             left_out,
             reason: outcome.err(),
         });
-        if wanted == Scope::All {
-            found.orbits.sort_by(|a, b| a.phi().unwrap_or(0.0).total_cmp(&b.phi().unwrap_or(0.0)));
-        }
+        found.sort();
         Ok(())
     }
 }

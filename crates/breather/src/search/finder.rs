@@ -1,6 +1,7 @@
 //! From a model to its orbits. A [`Finder`] keeps what a sweep can reuse: the spectrum as long as the chain stays the
 //! same, the impulse response as long as chain and frequency do, and all scratch space.
 
+use smallvec::SmallVec;
 use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum, Stop};
 
 use crate::admissible::answer::Admissibility;
@@ -10,6 +11,7 @@ use crate::equations::condition::{Condition, is_delicate};
 use crate::equations::newton::{CONVERGED, STEPS_FROM_AFAR, polish};
 use crate::error::BreatherError;
 use crate::motion::Motion;
+use crate::orbit::order::list_key;
 use crate::orbit::{Family, Orbit};
 use crate::roots::interval::Zeros;
 use crate::roots::planar::PlanarZeros;
@@ -22,12 +24,20 @@ use crate::search::words::ended::Ended;
 #[derive(Debug, Clone, Default, PartialEq)]
 #[must_use]
 pub struct OrbitList {
-    /// The orbits, physical or not, in order of φ.
+    /// The orbits, physical or not, in order of φ, those of one φ by ψ.
     pub orbits: Vec<Orbit>,
     /// Whether these are all, why there are none, or what may be missing.
     pub completeness: Completeness,
     /// Where branches of a word ended that were followed from γ₂ = 0 and did not come as far as this point.
     pub ended: Vec<Ended>,
+}
+
+impl OrbitList {
+    /// Puts them in the order of lists.
+    pub(crate) fn sort(&mut self) {
+        let times = |orbit: &Orbit| orbit.impacts().iter().map(|impact| impact.time).collect::<SmallVec<[f64; 4]>>();
+        self.orbits.sort_by_key(|orbit| list_key(orbit.period(), times(orbit).into_iter(), orbit.psi()));
+    }
 }
 
 /// Which orbits are asked for.

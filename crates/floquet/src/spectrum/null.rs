@@ -106,7 +106,7 @@ mod tests {
         let chain = Chain::new(2, 0.073_966_543_980_647_89, 0.011_884_233_414_967_131).unwrap();
         let point = chain.point().omega(0.348_589_406_946_606_84);
         let model = point.amplitude(0.093_400_631_787_602_25).restitution(0.563_004_254_549_515_2).model().unwrap();
-        let orbit = &breathers(&model, Family::SingleSided).unwrap().orbits[1];
+        let orbit = &breathers(&model, Family::SingleSided).unwrap().orbits[0];
         let response = ImpulseResponse::new(&Spectrum::new(chain), orbit.frequency()).unwrap();
         let (equations, _) = BlochEquations::of(orbit, &response);
         let function = SpectralFunction::new(&equations, false);

@@ -82,12 +82,13 @@ impl Finder {
         if !model.is_conservative() && model.amplitude() == 0.0 {
             found.completeness = Completeness::none(NoBreather::LossWithoutForce);
         } else if !model.is_conservative() {
-            return uncoupled::find(self, model, (row, force_periods), found);
+            uncoupled::find(self, model, (row, force_periods), found)?;
         } else if row.instants().len() > 2 {
-            return phase_rule::find(self, model, row, found);
+            phase_rule::find(self, model, row, found)?;
         } else {
             found.completeness = Completeness::of(&self.unforced(model, (word, row), wanted, found)?);
         }
+        found.sort();
         Ok(())
     }
 

@@ -16,6 +16,7 @@ use vibrochain_lattice::Barrier;
 use super::at_times::{Impacts, Start};
 use super::three_impacts::ThreeImpacts;
 use super::two_impacts::Function;
+use crate::orbit::order::list_key;
 use crate::structures::equations::{Equations, Point};
 use crate::structures::error::StructureOrbitError;
 use crate::structures::model::StructureModel;
@@ -90,7 +91,7 @@ impl StructureSearch {
 /// Orbits of a word.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StructureFound {
-    /// The orbits, physical or not.
+    /// The orbits, physical or not, in order of φ, those of one φ by ψ.
     pub orbits: Vec<StructureOrbit>,
     /// How they were sought.
     pub search: StructureSearch,
@@ -210,7 +211,8 @@ fn found(
     // Where Newton's method was stopped, too.
     model.heard()?;
     search.leave_open(lost);
-    let orbits = solutions.into_iter().map(|solution| solution.orbit).filter(listed).collect();
+    let mut orbits: Vec<_> = solutions.into_iter().map(|solution| solution.orbit).filter(listed).collect();
+    orbits.sort_by_key(|orbit| list_key(orbit.period(), orbit.impacts().iter().map(|impact| impact.time), orbit.psi()));
     Ok(StructureFound { orbits, search, periods })
 }
 
