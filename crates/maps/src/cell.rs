@@ -1,7 +1,5 @@
 //! One cell of a map: a parameter point and what lives there.
 
-use std::cmp::Ordering;
-
 use serde::Serialize;
 use vibrochain_breather::{
     BreatherError, Completeness, Family, Finder, MapSearch, Orbit, OrbitList, Scope, StructureSearch, Word,
@@ -12,6 +10,7 @@ use vibrochain_lattice::{Model, Stop};
 use crate::absence::Absence;
 use crate::extent::Extent;
 use crate::first_obstruction::FirstObstruction;
+use crate::standing::Standing;
 
 /// What a map is asked to compute.
 #[derive(Debug, Clone, PartialEq)]
@@ -230,15 +229,16 @@ impl Cell {
         let unknown = self.status >= Status::NotConverged;
         match best {
             // An orbit whose stability is unknown could still be the stable one that wins.
-            Some(best) if !unknown || best.verdict.is_some_and(|verdict| verdict.stable) => {
-                if best.verdict.is_some_and(|verdict| verdict.undecided) {
+            Some(best) if !unknown || best.standing.verdict.is_some_and(|verdict| verdict.stable) => {
+                let verdict = best.standing.verdict;
+                if verdict.is_some_and(|verdict| verdict.undecided) {
                     self.class = None;
                     self.status = Status::Undecided;
                 } else {
-                    self.class = Some(Class::of(best.family, best.verdict.map(|verdict| verdict.stable)));
+                    self.class = Some(Class::of(best.family, verdict.map(|verdict| verdict.stable)));
                 }
-                self.mechanism = best.verdict.and_then(|verdict| verdict.mechanism);
-                self.spectral_radius = best.verdict.map(|verdict| verdict.spectral_radius);
+                self.mechanism = verdict.and_then(|verdict| verdict.mechanism);
+                self.spectral_radius = verdict.map(|verdict| verdict.spectral_radius);
                 self.margin = best.margin;
                 self.impulse = best.impulse;
                 self.collision = best.collision;
@@ -250,45 +250,14 @@ impl Cell {
     }
 }
 
-/// Which family gives a cell its class where breathers of several are equally stable: that of the smallest number.
-pub(crate) fn precedence(family: Family) -> u8 {
-    match family {
-        Family::DoubleSided | Family::PeriodDoubled => 0,
-        Family::SingleSided => 1,
-        Family::Word => 2,
-    }
-}
-
 /// A candidate for the orbit that gives a cell its class.
 #[derive(Debug, Clone, Copy)]
 struct Candidate {
     family: Family,
-    verdict: Option<Verdict>,
+    standing: Standing,
     margin: Option<f64>,
     impulse: Option<f64>,
     collision: Option<Collision>,
-}
-
-impl Candidate {
-    /// From which spectral radius on an orbit of `family` is surely no better, if there is one: it is unstable then, by more than
-    /// `tolerance`.
-    fn reach(&self, family: Family, tolerance: Tolerance) -> Option<f64> {
-        let least = 1.0 + Option::from(tolerance).unwrap_or(0.0);
-        let other = Self { family, verdict: None, margin: None, impulse: None, collision: None };
-        let ((doubt, own, radius), (unstable, others, _)) = (self.rank(), other.rank());
-        match (doubt, own).cmp(&(unstable, others)) {
-            Ordering::Less => Some(least),
-            Ordering::Equal => Some(least.max(radius)),
-            Ordering::Greater => None,
-        }
-    }
-
-    /// A stable orbit wins, then one that may be, then a double-sided one, a single-sided one, then the smaller spectral radius.
-    fn rank(&self) -> (u8, u8, f64) {
-        let doubt = self.verdict.map_or(2, |verdict| if verdict.stable { 0 } else { 2 - u8::from(verdict.undecided) });
-        let radius = self.verdict.map_or(0.0, |verdict| verdict.spectral_radius);
-        (doubt, precedence(self.family), radius)
-    }
 }
 
 /// Work space for cells, one a thread.
@@ -331,7 +300,7 @@ impl Worker {
         }
         let mut cell = Cell::EMPTY;
         let mut best: Option<Candidate> = None;
-        for &family in &task.families {
+        for (word, &family) in task.families.iter().enumerate() {
             let breather = match self.finder.map_breather(model, family) {
                 MapSearch::Open => return None,
                 MapSearch::None => continue,
@@ -339,13 +308,17 @@ impl Worker {
             };
             cell.solutions += 1;
             cell.residual = cell.residual.max(breather.residual());
+            if task.stability && best.as_ref().is_some_and(|best| best.standing.is_settled(word, true)) {
+                continue;
+            }
             let verdict = match task.stability {
                 true => Some(self.analyser.map_verdict(model, &breather, task.tolerance)?),
                 false => None,
             };
             let (margin, impulse) = (Some(breather.margin()), Some(breather.strongest_impulse()));
-            let candidate = Candidate { family, verdict, margin, impulse, collision: None };
-            if best.as_ref().is_none_or(|best| candidate.rank() < best.rank()) {
+            let candidate =
+                Candidate { family, standing: Standing { word, verdict }, margin, impulse, collision: None };
+            if best.as_ref().is_none_or(|best| candidate.standing.beats(&best.standing)) {
                 best = Some(candidate);
             }
         }
@@ -360,7 +333,7 @@ impl Worker {
         let wanted = if task.symmetric { Scope::SymmetricCandidates } else { Scope::Candidates };
         let families = task.families.iter().map(|&family| (family, None));
         let words = task.words.iter().map(|word| (Family::Word, Some(word)));
-        for (family, word) in families.chain(words) {
+        for (number, (family, word)) in families.chain(words).enumerate() {
             let searched = match word {
                 None => self.finder.search(model, family, wanted, &mut self.found),
                 Some(word) => self.finder.find_word(model, word, wanted, &mut self.found),
@@ -388,13 +361,16 @@ impl Worker {
                 cell.solutions += 1;
                 cell.residual = cell.residual.max(orbit.residual());
                 // One that is no better than another needs no verdict.
-                let reach =
-                    best.as_ref().filter(|_| task.stability).and_then(|best| best.reach(family, task.tolerance));
-                if let Some(reach) = reach
-                    && self.analyser.surely_exceeds(orbit, &mut self.finder, reach).is_ok_and(|beyond| beyond)
-                {
-                    show(orbit, false);
-                    continue;
+                if let Some(Candidate { standing: best, .. }) = best.as_ref().filter(|_| task.stability) {
+                    let reach = best.reach(number, task.tolerance);
+                    if best.is_settled(number, model.is_conservative())
+                        || reach.is_some_and(|reach| {
+                            self.analyser.surely_exceeds(orbit, &mut self.finder, reach).is_ok_and(|beyond| beyond)
+                        })
+                    {
+                        show(orbit, false);
+                        continue;
+                    }
                 }
                 let verdict = if task.stability {
                     match self.analyser.verdict(orbit, &mut self.finder, task.tolerance) {
@@ -412,8 +388,9 @@ impl Worker {
                     None => None,
                 };
                 let (margin, impulse) = (admissibility.margin, orbit.strongest_impulse());
-                let candidate = Candidate { family, verdict, margin, impulse, collision };
-                let better = best.as_ref().is_none_or(|best| candidate.rank() < best.rank());
+                let standing = Standing { word: number, verdict };
+                let candidate = Candidate { family, standing, margin, impulse, collision };
+                let better = best.as_ref().is_none_or(|best| candidate.standing.beats(&best.standing));
                 show(orbit, better);
                 if better {
                     best = Some(candidate);

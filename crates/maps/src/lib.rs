@@ -49,6 +49,7 @@ pub mod numbers;
 pub mod obstructions;
 pub mod regions;
 pub mod scene;
+mod standing;
 pub mod structure;
 pub mod summary;
 pub mod sweep;

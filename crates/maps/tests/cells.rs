@@ -1,6 +1,5 @@
 //! A cell held against all verdicts of its physical orbits, none passed over.
 
-use std::cmp::Ordering;
 use std::path::Path;
 
 use vibrochain_breather::{Family, Finder, OrbitList, Scope};
@@ -9,12 +8,17 @@ use vibrochain_lattice::{Chain, Model};
 use vibrochain_maps::cell::{Cell, Class, Status, Task, Worker};
 use vibrochain_maps::scene::Scene;
 
-/// Stable before in doubt before unstable, double-sided before single-sided, the smaller spectral radius, the first one.
-fn better(a: &(Family, Verdict, Option<f64>), b: &(Family, Verdict, Option<f64>)) -> Ordering {
-    let rank = |(family, verdict, _): &(Family, Verdict, Option<f64>)| {
+type Known = (Family, Verdict, Option<f64>);
+
+/// Stable before in doubt before unstable, double-sided, which is asked for first, before single-sided, the smaller spectral radius by more than
+/// both may be off, the first one.
+fn is_better(a: &Known, b: &Known) -> bool {
+    let rank = |(family, verdict, _): &Known| {
         (!verdict.stable, !verdict.stable && !verdict.undecided, *family == Family::SingleSided)
     };
-    rank(a).cmp(&rank(b)).then(a.1.spectral_radius.total_cmp(&b.1.spectral_radius))
+    let least = |(_, verdict, _): &Known| verdict.spectral_radius - verdict.resolution;
+    let most = |(_, verdict, _): &Known| verdict.spectral_radius + verdict.resolution;
+    rank(a) < rank(b) || rank(a) == rank(b) && most(a) < least(b)
 }
 
 #[test]
@@ -57,7 +61,9 @@ fn a_cell_is_what_all_verdicts_make_it() {
         };
         let cell = Worker::new(sites).cell(&model, &task);
         assert_eq!(cell.solutions as usize, all.len(), "{model:?}");
-        let Some((family, verdict, margin)) = all.iter().min_by(|a, b| better(a, b)) else {
+        let Some((family, verdict, margin)) =
+            all.iter().reduce(|best, next| if is_better(next, best) { next } else { best })
+        else {
             assert_eq!(cell.class, Some(Class::None));
             continue;
         };

@@ -4,8 +4,10 @@ use std::ops::Range;
 use std::path::Path;
 
 use serde_json::{Map, Value as Json};
-use vibrochain_breather::{Admissibility, StructureModel, Word, structure_candidates, structure_is_physical};
-use vibrochain_floquet::{StructureMultipliers, Tolerance, Verdict};
+use vibrochain_breather::{
+    Admissibility, StructureModel, StructureOrbit, Word, structure_candidates, structure_is_physical,
+};
+use vibrochain_floquet::{StructureMultipliers, Tolerance};
 use vibrochain_lattice::Stop;
 
 use super::answer;
@@ -19,6 +21,7 @@ use crate::error::MapError;
 use crate::first_obstruction::FirstObstruction;
 use crate::grid::{Files, Grid};
 use crate::scene::{Axis, MAX_BYTES};
+use crate::standing::Standing;
 use crate::table::columns::{Column, common};
 
 /// Work of a chunk, in cells of one mode and one word of one impact, each some five microseconds.
@@ -75,41 +78,55 @@ impl RowOfModels {
     }
 }
 
-/// The best orbit so far.
-struct Best<'a> {
+/// A physical orbit of a cell.
+struct Candidate<'a> {
     /// The number of its word.
     word: usize,
     margin: Option<f64>,
-    told: Told<'a>,
+    orbit: &'a StructureOrbit,
 }
 
-/// What is known of its stability.
-enum Told<'a> {
-    Verdict(Verdict),
-    /// Surely unstable; the verdict is worked out where no better orbit comes.
-    Unstable(Box<StructureMultipliers<'a>>),
-    /// Not asked, or not worked out.
-    Nothing,
-}
-
-impl Told<'_> {
-    /// A stable orbit wins, then one that may be, of several the first.
-    fn rank(&self) -> usize {
-        match self {
-            Self::Verdict(verdict) if verdict.stable => 2,
-            Self::Verdict(verdict) if verdict.undecided => 1,
-            _ => 0,
+/// The best of these, and how it stands; into `trouble` why the verdict of one is not known.
+fn best_of<'a>(
+    candidates: &'a [Candidate<'a>],
+    scene: &StructureScene,
+    trouble: &mut Option<String>,
+) -> Option<(&'a Candidate<'a>, Standing)> {
+    let unknown = |candidate: &Candidate<'_>| Standing { word: candidate.word, verdict: None };
+    if !scene.stability {
+        return candidates.first().map(|first| (first, unknown(first)));
+    }
+    let least = 1.0 + Option::from(scene.tolerance).unwrap_or(0.0);
+    // Those that are surely unstable come last: where another one is stable, they need no verdict.
+    let (surely, open): (Vec<_>, Vec<_>) = candidates
+        .iter()
+        .map(|candidate| (candidate, StructureMultipliers::of(candidate.orbit)))
+        .partition(|(_, multipliers)| multipliers.surely_exceeds(least));
+    let mut best: Option<(&Candidate<'_>, Standing)> = None;
+    for (candidate, multipliers) in open.into_iter().chain(surely) {
+        if let Some((_, best)) = &best {
+            let reach = best.reach(candidate.word, scene.tolerance);
+            if best.is_settled(candidate.word, candidate.orbit.is_conservative())
+                || reach.is_some_and(|reach| multipliers.surely_exceeds(reach))
+            {
+                continue;
+            }
+        }
+        let verdict = multipliers.verdict(scene.tolerance).map_err(|error| *trouble = Some(error.to_string()));
+        let standing = Standing { verdict: verdict.ok(), ..unknown(candidate) };
+        if best.as_ref().is_none_or(|(_, best)| standing.beats(best)) {
+            best = Some((candidate, standing));
         }
     }
+    best
 }
 
 /// One point.
 fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
     let mut cell = StructureCell::EMPTY;
     let lists: Vec<_> = scene.words.iter().map(|(word, periods)| structure_candidates(model, word, *periods)).collect();
-    let mut best: Option<Best<'_>> = None;
+    let mut candidates = Vec::new();
     let mut way: Option<(Absence, FirstObstruction)> = None;
-    let unstable = 1.0 + Option::from(scene.tolerance).unwrap_or(0.0);
     for (word, found) in lists.iter().enumerate() {
         let found = match found {
             Ok(found) => found,
@@ -133,27 +150,10 @@ fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
             };
             cell.found.solutions += 1;
             cell.found.residual = cell.found.residual.max(orbit.violation());
-            let rank = best.as_ref().map(|best| best.told.rank());
-            if rank == Some(2) || (rank.is_some() && !scene.stability) {
-                continue;
-            }
-            let told = match scene.stability.then(|| StructureMultipliers::of(orbit)) {
-                None => Told::Nothing,
-                Some(known) if known.surely_exceeds(unstable) => Told::Unstable(known.into()),
-                Some(known) => match known.verdict(scene.tolerance) {
-                    Ok(verdict) => Told::Verdict(verdict),
-                    Err(error) => {
-                        cell.trouble = Some(error.to_string());
-                        Told::Nothing
-                    }
-                },
-            };
-            if rank.is_none_or(|rank| told.rank() > rank) {
-                best = Some(Best { word, margin: physical.margin, told });
-            }
+            candidates.push(Candidate { word, margin: physical.margin, orbit });
         }
     }
-    let Some(Best { word, margin, told }) = best else {
+    let Some((best, standing)) = best_of(&candidates, scene, &mut cell.trouble) else {
         if cell.trouble.is_some() {
             return StructureCell { class: StructureClass::Unknown, ..cell };
         }
@@ -162,13 +162,7 @@ fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
         cell.found.obstruction = way.map(|(_, way)| way);
         return StructureCell { class: StructureClass::None, ..cell };
     };
-    let verdict = match told {
-        Told::Verdict(verdict) => Some(verdict),
-        Told::Unstable(known) => {
-            known.verdict(scene.tolerance).map_err(|error| cell.trouble = Some(error.to_string())).ok()
-        }
-        Told::Nothing => None,
-    };
+    let (margin, Standing { word, verdict }) = (best.margin, standing);
     let class = match verdict {
         None => StructureClass::Physical,
         Some(verdict) if verdict.stable => StructureClass::Stable,

@@ -9,7 +9,7 @@ use vibrochain_breather::Orbit;
 use vibrochain_floquet::OrderFinder;
 use vibrochain_lattice::Model;
 
-use crate::cell::{Cell, Class, Task, Worker, precedence};
+use crate::cell::{Cell, Class, Task, Worker};
 
 /// The orders of all orbits that could give a cell its class: a number that is the same where each of them is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -33,16 +33,19 @@ impl CellOrderFinder {
             }
             self.orbits.push(orbit.clone());
         });
-        (cell, self.orders_of(best, cell.class))
+        (cell, self.orders_of(task, best, cell.class))
     }
 
-    fn orders_of(&mut self, best: usize, class: Option<Class>) -> Option<CellOrders> {
-        let winner = precedence(self.orbits.get(best)?.family());
+    fn orders_of(&mut self, task: &Task, best: usize, class: Option<Class>) -> Option<CellOrders> {
+        // Words that are no family's give one class.
+        let place = |orbit: &Orbit| task.families.iter().position(|family| *family == orbit.family());
+        let place = |orbit: &Orbit| place(orbit).unwrap_or(task.families.len());
+        let winner = place(self.orbits.get(best)?);
         let is_stable = matches!(class.and_then(Class::parts), Some((_, Some(true))));
         let mut hasher = DefaultHasher::new();
         for (number, orbit) in self.orbits.iter().enumerate() {
-            // As long as the best one is stable, only families that win over its own take the class from it.
-            if is_stable && number != best && precedence(orbit.family()) >= winner {
+            // As long as the best one is stable, only families that are asked for before its own take the class from it.
+            if is_stable && number != best && place(orbit) >= winner {
                 continue;
             }
             // Orbits come word by word, as the scene lists these: the number tells which word has the order.
