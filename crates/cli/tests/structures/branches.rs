@@ -110,7 +110,9 @@ fn what_branches_off_is_what_runs_come_to() {
         ("pair.toml", "restitution", "--from 0.1 --to 0.7", "pitchfork", ("0+,0-", 1)),
     ];
     for (scene, free, range, event, (word, periods)) in cases {
-        let ask = format!("branch --scene {scene} --free {free} {range} --switch");
+        // Of the ball the symmetric orbit, the second one.
+        let which = if scene == "pair.toml" { 2 } else { 1 };
+        let ask = format!("branch --scene {scene} --free {free} {range} --solution {which} --switch");
         let told = written(&dir.run(&format!("{ask} --json --out branch.csv --plot branch.svg")).with(0, &[]).out);
         let of_event = |branch: &&Value| branch["origin"]["event"] == event;
         let branches = told["branches"].as_array().unwrap();
@@ -153,6 +155,33 @@ fn what_branches_off_is_what_runs_come_to() {
     }
 }
 
+/// Those that are mirror images of each other end on the symmetric ones, which go on from there or are told as not found; what has been followed
+/// is told in any case.
+#[test]
+fn both_of_a_pair_end_on_the_symmetric_orbits() {
+    let dir = dir();
+    fs::write(dir.path("pair.toml"), PAIR).unwrap();
+    let mut followed = 0;
+    for which in [1, 3] {
+        let ask = "branch --scene pair.toml --free restitution --from 0.1 --to 0.7 --switch --json";
+        let told = written(&dir.run(&format!("{ask} --solution {which}")).with(0, &[]).out);
+        assert!(told["points"].as_array().unwrap().len() > 50);
+        let of_pitchfork = |list: &str, event: &dyn Fn(&Value) -> Value| {
+            told[list].as_array().unwrap().iter().filter(|one| event(one) == "pitchfork").cloned().collect::<Vec<_>>()
+        };
+        let branches = of_pitchfork("branches", &|one| one["origin"]["event"].clone());
+        let left = of_pitchfork("dead_ends", &|one| one["event"].clone());
+        assert_eq!(branches.len() + left.len(), 1, "{told}");
+        for symmetric in branches {
+            let points = symmetric["points"].as_array().unwrap();
+            let half = |point: &Value| (number(&point["phi"]) - 0.5 * number(&point["period"])).abs() < 1e-9;
+            assert!(points.len() > 50 && points.iter().all(half), "{symmetric}");
+            followed += 1;
+        }
+    }
+    assert!(followed > 0);
+}
+
 #[test]
 fn what_is_wrong_is_told() {
     let dir = dir();
@@ -185,11 +214,8 @@ const BAR: &str = "omega = 1.3\nword = \"0+\"\n[structure]\nmasses = [1, 1]\nsti
 fn a_contact_that_another_ones_impact_turns_round_touches_too() {
     let dir = TestDir::new();
     fs::write(dir.path("bar.toml"), BAR).unwrap();
-    let told = written(
-        &dir.run("branch --scene bar.toml --free contact.1.upper --from 0.5 --to 2 --solution 2 --json")
-            .with(0, &[])
-            .out,
-    );
+    let told =
+        written(&dir.run("branch --scene bar.toml --free contact.1.upper --from 0.5 --to 2 --json").with(0, &[]).out);
     let touches: Vec<&Value> = (told["events"].as_array().unwrap().iter())
         .filter(|event| event["event"] == "grazing" && event["evidence"]["contact"] == 1)
         .collect();
@@ -198,20 +224,18 @@ fn a_contact_that_another_ones_impact_turns_round_touches_too() {
     // In another unit of length it is the same place.
     let small = BAR.replace("0.5, 0.1]", "5e-7, 1e-7]").replace("upper = 0.5", "upper = 5e-7");
     fs::write(dir.path("small.toml"), small.replace("upper = 1.0", "upper = 1e-6")).unwrap();
-    let line = "branch --scene small.toml --free contact.1.upper --from 5e-7 --to 2e-6 --solution 2 --json";
+    let line = "branch --scene small.toml --free contact.1.upper --from 5e-7 --to 2e-6 --json";
     let small = written(&dir.run(line).with(0, &[]).out);
     assert!((number(&small["events"][0]["value"]) * 1e6 - stop).abs() < 1e-12 * stop, "{small:#}");
     let hits = |stop: f64| {
-        let line = format!(
-            "simulate --scene bar.toml --solution 2 --set contact.1.upper={stop} --periods 2 --impacts hits.csv"
-        );
+        let line = format!("simulate --scene bar.toml --set contact.1.upper={stop} --periods 2 --impacts hits.csv");
         dir.run(&line).with(0, &[]);
         let table = String::from_utf8(dir.read("hits.csv")).unwrap();
         table.lines().skip(1).filter(|row| row.split(',').nth(1) == Some("1")).count()
     };
     // Its place there does not depend on its own barrier.
     assert_eq!([hits(stop - 1e-9), hits(stop + 1e-9)].map(|count| count > 0), [true, false], "{stop}");
-    let ask = "--scene bar.toml --event grazing --free contact.1.upper --from 0.9 --to 1 --solution 2 --json";
+    let ask = "--scene bar.toml --event grazing --free contact.1.upper --from 0.9 --to 1 --json";
     let located = written(&dir.run(&format!("locate {ask}")).with(0, &[]).out);
     assert!((number(&located["events"][0]["value"]) - stop).abs() < 1e-12);
     let curve = format!("curve {ask} --and omega --and-from 1.25 --and-to 1.3");

@@ -193,7 +193,15 @@ fn switch<T: Tracing>(diagram: &mut Diagram<OrbitOf<T::Ends>>, tracing: &T, orig
     if parent.ends_on_simpler(located.value) {
         // The pair ends on the symmetric orbits: those are what goes on.
         if !known(located.value, &located.orbit) {
-            let (branch, point) = tracing.through(located)?;
+            let (branch, point) = match tracing.through(located) {
+                Ok(begun) => begun,
+                // What has been followed so far is no worse for it.
+                Err(BranchError::NoConvergence) => {
+                    diagram.dead_ends.push(origin);
+                    return Ok(());
+                }
+                Err(error) => return Err(error.into()),
+            };
             let symmetric = both_ways(tracing.follower(branch), point)?;
             diagram.take(symmetric, Some(origin), generation);
         }

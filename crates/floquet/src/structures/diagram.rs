@@ -73,6 +73,23 @@ impl StructureTracing<'_> {
     fn branch(&self, orbit: &StructureOrbit, value: f64) -> Result<StructureBranch, BranchError> {
         StructureBranch::of_structure(orbit, self.family.clone(), value, self.range(), self.stop)
     }
+
+    /// The branch through the orbit next to that of an event, this part of the range away.
+    fn beside(
+        &self,
+        located: &Located<StructureOrbit>,
+        aside: f64,
+    ) -> Result<(StructureBranch, StructureBranchPoint), BranchError> {
+        let value = located.value + aside * self.range();
+        let mut branch = self.branch(&located.orbit, located.value)?;
+        let mut z = Vector::from(branch.system().origin()?);
+        let last = z.len() - 1;
+        z[last] = value;
+        let beside = branch.correct(&z, &unit(last + 1, last), 1.0, false)?;
+        let mut branch = self.branch(beside.orbit(), value)?;
+        let point = branch.start()?;
+        Ok((branch, point))
+    }
 }
 
 impl Tracing for StructureTracing<'_> {
@@ -84,22 +101,15 @@ impl Tracing for StructureTracing<'_> {
         Follower::new(branch, OfStructures::default(), self.ends(), stretch, self.stop)
     }
 
-    /// Right where symmetry is lost there are two directions; beside it the symmetric orbits have one.
+    /// Right where symmetry is lost there are two directions; beside it the symmetric orbits have one. On one side of it two more orbits are near,
+    /// which Newton's method may be caught between: then the other side is tried.
     fn through(
         &self,
         located: &Located<StructureOrbit>,
     ) -> Result<(StructureBranch, StructureBranchPoint), BranchError> {
         let StructureCourse { from, to, .. } = *self.course;
-        let aside = if located.value < 0.5 * (from + to) { ASIDE } else { -ASIDE };
-        let value = located.value + aside * self.range();
-        let mut branch = self.branch(&located.orbit, located.value)?;
-        let mut z = Vector::from(branch.system().origin()?);
-        let last = z.len() - 1;
-        z[last] = value;
-        let beside = branch.correct(&z, &unit(last + 1, last), 1.0, false)?;
-        let mut branch = self.branch(beside.orbit(), value)?;
-        let point = branch.start()?;
-        Ok((branch, point))
+        let inwards = if located.value < 0.5 * (from + to) { ASIDE } else { -ASIDE };
+        self.beside(located, inwards).or_else(|_| self.beside(located, -inwards))
     }
 
     fn ends(&self) -> OfStructure {
