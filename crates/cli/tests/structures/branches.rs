@@ -214,8 +214,11 @@ const BAR: &str = "omega = 1.3\nword = \"0+\"\n[structure]\nmasses = [1, 1]\nsti
 fn a_contact_that_another_ones_impact_turns_round_touches_too() {
     let dir = TestDir::new();
     fs::write(dir.path("bar.toml"), BAR).unwrap();
-    let told =
-        written(&dir.run("branch --scene bar.toml --free contact.1.upper --from 0.5 --to 2 --json").with(0, &[]).out);
+    let told = written(
+        &dir.run("branch --scene bar.toml --solution 1 --free contact.1.upper --from 0.5 --to 2 --json")
+            .with(0, &[])
+            .out,
+    );
     let touches: Vec<&Value> = (told["events"].as_array().unwrap().iter())
         .filter(|event| event["event"] == "grazing" && event["evidence"]["contact"] == 1)
         .collect();
@@ -224,18 +227,20 @@ fn a_contact_that_another_ones_impact_turns_round_touches_too() {
     // In another unit of length it is the same place.
     let small = BAR.replace("0.5, 0.1]", "5e-7, 1e-7]").replace("upper = 0.5", "upper = 5e-7");
     fs::write(dir.path("small.toml"), small.replace("upper = 1.0", "upper = 1e-6")).unwrap();
-    let line = "branch --scene small.toml --free contact.1.upper --from 5e-7 --to 2e-6 --json";
+    let line = "branch --scene small.toml --solution 1 --free contact.1.upper --from 5e-7 --to 2e-6 --json";
     let small = written(&dir.run(line).with(0, &[]).out);
     assert!((number(&small["events"][0]["value"]) * 1e6 - stop).abs() < 1e-12 * stop, "{small:#}");
     let hits = |stop: f64| {
-        let line = format!("simulate --scene bar.toml --set contact.1.upper={stop} --periods 2 --impacts hits.csv");
+        let line = format!(
+            "simulate --scene bar.toml --solution 1 --set contact.1.upper={stop} --periods 2 --impacts hits.csv"
+        );
         dir.run(&line).with(0, &[]);
         let table = String::from_utf8(dir.read("hits.csv")).unwrap();
         table.lines().skip(1).filter(|row| row.split(',').nth(1) == Some("1")).count()
     };
     // Its place there does not depend on its own barrier.
     assert_eq!([hits(stop - 1e-9), hits(stop + 1e-9)].map(|count| count > 0), [true, false], "{stop}");
-    let ask = "--scene bar.toml --event grazing --free contact.1.upper --from 0.9 --to 1 --json";
+    let ask = "--scene bar.toml --solution 1 --event grazing --free contact.1.upper --from 0.9 --to 1 --json";
     let located = written(&dir.run(&format!("locate {ask}")).with(0, &[]).out);
     assert!((number(&located["events"][0]["value"]) - stop).abs() < 1e-12);
     let curve = format!("curve {ask} --and omega --and-from 1.25 --and-to 1.3");

@@ -59,7 +59,7 @@ fn summaries_tell_which_contact_is_in_the_way_after_which_impact() {
     for shard in [0, 1] {
         dir.run(&format!("sweep scene.toml --out chunks --shard {shard}/2")).with(0, &[]);
     }
-    dir.run("merge chunks --out merged.csv").with(0, &["contact 0 at impact 0, 0."]);
+    dir.run("merge chunks --out merged.csv").with(0, &["contact 0 at impact 1, 0."]);
     let merged = dir.json("merged.manifest.json");
     assert_eq!(told_of(&merged), absences);
 }
