@@ -123,7 +123,7 @@ def test_an_event_that_rounding_hides_is_told():
 
 
 def test_multipliers_and_copies():
-    orbit = both().orbits("0+", omega=0.6)[0]
+    orbit = both().orbits("0+", omega=0.6)[1]
     assert orbit.multipliers.shape == (4,)
     assert abs(abs(orbit.multipliers[0]) - orbit.stability["spectral_radius"]) < 1e-12
     # Liouville: the product of all is e² times what dashpots take.
@@ -131,7 +131,7 @@ def test_multipliers_and_copies():
     assert abs(np.prod(orbit.multipliers) - 0.8**2 * np.exp(-trace * orbit.period)) < 1e-12
     for again in (copy.deepcopy(orbit), pickle.loads(pickle.dumps(orbit))):
         assert again == orbit
-    assert pickle.loads(pickle.dumps(both())).orbits("0+", omega=0.6)[0] == orbit
+    assert pickle.loads(pickle.dumps(both())).orbits("0+", omega=0.6)[1] == orbit
     assert repr(orbit).startswith("<StructureOrbit 0+: period 10.47") and repr(orbit).count("unstable (period-doubling), spectral radius 1.44") == 1
     assert repr(both().orbits("0+", omega=0.6)) == "<2 orbits, 1 physical, by closed-form>"
     assert repr(both()) == "Structure(2 coordinates, 1 contact)"

@@ -146,7 +146,7 @@ class Structure:
     >>> stop = vc.Contact(at=1, lower=-0.7, upper=0.6, restitution=0.8)
     >>> both = vc.Structure([1.0, 1.4], np.array([[1.0, -0.3], [-0.3, 0.8]]), damping=[0.02, 0.02], contacts=[stop], load=[0.5, 0.0])
     >>> [orbit.physical for orbit in both.orbits("0+", omega=0.6)]
-    [True, False]
+    [False, True]
 
     Examples of its methods go on from here:
 
