@@ -1,7 +1,6 @@
 //! From a model to its orbits. A [`Finder`] keeps what a sweep can reuse: the spectrum as long as the chain stays the
 //! same, the impulse response as long as chain and frequency do, and all scratch space.
 
-use smallvec::SmallVec;
 use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum, Stop};
 
 use crate::admissible::answer::Admissibility;
@@ -11,7 +10,7 @@ use crate::equations::condition::{Condition, is_delicate};
 use crate::equations::newton::{CONVERGED, STEPS_FROM_AFAR, polish};
 use crate::error::BreatherError;
 use crate::motion::Motion;
-use crate::orbit::order::list_key;
+use crate::orbit::order::Listed;
 use crate::orbit::{Family, Orbit};
 use crate::roots::interval::Zeros;
 use crate::roots::planar::PlanarZeros;
@@ -35,8 +34,13 @@ pub struct OrbitList {
 impl OrbitList {
     /// Puts them in the order of lists.
     pub(crate) fn sort(&mut self) {
-        let times = |orbit: &Orbit| orbit.impacts().iter().map(|impact| impact.time).collect::<SmallVec<[f64; 4]>>();
-        self.orbits.sort_by_key(|orbit| list_key(orbit.period(), times(orbit).into_iter(), orbit.psi()));
+        self.orbits.sort_by(|one, other| {
+            let [one, other] = [one, other].map(|orbit| {
+                let times = orbit.impacts().iter().map(|impact| impact.time);
+                Listed { period: orbit.period(), times, psi: orbit.psi() }
+            });
+            one.compare(other)
+        });
     }
 }
 
