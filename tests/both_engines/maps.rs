@@ -9,7 +9,7 @@ use vibrochain_maps::grid::{Files, Grid};
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::structure::StructureScene;
 
-/// All cells of a scene, with the classes that people are shown.
+/// All cells of a scene, with the classes that pictures and summaries name.
 fn cells<S: Grid>(text: &str) -> Vec<Cell> {
     let scene = S::parse(Path::new("scene.toml"), text, &Files::new()).unwrap();
     let (stop, mut cells) = (Stop::default(), Vec::new());

@@ -308,7 +308,8 @@ impl Worker {
             };
             cell.solutions += 1;
             cell.residual = cell.residual.max(breather.residual());
-            if task.stability && best.as_ref().is_some_and(|best| best.standing.is_settled(word, true)) {
+            let keeps = |best: &Candidate| best.standing.keeps_its_place((word, true), task.tolerance, |_| false);
+            if task.stability && best.as_ref().is_some_and(keeps) {
                 continue;
             }
             let verdict = match task.stability {
@@ -361,16 +362,16 @@ impl Worker {
                 cell.solutions += 1;
                 cell.residual = cell.residual.max(orbit.residual());
                 // One that is no better than another needs no verdict.
-                if let Some(Candidate { standing: best, .. }) = best.as_ref().filter(|_| task.stability) {
-                    let reach = best.reach(number, task.tolerance);
-                    if best.is_settled(number, model.is_conservative())
-                        || reach.is_some_and(|reach| {
-                            self.analyser.surely_exceeds(orbit, &mut self.finder, reach).is_ok_and(|beyond| beyond)
-                        })
-                    {
-                        show(orbit, false);
-                        continue;
-                    }
+                let (analyser, finder) = (&mut self.analyser, &mut self.finder);
+                let exceeds = |reach| analyser.surely_exceeds(orbit, finder, reach).is_ok_and(|beyond| beyond);
+                let other = (number, model.is_conservative());
+                if best
+                    .as_ref()
+                    .filter(|_| task.stability)
+                    .is_some_and(|best| best.standing.keeps_its_place(other, task.tolerance, exceeds))
+                {
+                    show(orbit, false);
+                    continue;
                 }
                 let verdict = if task.stability {
                     match self.analyser.verdict(orbit, &mut self.finder, task.tolerance) {

@@ -32,16 +32,23 @@ impl Standing {
         }
     }
 
-    /// Whether no orbit of the word at `word` is better, whatever its multipliers are: this one is stable, and of a word that is asked for before,
-    /// or radii do not decide, as without losses, where those of stable orbits are all 1.
-    pub(crate) fn is_settled(&self, word: usize, without_losses: bool) -> bool {
-        self.doubt() == 0 && (self.word < word || self.word == word && without_losses)
+    /// Whether an orbit of the word at `word` cannot beat this one, so that it needs no verdict; `exceeds` tells whether its spectral radius is surely
+    /// beyond a number.
+    pub(crate) fn keeps_its_place(
+        &self,
+        (word, is_conservative): (usize, bool),
+        tolerance: Tolerance,
+        exceeds: impl FnOnce(f64) -> bool,
+    ) -> bool {
+        // Without losses the radii of all stable orbits are 1 and do not decide.
+        let is_settled = self.doubt() == 0 && (self.word < word || self.word == word && is_conservative);
+        is_settled || self.reach(word, tolerance).is_some_and(exceeds)
     }
 
     /// From which spectral radius on an orbit of the word at `word` is surely no better, if there is one: it is unstable then, by more than
     /// `tolerance`.
-    pub(crate) fn reach(&self, word: usize, tolerance: Tolerance) -> Option<f64> {
-        let least = 1.0 + Option::from(tolerance).unwrap_or(0.0);
+    fn reach(&self, word: usize, tolerance: Tolerance) -> Option<f64> {
+        let least = unstable_beyond(tolerance);
         let unstable = Self { word, verdict: None };
         match (self.doubt(), self.word).cmp(&(unstable.doubt(), unstable.word)) {
             Ordering::Less => Some(least),
@@ -49,4 +56,9 @@ impl Standing {
             Ordering::Greater => None,
         }
     }
+}
+
+/// The spectral radius beyond which an orbit counts as unstable.
+pub(crate) fn unstable_beyond(tolerance: Tolerance) -> f64 {
+    1.0 + Option::from(tolerance).unwrap_or(0.0)
 }

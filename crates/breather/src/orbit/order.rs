@@ -1,57 +1,54 @@
 //! The order of orbits in every list: by φ, then by ψ.
 
-use std::cmp::Ordering;
-
 /// Steps of a period, a power of two. Times that differ by rounding alone are in one step; those that symmetry gives, halves and thirds of the
 /// period, lie within a step, not at its end.
 const STEPS: u64 = 1 << 30;
 
-/// What decides where an orbit stands in a list.
-pub(crate) struct Listed<I> {
-    pub(crate) period: f64,
-    /// The times of its impacts, from the first one on.
-    pub(crate) times: I,
-    /// The phase of the force.
-    pub(crate) psi: Option<f64>,
+/// What decides where an orbit stands in a list: its period, and the phase of the force at its first impact.
+type Frame = (f64, Option<f64>);
+
+/// Sorts orbits by the times of their impacts after the first one, by the phase of the force, then by the period, which differs where it is the
+/// orbit's own.
+pub(crate) fn sort<O, I>(
+    orbits: &mut [O],
+    frame: impl Fn(&O) -> Frame,
+    impacts: impl Fn(&O) -> &[I],
+    time: impl Fn(&I) -> f64,
+) {
+    orbits.sort_by(|one, other| {
+        let [own, others] = [frame(one), frame(other)];
+        let [one, other] = [(one, own), (other, others)]
+            .map(|(orbit, (period, psi))| steps(impacts(orbit).iter().skip(1).map(&time).chain(psi), period));
+        one.cmp(other).then(own.0.total_cmp(&others.0))
+    });
 }
 
-impl<I: Iterator<Item = f64>> Listed<I> {
-    /// By the times of the impacts after the first one, by the phase, then by the period, which differs where it is the orbit's own.
-    pub(crate) fn compare(self, other: Self) -> Ordering {
-        let (own, others) = (self.period, other.period);
-        self.steps().cmp(other.steps()).then(own.total_cmp(&others))
-    }
-
-    /// The steps that the times are in; the end of a period is its beginning.
-    fn steps(self) -> impl Iterator<Item = u64> {
-        let scale = STEPS as f64 / self.period;
-        self.times.skip(1).chain(self.psi).map(move |time| (time * scale + 0.5) as u64 % STEPS)
-    }
+/// The number of the step of a period that each time falls into; the end of a period counts as its beginning.
+fn steps(times: impl Iterator<Item = f64>, period: f64) -> impl Iterator<Item = u64> {
+    let scale = STEPS as f64 / period;
+    times.map(move |time| (time * scale + 0.5) as u64 % STEPS)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Half a period is one time however it is rounded, and a phase of a whole period is none.
+    /// Times of half a period are equal however they are rounded, and a phase of a whole period equals 0.
     #[test]
     fn rounding_of_times_does_not_decide() {
         let half = 3.0f64;
         let mut list = [
-            (half * (1.0 + 4.0 * f64::EPSILON), 1.0),
-            (half, 2.0),
-            (half * (1.0 - 4.0 * f64::EPSILON), 3.0),
-            (2.0, 5.0),
-            (half, 6.0 * (1.0 - f64::EPSILON)),
-            (2.0, 4.0),
+            ([0.0, half * (1.0 + 4.0 * f64::EPSILON)], 1.0),
+            ([0.0, half], 2.0),
+            ([0.0, half * (1.0 - 4.0 * f64::EPSILON)], 3.0),
+            ([0.0, 2.0], 5.0),
+            ([0.0, half], 6.0 * (1.0 - f64::EPSILON)),
+            ([0.0, 2.0], 4.0),
         ];
-        let listed =
-            |&(phi, psi): &(f64, f64)| Listed { period: 2.0 * half, times: [0.0, phi].into_iter(), psi: Some(psi) };
-        list.sort_by(|one, other| listed(one).compare(listed(other)));
+        sort(&mut list, |(_, psi)| (2.0 * half, Some(*psi)), |(times, _)| &times[..], |time| *time);
         assert_eq!(list.map(|(_, psi)| psi.round()), [4.0, 5.0, 6.0, 1.0, 2.0, 3.0]);
         let mut periods = [5.0, 3.0, 4.0];
-        let listed = |&period: &f64| Listed { period, times: [0.0].into_iter(), psi: None };
-        periods.sort_by(|one, other| listed(one).compare(listed(other)));
+        sort(&mut periods, |period| (*period, None), |_| &[0.0][..], |time| *time);
         assert_eq!(periods, [3.0, 4.0, 5.0]);
     }
 }

@@ -10,8 +10,7 @@ use crate::equations::condition::{Condition, is_delicate};
 use crate::equations::newton::{CONVERGED, STEPS_FROM_AFAR, polish};
 use crate::error::BreatherError;
 use crate::motion::Motion;
-use crate::orbit::order::Listed;
-use crate::orbit::{Family, Orbit};
+use crate::orbit::{Family, Orbit, order};
 use crate::roots::interval::Zeros;
 use crate::roots::planar::PlanarZeros;
 use crate::search::completeness::Completeness;
@@ -34,13 +33,7 @@ pub struct OrbitList {
 impl OrbitList {
     /// Puts them in the order of lists.
     pub(crate) fn sort(&mut self) {
-        self.orbits.sort_by(|one, other| {
-            let [one, other] = [one, other].map(|orbit| {
-                let times = orbit.impacts().iter().map(|impact| impact.time);
-                Listed { period: orbit.period(), times, psi: orbit.psi() }
-            });
-            one.compare(other)
-        });
+        order::sort(&mut self.orbits, |orbit| (orbit.period(), orbit.psi()), Orbit::impacts, |impact| impact.time);
     }
 }
 

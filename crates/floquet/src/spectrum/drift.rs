@@ -11,7 +11,7 @@ type C = Complex<f64>;
 /// What a multiplier may leave of J, as a part of its largest entry: more, and it is that of a mode which the equations leave out.
 const MOST_DEFECT: f64 = 1e-4;
 
-/// How far a multiplier moves between two neighbours of its orbit, and what rounding does to that.
+/// By how much a multiplier differs between two neighbouring orbits of a branch, and the rounding error of that.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Drift {
     pub(crate) value: C,

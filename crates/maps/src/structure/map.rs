@@ -21,7 +21,7 @@ use crate::error::MapError;
 use crate::first_obstruction::FirstObstruction;
 use crate::grid::{Files, Grid};
 use crate::scene::{Axis, MAX_BYTES};
-use crate::standing::Standing;
+use crate::standing::{Standing, unstable_beyond};
 use crate::table::columns::{Column, common};
 
 /// Work of a chunk, in cells of one mode and one word of one impact, each some five microseconds.
@@ -96,7 +96,7 @@ fn best_of<'a>(
     if !scene.stability {
         return candidates.first().map(|first| (first, unknown(first)));
     }
-    let least = 1.0 + Option::from(scene.tolerance).unwrap_or(0.0);
+    let least = unstable_beyond(scene.tolerance);
     // Those that are surely unstable come last: where another one is stable, they need no verdict.
     let (surely, open): (Vec<_>, Vec<_>) = candidates
         .iter()
@@ -104,13 +104,10 @@ fn best_of<'a>(
         .partition(|(_, multipliers)| multipliers.surely_exceeds(least));
     let mut best: Option<(&Candidate<'_>, Standing)> = None;
     for (candidate, multipliers) in open.into_iter().chain(surely) {
-        if let Some((_, best)) = &best {
-            let reach = best.reach(candidate.word, scene.tolerance);
-            if best.is_settled(candidate.word, candidate.orbit.is_conservative())
-                || reach.is_some_and(|reach| multipliers.surely_exceeds(reach))
-            {
-                continue;
-            }
+        let other = (candidate.word, candidate.orbit.is_conservative());
+        let exceeds = |reach| multipliers.surely_exceeds(reach);
+        if best.as_ref().is_some_and(|(_, best)| best.keeps_its_place(other, scene.tolerance, exceeds)) {
+            continue;
         }
         let verdict = multipliers.verdict(scene.tolerance).map_err(|error| *trouble = Some(error.to_string()));
         let standing = Standing { verdict: verdict.ok(), ..unknown(candidate) };

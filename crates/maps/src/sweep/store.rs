@@ -11,14 +11,12 @@ use vibrochain_lattice::{Stop, Stopped, aside};
 
 use super::chunk::{Fault, Writer, check};
 use super::content::Content;
-use super::plan::PLAN_BEGINS;
-use super::plan::Plan;
+use super::plan::{PLAN_BEGINS, Plan};
 use crate::error::MapError;
 use crate::files::{self, Output, remove_if_abandoned};
 use crate::grid::Grid;
 use crate::summary::Summary;
-use crate::text::duration;
-use crate::text::open_plain;
+use crate::text::{duration, open_plain};
 
 const PLAN: &str = "plan.json";
 
@@ -348,6 +346,10 @@ mod tests {
         x = { parameter = \"omega\", values = [0.5, 0.7, 1.1] }\ny = { parameter = \"gamma2\", values = [0.1] }\n\
         [compute]\nfamilies = [\"double-sided\"]\n";
 
+    fn open(folder: &Path, plan: &Plan, claim: Claim) -> Result<Store, MapError> {
+        Store::open(folder, plan, claim, &Stop::default())
+    }
+
     #[test]
     fn chunks_of_another_version_are_refused_by_name() {
         let dir = tempfile::tempdir().unwrap();
@@ -355,10 +357,10 @@ mod tests {
         fs::write(&scene, TEXT).unwrap();
         let here = Plan::<Scene>::read(&scene, None).unwrap();
         let there = Plan::<Scene>::by_version(&scene, TEXT, "0.0.9");
-        drop(Store::open(&folder, &there, Claim::Share, &Stop::default()).unwrap());
+        drop(open(&folder, &there, Claim::Share).unwrap());
         fs::write(Store::path(&folder, 0), "").unwrap();
         for claim in [Claim::Resume, Claim::Share] {
-            let error = Store::open(&folder, &here, claim, &Stop::default()).unwrap_err();
+            let error = open(&folder, &here, claim).unwrap_err();
             let told = error.to_string();
             assert!(
                 told.contains("belongs to another version of mapgen: 0.0.9 (") && matches!(error, MapError::Request(_)),
@@ -367,12 +369,7 @@ mod tests {
             assert!(told.contains(&format!(") there, {} (", crate::manifest::VERSION)), "{told}");
         }
         // Chunks that are sound, but of that version: without their plan they are refused one by one.
-        Store::open(&folder, &there, Claim::Share, &Stop::default())
-            .unwrap()
-            .writer(&there, 0)
-            .unwrap()
-            .finish()
-            .unwrap();
+        open(&folder, &there, Claim::Share).unwrap().writer(&there, 0).unwrap().finish().unwrap();
         assert!(matches!(Store::check(&Cells, &folder, &here, 0, &Stop::default()), Err(Fault::Foreign)));
     }
 
@@ -392,7 +389,7 @@ mod tests {
             "old.chunk",
         ];
         others.iter().for_each(|name| fs::write(folder.join(name), "mine").unwrap());
-        let store = Store::open(&folder, &plan, Claim::Fresh, &Stop::default()).unwrap();
+        let store = open(&folder, &plan, Claim::Fresh).unwrap();
         // This sweep has one chunk: there is no second.
         fs::write(Store::path(&folder, 1), "mine").unwrap();
         fs::write(Store::path(&folder, 0), "a chunk").unwrap();
@@ -403,9 +400,7 @@ mod tests {
         left.sort_unstable();
         assert_eq!(left, [&others[..5], &["000001.chunk", "old.chunk"]].concat());
         left.iter().for_each(|name| fs::remove_file(folder.join(name)).unwrap());
-        assert!(
-            Store::open(&folder, &plan, Claim::Resume, &Stop::default()).unwrap().remove(&plan) && !folder.exists()
-        );
+        assert!(open(&folder, &plan, Claim::Resume).unwrap().remove(&plan) && !folder.exists());
     }
 
     #[test]
@@ -426,7 +421,7 @@ mod tests {
         ] {
             fs::write(folder.join(PLAN), text).unwrap();
             for claim in [Claim::Fresh, Claim::Resume] {
-                assert_eq!(Store::open(&folder, &plan, claim, &Stop::default()).is_ok(), is_ours, "{text}");
+                assert_eq!(open(&folder, &plan, claim).is_ok(), is_ours, "{text}");
             }
             let expected = if is_ours { &whole[..] } else { text };
             assert_eq!(fs::read_to_string(folder.join(PLAN)).unwrap(), expected);
@@ -439,18 +434,16 @@ mod tests {
         let (scene, folder) = (dir.path().join("scene.toml"), dir.path().join("parts"));
         fs::write(&scene, TEXT).unwrap();
         let plan = Plan::<Scene>::read(&scene, None).unwrap();
-        let first = Store::open(&folder, &plan, Claim::Fresh, &Stop::default()).unwrap();
-        let told = Store::open(&folder, &plan, Claim::Share, &Stop::default()).unwrap_err().to_string();
+        let first = open(&folder, &plan, Claim::Fresh).unwrap();
+        let told = open(&folder, &plan, Claim::Share).unwrap_err().to_string();
         assert!(told.contains("another mapgen is at work in ") && told.contains("parts/lock, for 0."), "{told}");
         fs::remove_file(folder.join(LOCK)).unwrap();
         assert!(!is_still_at(&first.lock, &folder.join(LOCK)));
         // Two shares get along, and keep a whole sweep out.
         drop(first);
-        let shares = [(); 2].map(|()| Store::open(&folder, &plan, Claim::Share, &Stop::default()).unwrap());
-        assert!(Store::open(&folder, &plan, Claim::Resume, &Stop::default()).is_err());
+        let shares = [(); 2].map(|()| open(&folder, &plan, Claim::Share).unwrap());
+        assert!(open(&folder, &plan, Claim::Resume).is_err());
         drop(shares);
-        assert!(
-            Store::open(&folder, &plan, Claim::Resume, &Stop::default()).unwrap().remove(&plan) && !folder.exists()
-        );
+        assert!(open(&folder, &plan, Claim::Resume).unwrap().remove(&plan) && !folder.exists());
     }
 }

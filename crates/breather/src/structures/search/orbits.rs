@@ -16,7 +16,7 @@ use vibrochain_lattice::Barrier;
 use super::at_times::{Impacts, Start};
 use super::three_impacts::ThreeImpacts;
 use super::two_impacts::Function;
-use crate::orbit::order::Listed;
+use crate::orbit::order;
 use crate::structures::equations::{Equations, Point};
 use crate::structures::error::StructureOrbitError;
 use crate::structures::model::StructureModel;
@@ -212,13 +212,7 @@ fn found(
     model.heard()?;
     search.leave_open(lost);
     let mut orbits: Vec<_> = solutions.into_iter().map(|solution| solution.orbit).filter(listed).collect();
-    orbits.sort_by(|one, other| {
-        let [one, other] = [one, other].map(|orbit| {
-            let times = orbit.impacts().iter().map(|impact| impact.time);
-            Listed { period: orbit.period(), times, psi: orbit.psi() }
-        });
-        one.compare(other)
-    });
+    order::sort(&mut orbits, |orbit| (orbit.period(), orbit.psi()), StructureOrbit::impacts, |impact| impact.time);
     Ok(StructureFound { orbits, search, periods })
 }
 

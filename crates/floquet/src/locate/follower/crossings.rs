@@ -27,8 +27,8 @@ const MOST_PARTS: usize = 500;
 /// Multipliers farther from the circle than this, as ln|μ|, do not come to it within a step.
 const REACH: f64 = 0.25;
 
-/// Slopes are told from points this far on both sides, as a part of the step, and so far at least and at most: what cubes leave out of a difference
-/// and what rounding makes of it are both small.
+/// A slope is a difference between two points, one on each side of its own. Their distance from it is this part of the step within these bounds,
+/// where neither the cubic term of the difference nor its rounding is felt.
 const ASIDE: f64 = 1e-3;
 const NEAREST: f64 = 1e-9;
 const FARTHEST: f64 = 1e-5;
@@ -58,7 +58,7 @@ fn is_rounding([from, _, to]: &[Place; 3]) -> bool {
 }
 
 impl<E: Ends> Follower<E> {
-    /// [`look`](Self::look), with slopes if they are asked for; steps are about so long.
+    /// As [`look`](Self::look), with the slopes of multipliers where crossings of the circle are watched; `length` is about that of the step.
     pub(super) fn look_on(&mut self, point: &Point<E>, length: f64) -> Result<Seen, LocateError> {
         let mut seen = self.look(point)?;
         if self.watches(Event::NeimarkSacker) && !point.orbit().is_lossless() {

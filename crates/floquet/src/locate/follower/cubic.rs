@@ -37,6 +37,11 @@ impl Path {
         (b - a) * (6.0 * t * u) + p * (u * (u - 2.0 * t)) + q * (t * (t - 2.0 * u))
     }
 
+    /// How far it is at t from a value and a slope that are known there.
+    pub(super) fn departure(&self, t: f64, value: C, slope: C) -> f64 {
+        modulus(self.at(t) - value) + 0.5 * modulus(self.slope(t) - slope)
+    }
+
     /// That of the other one of the pair, about one end of the upper half of the circle.
     pub(super) fn image(&self, end: f64) -> Self {
         Self {

@@ -89,7 +89,7 @@ pub(super) struct Passing {
 /// A multiplier at the places of a step, as far as it is known there.
 type Chain<'a> = [Option<&'a Mover>; 3];
 
-/// The passings in both halves of a step; `None` in one that is too long to tell.
+/// The multipliers that cross the circle in each half of a step; `None` for a half that is too long to tell.
 pub(super) fn passings(places: [&Place; 3]) -> [Option<Vec<Passing>>; 2] {
     let [from, middle, to] = places;
     let lengths = [middle.s - from.s, to.s - middle.s];
@@ -170,7 +170,7 @@ fn pass(own: Chain<'_>, other: Chain<'_>, image: Option<f64>, half: usize, [firs
     let told = || {
         let (whole, (middle, slope)) = (cubic(0, 2, length)?, square(1)?);
         let t = first / length;
-        let departure = modulus(whole.at(t) - middle) + 0.5 * modulus(whole.slope(t) - slope * length);
+        let departure = whole.departure(t, middle, slope * length);
         let part = if half == 0 { cubic(0, 1, first)? } else { cubic(1, 2, second)? };
         Some(part.size_at_rest() + HALVED * departure)
     };
@@ -197,7 +197,7 @@ fn through([from, middle, to]: Chain<'_>, [first, second]: [f64; 2]) -> [Way; 2]
     let length = first + second;
     let whole = Path { ends: [from.at, to.at], slopes: [p * length, q * length], error: 0.0 };
     let t = first / length;
-    let departure = modulus(whole.at(t) - middle.at) + 0.5 * modulus(whole.slope(t) - m * length);
+    let departure = whole.departure(t, middle.at, m * length);
     // Errors of slopes are felt by 4/27.
     let rounding = length * (from.error.max(middle.error).max(to.error) + f64::EPSILON);
     let error = departure * HALVED + rounding + ON_CIRCLE;
