@@ -29,6 +29,9 @@ impl Start {
 /// An equation that is off by this part of its terms holds: numbers that solve others have lost some digits.
 const HOLDS: f64 = 1e3 * f64::EPSILON;
 
+/// A line this close to touching the circle may meet it twice, or not at all: where it does hangs on the digits that it has lost.
+const GRAZES: f64 = 1e-6;
+
 /// A word's impacts, in order, and the equations of their contacts.
 pub(super) struct Impacts<'a> {
     pub(super) equations: &'a Equations<'a>,
@@ -131,15 +134,18 @@ impl Impacts<'_> {
             Some(best.solve(&right)).filter(|x| x.iter().all(|x| x.is_finite()))
         };
         let (Some(base), Some(moved)) = (solved(0.0), solved(1.0)) else { return Ok(None) };
-        let holds = [&base, &moved].iter().all(|x| linear.holds_from(size - 1, x));
+        // Of elastic impacts half a period apart all terms of the last law cancel: P/m is their size.
+        let (last, contact) = (times.len() - 1, self.letters[times.len() - 1].0);
+        let added = |x: &Vector| self.equations.mobility(contact) * x[last].abs();
+        let off = [&base, &moved].iter().map(|x| linear.is_off(size - 1, x, added(x))).fold(0.0, f64::max);
         let along = moved.iter().zip(&base).map(|(a, b)| a - b).collect();
-        Ok(Some(Line { base, along, holds }))
+        Ok(Some(Line { base, along, off }))
     }
 
     /// Both phases where that line meets the circle.
     pub(super) fn on_a_line(&self, times: &[f64]) -> Result<Vec<Start>, StructureOrbitError> {
         let line = self.line(times)?;
-        let start = |line: &Line, x: &Vector| Start { point: self.point(times, x), is_zero: line.holds };
+        let start = |line: &Line, x: &Vector| Start { point: self.point(times, x), is_zero: line.holds() };
         Ok(line.map_or_else(Vec::new, |line| line.on_the_circle().iter().map(|x| start(&line, x)).collect()))
     }
 }
@@ -148,23 +154,36 @@ impl Impacts<'_> {
 pub(super) struct Line {
     base: Vector,
     along: Vector,
-    /// All of them solve the last one, too, as far as rounding tells.
-    pub(super) holds: bool,
+    /// What is left of the last equation, in parts of its terms.
+    pub(super) off: f64,
 }
 
 impl Line {
-    /// |(c, s)|² = 1 on base + τ·along, from the line's point nearest to 0 on. By its distance from there, not by squares: next to grazing,
-    /// where the line touches the circle, both solutions keep their digits.
-    fn on_the_circle(&self) -> SmallVec<[Vector; 2]> {
+    /// Whether all of them solve the last one, too, as far as rounding tells.
+    pub(super) fn holds(&self) -> bool {
+        self.off <= HOLDS
+    }
+
+    /// How far (c, s) stay from 0, and where they are closest: `None` where the line has no direction.
+    fn foot(&self) -> Option<[f64; 3]> {
         let size = self.base.len();
         let [c, s] = [size - 2, size - 1].map(|place| (self.base[place], self.along[place]));
         let length = c.1.hypot(s.1);
         let distance = (c.0 * s.1 - s.0 * c.1).abs() / length;
-        // Also where the line has no direction.
-        if distance.is_nan() || distance > 1.0 {
+        (!distance.is_nan()).then_some([distance, -(c.0 * c.1 + s.0 * s.1) / length / length, length])
+    }
+
+    /// Whether the line surely meets the circle twice, or surely does not meet it.
+    pub(super) fn is_decided(&self) -> bool {
+        self.foot().is_some_and(|[distance, ..]| (distance - 1.0).abs() > GRAZES)
+    }
+
+    /// |(c, s)|² = 1 on base + τ·along, from the line's point nearest to 0 on. By its distance from there, not by squares: next to grazing,
+    /// where the line touches the circle, both solutions keep their digits.
+    pub(super) fn on_the_circle(&self) -> SmallVec<[Vector; 2]> {
+        let Some([distance, foot, length]) = self.foot().filter(|foot| foot[0] <= 1.0) else {
             return SmallVec::new();
-        }
-        let foot = -(c.0 * c.1 + s.0 * s.1) / length / length;
+        };
         // Lists begin with the solution of the larger τ.
         let reach = (((1.0 - distance) * (1.0 + distance)).sqrt() / length).copysign(foot);
         let at = |tau: f64| self.base.iter().zip(&self.along).map(|(base, along)| base + tau * along).collect();
@@ -186,12 +205,14 @@ impl Linear {
         Matrix::from_fn(self.columns, |i, j| self.rows[i][j])
     }
 
-    /// Whether the equations from this one on hold for some numbers, to the rounding of their terms.
-    fn holds_from(&self, first: usize, x: &[f64]) -> bool {
-        self.rows.iter().zip(&self.right).skip(first).all(|(row, right)| {
+    /// What is left of the equations from this one on, in parts of their terms and of what has been added up in these.
+    fn is_off(&self, first: usize, x: &[f64], added: f64) -> f64 {
+        let off = |(row, right): (&Vector, &f64)| {
             let terms = || row.iter().zip(x).map(|(entry, x)| entry * x).chain([-right]);
-            terms().sum::<f64>().abs() <= HOLDS * terms().map(f64::abs).sum::<f64>()
-        })
+            let size = terms().map(f64::abs).sum::<f64>() + added;
+            if size > 0.0 { terms().sum::<f64>().abs() / size } else { 0.0 }
+        };
+        self.rows.iter().zip(&self.right).skip(first).map(off).fold(0.0, f64::max)
     }
 
     pub(super) fn solve(&self) -> Option<Vector> {

@@ -277,22 +277,28 @@ impl Impacts<'_> {
         let contacts = [self.letters[0].0, self.letters[1].0];
         let places = self.places()?;
         let function = Function::new(self.equations, contacts, [places[0], places[1]])?;
-        let zeros = function.zeros();
+        let mut zeros = function.zeros();
         if zeros.exhausted > 0 {
             return None;
         }
+        let mut starts: Vec<Start> = Vec::new();
         let half = 0.5 * self.equations.period();
         let is_half = |phi: &&f64| (*phi - half).abs() <= HALF * half;
         let forced = self.equations.forced;
         // A structure that is its own mirror image has a double zero there, one of the places that may be one.
         let line = if forced { self.line(&[0.0, half]) } else { Ok(None) };
         let mirrored = match line {
-            Ok(line) => line.is_some_and(|line| line.holds),
+            Ok(line) => line.is_some_and(|line| line.holds()),
             Err(error) => return Some(Err(error)),
         };
+        if forced
+            && !function.is_homogeneous()
+            && let Err(error) = self.take_merged(&function, &mut zeros, &mut starts)
+        {
+            return Some(Err(error));
+        }
         let mut unresolved = zeros.unresolved.iter().filter(|phi| !(mirrored && is_half(phi))).count();
-        let mut starts = || -> Result<Vec<Start>, StructureOrbitError> {
-            let mut starts: Vec<Start> = Vec::new();
+        let mut add = || -> Result<(), StructureOrbitError> {
             if forced && zeros.simple.iter().chain(&zeros.unresolved).any(|phi| is_half(&phi)) {
                 starts.extend(self.on_a_line(&[0.0, half])?);
             }
@@ -317,11 +323,11 @@ impl Impacts<'_> {
                 }
                 starts.extend(self.linear(&[0.0, *phi])?.solve().map(|x| self.point(&[0.0, *phi], &x).into()));
             }
-            Ok(starts)
+            Ok(())
         };
-        let found = starts();
+        let found = add();
         let search = StructureSearch::Enclosures { intervals: zeros.intervals, unresolved };
-        Some(found.map(|starts| (starts, search)))
+        Some(found.map(|()| (starts, search)))
     }
 
     /// Zeros of the two functions of the times between three impacts; `None` where they cannot be enclosed, or that takes too long.

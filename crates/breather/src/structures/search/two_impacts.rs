@@ -52,7 +52,7 @@ pub(super) fn told_apart(of_one_contact: bool) -> f64 {
 
 /// F of two impacts.
 pub(super) struct Function {
-    period: f64,
+    pub(super) period: f64,
     /// Without loads.
     is_free: bool,
     between: Between,
@@ -219,6 +219,30 @@ impl Function {
         // Re ρ and Im ρ are cosines of φ, a quarter of a turn apart.
         let waves = [Dual::wave(re, -im, self.rate, size, radius), Dual::wave(im, re, self.rate, size, radius)];
         [kernels[0], kernels[1], waves]
+    }
+}
+
+impl Function {
+    /// F′
+    pub(super) fn slope(&self, phi: f64) -> f64 {
+        self.at(phi).1
+    }
+
+    /// Whether F″ keeps its sign, on four intervals.
+    pub(super) fn bends(&self, phis: Lane, radii: Lane) -> [bool; LANES] {
+        let ([there, back, [re, im]], radius) = (self.pieces(phis, radii), four(radii));
+        let (jets, fourths) = self.between.jets(phis, radii);
+        let with_slopes = |way: usize, [place, law]: [Dual<Taylor<1, f64x4>>; 2]| {
+            let (sign, [.., third]) = ([1.0, -1.0][way], jets[way]);
+            let rest = fourths[way] * radius + all(self.between.doubts[way][2] * self.between.fastest);
+            let third = Taylor { value: third * all(sign), slope: [ZERO], rest, radius: [radius] };
+            let derivative = Dual { function: law.derivative, derivative: third };
+            [Dual { function: place, derivative: law.scaled(sign) }, Dual { function: law, derivative }]
+        };
+        let waves = [(re, im.scaled(self.rate)), (im, re.scaled(-self.rate))];
+        let waves = waves.map(|(function, derivative)| Dual { function, derivative });
+        let curved = self.formula([with_slopes(0, there), with_slopes(1, back)], waves);
+        curved.derivative.derivative.clearance().to_array().map(|clearance| clearance > 0.0)
     }
 }
 

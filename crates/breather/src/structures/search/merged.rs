@@ -1,0 +1,159 @@
+//! Places where two zeros of F may have merged: how many orbits there are.
+//!
+//! Elastic impacts without losses under loads in phase have such places. Reversal of time turns an orbit into one of the same φ, half a period
+//! apart or wherever the word is its own mirror image. There the linear equations determine (c, s) but for a line, C = S = Δ = 0, and F has a
+//! double zero, or with little loss two that rounding does not tell apart. Where F″ keeps its sign there are two at most, and both orbits
+//! are known: where the line meets the circle.
+
+use vibrochain_lattice::simd::lanes::LANES;
+
+use super::at_times::{Impacts, Start};
+use super::two_impacts::Function;
+use crate::roots::bracket;
+use crate::roots::interval::Zeros;
+use crate::structures::error::StructureOrbitError;
+
+/// Widths of neighbourhoods in parts of the period; more than what rounding blurs about a double zero.
+const WIDTHS: [f64; LANES] = [1e-2, 2e-3, 4e-4, 4e-5];
+
+/// A line whose last equation is off by more than this part of its terms belongs to two zeros far enough apart to be told.
+const NEARLY: f64 = 1e-6;
+
+impl Function {
+    /// Where F′ vanishes next to a place, and how far F″ keeps its sign there.
+    fn turn(&self, place: f64) -> Option<[f64; 2]> {
+        let room = place.min(self.period - place);
+        let radii = WIDTHS.map(|width| (width * self.period).min(0.5 * room));
+        let bends = self.bends([place; LANES], radii);
+        let radius = (0..LANES).find(|&i| bends[i]).map(|i| radii[i])?;
+        let slope = |phi: f64| self.slope(phi);
+        let [from, to] = [place - radius, place + radius].map(|phi| (phi, slope(phi)));
+        if (from.1 > 0.0) == (to.1 > 0.0) {
+            return None;
+        }
+        let at = bracket::zero::<std::convert::Infallible>(from, to, self.period, |phi| Ok(slope(phi))).ok()?;
+        Some([at, radius - (at - place).abs()])
+    }
+}
+
+impl Impacts<'_> {
+    /// Takes from the zeros of F those that are two at one place, and adds where both orbits begin.
+    pub(super) fn take_merged(
+        &self,
+        function: &Function,
+        zeros: &mut Zeros,
+        starts: &mut Vec<Start>,
+    ) -> Result<(), StructureOrbitError> {
+        let near = |phi: &f64, [at, radius]: [f64; 2]| (phi - at).abs() < radius;
+        let mut taken: Vec<[f64; 2]> = Vec::new();
+        for place in std::mem::take(&mut zeros.unresolved) {
+            if taken.iter().any(|turn| near(&place, *turn)) {
+                continue;
+            }
+            let turn = function.turn(place).filter(|turn| near(&place, *turn));
+            let line = match turn {
+                Some([at, _]) => self.line(&[0.0, at])?,
+                None => None,
+            };
+            match (turn, line) {
+                (Some(turn), Some(line)) if line.off <= NEARLY && line.is_decided() => {
+                    zeros.simple.retain(|phi| !near(phi, turn));
+                    taken.push(turn);
+                    let points = line.on_the_circle();
+                    starts.extend(points.iter().map(|x| Start::zero(self.point(&[0.0, turn[0]], x))));
+                }
+                _ => zeros.unresolved.push(place),
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use vibrochain_lattice::{Barrier, Complex, Contact, LinearMode, ModalStructure, ModeShape};
+    use vibrochain_testkit::Random;
+
+    use super::*;
+    use crate::structures::equations::Equations;
+    use crate::structures::model::StructureModel;
+    use crate::structures::orbit::StructureOrbit;
+    use crate::structures::search::structure_orbits;
+
+    /// Modes without losses under a load in phase; of two contacts that are each other's mirror image, or of any two.
+    fn model(random: &mut Random, mirrored: bool) -> StructureModel {
+        let odd = random.chance(0.5);
+        let modes = (0..1 + random.below(4)).map(|number| {
+            let (one, other) = (random.between(-1.0, 1.0), random.between(-1.0, 1.0));
+            let is_odd = number % 2 == 1;
+            let contacts = vec![
+                one,
+                if !mirrored {
+                    other
+                } else if is_odd {
+                    -one
+                } else {
+                    one
+                },
+            ];
+            let shape = ModeShape { contacts, coordinates: Vec::new(), still: 0.0 };
+            let load = if mirrored && is_odd != odd { 0.0 } else { random.between(-1.0, 1.0) };
+            LinearMode::oscillator(0.0, random.log(0.1, 9.0), &shape, &[Complex::new(load, 0.0)])
+        });
+        let modes = modes.collect();
+        let lower = -random.log(0.1, 1.0);
+        let upper = if random.chance(0.3) { -lower } else { random.log(0.1, 1.0) };
+        // Elastic, or nearly so: what was one double zero is two that rounding does not tell apart.
+        let lost = if random.chance(0.5) { 0.0 } else { random.log(1e-14, 1e-9) };
+        let stops = Contact { lower: Some(lower), upper: Some(upper), restitution: 1.0 - lost };
+        let structure = Arc::new(ModalStructure::new(vec![stops; 2], vec![1], modes).unwrap());
+        StructureModel::new(structure, random.between(0.5, 3.0)).unwrap()
+    }
+
+    /// All orbits that Newton's method finds from starts spread over times and phase, which know nothing of F, are listed.
+    #[test]
+    fn lists_of_elastic_impacts_are_complete() {
+        let mut random = Random(131);
+        let (mut lists, mut complete, mut orbits, mut pairs, mut sought) = (0, 0, 0, 0, 0);
+        for round in 0..80 {
+            let model = model(&mut random, round % 2 == 0);
+            for (word, periods) in [("0-,0+", 1), ("0-,0-", 1), ("0-,0-", 2), ("0+,1-", 1), ("0+,1+", 1)] {
+                let word: crate::word::Word = word.parse().unwrap();
+                let Ok(found) = structure_orbits(&model, &word, periods) else { continue };
+                let phis: Vec<f64> = found.orbits.iter().map(|orbit| orbit.impacts()[1].time).collect();
+                let one = |pair: &&[f64]| pair[1] - pair[0] < 1e-8 * model.period();
+                (lists, orbits) = (lists + 1, orbits + phis.len());
+                pairs += phis.windows(2).filter(one).count();
+                if !found.search.is_complete() {
+                    continue;
+                }
+                complete += 1;
+                let letters: smallvec::SmallVec<[(usize, Barrier); 4]> =
+                    word.letters().map(|letter| (letter.site, letter.barrier)).collect();
+                let equations = Equations::new(&model, periods, letters.iter().map(|letter| letter.0)).unwrap();
+                let impacts = Impacts { equations: &equations, letters };
+                for start in impacts.starts().unwrap().0.into_iter().step_by(10) {
+                    let orbit = equations.solve(start.point);
+                    let Ok(orbit) = orbit.and_then(|point| StructureOrbit::new(&equations, periods, point)) else {
+                        continue;
+                    };
+                    let apart = orbit.impacts()[1].time.min(orbit.period() - orbit.impacts()[1].time);
+                    if !orbit.has_its_instants()
+                        || !orbit.hits()
+                        || orbit.repeats_sooner()
+                        || apart < 1e-4 * orbit.period()
+                    {
+                        continue;
+                    }
+                    let is_listed = found.orbits.iter().any(|listed| listed.begun_at(&orbit).is_some());
+                    assert!(is_listed, "{round} {word} {:?}: {orbit:?}", found.search);
+                    sought += 1;
+                }
+            }
+        }
+        let told = format!("{lists} {complete} {orbits} {pairs} {sought}");
+        assert!(lists > 380 && complete > 370 && orbits > 1600 && pairs > 300 && sought > 3500, "{told}");
+    }
+}
