@@ -1,7 +1,7 @@
 //! The order of orbits in every list: by φ, then by ψ.
 
-/// Steps of a period, a power of two. Times that differ by rounding alone are in one step; those that symmetry gives, halves and thirds of the
-/// period, lie within a step, not at its end.
+/// A period is divided into so many steps, and times of one step count as equal: they differ by rounding alone. The number is a power of two, so that
+/// halves and thirds of the period, which symmetry gives, lie inside a step and not on the border of two.
 const STEPS: u64 = 1 << 30;
 
 /// What decides where an orbit stands in a list: its period, and the phase of the force at its first impact.
@@ -23,7 +23,7 @@ pub(crate) fn sort<O, I>(
     });
 }
 
-/// The number of the step of a period that each time falls into; the end of a period counts as its beginning.
+/// The number of the step in which each time lies; the end of the period counts as its beginning.
 fn steps(times: impl Iterator<Item = f64>, period: f64) -> impl Iterator<Item = u64> {
     let scale = STEPS as f64 / period;
     times.map(move |time| (time * scale + 0.5) as u64 % STEPS)

@@ -29,7 +29,8 @@ impl Start {
 /// An equation that is off by this part of its terms holds: numbers that solve others have lost some digits.
 const HOLDS: f64 = 1e3 * f64::EPSILON;
 
-/// A line this close to touching the circle may meet it twice, or not at all: where it does hangs on the digits that it has lost.
+/// Of a line whose distance from 0 differs by less than this from the circle's radius, rounding decides whether it meets the circle twice or not at
+/// all.
 const GRAZES: f64 = 1e-6;
 
 /// A word's impacts, in order, and the equations of their contacts.
@@ -134,12 +135,12 @@ impl Impacts<'_> {
             Some(best.solve(&right)).filter(|x| x.iter().all(|x| x.is_finite()))
         };
         let (Some(base), Some(moved)) = (solved(0.0), solved(1.0)) else { return Ok(None) };
-        // Of elastic impacts half a period apart all terms of the last law cancel: P/m is their size.
-        let (last, contact) = (times.len() - 1, self.letters[times.len() - 1].0);
-        let added = |x: &Vector| self.equations.mobility(contact) * x[last].abs();
-        let off = [&base, &moved].iter().map(|x| linear.is_off(size - 1, x, added(x))).fold(0.0, f64::max);
+        // Of elastic impacts half a period apart the terms P/m and (1+e)K′P of a law cancel in its entry: the size of P/m is counted, too.
+        let laws = times.len() + self.equations.rigid.len();
+        let own = |x: &Vector, row: usize| self.equations.mobility(self.letters[row - laws].0) * x[row - laws].abs();
+        let misfits = [&base, &moved].map(|x| linear.misfit(size - 1, x, |row| own(x, row)));
         let along = moved.iter().zip(&base).map(|(a, b)| a - b).collect();
-        Ok(Some(Line { base, along, off }))
+        Ok(Some(Line { base, along, misfit: misfits[0].max(misfits[1]) }))
     }
 
     /// Both phases where that line meets the circle.
@@ -150,21 +151,21 @@ impl Impacts<'_> {
     }
 }
 
-/// Solutions of all linear equations but the last one, but for a number τ.
+/// The points that solve as many of the linear equations as there are unknowns, less one: base + τ·along.
 pub(super) struct Line {
     base: Vector,
     along: Vector,
-    /// What is left of the last equation, in parts of its terms.
-    pub(super) off: f64,
+    /// The largest residual of the equations that are left, as a part of the sum of the moduli of their terms.
+    pub(super) misfit: f64,
 }
 
 impl Line {
-    /// Whether all of them solve the last one, too, as far as rounding tells.
+    /// Whether every point of the line solves the equations that are left, too, to within rounding.
     pub(super) fn holds(&self) -> bool {
-        self.off <= HOLDS
+        self.misfit <= HOLDS
     }
 
-    /// How far (c, s) stay from 0, and where they are closest: `None` where the line has no direction.
+    /// The least distance of (c, s) from 0 on the line, the τ of that point, and the length of (c, s) along; `None` where (c, s) do not vary.
     fn foot(&self) -> Option<[f64; 3]> {
         let size = self.base.len();
         let [c, s] = [size - 2, size - 1].map(|place| (self.base[place], self.along[place]));
@@ -173,13 +174,13 @@ impl Line {
         (!distance.is_nan()).then_some([distance, -(c.0 * c.1 + s.0 * s.1) / length / length, length])
     }
 
-    /// Whether the line surely meets the circle twice, or surely does not meet it.
+    /// Whether the line meets the circle twice or does not meet it, whatever rounding has done to it.
     pub(super) fn is_decided(&self) -> bool {
         self.foot().is_some_and(|[distance, ..]| (distance - 1.0).abs() > GRAZES)
     }
 
-    /// |(c, s)|² = 1 on base + τ·along, from the line's point nearest to 0 on. By its distance from there, not by squares: next to grazing,
-    /// where the line touches the circle, both solutions keep their digits.
+    /// The two points of the line with c² + s² = 1. They are worked out from the line's distance from 0, not from a quadratic equation: where the line
+    /// nearly touches the circle, both keep their digits.
     pub(super) fn on_the_circle(&self) -> SmallVec<[Vector; 2]> {
         let Some([distance, foot, length]) = self.foot().filter(|foot| foot[0] <= 1.0) else {
             return SmallVec::new();
@@ -205,14 +206,15 @@ impl Linear {
         Matrix::from_fn(self.columns, |i, j| self.rows[i][j])
     }
 
-    /// What is left of the equations from this one on, in parts of their terms and of what has been added up in these.
-    fn is_off(&self, first: usize, x: &[f64], added: f64) -> f64 {
-        let off = |(row, right): (&Vector, &f64)| {
-            let terms = || row.iter().zip(x).map(|(entry, x)| entry * x).chain([-right]);
-            let size = terms().map(f64::abs).sum::<f64>() + added;
+    /// The largest residual that x leaves of equations number `first` and later, as a part of the sum of the moduli of their terms; `own` is the size
+    /// of terms that cancel within an entry.
+    fn misfit(&self, first: usize, x: &[f64], own: impl Fn(usize) -> f64) -> f64 {
+        let of_row = |number: usize| {
+            let terms = || self.rows[number].iter().zip(x).map(|(entry, x)| entry * x).chain([-self.right[number]]);
+            let size = terms().map(f64::abs).sum::<f64>() + own(number);
             if size > 0.0 { terms().sum::<f64>().abs() / size } else { 0.0 }
         };
-        self.rows.iter().zip(&self.right).skip(first).map(off).fold(0.0, f64::max)
+        (first..self.rows.len()).map(of_row).fold(0.0, f64::max)
     }
 
     pub(super) fn solve(&self) -> Option<Vector> {

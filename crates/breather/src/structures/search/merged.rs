@@ -1,9 +1,9 @@
-//! Places where two zeros of F may have merged: how many orbits there are.
+//! Counts the orbits at a place where two zeros of F may have merged.
 //!
-//! Elastic impacts without losses under loads in phase have such places. Reversal of time turns an orbit into one of the same φ, half a period
-//! apart or wherever the word is its own mirror image. There the linear equations determine (c, s) but for a line, C = S = Δ = 0, and F has a
-//! double zero, or with little loss two that rounding does not tell apart. Where F″ keeps its sign there are two at most, and both orbits
-//! are known: where the line meets the circle.
+//! Such places exist where impacts are elastic, nothing damps the structure and the loads are in phase. Reversal of time then turns an orbit into
+//! another one of the same φ, if φ is half a period or the word is its own mirror image. At this φ the linear equations leave a line of (c, s),
+//! C = S = Δ = 0, and F has a double zero; with a small loss it has two zeros closer than rounding can tell. Where F″ keeps its sign there
+//! are two zeros at most, and the two points where the line meets the circle are their orbits.
 
 use vibrochain_lattice::simd::lanes::LANES;
 
@@ -13,14 +13,14 @@ use crate::roots::bracket;
 use crate::roots::interval::Zeros;
 use crate::structures::error::StructureOrbitError;
 
-/// Widths of neighbourhoods in parts of the period; more than what rounding blurs about a double zero.
+/// Radii of the intervals on which F″ is enclosed, as parts of the period: larger than the error of a double zero.
 const WIDTHS: [f64; LANES] = [1e-2, 2e-3, 4e-4, 4e-5];
 
-/// A line whose last equation is off by more than this part of its terms belongs to two zeros far enough apart to be told.
+/// Where the line's misfit is larger than this, two zeros are far enough apart to be told apart.
 const NEARLY: f64 = 1e-6;
 
 impl Function {
-    /// Where F′ vanishes next to a place, and how far F″ keeps its sign there.
+    /// The zero of F′ next to a place, and the distance from it within which F″ keeps its sign; `None` where no such interval holds a zero of F′.
     fn turn(&self, place: f64) -> Option<[f64; 2]> {
         let room = place.min(self.period - place);
         let radii = WIDTHS.map(|width| (width * self.period).min(0.5 * room));
@@ -37,7 +37,7 @@ impl Function {
 }
 
 impl Impacts<'_> {
-    /// Takes from the zeros of F those that are two at one place, and adds where both orbits begin.
+    /// Removes merged pairs from the zeros of F, and adds to `starts` one start of Newton's method for each orbit of a pair.
     pub(super) fn take_merged(
         &self,
         function: &Function,
@@ -56,7 +56,7 @@ impl Impacts<'_> {
                 None => None,
             };
             match (turn, line) {
-                (Some(turn), Some(line)) if line.off <= NEARLY && line.is_decided() => {
+                (Some(turn), Some(line)) if line.misfit <= NEARLY && line.is_decided() => {
                     zeros.simple.retain(|phi| !near(phi, turn));
                     taken.push(turn);
                     let points = line.on_the_circle();
@@ -88,31 +88,26 @@ mod tests {
         let modes = (0..1 + random.below(4)).map(|number| {
             let (one, other) = (random.between(-1.0, 1.0), random.between(-1.0, 1.0));
             let is_odd = number % 2 == 1;
-            let contacts = vec![
-                one,
-                if !mirrored {
-                    other
-                } else if is_odd {
-                    -one
-                } else {
-                    one
-                },
-            ];
-            let shape = ModeShape { contacts, coordinates: Vec::new(), still: 0.0 };
+            let image = if is_odd { -one } else { one };
+            let shape = ModeShape {
+                contacts: vec![one, if mirrored { image } else { other }],
+                coordinates: Vec::new(),
+                still: 0.0,
+            };
             let load = if mirrored && is_odd != odd { 0.0 } else { random.between(-1.0, 1.0) };
             LinearMode::oscillator(0.0, random.log(0.1, 9.0), &shape, &[Complex::new(load, 0.0)])
         });
         let modes = modes.collect();
         let lower = -random.log(0.1, 1.0);
         let upper = if random.chance(0.3) { -lower } else { random.log(0.1, 1.0) };
-        // Elastic, or nearly so: what was one double zero is two that rounding does not tell apart.
+        // At e = 1 F has double zeros; at a little less each is two zeros closer than rounding can tell.
         let lost = if random.chance(0.5) { 0.0 } else { random.log(1e-14, 1e-9) };
         let stops = Contact { lower: Some(lower), upper: Some(upper), restitution: 1.0 - lost };
         let structure = Arc::new(ModalStructure::new(vec![stops; 2], vec![1], modes).unwrap());
         StructureModel::new(structure, random.between(0.5, 3.0)).unwrap()
     }
 
-    /// All orbits that Newton's method finds from starts spread over times and phase, which know nothing of F, are listed.
+    /// Every complete list holds all orbits that Newton's method finds from starts spread over times and phase; these starts do not depend on F.
     #[test]
     fn lists_of_elastic_impacts_are_complete() {
         let mut random = Random(131);

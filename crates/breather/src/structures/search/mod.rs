@@ -6,7 +6,7 @@
 //! | `at_times` | impulses, offsets and phase at given times |
 //! | `distinct` | which orbits of a list are one, and which are orbits of its word |
 //! | `two_impacts` | the proof that no two impacts are missing |
-//! | `merged` | how many orbits there are where two zeros may have merged |
+//! | `merged` | the number of orbits where two zeros may have merged |
 //! | `three_impacts` | the same of three |
 //! | `self_excited` | orbits whose period is their own |
 //! | `scan`, `starts` | where there is no proof |

@@ -220,9 +220,7 @@ impl Function {
         let waves = [Dual::wave(re, -im, self.rate, size, radius), Dual::wave(im, re, self.rate, size, radius)];
         [kernels[0], kernels[1], waves]
     }
-}
 
-impl Function {
     /// F′
     pub(super) fn slope(&self, phi: f64) -> f64 {
         self.at(phi).1
