@@ -83,8 +83,9 @@ impl Tally {
         for orbit in &found.orbits {
             let same = (0..taken.len()).find(|&k| !taken[k] && self.is_same(orbit, finder, &other.orbits[k]));
             let Some(same) = same else {
-                // Impacts of one contact closer than this are left out of what a structure's list is said to hold.
-                let is_crowded = orbit.phi().is_some_and(|phi| apart(phi, 0.0, orbit.period()) < 1e-4 * orbit.period());
+                // Impacts on one barrier closer than this are left out of what a structure's list is said to hold.
+                let is_crowded = orbit.impacts().iter().all(|impact| impact.barrier == orbit.impacts()[0].barrier)
+                    && orbit.phi().is_some_and(|phi| apart(phi, 0.0, orbit.period()) < 1e-4 * orbit.period());
                 let search = other.search;
                 assert!(!search.is_complete() || is_crowded, "{what}: {search:?} but {:?}", orbit.impacts());
                 self.missed += 1;
@@ -201,7 +202,7 @@ fn next_to_resonances_what_both_find_is_the_same() {
         }
     }
     let Tally { lists, ordered, orbits, physical, stable, unstable, complete, fewer, missed, worst } = tally;
-    assert!(lists > 580 && complete > 530 && fewer < 20 && missed < 120 && worst < 1.0, "{tally:?}");
+    assert!(lists > 580 && complete > 530 && fewer < 20 && missed < 22 && worst < 1.0, "{tally:?}");
     assert!(ordered == lists && orbits > 2000 && physical > 20 && stable > 1000 && unstable > 900, "{tally:?}");
 }
 

@@ -38,8 +38,8 @@ pub enum StructureSearch {
     /// Closed form of instants half a period apart, without loads: others are not looked for.
     HalfPeriod,
     /// Enclosures of a function of one variable show on intervals where it has no zero and that each one found is alone: the list is complete
-    /// but for impacts of one contact, or without loads of any two, closer than 1e-4 of the period, and for so many places where two may have
-    /// merged.
+    /// but for impacts on one barrier under a load, or without loads of two contacts, closer than 1e-4 of the period, and for so many places
+    /// where two may have merged.
     Enclosures {
         /// Intervals enclosed.
         intervals: usize,
@@ -47,7 +47,7 @@ pub enum StructureSearch {
         unresolved: usize,
     },
     /// Enclosures of two functions of two times show on rectangles where they have no common zero and that each one found is alone: the list is
-    /// complete but for the same.
+    /// complete but for impacts of one contact that are as close, and for so many places.
     BranchAndPrune {
         /// Rectangles enclosed.
         boxes: usize,

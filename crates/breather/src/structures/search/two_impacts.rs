@@ -32,8 +32,8 @@ use crate::structures::equations::Equations;
 
 type C = Complex<f64>;
 
-/// Of the period at both ends, within which two impacts of one contact cannot be told from one; or, without loads, of any two, whose K₂₁′ is 0
-/// at one instant.
+/// Of the period at both ends, within which two impacts on one barrier under a load cannot be told from one; or, without loads, of two contacts,
+/// whose K₂₁′ is 0 at one instant.
 const COINCIDENT: f64 = 1e-4;
 
 /// Intervals are not halved below this part of the period.
@@ -45,9 +45,9 @@ const FINEST: f64 = 1e-14;
 /// Intervals to begin with: where modes are far faster than the load, they have died out in nearly all of them.
 const MOST_PIECES: usize = 512;
 
-/// The part of the period from which on two impacts can be told from one.
-pub(super) fn told_apart(of_one_contact: bool) -> f64 {
-    if of_one_contact { COINCIDENT } else { RESOLUTION }
+/// The part of the period from which on two impacts can be told from one, which are `alike` at one instant.
+pub(super) fn told_apart(alike: bool) -> f64 {
+    if alike { COINCIDENT } else { RESOLUTION }
 }
 
 /// F of two impacts.
@@ -101,7 +101,8 @@ impl Function {
         }
         let weights = contacts.map(|contact| 1.0 + equations.restitution(contact));
         let own = contacts.map(|contact| equations.own(contact));
-        let period = equations.period();
+        let (period, vanishes) = (equations.period(), is_free && are_apart(equations, contacts));
+        let on_one_barrier = !is_free && contacts[0] == contacts[1] && places[0] == places[1];
         Some(Self {
             period,
             is_free,
@@ -113,9 +114,9 @@ impl Function {
             fast: weights.map(|weight| rate * weight),
             places,
             own,
-            least: period * told_apart(is_free || contacts[0] == contacts[1]),
+            least: period * told_apart(vanishes || on_one_barrier),
             stop: equations.model.stop().clone(),
-            vanishes: is_free && are_apart(equations, contacts),
+            vanishes,
         })
     }
 
