@@ -11,7 +11,7 @@
 //! d₂ + s d₃ + …, the same pass bounds the curvature.
 //!
 //! For the whole ring the pass begins at order J, not at the top: |d_{k+2}| ≤ r²|d_k| + |F_k| for the largest
-//! entries of the rows, so that with E the larger of max|d_J| and max|d_{J+1}|/r
+//! entries of the rows (with dashpots r² max(|d_k|, |d_{k+1}|/r), and twice the last term below), so that with E the larger of max|d_J| and max|d_{J+1}|/r
 //!
 //! ```text
 //! |p_J| ≤ E/(1−q) + A r^{J−2} q/(2(1−q)²) ,      q = rH/(J+1) .
@@ -22,7 +22,7 @@ use std::ops::Range;
 use wide::f64x8;
 
 use crate::series::{LANES, Rows};
-use crate::units::{MAX_ORDER, Units};
+use crate::units::{Growth, MAX_ORDER};
 
 /// Order at which the bound of a whole ring begins.
 pub(crate) const TAIL: usize = 6;
@@ -44,7 +44,7 @@ fn positive(a: f64) -> f64 {
 }
 
 /// Bound on |p_J| for every mass of a ring.
-pub(crate) fn tail(rows: &Rows, sites: usize, units: &Units, horizon: f64) -> f64 {
+pub(crate) fn tail(rows: &Rows, sites: usize, growth: Growth, horizon: f64) -> f64 {
     let largest = |k: usize| {
         let (groups, rest) = rows.row(k, 0)[..sites].as_chunks::<LANES>();
         let mut most = [0.0; LANES];
@@ -53,9 +53,9 @@ pub(crate) fn tail(rows: &Rows, sites: usize, units: &Units, horizon: f64) -> f6
         most.iter_mut().zip(rest).for_each(|(most, d)| larger(most, d));
         most.into_iter().fold(0.0, f64::max)
     };
-    let edge = positive(largest(TAIL).max(largest(TAIL + 1) / units.rate));
-    let q = units.rate * horizon / (TAIL + 1) as f64;
-    let forced = 0.5 * units.amplitude * units.rate.powi(TAIL as i32 - 2) * q / ((1.0 - q) * (1.0 - q));
+    let edge = positive(largest(TAIL).max(largest(TAIL + 1) / growth.rate));
+    let q = growth.rate * horizon / (TAIL + 1) as f64;
+    let forced = growth.forced * growth.rate.powi(TAIL as i32 - 2) * q / ((1.0 - q) * (1.0 - q));
     (edge / (1.0 - q) + forced) * INFLATE
 }
 

@@ -91,6 +91,7 @@ mod ring;
 mod safe_step;
 mod series;
 mod simulation;
+mod stencil;
 mod stop_check;
 mod structure;
 mod tangent;

@@ -1,19 +1,17 @@
-//! Exact flight: the Taylor series of every mass, from the stencil.
+//! Exact flight: the Taylor series of every coordinate, from what pulls at it.
 //!
 //! With d_k the k-th time derivative of the displacements at the origin of a series,
 //!
 //! ```text
-//! d_{k+2}[n] = γ₂ ((d_k[n−1] + d_k[n+1]) − 2 d_k[n]) − γ₁ d_k[n] + F_k ,          u_n(s) = Σ_k d_k[n] s^k/k! ,
+//! d_{k+2} = −M⁻¹ (K d_k + C d_{k+1}) + F_k ,          u_n(s) = Σ_k d_k[n] s^k/k! ,
 //! ```
 //!
-//! and γ₃ times the like of the neighbouring layers, for every mass that flies; a mass at rest has d_k = 0 for k ≥ 1 and the right-hand side is the force on its
+//! for every mass that flies (of a chain: `stencil`, without C); a mass at rest has d_k = 0 for k ≥ 1 and the right-hand side is the force on its
 //! barrier. Nothing here knows the modes, so that masses at rest change nothing, and no time step is made: a window
 //! is as long as the order allows with a remainder below rounding ([`Units::horizons`]).
 //!
 //! - Derivatives, not Taylor coefficients: the recurrence then has no division, whose constant rounding errors would
 //!   add up over a million windows. The divisions are in the weights s^k/k!, the first of them in two words.
-//! - The neighbours enter as one sum, so a mirror-symmetric ring stays symmetric to the bit. (d₋ + d₊) − 2d keeps
-//!   soft rings exact: γ₁ is never added to a larger γ₂.
 //! - Rows hold one order of all masses, with a ghost column on either side: the ring's other end, the last mass itself
 //!   (a free end), 0 (a wall), or, for a part, its neighbours' known series. Rings of one and two masses are right without
 //!   a special case. Of several layers the neighbours are looked up in a list, in which ghost column 0 is the wall.
@@ -26,7 +24,7 @@ use crate::ring::Ring;
 use crate::time::two_sum;
 use crate::units::{MAX_ORDER, Units};
 use crate::weights::{TWO_WORDS, Weights};
-use vibrochain_lattice::{Chain, Ends};
+use vibrochain_lattice::Ends;
 
 /// Masses handled at once; rows are padded so that the last group may run over the end.
 pub(crate) const LANES: usize = 8;
@@ -37,28 +35,6 @@ pub(crate) const CORRECTED: usize = 9;
 /// The same number four times.
 fn all(x: f64) -> f64x4 {
     f64x4::splat(x)
-}
-
-/// What an expansion covers.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Extent<'a> {
-    pub(crate) columns: usize,
-    /// What stands beyond the first and the last column; `None`: a neighbour whose series is in [`Rows::edges`].
-    pub(crate) beyond: [Option<Ends>; 2],
-    /// The columns of all masses' neighbours, ghosts counted, where they are not simply the columns beside: see [`links`].
-    pub(crate) links: &'a [[u32; 4]],
-    pub(crate) resting: &'a [usize],
-    pub(crate) soft: &'a [(usize, u8)],
-}
-
-/// Columns of the neighbours of all masses of several layers, ghosts counted; empty for one row.
-pub(crate) fn links(chain: &Chain) -> Vec<[u32; 4]> {
-    if chain.layers() == 1 {
-        return Vec::new();
-    }
-    // At most 10⁷ masses.
-    let column = |side: Option<usize>| side.map_or(0, |m| m as u32 + 1);
-    (0..chain.sites()).map(|n| chain.neighbours(n).map(column)).collect()
 }
 
 /// Rows of derivatives, d_0 … d_K.
@@ -141,28 +117,28 @@ impl Rows {
 
     /// Room for `columns` masses, reusing the memory there is.
     pub(crate) fn reset(&mut self, columns: usize) {
+        self.reset_to(columns, MAX_ORDER);
+    }
+
+    /// The same for derivatives up to `order`.
+    pub(crate) fn reset_to(&mut self, columns: usize, order: usize) {
         // As far as the widest group may run over the end.
         self.stride = (columns + 2).next_multiple_of(LANES) + 3 * LANES;
-        let needed = self.stride * (MAX_ORDER + 1);
+        let needed = self.stride * (order + 1);
         if self.data.len() < needed {
             self.data.resize(needed, 0.0);
         }
     }
 
-    /// Fills the rows 2 … `order` from the rows 0 and 1.
-    ///
-    /// `resting` and `soft` are columns: of masses at rest, for the i-th of which `pressed(i, k, value)` receives the
-    /// k-th derivative of the acceleration it is denied; and of masses that leave a barrier with an order above 1,
-    /// whose derivatives below it vanish exactly.
+    /// Fills the rows 2 … `order` from the rows 0 and 1: `advance(k, [d_k, d_{k+1}], d_{k+2})`, ghosts counted.
+    #[inline(always)]
     pub(crate) fn expand(
         &mut self,
-        extent: Extent<'_>,
-        units: &Units,
-        force: &[f64; MAX_ORDER + 1],
+        columns: usize,
+        beyond: [Option<Ends>; 2],
         order: usize,
-        mut pressed: impl FnMut(usize, usize, f64),
+        mut advance: impl FnMut(usize, [&[f64]; 2], &mut [f64]),
     ) {
-        let Extent { columns, beyond, links, resting, soft } = extent;
         self.order = order;
         let echoes = [self.echo(0, beyond[0], 1, columns), self.echo(1, beyond[1], columns, 1)];
         let Self { data, stride, edges, .. } = self;
@@ -175,20 +151,7 @@ impl Rows {
         close(from, 0);
         close(next, 1);
         for (k, to) in rows.take(order - 1).enumerate() {
-            if links.is_empty() {
-                advance(from, to, columns, units, force[k]);
-            } else {
-                advance_layers(from, to, links, units, force[k]);
-            }
-            for (i, &n) in resting.iter().enumerate() {
-                pressed(i, k, to[n + 1]);
-                to[n + 1] = 0.0;
-            }
-            for &(n, first) in soft {
-                if k + 2 < usize::from(first) {
-                    to[n + 1] = 0.0;
-                }
-            }
+            advance(k, [from, next], to);
             close(to, k + 2);
             (from, next) = (next, to);
         }
@@ -363,29 +326,6 @@ impl Rows {
         }
         let sums = sums.map(f64x4::to_array);
         out.iter_mut().zip(sums.as_flattened()).for_each(|(out, sum)| *out = *sum);
-    }
-}
-
-/// d_{k+2} of the first `columns` columns from d_k and its ghosts, four at a time: up to three columns beyond the last get what nobody
-/// reads.
-#[inline(always)]
-fn advance(from: &[f64], to: &mut [f64], columns: usize, units: &Units, force: f64) {
-    let groups = columns.div_ceil(4);
-    let [left, own, right] = [0, 1, 2].map(|shift| &from[shift..].as_chunks::<4>().0[..groups]);
-    let to = &mut to[1..].as_chunks_mut::<4>().0[..groups];
-    let (g1, g2, force) = (all(units.gamma1), all(units.gamma2), all(force));
-    // (Four slices zipped cost more than the arithmetic.)
-    for i in 0..groups {
-        let own = f64x4::from(own[i]);
-        let stretch = (f64x4::from(left[i]) + f64x4::from(right[i])) - (own + own);
-        to[i] = (g2 * stretch - g1 * own + force).to_array();
-    }
-}
-
-/// The same of all masses of several layers.
-fn advance_layers(from: &[f64], to: &mut [f64], links: &[[u32; 4]], units: &Units, force: f64) {
-    for ((to, own), sides) in to[1..].iter_mut().zip(&from[1..]).zip(links) {
-        *to = units.pull(*own, sides.map(|column| from[column as usize])) + force;
     }
 }
 

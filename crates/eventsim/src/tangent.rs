@@ -24,7 +24,8 @@ use crate::directions::Directions;
 use crate::engine::Engine;
 use crate::error::TangentError;
 use crate::event::EventKind;
-use crate::series::{Extent, Rows, links};
+use crate::series::Rows;
+use crate::stencil::{Extent, links};
 use crate::units::{MAX_ORDER, ORDERS, Units};
 use crate::weights::Weights;
 
@@ -152,7 +153,7 @@ impl Tangents {
                 self.rows.data[1..=sites].copy_from_slice(u);
                 let stride = self.rows.stride;
                 self.rows.data[stride + 1..][..sites].copy_from_slice(v);
-                self.rows.expand(extent, &self.units, &[0.0; MAX_ORDER + 1], order, |_, _, _| {});
+                self.rows.expand_chain(extent, &self.units, &[0.0; MAX_ORDER + 1], order, |_, _, _| {});
                 let [u_next, v_next] = &mut self.scratch;
                 self.rows.at_all(u, &weights, u_next, v_next);
                 std::mem::swap(u, u_next);

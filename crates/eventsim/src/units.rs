@@ -17,7 +17,16 @@ pub(crate) const MAX_ORDER: usize = 24;
 pub(crate) const ORDERS: [usize; 8] = [10, 12, 14, 16, 18, 20, 22, 24];
 
 /// What a truncated series may miss, relative to the gap: an eighth of a unit in the last place.
-const REMAINDER: f64 = f64::EPSILON / 8.0;
+pub(crate) const REMAINDER: f64 = f64::EPSILON / 8.0;
+
+/// How fast derivatives grow: |d_{k+2}| ≤ r² max(|d_k|, |d_{k+1}|/r) + |F_k|, and |F_k| ≤ A r^k.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Growth {
+    /// r
+    pub(crate) rate: f64,
+    /// A; half of it where only every other derivative counts.
+    pub(crate) forced: f64,
+}
 
 /// 1/k!.
 pub(crate) fn inverse_factorials() -> [f64; MAX_ORDER + 1] {
@@ -105,6 +114,11 @@ impl Units {
     pub(crate) fn pull(&self, own: f64, [left, right, below, above]: [f64; 4]) -> f64 {
         let row = self.gamma2 * ((left + right) - 2.0 * own) - self.gamma1 * own;
         if self.is_row { row } else { row + self.gamma3 * ((below + above) - 2.0 * own) }
+    }
+
+    /// How fast derivatives grow.
+    pub(crate) fn growth(&self) -> Growth {
+        Growth { rate: self.rate, forced: 0.5 * self.amplitude }
     }
 
     pub(crate) fn barrier(&self, barrier: Barrier) -> f64 {

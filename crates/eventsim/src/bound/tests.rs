@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::series::tests::filled;
+use crate::units::Units;
 use crate::weights::Weights;
 
 /// Each of eight masses stays within its bounds, and above and below its parabolas; where no term turns back it reaches them.
@@ -68,7 +69,7 @@ fn the_tail_of_a_ring_is_above_all_that_can_come() {
             let (sixth, seventh) = (at(TAIL), at(TAIL + 1));
             rows.data[sixth] = crate::units::spread(&mut seed);
             rows.data[seventh] = -rows.data[sixth] * units.rate;
-            let tail = tail(&rows, sites, &units, horizon);
+            let tail = tail(&rows, sites, units.growth(), horizon);
             // p_J = Σ d_{J+j} J!/(J+j)! s^j with |d_{k+2}| ≤ r²|d_k| + A r^k.
             let mut d = [rows.data[sixth].abs(), rows.data[seventh].abs()];
             let (mut sum, mut part) = (0.0, 1.0);
@@ -84,7 +85,7 @@ fn the_tail_of_a_ring_is_above_all_that_can_come() {
             let mut last = Rows::new(sites);
             let place = TAIL * last.stride + sites;
             last.data[place] = rows.data[sixth].abs();
-            let of_last = super::tail(&last, sites, &units, horizon);
+            let of_last = super::tail(&last, sites, units.growth(), horizon);
             assert!(of_last >= rows.data[sixth].abs() && of_last <= tail);
         }
     }

@@ -14,7 +14,8 @@ use super::Engine;
 use crate::bound;
 use crate::cascade::Change;
 use crate::ring::Contact;
-use crate::series::{Extent, LANES};
+use crate::series::LANES;
+use crate::stencil::Extent;
 use crate::units::spread;
 use vibrochain_lattice::Ends;
 
@@ -143,7 +144,7 @@ impl Engine {
         let inverse = &self.units.inverse_factorial;
         let pressed = |i: usize, k: usize, value: f64| watches[i].press(k, value * inverse[k]);
         let extent = Extent { columns: length, beyond, links: &[], resting: &resting, soft: &soft };
-        rows.expand(extent, &self.units, &self.force, order, pressed);
+        rows.expand_chain(extent, &self.units, &self.force, order, pressed);
         for &i in &resting {
             self.queue_rest(site(i));
         }

@@ -10,7 +10,8 @@ use crate::bound;
 use crate::queue::Entry;
 use crate::ring::Contact;
 use crate::safe_step::safe_step;
-use crate::series::{Extent, LANES};
+use crate::series::LANES;
+use crate::stencil::Extent;
 use crate::units::{ORDERS, spread};
 use crate::watch::Watch;
 
@@ -94,7 +95,7 @@ impl Engine {
         let ends = if self.units.is_row { self.units.chain.ends() } else { Ends::Fixed };
         let beyond = [Some(ends); 2];
         let extent = Extent { columns: sites, beyond, links: &self.links, resting: &resting, soft: &self.soft };
-        self.rows.expand(extent, &self.units, &self.force, order, pressed);
+        self.rows.expand_chain(extent, &self.units, &self.force, order, pressed);
         for &n in &resting {
             self.queue_rest(n);
         }
@@ -108,7 +109,7 @@ impl Engine {
         self.lost.clear();
         self.lost.extend(self.departures.iter().map(|&n| (n, self.rows.lost(n, &self.links, &self.units))));
         self.fractions = bound::fractions(horizon);
-        let tail = bound::tail(&self.rows, sites, &self.units, horizon);
+        let tail = bound::tail(&self.rows, sites, self.units.growth(), horizon);
         for base in (0..sites).step_by(LANES) {
             let bounds = bound::group(&self.rows, base, bound::TAIL, tail, &self.fractions);
             self.sift(&bounds, base, LANES.min(sites - base));

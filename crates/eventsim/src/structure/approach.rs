@@ -10,8 +10,8 @@
 //! so no step to the first root of this passes the first root of f. Terms are sorted by rate and all cuts are tried: far from a barrier
 //! fast modes of small size do not shorten the step, next to it all curvature counts and convergence is quadratic ([`crate::watch`]).
 
-use super::flight::Flight;
 use super::loads::add;
+use super::modal_flight::ModalFlight;
 use super::system::{System, Term};
 use crate::ring::Contact;
 use crate::safe_step::{ROUNDING, Side, safe_step, side};
@@ -36,6 +36,11 @@ impl Place {
         let place = system.barrier(contact, barrier)?;
         let reference = self.reference.and_then(|barrier| system.barrier(contact, barrier));
         Some(place - reference.unwrap_or(0.0))
+    }
+
+    /// Both.
+    pub(crate) fn barriers(&self, system: &System, contact: usize) -> [Option<f64>; 2] {
+        [Barrier::Lower, Barrier::Upper].map(|barrier| self.barrier(system, contact, barrier))
     }
 }
 
@@ -80,7 +85,7 @@ fn bound(mode: &LinearMode, row: [f64; 2], y: [f64; 2], h: f64) -> f64 {
 #[derive(Clone, Copy)]
 pub(crate) struct Approach<'a> {
     pub(crate) system: &'a System,
-    pub(crate) flight: &'a Flight,
+    pub(crate) flight: &'a ModalFlight,
     pub(crate) contact: usize,
     /// Where it is at the base.
     pub(crate) place: &'a Place,

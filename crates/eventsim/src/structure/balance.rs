@@ -3,9 +3,8 @@
 //! Work and what dashpots take are integrals of forms of ξ ([`EnergyForm`]): sums of ten Gaussian points over pieces of two units of the
 //! fastest rate. The integrands are entire, and what the rule misses, (2·2)^{2n} n!⁴/((2n+1)(2n)!³), is 6e-19 of them.
 
-use super::system::System;
 use crate::time::two_sum;
-use vibrochain_lattice::{Complex, EnergyForm};
+use vibrochain_lattice::EnergyForm;
 
 /// Points of the rule of order ten in (0, 1), and half their weights.
 const POINTS: [(f64, f64); 5] = [
@@ -59,25 +58,17 @@ impl Ledger {
         grow(&mut self.impacts, loss);
     }
 
-    /// A flight over `s` from where loads are `turned`; `at` tells ξ of all modes.
-    pub(crate) fn flight(
-        &mut self,
-        system: &System,
-        turned: &[Complex<f64>],
-        s: f64,
-        at: impl Fn(f64) -> Vec<[f64; 2]>,
-    ) {
-        let pieces = (s * system.fastest / PIECE).ceil().max(1.0);
+    /// A flight over `s`; `powers` tells what loads give and dashpots take at an instant.
+    pub(crate) fn flight(&mut self, fastest: f64, s: f64, powers: impl Fn(f64) -> [f64; 2]) {
+        let pieces = (s * fastest / PIECE).ceil().max(1.0);
         let half = 0.5 * s / pieces;
         for piece in 0..pieces as u64 {
             let middle = (2 * piece + 1) as f64 * half;
             for (point, weight) in POINTS.iter().flat_map(|(x, w)| [(-x, w), (*x, w)]) {
                 let time = middle + point * half;
-                let xi = at(time);
-                // The first of the loads is the static one.
-                let then = system.loads.later(turned, time);
-                grow(&mut self.work, weight * half * self.form.power(&xi, &then[1..]));
-                grow(&mut self.dashpots, weight * half * self.form.dissipation(&xi));
+                let [work, taken] = powers(time);
+                grow(&mut self.work, weight * half * work);
+                grow(&mut self.dashpots, weight * half * taken);
             }
         }
     }

@@ -11,7 +11,6 @@
 
 use super::approach::Place;
 use super::motion::{Due, Motion, SIMULTANEOUS};
-use super::series::Series;
 use crate::cascade::Change;
 use crate::event::EventKind;
 use crate::ring::Contact;
@@ -57,7 +56,9 @@ impl Motion {
     /// Several that hit may push one together that none of them pushes alone, and in some order those that push it come first.
     pub(crate) fn conflict(&self) -> Option<(usize, usize)> {
         let parties = self.parties();
-        let forces = Series::tendencies(&self.system, &self.flight, &self.places);
+        let is_rest = |party: &Party| party.role == Role::Rests;
+        let forces = parties.iter().any(is_rest).then(|| self.tendencies());
+        let holds = |contact: usize| forces.as_ref().map_or(0.0, |forces| self.holds(forces, contact));
         let push = |from: &Party, to: &Party| {
             let loss = 1.0 + self.system.structure.contacts()[from.contact].restitution;
             let impulse = -from.sign() * loss * self.outward(from.contact, from.barrier).max(0.0);
@@ -76,7 +77,7 @@ impl Motion {
             let is_met = match other.role {
                 Role::Hits => true,
                 Role::Touches => most + outward(other) > none,
-                Role::Rests => most > self.holds(&forces, other.contact).max(none),
+                Role::Rests => most > holds(other.contact).max(none),
             };
             let pair = (first, other.contact);
             // Of two that hit the one of the lower number first.
@@ -155,11 +156,12 @@ impl Motion {
             let touch = self.places[party.contact].touch;
             self.places[party.contact] = Place { reference: Some(party.barrier), x: 0.0, v: Some(v), touch };
         }
-        let forces = Series::tendencies(&self.system, &self.flight, &self.places);
+        let forces = parties.iter().any(|party| party.role == Role::Rests).then(|| self.tendencies());
         let outward = |motion: &Self, party: &Party| motion.outward(party.contact, party.barrier);
         let first = parties.iter().map(|party| outward(self, party)).fold(0.0, f64::max);
         let none = |motion: &Self, party: &Party| {
-            let held = if party.role == Role::Rests { motion.holds(&forces, party.contact) } else { 0.0 };
+            let forces = forces.as_ref().filter(|_| party.role == Role::Rests);
+            let held = forces.map_or(0.0, |forces| motion.holds(forces, party.contact));
             held.max(STILL * first)
         };
         let (mut round, mut impacts) = (0, 0);

@@ -8,11 +8,15 @@
 //! |---|---|
 //! | `loads` | what static and harmonic loads add to each mode, at resonances and to rigid modes, too |
 //! | `system` | the structure and what stays the same during a run |
-//! | `flight` | exact flight in modes |
+//! | `local`, `local_flight` | local series of coordinates, and flight by them |
+//! | `modal_flight` | exact flight in modes |
+//! | `flight` | either of both |
+//! | `near` | what contacts do at an instant, by either |
 //! | `approach` | a certified step towards the first contact |
 //! | `series` | Taylor series with resting contacts |
 //! | `balance` | work of the loads, what dashpots and impacts take |
 //! | `motion` | the state between events: modes, contacts, clock |
+//! | `reading` | what it tells at any time |
 //! | `collision` | impacts, in sequence where contacts share coordinates |
 //! | `rest` | chatter, rest and release |
 //! | `event` | what a run reports |
@@ -25,7 +29,12 @@ mod collision;
 mod event;
 mod flight;
 mod loads;
+mod local;
+mod local_flight;
+mod modal_flight;
 mod motion;
+mod near;
+mod reading;
 mod rest;
 mod series;
 mod simulation;

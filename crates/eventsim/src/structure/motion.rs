@@ -3,11 +3,14 @@
 use super::approach::{Approach, Place, Share};
 use super::balance::Ledger;
 use super::flight::Flight;
+use super::local_flight::Sweep;
+use super::near::Tendencies;
 use super::series::{RestForce, Series};
 use super::system::System;
 use crate::bound;
 use crate::event::Work;
 use crate::ring::Contact;
+use crate::safe_step::safe_step;
 use crate::stop_check::StopCheck;
 use crate::time::Clock;
 use crate::units::{MAX_ORDER, spread};
@@ -32,7 +35,7 @@ struct Candidate {
     key: f64,
     hit: Option<Barrier>,
     is_due: bool,
-    /// In a window of series, its polynomial.
+    /// In a window of series, its polynomial, once it is followed.
     watch: Option<Watch>,
 }
 
@@ -55,8 +58,10 @@ pub(crate) struct Motion {
     /// Of the base.
     pub(crate) flight: Flight,
     pub(crate) places: Vec<Place>,
-    /// The window since the base; none: flight in modes.
+    /// The window since the base of modes with contacts at rest or next to it; none: flight in modes, or local.
     pub(crate) series: Option<Box<Series>>,
+    /// Time in a unit of that of polynomials.
+    unit: f64,
     /// Its certified length.
     pub(crate) horizon: f64,
     pub(crate) due: Vec<Due>,
@@ -79,6 +84,7 @@ impl Motion {
             flight,
             places,
             series: None,
+            unit: 1.0,
             horizon: 0.0,
             due: Vec::new(),
             work: Work::default(),
@@ -98,11 +104,15 @@ impl Motion {
     pub(crate) fn begin(&mut self) {
         self.work.windows += 1;
         self.candidates.clear();
+        self.series = None;
+        if let Flight::Local(_) = self.flight {
+            self.begin_local();
+            return;
+        }
         if self.needs_series() {
             self.begin_series();
             return;
         }
-        self.series = None;
         // Windows of varying length, so that their rounding errors do not add up.
         self.horizon = self.system.longest * (1.0 - spread(&mut self.seed).abs() / 64.0);
         for contact in 0..self.places.len() {
@@ -115,6 +125,7 @@ impl Motion {
 
     /// Whether a contact rests, or leaves its barrier so slowly that it is back, or not, before it is far from it.
     fn needs_series(&self) -> bool {
+        let Flight::Modes(flight) = &self.flight else { return false };
         let is_soft = |place: &Place| matches!(place.touch, Contact::Resting(_) | Contact::Leaving(_, 2..));
         if self.places.iter().any(is_soft) {
             return true;
@@ -122,19 +133,63 @@ impl Motion {
         if self.places.iter().all(|place| place.v.is_none()) {
             return false;
         }
-        let tendencies = Series::tendencies(&self.system, &self.flight, &self.places);
+        let tendencies = Series::tendencies(&self.system, flight, &self.places);
         self.places.iter().zip(&tendencies.contacts).enumerate().any(|(contact, (place, c))| {
             let Some(v) = place.v else { return false };
             let most = c[2].abs().max(c[3].abs()).max(c[4].abs());
-            let low = LOW * self.flight.scale(&self.system, contact);
-            let is_slow = || v.abs() <= LOW * self.flight.pace(&self.system, contact);
+            let low = LOW * flight.scale(&self.system, contact);
+            let is_slow = || v.abs() <= LOW * flight.pace(&self.system, contact);
             c[0].abs() <= low && (c[1].abs() <= most && c[1] * c[1] <= low * most || is_slow())
         })
     }
 
+    /// The certified window of local series: contacts that bounds do not clear are candidates from where parabolas above and below them
+    /// first meet a barrier.
+    fn begin_local(&mut self) {
+        let Self { flight: Flight::Local(flight), system, places, candidates, seed, .. } = self else { return };
+        let soft = places.iter().filter_map(|place| match place.touch {
+            Contact::Leaving(_, order) if order > 1 => Some(order),
+            _ => None,
+        });
+        self.horizon = flight.begin(system, places, soft.max().unwrap_or(0), seed);
+        self.unit = 1.0 / flight.local.scale;
+        let unit = self.unit;
+        flight.unclear(|contact| {
+            let place = &places[contact];
+            let [lower, upper] = place.barriers(system, contact);
+            let (watch, key) = match place.touch {
+                Contact::Resting(_) => return,
+                Contact::Leaving(_, 2..) => {
+                    let watch = flight.watch(contact, place, [lower, upper]);
+                    let key = watch.tau * unit;
+                    (Some(watch), key)
+                }
+                _ => {
+                    let Sweep { bend_up, bend_down, .. } = flight.sweep(contact);
+                    let [x, v] = [0, 1].map(|k| flight.own(contact, place, k));
+                    let up = upper.map_or(f64::INFINITY, |upper| safe_step(upper - x, -v, bend_up));
+                    let down = lower.map_or(f64::INFINITY, |lower| safe_step(x - lower, v, -bend_down));
+                    (None, up.min(down) * unit)
+                }
+            };
+            if key <= self.horizon {
+                candidates.push(Candidate { contact, key, hit: None, is_due: false, watch });
+            }
+        });
+        for i in 0..flight.series.held.contacts.len() {
+            let mut watch = flight.watch_rest(system, i);
+            let key = watch.prepare() * self.unit;
+            if key <= self.horizon {
+                let contact = watch.site;
+                candidates.push(Candidate { contact, key, hit: None, is_due: false, watch: Some(watch) });
+            }
+        }
+    }
+
     fn begin_series(&mut self) {
-        let series = Series::window(&self.system, &self.flight, &self.places);
-        self.horizon = series.length;
+        let Flight::Modes(flight) = &self.flight else { return };
+        let series = Series::window(&self.system, flight, &self.places);
+        (self.horizon, self.unit) = (series.length, series.length);
         for (contact, place) in self.places.iter().enumerate() {
             if let Contact::Resting(_) = place.touch {
                 continue;
@@ -144,8 +199,8 @@ impl Motion {
             (2..=MAX_ORDER).rev().for_each(|k| bend.add((k * (k - 1)) as f64 * c[k], 1.0));
             // A barrier that is not there is beyond reach.
             let far = f64::MIN_POSITIVE + 2.0 * c.iter().map(|c| c.abs()).sum::<f64>();
-            let [lower, upper] = [Barrier::Lower, Barrier::Upper]
-                .map(|barrier| place.barrier(&self.system, contact, barrier).unwrap_or(barrier.sign() * far));
+            let [lower, upper] = place.barriers(&self.system, contact);
+            let (lower, upper) = (lower.unwrap_or(-far), upper.unwrap_or(far));
             let (order, horizon) = (MAX_ORDER, 1.0);
             let flight = watch::Flight { c, order, horizon, lower, upper, bend, contact: place.touch };
             let watch = Watch::flight(contact, &flight);
@@ -197,17 +252,26 @@ impl Motion {
                 continue;
             }
             self.work.refinements += 1;
-            let step = if let (Some(watch), Some(series)) = (&mut candidate.watch, &self.series) {
-                let step = watch.step();
-                (candidate.key, candidate.hit) = (watch.tau * series.length, watch.hit);
-                step
-            } else {
-                let contact = candidate.contact;
-                let place = &self.places[contact];
-                let approach = Approach { system: &self.system, flight: &self.flight, contact, place };
-                let (step, hit) = approach.step((&mut candidate.key, self.horizon), &mut self.shares);
-                candidate.hit = hit;
-                step
+            let (contact, place) = (candidate.contact, &self.places[candidate.contact]);
+            if let (None, Flight::Local(flight)) = (&candidate.watch, &self.flight) {
+                self.work.watched += 1;
+                let mut watch = flight.watch(contact, place, place.barriers(&self.system, contact));
+                watch.tau = watch.tau.max(candidate.key / self.unit);
+                candidate.watch = Some(watch);
+            }
+            let step = match (&mut candidate.watch, &self.flight) {
+                (None, Flight::Modes(flight)) => {
+                    let approach = Approach { system: &self.system, flight, contact, place };
+                    let (step, hit) = approach.step((&mut candidate.key, self.horizon), &mut self.shares);
+                    candidate.hit = hit;
+                    step
+                }
+                (Some(watch), _) => {
+                    let step = watch.step();
+                    (candidate.key, candidate.hit) = (watch.tau * self.unit, watch.hit);
+                    step
+                }
+                (None, Flight::Local(_)) => Step::Clear,
             };
             if step == Step::Clear {
                 self.candidates.swap_remove(i);
@@ -225,51 +289,40 @@ impl Motion {
             .collect();
     }
 
-    /// ξ of all modes at `s` since the base, from their equilibrium.
-    pub(crate) fn modes_at(&self, s: f64) -> Vec<[f64; 2]> {
-        match &self.series {
-            Some(series) if !series.forces.is_empty() => {
-                (0..self.flight.xi.len()).map(|k| series.mode(k, s / series.length)).collect()
-            }
-            _ => self.flight.all_at(&self.system, s),
-        }
-    }
-
-    /// x, measured as at the base, and v of a contact at `s`.
-    pub(crate) fn contact_at(&self, contact: usize, s: f64) -> (f64, f64) {
-        match &self.series {
-            Some(series) => series.contact(contact, s / series.length),
-            None => {
-                let place = &self.places[contact];
-                let approach = Approach { system: &self.system, flight: &self.flight, contact, place };
-                let view = approach.view(s, 0.0, &mut Vec::new());
-                (view.x, view.v)
-            }
-        }
-    }
-
     /// Moves the base to `s`.
     pub(crate) fn rebase(&mut self, s: f64) {
         if s == 0.0 {
             return;
         }
-        let is_held = self.series.as_ref().is_some_and(|series| !series.forces.is_empty());
+        let is_held = self.places.iter().any(|place| matches!(place.touch, Contact::Resting(_)));
         // A flight that repeats would repeat its rounding.
         let s = if self.series.is_none() { s * (1.0 + 4.0 * f64::EPSILON * spread(&mut self.seed)) } else { s };
         if let Some(mut ledger) = self.ledger.take() {
-            ledger.flight(&self.system, &self.flight.turned, s, |time| self.system.absolute(&self.modes_at(time)));
+            let form = ledger.form.clone();
+            ledger.flight(self.system.fastest, s, |time| self.powers_at(&form, time));
             self.ledger = Some(ledger);
         }
-        let states: Vec<(f64, f64)> = (0..self.places.len()).map(|contact| self.contact_at(contact, s)).collect();
-        let xi = self.modes_at(s);
-        self.clock.advance(s);
-        self.flight = Flight::new(&self.system, xi, self.clock.offset());
-        for (contact, (place, (x, v))) in self.places.iter_mut().zip(states).enumerate() {
-            if let Contact::Resting(_) = place.touch {
-                continue;
+        let near =
+            |(contact, place): (usize, &Place)| Some((contact, place.reference.map(|_| self.contact_at(contact, s))?));
+        let states: Vec<(usize, (f64, f64))> = self.places.iter().enumerate().filter_map(near).collect();
+        match &mut self.flight {
+            Flight::Local(flight) => {
+                self.clock.advance(s);
+                flight.advance(s, self.system.loads.turned(self.clock.offset()));
             }
-            if place.reference.is_none() {
-                place.x = self.flight.place(&self.system, contact);
+            Flight::Modes(_) => {
+                let xi = self.modes_at(s);
+                self.clock.advance(s);
+                self.flight = Flight::new(&self.system, xi, self.clock.offset());
+            }
+        }
+        if let Flight::Modes(flight) = &self.flight {
+            let free = self.places.iter_mut().enumerate().filter(|(_, place)| place.reference.is_none());
+            free.for_each(|(contact, place)| place.x = flight.place(&self.system, contact));
+        }
+        for (contact, (x, v)) in states {
+            let place = &mut self.places[contact];
+            if let Contact::Resting(_) = place.touch {
                 continue;
             }
             if x.abs() > FORGET * self.flight.scale(&self.system, contact) {
@@ -288,6 +341,11 @@ impl Motion {
         if is_held {
             self.hold(&[]);
         }
+    }
+
+    /// Where contacts tend to.
+    pub(crate) fn tendencies(&self) -> Tendencies {
+        self.flight.tendencies(&self.system, &self.places)
     }
 
     /// Takes the rounding off the places and velocities of contacts at rest, and the velocities of those that stand `still`.

@@ -3,7 +3,7 @@
 
 use super::approach::Place;
 use super::motion::Motion;
-use super::series::{RestForce, Series};
+use super::near::Tendencies;
 use crate::cascade::Change;
 use crate::engine::CHATTER_TIME;
 use crate::event::EventKind;
@@ -21,10 +21,8 @@ impl Motion {
         self.places[contact].touch = Contact::Leaving(barrier, 1);
         let loss = 1.0 - self.system.structure.contacts()[contact].restitution;
         if loss > 0.0 {
-            let series = Series::tendencies(&self.system, &self.flight, &self.places);
-            let (c, h) = (series.contacts[contact], series.length);
-            let pressing = 2.0 * barrier.sign() * c[2] / (h * h);
-            let jerk = 6.0 * c[3].abs() / (h * h * h);
+            let [acceleration, jerk] = self.tendencies().bends(contact);
+            let (pressing, jerk) = (barrier.sign() * acceleration, jerk.abs());
             if pressing > 0.0 {
                 let left = 2.0 * outward.abs() / (pressing * loss);
                 if left * (self.system.fastest + jerk / pressing) < CHATTER_TIME {
@@ -38,15 +36,15 @@ impl Motion {
     pub(crate) fn rest_or_leave(&mut self, contact: usize, barrier: Barrier, changes: &mut Vec<Change>) {
         self.places[contact].v = Some(0.0);
         self.places[contact].touch = Contact::Free;
-        match Series::tendencies(&self.system, &self.flight, &self.places).tendency(contact, barrier, 2) {
+        match self.tendencies().tendency((contact, &self.places[contact]), barrier, 2) {
             Some((order, false)) => self.places[contact].touch = Contact::Leaving(barrier, order),
             _ => self.rest(contact, barrier, 0.0, changes),
         }
     }
 
     /// The velocity of a contact at rest that its force takes off again within [`CHATTER_TIME`]: it is none.
-    pub(super) fn holds(&self, series: &Series, contact: usize) -> f64 {
-        let pressing = series.force(contact, 0.0).abs() * self.system.mobility(contact, contact);
+    pub(super) fn holds(&self, tendencies: &Tendencies, contact: usize) -> f64 {
+        let pressing = tendencies.force(contact).abs() * self.system.mobility(contact, contact);
         0.5 * pressing * CHATTER_TIME / self.system.fastest
     }
 
@@ -75,8 +73,7 @@ impl Motion {
         let before = self.places[contact].touch;
         self.places[contact].touch = Contact::Free;
         self.places[contact].v = Some(0.0);
-        let series = Series::tendencies(&self.system, &self.flight, &self.places);
-        let tendency = series.tendency(contact, barrier, order);
+        let tendency = self.tendencies().tendency((contact, &self.places[contact]), barrier, order);
         if let Some((order, false)) = tendency.or(pull.map(|order| (order, false))) {
             self.places[contact].touch = Contact::Leaving(barrier, order);
             self.work.releases += 1;
@@ -94,16 +91,16 @@ impl Motion {
             if !self.places.iter().any(is_soft) {
                 return;
             }
-            let series = Series::tendencies(&self.system, &self.flight, &self.places);
-            let is_pulled = |force: &&RestForce| force.push[0] < -series.force_doubt(&self.system, force.contact);
-            let pulled = series.forces.iter().filter(is_pulled).min_by(|a, b| a.push[0].total_cmp(&b.push[0]));
-            if let Some(&RestForce { contact, barrier, .. }) = pulled {
+            let tendencies = self.tendencies();
+            let pushes = tendencies.pushes(&self.system).into_iter();
+            let pulled = pushes.filter(|(.., push, doubt)| *push < -doubt).min_by(|a, b| a.2.total_cmp(&b.2));
+            if let Some((contact, barrier, ..)) = pulled {
                 self.release(contact, barrier, 2, Some(2), changes);
                 continue;
             }
             let pressed = self.places.iter().enumerate().find_map(|(contact, place)| match place.touch {
                 Contact::Leaving(barrier, 2..) => {
-                    let tendency = series.tendency(contact, barrier, 2)?;
+                    let tendency = tendencies.tendency((contact, place), barrier, 2)?;
                     tendency.1.then_some((contact, barrier))
                 }
                 _ => None,

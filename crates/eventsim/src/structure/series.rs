@@ -5,8 +5,8 @@
 //! barrier start from the distance and the velocity that are carried for them.
 
 use super::approach::Place;
-use super::flight::Flight;
 use super::loads::add;
+use super::modal_flight::ModalFlight;
 use super::system::System;
 use crate::ring::Contact;
 use crate::units::{MAX_ORDER, inverse_factorials};
@@ -52,7 +52,7 @@ pub(crate) struct RestForce {
 
 impl Series {
     /// Of full order, as long as that allows.
-    pub(crate) fn window(system: &System, flight: &Flight, places: &[Place]) -> Self {
+    pub(crate) fn window(system: &System, flight: &ModalFlight, places: &[Place]) -> Self {
         let mut series = Self::new(system, flight, places, MAX_ORDER, REACH / system.fastest);
         for _ in 0..HALVINGS {
             if series.is_short {
@@ -64,11 +64,11 @@ impl Series {
     }
 
     /// Of low order: where contacts tend to.
-    pub(crate) fn tendencies(system: &System, flight: &Flight, places: &[Place]) -> Self {
+    pub(crate) fn tendencies(system: &System, flight: &ModalFlight, places: &[Place]) -> Self {
         Self::new(system, flight, places, LOW, REACH / system.fastest)
     }
 
-    fn new(system: &System, flight: &Flight, places: &[Place], order: usize, h: f64) -> Self {
+    fn new(system: &System, flight: &ModalFlight, places: &[Place], order: usize, h: f64) -> Self {
         let inverse = inverse_factorials();
         let resting: Vec<(usize, Barrier)> = (places.iter().enumerate())
             .filter_map(|(contact, place)| match place.touch {
@@ -190,6 +190,7 @@ mod tests {
     use vibrochain_lattice::{Complex, Contact as Stops, LinearMode, ModalStructure, ModeShape};
     use vibrochain_testkit::Random;
 
+    use super::super::flight::Flight;
     use super::super::motion::Motion;
     use super::*;
 
@@ -216,7 +217,7 @@ mod tests {
     fn a_window_without_contacts_at_rest_is_the_exact_flight() {
         let mut random = Random(43);
         for _ in 0..100 {
-            let Motion { system, flight, places, .. } = motion(&mut random);
+            let Motion { system, flight: Flight::Modes(flight), places, .. } = motion(&mut random) else { panic!() };
             let series = Series::window(&system, &flight, &places);
             for sigma in [0.1, 0.6, 1.0] {
                 let exact = flight.all_at(&system, sigma * series.length);
@@ -225,7 +226,7 @@ mod tests {
                     let (off, size) = ((told[0] - exact[0]).hypot(told[1] - exact[1]), 1.0 + exact[0].hypot(exact[1]));
                     assert!(off < 1e-13 * size, "{k} {sigma}: {told:?} {exact:?}");
                 }
-                let later = Flight::new(&system, exact, sigma * series.length);
+                let later = ModalFlight::new(&system, exact, sigma * series.length);
                 for contact in 0..2 {
                     let (x, v) = series.contact(contact, sigma);
                     assert!((x - later.place(&system, contact)).abs() < 1e-12, "{contact} {sigma}: {x}");
@@ -240,7 +241,9 @@ mod tests {
     fn forces_on_contacts_at_rest_keep_them_there() {
         let mut random = Random(47);
         for round in 0..100 {
-            let Motion { system, flight, mut places, .. } = motion(&mut random);
+            let Motion { system, flight: Flight::Modes(flight), mut places, .. } = motion(&mut random) else {
+                panic!()
+            };
             let modes = system.structure.modes().len();
             let held: &[usize] = if modes < 2 { &[round % 2] } else { [&[0][..], &[1], &[0, 1]][round % 3] };
             held.iter().for_each(|&contact| places[contact].touch = Contact::Resting(Barrier::Lower));

@@ -3,6 +3,8 @@
 use super::approach::Place;
 use super::balance::{EnergyBalance, Ledger};
 use super::event::{ContactEvent, StructureOutcome, StructureReport, StructureStateError};
+use super::flight::Flight;
+use super::modal_flight::ModalFlight;
 use super::motion::Motion;
 use super::series::Series;
 use super::system::System;
@@ -126,9 +128,10 @@ impl StructureSimulation {
             return range("the state of a mode", *value, "numbers between -1e100 and 1e100");
         }
         let psi = psi.rem_euclid(std::f64::consts::TAU / omega);
-        let system = System::new(structure, omega, psi);
+        let system = System::new(structure, omega, psi).local_if_faster();
         let mut motion = Motion::new(system, modes);
-        let reach = motion.system.reach(&motion.flight.xi).into_iter().map(|reach| reach.min(LARGEST)).collect();
+        let measured = motion.system.about_equilibrium(modes);
+        let reach = motion.system.reach(&measured).into_iter().map(|reach| reach.min(LARGEST)).collect();
         let mut touching = Vec::new();
         for contact in 0..motion.places.len() {
             let terms = motion.system.seen_by(contact).map(|(k, _, row)| [row[0] * modes[k][0], row[1] * modes[k][1]]);
@@ -147,7 +150,8 @@ impl StructureSimulation {
             }
         }
         let mut untold = Vec::new();
-        let series = Series::tendencies(&motion.system, &motion.flight, &motion.places);
+        let flight = ModalFlight::new(&motion.system, measured, 0.0);
+        let series = Series::tendencies(&motion.system, &flight, &motion.places);
         for (contact, barrier) in touching {
             let outward = barrier.sign() * series.contacts[contact][1];
             if outward.abs() <= 4.0 * series.doubts[contact][1] {
@@ -220,26 +224,13 @@ impl StructureSimulation {
         let Contact::Resting(barrier) = place.touch else {
             return Some(ContactState { place: inside, velocity, resting: None, force: 0.0 });
         };
-        let series = self.motion.series.as_deref();
-        let of = |series: &Series| series.force(contact, self.now / series.length);
-        Some(ContactState { place: inside, velocity: 0.0, resting: Some(barrier), force: series.map_or(0.0, of) })
+        let force = self.motion.force_at(contact, self.now);
+        Some(ContactState { place: inside, velocity: 0.0, resting: Some(barrier), force })
     }
 
     /// The exact state now. Looking changes nothing.
     pub fn state(&self) -> StructureState {
-        let measured = self.motion.modes_at(self.now);
-        let modes = self.motion.system.absolute(&measured);
-        let turned = self.motion.system.loads.later(&self.motion.flight.turned, self.now);
-        let coordinates = self.structure().coordinates();
-        let (mut place, mut velocity) = (vec![0.0; coordinates], vec![0.0; coordinates]);
-        for (k, (mode, xi)) in self.structure().modes().iter().zip(&modes).enumerate() {
-            let given = self.motion.system.loads.given(k, &turned);
-            let rise = mode.turn.act(mode.generator(), measured[k]);
-            for (i, row) in mode.coordinates.iter().enumerate() {
-                place[i] += row[0] * xi[0] + row[1] * xi[1];
-                velocity[i] += row[0] * (rise[0] + given[0]) + row[1] * (rise[1] + given[1]);
-            }
-        }
+        let ([place, velocity], modes) = self.motion.coordinates_at(self.now);
         let contacts = (0..self.motion.places.len()).filter_map(|contact| self.contact(contact)).collect();
         StructureState { place, velocity, modes, contacts, time: self.time() }
     }
@@ -307,7 +298,9 @@ impl StructureSimulation {
                 return StructureOutcome::WorkLimit;
             }
             let is_within = |(xi, reach): (&[f64; 2], &f64)| xi.iter().all(|xi| xi.abs() <= *reach);
-            if let Some(mode) = self.motion.flight.xi.iter().zip(&self.reach).position(|pair| !is_within(pair)) {
+            if let Flight::Modes(flight) = &self.motion.flight
+                && let Some(mode) = flight.xi.iter().zip(&self.reach).position(|pair| !is_within(pair))
+            {
                 return StructureOutcome::Diverged { mode };
             }
             let target =
@@ -364,6 +357,7 @@ impl StructureSimulation {
         let result = self.motion.collide(&mut changes);
         company.meet(&self.motion, &changes);
         let outcome = self.tell(&changes, limits, observer);
+        self.motion.flight.note_event();
         self.motion.begin();
         self.stalls = if changes.is_empty() { self.stalls + 1 } else { 0 };
         let stalled = if self.stalls > STALLS { self.motion.due.first().copied() } else { result.err() };

@@ -1,8 +1,9 @@
 //! A structure under its loads: what stays the same during a run.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use super::loads::{Answer, Loads, add};
+use super::local::Local;
 use crate::time::two_sum;
 use vibrochain_lattice::{Barrier, Complex, Contact, LinearMode, ModalStructure};
 
@@ -34,6 +35,8 @@ pub(crate) struct System {
     pub(crate) structure: ModalStructure,
     pub(crate) omega: f64,
     pub(crate) loads: Loads,
+    /// The structure by its coordinates, where it flies by these.
+    pub(crate) local: Option<Arc<Local>>,
     /// All terms, slow ones first.
     pub(crate) terms: Vec<Term>,
     /// Steady motion of each contact under each load.
@@ -87,7 +90,17 @@ impl System {
         let mobility = vec![OnceLock::new(); contacts];
         let lost = (0..contacts).map(|contact| lost(&structure, contact)).collect();
         let longest = (std::f64::consts::TAU / omega).min(1.0 / growth).min(LONGEST / fastest);
-        Self { terms, swings, origins, stops, mobility, lost, fastest, longest, omega, loads, structure }
+        Self { terms, swings, origins, stops, mobility, lost, fastest, longest, omega, loads, local: None, structure }
+    }
+
+    /// The same by local series, if these are faster.
+    pub(crate) fn local_if_faster(mut self) -> Self {
+        self.local = Local::new(&self.structure, (self.omega, self.fastest), &self.loads).map(Arc::new);
+        if self.local.is_some() {
+            // Mobility of coordinates is no sum of modes.
+            self.lost.fill(0.0);
+        }
+        self
     }
 
     /// Of each mode the largest coordinate that is of use in a run from ξ, as it is measured here; infinite where it does not feed itself.
@@ -142,6 +155,9 @@ impl System {
     }
 
     fn mobility_from(&self, from: usize) -> Vec<f64> {
+        if let Some(local) = &self.local {
+            return (0..self.contacts()).map(|to| local.operator.mobility(to, from)).collect();
+        }
         let to = |to: usize| {
             let mobility = self.structure.mobility(to, from);
             // Of complex shapes that nearly meet the terms are larger than the sum.
@@ -170,6 +186,11 @@ impl System {
     /// Impulses at contacts that change their velocities by `changes`, all together. Contacts of which one follows from others get 0.
     pub(crate) fn impulses(&self, contacts: &[usize], changes: &[f64]) -> Vec<f64> {
         let r = contacts.len();
+        let is_apart = |i: &usize| contacts.iter().all(|j| i == j || self.mobility(*i, *j) == 0.0);
+        if contacts.iter().all(is_apart) {
+            let alone = contacts.iter().zip(changes).map(|(&contact, change)| change / self.mobility(contact, contact));
+            return alone.collect();
+        }
         let mut rows: Vec<Vec<f64>> = (0..r)
             .map(|i| (0..r).map(|j| self.mobility(contacts[i], contacts[j])).chain([changes[i]]).collect())
             .collect();

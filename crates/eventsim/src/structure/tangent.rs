@@ -1,6 +1,6 @@
 //! Tangent vectors of a structure's run: what becomes of small perturbations of its modes, to first order.
 //!
-//! **Flight** is linear: δξ flies as ξ does without loads, with contacts at rest held where they are.
+//! **ModalFlight** is linear: δξ flies as ξ does without loads, with contacts at rest held where they are.
 //!
 //! **Impact.** A contact that is off by δg arrives earlier by δg/g′⁻. Its impulse P moves the modes by bP and, through the dashpots, changes
 //! their acceleration, so that with the state just before (m the effective mass, b the column of the contact)
@@ -18,7 +18,7 @@
 //! second order only, as for a chain ([`crate::Tangents`]).
 
 use super::approach::Place;
-use super::flight::Flight;
+use super::modal_flight::ModalFlight;
 use super::motion::Motion;
 use super::series::Series;
 use super::system::System;
@@ -136,11 +136,11 @@ impl StructureTangents {
         Ok(riders)
     }
 
-    fn each(&mut self, mut change: impl FnMut(&System, &mut Flight)) {
+    fn each(&mut self, mut change: impl FnMut(&System, &mut ModalFlight)) {
         let Self { directions, system } = self;
         for [first, second] in &mut directions.vectors {
             let xi = first.iter().zip(&*second).map(|(a, b)| [*a, *b]).collect();
-            let mut flight = Flight::new(system, xi, 0.0);
+            let mut flight = ModalFlight::new(system, xi, 0.0);
             change(system, &mut flight);
             for (xi, (a, b)) in flight.xi.iter().zip(first.iter_mut().zip(second)) {
                 [*a, *b] = *xi;
@@ -205,7 +205,7 @@ impl Riders<'_> {
                 let series = Series::window(system, flight, &places);
                 let step = rest.min(series.length);
                 let xi = (0..flight.xi.len()).map(|k| series.mode(k, step / series.length)).collect();
-                *flight = Flight::new(system, xi, 0.0);
+                *flight = ModalFlight::new(system, xi, 0.0);
                 rest -= step;
             }
         });
@@ -257,11 +257,14 @@ impl Company for Riders<'_> {
             _ => Place { touch: Contact::Free, ..*place },
         };
         let places: Vec<Place> = motion.places.iter().map(arrived).collect();
-        let series = Series::tendencies(&motion.system, &motion.flight, &places);
-        let h = series.length;
-        // g″ is twice the second coefficient; of a contact at rest there is none.
-        self.before = series.contacts.iter().map(|c| 2.0 * c[2] / (h * h)).collect();
-        self.forces = (0..self.before.len()).map(|contact| series.force(contact, 0.0)).collect();
+        let tendencies = motion.flight.tendencies(&motion.system, &places);
+        (self.before, self.forces) = (vec![0.0; places.len()], vec![0.0; places.len()]);
+        // Of a contact at rest there is none.
+        let is_moving = |contact: &usize| !matches!(places[*contact].touch, Contact::Resting(_));
+        for contact in motion.due.iter().map(|due| due.contact).filter(is_moving) {
+            self.before[contact] = tendencies.bends(contact)[0];
+        }
+        motion.resting().into_iter().for_each(|contact| self.forces[contact] = tendencies.force(contact));
     }
 
     fn meet(&mut self, motion: &Motion, changes: &[Change]) {

@@ -4,6 +4,7 @@
 mod dense;
 mod energies;
 mod found;
+mod local;
 mod made;
 mod preloaded;
 mod resting;

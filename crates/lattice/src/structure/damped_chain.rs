@@ -14,6 +14,7 @@ use super::contact::Contact;
 use super::error::{StructureError, check_loads, finite};
 use super::linear_mode::LinearMode;
 use super::modal::ModalStructure;
+use super::operator::SparseOperator;
 use super::oscillator::{Bounded, SeenShape, without_rounding};
 use crate::error::MAX_MAGNITUDE;
 use crate::model::chain::MAX_SITES;
@@ -115,7 +116,15 @@ impl DampedChain {
         let modes = self.slowest(&row)?.iter().enumerate().map(of_mode).collect::<Result<_, _>>()?;
         let contacts = self.contacts.iter().map(|(_, contact)| *contact).collect();
         let harmonics = self.loads.iter().map(|(number, _)| *number).collect();
-        ModalStructure::keeping(self.modes, contacts, harmonics, modes)
+        Ok(ModalStructure::keeping(self.modes, contacts, harmonics, modes)?.with_operator(self.operator()))
+    }
+
+    fn operator(&self) -> Option<SparseOperator> {
+        let contacts = self.contacts.iter().map(|(weights, _)| weights.clone()).collect();
+        let loads = self.loads.iter().map(|load| load.1.clone()).collect();
+        let by = ([self.gamma1, self.gamma2], [self.damping, self.coupling_damping]);
+        (self.modes.unwrap_or(self.sites) >= self.sites)
+            .then(|| SparseOperator::row((self.sites, self.ends), by, contacts, loads))
     }
 
     /// The mass that an impact of each contact feels if all modes are kept.

@@ -45,6 +45,6 @@ impl Structure {
         let modes = Assembly::new(self, &basis, &lower, reaches).modes()?;
         let contacts = self.contacts.iter().map(|(_, contact)| *contact).collect();
         let harmonics = self.loads.iter().map(|(number, _)| *number).collect();
-        ModalStructure::keeping(self.modes, contacts, harmonics, modes)
+        Ok(ModalStructure::keeping(self.modes, contacts, harmonics, modes)?.with_operator(self.operator()))
     }
 }

@@ -6,9 +6,8 @@ use rustfft::num_complex::Complex;
 use super::contact::Contact;
 use super::energy::{Block, EnergyForm};
 use super::error::{StructureError, check_loads, finite};
-use super::linear_mode::LinearMode;
 use super::modal::ModalStructure;
-use crate::kernel::turn::Turn;
+use super::operator::{Bands, Pulls, SparseOperator, projected};
 
 type C = Complex<f64>;
 
@@ -68,33 +67,35 @@ impl Structure {
         let n = self.mass.nrows();
         StructureError::sized("the place", place.len(), n)?;
         StructureError::sized("the velocity", velocity.len(), n)?;
-        let (weight, momentum) = (&self.mass * place, &self.mass * velocity);
-        let damped = if self.damping.is_empty() { DVector::zeros(n) } else { &self.damping * place };
-        // A pole λ has the amplitude φᵀ(λMq + Mq′ + Cq), the shape as a list of numbers.
-        let dot = |shape: &[C], vector: &DVector<f64>| shape.iter().zip(vector).map(|(s, x)| s * *x).sum::<C>();
-        let amplitude = |rate: C, shape: &[C]| rate * dot(shape, &weight) + dot(shape, &momentum) + dot(shape, &damped);
-        let of_mode = |mode: &LinearMode| {
-            let shape = |turn: &dyn Fn(&[f64; 2]) -> C| mode.coordinates.iter().map(turn).collect::<Vec<C>>();
-            if mode.is_real {
-                let shape = shape(&|row| C::new(row[0], 0.0));
-                let (at, moving) = (dot(&shape, &weight).re, dot(&shape, &momentum).re);
-                return mode.amplitudes(at, moving);
-            }
-            let [first, second] = mode.rates();
-            if mode.turn == Turn::Circular {
-                let amplitude = amplitude(first, &shape(&|row| C::new(0.5 * row[0], 0.5 * row[1])));
-                return [amplitude.re, -amplitude.im];
-            }
-            let root = 0.5f64.sqrt();
-            let [a, b] = [(first, 1.0), (second, -1.0)].map(|(rate, sign)| {
-                let shape = shape(&|row| C::new((row[0] + sign * row[1]) * root, 0.0));
-                let vector = DVector::from_iterator(n, shape.iter().map(|x| x.re));
-                let residue = vector.dot(&(&self.mass * &vector * (2.0 * rate.re) + &self.damping * &vector));
-                amplitude(rate, &shape).re * residue.signum()
-            });
-            [(a + b) * root, (a - b) * root]
+        let vector = |list: &[f64]| DVector::from_column_slice(list);
+        let mass = |x: &[f64]| (&self.mass * vector(x)).data.into();
+        let damping = |x: &[f64]| {
+            if self.damping.is_empty() { vec![0.0; n] } else { (&self.damping * vector(x)).data.into() }
         };
-        Ok(modal.modes().iter().map(of_mode).collect())
+        Ok(projected(modal.modes(), mass, damping, place.as_slice(), velocity.as_slice()))
+    }
+
+    /// What pulls at each coordinate; `None` where masses are coupled or some modes are left out.
+    pub(super) fn operator(&self) -> Option<SparseOperator> {
+        let n = self.mass.nrows();
+        let is_coupled = |i: usize| (0..n).any(|j| i != j && self.mass[(i, j)] != 0.0);
+        if self.modes.is_some_and(|modes| modes < n) || (0..n).any(is_coupled) {
+            return None;
+        }
+        let mass = |i: usize| self.mass[(i, i)];
+        let bands = |matrix: &DMatrix<f64>| {
+            if matrix.is_empty() { Bands::default() } else { Bands::new(n, |i, j| matrix[(i, j)] / mass(i)) }
+        };
+        let weights = |weights: &DVector<f64>| {
+            let places = weights.iter().copied().enumerate();
+            places.filter(|(_, weight)| *weight != 0.0).collect::<Vec<_>>()
+        };
+        Some(SparseOperator {
+            masses: (0..n).map(mass).collect(),
+            pulls: Pulls::Bands { stiffness: bands(&self.stiffness), damping: bands(&self.damping) },
+            contacts: self.contacts.iter().map(|(contact, _)| weights(contact)).collect(),
+            loads: self.loads.iter().map(|(_, load)| (0..n).map(|i| load[i] / mass(i)).collect()).collect(),
+        })
     }
 
     /// Energies ½q′ᵀMq′ + ½qᵀKq, q′ᵀCq′ and powers of the loads, in the modes that [`Structure::modal`] made.

@@ -13,6 +13,7 @@
 //! | `poles` | the same of poles that dashpots couple |
 //! | `assembly` | modes from both |
 //! | `oscillator` | modes of real shape with bounds of their errors, whatever they are made of |
+//! | `operator` | [`SparseOperator`]: how coordinates pull at each other, beside the modes |
 //! | `steady` | motions under the loads alone |
 //! | `energy` | [`EnergyForm`]: energy and powers in the coordinates of the modes |
 //! | `error` | [`StructureError`] |
@@ -31,6 +32,7 @@ pub(crate) mod linear_mode;
 #[cfg(feature = "matrices")]
 pub(crate) mod matrices;
 pub(crate) mod modal;
+pub(crate) mod operator;
 mod oscillator;
 #[cfg(feature = "matrices")]
 mod poles;

@@ -1,10 +1,13 @@
 //! Modes and contacts: a structure as everything above sees it.
 
+use std::sync::Arc;
+
 use rustfft::num_complex::Complex;
 
 use super::contact::Contact;
 use super::error::StructureError;
 use super::linear_mode::{LinearMode, ModeErrors};
+use super::operator::SparseOperator;
 use crate::kernel::bloch::BlochKernel;
 use crate::kernel::turn::Turn;
 
@@ -42,6 +45,7 @@ pub struct ModalStructure {
     contacts: Vec<Contact>,
     harmonics: Vec<u32>,
     modes: Vec<LinearMode>,
+    operator: Option<Arc<SparseOperator>>,
 }
 
 /// Modes as impacts at some contacts feel them ([`ModalStructure::participating_modes`]).
@@ -122,7 +126,7 @@ impl ModalStructure {
                 return Err(StructureError::Range { what, value, requirement: "finite numbers" });
             }
         }
-        let structure = Self { contacts, harmonics, modes };
+        let structure = Self { contacts, harmonics, modes, operator: None };
         for contact in 0..structure.contacts.len() {
             let mobility = structure.mobility(contact, contact);
             let sound = mobility > 0.0;
@@ -144,6 +148,15 @@ impl ModalStructure {
             (StructureError::NoWeight { contact }, Some(modes)) => StructureError::Unmoved { contact, modes },
             (error, _) => error,
         })
+    }
+
+    pub(super) fn with_operator(self, operator: Option<SparseOperator>) -> Self {
+        Self { operator: operator.map(Arc::new), ..self }
+    }
+
+    /// The same motion by what pulls at each coordinate; `None` of modes alone, of masses that are coupled, and where modes are left out.
+    pub fn operator(&self) -> Option<&Arc<SparseOperator>> {
+        self.operator.as_ref()
     }
 
     /// The contacts.
@@ -189,6 +202,9 @@ impl ModalStructure {
             mode.still.iter_mut().for_each(|load| *load *= still);
             mode.errors.loads.iter_mut().for_each(|error| *error *= factor.abs());
             mode.errors.still *= still.abs();
+        }
+        if let Some(operator) = structure.operator.as_mut().map(Arc::make_mut) {
+            operator.loads.iter_mut().flatten().for_each(|load| *load *= factor);
         }
         structure
     }

@@ -1,0 +1,285 @@
+//! Flight of a structure's coordinates by local series: what stays the same during a run.
+//!
+//! d_{k+2} = −M⁻¹(K d_k + C d_{k+1}) + F_k ([`crate::series`]), in a unit of time that is a power of two. Places are measured from where the
+//! static load holds the modes; what is left of that load, of those that it holds nowhere, pulls on.
+
+use std::sync::Arc;
+
+use super::loads::{Answer, Loads};
+use crate::series::Rows;
+use crate::stencil::Stencil;
+use crate::units::{Growth, MAX_ORDER, ORDERS, REMAINDER, inverse_factorials};
+use vibrochain_lattice::{Bands, Barrier, Complex, Ends, LinearMode, ModalStructure, Pulls, SparseOperator};
+
+type C = Complex<f64>;
+
+/// What the sum of an exponential and a sine costs, in multiplications, and how often in the unit of the loads' rate a contact is looked at:
+/// measured.
+const TERM: f64 = 100.0;
+
+/// What a contact costs a derivative of local series beside the sum over its coordinates: bounds, and where it is.
+const CONTACT: usize = 8;
+
+/// What pulls at coordinates, in internal time.
+#[derive(Debug, Clone)]
+enum Scaled {
+    Alike([Ends; 2], Stencil),
+    Bands([Bands; 2]),
+}
+
+/// M⁻¹f of one harmonic, in internal time.
+#[derive(Debug, Clone)]
+enum Load {
+    /// The same at all coordinates.
+    Alike(C),
+    /// Real and imaginary parts.
+    Each([Vec<f64>; 2]),
+}
+
+/// The structure by its coordinates.
+#[derive(Debug, Clone)]
+pub(crate) struct Local {
+    pub(crate) operator: Arc<SparseOperator>,
+    /// Internal time is time × `scale`, a power of two.
+    pub(crate) scale: f64,
+    pulls: Scaled,
+    loads: Vec<(f64, Load)>,
+    /// What is left of M⁻¹s, in internal time; empty where nothing is.
+    still: Vec<f64>,
+    /// Where the static load holds the coordinates.
+    pub(crate) equilibrium: Vec<f64>,
+    /// M⁻¹s
+    pub(crate) gravity: Vec<f64>,
+    pub(crate) growth: Growth,
+    /// Longest windows of each order, internal.
+    pub(crate) horizons: [f64; ORDERS.len()],
+    pub(crate) inverse_factorial: [f64; MAX_ORDER + 1],
+    /// √m, where masses differ.
+    pub(crate) roots: Vec<f64>,
+}
+
+/// Contacts at rest, and what holds them: impulses that change their velocities by given ones.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Held {
+    pub(crate) contacts: Vec<(usize, Barrier)>,
+    /// One row a contact; a single entry where no two share a coordinate.
+    pub(super) inverse: Vec<Vec<f64>>,
+    /// No two share a coordinate and each sees one alone: what is held is 0 there.
+    pub(crate) is_plain: bool,
+}
+
+impl Held {
+    /// The impulse at the i-th that changes all velocities by `changes`.
+    fn impulse(&self, i: usize, changes: &[f64]) -> f64 {
+        match &self.inverse[i][..] {
+            [alone] => alone * changes[i],
+            row => row.iter().zip(changes).map(|(entry, change)| entry * change).sum(),
+        }
+    }
+}
+
+/// Derivatives of all coordinates at an instant, and of the forces at contacts at rest, in internal time.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct LocalSeries {
+    pub(crate) rows: Rows,
+    pub(crate) held: Held,
+    /// λ of each that is held.
+    pub(crate) forces: Vec<[f64; MAX_ORDER + 1]>,
+}
+
+impl Local {
+    /// `None` where modes are faster: of stiff and of dense structures, of modes alone; and of modes that feed themselves, which are asked for
+    /// one by one how far they have come.
+    pub(crate) fn new(structure: &ModalStructure, (omega, fastest): (f64, f64), loads: &Loads) -> Option<Self> {
+        let operator = structure.operator()?;
+        let feeds = |mode: &LinearMode| mode.rates().iter().any(|rate| rate.re > 0.0);
+        let [local, modal] = operations(structure, operator, (omega, fastest));
+        if local > modal || structure.modes().iter().any(feeds) {
+            return None;
+        }
+        // The power of two below: the exponent alone.
+        let scale = f64::from_bits(fastest.to_bits() & 0x7ff0_0000_0000_0000);
+        let square = scale * scale;
+        let of_mode = |(mode, xi): (&LinearMode, &[f64; 2]), n: usize| {
+            mode.coordinates[n][0] * xi[0] + mode.coordinates[n][1] * xi[1]
+        };
+        let size = operator.masses.len();
+        let held = || structure.modes().iter().zip(&loads.equilibrium);
+        let equilibrium: Vec<f64> = (0..size).map(|n| held().map(|pair| of_mode(pair, n)).sum()).collect();
+        // What modes answer from rest.
+        let left: Vec<(&LinearMode, [f64; 2])> = (structure.modes().iter().zip(&loads.answers))
+            .filter(|(_, answers)| answers[0] == Answer::FromRest)
+            .map(|(mode, _)| (mode, mode.turn.act(mode.generator(), mode.still)))
+            .collect();
+        let pulled = |n: usize| left.iter().map(|(mode, rise)| of_mode((mode, rise), n)).sum::<f64>();
+        let still: Vec<f64> = if left.is_empty() { Vec::new() } else { (0..size).map(pulled).collect() };
+        let mut gravity = still.clone();
+        gravity.resize(size, 0.0);
+        let [stiffness, damping] = operator.entries(None);
+        stiffness.iter().for_each(|(row, column, entry)| gravity[*row] += entry * equilibrium[*column]);
+        let most = |entries: &[(usize, usize, f64)]| {
+            let mut sums = vec![0.0; size];
+            entries.iter().for_each(|(row, _, entry)| sums[*row] += entry.abs());
+            sums.into_iter().fold(0.0, f64::max)
+        };
+        let (stiff, damped) = (most(&stiffness) / square, most(&damping) / scale);
+        let driven = structure.harmonics().iter().map(|number| f64::from(*number) * omega / scale);
+        let rates: Vec<f64> = driven.collect();
+        // The larger root of r² = stiff + damped r.
+        let own = 0.5 * (damped + (damped * damped + 4.0 * stiff).sqrt());
+        let rate = rates.iter().copied().fold(own, f64::max).max(f64::MIN_POSITIVE);
+        let load_at = |n: usize| operator.loads.iter().map(|load| load[n].norm()).sum::<f64>();
+        let forced = (0..size).map(|n| load_at(n) + still.get(n).map_or(0.0, |a| a.abs() * square)).fold(0.0, f64::max);
+        let forced = forced / square * if damped == 0.0 { 0.5 } else { 1.0 };
+        let still = still.iter().map(|a| a / square).collect();
+        let inverse_factorial = inverse_factorials();
+        let horizon = |order: usize| (REMAINDER / inverse_factorial[order]).powf(1.0 / order as f64) * scale / fastest;
+        let load = |(load, rate): (&Vec<C>, f64)| {
+            let alike = load.windows(2).all(|pair| pair[0] == pair[1]);
+            let scaled = load.iter().map(|f| f / square);
+            let load = if alike {
+                Load::Alike(scaled.take(1).sum())
+            } else {
+                Load::Each([scaled.clone().map(|f| f.re).collect(), scaled.map(|f| f.im).collect()])
+            };
+            (rate, load)
+        };
+        let pulls = match &operator.pulls {
+            Pulls::Alike { ends, stiffness, damping } => {
+                let stiffness = stiffness.map(|gamma| gamma / square);
+                Scaled::Alike(*ends, Stencil { stiffness, damping: damping.map(|c| c / scale) })
+            }
+            Pulls::Bands { stiffness, damping } => {
+                Scaled::Bands([stiffness.times(1.0 / square), damping.times(1.0 / scale)])
+            }
+        };
+        let differ = operator.masses.windows(2).any(|pair| pair[0] != pair[1]);
+        let roots = if differ { operator.masses.iter().map(|mass| mass.sqrt()).collect() } else { Vec::new() };
+        Some(Self {
+            scale,
+            pulls,
+            loads: operator.loads.iter().zip(rates).map(load).collect(),
+            still,
+            equilibrium,
+            gravity,
+            growth: Growth { rate, forced },
+            // No longer than bounds allow that know rates of rows alone.
+            horizons: ORDERS.map(horizon).map(|horizon| horizon.min(4.0 / rate)),
+            inverse_factorial,
+            roots,
+            operator: operator.clone(),
+        })
+    }
+
+    /// Derivatives up to `order`, and the forces that hold contacts at rest; rows 0 and 1 are there. `turned` are e^{iw(t+ψ)}, the static load's
+    /// first.
+    pub(crate) fn expand(&self, series: &mut LocalSeries, turned: &[C], order: usize) {
+        let n = self.operator.masses.len();
+        let mut now: Vec<C> = turned[1..].to_vec();
+        let LocalSeries { rows, held, forces } = series;
+        forces.clear();
+        forces.resize(held.contacts.len(), [0.0; MAX_ORDER + 1]);
+        let mut changes = vec![0.0; held.contacts.len()];
+        let beyond = match &self.pulls {
+            Scaled::Alike(ends, _) => ends.map(Some),
+            Scaled::Bands(_) => [Some(Ends::Fixed); 2],
+        };
+        rows.expand(n, beyond, order, |k, from, to| {
+            let mut force = 0.0;
+            for ((_, load), now) in self.loads.iter().zip(&now) {
+                if let Load::Alike(load) = load {
+                    force += (load * now).re;
+                }
+            }
+            match &self.pulls {
+                Scaled::Alike(_, stencil) if stencil.damping == [0.0; 2] => {
+                    stencil.advance::<false>(from, to, n, force);
+                }
+                Scaled::Alike(_, stencil) => stencil.advance::<true>(from, to, n, force),
+                Scaled::Bands(both) => {
+                    to[1..=n].fill(force);
+                    both.iter().zip(from).for_each(|(bands, from)| subtract(bands, &from[1..=n], &mut to[1..=n]));
+                }
+            }
+            for ((rate, load), now) in self.loads.iter().zip(&mut now) {
+                if let Load::Each([real, imaginary]) = load {
+                    let parts = real.iter().zip(imaginary);
+                    to[1..].iter_mut().zip(parts).for_each(|(to, (re, im))| *to += re * now.re - im * now.im);
+                }
+                *now *= C::new(0.0, *rate);
+            }
+            if k == 0 {
+                to[1..].iter_mut().zip(&self.still).for_each(|(to, still)| *to += still);
+            }
+            let all = &self.operator.contacts;
+            for ((contact, _), change) in held.contacts.iter().zip(&mut changes) {
+                *change = -all[*contact].iter().map(|(place, weight)| weight * to[place + 1]).sum::<f64>();
+            }
+            for (i, ((contact, _), own)) in held.contacts.iter().zip(forces.iter_mut()).enumerate() {
+                own[k] = held.impulse(i, &changes);
+                for (place, weight) in &all[*contact] {
+                    if held.is_plain {
+                        to[place + 1] = 0.0;
+                    } else {
+                        to[place + 1] += weight / self.operator.masses[*place] * own[k];
+                    }
+                }
+            }
+        });
+    }
+
+    /// The largest of a row, by the roots of the masses.
+    pub(crate) fn largest(&self, row: &[f64]) -> f64 {
+        let larger = |most: f64, d: f64| if d > most { d } else { most };
+        if self.roots.is_empty() {
+            let (eights, rest) = row[..self.operator.masses.len()].as_chunks::<8>();
+            let mut most = [0.0; 8];
+            eights
+                .iter()
+                .for_each(|eight| most.iter_mut().zip(eight).for_each(|(most, d)| *most = larger(*most, d.abs())));
+            return most.into_iter().chain(rest.iter().map(|d| d.abs())).fold(0.0, larger);
+        }
+        row.iter().zip(&self.roots).map(|(d, root)| (d * root).abs()).fold(0.0, larger)
+    }
+
+    /// Work of the loads and what dashpots take, a unit of time, at velocities and where loads are `turned`.
+    pub(crate) fn powers(&self, velocity: &[f64], turned: &[C]) -> [f64; 2] {
+        let operator = &self.operator;
+        let driven =
+            |n: usize| operator.loads.iter().zip(&turned[1..]).map(move |(load, turned)| (load[n] * turned).re);
+        let given = |n: usize| self.gravity[n] + driven(n).sum::<f64>();
+        let masses = operator.masses.iter().zip(velocity).enumerate();
+        let work = masses.map(|(n, (mass, v))| mass * v * given(n)).sum();
+        let [_, damping] = operator.entries(None);
+        let taken =
+            damping.iter().map(|(row, column, c)| operator.masses[*row] * velocity[*row] * c * velocity[*column]);
+        [work, taken.sum()]
+    }
+}
+
+/// Multiplications in a unit of time of flight by local series, and by modes: the one place where it is decided which of them flies.
+///
+/// Local series take all orders of all coordinates in a window of about two units of the fastest rate. By modes each contact is a sum of
+/// exponentials, looked at once in about the unit of the loads' rate.
+pub(crate) fn operations(
+    structure: &ModalStructure,
+    operator: &SparseOperator,
+    (omega, fastest): (f64, f64),
+) -> [f64; 2] {
+    let contacts: usize = operator.contacts.iter().map(|contact| contact.len() + CONTACT).sum();
+    let local = (operator.operations() + contacts) as f64 * MAX_ORDER as f64 * 0.5 * fastest;
+    let modal = (structure.contacts().len() * structure.modes().len()) as f64 * TERM * omega;
+    [local, modal]
+}
+
+/// `to` −= bands · `from`
+fn subtract(bands: &Bands, from: &[f64], to: &mut [f64]) {
+    for (off, diagonal) in &bands.diagonals {
+        let (rows, columns) = (off.min(&0).unsigned_abs(), off.max(&0).unsigned_abs());
+        let inside = to[rows..].iter_mut().zip(&diagonal[rows..]).zip(&from[columns..]);
+        inside.for_each(|((to, entry), from)| *to -= entry * from);
+    }
+    for (row, column, entry) in &bands.entries {
+        to[*row] -= entry * from[*column];
+    }
+}

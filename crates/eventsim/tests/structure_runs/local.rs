@@ -1,0 +1,223 @@
+//! Flight by local series against flight by modes and against what shares no code.
+
+use nalgebra::{DMatrix, DVector};
+use vibrochain_eventsim::{ContactEvent, EventKind, Limits, StructureOutcome, StructureSimulation};
+use vibrochain_lattice::{Complex, Contact, DampedChain, ModalStructure, RowEnds, Structure};
+use vibrochain_testkit::Random;
+
+use crate::dense::Dense;
+use crate::made::until;
+
+type C = Complex<f64>;
+
+/// The same structure that knows its modes alone, and flies by them.
+fn of_modes(structure: &ModalStructure) -> ModalStructure {
+    let (contacts, harmonics) = (structure.contacts().to_vec(), structure.harmonics().to_vec());
+    ModalStructure::new(contacts, harmonics, structure.modes().to_vec()).unwrap()
+}
+
+fn stop(random: &mut Random) -> Contact {
+    let (lower, upper) = (random.between(-1.0, -0.3), random.between(0.2, 1.0));
+    let lower = random.chance(0.7).then_some(lower);
+    Contact { lower, upper: Some(upper), restitution: random.of(&[0.0, 0.5, 0.9, 1.0]) }
+}
+
+/// A chain of any ends, soft and stiff, whose contacts see one or several masses, under static loads and two harmonics.
+fn chain(random: &mut Random) -> DampedChain {
+    let sites = 1 + random.below(12);
+    let ends = RowEnds::ALL[random.below(4)];
+    let gamma2 = random.between(-0.05, 0.6);
+    let gamma1 = random.between(0.0, 0.8) + 4.0 * (-gamma2).max(0.0);
+    let mut contacts = vec![(vec![(random.below(sites), 1.0)], stop(random))];
+    if random.chance(0.5) {
+        let (first, second) = (random.below(sites), random.below(sites));
+        contacts.push((vec![(first, 1.0), (second, if first == second { 0.4 } else { -0.7 })], stop(random)));
+    }
+    let uniform = random.chance(0.5);
+    let size = random.between(0.3, 1.5);
+    let load =
+        |random: &mut Random| {
+            (0..sites)
+                .map(|_| {
+                    if uniform {
+                        C::new(size, 0.2)
+                    } else {
+                        C::new(random.between(-1.5, 1.5), random.between(-1.0, 1.0))
+                    }
+                })
+                .collect()
+        };
+    let loads = vec![(1, load(random)), (3, load(random))];
+    let static_load =
+        if random.chance(0.5) { (0..sites).map(|_| random.between(-0.3, 0.3)).collect() } else { Vec::new() };
+    DampedChain {
+        gamma1,
+        gamma2,
+        damping: random.of(&[0.0, 0.01, 0.2]),
+        coupling_damping: random.of(&[0.0, 0.0, 0.05]),
+        contacts,
+        static_load,
+        loads,
+        ..DampedChain::new(sites, ends)
+    }
+}
+
+/// Masses of their own with springs and dashpots between some.
+fn sparse(random: &mut Random) -> Structure {
+    let n = 2 + random.below(6);
+    let (mut stiffness, mut damping) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
+    for i in 0..n {
+        stiffness[(i, i)] += random.between(0.2, 1.0);
+        damping[(i, i)] += random.between(0.0, 0.1);
+        let j = random.below(n);
+        for (matrix, most) in [(&mut stiffness, 0.5), (&mut damping, 0.05)] {
+            let spring = random.between(0.0, most);
+            for (a, b, sign) in [(i, i, 1.0), (j, j, 1.0), (i, j, -1.0), (j, i, -1.0)] {
+                matrix[(a, b)] += sign * spring;
+            }
+        }
+    }
+    let weights = |random: &mut Random| {
+        DVector::from_fn(n, |_, _| if random.chance(0.4) { random.between(-1.0, 1.0) } else { 0.0 })
+    };
+    let mut first = weights(random);
+    first[random.below(n)] = 1.0;
+    let contacts = vec![(first, stop(random))];
+    Structure {
+        mass: DMatrix::from_diagonal(&DVector::from_fn(n, |_, _| random.between(0.3, 2.0))),
+        damping,
+        stiffness,
+        contacts,
+        static_load: DVector::from_fn(n, |_, _| random.between(-0.2, 0.2)),
+        loads: vec![(1, DVector::from_fn(n, |_, _| C::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0))))],
+        modes: None,
+    }
+}
+
+/// Events until one of them is so slow that rounding grows there, and the state after them.
+fn run(structure: ModalStructure, omega: f64, xi: &[[f64; 2]]) -> (Vec<ContactEvent>, StructureSimulation) {
+    let mut simulation = StructureSimulation::new(structure, omega, 0.4, xi).unwrap();
+    let (_, events) = simulation.collect(&until(&simulation, 3, 0.3));
+    (events, simulation)
+}
+
+fn is_slow(event: &ContactEvent) -> bool {
+    event.kind == EventKind::Impact && event.velocity_before.abs() < 0.03
+}
+
+/// The events that both have before rounding grows, and how far these are apart.
+fn compare(one: &[ContactEvent], two: &[ContactEvent], case: &str) -> (usize, f64) {
+    let (mut count, mut worst) = (0, 0.0f64);
+    for (a, b) in one.iter().zip(two) {
+        if is_slow(a) || is_slow(b) {
+            break;
+        }
+        assert_eq!((a.contact, a.barrier, a.kind), (b.contact, b.barrier, b.kind), "{case}: {a:?} {b:?}");
+        let apart = (a.time.to_f64() - b.time.to_f64()).abs().max((a.velocity_after - b.velocity_after).abs());
+        worst = worst.max(apart);
+        count += 1;
+    }
+    (count, worst)
+}
+
+#[test]
+fn local_series_fly_as_modes_do() {
+    let mut random = Random(77);
+    let (mut impacts, mut rests, mut quiet) = (0, 0, 0);
+    for round in 0..300 {
+        let (modal, omega) = if round % 3 == 0 {
+            (sparse(&mut random).modal().unwrap(), random.between(0.5, 1.5))
+        } else {
+            (chain(&mut random).modal().unwrap(), random.between(0.5, 1.5))
+        };
+        assert!(modal.operator().is_some());
+        let xi: Vec<[f64; 2]> =
+            modal.modes().iter().map(|_| [random.between(-0.1, 0.1), random.between(-0.4, 0.4)]).collect();
+        if StructureSimulation::new(modal.clone(), omega, 0.4, &xi).is_err() {
+            continue;
+        }
+        let ((one, mut local), (two, mut modes)) = (run(modal.clone(), omega, &xi), run(of_modes(&modal), omega, &xi));
+        let (count, worst) = compare(&one, &two, &format!("{round}"));
+        assert!(worst < 1e-11, "{round}: {worst:e} of {count}");
+        impacts += count;
+        rests += one[..count].iter().filter(|event| event.kind != EventKind::Impact).count();
+        if count == one.len() && count == two.len() {
+            let (a, b) = (local.state(), modes.state());
+            let lists = [(&a.place, &b.place), (&a.velocity, &b.velocity)];
+            let apart =
+                lists.iter().flat_map(|(a, b)| a.iter().zip(*b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let of_modes =
+                a.modes.iter().flatten().zip(b.modes.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-11 && of_modes < 1e-10, "{round}: {apart:e} {of_modes:e}");
+            for (a, b) in a.contacts.iter().zip(&b.contacts) {
+                assert_eq!(a.resting, b.resting, "{round}");
+                assert!((a.force - b.force).abs() < 1e-10 && (a.place - b.place).abs() < 1e-11, "{round} {a:?} {b:?}");
+            }
+            assert!(local.balance().is_none() && modes.balance().is_none());
+            quiet += 1;
+        }
+    }
+    println!("{impacts} events, {rests} of rest, {quiet} runs to their ends");
+    assert!(impacts > 1000 && rests > 20 && quiet > 100, "{impacts} {rests} {quiet}");
+}
+
+/// Exponentials of the state matrix and bisection.
+#[test]
+fn local_series_hit_where_exponentials_and_bisection_hit() {
+    let mut random = Random(78);
+    let mut compared = 0;
+    for _ in 0..40 {
+        let mut structure = sparse(&mut random);
+        structure.contacts.iter_mut().for_each(|(_, stop)| stop.restitution = random.between(0.5, 1.0));
+        let n = structure.mass.nrows();
+        let modal = structure.modal().unwrap();
+        let (omega, q) = (random.between(0.4, 1.5), DVector::zeros(n));
+        let v = DVector::from_fn(n, |_, _| random.between(-1.0, 1.0));
+        let xi = structure.project(&modal, &q, &v).unwrap();
+        let mut simulation = StructureSimulation::new(modal, omega, 0.4, &xi).unwrap();
+        let (_, events) = simulation.collect(&Limits { impacts: 12, ..until(&simulation, 3, 0.0) });
+        let reach = events.last().map_or(0.0, |event| event.time.to_f64());
+        let dense = Dense::new(&structure, omega, 0.4, &q, &v).impacts(reach + 1e-6, 2e-3);
+        for (event, (contact, time, velocity)) in events.iter().zip(&dense) {
+            if event.kind != EventKind::Impact || event.velocity_before.abs() < 0.05 {
+                break;
+            }
+            assert_eq!(event.contact, *contact, "{event:?} {time}");
+            assert!((event.time.to_f64() - time).abs() < 1e-9, "{event:?} {time}");
+            assert!((event.velocity_before - velocity).abs() < 1e-9, "{event:?} {velocity}");
+            compared += 1;
+        }
+    }
+    assert!(compared >= 80, "{compared}");
+}
+
+/// Without losses and loads the energy of a ring in which all masses hit stays what it is, and the balance adds up where there are dashpots.
+#[test]
+fn local_series_keep_the_energy() {
+    for damping in [0.0, 0.02] {
+        let stop = Contact { lower: Some(-0.6), upper: Some(1.4), restitution: if damping == 0.0 { 1.0 } else { 0.9 } };
+        let chain = DampedChain {
+            gamma1: 0.2,
+            gamma2: 0.1,
+            damping,
+            contacts: (0..21).map(|n| (vec![(n, 1.0)], stop)).collect(),
+            loads: if damping == 0.0 { Vec::new() } else { vec![(1, vec![C::new(0.3, 0.1); 21])] },
+            ..DampedChain::new(21, RowEnds::ALL[0])
+        };
+        let modal = chain.modal().unwrap();
+        let wave = |k: f64| (0..21).map(|n| (f64::from(n) * k).sin()).collect::<Vec<_>>();
+        let xi =
+            chain.project(&modal, &wave(1.3).iter().map(|x| 0.4 + 0.5 * x).collect::<Vec<_>>(), &wave(2.1)).unwrap();
+        let form = modal.energy_form().unwrap();
+        let simulation = StructureSimulation::new(modal, 1.5, 0.0, &xi).unwrap();
+        let mut simulation = if damping == 0.0 { simulation } else { simulation.with_balance(form.clone()) };
+        let start = form.energy(&xi);
+        let report = simulation.run(&until(&simulation, if damping == 0.0 { 2000 } else { 50 }, 0.0), |_| {});
+        assert_eq!(report.outcome, StructureOutcome::TimeReached);
+        let change = form.energy(&simulation.state().modes) - start;
+        let missing =
+            simulation.balance().map_or(change, |balance| change - (balance.work - balance.dashpots - balance.impacts));
+        println!("{} impacts, {missing:e} of {start}", report.work.impacts);
+        assert!(report.work.impacts > 500 && missing.abs() < 1e-12 * start, "{report:?} {missing:e}");
+    }
+}

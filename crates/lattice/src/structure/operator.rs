@@ -1,0 +1,212 @@
+//! How coordinates pull at each other, where each has a mass of its own: q″ = −M⁻¹(Kq + Cq′) + M⁻¹f, by neighbours instead of by modes.
+
+use rustfft::num_complex::Complex;
+
+use super::linear_mode::LinearMode;
+use crate::kernel::turn::Turn;
+use crate::modes::row::{Ends, RowEnds};
+
+type C = Complex<f64>;
+
+/// A diagonal with at least one entry in so many rows is kept whole.
+#[cfg(feature = "matrices")]
+const SPARSE: usize = 4;
+
+/// A matrix by its diagonals.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Bands {
+    /// Column less row, and an entry a row; 0 where there is no such column.
+    pub diagonals: Vec<(isize, Vec<f64>)>,
+    /// Row, column and value of entries on diagonals that have few.
+    pub entries: Vec<(usize, usize, f64)>,
+}
+
+impl Bands {
+    /// Of rows that may be asked for entry by entry.
+    #[cfg(feature = "matrices")]
+    pub(super) fn new(size: usize, at: impl Fn(usize, usize) -> f64) -> Self {
+        let n = size as isize;
+        let mut bands = Self::default();
+        for off in 1 - n..n {
+            let column = |row: usize| row.checked_add_signed(off).filter(|column| *column < size);
+            let entry = |row: usize| column(row).map_or(0.0, |column| at(row, column));
+            let diagonal: Vec<f64> = (0..size).map(entry).collect();
+            let count = diagonal.iter().filter(|entry| **entry != 0.0).count();
+            if count * SPARSE >= size {
+                bands.diagonals.push((off, diagonal));
+            } else if count > 0 {
+                let few = diagonal.iter().enumerate().filter(|(_, entry)| **entry != 0.0);
+                bands.entries.extend(few.filter_map(|(row, entry)| Some((row, column(row)?, *entry))));
+            }
+        }
+        bands
+    }
+
+    /// The same times `factor`.
+    #[must_use]
+    pub fn times(&self, factor: f64) -> Self {
+        let mut bands = self.clone();
+        bands.diagonals.iter_mut().flat_map(|(_, diagonal)| diagonal).for_each(|entry| *entry *= factor);
+        bands.entries.iter_mut().for_each(|(_, _, entry)| *entry *= factor);
+        bands
+    }
+
+    /// Entries that are multiplied.
+    pub fn count(&self) -> usize {
+        self.diagonals.iter().map(|(_, diagonal)| diagonal.len()).sum::<usize>() + self.entries.len()
+    }
+
+    /// Row, column and value of all entries of a row, or of all rows.
+    pub fn row(&self, only: Option<usize>) -> impl Iterator<Item = (usize, usize, f64)> {
+        let along = self.diagonals.iter().flat_map(move |(off, diagonal)| {
+            let rows = only.map_or(0..diagonal.len(), |row| row..row + 1);
+            rows.filter_map(move |row| {
+                let column = row.checked_add_signed(*off).filter(|column| *column < diagonal.len())?;
+                Some((row, column, diagonal[row]))
+            })
+        });
+        along.chain(self.entries.iter().copied().filter(move |(row, _, _)| only.is_none_or(|only| only == *row)))
+    }
+}
+
+/// What pulls at coordinates, over their masses.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Pulls {
+    /// γ₁ and c to the ground, γ₂ and c₂ to the neighbours in a row, alike for all.
+    Alike {
+        /// What stands before the first and behind the last.
+        ends: [Ends; 2],
+        /// γ₁ and γ₂
+        stiffness: [f64; 2],
+        /// c and c₂
+        damping: [f64; 2],
+    },
+    /// M⁻¹K and M⁻¹C.
+    Bands {
+        /// M⁻¹K
+        stiffness: Bands,
+        /// M⁻¹C
+        damping: Bands,
+    },
+}
+
+/// The motion of a structure's coordinates by what pulls at each, exact beside its modes ([`ModalStructure::operator`](crate::ModalStructure::operator)).
+#[derive(Debug, Clone, PartialEq)]
+pub struct SparseOperator {
+    /// The mass of each coordinate.
+    pub masses: Vec<f64>,
+    /// What pulls at them.
+    pub pulls: Pulls,
+    /// Coordinates and weights of each contact.
+    pub contacts: Vec<Vec<(usize, f64)>>,
+    /// M⁻¹f of each harmonic, complex.
+    pub loads: Vec<Vec<C>>,
+}
+
+impl SparseOperator {
+    pub(super) fn row(
+        (sites, ends): (usize, RowEnds),
+        (stiffness, damping): ([f64; 2], [f64; 2]),
+        contacts: Vec<Vec<(usize, f64)>>,
+        loads: Vec<Vec<C>>,
+    ) -> Self {
+        let ends = match ends {
+            RowEnds::Alike(ends) => [ends; 2],
+            RowEnds::FixedFree => [Ends::Fixed, Ends::Free],
+        };
+        Self { masses: vec![1.0; sites], pulls: Pulls::Alike { ends, stiffness, damping }, contacts, loads }
+    }
+
+    /// Entries of M⁻¹K and M⁻¹C: row, column, value. Of one row, or of all.
+    pub fn entries(&self, only: Option<usize>) -> [Vec<(usize, usize, f64)>; 2] {
+        let n = self.masses.len();
+        match &self.pulls {
+            Pulls::Bands { stiffness, damping } => [stiffness, damping].map(|bands| bands.row(only).collect()),
+            Pulls::Alike { ends, stiffness, damping } => {
+                let rows = only.map_or(0..n, |row| row..row + 1);
+                let of_row = |row: usize, [own, between]: [f64; 2]| {
+                    let side = |inside: Option<usize>, end: Ends, far: usize| match (inside, end) {
+                        (Some(other), _) => Some(other),
+                        (None, Ends::Closed) => Some(far),
+                        // Beside a free end stands the mass itself: no spring.
+                        (None, Ends::Free) => Some(row),
+                        (None, Ends::Fixed) => None,
+                    };
+                    let below = side(row.checked_sub(1), ends[0], n - 1);
+                    let above = side(Some(row + 1).filter(|above| *above < n), ends[1], 0);
+                    let sides = [below, above].into_iter().flatten().map(move |other| (row, other, -between));
+                    [(row, row, own + 2.0 * between)].into_iter().chain(sides)
+                };
+                [*stiffness, *damping].map(|by| rows.clone().flat_map(|row| of_row(row, by)).collect())
+            }
+        }
+    }
+
+    /// Multiplications of one derivative of all coordinates.
+    pub fn operations(&self) -> usize {
+        let n = self.masses.len();
+        let pulls = match &self.pulls {
+            Pulls::Alike { damping: [0.0, 0.0], .. } => 2 * n,
+            Pulls::Alike { .. } => 4 * n,
+            Pulls::Bands { stiffness, damping } => stiffness.count() + damping.count(),
+        };
+        pulls + 2 * n * self.loads.len()
+    }
+
+    /// w_iᵀM⁻¹w_j of two contacts.
+    pub fn mobility(&self, to: usize, from: usize) -> f64 {
+        let of = |(place, weight): &(usize, f64)| {
+            let seen = self.contacts[to].iter().filter(|(other, _)| other == place);
+            seen.map(|(_, other)| other * weight / self.masses[*place]).sum::<f64>()
+        };
+        self.contacts[from].iter().map(of).sum()
+    }
+
+    /// Coordinates ξ of all modes of a state (q, q′).
+    pub fn project(&self, modes: &[LinearMode], place: &[f64], velocity: &[f64]) -> Vec<[f64; 2]> {
+        let mass = |x: &[f64]| x.iter().zip(&self.masses).map(|(x, mass)| x * mass).collect();
+        let [_, damping] = self.entries(None);
+        let damped = |x: &[f64]| {
+            let mut sum = vec![0.0; x.len()];
+            damping.iter().for_each(|(row, column, entry)| sum[*row] += self.masses[*row] * entry * x[*column]);
+            sum
+        };
+        projected(modes, mass, damped, place, velocity)
+    }
+}
+
+/// ξ of modes of a state (q, q′), where M and C are told by what they make of a list.
+pub(super) fn projected(
+    modes: &[LinearMode],
+    mass: impl Fn(&[f64]) -> Vec<f64>,
+    damping: impl Fn(&[f64]) -> Vec<f64>,
+    place: &[f64],
+    velocity: &[f64],
+) -> Vec<[f64; 2]> {
+    let (weight, momentum, damped) = (mass(place), mass(velocity), damping(place));
+    let real = |list: &[f64], vector: &[f64]| list.iter().zip(vector).map(|(a, b)| a * b).sum::<f64>();
+    // A pole λ has the amplitude φᵀ(λMq + Mq′ + Cq), the shape as a list of numbers.
+    let dot = |shape: &[C], vector: &[f64]| shape.iter().zip(vector).map(|(s, x)| s * *x).sum::<C>();
+    let amplitude = |rate: C, shape: &[C]| rate * dot(shape, &weight) + dot(shape, &momentum) + dot(shape, &damped);
+    let of_mode = |mode: &LinearMode| {
+        let shape = |turn: &dyn Fn(&[f64; 2]) -> C| mode.coordinates.iter().map(turn).collect::<Vec<C>>();
+        if mode.is_real {
+            let shape: Vec<f64> = mode.coordinates.iter().map(|row| row[0]).collect();
+            return mode.amplitudes(real(&shape, &weight), real(&shape, &momentum));
+        }
+        let [first, second] = mode.rates();
+        if mode.turn == Turn::Circular {
+            let amplitude = amplitude(first, &shape(&|row| C::new(0.5 * row[0], 0.5 * row[1])));
+            return [amplitude.re, -amplitude.im];
+        }
+        let root = 0.5f64.sqrt();
+        let [a, b] = [(first, 1.0), (second, -1.0)].map(|(rate, sign)| {
+            let shape = shape(&|row| C::new((row[0] + sign * row[1]) * root, 0.0));
+            let vector: Vec<f64> = shape.iter().map(|x| x.re).collect();
+            let residue = 2.0 * rate.re * real(&vector, &mass(&vector)) + real(&vector, &damping(&vector));
+            amplitude(rate, &shape).re * residue.signum()
+        });
+        [(a + b) * root, (a - b) * root]
+    };
+    modes.iter().map(of_mode).collect()
+}
