@@ -5,6 +5,7 @@ use vibrochain_breather::{
     structure_admissibility, structure_orbits,
 };
 use vibrochain_floquet::{Analyser, Tolerance, structure_verdict};
+use vibrochain_lattice::{Force, Harmonic};
 use vibrochain_testkit::{Meeting, Random, Ranges, Values};
 
 use crate::{structure, word};
@@ -182,6 +183,44 @@ fn families_are_words_of_a_structure() {
     assert!(ordered == lists && orbits > 3500 && physical > 700 && stable > 1200 && unstable > 2000, "{tally:?}");
 }
 
+/// The first harmonic and some of the next odd ones, whose phases are at times alike.
+fn force(random: &mut Random) -> Force {
+    let in_phase = random.chance(0.3);
+    let mut harmonics = Vec::new();
+    for number in [1, 3, 5, 7] {
+        if number == 1 || random.chance(0.5) {
+            let phase = if in_phase { 0.0 } else { random.between(-3.2, 3.2) };
+            let amplitude = random.between(-1.0, 1.0) / f64::from(number).sqrt();
+            harmonics.push(Harmonic { number, amplitude, phase });
+        }
+    }
+    Force::new(&harmonics).unwrap()
+}
+
+#[test]
+fn families_under_several_harmonics_are_words_of_a_structure() {
+    let (mut random, mut tally) = (Random(13), Tally::default());
+    for number in 0..120 {
+        // Nothing holds a chain of free masses as a whole.
+        let gamma1 = if random.chance(0.2) { Values::Is(0.0) } else { Values::Even(0.05, 1.0) };
+        let restitution = if random.chance(0.2) { Values::Is(1.0) } else { Values::Even(0.2, 1.0) };
+        let ranges = Ranges { sites: [1, 6], gamma1, restitution, ..Ranges::FORCED };
+        let model = random.model(&ranges).point().under(&force(&mut random)).model().unwrap();
+        let (mut finder, mut found) = (Finder::new(model.chain().sites()), OrbitList::default());
+        for family in [Family::DoubleSided, Family::SingleSided, Family::PeriodDoubled] {
+            if finder.find(&model, family, &mut found).is_err() {
+                continue;
+            }
+            let (word, periods) = word(family, 0);
+            let Ok(list) = structure_orbits(&structure(&model), &word, periods) else { continue };
+            tally.compare(&format!("{number} {family} {model}"), (&found, &mut finder), &list);
+        }
+    }
+    let Tally { lists, ordered, orbits, physical, stable, unstable, complete, fewer, missed, worst } = tally;
+    assert!(lists > 350 && complete > 330 && fewer == 0 && missed == 0 && worst < 1.0, "{tally:?}");
+    assert!(ordered == lists && orbits > 650 && physical > 120 && stable > 180 && unstable > 450, "{tally:?}");
+}
+
 #[test]
 fn next_to_resonances_what_both_find_is_the_same() {
     let (mut random, mut tally) = (Random(11), Tally::default());
@@ -202,7 +241,7 @@ fn next_to_resonances_what_both_find_is_the_same() {
         }
     }
     let Tally { lists, ordered, orbits, physical, stable, unstable, complete, fewer, missed, worst } = tally;
-    assert!(lists > 580 && complete > 530 && fewer < 20 && missed < 22 && worst < 1.0, "{tally:?}");
+    assert!(lists > 580 && complete > 530 && fewer < 20 && missed < 18 && worst < 1.0, "{tally:?}");
     assert!(ordered == lists && orbits > 2000 && physical > 20 && stable > 1000 && unstable > 900, "{tally:?}");
 }
 

@@ -6,6 +6,7 @@ use vibrochain_lattice::{LinearMode, Turn, Turned};
 use wide::f64x4;
 
 use super::periodic_kernel::{PeriodicKernel, length};
+use crate::roots::patch::Piece;
 
 /// What a mode has lost at four places and at their nearest ends, either way.
 type Losses = [[f64x4; 2]; 2];
@@ -20,6 +21,8 @@ pub(super) struct Between {
     pub(super) doubts: [[f64; 3]; 2],
     /// The fastest of the modes.
     pub(super) fastest: f64,
+    /// Of rigid modes what their parabola t/2 − t²/2T is multiplied by in either kernel.
+    rigid: [f64; 2],
 }
 
 /// One mode, and what its two coordinates are multiplied by in either kernel and its first three derivatives.
@@ -36,6 +39,9 @@ struct Both {
     fourth: [f64; 2],
 }
 
+/// Of a pair of impacts: K and (1+e)K′ at the later one, and at the earlier one.
+pub(super) type Pair = [[Piece; 2]; 2];
+
 /// Far above the least number that keeps its digits.
 const LEFT: f64 = 1e-200;
 
@@ -43,13 +49,23 @@ const LEFT: f64 = 1e-200;
 const DEAD: f64 = 45.0;
 
 impl Between {
-    /// The kernel from one contact to another and back, of modes that do not grow; `None` where one does, or is rigid.
+    /// The kernel from one contact to another and back, of modes that do not grow; `None` where one does, or is rigid with a dashpot.
     pub(super) fn new(kernel: &PeriodicKernel, first: usize, second: usize) -> Option<Self> {
-        let held = kernel.felt.modes.iter().all(is_held);
-        if kernel.has_rigid() || !held {
+        let held = kernel.felt.modes.iter().filter(|mode| !mode.is_rigid()).all(is_held);
+        if kernel.rigid().iter().any(|mode| mode.decay != 0.0) || !held {
             return None;
         }
-        let mut between = Self { period: kernel.period, modes: Vec::new(), doubts: [[0.0; 3]; 2], fastest: 0.0 };
+        let period = kernel.period;
+        let mut between = Self { period, modes: Vec::new(), doubts: [[0.0; 3]; 2], fastest: 0.0, rigid: [0.0; 2] };
+        for mode in kernel.rigid() {
+            for (way, (to, from)) in [(second, first), (first, second)].into_iter().enumerate() {
+                let shapes = mode.rows[to][0] * mode.columns[from][1] * mode.rate;
+                let doubt = 6.0 * f64::EPSILON * shapes.abs() + mode.errors_between(to, from) * mode.rate;
+                between.rigid[way] += shapes;
+                let sizes = [period, 1.0, period.recip()];
+                between.doubts[way].iter_mut().zip(sizes).for_each(|(entry, size)| *entry += doubt * size);
+            }
+        }
         for (mode, sum) in kernel.sums_of() {
             let (mut parts, mut fourth) = ([[[0.0; 2]; 4]; 2], [0.0; 2]);
             let turn = mode.turn;
@@ -107,6 +123,11 @@ impl Between {
     /// Both kernels with three derivatives at four φ, and bounds of the fourth ones within radii of these.
     pub(super) fn jets(&self, places: Lane, radii: Lane) -> ([[f64x4; 4]; 2], [f64x4; 2]) {
         let (mut jets, mut fourths) = ([[ZERO; 4]; 2], [ZERO; 2]);
+        if self.rigid != [0.0; 2] {
+            let of = |order: usize| four(places.map(|phi| self.parabola(phi)[order]));
+            let parabola = [of(0), of(1), of(2), ZERO];
+            jets = self.rigid.map(|shapes| parabola.map(|entry| entry * all(shapes)));
+        }
         let ways = [places, places.map(|t| self.period - t)];
         let nearest = [0, 1].map(|way| (0..LANES).map(|i| ways[way][i] - radii[i]).fold(f64::INFINITY, f64::min));
         // Many modes of a structure often lose alike.
@@ -164,9 +185,40 @@ impl Between {
         })
     }
 
+    /// Both kernels where the impacts are so far apart, with the factors 1+e of the first contact and of the second. Beyond `longest` they go on as
+    /// parabolas do: what is found there is none.
+    pub(super) fn pieces(&self, (apart, radius): (f64, f64), weights: [f64; 2], longest: f64) -> Pair {
+        let place = apart.min(longest);
+        let (beyond, reach) = (apart - place, (radius - (apart - place)).max(0.0));
+        let (jets, fourths) = self.jets([place; LANES], [reach; LANES]);
+        [0, 1].map(|way| {
+            let [value, slope, bend, third] = jets[way].map(|lanes| lanes.to_array()[0]);
+            let [of_value, of_slope, _] = self.doubts[way];
+            let fourth = fourths[way].to_array()[0];
+            let third_bound = third.abs() + reach * fourth;
+            // Back, the slope in time is the opposite of that in the time apart.
+            let by = weights[1 - way] * [1.0, -1.0][way];
+            let moved = |[value, slope, bend]: [f64; 3]| {
+                [value + beyond * (slope + 0.5 * beyond * bend), slope + beyond * bend, bend]
+            };
+            let (place, law) = (moved([value, slope, bend]), moved([slope, bend, third]).map(|x| by * x));
+            [
+                Piece { jet: place, third: third_bound, doubt: of_value },
+                Piece { jet: law, third: by.abs() * fourth, doubt: by.abs() * of_slope },
+            ]
+        })
+    }
+
+    /// t/2 − t²/2T with two derivatives, the same there and back.
+    fn parabola(&self, phi: f64) -> [f64; 3] {
+        let part = phi / self.period;
+        [0.5 * phi * (1.0 - part), 0.5 - part, -self.period.recip()]
+    }
+
     /// Both kernels with two derivatives at one φ.
     pub(super) fn jets_at(&self, phi: f64) -> [[f64; 3]; 2] {
-        let mut jets = [[0.0; 3]; 2];
+        let parabola = self.parabola(phi);
+        let mut jets = self.rigid.map(|shapes| parabola.map(|entry| entry * shapes));
         let ways = [phi, self.period - phi];
         let mut lost = (0.0, [1.0; 2]);
         for modes in self.modes.chunks(LANES) {

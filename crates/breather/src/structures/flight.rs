@@ -49,9 +49,20 @@ impl<'a> StructureMotion<'a> {
         modes.zip(self.states[i].iter().copied())
     }
 
-    /// The states of these modes just after an impact.
-    pub(super) fn states(&self, i: usize) -> &[[f64; 2]] {
-        &self.states[i]
+    /// The state of one of these modes, or of a rigid one, which come after them, just after an impact.
+    pub(super) fn state(&self, i: usize, number: usize) -> [f64; 2] {
+        let (states, rigid) = (&self.states[i], self.response().kernel.rigid());
+        states.get(number).copied().unwrap_or_else(|| {
+            let place = number - states.len();
+            self.rigid_state(&rigid[place], i, 0.0, self.orbit.offsets()[place])
+        })
+    }
+
+    /// ξ of a rigid mode.
+    fn rigid_state(&self, mode: &LinearMode, i: usize, s: f64, offset: f64) -> [f64; 2] {
+        let [place, velocity, ..] = self.rigid(mode, i, s);
+        let place = place + offset;
+        [place, (velocity + mode.decay * place) / mode.rate]
     }
 
     /// Time from impact `i` to the next one.
@@ -146,9 +157,7 @@ impl<'a> StructureMotion<'a> {
         let mut offsets = self.orbit.offsets().iter();
         for (mode, sum) in structure.modes().iter().zip(&mut all) {
             let own = if mode.is_rigid() {
-                let [place, velocity, ..] = self.rigid(mode, i, s);
-                let place = place + offsets.next().copied().unwrap_or_default();
-                [place, (velocity + mode.decay * place) / mode.rate]
+                self.rigid_state(mode, i, s, offsets.next().copied().unwrap_or_default())
             } else {
                 mode.turn.act(mode.flight(s), states.next().unwrap_or_default())
             };

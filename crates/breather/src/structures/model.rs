@@ -3,7 +3,9 @@
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use vibrochain_lattice::{Barrier, MAX_MAGNITUDE, ModalStructure, ParticipatingModes, Stop, Stopped, StructureError};
+use vibrochain_lattice::{
+    Barrier, Complex, MAX_MAGNITUDE, ModalStructure, ParticipatingModes, Stop, Stopped, StructureError,
+};
 
 use super::error::StructureOrbitError;
 use super::response::Response;
@@ -106,6 +108,15 @@ impl StructureModel {
         TAU / self.omega
     }
 
+    /// After which time all loads are the same again.
+    pub(super) fn loads_repeat(&self) -> f64 {
+        let structure = self.structure();
+        let is_there = |place: usize| structure.modes().iter().any(|mode| mode.loads[place] != [Complex::default(); 2]);
+        let harmonics = structure.harmonics().iter().enumerate().filter(|(place, _)| is_there(*place));
+        let common = harmonics.fold(0, |common, (_, &harmonic)| greatest_divisor(common, harmonic));
+        self.period() / f64::from(common.max(1))
+    }
+
     /// Where a barrier of a contact is.
     ///
     /// # Errors
@@ -116,4 +127,9 @@ impl StructureModel {
         let found = contacts.get(contact).ok_or(StructureOrbitError::NoSuchContact { contact, last })?;
         found.barrier(barrier).ok_or(StructureOrbitError::NoBarrier { contact, barrier })
     }
+}
+
+/// The greatest common divisor of two numbers, 0 being a multiple of all.
+fn greatest_divisor(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { greatest_divisor(b, a % b) }
 }

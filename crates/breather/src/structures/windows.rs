@@ -4,6 +4,7 @@ use smallvec::{SmallVec, smallvec};
 use vibrochain_lattice::simd::lanes::{LANES, Lane, all, combine, dot, four};
 use vibrochain_lattice::{ModeFlow, Turn, Turned};
 
+use super::equations::Equations;
 use super::flight::{StructureMotion, reach};
 use super::periodic_kernel::length;
 use crate::motion::polynomial::{ORDER, Polynomial};
@@ -109,13 +110,15 @@ impl Node {
 }
 
 impl View {
-    /// Of a list of contacts. `None` where a rigid mode is no part of the modes' flight.
+    /// Of a list of contacts. `None` where a dashpot or a static load acts on a rigid mode.
     pub(super) fn new(motion: &StructureMotion<'_>, contacts: &[usize]) -> Option<Self> {
         let response = motion.response();
-        if response.kernel.has_rigid() {
+        let rigid = response.kernel.rigid();
+        if rigid.iter().any(|mode| mode.decay != 0.0 || Equations::push(mode) != 0.0) {
             return None;
         }
-        let modes: SmallVec<[_; 16]> = response.kernel.regular().map(|(mode, _)| mode).collect();
+        let regular = response.kernel.regular().map(|(mode, _)| mode);
+        let modes: SmallVec<[_; 16]> = regular.chain(rigid).collect();
         // Modes of which contacts see one coordinate come first.
         let mut numbers: SmallVec<[usize; 16]> = (0..modes.len()).filter(|&k| modes[k].is_real).collect();
         let both = numbers.len();
@@ -145,7 +148,9 @@ impl View {
                 put(count + row - both, place, swing.im);
             }
         }
-        let fastest = modes.iter().map(|mode| length([mode.rate, mode.decay])).chain(swings).fold(0.0, f64::max);
+        // A rigid mode goes on as it does: its κ is a unit of velocity.
+        let turning = modes.iter().filter(|mode| !mode.is_rigid());
+        let fastest = turning.map(|mode| length([mode.rate, mode.decay])).chain(swings).fold(0.0, f64::max);
         let generator = Flow::of(&flows, |k| Turned { even: -flows[k].decay, odd: flows[k].rate });
         Some(Self { flows, numbers, both, sights: Sights { shapes, still }, generator, fastest })
     }
@@ -180,9 +185,8 @@ impl<'v> Windows<'v> {
         }
         let length = whole / windows;
         let (groups, fours) = (view.flows.len().div_ceil(LANES), view.sights.still.len());
-        let states = motion.states(i);
         let mut first = Node::zeros(groups);
-        view.numbers.iter().enumerate().for_each(|(k, &number)| first.put(k, states[number]));
+        view.numbers.iter().enumerate().for_each(|(k, &number)| first.put(k, motion.state(i, number)));
         for (k, flow) in view.flows.iter().enumerate().skip(view.numbers.len()) {
             let (sin, cos) = (flow.rate * motion.load_time(i, 0.0)).sin_cos();
             first.put(k, [cos, -sin]);

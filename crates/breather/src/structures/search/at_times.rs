@@ -26,6 +26,11 @@ impl Start {
     }
 }
 
+/// Zeros, and places where there may be some.
+pub(super) fn all_places<'p, T: Copy>(zeros: &'p [T], unresolved: &'p [T]) -> impl Iterator<Item = (T, bool)> + 'p {
+    zeros.iter().map(|at| (*at, true)).chain(unresolved.iter().map(|at| (*at, false)))
+}
+
 /// An equation that is off by this part of its terms holds: numbers that solve others have lost some digits.
 const HOLDS: f64 = 1e3 * f64::EPSILON;
 

@@ -1,12 +1,8 @@
 //! Which orbits of a list are one, and which are orbits of its word at all: all by their errors to first order,
 //! which are there where no bound is known, too.
 
-use vibrochain_lattice::Complex;
-
 use crate::orbit::time_between;
 use crate::structures::orbit::{StructureImpact, StructureOrbit};
-
-type C = Complex<f64>;
 
 /// Rounding of a number that is not solved for, as the time from an impact to itself: sums and differences of a few times.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
@@ -24,7 +20,7 @@ impl StructureOrbit {
         let within = |apart: f64, errors: f64| apart <= errors + ROUNDING * period;
         let psi = match (self.psi(), other.psi()) {
             (Some(own), Some(psi)) => within(
-                time_between(own, psi + start.time, self.loads_repeat()),
+                time_between(own, psi + start.time, self.model().loads_repeat()),
                 self.psi_estimate() + other.psi_estimate() + other.estimate(turn).time,
             ),
             _ => true,
@@ -47,7 +43,7 @@ impl StructureOrbit {
     pub(super) fn repeats_sooner(&self) -> bool {
         let (impacts, n) = (self.impacts(), self.impacts().len());
         // Without loads any part of the period may be one.
-        let repeats = (self.period() / self.loads_repeat()).round() as usize;
+        let repeats = (self.period() / self.model().loads_repeat()).round() as usize;
         let parts = |part: usize| n.is_multiple_of(part) && (self.psi().is_none() || repeats.is_multiple_of(part));
         (2..=n).filter(|&part| parts(part)).any(|part| {
             let (shift, lapse) = (n / part, self.period() / part as f64);
@@ -59,15 +55,6 @@ impl StructureOrbit {
                 are_alike(own, &impacts[place], errors[0]) && apart <= errors[1] + ROUNDING * self.period()
             })
         })
-    }
-
-    /// After which time all loads are the same again.
-    fn loads_repeat(&self) -> f64 {
-        let structure = self.model().structure();
-        let is_there = |place: usize| structure.modes().iter().any(|mode| mode.loads[place] != [C::default(); 2]);
-        let harmonics = structure.harmonics().iter().enumerate().filter(|(place, _)| is_there(*place));
-        let common = harmonics.fold(0, |common, (_, &harmonic)| greatest_divisor(common, harmonic));
-        self.model().period() / f64::from(common.max(1))
     }
 
     /// Whether every impact has an impulse: one that is no larger than its error is none, and the orbit one of fewer impacts.
@@ -88,9 +75,4 @@ impl StructureOrbit {
 fn are_alike(one: &StructureImpact, other: &StructureImpact, errors: f64) -> bool {
     let errors = errors + ROUNDING * one.impulse.abs();
     (one.contact, one.barrier) == (other.contact, other.barrier) && (one.impulse - other.impulse).abs() <= errors
-}
-
-/// The greatest common divisor of two numbers, 0 being a multiple of all.
-fn greatest_divisor(a: u32, b: u32) -> u32 {
-    if b == 0 { a } else { greatest_divisor(b, a % b) }
 }

@@ -7,14 +7,18 @@
 //! | `distinct` | which orbits of a list are one, and which are orbits of its word |
 //! | `two_impacts` | the proof that no two impacts are missing |
 //! | `merged` | the number of orbits where two zeros may have merged |
+//! | `phase_plane` | the same of one and of two under loads of several harmonics, and where nothing holds a structure |
 //! | `three_impacts` | the same of three |
+//! | `elimination` | the null vector that zeros in a plane have |
 //! | `self_excited` | orbits whose period is their own |
 //! | `scan`, `starts` | where there is no proof |
 
 mod at_times;
 mod distinct;
+mod elimination;
 mod merged;
 mod orbits;
+mod phase_plane;
 mod scan;
 mod self_excited;
 mod starts;

@@ -13,7 +13,7 @@
 use smallvec::SmallVec;
 use vibrochain_lattice::Barrier;
 
-use super::at_times::{Impacts, Start};
+use super::at_times::{Impacts, Start, all_places};
 use super::three_impacts::ThreeImpacts;
 use super::two_impacts::Function;
 use crate::orbit::order;
@@ -177,7 +177,7 @@ fn found(
             if letters_at_once(word) { impacts.reversible(word)? } else { impacts.begin(scope)? }
         }
     };
-    let pushing = matches!(search, StructureSearch::Starts { .. } | StructureSearch::BranchAndPrune { .. });
+    let pushing = impacts.letters.len() > 2;
     let listed = |orbit: &StructureOrbit| {
         let pulls = orbit.impacts().iter().any(|impact| impact.barrier.sign() * impact.impulse >= 0.0);
         let searched = periods.is_none_or(|[from, to]| (from..=to).contains(&orbit.period()));
@@ -255,8 +255,27 @@ impl Impacts<'_> {
                 let x = self.linear(&[0.0])?.solve().ok_or(StructureOrbitError::Singular)?;
                 Ok((vec![Start::zero(self.point(&[0.0], &x))], CLOSED_FORM))
             }
-            (2, forced) if single || !forced => self.proved().unwrap_or_else(|| self.scan()),
+            (1, true) => self.proved_of_one().unwrap_or_else(|| self.starts()),
+            (2, false) => self.proved().unwrap_or_else(|| self.scan()),
+            (2, true) => self.of_two(single, scope),
             (3, _) => self.proved_in_the_plane(scope.boxes()).unwrap_or_else(|| self.starts()),
+            _ => self.starts(),
+        }
+    }
+
+    /// Two impacts under a load: by F where there is one and it leaves no place open, else in the plane of φ and ψ.
+    fn of_two(&self, single: bool, scope: ListScope) -> Starts {
+        let by_time = if single { self.proved() } else { None };
+        let by_time = match by_time {
+            Some(Ok((starts, search))) if search.is_complete() => return Ok((starts, search)),
+            Some(Err(error)) => return Err(error),
+            by_time => by_time,
+        };
+        let in_plane = self.proved_in_the_phase_plane(scope == ListScope::Candidates, scope.boxes());
+        match (in_plane, by_time) {
+            (Some(Ok(in_plane)), by_time) if by_time.is_none() || in_plane.1.is_complete() => Ok(in_plane),
+            (_, Some(by_time)) => by_time,
+            (_, None) if single => self.scan(),
             _ => self.starts(),
         }
     }
@@ -345,11 +364,9 @@ impl Impacts<'_> {
                 Err(error) => return Some(Err(error)),
             }
         }
-        for (at, is_zero) in
-            zeros.simple.iter().map(|at| (at, true)).chain(zeros.unresolved.iter().map(|at| (at, false)))
-        {
-            match functions.numbers(*at) {
-                Some(numbers) => starts.push(Start { point: self.point(&times(*at), &numbers), is_zero }),
+        for (at, is_zero) in all_places(&zeros.simple, &zeros.unresolved) {
+            match functions.numbers(at) {
+                Some(numbers) => starts.push(Start { point: self.point(&times(at), &numbers), is_zero }),
                 None => open += usize::from(is_zero),
             }
         }

@@ -86,7 +86,7 @@ struct Minors<T> {
 }
 
 impl Function {
-    /// `None` of rigid modes, of modes that grow, of several harmonics, of a contact that the load does not move, and without loads where both
+    /// `None` of modes that grow; of rigid ones under a load, of several harmonics, of a contact that the load does not move, and without loads where both
     /// stops are at the rest position: nothing has a size.
     pub(super) fn new(equations: &Equations<'_>, contacts: [usize; 2], places: [f64; 2]) -> Option<Self> {
         let is_free = !equations.forced;
@@ -96,7 +96,7 @@ impl Function {
             None => return None,
         };
         // Where the load does not move one of them, F may vanish altogether.
-        if !is_free && swings.iter().any(|swing| swing.norm() == 0.0) {
+        if !is_free && (equations.kernel().has_rigid() || swings.iter().any(|swing| swing.norm() == 0.0)) {
             return None;
         }
         let weights = contacts.map(|contact| 1.0 + equations.restitution(contact));

@@ -27,7 +27,7 @@ fn numbers_of_the_equations_are_within_their_enclosures() {
         let Some(functions) = ThreeImpacts::new(&impacts, 1000) else { continue };
         let period = equations.period();
         let table = |at: [f64; 2], radius: [f64; 2]| {
-            functions.table(&functions.pair(0, at[0], radius[0]), &functions.load(1, at[0]), at, radius)
+            functions.filled(&functions.pair(0, at[0], radius[0]), &functions.load(1, at[0]), at, radius)
         };
         for _ in 0..10 {
             let centre = [0.0; 2].map(|_: f64| period * random.between(0.05, 0.45));
