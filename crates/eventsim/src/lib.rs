@@ -55,7 +55,8 @@
 //! | [`Tangents`] | small perturbations of a run, to first order |
 //! | [`Growth`] | from what they have grown to an exponent and its error |
 //! | [`Simulation`] | the event loop |
-//! | [`StructureSimulation`], [`StructureTangents`] | the same of any linear structure with stops, in its modes |
+//! | [`StructureSimulation`], [`StructureTangents`] | the same of any linear structure with stops |
+//! | [`FlightChoice`] | whether it flies by modes or by local series |
 //!
 //! With the feature `serde` values are written by the names of `mapgen`'s tables; those without a [`Time`] are read, too.
 //!
@@ -106,8 +107,8 @@ pub use event::{BOUNCE_TIME, Event, EventKind, Limits, MAX_BOUNCES, MAX_FLIGHTS,
 pub use growth::{Exponent, Growth};
 pub use simulation::{Simulation, State};
 pub use structure::{
-    ContactEvent, ContactState, EnergyBalance, StructureOutcome, StructureReport, StructureSimulation, StructureState,
-    StructureStateError, StructureTangents,
+    ContactEvent, ContactState, EnergyBalance, FlightChoice, StructureOutcome, StructureReport, StructureSimulation,
+    StructureState, StructureStateError, StructureTangents,
 };
 pub use tangent::Tangents;
 pub use time::Time;

@@ -46,6 +46,9 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
     if args.in_sequence || scene.in_sequence {
         simulation = simulation.in_sequence();
     }
+    if console.verbose {
+        console.remark(&simulation.flight().to_string());
+    }
     // Keeping account costs more than the flights.
     let form = if console.verbose { scene.energy_form()? } else { None };
     let before = form.as_ref().map_or(0.0, |form| form.energy(&modes));

@@ -201,6 +201,21 @@ fn a_run_accounts_for_its_energy() {
     assert_eq!(checked, 3);
 }
 
+/// With --verbose it says how it flies: a ring by local series, two masses with a stiff spring and one contact by modes.
+#[test]
+fn a_run_says_how_it_flies() {
+    let flags = "--family double-sided --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --restitution .9 --damping .02";
+    let stiff = TWO.replace("word = \"0+\"\n", "").replace("[[1, -0.3]", "[[1e12, -0.3]");
+    assert!(stiff.contains("1e12"), "{stiff}");
+    let dir = TestDir::with_scene(&stiff);
+    for (which, flight) in [(flags, "flight by local series: "), ("--scene scene.toml", "flight by modes: ")] {
+        let told = dir.run(&format!("simulate {which} --periods 3 -v")).with(0, &[flight, "multiplications"]).err;
+        let numbers: Vec<f64> = told.split([' ', '\n']).filter_map(|word| word.parse().ok()).collect();
+        assert!(numbers[0] < numbers[1], "{told}");
+        assert!(!dir.run(&format!("simulate {which} --periods 3")).with(0, &[]).err.contains("flight by"));
+    }
+}
+
 /// The answer of a run is the state of another one, which goes on where the first has ended.
 #[test]
 fn a_run_goes_on_from_its_own_answer() {

@@ -3,6 +3,7 @@
 //! d_{k+2} = −M⁻¹(K d_k + C d_{k+1}) + F_k ([`crate::series`]), in a unit of time that is a power of two. Places are measured from where the
 //! static load holds the modes; what is left of that load, of those that it holds nowhere, pulls on.
 
+use std::fmt;
 use std::sync::Arc;
 
 use super::loads::{Answer, Loads};
@@ -88,15 +89,9 @@ pub(crate) struct LocalSeries {
 }
 
 impl Local {
-    /// `None` where modes are faster: of stiff and of dense structures, of modes alone; and of modes that feed themselves, which are asked for
-    /// one by one how far they have come.
+    /// `None` where there is nothing but modes.
     pub(crate) fn new(structure: &ModalStructure, (omega, fastest): (f64, f64), loads: &Loads) -> Option<Self> {
         let operator = structure.operator()?;
-        let feeds = |mode: &LinearMode| mode.rates().iter().any(|rate| rate.re > 0.0);
-        let [local, modal] = operations(structure, operator, (omega, fastest));
-        if local > modal || structure.modes().iter().any(feeds) {
-            return None;
-        }
         // The power of two below: the exponent alone.
         let scale = f64::from_bits(fastest.to_bits() & 0x7ff0_0000_0000_0000);
         let square = scale * scale;
@@ -257,19 +252,50 @@ impl Local {
     }
 }
 
-/// Multiplications in a unit of time of flight by local series, and by modes: the one place where it is decided which of them flies.
-///
-/// Local series take all orders of all coordinates in a window of about two units of the fastest rate. By modes each contact is a sum of
-/// exponentials, looked at once in about the unit of the loads' rate.
-pub(crate) fn operations(
-    structure: &ModalStructure,
-    operator: &SparseOperator,
-    (omega, fastest): (f64, f64),
-) -> [f64; 2] {
-    let contacts: usize = operator.contacts.iter().map(|contact| contact.len() + CONTACT).sum();
-    let local = (operator.operations() + contacts) as f64 * MAX_ORDER as f64 * 0.5 * fastest;
-    let modal = (structure.contacts().len() * structure.modes().len()) as f64 * TERM * omega;
-    [local, modal]
+/// How a structure flies between impacts, and by what that is decided.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlightChoice {
+    /// Multiplications in a unit of time by local series of the coordinates; `None`: the structure is its modes alone, or one of them grows by
+    /// itself.
+    pub local: Option<f64>,
+    /// By modes.
+    pub modal: f64,
+}
+
+impl FlightChoice {
+    /// Local series take all orders of all coordinates in a window of about two units of the fastest rate. By modes each contact is a sum of
+    /// exponentials, looked at once in about the unit of the loads' rate.
+    pub(crate) fn new(structure: &ModalStructure, (omega, fastest): (f64, f64)) -> Self {
+        let of_operator = |operator: &Arc<SparseOperator>| {
+            let contacts: usize = operator.contacts.iter().map(|contact| contact.len() + CONTACT).sum();
+            (operator.operations() + contacts) as f64 * MAX_ORDER as f64 * 0.5 * fastest
+        };
+        // Modes that grow are asked for one by one how far they have come.
+        let grows = |mode: &LinearMode| mode.rates().iter().any(|rate| rate.re > 0.0);
+        let local = structure.operator().filter(|_| !structure.modes().iter().any(grows)).map(of_operator);
+        let modal = (structure.contacts().len() * structure.modes().len()) as f64 * TERM * omega;
+        Self { local, modal }
+    }
+
+    /// Whether it flies by local series: they take no more multiplications.
+    pub fn is_local(&self) -> bool {
+        self.local.is_some_and(|local| local <= self.modal)
+    }
+}
+
+impl fmt::Display for FlightChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let modal = self.modal;
+        match self.local {
+            Some(local) if self.is_local() => {
+                write!(f, "flight by local series: {local:.1e} multiplications in a unit of time, by modes {modal:.1e}")
+            }
+            Some(local) => {
+                write!(f, "flight by modes: {modal:.1e} multiplications in a unit of time, by local series {local:.1e}")
+            }
+            None => write!(f, "flight by modes: {modal:.1e} multiplications in a unit of time"),
+        }
+    }
 }
 
 /// `to` −= bands · `from`

@@ -43,5 +43,6 @@ mod tangent;
 
 pub use balance::EnergyBalance;
 pub use event::{ContactEvent, StructureOutcome, StructureReport, StructureStateError};
+pub use local::FlightChoice;
 pub use simulation::{ContactState, StructureSimulation, StructureState};
 pub use tangent::StructureTangents;

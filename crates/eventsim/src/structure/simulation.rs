@@ -4,6 +4,7 @@ use super::approach::Place;
 use super::balance::{EnergyBalance, Ledger};
 use super::event::{ContactEvent, StructureOutcome, StructureReport, StructureStateError};
 use super::flight::Flight;
+use super::local::FlightChoice;
 use super::modal_flight::ModalFlight;
 use super::motion::Motion;
 use super::series::Series;
@@ -195,6 +196,12 @@ impl StructureSimulation {
     /// The structure.
     pub fn structure(&self) -> &ModalStructure {
         &self.motion.system.structure
+    }
+
+    /// How it flies between impacts.
+    pub fn flight(&self) -> FlightChoice {
+        let System { structure, omega, fastest, .. } = &self.motion.system;
+        FlightChoice::new(structure, (*omega, *fastest))
     }
 
     /// `periods` periods of the loads and the `part` of one more, as a limit.

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use super::loads::{Answer, Loads, add};
-use super::local::Local;
+use super::local::{FlightChoice, Local};
 use crate::time::two_sum;
 use vibrochain_lattice::{Barrier, Complex, Contact, LinearMode, ModalStructure};
 
@@ -95,8 +95,9 @@ impl System {
 
     /// The same by local series, if these are faster.
     pub(crate) fn local_if_faster(mut self) -> Self {
-        self.local = Local::new(&self.structure, (self.omega, self.fastest), &self.loads).map(Arc::new);
-        if self.local.is_some() {
+        let rates = (self.omega, self.fastest);
+        if FlightChoice::new(&self.structure, rates).is_local() {
+            self.local = Local::new(&self.structure, rates, &self.loads).map(Arc::new);
             // Mobility of coordinates is no sum of modes.
             self.lost.fill(0.0);
         }
