@@ -124,6 +124,8 @@ pub enum NoBreather {
     },
     /// No phase of the force meets the conditions at the impacts.
     NoPhase,
+    /// No times of the impacts and no phase of the force meet the conditions with barriers that push.
+    NothingPushes,
     /// The conditions at the impacts are singular: the two impacts do not determine their impulses.
     Singular,
     /// No orbits of the masses alone hit in the order of the word, each from inside.
@@ -160,6 +162,12 @@ impl fmt::Display for NoBreather {
                 write!(f, "the force is too weak: this family needs an amplitude of at least {}", Short(*threshold))
             }
             Self::NoPhase => write!(f, "no phase of the force meets the conditions at the impacts"),
+            Self::NothingPushes => {
+                write!(
+                    f,
+                    "no times and no phase of the force meet the conditions at the impacts so that every barrier pushes"
+                )
+            }
             Self::Singular => write!(f, "the conditions at the impacts are singular here"),
             Self::NoStart => {
                 write!(

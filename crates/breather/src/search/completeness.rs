@@ -89,10 +89,10 @@ pub enum Completeness {
         /// Intervals of φ where they could.
         left_out: usize,
     },
-    /// A word followed from masses without coupling, or with hardly any, whose orbits are all known: orbits that are not connected to
-    /// those are missing.
+    /// A word of which starts have led to these: Newton's method at the point, and branches from masses without coupling, or with hardly any,
+    /// whose orbits are all known. Others may exist.
     Followed {
-        /// Combinations of orbits of the masses alone that were followed.
+        /// Starts at the point, and combinations of orbits of the masses alone that were followed.
         starts: usize,
         /// Combinations, of phases as well, that were not tried, because there are too many or they take too much work, and branches
         /// that were not followed to an event that ends them.
@@ -138,6 +138,7 @@ impl NoBreather {
             | Self::NetImpulse
             | Self::ForceTooWeak { .. }
             | Self::NoPhase
+            | Self::NothingPushes
             | Self::RepeatsSooner => true,
             Self::Singular | Self::NoStart | Self::BranchesEnded | Self::NotSearched(_) => false,
         }
@@ -232,8 +233,8 @@ impl fmt::Display for Completeness {
         match (self, self.proof()) {
             (_, Some(proof)) => write!(f, "complete, by {proof}"),
             (Self::Followed { starts, .. }, _) => {
-                let (branches, lead) = if *starts == 1 { ("branch", "leads") } else { ("branches", "lead") };
-                write!(f, "what {starts} {branches} from masses without coupling {lead} to: others may exist")
+                let (what, lead) = if *starts == 1 { ("start", "leads") } else { ("starts", "lead") };
+                write!(f, "what {starts} {what} {lead} to, here and from masses without coupling: others may exist")
             }
             (Self::Asked { .. }, _) => write!(f, "complete but for orbits that were not asked for"),
             _ => write!(f, "not shown to be complete"),

@@ -1,10 +1,10 @@
-//! A chain with dashpots as a structure: its modes in closed form, without matrices.
+//! A chain, or rows of one side by side, with dashpots or without, as a structure: its modes in closed form, without matrices.
 //!
-//! Stiffness and dashpots are both γ + γ′L of one L, that of springs between neighbours. Its shapes are those of the chain without dashpots, and of
-//! an eigenvalue κ of L
+//! Stiffness and dashpots are made of the same L along the rows and L′ across them, those of springs between neighbours. Shapes are those of the
+//! chain without dashpots, and of eigenvalues κ of L and κ′ of L′
 //!
 //! ```text
-//! Ω² = γ₁ + γ₂κ,   2δ = c + c₂κ .
+//! Ω² = γ₁ + γ₂κ + γ₃κ′,   2δ = c + c₂κ .
 //! ```
 
 use rustfft::num_complex::Complex;
@@ -18,8 +18,8 @@ use super::operator::SparseOperator;
 use super::oscillator::{Bounded, SeenShape, without_rounding};
 use crate::error::MAX_MAGNITUDE;
 use crate::model::chain::MAX_SITES;
-use crate::modes::row::RowEnds;
-use crate::modes::row_modes::{FAINT, RowMode, RowModes};
+use crate::modes::row::{Ends, RowEnds};
+use crate::modes::row_modes::{FAINT, LayerModes, LayeredMode};
 use crate::simd::twofold::{FINE, Twofold};
 
 type C = Complex<f64>;
@@ -47,14 +47,20 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct DampedChain {
-    /// Number of masses.
+    /// Number of masses of a row.
     pub sites: usize,
     /// What stands at its ends.
     pub ends: RowEnds,
+    /// Number of rows; mass n of row l is mass n + l·`sites`.
+    pub layers: usize,
+    /// What stands beside the first and the last row.
+    pub layer_ends: Ends,
     /// γ₁
     pub gamma1: f64,
     /// γ₂
     pub gamma2: f64,
+    /// γ₃, of springs from row to row.
+    pub gamma3: f64,
     /// c of each mass.
     pub damping: f64,
     /// c₂ of each spring between neighbours.
@@ -67,11 +73,13 @@ pub struct DampedChain {
     pub loads: Vec<(u32, Vec<C>)>,
     /// Only so many of its modes count, the slowest; `None`: all do.
     pub modes: Option<usize>,
+    /// Whether the motion of every mass is asked for, and not that of contacts alone.
+    pub all_masses: bool,
 }
 
 /// A mode with its κ and Ω².
 struct Frequency {
-    mode: RowMode,
+    mode: LayeredMode,
     coupling: Twofold,
     square: Bounded,
 }
@@ -82,14 +90,18 @@ impl DampedChain {
         Self {
             sites,
             ends,
+            layers: 1,
+            layer_ends: Ends::Free,
             gamma1: 0.0,
             gamma2: 0.0,
+            gamma3: 0.0,
             damping: 0.0,
             coupling_damping: 0.0,
             contacts: Vec::new(),
             static_load: Vec::new(),
             loads: Vec::new(),
             modes: None,
+            all_masses: true,
         }
     }
 
@@ -101,12 +113,12 @@ impl DampedChain {
     /// none of the modes which are kept moves, [`StructureError::Unmoved`].
     pub fn modal(&self) -> Result<ModalStructure, StructureError> {
         self.check()?;
-        let row = RowModes::new(self.sites, self.ends);
+        let row = LayerModes::new((self.sites, self.ends), (self.layers, self.layer_ends));
         let reach = |weights: &[(usize, f64)]| weights.iter().map(|(_, weight)| weight * weight).sum::<f64>().sqrt();
         let reaches: Vec<f64> = self.contacts.iter().map(|(weights, _)| reach(weights)).collect();
         let of_mode = |(k, frequency): (usize, &Frequency)| {
             let Frequency { mode, coupling, square } = *frequency;
-            let shape = self.seen(&self.shape(&row, mode));
+            let shape = self.seen(&row, mode);
             let (own, between) = (Twofold::from(self.damping), Twofold::from(self.coupling_damping) * coupling);
             let half = Twofold::from(0.5);
             let error = 0.5 * FAINT * (own.high.abs() + between.high.abs());
@@ -119,12 +131,13 @@ impl DampedChain {
         Ok(ModalStructure::keeping(self.modes, contacts, harmonics, modes)?.with_operator(self.operator()))
     }
 
+    /// Of one row all of whose masses and modes are asked for.
     fn operator(&self) -> Option<SparseOperator> {
+        let whole = self.all_masses && self.layers == 1 && self.modes.unwrap_or(self.sites) >= self.sites;
         let contacts = self.contacts.iter().map(|(weights, _)| weights.clone()).collect();
         let loads = self.loads.iter().map(|load| load.1.clone()).collect();
         let by = ([self.gamma1, self.gamma2], [self.damping, self.coupling_damping]);
-        (self.modes.unwrap_or(self.sites) >= self.sites)
-            .then(|| SparseOperator::row((self.sites, self.ends), by, contacts, loads))
+        whole.then(|| SparseOperator::row((self.sites, self.ends), by, contacts, loads))
     }
 
     /// The mass that an impact of each contact feels if all modes are kept.
@@ -143,28 +156,29 @@ impl DampedChain {
         place: &[f64],
         velocity: &[f64],
     ) -> Result<Vec<[f64; 2]>, StructureError> {
-        StructureError::sized("the place", place.len(), self.sites)?;
-        StructureError::sized("the velocity", velocity.len(), self.sites)?;
-        let row = RowModes::new(self.sites, self.ends);
+        StructureError::sized("the place", place.len(), self.masses())?;
+        StructureError::sized("the velocity", velocity.len(), self.masses())?;
+        let row = LayerModes::new((self.sites, self.ends), (self.layers, self.layer_ends));
         let of_mode = |(frequency, mode): (Frequency, &LinearMode)| {
-            let shape = self.shape(&row, frequency.mode);
-            let dot = |list: &[f64]| shape.iter().zip(list).map(|(shape, x)| shape.value() * x).sum::<f64>();
+            let shape: Vec<f64> = (0..self.masses()).map(row.shape(frequency.mode)).map(Twofold::value).collect();
+            let dot = |list: &[f64]| shape.iter().zip(list).map(|(shape, x)| shape * x).sum::<f64>();
             mode.amplitudes(dot(place), dot(velocity))
         };
         Ok(self.slowest(&row)?.into_iter().zip(modal.modes()).map(of_mode).collect())
     }
 
     /// The modes that are kept, by rising frequency.
-    fn slowest(&self, row: &RowModes) -> Result<Vec<Frequency>, StructureError> {
-        let frequency = |mode: RowMode| {
-            let coupling = row.stiffness(mode);
-            let (own, between) = (Twofold::from(self.gamma1), Twofold::from(self.gamma2) * coupling);
-            let size = own.high.abs() + between.high.abs();
-            let sum = own + between;
+    fn slowest(&self, row: &LayerModes) -> Result<Vec<Frequency>, StructureError> {
+        let frequency = |mode: LayeredMode| {
+            let [coupling, across] = row.stiffnesses(mode);
+            let own = Twofold::from(self.gamma1);
+            let (between, beside) = (Twofold::from(self.gamma2) * coupling, Twofold::from(self.gamma3) * across);
+            let size = own.high.abs() + between.high.abs() + beside.high.abs();
+            let sum = own + between + beside;
             let square = if sum.high.abs() <= ROUNDING * size {
                 Bounded::default()
             } else {
-                Bounded { sum, error: if between.high == 0.0 { 0.0 } else { FAINT * size } }
+                Bounded { sum, error: if between.high == 0.0 && beside.high == 0.0 { 0.0 } else { FAINT * size } }
             };
             Frequency { mode, coupling, square }
         };
@@ -175,37 +189,47 @@ impl DampedChain {
         if let Some(lowest) = all.first().filter(|lowest| lowest.square.sum.high < 0.0) {
             return Err(StructureError::Unstable { square: lowest.square.sum.value() });
         }
-        all.truncate(self.modes.unwrap_or(self.sites));
+        all.truncate(self.modes.unwrap_or(all.len()));
         Ok(all)
     }
 
-    /// The shape of a mode at all masses.
-    fn shape(&self, row: &RowModes, mode: RowMode) -> Vec<Twofold> {
-        let scale = row.scale(mode);
-        (0..self.sites).map(|n| scale * row.wave(mode, n)).collect()
+    /// Number of masses of all rows.
+    fn masses(&self) -> usize {
+        self.sites * self.layers
     }
 
-    /// What contacts, loads and masses see of a shape.
-    fn seen(&self, shape: &[Twofold]) -> SeenShape {
+    /// What contacts, loads and, if they are asked for, masses see of a mode.
+    fn seen(&self, row: &LayerModes, mode: LayeredMode) -> SeenShape {
+        let shape = row.shape(mode);
+        let all: Vec<Twofold> = if self.all_masses { (0..self.masses()).map(&shape).collect() } else { Vec::new() };
+        let at = |n: usize| all.get(n).copied().unwrap_or_else(|| shape(n));
         let seen = |places: &mut dyn Iterator<Item = (usize, f64)>| {
-            let places: SmallVec<[(usize, f64); 4]> = places.filter(|(_, weight)| *weight != 0.0).collect();
+            let places: SmallVec<[(f64, Twofold); 4]> =
+                places.filter(|(_, weight)| *weight != 0.0).map(|(n, weight)| (weight, at(n))).collect();
             let (count, size) =
-                (places.len() as f64, places.iter().map(|&(n, w)| (w * shape[n].high).abs()).sum::<f64>());
-            let high = Twofold::dot(places.iter().map(|&(n, w)| (w, shape[n].high)));
-            let low = places.iter().map(|&(n, w)| w * shape[n].low).sum::<f64>();
+                (places.len() as f64, places.iter().map(|(weight, shape)| (weight * shape.high).abs()).sum::<f64>());
+            let high = Twofold::dot(places.iter().map(|(weight, shape)| (*weight, shape.high)));
+            let low = places.iter().map(|(weight, shape)| weight * shape.low).sum::<f64>();
             (Bounded { sum: high + Twofold::from(low), error: (FAINT + count * (count + 1.0) * FINE) * size }, size)
         };
-        let loaded = |load: &mut dyn Iterator<Item = f64>| {
+        let balanced = row.is_balanced(mode);
+        let loaded = |load: &mut (dyn Iterator<Item = f64> + '_), is_uniform: bool| {
+            if balanced && is_uniform {
+                return Bounded::default();
+            }
             let (seen, size) = seen(&mut load.enumerate());
             seen.unless_rounding(size)
         };
+        let of_load = |(_, load): &(u32, Vec<C>)| {
+            let is_uniform = load.windows(2).all(|pair| pair[0] == pair[1]);
+            [loaded(&mut load.iter().map(|f| f.re), is_uniform), loaded(&mut load.iter().map(|f| f.im), is_uniform)]
+        };
+        let still_is_uniform = self.static_load.windows(2).all(|pair| pair[0] == pair[1]);
         SeenShape {
             contacts: self.contacts.iter().map(|(weights, _)| seen(&mut weights.iter().copied()).0).collect(),
-            coordinates: shape.iter().map(|shape| shape.value()).collect(),
-            still: loaded(&mut self.static_load.iter().copied()),
-            loads: (self.loads.iter())
-                .map(|(_, load)| [loaded(&mut load.iter().map(|f| f.re)), loaded(&mut load.iter().map(|f| f.im))])
-                .collect(),
+            coordinates: all.iter().map(|shape| shape.value()).collect(),
+            still: loaded(&mut self.static_load.iter().copied(), still_is_uniform),
+            loads: self.loads.iter().map(of_load).collect(),
         }
     }
 
@@ -215,12 +239,16 @@ impl DampedChain {
         if !(1..=MAX_SITES).contains(&self.sites) {
             return Err(range("sites", self.sites as f64, "a whole number from 1 to 10000000"));
         }
+        if self.layers == 0 || self.sites.checked_mul(self.layers).is_none_or(|masses| masses > MAX_SITES) {
+            return Err(range("layers", self.layers as f64, "at least 1, and at most 10000000 masses in all"));
+        }
         if self.modes == Some(0) {
             return Err(range("modes", 0.0, "a number from 1"));
         }
         let numbers = [
             ("gamma1", self.gamma1),
             ("gamma2", self.gamma2),
+            ("gamma3", self.gamma3),
             ("damping", self.damping),
             ("coupling_damping", self.coupling_damping),
         ];
@@ -230,9 +258,9 @@ impl DampedChain {
             return Err(range(what, value, "a number between -1e100 and 1e100"));
         }
         let loads = self.loads.iter().map(|(number, load)| (*number, load.as_slice()));
-        check_loads(self.sites, &self.static_load, loads)?;
+        check_loads(self.masses(), &self.static_load, loads)?;
         for (number, (weights, _)) in self.contacts.iter().enumerate() {
-            if let Some((place, _)) = weights.iter().find(|(place, _)| *place >= self.sites) {
+            if let Some((place, _)) = weights.iter().find(|(place, _)| *place >= self.masses()) {
                 return Err(range(&format!("a mass of contact {number}"), *place as f64, "one that the chain has"));
             }
             if weights.iter().all(|(_, weight)| *weight == 0.0) {
@@ -244,207 +272,4 @@ impl DampedChain {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::kernel::turn::Turn;
-    use crate::modes::row::Ends;
-
-    const STOP: Contact = Contact { lower: None, upper: Some(1.0), restitution: 0.9 };
-
-    fn at(n: usize) -> (Vec<(usize, f64)>, Contact) {
-        (vec![(n, 1.0)], STOP)
-    }
-
-    /// Rates, decays and shapes at mass 1 of five masses by mpmath in 50 digits (`eigsy` of the matrices).
-    #[test]
-    fn modes_are_right_to_the_last_digit() {
-        let right = [
-            (
-                RowEnds::Alike(Ends::Free),
-                0.3,
-                [
-                    (0.44718564377672054, 0.005, 0.4472135954999579),
-                    (0.484061924084877, 0.06229490168751577, 0.3717480344601845),
-                    (0.5414124821635521, 0.21229490168751577, 0.1954395075848548),
-                    (0.5510299934225421, 0.39770509831248424, 0.6015009550075456),
-                    (0.5116859624393673, 0.5477050983124843, 0.5116672736016927),
-                ],
-            ),
-            (
-                RowEnds::Alike(Ends::Free),
-                1.1,
-                [
-                    (0.44718564377672054, 0.005, 0.4472135954999579),
-                    (0.43810573250491086, 0.21508130618755786, 0.3717480344601845),
-                    (0.49714465093436255, 0.7650813061875579, 0.1954395075848548),
-                    (1.2751418089191746, 1.4449186938124423, 0.6015009550075456),
-                    (1.8487555803965412, 1.9949186938124424, 0.5116672736016927),
-                ],
-            ),
-            (
-                RowEnds::Alike(Ends::Fixed),
-                0.3,
-                [
-                    (0.47408076119545767, 0.045192378864668405, 0.5),
-                    (0.5253332275803616, 0.155, 0.5),
-                    (0.5540532465386337, 0.305, 0.0),
-                    (0.5412716508371744, 0.45499999999999996, 0.5),
-                    (0.5041799598004025, 0.5648076211353316, 0.5),
-                ],
-            ),
-            (
-                RowEnds::Alike(Ends::Fixed),
-                1.1,
-                [
-                    (0.4511958287075387, 0.1523720558371175, 0.5),
-                    (0.08958236433584477, 0.555, 0.5),
-                    (0.9061042986323374, 1.105, 0.0),
-                    (1.4963371946189135, 1.655, 0.5),
-                    (1.9132766856477093, 2.0576279441628826, 0.5),
-                ],
-            ),
-            (
-                RowEnds::FixedFree,
-                0.3,
-                [
-                    (0.45585876153820976, 0.017152107915650784, 0.32601867960931696),
-                    (0.5071947705223586, 0.10854177981641448, 0.5968847876668415),
-                    (0.5502116243428582, 0.26230554851801446, 0.16989112404918136),
-                    (0.5463568323436341, 0.4296245039005659, 0.4557341406552499),
-                    (0.5075259938890275, 0.5573760598493543, 0.5485287319805897),
-                ],
-            ),
-            (
-                RowEnds::FixedFree,
-                1.1,
-                [
-                    (0.4534814624337792, 0.04955772902405287, 0.32601867960931696),
-                    (0.3479508220816104, 0.38465319266018644, 0.5968847876668415),
-                    (0.7266549021203463, 0.9484536778993864, 0.16989112404918136),
-                    (1.3987941771291128, 1.5619565143020753, 0.4557341406552499),
-                    (1.8852553446715135, 2.0303788861142995, 0.5485287319805897),
-                ],
-            ),
-            (
-                RowEnds::Alike(Ends::Closed),
-                0.3,
-                [
-                    (0.44718564377672054, 0.005, 0.4472135954999579),
-                    (0.5414124821635521, 0.21229490168751577, 0.1954395075848548),
-                    (0.5414124821635521, 0.21229490168751577, 0.6015009550075456),
-                    (0.5116859624393673, 0.5477050983124843, 0.5116672736016927),
-                    (0.5116859624393673, 0.5477050983124843, 0.3717480344601845),
-                ],
-            ),
-            (
-                RowEnds::Alike(Ends::Closed),
-                1.1,
-                [
-                    (0.44718564377672054, 0.005, 0.4472135954999579),
-                    (0.49714465093436255, 0.7650813061875579, 0.1954395075848548),
-                    (0.49714465093436255, 0.7650813061875579, 0.6015009550075456),
-                    (1.8487555803965412, 1.9949186938124424, 0.5116672736016927),
-                    (1.8487555803965412, 1.9949186938124424, 0.3717480344601845),
-                ],
-            ),
-        ];
-        let mut checked = 0;
-        for (ends, coupling_damping, modes) in right {
-            let numbers =
-                DampedChain { gamma1: 0.2, gamma2: 0.1, damping: 0.01, coupling_damping, ..DampedChain::new(5, ends) };
-            let modal = DampedChain { contacts: vec![at(1)], ..numbers }.modal().unwrap();
-            for (k, (mode, (rate, decay, shape))) in modal.modes().iter().zip(modes).enumerate() {
-                let hold = |what: &str, value: f64, told: f64, right: f64| {
-                    let off = (value - right).abs();
-                    let most = 4.0 * f64::EPSILON * right.abs();
-                    assert!(
-                        off <= told + 0.5 * f64::EPSILON * right.abs() && told <= most,
-                        "{ends:?} {k} {what}: {off:e} {told:e}"
-                    );
-                };
-                let (poles, size) = (mode.errors.poles, rate + decay);
-                assert!(
-                    (mode.rate - rate).abs() + (mode.decay - decay).abs() <= poles
-                        && poles <= 2.0 * f64::EPSILON * size,
-                    "{ends:?} {k}"
-                );
-                hold("shape", mode.rows[0][0].abs(), mode.errors.rows[0], shape);
-                hold("impulse", mode.columns[0][1].abs(), mode.errors.columns[0], shape / rate);
-                checked += 1;
-            }
-        }
-        assert_eq!(checked, 40);
-    }
-
-    /// Two masses between free ends: κ is 0 and 2. Dashpots that make the second mode critical do so to the last bit, and one beside it is not.
-    #[test]
-    fn critical_modes_are_critical() {
-        let two = DampedChain {
-            gamma1: 0.25,
-            gamma2: 1.0,
-            contacts: vec![at(0)],
-            ..DampedChain::new(2, RowEnds::Alike(Ends::Free))
-        };
-        let turn = |damping: f64, mode: usize| {
-            let modal = DampedChain { damping, ..two.clone() }.modal().unwrap();
-            let mode = &modal.modes()[mode];
-            assert!(mode.errors.poles <= 4.0 * f64::EPSILON, "{:e}", mode.errors.poles);
-            (mode.turn, mode.decay)
-        };
-        assert_eq!(turn(1.0, 0), (Turn::Parabolic, 0.5));
-        assert_eq!(turn(3.0, 1), (Turn::Parabolic, 1.5));
-        assert_eq!(turn(3.0 * (1.0 + f64::EPSILON), 1).0, Turn::Hyperbolic);
-        assert_eq!(turn(3.0 * (1.0 - f64::EPSILON), 1).0, Turn::Circular);
-        assert_eq!(turn(-3.0, 1), (Turn::Parabolic, -1.5));
-    }
-
-    /// What no spring holds is rigid, with a dashpot or without; what falls over is refused, and so are numbers and sizes that do not fit.
-    #[test]
-    fn chains_without_an_answer_are_refused() {
-        let free =
-            DampedChain { gamma2: 0.3, contacts: vec![at(2)], ..DampedChain::new(6, RowEnds::Alike(Ends::Free)) };
-        for damping in [0.0, 0.1, -0.1] {
-            let modal = DampedChain { damping, ..free.clone() }.modal().unwrap();
-            let rigid: Vec<bool> = modal.modes().iter().map(LinearMode::is_rigid).collect();
-            assert_eq!(rigid, [true, false, false, false, false, false]);
-        }
-        // −γ₂κ₀ of three walled masses, rounded: rigid; a little less falls.
-        let lowest = 2.0 - 2f64.sqrt();
-        let walled = DampedChain {
-            gamma1: -lowest,
-            gamma2: 1.0,
-            contacts: vec![at(0)],
-            ..DampedChain::new(3, RowEnds::Alike(Ends::Fixed))
-        };
-        assert!(walled.modal().unwrap().modes()[0].is_rigid());
-        let error = |chain: DampedChain| chain.modal().unwrap_err();
-        let falls = error(DampedChain { gamma1: -lowest - 1e-12, ..walled.clone() });
-        assert!(matches!(falls, StructureError::Unstable { square } if (square + 1e-12).abs() < 1e-15), "{falls}");
-        let stiff = error(DampedChain { gamma1: 1.0, damping: 2e6, ..walled.clone() });
-        assert!(matches!(stiff, StructureError::Overdamped { mode: 0, .. }), "{stiff}");
-        let told = |chain: DampedChain, told: &str| {
-            let error = error(chain).to_string();
-            assert!(error.contains(told), "{error}");
-        };
-        let load = |number: u32, size: usize| vec![(number, vec![C::new(1.0, 0.0); size])];
-        told(DampedChain { sites: 0, ..free.clone() }, "sites = 0 is out of range");
-        told(DampedChain { modes: Some(0), ..free.clone() }, "modes = 0 is out of range");
-        told(DampedChain { gamma2: f64::NAN, ..free.clone() }, "gamma2 = NaN is out of range");
-        told(DampedChain { damping: 2e100, ..free.clone() }, "damping = 2e100 is out of range");
-        told(
-            DampedChain { static_load: vec![1.0], ..free.clone() },
-            "the static load has 1 entries where the structure needs 6",
-        );
-        told(DampedChain { loads: load(1, 5), ..free.clone() }, "the load has 5 entries");
-        told(DampedChain { loads: load(0, 6), ..free.clone() }, "harmonic of the load = 0");
-        told(DampedChain { contacts: vec![at(6)], ..free.clone() }, "a mass of contact 0 = 6 is out of range");
-        told(DampedChain { contacts: vec![at(1), (vec![(2, 0.0)], STOP)], ..free.clone() }, "contact 1 has no weight");
-        told(DampedChain { contacts: Vec::new(), ..free.clone() }, "no contact");
-        // The middle one of three stands still in the second mode, and two move alike in the first one.
-        let pair = DampedChain { contacts: vec![(vec![(0, 1.0), (5, -1.0)], STOP)], modes: Some(1), ..free.clone() };
-        told(pair.clone(), "contact 0 does not move in the first 1 modes");
-        assert_eq!(DampedChain { modes: Some(2), ..pair }.modal().unwrap().modes().len(), 2);
-        let moved = free.project(&free.modal().unwrap(), &[0.0; 6], &[0.0; 5]).unwrap_err();
-        assert!(moved.to_string().contains("the velocity has 5 entries"), "{moved}");
-    }
-}
+mod tests;

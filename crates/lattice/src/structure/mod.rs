@@ -5,7 +5,8 @@
 //! | `contact` | [`Contact`]: where it is stopped, and what an impact leaves of its velocity |
 //! | `linear_mode` | [`LinearMode`]: two coordinates that move together, what contacts see of them, what impulses and loads give to them |
 //! | `modal` | [`ModalStructure`]: modes and contacts, from which kernels and steady motions are made |
-//! | `damped_chain` | [`DampedChain`]: a chain with its dashpots, whose modes are known in closed form |
+//! | `damped_chain` | [`DampedChain`]: a chain with its dashpots, or rows of one side by side, whose modes are known in closed form |
+//! | `of_model` | the lattice of a model, with contacts where they are asked for |
 //! | `matrices` | [`Structure`]: mass, damping and stiffness with contacts and loads (feature `matrices`) |
 //! | `eigenmodes` | its modes, by `assembly` from a `basis` |
 //! | `state_matrix` | poles and shapes of modes that dashpots couple |
@@ -32,6 +33,7 @@ pub(crate) mod linear_mode;
 #[cfg(feature = "matrices")]
 pub(crate) mod matrices;
 pub(crate) mod modal;
+mod of_model;
 pub(crate) mod operator;
 mod oscillator;
 #[cfg(feature = "matrices")]

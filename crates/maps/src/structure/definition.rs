@@ -219,8 +219,6 @@ impl Definition {
         let ends = RowEnds::from_name(&table.ends)
             .ok_or_else(|| format!("ends = \"{}\" is unknown: give closed, free, fixed or fixed-free", table.ends))?;
         let chain = DampedChain {
-            sites,
-            ends,
             gamma1,
             gamma2,
             damping,
@@ -228,7 +226,7 @@ impl Definition {
             contacts,
             static_load,
             loads,
-            modes: None,
+            ..DampedChain::new(sites, ends)
         };
         let chain = Self::Chain(Box::new(chain)).keeping(modes)?;
         check_chain(sites, modes.unwrap_or(sites), count)?;

@@ -1,5 +1,6 @@
-//! Orbits of any impact word: from masses without coupling, followed to the coupling of the model.
+//! Orbits of any impact word: among those of the lattice as a structure, and from masses without coupling, followed to the coupling of the model.
 
+pub(crate) mod at_contacts;
 pub(crate) mod coupling_continuation;
 pub(crate) mod ended;
 pub(crate) mod isolated_mass;

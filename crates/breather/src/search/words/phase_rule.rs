@@ -18,12 +18,11 @@ use vibrochain_lattice::{ImpulseResponse, Model, Stop};
 use crate::equations::linear::{Matrix, Vector, zeros};
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::orbit::Hit;
-use crate::search::completeness::Completeness;
 use crate::search::finder::{Finder, OrbitList};
 use crate::search::words::coupling_continuation::{Effort, follow_from, with_part};
 use crate::search::words::isolated_mass::{self, Alone, Beat};
 use crate::search::words::superpose::{list, orbit_of, superpose};
-use crate::search::words::uncoupled::{MOST_STARTS, outcome, parts};
+use crate::search::words::uncoupled::{MOST_STARTS, parts, unfinished};
 use crate::word::Word;
 use crate::word::enumeration::combinations;
 
@@ -46,32 +45,25 @@ const MOST_TRIED: usize = 4096;
 const STEPS: usize = 12;
 const SAME: f64 = 1e-7;
 
-/// All orbits of `word`, of one row, that can be followed to the model's coupling.
+/// Adds the orbits of `word`, of one row, that can be followed to the model's coupling: how many starts were followed, and how many are left; or
+/// why there is nothing to follow.
 pub(crate) fn find(
     finder: &mut Finder,
     model: &Model,
     word: &Word,
     found: &mut OrbitList,
-) -> Result<(), BreatherError> {
+) -> Result<Result<(usize, usize), NoBreather>, BreatherError> {
     finder.prepare(model, model.omega())?;
+    if model.chain().gamma1() == 0.0 {
+        return Ok(Err(NoBreather::NotSearched(Unsearched::Unheld)));
+    }
     let parts = parts(word);
     let mut solutions = Vec::new();
-    let mut reason = match model.chain() {
-        chain if chain.gamma1() == 0.0 => Some(NoBreather::NotSearched(Unsearched::Unheld)),
-        chain if chain.is_uncoupled() => Some(NoBreather::NotSearched(Unsearched::Uncoupled)),
-        _ => None,
-    };
     for (_, barriers) in &parts {
-        if reason.is_none() {
-            match isolated_mass::without_force(model, barriers, &finder.stop)? {
-                Ok(list) => solutions.push(list),
-                Err(none) => reason = Some(none),
-            }
+        match isolated_mass::without_force(model, barriers, &finder.stop)? {
+            Ok(list) => solutions.push(list),
+            Err(none) => return Ok(Err(none)),
         }
-    }
-    if let Some(reason) = reason {
-        found.completeness = Completeness::not_reached(reason);
-        return Ok(());
     }
     let all = solutions.iter().fold(1_usize, |product, list| product.saturating_mul(list.len()));
     let (mut starts, mut left, mut felt) = (0, all, false);
@@ -109,12 +101,7 @@ pub(crate) fn find(
             list(ended, found);
         }
     }
-    found.completeness = if felt {
-        outcome(found, starts, left)
-    } else {
-        Completeness::not_reached(NoBreather::NotSearched(Unsearched::FreePhases))
-    };
-    Ok(())
+    Ok(if felt { Ok((starts, unfinished(found, left))) } else { Err(NoBreather::NotSearched(Unsearched::FreePhases)) })
 }
 
 /// Phases of the masses, in periods, the first one's 0, that weak coupling leaves at rest.

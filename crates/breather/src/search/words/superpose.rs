@@ -3,7 +3,7 @@
 use vibrochain_lattice::Model;
 
 use crate::error::BreatherError;
-use crate::orbit::{Hit, Impact, Orbit, SIMULTANEOUS};
+use crate::orbit::{Hit, Impact, Orbit, SIMULTANEOUS, time_between};
 use crate::search::finder::OrbitList;
 use crate::search::words::ended::Ended;
 use crate::search::words::isolated_mass::Beat;
@@ -80,14 +80,18 @@ pub(crate) fn list(there: Result<Orbit, Ended>, found: &mut OrbitList) {
     }
 }
 
+/// Whether two orbits of one word differ by hardly more than rounding, whichever of its impacts each begins with.
 fn is_same(one: &Orbit, other: &Orbit) -> bool {
     let (period, clock) = (one.period(), one.model().period());
     let close = |x: f64, y: f64| (x - y).abs() <= SAME;
-    let apart = |x: f64, y: f64, period: f64| (x - y).abs().min(period - (x - y).abs());
-    apart(one.psi_or_zero(), other.psi_or_zero(), clock) <= SAME * clock
-        && one.impacts().iter().zip(other.impacts()).all(|(one, other)| {
-            one.site == other.site
-                && close(one.impulse, other.impulse)
-                && apart(one.time, other.time, period) <= SAME * period
-        })
+    let (impacts, n) = (other.impacts(), other.impacts().len());
+    (0..n).any(|turn| {
+        let start = impacts[turn].time;
+        time_between(one.psi_or_zero(), other.psi_or_zero() + start, clock) <= SAME * clock
+            && one.impacts().iter().zip(impacts.iter().cycle().skip(turn)).all(|(one, other)| {
+                (one.site, one.barrier) == (other.site, other.barrier)
+                    && close(one.impulse, other.impulse)
+                    && time_between(one.time, other.time - start, period) <= SAME * period
+            })
+    })
 }

@@ -6,7 +6,6 @@
 use vibrochain_lattice::{Barrier, Model};
 
 use crate::error::{BreatherError, NoBreather, Unsearched};
-use crate::search::completeness::Completeness;
 use crate::search::finder::{Finder, OrbitList};
 use crate::search::words::coupling_continuation::{Effort, follow, with_part};
 use crate::search::words::isolated_mass::{self, Alone, Beat};
@@ -30,20 +29,16 @@ fn is_first(chosen: &[&Alone], periods: u32) -> bool {
     (1..periods).all(|by| later(0).lt(later(by)))
 }
 
-/// All orbits of `word`, of one row, in so many periods of the force, that can be followed to the model's coupling.
+/// Adds the orbits of `word`, of one row, in so many periods of the force, that can be followed to the model's coupling: how many starts were
+/// followed, and how many are left; or why there is nothing to follow. `finder` is prepared for these periods.
 pub(crate) fn find(
-    finder: &mut Finder,
+    finder: &Finder,
     model: &Model,
     (word, periods): (&Word, u32),
     found: &mut OrbitList,
-) -> Result<(), BreatherError> {
-    // A point where no motion is defined has no answer, whatever leads there.
-    let _ = model.steady()?;
-    finder.prepare(model, model.omega() / f64::from(periods))?;
+) -> Result<Result<(usize, usize), NoBreather>, BreatherError> {
     if model.chain().gamma1() == 0.0 {
-        let reason = NoBreather::NotSearched(Unsearched::Unheld);
-        found.completeness = Completeness::not_reached(reason);
-        return Ok(());
+        return Ok(Err(NoBreather::NotSearched(Unsearched::Unheld)));
     }
     let parts = parts(word);
     let (mut solutions, mut missing) = (Vec::new(), 0);
@@ -53,10 +48,7 @@ pub(crate) fn find(
                 solutions.push(list);
                 missing += open;
             }
-            Err(reason) => {
-                found.completeness = Completeness::not_reached(reason);
-                return Ok(());
-            }
+            Err(reason) => return Ok(Err(reason)),
         }
     }
     let uncoupled = with_part(model, 0.0)?;
@@ -81,15 +73,13 @@ pub(crate) fn find(
             list(follow(&start, model, &mut effort)?, found);
         }
     }
-    found.completeness = outcome(found, starts, left.saturating_add(missing));
-    Ok(())
+    Ok(Ok((starts, unfinished(found, left.saturating_add(missing)))))
 }
 
-/// What is known of a list that so many starts have led to, while so many others were left.
-pub(crate) fn outcome(found: &OrbitList, starts: usize, left: usize) -> Completeness {
-    // A branch that was lost, or left for want of work, may lead here.
+/// So many starts were left, and with them branches that were lost, or left for want of work: they may lead here.
+pub(crate) fn unfinished(found: &OrbitList, left: usize) -> usize {
     let lost = found.ended.iter().filter(|ended| !ended.by.is_known()).count();
-    Completeness::followed(found.orbits.len(), starts, left.saturating_add(lost))
+    left.saturating_add(lost)
 }
 
 #[cfg(test)]
@@ -97,6 +87,7 @@ mod tests {
     use vibrochain_lattice::{Point, Stop};
 
     use super::*;
+    use crate::search::completeness::Completeness;
     use crate::search::finder::Scope;
     use crate::search::words::ended::End;
 
@@ -113,7 +104,7 @@ mod tests {
         effort.left = 16 * 100;
         list(follow(&start, &model(0.08), &mut effort).unwrap(), &mut found);
         assert!(effort.is_spent() && found.orbits.is_empty() && found.ended[0].by == End::Unfinished, "{found:?}");
-        let open = outcome(&found, 1, 0);
+        let open = Completeness::followed(0, 1, unfinished(&found, 0));
         assert_eq!(open, Completeness::Followed { starts: 1, left: 1 });
         assert!(open.reason().is_none() && !open.is_established() && open.open() == (0, 1));
     }

@@ -3,13 +3,13 @@
 //! A word that is a family's name is searched for as the family, and so are two impacts of one mass under a force on one barrier. One of
 //! one or two instants without force and losses has impacts at 0 and T/2, where K′ vanishes and Newton's law holds by itself: one linear
 //! system (`positions`), as the closed forms of one site are; `two_instants` and `overdetermined` find those with other times.
-//! All others are followed from masses without coupling (`uncoupled`), or with hardly any where no force tells when each hits
-//! (`free_phases`).
+//! All others are sought among the orbits of the lattice as a structure (`at_contacts`). Where that list is not proved, masses without coupling
+//! (`uncoupled`), or with hardly any where no force tells when each hits (`phase_rule`), are followed as well.
 
 use vibrochain_lattice::{Barrier, ImpulseResponse, Model};
 
 use crate::equations::newton::{CONVERGED, STEPS, STEPS_FROM_AFAR, polish};
-use crate::error::{BreatherError, NoBreather};
+use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::orbit::{Draft, Family, Orbit};
 use crate::search::at_point::Sought;
 use crate::search::completeness::{Completeness, Searched};
@@ -19,6 +19,7 @@ use crate::search::families::positions::Positions;
 use crate::search::families::two_instants;
 use crate::search::finder::{Finder, OrbitList, Scope};
 use crate::search::screens::radiation::Radiation;
+use crate::search::words::at_contacts::{self, Outcome};
 use crate::search::words::phase_rule;
 use crate::search::words::uncoupled;
 use crate::word::Word;
@@ -82,9 +83,11 @@ impl Finder {
         if !model.is_conservative() && model.amplitude() == 0.0 {
             found.completeness = Completeness::none(NoBreather::LossWithoutForce);
         } else if !model.is_conservative() {
-            uncoupled::find(self, model, (row, force_periods), found)?;
+            found.completeness = self.of_structure(model, (row, force_periods), wanted, found)?;
+        } else if row.instants().len() > 2 && model.chain().is_uncoupled() {
+            found.completeness = Completeness::not_reached(NoBreather::NotSearched(Unsearched::Uncoupled));
         } else if row.instants().len() > 2 {
-            phase_rule::find(self, model, row, found)?;
+            found.completeness = self.of_structure(model, (row, 1), wanted, found)?;
         } else {
             found.completeness = Completeness::of(&self.unforced(model, (word, row), wanted, found)?);
         }
@@ -124,6 +127,44 @@ impl Finder {
             return Ok(());
         }
         self.find_in(model, word, force_periods.max(1), Scope::All, found)
+    }
+
+    /// The orbits of a word among those of the lattice as a structure. Where that list is not proved, those that branches from masses without
+    /// coupling, or with hardly any, lead to are in it, too.
+    fn of_structure(
+        &mut self,
+        model: &Model,
+        word: (&Word, u32),
+        wanted: Scope,
+        found: &mut OrbitList,
+    ) -> Result<Completeness, BreatherError> {
+        // A point where no motion is defined has no answer, whatever leads there.
+        let _ = model.steady()?;
+        self.prepare(model, model.omega() / f64::from(word.1))?;
+        let at_point = if model.chain().is_kept() {
+            at_contacts::find(self, model, word, wanted, found)?
+        } else {
+            Outcome::Started(0)
+        };
+        if let Outcome::Proved(searched) = &at_point
+            && searched.unresolved + searched.lost == 0
+        {
+            return Ok(Completeness::of(searched));
+        }
+        let followed = match model.is_conservative() {
+            true => phase_rule::find(self, model, word.0, found)?,
+            false => uncoupled::find(self, model, word, found)?,
+        };
+        let listed = found.orbits.len();
+        Ok(match (at_point, followed) {
+            (Outcome::Proved(searched), _) => Completeness::of(&Searched { listed, ..searched }),
+            (_, Err(reason)) if listed == 0 => Completeness::not_reached(reason),
+            (_, Ok((starts, left))) if listed == 0 => Completeness::followed(0, starts, left),
+            (Outcome::Started(here), followed) => {
+                let (starts, left) = followed.unwrap_or_default();
+                Completeness::followed(listed, here + starts, left)
+            }
+        })
     }
 
     /// All orbits of a word of one or two instants without force, and what the search has done: first the one with impacts at 0 and T/2,

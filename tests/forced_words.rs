@@ -1,0 +1,68 @@
+//! Words of two and three impacts under a force: their lists are proved, and their orbits return in a simulated map.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
+
+use vibrochain_breather::{Finder, OrbitList, Scope, Word};
+use vibrochain_lattice::{Chain, Model};
+use vibrochain_testkit::{Random, ReturnMap};
+
+/// A few masses under a force whose swing without impacts is about as wide as the gap.
+fn random_model(random: &mut Random, sites: [usize; 2]) -> Option<Model> {
+    let sites = sites[0] + random.below(sites[1] - sites[0] + 1);
+    let chain = Chain::new(sites, random.between(0.05, 1.0), random.log(0.003, 0.1)).unwrap();
+    let omega = random.between(0.5, 2.5);
+    let swing = (chain.gamma1() - omega * omega).abs();
+    let point = chain.point().omega(omega).asymmetry(random.between(0.3, 0.9));
+    point.amplitude(swing * random.log(0.1, 1.0)).restitution(random.between(0.3, 0.9)).model().ok()
+}
+
+/// Two or three impacts at one mass or several, not all alike where that could repeat sooner.
+fn random_word(random: &mut Random, sites: usize) -> Option<Word> {
+    let impacts = 2 + random.below(2);
+    // On the nearer barrier most of the time.
+    let letters: Vec<(usize, char)> =
+        (0..impacts).map(|i| ((i + random.below(2)) % sites, if random.chance(0.2) { '+' } else { '-' })).collect();
+    let several = letters.iter().any(|(site, _)| *site != letters[0].0);
+    let text: Vec<String> = letters.iter().map(|(site, side)| format!("{site}{side}")).collect();
+    (several || impacts == 3).then(|| text.join(",").parse().unwrap())
+}
+
+fn lists(count: usize, seed: u64) -> (usize, usize, usize, usize) {
+    let (mut random, mut found) = (Random(seed), OrbitList::default());
+    let (mut asked, mut complete, mut orbits, mut physical) = (0, 0, 0, 0);
+    while asked < count {
+        let Some(model) = random_model(&mut random, [2, 5]) else { continue };
+        let Some(word) = random_word(&mut random, model.chain().sites()) else { continue };
+        let mut finder = Finder::new(model.chain().sites());
+        if finder.find_word(&model, &word, Scope::All, &mut found).is_err() {
+            continue;
+        }
+        asked += 1;
+        complete += usize::from(found.completeness.is_established());
+        for orbit in &found.orbits {
+            orbits += 1;
+            assert!(orbit.residual() < 1e-11, "{word} {model}: {:e}", orbit.residual());
+            let map = ReturnMap::new(orbit);
+            let (point, scale) = (map.fixed_point(), 1.0 + orbit.strength());
+            let off = (map.apply(&point) - &point).amax();
+            assert!(off < 1e-9 * scale, "{word} {model}: {off:e}");
+            physical += usize::from(finder.admissibility(orbit).unwrap().is_physical());
+        }
+    }
+    (asked, complete, orbits, physical)
+}
+
+#[test]
+fn lists_are_proved_and_their_orbits_return() {
+    let counts = lists(100, 17);
+    println!("asked, complete, orbits, physical: {counts:?}");
+    let (asked, complete, orbits, physical) = counts;
+    assert!(asked == 100 && complete >= 98 && orbits > 60 && physical > 5, "{counts:?}");
+}
+
+#[test]
+#[ignore = "ten seconds"]
+fn slow_lists_at_a_thousand_points_are_proved() {
+    let counts = lists(1000, 53);
+    println!("asked, complete, orbits, physical: {counts:?}");
+    assert!(counts.1 >= 990 && counts.3 >= 90, "{counts:?}");
+}
