@@ -124,7 +124,7 @@ pub enum NoBreather {
     },
     /// No phase of the force meets the conditions at the impacts.
     NoPhase,
-    /// No times of the impacts and no phase of the force meet the conditions with barriers that push.
+    /// No times of the impacts, and under a force no phase, meet the conditions with barriers that push.
     NothingPushes,
     /// The conditions at the impacts are singular: the two impacts do not determine their impulses.
     Singular,
@@ -165,7 +165,7 @@ impl fmt::Display for NoBreather {
             Self::NothingPushes => {
                 write!(
                     f,
-                    "no times and no phase of the force meet the conditions at the impacts so that every barrier pushes"
+                    "no times of the impacts, under a force with no phase, meet their conditions with barriers that push"
                 )
             }
             Self::Singular => write!(f, "the conditions at the impacts are singular here"),

@@ -307,7 +307,7 @@ fn a_row_of_two_is_a_ring_of_two_with_half_the_coupling() {
     }
 }
 
-/// What no search reaches is not called complete: more instants, masses that feel nothing of each other, a force on several masses.
+/// What no search reaches is not called complete: more instants, masses that feel nothing of each other, a force on several masses at once.
 #[test]
 fn what_is_not_searched_is_not_complete() {
     let ring = |gamma2: f64| Chain::new(6, 0.2, gamma2).unwrap();
@@ -321,7 +321,7 @@ fn what_is_not_searched_is_not_complete() {
         (free(0.0), "0+1-,2+3-"),
         (far, "0+,200-"),
         (forced, "0+1+,0-1-"),
-        (forced, "0-,1-"),
+        (forced, "0-,1-,2-,3-"),
     ] {
         let mut found = OrbitList::default();
         let word: Word = text.parse().unwrap();
@@ -333,6 +333,11 @@ fn what_is_not_searched_is_not_complete() {
     let mut found = OrbitList::default();
     Finder::new(20).find_word(&adrift, &"0+4+9+,0-4-9-".parse().unwrap(), Scope::All, &mut found).unwrap();
     assert!(found.completeness.is_established(), "{:?}", found.completeness);
+    // One after the other, two impacts and three have proved lists.
+    for (model, text) in [(forced, "0-,1-"), (forced, "0-,1-,2-"), (free(0.05), "0+,0-,3+")] {
+        Finder::new(6).find_word(&model, &text.parse().unwrap(), Scope::All, &mut found).unwrap();
+        assert!(found.completeness.is_established(), "{text} {model}: {:?}", found.completeness);
+    }
     // And what needs none is: one instant, modes all slower than the orbit.
     for text in ["0-", "0+1+3-", "0+3-,0-3+", "0+1+2-,0-1-2+"] {
         let mut found = OrbitList::default();

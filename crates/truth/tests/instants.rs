@@ -152,7 +152,9 @@ fn assert_ends_are_named(rounds: usize) {
         let (amplitude, restitution) = (random.between(0.02, 0.6), random.between(0.2, 0.99));
         let point = chain.point().omega(omega).asymmetry(asymmetry);
         let model = point.amplitude(amplitude).restitution(restitution).model().unwrap();
-        let words = ["0+3+,0-3-", "0-,2-", "0-2-", "0+,4-,0-", "0+1-,0-1+", "0+", "0-,3+", "0-2-4-", "0-3-6-"];
+        // Lists of up to three impacts one after the other are proved: no branch is followed to those.
+        let words =
+            ["0+3+,0-3-", "0-3-", "0-2-", "0+4+,0-4-", "0+1-,0-1+", "0+1+,0-1-", "0+2+,0-2-", "0-2-4-", "0-3-6-"];
         if finder.find_word(&model, &words[round % 9].parse().unwrap(), Scope::All, &mut found).is_err() {
             continue;
         }

@@ -34,6 +34,10 @@ pub(crate) fn find(
     wanted: Scope,
     found: &mut OrbitList,
 ) -> Result<Outcome, BreatherError> {
+    // Impacts at one instant have more conditions than unknowns.
+    if word.instants().iter().any(|letters| letters.len() > 1) {
+        return Ok(Outcome::Started(0));
+    }
     let masses: Vec<usize> = word.places().into_iter().map(|(_, site)| site).collect();
     let all = if wanted.candidates() { structure_candidates } else { structure_orbits };
     let searched = match structure(model, &masses, finder) {
