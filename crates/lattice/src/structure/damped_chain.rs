@@ -134,10 +134,12 @@ impl DampedChain {
     /// Of one row all of whose masses and modes are asked for.
     fn operator(&self) -> Option<SparseOperator> {
         let whole = self.all_masses && self.layers == 1 && self.modes.unwrap_or(self.sites) >= self.sites;
-        let contacts = self.contacts.iter().map(|(weights, _)| weights.clone()).collect();
-        let loads = self.loads.iter().map(|load| load.1.clone()).collect();
-        let by = ([self.gamma1, self.gamma2], [self.damping, self.coupling_damping]);
-        whole.then(|| SparseOperator::row((self.sites, self.ends), by, contacts, loads))
+        whole.then(|| {
+            let contacts = self.contacts.iter().map(|(weights, _)| weights.clone()).collect();
+            let loads = self.loads.iter().map(|load| load.1.clone()).collect();
+            let by = ([self.gamma1, self.gamma2], [self.damping, self.coupling_damping]);
+            SparseOperator::row((self.sites, self.ends), by, contacts, loads)
+        })
     }
 
     /// The mass that an impact of each contact feels if all modes are kept.
