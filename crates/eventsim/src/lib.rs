@@ -87,6 +87,7 @@ mod engine;
 mod error;
 mod event;
 mod growth;
+mod part;
 mod queue;
 mod ring;
 mod safe_step;

@@ -32,6 +32,16 @@ pub(crate) const LANES: usize = 8;
 /// Orders below this are corrected for what rounding took from a mass that leaves a barrier.
 pub(crate) const CORRECTED: usize = 9;
 
+/// Eight of `all` numbers from `base` on; beyond the last there are zeros.
+#[inline(always)]
+pub(crate) fn eight(all: &[f64], base: usize) -> [f64; LANES] {
+    all[base..].first_chunk().copied().unwrap_or_else(|| {
+        let mut some = [0.0; LANES];
+        some.iter_mut().zip(&all[base..]).for_each(|(some, one)| *some = *one);
+        some
+    })
+}
+
 /// The same number four times.
 fn all(x: f64) -> f64x4 {
     f64x4::splat(x)
@@ -276,6 +286,44 @@ impl Rows {
                 v[i] += w_v * d;
             }
         }
+    }
+
+    /// The same at `s` where the series of some columns have `origins` of their own, not 0; the weights are those of the others.
+    #[inline(always)]
+    pub(crate) fn all_at(
+        &self,
+        (s, origins): (f64, &[f64]),
+        x: &[f64],
+        (weights, inverse): (&Weights, &[f64; MAX_ORDER + 1]),
+        [x_out, v_out]: [&mut [f64]; 2],
+    ) {
+        self.at_all(x, weights, x_out, v_out);
+        let groups = x_out.chunks_mut(LANES).zip(v_out.chunks_mut(LANES)).zip((0..).step_by(LANES));
+        for ((x_out, v_out), base) in groups {
+            let of_group = &origins[base..base + x_out.len()];
+            if of_group.iter().all(|origin| *origin == 0.0) {
+                continue;
+            }
+            let (x_then, v_then) = self.eight_at(base, (s, origins), x, inverse);
+            for (i, origin) in of_group.iter().enumerate() {
+                if *origin != 0.0 {
+                    (x_out[i], v_out[i]) = (x_then[i], v_then[i]);
+                }
+            }
+        }
+    }
+
+    /// Eight columns at `s`, whatever the origins of their series.
+    #[inline(always)]
+    pub(crate) fn eight_at(
+        &self,
+        base: usize,
+        (s, origins): (f64, &[f64]),
+        x: &[f64],
+        inverse: &[f64; MAX_ORDER + 1],
+    ) -> ([f64; LANES], [f64; LANES]) {
+        let lapses = eight(origins, base).map(|origin| s - origin);
+        self.each_at(base, &eight(x, base), &lapses, inverse)
     }
 
     /// Displacements and velocities of eight neighbouring columns, each at a time since its own origin, where its displacement is

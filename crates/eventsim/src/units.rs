@@ -154,19 +154,8 @@ impl Units {
     }
 
     /// How many neighbours on either side in a row can feel, within `time`, what happens to a mass now.
-    ///
-    /// A jump of velocity Δv displaces the m-th neighbour by at most about Δv γ₂^m τ^{2m+1}/(2m+1)!, and with `size`
-    /// for Δv this is compared with rounding.
     pub(crate) fn reach(&self, time: f64, size: f64) -> usize {
-        let square = self.gamma2 * time * time;
-        let mut term = size * time;
-        let mut m = 0;
-        while term > REMAINDER {
-            m += 1;
-            let k = (2 * m) as f64;
-            term *= square / (k * (k + 1.0));
-        }
-        m
+        reach([self.gamma2, 0.0], time, size)
     }
 
     /// Derivatives F, F′, F″ … of the force at `phase` (internal time): of A cos ωt, or of the sum of its harmonics.
@@ -187,6 +176,24 @@ impl Units {
             }
         }
     }
+}
+
+/// How many neighbours on either side in a row can feel, within `time`, what happens to a mass now, through springs and dashpots between them.
+///
+/// A jump of velocity Δv displaces the m-th neighbour by at most about Δv γ₂^m τ^{2m+1}/(2m+1)!, and with `size`
+/// for Δv this is compared with rounding. A dashpot passes on what a spring would take twice as many derivatives for: the divisor of the i-th
+/// passage is then no less than i+1, of a spring (i+1)(i+2).
+pub(crate) fn reach([spring, dashpot]: [f64; 2], time: f64, size: f64) -> usize {
+    let (square, first) = (spring.abs() * time * time, dashpot.abs() * time);
+    let mut term = size * time;
+    let mut m = 0;
+    while term > REMAINDER {
+        m += 1;
+        let k = m as f64;
+        term *=
+            if first == 0.0 { square / (2.0 * k * (2.0 * k + 1.0)) } else { (square / (k + 2.0) + first) / (k + 1.0) };
+    }
+    m
 }
 
 #[cfg(test)]

@@ -28,7 +28,7 @@ use vibrochain_lattice::Barrier;
 use crate::event::Work;
 use crate::queue::Entry;
 use crate::ring::Ring;
-use crate::series::{CORRECTED, LANES, Rows};
+use crate::series::{CORRECTED, Rows};
 use crate::stencil::links;
 use crate::time::Clock;
 use crate::units::{MAX_ORDER, ORDERS, Units};
@@ -156,13 +156,4 @@ impl Engine {
     pub(crate) fn longest_window(&self) -> f64 {
         self.horizons.into_iter().fold(0.0, f64::max)
     }
-}
-
-/// Eight of `all` numbers from `base` on; beyond the last there are zeros.
-fn eight(all: &[f64], base: usize) -> [f64; LANES] {
-    all[base..].first_chunk().copied().unwrap_or_else(|| {
-        let mut some = [0.0; LANES];
-        some.iter_mut().zip(&all[base..]).for_each(|(some, one)| *some = *one);
-        some
-    })
 }

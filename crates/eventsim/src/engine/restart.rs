@@ -1,40 +1,14 @@
-//! Restarts at an event: of the whole lattice, or of the masses that can feel it.
-//!
-//! What happens to a mass reaches its m-th neighbour with γ₂^m τ^{2m+1}/(2m+1)!: within the rest of a window only the
-//! nearest R neighbours on either side can notice ([`Units::reach`](crate::units::Units::reach)), and only they get new
-//! series, from the same stencil; at the ends of the part the neighbours' series are known, and stay (at the end of the
-//! row there are none). An event then costs what R costs, whatever the length of the row. Several layers are always
-//! restarted whole.
-//!
-//! Parts that touch are restarted as one, so that simultaneous events keep the mirror symmetry of a ring to the bit.
-
-use std::ops::Range;
+//! Restarts at an event: of the whole lattice, or of the masses that can feel it ([`crate::part`]). Several layers are always restarted whole.
 
 use super::Engine;
 use crate::bound;
 use crate::cascade::Change;
+use crate::part::{self, DITHER, LEAST_REACH, Part, ranges};
 use crate::ring::Contact;
 use crate::series::LANES;
 use crate::stencil::Extent;
 use crate::units::spread;
 use vibrochain_lattice::Ends;
-
-/// Least number of neighbours restarted on either side: the derivatives that decide a contact look two masses far.
-const LEAST_REACH: usize = 3;
-
-/// How far from the computed instant, relative to its distance from the base, a restart may take place: the rounding
-/// of that instant. A breather repeats its flights to the bit, and rounding errors that repeat add up; spread over the
-/// neighbouring instants they average out. The impact law corrects for the distance left to the barrier.
-const DITHER: f64 = 8.0 * f64::EPSILON;
-
-/// A part of the row: first site and number of masses.
-type Part = (usize, usize);
-
-/// The masses of a part, each range with its first column: over the end of the ring there are two.
-fn ranges((start, length): Part, sites: usize) -> [(Range<usize>, usize); 2] {
-    let end = start + length;
-    [(start..end.min(sites), 0), (0..end.saturating_sub(sites), length.min(sites - start))]
-}
 
 impl Engine {
     /// Restarts the flight at `s` since the base, not before `floor`, with the contacts in `due`. The instant of the
@@ -64,41 +38,10 @@ impl Engine {
         (s, !apart)
     }
 
-    /// The parts of the row within `reach` of the contacts that are due, merged where less than a mass is between
-    /// them. False if they make up so much of the lattice that all of it had better be restarted.
+    /// The parts of the row within `reach` of the contacts that are due. False if all of the lattice had better be restarted.
     fn split(&self, reach: usize, parts: &mut Vec<Part>) -> bool {
-        parts.clear();
-        let (sites, due) = (self.ring.sites(), &self.due);
-        if !self.units.is_row || (2 * reach + 1).saturating_mul(due.len()).saturating_mul(2) > sites {
-            return false;
-        }
-        let closed = self.units.chain.ends() == Ends::Closed;
-        // Distance from a contact to the next around the ring; a part begins after a wide one.
-        let count = due.len();
-        let gap = |i: usize| {
-            let (from, to) = (due[i].site, due[(i + 1) % count].site);
-            if to > from { to - from } else { to + sites - from }
-        };
-        let wide = |i: usize| gap(i) > 2 * reach + 2 || (!closed && i + 1 == count);
-        let Some(cut) = (0..count).find(|&i| wide(i)) else { return false };
-        let mut start = None;
-        let mut length = 1;
-        for i in (0..count).map(|i| (cut + 1 + i) % count) {
-            let first = *start.get_or_insert(due[i].site);
-            if !wide(i) {
-                length += gap(i);
-                continue;
-            }
-            parts.push(if closed {
-                ((first + sites - reach) % sites, length + 2 * reach)
-            } else {
-                let begin = first.saturating_sub(reach);
-                (begin, (first + length + reach).min(sites) - begin)
-            });
-            start = None;
-            length = 1;
-        }
-        true
+        let row = (self.ring.sites(), self.units.chain.ends() == Ends::Closed);
+        self.units.is_row && part::split((self.due.len(), |i| self.due[i].site), reach, row, parts)
     }
 
     /// New series, bounds and watches for a part whose masses are at `s`.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Engine, eight};
+use super::Engine;
 use crate::series::LANES;
 use crate::weights::Weights;
 
@@ -49,34 +49,17 @@ impl Engine {
 
     /// The same with the weights for masses whose series begin at the base.
     fn states_at(&self, s: f64, weights: &Weights, x: &mut [f64], v: &mut [f64]) {
-        self.rows.at_all(&self.ring.x, weights, x, v);
         if self.moved.is_empty() {
-            return;
+            self.rows.at_all(&self.ring.x, weights, x, v);
+        } else {
+            self.rows.all_at((s, &self.origin), &self.ring.x, (weights, &self.units.inverse), [x, v]);
         }
-        for ((base, x), v) in (0..).step_by(LANES).zip(x.chunks_mut(LANES)).zip(v.chunks_mut(LANES)) {
-            let origins = &self.origin[base..base + x.len()];
-            if origins.iter().all(|origin| *origin == 0.0) {
-                continue;
-            }
-            let (x_then, v_then) = self.group_at(base, s);
-            for (i, origin) in origins.iter().enumerate() {
-                if *origin != 0.0 {
-                    (x[i], v[i]) = (x_then[i], v_then[i]);
-                }
-            }
-        }
-    }
-
-    /// Displacements and velocities at `s` of eight masses from `base` on, whatever the origins of their series.
-    fn group_at(&self, base: usize, s: f64) -> ([f64; LANES], [f64; LANES]) {
-        let lapses = eight(&self.origin, base).map(|origin| s - origin);
-        self.rows.each_at(base, &eight(&self.ring.x, base), &lapses, &self.units.inverse)
     }
 
     /// Carries the masses of a range alone to `s`, as the new origin of their series.
     pub(crate) fn carry(&mut self, masses: Range<usize>, s: f64) {
         for base in masses.clone().step_by(LANES) {
-            let (x, v) = self.group_at(base, s);
+            let (x, v) = self.rows.eight_at(base, (s, &self.origin), &self.ring.x, &self.units.inverse);
             for ((n, x), v) in (base..masses.end).zip(x).zip(v) {
                 let origin = &mut self.origin[n];
                 if s > *origin {

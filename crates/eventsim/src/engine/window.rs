@@ -5,21 +5,19 @@ use std::ops::Range;
 use vibrochain_lattice::Ends;
 use wide::f64x8;
 
-use super::{Choice, Engine, NONE, eight};
+use super::{Choice, Engine, NONE};
 use crate::bound;
+use crate::part::RESTART_COST;
 use crate::queue::Entry;
 use crate::ring::Contact;
 use crate::safe_step::safe_step;
-use crate::series::LANES;
+use crate::series::{LANES, eight};
 use crate::stencil::Extent;
 use crate::units::{ORDERS, spread};
 use crate::watch::Watch;
 
 /// A mass is cleared if its bound stays this far from the barriers: the rounding of displacements below 2, many times.
 const CLEARANCE: f64 = 64.0 * f64::EPSILON;
-
-/// Cost of restarting a mass in the middle of a window relative to its share of a whole window; measured.
-const RESTART_COST: f64 = 2.0;
 
 /// On rings this small the rounding errors of every mass repeat with every impact, not only those of the mass that
 /// leaves a barrier.

@@ -94,8 +94,7 @@ impl Motion {
                 return Some(Party { contact, barrier: due.barrier, role: Role::Hits });
             }
             let place = &self.places[contact];
-            let mut met = hits.iter().filter(|due| self.system.mobility(contact, due.contact) != 0.0).peekable();
-            met.peek()?;
+            let mut met = hits.iter().filter(|due| self.system.mobility(contact, due.contact) != 0.0);
             if let Contact::Resting(barrier) = place.touch {
                 return Some(Party { contact, barrier, role: Role::Rests });
             }
@@ -110,7 +109,8 @@ impl Motion {
             };
             (place.x.abs() <= on).then_some(Party { contact, barrier, role: Role::Touches })
         };
-        (0..self.places.len()).filter_map(party).collect()
+        let near = hits.iter().flat_map(|due| self.system.sharing(due.contact)).map(|(contact, _)| *contact);
+        near.collect::<std::collections::BTreeSet<usize>>().into_iter().filter_map(party).collect()
     }
 
     /// Applies what is due at the base.

@@ -88,10 +88,10 @@ impl Flight {
         }
     }
 
-    /// Takes note of an event at the base.
-    pub(crate) fn note_event(&mut self) {
+    /// Takes note of an event at `s`.
+    pub(crate) fn note_event(&mut self, s: f64) {
         if let Self::Local(flight) = self {
-            flight.note_event();
+            flight.note_event(s);
         }
     }
 }

@@ -4,6 +4,7 @@
 //! static load holds the modes; what is left of that load, of those that it holds nowhere, pulls on.
 
 use std::fmt;
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::loads::{Answer, Loads};
@@ -45,6 +46,8 @@ pub(crate) struct Local {
     pub(crate) scale: f64,
     pulls: Scaled,
     loads: Vec<(f64, Load)>,
+    /// Rates of the loads, in the structure's time.
+    pub(crate) rates: Vec<f64>,
     /// What is left of M⁻¹s, in internal time; empty where nothing is.
     still: Vec<f64>,
     /// Where the static load holds the coordinates.
@@ -55,6 +58,8 @@ pub(crate) struct Local {
     /// Longest windows of each order, internal.
     pub(crate) horizons: [f64; ORDERS.len()],
     pub(crate) inverse_factorial: [f64; MAX_ORDER + 1],
+    /// 1/k from k = 1 on.
+    pub(crate) inverse: [f64; MAX_ORDER + 1],
     /// √m, where masses differ.
     pub(crate) roots: Vec<f64>,
 }
@@ -153,6 +158,7 @@ impl Local {
         Some(Self {
             scale,
             pulls,
+            rates: rates.iter().map(|rate| rate * scale).collect(),
             loads: operator.loads.iter().zip(rates).map(load).collect(),
             still,
             equilibrium,
@@ -161,6 +167,7 @@ impl Local {
             // No longer than bounds allow that know rates of rows alone.
             horizons: ORDERS.map(horizon).map(|horizon| horizon.min(4.0 / rate)),
             inverse_factorial,
+            inverse: std::array::from_fn(|k| 1.0 / k.max(1) as f64),
             roots,
             operator: operator.clone(),
         })
@@ -170,7 +177,6 @@ impl Local {
     /// first.
     pub(crate) fn expand(&self, series: &mut LocalSeries, turned: &[C], order: usize) {
         let n = self.operator.masses.len();
-        let mut now: Vec<C> = turned[1..].to_vec();
         let LocalSeries { rows, held, forces } = series;
         forces.clear();
         forces.resize(held.contacts.len(), [0.0; MAX_ORDER + 1]);
@@ -179,6 +185,52 @@ impl Local {
             Scaled::Alike(ends, _) => ends.map(Some),
             Scaled::Bands(_) => [Some(Ends::Fixed); 2],
         };
+        let whole = [(0..n, 0)];
+        self.fill(rows, &whole, beyond, turned, order, |k, to| {
+            let all = &self.operator.contacts;
+            for ((contact, _), change) in held.contacts.iter().zip(&mut changes) {
+                *change = -all[*contact].iter().map(|(place, weight)| weight * to[place + 1]).sum::<f64>();
+            }
+            for (i, ((contact, _), own)) in held.contacts.iter().zip(forces.iter_mut()).enumerate() {
+                own[k] = held.impulse(i, &changes);
+                for (place, weight) in &all[*contact] {
+                    if held.is_plain {
+                        to[place + 1] = 0.0;
+                    } else {
+                        to[place + 1] += weight / self.operator.masses[*place] * own[k];
+                    }
+                }
+            }
+        });
+    }
+
+    /// What is left of M⁻¹s of a coordinate, in the structure's time.
+    pub(super) fn remaining(&self, n: usize) -> f64 {
+        self.still.get(n).map_or(0.0, |still| still * self.scale * self.scale)
+    }
+
+    /// The row that the coordinates are, of masses alike: what stands at its ends, and γ₂ and c₂.
+    pub(super) fn row(&self) -> Option<([Ends; 2], [f64; 2])> {
+        match &self.pulls {
+            Scaled::Alike(ends, Stencil { stiffness, damping }) => Some((*ends, [stiffness[1], damping[1]])),
+            Scaled::Bands(_) => None,
+        }
+    }
+
+    /// Derivatives up to `order` of ranges of coordinates, each with its first column; rows 0 and 1 are there. `hold` may change each order
+    /// before the next follows from it.
+    #[inline(always)]
+    pub(super) fn fill(
+        &self,
+        rows: &mut Rows,
+        ranges: &[(Range<usize>, usize)],
+        beyond: [Option<Ends>; 2],
+        turned: &[C],
+        order: usize,
+        mut hold: impl FnMut(usize, &mut [f64]),
+    ) {
+        let n = ranges.iter().map(|(range, _)| range.len()).sum();
+        let mut now: Vec<C> = turned[1..].to_vec();
         rows.expand(n, beyond, order, |k, from, to| {
             let mut force = 0.0;
             for ((_, load), now) in self.loads.iter().zip(&now) {
@@ -198,28 +250,21 @@ impl Local {
             }
             for ((rate, load), now) in self.loads.iter().zip(&mut now) {
                 if let Load::Each([real, imaginary]) = load {
-                    let parts = real.iter().zip(imaginary);
-                    to[1..].iter_mut().zip(parts).for_each(|(to, (re, im))| *to += re * now.re - im * now.im);
+                    for (range, first) in ranges {
+                        let parts = real[range.clone()].iter().zip(&imaginary[range.clone()]);
+                        let to = &mut to[first + 1..];
+                        to.iter_mut().zip(parts).for_each(|(to, (re, im))| *to += re * now.re - im * now.im);
+                    }
                 }
                 *now *= C::new(0.0, *rate);
             }
-            if k == 0 {
-                to[1..].iter_mut().zip(&self.still).for_each(|(to, still)| *to += still);
-            }
-            let all = &self.operator.contacts;
-            for ((contact, _), change) in held.contacts.iter().zip(&mut changes) {
-                *change = -all[*contact].iter().map(|(place, weight)| weight * to[place + 1]).sum::<f64>();
-            }
-            for (i, ((contact, _), own)) in held.contacts.iter().zip(forces.iter_mut()).enumerate() {
-                own[k] = held.impulse(i, &changes);
-                for (place, weight) in &all[*contact] {
-                    if held.is_plain {
-                        to[place + 1] = 0.0;
-                    } else {
-                        to[place + 1] += weight / self.operator.masses[*place] * own[k];
-                    }
+            if k == 0 && !self.still.is_empty() {
+                for (range, first) in ranges {
+                    let still = &self.still[range.clone()];
+                    to[first + 1..].iter_mut().zip(still).for_each(|(to, still)| *to += still);
                 }
             }
+            hold(k, to);
         });
     }
 

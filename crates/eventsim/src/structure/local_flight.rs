@@ -8,8 +8,9 @@ use super::near::Tendencies;
 use super::series::LOW;
 use super::system::System;
 use crate::bound::{self, Group, TAIL};
+use crate::part::RESTART_COST;
 use crate::ring::Contact;
-use crate::series::LANES;
+use crate::series::{LANES, Rows};
 use crate::units::{MAX_ORDER, ORDERS, REMAINDER, spread};
 use crate::watch::{self, Watch};
 use crate::weights::Weights;
@@ -22,14 +23,19 @@ const EVENTS: f64 = 16.0;
 #[derive(Debug, Clone)]
 pub(crate) struct LocalFlight {
     pub(crate) local: Arc<Local>,
-    /// e^{iw(t+ψ)} of each load.
+    /// e^{iw(t+ψ)} of each load at the base, and where series have begun last.
     pub(crate) turned: Vec<Complex<f64>>,
-    /// q, from where the static load holds it, and q′, in internal time.
-    place: Vec<f64>,
-    velocity: Vec<f64>,
+    pub(super) now: Vec<Complex<f64>>,
+    /// q, from where the static load holds it, and q′, in internal time: each at the origin of its series.
+    pub(super) place: Vec<f64>,
+    pub(super) velocity: Vec<f64>,
     pub(crate) series: LocalSeries,
-    /// Length of the window, internal.
-    horizon: f64,
+    /// Origins since the base, internal; `moved` lists those that are not 0.
+    pub(super) origin: Vec<f64>,
+    pub(super) moved: Vec<usize>,
+    pub(super) part_rows: Rows,
+    /// Length of the window, internal, since the base.
+    pub(super) horizon: f64,
     /// Events a unit of internal time, and time since the last.
     event_rate: f64,
     since_event: f64,
@@ -38,8 +44,10 @@ pub(crate) struct LocalFlight {
     groups: Vec<Group>,
     /// Barriers of all contacts, from where the static load holds them; infinite where there is none.
     limits: Vec<[f64; 2]>,
-    /// Contact n sees coordinate n as it is.
-    is_direct: bool,
+    /// Contact n sees coordinate n as it is, and there is one of each.
+    pub(super) is_direct: bool,
+    /// A part may be restarted in this window.
+    pub(super) is_partible: bool,
 }
 
 /// A contact is cleared if its bounds stay this part of its way from the barriers: the rounding of sums, many times.
@@ -94,15 +102,22 @@ impl LocalFlight {
             let of = |barrier: Barrier| system.barrier(contact, barrier).unwrap_or(barrier.sign() * f64::INFINITY);
             [Barrier::Lower, Barrier::Upper].map(of)
         };
-        let is_direct = local.operator.contacts.iter().enumerate().all(|(n, weights)| weights[..] == [(n, 1.0)]);
+        let contacts = &local.operator.contacts;
+        let is_alone = contacts.iter().enumerate().all(|(n, weights)| weights[..] == [(n, 1.0)]);
+        let is_direct = is_alone && contacts.len() == n;
         Self {
             limits: (0..system.contacts()).map(limit).collect(),
             is_direct,
+            is_partible: false,
             local,
+            now: turned.clone(),
             turned,
             place,
             velocity,
             series,
+            origin: vec![0.0; n],
+            moved: Vec::new(),
+            part_rows: Rows::default(),
             horizon: 0.0,
             event_rate: 0.0,
             since_event: 0.0,
@@ -172,9 +187,13 @@ impl LocalFlight {
         let local = self.local.clone();
         let rate = self.event_rate;
         let cost = |(order, horizon): (usize, f64)| {
-            // Every event restarts all, and the rest of the window is lost.
+            // Every event restarts all, and the rest of the window is lost …
             let used = if rate * horizon > 1e-9 { -(-rate * horizon).exp_m1() / rate } else { horizon };
-            order as f64 / used
+            let of_all = 1.0 / used;
+            // … or its neighbours only.
+            let touched = self.touched(horizon).map(|touched| touched as f64 / self.place.len() as f64);
+            let of_parts = touched.map(|touched| 1.0 / horizon + RESTART_COST * rate * touched);
+            order as f64 * of_parts.map_or(of_all, |of_parts| of_parts.min(of_all))
         };
         let choices = ORDERS.into_iter().zip(local.horizons).filter(|(order, _)| *order >= usize::from(least));
         let best = choices.min_by(|a, b| cost(*a).total_cmp(&cost(*b)));
@@ -207,12 +226,13 @@ impl LocalFlight {
         self.groups.clear();
         let bases = (0..n).step_by(LANES);
         self.groups.extend(bases.map(|base| bound::group(&series.rows, base, from, tail, &fractions)));
+        self.is_partible = self.is_direct && least == 0 && series.held.contacts.is_empty();
         self.series = series;
         self.horizon / local.scale
     }
 
     /// Bounds of a contact over the window.
-    pub(crate) fn sweep(&self, contact: usize) -> Sweep {
+    fn sweep(&self, contact: usize) -> Sweep {
         let mut sum = Sweep::default();
         for &(place, weight) in self.weights(contact) {
             let Group { rise, fall, bend_up, bend_down } = &self.groups[place / LANES];
@@ -229,31 +249,46 @@ impl LocalFlight {
         sum
     }
 
+    pub(super) fn is_clear(&self, contact: usize, x: f64, [rise, fall]: [f64; 2]) -> bool {
+        let ([low, high], margin) = (self.limits[contact], CLEARANCE * (x.abs() + rise - fall));
+        x + rise + margin < high && x + fall - margin > low
+    }
+
     /// Contacts that bounds do not clear of barriers.
-    pub(crate) fn unclear(&self, mut found: impl FnMut(usize)) {
-        let is_clear = |[low, high]: [f64; 2], x: f64, [rise, fall]: [f64; 2]| {
-            let margin = CLEARANCE * (x.abs() + rise - fall);
-            x + rise + margin < high && x + fall - margin > low
-        };
-        if !self.is_direct {
-            (0..self.limits.len()).for_each(|contact| {
-                let Sweep { rise, fall, .. } = self.sweep(contact);
-                if !is_clear(self.limits[contact], self.place(contact), [rise, fall]) {
-                    found(contact);
-                }
-            });
+    pub(crate) fn unclear(&self, mut found: impl FnMut(&Self, usize, Sweep)) {
+        if self.is_direct {
+            let n = self.place.len();
+            let groups = self.groups.iter().zip((0..n).step_by(LANES));
+            groups.for_each(|(group, base)| self.sift(group, base, LANES.min(n - base), &mut found));
             return;
         }
-        for ((group, limits), (x, base)) in
-            self.groups.iter().zip(self.limits.chunks(LANES)).zip(self.place.chunks(LANES).zip((0..).step_by(LANES)))
-        {
-            let (rises, falls) = (group.rise.as_array(), group.fall.as_array());
-            for (lane, (limits, x)) in limits.iter().zip(x).enumerate() {
-                if !is_clear(*limits, *x, [rises[lane], falls[lane]]) {
-                    found(base + lane);
-                }
+        for contact in 0..self.limits.len() {
+            let sweep = self.sweep(contact);
+            if !self.is_clear(contact, self.place(contact), [sweep.rise, sweep.fall]) {
+                found(self, contact, sweep);
             }
         }
+    }
+
+    /// The origin of a contact's series.
+    pub(super) fn origin(&self, contact: usize) -> f64 {
+        if self.is_direct { self.origin[contact] } else { 0.0 }
+    }
+
+    /// g″ and g‴ of a contact at the origin of its series, where no contact rests.
+    pub(crate) fn bends(&self, contact: usize) -> [f64; 2] {
+        let Local { operator, scale, .. } = &*self.local;
+        let given = |n: usize, k: u32| {
+            let loads = operator.loads.iter().zip(&self.local.rates).zip(&self.now[1..]);
+            let driven = loads.map(|((load, rate), now)| (load[n] * now * Complex::new(0.0, *rate).powu(k)).re);
+            driven.sum::<f64>() + if k == 0 { self.local.remaining(n) } else { 0.0 }
+        };
+        let velocity = |n: usize| self.velocity[n] * scale;
+        let acceleration =
+            |n: usize| given(n, 0) - operator.pull(n, false, |m| self.place[m]) - operator.pull(n, true, velocity);
+        let jerk = |n: usize| given(n, 1) - operator.pull(n, false, velocity) - operator.pull(n, true, acceleration);
+        let seen = |of: &dyn Fn(usize) -> f64| self.weights(contact).iter().map(|(n, weight)| weight * of(*n)).sum();
+        [seen(&acceleration), seen(&jerk)]
     }
 
     /// A contact's own derivative: beside a barrier what is carried for it.
@@ -268,7 +303,7 @@ impl LocalFlight {
 
     /// Follows a contact towards its barriers, in internal time.
     pub(crate) fn watch(&self, contact: usize, place: &Place, [lower, upper]: [Option<f64>; 2]) -> Watch {
-        let (local, order, horizon) = (&self.local, self.series.rows.order, self.horizon);
+        let (local, order, horizon) = (&self.local, self.series.rows.order, self.horizon - self.origin(contact));
         let mut c = [0.0; MAX_ORDER + 1];
         let mut bend = bound::Enclosure::default();
         let (mut far, mut power) = (f64::MIN_POSITIVE, 1.0);
@@ -309,14 +344,29 @@ impl LocalFlight {
             return [self.place.clone(), velocity];
         }
         let (mut place, mut velocity) = (self.place.clone(), self.velocity.clone());
-        self.series.rows.at_all(&self.place, &self.weights_at(s), &mut place, &mut velocity);
+        self.fly(s, [&mut place, &mut velocity]);
         velocity.iter_mut().for_each(|v| *v *= self.local.scale);
         [place, velocity]
     }
 
+    /// The same in internal time.
+    fn fly(&self, s: f64, [place, velocity]: [&mut [f64]; 2]) {
+        let (weights, inverse) = (self.weights_at(s), &self.local.inverse);
+        if self.moved.is_empty() {
+            self.series.rows.at_all(&self.place, &weights, place, velocity);
+            return;
+        }
+        let s = s * self.local.scale;
+        self.series.rows.all_at((s, &self.origin), &self.place, (&weights, inverse), [&mut *place, &mut *velocity]);
+        // Those that have been carried there, and have no series from there yet.
+        for &n in self.moved.iter().filter(|n| self.origin[**n] >= s) {
+            (place[n], velocity[n]) = (self.place[n], self.velocity[n]);
+        }
+    }
+
     /// x and v of a contact at `s`.
     pub(crate) fn contact_at(&self, contact: usize, place: &Place, s: f64) -> (f64, f64) {
-        let weights = self.weights_at(s);
+        let weights = self.weights_at((s - self.origin(contact) / self.local.scale).max(0.0));
         let (mut x, mut v) = (0.0, 0.0);
         for k in (1..=self.series.rows.order).rev() {
             let d = self.own(contact, place, k);
@@ -336,18 +386,21 @@ impl LocalFlight {
 
     /// Moves the base to `s`, where loads are `turned`.
     pub(crate) fn advance(&mut self, s: f64, turned: Vec<Complex<f64>>) {
-        let weights = self.weights_at(s);
-        let [place, velocity] = &mut self.next;
-        self.series.rows.at_all(&self.place, &weights, place, velocity);
-        std::mem::swap(&mut self.place, place);
-        std::mem::swap(&mut self.velocity, velocity);
+        let [mut place, mut velocity] = std::mem::take(&mut self.next);
+        self.fly(s, [&mut place, &mut velocity]);
+        std::mem::swap(&mut self.place, &mut place);
+        std::mem::swap(&mut self.velocity, &mut velocity);
+        self.next = [place, velocity];
+        self.moved.drain(..).for_each(|n| self.origin[n] = 0.0);
+        self.now.clone_from(&turned);
         self.turned = turned;
         self.since_event += s * self.local.scale;
     }
 
-    /// Takes note of an event at the base.
-    pub(crate) fn note_event(&mut self) {
-        let flight = std::mem::take(&mut self.since_event);
+    /// Takes note of an event at `s` since the base.
+    pub(crate) fn note_event(&mut self, s: f64) {
+        let s = s * self.local.scale;
+        let flight = std::mem::replace(&mut self.since_event, -s) + s;
         let mean = if self.event_rate > 0.0 { 1.0 / self.event_rate } else { flight };
         let mean = mean + (flight - mean) / EVENTS;
         self.event_rate = if mean > 0.0 { 1.0 / mean } else { 0.0 };

@@ -8,10 +8,11 @@
 //! |---|---|
 //! | `loads` | what static and harmonic loads add to each mode, at resonances and to rigid modes, too |
 //! | `system` | the structure and what stays the same during a run |
-//! | `local`, `local_flight` | local series of coordinates, and flight by them |
+//! | `local`, `local_flight`, `local_part` | local series of coordinates, flight by them, and their restarts |
 //! | `modal_flight` | exact flight in modes |
 //! | `flight` | either of both |
 //! | `near` | what contacts do at an instant, by either |
+//! | `candidates` | contacts on their way to an event, the earliest first |
 //! | `approach` | a certified step towards the first contact |
 //! | `series` | Taylor series with resting contacts |
 //! | `balance` | work of the loads, what dashpots and impacts take |
@@ -25,12 +26,14 @@
 
 mod approach;
 mod balance;
+mod candidates;
 mod collision;
 mod event;
 mod flight;
 mod loads;
 mod local;
 mod local_flight;
+mod local_part;
 mod modal_flight;
 mod motion;
 mod near;

@@ -2,13 +2,15 @@
 
 use super::approach::{Approach, Place, Share};
 use super::balance::Ledger;
+use super::candidates::Candidates;
 use super::flight::Flight;
-use super::local_flight::Sweep;
+use super::local_flight::{LocalFlight, Sweep};
 use super::near::Tendencies;
 use super::series::{RestForce, Series};
 use super::system::System;
 use crate::bound;
 use crate::event::Work;
+use crate::part::{DITHER, Part, ranges};
 use crate::ring::Contact;
 use crate::safe_step::safe_step;
 use crate::stop_check::StopCheck;
@@ -21,23 +23,11 @@ use vibrochain_lattice::{Barrier, Stopped};
 pub(super) const SIMULTANEOUS: f64 = 8.0 * f64::EPSILON;
 
 /// Beyond this part of the scale of its motion a contact forgets the barrier that x is measured from: g is known as well.
-const FORGET: f64 = 1.0 / 16.0;
+pub(super) const FORGET: f64 = 1.0 / 16.0;
 
 /// A contact whose flight rises less than this part of that scale, or which is so close to its barrier and so slow against the velocities
 /// that make up its own, is followed by its own distance and velocity: modes would tell some digits less.
 const LOW: f64 = 1.0 / 64.0;
-
-/// A contact on its way to its barrier, or at rest and on its way to be released.
-#[derive(Debug, Clone)]
-struct Candidate {
-    contact: usize,
-    /// No event before this time since the base.
-    key: f64,
-    hit: Option<Barrier>,
-    is_due: bool,
-    /// In a window of series, its polynomial, once it is followed.
-    watch: Option<Watch>,
-}
 
 /// An event that is due.
 #[derive(Debug, Clone, Copy)]
@@ -67,7 +57,9 @@ pub(crate) struct Motion {
     pub(crate) due: Vec<Due>,
     pub(crate) work: Work,
     pub(crate) ledger: Option<Ledger>,
-    candidates: Vec<Candidate>,
+    candidates: Candidates,
+    /// What is due is met by parts, and none rests or leaves its barrier with a derivative of high order.
+    pub(super) is_apart: bool,
     shares: Vec<Share>,
     seed: u64,
 }
@@ -89,7 +81,8 @@ impl Motion {
             due: Vec::new(),
             work: Work::default(),
             ledger: None,
-            candidates: Vec::new(),
+            candidates: Candidates::new(system.contacts()),
+            is_apart: false,
             shares: Vec::new(),
             seed: 1,
             system,
@@ -97,7 +90,8 @@ impl Motion {
     }
 
     pub(crate) fn resting(&self) -> Vec<usize> {
-        (0..self.places.len()).filter(|&contact| matches!(self.places[contact].touch, Contact::Resting(_))).collect()
+        let all = if self.is_apart { 0 } else { self.places.len() };
+        (0..all).filter(|&contact| matches!(self.places[contact].touch, Contact::Resting(_))).collect()
     }
 
     /// Starts a window at the base.
@@ -119,7 +113,7 @@ impl Motion {
             // Measured from a barrier for ever, places would drift.
             let x = self.flight.place(&self.system, contact);
             self.places[contact] = Place { reference: None, x, v: None, touch: Contact::Free };
-            self.candidates.push(Candidate { contact, key: 0.0, hit: None, is_due: false, watch: None });
+            self.candidates.push(contact, 0.0, None, None);
         }
     }
 
@@ -153,35 +147,13 @@ impl Motion {
         });
         self.horizon = flight.begin(system, places, soft.max().unwrap_or(0), seed);
         self.unit = 1.0 / flight.local.scale;
-        let unit = self.unit;
-        flight.unclear(|contact| {
-            let place = &places[contact];
-            let [lower, upper] = place.barriers(system, contact);
-            let (watch, key) = match place.touch {
-                Contact::Resting(_) => return,
-                Contact::Leaving(_, 2..) => {
-                    let watch = flight.watch(contact, place, [lower, upper]);
-                    let key = watch.tau * unit;
-                    (Some(watch), key)
-                }
-                _ => {
-                    let Sweep { bend_up, bend_down, .. } = flight.sweep(contact);
-                    let [x, v] = [0, 1].map(|k| flight.own(contact, place, k));
-                    let up = upper.map_or(f64::INFINITY, |upper| safe_step(upper - x, -v, bend_up));
-                    let down = lower.map_or(f64::INFINITY, |lower| safe_step(x - lower, v, -bend_down));
-                    (None, up.min(down) * unit)
-                }
-            };
-            if key <= self.horizon {
-                candidates.push(Candidate { contact, key, hit: None, is_due: false, watch });
-            }
-        });
+        flight
+            .unclear(|flight, contact, sweep| admit((flight, system), (contact, &places[contact]), sweep, candidates));
         for i in 0..flight.series.held.contacts.len() {
             let mut watch = flight.watch_rest(system, i);
             let key = watch.prepare() * self.unit;
             if key <= self.horizon {
-                let contact = watch.site;
-                candidates.push(Candidate { contact, key, hit: None, is_due: false, watch: Some(watch) });
+                candidates.push(watch.site, key, None, Some(watch));
             }
         }
     }
@@ -204,8 +176,7 @@ impl Motion {
             let (order, horizon) = (MAX_ORDER, 1.0);
             let flight = watch::Flight { c, order, horizon, lower, upper, bend, contact: place.touch };
             let watch = Watch::flight(contact, &flight);
-            let key = watch.tau * series.length;
-            self.candidates.push(Candidate { contact, key, hit: None, is_due: false, watch: Some(watch) });
+            self.candidates.push(contact, watch.tau * series.length, None, Some(watch));
         }
         for &RestForce { contact, barrier, ref push } in &series.forces {
             let doubt = series.force_doubt(&self.system, contact);
@@ -213,7 +184,7 @@ impl Motion {
             watch.c[..MAX_ORDER - 1].copy_from_slice(&push[..MAX_ORDER - 1]);
             let key = watch.prepare() * series.length;
             if key.is_finite() {
-                self.candidates.push(Candidate { contact, key, hit: None, is_due: false, watch: Some(watch) });
+                self.candidates.push(contact, key, None, Some(watch));
             }
         }
         self.series = Some(Box::new(series));
@@ -228,53 +199,56 @@ impl Motion {
     /// [`Stopped`], which may be asked again.
     pub(crate) fn next(&mut self, limit: f64, check: &mut StopCheck) -> Result<Option<f64>, Stopped> {
         self.due.clear();
-        self.candidates.iter_mut().for_each(|candidate| candidate.is_due = false);
-        let (mut first, mut last) = (None, limit);
+        let (mut first, mut last, mut taken) = (None, limit, Vec::new());
         loop {
             if check.is_raised() {
+                self.candidates.put_back(taken);
                 return Err(Stopped);
             }
-            let open = self.candidates.iter_mut().enumerate().filter(|(_, candidate)| !candidate.is_due);
-            let Some((i, candidate)) = open.min_by(|a, b| a.1.key.total_cmp(&b.1.key)) else { break };
-            if candidate.key > last {
-                break;
-            }
+            let Some((mut key, candidate)) = self.candidates.first().filter(|(key, _)| *key <= last) else { break };
+            let contact = candidate.contact;
             if let Some(barrier) = candidate.hit {
                 if first.is_none() {
-                    first = Some(candidate.key);
-                    last = candidate.key + SIMULTANEOUS * candidate.key.max(1.0 / self.system.fastest);
+                    first = Some(key);
+                    last = key + SIMULTANEOUS * key.max(1.0 / self.system.fastest);
                 }
-                candidate.is_due = true;
                 let watch = candidate.watch.as_ref();
                 let release = watch.is_some_and(|watch| matches!(watch.kind, Kind::Rest(_)));
                 let pull = watch.and_then(Watch::first_pull);
-                self.due.push(Due { contact: candidate.contact, barrier, release, pull });
+                self.due.push(Due { contact, barrier, release, pull });
+                taken.extend(self.candidates.take());
                 continue;
             }
             self.work.refinements += 1;
-            let (contact, place) = (candidate.contact, &self.places[candidate.contact]);
-            if let (None, Flight::Local(flight)) = (&candidate.watch, &self.flight) {
-                self.work.watched += 1;
-                let mut watch = flight.watch(contact, place, place.barriers(&self.system, contact));
-                watch.tau = watch.tau.max(candidate.key / self.unit);
-                candidate.watch = Some(watch);
+            let place = &self.places[contact];
+            let mut origin = 0.0;
+            if let Flight::Local(flight) = &self.flight {
+                origin = flight.origin(contact);
+                if candidate.watch.is_none() {
+                    self.work.watched += 1;
+                    let mut watch = flight.watch(contact, place, place.barriers(&self.system, contact));
+                    watch.tau = watch.tau.max(key / self.unit - origin);
+                    candidate.watch = Some(watch);
+                }
             }
             let step = match (&mut candidate.watch, &self.flight) {
                 (None, Flight::Modes(flight)) => {
                     let approach = Approach { system: &self.system, flight, contact, place };
-                    let (step, hit) = approach.step((&mut candidate.key, self.horizon), &mut self.shares);
+                    let (step, hit) = approach.step((&mut key, self.horizon), &mut self.shares);
                     candidate.hit = hit;
                     step
                 }
                 (Some(watch), _) => {
                     let step = watch.step();
-                    (candidate.key, candidate.hit) = (watch.tau * self.unit, watch.hit);
+                    (key, candidate.hit) = ((origin + watch.tau) * self.unit, watch.hit);
                     step
                 }
                 (None, Flight::Local(_)) => Step::Clear,
             };
             if step == Step::Clear {
-                self.candidates.swap_remove(i);
+                self.candidates.take();
+            } else {
+                self.candidates.put_off(key);
             }
         }
         self.due.sort_unstable_by_key(|due| due.contact);
@@ -284,19 +258,61 @@ impl Motion {
     /// Starts a window and leaves the impacts that are due at the base for another run. (What is released comes again by itself.)
     pub(crate) fn stand(&mut self) {
         self.begin();
-        self.candidates = (self.due.iter().filter(|due| !due.release))
-            .map(|due| Candidate { contact: due.contact, key: 0.0, hit: Some(due.barrier), is_due: false, watch: None })
-            .collect();
+        self.candidates.clear();
+        let hits = self.due.iter().filter(|due| !due.release);
+        hits.for_each(|due| self.candidates.push(due.contact, 0.0, Some(due.barrier), None));
+    }
+
+    /// Moves to what is due at `s`, not before `floor`: the parts that feel it, in the middle of the window, or the base. The instant, and which parts.
+    pub(crate) fn arrive(&mut self, s: f64, floor: f64) -> (f64, Option<Vec<Part>>) {
+        let whole = |motion: &mut Self, s: f64| {
+            motion.rebase(s);
+            (s, None)
+        };
+        let Flight::Local(flight) = &mut self.flight else { return whole(self, s) };
+        let scale = flight.local.scale;
+        let Some(parts) = flight.parts(&self.due, s * scale).filter(|_| self.ledger.is_none()) else {
+            return whole(self, s);
+        };
+        // A flight that repeats would repeat its rounding.
+        let s = (s + s * (DITHER * spread(&mut self.seed))).max(floor);
+        let turned = self.system.loads.later(&flight.turned, s);
+        parts.iter().for_each(|&part| flight.carry(&mut self.places, part, s * scale, &turned));
+        self.is_apart = true;
+        if self.due.iter().all(|due| self.bounces(due)) {
+            return (s, Some(parts));
+        }
+        self.is_apart = false;
+        self.move_base(s);
+        (s, None)
+    }
+
+    /// Starts new series of parts that are at `s`.
+    pub(crate) fn restart(&mut self, parts: &[Part], s: f64) {
+        self.is_apart = false;
+        let Self { flight: Flight::Local(flight), system, places, candidates, work, .. } = self else { return };
+        for &part in parts {
+            work.restarts += 1;
+            ranges(part, places.len()).into_iter().flat_map(|(masses, _)| masses).for_each(|n| candidates.forget(n));
+            flight.restart(part, s * flight.local.scale, |flight, contact, sweep| {
+                admit((flight, system), (contact, &places[contact]), sweep, candidates);
+            });
+        }
     }
 
     /// Moves the base to `s`.
     pub(crate) fn rebase(&mut self, s: f64) {
+        // A flight that repeats would repeat its rounding.
+        let is_varied = s != 0.0 && self.series.is_none();
+        let s = if is_varied { s * (1.0 + 4.0 * f64::EPSILON * spread(&mut self.seed)) } else { s };
+        self.move_base(s);
+    }
+
+    fn move_base(&mut self, s: f64) {
         if s == 0.0 {
             return;
         }
         let is_held = self.places.iter().any(|place| matches!(place.touch, Contact::Resting(_)));
-        // A flight that repeats would repeat its rounding.
-        let s = if self.series.is_none() { s * (1.0 + 4.0 * f64::EPSILON * spread(&mut self.seed)) } else { s };
         if let Some(mut ledger) = self.ledger.take() {
             let form = ledger.form.clone();
             ledger.flight(self.system.fastest, s, |time| self.powers_at(&form, time));
@@ -386,10 +402,10 @@ impl Motion {
     /// An impulse at a contact, which moves all that share a coordinate with it.
     pub(crate) fn push(&mut self, contact: usize, impulse: f64) {
         self.flight.strike(&self.system, contact, impulse);
-        for (other, place) in self.places.iter_mut().enumerate() {
-            let change = self.system.mobility(other, contact) * impulse;
-            if let Some(v) = place.v.as_mut().filter(|_| change != 0.0) {
-                *v += change;
+        for &(other, mobility) in self.system.sharing(contact) {
+            let place = &mut self.places[other];
+            if let Some(v) = place.v.as_mut().filter(|_| impulse != 0.0) {
+                *v += mobility * impulse;
                 // On its barrier still: it leaves with a velocity now, or hits at once.
                 if let Contact::Leaving(barrier, _) = place.touch {
                     let is_inward = barrier.sign() * *v < 0.0;
@@ -397,5 +413,33 @@ impl Motion {
                 }
             }
         }
+    }
+}
+
+/// Takes a contact up among the candidates, from where parabolas above and below it first meet a barrier.
+fn admit(
+    (flight, system): (&LocalFlight, &System),
+    (contact, place): (usize, &Place),
+    sweep: Sweep,
+    candidates: &mut Candidates,
+) {
+    let [lower, upper] = place.barriers(system, contact);
+    let (watch, after) = match place.touch {
+        Contact::Resting(_) => return,
+        Contact::Leaving(_, 2..) => {
+            let watch = flight.watch(contact, place, [lower, upper]);
+            (Some(watch), watch.tau)
+        }
+        _ => {
+            let Sweep { bend_up, bend_down, .. } = sweep;
+            let [x, v] = [0, 1].map(|k| flight.own(contact, place, k));
+            let up = upper.map_or(f64::INFINITY, |upper| safe_step(upper - x, -v, bend_up));
+            let down = lower.map_or(f64::INFINITY, |lower| safe_step(x - lower, v, -bend_down));
+            (None, up.min(down))
+        }
+    };
+    let key = flight.origin(contact) + after;
+    if key <= flight.horizon {
+        candidates.push(contact, key / flight.local.scale, None, watch);
     }
 }

@@ -2,7 +2,8 @@
 //! forces of other contacts at rest. A contact that comes to rest may take another one's load off: whose force would pull is released at once.
 
 use super::approach::Place;
-use super::motion::Motion;
+use super::flight::Flight;
+use super::motion::{Due, Motion};
 use super::near::Tendencies;
 use crate::cascade::Change;
 use crate::engine::CHATTER_TIME;
@@ -19,16 +20,37 @@ impl Motion {
             return;
         }
         self.places[contact].touch = Contact::Leaving(barrier, 1);
+        if !self.is_apart
+            && let Some(left) = self.chatters(contact, barrier, outward.abs())
+        {
+            self.rest(contact, barrier, left, changes);
+        }
+    }
+
+    /// How soon a contact that leaves its barrier at a speed comes to rest there, if it is pressed back so soon.
+    fn chatters(&self, contact: usize, barrier: Barrier, speed: f64) -> Option<f64> {
         let loss = 1.0 - self.system.structure.contacts()[contact].restitution;
-        if loss > 0.0 {
-            let [acceleration, jerk] = self.tendencies().bends(contact);
-            let (pressing, jerk) = (barrier.sign() * acceleration, jerk.abs());
-            if pressing > 0.0 {
-                let left = 2.0 * outward.abs() / (pressing * loss);
-                if left * (self.system.fastest + jerk / pressing) < CHATTER_TIME {
-                    self.rest(contact, barrier, left, changes);
-                }
-            }
+        if loss <= 0.0 {
+            return None;
+        }
+        let [acceleration, jerk] = self.bends(contact);
+        let (pressing, jerk) = (barrier.sign() * acceleration, jerk.abs());
+        let left = 2.0 * speed / (pressing * loss);
+        (pressing > 0.0 && left * (self.system.fastest + jerk / pressing) < CHATTER_TIME).then_some(left)
+    }
+
+    /// Whether what is due is an impact after which the contact flies: it does not graze, nor come to rest.
+    pub(super) fn bounces(&self, due: &Due) -> bool {
+        let &Due { contact, barrier, release, .. } = due;
+        let after = self.system.structure.contacts()[contact].restitution * self.outward(contact, barrier);
+        !release && after > 0.0 && self.chatters(contact, barrier, after).is_none()
+    }
+
+    /// g″ and g‴ of a contact that moves.
+    pub(crate) fn bends(&self, contact: usize) -> [f64; 2] {
+        match &self.flight {
+            Flight::Local(flight) if self.resting().is_empty() => flight.bends(contact),
+            _ => self.tendencies().bends(contact),
         }
     }
 
@@ -86,6 +108,9 @@ impl Motion {
     /// Lets the forces of all contacts on their barriers agree: releases those at rest that their barriers would have to pull, the strongest
     /// pull first, and puts at rest those that were about to leave and are pressed now that others rest.
     pub(crate) fn let_go(&mut self, changes: &mut Vec<Change>) {
+        if self.is_apart {
+            return;
+        }
         for _ in 0..4 * self.places.len() {
             let is_soft = |place: &Place| matches!(place.touch, Contact::Resting(_) | Contact::Leaving(_, 2..));
             if !self.places.iter().any(is_soft) {

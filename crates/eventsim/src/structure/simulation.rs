@@ -294,14 +294,14 @@ impl StructureSimulation {
         company: &mut impl Company,
     ) -> StructureOutcome {
         let impacts = self.motion.work.impacts.saturating_add(limits.impacts);
-        let flights = self.motion.work.windows.saturating_add(limits.flights);
+        let flights = self.flights().saturating_add(limits.flights);
         let untold = std::mem::take(&mut self.untold);
         let _ = self.tell(&untold, limits, observer);
         loop {
             if self.motion.work.impacts >= impacts {
                 return StructureOutcome::ImpactsReached;
             }
-            if self.motion.work.windows >= flights {
+            if self.flights() >= flights {
                 return StructureOutcome::WorkLimit;
             }
             let is_within = |(xi, reach): (&[f64; 2], &f64)| xi.iter().all(|xi| xi.abs() <= *reach);
@@ -337,9 +337,18 @@ impl StructureSimulation {
         }
     }
 
+    fn flights(&self) -> u64 {
+        self.motion.work.windows + self.motion.work.restarts
+    }
+
     /// Moves the base, and what is kept here with it.
     fn move_on(&mut self, by: f64) {
         self.motion.rebase(by);
+        self.rebased(by);
+    }
+
+    /// What is kept here moves with the base.
+    fn rebased(&mut self, by: f64) {
         self.now = 0.0;
         self.cascades.rebased(by);
     }
@@ -351,8 +360,15 @@ impl StructureSimulation {
         observer: &mut impl FnMut(&ContactEvent),
         company: &mut impl Company,
     ) -> Option<StructureOutcome> {
-        self.move_on(first);
+        let (at, parts) = self.motion.arrive(first, self.now);
+        if parts.is_some() {
+            self.now = at;
+        } else {
+            self.rebased(at);
+        }
+        // Contacts that restart in a part share no coordinates.
         if !self.in_sequence
+            && parts.is_none()
             && let Some((first, second)) = self.motion.conflict()
         {
             // The same events are due once more at the base.
@@ -360,12 +376,15 @@ impl StructureSimulation {
             return Some(StructureOutcome::Simultaneous { first, second });
         }
         let mut changes = Vec::new();
-        company.arrive(&self.motion);
+        company.arrive(&self.motion, self.now);
         let result = self.motion.collide(&mut changes);
         company.meet(&self.motion, &changes);
         let outcome = self.tell(&changes, limits, observer);
-        self.motion.flight.note_event();
-        self.motion.begin();
+        self.motion.flight.note_event(self.now);
+        match parts {
+            Some(parts) => self.motion.restart(&parts, self.now),
+            None => self.motion.begin(),
+        }
         self.stalls = if changes.is_empty() { self.stalls + 1 } else { 0 };
         let stalled = if self.stalls > STALLS { self.motion.due.first().copied() } else { result.err() };
         let cascade =

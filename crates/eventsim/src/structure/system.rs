@@ -45,8 +45,8 @@ pub(crate) struct System {
     pub(crate) origins: Vec<f64>,
     /// The contacts' barriers as they are measured from there.
     stops: Vec<Contact>,
-    /// To all contacts from each, once it is asked for: of a thousand contacts all of it takes seconds.
-    mobility: Vec<OnceLock<Vec<f64>>>,
+    /// Of each contact those that share a coordinate with it, rising, once it is asked for: of a thousand contacts all of it takes seconds.
+    mobility: Vec<OnceLock<Vec<(usize, f64)>>>,
     /// What rounding took from each contact's own, relative to it: the same at every impact, it would add up.
     lost: Vec<f64>,
     /// Largest rate of a mode or of a load.
@@ -152,14 +152,20 @@ impl System {
 
     /// w_iᵀM⁻¹w_j; 0 where they share no coordinate.
     pub(crate) fn mobility(&self, to: usize, from: usize) -> f64 {
-        self.mobility[from].get_or_init(|| self.mobility_from(from))[to]
+        let sharing = self.sharing(from);
+        sharing.binary_search_by_key(&to, |(other, _)| *other).map_or(0.0, |i| sharing[i].1)
     }
 
-    fn mobility_from(&self, from: usize) -> Vec<f64> {
-        if let Some(local) = &self.local {
-            return (0..self.contacts()).map(|to| local.operator.mobility(to, from)).collect();
-        }
+    /// The contacts that share a coordinate with one, itself among them, and w_iᵀM⁻¹w_j.
+    pub(crate) fn sharing(&self, from: usize) -> &[(usize, f64)] {
+        self.mobility[from].get_or_init(|| self.mobility_from(from))
+    }
+
+    fn mobility_from(&self, from: usize) -> Vec<(usize, f64)> {
         let to = |to: usize| {
+            if let Some(local) = &self.local {
+                return local.operator.mobility(to, from);
+            }
             let mobility = self.structure.mobility(to, from);
             // Of complex shapes that nearly meet the terms are larger than the sum.
             let size = self.structure.modes().iter().map(|mode| {
@@ -168,7 +174,7 @@ impl System {
             });
             if mobility.abs() <= ROUNDING * size.sum::<f64>() { 0.0 } else { mobility }
         };
-        (0..self.contacts()).map(to).collect()
+        (0..self.contacts()).map(|other| (other, to(other))).filter(|(_, mobility)| *mobility != 0.0).collect()
     }
 
     /// The impulse that changes the velocity of a contact.

@@ -18,6 +18,7 @@
 //! second order only, as for a chain ([`crate::Tangents`]).
 
 use super::approach::Place;
+use super::flight::Flight;
 use super::modal_flight::ModalFlight;
 use super::motion::Motion;
 use super::series::Series;
@@ -151,8 +152,8 @@ impl StructureTangents {
 
 /// Who is told of events while a run is under way.
 pub(crate) trait Company {
-    /// The run stands just before impacts at its base.
-    fn arrive(&mut self, motion: &Motion);
+    /// The run stands just before impacts at `now` since its base.
+    fn arrive(&mut self, motion: &Motion, now: f64);
 
     /// They have been applied.
     fn meet(&mut self, motion: &Motion, changes: &[Change]);
@@ -162,7 +163,7 @@ pub(crate) trait Company {
 pub(crate) struct Alone;
 
 impl Company for Alone {
-    fn arrive(&mut self, _: &Motion) {}
+    fn arrive(&mut self, _: &Motion, _: f64) {}
 
     fn meet(&mut self, _: &Motion, _: &[Change]) {}
 }
@@ -249,8 +250,13 @@ impl Riders<'_> {
 }
 
 impl Company for Riders<'_> {
-    fn arrive(&mut self, motion: &Motion) {
-        self.fly_to(motion, 0.0);
+    fn arrive(&mut self, motion: &Motion, now: f64) {
+        self.fly_to(motion, now);
+        (self.before, self.forces) = (vec![0.0; motion.places.len()], vec![0.0; motion.places.len()]);
+        if let (Flight::Local(_), true) = (&motion.flight, motion.resting().is_empty()) {
+            motion.due.iter().for_each(|due| self.before[due.contact] = motion.bends(due.contact)[0]);
+            return;
+        }
         // One that comes back to where it was let go is not leaving any more: its acceleration is what it is.
         let arrived = |place: &Place| match place.touch {
             Contact::Resting(_) => *place,
@@ -258,7 +264,6 @@ impl Company for Riders<'_> {
         };
         let places: Vec<Place> = motion.places.iter().map(arrived).collect();
         let tendencies = motion.flight.tendencies(&motion.system, &places);
-        (self.before, self.forces) = (vec![0.0; places.len()], vec![0.0; places.len()]);
         // Of a contact at rest there is none.
         let is_moving = |contact: &usize| !matches!(places[*contact].touch, Contact::Resting(_));
         for contact in motion.due.iter().map(|due| due.contact).filter(is_moving) {

@@ -1,7 +1,7 @@
 //! Flight by local series against flight by modes and against what shares no code.
 
 use nalgebra::{DMatrix, DVector};
-use vibrochain_eventsim::{ContactEvent, EventKind, Limits, StructureOutcome, StructureSimulation};
+use vibrochain_eventsim::{ContactEvent, EventKind, Limits, StructureOutcome, StructureSimulation, StructureTangents};
 use vibrochain_lattice::{Complex, Contact, DampedChain, ModalStructure, RowEnds, Structure};
 use vibrochain_testkit::Random;
 
@@ -161,6 +161,100 @@ fn local_series_fly_as_modes_do() {
     assert!(impacts > 1000 && rests > 20 && quiet > 100, "{impacts} {rests} {quiet}");
 }
 
+/// A long row of any ends in which every mass has stops, and may hit.
+fn row(random: &mut Random) -> (DampedChain, Vec<f64>, Vec<f64>) {
+    let sites = 50 + random.below(30);
+    let uniform = random.chance(0.5);
+    let load = |random: &mut Random| {
+        let phase = random.between(0.0, 6.0);
+        (0..sites).map(|n| C::cis(if uniform { 0.0 } else { phase + 0.3 * n as f64 }) * 0.4).collect::<Vec<C>>()
+    };
+    let stop =
+        Contact { lower: Some(-0.6), upper: Some(random.between(0.5, 1.4)), restitution: random.of(&[0.6, 0.9, 1.0]) };
+    let chain = DampedChain {
+        gamma1: 0.2,
+        gamma2: random.between(0.03, 0.12),
+        damping: random.of(&[0.0, 0.01, 0.1]),
+        coupling_damping: random.of(&[0.0, 0.02]),
+        contacts: (0..sites).map(|n| (vec![(n, 1.0)], stop)).collect(),
+        static_load: if random.chance(0.5) { vec![0.1; sites] } else { Vec::new() },
+        loads: if random.chance(0.7) { vec![(1, load(random)), (2, load(random))] } else { Vec::new() },
+        ..DampedChain::new(sites, RowEnds::ALL[random.below(4)])
+    };
+    let place = (0..sites).map(|_| random.between(-0.4, 0.4)).collect();
+    let velocity = (0..sites).map(|_| if random.chance(0.3) { random.between(-1.5, 1.5) } else { 0.0 }).collect();
+    (chain, place, velocity)
+}
+
+/// What an impact starts anew is a part of the row; the others' series go on.
+#[test]
+fn parts_of_a_row_fly_as_all_modes_do() {
+    let mut random = Random(79);
+    let (mut impacts, mut restarts, mut windows, mut ends) = (0, 0, 0, 0);
+    for round in 0..40 {
+        let (chain, place, velocity) = row(&mut random);
+        let modal = chain.modal().unwrap();
+        let xi = chain.project(&modal, &place, &velocity).unwrap();
+        let of = |structure: ModalStructure| {
+            let mut simulation = StructureSimulation::new(structure, 1.5, 0.4, &xi).unwrap();
+            let (report, events) = simulation.collect(&until(&simulation, 0, 0.8));
+            (report.work, events, simulation)
+        };
+        let ((work, one, local), (_, two, modes)) = (of(modal.clone()), of(of_modes(&modal)));
+        let (count, worst) = compare(&one, &two, &format!("{round}"));
+        assert!(worst < 1e-11, "{round}: {worst:e} of {count}");
+        (impacts, restarts, windows) = (impacts + count, restarts + work.restarts, windows + work.windows);
+        if count == one.len() && count == two.len() {
+            let (a, b) = (local.state(), modes.state());
+            let pairs = a.place.iter().zip(&b.place).chain(a.velocity.iter().zip(&b.velocity));
+            let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-11, "{round}: {apart:e}");
+            ends += 1;
+        }
+    }
+    println!("{impacts} events, {restarts} parts, {windows} windows, {ends} runs to their ends");
+    assert!(
+        impacts > 800 && restarts > 800 && restarts > 2 * windows && ends > 20,
+        "{impacts} {restarts} {windows} {ends}"
+    );
+}
+
+/// Tangent vectors see neither that parts are restarted nor change the run, and are those of flight by modes.
+#[test]
+fn tangents_of_a_row_in_parts_are_those_of_modes() {
+    let mut random = Random(80);
+    let mut compared = 0;
+    for round in 0..12 {
+        let (chain, place, velocity) = row(&mut random);
+        let modal = chain.modal().unwrap();
+        let xi = chain.project(&modal, &place, &velocity).unwrap();
+        let direction: Vec<[f64; 2]> =
+            xi.iter().map(|_| [random.between(-1.0, 1.0), random.between(-1.0, 1.0)]).collect();
+        let of = |structure: &ModalStructure| {
+            let mut simulation = StructureSimulation::new(structure.clone(), 1.5, 0.4, &xi).unwrap();
+            let mut tangents = StructureTangents::of(structure, std::slice::from_ref(&direction)).unwrap();
+            let (limits, mut events) = (until(&simulation, 0, 0.3), Vec::new());
+            let report = simulation.run_with(&mut tangents, &limits, |event| events.push(*event)).unwrap();
+            let grown = tangents.growth()[0].exp();
+            let vector: Vec<f64> = tangents.vector(0).unwrap().iter().flatten().map(|x| x * grown).collect();
+            (report, events, vector, tangents.has_grazed())
+        };
+        let (report, events, vector, grazed) = of(&modal);
+        let mut bare = StructureSimulation::new(modal.clone(), 1.5, 0.4, &xi).unwrap();
+        let (alone, same) = bare.collect(&until(&bare, 0, 0.3));
+        assert_eq!((alone.work, same), (report.work, events.clone()));
+        let (_, others, by_modes, _) = of(&of_modes(&modal));
+        if grazed || events.iter().any(is_slow) || events.len() != others.len() || report.work.restarts == 0 {
+            continue;
+        }
+        let size = vector.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+        let apart = vector.iter().zip(&by_modes).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart < 1e-9 * size, "{round}: {apart:e} of {size}");
+        compared += 1;
+    }
+    assert!(compared >= 4, "{compared}");
+}
+
 /// Exponentials of the state matrix and bisection.
 #[test]
 fn local_series_hit_where_exponentials_and_bisection_hit() {
@@ -191,33 +285,35 @@ fn local_series_hit_where_exponentials_and_bisection_hit() {
     assert!(compared >= 80, "{compared}");
 }
 
-/// Without losses and loads the energy of a ring in which all masses hit stays what it is, and the balance adds up where there are dashpots.
+/// Without losses and loads the energy of a ring in which all masses hit stays what it is, whether all restart or parts, and the balance adds up where there are dashpots.
 #[test]
 fn local_series_keep_the_energy() {
-    for damping in [0.0, 0.02] {
+    for (sites, damping) in [(21, 0.0), (101, 0.0), (21, 0.02)] {
         let stop = Contact { lower: Some(-0.6), upper: Some(1.4), restitution: if damping == 0.0 { 1.0 } else { 0.9 } };
         let chain = DampedChain {
             gamma1: 0.2,
             gamma2: 0.1,
             damping,
-            contacts: (0..21).map(|n| (vec![(n, 1.0)], stop)).collect(),
-            loads: if damping == 0.0 { Vec::new() } else { vec![(1, vec![C::new(0.3, 0.1); 21])] },
-            ..DampedChain::new(21, RowEnds::ALL[0])
+            contacts: (0..sites).map(|n| (vec![(n, 1.0)], stop)).collect(),
+            loads: if damping == 0.0 { Vec::new() } else { vec![(1, vec![C::new(0.3, 0.1); sites])] },
+            ..DampedChain::new(sites, RowEnds::ALL[0])
         };
         let modal = chain.modal().unwrap();
-        let wave = |k: f64| (0..21).map(|n| (f64::from(n) * k).sin()).collect::<Vec<_>>();
+        let wave = |k: f64| (0..sites).map(|n| (n as f64 * k).sin()).collect::<Vec<_>>();
         let xi =
             chain.project(&modal, &wave(1.3).iter().map(|x| 0.4 + 0.5 * x).collect::<Vec<_>>(), &wave(2.1)).unwrap();
         let form = modal.energy_form().unwrap();
         let simulation = StructureSimulation::new(modal, 1.5, 0.0, &xi).unwrap();
         let mut simulation = if damping == 0.0 { simulation } else { simulation.with_balance(form.clone()) };
         let start = form.energy(&xi);
-        let report = simulation.run(&until(&simulation, if damping == 0.0 { 2000 } else { 50 }, 0.0), |_| {});
+        let report =
+            simulation.run(&until(&simulation, if damping == 0.0 { 42_000 / sites as u64 } else { 50 }, 0.0), |_| {});
         assert_eq!(report.outcome, StructureOutcome::TimeReached);
         let change = form.energy(&simulation.state().modes) - start;
         let missing =
             simulation.balance().map_or(change, |balance| change - (balance.work - balance.dashpots - balance.impacts));
-        println!("{} impacts, {missing:e} of {start}", report.work.impacts);
+        println!("{} impacts, {} parts, {missing:e} of {start}", report.work.impacts, report.work.restarts);
+        assert!(sites < 64 || report.work.restarts > report.work.impacts / 2, "{report:?}");
         assert!(report.work.impacts > 500 && missing.abs() < 1e-12 * start, "{report:?} {missing:e}");
     }
 }

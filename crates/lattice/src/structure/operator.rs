@@ -125,19 +125,26 @@ impl SparseOperator {
             Pulls::Alike { ends, stiffness, damping } => {
                 let rows = only.map_or(0..n, |row| row..row + 1);
                 let of_row = |row: usize, [own, between]: [f64; 2]| {
-                    let side = |inside: Option<usize>, end: Ends, far: usize| match (inside, end) {
-                        (Some(other), _) => Some(other),
-                        (None, Ends::Closed) => Some(far),
-                        // Beside a free end stands the mass itself: no spring.
-                        (None, Ends::Free) => Some(row),
-                        (None, Ends::Fixed) => None,
-                    };
-                    let below = side(row.checked_sub(1), ends[0], n - 1);
-                    let above = side(Some(row + 1).filter(|above| *above < n), ends[1], 0);
-                    let sides = [below, above].into_iter().flatten().map(move |other| (row, other, -between));
+                    let sides = sides(row, n, *ends).into_iter().flatten().map(move |other| (row, other, -between));
                     [(row, row, own + 2.0 * between)].into_iter().chain(sides)
                 };
                 [*stiffness, *damping].map(|by| rows.clone().flat_map(|row| of_row(row, by)).collect())
+            }
+        }
+    }
+
+    /// Σ of a row of M⁻¹K, or with `is_damping` of M⁻¹C, times what is known `of` each coordinate.
+    pub fn pull(&self, row: usize, is_damping: bool, of: impl Fn(usize) -> f64) -> f64 {
+        match &self.pulls {
+            Pulls::Bands { stiffness, damping } => {
+                let bands = if is_damping { damping } else { stiffness };
+                bands.row(Some(row)).map(|(_, column, entry)| entry * of(column)).sum()
+            }
+            Pulls::Alike { ends, stiffness, damping } => {
+                let [own, between] = if is_damping { *damping } else { *stiffness };
+                let [below, above] = sides(row, self.masses.len(), *ends).map(|side| side.map_or(0.0, &of));
+                let here = of(row);
+                own * here - between * ((below + above) - 2.0 * here)
             }
         }
     }
@@ -173,6 +180,17 @@ impl SparseOperator {
         };
         projected(modes, mass, damped, place, velocity)
     }
+}
+
+/// Neighbours of a mass in a row; beside a free end it stands itself, with no spring, and beside a fixed one nobody.
+fn sides(row: usize, masses: usize, ends: [Ends; 2]) -> [Option<usize>; 2] {
+    let side = |inside: Option<usize>, end: Ends, far: usize| match (inside, end) {
+        (Some(other), _) => Some(other),
+        (None, Ends::Closed) => Some(far),
+        (None, Ends::Free) => Some(row),
+        (None, Ends::Fixed) => None,
+    };
+    [side(row.checked_sub(1), ends[0], masses - 1), side(Some(row + 1).filter(|above| *above < masses), ends[1], 0)]
 }
 
 /// ξ of modes of a state (q, q′), where M and C are told by what they make of a list.
