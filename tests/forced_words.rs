@@ -1,4 +1,5 @@
-//! Words of two and three impacts under a force: their lists are proved, and their orbits return in a simulated map.
+//! Words of two and three impacts under a force: their lists are proved, and their orbits return in a simulated map. Of longer words lists hold no
+//! orbit of a shorter one.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 use vibrochain_breather::{Finder, OrbitList, Scope, Word};
@@ -57,6 +58,45 @@ fn lists_are_proved_and_their_orbits_return() {
     println!("asked, complete, orbits, physical: {counts:?}");
     let (asked, complete, orbits, physical) = counts;
     assert!(asked == 100 && complete >= 98 && orbits > 60 && physical > 5, "{counts:?}");
+}
+
+/// Two instants that are one to rounding, or a word gone through twice, would be the orbit of a shorter word.
+#[test]
+fn no_orbit_of_a_shorter_word_is_listed() {
+    let (mut random, mut found) = (Random(41), OrbitList::default());
+    let (mut orbits, mut physical) = (0, 0);
+    for round in 0..120 {
+        let Some(model) = random_model(&mut random, [2, 5]) else { continue };
+        let sites = model.chain().sites();
+        let model = match round % 2 {
+            0 => model,
+            _ => Model::conservative(*model.chain(), model.omega(), model.asymmetry()).unwrap(),
+        };
+        let letters: Vec<String> = (0..4)
+            .map(|i| format!("{}{}", (i + random.below(2)) % sites, if random.chance(0.4) { '+' } else { '-' }))
+            .collect();
+        let word: Word = letters.join(",").parse().unwrap();
+        let mut finder = Finder::new(sites);
+        if finder.find_word(&model, &word, Scope::All, &mut found).is_err() {
+            continue;
+        }
+        for orbit in &found.orbits {
+            let (period, impacts) = (orbit.period(), orbit.impacts());
+            let ends = impacts[1..].iter().map(|impact| impact.time).chain([period]);
+            let least = impacts.iter().zip(ends).map(|(impact, end)| end - impact.time).fold(period, f64::min);
+            assert!(least > 1e-9 * period, "{word} {model}: {least:e}");
+            let alike = |i: usize, j: usize| {
+                (impacts[i].site, impacts[i].barrier) == (impacts[j].site, impacts[j].barrier)
+                    && (impacts[i].impulse - impacts[j].impulse).abs() < 1e-9
+                    && (impacts[j].time - impacts[i].time - 0.5 * period).abs() < 1e-9 * period
+            };
+            assert!(!(alike(0, 2) && alike(1, 3)), "{word} {model}");
+            orbits += 1;
+            physical += usize::from(finder.admissibility(orbit).unwrap().is_physical());
+        }
+    }
+    println!("{orbits} orbits, {physical} physical");
+    assert!(orbits >= 15, "{orbits}");
 }
 
 #[test]

@@ -112,8 +112,7 @@ pub enum NoBreather {
     LossWithoutForce,
     /// The family lives under a force only.
     NeedsForce,
-    /// Without force and with both instants alike: only half a period apart do they solve, which is the orbit of one instant at twice
-    /// the frequency.
+    /// What solves the conditions is the orbit of a part of the word, gone through several times.
     RepeatsSooner,
     /// γ₁ = 0 and a word with net impulse: nothing would hold the ring in place.
     NetImpulse,
@@ -149,7 +148,7 @@ impl fmt::Display for NoBreather {
             Self::RepeatsSooner => {
                 write!(
                     f,
-                    "only half a period apart can its two instants be, and they are alike: that is the orbit of one of them, at twice the frequency"
+                    "what meets its conditions is the orbit of a part of the word, gone through several times: ask for that part at its frequency"
                 )
             }
             Self::NetImpulse => {

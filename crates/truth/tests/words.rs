@@ -237,6 +237,8 @@ fn words_without_an_answer_say_why() {
     assert_eq!(none(0.0, 1.0, 0.0, "0+3+"), Ok(Some(NoBreather::NetImpulse)));
     assert_eq!(none(0.0, 1.0, 0.2, "0+,3+,4-"), Ok(Some(NoBreather::NothingPushes)));
     assert_eq!(none(0.0, 1.0, 0.2, "0+,3+,4-,4+,4+"), Ok(Some(NoBreather::NoStart)));
+    assert_eq!(none(0.0, 1.0, 0.2, "0+3+,0-3-,0+3+,0-3-"), Ok(Some(NoBreather::RepeatsSooner)));
+    assert_eq!(none(0.0, 1.0, 0.2, "0+,0-,0+,0-"), Ok(Some(NoBreather::RepeatsSooner)));
     assert!(matches!(none(0.1, 0.9, 0.2, "0-,0-,0-,3-"), Ok(Some(NoBreather::NotSearched(_)))));
     assert!(matches!(none(0.0, 1.0, 0.2, "0+7+"), Err(BreatherError::Word(_))));
 }

@@ -82,16 +82,24 @@ pub(crate) fn list(there: Result<Orbit, Ended>, found: &mut OrbitList) {
 
 /// Whether two orbits of one word differ by hardly more than rounding, whichever of its impacts each begins with.
 fn is_same(one: &Orbit, other: &Orbit) -> bool {
+    (0..other.impacts().len()).any(|turn| is_same_from(one, other, turn))
+}
+
+/// Whether it is an orbit of a shorter period, gone through several times.
+pub(crate) fn repeats_sooner(orbit: &Orbit) -> bool {
+    (0..orbit.impacts().len()).any(|turn| orbit.impacts()[turn].time > 0.0 && is_same_from(orbit, orbit, turn))
+}
+
+/// The same with the other orbit begun at its impact number `turn`.
+fn is_same_from(one: &Orbit, other: &Orbit, turn: usize) -> bool {
     let (period, clock) = (one.period(), one.model().period());
     let close = |x: f64, y: f64| (x - y).abs() <= SAME;
-    let (impacts, n) = (other.impacts(), other.impacts().len());
-    (0..n).any(|turn| {
-        let start = impacts[turn].time;
-        time_between(one.psi_or_zero(), other.psi_or_zero() + start, clock) <= SAME * clock
-            && one.impacts().iter().zip(impacts.iter().cycle().skip(turn)).all(|(one, other)| {
-                (one.site, one.barrier) == (other.site, other.barrier)
-                    && close(one.impulse, other.impulse)
-                    && time_between(one.time, other.time - start, period) <= SAME * period
-            })
-    })
+    let (impacts, start) = (other.impacts(), other.impacts()[turn].time);
+    let in_phase = one.psi().is_none_or(|psi| time_between(psi, other.psi_or_zero() + start, clock) <= SAME * clock);
+    in_phase
+        && one.impacts().iter().zip(impacts.iter().cycle().skip(turn)).all(|(one, other)| {
+            (one.site, one.barrier) == (other.site, other.barrier)
+                && close(one.impulse, other.impulse)
+                && time_between(one.time, other.time - start, period) <= SAME * period
+        })
 }

@@ -21,6 +21,7 @@ use crate::search::finder::{Finder, OrbitList, Scope};
 use crate::search::screens::radiation::Radiation;
 use crate::search::words::at_contacts::{self, Outcome};
 use crate::search::words::phase_rule;
+use crate::search::words::superpose::repeats_sooner;
 use crate::search::words::uncoupled;
 use crate::word::Word;
 
@@ -130,7 +131,8 @@ impl Finder {
     }
 
     /// The orbits of a word among those of the lattice as a structure. Where that list is not proved, those that branches from masses without
-    /// coupling, or with hardly any, lead to are in it, too.
+    /// coupling, or with hardly any, lead to are in it, too: in two periods of the force they lead to physical ones that no start does, and the
+    /// structure has none of several impacts at one instant.
     fn of_structure(
         &mut self,
         model: &Model,
@@ -155,8 +157,13 @@ impl Finder {
             true => phase_rule::find(self, model, word.0, found)?,
             false => uncoupled::find(self, model, word, found)?,
         };
+        let reached = found.orbits.len();
+        found.orbits.retain(|orbit| !repeats_sooner(orbit));
         let listed = found.orbits.len();
         Ok(match (at_point, followed) {
+            (Outcome::Started(_), _) if listed == 0 && reached > 0 => {
+                Completeness::not_reached(NoBreather::RepeatsSooner)
+            }
             (Outcome::Proved(searched), _) => Completeness::of(&Searched { listed, ..searched }),
             (_, Err(reason)) if listed == 0 => Completeness::not_reached(reason),
             (_, Ok((starts, left))) if listed == 0 => Completeness::followed(0, starts, left),
