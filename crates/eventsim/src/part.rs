@@ -8,8 +8,10 @@
 
 use std::ops::Range;
 
+use crate::units::ORDERS;
+
 /// Cost of restarting a mass in the middle of a window relative to its share of a whole window; measured.
-pub(crate) const RESTART_COST: f64 = 2.0;
+const RESTART_COST: f64 = 2.0;
 
 /// Least number of neighbours restarted on either side: the derivatives that decide a contact look two masses far.
 pub(crate) const LEAST_REACH: usize = 3;
@@ -18,6 +20,83 @@ pub(crate) const LEAST_REACH: usize = 3;
 /// of that instant. A breather repeats its flights to the bit, and rounding errors that repeat add up; spread over the
 /// neighbouring instants they average out. The impact law corrects for the distance left to the barrier.
 pub(crate) const DITHER: f64 = 8.0 * f64::EPSILON;
+
+/// Events that a mean of their rate goes back.
+const EVENTS: f64 = 16.0;
+
+/// Change of the rate of events, relative, below which the order of the series stays what it was: costs of neighbouring orders differ
+/// by more where they differ at all.
+const SAME_RATE: f64 = 1.0 / 16.0;
+
+/// An order that has been chosen, with its horizon, and for what.
+#[derive(Debug, Clone, Copy)]
+struct Choice {
+    least: u8,
+    rate: f64,
+    order: usize,
+    horizon: f64,
+}
+
+/// How often events come, and the order of series that costs least then.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Pace {
+    /// Events a unit of internal time, a running mean.
+    rate: f64,
+    /// Time since the last event, at the base.
+    since_event: f64,
+    chosen: Option<Choice>,
+}
+
+impl Pace {
+    /// The base moves on.
+    pub(crate) fn pass(&mut self, s: f64) {
+        self.since_event += s;
+    }
+
+    /// Takes note of an event at `s` since the base.
+    pub(crate) fn note_event(&mut self, s: f64) {
+        let flight = self.since_event + s;
+        self.since_event = -s;
+        let mean = if self.rate > 0.0 { 1.0 / self.rate } else { flight };
+        let mean = mean + (flight - mean) / EVENTS;
+        self.rate = if mean > 0.0 { 1.0 / mean } else { 0.0 };
+    }
+
+    /// Horizons are others now.
+    pub(crate) fn choose_anew(&mut self) {
+        self.chosen = None;
+    }
+
+    /// Order and horizon of the next window: least cost a unit of time at the present rate of events. `touched` is the share of all masses that
+    /// restarts with one at any time in a window, if these are few.
+    ///
+    /// A mass that leaves a barrier with a derivative of high order needs a series that has it: `least` orders.
+    pub(crate) fn choose(
+        &mut self,
+        least: u8,
+        horizons: &[f64; ORDERS.len()],
+        touched: impl Fn(f64) -> Option<f64>,
+    ) -> (usize, f64) {
+        let rate = self.rate;
+        let is_same = |chosen: &Choice| chosen.least == least && (rate - chosen.rate).abs() <= SAME_RATE * chosen.rate;
+        if let Some(chosen) = self.chosen.filter(is_same) {
+            return (chosen.order, chosen.horizon);
+        }
+        let cost = |(order, horizon): (usize, f64)| {
+            // Every event restarts all, and the rest of the window is lost …
+            let used = if rate * horizon > 1e-9 { -(-rate * horizon).exp_m1() / rate } else { horizon };
+            // … or its neighbours only.
+            let of_parts = touched(horizon).map_or(f64::INFINITY, |share| 1.0 / horizon + RESTART_COST * rate * share);
+            order as f64 * of_parts.min(1.0 / used)
+        };
+        let last = ORDERS.len() - 1;
+        let choices = ORDERS.into_iter().zip(*horizons).filter(|(order, _)| *order >= usize::from(least));
+        let best = choices.map(|choice| (cost(choice), choice)).min_by(|a, b| a.0.total_cmp(&b.0));
+        let (order, horizon) = best.map_or((ORDERS[last], horizons[last]), |(_, choice)| choice);
+        self.chosen = Some(Choice { least, rate, order, horizon });
+        (order, horizon)
+    }
+}
 
 /// A part of the row: first site and number of masses.
 pub(crate) type Part = (usize, usize);

@@ -26,6 +26,7 @@ use std::collections::BinaryHeap;
 use vibrochain_lattice::Barrier;
 
 use crate::event::Work;
+use crate::part::Pace;
 use crate::queue::Entry;
 use crate::ring::Ring;
 use crate::series::{CORRECTED, Rows};
@@ -36,15 +37,6 @@ use crate::watch::Watch;
 use crate::weights::Weights;
 
 const NONE: u32 = u32::MAX;
-
-/// An order that has been chosen, with its horizon, and for what.
-#[derive(Debug, Clone, Copy)]
-struct Choice {
-    least: u8,
-    rate: f64,
-    order: usize,
-    horizon: f64,
-}
 
 /// A contact that is due.
 #[derive(Debug, Clone, Copy)]
@@ -77,19 +69,15 @@ pub(crate) struct Engine {
     pub(crate) due: Vec<Due>,
     pub(crate) force: [f64; MAX_ORDER + 1],
     pub(crate) weights: Weights,
-    /// Events a unit of internal time, a running mean.
-    pub(crate) event_rate: f64,
+    pub(crate) pace: Pace,
     /// State of the generator ([`spread`]) of the instants of restarts.
     pub(crate) seed: u64,
     /// Masses that leave a barrier, and what rounding took from their series.
     departures: Vec<usize>,
     lost: Vec<(usize, [f64; CORRECTED])>,
-    /// Time since the last event, at the base.
-    pub(crate) since_event: f64,
     /// Horizons of all orders, for velocities up to `horizons_for`.
     horizons: [f64; ORDERS.len()],
     horizons_for: f64,
-    chosen: Option<Choice>,
     fractions: [f64; MAX_ORDER + 1],
     version: Vec<u32>,
     slot: Vec<u32>,
@@ -122,14 +110,12 @@ impl Engine {
             due: Vec::new(),
             force: [0.0; MAX_ORDER + 1],
             weights: Weights::zero(),
-            event_rate: 0.0,
+            pace: Pace::default(),
             seed: 1,
             departures: Vec::new(),
             lost: Vec::new(),
-            since_event: 0.0,
             horizons,
             horizons_for: fastest,
-            chosen: None,
             fractions: [0.0; MAX_ORDER + 1],
             version: vec![0; sites],
             slot: vec![NONE; sites],

@@ -14,7 +14,7 @@ impl Engine {
     /// Restarts the flight at `s` since the base, not before `floor`, with the contacts in `due`. The instant of the
     /// restart, and whether the base has moved there.
     pub(crate) fn restart(&mut self, s: f64, floor: f64, changes: &mut Vec<Change>) -> (f64, bool) {
-        self.note_event(s);
+        self.pace.note_event(s);
         let s = (s + s * (DITHER * spread(&mut self.seed))).max(floor);
         let reach = self.units.reach(self.horizon - s, self.fastest.max(1.0)).max(LEAST_REACH);
         let mut parts = std::mem::take(&mut self.parts);
@@ -102,14 +102,5 @@ impl Engine {
         }
         self.work.bounds += length as u64;
         (self.part_rows, self.resting_columns, self.soft) = (rows, resting, soft);
-    }
-
-    /// Takes note of an event at `s` since the base: a mean over some sixteen events; the rate is its inverse.
-    fn note_event(&mut self, s: f64) {
-        let flight = self.since_event + s;
-        self.since_event = -s;
-        let mean = if self.event_rate > 0.0 { 1.0 / self.event_rate } else { flight };
-        let mean = mean + (flight - mean) / 16.0;
-        self.event_rate = if mean > 0.0 { 1.0 / mean } else { 0.0 };
     }
 }

@@ -39,7 +39,7 @@ impl Engine {
         std::mem::swap(&mut self.ring.v, &mut self.v_next);
         self.ring.free_all_departed();
         self.clock.advance(s);
-        self.since_event += s;
+        self.pace.pass(s);
     }
 
     /// Displacements and velocities (internal) at `s` since the base, within the certified part of the window.

@@ -5,15 +5,14 @@ use std::ops::Range;
 use vibrochain_lattice::Ends;
 use wide::f64x8;
 
-use super::{Choice, Engine, NONE};
+use super::{Engine, NONE};
 use crate::bound;
-use crate::part::RESTART_COST;
 use crate::queue::Entry;
 use crate::ring::Contact;
 use crate::safe_step::safe_step;
 use crate::series::{LANES, eight};
 use crate::stencil::Extent;
-use crate::units::{ORDERS, spread};
+use crate::units::spread;
 use crate::watch::Watch;
 
 /// A mass is cleared if its bound stays this far from the barriers: the rounding of displacements below 2, many times.
@@ -23,45 +22,20 @@ const CLEARANCE: f64 = 64.0 * f64::EPSILON;
 /// leaves a barrier.
 const FEW: usize = 4;
 
-/// Change of the rate of events, relative, below which the order of the series stays what it was: costs of neighbouring orders differ
-/// by more where they differ at all.
-const SAME_RATE: f64 = 1.0 / 16.0;
-
 impl Engine {
-    /// Order and horizon of the next window: least cost a unit of time at the present rate of events.
-    ///
-    /// A mass that leaves a barrier with a derivative of high order needs a series that has it: `least` orders.
+    /// Order and horizon of the next window.
     fn choose_order(&mut self, least: u8) -> (usize, f64) {
-        let rate = self.event_rate;
         if self.fastest > self.horizons_for {
             self.horizons_for = 2.0 * self.fastest;
             self.horizons = self.units.horizons(self.horizons_for);
-        } else if let Some(chosen) = self.chosen
-            && chosen.least == least
-            && (rate - chosen.rate).abs() <= SAME_RATE * chosen.rate
-        {
-            return (chosen.order, chosen.horizon);
+            self.pace.choose_anew();
         }
-        let sites = self.ring.sites() as f64;
-        let mut best = (f64::INFINITY, ORDERS[0], self.horizons[0]);
-        let enough = |order: usize| order >= usize::from(least);
-        for (&order, &horizon) in ORDERS.iter().zip(&self.horizons).filter(|(order, _)| enough(**order)) {
-            let k = order as f64;
-            // Every event restarts the ring, and the rest of the window is lost …
-            let used = if rate * horizon > 1e-9 { -(-rate * horizon).exp_m1() / rate } else { horizon };
-            let mut cost = k * sites / used;
-            // … or its neighbours only.
-            let touched = (2 * self.units.reach(horizon, 1.0) + 3) as f64;
-            if self.units.is_row && touched < 0.5 * sites {
-                cost = cost.min(k * (sites / horizon + RESTART_COST * rate * touched));
-            }
-            if cost < best.0 {
-                best = (cost, order, horizon);
-            }
-        }
-        let (_, order, horizon) = best;
-        self.chosen = Some(Choice { least, rate, order, horizon });
-        (order, horizon)
+        let (units, sites) = (&self.units, self.ring.sites() as f64);
+        let touched = |horizon: f64| {
+            let share = (2 * units.reach(horizon, 1.0) + 3) as f64 / sites;
+            (units.is_row && share < 0.5).then_some(share)
+        };
+        self.pace.choose(least, &self.horizons, touched)
     }
 
     /// Expands and bounds the whole ring from the base.

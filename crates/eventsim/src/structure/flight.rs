@@ -91,7 +91,7 @@ impl Flight {
     /// Takes note of an event at `s`.
     pub(crate) fn note_event(&mut self, s: f64) {
         if let Self::Local(flight) = self {
-            flight.note_event(s);
+            flight.pace.note_event(s * flight.local.scale);
         }
     }
 }

@@ -8,16 +8,13 @@ use super::near::Tendencies;
 use super::series::LOW;
 use super::system::System;
 use crate::bound::{self, Group, TAIL};
-use crate::part::RESTART_COST;
+use crate::part::Pace;
 use crate::ring::Contact;
 use crate::series::{LANES, Rows};
-use crate::units::{MAX_ORDER, ORDERS, REMAINDER, spread};
+use crate::units::{MAX_ORDER, REMAINDER, spread};
 use crate::watch::{self, Watch};
 use crate::weights::Weights;
 use vibrochain_lattice::{Barrier, Complex};
-
-/// Events that a mean of their rate goes back.
-const EVENTS: f64 = 16.0;
 
 /// Coordinates at the base, and their series from there.
 #[derive(Debug, Clone)]
@@ -36,9 +33,7 @@ pub(crate) struct LocalFlight {
     pub(super) part_rows: Rows,
     /// Length of the window, internal, since the base.
     pub(super) horizon: f64,
-    /// Events a unit of internal time, and time since the last.
-    event_rate: f64,
-    since_event: f64,
+    pub(super) pace: Pace,
     next: [Vec<f64>; 2],
     /// Bounds of eight coordinates each over the window.
     groups: Vec<Group>,
@@ -119,8 +114,7 @@ impl LocalFlight {
             moved: Vec::new(),
             part_rows: Rows::default(),
             horizon: 0.0,
-            event_rate: 0.0,
-            since_event: 0.0,
+            pace: Pace::default(),
             next: [vec![0.0; n], vec![0.0; n]],
             groups: Vec::new(),
         }
@@ -185,19 +179,9 @@ impl LocalFlight {
     /// Starts a window: its length. A contact that leaves a barrier with a derivative of high order needs a series that has it: `least` orders.
     pub(crate) fn begin(&mut self, system: &System, places: &[Place], least: u8, seed: &mut u64) -> f64 {
         let local = self.local.clone();
-        let rate = self.event_rate;
-        let cost = |(order, horizon): (usize, f64)| {
-            // Every event restarts all, and the rest of the window is lost …
-            let used = if rate * horizon > 1e-9 { -(-rate * horizon).exp_m1() / rate } else { horizon };
-            let of_all = 1.0 / used;
-            // … or its neighbours only.
-            let touched = self.touched(horizon).map(|touched| touched as f64 / self.place.len() as f64);
-            let of_parts = touched.map(|touched| 1.0 / horizon + RESTART_COST * rate * touched);
-            order as f64 * of_parts.map_or(of_all, |of_parts| of_parts.min(of_all))
-        };
-        let choices = ORDERS.into_iter().zip(local.horizons).filter(|(order, _)| *order >= usize::from(least));
-        let best = choices.min_by(|a, b| cost(*a).total_cmp(&cost(*b)));
-        let (order, longest) = best.unwrap_or((MAX_ORDER, local.horizons[ORDERS.len() - 1]));
+        let mut pace = std::mem::take(&mut self.pace);
+        let (order, longest) = pace.choose(least, &local.horizons, |horizon| self.touched(horizon));
+        self.pace = pace;
         let mut series = std::mem::take(&mut self.series);
         self.expanded(&mut series, system, places, order);
         let row = |k: usize| local.largest(series.rows.row(k, 0));
@@ -394,15 +378,6 @@ impl LocalFlight {
         self.moved.drain(..).for_each(|n| self.origin[n] = 0.0);
         self.now.clone_from(&turned);
         self.turned = turned;
-        self.since_event += s * self.local.scale;
-    }
-
-    /// Takes note of an event at `s` since the base.
-    pub(crate) fn note_event(&mut self, s: f64) {
-        let s = s * self.local.scale;
-        let flight = std::mem::replace(&mut self.since_event, -s) + s;
-        let mean = if self.event_rate > 0.0 { 1.0 / self.event_rate } else { flight };
-        let mean = mean + (flight - mean) / EVENTS;
-        self.event_rate = if mean > 0.0 { 1.0 / mean } else { 0.0 };
+        self.pace.pass(s * self.local.scale);
     }
 }

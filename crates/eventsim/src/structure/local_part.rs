@@ -18,11 +18,11 @@ use vibrochain_lattice::{Complex, Ends};
 const JUMP: f64 = 4.0;
 
 impl LocalFlight {
-    /// How many masses restart with one after `time`, if there are fewer than half of all.
-    pub(super) fn touched(&self, time: f64) -> Option<usize> {
+    /// The share of all masses that restarts with one at any time in a window, if it is less than half.
+    pub(super) fn touched(&self, horizon: f64) -> Option<f64> {
         let (_, coupling) = self.local.row().filter(|_| self.is_direct)?;
-        let touched = 2 * reach(coupling, time, JUMP) + 3;
-        (2 * touched < self.place.len()).then_some(touched)
+        let touched = 2 * reach(coupling, horizon, JUMP) + 3;
+        Some(touched as f64 / self.place.len() as f64).filter(|share| *share < 0.5)
     }
 
     /// The parts that feel contacts which are due at `s` since the base in internal time; `None`: all masses do, or are to be restarted anyway.
