@@ -17,6 +17,13 @@ pub(crate) fn sort<O, I>(
 ) {
     orbits.sort_by(|one, other| {
         let [own, others] = [frame(one), frame(other)];
+        // Most of them differ in φ by far more than a step.
+        if let ([_, a, ..], [_, b, ..]) = (impacts(one), impacts(other)) {
+            let ([a, b], room) = ([a, b].map(&time), 4.0 * own.0 / STEPS as f64);
+            if own.0 == others.0 && (a - b).abs() > room && a.max(b) < own.0 - room {
+                return a.total_cmp(&b);
+            }
+        }
         let [one, other] = [(one, own), (other, others)]
             .map(|(orbit, (period, psi))| steps(impacts(orbit).iter().skip(1).map(&time).chain(psi), period));
         one.cmp(other).then(own.0.total_cmp(&others.0))
