@@ -6,6 +6,7 @@ use vibrochain_lattice::{Barrier, Complex};
 use crate::equations::linear::{Factors, Matrix, Vector, zeros};
 use crate::structures::equations::{Equations, Point, Strike};
 use crate::structures::error::StructureOrbitError;
+use crate::structures::periodic_kernel::UNIT;
 
 /// Where Newton's method begins.
 pub(super) struct Start {
@@ -145,7 +146,18 @@ impl Impacts<'_> {
         let own = |x: &Vector, row: usize| self.equations.mobility(self.letters[row - laws].0) * x[row - laws].abs();
         let misfits = [&base, &moved].map(|x| linear.misfit(size - 1, x, |row| own(x, row)));
         let along = moved.iter().zip(&base).map(|(a, b)| a - b).collect();
-        Ok(Some(Line { base, along, misfit: misfits[0].max(misfits[1]) }))
+        let unit = |row: usize| -> Vector { (0..size).map(|i| f64::from(u8::from(i == row))).collect() };
+        let of_phase: Vector = (0..size - 1)
+            .map(|row| best.solve(&unit(row)))
+            .map(|moved| moved[size - 2].hypot(moved[size - 1]))
+            .collect();
+        let blurs = [&base, &moved].map(|x| {
+            let of_row = |(row, moved): (usize, &f64)| {
+                moved * (linear.size(row, x) + if row < laws { 0.0 } else { own(x, row) })
+            };
+            UNIT * of_phase.iter().enumerate().map(of_row).sum::<f64>()
+        });
+        Ok(Some(Line { base, along, misfit: misfits[0].max(misfits[1]), blur: blurs[0].max(blurs[1]) }))
     }
 
     /// Both phases where that line meets the circle.
@@ -162,6 +174,8 @@ pub(super) struct Line {
     along: Vector,
     /// The largest residual of the equations that are left, as a part of the sum of the moduli of their terms.
     pub(super) misfit: f64,
+    /// What rounding of the equations makes of (c, s): under a load that hardly moves the contacts all that they are.
+    blur: f64,
 }
 
 impl Line {
@@ -181,7 +195,14 @@ impl Line {
 
     /// Whether the line meets the circle twice or does not meet it, whatever rounding has done to it.
     pub(super) fn is_decided(&self) -> bool {
-        self.foot().is_some_and(|[distance, ..]| (distance - 1.0).abs() > GRAZES)
+        self.foot().is_some_and(|[distance, ..]| (distance - 1.0).abs() > GRAZES) && self.is_sharp()
+    }
+
+    /// The same as far as rounding of the equations alone goes.
+    pub(super) fn is_sharp(&self) -> bool {
+        let blurred =
+            |[distance, foot, _]: [f64; 3]| (distance - 1.0).abs() <= ((1.0 - foot).abs() + foot.abs()) * self.blur;
+        !self.foot().is_some_and(blurred)
     }
 
     /// The two points of the line with c² + s² = 1. They are worked out from the line's distance from 0, not from a quadratic equation: where the line
@@ -211,12 +232,17 @@ impl Linear {
         Matrix::from_fn(self.columns, |i, j| self.rows[i][j])
     }
 
+    /// The sum of the moduli of the terms of an equation.
+    fn size(&self, number: usize, x: &[f64]) -> f64 {
+        self.rows[number].iter().zip(x).map(|(entry, x)| (entry * x).abs()).sum::<f64>() + self.right[number].abs()
+    }
+
     /// The largest residual that x leaves of equations number `first` and later, as a part of the sum of the moduli of their terms; `own` is the size
     /// of terms that cancel within an entry.
     fn misfit(&self, first: usize, x: &[f64], own: impl Fn(usize) -> f64) -> f64 {
         let of_row = |number: usize| {
             let terms = || self.rows[number].iter().zip(x).map(|(entry, x)| entry * x).chain([-self.right[number]]);
-            let size = terms().map(f64::abs).sum::<f64>() + own(number);
+            let size = self.size(number, x) + own(number);
             if size > 0.0 { terms().sum::<f64>().abs() / size } else { 0.0 }
         };
         (first..self.rows.len()).map(of_row).fold(0.0, f64::max)

@@ -249,7 +249,8 @@ impl Impacts<'_> {
         match (self.letters.len(), self.equations.forced) {
             (1, true) if single => {
                 let points = self.on_a_line(&[0.0])?;
-                Ok((points, CLOSED_FORM))
+                let blurred = self.line(&[0.0])?.is_some_and(|line| !line.is_sharp());
+                Ok((points, StructureSearch::ClosedForm { unresolved: usize::from(blurred) }))
             }
             (1, false) => {
                 let x = self.linear(&[0.0])?.solve().ok_or(StructureOrbitError::Singular)?;
