@@ -49,31 +49,26 @@ pub(crate) fn find(
         Err(StructureOrbitError::Stopped(stopped)) => return Err(stopped.into()),
         Err(_) => return Ok(Outcome::Started(0)),
     };
-    let mut searched = match search {
-        StructureSearch::ClosedForm { unresolved } => Searched { unresolved, ..Searched::default() },
-        StructureSearch::Enclosures { intervals, unresolved } => {
-            Searched { intervals, unresolved, ..Searched::default() }
-        }
-        StructureSearch::BranchAndPrune { boxes, unresolved } => Searched { boxes, unresolved, ..Searched::default() },
-        StructureSearch::HalfPeriod => Searched { unresolved: 1, ..Searched::default() },
-        StructureSearch::Scan { places: starts } | StructureSearch::Starts { starts } => {
-            for orbit in &orbits {
-                if let Some(orbit) = orbit_of(finder, model, (&masses, periods), orbit)? {
-                    list(Ok(orbit), found);
-                }
-            }
-            return Ok(Outcome::Started(starts));
-        }
-    };
+    let mut lost = 0;
     for orbit in &orbits {
         match orbit_of(finder, model, (&masses, periods), orbit)? {
             Some(orbit) => list(Ok(orbit), found),
-            None => searched.lost += 1,
+            None => lost += 1,
         }
     }
-    (searched.listed, searched.reason) =
-        (found.orbits.len(), found.orbits.is_empty().then_some(NoBreather::NothingPushes));
-    Ok(Outcome::Proved(searched))
+    let reason = found.orbits.is_empty().then_some(NoBreather::NothingPushes);
+    let proved = Searched { listed: found.orbits.len(), lost, reason, ..Searched::default() };
+    Ok(match search {
+        StructureSearch::ClosedForm { unresolved } => Outcome::Proved(Searched { unresolved, ..proved }),
+        StructureSearch::Enclosures { intervals, unresolved } => {
+            Outcome::Proved(Searched { intervals, unresolved, ..proved })
+        }
+        StructureSearch::BranchAndPrune { boxes, unresolved } => {
+            Outcome::Proved(Searched { boxes, unresolved, ..proved })
+        }
+        StructureSearch::HalfPeriod => Outcome::Proved(Searched { unresolved: 1, ..proved }),
+        StructureSearch::Scan { places: starts } | StructureSearch::Starts { starts } => Outcome::Started(starts),
+    })
 }
 
 /// The lattice with contacts at these masses.

@@ -162,9 +162,13 @@ impl Impacts<'_> {
 
     /// Both phases where that line meets the circle.
     pub(super) fn on_a_line(&self, times: &[f64]) -> Result<Vec<Start>, StructureOrbitError> {
-        let line = self.line(times)?;
-        let start = |line: &Line, x: &Vector| Start { point: self.point(times, x), is_zero: line.holds() };
-        Ok(line.map_or_else(Vec::new, |line| line.on_the_circle().iter().map(|x| start(&line, x)).collect()))
+        Ok(self.line(times)?.map_or_else(Vec::new, |line| self.starts_on(&line, times)))
+    }
+
+    /// The same of a line that is known.
+    pub(super) fn starts_on(&self, line: &Line, times: &[f64]) -> Vec<Start> {
+        let start = |x: &Vector| Start { point: self.point(times, x), is_zero: line.holds() };
+        line.on_the_circle().iter().map(start).collect()
     }
 }
 

@@ -248,9 +248,10 @@ impl Impacts<'_> {
         let single = self.equations.single().is_some();
         match (self.letters.len(), self.equations.forced) {
             (1, true) if single => {
-                let points = self.on_a_line(&[0.0])?;
-                let blurred = self.line(&[0.0])?.is_some_and(|line| !line.is_sharp());
-                Ok((points, StructureSearch::ClosedForm { unresolved: usize::from(blurred) }))
+                let line = self.line(&[0.0])?;
+                let unresolved = usize::from(line.as_ref().is_some_and(|line| !line.is_sharp()));
+                let points = line.map_or_else(Vec::new, |line| self.starts_on(&line, &[0.0]));
+                Ok((points, StructureSearch::ClosedForm { unresolved }))
             }
             (1, false) => {
                 let x = self.linear(&[0.0])?.solve().ok_or(StructureOrbitError::Singular)?;
