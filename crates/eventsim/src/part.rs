@@ -83,7 +83,7 @@ impl Pace {
             return (chosen.order, chosen.horizon);
         }
         let cost = |(order, horizon): (usize, f64)| {
-            // Every event restarts all, and the rest of the window is lost …
+            // If every event restarts all masses, the rest of the window is lost …
             let used = if rate * horizon > 1e-9 { -(-rate * horizon).exp_m1() / rate } else { horizon };
             // … or its neighbours only.
             let of_parts = touched(horizon).map_or(f64::INFINITY, |share| 1.0 / horizon + RESTART_COST * rate * share);

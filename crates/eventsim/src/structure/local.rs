@@ -164,7 +164,7 @@ impl Local {
             equilibrium,
             gravity,
             growth: Growth { rate, forced },
-            // No longer than bounds allow that know rates of rows alone.
+            // The bound of all masses uses nothing but the rates of rows: the window is no longer than it allows.
             horizons: ORDERS.map(horizon).map(|horizon| horizon.min(4.0 / rate)),
             inverse_factorial,
             inverse: std::array::from_fn(|k| 1.0 / k.max(1) as f64),

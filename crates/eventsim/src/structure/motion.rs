@@ -58,7 +58,7 @@ pub(crate) struct Motion {
     pub(crate) work: Work,
     pub(crate) ledger: Option<Ledger>,
     candidates: Candidates,
-    /// What is due is met by parts, and none rests or leaves its barrier with a derivative of high order.
+    /// Impacts that are due restart parts of the row alone: none of their contacts rests, or leaves its barrier with a derivative of high order.
     pub(super) is_apart: bool,
     shares: Vec<Share>,
     seed: u64,

@@ -156,7 +156,7 @@ impl System {
         sharing.binary_search_by_key(&to, |(other, _)| *other).map_or(0.0, |i| sharing[i].1)
     }
 
-    /// The contacts that share a coordinate with one, itself among them, and w_iᵀM⁻¹w_j.
+    /// The contacts j that share a coordinate with contact `from`, itself among them, and wᵀM⁻¹w_j of each.
     pub(crate) fn sharing(&self, from: usize) -> &[(usize, f64)] {
         self.mobility[from].get_or_init(|| self.mobility_from(from))
     }

@@ -154,7 +154,8 @@ impl ModalStructure {
         Self { operator: operator.map(Arc::new), ..self }
     }
 
-    /// The same motion by what pulls at each coordinate; `None` of modes alone, of masses that are coupled, and where modes are left out.
+    /// The equations of motion by coordinates, with what pulls at each. `None` where only modes are given, where some modes are left out, and where the
+    /// mass matrix is not diagonal.
     pub fn operator(&self) -> Option<&Arc<SparseOperator>> {
         self.operator.as_ref()
     }

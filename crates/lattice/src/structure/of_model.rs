@@ -12,7 +12,7 @@ use crate::modes::row::RowEnds;
 
 impl Model {
     /// Its lattice as a structure with a contact at each of these masses, in their order, between the model's barriers; the force is a load on all
-    /// masses. Of the modes nothing is kept but what these masses see.
+    /// masses. Each mode keeps its shape at these masses alone.
     ///
     /// # Errors
     /// [`StructureError`] where there is no mass, or none of that number.
