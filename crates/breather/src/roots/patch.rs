@@ -58,11 +58,6 @@ impl Patch {
         Self { model: self.model.widened(doubt), rounding: self.rounding + doubt, ..self }
     }
 
-    /// The same on a rectangle of another width in a direction that the function does not depend on.
-    pub(crate) fn on(self, radius: [f64; 2]) -> Self {
-        Self { model: Taylor { radius, ..self.model }, ..self }
-    }
-
     pub(crate) fn scaled(self, factor: f64) -> Self {
         let size = factor.abs();
         Self {

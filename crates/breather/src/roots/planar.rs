@@ -133,13 +133,6 @@ struct Search<'a, P: Planar> {
 }
 
 impl PlanarZeros {
-    /// Forgets what was found and spent, but keeps the memory.
-    pub(crate) fn clear(&mut self) {
-        self.simple.clear();
-        self.unresolved.clear();
-        (self.exhausted, self.boxes, self.evaluations) = (0, 0, 0);
-    }
-
     /// Finds the zeros on `x` × `y`, cut into `pieces` to begin with. x is resolved relative to itself, down to `finest`;
     /// 0 is a boundary where it lies inside.
     pub(crate) fn find<P: Planar>(&mut self, problem: &P, x: [f64; 2], y: [f64; 2], pieces: [usize; 2], finest: f64) {

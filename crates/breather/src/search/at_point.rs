@@ -1,14 +1,16 @@
 //! All orbits of a family at a point: which closed form or enclosure finds them, and what is told of them.
 
-use vibrochain_lattice::{Barrier, Model, Wave};
+use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Stop, Wave};
 
 use crate::equations::newton::{STEPS, polish};
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::orbit::{Draft, Family, Orbit};
+use crate::roots::interval::Zeros;
+use crate::search::as_structure;
 use crate::search::completeness::{Completeness, Searched};
-use crate::search::families::forced_harmonics::{Forced, Searches};
+use crate::search::families::forced_double::{self, Forced};
 use crate::search::families::pattern::Pattern;
-use crate::search::families::{conservative, forced_double, forced_harmonics, forced_single, two_instants};
+use crate::search::families::{conservative, forced_single, two_instants};
 use crate::search::finder::{Finder, OrbitList, Scope};
 use crate::search::screens::forced_places;
 use crate::search::screens::radiation::Radiation;
@@ -55,7 +57,6 @@ impl Finder {
         self.stop.heard()?;
         self.zeros.clear();
         self.kernel_grid.clear();
-        self.plane.clear();
         let conservative = model.is_conservative();
         let out_of_question = match (conservative, family) {
             (true, Family::PeriodDoubled) => Some(NoBreather::NeedsForce),
@@ -83,7 +84,7 @@ impl Finder {
         let cosine = steady.as_ref().filter(|_| model.force().cosine_amplitude().is_some()).map(Wave::reach);
         self.prepare_at(model, model.omega() / f64::from(pattern.map_or(1, Pattern::periods)), home)?;
         let (response, motion, earlier) = (&self.response, &mut self.motion, &mut self.earlier);
-        let (zeros, kernel_grid, plane) = (&mut self.zeros, &mut self.kernel_grid, &mut self.plane);
+        let (zeros, kernel_grid, stop) = (&mut self.zeros, &mut self.kernel_grid, &self.stop);
         let judged = wanted.candidates() && conservative;
         let radiation = if judged { *self.radiation.get_or_insert_with(|| Radiation::of(response)) } else { None };
         let (mut failure, mut lost, mut refused) = (None, 0, 0);
@@ -119,7 +120,7 @@ impl Finder {
             }
         };
         let outcome = match (family, pattern, &steady, cosine) {
-            (Family::DoubleSided, _, None, _) => conservative::double_sided(model, response).map(|draft| {
+            (Family::DoubleSided, _, None, _) => Some(conservative::double_sided(model, response).map(|draft| {
                 add(draft);
                 if let Some(radiation) = &radiation {
                     kernel_grid.set(model, response, radiation);
@@ -129,37 +130,44 @@ impl Finder {
                     Scope::Candidates => two_instants::candidates(model, response, kernel_grid, zeros, &mut add),
                     Scope::Symmetric | Scope::SymmetricCandidates => {}
                 }
-            }),
-            (Family::SingleSided, _, None, _) => conservative::single_sided(model, response).map(&mut add),
-            (Family::DoubleSided, _, Some(steady), Some(force)) => {
+            })),
+            (Family::SingleSided, _, None, _) => Some(conservative::single_sided(model, response).map(&mut add)),
+            (Family::DoubleSided, _, Some(_), Some(force)) => {
                 let narrowed = wanted.candidates() && model.chain().is_ring();
                 let places =
                     if narrowed { forced_places::places(kernel_grid, response, (force, model.loss())) } else { None };
                 zeros.intervals += places.map_or(0, |(_, intervals)| intervals);
                 let places = places.map(|(places, _)| places);
-                let forced = Forced { model, response, steady };
-                forced_double::double_sided(&forced, force, &mut Searches { zeros, plane }, places, &mut add)
+                forced_double::double_sided(&Forced { model, response, force, is_last: false }, zeros, places, &mut add)
             }
-            (Family::SingleSided, _, Some(_), Some(force)) => {
+            (Family::SingleSided, _, Some(_), Some(force)) => Some(
                 forced_single::single_sided(model, response, force, Barrier::Lower)
-                    .map(|drafts| drafts.into_iter().for_each(&mut add))
+                    .map(|drafts| drafts.into_iter().for_each(&mut add)),
+            ),
+            (_, Some(pattern), Some(_), Some(force)) => {
+                forced_double::alike(pattern, &Forced { model, response, force, is_last: false }, zeros, &mut add)
             }
-            (_, Some(pattern), Some(steady), Some(force)) => {
-                let forced = Forced { model, response, steady };
-                forced_double::alike(pattern, &forced, force, &mut Searches { zeros, plane }, &mut add)
+            (Family::SingleSided, ..) | (_, Some(_), ..) => None,
+            _ => Some(Err(NoBreather::NotSearched(Unsearched::Unnamed))),
+        };
+        let (mut searched, lower) = (Searched::default(), [Barrier::Lower]);
+        let barriers = pattern.as_ref().map_or(&lower[..], Pattern::barriers);
+        let outcome = match outcome {
+            Some(outcome) => outcome,
+            None if response.static_stiffness() == 0.0 && barriers.iter().all(|barrier| *barrier == barriers[0]) => {
+                Err(NoBreather::NetImpulse)
             }
-            (Family::DoubleSided, _, Some(steady), None) => {
-                let forced = Forced { model, response, steady };
-                forced_harmonics::double_sided(&forced, &mut Searches { zeros, plane }, &mut add)
+            // Several harmonics, and places that E leaves open.
+            None => {
+                zeros.forget();
+                let asked = (family, pattern, barriers);
+                let (drafts, how) = among_contacts((model, response, home), asked, cosine, wanted, (zeros, stop))?;
+                searched = how;
+                let open = how.unresolved + how.exhausted + zeros.unresolved.len() + zeros.exhausted;
+                let outcome = forced_double::outcome(drafts.len(), open);
+                drafts.into_iter().for_each(&mut add);
+                outcome
             }
-            (Family::SingleSided, _, Some(steady), None) => {
-                forced_harmonics::single_sided(&Forced { model, response, steady }, zeros, &mut add)
-            }
-            (_, Some(pattern), Some(steady), None) => {
-                let forced = Forced { model, response, steady };
-                forced_harmonics::alike(pattern, &forced, &mut Searches { zeros, plane }, &mut add)
-            }
-            (Family::Word | Family::PeriodDoubled, ..) => Err(NoBreather::NotSearched(Unsearched::Unnamed)),
         };
         if let Some(error) = failure {
             return Err(error);
@@ -169,19 +177,54 @@ impl Finder {
             if conservative && wanted == Scope::SymmetricCandidates { self.kernel_grid.places().len() } else { 0 };
         let listed = found.orbits.len();
         // A zero without an orbit.
-        let zeros = self.zeros.simple.len() + self.plane.simple.len();
+        let zeros = self.zeros.simple.len();
         found.completeness = Completeness::of(&Searched {
             listed,
             refused,
             lost: lost.max(zeros.saturating_sub(listed + refused)),
-            intervals: self.zeros.intervals,
-            boxes: self.plane.boxes,
-            unresolved: self.zeros.unresolved.len() + self.plane.unresolved.len(),
-            exhausted: self.zeros.exhausted + self.plane.exhausted,
+            intervals: self.zeros.intervals + searched.intervals,
+            unresolved: self.zeros.unresolved.len() + searched.unresolved,
+            exhausted: self.zeros.exhausted + searched.exhausted,
             left_out,
             reason: outcome.err(),
+            ..searched
         });
         found.sort();
         Ok(())
     }
+}
+
+/// The orbits of one mass, number `home`, among those of the lattice as a structure, and what is known of their list. Where that leaves places open
+/// under a cosine, E's list is taken if it is as long: next to a pitchfork its orbits are better, and next to a resonance of a mass without coupling
+/// the flights' equations know more; what is open of theirs stays in `zeros`.
+fn among_contacts(
+    at_home: (&Model, &ImpulseResponse, usize),
+    (family, pattern, barriers): (Family, Option<Pattern>, &[Barrier]),
+    cosine: Option<f64>,
+    wanted: Scope,
+    (zeros, stop): (&mut Zeros, &Stop),
+) -> Result<(Vec<Draft>, Searched), BreatherError> {
+    let (model, response, _) = at_home;
+    let periods = pattern.map_or(1, Pattern::periods);
+    let (drafts, how) = as_structure::of_one_mass(at_home, (family, barriers, periods), wanted, stop)?;
+    let (Some(force), Some(pattern)) = (cosine, pattern) else { return Ok((drafts, how)) };
+    let forced = Forced { model, response, force, is_last: true };
+    if how.unresolved + how.exhausted > 0 {
+        let mut own = Vec::new();
+        let found = |draft| own.push(draft);
+        let _ = if pattern.is_alike() {
+            forced_double::alike(pattern, &forced, zeros, found)
+        } else {
+            forced_double::double_sided(&forced, zeros, None, found)
+        };
+        let knows_more = how.exhausted > 0 && zeros.exhausted == 0;
+        if !knows_more {
+            zeros.forget();
+        }
+        if knows_more || own.len() >= drafts.len() {
+            return Ok((own, if knows_more { Searched::default() } else { how }));
+        }
+    }
+    // With impulses of the chain's own kernels.
+    Ok((drafts.into_iter().map(|draft| forced_double::with_times_of(draft, pattern, &forced)).collect(), how))
 }

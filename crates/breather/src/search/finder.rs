@@ -12,7 +12,6 @@ use crate::error::BreatherError;
 use crate::motion::Motion;
 use crate::orbit::{Family, Orbit, order};
 use crate::roots::interval::Zeros;
-use crate::roots::planar::PlanarZeros;
 use crate::search::completeness::Completeness;
 use crate::search::screens::kernel_grid::KernelGrid;
 use crate::search::screens::radiation::Radiation;
@@ -86,7 +85,6 @@ pub struct Finder {
     pub(crate) kernel_grid: KernelGrid,
     /// Of the impulse response, once it has been asked for.
     pub(crate) radiation: Option<Option<Radiation>>,
-    pub(super) plane: PlanarZeros,
     pub(crate) watch: Watch,
     pub(crate) conservative_modes: ConservativeModes,
     pub(crate) stop: Stop,
@@ -107,7 +105,6 @@ impl Finder {
             zeros: Zeros::default(),
             kernel_grid: KernelGrid::default(),
             radiation: None,
-            plane: PlanarZeros::default(),
             watch: Watch::default(),
             conservative_modes: ConservativeModes::default(),
             stop: Stop::default(),
@@ -118,7 +115,7 @@ impl Finder {
     #[must_use]
     pub fn until(mut self, stop: &Stop) -> Self {
         self.stop = stop.clone();
-        for copy in [&mut self.zeros.stop, &mut self.plane.stop, &mut self.watch.stop] {
+        for copy in [&mut self.zeros.stop, &mut self.watch.stop] {
             *copy = stop.clone();
         }
         self

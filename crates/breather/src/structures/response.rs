@@ -25,6 +25,9 @@ pub(super) struct Response {
     mobilities: Vec<(usize, [f64; 2])>,
 }
 
+/// A harmonic whose motion and acceleration are below this part of another's is none: what it does is less than that one's rounding.
+const NONE: f64 = 1e-20;
+
 /// The error of a mode that a load drives this close to its frequency, relative to that, is carried as one number.
 pub(super) const NEAR: f64 = 1e-3;
 
@@ -41,9 +44,18 @@ impl Response {
     ) -> Result<Self, StructureError> {
         let kernel = PeriodicKernel::new(structure.modes(), felt, hit, period);
         let (mut swings, mut swing_errors) = (Vec::new(), Vec::new());
-        for (place, harmonic) in structure.harmonics().iter().enumerate() {
-            swings.push((f64::from(*harmonic) * omega, structure.steady_at(place, omega)?));
-            swing_errors.push(structure.steady_errors_at(place, omega, NEAR));
+        let all: Vec<(f64, Vec<C>)> = (structure.harmonics().iter().enumerate())
+            .map(|(place, harmonic)| Ok((f64::from(*harmonic) * omega, structure.steady_at(place, omega)?)))
+            .collect::<Result<_, StructureError>>()?;
+        let size = |(rate, swing): &(f64, Vec<C>)| {
+            swing.iter().map(|swing| swing.norm()).fold(0.0, f64::max) * (1.0 + rate.powi(2))
+        };
+        let largest = all.iter().map(size).fold(0.0, f64::max);
+        for (place, one) in all.into_iter().enumerate() {
+            if size(&one) > NONE * largest || largest == 0.0 {
+                swings.push(one);
+                swing_errors.push(structure.steady_errors_at(place, omega, NEAR));
+            }
         }
         let resting = structure.still();
         let moved: Vec<_> = structure.modes().iter().zip(&resting).filter(|(_, xi)| **xi != [0.0; 2]).collect();

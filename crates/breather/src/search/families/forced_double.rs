@@ -10,19 +10,17 @@
 //! double-sided, a = 0    E = H² (χ₃² − Ã²F²)
 //! ```
 //!
-//! such a pair, real or not, is a double zero of E; with little loss its two zeros are closer than can be told apart. In the
-//! plane of φ and ψ they are apart, so that whatever E leaves unresolved is searched for there (`forced_harmonics`).
-//! There, a double zero is a fold.
+//! such a pair, real or not, is a double zero of E; with little loss its two zeros are closer than can be told apart. What E leaves unresolved is
+//! sought among the orbits of the lattice as a structure (`as_structure`).
 
 use std::f64::consts::FRAC_PI_2;
 
 use smallvec::SmallVec;
-use vibrochain_lattice::Model;
+use vibrochain_lattice::{ImpulseResponse, Model};
 
 use crate::error::NoBreather;
 use crate::orbit::Draft;
 use crate::roots::interval::Zeros;
-use crate::search::families::forced_harmonics::{self, Forced, Searches, outcome};
 use crate::search::families::forced_single::amplitude_for;
 use crate::search::families::one_mass::OneMass;
 use crate::search::families::pattern::Pattern;
@@ -30,15 +28,25 @@ use crate::search::families::two_impacts::{
     SYMMETRIC, SYMMETRIC_GUARD, TwoImpactSolution, TwoImpacts, shortest_flight,
 };
 
-/// All double-sided solutions under a cosine whose motion reaches `force`; with `places` those whose |δ| is in one of them.
+/// A chain whose mass moves by a cosine of this amplitude under the force alone.
+#[derive(Clone, Copy)]
+pub(crate) struct Forced<'a> {
+    pub(crate) model: &'a Model,
+    /// Of the orbit's period.
+    pub(crate) response: &'a ImpulseResponse,
+    pub(crate) force: f64,
+    /// A list with open places is better than none.
+    pub(crate) is_last: bool,
+}
+
+/// All double-sided solutions; with `places` those whose |δ| is in one of them. `None` where that leaves places open, unless it is the last way.
 pub(crate) fn double_sided(
     forced: &Forced<'_>,
-    force: f64,
-    searches: &mut Searches<'_>,
+    zeros: &mut Zeros,
     places: Option<&[(f64, f64)]>,
     mut found: impl FnMut(Draft),
-) -> Result<(), NoBreather> {
-    let &Forced { model, response, .. } = forced;
+) -> Option<Result<(), NoBreather>> {
+    let &Forced { model, response, force, is_last } = forced;
     let (omega, q, a) = (model.omega(), model.loss(), model.asymmetry());
     let problem = TwoImpacts::new(Pattern::DOUBLE_SIDED, model, response, force);
     let half = 0.5 * response.period();
@@ -47,16 +55,11 @@ pub(crate) fn double_sided(
     let symmetric = q * a * (response.static_stiffness() * d).abs() <= SYMMETRIC;
     let guard = if symmetric { SYMMETRIC_GUARD * half } else { 0.0 };
     let ranges = ranges(places.unwrap_or(&[(0.0, half)]), guard, edge);
-    let alone = search(&problem, model, searches.zeros, &ranges, if places.is_some() { 1 } else { LEAST });
-    if !searches.zeros.unresolved.is_empty() {
-        let in_plane = |searches: &mut Searches<'_>, drafts: &mut Vec<Draft>| {
-            forced_harmonics::double_sided(forced, searches, |draft| drafts.push(draft))
-        };
-        if let Some(outcome) = by_plane(searches, alone.is_some(), in_plane, &mut found) {
-            return outcome;
-        }
+    let least = if places.is_some() { 1 } else { LEAST };
+    let alone = search(&problem, model, zeros, &ranges, least);
+    if !(zeros.unresolved.is_empty() || is_last) {
+        return None;
     }
-    let zeros = &*searches.zeros;
     let mut emit = |solution: TwoImpactSolution| found(draft(&problem, &solution));
     let mut count = 0;
     if symmetric {
@@ -70,12 +73,17 @@ pub(crate) fn double_sided(
         if count + zeros.simple.len() + zeros.exhausted == 0 {
             let distance = q / q.hypot(omega * d);
             let threshold = amplitude_for(model, force, distance);
-            return Err(NoBreather::ForceTooWeak { threshold });
+            return Some(Err(NoBreather::ForceTooWeak { threshold }));
         }
     }
     let solution = |&delta: &f64| solution(&problem, alone.as_ref(), delta);
     count += zeros.simple.iter().filter_map(solution).map(&mut emit).count();
-    outcome(count, zeros.exhausted)
+    Some(outcome(count, zeros.unresolved.len() + zeros.exhausted))
+}
+
+/// None at all is an answer only if no place was left open.
+pub(crate) fn outcome(count: usize, open: usize) -> Result<(), NoBreather> {
+    if count + open == 0 { Err(NoBreather::NoPhase) } else { Ok(()) }
 }
 
 /// Intervals that a search of the whole period begins with at least.
@@ -109,28 +117,6 @@ fn search(
     Some(alone)
 }
 
-/// What a search `in_plane` finds, which separates the zeros that E leaves unresolved. None where the zeros in δ stand instead, those of the
-/// flights' equations (`alone`): next to a resonance the plane, whose kernels are large and cancel, is lost in rounding, and these with
-/// their few unresolved places know better.
-fn by_plane(
-    searches: &mut Searches<'_>,
-    alone: bool,
-    in_plane: impl FnOnce(&mut Searches<'_>, &mut Vec<Draft>) -> Result<(), NoBreather>,
-    found: impl FnMut(Draft),
-) -> Option<Result<(), NoBreather>> {
-    let kept = alone.then(|| searches.zeros.clone());
-    searches.zeros.forget();
-    let mut drafts = Vec::new();
-    let outcome = in_plane(searches, &mut drafts);
-    if let Some(kept) = kept.filter(|kept| kept.exhausted == 0 && searches.plane.exhausted > 0) {
-        *searches.zeros = kept;
-        searches.plane.clear();
-        return None;
-    }
-    drafts.into_iter().for_each(found);
-    Some(outcome)
-}
-
 /// Impulses and phase at a zero that [`search`] has found.
 fn solution(problem: &TwoImpacts<'_>, alone: Option<&OneMass>, delta: f64) -> Option<TwoImpactSolution> {
     match alone {
@@ -151,29 +137,23 @@ fn symmetric_phases(normal_x: f64, q: f64, force: f64) -> [Option<f64>; 2] {
     [Some(direction + opening), (opening > 0.0).then_some(direction - opening)]
 }
 
-/// All solutions with both impacts on one barrier. Each is listed once, begun at the impact that
-/// [`forced_harmonics::listed`] says.
+/// All solutions with both impacts on one barrier; `None` where that leaves places open, unless it is the last way. Each is listed once, begun at the impact that [`listed`] says.
 pub(crate) fn alike(
     pattern: Pattern,
     forced: &Forced<'_>,
-    force: f64,
-    searches: &mut Searches<'_>,
+    zeros: &mut Zeros,
     mut found: impl FnMut(Draft),
-) -> Result<(), NoBreather> {
-    forced.static_stiffness()?;
-    let &Forced { model, response, .. } = forced;
-    let problem = TwoImpacts::new(pattern, model, response, force);
-    let range = forced_harmonics::listed(pattern, model, 0.5 * response.period());
-    let alone = search(&problem, model, searches.zeros, &[range], LEAST);
-    if !searches.zeros.unresolved.is_empty() {
-        let in_plane = |searches: &mut Searches<'_>, drafts: &mut Vec<Draft>| {
-            forced_harmonics::alike(pattern, forced, searches, |draft| drafts.push(draft))
-        };
-        if let Some(outcome) = by_plane(searches, alone.is_some(), in_plane, &mut found) {
-            return outcome;
-        }
+) -> Option<Result<(), NoBreather>> {
+    let &Forced { model, response, force, is_last } = forced;
+    if response.static_stiffness() == 0.0 {
+        return Some(Err(NoBreather::NetImpulse));
     }
-    let zeros = &*searches.zeros;
+    let problem = TwoImpacts::new(pattern, model, response, force);
+    let range = listed(pattern, model, 0.5 * response.period());
+    let alone = search(&problem, model, zeros, &[range], LEAST);
+    if !(zeros.unresolved.is_empty() || is_last) {
+        return None;
+    }
     // Without loss δ = 0 solves by itself, for X = 0; Y = Ã and Y = −Ã are one orbit, begun at either impact.
     let middle = (pattern.turns_round() && model.loss() == 0.0).then(|| problem.with_phase(0.0, FRAC_PI_2)).flatten();
     let solution = |&delta: &f64| solution(&problem, alone.as_ref(), delta);
@@ -182,13 +162,33 @@ pub(crate) fn alike(
         count += 1;
         found(draft(&problem, &solution));
     }
-    outcome(count, zeros.exhausted)
+    Some(outcome(count, zeros.unresolved.len() + zeros.exhausted))
+}
+
+/// The δ of orbits with two impacts on one barrier, each of which solves twice, at δ and −δ: in one period of the force it begins with
+/// the shorter flight, doubled with the longer one. Where δ = 0 solves by itself, with impacts alike that repeat after half the time or
+/// without loss, it is left out.
+fn listed(pattern: Pattern, model: &Model, half: f64) -> [f64; 2] {
+    let (edge, guard) = (half * (1.0 - SYMMETRIC_GUARD), SYMMETRIC_GUARD * half);
+    match pattern.turns_round() {
+        true => [-edge, if model.loss() == 0.0 { -guard } else { 0.0 }],
+        false => [guard, edge],
+    }
 }
 
 /// The orbit of a solution.
 fn draft(problem: &TwoImpacts<'_>, solution: &TwoImpactSolution) -> Draft {
     let phi = 0.5 * problem.response.period() + solution.delta;
     solution.draft(problem.response, problem.pattern, phase(solution.theta, phi, problem.omega))
+}
+
+/// An orbit of other equations with the impulses that these give for its times.
+pub(crate) fn with_times_of(known: Draft, pattern: Pattern, forced: &Forced<'_>) -> Draft {
+    let &Forced { model, response, force, .. } = forced;
+    let problem = TwoImpacts::new(pattern, model, response, force);
+    let phi = known.impacts.get(1).map_or(0.0, |hit| hit.time);
+    let theta = problem.omega * (known.psi + 0.5 * phi);
+    problem.with_phase(phi - 0.5 * response.period(), theta).map_or(known, |solution| draft(&problem, &solution))
 }
 
 /// ψ = θ/ω − φ/2, folded into one period of the force.

@@ -2,9 +2,7 @@
 
 pub(crate) mod conservative;
 pub(crate) mod forced_double;
-pub(crate) mod forced_harmonics;
 pub(crate) mod forced_single;
-pub(crate) mod harmonic_impacts;
 pub(crate) mod one_mass;
 pub(crate) mod overdetermined;
 pub(crate) mod pattern;

@@ -33,8 +33,8 @@ impl Pattern {
         }
     }
 
-    pub(crate) fn barriers(self) -> [Barrier; 2] {
-        self.barriers
+    pub(crate) fn barriers(&self) -> &[Barrier] {
+        &self.barriers
     }
 
     pub(crate) fn periods(self) -> u32 {

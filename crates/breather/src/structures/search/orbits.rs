@@ -69,11 +69,16 @@ pub enum StructureSearch {
 impl StructureSearch {
     /// Whether the list holds all that there are: where it is empty there is none.
     pub fn is_complete(self) -> bool {
+        self.left_open() == Some(0)
+    }
+
+    /// Places left open; `None` where they are not known.
+    fn left_open(self) -> Option<usize> {
         match self {
             Self::ClosedForm { unresolved }
             | Self::Enclosures { unresolved, .. }
-            | Self::BranchAndPrune { unresolved, .. } => unresolved == 0,
-            Self::HalfPeriod | Self::Scan { .. } | Self::Starts { .. } => false,
+            | Self::BranchAndPrune { unresolved, .. } => Some(unresolved),
+            Self::HalfPeriod | Self::Scan { .. } | Self::Starts { .. } => None,
         }
     }
 
@@ -267,18 +272,21 @@ impl Impacts<'_> {
 
     /// Two impacts under a load: by F where there is one and it leaves no place open, else in the plane of φ and ψ.
     fn of_two(&self, single: bool, scope: ListScope) -> Starts {
-        let by_time = if single { self.proved() } else { None };
+        let by_time = if single { self.proved().transpose()? } else { None };
         let by_time = match by_time {
-            Some(Ok((starts, search))) if search.is_complete() => return Ok((starts, search)),
-            Some(Err(error)) => return Err(error),
+            Some((starts, search)) if search.is_complete() => return Ok((starts, search)),
             by_time => by_time,
         };
-        let in_plane = self.proved_in_the_phase_plane(scope == ListScope::Candidates, scope.boxes());
+        let in_plane = self.proved_in_the_phase_plane(scope == ListScope::Candidates, scope.boxes()).transpose()?;
         match (in_plane, by_time) {
-            (Some(Ok(in_plane)), by_time) if by_time.is_none() || in_plane.1.is_complete() => Ok(in_plane),
-            (_, Some(by_time)) => by_time,
-            (_, None) if single => self.scan(),
-            _ => self.starts(),
+            (None, None) if single => self.scan(),
+            (None, None) => self.starts(),
+            (Some(proved), None) | (None, Some(proved)) => Ok(proved),
+            (Some((mut starts, in_plane)), Some(by_time)) if in_plane.left_open() < by_time.1.left_open() => {
+                starts.extend(by_time.0.into_iter().map(|start| Start::from(start.point)));
+                Ok((starts, in_plane))
+            }
+            (Some(_), Some(by_time)) => Ok(by_time),
         }
     }
 
@@ -318,7 +326,7 @@ impl Impacts<'_> {
         {
             return Some(Err(error));
         }
-        let mut unresolved = zeros.unresolved.iter().filter(|phi| !(mirrored && is_half(phi))).count();
+        let mut unresolved = function.apart(zeros.unresolved.iter().filter(|phi| !(mirrored && is_half(phi))).copied());
         let mut add = || -> Result<(), StructureOrbitError> {
             if forced && zeros.simple.iter().chain(&zeros.unresolved).any(|phi| is_half(&phi)) {
                 starts.extend(self.on_a_line(&[0.0, half])?);

@@ -138,7 +138,7 @@ impl PhasePlane {
 
     /// The loads at an impact at t + ψ: G less the stop, and (1+e)G′.
     fn loads(&self, impact: usize, t: f64, axes: [bool; 2], radius: [f64; 2]) -> [Patch; 2] {
-        let mut sums = [Patch::constant(-self.places[impact], radius), Patch::constant(0.0, radius)];
+        let mut sums = [Patch::constant(0.0, radius); 2];
         for (rate, swing) in &self.swings[impact] {
             let (size, there) = (swing.norm(), swing * C::from_polar(1.0, rate * t));
             let doubt = f64::EPSILON * (8.0 + rate * t.abs()) * size;
@@ -146,7 +146,7 @@ impl PhasePlane {
             sums[0] = sums[0] + wave([there.re, there.im]);
             sums[1] = sums[1] + wave([there.im, -there.re]).scaled(-self.weights[impact] * rate);
         }
-        sums
+        [sums[0].shifted(-self.places[impact]), sums[1]]
     }
 
     /// W about these φ and ψ.

@@ -42,6 +42,9 @@ pub(super) const RESOLUTION: f64 = 1e-11;
 /// The same of one function: next to a resonance its zeros come in pairs, as close as the square of the distance.
 const FINEST: f64 = 1e-14;
 
+/// Places closer than this part of the period are one: next to a fold rounding blurs each zero of a pair alone.
+const PAIR: f64 = 1e-6;
+
 /// Intervals to begin with: where modes are far faster than the load, they have died out in nearly all of them.
 const MOST_PIECES: usize = 512;
 
@@ -70,6 +73,8 @@ pub(super) struct Function {
     own: [[f64; 2]; 2],
     /// Where two impacts begin to be told apart.
     least: f64,
+    /// Both impacts are on one barrier of one contact: an orbit has the shorter time between them before the longer one as well as after it.
+    alike: bool,
     stop: Stop,
     /// Without loads, an impulse at one of the two contacts does not move the other at once: F vanishes where the instants are one.
     vanishes: bool,
@@ -115,6 +120,7 @@ impl Function {
             places,
             own,
             least: period * told_apart(vanishes || on_one_barrier),
+            alike: on_one_barrier,
             stop: equations.model.stop().clone(),
             vanishes,
         })
@@ -132,9 +138,17 @@ impl Function {
         let pieces = ((self.between.fastest.max(self.rate) * self.period) as usize).clamp(16, MOST_PIECES);
         // Where it is known to vanish at one instant it is followed up to there.
         let least = if self.vanishes { 0.0 } else { self.least };
-        zeros.find(self, least, self.period - least, pieces, |_| FINEST * self.period);
+        let longest = if self.alike { 0.5 * self.period * (1.0 + PAIR) } else { self.period - least };
+        zeros.find(self, least, longest, pieces, |_| FINEST * self.period);
         zeros.unresolved.retain(|phi| (self.least..=self.period - self.least).contains(phi));
         zeros
+    }
+
+    /// How many of these places, which rise, are apart.
+    pub(super) fn apart(&self, places: impl Iterator<Item = f64>) -> usize {
+        let mut last = f64::NEG_INFINITY;
+        let is_apart = move |place: &f64| *place - std::mem::replace(&mut last, *place) > PAIR * self.period;
+        places.filter(is_apart).count()
     }
 
     /// Minors of the columns of P₁ and P₂ in the rows that change, and Δ.
