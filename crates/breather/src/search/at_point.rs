@@ -151,7 +151,7 @@ impl Finder {
             _ => Some(Err(NoBreather::NotSearched(Unsearched::Unnamed))),
         };
         let (mut searched, lower) = (Searched::default(), [Barrier::Lower]);
-        let barriers = pattern.as_ref().map_or(&lower[..], Pattern::barriers);
+        let barriers = pattern.as_ref().map_or(&lower[..], |pattern| pattern.barriers());
         let outcome = match outcome {
             Some(outcome) => outcome,
             None if response.static_stiffness() == 0.0 && barriers.iter().all(|barrier| *barrier == barriers[0]) => {
@@ -197,6 +197,7 @@ impl Finder {
 /// The orbits of one mass, number `home`, among those of the lattice as a structure, and what is known of their list. Where that leaves places open
 /// under a cosine, E's list is taken if it is as long: next to a pitchfork its orbits are better, and next to a resonance of a mass without coupling
 /// the flights' equations know more; what is open of theirs stays in `zeros`.
+#[cold]
 fn among_contacts(
     at_home: (&Model, &ImpulseResponse, usize),
     (family, pattern, barriers): (Family, Option<Pattern>, &[Barrier]),

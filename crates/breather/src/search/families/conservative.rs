@@ -21,7 +21,7 @@ pub(crate) fn two_impact_draft(
     (p1, p2): (f64, f64),
     static_displacement: f64,
 ) -> Draft {
-    let (first, second) = (pattern.barriers()[0], pattern.barriers()[1]);
+    let &[first, second] = pattern.barriers();
     let sign = if pattern.is_alike() { 2.0 } else { -2.0 };
     let impacts = smallvec![Hit::new(0, first, 0.0, sign * p2), Hit::new(0, second, phi, 2.0 * p1)];
     Draft::new(response, (pattern.family(), pattern.periods()), psi, impacts, static_displacement)

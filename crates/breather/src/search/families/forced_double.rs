@@ -183,6 +183,7 @@ fn draft(problem: &TwoImpacts<'_>, solution: &TwoImpactSolution) -> Draft {
 }
 
 /// An orbit of other equations with the impulses that these give for its times.
+#[cold]
 pub(crate) fn with_times_of(known: Draft, pattern: Pattern, forced: &Forced<'_>) -> Draft {
     let &Forced { model, response, force, .. } = forced;
     let problem = TwoImpacts::new(pattern, model, response, force);

@@ -33,7 +33,7 @@ impl Pattern {
         }
     }
 
-    pub(crate) fn barriers(&self) -> &[Barrier] {
+    pub(crate) fn barriers(&self) -> &[Barrier; 2] {
         &self.barriers
     }
 
