@@ -84,7 +84,7 @@ def spectra(found):
     rows = []
     for group, kinds, works in [
         ("conservative", {"single": "single-sided", "double": "double-sided"}, ["residues", "verdict", "all roots", "dense verdict"]),
-        ("forced", {"n=1": "one impact", "n=2": "two impacts"}, ["count outside", "all multipliers", "dense verdict"]),
+        ("forced", {"n=1": "one impact", "n=2": "two impacts"}, ["verdict", "all multipliers", "dense verdict"]),
     ]:
         for kind, words in kinds.items():
             for work in works:

@@ -7,22 +7,17 @@ use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use vibrochain::breather::{Family, Finder, Orbit, OrbitList};
 use vibrochain::floquet::{
-    Analyser, Complex, ForcedSecular, Mechanism, Method, ModalShape, Secular, SecularMultipliers, SecularVerdict,
-    Standing, Tolerance, even_monodromy, full_monodromy,
+    Analyser, Complex, Mechanism, Method, ModalShape, Secular, Tolerance, Verdict, even_monodromy, full_monodromy,
+    stability,
 };
 use vibrochain::lattice::{Chain, ImpulseResponse, Model, Parameter, Point, Spectrum};
 use vibrochain_testkit::Values::Log;
 use vibrochain_testkit::{Meeting, Random, Ranges, reference};
 
-fn verdict(orbit: &Orbit, finder: &mut Finder) -> Option<SecularVerdict> {
-    finder.motion(orbit).unwrap();
-    if orbit.is_reversible() {
-        let mut secular = Secular::default();
-        secular.replace(finder.prepared(orbit).unwrap()).ok()?;
-        secular.verdict().ok()
-    } else {
-        ForcedSecular::default().verdict(finder.prepared(orbit).unwrap()).ok()
-    }
+/// The verdict of secular functions alone.
+fn verdict(orbit: &Orbit, finder: &mut Finder) -> Option<Verdict> {
+    let verdict = Analyser::default().verdict(orbit, finder, Tolerance::Rounding).unwrap();
+    Some(verdict).filter(|verdict| verdict.method == Method::Secular)
 }
 
 #[test]
@@ -41,16 +36,16 @@ fn spectral_radii_of_the_table() {
         });
         let Some(verdict) = verdict(orbit.unwrap(), &mut finder) else { continue };
         let radius = case.number("spectral_radius").unwrap();
-        match verdict.outcome {
-            Standing::Unstable => {
-                let error = ((1.0 + verdict.excess) / radius - 1.0).abs();
-                assert!(error < if radius > 1000.0 { 1e-6 } else { 1e-9 }, "{name}: {verdict:?}, table {radius}");
-                let table = &case.values["leading_multiplier"];
-                let leading = Complex::new(table[0].as_f64().unwrap(), table[1].as_f64().unwrap());
-                assert_eq!(Mechanism::of(verdict.leading.unwrap()), Mechanism::of(leading), "{name}");
-            }
-            Standing::Stable => assert!(radius < 1.0 + 1e-9, "{name}: {verdict:?}, table {radius}"),
-            Standing::Undecided => assert!((radius - 1.0).abs() < 1e-6, "{name}: {verdict:?}, table {radius}"),
+        if verdict.mechanism.is_some() {
+            let error = (verdict.spectral_radius / radius - 1.0).abs();
+            assert!(error < if radius > 1000.0 { 1e-6 } else { 1e-9 }, "{name}: {verdict:?}, table {radius}");
+            let table = &case.values["leading_multiplier"];
+            let leading = Complex::new(table[0].as_f64().unwrap(), table[1].as_f64().unwrap());
+            assert_eq!(Mechanism::of(verdict.leading), Mechanism::of(leading), "{name}");
+        } else if verdict.undecided {
+            assert!((radius - 1.0).abs() < 1e-6, "{name}: {verdict:?}, table {radius}");
+        } else {
+            assert!(radius < 1.0 + 1e-9, "{name}: {verdict:?}, table {radius}");
         }
         answered += 1;
     }
@@ -139,10 +134,7 @@ fn the_shape_of_the_unstable_perturbation_is_an_eigenvector_of_the_dense_matrix(
     finder.find(&model, Family::DoubleSided, &mut found).unwrap();
     assert!(!found.orbits.is_empty());
     for orbit in &found.orbits {
-        let mut secular = SecularMultipliers::default();
-        secular.replace(finder.prepared(orbit).unwrap()).unwrap();
-        let (values, _) = secular.multipliers().unwrap();
-        let leading = *values.iter().max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap();
+        let leading = stability(orbit, Tolerance::Rounding).unwrap().multipliers[0];
         let (displacement, velocity) =
             ModalShape::new(finder.prepared(orbit).unwrap(), leading).unwrap().at_sites(21, 0);
         // M (u, v) = μ (u, v) for the matrix of the whole ring.

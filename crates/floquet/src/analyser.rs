@@ -3,7 +3,6 @@
 //! | orbit | path |
 //! |---|---|
 //! | conservative, mirror image of itself in time, impacts at one site | [`crate::Secular`]: real poles and residues in ν = ½(μ + 1/μ) |
-//! | other impacts at one site | [`crate::SecularMultipliers`]: poles and residues in μ |
 //! | a verdict alone, as in maps, on a mirror image of itself in time of few masses, impacts at several sites or a doubt above | eigenvalues of a matrix of half the size, unless they leave it open |
 //! | all others, and whatever these doubt | `spectrum`: all zeros of the determinant of the impacts' equations |
 //! | what that cannot certify or leaves open, and words of many impacts on some thousand masses | a dense matrix |
@@ -16,7 +15,7 @@ use vibrochain_lattice::aside;
 
 use crate::all_multipliers::{Multipliers, Spared};
 use crate::error::FloquetError;
-use crate::map_paths::{ForcedSecular, Secular};
+use crate::map_paths::Secular;
 use crate::reference::dense::{Dense, is_reduced, uncoupled};
 use crate::reference::monodromy::MAX_DIMENSION;
 use crate::sizes::{LARGE, MOST_DENSE, is_affordable, most_modes};
@@ -53,7 +52,6 @@ pub struct Analyser {
     pub(crate) dense_only: bool,
     pub(crate) dense: Dense,
     pub(crate) secular: Secular,
-    pub(crate) forced: ForcedSecular,
 }
 
 /// A verdict and, if they are asked for, the non-trivial multipliers of the space that feels impacts.
@@ -258,7 +256,9 @@ impl Analyser {
                     return self.by_matrix(question, finder, None);
                 }
                 let impacts = orbit.impacts().len();
-                let limit = most_modes(impacts).max(by_matrix);
+                // Of a ring that is hit at one site half of the modes.
+                let felt = if orbit.centre().is_some() { 2 * most_modes(impacts) - 1 } else { most_modes(impacts) };
+                let limit = felt.max(by_matrix);
                 return Err(FloquetError::TooManyModes { masses: chain.sites(), impacts, limit });
             }
         };
@@ -291,7 +291,7 @@ impl Analyser {
     /// The path that maps and large rings take, if the orbit has one.
     fn by_map_path(&mut self, question: Question<'_>, finder: &mut Finder) -> Option<Result<Answer, Failure>> {
         let orbit = question.orbit;
-        let has_one = orbit.impact_site().is_some() && !orbit.model().chain().is_uncoupled();
+        let has_one = orbit.is_reversible() && orbit.impact_site().is_some() && !orbit.model().chain().is_uncoupled();
         has_one.then(|| self.by_secular_function(question, finder))
     }
 
@@ -308,19 +308,14 @@ impl Analyser {
     }
 
     fn by_secular_function(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Answer, Failure> {
-        let thorough = question.thorough;
-        if question.orbit.is_reversible() {
-            let verdict = self.reversible(question, finder)?;
-            if !thorough {
-                return Ok((verdict, Vec::new()));
-            }
-            let multipliers: Vec<_> = self.secular.all_nu()?.flat_map(|(nu, _)| nu.multipliers()).collect();
-            // Where none leads, one that is there.
-            let leading = multipliers.first().filter(|_| verdict.excess() == 0.0).copied();
-            return Ok((Verdict { leading: leading.unwrap_or(verdict.leading), ..verdict }, multipliers));
+        let verdict = self.reversible(question, finder)?;
+        if !question.thorough {
+            return Ok((verdict, Vec::new()));
         }
-        let verdict = self.not_reversible(question, finder)?;
-        Ok((verdict, if thorough { self.forced.multipliers().0.to_vec() } else { Vec::new() }))
+        let multipliers: Vec<_> = self.secular.all_nu()?.flat_map(|(nu, _)| nu.multipliers()).collect();
+        // Where none leads, one that is there.
+        let leading = multipliers.first().filter(|_| verdict.excess() == 0.0).copied();
+        Ok((Verdict { leading: leading.unwrap_or(verdict.leading), ..verdict }, multipliers))
     }
 }
 

@@ -42,10 +42,10 @@ pub enum FloquetError {
         /// The most that is done, [`crate::MAX_DIMENSION`].
         limit: usize,
     },
-    /// Impacts at several sites of a lattice with more modes than all multipliers are worked out of.
+    /// Impacts on a lattice with more modes than all multipliers are worked out of.
     #[error(
-        "the multipliers of {impacts} impacts at several sites are worked out on lattices of up to {limit} masses, and this one has {masses}; \
-         use fewer masses: those far from the impacts hardly matter"
+        "the multipliers of {impacts} impacts a period are worked out on such lattices of up to {limit} masses, and this one has {masses}; use \
+         fewer masses: those far from the impacts hardly matter"
     )]
     TooManyModes {
         /// Masses of the lattice.

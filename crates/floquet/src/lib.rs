@@ -83,9 +83,7 @@ pub use locate::{
     LocateError, Located, Origin, Search, Station, Unresolved, diagram, diagram_until, is_physical_about, locate,
     locate_until,
 };
-pub use map_paths::{
-    ForcedSecular, ModeLabels, Reason, Residues, Secular, SecularMultipliers, SecularVerdict, Standing,
-};
+pub use map_paths::{ModeLabels, Reason, Residues, Secular, SecularVerdict, Standing};
 pub use multipliers::{odd_multipliers, participating_modes, sort_multipliers};
 pub use nalgebra::{Complex, DMatrix};
 pub use phases::phases;

@@ -10,7 +10,7 @@
 use vibrochain_breather::Orbit;
 
 /// Modes up to which what is dear for many is cheap. Sums over pairs take as long as Cauchy sums at 256 modes of an orbit that is its own
-/// mirror image in time, and at 192 of others (`cargo bench --bench spectrum`).
+/// mirror image in time (`cargo bench --bench spectrum`).
 pub(crate) const LARGE: usize = 256;
 
 /// Rows of a matrix that take seconds: 1.2 s for a pair on 1251 masses, 5.6 s on 2000.

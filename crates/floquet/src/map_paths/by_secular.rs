@@ -7,9 +7,9 @@ use vibrochain_lattice::Model;
 
 use crate::analyser::{Analyser, Failure};
 use crate::error::FloquetError;
-use crate::map_paths::{Leading, SecularVerdict, Standing};
+use crate::map_paths::{SecularVerdict, Standing};
 use crate::saltation::saltations;
-use crate::sizes::{LARGE, MOST_DENSE, is_affordable, most_refined};
+use crate::sizes::{MOST_DENSE, is_affordable, most_refined};
 use crate::spectrum::{Posed, SpectralFunction, posed};
 use crate::verdict::{Mechanism, Question, Tolerance, Verdict};
 use crate::zeros::{SecularError, excess};
@@ -133,34 +133,6 @@ impl Analyser {
         // Of an orbit without asymmetry this may be a pitchfork.
         let open = verdict.mechanism == Some(Mechanism::PlusOne) && model.asymmetry() == 0.0;
         Some(verdict).filter(|verdict| precise && !open && !verdict.hangs_on_rounding(true, tolerance))
-    }
-
-    /// The verdict on impacts at one site with losses, or on a large ring. (Elastic impacts of few modes are the spectrum's, which knows
-    /// what keeps their multipliers on the circle.)
-    pub(crate) fn not_reversible(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Verdict, Failure> {
-        let Question { orbit, tolerance, thorough } = question;
-        let _ = saltations(orbit)?;
-        let elastic = orbit.model().loss() == 0.0;
-        let careful = thorough || finder.is_delicate(orbit)?;
-        if (elastic || careful) && orbit.model().chain().even_modes() <= LARGE {
-            return Err(SecularError::Tangency.into());
-        }
-        self.forced.solve(finder.prepared(orbit)?)?;
-        let condition = if careful { Some(finder.condition(orbit)?) } else { None };
-        if let Some(condition) = &condition {
-            self.forced.add_errors_of(finder.prepared(orbit)?, condition)?;
-        }
-        let leading = self.forced.leading(finder.prepared(orbit)?, condition.as_ref());
-        let Some(Leading { place, excess, error }) = leading else { return Err(SecularError::NotReversible.into()) };
-        check(excess, error, question)?;
-        let leading = self.forced.multipliers().0.get(place).copied().unwrap_or(Complex::new(1.0, 0.0));
-        let leading = if leading.im.abs() <= error { Complex::new(leading.re, 0.0) } else { leading };
-        Ok(if elastic && excess <= ROOM * error {
-            // It may as well be on the circle.
-            Verdict::unsettled(leading, excess.max(0.0), ROOM * error, tolerance)
-        } else {
-            Verdict::of_excess(leading, excess, error, tolerance)
-        })
     }
 }
 

@@ -1,12 +1,11 @@
-//! What maps and large rings need faster than [`crate::spectrum`] is, for impacts at one site: the same determinant from the modes' own
-//! poles and residues, a pass over the modes or a few for a verdict. `tests/map_paths.rs` holds it against the spectrum;
+//! What conservative maps and large rings need faster than [`crate::spectrum`] is, for impacts at one site: the same determinant from the
+//! modes' own poles and residues, a pass over the modes or a few for a verdict. `tests/map_paths.rs` holds it against the spectrum;
 //! `cargo bench --bench map_throughput` and `--bench spectrum` time it.
 //!
 //! | module | holds |
 //! |---|---|
 //! | `by_secular` | the door: from an orbit to its verdict |
 //! | `reversible` | conservative orbits that are their own mirror image in time |
-//! | `one_contact` | any other impacts at one site |
 //! | `fast_sums` | sums in O(M) for rings of up to 10⁶ masses |
 //! | `modes` | the modes that impacts feel |
 //! | `labels` | the mode that a multiplier is next to |
@@ -15,14 +14,10 @@ mod by_secular;
 pub(crate) mod fast_sums;
 mod labels;
 mod modes;
-pub(crate) mod one_contact;
 pub(crate) mod reversible;
 
 pub use labels::ModeLabels;
 pub(crate) use modes::{Modes, by_frequency, sort_felt};
-pub use one_contact::multipliers::SecularMultipliers;
-pub use one_contact::verdict::ForcedSecular;
-pub(crate) use one_contact::verdict::Leading;
 pub use reversible::residues::Residues;
 pub use reversible::verdict::{Reason, Secular, SecularVerdict, Standing};
 

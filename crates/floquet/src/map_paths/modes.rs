@@ -1,6 +1,5 @@
 //! What the secular functions need of every mode that the impacts feel.
 
-use nalgebra::Complex;
 use vibrochain_breather::Prepared;
 use vibrochain_lattice::simd::lanes::{FOUR, LANES, Lane, ONE, TWO, all, four};
 use vibrochain_lattice::{ImpulseResponse, sine_over};
@@ -69,8 +68,6 @@ pub(crate) struct Modes {
     unlisted: usize,
     /// Their numbers in the lattice's own order, if these are others than their places.
     numbers: Vec<u32>,
-    /// Relative errors of their weights, if these are no ring's.
-    blurs: Vec<f64>,
     squares: Vec<f64>,
     order: Vec<u32>,
     /// Four at a time; none where [`Modes::group_few`] leaves them out.
@@ -140,10 +137,8 @@ impl Modes {
             let [first, ..] = *alike else { continue };
             let k = first as usize;
             let weight: f64 = alike.iter().map(|&k| weights[k as usize] * self.squares[k as usize]).sum();
-            let full: f64 = alike.iter().map(|&k| weights[k as usize]).sum();
             self.list.push(Mode::new(frequencies[k], weight, (cos[k], sin[k]), half));
             self.numbers.push(first);
-            self.blurs.push(4.0 * f64::EPSILON * full / weight);
         }
         self.group_few();
     }
@@ -157,7 +152,6 @@ impl Modes {
         self.list.clear();
         self.unlisted = 0;
         self.numbers.clear();
-        self.blurs.clear();
     }
 
     /// Takes over some modes of another set.
@@ -170,11 +164,6 @@ impl Modes {
     /// The number of a mode in the lattice's own order.
     pub(crate) fn number(&self, k: usize) -> usize {
         self.numbers.get(k).map_or(k, |&number| number as usize)
-    }
-
-    /// Relative error of a weight, 0 of a ring's.
-    pub(crate) fn blur(&self, k: usize) -> f64 {
-        self.blurs.get(k).copied().unwrap_or_default()
     }
 
     /// A mode with this part of its weight has a node where the impacts are.
@@ -231,12 +220,6 @@ impl Mode {
     /// A mode from its cos, sin(ΩT/2), `half` being T/2.
     fn new(frequency: f64, weight: f64, (cos, sin): (f64, f64), half: f64) -> Self {
         Mode::four_of(all(frequency), all(weight), (all(cos), all(sin)), half).lanes().at(0)
-    }
-
-    /// e^{iΩT}
-    #[inline(always)]
-    pub(crate) fn pole(&self) -> Complex<f64> {
-        Complex::new((self.cos - self.sin) * (self.cos + self.sin), 2.0 * self.sin * self.cos)
     }
 }
 

@@ -8,7 +8,7 @@
 //!
 //! So J is worked out once for each pole, and the zeros are found together from sums of numbers. With n approximations z_i and
 //! W_i = f(z_i)Π(z_i−p)/Π(z_i−z_j), all zeros are within n|W_i| of one of them (Smith); what these discs keep away from the circle that
-//! the leading ones are on, which null vectors refine, cannot lead.
+//! the leading ones are on cannot lead. These are refined by null vectors, unless the sum itself knows them well enough.
 
 use nalgebra::Complex;
 use vibrochain_breather::linear::{determinant, determinant_and_condition};
@@ -17,9 +17,10 @@ use wide::f64x4;
 
 use super::function::SpectralFunction;
 use super::refine::Origin;
-use super::solve::{LAST, Zero, refined};
-use super::starts::{DEAD, NEGLIGIBLE};
-use crate::zeros::{Aberth, Rational, modulus};
+use super::solve::{LAST, refined};
+use super::starts::{DEAD, NEGLIGIBLE, WAY};
+use super::zero::Zero;
+use crate::zeros::{Aberth, Rational, Value, excess, modulus};
 
 type C = Complex<f64>;
 
@@ -29,25 +30,39 @@ const ASIDE: f64 = 1e-5;
 /// An error of the leading one beyond this says that those of the others may be large, too.
 const WELL_KNOWN: f64 = 1e-8;
 
+/// Errors of an excess, in units of the multiplier, that nobody would want to have smaller.
+const PRECISE: f64 = 1e-12;
+
 /// Poles closer than this part of their modulus are close.
 const CLOSE: f64 = 1e-3;
 
 /// A zero closer to its pole than this part of the way to the next one is no start.
 const HIDDEN: f64 = 1e-2;
 
+/// f as a sum over its poles of the upper half plane, and approximations of all its zeros, of conjugates one after the other.
+pub(super) struct BySum {
+    form: Rational,
+    poles: Vec<C>,
+    pub(super) roots: Vec<C>,
+}
+
 impl SpectralFunction<'_> {
-    /// The zeros of largest modulus, refined, if it is sure that all others are smaller; `None` where another way is to be taken.
-    pub(crate) fn leading(&self, data: &[Origin]) -> Option<Vec<Zero>> {
-        let form = self.rational()?;
+    /// All zeros as the sum has them; `None` where another way is to be taken.
+    pub(super) fn by_sum(&self) -> Option<BySum> {
+        let mut form = self.rational()?;
         let (re, im) = (form.pole_re.as_flattened(), form.pole_im.as_flattened());
         let mut poles = Vec::with_capacity(re.len());
         poles.extend(re.iter().zip(im).filter(|(re, _)| **re < 1e100).map(|(re, im)| C::new(*re, *im)));
         let mut aberth = Aberth::default();
-        if !aberth.solve_from(&mut form.clone(), starts(&form, &poles), 0, LAST) {
-            return None;
-        }
-        let roots = &aberth.roots;
-        let reaches = discs(&form, &poles, roots);
+        let starts = starts(&form, &poles);
+        let found = aberth.solve_from(&mut form, starts.into_iter(), 0, LAST);
+        found.then_some(BySum { form, poles, roots: aberth.roots })
+    }
+
+    /// The zeros of largest modulus, refined, if it is sure that all others are smaller; `None` where another way is to be taken.
+    pub(crate) fn leading(&self, data: &[Origin]) -> Option<Vec<Zero>> {
+        let BySum { form, poles, roots } = self.by_sum()?;
+        let reaches = discs(&form, &poles, &roots);
         let farthest = roots.iter().zip(&reaches).map(|(z, reach)| modulus(*z) - reach).fold(0.0, f64::max);
         let mut list = Vec::new();
         for (i, (z, reach)) in roots.iter().zip(&reaches).enumerate() {
@@ -67,7 +82,8 @@ impl SpectralFunction<'_> {
                 list.push(Zero { z: before.z.conj(), ..before });
                 continue;
             }
-            let zero = refined(self, *z, data)?;
+            let by_sum = if data.is_empty() { settled(&form, *z) } else { None };
+            let zero = by_sum.or_else(|| refined(self, *z, data))?;
             if modulus(zero.z - z) > reach + zero.error || zero.error > WELL_KNOWN * (1.0 + modulus(*z)) {
                 return None;
             }
@@ -106,10 +122,10 @@ impl SpectralFunction<'_> {
         let (mut poles, mut residues) = (Vec::with_capacity(modes.len()), Vec::with_capacity(modes.len()));
         let (mut residue_errors, mut pole_errors) = (Vec::with_capacity(modes.len()), Vec::with_capacity(modes.len()));
         let (mut real, mut imaginary) = (vec![ZERO; groups], vec![ZERO; groups]);
-        for pole in self.simple.iter().step_by(2) {
-            let z = pole.value;
+        for own in self.simple.iter().step_by(2) {
+            let z = own.value;
             // What has died when the next period begins leads nowhere; of what is about to, the residue counts all the same.
-            if self.equations.rows(pole.mode).iter().flatten().all(|entry| *entry == 0.0) {
+            if self.equations.rows(own.mode).iter().flatten().all(|entry| *entry == 0.0) {
                 continue;
             }
             if modulus(z) < DEAD {
@@ -120,15 +136,14 @@ impl SpectralFunction<'_> {
             let mut nearest = f64::INFINITY;
             for (other, table) in self.simple.iter().step_by(2).zip(tables.chunks_exact(2 * groups)) {
                 // p/(z−p) of both poles, of which the own one is left out.
-                let [first, second] = [other.value, other.value.conj()].map(|pole| {
+                let mut share = |pole: C| {
                     let way = z - pole;
                     let square = way.norm_sqr();
-                    if square == 0.0 {
-                        return C::default();
-                    }
                     nearest = nearest.min(square);
                     pole * way.conj() * square.recip()
-                });
+                };
+                let first = if other.mode == own.mode { C::default() } else { share(other.value) };
+                let second = share(other.value.conj());
                 let even = (first + second) * 0.5;
                 let odd = (first - second) * C::new(0.0, -0.5);
                 let (evens, odds) = table.split_at(groups);
@@ -140,11 +155,11 @@ impl SpectralFunction<'_> {
                 }
             }
             let nearest = nearest.sqrt();
-            let sound = nearest > 8.0 * pole.error;
+            let sound = nearest > 8.0 * own.error;
             if !sound {
                 return None;
             }
-            let [a, c] = self.dyad(pole);
+            let [a, c] = self.dyad(own);
             for i in 0..size {
                 for j in 0..size {
                     let (group, lane) = ((i * size + j) / LANES, (i * size + j) % LANES);
@@ -162,11 +177,11 @@ impl SpectralFunction<'_> {
             };
             let residue = -bordered * z * scale;
             let size_of = modulus(residue);
-            let error = f64::EPSILON * 16.0 + self.relative(pole.mode) + pole.error / nearest;
+            let error = f64::EPSILON * 16.0 + self.relative(own.mode) + own.error / nearest;
             poles.push(if z.im < 0.0 { z.conj() } else { z });
             residues.push(if z.im < 0.0 { residue.conj() } else { residue });
             residue_errors.push(size_of * error * condition.max(1.0));
-            pole_errors.push(size_of * pole.error);
+            pole_errors.push(size_of * own.error);
         }
         if poles.is_empty() {
             return None;
@@ -183,17 +198,29 @@ impl SpectralFunction<'_> {
 }
 
 /// A pair beside each pole, where the zero is to first order of its own residue.
-fn starts(form: &Rational, poles: &[C]) -> impl Iterator<Item = C> {
+fn starts(form: &Rational, poles: &[C]) -> Vec<C> {
     let beside = |(k, pole): (usize, &C)| {
         let others = poles.iter().enumerate().filter(|(l, _)| *l != k).map(|(_, other)| modulus(other - pole));
         let gap = others.fold(modulus(*pole).min(2.0 * pole.im), f64::min);
         let offset = form.beside(k).filter(|offset| modulus(*offset) > HIDDEN * gap);
         let offset = offset.unwrap_or(C::new(0.0, HIDDEN * gap));
-        let z = pole + offset * (gap / modulus(offset)).min(1.0);
+        let z = pole + offset * (WAY * gap / modulus(offset)).min(1.0);
         let z = C::new(z.re, z.im.abs().max(1e-3 * gap));
         [z, z.conj()]
     };
-    poles.iter().enumerate().flat_map(beside).collect::<Vec<_>>().into_iter()
+    poles.iter().enumerate().flat_map(beside).collect()
+}
+
+/// The zero next to an approximation by a step of Newton's method, if the sum knows it, and its side of the circle, as well as anybody would
+/// want to.
+fn settled(form: &Rational, near: C) -> Option<Zero> {
+    let Value { f, slope, .. } = form.evaluate(near);
+    let z = near - f / slope;
+    let Value { f, slope, noise, .. } = form.evaluate(z);
+    let left = form.doubt(z) + modulus(f) + f64::EPSILON * noise;
+    let error = left / modulus(slope) + 2.0 * f64::EPSILON * modulus(z);
+    let excess = excess(z).abs();
+    (error <= PRECISE * (1.0 + excess) && excess > error).then(|| Zero { error, ..Zero::new(z, true) })
 }
 
 /// n|W_i| of all approximations.

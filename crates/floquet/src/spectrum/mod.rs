@@ -7,12 +7,13 @@
 //! | module | holds |
 //! |---|---|
 //! | `function` | f′/f, and J(z) with near poles kept apart |
+//! | `zero` | [`Zero`]: one of them, as it is known |
 //! | `starts` | where the zeros are to first order |
 //! | `null` | null vectors of J(z) |
 //! | `refine` | one zero, or several close ones, with errors |
 //! | `drift` | how one moves along a branch |
 //! | `solve` | all of them, counted |
-//! | `leading` | those that lead alone, for a verdict |
+//! | `leading` | f as a sum over its poles, and the zeros that lead alone, for a verdict |
 //! | `beyond` | whether one is surely beyond some modulus, by a sign |
 //! | `shape` | [`ModalShape`]: the perturbation that belongs to a multiplier |
 //! | `multipliers` | [`ImpactSpectrum`]: the multipliers of impacts on any linear structure |
@@ -31,14 +32,15 @@ mod starts;
 #[cfg(test)]
 mod tests;
 mod verdict;
+mod zero;
 
 pub(crate) use beyond::{BEYOND, is_surely_beyond};
 pub(crate) use function::SpectralFunction;
 pub use multipliers::ImpactSpectrum;
-pub(crate) use refine::{Origin, Refined};
+pub(crate) use refine::Origin;
 pub use shape::ModalShape;
-pub(crate) use solve::Zero;
 pub(crate) use verdict::{Posed, judged, origins, posed, spectrum, told, told_of_cycle, verdict};
+pub(crate) use zero::Zero;
 
 /// Equations of one impact to three at one contact or two, over modes damped up to `most` times critically; some die within a period.
 #[cfg(test)]

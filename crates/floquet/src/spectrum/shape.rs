@@ -33,9 +33,8 @@ impl ModalShape {
     /// all at one site. `response` is that of the orbit's chain and frequency.
     ///
     /// # Errors
-    /// [`SecularError::NotReversible`] for impacts at several sites; [`SecularError::Coincident`] if the multiplier is a pole e^{±iΩT}
-    /// itself: then its mode does not feel the impacts; [`SecularError::Certificate`] if the number is no multiplier: what it leaves
-    /// of the impacts' equations is told.
+    /// [`SecularError::NotReversible`] for impacts at several sites; [`SecularError::Certificate`] if the number is no multiplier: what
+    /// it leaves of the impacts' equations is told.
     ///
     /// ```
     /// use vibrochain_breather::{Family, Finder, OrbitList};

@@ -7,6 +7,7 @@ use vibrochain_lattice::{Coordinates, Turn};
 use super::function::{OfHalfSum, SpectralFunction, outer};
 use super::refine::{Origin, Refined};
 use super::starts::{DEAD, NEGLIGIBLE, Starts};
+use super::zero::Zero;
 use crate::zeros::{Aberth, Last, Nu, modulus};
 
 type C = Complex<f64>;
@@ -23,24 +24,6 @@ const MOST_MISSING: usize = 8;
 
 /// Room for what estimates of errors leave out in the checks of sum and product.
 const ROOM: f64 = 16.0;
-
-/// One zero in its own plane, of z or of ν = ½(z + 1/z).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Zero {
-    /// z, or the one of modulus 1 or more of two that belong to ν.
-    pub(crate) z: C,
-    /// ν by its distances from ±1; nothing in the plane of z.
-    pub(crate) nu: Nu,
-    /// Error in its plane.
-    pub(crate) error: f64,
-    /// It has been told from all others, or together with the few next to it from the rest. Of others it is known alone that as many
-    /// are within the errors.
-    pub(crate) settled: bool,
-    /// No zero of another group is within the errors.
-    pub(crate) apart: bool,
-    /// It is one of several that structure keeps on the circle together.
-    pub(crate) held: bool,
-}
 
 /// All zeros of f.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -65,6 +48,11 @@ pub(super) fn is_reciprocal(equations: &BlochEquations) -> bool {
         })
 }
 
+/// Whether an impact takes all velocity.
+fn is_plastic(equations: &BlochEquations) -> bool {
+    equations.impacts().iter().any(|impact| impact.restitution == 0.0)
+}
+
 /// All multipliers of the modes that feel the impacts, but the trivial pair of a conservative orbit.
 pub(crate) fn zeros(equations: &BlochEquations, conservative: bool, data: &[Origin]) -> Zeros {
     let reciprocal = is_reciprocal(equations);
@@ -75,6 +63,14 @@ pub(crate) fn zeros(equations: &BlochEquations, conservative: bool, data: &[Orig
         (None, true) => Trivial::Known,
     };
     let mut search = Search { function, reciprocal, trivial, data };
+    // The sum has no digits next to 0, where a plastic impact leaves a zero.
+    let by_sum = if reciprocal || is_plastic(equations) { None } else { search.function.by_sum() };
+    if let Some(sum) = by_sum.filter(|sum| sum.roots.len() == search.function.poles.len()) {
+        let all = search.told_apart(sum.roots, Vec::new());
+        if all.certified {
+            return all;
+        }
+    }
     let starts = search.function.starts();
     let mut first = search.attempt(starts);
     for _ in 0..MENDS {
@@ -150,9 +146,14 @@ impl Search<'_> {
             aberth.solve_from(&mut self.function, starts.into_iter(), known, LAST);
         }
         let trivial = if self.trivial == Trivial::Known { self.per_mode() } else { 0 };
-        let mut roots = aberth.roots.split_off(dead + trivial);
+        let roots = aberth.roots.split_off(dead + trivial);
         let mut gone = aberth.roots;
         gone.truncate(dead);
+        self.told_apart(roots, gone)
+    }
+
+    /// The zeros next to approximations, told apart and counted, and those that have gone to 0.
+    fn told_apart(&mut self, mut roots: Vec<C>, mut gone: Vec<C>) -> Zeros {
         // Next to z = 0 rows and columns of J vanish. Scaled to equal size they are rounding, and refinement ends at another zero.
         if !self.reciprocal {
             gone.extend(roots.extract_if(.., |z| modulus(*z) < DEAD));
@@ -175,11 +176,10 @@ impl Search<'_> {
     /// The root that is exactly 0 where an impact takes all velocity: that leaves its contact on the barrier and at rest, two numbers of which
     /// time makes up for one. The iteration creeps there; next to 0 alone it is this one.
     fn left_by_plastic_impacts(&self, roots: &mut Vec<C>) -> Option<C> {
-        let is_plastic = self.function.equations.impacts().iter().any(|impact| impact.restitution == 0.0);
         let least = (0..roots.len()).min_by(|&a, &b| modulus(roots[a]).total_cmp(&modulus(roots[b])))?;
         let next = (0..roots.len()).filter(|&k| k != least).map(|k| modulus(roots[k])).fold(f64::INFINITY, f64::min);
         let is_next_to_zero = modulus(roots[least]) < CREEPING.min(CREEPING.sqrt() * next);
-        (is_plastic && is_next_to_zero).then(|| {
+        (is_plastic(self.function.whole) && is_next_to_zero).then(|| {
             roots.remove(least);
             C::default()
         })
@@ -409,24 +409,6 @@ impl Search<'_> {
 pub(super) fn refined(function: &SpectralFunction<'_>, start: C, data: &[Origin]) -> Option<Zero> {
     let Refined { z, error } = function.refine(start, data)?;
     Some(Zero { error, ..Zero::new(z, true) })
-}
-
-impl Zero {
-    pub(crate) fn new(z: C, settled: bool) -> Self {
-        Self { z, nu: Nu::default(), error: 0.0, settled, apart: true, held: false }
-    }
-
-    /// That of ν, from one of its two multipliers and the error of this one.
-    pub(crate) fn of_pair(z: C, error: f64, settled: bool) -> Self {
-        // ν ∓ 1 = (z ∓ 1)²/2z
-        let [below, above] = [z - 1.0, z + 1.0].map(|root| root * root / (z * 2.0));
-        let nu = Nu { below: below.re, above: above.re, im: above.im };
-        let inverse = z.inv();
-        let slope = 0.5 * modulus((z - 1.0) * (z + 1.0)) * inverse.norm_sqr();
-        let error =
-            error * slope + 0.5 * error * error * inverse.norm_sqr() + 2.0 * f64::EPSILON * modulus(nu.complex());
-        Self { nu, error, ..Self::new(z, settled) }
-    }
 }
 
 /// How far, of their sizes, sum and product may be off beyond what errors explain: two zeros that are one are off by their distance from

@@ -6,7 +6,8 @@ use vibrochain_testkit::Random;
 
 use super::function::SpectralFunction;
 use super::refine::{DataError, Origin};
-use super::solve::{Zero, zeros};
+use super::solve::zeros;
+use super::zero::Zero;
 use crate::zeros::modulus;
 
 /// One to nine modes that die, one impact to three at one contact or two, in units of time so many times shorter, modes from the first or the last.

@@ -10,7 +10,8 @@ use vibrochain_lattice::SparedModes;
 
 use super::function::SpectralFunction;
 use super::refine::{DataError, Origin};
-use super::solve::{Zero, Zeros, is_reciprocal, zeros};
+use super::solve::{Zeros, is_reciprocal, zeros};
+use super::zero::Zero;
 use crate::error::FloquetError;
 use crate::saltation::saltations;
 use crate::verdict::{Question, Tolerance, Verdict};

@@ -23,12 +23,6 @@ pub enum SecularError {
         /// The mode.
         mode: usize,
     },
-    /// Two poles coincide (γ₂ → 0, a rigid mode, Ω_k ± Ω_l = jω).
-    #[error("the pole of mode {mode} coincides with another")]
-    Coincident {
-        /// The mode.
-        mode: usize,
-    },
     /// A multiplier is on the unit circle to within rounding.
     #[error("a multiplier is on the unit circle to within rounding")]
     Tangency,

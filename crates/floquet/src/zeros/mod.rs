@@ -12,7 +12,7 @@ mod error;
 mod excess;
 mod rational;
 
-pub(crate) use aberth::{Aberth, Last, Meromorphic, Start};
+pub(crate) use aberth::{Aberth, Last, Meromorphic};
 pub use error::SecularError;
 pub(crate) use excess::{Nu, excess, modulus, outside};
 pub(crate) use rational::{Rational, Value};

@@ -6,15 +6,11 @@
 //! | `multipole` | Cauchy sums of all poles at all poles |
 //! | `evaluate`, `neighbourhood` | F or f next to some poles, the far ones expanded |
 //! | `large_reversible` | residues of reversible orbits |
-//! | `large_general`, `near_circle`, `large_roots` | residues and multipliers of all others |
 //! | `off_axis_roots`, `zero_search` | zeros that brackets do not show |
 
 pub(crate) mod evaluate;
-pub(crate) mod large_general;
 pub(crate) mod large_reversible;
-pub(crate) mod large_roots;
 pub(crate) mod multipole;
-pub(crate) mod near_circle;
 pub(crate) mod neighbourhood;
 pub(crate) mod off_axis_roots;
 pub(crate) mod zero_search;

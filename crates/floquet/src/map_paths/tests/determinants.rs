@@ -2,13 +2,12 @@
 
 use nalgebra::{Complex, DMatrix};
 use vibrochain_breather::linear::determinant;
-use vibrochain_breather::{BlochEquations, Family, Finder, Hit, Orbit, OrbitList, Prepared};
-use vibrochain_lattice::{Barrier, Chain, Point, Spectrum};
+use vibrochain_breather::{BlochEquations, Finder, Hit, Orbit, OrbitList, Prepared};
+use vibrochain_lattice::{Barrier, Chain, Spectrum};
 use vibrochain_testkit::{Ranges, Values};
 
-use super::forced::forced_cases;
 use super::*;
-use crate::map_paths::{Residues, SecularMultipliers};
+use crate::map_paths::Residues;
 
 /// J(z) of an orbit.
 fn equations(prepared: Prepared<'_>) -> BlochEquations {
@@ -71,45 +70,6 @@ fn determinants_of_words_are_those_of_the_whole_lattice() {
         }
     }
     assert!(several > 150 && layered > 40, "{several} {layered}");
-}
-
-#[test]
-fn poles_and_residues_of_forced_orbits_have_that_determinant() {
-    let mut random = Random(42);
-    let mut form = SecularMultipliers::default();
-    let mut checked = 0;
-    for (i, family) in [Family::SingleSided, Family::DoubleSided, Family::PeriodDoubled].into_iter().enumerate() {
-        forced_cases(50 + i as u64, 100, family, |orbit, finder, _, _| {
-            if form.replace(finder.prepared(orbit).unwrap()).is_err() {
-                return;
-            }
-            let equations = equations(finder.prepared(orbit).unwrap());
-            for z in places(&mut random) {
-                let (value, expected) = (form.form.evaluate(z), secular(&equations, z));
-                let allowed = 1e-12 * value.noise + 4.0 * form.form.doubt(z);
-                assert!((value.f - expected).norm() <= allowed, "{:?}: {} {expected}", orbit.model(), value.f);
-                checked += 1;
-            }
-        });
-    }
-    assert!(checked > 800, "{checked}");
-}
-
-/// Two impacts in a ring so large that the sums over modes are Cauchy sums.
-#[test]
-fn residues_of_large_rings_have_that_determinant() {
-    let ring = Point::ring(501).gamma1(0.2).gamma2(0.1);
-    let model = ring.omega(1.5).asymmetry(0.4).amplitude(0.1).restitution(0.9).model().unwrap();
-    let (mut finder, mut found, mut random) = (Finder::new(501), OrbitList::default(), Random(43));
-    finder.find(&model, Family::DoubleSided, &mut found).unwrap();
-    let mut form = SecularMultipliers::default();
-    let prepared = finder.prepared(&found.orbits[0]).unwrap();
-    form.replace(prepared).unwrap();
-    let equations = equations(prepared);
-    for z in places(&mut random) {
-        let (value, expected) = (form.form.evaluate(z).f, secular(&equations, z));
-        assert!((value - expected).norm() < 1e-10 * (1.0 + expected.norm()), "{value} {expected}");
-    }
 }
 
 #[test]

@@ -1,14 +1,14 @@
 //! Orbits with forces and losses, and shapes.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Family, Finder, Orbit, OrbitList};
+use vibrochain_breather::{BlochEquations, Family, Finder, Orbit, OrbitList};
 use vibrochain_lattice::{Chain, Point};
 
 use super::*;
 use crate::Analyser;
-use crate::map_paths::{ForcedSecular, Secular, SecularMultipliers, Standing};
+use crate::map_paths::Secular;
 use crate::reference::eigen::eigenvalues;
-use crate::spectrum::ModalShape;
+use crate::spectrum::{ImpactSpectrum, ModalShape};
 use crate::verdict::{Method, Tolerance};
 
 /// A random forced orbit's dense multipliers on the even subspace.
@@ -39,21 +39,25 @@ pub(crate) fn forced_cases(
     }
 }
 
+/// The multipliers of the impacts' equations.
+fn spectrum(orbit: &Orbit, finder: &mut Finder) -> ImpactSpectrum {
+    ImpactSpectrum::new(&BlochEquations::of(orbit, finder.prepared(orbit).unwrap().response()).0)
+}
+
 #[test]
 fn all_multipliers_of_forced_orbits_are_those_of_the_dense_matrix() {
     for (i, family) in [Family::SingleSided, Family::DoubleSided, Family::PeriodDoubled].into_iter().enumerate() {
-        let mut secular = SecularMultipliers::default();
         let (mut checked, mut doubts) = (0, 0);
         forced_cases(7 + i as u64, 500, family, |orbit, finder, dense, norm| {
             checked += 1;
             let name = || format!("{family:?} {:?}", orbit.model());
-            if secular.replace(finder.prepared(orbit).unwrap()).is_err() {
+            let ImpactSpectrum { multipliers: roots, errors, is_certified } = spectrum(orbit, finder);
+            if !is_certified {
                 doubts += 1;
                 return;
             }
-            let (roots, errors) = secular.multipliers().unwrap_or_else(|doubt| panic!("{}: {doubt}", name()));
             assert_eq!(roots.len(), dense.len());
-            let distance = farthest(roots, dense).max(farthest(dense, roots));
+            let distance = farthest(&roots, dense).max(farthest(dense, &roots));
             let allowed = 1e-12 * norm + 4.0 * errors.iter().copied().fold(0.0, f64::max);
             assert!(distance <= allowed, "{}: {distance:e}, granted {allowed:e}", name());
             // Nobody is found twice: power sums.
@@ -70,22 +74,21 @@ fn all_multipliers_of_forced_orbits_are_those_of_the_dense_matrix() {
 #[test]
 fn verdicts_on_forced_orbits() {
     for (i, family) in [Family::SingleSided, Family::DoubleSided, Family::PeriodDoubled].into_iter().enumerate() {
-        let mut secular = ForcedSecular::default();
-        let (mut checked, mut open) = (0, 0);
+        let (mut analyser, mut checked, mut open) = (Analyser::default(), 0, 0);
         forced_cases(10 + i as u64, 400, family, |orbit, finder, dense, norm| {
             checked += 1;
-            let Ok(verdict) = secular.verdict(finder.prepared(orbit).unwrap()) else {
-                open += 1;
-                return;
+            let verdict = match analyser.verdict(orbit, finder, Tolerance::Rounding) {
+                Ok(verdict) if verdict.method == Method::Secular && !verdict.undecided => verdict,
+                _ => {
+                    open += 1;
+                    return;
+                }
             };
             let excess = dense.iter().map(|mu| mu.norm()).fold(0.0, f64::max) - 1.0;
-            let blur = 1e-12 * norm + verdict.excess_error;
+            let blur = 1e-12 * norm + verdict.resolution;
             let name = format!("{family:?} {:?}: {verdict:?}, dense {excess:e}", orbit.model());
-            match verdict.outcome {
-                Standing::Stable => assert!(excess < blur, "{name}"),
-                Standing::Unstable => assert!((excess - verdict.excess).abs() < blur, "{name}"),
-                Standing::Undecided => open += 1,
-            }
+            assert!((excess - verdict.excess()).abs() < blur, "{name}");
+            assert_eq!(verdict.stable, verdict.excess() < 0.0, "{name}");
         });
         assert!(checked > 350 && open < checked / 50, "{family:?}: {open} of {checked}");
     }
@@ -132,7 +135,7 @@ fn shapes_are_eigenvectors_of_the_monodromy_matrix() {
     assert!(checked > 1000, "{checked}");
 }
 
-/// The Cauchy sums of large rings against dense matrices, one and two impacts, weak and strong losses.
+/// One and two impacts, weak and strong losses.
 #[test]
 fn multipliers_of_large_rings_are_those_of_the_dense_matrix() {
     let (mut finder, mut found) = (Finder::new(401), OrbitList::default());
@@ -151,11 +154,9 @@ fn multipliers_of_large_rings_are_those_of_the_dense_matrix() {
         let mut dense = Vec::new();
         eigenvalues(&matrix, &mut dense).unwrap();
         finder.motion(orbit).unwrap();
-        let mut secular = SecularMultipliers::default();
-        secular.replace(finder.prepared(orbit).unwrap()).unwrap();
-        let (values, _) = secular.multipliers().unwrap();
-        assert_eq!(values.len(), 402);
-        let distance = farthest(values, &dense).max(farthest(&dense, values));
+        let ImpactSpectrum { multipliers: values, is_certified, .. } = spectrum(orbit, &mut finder);
+        assert!(values.len() == 402 && is_certified);
+        let distance = farthest(&values, &dense).max(farthest(&dense, &values));
         assert!(distance < 1e-9, "{family:?} {omega}: {distance:e}");
         compared += 1;
     }

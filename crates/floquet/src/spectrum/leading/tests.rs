@@ -1,5 +1,7 @@
 //! Zeros that lead, and discs about approximations.
 
+use vibrochain_breather::{BlochEquations, LinearImpact};
+use vibrochain_lattice::BlochKernel;
 use vibrochain_testkit::Random;
 
 use super::super::random_equations;
@@ -26,6 +28,46 @@ fn those_that_lead_lead_all() {
         assert!((found - wanted).abs() <= 4.0 * room, "{found} {wanted} {room:e} {equations:?}");
     }
     assert!(all > 300 && quick > all * 3 / 4, "{quick} of {all}");
+}
+
+/// f by its poles and residues is the determinant of J(z), whose own errors are told.
+#[test]
+fn poles_and_residues_have_the_determinant_of_the_equations() {
+    let (mut random, mut checked) = (Random(42), 0);
+    for _ in 0..300 {
+        let equations = random_equations(&mut random, 0.5);
+        let Some(form) = SpectralFunction::new(&equations, false).rational() else { continue };
+        for radius in [0.3, 0.9, 1.1, 2.5] {
+            let z = C::from_polar(radius, random.between(-3.1, 3.1));
+            let (value, size) = (form.evaluate(z), equations.size());
+            let expected = determinant(&mut equations.matrix(z), size) * equations.scale();
+            let allowed = 1e-12 * value.noise + 4.0 * form.doubt(z);
+            assert!((value.f - expected).norm() <= allowed, "{z}: {} {expected} {equations:?}", value.f);
+            checked += 1;
+        }
+    }
+    assert!(checked > 800, "{checked}");
+}
+
+/// Two modes of one frequency, which two contacts feel, have no simple poles.
+#[test]
+fn modes_of_one_frequency_are_no_sum_of_simple_poles() {
+    let mut kernel = BlochKernel::new(2.4, 2);
+    for shapes in [[0.6, 0.6], [0.8, -0.4], [0.0, 0.7]] {
+        kernel.push_oscillator(if shapes[0] == 0.6 { 0.4 } else { 0.5 }, 0.0, &shapes);
+    }
+    let impact = |contact: usize, time: f64| LinearImpact {
+        contact,
+        time,
+        impulse: -0.7,
+        restitution: 0.9,
+        acceleration_before: 0.3,
+    };
+    let equations = BlochEquations::new(kernel, vec![impact(0, 0.0), impact(1, 1.1)]);
+    let function = SpectralFunction::new(&equations, false);
+    assert!(function.rational().is_none() && function.leading(&[]).is_none());
+    let all = zeros(&equations, false, &[]);
+    assert!(all.certified && all.list.len() == 6, "{all:?}");
 }
 
 /// f with these zeros and poles, both in pairs; of each residue an error of this part of it.
