@@ -30,36 +30,26 @@ impl Searched {
     }
 }
 
-/// The orbits of a word of the lattice with contacts at these masses. `None` where it cannot be asked for.
+/// The orbits of a word, of contacts, of the lattice with contacts at these lists of masses. `None` where it cannot be asked for.
 pub(crate) fn among(
     model: &Model,
-    masses: &[usize],
+    contacts: &[Vec<usize>],
     (word, periods): (&Word, u32),
     wanted: Scope,
     stop: &Stop,
 ) -> Result<Option<StructureFound>, BreatherError> {
     let all = if wanted.candidates() { structure_candidates } else { structure_orbits };
-    let searched = match structure(model, masses, stop) {
-        Ok(structure) => all(&structure, &at_contacts(word, masses)?, periods),
-        Err(error) => Err(error),
-    };
-    match searched {
+    match structure(model, contacts, stop).and_then(|structure| all(&structure, word, periods)) {
         Ok(searched) => Ok(Some(searched)),
         Err(StructureOrbitError::Stopped(stopped)) => Err(stopped.into()),
         Err(_) => Ok(None),
     }
 }
 
-/// The lattice with contacts at these masses.
-fn structure(model: &Model, masses: &[usize], stop: &Stop) -> Result<StructureModel, StructureOrbitError> {
-    let structure: ModalStructure = model.structure(masses)?;
+/// The lattice with these contacts.
+fn structure(model: &Model, contacts: &[Vec<usize>], stop: &Stop) -> Result<StructureModel, StructureOrbitError> {
+    let structure: ModalStructure = model.structure(contacts)?;
     Ok(StructureModel::new(Arc::new(structure), model.omega())?.until(stop))
-}
-
-/// The word with numbers of contacts in place of masses.
-fn at_contacts(word: &Word, masses: &[usize]) -> Result<Word, BreatherError> {
-    let of = |letter: &Letter| Letter::new(masses.partition_point(|&mass| mass < letter.site), letter.barrier);
-    Ok(Word::new(word.instants().iter().map(|letters| letters.iter().map(of).collect()).collect())?)
 }
 
 /// The orbits of one mass, number `home`, that hits these barriers in turn in so many periods of the force, and what is known of their list.
@@ -70,8 +60,9 @@ pub(crate) fn of_one_mass(
     wanted: Scope,
     stop: &Stop,
 ) -> Result<(Vec<Draft>, Searched), BreatherError> {
-    let word = Word::new(barriers.iter().map(|barrier| vec![Letter::new(home, *barrier)]).collect())?;
-    let Some(StructureFound { orbits, search, .. }) = among(model, &[home], (&word, periods), wanted, stop)? else {
+    let word = Word::new(barriers.iter().map(|barrier| vec![Letter::new(0, *barrier)]).collect())?;
+    let Some(StructureFound { orbits, search, .. }) = among(model, &[vec![home]], (&word, periods), wanted, stop)?
+    else {
         return Ok((Vec::new(), Searched { exhausted: 1, ..Searched::default() }));
     };
     let searched = Searched::by(search).unwrap_or(Searched { exhausted: 1, ..Searched::default() });

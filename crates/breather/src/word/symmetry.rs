@@ -46,11 +46,11 @@ impl Word {
     }
 
     /// The classes of impacts that symmetries of the word turn into each other, one after the other in the order of the impacts: those of the
-    /// lattice, with the barriers exchanged where they are centred, and with the instants exchanged by reversal of time if
-    /// `by_reversal`. Their impulses are alike then, but for signs: those of the barriers. Of a word of one or two instants.
+    /// lattice, with the barriers exchanged where they are centred and no force drives the masses, and, of a word of one or two instants, with the
+    /// instants exchanged by reversal of time if `by_reversal`. Their impulses are alike then, but for signs: those of the barriers.
     pub(crate) fn classes(&self, model: &Model, by_reversal: bool) -> Vec<usize> {
         let layout = model.chain().layout();
-        let centred = model.asymmetry() == 0.0;
+        let centred = model.asymmetry() == 0.0 && model.is_conservative();
         let all: Vec<(usize, Letter)> =
             self.instants.iter().enumerate().flat_map(|(i, letters)| letters.iter().map(move |&l| (i, l))).collect();
         let turns = |&(instant, one): &(usize, Letter), &(image, other): &(usize, Letter)| {

@@ -1,9 +1,12 @@
 //! Orbits of a word under a force: those of the lattice as a structure whose contacts are the masses that are hit.
 //!
-//! Of one impact, of two and of three at as many instants these lists are proved complete; of longer words they are what starts lead to.
+//! Of one instant, of two and of three these lists are proved complete; of longer words they are what starts lead to. Masses that a symmetry of the
+//! lattice and the word has hit at one instant are one contact. Where their impulses follow from the times nothing but symmetric orbits has these
+//! instants; impacts at one instant that no symmetry makes alike have more conditions than unknowns.
 
-use vibrochain_lattice::Model;
+use vibrochain_lattice::{ImpulseResponse, Model};
 
+use crate::equations::Equations;
 use crate::equations::newton::{STEPS, polish};
 use crate::error::{BreatherError, NoBreather};
 use crate::orbit::{Hit, Orbit};
@@ -11,9 +14,12 @@ use crate::search::as_structure::among;
 use crate::search::completeness::Searched;
 use crate::search::finder::{Finder, OrbitList, Scope};
 use crate::search::words::superpose::list;
-use crate::structures::orbit::StructureOrbit;
+use crate::structures::orbit::{StructureImpact, StructureOrbit};
 use crate::structures::search::StructureFound;
-use crate::word::Word;
+use crate::word::{Letter, Word};
+
+/// Equations whose reciprocal condition is below this are singular to rounding.
+const SINGULAR: f64 = 1e-12;
 
 /// What a search among a structure's orbits tells of its list.
 pub(crate) enum Outcome {
@@ -23,50 +29,101 @@ pub(crate) enum Outcome {
     Started(usize),
 }
 
-/// Lists the orbits of `word`, of one row, in so many periods of the force. `finder` is prepared for these.
+/// Lists the orbits of `word`, which is `row` if all is counted in one row, in so many periods of the force. `finder` is prepared for these.
 pub(crate) fn find(
     finder: &mut Finder,
     model: &Model,
-    (word, periods): (&Word, u32),
+    (word, row, periods): (&Word, &Word, u32),
     wanted: Scope,
     found: &mut OrbitList,
 ) -> Result<Outcome, BreatherError> {
-    // Impacts at one instant have more conditions than unknowns.
-    if word.instants().iter().any(|letters| letters.len() > 1) {
-        return Ok(Outcome::Started(0));
-    }
-    let masses: Vec<usize> = word.places().into_iter().map(|(_, site)| site).collect();
-    let Some(StructureFound { orbits, search, .. }) = among(model, &masses, (word, periods), wanted, &finder.stop)?
+    let Some(together) = Together::of(model, word, row) else { return Ok(Outcome::Started(0)) };
+    let asked = (&together.word()?, periods);
+    let Some(StructureFound { orbits, search, .. }) = among(model, &together.contacts, asked, wanted, &finder.stop)?
     else {
         return Ok(Outcome::Started(0));
     };
     let searched = Searched::by(search);
-    let mut lost = 0;
+    let (mut lost, mut unresolved) = (0, 0);
     for orbit in &orbits {
-        match orbit_of(finder, model, (&masses, periods), orbit)? {
-            Some(orbit) => list(Ok(orbit), found),
-            None => lost += 1,
-        }
+        let orbit = together.orbit(finder, model, periods, orbit)?;
+        let Some(orbit) = orbit else {
+            lost += 1;
+            continue;
+        };
+        unresolved += usize::from(!(together.is_in_sequence() || is_alone(&orbit, &finder.response)));
+        list(Ok(orbit), found);
     }
     Ok(match searched {
         Ok(searched) => {
             let reason = found.orbits.is_empty().then_some(NoBreather::NothingPushes);
-            Outcome::Proved(Searched { listed: found.orbits.len(), lost, reason, ..searched })
+            let unresolved = searched.unresolved + unresolved;
+            Outcome::Proved(Searched { listed: found.orbits.len(), lost, unresolved, reason, ..searched })
         }
         Err(starts) => Outcome::Started(starts),
     })
 }
 
-/// The chain's orbit of these impacts, if rounding has left one.
-fn orbit_of(
-    finder: &mut Finder,
-    model: &Model,
-    (masses, periods): (&[usize], u32),
-    orbit: &StructureOrbit,
-) -> Result<Option<Orbit>, BreatherError> {
-    let hits: Vec<Hit> =
-        orbit.impacts().iter().map(|one| Hit::new(masses[one.contact], one.barrier, one.time, one.impulse)).collect();
-    let mut orbit = Orbit::from_impulses(model, periods, orbit.psi().unwrap_or(0.0), &hits)?;
-    polish(&mut orbit, STEPS, &finder.response, &mut finder.motion);
-    Ok(Some(orbit).filter(Orbit::is_sound))
+/// Whether its impulses follow from its times: another orbit of these would have others, and need not be symmetric.
+fn is_alone(orbit: &Orbit, response: &ImpulseResponse) -> bool {
+    Equations::new(orbit, response).system().reciprocal_condition > SINGULAR
+}
+
+/// A word whose impacts at one instant are all alike: one impact of masses that move together.
+struct Together<'a> {
+    row: &'a Word,
+    /// The masses of each contact, in the order of their letters.
+    contacts: Vec<Vec<usize>>,
+}
+
+impl<'a> Together<'a> {
+    /// `None` where no symmetry of the lattice makes the impacts of an instant alike: they have more conditions than unknowns.
+    fn of(model: &Model, word: &Word, row: &'a Word) -> Option<Self> {
+        let at_once = row.instants().iter().any(|letters| letters.len() > 1);
+        let on_one_side = |letters: &Vec<Letter>| letters.iter().all(|letter| letter.barrier == letters[0].barrier);
+        if at_once && !(row.instants().iter().all(on_one_side) && word.is_alike(model)) {
+            return None;
+        }
+        let masses = |letters: &Vec<Letter>| letters.iter().map(|letter| letter.site).collect();
+        let mut contacts: Vec<Vec<usize>> = row.instants().iter().map(masses).collect();
+        contacts.sort_unstable();
+        contacts.dedup();
+        Some(Self { row, contacts })
+    }
+
+    fn is_in_sequence(&self) -> bool {
+        self.contacts.iter().all(|masses| masses.len() == 1)
+    }
+
+    /// The word with a contact in place of the masses of each instant.
+    fn word(&self) -> Result<Word, BreatherError> {
+        let contact = |letters: &Vec<Letter>| {
+            self.contacts
+                .partition_point(|masses| masses[..] < *letters.iter().map(|letter| letter.site).collect::<Vec<_>>())
+        };
+        let instant = |letters: &Vec<Letter>| vec![Letter::new(contact(letters), letters[0].barrier)];
+        Ok(Word::new(self.row.instants().iter().map(instant).collect())?)
+    }
+
+    /// The chain's orbit of these impacts, if rounding has left one.
+    fn orbit(
+        &self,
+        finder: &mut Finder,
+        model: &Model,
+        periods: u32,
+        orbit: &StructureOrbit,
+    ) -> Result<Option<Orbit>, BreatherError> {
+        let hits = |one: &StructureImpact| {
+            let (masses, StructureImpact { barrier, time, impulse, .. }) = (&self.contacts[one.contact], *one);
+            let each = impulse / (masses.len() as f64).sqrt();
+            masses.iter().map(move |&mass| Hit::new(mass, barrier, time, each)).collect::<Vec<_>>()
+        };
+        let hits: Vec<Hit> = orbit.impacts().iter().flat_map(hits).collect();
+        let mut orbit = Orbit::from_impulses(model, periods, orbit.psi().unwrap_or(0.0), &hits)?;
+        // Steps might part what is at one instant.
+        if self.is_in_sequence() {
+            polish(&mut orbit, STEPS, &finder.response, &mut finder.motion);
+        }
+        Ok(Some(orbit).filter(Orbit::is_sound))
+    }
 }

@@ -84,11 +84,11 @@ impl Finder {
         if !model.is_conservative() && model.amplitude() == 0.0 {
             found.completeness = Completeness::none(NoBreather::LossWithoutForce);
         } else if !model.is_conservative() {
-            found.completeness = self.of_structure(model, (row, force_periods), wanted, found)?;
+            found.completeness = self.of_structure(model, (word, row, force_periods), wanted, found)?;
         } else if row.instants().len() > 2 && model.chain().is_uncoupled() {
             found.completeness = Completeness::not_reached(NoBreather::NotSearched(Unsearched::Uncoupled));
         } else if row.instants().len() > 2 {
-            found.completeness = self.of_structure(model, (row, 1), wanted, found)?;
+            found.completeness = self.of_structure(model, (word, row, 1), wanted, found)?;
         } else {
             found.completeness = Completeness::of(&self.unforced(model, (word, row), wanted, found)?);
         }
@@ -131,18 +131,17 @@ impl Finder {
     }
 
     /// The orbits of a word among those of the lattice as a structure. Where that list is not proved, those that branches from masses without
-    /// coupling, or with hardly any, lead to are in it, too: in two periods of the force they lead to physical ones that no start does, and the
-    /// structure has none of several impacts at one instant.
+    /// coupling, or with hardly any, lead to are in it, too: in two periods of the force they lead to physical ones that no start does.
     fn of_structure(
         &mut self,
         model: &Model,
-        word: (&Word, u32),
+        word: (&Word, &Word, u32),
         wanted: Scope,
         found: &mut OrbitList,
     ) -> Result<Completeness, BreatherError> {
         // A point where no motion is defined has no answer, whatever leads there.
         let _ = model.steady()?;
-        self.prepare(model, model.omega() / f64::from(word.1))?;
+        self.prepare(model, model.omega() / f64::from(word.2))?;
         let at_point = if model.chain().is_kept() {
             at_contacts::find(self, model, word, wanted, found)?
         } else {
@@ -154,8 +153,8 @@ impl Finder {
             return Ok(Completeness::of(searched));
         }
         let followed = match model.is_conservative() {
-            true => phase_rule::find(self, model, word.0, found)?,
-            false => uncoupled::find(self, model, word, found)?,
+            true => phase_rule::find(self, model, word.1, found)?,
+            false => uncoupled::find(self, model, (word.1, word.2), found)?,
         };
         let reached = found.orbits.len();
         found.orbits.retain(|orbit| !repeats_sooner(orbit));
