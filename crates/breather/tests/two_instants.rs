@@ -307,7 +307,7 @@ fn a_row_of_two_is_a_ring_of_two_with_half_the_coupling() {
     }
 }
 
-/// What no search reaches is not called complete: more instants, masses that feel nothing of each other, a force on several masses at once.
+/// What no search reaches is not called complete: more instants, masses that feel nothing of each other, a force on several masses at once that no symmetry makes alike.
 #[test]
 fn what_is_not_searched_is_not_complete() {
     let ring = |gamma2: f64| Chain::new(6, 0.2, gamma2).unwrap();
@@ -320,7 +320,8 @@ fn what_is_not_searched_is_not_complete() {
         (free(0.0), "0+,3-"),
         (free(0.0), "0+1-,2+3-"),
         (far, "0+,200-"),
-        (forced, "0+1+,0-1-"),
+        (forced, "0+1-,0-1+"),
+        (forced, "0-1-3-"),
         (forced, "0-,1-,2-,3-"),
     ] {
         let mut found = OrbitList::default();
@@ -333,8 +334,15 @@ fn what_is_not_searched_is_not_complete() {
     let mut found = OrbitList::default();
     Finder::new(20).find_word(&adrift, &"0+4+9+,0-4-9-".parse().unwrap(), Scope::All, &mut found).unwrap();
     assert!(found.completeness.is_established(), "{:?}", found.completeness);
-    // One after the other, two impacts and three have proved lists.
-    for (model, text) in [(forced, "0-,1-"), (forced, "0-,1-,2-"), (free(0.05), "0+,0-,3+")] {
+    // Two instants and three have proved lists.
+    for (model, text) in [
+        (forced, "0-,1-"),
+        (forced, "0-,1-,2-"),
+        (forced, "0+1+,0-1-"),
+        (forced, "0-2-4-,0-2-4-,0+2+4+"),
+        (free(0.05), "0+,0-,3+"),
+        (free(0.05), "0+3+,0-3-,0-3-"),
+    ] {
         Finder::new(6).find_word(&model, &text.parse().unwrap(), Scope::All, &mut found).unwrap();
         assert!(found.completeness.is_established(), "{text} {model}: {:?}", found.completeness);
     }

@@ -152,9 +152,18 @@ fn assert_ends_are_named(rounds: usize) {
         let (amplitude, restitution) = (random.between(0.02, 0.6), random.between(0.2, 0.99));
         let point = chain.point().omega(omega).asymmetry(asymmetry);
         let model = point.amplitude(amplitude).restitution(restitution).model().unwrap();
-        // Lists of up to three impacts one after the other are proved: no branch is followed to those.
-        let words =
-            ["0+3+,0-3-", "0-3-", "0-2-", "0+4+,0-4-", "0+1-,0-1+", "0+1+,0-1-", "0+2+,0-2-", "0-2-4-", "0-3-6-"];
+        // Lists of up to three instants of which a symmetry makes the impacts alike are proved: no branch is followed to those.
+        let words = [
+            "0+1+4+,0-1-4-",
+            "0-1-3-",
+            "0-1-4-",
+            "0+4-,0-4+",
+            "0+1-,0-1+",
+            "0+3-,0-3+",
+            "0+1+3+,0-1-3-",
+            "0-2-3-",
+            "0-1-3-7-",
+        ];
         if finder.find_word(&model, &words[round % 9].parse().unwrap(), Scope::All, &mut found).is_err() {
             continue;
         }
@@ -169,25 +178,7 @@ fn assert_ends_are_named(rounds: usize) {
         }
     }
     println!("{came} came, ended by {ends:?}");
-    assert!(ends.iter().all(|&count| 50 * count > rounds) && 20 * came > rounds, "{ends:?} {came}");
-}
-
-/// Steps crept towards it until the work for one search was spent, half a minute.
-#[test]
-fn a_branch_that_creeps_towards_a_resonance_ends_there() {
-    let point = Chain::new(9, 0.3540207113381798, 0.32401137357515286).unwrap().point().omega(0.5801805980077499);
-    let point = point.asymmetry(0.30062071059642603).amplitude(0.2377423835905643).restitution(0.9877188993670045);
-    let (mut finder, mut found) = (Finder::new(9), OrbitList::default());
-    let word = "0+3+,0-3-".parse().unwrap();
-    finder.find_word(&point.model().unwrap(), &word, Scope::All, &mut found).unwrap();
-    let told = found.ended.iter().find(|ended| matches!(ended.by, End::Resonance(_)));
-    let told = told.unwrap_or_else(|| panic!("{:?}", found.ended));
-    // At the coupling that is told, a harmonic of the force meets a mode: the frequencies of all modes in closed form.
-    let at = |gamma2: f64, k: f64| {
-        (0.3540207113381798 + 4.0 * gamma2 * (std::f64::consts::PI * k / 9.0).sin().powi(2)).sqrt()
-    };
-    let multiple = |k: i32| at(told.value, f64::from(k)) / 0.5801805980077499;
-    assert!((0..=4).any(|k| (multiple(k) - multiple(k).round()).abs() < 1e-4), "{told}");
+    assert!(ends.iter().all(|&count| 60 * count > rounds) && 20 * came > rounds, "{ends:?} {came}");
 }
 
 #[test]

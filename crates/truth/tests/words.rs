@@ -137,7 +137,7 @@ fn assert_same_impulses(orbit: &Orbit, hits: &[Hit], word: &str) {
 #[test]
 fn checked_words_are_found_without_a_guess() {
     let (mut finder, mut found) = (Finder::new(21), OrbitList::default());
-    let (mut reversible, mut followed) = (0, 0);
+    let (mut reversible, mut forced) = (0, 0);
     for case in words() {
         let word: Word = case.word.parse().unwrap();
         assert_eq!(word.to_string(), case.word);
@@ -151,14 +151,14 @@ fn checked_words_are_found_without_a_guess() {
             reversible += 1;
             continue;
         }
-        assert_eq!(found.completeness, Completeness::Followed { starts: 2, left: 0 });
+        assert!(found.completeness.is_established(), "{word}: {:?}", found.completeness);
         let psi = |orbit: &&Orbit| (orbit.psi().unwrap() - case.psi).abs() < 1e-10;
         let orbit = found.orbits.iter().find(psi).unwrap();
         assert_same_impulses(orbit, &case.hits, &case.word);
         assert_eq!(Word::of(orbit), word);
-        followed += 1;
+        forced += 1;
     }
-    assert!(reversible >= 30 && followed >= 1, "{reversible} {followed}");
+    assert!(reversible >= 30 && forced >= 1, "{reversible} {forced}");
 }
 
 /// Orbits of random words under a force are fixed points of a simulated return map; branches end where they say.

@@ -241,3 +241,6 @@ fn last_value(along: &mut Branch, from: &BranchPoint, to: &BranchPoint, holds: i
     }
     value
 }
+
+#[cfg(test)]
+mod tests;

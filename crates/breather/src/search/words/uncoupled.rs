@@ -97,7 +97,7 @@ mod tests {
         let model = |gamma2: f64| ring.gamma2(gamma2).model().unwrap();
         let (mut finder, mut found) = (Finder::new(4), OrbitList::default());
         finder.find_word(&model(1e-3), &"0-2-".parse().unwrap(), Scope::All, &mut found).unwrap();
-        let start = found.orbits.remove(0);
+        let start = found.orbits.pop().unwrap();
         found = OrbitList::default();
         // Enough for some steps.
         let mut effort = Effort::until(&Stop::default());
