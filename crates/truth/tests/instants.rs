@@ -178,7 +178,7 @@ fn assert_ends_are_named(rounds: usize) {
         }
     }
     println!("{came} came, ended by {ends:?}");
-    assert!(ends.iter().all(|&count| 60 * count > rounds) && 20 * came > rounds, "{ends:?} {came}");
+    assert!(ends.iter().all(|&count| 90 * count > rounds) && 20 * came > rounds, "{ends:?} {came}");
 }
 
 #[test]
