@@ -4,8 +4,8 @@
 mod support;
 
 use vibrochain_breather::{
-    Branch, BreatherError, Completeness, End, Ended, Family, Finder, Hit, Impact, NoBreather, Orbit, OrbitList, Scope,
-    Word, breathers,
+    Branch, BreatherError, End, Ended, Family, Finder, Hit, Impact, NoBreather, Orbit, OrbitList, Scope, Word,
+    breathers,
 };
 use vibrochain_floquet::{Method, Tolerance, full_monodromy, stability};
 use vibrochain_lattice::{Barrier, Chain, Model, Parameter, Point};
