@@ -43,16 +43,27 @@ fn positive(a: f64) -> f64 {
     if a > 0.0 { a } else { 0.0 }
 }
 
+/// The largest size in a row.
+pub(crate) fn largest(row: &[f64]) -> f64 {
+    let (groups, rest) = row.as_chunks::<LANES>();
+    let mut most = f64x8::ZERO;
+    for group in groups {
+        most = most.fast_max(f64x8::from(*group).abs());
+    }
+    let larger = |most: f64, d: f64| if d > most { d } else { most };
+    let mut largest = 0.0;
+    for d in most.to_array() {
+        largest = larger(largest, d);
+    }
+    for d in rest {
+        largest = larger(largest, d.abs());
+    }
+    largest
+}
+
 /// Bound on |p_J| for every mass of a ring.
 pub(crate) fn tail(rows: &Rows, sites: usize, growth: Growth, horizon: f64) -> f64 {
-    let largest = |k: usize| {
-        let (groups, rest) = rows.row(k, 0)[..sites].as_chunks::<LANES>();
-        let mut most = [0.0; LANES];
-        let larger = |most: &mut f64, d: &f64| *most = if d.abs() > *most { d.abs() } else { *most };
-        groups.iter().for_each(|group| most.iter_mut().zip(group).for_each(|(most, d)| larger(most, d)));
-        most.iter_mut().zip(rest).for_each(|(most, d)| larger(most, d));
-        most.into_iter().fold(0.0, f64::max)
-    };
+    let largest = |k: usize| largest(&rows.row(k, 0)[..sites]);
     let edge = positive(largest(TAIL).max(largest(TAIL + 1) / growth.rate));
     let q = growth.rate * horizon / (TAIL + 1) as f64;
     let forced = growth.forced * growth.rate.powi(TAIL as i32 - 2) * q / ((1.0 - q) * (1.0 - q));

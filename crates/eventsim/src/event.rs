@@ -46,8 +46,8 @@ pub struct Limits {
     /// Stop once this many impacts (rows of kind impact, one a mass) have been counted in this call. Simultaneous
     /// impacts are never cut in two, so the last of them may exceed it.
     pub impacts: u64,
-    /// Give up on a mass that has met the same barrier this many times in succession, each within
-    /// [`BOUNCE_TIME`] of the one before.
+    /// Give up on a mass that has met the same barrier this many times in succession, each within [`BOUNCE_TIME`] of the one before, or without a
+    /// loss so soon that a period would hold more.
     pub bounces: u32,
     /// Stop after this many windows of flight and restarts, whatever happened.
     pub flights: u64,

@@ -28,16 +28,16 @@
 //! # Why no impact is missed
 //!
 //! 1. At the start of a window of length H every mass's motion x(s) is a polynomial, exact to rounding for as long as
-//!    no event touches it (`series`, `units`). One nested pass (`bound`) gives an upper and a lower bound of x over the
+//!    no event touches it (`series`, `structure::local`). One nested pass (`bound`) gives an upper and a lower bound of x over the
 //!    whole of \[0, H\]. A mass whose bounds, enlarged by their own rounding, stay inside the gap has no contact in the
 //!    window.
 //! 2. Every other mass has one entry in a queue, with a time before which it has no contact: at first from the bound,
 //!    then from steps to the first root of a parabola that lies below its distance to the barrier (`watch`). The
 //!    parabola's curvature is a bound over the window, so a step never passes a contact.
 //! 3. The mass with the earliest such time is advanced until it is not the earliest any more, or its contact is reached.
-//!    A contact that is reached while its time is the earliest is therefore the first of all masses (`engine`).
+//!    A contact that is reached while its time is the earliest is therefore the first of all masses (`structure::motion`).
 //! 4. After an event the masses that can feel it within the window, to rounding, get new polynomials, bounds and
-//!    entries from that instant on; those of the others remain true (`restart`).
+//!    entries from that instant on; those of the others remain true (`structure::local_part`).
 //!
 //! A distance below four units in the last place of its terms counts as a contact; no tolerance is larger.
 //!
@@ -54,8 +54,8 @@
 //! | [`Event`], [`Limits`], [`Outcome`], [`Work`] | impacts, sticking and release; when a run ends, and what it took |
 //! | [`Tangents`] | small perturbations of a run, to first order |
 //! | [`Growth`] | from what they have grown to an exponent and its error |
-//! | [`Simulation`] | the event loop |
-//! | [`StructureSimulation`], [`StructureTangents`] | the same of any linear structure with stops |
+//! | [`Simulation`] | a run of a chain |
+//! | [`StructureSimulation`], [`StructureTangents`] | the same of any linear structure with stops, in the same event loop |
 //! | [`FlightChoice`] | whether it flies by modes or by local series |
 //!
 //! With the feature `serde` values are written by the names of `mapgen`'s tables; those without a [`Time`] are read, too.
@@ -80,16 +80,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod balance;
 mod bound;
 mod cascade;
 mod directions;
-mod engine;
 mod error;
 mod event;
 mod growth;
 mod part;
 mod queue;
-mod ring;
 mod safe_step;
 mod series;
 mod simulation;
@@ -102,13 +101,13 @@ mod units;
 mod watch;
 mod weights;
 
-pub use engine::CHATTER_TIME;
+pub use balance::EnergyBalance;
 pub use error::{StateError, TangentError};
 pub use event::{BOUNCE_TIME, Event, EventKind, Limits, MAX_BOUNCES, MAX_FLIGHTS, Outcome, Report, Work};
 pub use growth::{Exponent, Growth};
 pub use simulation::{Simulation, State};
 pub use structure::{
-    ContactEvent, ContactState, EnergyBalance, FlightChoice, StructureOutcome, StructureReport, StructureSimulation,
+    CHATTER_TIME, ContactEvent, ContactState, FlightChoice, StructureOutcome, StructureReport, StructureSimulation,
     StructureState, StructureStateError, StructureTangents,
 };
 pub use tangent::Tangents;

@@ -62,11 +62,6 @@ impl Pace {
         self.rate = if mean > 0.0 { 1.0 / mean } else { 0.0 };
     }
 
-    /// Horizons are others now.
-    pub(crate) fn choose_anew(&mut self) {
-        self.chosen = None;
-    }
-
     /// Order and horizon of the next window: least cost a unit of time at the present rate of events. `touched` is the share of all masses that
     /// restarts with one at any time in a window, if these are few.
     ///

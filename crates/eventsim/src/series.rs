@@ -6,9 +6,9 @@
 //! d_{k+2} = −M⁻¹ (K d_k + C d_{k+1}) + F_k ,          u_n(s) = Σ_k d_k[n] s^k/k! ,
 //! ```
 //!
-//! for every mass that flies (of a chain: `stencil`, without C); a mass at rest has d_k = 0 for k ≥ 1 and the right-hand side is the force on its
+//! for every mass that flies (of a chain: `stencil`); a mass at rest has d_k = 0 for k ≥ 1 and the right-hand side is the force on its
 //! barrier. Nothing here knows the modes, so that masses at rest change nothing, and no time step is made: a window
-//! is as long as the order allows with a remainder below rounding ([`Units::horizons`]).
+//! is as long as the order allows with a remainder below rounding (`structure::local`).
 //!
 //! - Derivatives, not Taylor coefficients: the recurrence then has no division, whose constant rounding errors would
 //!   add up over a million windows. The divisions are in the weights s^k/k!, the first of them in two words.
@@ -20,9 +20,7 @@ use std::ops::Range;
 
 use wide::{f64x4, f64x8};
 
-use crate::ring::Ring;
-use crate::time::two_sum;
-use crate::units::{MAX_ORDER, Units};
+use crate::units::MAX_ORDER;
 use crate::weights::{TWO_WORDS, Weights};
 use vibrochain_lattice::Ends;
 
@@ -58,12 +56,6 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    pub(crate) fn new(columns: usize) -> Self {
-        let mut rows = Self::default();
-        rows.reset(columns);
-        rows
-    }
-
     /// d_k of column `n`.
     pub(crate) fn get(&self, k: usize, n: usize) -> f64 {
         self.data[k * self.stride + n + 1]
@@ -102,14 +94,6 @@ impl Rows {
                 }
             }
         }
-    }
-
-    /// Sets d_0 and d_1 of the columns from `n` on to what the `masses` of a ring have.
-    pub(crate) fn begin(&mut self, n: usize, ring: &Ring, masses: Range<usize>) {
-        let (places, speeds) = self.data[n + 1..].split_at_mut(self.stride);
-        let whole = ring.x[masses.clone()].iter().zip(&ring.reference[masses.clone()]);
-        places.iter_mut().zip(whole).for_each(|(to, (x, reference))| *to = x + reference);
-        speeds[..masses.len()].copy_from_slice(&ring.v[masses]);
     }
 
     /// The column that a ghost beside the mass `own` repeats; `None` if it has a series of its own, as a wall has.
@@ -165,35 +149,6 @@ impl Rows {
             close(to, k + 2);
             (from, next) = (next, to);
         }
-    }
-
-    /// What rounding took from the derivatives of column `n`, to first order and with the neighbours exact.
-    ///
-    /// A mass that leaves a barrier is at the same place at every impact, to the bit, and its rounding errors with it.
-    /// Alone among all they do not average out: they would change the energy by up to ε/2 an impact.
-    pub(crate) fn lost(&self, n: usize, links: &[[u32; 4]], units: &Units) -> [f64; CORRECTED] {
-        let (g1, g2, g3) = (units.gamma1, units.gamma2, units.gamma3);
-        let [left, right, below, above] = units.chain.neighbours(n);
-        // The mass beside a free end is the same one, and errs with it: no spring.
-        let springs = |a: Option<usize>, b: Option<usize>| f64::from(u8::from(a != Some(n)) + u8::from(b != Some(n)));
-        let held = g1 + springs(left, right) * g2 + springs(below, above) * g3;
-        let [left, right, below, above] =
-            links.get(n).map_or([n, n + 2, n + 1, n + 1], |columns| columns.map(|column| column as usize));
-        let mut lost = [0.0; CORRECTED];
-        for k in 2..CORRECTED {
-            let row = &self.data[(k - 2) * self.stride..];
-            let own = row[n + 1];
-            let Springs { force, of_product, of_stretch } = springs_with_errors(g2, row[left], row[right], own);
-            let hold = g1 * own;
-            let (along, of_along) = two_sum(force, -hold);
-            let products = of_product - g1.mul_add(own, -hold);
-            lost[k] = products + of_stretch + of_along - held * lost[k - 2];
-            if !units.is_row {
-                let across = springs_with_errors(g3, row[below], row[above], own);
-                lost[k] += across.of_product + across.of_stretch + two_sum(along, across.force).1;
-            }
-        }
-        lost
     }
 
     /// Displacement (relative to the reference) and velocity of column `n`, whose displacement at the origin is `x`
@@ -377,29 +332,20 @@ impl Rows {
     }
 }
 
-/// γ ((a + b) − 2 own) of two springs.
-struct Springs {
-    force: f64,
-    /// What rounding took from the product.
-    of_product: f64,
-    /// And before it from the sum.
-    of_stretch: f64,
-}
-
-fn springs_with_errors(gamma: f64, a: f64, b: f64, own: f64) -> Springs {
-    let (sum, of_sum) = two_sum(a, b);
-    let (stretch, of_stretch) = two_sum(sum, -2.0 * own);
-    let force = gamma * stretch;
-    Springs { force, of_product: gamma.mul_add(stretch, -force), of_stretch: gamma * (of_sum + of_stretch) }
-}
-
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
 
+    /// Rows of zeros.
+    pub(crate) fn empty(columns: usize) -> Rows {
+        let mut rows = Rows::default();
+        rows.reset(columns);
+        rows
+    }
+
     /// Rows of `order` whose entries are all different, between −1 and 1.
     pub(crate) fn filled(columns: usize, order: usize) -> Rows {
-        let mut rows = Rows { order, ..Rows::new(columns) };
+        let mut rows = Rows { order, ..empty(columns) };
         let mut seed = columns as u64;
         rows.data.iter_mut().for_each(|d| *d = crate::units::spread(&mut seed));
         rows

@@ -1,15 +1,13 @@
-//! The event loop and its public face.
+//! A run of a chain from the displacements and velocities of its masses: the public face of the event loop.
 
-use crate::cascade::{Cascade, Cascades, Change};
-use crate::engine::Engine;
+use crate::cascade::Change;
 use crate::error::{StateError, TangentError};
-use crate::event::{BOUNCE_TIME, Event, Limits, Outcome, Report, Work};
-use crate::ring::{FORGET, Ring};
-use crate::stop_check::StopCheck;
-use crate::tangent::{Alone, Company, Tangents};
+use crate::event::{Event, Limits, Outcome, Report, Work};
+use crate::structure::{Alone, Company, ContactEvent, EventLoop, Flight, Motion, StructureOutcome, System};
+use crate::tangent::{Tangents, system};
 use crate::time::Time;
-use crate::units::Units;
-use vibrochain_lattice::{Barrier, Layout, Model, Stop};
+use crate::watch::Contact;
+use vibrochain_lattice::{Barrier, Model, Stop};
 
 /// Largest speed and force in units of the gap and of the fastest rate.
 const FASTEST: f64 = 1e12;
@@ -17,8 +15,8 @@ const FASTEST: f64 = 1e12;
 /// How far behind a barrier a mass may start: the rounding of its displacement. It is put on the barrier.
 const OVERSHOOT: f64 = 4.0 * f64::EPSILON;
 
-/// Events in a row without any effect before the run gives up; a mass whose force touches zero makes one or two.
-const STALLS: u32 = 1000;
+/// Nearer to a barrier than this a mass is measured from there: its distance is known as well as its displacement.
+const NEAR: f64 = 0.25;
 
 /// State of a chain: displacements and velocities of all masses, phase of the force, and time.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,15 +54,7 @@ pub struct State {
 pub struct Simulation {
     model: Model,
     psi: f64,
-    engine: Engine,
-    /// Present time since the base of the engine's window.
-    now: f64,
-    /// Time of the latest event since the base; no later one is told with an earlier time.
-    told: f64,
-    cascades: Cascades,
-    changes: Vec<Change>,
-    stalls: u32,
-    check: StopCheck,
+    inner: EventLoop,
 }
 
 impl Simulation {
@@ -79,7 +69,7 @@ impl Simulation {
     /// A [`StateError`] when an array has not one finite number a mass, a mass is outside the gap, or something is
     /// too fast to be followed (1e12 gaps in the time of the fastest oscillation).
     pub fn new(model: &Model, psi: f64, displacement: &[f64], velocity: &[f64]) -> Result<Self, StateError> {
-        let (units, layout) = (Units::new(model), model.chain().layout());
+        let layout = model.chain().layout();
         for (name, values) in [("displacement", displacement), ("velocity", velocity)] {
             let sites = model.chain().sites();
             if values.len() != sites {
@@ -92,62 +82,44 @@ impl Simulation {
         if !psi.is_finite() {
             return Err(StateError::NotFinite { name: "psi", site: 0, layout, value: psi });
         }
-        let limit = FASTEST * units.scale;
+        // The force repeats: a phase of many periods is brought into one.
+        let system = system(model, psi.rem_euclid(model.period()));
+        let fastest = system.fastest;
+        let limit = FASTEST * fastest;
         if let Some(&value) = velocity.iter().find(|v| v.abs() > limit) {
             return Err(StateError::TooFast { name: "velocity", value, limit });
         }
-        if units.amplitude > FASTEST {
-            let limit = FASTEST * units.scale * units.scale;
+        let limit = FASTEST * fastest * fastest;
+        if model.amplitude() > limit {
             return Err(StateError::TooFast { name: "amplitude", value: model.amplitude(), limit });
         }
-        let mut ring = Ring::new(displacement.len());
-        for (site, (&u, &v)) in displacement.iter().zip(velocity).enumerate() {
-            place(&mut ring, &units, layout, site, u)?;
-            ring.v[site] = v / units.scale;
-        }
-        // The force repeats: a phase of many periods is brought into one.
-        let phase = psi.rem_euclid(model.period()) * units.scale;
-        let mut engine = Engine::new(units, phase, ring);
-        engine.set_force(0.0);
-        let mut simulation = Self {
-            model: *model,
-            psi,
-            engine,
-            now: 0.0,
-            told: 0.0,
-            cascades: Cascades::new(displacement.len()),
-            changes: Vec::new(),
-            stalls: 0,
-            check: StopCheck::new(Stop::default(), displacement.len()),
-        };
-        simulation.classify_contacts();
-        simulation.engine.begin_window();
-        Ok(simulation)
-    }
-
-    /// Masses that start on a barrier: at rest, leaving, or (the queue's business) about to hit it.
-    fn classify_contacts(&mut self) {
-        let engine = &mut self.engine;
-        for site in 0..engine.ring.sites() {
-            if engine.ring.reference[site] == 0.0 || engine.ring.x[site] != 0.0 {
-                continue;
-            }
-            let upper = engine.ring.reference[site] == engine.units.upper;
-            let barrier = if upper { Barrier::Upper } else { Barrier::Lower };
-            let outward = barrier.sign() * engine.ring.v[site];
-            if outward < 0.0 {
-                engine.ring.leave(site, barrier, 1);
-            } else if outward == 0.0 {
-                match engine.ring.tendency(&engine.units, &engine.force, site, barrier, 2) {
-                    Some((order, false)) => engine.ring.leave(site, barrier, order),
-                    _ => {
-                        engine.ring.rest(site, barrier);
-                        engine.work.sticks += 1;
-                        self.cascades.rest_at(site, barrier, 0.0);
-                    }
+        let mut places = Vec::new();
+        let mut within = displacement.to_vec();
+        for (site, u) in within.iter_mut().enumerate() {
+            for barrier in [Barrier::Lower, Barrier::Upper] {
+                let position = model.barrier(barrier);
+                let outside = barrier.sign() * (*u - position);
+                if outside > OVERSHOOT {
+                    let [low, high] = [Barrier::Lower, Barrier::Upper].map(|barrier| model.barrier(barrier));
+                    return Err(StateError::OutsideGap {
+                        site,
+                        layout,
+                        barrier,
+                        value: *u,
+                        excess: outside,
+                        low,
+                        high,
+                    });
+                }
+                *u = if outside > 0.0 { position } else { *u };
+                if outside > -NEAR {
+                    places.push((site, barrier, *u - position));
+                    break;
                 }
             }
         }
+        let (motion, untold) = started(system, [within, velocity.to_vec()], &places);
+        Ok(Self { model: *model, psi, inner: EventLoop::new(motion, Vec::new(), untold) })
     }
 
     /// The model.
@@ -157,17 +129,17 @@ impl Simulation {
 
     /// From now on runs end with [`Outcome::Stopped`] once `stop` is raised, between two flights. What it has come to does not depend on that.
     pub fn heed(&mut self, stop: &Stop) {
-        self.check = StopCheck::new(stop.clone(), self.engine.ring.sites());
+        self.inner.heed(stop, self.model.chain().sites());
     }
 
     /// Present time.
     pub fn time(&self) -> Time {
-        self.time_at(self.now)
+        self.inner.time()
     }
 
     /// Work since the start.
     pub fn work(&self) -> Work {
-        self.engine.work
+        self.inner.motion.work
     }
 
     /// Windows of flight from now to `until` that no luck can spare: so many of the longest kind. Impacts make more of them.
@@ -181,21 +153,19 @@ impl Simulation {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn least_windows(&self, until: Time) -> f64 {
-        let left = self.engine.clock.until(until.periods(), until.offset() * self.engine.units.scale) - self.now;
-        left.max(0.0) / self.engine.longest_window()
+        let motion = &self.inner.motion;
+        let left = motion.clock.until(until.periods(), until.offset()) - self.inner.now;
+        left.max(0.0) / motion.longest_window()
     }
 
     /// The barrier on which mass `site` rests now; `None` if it flies (or does not exist).
     pub fn resting(&self, site: usize) -> Option<Barrier> {
-        match self.engine.ring.contact.get(site) {
-            Some(crate::ring::Contact::Resting(barrier)) => Some(*barrier),
-            _ => None,
-        }
+        self.inner.resting(site)
     }
 
     /// The exact state now. Looking changes nothing: a run is the same to the bit however often it is sampled.
     pub fn state(&self) -> State {
-        let sites = self.engine.ring.sites();
+        let sites = self.model.chain().sites();
         let (mut displacement, mut velocity) = (vec![0.0; sites], vec![0.0; sites]);
         self.read(&mut displacement, &mut velocity);
         State { displacement, velocity, psi: self.psi, time: self.time() }
@@ -204,14 +174,8 @@ impl Simulation {
     /// The exact state now, written to `displacement` and `velocity`; entries beyond the number of masses are left
     /// alone, and of shorter arrays both are filled as far as the shorter goes.
     pub fn read(&self, displacement: &mut [f64], velocity: &mut [f64]) {
-        let sites = self.engine.ring.sites().min(displacement.len()).min(velocity.len());
-        let (x, v) = (&mut displacement[..sites], &mut velocity[..sites]);
-        self.engine.read(self.now, x, v);
-        for ((x, v), reference) in x.iter_mut().zip(v).zip(&self.engine.ring.reference) {
-            // A rounding error behind its barrier is on it.
-            *x = (*x + reference).clamp(self.engine.units.lower, self.engine.units.upper);
-            *v *= self.engine.units.scale;
-        }
+        let sites = self.model.chain().sites().min(displacement.len()).min(velocity.len());
+        self.inner.motion.read(self.inner.now, [&mut displacement[..sites], &mut velocity[..sites]]);
     }
 
     /// Energy of the lattice now: kinetic, on-site and coupling, Σ ½u̇² + ½γ₁u² + ½γ₂(u_{n+1}−u_n)², and the like with γ₃
@@ -238,8 +202,7 @@ impl Simulation {
     ///
     /// A run can be continued by another; its limits on impacts and work count anew.
     pub fn run(&mut self, limits: &Limits, mut observer: impl FnMut(&Event)) -> Report {
-        let outcome = self.advance(limits, &mut observer, &mut Alone);
-        Report { outcome, time: self.time(), work: self.engine.work }
+        self.advance(limits, &mut observer, &mut Alone)
     }
 
     /// As [`Simulation::run`], with tangent vectors that ride along: perturbations of the state as it is now, carried to
@@ -253,10 +216,10 @@ impl Simulation {
         limits: &Limits,
         mut observer: impl FnMut(&Event),
     ) -> Result<Report, TangentError> {
-        let mut riders = tangents.mount(&self.model, &self.engine, self.now)?;
-        let outcome = self.advance(limits, &mut observer, &mut riders);
-        riders.fly_to(&self.engine, self.now);
-        Ok(Report { outcome, time: self.time(), work: self.engine.work })
+        let mut riders = tangents.mount(&self.model, &self.inner.motion, self.inner.now)?;
+        let report = self.advance(limits, &mut observer, &mut riders);
+        riders.fly_to(&self.inner.motion, self.inner.now);
+        Ok(report)
     }
 
     /// The events of a run, as [`Simulation::run`], collected.
@@ -278,118 +241,50 @@ impl Simulation {
         (report, events)
     }
 
-    fn advance(&mut self, limits: &Limits, observer: &mut impl FnMut(&Event), company: &mut impl Company) -> Outcome {
-        let impacts = self.engine.work.impacts.saturating_add(limits.impacts);
-        let flights = self.flights().saturating_add(limits.flights);
-        loop {
-            if self.engine.work.impacts >= impacts {
-                return Outcome::ImpactsReached;
+    fn advance(&mut self, limits: &Limits, observer: &mut impl FnMut(&Event), company: &mut impl Company) -> Report {
+        let outcome = match self.inner.advance(limits, &mut |found| observer(&event(found)), company) {
+            StructureOutcome::TimeReached => Outcome::TimeReached,
+            StructureOutcome::ImpactsReached => Outcome::ImpactsReached,
+            StructureOutcome::Cascade { contact: site, barrier, bounces } => {
+                Outcome::Cascade { site, barrier, bounces }
             }
-            if self.flights() >= flights {
-                return Outcome::WorkLimit;
+            StructureOutcome::Stopped => Outcome::Stopped,
+            // Masses share nothing, and no mode of a chain feeds itself.
+            StructureOutcome::WorkLimit | StructureOutcome::Simultaneous { .. } | StructureOutcome::Diverged { .. } => {
+                Outcome::WorkLimit
             }
-            if self.check.is_raised() {
-                return Outcome::Stopped;
-            }
-            let target = match limits.until {
-                Some(time) => self.engine.clock.until(time.periods(), time.offset() * self.engine.units.scale),
-                None => f64::INFINITY,
-            };
-            let horizon = self.engine.horizon;
-            let pending = self.cascades.next_rest();
-            let limit = target.min(horizon).min(pending);
-            if let Some(first) = self.engine.next_contacts(limit) {
-                if let Some(outcome) = self.event(first, limits, observer, company) {
-                    return outcome;
-                }
-            } else if pending <= limit {
-                self.now = self.now.max(pending);
-                self.told = pending;
-                let (time, scale) = (self.time(), self.engine.units.scale);
-                self.cascades.rested_by(pending, |change| observer(&event(change, time, scale)));
-            } else if target <= horizon {
-                self.now = self.now.max(target);
-                return Outcome::TimeReached;
-            } else {
-                self.engine.rebase(horizon);
-                self.rebased(horizon);
-                self.engine.begin_window();
-            }
-        }
-    }
-
-    fn flights(&self) -> u64 {
-        self.engine.work.windows + self.engine.work.restarts
-    }
-
-    /// What is kept here moves with the base.
-    fn rebased(&mut self, by: f64) {
-        (self.now, self.told) = (0.0, 0.0);
-        self.cascades.rebased(by);
-    }
-
-    /// The contacts that are due at `first`.
-    fn event(
-        &mut self,
-        first: f64,
-        limits: &Limits,
-        observer: &mut impl FnMut(&Event),
-        company: &mut impl Company,
-    ) -> Option<Outcome> {
-        let mut changes = std::mem::take(&mut self.changes);
-        changes.clear();
-        let (at, moved) = self.engine.restart(first, self.told, &mut changes);
-        if moved {
-            self.rebased(at);
-        } else {
-            (self.now, self.told) = (at, at);
-        }
-        company.meet(&self.engine, self.now, &changes);
-        let outcome = self.tell(&changes, limits, observer);
-        self.stalls = if changes.is_empty() { self.stalls + 1 } else { 0 };
-        self.changes = changes;
-        if self.stalls > STALLS {
-            let stalled = self.engine.due.first()?;
-            return Some(Outcome::Cascade { site: stalled.site, barrier: stalled.barrier, bounces: 0 });
-        }
-        outcome
-    }
-
-    /// Reports `changes` at the present time and counts bounces.
-    fn tell(&mut self, changes: &[Change], limits: &Limits, observer: &mut impl FnMut(&Event)) -> Option<Outcome> {
-        let (time, &Units { scale, rate, .. }) = (self.time(), &self.engine.units);
-        let (now, wait) = ((&self.engine.clock, self.now), BOUNCE_TIME / rate);
-        let observe = |change: &Change| observer(&event(change, time, scale));
-        let cascade = self.cascades.tell(changes, now, limits.bounces, |_| wait, observe);
-        cascade.map(|Cascade { site, barrier, bounces }| Outcome::Cascade { site, barrier, bounces })
-    }
-
-    fn time_at(&self, s: f64) -> Time {
-        let (periods, offset) = self.engine.clock.after(s);
-        Time::from_parts(periods, offset / self.engine.units.scale, self.model.period())
+        };
+        Report { outcome, time: self.time(), work: self.work() }
     }
 }
 
-/// What is told of a change at `time`, where velocities are in so many internal units.
-fn event(change: &Change, time: Time, scale: f64) -> Event {
-    let &Change { site, barrier, before, after, kind, .. } = change;
-    Event { time, site, barrier, velocity_before: before * scale, velocity_after: after * scale, kind }
-}
-
-/// Puts a mass at `u`, measured from a barrier if it is near one.
-fn place(ring: &mut Ring, units: &Units, layout: Layout, site: usize, u: f64) -> Result<(), StateError> {
-    for barrier in [Barrier::Lower, Barrier::Upper] {
-        let position = units.barrier(barrier);
-        let outside = barrier.sign() * (u - position);
-        if outside > OVERSHOOT {
-            let (low, high) = (units.lower, units.upper);
-            return Err(StateError::OutsideGap { site, layout, barrier, value: u, excess: outside, low, high });
-        }
-        if outside > -FORGET {
-            ring.anchor(site, position, if outside > 0.0 { 0.0 } else { u - position });
-            return Ok(());
+/// A motion from displacements and velocities, of which some are measured from barriers: masses that start on one are at rest, leave, or
+/// (the queue's business) are about to hit it. With the events of that.
+fn started(
+    system: System,
+    [displacement, velocity]: [Vec<f64>; 2],
+    near: &[(usize, Barrier, f64)],
+) -> (Motion, Vec<Change>) {
+    let speeds = velocity.clone();
+    let flight = Flight::of_coordinates(&system, [displacement, velocity]);
+    let mut motion = Motion::with(system, flight);
+    for &(site, barrier, x) in near {
+        motion.anchor(site, barrier, x);
+    }
+    let mut untold = Vec::new();
+    for &(site, barrier, _) in near.iter().filter(|(.., x)| *x == 0.0) {
+        let outward = barrier.sign() * speeds[site];
+        if outward == 0.0 {
+            motion.rest_or_leave(site, barrier, &mut untold);
+        } else if outward < 0.0 {
+            motion.places.touch(site, Contact::Leaving(barrier, 1));
         }
     }
-    ring.x[site] = u;
-    Ok(())
+    (motion, untold)
+}
+
+/// An event of a contact as one of its mass.
+fn event(event: &ContactEvent) -> Event {
+    let &ContactEvent { time, contact: site, barrier, velocity_before, velocity_after, kind, .. } = event;
+    Event { time, site, barrier, velocity_before, velocity_after, kind }
 }

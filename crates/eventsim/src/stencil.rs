@@ -9,31 +9,7 @@
 
 use wide::f64x4;
 
-use crate::series::Rows;
-use crate::units::{MAX_ORDER, Units};
-use vibrochain_lattice::{Chain, Ends};
-
-/// What an expansion covers.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Extent<'a> {
-    pub(crate) columns: usize,
-    /// What stands beyond the first and the last column; `None`: a neighbour whose series is in [`Rows::edges`].
-    pub(crate) beyond: [Option<Ends>; 2],
-    /// The columns of all masses' neighbours, ghosts counted, where they are not simply the columns beside: see [`links`].
-    pub(crate) links: &'a [[u32; 4]],
-    pub(crate) resting: &'a [usize],
-    pub(crate) soft: &'a [(usize, u8)],
-}
-
-/// Columns of the neighbours of all masses of several layers, ghosts counted; empty for one row.
-pub(crate) fn links(chain: &Chain) -> Vec<[u32; 4]> {
-    if chain.layers() == 1 {
-        return Vec::new();
-    }
-    // At most 10⁷ masses.
-    let column = |side: Option<usize>| side.map_or(0, |m| m as u32 + 1);
-    (0..chain.sites()).map(|n| chain.neighbours(n).map(column)).collect()
-}
+use crate::time::two_sum;
 
 /// What masses in a row have alike.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,61 +26,100 @@ impl Stencil {
     #[inline(always)]
     pub(crate) fn advance<const DAMPED: bool>(&self, from: [&[f64]; 2], to: &mut [f64], columns: usize, force: f64) {
         let groups = columns.div_ceil(4);
-        let [place, speed] = from.map(|row| [0, 1, 2].map(|shift| &row[shift..].as_chunks::<4>().0[..groups]));
+        // (Closures over arrays cost as much as the arithmetic of a short row.)
+        let [left, own, right] = beside(from[0], groups);
         let to = &mut to[1..].as_chunks_mut::<4>().0[..groups];
-        let [stiffness, damping] = [self.stiffness, self.damping].map(|pair| pair.map(f64x4::splat));
+        let [ground, between] = self.stiffness;
+        let stiffness = [f64x4::splat(ground), f64x4::splat(between)];
+        let [ground, between] = self.damping;
+        let damping = [f64x4::splat(ground), f64x4::splat(between)];
         let force = f64x4::splat(force);
-        let pull = |[left, own, right]: [&[[f64; 4]]; 3], [ground, between]: [f64x4; 2], i: usize| {
-            let own = f64x4::from(own[i]);
-            let stretch = (f64x4::from(left[i]) + f64x4::from(right[i])) - (own + own);
-            between * stretch - ground * own
-        };
         // (Slices zipped cost more than the arithmetic.)
-        for i in 0..groups {
-            let sum = pull(place, stiffness, i) + force;
-            to[i] = if DAMPED { sum + pull(speed, damping, i) } else { sum }.to_array();
+        if DAMPED {
+            let [slow, speed, fast] = beside(from[1], groups);
+            for i in 0..groups {
+                let sum = pull([left[i], own[i], right[i]], stiffness) + force;
+                to[i] = (sum + pull([slow[i], speed[i], fast[i]], damping)).to_array();
+            }
+        } else {
+            for i in 0..groups {
+                to[i] = (pull([left[i], own[i], right[i]], stiffness) + force).to_array();
+            }
         }
     }
 }
 
-impl Rows {
-    /// Fills the rows 2 … `order` of a chain from the rows 0 and 1.
-    ///
-    /// `resting` and `soft` are columns: of masses at rest, for the i-th of which `pressed(i, k, value)` receives the
-    /// k-th derivative of the acceleration it is denied; and of masses that leave a barrier with an order above 1,
-    /// whose derivatives below it vanish exactly.
-    pub(crate) fn expand_chain(
-        &mut self,
-        extent: Extent<'_>,
-        units: &Units,
-        force: &[f64; MAX_ORDER + 1],
-        order: usize,
-        mut pressed: impl FnMut(usize, usize, f64),
-    ) {
-        let Extent { columns, beyond, links, resting, soft } = extent;
-        let stencil = Stencil { stiffness: [units.gamma1, units.gamma2], damping: [0.0; 2] };
-        self.expand(columns, beyond, order, |k, from, to| {
-            if links.is_empty() {
-                stencil.advance::<false>(from, to, columns, force[k]);
-            } else {
-                advance_layers(from[0], to, links, units, force[k]);
-            }
-            for (i, &n) in resting.iter().enumerate() {
-                pressed(i, k, to[n + 1]);
-                to[n + 1] = 0.0;
-            }
-            for &(n, first) in soft {
-                if k + 2 < usize::from(first) {
-                    to[n + 1] = 0.0;
-                }
-            }
-        });
+/// The columns before, at and behind each of a row, four at a time.
+#[inline(always)]
+fn beside(row: &[f64], groups: usize) -> [&[[f64; 4]]; 3] {
+    let from = |shift: usize| &row[shift..].as_chunks::<4>().0[..groups];
+    [from(0), from(1), from(2)]
+}
+
+#[inline(always)]
+fn pull([left, own, right]: [[f64; 4]; 3], [ground, between]: [f64x4; 2]) -> f64x4 {
+    let own = f64x4::from(own);
+    let stretch = (f64x4::from(left) + f64x4::from(right)) - (own + own);
+    between * stretch - ground * own
+}
+
+/// Rows side by side: neighbours are looked up.
+#[derive(Debug, Clone)]
+pub(crate) struct Links {
+    stencil: Stencil,
+    /// γ₃
+    across: f64,
+    /// The columns of all masses' neighbours, ghosts counted; ghost column 0 is the wall.
+    columns: Vec<[u32; 4]>,
+}
+
+impl Links {
+    /// At most 10⁷ masses.
+    pub(crate) fn new(
+        stencil: Stencil,
+        across: f64,
+        masses: usize,
+        sides: impl Fn(usize) -> [Option<usize>; 4],
+    ) -> Self {
+        let column = |side: Option<usize>| side.map_or(0, |m| m as u32 + 1);
+        Self { stencil, across, columns: (0..masses).map(|n| sides(n).map(column)).collect() }
+    }
+
+    /// What pulls at a mass: along its row, γ₃ across, and the columns of its neighbours.
+    pub(crate) fn of(&self, n: usize) -> (&Stencil, f64, [usize; 4]) {
+        (&self.stencil, self.across, self.columns[n].map(|column| column as usize))
+    }
+
+    /// d_{k+2} of all columns from d_k, d_{k+1} and the wall.
+    pub(crate) fn advance(&self, from: [&[f64]; 2], to: &mut [f64], force: f64) {
+        let Self { stencil: Stencil { stiffness, damping }, across, columns } = self;
+        let is_damped = *damping != [0.0; 2];
+        let pull = |row: &[f64], n: usize, [ground, between]: [f64; 2], across: f64, sides: &[u32; 4]| {
+            let (own, [left, right, below, above]) = (row[n + 1], sides.map(|column| row[column as usize]));
+            let along = between * ((left + right) - 2.0 * own) - ground * own;
+            along + across * ((below + above) - 2.0 * own)
+        };
+        for (n, (to, sides)) in to[1..].iter_mut().zip(columns).enumerate() {
+            let sum = pull(from[0], n, *stiffness, *across, sides) + force;
+            *to = if is_damped { sum + pull(from[1], n, *damping, 0.0, sides) } else { sum };
+        }
     }
 }
 
-/// The same of all masses of several layers.
-fn advance_layers(from: &[f64], to: &mut [f64], links: &[[u32; 4]], units: &Units, force: f64) {
-    for ((to, own), sides) in to[1..].iter_mut().zip(&from[1..]).zip(links) {
-        *to = units.pull(*own, sides.map(|column| from[column as usize])) + force;
-    }
+/// What rounding has taken from what the springs of a mass do to it: of γ to the ground, and of pairs of springs with the rows of their ends.
+pub(crate) fn lost_of_springs(own: f64, ground: f64, pairs: [(f64, [f64; 2]); 2]) -> f64 {
+    let hold = ground * own;
+    let [along, across] = pairs.map(|(gamma, [a, b])| {
+        if gamma == 0.0 {
+            return (0.0, 0.0);
+        }
+        let (sum, of_sum) = two_sum(a, b);
+        let (stretch, of_stretch) = two_sum(sum, -2.0 * own);
+        let force = gamma * stretch;
+        (force, gamma.mul_add(stretch, -force) + gamma * (of_sum + of_stretch))
+    });
+    let (row, of_row) = two_sum(along.0, -hold);
+    let of_hold = ground.mul_add(own, -hold);
+    let of_both = if across.0 == 0.0 { 0.0 } else { two_sum(row, across.0).1 };
+    along.1 + across.1 + of_row + of_both - of_hold
 }

@@ -17,17 +17,17 @@
 //! event `stick` on. The instants of that and of its release move with the perturbation, but velocity (and at the release
 //! acceleration, too) vanishes there, so that they count to second order only.
 
-use vibrochain_lattice::{Ends, Model};
-
-use crate::cascade::Change;
 use crate::directions::Directions;
-use crate::engine::Engine;
 use crate::error::TangentError;
-use crate::event::EventKind;
-use crate::series::Rows;
-use crate::stencil::{Extent, links};
-use crate::units::{MAX_ORDER, ORDERS, Units};
-use crate::weights::Weights;
+use crate::structure::{Motion, Riders, System, TangentVectors};
+use vibrochain_lattice::Model;
+
+/// What a model's masses do, under its force at a phase.
+pub(crate) fn system(model: &Model, psi: f64) -> System {
+    let harmonics = model.force().harmonics().iter().filter(|harmonic| harmonic.amplitude != 0.0);
+    let numbers: Vec<u32> = harmonics.map(|harmonic| harmonic.number).collect();
+    System::of_operator(model.operator(), model.stop(), &numbers, (model.omega(), psi))
+}
 
 /// Tangent vectors of a run: small perturbations of its state, carried along by [`Simulation::run_with`](crate::Simulation::run_with).
 ///
@@ -55,13 +55,7 @@ use crate::weights::Weights;
 #[derive(Debug, Clone)]
 pub struct Tangents {
     model: Model,
-    units: Units,
-    links: Vec<[u32; 4]>,
-    horizons: [f64; ORDERS.len()],
-    /// Displacements and velocities of each vector, internal units.
-    directions: Directions,
-    rows: Rows,
-    scratch: [Vec<f64>; 2],
+    inner: TangentVectors,
 }
 
 impl Tangents {
@@ -78,45 +72,38 @@ impl Tangents {
     /// # Errors
     /// [`TangentError::Count`], [`TangentError::Entries`].
     pub fn of(model: &Model, vectors: &[(Vec<f64>, Vec<f64>)]) -> Result<Self, TangentError> {
-        let scale = Units::new(model).scale;
-        let own = vectors.iter().map(|(u, v)| [u.clone(), v.iter().map(|v| v / scale).collect()]);
-        Ok(Self::with(model, Directions::of(own.collect(), model.chain().sites())?))
+        let own = vectors.iter().map(|(u, v)| [u.clone(), v.clone()]);
+        let mut tangents = Self::with(model, Directions::of(own.collect(), model.chain().sites())?);
+        let scale = tangents.inner.scale();
+        let velocities = tangents.inner.directions.vectors.iter_mut().flat_map(|[_, v]| v);
+        velocities.for_each(|v| *v /= scale);
+        Ok(tangents)
     }
 
     fn with(model: &Model, directions: Directions) -> Self {
-        let units = Units::new(model);
-        let sites = model.chain().sites();
-        Self {
-            model: *model,
-            links: links(&units.chain),
-            horizons: units.free_horizons(),
-            directions,
-            rows: Rows::new(sites),
-            scratch: [vec![0.0; sites], vec![0.0; sites]],
-            units,
-        }
+        Self { model: *model, inner: TangentVectors::of_system(system(model, 0.0), directions) }
     }
 
     /// Number of vectors.
     pub fn count(&self) -> usize {
-        self.directions.vectors.len()
+        self.inner.directions.vectors.len()
     }
 
     /// Displacements and velocities of vector `i` as it is now, if there are so many: as the flow has left it since it was given, or
     /// made orthonormal.
     pub fn vector(&self, i: usize) -> Option<(Vec<f64>, Vec<f64>)> {
-        let [u, v] = self.directions.vectors.get(i)?;
-        Some((u.clone(), v.iter().map(|v| v * self.units.scale).collect()))
+        let [u, v] = self.inner.directions.vectors.get(i)?;
+        Some((u.clone(), v.iter().map(|v| v * self.inner.scale()).collect()))
     }
 
     /// Whether the run has grazed a barrier: no linear map goes through that, and growth and vectors mean nothing.
     pub fn has_grazed(&self) -> bool {
-        self.directions.grazed
+        self.inner.directions.grazed
     }
 
     /// What [`Tangents::orthonormalise`] has told last; zeros if the vectors have not been made orthonormal yet, by that or on the way.
     pub fn growth(&self) -> &[f64] {
-        &self.directions.logs
+        &self.inner.directions.logs
     }
 
     /// Makes the vectors orthonormal, in their order, and tells the logarithm of what each direction has grown since the
@@ -125,105 +112,97 @@ impl Tangents {
     ///
     /// A vector that outgrows the others 10⁸ times is seen to on the way.
     pub fn orthonormalise(&mut self) -> &[f64] {
-        self.directions.orthonormalise()
+        self.inner.directions.orthonormalise()
     }
 
-    /// The vectors on a run that is at `now` since the base of its engine.
-    pub(crate) fn mount(&mut self, model: &Model, engine: &Engine, now: f64) -> Result<Riders<'_>, TangentError> {
+    /// The vectors on a run that is at `now` since its base.
+    pub(crate) fn mount(&mut self, model: &Model, motion: &Motion, now: f64) -> Result<Riders<'_>, TangentError> {
         if self.model != *model {
             return Err(TangentError::OtherModel);
         }
-        engine.ring.resting.iter().for_each(|&site| self.hold(site));
-        Ok(Riders { tangents: self, at: engine.clock.after(now), resting: engine.ring.resting.clone() })
+        Ok(self.inner.mount(motion, now))
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+mod tests {
+    use super::system;
+    use crate::series::tests::empty;
+    use crate::units::{MAX_ORDER, ORDERS, REMAINDER};
+    use vibrochain_lattice::{Force, Harmonic, Model, Point};
+
+    fn model(g1: f64, g2: f64, omega: f64, amplitude: f64) -> Model {
+        Point::ring(21).gamma1(g1).gamma2(g2).omega(omega).asymmetry(0.4).amplitude(amplitude).model().unwrap()
     }
 
-    /// Carries all vectors through free flight, with some masses at rest.
-    fn fly(&mut self, time: f64, resting: &[usize]) {
-        let mut left = time;
-        let mut weights = Weights::zero();
-        let ends = if self.units.is_row { self.units.chain.ends() } else { Ends::Fixed };
-        let sites = self.scratch[0].len();
-        let extent = Extent { columns: sites, beyond: [Some(ends); 2], links: &self.links, resting, soft: &[] };
-        while left > 0.0 {
-            let last = ORDERS.len() - 1;
-            let enough = self.horizons.iter().position(|&horizon| horizon >= left).unwrap_or(last);
-            let (order, step) = (ORDERS[enough], left.min(self.horizons[enough]));
-            weights.plain(step, order, &self.units.inverse_factorial);
-            for [u, v] in &mut self.directions.vectors {
-                self.rows.data[1..=sites].copy_from_slice(u);
-                let stride = self.rows.stride;
-                self.rows.data[stride + 1..][..sites].copy_from_slice(v);
-                self.rows.expand_chain(extent, &self.units, &[0.0; MAX_ORDER + 1], order, |_, _, _| {});
-                let [u_next, v_next] = &mut self.scratch;
-                self.rows.at_all(u, &weights, u_next, v_next);
-                std::mem::swap(u, u_next);
-                std::mem::swap(v, v_next);
-            }
-            left -= step;
+    /// From the softest to the stiffest.
+    #[test]
+    fn rates_are_of_order_one_for_any_model() {
+        for (g1, g2, omega, amplitude) in
+            [(0.2, 0.1, 1.5, 0.0), (1e100, 1e99, 1.0, 0.0), (0.0, 1e-300, 1e-100, 0.0), (0.2, 0.1, 1e100, 1.0)]
+        {
+            let system = system(&model(g1, g2, omega, amplitude), 0.0);
+            let local = system.local.as_ref().unwrap();
+            assert!((1.0..2.0).contains(&(system.fastest / local.scale)), "{} {}", system.fastest, local.scale);
+            let horizons = local.horizons;
+            assert!(horizons.windows(2).all(|h| 0.0 < h[0] && h[0] < h[1]) && horizons[7] < 2.0, "{horizons:?}");
         }
     }
 
-    fn change(&mut self, change: &Change) {
-        let &Change { site, before, force: acceleration, kind, .. } = change;
-        match kind {
-            EventKind::Impact if before == 0.0 => self.directions.grazed = true,
-            EventKind::Impact => {
-                let restitution = self.units.restitution;
-                let kick = (1.0 + restitution) * acceleration / before;
-                for [u, v] in &mut self.directions.vectors {
-                    v[site] = kick * u[site] - restitution * v[site];
-                    u[site] *= -restitution;
+    #[test]
+    fn derivatives_of_a_force_of_several_harmonics_are_those_of_its_sum() {
+        let harmonic = |number, amplitude, phase| Harmonic { number, amplitude, phase };
+        let force = Force::new(&[harmonic(1, 0.7, 0.4), harmonic(5, -0.2, 1.0)]).unwrap();
+        let model = Point::ring(3).gamma1(0.2).gamma2(0.1).omega(13.0).asymmetry(0.4).under(&force).model().unwrap();
+        let system = system(&model, 0.0);
+        let local = system.local.as_ref().unwrap();
+        assert!((system.fastest - 65.0).abs() < 1e-12);
+        for i in 0..30 {
+            let t = 0.11 * f64::from(i);
+            let turned = system.loads.turned(t);
+            let direct = 0.7 * (13.0 * t + 0.4).cos() - 0.2 * (65.0 * t + 1.0).cos();
+            assert!((local.load(&turned, 1, 0) - direct).abs() < 1e-12);
+            let third = 0.7 * 13f64.powi(3) * (13.0 * t + 0.4).sin() - 0.2 * 65f64.powi(3) * (65.0 * t + 1.0).sin();
+            assert!((local.load(&turned, 1, 3) - third).abs() < 1e-12 * 65f64.powi(3));
+        }
+    }
+
+    /// The motion that a force in resonance drives: what its series leaves out beyond an order is below the rounding of its size at the end of
+    /// that order's window, and no window is much shorter than that asks for.
+    #[test]
+    fn what_a_series_leaves_out_is_below_rounding() {
+        for (g1, g2, omega, forced) in
+            [(0.2, 0.1, 1.5, 0.0), (0.2, 0.1, 0.3, 0.5), (1.0, 0.0, 1.0, 3.0), (0.2, 0.1, 7.0, 0.1)]
+        {
+            let system = system(&model(g1, g2, omega, forced), 0.0);
+            let local = system.local.as_ref().unwrap();
+            let rate = local.growth.rate;
+            // Sizes of the derivatives of U cos rs + V/r sin rs + A/2r · s sin rs.
+            let d = |k: i32| 3.1 * rate.powi(k) + 0.5 * f64::from(k) * forced * rate.powi(k - 2);
+            let mut rows = empty(1);
+            for k in 0..=MAX_ORDER {
+                let entry = k * rows.stride + 1;
+                rows.data[entry] = d(k as i32);
+            }
+            for (order, longest) in ORDERS.into_iter().zip(local.horizons) {
+                rows.order = order;
+                let horizon = local.certified(&rows, longest, system.fastest);
+                let (mut place, mut velocity, mut weight) = (0.0, 0.0, 1.0);
+                for k in 1..order as i32 + 40 {
+                    if k > order as i32 {
+                        velocity += d(k) * weight;
+                    }
+                    weight *= horizon / f64::from(k);
+                    if k > order as i32 {
+                        place += d(k) * weight;
+                    }
                 }
+                let size = (0..4).map(|k| d(k) / rate.powi(k)).fold(0.0, f64::max);
+                let (place, velocity) = (place / size, velocity / rate / size);
+                assert!(place <= REMAINDER && velocity <= 1.2 * REMAINDER, "{order} {horizon}: {place:e} {velocity:e}");
+                assert!(velocity > REMAINDER / 8.0, "{order} {horizon}: {velocity:e}");
             }
-            EventKind::Stick => self.hold(site),
-            EventKind::Release => {}
         }
-    }
-
-    /// A mass at rest has no perturbation.
-    fn hold(&mut self, site: usize) {
-        for [u, v] in &mut self.directions.vectors {
-            (u[site], v[site]) = (0.0, 0.0);
-        }
-    }
-}
-
-/// Who is told of events while a run is under way, and must not touch it.
-pub(crate) trait Company {
-    /// What has happened at `now` since the base.
-    fn meet(&mut self, engine: &Engine, now: f64, changes: &[Change]);
-}
-
-/// Nobody.
-pub(crate) struct Alone;
-
-impl Company for Alone {
-    fn meet(&mut self, _: &Engine, _: f64, _: &[Change]) {}
-}
-
-/// Tangent vectors on a run.
-pub(crate) struct Riders<'a> {
-    tangents: &'a mut Tangents,
-    /// The clock at the instant of the vectors.
-    at: (u64, f64),
-    /// Masses at rest since then.
-    resting: Vec<usize>,
-}
-
-impl Riders<'_> {
-    /// Carries the vectors to `now` since the base.
-    pub(crate) fn fly_to(&mut self, engine: &Engine, now: f64) {
-        let (periods, offset) = self.at;
-        self.tangents.fly(now - engine.clock.until(periods, offset), &self.resting);
-        self.at = engine.clock.after(now);
-    }
-}
-
-impl Company for Riders<'_> {
-    fn meet(&mut self, engine: &Engine, now: f64, changes: &[Change]) {
-        self.fly_to(engine, now);
-        changes.iter().for_each(|change| self.tangents.change(change));
-        self.tangents.directions.keep_apart();
-        self.resting.clone_from(&engine.ring.resting);
     }
 }

@@ -7,7 +7,6 @@
 //! touches 0 and rises turns nothing, whatever rounding makes of the touch.
 
 use crate::bound;
-use crate::ring::Contact;
 use crate::safe_step::{ROUNDING, Side, departure, safe_step, side};
 use crate::units::MAX_ORDER;
 use vibrochain_lattice::Barrier;
@@ -16,6 +15,18 @@ use vibrochain_lattice::Barrier;
 /// no step is longer than that time: a mass that leaves its barrier with next to no acceleration and is pressed back at
 /// once returns in 1e-15 of a window, and is not reached in the steps that the window's bound allows. Others take two or three steps.
 const PATIENCE: u32 = 64;
+
+/// How a contact touches a barrier at the origin of its series.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Contact {
+    /// It does not.
+    Free,
+    /// It is on the barrier and leaves it: the first derivative of its displacement that does not vanish has this
+    /// order (1 after an impact, 3 after a release) and points inward. Those before it vanish exactly.
+    Leaving(Barrier, u8),
+    /// It rests on the barrier, which pushes it back.
+    Resting(Barrier),
+}
 
 /// What is watched.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -141,13 +152,6 @@ impl Watch {
             bend_down: 0.0,
             margin,
             steps: 0,
-        }
-    }
-
-    /// Takes the coefficient `k` of the acceleration that a mass at rest is denied: outward, it presses.
-    pub(crate) fn press(&mut self, k: usize, coefficient: f64) {
-        if let Kind::Rest(barrier) = self.kind {
-            self.c[k] = barrier.sign() * coefficient;
         }
     }
 
@@ -370,7 +374,7 @@ mod tests {
     /// changes sign.
     fn rest(c: &[f64]) -> (f64, Option<f64>) {
         let mut watch = Watch::rest(0, Barrier::Upper, 10, 1.0, 1e-12);
-        c.iter().enumerate().for_each(|(k, c)| watch.press(k, *c));
+        watch.c[..c.len()].copy_from_slice(c);
         let told = watch.prepare();
         if told.is_infinite() {
             return (told, None);

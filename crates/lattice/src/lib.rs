@@ -99,4 +99,4 @@ pub use structure::linear_mode::{LinearMode, ModeErrors, ModeShape};
 #[cfg(feature = "matrices")]
 pub use structure::matrices::Structure;
 pub use structure::modal::{ModalStructure, ParticipatingModes};
-pub use structure::operator::{Bands, Pulls, SparseOperator};
+pub use structure::operator::{Bands, Layering, Pulls, SparseOperator};

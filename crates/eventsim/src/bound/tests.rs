@@ -1,8 +1,7 @@
 //! Bounds of series over a window.
 
 use super::*;
-use crate::series::tests::filled;
-use crate::units::Units;
+use crate::series::tests::{empty, filled};
 use crate::weights::Weights;
 
 /// Each of eight masses stays within its bounds, and above and below its parabolas; where no term turns back it reaches them.
@@ -53,39 +52,35 @@ fn bounds_enclose_and_touch_where_no_term_turns_back() {
 /// tenth of it on short windows.
 #[test]
 fn the_tail_of_a_ring_is_above_all_that_can_come() {
-    let model = |omega: f64, amplitude: f64| {
-        let point = vibrochain_lattice::Point::ring(3).gamma1(0.2).gamma2(0.1).omega(omega).asymmetry(0.4);
-        point.amplitude(amplitude).model().unwrap()
-    };
     let mut seed = 5;
     let mut near = 0;
-    for (omega, amplitude) in [(1.5, 0.0), (1.5, 0.3), (0.4, 2.0), (3.0, 1e-3), (0.9, 50.0)] {
-        let units = Units::new(&model(omega, amplitude));
+    for (rate, amplitude) in [(1.55, 0.0), (1.5, 0.3), (1.55, 8.0), (1.5, 2.5e-4), (1.8, 200.0)] {
+        let growth = Growth { rate, forced: 0.5 * amplitude };
         for part in [0.05, 0.3, 0.9, 2.0] {
-            let horizon = part / units.rate;
+            let horizon = part / rate;
             let (sites, column) = (19, 1 + (seed % 17) as usize);
-            let mut rows = Rows::new(sites);
+            let mut rows = empty(sites);
             let at = |k: usize| k * rows.stride + column + 1;
             let (sixth, seventh) = (at(TAIL), at(TAIL + 1));
             rows.data[sixth] = crate::units::spread(&mut seed);
-            rows.data[seventh] = -rows.data[sixth] * units.rate;
-            let tail = tail(&rows, sites, units.growth(), horizon);
+            rows.data[seventh] = -rows.data[sixth] * rate;
+            let tail = tail(&rows, sites, growth, horizon);
             // p_J = Σ d_{J+j} J!/(J+j)! s^j with |d_{k+2}| ≤ r²|d_k| + A r^k.
             let mut d = [rows.data[sixth].abs(), rows.data[seventh].abs()];
             let (mut sum, mut part) = (0.0, 1.0);
             for j in 0..200 {
                 let k = TAIL + j;
                 sum += part * d[j % 2];
-                d[j % 2] = units.rate.powi(2) * d[j % 2] + units.amplitude * units.rate.powi(k as i32);
+                d[j % 2] = rate.powi(2) * d[j % 2] + amplitude * rate.powi(k as i32);
                 part *= horizon / (k + 1) as f64;
             }
-            assert!(tail >= sum, "{omega} {amplitude} {horizon}: {tail} {sum}");
+            assert!(tail >= sum, "{rate} {amplitude} {horizon}: {tail} {sum}");
             near += usize::from(tail < 1.1 * sum);
             // The other end is looked at as well as the first.
-            let mut last = Rows::new(sites);
+            let mut last = empty(sites);
             let place = TAIL * last.stride + sites;
             last.data[place] = rows.data[sixth].abs();
-            let of_last = super::tail(&last, sites, units.growth(), horizon);
+            let of_last = super::tail(&last, sites, growth, horizon);
             assert!(of_last >= rows.data[sixth].abs() && of_last <= tail);
         }
     }

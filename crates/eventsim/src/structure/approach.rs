@@ -12,37 +12,11 @@
 
 use super::loads::add;
 use super::modal_flight::ModalFlight;
+use super::places::Place;
 use super::system::{System, Term};
-use crate::ring::Contact;
 use crate::safe_step::{ROUNDING, Side, safe_step, side};
 use crate::watch::Step;
 use vibrochain_lattice::{Barrier, Complex, LinearMode, Turn};
-
-/// Where a contact is at the base.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Place {
-    /// The barrier that x is measured from; none: g itself.
-    pub(crate) reference: Option<Barrier>,
-    /// Beside a barrier the distance to it, with digits that g has not.
-    pub(crate) x: f64,
-    /// g′, where it is known better than modes tell.
-    pub(crate) v: Option<f64>,
-    pub(crate) touch: Contact,
-}
-
-impl Place {
-    /// A barrier as x is measured; none: there is none.
-    pub(crate) fn barrier(&self, system: &System, contact: usize, barrier: Barrier) -> Option<f64> {
-        let place = system.barrier(contact, barrier)?;
-        let reference = self.reference.and_then(|barrier| system.barrier(contact, barrier));
-        Some(place - reference.unwrap_or(0.0))
-    }
-
-    /// Both.
-    pub(crate) fn barriers(&self, system: &System, contact: usize) -> [Option<f64>; 2] {
-        [Barrier::Lower, Barrier::Upper].map(|barrier| self.barrier(system, contact, barrier))
-    }
-}
 
 /// One term at an instant, summed with all slower ones; its own size over what is left of the window.
 #[derive(Debug, Clone, Copy, Default)]
@@ -101,7 +75,7 @@ impl Approach<'_> {
         for term in &system.terms {
             let (rise, value, slope, bend, most) = match *term {
                 Term::Mode(k) => {
-                    let mode = &system.structure.modes()[k];
+                    let mode = &system.modes()[k];
                     let row = mode.rows[contact];
                     if row == [0.0; 2] {
                         continue;

@@ -9,11 +9,13 @@
 //! so is one that the force on a contact at rest takes off within [`CHATTER_TIME`](crate::CHATTER_TIME): contacts that chatter together would never end.
 //! Without coordinates in common the order does not matter.
 
-use super::approach::Place;
+use super::flight::Flight;
 use super::motion::{Due, Motion, SIMULTANEOUS};
+use super::places::Place;
 use crate::cascade::Change;
 use crate::event::EventKind;
-use crate::ring::Contact;
+use crate::time::two_sum;
+use crate::watch::Contact;
 use vibrochain_lattice::Barrier;
 
 /// In a sequence, velocity relative to the first one's that is none.
@@ -46,6 +48,20 @@ impl Party {
     }
 }
 
+/// Velocity with which a contact meets a barrier that its series misses by `gap` = barrier − x, under the acceleration
+/// `a`: never one that leaves it.
+fn speed_at_barrier(barrier: Barrier, v: f64, gap: f64, a: f64) -> f64 {
+    let work = a * gap;
+    let corrected = if work.abs() < 1e-4 * v * v {
+        v + work / v
+    } else {
+        // Near a graze the correction is not small: from the energy.
+        let square = v * v + 2.0 * work;
+        if square > 0.0 { barrier.sign() * square.sqrt() } else { 0.0 }
+    };
+    if corrected * barrier.sign() > 0.0 { corrected } else { 0.0 }
+}
+
 impl Motion {
     /// Two contacts of those due at the base whose impacts do not commute, or one with one that it pushes into its barrier.
     ///
@@ -60,7 +76,7 @@ impl Motion {
         let forces = parties.iter().any(is_rest).then(|| self.tendencies());
         let holds = |contact: usize| forces.as_ref().map_or(0.0, |forces| self.holds(forces, contact));
         let push = |from: &Party, to: &Party| {
-            let loss = 1.0 + self.system.structure.contacts()[from.contact].restitution;
+            let loss = 1.0 + self.system.restitution(from.contact);
             let impulse = -from.sign() * loss * self.outward(from.contact, from.barrier).max(0.0);
             let shared = self.system.mobility(to.contact, from.contact);
             to.sign() * shared * impulse / self.system.mobility(from.contact, from.contact)
@@ -109,6 +125,10 @@ impl Motion {
             };
             (place.x.abs() <= on).then_some(Party { contact, barrier, role: Role::Touches })
         };
+        // Those that share no coordinate with another.
+        if hits.iter().all(|due| self.system.sharing(due.contact).len() == 1) {
+            return hits.iter().filter_map(|due| party(due.contact)).collect();
+        }
         let near = hits.iter().flat_map(|due| self.system.sharing(due.contact)).map(|(contact, _)| *contact);
         near.collect::<std::collections::BTreeSet<usize>>().into_iter().filter_map(party).collect()
     }
@@ -118,6 +138,10 @@ impl Motion {
     /// # Errors
     /// A contact whose sequence of impacts does not end.
     pub(crate) fn collide(&mut self, changes: &mut Vec<Change>) -> Result<(), Due> {
+        if self.system.is_direct() {
+            self.collide_directly(changes);
+            return Ok(());
+        }
         let parties = self.parties();
         let result = self.strike(&parties, changes);
         for party in parties.iter().filter(|party| party.role != Role::Rests) {
@@ -133,6 +157,55 @@ impl Motion {
         self.due = due;
         self.let_go(changes);
         result
+    }
+
+    /// The same where each contact is a coordinate: the order does not matter, places do not jump and no jump depends on another velocity. The
+    /// series ends a rounding error away from the barrier, where the coordinate is put.
+    fn collide_directly(&mut self, changes: &mut Vec<Change>) {
+        let due = std::mem::take(&mut self.due);
+        for due in due.iter().filter(|due| !due.release) {
+            self.strike_directly(due, changes);
+        }
+        // Velocities are final now: derivatives of forces may be looked at.
+        for &Due { contact, barrier, release, pull } in &due {
+            if release {
+                self.release(contact, barrier, 3, pull, changes);
+            } else {
+                self.part(contact, barrier, changes);
+            }
+        }
+        self.due = due;
+        self.let_go(changes);
+    }
+
+    fn strike_directly(&mut self, &Due { contact, barrier, .. }: &Due, changes: &mut Vec<Change>) {
+        let Self { flight: Flight::Local(flight), system, places, .. } = self else { return };
+        let Some(position) = system.barrier(contact, barrier) else { return };
+        // The distance between the barriers is no floating-point number; its rounding would count at every crossing.
+        let (distance, rest) = two_sum(position, -flight.reference[contact]);
+        let gap = (distance - flight.x[contact]) + rest;
+        let acceleration = flight.derivative(places, contact, contact, 2);
+        let before = speed_at_barrier(barrier, flight.velocity(contact), gap, acceleration);
+        let after = 0.0 - system.restitution(contact) * before;
+        flight.put(contact, [position, 0.0], after);
+        places.set(contact, Place { reference: Some(barrier), ..Place::free(0.0) });
+        let impulse = system.impulse(contact, after - before);
+        self.note_impact(contact, barrier, [before, after], impulse, changes);
+    }
+
+    fn note_impact(
+        &mut self,
+        site: usize,
+        barrier: Barrier,
+        [before, after]: [f64; 2],
+        force: f64,
+        changes: &mut Vec<Change>,
+    ) {
+        if let Some(ledger) = &mut self.ledger {
+            ledger.impact(-0.5 * force * (before + after));
+        }
+        self.work.impacts += 1;
+        changes.push(Change { site, barrier, before, after, force, kind: EventKind::Impact, delay: 0.0 });
     }
 
     /// g′ outward.
@@ -154,7 +227,7 @@ impl Motion {
             let v =
                 if party.role == Role::Rests { 0.0 } else { party.sign() * self.outward(party.contact, party.barrier) };
             let touch = self.places[party.contact].touch;
-            self.places[party.contact] = Place { reference: Some(party.barrier), x: 0.0, v: Some(v), touch };
+            self.places.set(party.contact, Place { reference: Some(party.barrier), x: 0.0, v: Some(v), touch });
         }
         let forces = parties.iter().any(|party| party.role == Role::Rests).then(|| self.tendencies());
         let outward = |motion: &Self, party: &Party| motion.outward(party.contact, party.barrier);
@@ -187,7 +260,7 @@ impl Motion {
         for party in parties.iter().filter(|party| party.role == Role::Rests) {
             let speed = outward(self, party);
             if -speed > none(self, party) {
-                self.places[party.contact].touch = Contact::Leaving(party.barrier, 1);
+                self.places.touch(party.contact, Contact::Leaving(party.barrier, 1));
                 self.work.releases += 1;
                 let after = party.sign() * speed;
                 let still = Change::still(party.contact, party.barrier, EventKind::Release, 0.0);
@@ -208,243 +281,15 @@ impl Motion {
     }
 
     fn impact(&mut self, contact: usize, barrier: Barrier, outward: f64, changes: &mut Vec<Change>) {
-        let restitution = self.system.structure.contacts()[contact].restitution;
+        let restitution = self.system.restitution(contact);
         let before = barrier.sign() * outward;
         let after = 0.0 - restitution * before;
         let impulse = self.system.impulse(contact, after - before);
         self.push(contact, impulse);
-        self.places[contact].v = Some(after);
-        if let Some(ledger) = &mut self.ledger {
-            ledger.impact(-0.5 * impulse * (before + after));
-        }
-        self.work.impacts += 1;
-        let (site, force, kind) = (contact, impulse, EventKind::Impact);
-        changes.push(Change { site, barrier, before, after, force, kind, delay: 0.0 });
+        self.places.set_velocity(contact, after);
+        self.note_impact(contact, barrier, [before, after], impulse, changes);
     }
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-mod tests {
-    use vibrochain_lattice::{Contact as Stops, LinearMode, ModalStructure, ModeShape};
-    use vibrochain_testkit::Random;
-
-    use super::super::system::System;
-    use super::*;
-
-    /// What contacts are made to do at one instant.
-    #[derive(Debug, Clone, Copy, PartialEq)]
-    enum Made {
-        Hits,
-        Grazes,
-        Touches,
-        Rests,
-        Away,
-    }
-
-    /// Contacts with velocities and mobilities as plain numbers.
-    struct Plain {
-        made: Vec<Made>,
-        sign: Vec<f64>,
-        restitution: Vec<f64>,
-        velocity: Vec<f64>,
-        mobility: Vec<Vec<f64>>,
-        /// A decision was too close to tell.
-        close: bool,
-    }
-
-    impl Plain {
-        /// Impacts of each contact and velocities at the end, where of those that may hit the first in `order` does; none: it does not end.
-        fn settled(&mut self, order: &[usize]) -> Option<(Vec<usize>, Vec<f64>)> {
-            let (mut v, mut impacts) = (self.velocity.clone(), vec![0; order.len()]);
-            for _ in 0..2000 {
-                let is_due = |c: usize| matches!(self.made[c], Made::Hits | Made::Grazes) && impacts[c] == 0;
-                let outward = |c: usize| self.sign[c] * v[c];
-                let is_at = |c: usize| self.made[c] != Made::Away;
-                self.close |= order.iter().any(|&c| is_at(c) && outward(c) != 0.0 && outward(c).abs() < 1e-6);
-                let Some(&c) = order.iter().find(|&&c| is_at(c) && (is_due(c) || outward(c) > 1e-9)) else {
-                    return Some((impacts, v));
-                };
-                let change = -(1.0 + self.restitution[c]) * self.sign[c] * outward(c).max(0.0);
-                let impulse = change / self.mobility[c][c];
-                v.iter_mut().enumerate().for_each(|(other, v)| *v += self.mobility[other][c] * impulse);
-                // What rounding leaves of none is none.
-                v[c] = if self.restitution[c] == 0.0 { 0.0 } else { v[c] };
-                impacts[c] += 1;
-            }
-            None
-        }
-    }
-
-    fn orders(of: &[usize]) -> Vec<Vec<usize>> {
-        if of.is_empty() {
-            return vec![vec![]];
-        }
-        let first = |&c: &usize| {
-            let rest: Vec<usize> = of.iter().copied().filter(|other| *other != c).collect();
-            orders(&rest).into_iter().map(move |rest| [&[c], &rest[..]].concat())
-        };
-        of.iter().flat_map(first).collect()
-    }
-
-    /// Contacts of random weights, some with coordinates in common, at their barriers at one instant.
-    fn made(random: &mut Random) -> (Motion, Vec<Made>) {
-        let (modes, count) = (2 + random.below(5), 2 + random.below(3));
-        let part = random.between(0.0, 0.8);
-        let shapes: Vec<Vec<f64>> = (0..count)
-            .map(|_| {
-                let mut shape: Vec<f64> =
-                    (0..modes).map(|_| if random.chance(part) { random.between(-1.0, 1.0) } else { 0.0 }).collect();
-                shape[random.below(modes)] = random.between(0.2, 1.0);
-                shape
-            })
-            .collect();
-        let rates: Vec<f64> = (0..modes).map(|_| random.between(0.5, 3.0)).collect();
-        let restitution: Vec<f64> =
-            (0..count).map(|_| [random.between(0.1, 1.0), 1.0, 0.0][random.below(10) / 4]).collect();
-        let made: Vec<Made> = (0..count)
-            .map(|_| {
-                [
-                    Made::Hits,
-                    Made::Hits,
-                    Made::Hits,
-                    Made::Grazes,
-                    Made::Touches,
-                    Made::Touches,
-                    Made::Rests,
-                    Made::Away,
-                ]
-            })
-            .map(|all| all[random.below(8)])
-            .collect();
-        let xi: Vec<[f64; 2]> = (0..modes).map(|_| [random.between(-1.0, 1.0), random.between(-1.0, 1.0)]).collect();
-        let build = |stops: Vec<Stops>| {
-            let mode = |k: usize| {
-                let contacts = shapes.iter().map(|shape| shape[k]).collect();
-                let shape = ModeShape { contacts, coordinates: Vec::new(), still: 0.0 };
-                LinearMode::oscillator(0.01, rates[k] * rates[k], &shape, &[])
-            };
-            let structure = ModalStructure::new(stops, Vec::new(), (0..modes).map(mode).collect()).unwrap();
-            Motion::new(System::new(structure, 1.0, 0.0), &xi)
-        };
-        let stand = |motion: &mut Motion, sides: &[Barrier]| {
-            for c in 0..count {
-                let place = &mut motion.places[c];
-                if made[c] != Made::Away {
-                    (place.reference, place.x) = (Some(sides[c]), 0.0);
-                }
-                if made[c] == Made::Rests {
-                    place.touch = Contact::Resting(sides[c]);
-                }
-            }
-            let grazing: Vec<usize> = (0..count).filter(|c| made[*c] == Made::Grazes).collect();
-            motion.hold(&grazing);
-            for c in (0..count).filter(|c| matches!(made[*c], Made::Hits | Made::Touches)) {
-                motion.places[c].v = Some(motion.flight.velocity(&motion.system, c));
-            }
-        };
-        let free = |c: usize| Stops { lower: None, upper: Some(1e3), restitution: restitution[c] };
-        let mut motion = build((0..count).map(free).collect());
-        stand(&mut motion, &vec![Barrier::Upper; count]);
-        // On the side to which it moves, or from which.
-        let sides: Vec<Barrier> = (0..count)
-            .map(|c| {
-                let outward = motion.flight.velocity(&motion.system, c) > 0.0;
-                let is_upper = match made[c] {
-                    Made::Hits => outward,
-                    Made::Touches => !outward,
-                    _ => random.chance(0.5),
-                };
-                if is_upper { Barrier::Upper } else { Barrier::Lower }
-            })
-            .collect();
-        let at = |c: usize| {
-            let place = motion.flight.place(&motion.system, c);
-            let (lower, upper) = match (made[c], sides[c]) {
-                (Made::Away, _) => (None, Some(place + 1.0)),
-                (_, Barrier::Upper) => (None, Some(place)),
-                (_, Barrier::Lower) => (Some(place), None),
-            };
-            Stops { lower, upper, restitution: restitution[c] }
-        };
-        let mut motion = build((0..count).map(at).collect());
-        stand(&mut motion, &sides);
-        motion.due = (0..count)
-            .filter(|c| matches!(made[*c], Made::Hits | Made::Grazes))
-            .map(|contact| Due { contact, barrier: sides[contact], release: false, pull: None })
-            .collect();
-        (motion, made)
-    }
-
-    /// Where no conflict is told, contacts hit once each in whatever order, to the same end; where one is, some order makes another one hit.
-    #[test]
-    fn impacts_at_one_instant_without_a_conflict_commute() {
-        let mut random = Random(61);
-        let (mut free, mut met, mut together) = (0, 0, 0);
-        for round in 0..20_000 {
-            let (mut motion, made) = made(&mut random);
-            let count = made.len();
-            if motion.due.is_empty() {
-                continue;
-            }
-            let side = |c: usize| motion.places[c].reference.map_or(1.0, Barrier::sign);
-            let velocity = |motion: &Motion, c: usize| {
-                motion.places[c].v.unwrap_or_else(|| motion.flight.velocity(&motion.system, c))
-            };
-            let mut plain = Plain {
-                sign: (0..count).map(side).collect(),
-                restitution: motion.system.structure.contacts().iter().map(|stops| stops.restitution).collect(),
-                velocity: (0..count).map(|c| velocity(&motion, c)).collect(),
-                mobility: (0..count).map(|i| (0..count).map(|j| motion.system.mobility(i, j)).collect()).collect(),
-                close: false,
-                made: made.clone(),
-            };
-            let ends: Vec<_> =
-                orders(&(0..count).collect::<Vec<_>>()).iter().map(|order| plain.settled(order)).collect();
-            if plain.close {
-                continue;
-            }
-            let is_hit = |c: usize| matches!(made[c], Made::Hits | Made::Grazes);
-            let once: Vec<usize> = (0..count).map(|c| usize::from(is_hit(c))).collect();
-            let is_free = ends.iter().all(|end| {
-                end.as_ref().zip(ends[0].as_ref()).is_some_and(|((impacts, end), (_, other))| {
-                    *impacts == once && end.iter().zip(other).all(|(a, b)| (a - b).abs() < 1e-9)
-                })
-            });
-            let Some((first, second)) = motion.conflict() else {
-                assert!(is_free, "{round}: {made:?} {ends:?}");
-                let mut changes = Vec::new();
-                motion.collide(&mut changes).unwrap();
-                let impacts = |c: usize| {
-                    changes.iter().filter(|change| change.site == c && change.kind == EventKind::Impact).count()
-                };
-                assert!((0..count).all(|c| impacts(c) == once[c]), "{round}: {made:?} {changes:?}");
-                let (_, end) = ends[0].as_ref().unwrap();
-                for c in 0..count {
-                    let v = motion.flight.velocity(&motion.system, c);
-                    // Resting contacts may feel what the others do to them only where they leave.
-                    let is_held = matches!(motion.places[c].touch, Contact::Resting(_));
-                    assert!(is_held || (v - end[c]).abs() < 1e-9, "{round} {c}: {v} {end:?} {made:?}");
-                }
-                free += 1;
-                continue;
-            };
-            assert!(is_hit(first) && first != second, "{round}: {made:?} {first} {second}");
-            let shares = |i: usize, j: usize| i != j && is_hit(i) && is_hit(j) && plain.mobility[i][j] != 0.0;
-            if (0..count).any(|i| (0..count).any(|j| shares(i, j))) {
-                continue;
-            }
-            let hits = |c: usize| ends.iter().any(|end| end.as_ref().is_none_or(|(impacts, _)| impacts[c] > once[c]));
-            assert!(hits(second), "{round}: {made:?} {first} {second} {ends:?}");
-            met += 1;
-            let push = |c: usize| {
-                let impulse = -(1.0 + plain.restitution[c]) * plain.velocity[c] / plain.mobility[c][c];
-                plain.sign[second] * plain.mobility[second][c] * impulse
-            };
-            let alone = (0..count).filter(|c| is_hit(*c)).map(push).fold(0.0, f64::max);
-            together += usize::from(alone + plain.sign[second] * plain.velocity[second] <= 0.0);
-        }
-        println!("{free} without a conflict, {met} that push another one, {together} of them only together");
-        assert!(free > 2000 && met > 1000 && together > 3, "{free} {met} {together}");
-    }
-}
+mod tests;

@@ -1,9 +1,9 @@
 //! Flight from a base, by modes or by local series.
 
-use super::approach::Place;
 use super::local_flight::LocalFlight;
 use super::modal_flight::ModalFlight;
 use super::near::Tendencies;
+use super::places::Places;
 use super::series::Series;
 use super::system::System;
 use vibrochain_lattice::Complex;
@@ -19,8 +19,17 @@ impl Flight {
     /// From ξ measured from where the static load holds the modes, at a time within a period.
     pub(crate) fn new(system: &System, xi: Vec<[f64; 2]>, offset: f64) -> Self {
         match &system.local {
-            Some(local) => Self::Local(Box::new(LocalFlight::new(system, local.clone(), &xi, offset))),
+            Some(local) => Self::Local(Box::new(LocalFlight::of_modes(system, local.clone(), &xi, offset))),
             None => Self::Modes(ModalFlight::new(system, xi, offset)),
+        }
+    }
+
+    /// From q and q′ of a system that flies by its coordinates.
+    pub(crate) fn of_coordinates(system: &System, state: [Vec<f64>; 2]) -> Self {
+        let turned = system.loads.turned(0.0);
+        match &system.local {
+            Some(local) => Self::Local(Box::new(LocalFlight::new(system, local.clone(), state, turned))),
+            None => Self::Modes(ModalFlight::new(system, Vec::new(), 0.0)),
         }
     }
 
@@ -81,7 +90,7 @@ impl Flight {
     }
 
     /// Where contacts tend to.
-    pub(crate) fn tendencies(&self, system: &System, places: &[Place]) -> Tendencies {
+    pub(crate) fn tendencies(&self, system: &System, places: &Places) -> Tendencies {
         match self {
             Self::Modes(flight) => Tendencies::Modes(Series::tendencies(system, flight, places)),
             Self::Local(flight) => flight.tendencies(system, places),

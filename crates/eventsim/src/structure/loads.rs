@@ -45,8 +45,7 @@ pub(crate) struct Loads {
 
 impl Loads {
     pub(crate) fn new(structure: &ModalStructure, omega: f64, psi: f64) -> Self {
-        let harmonics = structure.harmonics().iter().map(|number| f64::from(*number) * omega);
-        let rates: Vec<f64> = std::iter::once(0.0).chain(harmonics).collect();
+        let Self { rates, .. } = Self::of_harmonics(structure.harmonics(), omega, psi);
         let still = |mode: &LinearMode| mode.still.map(|load| C::new(load, 0.0));
         let mut given: Vec<Vec<[C; 2]>> = (structure.modes().iter())
             .map(|mode| std::iter::once(still(mode)).chain(mode.loads.iter().copied()).collect())
@@ -74,6 +73,13 @@ impl Loads {
         Self { rates, psi, given, answers, equilibrium }
     }
 
+    /// Rates and phase alone, where nothing is known of modes.
+    pub(crate) fn of_harmonics(harmonics: &[u32], omega: f64, psi: f64) -> Self {
+        let driven = harmonics.iter().map(|number| f64::from(*number) * omega);
+        let rates = std::iter::once(0.0).chain(driven).collect();
+        Self { rates, psi, given: Vec::new(), answers: Vec::new(), equilibrium: Vec::new() }
+    }
+
     /// About how far the loads move mode `k`; a resonance counts as what is next to it.
     pub(crate) fn response(&self, mode: &LinearMode, k: usize, omega: f64) -> f64 {
         let of_load = |(w, load): (&f64, &[C; 2])| {
@@ -86,12 +92,31 @@ impl Loads {
 
     /// e^{iw(t+ψ)} of each load at a time within a period.
     pub(crate) fn turned(&self, offset: f64) -> Vec<C> {
-        self.rates.iter().map(|w| C::cis(w * offset + w * self.psi)).collect()
+        let mut turned = Vec::new();
+        self.turn(offset, &mut turned);
+        turned
+    }
+
+    /// The same, into a list there is.
+    pub(crate) fn turn(&self, offset: f64, turned: &mut Vec<C>) {
+        turned.clear();
+        turned.push(C::new(1.0, 0.0));
+        turned.extend(self.rates[1..].iter().map(|w| C::cis(w * offset + w * self.psi)));
     }
 
     /// The same `s` later.
     pub(crate) fn later(&self, turned: &[C], s: f64) -> Vec<C> {
-        self.rates.iter().zip(turned).map(|(w, turned)| turned * C::cis(w * s)).collect()
+        let mut later = Vec::new();
+        self.turn_on(turned, s, &mut later);
+        later
+    }
+
+    /// The same, into a list there is.
+    pub(crate) fn turn_on(&self, turned: &[C], s: f64, later: &mut Vec<C>) {
+        later.clear();
+        later.extend_from_slice(turned);
+        let driven = later.iter_mut().zip(&self.rates).skip(1);
+        driven.for_each(|(turned, w)| *turned *= C::cis(w * s));
     }
 
     /// What all loads give to mode `k` at an instant.

@@ -8,8 +8,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::loads::{Answer, Loads};
-use crate::series::Rows;
-use crate::stencil::Stencil;
+use crate::bound;
+use crate::series::{CORRECTED, Rows};
+use crate::stencil::{Links, Stencil, lost_of_springs};
 use crate::units::{Growth, MAX_ORDER, ORDERS, REMAINDER, inverse_factorials};
 use vibrochain_lattice::{Bands, Barrier, Complex, Ends, LinearMode, ModalStructure, Pulls, SparseOperator};
 
@@ -19,13 +20,18 @@ type C = Complex<f64>;
 /// measured.
 const TERM: f64 = 100.0;
 
+/// Derivatives are at most so often the size of the motion, times powers of the fastest rate: displacements and velocities together, with room for
+/// the growth of what follows an impact in a window, and of perturbations.
+const SIZE: f64 = 8.0;
+
 /// What a contact costs a derivative of local series beside the sum over its coordinates: bounds, and where it is.
 const CONTACT: usize = 8;
 
 /// What pulls at coordinates, in internal time.
 #[derive(Debug, Clone)]
 enum Scaled {
-    Alike([Ends; 2], Stencil),
+    Row([Ends; 2], Stencil),
+    Layers(Links),
     Bands([Bands; 2]),
 }
 
@@ -91,12 +97,19 @@ pub(crate) struct LocalSeries {
     pub(crate) held: Held,
     /// λ of each that is held.
     pub(crate) forces: Vec<[f64; MAX_ORDER + 1]>,
+    /// Coordinates that leave a barrier with a derivative of an order above 1, those below it being 0.
+    pub(crate) soft: Vec<(usize, u8)>,
 }
 
 impl Local {
-    /// `None` where there is nothing but modes.
-    pub(crate) fn new(structure: &ModalStructure, (omega, fastest): (f64, f64), loads: &Loads) -> Option<Self> {
-        let operator = structure.operator()?;
+    /// A bound of the fastest rate of its motion without loads: the larger root of r² = |M⁻¹K| + |M⁻¹C| r.
+    pub(crate) fn rate(operator: &SparseOperator) -> f64 {
+        let [stiff, damped] = operator.largest_rows();
+        0.5 * (damped + (damped * damped + 4.0 * stiff).sqrt())
+    }
+
+    /// Of coordinates whose modes are known, or none of them, with the fastest rate of a mode or of a load.
+    pub(crate) fn new(operator: Arc<SparseOperator>, modes: &[LinearMode], loads: &Loads, fastest: f64) -> Self {
         // The power of two below: the exponent alone.
         let scale = f64::from_bits(fastest.to_bits() & 0x7ff0_0000_0000_0000);
         let square = scale * scale;
@@ -104,36 +117,28 @@ impl Local {
             mode.coordinates[n][0] * xi[0] + mode.coordinates[n][1] * xi[1]
         };
         let size = operator.masses.len();
-        let held = || structure.modes().iter().zip(&loads.equilibrium);
+        let held = || modes.iter().zip(&loads.equilibrium);
         let equilibrium: Vec<f64> = (0..size).map(|n| held().map(|pair| of_mode(pair, n)).sum()).collect();
         // What modes answer from rest.
-        let left: Vec<(&LinearMode, [f64; 2])> = (structure.modes().iter().zip(&loads.answers))
+        let left: Vec<(&LinearMode, [f64; 2])> = (modes.iter().zip(&loads.answers))
             .filter(|(_, answers)| answers[0] == Answer::FromRest)
             .map(|(mode, _)| (mode, mode.turn.act(mode.generator(), mode.still)))
             .collect();
         let pulled = |n: usize| left.iter().map(|(mode, rise)| of_mode((mode, rise), n)).sum::<f64>();
         let still: Vec<f64> = if left.is_empty() { Vec::new() } else { (0..size).map(pulled).collect() };
-        let mut gravity = still.clone();
-        gravity.resize(size, 0.0);
-        let [stiffness, damping] = operator.entries(None);
-        stiffness.iter().for_each(|(row, column, entry)| gravity[*row] += entry * equilibrium[*column]);
-        let most = |entries: &[(usize, usize, f64)]| {
-            let mut sums = vec![0.0; size];
-            entries.iter().for_each(|(row, _, entry)| sums[*row] += entry.abs());
-            sums.into_iter().fold(0.0, f64::max)
-        };
-        let (stiff, damped) = (most(&stiffness) / square, most(&damping) / scale);
-        let driven = structure.harmonics().iter().map(|number| f64::from(*number) * omega / scale);
-        let rates: Vec<f64> = driven.collect();
-        // The larger root of r² = stiff + damped r.
-        let own = 0.5 * (damped + (damped * damped + 4.0 * stiff).sqrt());
+        let weight = |n: usize| still.get(n).copied().unwrap_or(0.0) + operator.pull(n, false, |m| equilibrium[m]);
+        let gravity = (0..size).map(weight).collect();
+        let damped = operator.largest_rows()[1] / scale;
+        let rates: Vec<f64> = loads.rates[1..].iter().map(|rate| rate / scale).collect();
+        let own = Self::rate(&operator) / scale;
         let rate = rates.iter().copied().fold(own, f64::max).max(f64::MIN_POSITIVE);
         let load_at = |n: usize| operator.loads.iter().map(|load| load[n].norm()).sum::<f64>();
-        let forced = (0..size).map(|n| load_at(n) + still.get(n).map_or(0.0, |a| a.abs() * square)).fold(0.0, f64::max);
+        let forced = (0..size).map(|n| load_at(n) + still.get(n).map_or(0.0, |a| a.abs())).fold(0.0, f64::max);
         let forced = forced / square * if damped == 0.0 { 0.5 } else { 1.0 };
         let still = still.iter().map(|a| a / square).collect();
         let inverse_factorial = inverse_factorials();
-        let horizon = |order: usize| (REMAINDER / inverse_factorial[order]).powf(1.0 / order as f64) * scale / fastest;
+        let horizon =
+            |order: usize| (REMAINDER / SIZE / inverse_factorial[order]).powf(1.0 / order as f64) * scale / fastest;
         let load = |(load, rate): (&Vec<C>, f64)| {
             let alike = load.windows(2).all(|pair| pair[0] == pair[1]);
             let scaled = load.iter().map(|f| f / square);
@@ -145,9 +150,14 @@ impl Local {
             (rate, load)
         };
         let pulls = match &operator.pulls {
-            Pulls::Alike { ends, stiffness, damping } => {
-                let stiffness = stiffness.map(|gamma| gamma / square);
-                Scaled::Alike(*ends, Stencil { stiffness, damping: damping.map(|c| c / scale) })
+            Pulls::Alike { ends, stiffness, damping, layering } => {
+                let stencil =
+                    Stencil { stiffness: stiffness.map(|gamma| gamma / square), damping: damping.map(|c| c / scale) };
+                if layering.layers == 1 {
+                    Scaled::Row(*ends, stencil)
+                } else {
+                    Scaled::Layers(Links::new(stencil, layering.stiffness / square, size, |n| operator.neighbours(n)))
+                }
             }
             Pulls::Bands { stiffness, damping } => {
                 Scaled::Bands([stiffness.times(1.0 / square), damping.times(1.0 / scale)])
@@ -155,7 +165,7 @@ impl Local {
         };
         let differ = operator.masses.windows(2).any(|pair| pair[0] != pair[1]);
         let roots = if differ { operator.masses.iter().map(|mass| mass.sqrt()).collect() } else { Vec::new() };
-        Some(Self {
+        Self {
             scale,
             pulls,
             rates: rates.iter().map(|rate| rate * scale).collect(),
@@ -169,24 +179,32 @@ impl Local {
             inverse_factorial,
             inverse: std::array::from_fn(|k| 1.0 / k.max(1) as f64),
             roots,
-            operator: operator.clone(),
-        })
+            operator,
+        }
     }
 
     /// Derivatives up to `order`, and the forces that hold contacts at rest; rows 0 and 1 are there. `turned` are e^{iw(t+ψ)}, the static load's
-    /// first.
-    pub(crate) fn expand(&self, series: &mut LocalSeries, turned: &[C], order: usize) {
-        let n = self.operator.masses.len();
-        let LocalSeries { rows, held, forces } = series;
+    /// first. `is_direct`: contact n sees coordinate n as it is.
+    pub(crate) fn expand(&self, series: &mut LocalSeries, is_direct: bool, turned: &[C], order: usize) {
+        let LocalSeries { rows, held, forces, soft } = series;
         forces.clear();
         forces.resize(held.contacts.len(), [0.0; MAX_ORDER + 1]);
+        let whole = [(0..self.operator.masses.len(), 0)];
+        if is_direct && held.contacts.is_empty() && soft.is_empty() {
+            return self.fill(rows, &whole, self.beyond(), turned, order, |_, _| {});
+        }
+        if is_direct {
+            return self.fill(rows, &whole, self.beyond(), turned, order, |k, to| {
+                for ((n, _), own) in held.contacts.iter().zip(forces.iter_mut()) {
+                    own[k] = -to[n + 1] * self.operator.masses[*n];
+                    to[n + 1] = 0.0;
+                }
+                let is_none = |first: &u8| k + 2 < usize::from(*first);
+                soft.iter().filter(|(_, first)| is_none(first)).for_each(|(n, _)| to[n + 1] = 0.0);
+            });
+        }
         let mut changes = vec![0.0; held.contacts.len()];
-        let beyond = match &self.pulls {
-            Scaled::Alike(ends, _) => ends.map(Some),
-            Scaled::Bands(_) => [Some(Ends::Fixed); 2],
-        };
-        let whole = [(0..n, 0)];
-        self.fill(rows, &whole, beyond, turned, order, |k, to| {
+        self.fill(rows, &whole, self.beyond(), turned, order, |k, to| {
             let all = &self.operator.contacts;
             for ((contact, _), change) in held.contacts.iter().zip(&mut changes) {
                 *change = -all[*contact].iter().map(|(place, weight)| weight * to[place + 1]).sum::<f64>();
@@ -204,16 +222,74 @@ impl Local {
         });
     }
 
+    /// The longest part of a window for which what its series leaves out is below rounding, in velocities, too: derivatives beyond the last two grow
+    /// as these do, by the fastest rate.
+    pub(crate) fn certified(&self, rows: &Rows, longest: f64, fastest: f64) -> f64 {
+        let (order, fastest) = (rows.order, fastest / self.scale);
+        let row = |k: usize| self.largest(rows.row(k, 0));
+        let last = row(order).max(row(order - 1) * self.growth.rate) * self.inverse_factorial[order];
+        // What moves at all, by the first derivatives in units of the fastest rate.
+        let mut size = row(0).max(row(1) / fastest);
+        if last * longest.powi(order as i32) <= REMAINDER * size {
+            return longest;
+        }
+        size = size.max(row(2) / fastest.powi(2)).max(row(3) / fastest.powi(3));
+        let certain = (REMAINDER * size / last).powf(1.0 / order as f64);
+        if last > 0.0 && certain.is_finite() { longest.min(certain) } else { longest }
+    }
+
+    /// The k-th derivative of the loads on a coordinate, over its mass, in the structure's time.
+    pub(crate) fn load(&self, turned: &[C], n: usize, k: u32) -> f64 {
+        let loads = self.operator.loads.iter().zip(&self.rates).zip(&turned[1..]);
+        let driven = loads.map(|((load, rate), now)| (load[n] * now * C::new(0.0, *rate).powu(k)).re);
+        driven.sum::<f64>() + if k == 0 { self.remaining(n) } else { 0.0 }
+    }
+
+    /// What stands at the ends of the coordinates; where neighbours are looked up, the wall.
+    pub(super) fn beyond(&self) -> [Option<Ends>; 2] {
+        match &self.pulls {
+            Scaled::Row(ends, _) => ends.map(Some),
+            _ => [Some(Ends::Fixed); 2],
+        }
+    }
+
+    /// What rounding took from the derivatives of coordinate `n`, to first order and with the neighbours exact, where masses are alike and
+    /// nothing damps them.
+    ///
+    /// A mass that leaves a barrier is at the same place at every impact, to the bit, and its rounding errors with it.
+    /// Alone among all they do not average out: they would change the energy by up to ε/2 an impact.
+    pub(super) fn lost(&self, n: usize, rows: &Rows) -> Option<[f64; CORRECTED]> {
+        let (stencil, across, [left, right, below, above]) = match &self.pulls {
+            Scaled::Row(_, stencil) => (stencil, 0.0, [n, n + 2, n + 1, n + 1]),
+            Scaled::Layers(links) => links.of(n),
+            Scaled::Bands(_) => return None,
+        };
+        let ([ground, between], own) = (stencil.stiffness, n + 1);
+        if stencil.damping != [0.0; 2] {
+            return None;
+        }
+        // The mass beside a free end is the same one, and errs with it: no spring.
+        let [a, b, c, d] = self.operator.neighbours(n).map(|side| f64::from(u8::from(side != Some(n))));
+        let held = ground + (a + b) * between + (c + d) * across;
+        let mut lost = [0.0; CORRECTED];
+        for k in 2..CORRECTED {
+            let row = &rows.data[(k - 2) * rows.stride..];
+            let pairs = [(between, [row[left], row[right]]), (across, [row[below], row[above]])];
+            lost[k] = lost_of_springs(row[own], ground, pairs) - held * lost[k - 2];
+        }
+        Some(lost)
+    }
+
     /// What is left of M⁻¹s of a coordinate, in the structure's time.
-    pub(super) fn remaining(&self, n: usize) -> f64 {
+    fn remaining(&self, n: usize) -> f64 {
         self.still.get(n).map_or(0.0, |still| still * self.scale * self.scale)
     }
 
     /// The row that the coordinates are, of masses alike: what stands at its ends, and γ₂ and c₂.
     pub(super) fn row(&self) -> Option<([Ends; 2], [f64; 2])> {
         match &self.pulls {
-            Scaled::Alike(ends, Stencil { stiffness, damping }) => Some((*ends, [stiffness[1], damping[1]])),
-            Scaled::Bands(_) => None,
+            Scaled::Row(ends, Stencil { stiffness, damping }) => Some((*ends, [stiffness[1], damping[1]])),
+            _ => None,
         }
     }
 
@@ -230,6 +306,15 @@ impl Local {
         mut hold: impl FnMut(usize, &mut [f64]),
     ) {
         let n = ranges.iter().map(|(range, _)| range.len()).sum();
+        // (Where there is nothing else, to ask for it costs as much as the springs of a short row.)
+        if let (Scaled::Row(_, stencil), true) = (&self.pulls, self.loads.is_empty() && self.still.is_empty())
+            && stencil.damping == [0.0; 2]
+        {
+            return rows.expand(n, beyond, order, |k, from, to| {
+                stencil.advance::<false>(from, to, n, 0.0);
+                hold(k, to);
+            });
+        }
         let mut now: Vec<C> = turned[1..].to_vec();
         rows.expand(n, beyond, order, |k, from, to| {
             let mut force = 0.0;
@@ -239,10 +324,11 @@ impl Local {
                 }
             }
             match &self.pulls {
-                Scaled::Alike(_, stencil) if stencil.damping == [0.0; 2] => {
+                Scaled::Row(_, stencil) if stencil.damping == [0.0; 2] => {
                     stencil.advance::<false>(from, to, n, force);
                 }
-                Scaled::Alike(_, stencil) => stencil.advance::<true>(from, to, n, force),
+                Scaled::Row(_, stencil) => stencil.advance::<true>(from, to, n, force),
+                Scaled::Layers(links) => links.advance(from, to, force),
                 Scaled::Bands(both) => {
                     to[1..=n].fill(force);
                     both.iter().zip(from).for_each(|(bands, from)| subtract(bands, &from[1..=n], &mut to[1..=n]));
@@ -270,16 +356,10 @@ impl Local {
 
     /// The largest of a row, by the roots of the masses.
     pub(crate) fn largest(&self, row: &[f64]) -> f64 {
-        let larger = |most: f64, d: f64| if d > most { d } else { most };
         if self.roots.is_empty() {
-            let (eights, rest) = row[..self.operator.masses.len()].as_chunks::<8>();
-            let mut most = [0.0; 8];
-            eights
-                .iter()
-                .for_each(|eight| most.iter_mut().zip(eight).for_each(|(most, d)| *most = larger(*most, d.abs())));
-            return most.into_iter().chain(rest.iter().map(|d| d.abs())).fold(0.0, larger);
+            return bound::largest(&row[..self.operator.masses.len()]);
         }
-        row.iter().zip(&self.roots).map(|(d, root)| (d * root).abs()).fold(0.0, larger)
+        row.iter().zip(&self.roots).map(|(d, root)| (d * root).abs()).fold(0.0, f64::max)
     }
 
     /// Work of the loads and what dashpots take, a unit of time, at velocities and where loads are `turned`.

@@ -1,20 +1,22 @@
 //! Coordinates in flight by local series, from a base.
 
+use std::ops::Range;
 use std::sync::Arc;
 
-use super::approach::Place;
+use super::loads::Loads;
 use super::local::{Held, Local, LocalSeries};
 use super::near::Tendencies;
+use super::places::{FORGET, Place, Places};
 use super::series::LOW;
 use super::system::System;
 use crate::bound::{self, Group, TAIL};
-use crate::part::Pace;
-use crate::ring::Contact;
-use crate::series::{LANES, Rows};
-use crate::units::{MAX_ORDER, REMAINDER, spread};
-use crate::watch::{self, Watch};
+use crate::part::{Pace, Part};
+use crate::series::{CORRECTED, LANES, Rows, eight};
+use crate::units::{MAX_ORDER, ORDERS, spread};
+use crate::watch::{self, Contact, Watch};
 use crate::weights::Weights;
 use vibrochain_lattice::{Barrier, Complex};
+use wide::f64x8;
 
 /// Coordinates at the base, and their series from there.
 #[derive(Debug, Clone)]
@@ -23,27 +25,39 @@ pub(crate) struct LocalFlight {
     /// e^{iw(t+ψ)} of each load at the base, and where series have begun last.
     pub(crate) turned: Vec<Complex<f64>>,
     pub(super) now: Vec<Complex<f64>>,
-    /// q, from where the static load holds it, and q′, in internal time: each at the origin of its series.
-    pub(super) place: Vec<f64>,
+    /// Of each coordinate, at the origin of its series: q = `reference` + x, from where the static load holds it, and q′, in internal time.
+    ///
+    /// Near a barrier that stops the coordinate itself the reference is that barrier: x is then the distance to it, and a mass that leaves at 1e-13
+    /// and comes back at once has its flight to full RELATIVE accuracy, which q could not hold.
+    pub(super) x: Vec<f64>,
     pub(super) velocity: Vec<f64>,
+    pub(super) reference: Vec<f64>,
     pub(crate) series: LocalSeries,
     /// Origins since the base, internal; `moved` lists those that are not 0.
     pub(super) origin: Vec<f64>,
     pub(super) moved: Vec<usize>,
+    /// Coordinates that leave a barrier, and what rounding took from their series; of few, all.
+    pub(super) lost: Vec<(usize, [f64; CORRECTED])>,
     pub(super) part_rows: Rows,
+    /// Parts that restart.
+    pub(super) parts: Vec<Part>,
     /// Length of the window, internal, since the base.
     pub(super) horizon: f64,
     pub(super) pace: Pace,
     next: [Vec<f64>; 2],
     /// Bounds of eight coordinates each over the window.
     groups: Vec<Group>,
-    /// Barriers of all contacts, from where the static load holds them; infinite where there is none.
-    limits: Vec<[f64; 2]>,
+    /// Lower and upper barriers of all contacts, from where the static load holds them; infinite where there is none.
+    pub(super) limits: [Vec<f64>; 2],
     /// Contact n sees coordinate n as it is, and there is one of each.
     pub(super) is_direct: bool,
-    /// A part may be restarted in this window.
-    pub(super) is_partible: bool,
 }
+
+/// From so many coordinates on weights are not held in two words: an event restarts a part, as a rule, at instants that do not repeat.
+const LARGE: usize = 64;
+
+/// Of so few coordinates the rounding errors of all repeat with every impact, not only those of the one that leaves a barrier.
+const FEW: usize = 4;
 
 /// A contact is cleared if its bounds stay this part of its way from the barriers: the rounding of sums, many times.
 const CLEARANCE: f64 = 64.0 * f64::EPSILON;
@@ -57,20 +71,31 @@ pub(crate) struct Sweep {
     pub(crate) bend_down: f64,
 }
 
+/// Sets d_0 and d_1 of columns from `first` on to what coordinates have.
+pub(super) fn begin_rows([x, reference, velocity]: [&[f64]; 3], rows: &mut Rows, first: usize, range: Range<usize>) {
+    let (places, velocities) = rows.data[first + 1..].split_at_mut(rows.stride);
+    let whole = x[range.clone()].iter().zip(&reference[range.clone()]);
+    places.iter_mut().zip(whole).for_each(|(to, (x, reference))| *to = x + reference);
+    velocities[..range.len()].copy_from_slice(&velocity[range]);
+}
+
 impl Held {
-    pub(crate) fn new(system: &System, local: &Local, places: &[Place]) -> Self {
-        let resting = places.iter().enumerate().filter_map(|(contact, place)| match place.touch {
-            Contact::Resting(barrier) => Some((contact, barrier)),
+    fn new(system: &System, local: &Local, places: &Places) -> Self {
+        let barrier = |contact: &usize| match places[*contact].touch {
+            Contact::Resting(barrier) => Some((*contact, barrier)),
             _ => None,
-        });
-        let contacts: Vec<(usize, Barrier)> = resting.collect();
-        let numbers: Vec<usize> = contacts.iter().map(|(contact, _)| *contact).collect();
+        };
+        let contacts: Vec<(usize, Barrier)> = places.resting().iter().filter_map(barrier).collect();
+        if system.is_direct() || contacts.is_empty() {
+            return Self { contacts, inverse: Vec::new(), is_plain: true };
+        }
+        let numbers = places.resting();
         let is_apart = |i: &usize| numbers.iter().all(|j| i == j || system.mobility(*i, *j) == 0.0);
         let inverse: Vec<Vec<f64>> = if numbers.iter().all(is_apart) {
             numbers.iter().map(|&contact| vec![1.0 / system.mobility(contact, contact)]).collect()
         } else {
             let unit = |i: usize| (0..numbers.len()).map(|j| f64::from(u8::from(i == j))).collect::<Vec<_>>();
-            (0..numbers.len()).map(|i| system.impulses(&numbers, &unit(i))).collect()
+            (0..numbers.len()).map(|i| system.impulses(numbers, &unit(i))).collect()
         };
         let is_plain = inverse.iter().all(|row| row.len() == 1)
             && numbers.iter().all(|&contact| local.operator.contacts[contact].len() == 1);
@@ -80,39 +105,50 @@ impl Held {
 
 impl LocalFlight {
     /// From ξ, at a time within a period.
-    pub(crate) fn new(system: &System, local: Arc<Local>, xi: &[[f64; 2]], offset: f64) -> Self {
+    pub(crate) fn of_modes(system: &System, local: Arc<Local>, xi: &[[f64; 2]], offset: f64) -> Self {
         let turned = system.loads.turned(offset);
         let n = local.operator.masses.len();
         let (mut place, mut velocity) = (vec![0.0; n], vec![0.0; n]);
-        for (k, (mode, xi)) in system.structure.modes().iter().zip(xi).enumerate() {
+        for (k, (mode, xi)) in system.modes().iter().zip(xi).enumerate() {
             let (rise, given) = (mode.turn.act(mode.generator(), *xi), system.loads.given(k, &turned));
             for (i, row) in mode.coordinates.iter().enumerate() {
                 place[i] += row[0] * xi[0] + row[1] * xi[1];
-                velocity[i] += (row[0] * (rise[0] + given[0]) + row[1] * (rise[1] + given[1])) / local.scale;
+                velocity[i] += row[0] * (rise[0] + given[0]) + row[1] * (rise[1] + given[1]);
             }
         }
+        Self::new(system, local, [place, velocity], turned)
+    }
+
+    /// From q, where the static load holds it, and q′.
+    pub(crate) fn new(
+        system: &System,
+        local: Arc<Local>,
+        [x, mut velocity]: [Vec<f64>; 2],
+        turned: Vec<Complex<f64>>,
+    ) -> Self {
+        let n = x.len();
+        velocity.iter_mut().for_each(|v| *v /= local.scale);
         let mut series = LocalSeries::default();
         series.rows.reset(n);
-        let limit = |contact: usize| {
-            let of = |barrier: Barrier| system.barrier(contact, barrier).unwrap_or(barrier.sign() * f64::INFINITY);
-            [Barrier::Lower, Barrier::Upper].map(of)
+        let limit = |contact: usize, barrier: Barrier| {
+            system.barrier(contact, barrier).unwrap_or(barrier.sign() * f64::INFINITY)
         };
-        let contacts = &local.operator.contacts;
-        let is_alone = contacts.iter().enumerate().all(|(n, weights)| weights[..] == [(n, 1.0)]);
-        let is_direct = is_alone && contacts.len() == n;
+        let limits = |barrier: Barrier| (0..system.contacts()).map(|contact| limit(contact, barrier)).collect();
         Self {
-            limits: (0..system.contacts()).map(limit).collect(),
-            is_direct,
-            is_partible: false,
+            limits: [Barrier::Lower, Barrier::Upper].map(limits),
+            is_direct: system.is_direct(),
             local,
             now: turned.clone(),
             turned,
-            place,
+            x,
             velocity,
+            reference: vec![0.0; n],
             series,
             origin: vec![0.0; n],
             moved: Vec::new(),
+            lost: Vec::new(),
             part_rows: Rows::default(),
+            parts: Vec::new(),
             horizon: 0.0,
             pace: Pace::default(),
             next: [vec![0.0; n], vec![0.0; n]],
@@ -120,27 +156,35 @@ impl LocalFlight {
         }
     }
 
-    fn weights(&self, contact: usize) -> &[(usize, f64)] {
+    pub(super) fn weights(&self, contact: usize) -> &[(usize, f64)] {
         &self.local.operator.contacts[contact]
     }
 
-    fn seen(&self, contact: usize, list: &[f64]) -> f64 {
-        self.weights(contact).iter().map(|(place, weight)| weight * list[*place]).sum()
+    /// q of a coordinate, from where the static load holds it.
+    pub(super) fn position(&self, n: usize) -> f64 {
+        self.reference[n] + self.x[n]
+    }
+
+    fn seen(&self, contact: usize, of: impl Fn(usize) -> f64) -> f64 {
+        if self.is_direct {
+            return of(contact);
+        }
+        self.weights(contact).iter().map(|(n, weight)| weight * of(*n)).sum()
     }
 
     /// g of a contact at the base.
     pub(crate) fn place(&self, contact: usize) -> f64 {
-        self.seen(contact, &self.place)
+        self.seen(contact, |n| self.position(n))
     }
 
     /// g′ of a contact at the base.
     pub(crate) fn velocity(&self, contact: usize) -> f64 {
-        self.seen(contact, &self.velocity) * self.local.scale
+        self.seen(contact, |n| self.velocity[n]) * self.local.scale
     }
 
     /// How far its coordinates are and go in a unit of internal time.
     pub(crate) fn scale(&self, contact: usize) -> f64 {
-        let size = |place: usize| self.place[place].abs() + self.velocity[place].abs();
+        let size = |n: usize| self.position(n).abs() + self.velocity[n].abs();
         self.weights(contact).iter().map(|(place, weight)| weight.abs() * size(*place)).sum()
     }
 
@@ -154,65 +198,83 @@ impl LocalFlight {
 
     /// M⁻¹w times `amount` is added to the coordinates.
     pub(crate) fn shift(&mut self, contact: usize, amount: f64) {
-        let Self { local, place: q, .. } = self;
+        let Self { local, x: q, .. } = self;
         for (place, weight) in &local.operator.contacts[contact] {
             q[*place] += weight / local.operator.masses[*place] * amount;
         }
     }
 
-    fn expanded(&self, series: &mut LocalSeries, system: &System, places: &[Place], order: usize) {
-        series.held = Held::new(system, &self.local, places);
-        let (n, stride) = (self.place.len(), series.rows.stride);
-        series.rows.data[1..=n].copy_from_slice(&self.place);
-        series.rows.data[stride + 1..][..n].copy_from_slice(&self.velocity);
-        self.local.expand(series, &self.turned, order);
+    /// What series begin from.
+    pub(super) fn state(&self) -> [&[f64]; 3] {
+        [&self.x, &self.reference, &self.velocity]
     }
 
     /// Where contacts tend to.
-    pub(crate) fn tendencies(&self, system: &System, places: &[Place]) -> Tendencies {
+    pub(crate) fn tendencies(&self, system: &System, places: &Places) -> Tendencies {
         let mut series = LocalSeries::default();
-        series.rows.reset_to(self.place.len(), LOW);
-        self.expanded(&mut series, system, places, LOW);
+        series.rows.reset_to(self.x.len(), LOW);
+        series.held = Held::new(system, &self.local, places);
+        begin_rows(self.state(), &mut series.rows, 0, 0..self.x.len());
+        self.local.expand(&mut series, self.is_direct, &self.turned, LOW);
         Tendencies::Local(Box::new(series), self.local.clone())
     }
 
     /// Starts a window: its length. A contact that leaves a barrier with a derivative of high order needs a series that has it: `least` orders.
-    pub(crate) fn begin(&mut self, system: &System, places: &[Place], least: u8, seed: &mut u64) -> f64 {
-        let local = self.local.clone();
+    /// `found` is told of contacts that bounds do not clear of barriers.
+    pub(crate) fn begin(
+        &mut self,
+        system: &System,
+        places: &Places,
+        seed: &mut u64,
+        mut found: impl FnMut(&Self, usize, Sweep),
+    ) -> f64 {
+        let least = places.soft().map(|(_, order)| order).max().unwrap_or(0);
         let mut pace = std::mem::take(&mut self.pace);
-        let (order, longest) = pace.choose(least, &local.horizons, |horizon| self.touched(horizon));
+        let (order, longest) = pace.choose(least, &self.local.horizons, |horizon| self.touched(horizon));
         self.pace = pace;
-        let mut series = std::mem::take(&mut self.series);
-        self.expanded(&mut series, system, places, order);
-        let row = |k: usize| local.largest(series.rows.row(k, 0));
-        // What moves at all, by the first derivatives in units of the fastest rate.
-        let fastest = system.fastest / local.scale;
-        let size = (0..4).map(|k| row(k) / fastest.powi(k as i32)).fold(0.0, f64::max);
-        let short = |k: usize| {
-            let most = row(k) * local.inverse_factorial[k];
-            // The last two terms are below rounding, and those behind them fall.
-            let longest = (REMAINDER * size / most).powf(1.0 / k as f64);
-            if most > 0.0 && longest.is_finite() { longest } else { f64::INFINITY }
-        };
-        let longest = longest.min(short(order)).min(short(order - 1));
+        let Self { local, turned, x, velocity, reference, series, is_direct, lost, .. } = self;
+        let n = x.len();
+        series.held = Held::new(system, local, places);
+        series.soft.clear();
+        if *is_direct {
+            series.soft.extend(places.soft());
+        }
+        begin_rows([x, reference, velocity], &mut series.rows, 0, 0..n);
+        local.expand(series, *is_direct, turned, order);
         // Windows of varying length, so that the rounding errors of their weights do not add up.
-        self.horizon = longest * (1.0 - spread(seed).abs() / 64.0);
-        let fractions = bound::fractions(self.horizon);
-        let n = self.place.len();
+        let horizon = local.certified(&series.rows, longest, system.fastest) * (1.0 - spread(seed).abs() / 64.0);
+        lost.clear();
+        if *is_direct {
+            let leaves = |contact: &usize| matches!(places[*contact].touch, Contact::Leaving(..));
+            let all = 0..if n <= FEW { n } else { 0 };
+            let leaving = places.near().filter(leaves).filter(|_| n > FEW);
+            lost.extend(all.chain(leaving).filter_map(|n| Some((n, local.lost(n, &series.rows)?))));
+        }
+        let fractions = bound::fractions(horizon);
         // What holds contacts of several coordinates may enlarge derivatives.
         let is_bounded =
-            series.held.is_plain && TAIL + 1 < order && local.growth.rate * self.horizon < 0.9 * (TAIL + 1) as f64;
-        let (from, tail) = if is_bounded {
-            (TAIL, bound::tail(&series.rows, n, local.growth, self.horizon))
-        } else {
-            (order + 1, 0.0)
-        };
-        self.groups.clear();
+            series.held.is_plain && TAIL + 1 < order && local.growth.rate * horizon < 0.9 * (TAIL + 1) as f64;
+        let (from, tail) =
+            if is_bounded { (TAIL, bound::tail(&series.rows, n, local.growth, horizon)) } else { (order + 1, 0.0) };
+        self.horizon = horizon;
         let bases = (0..n).step_by(LANES);
-        self.groups.extend(bases.map(|base| bound::group(&series.rows, base, from, tail, &fractions)));
-        self.is_partible = self.is_direct && least == 0 && series.held.contacts.is_empty();
-        self.series = series;
-        self.horizon / local.scale
+        if self.is_direct {
+            for base in bases {
+                let bounds = bound::group(&self.series.rows, base, from, tail, &fractions);
+                self.sift(&bounds, base, LANES.min(n - base), &mut found);
+            }
+        } else {
+            let rows = &self.series.rows;
+            self.groups.clear();
+            self.groups.extend(bases.map(|base| bound::group(rows, base, from, tail, &fractions)));
+            for contact in 0..system.contacts() {
+                let sweep = self.sweep(contact);
+                if !self.is_clear(contact, [sweep.rise, sweep.fall]) {
+                    found(self, contact, sweep);
+                }
+            }
+        }
+        self.horizon / self.local.scale
     }
 
     /// Bounds of a contact over the window.
@@ -233,24 +295,36 @@ impl LocalFlight {
         sum
     }
 
-    pub(super) fn is_clear(&self, contact: usize, x: f64, [rise, fall]: [f64; 2]) -> bool {
-        let ([low, high], margin) = (self.limits[contact], CLEARANCE * (x.abs() + rise - fall));
-        x + rise + margin < high && x + fall - margin > low
+    /// Barriers of a contact, from where its place is measured; infinite where there is none.
+    pub(super) fn limits(&self, system: &System, contact: usize, place: &Place) -> [f64; 2] {
+        let reference = if self.is_direct {
+            self.reference[contact]
+        } else {
+            place.reference.and_then(|barrier| system.barrier(contact, barrier)).unwrap_or(0.0)
+        };
+        [self.limits[0][contact] - reference, self.limits[1][contact] - reference]
     }
 
-    /// Contacts that bounds do not clear of barriers.
-    pub(crate) fn unclear(&self, mut found: impl FnMut(&Self, usize, Sweep)) {
-        if self.is_direct {
-            let n = self.place.len();
-            let groups = self.groups.iter().zip((0..n).step_by(LANES));
-            groups.for_each(|(group, base)| self.sift(group, base, LANES.min(n - base), &mut found));
-            return;
-        }
-        for contact in 0..self.limits.len() {
-            let sweep = self.sweep(contact);
-            if !self.is_clear(contact, self.place(contact), [sweep.rise, sweep.fall]) {
-                found(self, contact, sweep);
-            }
+    fn is_clear(&self, contact: usize, [rise, fall]: [f64; 2]) -> bool {
+        let x = self.place(contact);
+        let margin = CLEARANCE * (x.abs() + rise - fall);
+        x + rise + margin < self.limits[1][contact] && x + fall - margin > self.limits[0][contact]
+    }
+
+    /// Those of `count` ≤ 8 contacts from `base` on, each a coordinate, that their bounds do not clear.
+    pub(super) fn sift(&self, bounds: &Group, base: usize, count: usize, found: &mut impl FnMut(&Self, usize, Sweep)) {
+        let &Group { rise, fall, bend_up, bend_down } = bounds;
+        let reference = f64x8::from(eight(&self.reference, base));
+        let [lower, upper] = [0, 1].map(|side: usize| f64x8::from(eight(&self.limits[side], base)) - reference);
+        let x = f64x8::from(eight(&self.x, base));
+        let margin = f64x8::splat(CLEARANCE) * (x.abs() + rise - fall);
+        let is_clear = (x + rise + margin).simd_lt(upper) & (x + fall - margin).simd_gt(lower);
+        let mut unclear = !is_clear.to_bitmask() & ((1 << count) - 1);
+        while unclear != 0 {
+            let lane = unclear.trailing_zeros() as usize;
+            unclear &= unclear - 1;
+            let [rise, fall, bend_up, bend_down] = [rise, fall, bend_up, bend_down].map(|eight| eight.as_array()[lane]);
+            found(self, base + lane, Sweep { rise, fall, bend_up, bend_down });
         }
     }
 
@@ -259,28 +333,14 @@ impl LocalFlight {
         if self.is_direct { self.origin[contact] } else { 0.0 }
     }
 
-    /// g″ and g‴ of a contact at the origin of its series, where no contact rests.
-    pub(crate) fn bends(&self, contact: usize) -> [f64; 2] {
-        let Local { operator, scale, .. } = &*self.local;
-        let given = |n: usize, k: u32| {
-            let loads = operator.loads.iter().zip(&self.local.rates).zip(&self.now[1..]);
-            let driven = loads.map(|((load, rate), now)| (load[n] * now * Complex::new(0.0, *rate).powu(k)).re);
-            driven.sum::<f64>() + if k == 0 { self.local.remaining(n) } else { 0.0 }
-        };
-        let velocity = |n: usize| self.velocity[n] * scale;
-        let acceleration =
-            |n: usize| given(n, 0) - operator.pull(n, false, |m| self.place[m]) - operator.pull(n, true, velocity);
-        let jerk = |n: usize| given(n, 1) - operator.pull(n, false, velocity) - operator.pull(n, true, acceleration);
-        let seen = |of: &dyn Fn(usize) -> f64| self.weights(contact).iter().map(|(n, weight)| weight * of(*n)).sum();
-        [seen(&acceleration), seen(&jerk)]
-    }
-
     /// A contact's own derivative: beside a barrier what is carried for it.
     pub(crate) fn own(&self, contact: usize, place: &Place, k: usize) -> f64 {
         match (place.touch, k) {
+            (_, 0) if self.is_direct => self.x[contact],
             (_, 0) => place.reference.map_or_else(|| self.place(contact), |_| place.x),
             (Contact::Leaving(_, m), _) if k < usize::from(m) => 0.0,
-            (_, 1) => place.v.map_or_else(|| self.seen(contact, &self.velocity), |v| v / self.local.scale),
+            (_, 1) => place.v.map_or_else(|| self.seen(contact, |n| self.velocity[n]), |v| v / self.local.scale),
+            _ if self.is_direct => self.series.rows.get(k, contact),
             _ => self.series.derivative(&self.local, contact, k),
         }
     }
@@ -289,95 +349,100 @@ impl LocalFlight {
     pub(crate) fn watch(&self, contact: usize, place: &Place, [lower, upper]: [Option<f64>; 2]) -> Watch {
         let (local, order, horizon) = (&self.local, self.series.rows.order, self.horizon - self.origin(contact));
         let mut c = [0.0; MAX_ORDER + 1];
+        // The second derivative is d_2 + d_3 s + …: bounded on the way.
         let mut bend = bound::Enclosure::default();
-        let (mut far, mut power) = (f64::MIN_POSITIVE, 1.0);
-        for (k, c) in c.iter_mut().enumerate().take(order + 1) {
-            *c = self.own(contact, place, k) * local.inverse_factorial[k];
-            far += 2.0 * c.abs() * power;
-            power *= horizon;
+        for k in (2..=order).rev() {
+            // (Of one that leaves its barrier softly rows know which derivatives vanish.)
+            let derivative =
+                if self.is_direct { self.series.rows.get(k, contact) } else { self.own(contact, place, k) };
+            c[k] = derivative * local.inverse_factorial[k];
+            bend.add(derivative, horizon * local.inverse[k - 1]);
         }
-        (2..=order).rev().for_each(|k| bend.add((k * (k - 1)) as f64 * c[k], horizon));
+        [c[0], c[1]] = [0, 1].map(|k| self.own(contact, place, k));
+        let far = || f64::MIN_POSITIVE + 2.0 * c.iter().rev().fold(0.0, |sum, c| c.abs() + sum * horizon);
         // A barrier that is not there is beyond reach.
-        let (lower, upper) = (lower.unwrap_or(-far), upper.unwrap_or(far));
+        let (lower, upper) = (lower.unwrap_or_else(|| -far()), upper.unwrap_or_else(far));
         Watch::flight(contact, &watch::Flight { c, order, horizon, lower, upper, bend, contact: place.touch })
     }
 
-    /// Follows the force on a contact at rest, which is the i-th.
-    pub(crate) fn watch_rest(&self, system: &System, i: usize) -> Watch {
-        let (contact, barrier): (usize, Barrier) = self.series.held.contacts[i];
-        let doubt = 8.0 * self.series.acceleration_doubt(&self.local, contact) / system.mobility(contact, contact);
-        let order = self.series.rows.order;
-        let mut watch = Watch::rest(contact, barrier, order, self.horizon, doubt);
-        for k in 0..order - 1 {
-            watch.c[k] = -barrier.sign() * self.series.forces[i][k] * self.local.inverse_factorial[k];
-        }
-        watch
-    }
-
-    /// Weights at `s` since the base. They are held in two words: of a periodic motion the same ones come again and again.
-    fn weights_at(&self, s: f64) -> Weights {
+    /// Weights at `s` since the base, for coordinates whose series begin there. Of few coordinates they are held in two words: of a periodic
+    /// motion the same ones come again and again.
+    pub(super) fn weights_at(&self, s: f64) -> Weights {
         let mut weights = Weights::zero();
-        weights.precise(s * self.local.scale, self.series.rows.order, &self.local.inverse_factorial);
+        let (s, order, inverse) = (s * self.local.scale, self.series.rows.order, &self.local.inverse_factorial);
+        if self.x.len() < LARGE {
+            weights.precise(s, order, inverse);
+        } else {
+            weights.plain(s, order, inverse);
+        }
         weights
     }
 
-    /// q and q′ at `s` since the base, in the structure's time, from where the static load holds them.
-    pub(crate) fn at(&self, s: f64) -> [Vec<f64>; 2] {
-        if s == 0.0 {
-            let velocity = self.velocity.iter().map(|v| v * self.local.scale).collect();
-            return [self.place.clone(), velocity];
-        }
-        let (mut place, mut velocity) = (self.place.clone(), self.velocity.clone());
-        self.fly(s, [&mut place, &mut velocity]);
-        velocity.iter_mut().for_each(|v| *v *= self.local.scale);
-        [place, velocity]
-    }
-
-    /// The same in internal time.
-    fn fly(&self, s: f64, [place, velocity]: [&mut [f64]; 2]) {
-        let (weights, inverse) = (self.weights_at(s), &self.local.inverse);
-        if self.moved.is_empty() {
-            self.series.rows.at_all(&self.place, &weights, place, velocity);
-            return;
-        }
-        let s = s * self.local.scale;
-        self.series.rows.all_at((s, &self.origin), &self.place, (&weights, inverse), [&mut *place, &mut *velocity]);
-        // Those that have been carried there, and have no series from there yet.
-        for &n in self.moved.iter().filter(|n| self.origin[**n] >= s) {
-            (place[n], velocity[n]) = (self.place[n], self.velocity[n]);
-        }
-    }
-
-    /// x and v of a contact at `s`.
-    pub(crate) fn contact_at(&self, contact: usize, place: &Place, s: f64) -> (f64, f64) {
-        let weights = self.weights_at((s - self.origin(contact) / self.local.scale).max(0.0));
-        let (mut x, mut v) = (0.0, 0.0);
-        for k in (1..=self.series.rows.order).rev() {
-            let d = self.own(contact, place, k);
-            x += weights.high[k] * d;
-            v += weights.high[k - 1] * d;
-        }
-        (self.own(contact, place, 0) + x, v * self.local.scale)
-    }
-
-    /// The force on a contact at rest at `s`, positive towards larger g.
-    pub(crate) fn force_at(&self, contact: usize, s: f64) -> f64 {
-        let Some(i) = self.series.held_as(contact) else { return 0.0 };
-        let weights = self.weights_at(s);
-        let terms = (0..self.series.rows.order - 1).map(|k| weights.high[k] * self.series.forces[i][k]);
-        terms.sum::<f64>() * self.local.scale * self.local.scale
-    }
-
-    /// Moves the base to `s`, where loads are `turned`.
-    pub(crate) fn advance(&mut self, s: f64, turned: Vec<Complex<f64>>) {
+    /// Moves the base to `s`, with the weights of that time, where loads are at `offset` in their period.
+    pub(crate) fn advance(&mut self, s: f64, weights: &Weights, loads: &Loads, offset: f64) {
         let [mut place, mut velocity] = std::mem::take(&mut self.next);
-        self.fly(s, [&mut place, &mut velocity]);
-        std::mem::swap(&mut self.place, &mut place);
+        self.fly(s, weights, [&mut place, &mut velocity]);
+        std::mem::swap(&mut self.x, &mut place);
         std::mem::swap(&mut self.velocity, &mut velocity);
         self.next = [place, velocity];
         self.moved.drain(..).for_each(|n| self.origin[n] = 0.0);
-        self.now.clone_from(&turned);
-        self.turned = turned;
+        loads.turn(offset, &mut self.turned);
+        self.now.clone_from(&self.turned);
         self.pace.pass(s * self.local.scale);
+    }
+
+    /// Where a contact beside a barrier is at `s`, with the weights of that time.
+    pub(super) fn moved(&self, contact: usize, place: &Place, s: f64, weights: &Weights) -> Place {
+        let (x, v) = self.near_at(contact, place, s, weights);
+        // A flight so short that even the distance underflows has not left.
+        let touch = if x == 0.0 { place.touch } else { Contact::Free };
+        Place { x, v: Some(v), touch, ..*place }
+    }
+
+    /// Where it is now that the base has moved. Far from its barrier it forgets that: g is known as well; but a contact that is a coordinate not at the
+    /// other one, which it is about to strike, and which the change would round.
+    pub(super) fn settled(&mut self, contact: usize, place: &Place) -> Place {
+        let scale = FORGET * self.scale(contact);
+        if !self.is_direct {
+            return if place.x.abs() > scale { Place::free(self.place(contact)) } else { *place };
+        }
+        let (x, own) = (self.x[contact], self.reference[contact]);
+        if self.limits.iter().all(|side| (x - (side[contact] - own)).abs() > scale) {
+            (self.x[contact], self.reference[contact]) = (own + x, 0.0);
+            return Place::free(own + x);
+        }
+        // A flight so short that even the distance underflows has not left.
+        Place { x, v: None, touch: if x == 0.0 { place.touch } else { Contact::Free }, ..*place }
+    }
+
+    /// Puts a coordinate to the distance `x` from a barrier that is at `reference`, with a velocity.
+    pub(crate) fn put(&mut self, n: usize, [reference, x]: [f64; 2], velocity: f64) {
+        (self.reference[n], self.x[n], self.velocity[n]) = (reference, x, velocity / self.local.scale);
+    }
+
+    /// A perturbation of coordinates flies for a time of the structure, some of them at rest, without loads and barriers.
+    pub(crate) fn drift(&mut self, [place, velocity]: [&mut Vec<f64>; 2], time: f64, resting: &[usize]) {
+        let local = self.local.clone();
+        let mut left = time * local.scale;
+        let mut weights = Weights::zero();
+        let still = vec![Complex::default(); self.turned.len()];
+        while left > 0.0 {
+            let last = ORDERS.len() - 1;
+            let enough = local.horizons.iter().position(|&horizon| horizon >= left).unwrap_or(last);
+            let (order, step) = (ORDERS[enough], left.min(local.horizons[enough]));
+            weights.plain(step, order, &local.inverse_factorial);
+            let rows = &mut self.series.rows;
+            let (n, stride) = (place.len(), rows.stride);
+            rows.data[1..=n].copy_from_slice(place);
+            rows.data[stride + 1..][..n].copy_from_slice(velocity);
+            local.fill(rows, &[(0..n, 0)], local.beyond(), &still, order, |_, to| {
+                resting.iter().for_each(|n| to[n + 1] = 0.0);
+            });
+            let [next, next_velocity] = &mut self.next;
+            rows.at_all(place, &weights, next, next_velocity);
+            std::mem::swap(place, next);
+            std::mem::swap(velocity, next_velocity);
+            left -= step;
+        }
     }
 }

@@ -34,7 +34,7 @@ impl ModalFlight {
 
     /// ξ of mode `k` at `s` since the base, where loads are `turned` on.
     pub(crate) fn at(&self, system: &System, k: usize, s: f64, turned: &[Complex<f64>]) -> [f64; 2] {
-        let mode = &system.structure.modes()[k];
+        let mode = &system.modes()[k];
         let free = mode.turn.act(mode.flight(s), self.free[k]);
         let (moved, _) = system.loads.since(mode, k, &self.turned, s);
         add(add(free, moved), system.loads.steady(k, turned))
@@ -52,7 +52,7 @@ impl ModalFlight {
     /// An impulse at a contact.
     pub(crate) fn strike(&mut self, system: &System, contact: usize, impulse: f64) {
         let states = self.xi.iter_mut().zip(&mut self.free);
-        for ((xi, free), mode) in states.zip(system.structure.modes()) {
+        for ((xi, free), mode) in states.zip(system.modes()) {
             let given = if mode.is_real {
                 // As the column, which is row/κ, but with its rounding anew: that of the column would come back with every impact.
                 [0.0, mode.rows[contact][0] * impulse / mode.rate]
@@ -67,7 +67,7 @@ impl ModalFlight {
     /// dashpots; who holds the contact takes that off again.
     pub(crate) fn shift(&mut self, system: &System, contact: usize, amount: f64) {
         let states = self.xi.iter_mut().zip(&mut self.free);
-        for ((xi, free), mode) in states.zip(system.structure.modes()) {
+        for ((xi, free), mode) in states.zip(system.modes()) {
             let given = mode.turn.act(mode.generator(), mode.columns[contact]).map(|column| column * amount);
             (*xi, *free) = (add(*xi, given), add(*free, given));
         }
@@ -81,7 +81,7 @@ impl ModalFlight {
             let [first, second] = mode.columns[contact];
             mode.turn.act(by, [Complex::new(first, 0.0), Complex::new(second, 0.0)]).map(|xi| xi.re)
         };
-        let answers: Vec<[f64; 2]> = system.structure.modes().iter().map(answer).collect();
+        let answers: Vec<[f64; 2]> = system.modes().iter().map(answer).collect();
         let moved: f64 =
             system.seen_by(contact).map(|(k, _, row)| row[0] * answers[k][0] + row[1] * answers[k][1]).sum();
         let factor = amount / moved;
@@ -129,7 +129,7 @@ impl ModalFlight {
 
     /// ξ′ of a mode at the base, without forces at contacts.
     pub(crate) fn rise(&self, system: &System, k: usize) -> [f64; 2] {
-        let mode = &system.structure.modes()[k];
+        let mode = &system.modes()[k];
         add(mode.turn.act(mode.generator(), self.xi[k]), system.loads.given(k, &self.turned))
     }
 

@@ -1,29 +1,23 @@
 //! The state of a structure between events, and the search for the next one.
 
-use super::approach::{Approach, Place, Share};
-use super::balance::Ledger;
-use super::candidates::Candidates;
+use super::approach::{Approach, Share};
 use super::flight::Flight;
-use super::local_flight::{LocalFlight, Sweep};
 use super::near::Tendencies;
+use super::places::{FORGET, Place, Places};
 use super::series::{RestForce, Series};
 use super::system::System;
+use crate::balance::Ledger;
 use crate::bound;
 use crate::event::Work;
-use crate::part::{DITHER, Part, ranges};
-use crate::ring::Contact;
-use crate::safe_step::safe_step;
+use crate::queue::{Candidates, Entry};
 use crate::stop_check::StopCheck;
 use crate::time::Clock;
 use crate::units::{MAX_ORDER, spread};
-use crate::watch::{self, Kind, Step, Watch};
+use crate::watch::{self, Contact, Kind, Step, Watch};
 use vibrochain_lattice::{Barrier, Stopped};
 
 /// Events this close together, relative to the time since the base or to the time of the fastest rate, happen together.
 pub(super) const SIMULTANEOUS: f64 = 8.0 * f64::EPSILON;
-
-/// Beyond this part of the scale of its motion a contact forgets the barrier that x is measured from: g is known as well.
-pub(super) const FORGET: f64 = 1.0 / 16.0;
 
 /// A contact whose flight rises less than this part of that scale, or which is so close to its barrier and so slow against the velocities
 /// that make up its own, is followed by its own distance and velocity: modes would tell some digits less.
@@ -47,34 +41,38 @@ pub(crate) struct Motion {
     pub(crate) clock: Clock,
     /// Of the base.
     pub(crate) flight: Flight,
-    pub(crate) places: Vec<Place>,
+    pub(crate) places: Places,
     /// The window since the base of modes with contacts at rest or next to it; none: flight in modes, or local.
     pub(crate) series: Option<Box<Series>>,
     /// Time in a unit of that of polynomials.
-    unit: f64,
+    pub(super) unit: f64,
     /// Its certified length.
     pub(crate) horizon: f64,
     pub(crate) due: Vec<Due>,
     pub(crate) work: Work,
     pub(crate) ledger: Option<Ledger>,
-    candidates: Candidates,
-    /// Impacts that are due restart parts of the row alone: none of their contacts rests, or leaves its barrier with a derivative of high order.
+    pub(super) candidates: Candidates,
+    /// What is due restarts parts of the row alone.
     pub(super) is_apart: bool,
     shares: Vec<Share>,
-    seed: u64,
+    taken: Vec<Entry>,
+    pub(super) seed: u64,
 }
 
 impl Motion {
     /// From ξ of the structure.
     pub(crate) fn new(system: System, xi: &[[f64; 2]]) -> Self {
         let flight = Flight::new(&system, system.about_equilibrium(xi), 0.0);
-        let place =
-            |contact| Place { reference: None, x: flight.place(&system, contact), v: None, touch: Contact::Free };
-        let places = (0..system.contacts()).map(place).collect();
+        Self::with(system, flight)
+    }
+
+    /// From a state at the base.
+    pub(crate) fn with(system: System, flight: Flight) -> Self {
+        let places = (0..system.contacts()).map(|contact| Place::free(flight.place(&system, contact))).collect();
         Self {
             clock: Clock::new(system.omega),
             flight,
-            places,
+            places: Places::new(places),
             series: None,
             unit: 1.0,
             horizon: 0.0,
@@ -84,14 +82,10 @@ impl Motion {
             candidates: Candidates::new(system.contacts()),
             is_apart: false,
             shares: Vec::new(),
+            taken: Vec::new(),
             seed: 1,
             system,
         }
-    }
-
-    pub(crate) fn resting(&self) -> Vec<usize> {
-        let all = if self.is_apart { 0 } else { self.places.len() };
-        (0..all).filter(|&contact| matches!(self.places[contact].touch, Contact::Resting(_))).collect()
     }
 
     /// Starts a window at the base.
@@ -109,22 +103,18 @@ impl Motion {
         }
         // Windows of varying length, so that their rounding errors do not add up.
         self.horizon = self.system.longest * (1.0 - spread(&mut self.seed).abs() / 64.0);
-        for contact in 0..self.places.len() {
-            // Measured from a barrier for ever, places would drift.
-            let x = self.flight.place(&self.system, contact);
-            self.places[contact] = Place { reference: None, x, v: None, touch: Contact::Free };
-            self.candidates.push(contact, 0.0, None, None);
-        }
+        // Measured from a barrier for ever, places would drift.
+        self.places.free_all(|contact| self.flight.place(&self.system, contact));
+        (0..self.places.len()).for_each(|contact| self.candidates.push(contact, 0.0, None, None));
     }
 
     /// Whether a contact rests, or leaves its barrier so slowly that it is back, or not, before it is far from it.
     fn needs_series(&self) -> bool {
         let Flight::Modes(flight) = &self.flight else { return false };
-        let is_soft = |place: &Place| matches!(place.touch, Contact::Resting(_) | Contact::Leaving(_, 2..));
-        if self.places.iter().any(is_soft) {
+        if !self.places.resting().is_empty() || self.places.soft().next().is_some() {
             return true;
         }
-        if self.places.iter().all(|place| place.v.is_none()) {
+        if self.places.near().all(|contact| self.places[contact].v.is_none()) {
             return false;
         }
         let tendencies = Series::tendencies(&self.system, flight, &self.places);
@@ -135,27 +125,6 @@ impl Motion {
             let is_slow = || v.abs() <= LOW * flight.pace(&self.system, contact);
             c[0].abs() <= low && (c[1].abs() <= most && c[1] * c[1] <= low * most || is_slow())
         })
-    }
-
-    /// The certified window of local series: contacts that bounds do not clear are candidates from where parabolas above and below them
-    /// first meet a barrier.
-    fn begin_local(&mut self) {
-        let Self { flight: Flight::Local(flight), system, places, candidates, seed, .. } = self else { return };
-        let soft = places.iter().filter_map(|place| match place.touch {
-            Contact::Leaving(_, order) if order > 1 => Some(order),
-            _ => None,
-        });
-        self.horizon = flight.begin(system, places, soft.max().unwrap_or(0), seed);
-        self.unit = 1.0 / flight.local.scale;
-        flight
-            .unclear(|flight, contact, sweep| admit((flight, system), (contact, &places[contact]), sweep, candidates));
-        for i in 0..flight.series.held.contacts.len() {
-            let mut watch = flight.watch_rest(system, i);
-            let key = watch.prepare() * self.unit;
-            if key <= self.horizon {
-                candidates.push(watch.site, key, None, Some(watch));
-            }
-        }
     }
 
     fn begin_series(&mut self) {
@@ -199,10 +168,11 @@ impl Motion {
     /// [`Stopped`], which may be asked again.
     pub(crate) fn next(&mut self, limit: f64, check: &mut StopCheck) -> Result<Option<f64>, Stopped> {
         self.due.clear();
-        let (mut first, mut last, mut taken) = (None, limit, Vec::new());
+        let (mut first, mut last) = (None, limit);
+        self.taken.clear();
         loop {
             if check.is_raised() {
-                self.candidates.put_back(taken);
+                self.candidates.put_back(&mut self.taken);
                 return Err(Stopped);
             }
             let Some((mut key, candidate)) = self.candidates.first().filter(|(key, _)| *key <= last) else { break };
@@ -216,7 +186,7 @@ impl Motion {
                 let release = watch.is_some_and(|watch| matches!(watch.kind, Kind::Rest(_)));
                 let pull = watch.and_then(Watch::first_pull);
                 self.due.push(Due { contact, barrier, release, pull });
-                taken.extend(self.candidates.take());
+                self.taken.extend(self.candidates.take());
                 continue;
             }
             self.work.refinements += 1;
@@ -263,43 +233,6 @@ impl Motion {
         hits.for_each(|due| self.candidates.push(due.contact, 0.0, Some(due.barrier), None));
     }
 
-    /// Moves to what is due at `s`, not before `floor`: the parts that feel it, in the middle of the window, or the base. The instant, and which parts.
-    pub(crate) fn arrive(&mut self, s: f64, floor: f64) -> (f64, Option<Vec<Part>>) {
-        let whole = |motion: &mut Self, s: f64| {
-            motion.rebase(s);
-            (s, None)
-        };
-        let Flight::Local(flight) = &mut self.flight else { return whole(self, s) };
-        let scale = flight.local.scale;
-        let Some(parts) = flight.parts(&self.due, s * scale).filter(|_| self.ledger.is_none()) else {
-            return whole(self, s);
-        };
-        // A flight that repeats would repeat its rounding.
-        let s = (s + s * (DITHER * spread(&mut self.seed))).max(floor);
-        let turned = self.system.loads.later(&flight.turned, s);
-        parts.iter().for_each(|&part| flight.carry(&mut self.places, part, s * scale, &turned));
-        self.is_apart = true;
-        if self.due.iter().all(|due| self.bounces(due)) {
-            return (s, Some(parts));
-        }
-        self.is_apart = false;
-        self.move_base(s);
-        (s, None)
-    }
-
-    /// Starts new series of parts that are at `s`.
-    pub(crate) fn restart(&mut self, parts: &[Part], s: f64) {
-        self.is_apart = false;
-        let Self { flight: Flight::Local(flight), system, places, candidates, work, .. } = self else { return };
-        for &part in parts {
-            work.restarts += 1;
-            ranges(part, places.len()).into_iter().flat_map(|(masses, _)| masses).for_each(|n| candidates.forget(n));
-            flight.restart(part, s * flight.local.scale, |flight, contact, sweep| {
-                admit((flight, system), (contact, &places[contact]), sweep, candidates);
-            });
-        }
-    }
-
     /// Moves the base to `s`.
     pub(crate) fn rebase(&mut self, s: f64) {
         // A flight that repeats would repeat its rounding.
@@ -312,50 +245,61 @@ impl Motion {
         if s == 0.0 {
             return;
         }
-        let is_held = self.places.iter().any(|place| matches!(place.touch, Contact::Resting(_)));
         if let Some(mut ledger) = self.ledger.take() {
             let form = ledger.form.clone();
             ledger.flight(self.system.fastest, s, |time| self.powers_at(&form, time));
             self.ledger = Some(ledger);
         }
-        let near =
-            |(contact, place): (usize, &Place)| Some((contact, place.reference.map(|_| self.contact_at(contact, s))?));
-        let states: Vec<(usize, (f64, f64))> = self.places.iter().enumerate().filter_map(near).collect();
-        match &mut self.flight {
-            Flight::Local(flight) => {
-                self.clock.advance(s);
-                flight.advance(s, self.system.loads.turned(self.clock.offset()));
+        if let Self { flight: Flight::Local(flight), places, clock, system, .. } = self {
+            let weights = flight.weights_at(s);
+            if !flight.is_direct {
+                places.move_near(|contact, place| flight.moved(contact, place, s, &weights));
             }
-            Flight::Modes(_) => {
-                let xi = self.modes_at(s);
-                self.clock.advance(s);
-                self.flight = Flight::new(&self.system, xi, self.clock.offset());
-            }
+            clock.advance(s);
+            flight.advance(s, &weights, &system.loads, clock.offset());
+            places.move_near(|contact, place| flight.settled(contact, place));
+        } else {
+            self.move_modes(s);
         }
-        if let Flight::Modes(flight) = &self.flight {
-            let free = self.places.iter_mut().enumerate().filter(|(_, place)| place.reference.is_none());
-            free.for_each(|(contact, place)| place.x = flight.place(&self.system, contact));
+        if !self.places.resting().is_empty() {
+            self.hold(&[]);
         }
+    }
+
+    fn move_modes(&mut self, s: f64) {
+        let states: Vec<(usize, (f64, f64))> =
+            self.places.near().map(|contact| (contact, self.contact_at(contact, s))).collect();
+        let xi = self.modes_at(s);
+        self.clock.advance(s);
+        self.flight = Flight::new(&self.system, xi, self.clock.offset());
         for (contact, (x, v)) in states {
-            let place = &mut self.places[contact];
-            if let Contact::Resting(_) = place.touch {
+            let place = self.places[contact];
+            if self.places.is_resting(contact) {
                 continue;
             }
-            if x.abs() > FORGET * self.flight.scale(&self.system, contact) {
-                *place = Place {
-                    reference: None,
-                    x: self.flight.place(&self.system, contact),
-                    v: None,
-                    touch: Contact::Free,
-                };
-            } else {
-                // A flight so short that even the distance underflows has not left.
-                let touch = if x == 0.0 { place.touch } else { Contact::Free };
-                *place = Place { x, v: Some(v), touch, ..*place };
-            }
+            self.places.set(
+                contact,
+                if x.abs() > FORGET * self.flight.scale(&self.system, contact) {
+                    Place::free(self.flight.place(&self.system, contact))
+                } else {
+                    // A flight so short that even the distance underflows has not left.
+                    let touch = if x == 0.0 { place.touch } else { Contact::Free };
+                    Place { x, v: Some(v), touch, ..place }
+                },
+            );
         }
-        if is_held {
-            self.hold(&[]);
+        let Self { flight, places, system, .. } = self;
+        places.move_free(|contact| flight.place(system, contact));
+    }
+
+    /// Measures a contact from a barrier, at the distance `x`.
+    pub(crate) fn anchor(&mut self, contact: usize, barrier: Barrier, x: f64) {
+        self.places.set(contact, Place { reference: Some(barrier), ..Place::free(x) });
+        if let (Flight::Local(flight), true) = (&mut self.flight, self.system.is_direct())
+            && let Some(at) = self.system.barrier(contact, barrier)
+        {
+            let velocity = flight.velocity(contact);
+            flight.put(contact, [at, x], velocity);
         }
     }
 
@@ -366,7 +310,8 @@ impl Motion {
 
     /// Takes the rounding off the places and velocities of contacts at rest, and the velocities of those that stand `still`.
     pub(crate) fn hold(&mut self, still: &[usize]) {
-        let mut resting = self.resting();
+        // A coordinate that rests does not move from where it was put.
+        let mut resting = if self.system.is_direct() { Vec::new() } else { self.places.resting().to_vec() };
         let off = |motion: &Self, contact: usize| {
             let place = &motion.places[contact];
             let barrier = place.reference.and_then(|barrier| motion.system.barrier(contact, barrier));
@@ -377,11 +322,14 @@ impl Motion {
             self.flight.shift(&self.system, contact, amount);
         }
         resting.extend_from_slice(still);
+        if resting.is_empty() {
+            return;
+        }
         let changes: Vec<f64> = resting.iter().map(|&contact| -self.flight.velocity(&self.system, contact)).collect();
         for (&contact, impulse) in resting.iter().zip(self.system.impulses(&resting, &changes)) {
             self.push(contact, impulse);
         }
-        resting.iter().for_each(|&contact| self.places[contact].v = Some(0.0));
+        resting.iter().for_each(|&contact| self.places.set_velocity(contact, 0.0));
     }
 
     /// Lets the modes have the places and velocities of contacts that were followed by their own: their rounding would add up from bounce to
@@ -403,43 +351,16 @@ impl Motion {
     pub(crate) fn push(&mut self, contact: usize, impulse: f64) {
         self.flight.strike(&self.system, contact, impulse);
         for &(other, mobility) in self.system.sharing(contact) {
-            let place = &mut self.places[other];
-            if let Some(v) = place.v.as_mut().filter(|_| impulse != 0.0) {
-                *v += mobility * impulse;
-                // On its barrier still: it leaves with a velocity now, or hits at once.
-                if let Contact::Leaving(barrier, _) = place.touch {
-                    let is_inward = barrier.sign() * *v < 0.0;
-                    place.touch = if is_inward { Contact::Leaving(barrier, 1) } else { Contact::Free };
-                }
-            }
+            let place = self.places[other];
+            let Some(v) = place.v.filter(|_| impulse != 0.0) else { continue };
+            let v = v + mobility * impulse;
+            // On its barrier still: it leaves with a velocity now, or hits at once.
+            let touch = match place.touch {
+                Contact::Leaving(barrier, _) if barrier.sign() * v < 0.0 => Contact::Leaving(barrier, 1),
+                Contact::Leaving(..) => Contact::Free,
+                touch => touch,
+            };
+            self.places.set(other, Place { v: Some(v), touch, ..place });
         }
-    }
-}
-
-/// Takes a contact up among the candidates, from where parabolas above and below it first meet a barrier.
-fn admit(
-    (flight, system): (&LocalFlight, &System),
-    (contact, place): (usize, &Place),
-    sweep: Sweep,
-    candidates: &mut Candidates,
-) {
-    let [lower, upper] = place.barriers(system, contact);
-    let (watch, after) = match place.touch {
-        Contact::Resting(_) => return,
-        Contact::Leaving(_, 2..) => {
-            let watch = flight.watch(contact, place, [lower, upper]);
-            (Some(watch), watch.tau)
-        }
-        _ => {
-            let Sweep { bend_up, bend_down, .. } = sweep;
-            let [x, v] = [0, 1].map(|k| flight.own(contact, place, k));
-            let up = upper.map_or(f64::INFINITY, |upper| safe_step(upper - x, -v, bend_up));
-            let down = lower.map_or(f64::INFINITY, |lower| safe_step(x - lower, v, -bend_down));
-            (None, up.min(down))
-        }
-    };
-    let key = flight.origin(contact) + after;
-    if key <= flight.horizon {
-        candidates.push(contact, key / flight.local.scale, None, watch);
     }
 }

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use super::approach::Place;
 use super::local::{Local, LocalSeries};
+use super::places::Place;
 use super::series::{LOW, Series};
 use super::system::System;
-use crate::ring::Contact;
+use crate::watch::Contact;
 use vibrochain_lattice::Barrier;
 
 /// Derivatives of contacts, and the forces on those at rest.
@@ -48,20 +48,6 @@ impl LocalSeries {
         let of = |k: usize| local.operator.contacts[contact].iter().map(|(place, w)| w.abs() * doubts[k][*place]).sum();
         std::array::from_fn(of)
     }
-
-    /// Rounding of the acceleration of a contact, in internal time.
-    pub(crate) fn acceleration_doubt(&self, local: &Local, contact: usize) -> f64 {
-        let (scale, square) = (local.scale, local.scale * local.scale);
-        let of = |(place, weight): &(usize, f64)| {
-            let [stiffness, damping] = local.operator.entries(Some(*place));
-            let size = |entries: &[(usize, usize, f64)], k: usize, unit: f64| {
-                entries.iter().map(|(_, other, entry)| (entry / unit * self.rows.get(k, *other)).abs()).sum::<f64>()
-            };
-            let own = self.rows.get(2, *place).abs();
-            weight.abs() * f64::EPSILON * (own + 2.0 * (size(&stiffness, 0, square) + size(&damping, 1, scale)))
-        };
-        local.operator.contacts[contact].iter().map(of).sum()
-    }
 }
 
 impl Tendencies {
@@ -94,7 +80,7 @@ impl Tendencies {
         match self {
             Self::Local(series, local) => {
                 let of = |(i, (contact, barrier)): (usize, &(usize, Barrier))| {
-                    let doubt = 8.0 * series.acceleration_doubt(local, *contact) / system.mobility(*contact, *contact);
+                    let doubt = 8.0 * series.doubts(local, *contact)[2] / system.mobility(*contact, *contact);
                     (*contact, *barrier, -barrier.sign() * series.forces[i][0], doubt)
                 };
                 series.held.contacts.iter().enumerate().map(of).collect()

@@ -1,15 +1,18 @@
 //! Chatter, rest and release of a structure's contacts: those of the chain ([`crate::collision`]), with accelerations that know dashpots and the
 //! forces of other contacts at rest. A contact that comes to rest may take another one's load off: whose force would pull is released at once.
 
-use super::approach::Place;
 use super::flight::Flight;
-use super::motion::{Due, Motion};
+use super::motion::Motion;
 use super::near::Tendencies;
+use super::places::Place;
 use crate::cascade::Change;
-use crate::engine::CHATTER_TIME;
 use crate::event::EventKind;
-use crate::ring::Contact;
+use crate::watch::Contact;
 use vibrochain_lattice::Barrier;
+
+/// An accumulation of impacts is completed at its limit when so much time is left of it, in units of the fastest rate: of a chain
+/// 1/√(γ₁+4γ₂+4γ₃), or 1/ω where the force is faster.
+pub const CHATTER_TIME: f64 = 1e-8;
 
 impl Motion {
     /// What a contact on its barrier does after the impacts there.
@@ -19,17 +22,15 @@ impl Motion {
             self.rest_or_leave(contact, barrier, changes);
             return;
         }
-        self.places[contact].touch = Contact::Leaving(barrier, 1);
-        if !self.is_apart
-            && let Some(left) = self.chatters(contact, barrier, outward.abs())
-        {
+        self.places.touch(contact, Contact::Leaving(barrier, 1));
+        if let Some(left) = self.chatters(contact, barrier, outward.abs()) {
             self.rest(contact, barrier, left, changes);
         }
     }
 
     /// How soon a contact that leaves its barrier at a speed comes to rest there, if it is pressed back so soon.
     fn chatters(&self, contact: usize, barrier: Barrier, speed: f64) -> Option<f64> {
-        let loss = 1.0 - self.system.structure.contacts()[contact].restitution;
+        let loss = 1.0 - self.system.restitution(contact);
         if loss <= 0.0 {
             return None;
         }
@@ -39,27 +40,29 @@ impl Motion {
         (pressing > 0.0 && left * (self.system.fastest + jerk / pressing) < CHATTER_TIME).then_some(left)
     }
 
-    /// Whether what is due is an impact after which the contact flies: it does not graze, nor come to rest.
-    pub(super) fn bounces(&self, due: &Due) -> bool {
-        let &Due { contact, barrier, release, .. } = due;
-        let after = self.system.structure.contacts()[contact].restitution * self.outward(contact, barrier);
-        !release && after > 0.0 && self.chatters(contact, barrier, after).is_none()
-    }
-
     /// g″ and g‴ of a contact that moves.
     pub(crate) fn bends(&self, contact: usize) -> [f64; 2] {
         match &self.flight {
-            Flight::Local(flight) if self.resting().is_empty() => flight.bends(contact),
+            Flight::Local(flight) if self.system.is_direct() || self.places.resting().is_empty() => {
+                flight.bends(&self.places, contact)
+            }
             _ => self.tendencies().bends(contact),
+        }
+    }
+
+    /// The order of the first derivative that takes a contact off its barrier, or presses it against it, and whether it presses.
+    fn tendency(&self, contact: usize, barrier: Barrier, from: usize) -> Option<(u8, bool)> {
+        match &self.flight {
+            Flight::Local(flight) if self.system.is_direct() => flight.tendency(&self.places, contact, barrier, from),
+            _ => self.tendencies().tendency((contact, &self.places[contact]), barrier, from),
         }
     }
 
     /// A contact on its barrier without velocity: it rests, or leaves.
     pub(crate) fn rest_or_leave(&mut self, contact: usize, barrier: Barrier, changes: &mut Vec<Change>) {
-        self.places[contact].v = Some(0.0);
-        self.places[contact].touch = Contact::Free;
-        match self.tendencies().tendency((contact, &self.places[contact]), barrier, 2) {
-            Some((order, false)) => self.places[contact].touch = Contact::Leaving(barrier, order),
+        self.places.set(contact, Place { v: Some(0.0), touch: Contact::Free, ..self.places[contact] });
+        match self.tendency(contact, barrier, 2) {
+            Some((order, false)) => self.places.touch(contact, Contact::Leaving(barrier, order)),
             _ => self.rest(contact, barrier, 0.0, changes),
         }
     }
@@ -75,12 +78,14 @@ impl Motion {
             let v = self.places[contact].v.unwrap_or(0.0);
             ledger.impact(0.5 * v * v / self.system.mobility(contact, contact));
         }
-        let place = &mut self.places[contact];
-        (place.x, place.v, place.reference) = (0.0, Some(0.0), Some(barrier));
-        place.touch = Contact::Resting(barrier);
+        let touch = Contact::Resting(barrier);
+        self.places.set(contact, Place { reference: Some(barrier), x: 0.0, v: Some(0.0), touch });
         self.work.sticks += 1;
         changes.push(Change::still(contact, barrier, EventKind::Stick, delay));
-        self.hold(&[]);
+        match (&mut self.flight, self.system.barrier(contact, barrier)) {
+            (Flight::Local(flight), Some(place)) if self.system.is_direct() => flight.put(contact, [place, 0.0], 0.0),
+            _ => self.hold(&[]),
+        }
     }
 
     /// Lets a contact leave its barrier with the first derivative, from `order` on, that does not vanish; if that points outward it stays.
@@ -92,28 +97,26 @@ impl Motion {
         pull: Option<u8>,
         changes: &mut Vec<Change>,
     ) {
-        let before = self.places[contact].touch;
-        self.places[contact].touch = Contact::Free;
-        self.places[contact].v = Some(0.0);
-        let tendency = self.tendencies().tendency((contact, &self.places[contact]), barrier, order);
+        let before = self.places[contact];
+        self.places.set(contact, Place { v: Some(0.0), touch: Contact::Free, ..before });
+        let tendency = self.tendency(contact, barrier, order);
         if let Some((order, false)) = tendency.or(pull.map(|order| (order, false))) {
-            self.places[contact].touch = Contact::Leaving(barrier, order);
+            self.places.touch(contact, Contact::Leaving(barrier, order));
             self.work.releases += 1;
             changes.push(Change::still(contact, barrier, EventKind::Release, 0.0));
         } else {
-            self.places[contact].touch = before;
+            self.places.set(contact, before);
         }
     }
 
     /// Lets the forces of all contacts on their barriers agree: releases those at rest that their barriers would have to pull, the strongest
     /// pull first, and puts at rest those that were about to leave and are pressed now that others rest.
     pub(crate) fn let_go(&mut self, changes: &mut Vec<Change>) {
-        if self.is_apart {
-            return;
+        if self.system.is_direct() {
+            return self.let_go_directly(changes);
         }
         for _ in 0..4 * self.places.len() {
-            let is_soft = |place: &Place| matches!(place.touch, Contact::Resting(_) | Contact::Leaving(_, 2..));
-            if !self.places.iter().any(is_soft) {
+            if self.places.resting().is_empty() && self.places.soft().next().is_none() {
                 return;
             }
             let tendencies = self.tendencies();
@@ -132,6 +135,34 @@ impl Motion {
             });
             let Some((contact, barrier)) = pressed else { return };
             self.rest(contact, barrier, 0.0, changes);
+        }
+    }
+
+    /// The same where each contact is a coordinate: the force on one at rest changes at an instant with velocities alone, by dashpots between
+    /// neighbours.
+    fn let_go_directly(&mut self, changes: &mut Vec<Change>) {
+        let Flight::Local(flight) = &self.flight else { return };
+        if !flight.local.operator.couples_velocities() || changes.is_empty() {
+            return;
+        }
+        let mut touched: Vec<usize> =
+            changes.iter().flat_map(|change| flight.local.operator.beside(change.site)).collect();
+        touched.sort_unstable();
+        touched.dedup();
+        for contact in touched {
+            match self.places[contact].touch {
+                Contact::Resting(barrier) => {
+                    if let Some((2, false)) = self.tendency(contact, barrier, 2) {
+                        self.release(contact, barrier, 2, Some(2), changes);
+                    }
+                }
+                Contact::Leaving(barrier, 2..) => {
+                    if let Some((_, true)) = self.tendency(contact, barrier, 2) {
+                        self.rest(contact, barrier, 0.0, changes);
+                    }
+                }
+                _ => {}
+            }
         }
     }
 }

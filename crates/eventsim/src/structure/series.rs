@@ -4,12 +4,12 @@
 //! so the coefficient λ_n of the forces solves w_iᵀM⁻¹w_j λ_n = −row·A(Aξ_n + b_n): a system of the size of what rests. Contacts beside a
 //! barrier start from the distance and the velocity that are carried for them.
 
-use super::approach::Place;
 use super::loads::add;
 use super::modal_flight::ModalFlight;
+use super::places::Places;
 use super::system::System;
-use crate::ring::Contact;
 use crate::units::{MAX_ORDER, inverse_factorials};
+use crate::watch::Contact;
 use vibrochain_lattice::Barrier;
 
 /// Highest order that decides where a contact goes from rest.
@@ -52,7 +52,7 @@ pub(crate) struct RestForce {
 
 impl Series {
     /// Of full order, as long as that allows.
-    pub(crate) fn window(system: &System, flight: &ModalFlight, places: &[Place]) -> Self {
+    pub(crate) fn window(system: &System, flight: &ModalFlight, places: &Places) -> Self {
         let mut series = Self::new(system, flight, places, MAX_ORDER, REACH / system.fastest);
         for _ in 0..HALVINGS {
             if series.is_short {
@@ -64,11 +64,11 @@ impl Series {
     }
 
     /// Of low order: where contacts tend to.
-    pub(crate) fn tendencies(system: &System, flight: &ModalFlight, places: &[Place]) -> Self {
+    pub(crate) fn tendencies(system: &System, flight: &ModalFlight, places: &Places) -> Self {
         Self::new(system, flight, places, LOW, REACH / system.fastest)
     }
 
-    fn new(system: &System, flight: &ModalFlight, places: &[Place], order: usize, h: f64) -> Self {
+    fn new(system: &System, flight: &ModalFlight, places: &Places, order: usize, h: f64) -> Self {
         let inverse = inverse_factorials();
         let resting: Vec<(usize, Barrier)> = (places.iter().enumerate())
             .filter_map(|(contact, place)| match place.touch {
@@ -77,7 +77,7 @@ impl Series {
             })
             .collect();
         let held: Vec<usize> = resting.iter().map(|(contact, _)| *contact).collect();
-        let modes = system.structure.modes();
+        let modes = system.modes();
         let mut xi = vec![[[0.0; 2]; MAX_ORDER + 1]; modes.len()];
         let mut doubt = vec![0.0; modes.len()];
         let mut forces = vec![[0.0; MAX_ORDER + 1]; held.len()];
@@ -124,7 +124,7 @@ impl Series {
                 xi.iter_mut().zip(&rises).for_each(|(xi, rise)| xi[n + 1] = rise.map(|rise| rise / next));
             }
         }
-        for ((c, place), doubts) in contacts.iter_mut().zip(places).zip(&mut doubts) {
+        for ((c, place), doubts) in contacts.iter_mut().zip(places.iter()).zip(&mut doubts) {
             c[0] = place.x;
             if let Some(v) = place.v {
                 (c[1], doubts[1]) = (v * h, 0.0);
@@ -209,7 +209,7 @@ mod tests {
             .collect();
         let xi: Vec<[f64; 2]> = modes.iter().map(|_| [random.between(-1.0, 1.0), random.between(-1.0, 1.0)]).collect();
         let structure = ModalStructure::new(vec![stop; 2], vec![1, 3], modes).unwrap();
-        Motion::new(System::new(structure, random.between(0.4, 1.5), random.unit()), &xi)
+        Motion::new(System::new(structure.into(), random.between(0.4, 1.5), random.unit()), &xi)
     }
 
     /// Where nothing rests a window is the flight of the modes.
@@ -244,14 +244,14 @@ mod tests {
             let Motion { system, flight: Flight::Modes(flight), mut places, .. } = motion(&mut random) else {
                 panic!()
             };
-            let modes = system.structure.modes().len();
+            let modes = system.modes().len();
             let held: &[usize] = if modes < 2 { &[round % 2] } else { [&[0][..], &[1], &[0, 1]][round % 3] };
-            held.iter().for_each(|&contact| places[contact].touch = Contact::Resting(Barrier::Lower));
+            held.iter().for_each(|&contact| places.touch(contact, Contact::Resting(Barrier::Lower)));
             let series = Series::window(&system, &flight, &places);
             let (h, step) = (series.length, 1e-3);
             for sigma in [0.2, 0.8] {
                 let turned = system.loads.later(&flight.turned, sigma * h);
-                for (k, mode) in system.structure.modes().iter().enumerate() {
+                for (k, mode) in system.modes().iter().enumerate() {
                     let [low, now, high] = [-step, 0.0, step].map(|by| series.mode(k, sigma + by));
                     let given = system.loads.given(k, &turned);
                     let by_rate = mode.turn.act(mode.generator(), now);

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use super::loads::{Answer, Loads, add};
 use super::local::{FlightChoice, Local};
 use crate::time::two_sum;
-use vibrochain_lattice::{Barrier, Complex, Contact, LinearMode, ModalStructure};
+use vibrochain_lattice::{Barrier, Complex, Contact, LinearMode, ModalStructure, SparseOperator};
 
 type C = Complex<f64>;
 
@@ -32,7 +32,8 @@ pub(crate) enum Term {
 /// The structure and what follows from it.
 #[derive(Debug, Clone)]
 pub(crate) struct System {
-    pub(crate) structure: ModalStructure,
+    /// Its modes; none of coordinates that are known by what pulls at them alone.
+    pub(crate) structure: Option<Arc<ModalStructure>>,
     pub(crate) omega: f64,
     pub(crate) loads: Loads,
     /// The structure by its coordinates, where it flies by these.
@@ -47,6 +48,8 @@ pub(crate) struct System {
     stops: Vec<Contact>,
     /// Of each contact those that share a coordinate with it, rising, once it is asked for: of a thousand contacts all of it takes seconds.
     mobility: Vec<OnceLock<Vec<(usize, f64)>>>,
+    /// Itself and wᵀM⁻¹w of each contact, where contact n sees coordinate n as it is and by local series: none shares one.
+    apart: Vec<(usize, f64)>,
     /// What rounding took from each contact's own, relative to it: the same at every impact, it would add up.
     lost: Vec<f64>,
     /// Largest rate of a mode or of a load.
@@ -56,7 +59,7 @@ pub(crate) struct System {
 }
 
 impl System {
-    pub(crate) fn new(structure: ModalStructure, omega: f64, psi: f64) -> Self {
+    pub(crate) fn new(structure: Arc<ModalStructure>, omega: f64, psi: f64) -> Self {
         let loads = Loads::new(&structure, omega, psi);
         let (modes, contacts) = (structure.modes(), structure.contacts().len());
         let rate = |mode: &LinearMode| mode.rates().map(|rate| rate.norm()).into_iter().fold(0.0, f64::max);
@@ -90,23 +93,78 @@ impl System {
         let mobility = vec![OnceLock::new(); contacts];
         let lost = (0..contacts).map(|contact| lost(&structure, contact)).collect();
         let longest = (std::f64::consts::TAU / omega).min(1.0 / growth).min(LONGEST / fastest);
-        Self { terms, swings, origins, stops, mobility, lost, fastest, longest, omega, loads, local: None, structure }
+        let (apart, local, structure) = (Vec::new(), None, Some(structure));
+        Self { terms, swings, origins, stops, mobility, apart, lost, fastest, longest, omega, loads, local, structure }
+    }
+
+    /// Of coordinates that are known by what pulls at them alone, with the same stops at each contact, under loads of these harmonics.
+    pub(crate) fn of_operator(
+        operator: SparseOperator,
+        stop: Contact,
+        harmonics: &[u32],
+        (omega, psi): (f64, f64),
+    ) -> Self {
+        let loads = Loads::of_harmonics(harmonics, omega, psi);
+        let driven = loads.rates.iter().copied().fold(0.0, f64::max);
+        let fastest = Local::rate(&operator).max(driven).max(0.25 * omega);
+        let stops = vec![stop; operator.contacts.len()];
+        let (origins, lost) = (vec![0.0; stops.len()], Vec::new());
+        let longest = (std::f64::consts::TAU / omega).min(LONGEST / fastest);
+        let system = Self {
+            structure: None,
+            omega,
+            loads,
+            local: None,
+            terms: Vec::new(),
+            swings: Vec::new(),
+            origins,
+            stops,
+            mobility: Vec::new(),
+            apart: Vec::new(),
+            lost,
+            fastest,
+            longest,
+        };
+        system.by_coordinates(Arc::new(operator))
     }
 
     /// The same by local series, if these are faster.
-    pub(crate) fn local_if_faster(mut self) -> Self {
+    pub(crate) fn local_if_faster(self) -> Self {
         let rates = (self.omega, self.fastest);
-        if FlightChoice::new(&self.structure, rates).is_local() {
-            self.local = Local::new(&self.structure, rates, &self.loads).map(Arc::new);
-            // Mobility of coordinates is no sum of modes.
-            self.lost.fill(0.0);
+        let is_local = |structure: &&Arc<ModalStructure>| FlightChoice::new(structure, rates).is_local();
+        match self.structure.as_ref().filter(is_local).and_then(|structure| structure.operator().cloned()) {
+            Some(operator) => self.by_coordinates(operator),
+            None => self,
         }
+    }
+
+    fn by_coordinates(mut self, operator: Arc<SparseOperator>) -> Self {
+        let is_own = |(n, weights): (usize, &Vec<(usize, f64)>)| weights[..] == [(n, 1.0)];
+        if operator.contacts.len() == operator.masses.len() && operator.contacts.iter().enumerate().all(is_own) {
+            self.apart = operator.masses.iter().enumerate().map(|(n, mass)| (n, 1.0 / mass)).collect();
+        }
+        self.local = Some(Arc::new(Local::new(operator, self.modes(), &self.loads, self.fastest)));
+        // Mobility of coordinates is no sum of modes.
+        self.lost.clear();
         self
+    }
+
+    /// Whether contact n sees coordinate n as it is, and there is one of each.
+    pub(crate) fn is_direct(&self) -> bool {
+        !self.apart.is_empty()
+    }
+
+    pub(crate) fn modes(&self) -> &[LinearMode] {
+        self.structure.as_ref().map_or(&[], |structure| structure.modes())
+    }
+
+    pub(crate) fn restitution(&self, contact: usize) -> f64 {
+        self.stops[contact].restitution
     }
 
     /// Of each mode the largest coordinate that is of use in a run from ξ, as it is measured here; infinite where it does not feed itself.
     pub(crate) fn reach(&self, start: &[[f64; 2]]) -> Vec<f64> {
-        let (modes, largest) = (self.structure.modes(), |xi: &[f64; 2]| xi[0].abs().max(xi[1].abs()));
+        let (modes, largest) = (self.modes(), |xi: &[f64; 2]| xi[0].abs().max(xi[1].abs()));
         let barriers: Vec<(usize, f64)> = (self.stops.iter().enumerate())
             .flat_map(|(i, contact)| [contact.lower, contact.upper].into_iter().flatten().map(move |at| (i, at.abs())))
             .collect();
@@ -132,7 +190,7 @@ impl System {
     }
 
     pub(crate) fn contacts(&self) -> usize {
-        self.structure.contacts().len()
+        self.stops.len()
     }
 
     /// A barrier as places are measured.
@@ -158,6 +216,9 @@ impl System {
 
     /// The contacts j that share a coordinate with contact `from`, itself among them, and wᵀM⁻¹w_j of each.
     pub(crate) fn sharing(&self, from: usize) -> &[(usize, f64)] {
+        if let Some(alone) = self.apart.get(from) {
+            return std::slice::from_ref(alone);
+        }
         self.mobility[from].get_or_init(|| self.mobility_from(from))
     }
 
@@ -166,9 +227,9 @@ impl System {
             if let Some(local) = &self.local {
                 return local.operator.mobility(to, from);
             }
-            let mobility = self.structure.mobility(to, from);
+            let mobility = self.structure.as_ref().map_or(0.0, |structure| structure.mobility(to, from));
             // Of complex shapes that nearly meet the terms are larger than the sum.
-            let size = self.structure.modes().iter().map(|mode| {
+            let size = self.modes().iter().map(|mode| {
                 let given = mode.turn.act(mode.generator(), mode.columns[from]);
                 (mode.rows[to][0] * given[0]).abs() + (mode.rows[to][1] * given[1]).abs()
             });
@@ -182,19 +243,20 @@ impl System {
         let mobility = self.mobility(contact, contact);
         let impulse = change / mobility;
         // Both corrections at once: each alone is below half a unit in the last place.
-        impulse + (impulse.mul_add(-mobility, change) / mobility - impulse * self.lost[contact])
+        let lost = self.lost.get(contact).copied().unwrap_or(0.0);
+        impulse + (impulse.mul_add(-mobility, change) / mobility - impulse * lost)
     }
 
     /// Modes and what each sees of contact `contact`.
     pub(crate) fn seen_by(&self, contact: usize) -> impl Iterator<Item = (usize, &LinearMode, [f64; 2])> {
-        self.structure.modes().iter().enumerate().map(move |(k, mode)| (k, mode, mode.rows[contact]))
+        self.modes().iter().enumerate().map(move |(k, mode)| (k, mode, mode.rows[contact]))
     }
 
     /// Impulses at contacts that change their velocities by `changes`, all together. Contacts of which one follows from others get 0.
     pub(crate) fn impulses(&self, contacts: &[usize], changes: &[f64]) -> Vec<f64> {
         let r = contacts.len();
         let is_apart = |i: &usize| contacts.iter().all(|j| i == j || self.mobility(*i, *j) == 0.0);
-        if contacts.iter().all(is_apart) {
+        if self.is_direct() || contacts.iter().all(is_apart) {
             let alone = contacts.iter().zip(changes).map(|(&contact, change)| change / self.mobility(contact, contact));
             return alone.collect();
         }

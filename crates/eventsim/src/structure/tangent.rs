@@ -1,6 +1,6 @@
 //! Tangent vectors of a structure's run: what becomes of small perturbations of its modes, to first order.
 //!
-//! **ModalFlight** is linear: δξ flies as ξ does without loads, with contacts at rest held where they are.
+//! **Flight** is linear: δξ flies as ξ does without loads, with contacts at rest held where they are.
 //!
 //! **Impact.** A contact that is off by δg arrives earlier by δg/g′⁻. Its impulse P moves the modes by bP and, through the dashpots, changes
 //! their acceleration, so that with the state just before (m the effective mass, b the column of the contact)
@@ -17,18 +17,21 @@
 //! **Rest.** A contact at rest has no perturbation: δg = δg′ = 0 from the event `stick` on. The instants of that and of its release count to
 //! second order only, as for a chain ([`crate::Tangents`]).
 
-use super::approach::Place;
+use std::sync::Arc;
+
 use super::flight::Flight;
+use super::local_flight::LocalFlight;
 use super::modal_flight::ModalFlight;
 use super::motion::Motion;
+use super::places::{Place, Places};
 use super::series::Series;
 use super::system::System;
 use crate::cascade::Change;
 use crate::directions::Directions;
 use crate::error::TangentError;
 use crate::event::EventKind;
-use crate::ring::Contact;
-use vibrochain_lattice::{Barrier, ModalStructure};
+use crate::watch::Contact;
+use vibrochain_lattice::{Barrier, LinearMode, ModalStructure};
 
 /// An impulse that another contact sees by less than this part of its terms is rounding.
 const UNSEEN: f64 = 1e-12;
@@ -56,10 +59,17 @@ const UNSEEN: f64 = 1e-12;
 /// ```
 #[derive(Debug, Clone)]
 pub struct StructureTangents {
-    /// Both coordinates of all modes of each vector.
-    directions: Directions,
-    /// The structure without loads, in which perturbations fly.
+    inner: TangentVectors,
+}
+
+/// Tangent vectors of a system without loads.
+#[derive(Debug, Clone)]
+pub(crate) struct TangentVectors {
+    /// Both coordinates of all modes of each vector; of a system known by its coordinates these and their velocities, in internal time.
+    pub(crate) directions: Directions,
     system: System,
+    /// What carries coordinates.
+    flight: Option<Box<LocalFlight>>,
 }
 
 impl StructureTangents {
@@ -82,63 +92,84 @@ impl StructureTangents {
 
     fn with(structure: &ModalStructure, directions: Directions) -> Self {
         // The clock is the run's own: without loads any frequency will do.
-        let system = System::new(structure.with_loads_times(0.0, 0.0), 1.0, 0.0);
-        Self { directions, system }
+        let system = System::new(Arc::new(structure.with_loads_times(0.0, 0.0)), 1.0, 0.0);
+        Self { inner: TangentVectors { directions, system, flight: None } }
     }
 
     /// Number of vectors.
     pub fn count(&self) -> usize {
-        self.directions.vectors.len()
+        self.inner.directions.vectors.len()
     }
 
     /// Vector `i` as it is now, if there are so many: as the flow has left it since it was given, or made orthonormal.
     pub fn vector(&self, i: usize) -> Option<Vec<[f64; 2]>> {
-        let [first, second] = self.directions.vectors.get(i)?;
+        let [first, second] = self.inner.directions.vectors.get(i)?;
         Some(first.iter().zip(second).map(|(a, b)| [*a, *b]).collect())
     }
 
     /// Whether the run has grazed a barrier, or contacts that see each other have hit at one instant: no linear map goes through that, and
     /// growth and vectors mean nothing.
     pub fn has_grazed(&self) -> bool {
-        self.directions.grazed
+        self.inner.directions.grazed
     }
 
     /// What [`StructureTangents::orthonormalise`] has told last.
     pub fn growth(&self) -> &[f64] {
-        &self.directions.logs
+        &self.inner.directions.logs
     }
 
     /// As [`Tangents::orthonormalise`](crate::Tangents::orthonormalise).
     pub fn orthonormalise(&mut self) -> &[f64] {
-        self.directions.orthonormalise()
+        self.inner.directions.orthonormalise()
     }
 
     /// The vectors on a run that is at `now` since its base.
     pub(crate) fn mount(&mut self, motion: &Motion, now: f64) -> Result<Riders<'_>, TangentError> {
-        let [own, other] = [&self.system.structure, &motion.system.structure];
-        let alike = own.contacts() == other.contacts()
-            && own.modes().len() == other.modes().len()
-            && own
-                .modes()
-                .iter()
-                .zip(other.modes())
-                .all(|(a, b)| (a.decay, a.rate, a.turn) == (b.decay, b.rate, b.turn) && a.rows == b.rows);
-        if !alike {
-            return Err(TangentError::OtherModel);
-        }
-        let mut riders = Riders {
-            tangents: self,
-            at: motion.clock.after(now),
-            resting: motion.resting(),
-            before: Vec::new(),
-            forces: Vec::new(),
+        let is_alike = |(a, b): (&LinearMode, &LinearMode)| {
+            (a.decay, a.rate, a.turn) == (b.decay, b.rate, b.turn) && a.rows == b.rows
         };
+        let (own, other) = (&self.inner.system.structure, &motion.system.structure);
+        let alike = own.as_ref().zip(other.as_ref()).is_some_and(|(own, other)| {
+            own.contacts() == other.contacts()
+                && own.modes().len() == other.modes().len()
+                && own.modes().iter().zip(other.modes()).all(is_alike)
+        });
+        ensure_alike(alike)?;
+        Ok(self.inner.mount(motion, now))
+    }
+}
+
+fn ensure_alike(alike: bool) -> Result<(), TangentError> {
+    if alike { Ok(()) } else { Err(TangentError::OtherModel) }
+}
+
+impl TangentVectors {
+    /// Of coordinates that are known by what pulls at them alone.
+    pub(crate) fn of_system(system: System, directions: Directions) -> Self {
+        let still = || vec![0.0; system.contacts()];
+        let local = system.local.clone();
+        let flight = local.map(|local| {
+            let turned = system.loads.turned(0.0);
+            Box::new(LocalFlight::new(&system, local, [still(), still()], turned))
+        });
+        Self { directions, system, flight }
+    }
+
+    /// Internal time over time.
+    pub(crate) fn scale(&self) -> f64 {
+        self.flight.as_ref().map_or(1.0, |flight| flight.local.scale)
+    }
+
+    /// The vectors on a run that is at `now` since its base.
+    pub(crate) fn mount(&mut self, motion: &Motion, now: f64) -> Riders<'_> {
+        let (at, resting) = (motion.clock.after(now), motion.places.resting().to_vec());
+        let mut riders = Riders { tangents: self, at, resting, before: Vec::new(), forces: Vec::new() };
         riders.hold();
-        Ok(riders)
+        riders
     }
 
     fn each(&mut self, mut change: impl FnMut(&System, &mut ModalFlight)) {
-        let Self { directions, system } = self;
+        let Self { directions, system, .. } = self;
         for [first, second] in &mut directions.vectors {
             let xi = first.iter().zip(&*second).map(|(a, b)| [*a, *b]).collect();
             let mut flight = ModalFlight::new(system, xi, 0.0);
@@ -170,13 +201,13 @@ impl Company for Alone {
 
 /// Tangent vectors on a run.
 pub(crate) struct Riders<'a> {
-    tangents: &'a mut StructureTangents,
+    tangents: &'a mut TangentVectors,
     /// The clock at the instant of the vectors.
     at: (u64, f64),
     /// Contacts at rest since then.
     resting: Vec<usize>,
-    /// Accelerations of all contacts, and forces on them, before the impacts that are due.
-    before: Vec<f64>,
+    /// Accelerations of the contacts that are due, and forces on all that rest, before their impacts.
+    before: Vec<(usize, f64)>,
     forces: Vec<f64>,
 }
 
@@ -188,13 +219,19 @@ impl Riders<'_> {
         if left <= 0.0 {
             return;
         }
+        if let TangentVectors { flight: Some(flight), directions, .. } = &mut *self.tangents {
+            for [place, velocity] in &mut directions.vectors {
+                flight.drift([place, velocity], left, &self.resting);
+            }
+            return;
+        }
         let held = |contact: usize| {
             let is_resting = self.resting.contains(&contact);
             // Which of its barriers says nothing of a motion without loads.
             let touch = if is_resting { Contact::Resting(Barrier::Upper) } else { Contact::Free };
-            Place { reference: None, x: 0.0, v: None, touch }
+            Place { touch, ..Place::free(0.0) }
         };
-        let places: Vec<Place> = (0..motion.places.len()).map(held).collect();
+        let places = Places::of((0..motion.places.len()).map(held));
         let is_held = !self.resting.is_empty();
         self.tangents.each(|system, flight| {
             if !is_held {
@@ -218,6 +255,12 @@ impl Riders<'_> {
         if self.resting.is_empty() {
             return;
         }
+        if self.tangents.flight.is_some() {
+            for part in self.tangents.directions.vectors.iter_mut().flatten() {
+                self.resting.iter().for_each(|contact| part[*contact] = 0.0);
+            }
+            return;
+        }
         let resting = std::mem::take(&mut self.resting);
         self.tangents.each(|system, flight| {
             let off = |of: &dyn Fn(usize) -> f64| resting.iter().map(|&contact| -of(contact)).collect::<Vec<_>>();
@@ -235,8 +278,11 @@ impl Riders<'_> {
 
     /// Whether the place, the velocity or the acceleration of one contact changes with an impulse at another.
     fn sees(&self, to: usize, from: usize) -> bool {
+        if let Some(flight) = &self.tangents.flight {
+            return to == from || flight.local.operator.beside(to).contains(&from);
+        }
         let (mut sums, mut sizes) = ([0.0; 2], [0.0; 2]);
-        for mode in self.tangents.system.structure.modes() {
+        for mode in self.tangents.system.modes() {
             let (row, a) = (mode.rows[to], mode.generator());
             let once = mode.turn.act(a, mode.columns[from]);
             for (i, given) in [once, mode.turn.act(a, once)].into_iter().enumerate() {
@@ -252,24 +298,23 @@ impl Riders<'_> {
 impl Company for Riders<'_> {
     fn arrive(&mut self, motion: &Motion, now: f64) {
         self.fly_to(motion, now);
-        (self.before, self.forces) = (vec![0.0; motion.places.len()], vec![0.0; motion.places.len()]);
-        if let (Flight::Local(_), true) = (&motion.flight, motion.resting().is_empty()) {
-            motion.due.iter().for_each(|due| self.before[due.contact] = motion.bends(due.contact)[0]);
+        self.before.clear();
+        let due = motion.due.iter().filter(|due| !due.release);
+        if motion.system.is_direct() || matches!(motion.flight, Flight::Local(_)) && motion.places.resting().is_empty()
+        {
+            self.before.extend(due.map(|due| (due.contact, motion.bends(due.contact)[0])));
             return;
         }
+        self.forces = vec![0.0; motion.places.len()];
         // One that comes back to where it was let go is not leaving any more: its acceleration is what it is.
         let arrived = |place: &Place| match place.touch {
             Contact::Resting(_) => *place,
             _ => Place { touch: Contact::Free, ..*place },
         };
-        let places: Vec<Place> = motion.places.iter().map(arrived).collect();
-        let tendencies = motion.flight.tendencies(&motion.system, &places);
-        // Of a contact at rest there is none.
-        let is_moving = |contact: &usize| !matches!(places[*contact].touch, Contact::Resting(_));
-        for contact in motion.due.iter().map(|due| due.contact).filter(is_moving) {
-            self.before[contact] = tendencies.bends(contact)[0];
-        }
-        motion.resting().into_iter().for_each(|contact| self.forces[contact] = tendencies.force(contact));
+        let tendencies = motion.flight.tendencies(&motion.system, &Places::of(motion.places.iter().map(arrived)));
+        self.before.extend(due.map(|due| (due.contact, tendencies.bends(due.contact)[0])));
+        let resting = motion.places.resting().iter();
+        resting.for_each(|contact| self.forces[*contact] = tendencies.force(*contact));
     }
 
     fn meet(&mut self, motion: &Motion, changes: &[Change]) {
@@ -288,8 +333,24 @@ impl Company for Riders<'_> {
                 self.tangents.directions.grazed = true;
                 continue;
             }
-            let acceleration = self.before.get(hit.site).copied().unwrap_or(0.0);
-            let restitution = motion.system.structure.contacts()[hit.site].restitution;
+            let before = self.before.iter().find(|(contact, _)| *contact == hit.site);
+            let acceleration = before.map_or(0.0, |(_, acceleration)| *acceleration);
+            let restitution = motion.system.restitution(hit.site);
+            if let TangentVectors { flight: Some(flight), directions, .. } = &mut *self.tangents {
+                let kick = (1.0 + restitution) * acceleration / (hit.before * flight.local.scale);
+                let operator = &flight.local.operator;
+                let felt = if operator.is_damped() { operator.beside(hit.site) } else { Vec::new() };
+                for [place, velocity] in &mut directions.vectors {
+                    let given = hit.force * place[hit.site] / (hit.before * operator.masses[hit.site]);
+                    velocity[hit.site] = kick * place[hit.site] - restitution * velocity[hit.site];
+                    place[hit.site] *= -restitution;
+                    for &n in &felt {
+                        let jump = operator.pull(n, true, |m| if m == hit.site { given } else { 0.0 });
+                        velocity[n] -= jump / flight.local.scale;
+                    }
+                }
+                continue;
+            }
             let forces = &self.forces;
             self.tangents.each(|system, flight| {
                 let (place, velocity) = (flight.place(system, hit.site), flight.velocity(system, hit.site));
@@ -302,7 +363,8 @@ impl Company for Riders<'_> {
                 }
             });
         }
-        self.resting = motion.resting();
+        self.resting.clear();
+        self.resting.extend_from_slice(motion.places.resting());
         self.hold();
         self.tangents.directions.keep_apart();
     }

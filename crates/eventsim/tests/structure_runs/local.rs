@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use vibrochain_eventsim::{ContactEvent, EventKind, Limits, StructureOutcome, StructureSimulation, StructureTangents};
-use vibrochain_lattice::{Complex, Contact, DampedChain, ModalStructure, RowEnds, Structure};
+use vibrochain_lattice::{Complex, Contact, DampedChain, Ends, ModalStructure, RowEnds, Structure};
 use vibrochain_testkit::Random;
 
 use crate::dense::Dense;
@@ -217,6 +217,83 @@ fn parts_of_a_row_fly_as_all_modes_do() {
         impacts > 800 && restarts > 800 && restarts > 2 * windows && ends > 20,
         "{impacts} {restarts} {windows} {ends}"
     );
+}
+
+/// The same of masses that rest on their barriers, pressed there, between those that hit: the force on each is what modes tell, and parts restart
+/// beside them.
+#[test]
+fn parts_of_a_row_restart_beside_masses_at_rest() {
+    let mut random = Random(81);
+    let (mut impacts, mut restarts, mut windows, mut forces) = (0, 0, 0, 0);
+    for round in 0..12 {
+        let (mut chain, mut place, mut velocity) = row(&mut random);
+        let sites = chain.contacts.len();
+        let upper = chain.contacts[0].1.upper.unwrap();
+        let is_pressed = |n: usize| n % 9 == 4;
+        chain.static_load = (0..sites).map(|n| if is_pressed(n) { 3.0 } else { 0.1 }).collect();
+        for n in (0..sites).filter(|n| is_pressed(*n)) {
+            (place[n], velocity[n]) = (upper, 0.0);
+        }
+        let modal = chain.modal().unwrap();
+        let xi = chain.project(&modal, &place, &velocity).unwrap();
+        let of = |structure: ModalStructure| {
+            let mut simulation = StructureSimulation::new(structure, 1.5, 0.4, &xi).unwrap();
+            let (report, events) = simulation.collect(&until(&simulation, 0, 0.5));
+            (report.work, events, simulation)
+        };
+        let ((work, one, local), (_, two, modes)) = (of(modal.clone()), of(of_modes(&modal)));
+        let (count, worst) = compare(&one, &two, &format!("{round}"));
+        assert!(worst < 1e-11, "{round}: {worst:e} of {count}");
+        (impacts, restarts, windows) = (impacts + count, restarts + work.restarts, windows + work.windows);
+        if count == one.len() && count == two.len() {
+            for (a, b) in local.state().contacts.iter().zip(&modes.state().contacts) {
+                assert_eq!(a.resting, b.resting, "{round}");
+                assert!((a.force - b.force).abs() < 1e-10, "{round} {a:?} {b:?}");
+                forces += usize::from(a.force < -1.0);
+            }
+        }
+    }
+    println!("{impacts} events, {restarts} parts, {windows} windows, {forces} forces");
+    assert!(impacts > 200 && restarts > 2 * windows && forces > 30, "{impacts} {restarts} {windows} {forces}");
+}
+
+/// Rows beside each other, with springs from row to row.
+#[test]
+fn layers_fly_as_their_modes_do() {
+    let mut random = Random(82);
+    let (mut events, mut rests, mut ends) = (0, 0, 0);
+    for round in 0..40 {
+        let (layers, layer_ends) = (2 + random.below(3), [Ends::Closed, Ends::Free, Ends::Fixed][random.below(3)]);
+        let one = chain(&mut random);
+        let sites = one.sites * layers;
+        let load = |random: &mut Random| (0..sites).map(|_| C::new(random.between(-1.5, 1.5), 0.3)).collect::<Vec<C>>();
+        let chain = DampedChain {
+            layers,
+            layer_ends,
+            gamma3: random.between(0.0, 0.4),
+            contacts: (0..sites).map(|n| (vec![(n, 1.0)], stop(&mut random))).collect(),
+            static_load: Vec::new(),
+            loads: vec![(1, load(&mut random))],
+            ..one
+        };
+        let Ok(modal) = chain.modal() else { continue };
+        let xi: Vec<[f64; 2]> = modal.modes().iter().map(|_| [0.0, random.between(-0.3, 0.3)]).collect();
+        if StructureSimulation::new(modal.clone(), 0.9, 0.4, &xi).is_err() {
+            continue;
+        }
+        let ((one, local), (two, modes)) = (run(modal.clone(), 0.9, &xi), run(of_modes(&modal), 0.9, &xi));
+        if !local.flight().is_local() {
+            continue;
+        }
+        assert!(!modes.flight().is_local());
+        let (count, worst) = compare(&one, &two, &format!("{round}"));
+        assert!(worst < 1e-11, "{round}: {worst:e} of {count}");
+        events += count;
+        rests += one[..count].iter().filter(|event| event.kind != EventKind::Impact).count();
+        ends += usize::from(count == one.len() && count == two.len());
+    }
+    println!("{events} events, {rests} of rest, {ends} runs to their ends");
+    assert!(events > 100 && rests > 0 && ends > 0, "{events} {rests} {ends}");
 }
 
 /// Tangent vectors see neither that parts are restarted nor change the run, and are those of flight by modes.

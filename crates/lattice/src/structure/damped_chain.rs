@@ -14,7 +14,7 @@ use super::contact::Contact;
 use super::error::{StructureError, check_loads, finite};
 use super::linear_mode::LinearMode;
 use super::modal::ModalStructure;
-use super::operator::SparseOperator;
+use super::operator::{Layering, SparseOperator};
 use super::oscillator::{Bounded, SeenShape, without_rounding};
 use crate::error::MAX_MAGNITUDE;
 use crate::model::chain::MAX_SITES;
@@ -131,15 +131,19 @@ impl DampedChain {
         Ok(ModalStructure::keeping(self.modes, contacts, harmonics, modes)?.with_operator(self.operator()))
     }
 
-    /// Of one row all of whose masses and modes are asked for.
+    /// Of all masses and modes, if they are asked for.
     fn operator(&self) -> Option<SparseOperator> {
-        let whole = self.all_masses && self.layers == 1 && self.modes.unwrap_or(self.sites) >= self.sites;
-        whole.then(|| {
-            let contacts = self.contacts.iter().map(|(weights, _)| weights.clone()).collect();
-            let loads = self.loads.iter().map(|load| load.1.clone()).collect();
-            let by = ([self.gamma1, self.gamma2], [self.damping, self.coupling_damping]);
-            SparseOperator::row((self.sites, self.ends), by, contacts, loads)
-        })
+        let whole = self.all_masses && self.modes.unwrap_or(self.masses()) >= self.masses();
+        whole.then(|| self.by_masses())
+    }
+
+    /// How its masses pull at each other.
+    pub(super) fn by_masses(&self) -> SparseOperator {
+        let contacts = self.contacts.iter().map(|(weights, _)| weights.clone()).collect();
+        let loads = self.loads.iter().map(|load| load.1.clone()).collect();
+        let by = ([self.gamma1, self.gamma2], [self.damping, self.coupling_damping]);
+        let layering = Layering { layers: self.layers, ends: self.layer_ends, stiffness: self.gamma3 };
+        SparseOperator::rows((self.sites, self.ends), layering, by, contacts, loads)
     }
 
     /// The mass that an impact of each contact feels if all modes are kept.

@@ -6,6 +6,7 @@ use super::contact::Contact;
 use super::damped_chain::DampedChain;
 use super::error::StructureError;
 use super::modal::ModalStructure;
+use super::operator::SparseOperator;
 use crate::model::chain::Barrier;
 use crate::model::params::Model;
 use crate::modes::row::RowEnds;
@@ -27,26 +28,49 @@ impl Model {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn structure(&self, contacts: &[Vec<usize>]) -> Result<ModalStructure, StructureError> {
-        let (chain, layout) = (self.chain(), self.chain().layout());
+        let stop = self.stop();
         let contact = |masses: &Vec<usize>| {
             let root = (masses.len() as f64).sqrt();
-            let [lower, upper] = [Barrier::Lower, Barrier::Upper].map(|barrier| Some(root * self.barrier(barrier)));
             let seen = masses.iter().map(|&mass| (mass, root.recip())).collect();
-            (seen, Contact { lower, upper, restitution: self.restitution() })
+            let [lower, upper] = [stop.lower, stop.upper].map(|place| place.map(|place| root * place));
+            (seen, Contact { lower, upper, ..stop })
         };
+        self.damped_chain(contacts.iter().map(contact).collect()).modal()
+    }
+
+    /// How its masses pull at each other, with a contact at each of them and the force as the loads.
+    ///
+    /// ```
+    /// use vibrochain_lattice::{Chain, Model};
+    /// let operator = Model::conservative(Chain::new(1_000_000, 0.2, 0.1)?, 1.5, 0.4)?.operator();
+    /// assert!((operator.pull(7, false, |n| f64::from(u8::from(n == 8))) + 0.1).abs() < 1e-15);
+    /// # Ok::<(), vibrochain_lattice::ParameterError>(())
+    /// ```
+    pub fn operator(&self) -> SparseOperator {
+        let stop = self.stop();
+        self.damped_chain((0..self.chain().sites()).map(|mass| (vec![(mass, 1.0)], stop)).collect()).by_masses()
+    }
+
+    /// What stops each of its masses.
+    pub fn stop(&self) -> Contact {
+        let [lower, upper] = [Barrier::Lower, Barrier::Upper].map(|barrier| Some(self.barrier(barrier)));
+        Contact { lower, upper, restitution: self.restitution() }
+    }
+
+    fn damped_chain(&self, contacts: Vec<(Vec<(usize, f64)>, Contact)>) -> DampedChain {
+        let (chain, layout) = (self.chain(), self.chain().layout());
         let on_all = |amplitude: f64, phase: f64| vec![Complex::from_polar(amplitude, phase); chain.sites()];
         let harmonics = self.force().harmonics().iter().filter(|harmonic| harmonic.amplitude != 0.0);
-        let structure = DampedChain {
+        DampedChain {
             layers: layout.layers,
             layer_ends: layout.layer_ends,
             gamma1: chain.gamma1(),
             gamma2: chain.gamma2(),
             gamma3: chain.gamma3(),
-            contacts: contacts.iter().map(contact).collect(),
+            contacts,
             loads: harmonics.map(|one| (one.number, on_all(one.amplitude, one.phase))).collect(),
             all_masses: false,
             ..DampedChain::new(layout.length, RowEnds::Alike(layout.ends))
-        };
-        structure.modal()
+        }
     }
 }

@@ -69,17 +69,30 @@ impl Bands {
     }
 }
 
+/// Rows beside each other, mass n of row l being mass n + l·length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Layering {
+    /// How many rows.
+    pub layers: usize,
+    /// What stands beside the first and the last.
+    pub ends: Ends,
+    /// γ₃, of springs from row to row.
+    pub stiffness: f64,
+}
+
 /// What pulls at coordinates, over their masses.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Pulls {
-    /// γ₁ and c to the ground, γ₂ and c₂ to the neighbours in a row, alike for all.
+    /// γ₁ and c to the ground, γ₂ and c₂ to the neighbours in a row, γ₃ to those in the rows beside it, alike for all.
     Alike {
-        /// What stands before the first and behind the last.
+        /// What stands before the first and behind the last of a row.
         ends: [Ends; 2],
         /// γ₁ and γ₂
         stiffness: [f64; 2],
         /// c and c₂
         damping: [f64; 2],
+        /// The rows.
+        layering: Layering,
     },
     /// M⁻¹K and M⁻¹C.
     Bands {
@@ -104,8 +117,9 @@ pub struct SparseOperator {
 }
 
 impl SparseOperator {
-    pub(super) fn row(
+    pub(super) fn rows(
         (sites, ends): (usize, RowEnds),
+        layering: Layering,
         (stiffness, damping): ([f64; 2], [f64; 2]),
         contacts: Vec<Vec<(usize, f64)>>,
         loads: Vec<Vec<C>>,
@@ -114,38 +128,124 @@ impl SparseOperator {
             RowEnds::Alike(ends) => [ends; 2],
             RowEnds::FixedFree => [Ends::Fixed, Ends::Free],
         };
-        Self { masses: vec![1.0; sites], pulls: Pulls::Alike { ends, stiffness, damping }, contacts, loads }
+        // In a row of one mass without walls the coupling cancels.
+        let alone =
+            |[own, between]: [f64; 2]| [own, if sites == 1 && !ends.contains(&Ends::Fixed) { 0.0 } else { between }];
+        let pulls = Pulls::Alike { ends, stiffness: alone(stiffness), damping: alone(damping), layering };
+        Self { masses: vec![1.0; sites * layering.layers], pulls, contacts, loads }
     }
 
     /// Entries of M⁻¹K and M⁻¹C: row, column, value. Of one row, or of all.
     pub fn entries(&self, only: Option<usize>) -> [Vec<(usize, usize, f64)>; 2] {
-        let n = self.masses.len();
+        let rows = only.map_or(0..self.masses.len(), |row| row..row + 1);
+        [false, true].map(|is_damping| {
+            let mut entries = Vec::new();
+            rows.clone().for_each(|row| self.each(row, is_damping, |column, entry| entries.push((row, column, entry))));
+            entries
+        })
+    }
+
+    /// Columns and values of the entries of a row of M⁻¹K, or with `is_damping` of M⁻¹C.
+    fn each(&self, row: usize, is_damping: bool, mut found: impl FnMut(usize, f64)) {
         match &self.pulls {
-            Pulls::Bands { stiffness, damping } => [stiffness, damping].map(|bands| bands.row(only).collect()),
-            Pulls::Alike { ends, stiffness, damping } => {
-                let rows = only.map_or(0..n, |row| row..row + 1);
-                let of_row = |row: usize, [own, between]: [f64; 2]| {
-                    let sides = sides(row, n, *ends).into_iter().flatten().map(move |other| (row, other, -between));
-                    [(row, row, own + 2.0 * between)].into_iter().chain(sides)
+            Pulls::Bands { stiffness, damping } => {
+                let bands = if is_damping { damping } else { stiffness };
+                bands.row(Some(row)).for_each(|(_, column, entry)| found(column, entry));
+            }
+            Pulls::Alike { stiffness, damping, layering, .. } => {
+                let ([own, between], across) =
+                    if is_damping { (*damping, 0.0) } else { (*stiffness, layering.stiffness) };
+                let [left, right, below, above] = self.neighbours(row);
+                let across = if layering.layers > 1 { across } else { 0.0 };
+                found(row, own + 2.0 * between + 2.0 * across);
+                let mut beside = |sides: [Option<usize>; 2], by: f64| {
+                    if by != 0.0 {
+                        sides.into_iter().flatten().for_each(|other| found(other, -by));
+                    }
                 };
-                [*stiffness, *damping].map(|by| rows.clone().flat_map(|row| of_row(row, by)).collect())
+                beside([left, right], between);
+                beside([below, above], across);
             }
         }
+    }
+
+    /// The masses before and behind one in its row, and those in the rows below and above, of masses alike: beside a free end and in rows of
+    /// one it stands itself, with no spring, and beside a fixed one nobody.
+    pub fn neighbours(&self, row: usize) -> [Option<usize>; 4] {
+        let Pulls::Alike { ends, layering: Layering { layers, ends: beside, .. }, .. } = self.pulls else {
+            return [Some(row); 4];
+        };
+        let length = self.masses.len() / layers;
+        let (n, layer) = (row % length, row / length);
+        let [left, right] = sides(n, length, ends).map(|side| side.map(|n| n + layer * length));
+        let [below, above] = sides(layer, layers, [beside; 2]).map(|side| side.map(|layer| n + layer * length));
+        [left, right, below, above]
     }
 
     /// Σ of a row of M⁻¹K, or with `is_damping` of M⁻¹C, times what is known `of` each coordinate.
     pub fn pull(&self, row: usize, is_damping: bool, of: impl Fn(usize) -> f64) -> f64 {
         match &self.pulls {
-            Pulls::Bands { stiffness, damping } => {
-                let bands = if is_damping { damping } else { stiffness };
-                bands.row(Some(row)).map(|(_, column, entry)| entry * of(column)).sum()
+            Pulls::Bands { .. } => {
+                let mut sum = 0.0;
+                self.each(row, is_damping, |column, entry| sum += entry * of(column));
+                sum
             }
-            Pulls::Alike { ends, stiffness, damping } => {
+            Pulls::Alike { stiffness, damping, layering, .. } => {
                 let [own, between] = if is_damping { *damping } else { *stiffness };
-                let [below, above] = sides(row, self.masses.len(), *ends).map(|side| side.map_or(0.0, &of));
+                let [left, right, below, above] = self.neighbours(row).map(|side| side.map_or(0.0, &of));
                 let here = of(row);
-                own * here - between * ((below + above) - 2.0 * here)
+                let along = own * here - between * ((left + right) - 2.0 * here);
+                let is_row = is_damping || layering.layers == 1;
+                if is_row { along } else { along - layering.stiffness * ((below + above) - 2.0 * here) }
             }
+        }
+    }
+
+    /// The same of the sizes of all entries.
+    pub fn size(&self, row: usize, is_damping: bool, of: impl Fn(usize) -> f64) -> f64 {
+        let mut sum = 0.0;
+        self.each(row, is_damping, |column, entry| sum += entry.abs() * of(column));
+        sum
+    }
+
+    /// A coordinate and those whose velocities pull at it.
+    pub fn beside(&self, row: usize) -> Vec<usize> {
+        let mut columns = vec![row];
+        self.each(row, true, |column, entry| columns.extend((entry != 0.0 && column != row).then_some(column)));
+        columns
+    }
+
+    /// The largest sums of the sizes of a row of M⁻¹K and of M⁻¹C.
+    pub fn largest_rows(&self) -> [f64; 2] {
+        [false, true].map(|is_damping| {
+            let of_row = |row: usize| {
+                let (mut own, mut others) = (0.0f64, 0.0f64);
+                self.each(
+                    row,
+                    is_damping,
+                    |column, entry| {
+                        if column == row { own += entry } else { others += entry.abs() }
+                    },
+                );
+                own.abs() + others
+            };
+            (0..self.masses.len()).map(of_row).fold(0.0, f64::max)
+        })
+    }
+
+    /// Whether velocities pull at anything.
+    pub fn is_damped(&self) -> bool {
+        match &self.pulls {
+            Pulls::Alike { damping, .. } => *damping != [0.0; 2],
+            Pulls::Bands { damping, .. } => damping.count() > 0,
+        }
+    }
+
+    /// Whether the velocity of a coordinate changes the acceleration of another.
+    pub fn couples_velocities(&self) -> bool {
+        match &self.pulls {
+            Pulls::Alike { damping, .. } => damping[1] != 0.0,
+            Pulls::Bands { damping, .. } => damping.row(None).any(|(row, column, entry)| row != column && entry != 0.0),
         }
     }
 
@@ -153,8 +253,11 @@ impl SparseOperator {
     pub fn operations(&self) -> usize {
         let n = self.masses.len();
         let pulls = match &self.pulls {
-            Pulls::Alike { damping: [0.0, 0.0], .. } => 2 * n,
-            Pulls::Alike { .. } => 4 * n,
+            Pulls::Alike { damping, layering, .. } => {
+                let own = if *damping == [0.0; 2] { 2 * n } else { 4 * n };
+                // Neighbours are looked up.
+                if layering.layers == 1 { own } else { 4 * own }
+            }
             Pulls::Bands { stiffness, damping } => stiffness.count() + damping.count(),
         };
         pulls + 2 * n * self.loads.len()
