@@ -162,23 +162,6 @@ impl Analyser {
         Ok(Multipliers::new(verdict, found, trivial, spared))
     }
 
-    /// The non-trivial multipliers of the space that feels impacts, where the secular form vouches for them.
-    pub(crate) fn secular_multipliers(
-        &mut self,
-        orbit: &Orbit,
-        finder: &mut Finder,
-    ) -> Result<Vec<Complex<f64>>, Failure> {
-        if orbit.centre().is_none() || uncoupled(orbit) && orbit.model().chain().sites() > 1 {
-            return Err(SecularError::NotReversible.into());
-        }
-        let (verdict, multipliers) =
-            self.decide(Question { orbit, tolerance: Tolerance::Rounding, thorough: true }, finder)?;
-        match verdict.method {
-            Method::Secular => Ok(multipliers),
-            Method::Dense(doubt) => Err(doubt.unwrap_or(SecularError::NotReversible).into()),
-        }
-    }
-
     /// Verdict and, if `thorough`, the non-trivial multipliers of the space that feels impacts.
     pub(crate) fn decide(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Answer, FloquetError> {
         if !takes_long(question) {
@@ -230,13 +213,13 @@ impl Analyser {
         }
         let Question { orbit, thorough, .. } = question;
         let chain = orbit.model().chain();
-        let screened = !thorough || chain.even_modes() > LARGE;
+        let screened = has_residues(orbit) && (!thorough || chain.even_modes() > LARGE);
         let mut doubt = None;
-        match if screened { self.by_map_path(question, finder) } else { None } {
-            Some(Ok(answer)) => return Ok(answer),
-            Some(Err(Failure::Floquet(error))) => return Err(error),
-            Some(Err(Failure::SecularError(why))) => doubt = Some(why),
-            None => {}
+        if screened {
+            match self.by_residues(question, finder)? {
+                Ok(answer) => return Ok(answer),
+                Err(why) => doubt = Some(why),
+            }
         }
         // A cell of a map of pairs on 21 masses takes 45 µs so, by all zeros of the determinant 560.
         let is_asked = orbit.is_reversible() && (orbit.impact_site().is_none() || doubt.is_some());
@@ -267,9 +250,10 @@ impl Analyser {
             Ok(answer) if answer.verdict.undecided && dimension <= 2 * LARGE => {
                 let is_clear = |verdict: &Verdict| !verdict.undecided;
                 // Neither is asked twice.
-                let path = if screened { None } else { self.by_map_path(question, finder) };
-                let other = match path {
-                    Some(Ok((verdict, _))) if is_clear(&verdict) => Some(verdict),
+                let residues =
+                    if screened || !has_residues(orbit) { None } else { self.by_residues(question, finder)?.ok() };
+                let other = match residues {
+                    Some((verdict, _)) if is_clear(&verdict) => Some(verdict),
                     _ if by_eigenvalues => None,
                     _ => self.by_matrix(question, finder, doubt).ok().map(|(verdict, _)| verdict).filter(is_clear),
                 };
@@ -288,13 +272,6 @@ impl Analyser {
         }
     }
 
-    /// The path that maps and large rings take, if the orbit has one.
-    fn by_map_path(&mut self, question: Question<'_>, finder: &mut Finder) -> Option<Result<Answer, Failure>> {
-        let orbit = question.orbit;
-        let has_one = orbit.is_reversible() && orbit.impact_site().is_some() && !orbit.model().chain().is_uncoupled();
-        has_one.then(|| self.by_secular_function(question, finder))
-    }
-
     /// Verdict and multipliers from a dense matrix.
     fn by_matrix(
         &mut self,
@@ -307,7 +284,20 @@ impl Analyser {
         Ok((Verdict { method: Method::Dense(doubt), ..verdict }, multipliers))
     }
 
-    fn by_secular_function(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Answer, Failure> {
+    /// Verdict and multipliers from residues, or their doubt.
+    fn by_residues(
+        &mut self,
+        question: Question<'_>,
+        finder: &mut Finder,
+    ) -> Result<Result<Answer, SecularError>, FloquetError> {
+        match self.of_residues(question, finder) {
+            Ok(answer) => Ok(Ok(answer)),
+            Err(Failure::SecularError(doubt)) => Ok(Err(doubt)),
+            Err(Failure::Floquet(error)) => Err(error),
+        }
+    }
+
+    fn of_residues(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Answer, Failure> {
         let verdict = self.reversible(question, finder)?;
         if !question.thorough {
             return Ok((verdict, Vec::new()));
@@ -317,6 +307,11 @@ impl Analyser {
         let leading = multipliers.first().filter(|_| verdict.excess() == 0.0).copied();
         Ok((Verdict { leading: leading.unwrap_or(verdict.leading), ..verdict }, multipliers))
     }
+}
+
+/// Maps and large rings take residues: of orbits without force and losses that are their own mirror images in time, at one site.
+fn has_residues(orbit: &Orbit) -> bool {
+    orbit.is_reversible() && orbit.impact_site().is_some() && !orbit.model().chain().is_uncoupled()
 }
 
 /// What may take longer than a look at a request to stop may be away.

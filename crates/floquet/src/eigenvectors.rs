@@ -6,12 +6,13 @@ use nalgebra::Complex;
 use vibrochain_breather::{BreatherError, Finder, Orbit};
 use vibrochain_lattice::{Shapes, Spectrum, Stop, aside};
 
-use crate::analyser::{Analyser, Failure};
+use crate::analyser::Analyser;
 use crate::error::FloquetError;
 use crate::multipliers::sort_multipliers;
 use crate::reference::dense::uncoupled;
 use crate::reference::monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
 use crate::spectrum::ModalShape;
+use crate::verdict::{Method, Question, Tolerance};
 use crate::zeros::SecularError;
 
 /// A multiplier and its perturbation just before the first impact.
@@ -79,15 +80,14 @@ impl FloquetMode {
 /// ```
 pub fn leading_modes(orbit: &Orbit, count: usize) -> Result<Vec<FloquetMode>, FloquetError> {
     let mut finder = Finder::new(orbit.model().chain().sites());
-    match by_secular_function(orbit, &mut finder, count) {
+    match by_determinant(orbit, &mut finder, count)? {
         Ok(modes) => Ok(modes),
-        Err(Failure::Floquet(error)) => Err(error),
-        Err(Failure::SecularError(doubt)) => {
+        Err(doubt) => {
             let dimension = 2 * orbit.model().chain().even_modes();
-            if orbit.centre().is_some() && dimension > MAX_DIMENSION {
-                return Err(FloquetError::InDoubt { doubt, dimension, limit: MAX_DIMENSION });
+            match doubt.filter(|_| orbit.centre().is_some() && dimension > MAX_DIMENSION) {
+                Some(doubt) => Err(FloquetError::InDoubt { doubt, dimension, limit: MAX_DIMENSION }),
+                None => by_matrix(orbit, count),
             }
-            by_matrix(orbit, count)
         }
     }
 }
@@ -101,14 +101,24 @@ pub fn leading_modes_until(orbit: &Orbit, count: usize, stop: &Stop) -> Result<V
     aside(stop, move || leading_modes(&orbit, count)).map_err(BreatherError::from)?
 }
 
-fn by_secular_function(orbit: &Orbit, finder: &mut Finder, count: usize) -> Result<Vec<FloquetMode>, Failure> {
-    let mut multipliers = Analyser::default().secular_multipliers(orbit, finder)?;
-    if multipliers.len() < count {
-        return Err(SecularError::NotReversible.into());
+/// From the determinant of the impacts' equations; where that does not tell so many, the doubt that it has, if it has one.
+fn by_determinant(
+    orbit: &Orbit,
+    finder: &mut Finder,
+    count: usize,
+) -> Result<Result<Vec<FloquetMode>, Option<SecularError>>, FloquetError> {
+    // Of masses without coupling the equations know one alone.
+    if orbit.centre().is_none() || uncoupled(orbit) && orbit.model().chain().sites() > 1 {
+        return Ok(Err(None));
+    }
+    let question = Question { orbit, tolerance: Tolerance::Rounding, thorough: true };
+    let (verdict, mut multipliers) = Analyser::default().decide(question, finder)?;
+    if verdict.method != Method::Secular || multipliers.len() < count {
+        return Ok(Err(verdict.method.doubt()));
     }
     sort_multipliers(&mut multipliers);
     let modes = multipliers.into_iter().take(count).map(|multiplier| FloquetMode::of(orbit, finder, multiplier));
-    Ok(modes.collect::<Result<_, SecularError>>()?)
+    Ok(modes.collect::<Result<_, _>>().map_err(Some))
 }
 
 fn by_matrix(orbit: &Orbit, count: usize) -> Result<Vec<FloquetMode>, FloquetError> {
@@ -180,7 +190,7 @@ mod tests {
                 let mut finder = Finder::new(sites);
                 let matrix = full_monodromy(orbit).unwrap();
                 let dense = by_matrix(orbit, 3).unwrap();
-                for mode in by_secular_function(orbit, &mut finder, 3).unwrap() {
+                for mode in by_determinant(orbit, &mut finder, 3).unwrap().unwrap() {
                     let mut state = mode.displacement.clone();
                     state.extend(&mode.velocity);
                     let largest = state.iter().map(|z| z.norm()).fold(0.0, f64::max);
