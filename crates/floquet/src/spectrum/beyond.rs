@@ -42,8 +42,8 @@ mod tests {
     use vibrochain_lattice::{BlochKernel, Chain};
     use vibrochain_testkit::Random;
 
+    use super::super::clusters::zeros;
     use super::super::random_equations;
-    use super::super::solve::zeros;
     use super::*;
     use crate::analyser::Analyser;
     use crate::verdict::Tolerance;

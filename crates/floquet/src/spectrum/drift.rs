@@ -50,8 +50,8 @@ impl SpectralFunction<'_> {
 mod tests {
     use vibrochain_breather::{BlochEquations, LinearImpact};
 
+    use super::super::clusters::zeros;
     use super::super::random_equations;
-    use super::super::solve::zeros;
     use super::*;
 
     /// Against multipliers of the neighbours themselves.

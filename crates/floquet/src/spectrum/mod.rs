@@ -13,6 +13,7 @@
 //! | `refine` | one zero, or several close ones, with errors |
 //! | `drift` | how one moves along a branch |
 //! | `solve` | all of them, counted |
+//! | `clusters` | the same where poles nearly coincide |
 //! | `leading` | f as a sum over its poles, and the zeros that lead alone, for a verdict |
 //! | `beyond` | whether one is surely beyond some modulus, by a sign |
 //! | `shape` | [`ModalShape`]: the perturbation that belongs to a multiplier |
@@ -20,6 +21,7 @@
 //! | `verdict` | stable or not |
 
 mod beyond;
+mod clusters;
 mod drift;
 mod function;
 mod leading;

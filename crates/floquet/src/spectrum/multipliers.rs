@@ -3,7 +3,8 @@
 use nalgebra::Complex;
 use vibrochain_breather::BlochEquations;
 
-use super::solve::{Zeros, zeros};
+use super::clusters::zeros;
+use super::solve::Zeros;
 
 /// All multipliers of the modes that feel the impacts of an orbit, with their errors.
 ///

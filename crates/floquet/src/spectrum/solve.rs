@@ -53,8 +53,8 @@ fn is_plastic(equations: &BlochEquations) -> bool {
     equations.impacts().iter().any(|impact| impact.restitution == 0.0)
 }
 
-/// All multipliers of the modes that feel the impacts, but the trivial pair of a conservative orbit.
-pub(crate) fn zeros(equations: &BlochEquations, conservative: bool, data: &[Origin]) -> Zeros {
+/// All multipliers of the modes that feel the impacts, but the trivial pair of a conservative orbit, where each mode's poles are its own.
+pub(super) fn zeros_apart(equations: &BlochEquations, conservative: bool, data: &[Origin]) -> Zeros {
     let reciprocal = is_reciprocal(equations);
     let function = SpectralFunction::new(equations, conservative);
     let trivial = match (&function.shift, conservative) {

@@ -4,9 +4,9 @@ use vibrochain_breather::{BlochEquations, LinearImpact};
 use vibrochain_lattice::BlochKernel;
 use vibrochain_testkit::Random;
 
+use super::clusters::zeros;
 use super::function::SpectralFunction;
 use super::refine::{DataError, Origin};
-use super::solve::zeros;
 use super::zero::Zero;
 use crate::zeros::modulus;
 

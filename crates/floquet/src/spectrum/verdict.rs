@@ -8,9 +8,10 @@ use nalgebra::Complex;
 use vibrochain_breather::{BlochEquations, Condition, Finder, ImpactError, Orbit, Together};
 use vibrochain_lattice::SparedModes;
 
+use super::clusters::zeros;
 use super::function::SpectralFunction;
 use super::refine::{DataError, Origin};
-use super::solve::{Zeros, is_reciprocal, zeros};
+use super::solve::{Zeros, is_reciprocal};
 use super::zero::Zero;
 use crate::error::FloquetError;
 use crate::saltation::saltations;

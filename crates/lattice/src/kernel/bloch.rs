@@ -213,6 +213,26 @@ impl BlochKernel {
         }
     }
 
+    /// Adds a mode of another kernel.
+    pub(super) fn push_again(&mut self, of: &Self, k: usize) {
+        let own = k * of.contacts..(k + 1) * of.contacts;
+        let doubts = of.doubts.get(own.clone()).unwrap_or_default();
+        let sights = of.rows[own.clone()].iter().zip(&of.columns[own]).map(|(row, column)| [*row, *column]);
+        self.push_told(of.modes[k], sights);
+        let from = self.doubts.len() - self.contacts;
+        self.doubts[from..].iter_mut().zip(doubts).for_each(|(own, doubt)| *own = *doubt);
+    }
+
+    /// Adds a mode whose sights are in its own coordinates, and all of whose errors it tells itself.
+    pub(super) fn push_told(&mut self, mode: BlochMode, sights: impl Iterator<Item = Sight>) {
+        self.modes.push(mode);
+        for [row, column] in sights.take(self.contacts) {
+            self.rows.push(row);
+            self.columns.push(column);
+        }
+        self.doubts.resize(self.rows.len(), [0.0; 2]);
+    }
+
     /// The same of a period that is known up to a part of it alone, as that of a self-excited orbit is: rates are known no better.
     pub fn of_uncertain_period(mut self, part: f64) -> Self {
         for mode in &mut self.modes {

@@ -4,8 +4,8 @@ use vibrochain_breather::{BlochEquations, LinearImpact};
 use vibrochain_lattice::BlochKernel;
 use vibrochain_testkit::Random;
 
+use super::super::clusters::zeros;
 use super::super::random_equations;
-use super::super::solve::zeros;
 use super::*;
 
 /// The leading zeros alone are those of all.
