@@ -60,35 +60,34 @@ impl BlochKernel {
     /// Adds what contacts feel of some modes of another kernel; what is left of them.
     fn push_cluster(&mut self, of: &Self, alike: &[usize]) -> Option<ModeCluster> {
         let (contacts, modes) = (of.contacts(), of.modes());
-        // A row's conjugate times a column is what one contact has of an impulse at the other.
         let number = |[x, y]: [f64; 2]| C::new(x, y);
-        let mut products = vec![C::default(); contacts * contacts];
-        // Of the whole, of its error, and of its rate by what is felt of it.
-        let (mut full, mut error, mut mean) = (0.0, 0.0, 0.0);
-        for &k in alike {
-            let [mut sizes, mut errors] = [[0.0f64; 2]; 2];
-            for i in 0..contacts {
-                let row = number(of.row(k, i)).conj();
-                for (j, entry) in products[i * contacts..(i + 1) * contacts].iter_mut().enumerate() {
-                    *entry += row * number(of.column(k, j));
-                }
-                let own = [row.norm(), number(of.column(k, i)).norm()];
-                for (which, [error, _]) in of.shape_errors(k, i).into_iter().enumerate() {
-                    sizes[which] = sizes[which].max(own[which]);
-                    errors[which] = errors[which].max(error);
-                }
-            }
-            full += sizes[0] * sizes[1];
-            error += sizes[0] * errors[1] + sizes[1] * errors[0];
-            mean += sizes[0] * sizes[1] * modes[k].rate;
-        }
-        mean /= full;
+        let length = |k: usize, of_contact: &dyn Fn(usize, usize) -> [f64; 2]| {
+            (0..contacts).map(|i| number(of_contact(k, i)).norm()).fold(0.0, f64::max)
+        };
+        let sizes = |k: usize| [length(k, &|k, i| of.row(k, i)), length(k, &|k, i| of.column(k, i))];
+        let weight = |k: usize| sizes(k)[0] * sizes(k)[1];
+        let full: f64 = alike.iter().map(|&k| weight(k)).sum();
+        let mean = alike.iter().map(|&k| weight(k) * modes[k].rate).sum::<f64>() / full;
         let off = |k: &usize| (modes[*k].rate - mean).abs();
         let middle = alike.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b))).map(|k| modes[k])?;
         let [pole, _] = middle.poles();
         let farthest = |of: &dyn Fn(&BlochMode) -> f64| alike.iter().map(|&k| of(&modes[k])).fold(0.0, f64::max);
         let width = farthest(&|mode| (mode.poles()[0] - pole).norm() + mode.pole_error);
         let rates = farthest(&|mode| (mode.rates()[0] - middle.rates()[0]).norm() + mode.rate_error);
+        // A row's conjugate times a column is what one contact has of an impulse at the other. Velocities just after it stay as they are.
+        let mut products = vec![C::default(); contacts * contacts];
+        let mut error = full * rates / middle.rate;
+        for &k in alike {
+            let ratio = modes[k].rate / middle.rate;
+            for i in 0..contacts {
+                let row = number(of.row(k, i)).conj() * ratio;
+                for (j, entry) in products[i * contacts..(i + 1) * contacts].iter_mut().enumerate() {
+                    *entry += row * number(of.column(k, j));
+                }
+            }
+            let errors = |which: usize| (0..contacts).map(|i| of.shape_errors(k, i)[which][0]).fold(0.0, f64::max);
+            error += sizes(k)[0] * errors(1) + sizes(k)[1] * errors(0);
+        }
         let mut count = alike.len();
         while count > 0 {
             let largest =
