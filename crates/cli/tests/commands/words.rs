@@ -125,7 +125,7 @@ fn words_on_large_rings_have_a_verdict_or_say_why_not() {
     assert!(large["multipliers"].as_array().unwrap().len() == 1602 && large["method"] == "secular", "{large}");
     assert_eq!(small["multipliers"].as_array().unwrap().len(), 202);
     let line = format!("orbit --sites 100001 {model} --word 0+2+3+,0-2-3-");
-    dir.run(&line).with(1, &["6 impacts at several sites", "up to 2000 masses", "this one has 100001"]);
+    dir.run(&line).with(1, &["6 impacts a period", "up to 2000 masses", "this one has 100001"]);
 }
 
 #[test]

@@ -1,6 +1,5 @@
 //! A branch of orbits of a structure, followed both ways as one number of it varies, with the events on it, and the branches that leave it.
 
-use vibrochain_breather::system::{System, Vector, unit};
 use vibrochain_breather::{BranchError, StructureBranch, StructureBranchPoint, StructureFamily, StructureOrbit};
 use vibrochain_lattice::Stop;
 
@@ -9,9 +8,6 @@ use super::watcher::OfStructures;
 use crate::locate::follower::{Follower, Stretch};
 use crate::locate::{Diagram, Event, LocateError, Located, Tracing, both_ways, grown};
 use crate::verdict::Tolerance;
-
-/// Beside an event where symmetry is lost symmetric orbits are taken up this far, as a part of the range.
-const ASIDE: f64 = 1e-3;
 
 /// What is asked of a branch of a structure.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,23 +69,6 @@ impl StructureTracing<'_> {
     fn branch(&self, orbit: &StructureOrbit, value: f64) -> Result<StructureBranch, BranchError> {
         StructureBranch::of_structure(orbit, self.family.clone(), value, self.range(), self.stop)
     }
-
-    /// The branch through the orbit next to that of an event, this part of the range away.
-    fn beside(
-        &self,
-        located: &Located<StructureOrbit>,
-        aside: f64,
-    ) -> Result<(StructureBranch, StructureBranchPoint), BranchError> {
-        let value = located.value + aside * self.range();
-        let mut branch = self.branch(&located.orbit, located.value)?;
-        let mut z = Vector::from(branch.system().origin()?);
-        let last = z.len() - 1;
-        z[last] = value;
-        let beside = branch.correct(&z, &unit(last + 1, last), 1.0, false)?;
-        let mut branch = self.branch(beside.orbit(), value)?;
-        let point = branch.start()?;
-        Ok((branch, point))
-    }
 }
 
 impl Tracing for StructureTracing<'_> {
@@ -101,15 +80,19 @@ impl Tracing for StructureTracing<'_> {
         Follower::new(branch, OfStructures::default(), self.ends(), stretch, self.stop)
     }
 
-    /// Right where symmetry is lost there are two directions; beside it the symmetric orbits have one. On one side of it two more orbits are near,
-    /// which Newton's method may be caught between: then the other side is tried.
+    /// Right where symmetry is lost there are two directions; beside it, amid the two orbits that branch off, the symmetric one has one.
     fn through(
         &self,
         located: &Located<StructureOrbit>,
     ) -> Result<(StructureBranch, StructureBranchPoint), BranchError> {
-        let StructureCourse { from, to, .. } = *self.course;
-        let inwards = if located.value < 0.5 * (from + to) { ASIDE } else { -ASIDE };
-        self.beside(located, inwards).or_else(|_| self.beside(located, -inwards))
+        let amid = located.branching.as_ref().and_then(|pair| {
+            let symmetric = pair.orbits.first()?.orbit.evened()?;
+            Some((symmetric.map_err(BranchError::from), pair.value))
+        });
+        let (symmetric, value) = amid.ok_or(BranchError::NoConvergence)?;
+        let mut branch = self.branch(&symmetric?, value)?;
+        let point = branch.start()?;
+        Ok((branch, point))
     }
 
     fn ends(&self) -> OfStructure {
