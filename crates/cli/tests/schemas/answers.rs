@@ -11,7 +11,7 @@ use vibrochain_testkit::{Schema, TestDir, written};
 use super::forms::{SCENES, properties};
 
 /// Answers of which each has something that the others have not.
-const ORBITS: [&str; 10] = [
+const ORBITS: [&str; 11] = [
     "--family double-sided --sites 6 --gamma1 .2 --gamma2 .15 --asymmetry .4 --omega 1.6",
     "--family double-sided --sites 6 --gamma1 .2 --gamma2 .15 --asymmetry .4 --omega .42",
     "--family single-sided --sites 5 --gamma1 .2 --gamma2 .1 --omega .45 --asymmetry .4",
@@ -19,6 +19,7 @@ const ORBITS: [&str; 10] = [
     "--family period-doubled --sites 7 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .1582 --restitution .25",
     "--word 0+3-,0-3+ --sites 21 --gamma1 .2 --gamma2 .05 --omega 1.5 --asymmetry .2",
     "--word 0+2+,0-2- --sites 5 --gamma1 .2 --gamma2 .2 --omega 1.1 --asymmetry .3 --amplitude .3 --restitution .8",
+    "--word 0-1-3- --sites 9 --gamma1 .3 --gamma2 .25 --omega 1 --asymmetry .3 --amplitude .3 --restitution .8",
     "--word 0:0+0:1-,0:0-0:1+ --sites 4 --ends free --layers 2 --gamma3 .3 --gamma1 .2 --gamma2 .1 --omega .8 --asymmetry .2",
     "--family single-sided --sites 5001 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4",
     "--family single-sided --sites 21 --gamma1 2.3e-308 --gamma2 .1 --omega .92 --asymmetry .7 --amplitude .05 --restitution .9",
