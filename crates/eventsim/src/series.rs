@@ -8,7 +8,7 @@
 //!
 //! for every mass that flies (of a chain: `stencil`); a mass at rest has d_k = 0 for k ≥ 1 and the right-hand side is the force on its
 //! barrier. Nothing here knows the modes, so that masses at rest change nothing, and no time step is made: a window
-//! is as long as the order allows with a remainder below rounding (`structure::local`).
+//! is as long as what the series leaves out stays below rounding (`structure::local`).
 //!
 //! - Derivatives, not Taylor coefficients: the recurrence then has no division, whose constant rounding errors would
 //!   add up over a million windows. The divisions are in the weights s^k/k!, the first of them in two words.

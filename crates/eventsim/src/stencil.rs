@@ -85,7 +85,7 @@ impl Links {
         Self { stencil, across, columns: (0..masses).map(|n| sides(n).map(column)).collect() }
     }
 
-    /// What pulls at a mass: along its row, γ₃ across, and the columns of its neighbours.
+    /// The stencil of a mass along its row, γ₃ of its springs to other rows, and the columns of its neighbours.
     pub(crate) fn of(&self, n: usize) -> (&Stencil, f64, [usize; 4]) {
         (&self.stencil, self.across, self.columns[n].map(|column| column as usize))
     }

@@ -160,7 +160,7 @@ impl Motion {
     }
 
     /// The same where each contact is a coordinate: the order does not matter, places do not jump and no jump depends on another velocity. The
-    /// series ends a rounding error away from the barrier, where the coordinate is put.
+    /// series ends a rounding error away from the barrier; the coordinate is put on it.
     fn collide_directly(&mut self, changes: &mut Vec<Change>) {
         let due = std::mem::take(&mut self.due);
         for due in due.iter().filter(|due| !due.release) {

@@ -1,6 +1,6 @@
 //! Event-driven simulation of any linear structure with stops: one loop.
 //!
-//! By local series coordinates fly as a chain's masses do ([`crate`]). By modes: ξ flies by e^{At} of each mode, whatever the ratio of their rates, and a contact is
+//! Local series carry coordinates as they carry the masses of a chain ([`crate`]). By modes ξ flies by e^{At} of each mode, whatever the ratio of their rates, and a contact is
 //! a sum of damped sines, of which bounds are known. Where a contact rests on its barrier, or leaves it so slowly that only its own
 //! distance tells it from resting, the motion is a Taylor series with the forces of resting contacts in it.
 //!

@@ -104,7 +104,7 @@ impl Motion {
 }
 
 impl LocalFlight {
-    /// q and q′ at `s` since the base, in the structure's time, from where the static load holds them.
+    /// q and q′ at `s` after the base, in the structure's unit of time. q counts from where the static load holds the structure.
     pub(crate) fn at(&self, s: f64) -> [Vec<f64>; 2] {
         let (mut place, mut velocity) = (self.x.clone(), self.velocity.clone());
         self.read(s, [&mut place, &mut velocity]);

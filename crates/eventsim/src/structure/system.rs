@@ -97,7 +97,7 @@ impl System {
         Self { terms, swings, origins, stops, mobility, apart, lost, fastest, longest, omega, loads, local, structure }
     }
 
-    /// Of coordinates that are known by what pulls at them alone, with the same stops at each contact, under loads of these harmonics.
+    /// The system of coordinates given by their operator, without modes: the same stops at each, under loads of these harmonics.
     pub(crate) fn of_operator(
         operator: SparseOperator,
         stop: Contact,

@@ -144,7 +144,7 @@ fn ensure_alike(alike: bool) -> Result<(), TangentError> {
 }
 
 impl TangentVectors {
-    /// Of coordinates that are known by what pulls at them alone.
+    /// Perturbations of coordinates that are given by their operator, without modes.
     pub(crate) fn of_system(system: System, directions: Directions) -> Self {
         let still = || vec![0.0; system.contacts()];
         let local = system.local.clone();

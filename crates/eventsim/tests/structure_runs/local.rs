@@ -186,6 +186,31 @@ fn row(random: &mut Random) -> (DampedChain, Vec<f64>, Vec<f64>) {
     (chain, place, velocity)
 }
 
+/// A row by local series and by its modes, to a part of a period.
+struct Both {
+    local: StructureSimulation,
+    modes: StructureSimulation,
+    /// Events that both have.
+    count: usize,
+    /// Neither has more.
+    is_whole: bool,
+}
+
+/// Runs a row both ways, whose events agree.
+fn both(chain: &DampedChain, [place, velocity]: [&[f64]; 2], part: f64, round: usize) -> Both {
+    let modal = chain.modal().unwrap();
+    let xi = chain.project(&modal, place, velocity).unwrap();
+    let of = |structure: ModalStructure| {
+        let mut simulation = StructureSimulation::new(structure, 1.5, 0.4, &xi).unwrap();
+        let (_, events) = simulation.collect(&until(&simulation, 0, part));
+        (events, simulation)
+    };
+    let ((one, local), (two, modes)) = (of(modal.clone()), of(of_modes(&modal)));
+    let (count, worst) = compare(&one, &two, &format!("{round}"));
+    assert!(worst < 1e-11, "{round}: {worst:e} of {count}");
+    Both { local, modes, count, is_whole: count == one.len() && count == two.len() }
+}
+
 /// What an impact starts anew is a part of the row; the others' series go on.
 #[test]
 fn parts_of_a_row_fly_as_all_modes_do() {
@@ -193,18 +218,10 @@ fn parts_of_a_row_fly_as_all_modes_do() {
     let (mut impacts, mut restarts, mut windows, mut ends) = (0, 0, 0, 0);
     for round in 0..40 {
         let (chain, place, velocity) = row(&mut random);
-        let modal = chain.modal().unwrap();
-        let xi = chain.project(&modal, &place, &velocity).unwrap();
-        let of = |structure: ModalStructure| {
-            let mut simulation = StructureSimulation::new(structure, 1.5, 0.4, &xi).unwrap();
-            let (report, events) = simulation.collect(&until(&simulation, 0, 0.8));
-            (report.work, events, simulation)
-        };
-        let ((work, one, local), (_, two, modes)) = (of(modal.clone()), of(of_modes(&modal)));
-        let (count, worst) = compare(&one, &two, &format!("{round}"));
-        assert!(worst < 1e-11, "{round}: {worst:e} of {count}");
+        let Both { local, modes, count, is_whole } = both(&chain, [&place, &velocity], 0.8, round);
+        let work = local.work();
         (impacts, restarts, windows) = (impacts + count, restarts + work.restarts, windows + work.windows);
-        if count == one.len() && count == two.len() {
+        if is_whole {
             let (a, b) = (local.state(), modes.state());
             let pairs = a.place.iter().zip(&b.place).chain(a.velocity.iter().zip(&b.velocity));
             let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -234,18 +251,10 @@ fn parts_of_a_row_restart_beside_masses_at_rest() {
         for n in (0..sites).filter(|n| is_pressed(*n)) {
             (place[n], velocity[n]) = (upper, 0.0);
         }
-        let modal = chain.modal().unwrap();
-        let xi = chain.project(&modal, &place, &velocity).unwrap();
-        let of = |structure: ModalStructure| {
-            let mut simulation = StructureSimulation::new(structure, 1.5, 0.4, &xi).unwrap();
-            let (report, events) = simulation.collect(&until(&simulation, 0, 0.5));
-            (report.work, events, simulation)
-        };
-        let ((work, one, local), (_, two, modes)) = (of(modal.clone()), of(of_modes(&modal)));
-        let (count, worst) = compare(&one, &two, &format!("{round}"));
-        assert!(worst < 1e-11, "{round}: {worst:e} of {count}");
+        let Both { local, modes, count, is_whole } = both(&chain, [&place, &velocity], 0.5, round);
+        let work = local.work();
         (impacts, restarts, windows) = (impacts + count, restarts + work.restarts, windows + work.windows);
-        if count == one.len() && count == two.len() {
+        if is_whole {
             for (a, b) in local.state().contacts.iter().zip(&modes.state().contacts) {
                 assert_eq!(a.resting, b.resting, "{round}");
                 assert!((a.force - b.force).abs() < 1e-10, "{round} {a:?} {b:?}");

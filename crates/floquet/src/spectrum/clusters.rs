@@ -134,6 +134,7 @@ mod tests {
         }
         assert!(clustered > 15 && lossless > 4 && several > 2, "{checked} {clustered} {lossless} {several}");
     }
+
     /// The slowest 50 modes of a row of 40 000 masses, of which an impact in its middle feels each second one.
     #[test]
     fn the_slowest_modes_of_a_long_row_are_told_apart() {

@@ -39,7 +39,7 @@ const CLOSE: f64 = 1e-3;
 /// A zero closer to its pole than this part of the way to the next one is no start.
 const HIDDEN: f64 = 1e-2;
 
-/// f as a sum over its poles of the upper half plane, and approximations of all its zeros, of conjugates one after the other.
+/// f as a sum over its poles in the upper half plane, and approximations of all its zeros: two conjugates follow each other.
 pub(super) struct BySum {
     form: Rational,
     poles: Vec<C>,

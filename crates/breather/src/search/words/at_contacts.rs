@@ -69,6 +69,11 @@ fn is_alone(orbit: &Orbit, response: &ImpulseResponse) -> bool {
     Equations::new(orbit, response).system().reciprocal_condition > SINGULAR
 }
 
+/// The masses of an instant, in the order of its letters.
+fn masses_of(letters: &[Letter]) -> Vec<usize> {
+    letters.iter().map(|letter| letter.site).collect()
+}
+
 /// A word whose impacts at one instant are all alike: one impact of masses that move together.
 struct Together<'a> {
     row: &'a Word,
@@ -84,8 +89,7 @@ impl<'a> Together<'a> {
         if at_once && !(row.instants().iter().all(on_one_side) && word.is_alike(model)) {
             return None;
         }
-        let masses = |letters: &Vec<Letter>| letters.iter().map(|letter| letter.site).collect();
-        let mut contacts: Vec<Vec<usize>> = row.instants().iter().map(masses).collect();
+        let mut contacts: Vec<Vec<usize>> = row.instants().iter().map(|letters| masses_of(letters)).collect();
         contacts.sort_unstable();
         contacts.dedup();
         Some(Self { row, contacts })
@@ -98,8 +102,8 @@ impl<'a> Together<'a> {
     /// The word with a contact in place of the masses of each instant.
     fn word(&self) -> Result<Word, BreatherError> {
         let contact = |letters: &Vec<Letter>| {
-            self.contacts
-                .partition_point(|masses| masses[..] < *letters.iter().map(|letter| letter.site).collect::<Vec<_>>())
+            let own = masses_of(letters);
+            self.contacts.partition_point(|masses| *masses < own)
         };
         let instant = |letters: &Vec<Letter>| vec![Letter::new(contact(letters), letters[0].barrier)];
         Ok(Word::new(self.row.instants().iter().map(instant).collect())?)

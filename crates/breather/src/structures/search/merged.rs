@@ -107,7 +107,7 @@ mod tests {
         StructureModel::new(structure, random.between(0.5, 3.0)).unwrap()
     }
 
-    /// Under a load that moves the contacts by less than rounding of the motion the list is open: none was found, but that there is none is not known.
+    /// Where a load moves the contacts by less than the motion is rounded, the list stays open: that no orbit was found does not show that there is none.
     #[test]
     fn a_load_below_rounding_proves_nothing() {
         let shape = ModeShape { contacts: vec![1.0], coordinates: Vec::new(), still: 0.0 };
