@@ -9,7 +9,9 @@ use vibrochain_breather::{
     Hit, StructureModel, StructureMotion, StructureOrbit, StructureSearch, Word, structure_admissibility,
     structure_orbits,
 };
-use vibrochain_floquet::{Complex, StructureMultipliers, Tolerance, Verdict, structure_stability, structure_verdict};
+use vibrochain_floquet::{
+    Analyser, Complex, StructureMultipliers, Tolerance, Verdict, structure_stability, structure_verdict,
+};
 use vibrochain_lattice::{Barrier, Contact, LinearMode, ModalStructure, ModeShape, Structure};
 use vibrochain_testkit::{Random, Structure as Dense, structures};
 
@@ -264,7 +266,8 @@ fn random_structures_have_the_multipliers_of_their_matrices() {
         let radius = stability.multipliers[0].norm();
         for reach in [1.0, 0.9 * radius, 1.1 * radius] {
             let known = StructureMultipliers::of(&orbit);
-            let (is_beyond, verdict) = (known.surely_exceeds(reach), known.verdict(Tolerance::Rounding).unwrap());
+            let (is_beyond, verdict) =
+                (known.surely_exceeds(reach), known.verdict(&mut Analyser::default(), Tolerance::Rounding).unwrap());
             let real = |sign: f64| open.iter().filter(|mu| mu.im == 0.0 && sign * mu.re > reach).count();
             assert_eq!(verdict.stable, stability.verdict.stable, "{dense:?}");
             assert!(!is_beyond || real(1.0) + real(-1.0) > 0, "{reach} {dense:?}");

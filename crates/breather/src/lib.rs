@@ -81,6 +81,7 @@ pub use structures::error::StructureOrbitError;
 pub use structures::flight::StructureMotion;
 pub use structures::model::StructureModel;
 pub use structures::orbit::{StructureImpact, StructureOrbit};
+pub use structures::reversible::ReversibleOrbit;
 pub use structures::search::{StructureFound, StructureSearch, structure_candidates, structure_orbits};
 pub use tracer::corrector::Continuation;
 pub use tracer::line;

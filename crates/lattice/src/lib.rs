@@ -92,6 +92,7 @@ pub use rustfft::num_complex::Complex;
 pub use simd::small::{sinc, sine_over};
 pub use stop::{Stop, Stopped};
 pub use structure::contact::Contact;
+pub use structure::contact_modes::ContactMode;
 pub use structure::damped_chain::DampedChain;
 pub use structure::energy::{Block, EnergyForm};
 pub use structure::error::StructureError;

@@ -15,6 +15,7 @@
 //! | `response` | what contacts do after impacts and under the loads, shared by all words of the same contacts |
 //! | `equations` | rows and Jacobian of an orbit's impacts |
 //! | `orbit` | [`StructureOrbit`], and how far it can be trusted |
+//! | `reversible` | [`ReversibleOrbit`]: what multipliers of an orbit that is its own mirror image in time depend on |
 //! | `resonant_doubts` | what the error of a frequency does to them next to a resonance |
 //! | `errors` | bounds of an orbit's errors |
 //! | `newton` | from impacts nearby to an orbit |
@@ -39,6 +40,7 @@ pub(crate) mod orbit;
 mod periodic_kernel;
 mod resonant_doubts;
 mod response;
+pub(crate) mod reversible;
 pub(crate) mod search;
 #[cfg(test)]
 mod tests;

@@ -2,12 +2,13 @@
 //! held against the tolerance.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Finder, MapBreather};
+use vibrochain_breather::{Finder, MapBreather, ReversibleOrbit};
 use vibrochain_lattice::Model;
 
 use crate::analyser::{Analyser, Failure};
 use crate::error::FloquetError;
-use crate::map_paths::{SecularVerdict, Standing};
+use crate::map_paths::reversible::verdict::stable;
+use crate::map_paths::{Reason, Secular, SecularVerdict, Standing};
 use crate::saltation::saltations;
 use crate::sizes::{MOST_DENSE, is_affordable, most_refined};
 use crate::spectrum::{Posed, SpectralFunction, posed};
@@ -93,6 +94,17 @@ impl Analyser {
         }))
     }
 
+    /// The verdict on a structure's orbit; `None` where its errors leave it open, matter to it, or are larger than those of other ways.
+    pub(crate) fn structure_reversible(
+        &mut self,
+        orbit: &ReversibleOrbit<'_>,
+        tolerance: Tolerance,
+    ) -> Option<Verdict> {
+        let ratio = self.secular.residues.take_over_structure(orbit).ok()?;
+        let found = self.secular.found(ratio, (orbit.period, orbit.modes.len())).ok()?;
+        Some(told(&found, tolerance)).filter(|verdict| !verdict.hangs_on_rounding(true, tolerance))
+    }
+
     /// The verdict on a [`MapBreather`], as [`Analyser::verdict`] has it of the orbit; `None` where only the
     /// orbit can tell: next to where its errors matter or to the border of stability, and how its symmetry breaks.
     ///
@@ -117,22 +129,42 @@ impl Analyser {
             _ => return None,
         };
         self.secular.residues.take_over_ring(breather.response());
-        if self.secular.residues.all_positive(ratio) {
-            return Some(Verdict::on_circle(None));
-        }
-        self.secular.residues.complete(ratio).ok()?;
-        let mut found = self.secular.verdict().ok().filter(|verdict| verdict.outcome != Standing::Undecided)?;
-        let modes = model.chain().even_modes();
-        let is_precise = |found: &SecularVerdict| {
-            found.outcome == Standing::Stable || is_precise(found.excess, found.excess_error, modes, WORST_OF_SWEEP)
-        };
-        if !is_precise(&found) {
-            found = self.secular.refined(found, breather.response().period());
-        }
-        let (verdict, precise) = (told(&found, tolerance), is_precise(&found));
+        let (period, modes) = (breather.response().period(), model.chain().even_modes());
+        let found = self.secular.found(ratio, (period, modes)).ok()?;
+        let verdict = told(&found, tolerance);
         // Of an orbit without asymmetry this may be a pitchfork.
         let open = verdict.mechanism == Some(Mechanism::PlusOne) && model.asymmetry() == 0.0;
-        Some(verdict).filter(|verdict| precise && !open && !verdict.hangs_on_rounding(true, tolerance))
+        Some(verdict).filter(|verdict| !open && !verdict.hangs_on_rounding(true, tolerance))
+    }
+}
+
+impl Secular {
+    /// The verdict alone on the modes taken over, of impulses with this ratio, a period and so many modes: signs of residues first.
+    ///
+    /// # Errors
+    /// A doubt, [`SecularError::Tangency`] and [`SecularError::Imprecise`] among them.
+    fn found(
+        &mut self,
+        ratio: Option<(f64, f64)>,
+        (period, modes): (f64, usize),
+    ) -> Result<SecularVerdict, SecularError> {
+        if self.residues.all_positive(ratio) {
+            return Ok(stable(Reason::EqualResidueSigns));
+        }
+        self.residues.complete(ratio)?;
+        let mut found = self.verdict()?;
+        let is_precise = |found: &SecularVerdict| {
+            found.outcome != Standing::Unstable || is_precise(found.excess, found.excess_error, modes, WORST_OF_SWEEP)
+        };
+        if !is_precise(&found) {
+            found = self.refined(found, period);
+        }
+        let SecularVerdict { excess, excess_error, .. } = found;
+        match found.outcome {
+            Standing::Undecided => Err(SecularError::Tangency),
+            Standing::Unstable if !is_precise(&found) => Err(SecularError::Imprecise { excess, excess_error }),
+            _ => Ok(found),
+        }
     }
 }
 

@@ -1,8 +1,8 @@
 //! What the secular functions need of every mode that the impacts feel.
 
 use vibrochain_breather::Prepared;
-use vibrochain_lattice::simd::lanes::{FOUR, LANES, Lane, ONE, TWO, all, four};
-use vibrochain_lattice::{ImpulseResponse, sine_over};
+use vibrochain_lattice::simd::lanes::{FOUR, HALF, LANES, Lane, ONE, TWO, ZERO, all, four};
+use vibrochain_lattice::{ContactMode, ImpulseResponse, Turn, sine_over};
 use wide::f64x4;
 
 use crate::sizes::LARGE;
@@ -23,6 +23,8 @@ pub(crate) struct Mode<T = f64> {
     /// Relative error of x and error of d = c² − s², from that of the phase, in units of ε.
     pub(crate) relative: T,
     pub(crate) shift: T,
+    /// Relative error of the weight beyond rounding, in units of ε.
+    pub(crate) doubt: T,
 }
 
 /// A mode without weight, far from what a formula could stumble over.
@@ -36,6 +38,7 @@ const PAD: Mode = Mode {
     sin_times: 0.0,
     relative: 1.0,
     shift: 1.0,
+    doubt: 0.0,
 };
 
 /// Four of them.
@@ -49,6 +52,7 @@ const PADS: Mode<Lane> = Mode {
     sin_times: [PAD.sin_times; LANES],
     relative: [PAD.relative; LANES],
     shift: [PAD.shift; LANES],
+    doubt: [PAD.doubt; LANES],
 };
 
 /// Phases below which sin y/y comes from its series.
@@ -72,6 +76,8 @@ pub(crate) struct Modes {
     order: Vec<u32>,
     /// Four at a time; none where [`Modes::group_few`] leaves them out.
     groups: Vec<Mode<Lane>>,
+    /// The largest error of a frequency beyond rounding, in units of ε.
+    rate_error: f64,
 }
 
 impl Modes {
@@ -91,8 +97,32 @@ impl Modes {
                 Mode::four_of(frequency, weight, (cos, sin), half).lanes()
             },
         );
+        self.fill(response.modes(), fours);
+    }
+
+    /// The same of modes as the contact of a structure feels them.
+    pub(crate) fn set_of_contact(&mut self, modes: &[ContactMode], period: f64) {
+        let half = 0.5 * period;
+        let fours = modes.chunks(LANES).map(|some| {
+            // What fills up the last group is written over.
+            let of =
+                |number: fn(&ContactMode) -> f64| -> Lane { std::array::from_fn(|i| some.get(i).map_or(1.0, number)) };
+            let frequency = of(|mode| mode.frequency);
+            let [cos, sin] = Turn::Circular.turns(half, frequency).unwrap_or_default().map(four);
+            let mut group = Mode::four_of(four(frequency), four(of(|mode| mode.weight)), (cos, sin), half);
+            let units = ONE / all(f64::EPSILON);
+            group.doubt = four(of(|mode| mode.weight_error)) * units;
+            group.know(four(of(|mode| mode.frequency_error)) * units, half);
+            group.lanes()
+        });
+        self.fill(modes.len(), fours);
+        let errors = modes.iter().map(|mode| mode.frequency * mode.frequency_error);
+        self.rate_error = errors.fold(0.0, f64::max) / f64::EPSILON;
+    }
+
+    /// Takes over so many modes.
+    fn fill(&mut self, count: usize, fours: impl Iterator<Item = Mode<Lane>>) {
         self.clear();
-        let count = response.modes();
         if count > LARGE {
             self.groups.clear();
             self.list.resize(count, PAD);
@@ -151,6 +181,7 @@ impl Modes {
     fn clear(&mut self) {
         self.list.clear();
         self.unlisted = 0;
+        self.rate_error = 0.0;
         self.numbers.clear();
     }
 
@@ -200,6 +231,11 @@ impl Modes {
     pub(crate) fn list(&self) -> &[Mode] {
         debug_assert_eq!(self.unlisted, 0, "modes that are in groups alone");
         &self.list
+    }
+
+    /// The largest error of a frequency beyond rounding, in units of ε.
+    pub(crate) fn rate_error(&self) -> f64 {
+        self.rate_error
     }
 
     /// One of them.
@@ -259,7 +295,16 @@ impl Mode<f64x4> {
         let relative = FOUR + y.simd_gt(all(SOFT)).select((y * cos / sin).abs(), ONE);
         let shift = TWO * (y * cos * sin).abs() + FOUR * (cos * cos).fast_min(sin * sin);
         let (inverse, sin_times) = (ONE / sin_over, frequency * sin);
-        Self { weight, frequency, cos, sin, sin_over, inverse, sin_times, relative, shift }
+        Self { weight, frequency, cos, sin, sin_over, inverse, sin_times, relative, shift, doubt: ZERO }
+    }
+
+    /// Adds what errors of the frequencies make of x and d, these in units of ε and relative.
+    fn know(&mut self, errors: f64x4, half: f64) {
+        let y = TWO * self.frequency * all(half);
+        let turned = (y * self.cos / self.sin).abs();
+        // Of sin(y/2)/Ω, where y is small or 0 about 0.
+        self.relative += errors * (ONE + HALF * y.simd_gt(all(SOFT)).select(turned, TWO));
+        self.shift += TWO * errors * (y * self.cos * self.sin).abs();
     }
 
     fn lanes(&self) -> Mode<Lane> {
@@ -273,6 +318,7 @@ impl Mode<f64x4> {
             sin_times: self.sin_times.to_array(),
             relative: self.relative.to_array(),
             shift: self.shift.to_array(),
+            doubt: self.doubt.to_array(),
         }
     }
 }
@@ -303,6 +349,7 @@ impl Mode<Lane> {
         mode.sin_times = self.sin_times[i];
         mode.relative = self.relative[i];
         mode.shift = self.shift[i];
+        mode.doubt = self.doubt[i];
     }
 
     /// Replaces one of the four.
@@ -317,6 +364,7 @@ impl Mode<Lane> {
         self.sin_times[i] = mode.sin_times;
         self.relative[i] = mode.relative;
         self.shift[i] = mode.shift;
+        self.doubt[i] = mode.doubt;
     }
 
     /// As operands.
@@ -332,6 +380,7 @@ impl Mode<Lane> {
             sin_times: four(self.sin_times),
             relative: four(self.relative),
             shift: four(self.shift),
+            doubt: four(self.doubt),
         }
     }
 }

@@ -1,10 +1,13 @@
-//! Stability of orbits of any linear structure: all multipliers from J(z), no other way.
+//! Stability of orbits of any linear structure: all multipliers from J(z). A verdict alone on an orbit without losses that is its own mirror
+//! image in time, with impacts at one contact, comes from the modes as that contact feels them, unless these leave it open.
+
+use std::cell::OnceCell;
 
 use nalgebra::Complex;
 use vibrochain_breather::{BlochEquations, BreatherError, Condition, ImpactError, StructureOrbit};
 use vibrochain_lattice::aside;
 
-use crate::analyser::Stability;
+use crate::analyser::{Analyser, Stability};
 use crate::error::FloquetError;
 use crate::spectrum::{BEYOND, Origin, is_surely_beyond, origins, told, told_of_cycle, verdict};
 use crate::verdict::{Tolerance, Verdict};
@@ -50,7 +53,7 @@ pub fn structure_stability(orbit: &StructureOrbit, tolerance: Tolerance) -> Resu
 fn stability(orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Stability, FloquetError> {
     let known = StructureMultipliers::of(orbit);
     let (verdict, mut multipliers) = known.all(tolerance)?;
-    multipliers.extend(known.spared.iter().flat_map(|pair| known.multipliers_of(pair)));
+    multipliers.extend(known.spared().iter().flat_map(|pair| known.multipliers_of(pair)));
     let own = if orbit.is_conservative() { 2 } else { usize::from(orbit.is_self_excited()) };
     multipliers.extend(std::iter::repeat_n(Complex::new(1.0, 0.0), own));
     multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
@@ -62,7 +65,7 @@ fn stability(orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Stability, 
 /// # Errors
 /// As [`structure_stability`].
 pub fn structure_verdict(orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Verdict, FloquetError> {
-    StructureMultipliers::of(orbit).verdict(tolerance)
+    StructureMultipliers::of(orbit).verdict(&mut Analyser::default(), tolerance)
 }
 
 /// Modes times impacts from which on the work on multipliers, which does not look at a request to stop, may take longer than whoever stops waits.
@@ -95,35 +98,49 @@ pub(super) fn participating_multipliers(
     })
 }
 
-/// An orbit with its equations J(z), from which all that is asked of its multipliers is told.
+/// An orbit with its equations J(z), which are set up once they are asked for.
 #[derive(Debug)]
 pub struct StructureMultipliers<'a> {
     orbit: &'a StructureOrbit,
-    equations: BlochEquations,
-    /// The rates of the modes that these leave out.
-    spared: Vec<[Complex<f64>; 2]>,
+    /// With the rates of the modes that they leave out.
+    equations: OnceCell<(BlochEquations, Vec<[Complex<f64>; 2]>)>,
 }
 
 impl<'a> StructureMultipliers<'a> {
     /// Of an orbit.
     #[must_use]
     pub fn of(orbit: &'a StructureOrbit) -> Self {
-        let (equations, spared) = orbit.bloch_equations();
-        Self { orbit, equations, spared }
+        Self { orbit, equations: OnceCell::new() }
+    }
+
+    fn all_equations(&self) -> &(BlochEquations, Vec<[Complex<f64>; 2]>) {
+        self.equations.get_or_init(|| self.orbit.bloch_equations())
+    }
+
+    fn equations(&self) -> &BlochEquations {
+        &self.all_equations().0
+    }
+
+    fn spared(&self) -> &[[Complex<f64>; 2]] {
+        &self.all_equations().1
     }
 
     /// Whether the spectral radius is surely beyond `reach`: a real multiplier is, by 5 %. No says nothing. A map asks so: of two orbits that are
     /// born in a fold one has such a multiplier, and a sign takes a small part of what a verdict takes.
     #[must_use]
     pub fn surely_exceeds(&self, reach: f64) -> bool {
-        !self.orbit.is_conservative() && is_surely_beyond(&self.equations, BEYOND * reach)
+        !self.orbit.is_conservative() && is_surely_beyond(self.equations(), BEYOND * reach)
     }
 
-    /// The verdict of [`structure_stability`].
+    /// The verdict of [`structure_stability`], in the work space of an analyser.
     ///
     /// # Errors
     /// As [`structure_stability`].
-    pub fn verdict(&self, tolerance: Tolerance) -> Result<Verdict, FloquetError> {
+    pub fn verdict(&self, analyser: &mut Analyser, tolerance: Tolerance) -> Result<Verdict, FloquetError> {
+        let reversible = self.orbit.reversible();
+        if let Some(verdict) = reversible.and_then(|orbit| analyser.structure_reversible(&orbit, tolerance)) {
+            return Ok(verdict);
+        }
         if is_long(self.orbit) {
             return heard(self.orbit, move |orbit| StructureMultipliers::of(orbit).worked_out(tolerance));
         }
@@ -174,14 +191,14 @@ impl<'a> StructureMultipliers<'a> {
         let finite = |error: &ImpactError| (error.time + error.impulse + error.acceleration).is_finite();
         if errors.iter().flatten().all(finite) {
             let condition = Condition { origins: errors.to_vec(), ..Condition::default() };
-            let answer = ask(&self.equations, &origins(&self.equations, &condition));
+            let answer = ask(self.equations(), &origins(self.equations(), &condition));
             if let Ok((verdict, rest)) = answer
                 && self.moves_straight(&verdict, &ask)
             {
                 return Ok((verdict, rest));
             }
         }
-        let (verdict, rest) = ask(&self.equations, &[]).map_err(FloquetError::Uncounted)?;
+        let (verdict, rest) = ask(self.equations(), &[]).map_err(FloquetError::Uncounted)?;
         let none = Verdict::unsettled(verdict.leading, verdict.excess(), f64::INFINITY, tolerance);
         Ok((none, rest))
     }
@@ -211,7 +228,7 @@ impl<'a> StructureMultipliers<'a> {
     /// Of a mode without a dashpot that is spared, the multipliers are on the circle, and decide nothing; nor does the 1 of a motion of the whole
     /// that nothing brings back, which is neutral by symmetry: of its pair the other decides.
     fn with_spared(&self, verdict: Verdict, tolerance: Tolerance) -> Verdict {
-        self.spared.iter().fold(verdict, |verdict, pair| {
+        self.spared().iter().fold(verdict, |verdict, pair| {
             let both = pair.iter().zip(self.multipliers_of(pair));
             let deciding = both.filter(|(rate, _)| rate.re != 0.0).map(|(_, multiplier)| multiplier);
             let Some(leading) = deciding.max_by(|a, b| a.norm().total_cmp(&b.norm())) else { return verdict };
@@ -220,3 +237,6 @@ impl<'a> StructureMultipliers<'a> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `contact` | [`Contact`]: where it is stopped, and what an impact leaves of its velocity |
 //! | `linear_mode` | [`LinearMode`]: two coordinates that move together, what contacts see of them, what impulses and loads give to them |
+//! | `contact_modes` | [`ContactMode`]: a mode without losses as impacts at one contact feel it |
 //! | `modal` | [`ModalStructure`]: modes and contacts, from which kernels and steady motions are made |
 //! | `damped_chain` | [`DampedChain`]: a chain with its dashpots, or rows of one side by side, whose modes are known in closed form |
 //! | `of_model` | the lattice of a model, with contacts where they are asked for |
@@ -24,6 +25,7 @@ mod assembly;
 #[cfg(feature = "matrices")]
 mod basis;
 pub(crate) mod contact;
+pub(crate) mod contact_modes;
 pub(crate) mod damped_chain;
 #[cfg(feature = "matrices")]
 mod eigenmodes;

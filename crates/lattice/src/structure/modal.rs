@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rustfft::num_complex::Complex;
 
 use super::contact::Contact;
+use super::contact_modes::{ContactMode, of_contact};
 use super::error::StructureError;
 use super::linear_mode::{LinearMode, ModeErrors};
 use super::operator::SparseOperator;
@@ -59,6 +60,8 @@ pub struct ParticipatingModes {
     pub twins: Vec<usize>,
     /// The pairs of poles λ of modes that none of the hit contacts feels.
     pub spared: Vec<[Complex<f64>; 2]>,
+    /// The modes as the one contact that is hit feels them; `None` of several contacts, and where a mode is damped.
+    pub of_one: Option<Vec<ContactMode>>,
 }
 
 impl ParticipatingModes {
@@ -332,6 +335,10 @@ impl ModalStructure {
             felt.spared.extend(std::iter::repeat_n(mode.rates(), count));
         }
         felt.twins = felt.firsts(contacts);
+        felt.of_one = match *hit {
+            [contact] => of_contact(&felt.modes, contact),
+            _ => None,
+        };
         felt
     }
 }

@@ -7,7 +7,7 @@ use serde_json::{Map, Value as Json};
 use vibrochain_breather::{
     Admissibility, StructureModel, StructureOrbit, Word, structure_candidates, structure_is_physical,
 };
-use vibrochain_floquet::{StructureMultipliers, Tolerance};
+use vibrochain_floquet::{Analyser, StructureMultipliers, Tolerance};
 use vibrochain_lattice::Stop;
 
 use super::answer;
@@ -44,6 +44,7 @@ pub struct RowOfModels {
     scene: Option<Result<StructureScene, String>>,
     /// Along a row of frequencies the structure is the same: its model at one of them.
     base: Option<StructureModel>,
+    analyser: Analyser,
     stop: Stop,
 }
 
@@ -90,6 +91,7 @@ struct Candidate<'a> {
 fn best_of<'a>(
     candidates: &'a [Candidate<'a>],
     scene: &StructureScene,
+    analyser: &mut Analyser,
     trouble: &mut Option<String>,
 ) -> Option<(&'a Candidate<'a>, Standing)> {
     let unknown = |candidate: &Candidate<'_>| Standing { word: candidate.word, verdict: None };
@@ -109,7 +111,8 @@ fn best_of<'a>(
         if best.as_ref().is_some_and(|(_, best)| best.keeps_its_place(other, scene.tolerance, exceeds)) {
             continue;
         }
-        let verdict = multipliers.verdict(scene.tolerance).map_err(|error| *trouble = Some(error.to_string()));
+        let verdict =
+            multipliers.verdict(analyser, scene.tolerance).map_err(|error| *trouble = Some(error.to_string()));
         let standing = Standing { verdict: verdict.ok(), ..unknown(candidate) };
         if best.as_ref().is_none_or(|(_, best)| standing.beats(best)) {
             best = Some((candidate, standing));
@@ -119,7 +122,7 @@ fn best_of<'a>(
 }
 
 /// One point.
-fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
+fn cell_of(scene: &StructureScene, model: &StructureModel, analyser: &mut Analyser) -> StructureCell {
     let mut cell = StructureCell::EMPTY;
     let lists: Vec<_> = scene.words.iter().map(|(word, periods)| structure_candidates(model, word, *periods)).collect();
     let mut candidates = Vec::new();
@@ -150,7 +153,7 @@ fn cell_of(scene: &StructureScene, model: &StructureModel) -> StructureCell {
             candidates.push(Candidate { word, margin: physical.margin, orbit });
         }
     }
-    let Some((best, standing)) = best_of(&candidates, scene, &mut cell.trouble) else {
+    let Some((best, standing)) = best_of(&candidates, scene, analyser, &mut cell.trouble) else {
         if cell.trouble.is_some() {
             return StructureCell { class: StructureClass::Unknown, ..cell };
         }
@@ -326,7 +329,8 @@ impl Grid for StructureScene {
                 return None;
             }
             let model = row.model(self, number);
-            cells.push(model.map_or_else(StructureCell::troubled, |model| cell_of(self, &model)).judged());
+            let analyser = &mut row.analyser;
+            cells.push(model.map_or_else(StructureCell::troubled, |model| cell_of(self, &model, analyser)).judged());
         }
         // What was stopped has no answer.
         if stop.is_raised() {

@@ -59,9 +59,9 @@ impl Saltations {
         let off = T::of(ratio_error / f64::EPSILON);
         let chi = 0.5 * (ratio + 1.0 / ratio);
         let mut sums = [T::default(); 6];
-        for Mode { weight, inverse, cos, relative, .. } in modes {
+        for Mode { weight, inverse, cos, relative, doubt, .. } in modes {
             let stiffness = weight * inverse;
-            let (size, own) = (stiffness.modulus(), relative + T::of(4.0));
+            let (size, own) = (stiffness.modulus(), relative + doubt + T::of(4.0));
             for (i, factor) in [chi, ratio, 1.0 / ratio].into_iter().enumerate() {
                 sums[i] = sums[i] + stiffness * (cos + T::of(factor));
                 sums[i + 3] = sums[i + 3] + size * (own * cos.modulus() + (own + off) * factor.abs());
@@ -161,7 +161,7 @@ pub(crate) fn sums(modes: &Modes, masked: &[Lane], mode: &Mode) -> (Own<f64x4>, 
     let (ik, rk, hk) = (all(mode.inverse), all(mode.relative), all(0.5 * mode.shift));
     for (group, masked) in modes.groups().iter().zip(masked) {
         let Mode { weight: w, frequency: f, cos: c, sin: s, sin_over: x, .. } = group.four();
-        let Mode { sin_times: y, relative, shift, .. } = group.four();
+        let Mode { sin_times: y, relative, shift, doubt: of_weight, .. } = group.four();
         let masked = four(*masked);
         let (sum, minus) = (ck + c, ck - c);
         let by_sine = (s - sk) * (s + sk);
@@ -187,14 +187,16 @@ pub(crate) fn sums(modes: &Modes, masked: &[Lane], mode: &Mode) -> (Own<f64x4>, 
         let doubt = (hk + HALF * shift) * quotient.abs();
         let (doubt_of_sum, doubt_of_difference) = (same.select(FOUR, doubt), same.select(doubt, FOUR));
         let direct_doubt = near.select(FOUR, FOUR + doubt_of_difference);
-        own_error += w * (direct.abs() * direct_doubt + bent.abs() * (doubt_of_difference + rk + relative));
+        own_error += w
+            * (direct.abs() * (direct_doubt + of_weight)
+                + bent.abs() * (doubt_of_difference + rk + relative + of_weight));
         let pole = masked * of_sum;
         sigma += pole;
         g += x * pole;
         h += y * pole;
         let term = pole.abs() * (ONE + (ik * x).abs());
         size += term;
-        doubted += term * (doubt_of_sum + relative + rk);
+        doubted += term * (doubt_of_sum + relative + rk + of_weight);
     }
     (Own { value: own, error: own_error }, Mirror { sigma, g, h, size, doubted })
 }
@@ -202,12 +204,12 @@ pub(crate) fn sums(modes: &Modes, masked: &[Lane], mode: &Mode) -> (Own<f64x4>, 
 /// The residue from the sums, and its error.
 #[inline(always)]
 pub(crate) fn residue<T: Number>(mode: &Mode<T>, saltations: &Saltations, own: &Own<T>, mirror: &Mirror<T>) -> (T, T) {
-    let Mode { weight: wk, cos: ck, sin: sk, sin_over: xk, sin_times: yk, relative: rk, .. } = *mode;
+    let Mode { weight: wk, cos: ck, sin: sk, sin_over: xk, sin_times: yk, relative: rk, doubt: dk, .. } = *mode;
     let Saltations { half_kappa, half_kappa_error, lambda, lambda_error } = *saltations;
     let Mirror { sigma, g, h, size, doubted } = *mirror;
     let number = T::of;
     let square = sk * sk;
-    let (own, own_error) = (wk * own.value, wk * own.error);
+    let (own, own_error) = (wk * own.value, wk * (own.error + own.value.modulus() * dk));
     let curl = g * h - square * sigma * sigma;
     let cross = ck * curl + wk * 0.5 * (xk * h + yk * g - square * sigma * 2.0);
     let tail = ck * g + wk * xk * 0.5;
@@ -219,8 +221,8 @@ pub(crate) fn residue<T: Number>(mode: &Mode<T>, saltations: &Saltations, own: &
     // square terms x_l y_l − s_l² vanish whatever the phases.
     let doubt = doubted / size.at_least(number(f64::MIN_POSITIVE));
     let sums = square * size * size * 4.0 + doubt * (curl.modulus() + square * size);
-    let cross_error = ck.modulus() * sums + wk * square * size * (number(4.0) + doubt);
-    let tail_error = (ck * xk).modulus() * size * (number(4.0) + doubt) + (wk * xk).modulus() * rk;
+    let cross_error = ck.modulus() * sums + wk * square * size * (number(4.0) + doubt + dk);
+    let tail_error = (ck * xk).modulus() * size * (number(4.0) + doubt) + (wk * xk).modulus() * (rk + dk);
     let upper_error = cross_error + tail_error * half_kappa.abs() + tail.modulus() * half_kappa_error;
     let lower_error = cross_error * half_kappa.abs()
         + cross.modulus() * half_kappa_error
@@ -228,7 +230,7 @@ pub(crate) fn residue<T: Number>(mode: &Mode<T>, saltations: &Saltations, own: &
         + tail.modulus() * lambda_error;
     let error = own_error * upper.modulus()
         + own.modulus() * upper_error
-        + gamma.modulus() * (lower_error + rk * lower.modulus());
+        + gamma.modulus() * (lower_error + (rk + dk) * lower.modulus());
     let error = (scale.modulus() * error + residue.modulus() * (rk + number(4.0))) * (2.0 * f64::EPSILON);
     (residue, error)
 }
@@ -248,7 +250,8 @@ impl Halves {
             let inverse = (z - mode.cos).inv();
             let term = inverse * mode.weight;
             // The error of c moves the pole.
-            let moved = inverse.norm() * (mode.frequency * period * mode.sin.abs() + 4.0 * mode.cos.abs()) + 4.0;
+            let turned = (mode.frequency + 0.5 * modes.rate_error()) * period * mode.sin.abs();
+            let moved = inverse.norm() * (turned + 4.0 * mode.cos.abs()) + 4.0 + mode.doubt;
             let size = term.norm();
             let add = |sum: &mut [C; 2], factor: f64| {
                 sum[0] += term * factor;

@@ -1,7 +1,7 @@
 //! Poles and residues of F, sorted, with their certificates.
 
 use nalgebra::Complex;
-use vibrochain_breather::Prepared;
+use vibrochain_breather::{Prepared, ReversibleOrbit};
 use vibrochain_lattice::ImpulseResponse;
 use vibrochain_lattice::simd::lanes::{Lane, room};
 
@@ -130,6 +130,21 @@ impl Residues {
     /// Takes over the modes of a ring, as [`Residues::take_over`] does.
     pub(crate) fn take_over_ring(&mut self, response: &ImpulseResponse) {
         self.modes.set_in_fours(response);
+    }
+
+    /// Takes over the modes of a structure's orbit, as [`Residues::take_over`] does.
+    ///
+    /// # Errors
+    /// [`SecularError::NotReversible`] of more than [`LARGE`] modes: sums over far ones know nothing of errors of their weights.
+    pub(crate) fn take_over_structure(
+        &mut self,
+        orbit: &ReversibleOrbit<'_>,
+    ) -> Result<Option<(f64, f64)>, SecularError> {
+        if orbit.modes.len() > LARGE {
+            return Err(SecularError::NotReversible);
+        }
+        self.modes.set_of_contact(orbit.modes, orbit.period);
+        Ok(orbit.ratio)
     }
 
     /// Whether all residues of the modes taken over are surely positive, so that nothing can collide. No is no answer.

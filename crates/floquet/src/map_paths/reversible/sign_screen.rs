@@ -59,7 +59,7 @@ pub(crate) fn all_positive(modes: &Modes, ratio: Option<(f64, f64)>) -> bool {
     let [mut shift, mut relative, mut back, mut forth] = [ZERO; 4];
     for group in modes.groups() {
         let group = group.four();
-        (shift, relative) = (shift.fast_max(group.shift), relative.fast_max(group.relative));
+        (shift, relative) = (shift.fast_max(group.shift), relative.fast_max(group.relative + group.doubt));
         let turn = group.weight * group.sin * group.cos;
         (back, forth) = (back.fast_min(turn), forth.fast_max(turn));
     }

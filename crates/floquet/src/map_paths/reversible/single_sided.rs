@@ -46,7 +46,7 @@ pub(crate) fn sums(modes: &Modes, mode: &Mode) -> ResidueSums {
     let opposite = sk * sk - ck * ck;
     let (ik, rk, hk) = (all(mode.inverse), all(mode.relative), all(mode.shift));
     for group in modes.groups() {
-        let Mode { weight: w, cos: c, sin: s, sin_over: x, inverse, relative, shift, .. } = group.four();
+        let Mode { weight: w, cos: c, sin: s, sin_over: x, inverse, relative, shift, doubt: own, .. } = group.four();
         // The smaller of sine and cosine carries the difference of the poles.
         let by_sine = (s - sk) * (s + sk);
         let by_cosine = (ck - c) * (ck + c);
@@ -65,8 +65,8 @@ pub(crate) fn sums(modes: &Modes, mode: &Mode) -> ResidueSums {
         straight += w * u;
         bent += t;
         let doubt = (hk + shift) * quotient.abs();
-        straight_error += w * same.select(ONE, doubt);
-        bent_error += t.abs() * (rk + relative + doubt);
+        straight_error += w * (same.select(ONE, doubt) + u.abs() * own);
+        bent_error += t.abs() * (rk + relative + doubt + own);
     }
     ResidueSums {
         straight: total(straight),
@@ -79,10 +79,12 @@ pub(crate) fn sums(modes: &Modes, mode: &Mode) -> ResidueSums {
 /// The residue from the sums; `far` is what modes left out of them add to c_k Σ b²(u − …).
 #[inline(always)]
 pub(crate) fn residue(k: usize, mode: &Mode, sums: &ResidueSums, far: f64) -> Pole {
-    let Mode { weight, cos, sin, shift, .. } = *mode;
-    let residue = 2.0 * weight * (sums.straight - cos * sums.bent + far);
+    let Mode { weight, cos, sin, shift, doubt, .. } = *mode;
+    let whole = sums.straight - cos * sums.bent + far;
+    let residue = 2.0 * weight * whole;
     let phase = shift / sin.abs().max(f64::MIN_POSITIVE);
     let error = sums.straight_error + cos.abs() * sums.bent_error + (phase + 4.0) * (sums.bent.abs() + far.abs());
+    let error = error + doubt * whole.abs();
     Pole::new(k, cos, sin, shift, residue, 4.0 * f64::EPSILON * weight * (error + 1.0))
 }
 

@@ -240,7 +240,7 @@ impl Secular {
     }
 }
 
-fn stable(reason: Reason) -> SecularVerdict {
+pub(crate) fn stable(reason: Reason) -> SecularVerdict {
     SecularVerdict { outcome: Standing::Stable, reason, leading: None, excess: 0.0, excess_error: 0.0 }
 }
 

@@ -1,0 +1,64 @@
+//! Orbits without force and losses that are their own mirror images in time, with impacts at one contact: at one instant, or at two that are half
+//! a period apart.
+
+use vibrochain_lattice::ContactMode;
+
+use super::orbit::StructureOrbit;
+
+/// Instants are half a period apart where they miss it by no more than this part of the period: rounding, unless the orbit is next to others of
+/// its word that are no mirror images of themselves.
+const HALF: f64 = 1e-10;
+
+/// All that the multipliers of such an orbit depend on, but for those of modes that the contact does not feel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReversibleOrbit<'a> {
+    /// The modes that the contact feels.
+    pub modes: &'a [ContactMode],
+    /// The orbit's period.
+    pub period: f64,
+    /// Of two instants the impulse at the second one over that at the first, and a bound of its relative error.
+    pub ratio: Option<(f64, f64)>,
+}
+
+impl StructureOrbit {
+    /// What the multipliers of an orbit depend on that is its own mirror image in time and has all impacts at one contact; `None` of others,
+    /// and where the impulses have no bound of their errors.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use vibrochain_breather::{StructureModel, structure_orbits};
+    /// use vibrochain_lattice::{Contact, LinearMode, ModalStructure, ModeShape};
+    /// let shape = ModeShape { contacts: vec![1.0], coordinates: vec![1.0], still: 0.0 };
+    /// let mode = LinearMode::oscillator(0.0, 1.0, &shape, &[]);
+    /// let stop = Contact { lower: Some(-1.0), upper: Some(0.5), restitution: 1.0 };
+    /// let structure = Arc::new(ModalStructure::new(vec![stop], vec![], vec![mode])?);
+    /// let found = structure_orbits(&StructureModel::new(structure, 1.5)?, &"0+,0-".parse()?, 1)?;
+    /// let (ratio, error) = found.orbits[0].reversible().unwrap().ratio.unwrap();
+    /// assert!(ratio < 0.0 && error < 1e-13);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn reversible(&self) -> Option<ReversibleOrbit<'_>> {
+        let modes = self.response().kernel.felt.of_one.as_deref().filter(|_| self.is_conservative())?;
+        let period = self.period();
+        let ratio = match self.impacts() {
+            [_] => None,
+            [first, second] => {
+                let off = (second.time - 0.5 * period).abs();
+                let blurred = off <= second.time_error && off <= HALF * period;
+                if !blurred && off > 4.0 * f64::EPSILON * period {
+                    return None;
+                }
+                let [one, two] = [first.impulse, second.impulse];
+                let moved = self.error_origins().iter().map(|origin| origin[1].impulse / two - origin[0].impulse / one);
+                let error = moved.map(f64::abs).sum::<f64>() + 4.0 * f64::EPSILON;
+                let ratio = two / one;
+                if ratio == 0.0 || !(ratio * error).is_finite() {
+                    return None;
+                }
+                Some((ratio, error))
+            }
+            _ => return None,
+        };
+        Some(ReversibleOrbit { modes, period, ratio })
+    }
+}
