@@ -9,10 +9,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut hits = [0; 5];
     let report = simulation.run(&Limits::until(Time::new(&model, 100, 0.0)), |event| {
         if event.kind == EventKind::Impact {
-            hits[event.site] += 1;
+            hits[event.contact] += 1;
         }
     });
-    println!("impacts of each mass: {hits:?}; energy at the end: {}", simulation.energy());
+    println!("impacts of each mass: {hits:?}; energy at the end: {:?}", simulation.energy());
     assert_eq!(report.outcome, Outcome::TimeReached);
     assert_eq!(hits.iter().sum::<u64>(), report.work.impacts);
     Ok(())

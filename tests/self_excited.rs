@@ -8,7 +8,7 @@ use std::sync::Arc;
 use vibrochain_breather::{
     StructureFound, StructureModel, StructureOrbit, StructureOrbitError, structure_admissibility, structure_orbits,
 };
-use vibrochain_eventsim::{Limits, StructureOutcome, StructureSimulation};
+use vibrochain_eventsim::{Limits, Outcome, Simulation};
 use vibrochain_floquet::{
     End, Event, Located, StructureCourse, StructureWindow, Tolerance, structure_curve, structure_diagram,
     structure_stability,
@@ -113,10 +113,10 @@ fn runs_settle_on_it() {
         // ξ of the mode, whose coordinates are q and (q′ + δq)/κ.
         let shape = mode.coordinates[0][0];
         let xi = [start[0] / shape, (start[1] + mode.decay * start[0]) / mode.rate / shape];
-        let mut simulation = StructureSimulation::new(structure, 1.0, 0.0, &[xi]).unwrap();
+        let mut simulation = Simulation::of_modes(structure, 1.0, 0.0, &[xi]).unwrap();
         let until = simulation.time_of(40, 0.0);
         let (report, events) = simulation.collect(&Limits { until: Some(until), ..Limits::default() });
-        assert_eq!(report.outcome, StructureOutcome::TimeReached);
+        assert_eq!(report.outcome, Outcome::TimeReached);
         let [.., before, last] = &events[..] else { panic!("{events:?}") };
         let lapse = last.time.to_f64() - before.time.to_f64();
         assert!((lapse - orbit.period()).abs() < 1e-8, "{start:?} {lapse}");

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use vibrochain_breather::{Hit, StructureModel, StructureOrbit, Word, structure_admissibility, structure_orbits};
-use vibrochain_eventsim::{ContactEvent, EventKind, Limits, StructureOutcome, StructureSimulation};
+use vibrochain_eventsim::{Event, EventKind, Limits, Outcome, Simulation};
 use vibrochain_floquet::{Complex, Tolerance, structure_stability};
 use vibrochain_lattice::{Barrier, Contact, Structure};
 use vibrochain_testkit::{Random, Structure as Dense, StructureImpact};
@@ -106,9 +106,9 @@ fn stops(dense: &Dense, random: &mut Random) -> Vec<Contact> {
 }
 
 /// The last impacts, if they are those before them so many periods earlier: how many they are, and the periods.
-fn repetition(events: &[ContactEvent], period: f64) -> Option<(usize, u32)> {
+fn repetition(events: &[Event], period: f64) -> Option<(usize, u32)> {
     let last = events.len().checked_sub(1)?;
-    let alike = |a: &ContactEvent, b: &ContactEvent, lapse: f64| {
+    let alike = |a: &Event, b: &Event, lapse: f64| {
         (a.contact, a.barrier) == (b.contact, b.barrier)
             && (a.time.to_f64() - b.time.to_f64() - lapse).abs() < 1e-8 * period
             && (a.impulse - b.impulse).abs() < 1e-7 * a.impulse.abs()
@@ -120,11 +120,7 @@ fn repetition(events: &[ContactEvent], period: f64) -> Option<(usize, u32)> {
 }
 
 /// What becomes of a structure: an orbit, or why there is none.
-fn settled(
-    dense: &Dense,
-    structure: &Structure,
-    random: &mut Random,
-) -> Result<(Vec<ContactEvent>, u32), &'static str> {
+fn settled(dense: &Dense, structure: &Structure, random: &mut Random) -> Result<(Vec<Event>, u32), &'static str> {
     let (n, period) = (dense.size(), TAU / dense.omega);
     let modal = structure.modal().unwrap();
     let still = dense.stiffness.clone().lu().solve(&dense.static_load).unwrap();
@@ -132,16 +128,16 @@ fn settled(
     for (start, periods) in [(0.0, 300), (0.3, 300), (1.0, 300), (0.0, 2000)] {
         let v = DVector::from_fn(n, |_, _| start * random.between(-1.0, 1.0));
         let xi = structure.project(&modal, &still, &v).unwrap();
-        let Ok(mut simulation) = StructureSimulation::new(modal.clone(), dense.omega, 0.0, &xi) else { continue };
+        let Ok(mut simulation) = Simulation::of_modes(modal.clone(), dense.omega, 0.0, &xi) else { continue };
         let until = simulation.time_of(periods, 0.0);
         let report = simulation.run(&Limits { until: Some(until), ..Limits::default() }, |_| {});
-        if report.outcome != StructureOutcome::TimeReached {
+        if report.outcome != Outcome::TimeReached {
             why = "contacts meet, or a cascade";
             continue;
         }
         let until = simulation.time_of(periods + 2 * u64::from(PERIODS) + 1, 0.0);
         let (report, events) = simulation.collect(&Limits { until: Some(until), ..Limits::default() });
-        if report.outcome != StructureOutcome::TimeReached {
+        if report.outcome != Outcome::TimeReached {
             why = "contacts meet, or a cascade";
         } else if events.iter().any(|event| event.kind != EventKind::Impact) {
             why = "contacts rest";
@@ -171,12 +167,11 @@ struct Tally {
 }
 
 impl Tally {
-    fn check(&mut self, mut dense: Dense, structure: &Structure, events: &[ContactEvent], periods: u32) {
+    fn check(&mut self, mut dense: Dense, structure: &Structure, events: &[Event], periods: u32) {
         let force = TAU / dense.omega;
         let model = StructureModel::new(Arc::new(structure.modal().unwrap()), dense.omega).unwrap();
         let first = events[0].time.to_f64();
-        let impact =
-            |event: &ContactEvent| Hit::new(event.contact, event.barrier, event.time.to_f64() - first, event.impulse);
+        let impact = |event: &Event| Hit::new(event.contact, event.barrier, event.time.to_f64() - first, event.impulse);
         let impacts: Vec<_> = events.iter().map(impact).collect();
         let orbit = StructureOrbit::near(&model, periods, first.rem_euclid(force), &impacts).unwrap();
         let case = format!("{} {dense:?}", self.checked);

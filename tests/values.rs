@@ -303,10 +303,10 @@ fn other_values_come_back_and_have_their_names() {
     let (report, events) = simulation.collect(&Limits::impacts(5));
     assert_eq!(to_value(report).unwrap()["outcome"], "impacts-reached");
     let event = to_value(events[4]).unwrap();
-    for name in ["time", "site", "barrier", "velocity_before", "velocity_after", "kind"] {
+    for name in ["time", "contact", "barrier", "velocity_before", "velocity_after", "kind"] {
         assert!(!event[name].is_null(), "{event}");
     }
     assert_eq!(event["time"]["offset"], json!(events[4].time.offset()));
     read_back::<Work>(&report.work);
-    read_back(&Outcome::Cascade { site: 3, barrier: Barrier::Lower, bounces: 100 });
+    read_back(&Outcome::Cascade { contact: 3, barrier: Barrier::Lower, bounces: 100 });
 }

@@ -1,7 +1,7 @@
 //! Runs from states at random: the same impacts.
 
 use nalgebra::DVector;
-use vibrochain_eventsim::{Limits, Simulation, StructureSimulation, Time};
+use vibrochain_eventsim::{Limits, Simulation, Time};
 use vibrochain_testkit::{Random, Ranges};
 
 use crate::matrices;
@@ -25,11 +25,11 @@ fn runs_of_a_chain_are_those_of_a_structure() {
         // Differences grow from impact to impact.
         let until = Limits { impacts: 12, ..Limits::until(Time::new(&model, 4, 0.0)) };
         let (report, one) = Simulation::new(&model, psi, &place, &velocity).unwrap().collect(&until);
-        let mut simulation = StructureSimulation::new(modal, model.omega(), psi, &modes).unwrap();
+        let mut simulation = Simulation::of_modes(modal, model.omega(), psi, &modes).unwrap();
         let (other, two) = simulation.collect(&until);
         assert_eq!(one.len(), two.len(), "{number} {model}: {report:?} {other:?}");
         for (a, b) in one.iter().zip(&two) {
-            assert_eq!((a.site, a.barrier, a.kind), (b.contact, b.barrier, b.kind), "{number} {model}: {a:?} {b:?}");
+            assert_eq!((a.contact, a.barrier, a.kind), (b.contact, b.barrier, b.kind), "{number} {model}: {a:?} {b:?}");
             let apart = (a.time.to_f64() - b.time.to_f64()).abs() / model.period();
             worst = worst.max(apart).max((a.velocity_after - b.velocity_after).abs());
         }

@@ -73,7 +73,7 @@ fn simulate(orbit: &Orbit, point: &DVector<f64>, see: impl FnMut(f64, usize, f64
     let until = Time::new(orbit.model(), u64::from(orbit.force_periods()), 0.0);
     let report = simulation.run(&Limits::until(until), |event| {
         assert_eq!(event.kind, EventKind::Impact);
-        see(event.time.to_f64() + start, event.site, event.velocity_before);
+        see(event.time.to_f64() + start, event.contact, event.velocity_before);
     });
     assert_eq!(report.outcome, Outcome::TimeReached);
     let end = simulation.state();

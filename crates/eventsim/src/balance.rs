@@ -33,7 +33,8 @@ pub struct EnergyBalance {
 /// Three sums, each in two words.
 #[derive(Debug, Clone)]
 pub(crate) struct Ledger {
-    pub(crate) form: EnergyForm,
+    /// Of modes; coordinates need none.
+    pub(crate) form: Option<EnergyForm>,
     work: (f64, f64),
     dashpots: (f64, f64),
     impacts: (f64, f64),
@@ -45,7 +46,7 @@ fn grow(sum: &mut (f64, f64), by: f64) {
 }
 
 impl Ledger {
-    pub(crate) fn new(form: EnergyForm) -> Self {
+    pub(crate) fn new(form: Option<EnergyForm>) -> Self {
         Self { form, work: (0.0, 0.0), dashpots: (0.0, 0.0), impacts: (0.0, 0.0) }
     }
 

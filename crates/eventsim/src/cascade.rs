@@ -1,6 +1,6 @@
 //! Cascades of impacts on one barrier: how many there were, and the limits that are still ahead.
 
-use crate::event::EventKind;
+use crate::event::{EventKind, Outcome};
 use crate::time::Clock;
 use vibrochain_lattice::Barrier;
 
@@ -13,43 +13,35 @@ struct Bounces {
     offset: f64,
 }
 
-/// More impacts in succession than are waited for.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Cascade {
-    pub(crate) site: usize,
-    pub(crate) barrier: Barrier,
-    pub(crate) bounces: u32,
-}
-
-/// What became of one mass, in internal units, or of one contact of a structure.
+/// What became of one contact.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Change {
-    pub(crate) site: usize,
+    pub(crate) contact: usize,
     pub(crate) barrier: Barrier,
     pub(crate) before: f64,
     pub(crate) after: f64,
-    /// Of an impact: of a mass its acceleration, which does not change, of a contact the impulse.
-    pub(crate) force: f64,
+    /// P of an impact.
+    pub(crate) impulse: f64,
     pub(crate) kind: EventKind,
     /// How much later than the contact: the limit of a cascade.
     pub(crate) delay: f64,
 }
 
 impl Change {
-    pub(crate) fn still(site: usize, barrier: Barrier, kind: EventKind, delay: f64) -> Self {
-        Self { site, barrier, before: 0.0, after: 0.0, force: 0.0, kind, delay }
+    pub(crate) fn still(contact: usize, barrier: Barrier, kind: EventKind, delay: f64) -> Self {
+        Self { contact, barrier, before: 0.0, after: 0.0, impulse: 0.0, kind, delay }
     }
 }
 
 /// A rest whose event is not due yet.
 #[derive(Debug, Clone, Copy)]
 struct Pending {
-    site: usize,
+    contact: usize,
     barrier: Barrier,
     at: f64,
 }
 
-/// Of all masses, or of all contacts of a structure. Times count from the base.
+/// Of all contacts. Times count from the base.
 #[derive(Debug, Clone)]
 pub(crate) struct Cascades {
     bounces: Vec<Option<Bounces>>,
@@ -57,13 +49,13 @@ pub(crate) struct Cascades {
 }
 
 impl Cascades {
-    pub(crate) fn new(sites: usize) -> Self {
-        Self { bounces: vec![None; sites], pending: Vec::new() }
+    pub(crate) fn new(contacts: usize) -> Self {
+        Self { bounces: vec![None; contacts], pending: Vec::new() }
     }
 
-    /// Site `site` comes to rest at `at`.
-    pub(crate) fn rest_at(&mut self, site: usize, barrier: Barrier, at: f64) {
-        self.pending.push(Pending { site, barrier, at });
+    /// Contact `contact` comes to rest at `at`.
+    pub(crate) fn rest_at(&mut self, contact: usize, barrier: Barrier, at: f64) {
+        self.pending.push(Pending { contact, barrier, at });
     }
 
     /// When the next one comes to rest; infinite: none does.
@@ -79,14 +71,14 @@ impl Cascades {
     fn take(&mut self, is_due: impl Fn(&Pending) -> bool, mut observe: impl FnMut(&Change)) {
         self.pending.retain(|pending| {
             if is_due(pending) {
-                observe(&Change::still(pending.site, pending.barrier, EventKind::Stick, 0.0));
+                observe(&Change::still(pending.contact, pending.barrier, EventKind::Stick, 0.0));
             }
             !is_due(pending)
         });
     }
 
     /// Tells of changes at `now`, but for the rests that are still ahead, and counts bounces: the first cascade that has as many as `most`, each
-    /// within what `wait` says of its site.
+    /// within what `wait` says of its contact.
     pub(crate) fn tell(
         &mut self,
         changes: &[Change],
@@ -94,24 +86,24 @@ impl Cascades {
         most: u32,
         wait: impl Fn(usize) -> f64,
         mut observe: impl FnMut(&Change),
-    ) -> Option<Cascade> {
+    ) -> Option<Outcome> {
         let mut cascade = None;
         for change in changes {
-            let &Change { site, barrier, kind, delay, .. } = change;
+            let &Change { contact, barrier, kind, delay, .. } = change;
             if kind == EventKind::Stick && delay > 0.0 {
-                self.rest_at(site, barrier, now + delay);
+                self.rest_at(contact, barrier, now + delay);
                 continue;
             }
             if kind == EventKind::Release {
                 // A release before the end of its own cascade: then that end is now.
-                self.take(|pending| pending.site == site, &mut observe);
+                self.take(|pending| pending.contact == contact, &mut observe);
             }
             observe(change);
             if kind == EventKind::Impact {
-                let bounces = self.count(site, barrier, clock, now, wait(site));
+                let bounces = self.count(contact, barrier, clock, now, wait(contact));
                 if bounces >= most {
-                    self.bounces[site] = None;
-                    cascade = cascade.or(Some(Cascade { site, barrier, bounces }));
+                    self.bounces[contact] = None;
+                    cascade = cascade.or(Some(Outcome::Cascade { contact, barrier, bounces }));
                 }
             }
         }
@@ -124,15 +116,15 @@ impl Cascades {
     }
 
     /// Counts an impact at `now`: how many there were in succession, each within `wait` of the one before.
-    fn count(&mut self, site: usize, barrier: Barrier, clock: &Clock, now: f64, wait: f64) -> u32 {
+    fn count(&mut self, contact: usize, barrier: Barrier, clock: &Clock, now: f64, wait: f64) -> u32 {
         let (periods, offset) = clock.after(now);
-        let count = match self.bounces[site] {
+        let count = match self.bounces[contact] {
             Some(last) if last.barrier == barrier && now - clock.until(last.periods, last.offset) < wait => {
                 last.count.saturating_add(1)
             }
             _ => 1,
         };
-        self.bounces[site] = Some(Bounces { barrier, count, periods, offset });
+        self.bounces[contact] = Some(Bounces { barrier, count, periods, offset });
         count
     }
 }

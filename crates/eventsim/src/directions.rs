@@ -30,7 +30,7 @@ impl Directions {
             vector.iter().any(|part| part.len() != size) || !(length > 0.0 && length.is_finite())
         };
         if let Some(vector) = vectors.iter().position(is_wrong) {
-            return Err(TangentError::Entries { vector, sites: size });
+            return Err(TangentError::Entries { vector, size });
         }
         Ok(Self { logs: vec![0.0; vectors.len()], vectors, grazed: false })
     }

@@ -1,7 +1,7 @@
 //! What can be wrong with the request for a simulation.
 
 use thiserror::Error;
-use vibrochain_lattice::{Barrier, Layout, Short};
+use vibrochain_lattice::{Barrier, Short};
 
 /// A state that no simulation can start from. What happens later is an [`Outcome`](crate::Outcome), never an error.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -16,40 +16,44 @@ pub enum StateError {
         /// Masses of the lattice.
         sites: usize,
     },
-    /// A number is infinite or not a number.
-    #[error("{} is {value}: give a finite number", of_mass(.name, *.site, .layout))]
-    NotFinite {
-        /// `displacement`, `velocity` or, with site 0, `psi`.
-        name: &'static str,
-        /// The mass, counted through all layers.
-        site: usize,
-        /// How it is called.
-        layout: Layout,
+    /// Not two numbers a mode.
+    #[error("the state has {given} modes where the structure has {wanted}: give two numbers a mode")]
+    Modes {
+        /// Modes given.
+        given: usize,
+        /// Modes of the structure.
+        wanted: usize,
+    },
+    /// A number is infinite, not a number, or not what it must be.
+    #[error("{what} is {value}: give {requirement}")]
+    Range {
+        /// Which one: `psi`, `omega`, `velocity of site 3`.
+        what: String,
         /// The value as given.
         value: f64,
+        /// What it must be.
+        requirement: &'static str,
     },
-    /// A mass starts outside its gap.
+    /// A contact starts beyond its barrier.
     #[error(
-        "site {} starts at {}, {excess:e} beyond its {} barrier: give a number from {low} to {high}",
-        .layout.name(*site),
+        "{name} starts at {}, {excess:e} beyond its {} barrier at {}: start it between its barriers",
         Short(*value),
-        .barrier.name()
+        .barrier.name(),
+        Short(*place)
     )]
     OutsideGap {
-        /// The mass, counted through all layers.
-        site: usize,
-        /// How it is called.
-        layout: Layout,
+        /// The contact; of a lattice the mass, counted through all layers.
+        contact: usize,
+        /// What it is called: `contact 3`, `site 1:2`.
+        name: String,
         /// The barrier it is behind.
         barrier: Barrier,
-        /// Its displacement.
+        /// Where it is.
         value: f64,
+        /// Where the barrier is.
+        place: f64,
         /// How far behind the barrier it is.
         excess: f64,
-        /// Position of the lower barrier.
-        low: f64,
-        /// Position of the upper barrier.
-        high: f64,
     },
     /// Something crosses the gap in less time than the clock resolves.
     #[error(
@@ -66,15 +70,21 @@ pub enum StateError {
     },
 }
 
-/// A number of a mass, which words call by site and layer; the phase of the force is of none.
-fn of_mass(name: &str, site: usize, layout: &Layout) -> String {
-    if name == "psi" { name.to_owned() } else { format!("{name} of site {}", layout.name(site)) }
+impl StateError {
+    pub(crate) fn not_finite(what: String, value: f64) -> Self {
+        Self::Range { what, value, requirement: "a finite number" }
+    }
+
+    /// Of a contact at `value`, whose barrier is at `place`.
+    pub(crate) fn outside((contact, name): (usize, String), barrier: Barrier, [value, place]: [f64; 2]) -> Self {
+        Self::OutsideGap { contact, name, barrier, value, place, excess: barrier.sign() * (value - place) }
+    }
 }
 
 /// What is wrong with tangent vectors.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum TangentError {
-    /// None, more than the lattice has directions, or more than anybody looks at.
+    /// None, more than the state space has directions, or more than anybody looks at.
     #[error("{count} tangent vectors: give 1 to {most}")]
     Count {
         /// How many were asked for.
@@ -82,15 +92,13 @@ pub enum TangentError {
         /// How many there can be.
         most: usize,
     },
-    /// Not one finite number a mass in each of displacement and velocity, or all of them zero.
-    #[error(
-        "tangent vector {vector} has not one finite number a mass in displacement and velocity, or nothing but zeros; the lattice has {sites} masses"
-    )]
+    /// A vector has not two finite numbers a mass, or a mode, or all of them are zero.
+    #[error("tangent vector {vector} has not {size} finite numbers in each of its two lists, or nothing but zeros")]
     Entries {
         /// Number of the vector, from 0.
         vector: usize,
-        /// Masses of the lattice.
-        sites: usize,
+        /// Masses of the lattice, or modes of the structure.
+        size: usize,
     },
     /// They belong to another model.
     #[error("the tangent vectors belong to another model than the simulation")]

@@ -3,7 +3,7 @@
 use crate::time::Time;
 use vibrochain_lattice::Barrier;
 
-/// What happened to a mass.
+/// What happened to a contact, which in a lattice is a mass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum EventKind {
@@ -17,21 +17,23 @@ pub enum EventKind {
 
 vibrochain_lattice::names!(EventKind { Impact "impact", Stick "stick", Release "release" });
 
-/// One thing that happened to one mass. Masses that meet their barriers together make one event each, at the same
-/// time, in the order of their sites.
+/// One thing that happened to one contact, which in a lattice is a mass. Contacts that hit together make one event each, at the same time, in
+/// the order of their numbers, or in that in which the impacts were applied.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Event {
     /// When.
     pub time: Time,
-    /// The mass; of several layers numbered layer by layer.
-    pub site: usize,
+    /// The contact; of a lattice the mass, numbered layer by layer.
+    pub contact: usize,
     /// Its barrier.
     pub barrier: Barrier,
-    /// Velocity just before, v⁻ (signed; 0 for stick and release).
+    /// Velocity just before, g′⁻ (signed; 0 for stick and release).
     pub velocity_before: f64,
-    /// Velocity just after, v⁺.
+    /// Velocity just after, g′⁺.
     pub velocity_after: f64,
+    /// P, which adds M⁻¹w P to q′, negative at an upper barrier: of a unit mass the change of its velocity.
+    pub impulse: f64,
     /// What happened.
     pub kind: EventKind,
 }
@@ -43,10 +45,10 @@ pub struct Event {
 pub struct Limits {
     /// Simulate up to and including this time. `None`: no limit on time.
     pub until: Option<Time>,
-    /// Stop once this many impacts (rows of kind impact, one a mass) have been counted in this call. Simultaneous
+    /// Stop once this many impacts (events of kind impact) have been counted in this call. Simultaneous
     /// impacts are never cut in two, so the last of them may exceed it.
     pub impacts: u64,
-    /// Give up on a mass that has met the same barrier this many times in succession, each within [`BOUNCE_TIME`] of the one before, or without a
+    /// Give up on a contact that has met the same barrier this many times in succession, each within [`BOUNCE_TIME`] of the one before, or without a
     /// loss so soon that a period would hold more.
     pub bounces: u32,
     /// Stop after this many windows of flight and restarts, whatever happened.
@@ -90,15 +92,30 @@ pub enum Outcome {
     TimeReached,
     /// The number of impacts asked for was reached.
     ImpactsReached,
-    /// A cascade of impacts of one mass could not be resolved: with e = 1 (or within rounding of it) a pressed mass
-    /// bounces for ever, ever faster.
+    /// Two contacts that share a coordinate meet their barriers at one instant, or one pushes another, which rests, into its barrier: what
+    /// comes of it depends on the order. The run stands just before it.
+    Simultaneous {
+        /// One of them.
+        first: usize,
+        /// The other one.
+        second: usize,
+    },
+    /// A cascade of impacts could not be resolved: [`Limits::bounces`] in a row. A contact that is pressed to its barrier with e = 1, or within
+    /// 5e-5 of it, bounces for ever. Its impacts count as one cascade where each follows the last so soon that a period would hold more than
+    /// these, and within 1e-3 of the fastest rate's unit.
     Cascade {
-        /// The mass.
-        site: usize,
+        /// The contact.
+        contact: usize,
         /// Its barrier.
         barrier: Barrier,
         /// Impacts of the cascade so far.
         bounces: u32,
+    },
+    /// A mode that feeds itself has grown beyond any use: beyond 1e4 times what barriers, loads and the start make of the modes (by its
+    /// own rate, where that is slower than the fastest one). A mode that does not feed itself: beyond 1e100.
+    Diverged {
+        /// The mode.
+        mode: usize,
     },
     /// [`Limits::flights`] was reached.
     WorkLimit,
@@ -131,9 +148,9 @@ pub struct Work {
 /// The end of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct Report<O = Outcome> {
+pub struct Report {
     /// Why it ended.
-    pub outcome: O,
+    pub outcome: Outcome,
     /// When.
     pub time: Time,
     /// Work since the simulation was created.

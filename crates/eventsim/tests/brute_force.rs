@@ -18,7 +18,7 @@ fn compare(model: &Model, seed: u64, speed: f64, periods: f64, samples: u32) -> 
     for (event, impact) in events.iter().zip(&truth) {
         let time = event.time.to_f64();
         assert!(
-            event.site == impact.site && event.barrier == impact.barrier && (time - impact.time).abs() < 1e-8,
+            event.contact == impact.site && event.barrier == impact.barrier && (time - impact.time).abs() < 1e-8,
             "{model:?} seed {seed}: {event:?} for {impact:?}"
         );
         assert!((event.velocity_before - impact.before).abs() < 1e-6, "{event:?} for {impact:?}");

@@ -30,7 +30,7 @@ fn a_peak_a_millionth_over_the_barrier_is_an_impact_of_all_masses_at_once() {
     let found = events(&model, &[0.0; 21], &[0.626_099_480_913_536_5; 21], 1.0);
     assert_eq!(found.len(), 21);
     for (site, event) in found.iter().enumerate() {
-        assert_eq!((event.site, event.barrier, event.kind), (site, Barrier::Upper, EventKind::Impact));
+        assert_eq!((event.contact, event.barrier, event.kind), (site, Barrier::Upper, EventKind::Impact));
         // The barrier is met at 4.8e-4 radians from the peak: rounding of u grows by 1e3.
         assert_abs_diff_eq!(event.time.to_f64(), 3.509_734_753_896_905, epsilon = 1e-12);
         assert_abs_diff_eq!(event.velocity_before, 7.483_316_109e-4, epsilon = 1e-12);
@@ -55,7 +55,7 @@ fn impacts_a_picosecond_apart_are_told_apart() {
     (u[3], v[3]) = (0.5, 0.9);
     (u[11], v[11]) = (0.5 - 0.9e-12, 0.9);
     let found = events(&model, &u, &v, 0.5);
-    assert_eq!((found[0].site, found[1].site), (3, 11));
+    assert_eq!((found[0].contact, found[1].contact), (3, 11));
     let (first, second) = (found[0].time.to_f64(), found[1].time.to_f64());
     assert_abs_diff_eq!(first, 1.300_487_074_325_697_7, epsilon = 1e-12);
     assert_abs_diff_eq!(second - first, 1.509_35e-12, epsilon = 1e-14);
@@ -68,7 +68,7 @@ fn a_start_on_a_barrier_hits_only_if_it_moves_outward() {
     (u[0], v[0]) = (1.4, 0.5);
     let found = events(&model, &u, &v, 1e-3);
     assert_eq!(found.len(), 1);
-    assert_eq!((found[0].site, found[0].time.to_f64()), (0, 0.0));
+    assert_eq!((found[0].contact, found[0].time.to_f64()), (0, 0.0));
     assert_eq!((found[0].velocity_before, found[0].velocity_after), (0.5, -0.5));
     v[0] = -0.5;
     assert_eq!(events(&model, &u, &v, 0.3), []);
@@ -83,7 +83,7 @@ fn impacts_accumulate_at_4e_minus_13() {
     let (mut u, mut v) = ([0.0; 21], [0.0; 21]);
     (u[0], v[0]) = (1.4, -1e-13);
     let found = events(&model, &u, &v, 1e-6);
-    assert_eq!((found[0].kind, found[0].site), (EventKind::Impact, 0));
+    assert_eq!((found[0].kind, found[0].contact), (EventKind::Impact, 0));
     let first = found[0].time.to_f64();
     // Inward for 2v/α, α = 1.5 − (0.2 + 2·0.1)·1.4.
     assert_abs_diff_eq!(first / (2e-13 / 0.94), 1.0, epsilon = 1e-12);
@@ -115,11 +115,11 @@ fn a_forced_ring_of_five_sticks_and_lets_go() {
     let rests: Vec<_> = found.iter().filter(|e| e.kind != EventKind::Impact).collect();
     assert_eq!(rests.len(), expected.len(), "{rests:#?}");
     for (event, (kind, barrier, site, time)) in rests.iter().zip(expected) {
-        assert_eq!((event.kind, event.barrier, event.site), (kind, barrier, site));
+        assert_eq!((event.kind, event.barrier, event.contact), (kind, barrier, site));
         assert_abs_diff_eq!(event.time.to_f64(), time, epsilon = 1e-12);
         assert_eq!((event.velocity_before, event.velocity_after), (0.0, 0.0));
     }
-    let first = |site: usize| found.iter().find(|e| e.site == site).unwrap().time.to_f64();
+    let first = |site: usize| found.iter().find(|e| e.contact == site).unwrap().time.to_f64();
     assert_abs_diff_eq!(first(0), 1.109_504_256_745_789, epsilon = 1e-12);
     for (site, time) in [(1, 1.397_255_256_585_395), (2, 1.407_888_459_145_674)] {
         assert_abs_diff_eq!(first(site), time, epsilon = 1e-12);

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use vibrochain_eventsim::{Event, EventKind, Limits, Outcome, Simulation, Time};
-use vibrochain_lattice::{Barrier, Model, Point, Propagator, Spectrum};
+use vibrochain_lattice::{Barrier, Chain, Model, Point, Propagator, Spectrum};
 
 fn run(model: &Model, psi: f64, u: &[f64], v: &[f64], periods: f64) -> (Simulation, Vec<Event>) {
     let mut simulation = Simulation::new(model, psi, u, v).unwrap();
@@ -30,7 +30,10 @@ fn the_force_on_it_decides() {
                     assert_eq!(events.len(), 1);
                     let event = events[0];
                     assert_eq!((event.kind, event.barrier, event.time.to_f64()), (EventKind::Stick, barrier, 0.0));
-                    assert_eq!((simulation.state().displacement[0], simulation.resting(0)), (u, Some(barrier)));
+                    assert_eq!(
+                        (simulation.state().displacement[0], simulation.contact(0).unwrap().resting),
+                        (u, Some(barrier))
+                    );
                     seen[0] += 1;
                 } else {
                     // It leaves without an event, and is as far away as its acceleration takes it.
@@ -47,7 +50,7 @@ fn the_force_on_it_decides() {
     let model = Point::ring(1).gamma1(0.2).gamma2(0.0).omega(1.0).amplitude(0.5).restitution(0.9).model().unwrap();
     for (psi, pressed) in [(0.4_f64.acos(), false), (-(0.4_f64.acos()), true)] {
         let (simulation, events) = run(&model, psi, &[1.0], &[0.0], 1e-3);
-        assert_eq!(simulation.resting(0).is_some(), pressed, "{psi} {events:?}");
+        assert_eq!(simulation.contact(0).unwrap().resting.is_some(), pressed, "{psi} {events:?}");
         seen[2] += 1;
     }
     assert_eq!(seen, [4, 20, 2]);
@@ -77,7 +80,7 @@ fn a_far_neighbour_that_leaves_takes_it_along() {
             for periods in [0.05, 0.4] {
                 let (simulation, events) = run(&model, 0.0, &u, &v, periods);
                 assert!(events.iter().all(|e| e.kind != EventKind::Impact), "{sites}: {events:?}");
-                compared += assert_flies_freely(&simulation, &u, &v);
+                compared += assert_flies_freely(model.chain(), &simulation, &u, &v);
             }
         }
     }
@@ -85,9 +88,9 @@ fn a_far_neighbour_that_leaves_takes_it_along() {
 }
 
 /// Compares a run that has met no barrier since it left this state with the free flow; the number of masses compared.
-fn assert_flies_freely(simulation: &Simulation, u: &[f64], v: &[f64]) -> usize {
+fn assert_flies_freely(chain: &Chain, simulation: &Simulation, u: &[f64], v: &[f64]) -> usize {
     let sites = u.len();
-    let flow = Propagator::new(&Spectrum::new(*simulation.model().chain()), simulation.time().to_f64());
+    let flow = Propagator::new(&Spectrum::new(*chain), simulation.time().to_f64());
     let (mut u_free, mut v_free) = (vec![0.0; sites], vec![0.0; sites]);
     flow.apply(u, v, &mut u_free, &mut v_free);
     let state = simulation.state();
@@ -110,9 +113,9 @@ fn an_impact_at_the_very_start_leaves_the_rest_of_a_moving_ring_alone() {
         let mut v: Vec<f64> = (0..sites).map(|n| wave(n, 1.3)).collect();
         (u[hit], v[hit]) = (model.barrier(Barrier::Upper), 0.5);
         let (simulation, events) = run(&model, 0.0, &u, &v, 0.1);
-        assert!(events.len() == 1 && events[0].time.to_f64() == 0.0 && events[0].site == hit, "{events:?}");
+        assert!(events.len() == 1 && events[0].time.to_f64() == 0.0 && events[0].contact == hit, "{events:?}");
         v[hit] = -0.8 * 0.5;
-        compared += assert_flies_freely(&simulation, &u, &v);
+        compared += assert_flies_freely(model.chain(), &simulation, &u, &v);
     }
     assert!(compared > 600, "{compared}");
 }

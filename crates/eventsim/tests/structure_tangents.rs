@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
-use vibrochain_eventsim::{EventKind, Limits, StructureOutcome, StructureSimulation, StructureTangents, TangentError};
+use vibrochain_eventsim::{EventKind, Limits, Outcome, Simulation, TangentError};
 use vibrochain_lattice::{Complex, Contact, ModalStructure, Structure};
 use vibrochain_testkit::{Random, structures};
 
@@ -39,10 +39,10 @@ fn structure(random: &mut Random) -> (ModalStructure, f64, Modes) {
 
 /// Where a run ends, and the kinds of its events.
 fn after(structure: &ModalStructure, omega: f64, modes: &Modes, part: f64) -> Option<(Modes, Vec<(usize, EventKind)>)> {
-    let mut simulation = StructureSimulation::new(structure.clone(), omega, 0.3, modes).ok()?;
+    let mut simulation = Simulation::of_modes(structure.clone(), omega, 0.3, modes).ok()?;
     let (report, events) = simulation.collect(&Limits::until(simulation.time_of(0, part)));
     let events = events.iter().map(|event| (event.contact, event.kind)).collect();
-    (report.outcome == StructureOutcome::TimeReached).then(|| (simulation.state().modes, events))
+    (report.outcome == Outcome::TimeReached).then(|| (simulation.state().modes, events))
 }
 
 #[test]
@@ -64,18 +64,20 @@ fn tangents_are_the_difference_of_neighbouring_runs() {
             Some(one.iter().flatten().zip(other.iter().flatten()).map(|(a, b)| (b - a) / (2.0 * h)).collect())
         };
         let (Some(fine), Some(coarse)) = (difference(1e-6), difference(2e-6)) else { continue };
-        let mut tangents = StructureTangents::of(&structure, std::slice::from_ref(&direction)).unwrap();
-        let mut simulation = StructureSimulation::new(structure.clone(), omega, 0.3, &modes).unwrap();
+        let mut simulation = Simulation::of_modes(structure.clone(), omega, 0.3, &modes).unwrap();
+        let lists = [0, 1].map(|j| direction.iter().map(|xi| xi[j]).collect::<Vec<f64>>());
+        let mut tangents = simulation.tangents_along(&[lists]).unwrap();
         let limits = Limits::until(simulation.time_of(0, part));
         let report = simulation.run_with(&mut tangents, &limits, |_| {}).unwrap();
         if tangents.has_grazed() {
             continue;
         }
-        let exact = tangents.vector(0).unwrap();
+        let [first, second] = tangents.vector(0).unwrap();
+        let exact = first.iter().zip(&second).flat_map(|(a, b)| [a, b]);
         // Vectors that have grown far are made orthonormal on the way.
         let length = tangents.growth()[0].exp();
         let size = fine.iter().fold(0.1, |most: f64, x| most.max(x.abs()));
-        for (i, exact) in exact.iter().flatten().map(|x| x * length).enumerate() {
+        for (i, exact) in exact.map(|x| x * length).enumerate() {
             let expected = (4.0 * fine[i] - coarse[i]) / 3.0;
             let allowed = 0.2 * (fine[i] - coarse[i]).abs() + 3e-7 * size;
             worst = worst.max((exact - expected).abs() / size);
@@ -97,12 +99,12 @@ fn a_period_of_an_orbit_has_the_multipliers_of_the_dense_matrix() {
         let start = &case.states()[0];
         let modes = structure.project(&modal, &start.rows(0, n).into_owned(), &start.rows(n, n).into_owned()).unwrap();
         let size = 2 * modal.modes().len();
+        let count = modal.modes().len();
         let unit = |i: usize| {
-            let entry = |k: usize, j: usize| f64::from(u8::from(2 * k + j == i));
-            (0..modal.modes().len()).map(|k| [entry(k, 0), entry(k, 1)]).collect::<Modes>()
+            [0, 1].map(|j| (0..count).map(|k| f64::from(u8::from(j * count + k == i))).collect::<Vec<f64>>())
         };
-        let mut tangents = StructureTangents::of(&modal, &(0..size).map(unit).collect::<Vec<_>>()).unwrap();
-        let mut simulation = StructureSimulation::new(modal.clone(), case.omega, case.psi, &modes).unwrap();
+        let mut simulation = Simulation::of_modes(modal.clone(), case.omega, case.psi, &modes).unwrap();
+        let mut tangents = simulation.tangents_along(&(0..size).map(unit).collect::<Vec<_>>()).unwrap();
         // From the first impact, which is passed, to just before its next one.
         let periods = case.period * case.omega / TAU;
         let after_last = 0.5 * (case.period - case.impacts.last().unwrap().time) * case.omega / TAU;
@@ -110,13 +112,12 @@ fn a_period_of_an_orbit_has_the_multipliers_of_the_dense_matrix() {
         let (from, to) = (end(periods - after_last), end(2.0 * periods - after_last));
         simulation.run(&from, |_| {});
         let report = simulation.run_with(&mut tangents, &to, |_| {}).unwrap();
-        assert_eq!(report.outcome, StructureOutcome::TimeReached);
+        assert_eq!(report.outcome, Outcome::TimeReached);
         if tangents.growth().iter().any(|log| *log != 0.0) || tangents.has_grazed() {
             continue;
         }
-        let columns: Vec<DVector<f64>> = (0..size)
-            .map(|i| DVector::from_iterator(size, tangents.vector(i).unwrap().into_iter().flatten()))
-            .collect();
+        let columns: Vec<DVector<f64>> =
+            (0..size).map(|i| DVector::from_vec(tangents.vector(i).unwrap().concat())).collect();
         let sorted = |matrix: &DMatrix<f64>| {
             let mut moduli: Vec<f64> = matrix.complex_eigenvalues().iter().map(|z| z.norm()).collect();
             moduli.sort_by(|a, b| b.total_cmp(a));
@@ -138,11 +139,11 @@ fn a_period_of_an_orbit_has_the_multipliers_of_the_dense_matrix() {
 fn a_run_with_tangents_is_the_same_to_the_bit_and_those_of_another_structure_are_refused() {
     let mut random = Random(5);
     let (structure, omega, modes) = structure(&mut random);
-    let mut alone = StructureSimulation::new(structure.clone(), omega, 0.3, &modes).unwrap();
+    let mut alone = Simulation::of_modes(structure.clone(), omega, 0.3, &modes).unwrap();
     let mut with = alone.clone();
     let limits = Limits::until(alone.time_of(3, 0.4));
     let (_, events) = alone.collect(&limits);
-    let mut tangents = StructureTangents::random(&structure, 2, 9).unwrap();
+    let mut tangents = alone.tangents(2, 9).unwrap();
     let mut seen = Vec::new();
     with.run_with(&mut tangents, &limits, |event| seen.push(*event)).unwrap();
     assert!(!events.is_empty());
@@ -150,14 +151,11 @@ fn a_run_with_tangents_is_the_same_to_the_bit_and_those_of_another_structure_are
     let other = structure
         .clone()
         .with_contacts(structure.contacts().iter().map(|contact| Contact { restitution: 0.95, ..*contact }).collect());
-    let mut others = StructureTangents::random(&other.unwrap(), 1, 9).unwrap();
+    let mut others = Simulation::of_modes(other.unwrap(), omega, 0.3, &modes).unwrap().tangents(1, 9).unwrap();
     assert_eq!(with.run_with(&mut others, &limits, |_| {}), Err(TangentError::OtherModel));
     let most = 2 * structure.modes().len();
-    assert_eq!(
-        StructureTangents::random(&structure, most + 1, 1).err(),
-        Some(TangentError::Count { count: most + 1, most })
-    );
-    assert!(matches!(StructureTangents::of(&structure, &[vec![[0.0; 2]; 1]]), Err(TangentError::Entries { .. })));
+    assert_eq!(alone.tangents(most + 1, 1).err(), Some(TangentError::Count { count: most + 1, most }));
+    assert!(matches!(alone.tangents_along(&[[vec![0.0], vec![0.0]]]), Err(TangentError::Entries { .. })));
 }
 
 /// Two masses alike that hit at one instant: no linear map goes through that where a dashpot between them lets the impulse at one change the
@@ -181,8 +179,8 @@ fn contacts_that_a_dashpot_couples_have_no_tangents_through_one_instant() {
         // On their barriers, moving outward.
         let [place, velocity] = [0.3, 1.0].map(|x| DVector::from_element(2, x));
         let modes = structure.project(&modal, &place, &velocity).unwrap();
-        let mut simulation = StructureSimulation::new(modal.clone(), 1.0, 0.0, &modes).unwrap();
-        let mut tangents = StructureTangents::random(&modal, 1, 3).unwrap();
+        let mut simulation = Simulation::of_modes(modal.clone(), 1.0, 0.0, &modes).unwrap();
+        let mut tangents = simulation.tangents(1, 3).unwrap();
         let limits = Limits { impacts: 2, ..Limits::until(simulation.time_of(0, 0.5)) };
         let mut times = Vec::new();
         simulation.run_with(&mut tangents, &limits, |event| times.push(event.time)).unwrap();

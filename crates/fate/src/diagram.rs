@@ -2,7 +2,7 @@
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use vibrochain_breather::Orbit;
-use vibrochain_eventsim::Simulation;
+use vibrochain_eventsim::{Outcome, Simulation, State};
 use vibrochain_lattice::{Barrier, Model, Stop};
 use vibrochain_maps::cell::Worker;
 use vibrochain_maps::grid::Grid;
@@ -11,7 +11,6 @@ use vibrochain_maps::sweep::{Ended, Job};
 
 use crate::ensemble::Ensemble;
 use crate::fates::Ensembled;
-use crate::origin::{Origin, Reached};
 use crate::run::reach;
 use crate::section::Strobe;
 use crate::start::Start;
@@ -43,14 +42,8 @@ pub struct Column {
     pub complete: bool,
 }
 
-/// What carries a run that starts in a cell of a scene.
-type RunOf<S> = <<S as Ensembled>::Origin as Origin>::Run;
-
 /// A scene whose runs are looked at once a period.
 pub trait Sectioned: Ensembled {
-    /// The state that one run hands on to the next.
-    type State: Clone + Send + Sync;
-
     /// The sites, or contacts, that are looked at.
     fn watched(&self) -> Vec<usize>;
 
@@ -66,12 +59,9 @@ pub trait Sectioned: Ensembled {
         &self,
         cell: u64,
         ensemble: &Ensemble,
-        carried: Option<Self::State>,
+        carried: Option<State>,
         stop: &Stop,
-    ) -> Option<Option<(RunOf<Self>, Strobe)>>;
-
-    /// Displacements and velocities of what is looked at, and the state at an instant of the section.
-    fn look(run: &RunOf<Self>, watched: &[usize]) -> (Vec<(f64, f64)>, Self::State);
+    ) -> Option<Option<(Simulation, Strobe)>>;
 }
 
 /// A diagram that is asked for.
@@ -100,7 +90,7 @@ impl<S: Sectioned> Diagram<'_, S> {
         let watched = self.scene.watched();
         let numbers = (2 * self.points).saturating_mul(watched.len() as u64).max(1);
         let block = if self.carry { 1 } else { (MOST_WAITING / numbers).clamp(1, BLOCK) };
-        let mut carried: Option<S::State> = None;
+        let mut carried: Option<State> = None;
         let mut first = 0;
         while first < cells {
             let numbers = first..(first + block).min(cells);
@@ -113,7 +103,7 @@ impl<S: Sectioned> Diagram<'_, S> {
             let done: Vec<_> = job.pool.install(|| numbers.into_par_iter().map(of).collect());
             for column in done {
                 let Some((column, end)) = column else { return Ended::Stopped };
-                carried = end.filter(|_| self.carry);
+                carried = end;
                 if let Err(error) = sink(column) {
                     return Ended::Failed(error);
                 }
@@ -127,9 +117,9 @@ impl<S: Sectioned> Diagram<'_, S> {
         &self,
         number: u64,
         watched: &[usize],
-        carried: Option<S::State>,
+        carried: Option<State>,
         stop: &Stop,
-    ) -> Option<(Column, Option<S::State>)> {
+    ) -> Option<(Column, Option<State>)> {
         if stop.is_raised() {
             return None;
         }
@@ -143,13 +133,14 @@ impl<S: Sectioned> Diagram<'_, S> {
                 return None;
             }
             // A whole period at a time before the first point, so that nothing takes long to be stopped.
-            if reach(&mut run, None, strobe.time(period), |_| {})? != Reached::Time {
+            if reach(&mut run, None, strobe.time(period), |_| {})?.outcome != Outcome::TimeReached {
                 return Some((Column { number, points, complete: false }, None));
             }
             if period >= first {
-                let (states, state) = S::look(&run, watched);
+                let seen = watched.iter().filter_map(|&contact| run.contact(contact));
+                let states = seen.map(|contact| (contact.place, contact.velocity)).collect();
                 points.push(SectionPoint { period, states });
-                end = Some(state);
+                end = self.carry.then(|| run.state());
             }
         }
         Some((Column { number, points, complete: true }, end))
@@ -157,8 +148,6 @@ impl<S: Sectioned> Diagram<'_, S> {
 }
 
 impl Sectioned for Scene {
-    type State = (Vec<f64>, Vec<f64>);
-
     /// The masses of the scene's words, and site 0 for families.
     fn watched(&self) -> Vec<usize> {
         let (layout, task) = (self.base.layout, &self.task);
@@ -181,14 +170,14 @@ impl Sectioned for Scene {
         &self,
         cell: u64,
         ensemble: &Ensemble,
-        carried: Option<Self::State>,
+        carried: Option<State>,
         stop: &Stop,
     ) -> Option<Option<(Simulation, Strobe)>> {
         let model = self.point(cell).model().ok()?;
         let sites = model.chain().sites();
         let (u, v, psi) = match carried {
             // At an instant of the section the phase is 0.
-            Some((u, v)) => (within(u, &model), v, 0.0),
+            Some(State { displacement, velocity, .. }) => (within(displacement, &model), velocity, 0.0),
             None => {
                 let mut best: Option<Orbit> = None;
                 Worker::new(sites).until(stop).examine(&model, &self.task, |orbit, better| {
@@ -207,12 +196,6 @@ impl Sectioned for Scene {
         };
         let simulation = Simulation::new(&model, psi, &u, &v).ok();
         Some(simulation.map(|simulation| (simulation, Strobe::new(&model, psi, 0.0))))
-    }
-
-    fn look(run: &Simulation, watched: &[usize]) -> (Vec<(f64, f64)>, Self::State) {
-        let state = run.state();
-        let states = watched.iter().map(|&n| (state.displacement[n], state.velocity[n])).collect();
-        (states, (state.displacement, state.velocity))
     }
 }
 

@@ -11,12 +11,13 @@
 
 use thiserror::Error;
 use vibrochain_breather::{BreatherError, Orbit, StructureOrbit, StructureOrbitError};
-use vibrochain_eventsim::Limits;
+use vibrochain_eventsim::{Outcome, Report, Simulation, Tangents};
 use vibrochain_floquet::{DMatrix, eigenvalues};
 use vibrochain_lattice::Stop;
 
 use crate::follow::Track;
-use crate::origin::{Breather, OfStructure, Origin, Reached, Riding, Run};
+use crate::origin::{Origin, directions};
+use crate::run::reach;
 
 /// Once a perturbation has grown by e to this power the run is set back: rounding is then a hundredth of a millionth of the gap at
 /// most, and what is not linear in it some 1e-13 of the growth.
@@ -82,7 +83,7 @@ pub enum Unmeasured {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn measure(orbit: &Orbit, periods: u64, stop: &Stop) -> Result<Measured, Unmeasured> {
-    measure_from(&Breather::new(orbit)?, periods, stop)
+    measure_from(&Origin::on(orbit)?, periods, stop)
 }
 
 /// The same of an orbit of a structure.
@@ -90,18 +91,18 @@ pub fn measure(orbit: &Orbit, periods: u64, stop: &Stop) -> Result<Measured, Unm
 /// # Errors
 /// [`Unmeasured`].
 pub fn measure_structure(orbit: &StructureOrbit, periods: u64, stop: &Stop) -> Result<Measured, Unmeasured> {
-    measure_from(&OfStructure::on(orbit)?, periods, stop)
+    measure_from(&Origin::on_structure(orbit)?, periods, stop)
 }
 
-pub(crate) fn measure_from<O: Origin>(origin: &O, periods: u64, stop: &Stop) -> Result<Measured, Unmeasured> {
+pub(crate) fn measure_from(origin: &Origin, periods: u64, stop: &Stop) -> Result<Measured, Unmeasured> {
     let track = origin.track();
     let impacts: usize = track.instants.iter().map(Vec::len).sum();
-    let mut tangents = origin.tangent(1).ok_or(Unmeasured::NoStart)?;
     let mut states = [const { Vec::new() }; 3];
     let mut logs = [0.0; 3];
     let mut estimates: Vec<f64> = Vec::new();
     let started = || origin.run(None, stop).ok_or(Unmeasured::NoStart);
     let mut run = started()?;
+    let mut tangents = run.tangents(1, 1).map_err(|_| Unmeasured::NoStart)?;
     let (mut since, mut grown, mut before) = (0, 0.0, 0);
     for period in 1..=periods.max(1) {
         if grown > SET_BACK || since == LONGEST {
@@ -109,15 +110,15 @@ pub(crate) fn measure_from<O: Origin>(origin: &O, periods: u64, stop: &Stop) -> 
         }
         since += 1;
         // (An orbit's period is one or two of the force, or a few.)
-        let limits = Limits::until(run.time_of(since * track.span));
-        let (ended, work) = run.advance(Some(&mut tangents), &limits, &mut |_| {}).ok_or(Unmeasured::NotFollowed)?;
-        ensure!(ended != Reached::Stopped, Unmeasured::Stopped);
+        let until = run.time_of(since * track.span, 0.0);
+        let Report { outcome, work, .. } =
+            reach(&mut run, Some(&mut tangents), until, |_| {}).ok_or(Unmeasured::Stopped)?;
         let log = tangents.orthonormalise()[0];
-        let state = tangents.vector(0).unwrap_or_default();
+        let state = tangents.vector(0).unwrap_or_default().concat();
         // (Its own units, not those in which the tangents have length 1.)
         let length = dot(&state, &state).sqrt();
         let log = log + length.ln();
-        let followed = ended == Reached::Time && work.impacts - before == impacts as u64 && work.sticks == 0;
+        let followed = outcome == Outcome::TimeReached && work.impacts - before == impacts as u64 && work.sticks == 0;
         before = work.impacts;
         if !followed || tangents.has_grazed() || !log.is_finite() {
             return Err(Unmeasured::NotFollowed);
@@ -141,7 +142,7 @@ pub(crate) fn measure_from<O: Origin>(origin: &O, periods: u64, stop: &Stop) -> 
     let moved = late.iter().fold(0.0, |most: f64, estimate| most.max((estimate - last).abs()));
     let periods = estimates.len() as u64 + 2;
     let settled = estimates.len() >= LEAST && moved <= SETTLED;
-    if !settled && let Some((tangents, count)) = origin.directions() {
+    if !settled && let Some((tangents, count)) = directions(&run) {
         let measured = in_all_directions(&track, started()?, tangents, count);
         return measured.map(|measured| Measured { periods: periods + measured.periods, ..measured });
     }
@@ -149,21 +150,20 @@ pub(crate) fn measure_from<O: Origin>(origin: &O, periods: u64, stop: &Stop) -> 
 }
 
 /// The same from all directions at once: tangent vectors along each of them, over one period and over two.
-fn in_all_directions<R: Run>(
+fn in_all_directions(
     track: &Track,
-    mut run: R,
-    mut tangents: R::Tangents,
+    mut run: Simulation,
+    mut tangents: Tangents,
     size: usize,
 ) -> Result<Measured, Unmeasured> {
     let mut logs = [0.0; 2];
     for (count, log) in (1..).zip(&mut logs) {
-        let limits = Limits::until(run.time_of(count * track.span));
-        let (ended, _) = run.advance(Some(&mut tangents), &limits, &mut |_| {}).ok_or(Unmeasured::NotFollowed)?;
-        ensure!(ended != Reached::Stopped, Unmeasured::Stopped);
-        if ended != Reached::Time || tangents.has_grazed() {
+        let until = run.time_of(count * track.span, 0.0);
+        let report = reach(&mut run, Some(&mut tangents), until, |_| {}).ok_or(Unmeasured::Stopped)?;
+        if report.outcome != Outcome::TimeReached || tangents.has_grazed() {
             return Err(Unmeasured::NotFollowed);
         }
-        let columns: Vec<Vec<f64>> = (0..size).filter_map(|i| tangents.vector(i)).collect();
+        let columns: Vec<Vec<f64>> = (0..size).filter_map(|i| Some(tangents.vector(i)?.concat())).collect();
         // A run makes its vectors orthonormal from time to time; after that they are no longer what the flow makes of the first ones.
         let whole = columns.len() == size && tangents.growth().iter().all(|log| *log == 0.0);
         if !whole {

@@ -18,7 +18,6 @@ use vibrochain_maps::sweep::{Ended, Job};
 use crate::end::End;
 use crate::ensemble::Ensemble;
 use crate::exponent::{Measured, measure_from};
-use crate::origin::{Breather, Origin};
 use crate::run::{Fate, Home};
 
 /// Runs of a block of cells, at whose end threads wait for each other: a hundred kilobytes, and a second of work or more.
@@ -94,7 +93,7 @@ impl BreatherFates {
         self.ends.iter().sum()
     }
 
-    fn of<O>(departure: &Departure<O>, measured: Option<Measured>, fates: &[Fate]) -> Self {
+    fn of(departure: &Departure, measured: Option<Measured>, fates: &[Fate]) -> Self {
         let mut words = BTreeMap::new();
         let mut ends = [0; End::NAMES.len()];
         for fate in fates {
@@ -145,19 +144,19 @@ pub struct CellFates {
 }
 
 /// A breather with all that its runs need.
-pub(crate) struct Departure<O> {
+pub(crate) struct Departure {
     pub(crate) number: u32,
     pub(crate) name: String,
     pub(crate) spectral_radius: Option<f64>,
     pub(crate) predicted: Option<f64>,
     /// Whether runs start on an orbit, whose exponent can be measured.
     pub(crate) measured: bool,
-    pub(crate) home: Home<O>,
+    pub(crate) home: Home,
 }
 
-impl<O> Departure<O> {
+impl Departure {
     /// From an orbit of this period, as far as its stability is known.
-    pub(crate) fn of(number: u32, name: String, known: Option<&Stability>, period: f64, home: Home<O>) -> Self {
+    pub(crate) fn of(number: u32, name: String, known: Option<&Stability>, period: f64, home: Home) -> Self {
         let spectral_radius = known.map(|known| known.verdict.spectral_radius);
         let predicted = known.and_then(|known| predicted(known, period));
         Self { number, name, spectral_radius, predicted, measured: true, home }
@@ -165,16 +164,13 @@ impl<O> Departure<O> {
 }
 
 /// A cell before its runs.
-pub struct Found<O> {
+pub struct Found {
     pub(crate) cell: Cell,
-    pub(crate) departures: Vec<Departure<O>>,
+    pub(crate) departures: Vec<Departure>,
 }
 
 /// A scene from whose cells runs start.
 pub trait Ensembled: Grid {
-    /// What runs start from.
-    type Origin: Origin;
-
     /// Whether an ensemble can be run over it.
     ///
     /// # Errors
@@ -182,7 +178,7 @@ pub trait Ensembled: Grid {
     fn takes(&self, ensemble: &Ensemble, from: From) -> Result<(), String>;
 
     /// What lives in a cell, and whence runs start. `None` if stopped.
-    fn find(&self, cell: u64, from: From, worker: &mut Self::Worker, stop: &Stop) -> Option<Found<Self::Origin>>;
+    fn find(&self, cell: u64, from: From, worker: &mut Self::Worker, stop: &Stop) -> Option<Found>;
 }
 
 /// What one thread does at a time.
@@ -289,9 +285,8 @@ fn of_block<S: Ensembled, E>(
         }
         Some(found)
     };
-    let found: Vec<Option<Found<S::Origin>>> =
-        pool.install(|| places.par_iter().map_init(|| scene.worker(stop), find).collect());
-    let mut work: Vec<(&Departure<S::Origin>, u64, u64, Work)> = Vec::new();
+    let found: Vec<Option<Found>> = pool.install(|| places.par_iter().map_init(|| scene.worker(stop), find).collect());
+    let mut work: Vec<(&Departure, u64, u64, Work)> = Vec::new();
     for (found, place) in found.iter().zip(places) {
         for (breather, departure) in (0..).zip(found.iter().flat_map(|found| &found.departures)) {
             work.push((departure, place.cell, breather, Work::Measure));
@@ -299,7 +294,7 @@ fn of_block<S: Ensembled, E>(
         }
     }
     let closed = AtomicBool::new(false);
-    let run = |(departure, cell, breather, work): (&Departure<S::Origin>, u64, u64, Work)| -> Option<Done> {
+    let run = |(departure, cell, breather, work): (&Departure, u64, u64, Work)| -> Option<Done> {
         if closed.load(Ordering::Relaxed) {
             return None;
         }
@@ -333,10 +328,10 @@ fn of_block<S: Ensembled, E>(
 }
 
 /// Puts runs together to cells.
-fn collect<O, E>(
+fn collect<E>(
     ensemble: &Ensemble,
     places: &[Place],
-    found: &[Option<Found<O>>],
+    found: &[Option<Found>],
     done: &mut InOrder<Option<Done>>,
     sink: &mut impl FnMut(&Place, CellFates) -> Result<(), E>,
 ) -> Ended<E, ()> {
@@ -363,8 +358,6 @@ fn collect<O, E>(
 }
 
 impl Ensembled for Scene {
-    type Origin = Breather;
-
     fn takes(&self, ensemble: &Ensemble, from: From) -> Result<(), String> {
         ensure!(
             from != From::Rest,
@@ -377,7 +370,7 @@ impl Ensembled for Scene {
         ensemble.check(self.base.sites()).map_err(|error| error.to_string())
     }
 
-    fn find(&self, number: u64, from: From, worker: &mut Worker, stop: &Stop) -> Option<Found<Breather>> {
+    fn find(&self, number: u64, from: From, worker: &mut Worker, stop: &Stop) -> Option<Found> {
         // The scene's corners were checked, so that every point between is a valid model.
         let model = self.point(number).model().ok()?;
         let (mut orbits, mut count): (Vec<(u32, Orbit)>, _) = (Vec::new(), 0);
@@ -392,7 +385,7 @@ impl Ensembled for Scene {
         });
         let tolerance = self.task.tolerance;
         let departures = orbits.iter().filter_map(|(number, orbit)| departure(*number, orbit, tolerance, stop));
-        let asked = |(_, unstable): &(Departure<Breather>, bool)| from != From::Unstable || *unstable;
+        let asked = |(_, unstable): &(Departure, bool)| from != From::Unstable || *unstable;
         let departures = departures.filter(asked).map(|(departure, _)| departure).collect();
         // What was stopped is not known.
         (!stop.is_raised()).then_some(Found { cell, departures })
@@ -400,7 +393,7 @@ impl Ensembled for Scene {
 }
 
 /// Whence runs start, and whether the breather is unstable, as the scene counts it.
-fn departure(number: u32, orbit: &Orbit, tolerance: Tolerance, stop: &Stop) -> Option<(Departure<Breather>, bool)> {
+fn departure(number: u32, orbit: &Orbit, tolerance: Tolerance, stop: &Stop) -> Option<(Departure, bool)> {
     let home = Home::of(orbit).ok()?;
     let mut finder = Finder::new(orbit.model().chain().sites()).until(stop);
     let known = Analyser::default().stability(orbit, &mut finder, tolerance).ok();

@@ -16,7 +16,7 @@ pub(crate) struct Expected {
 
 /// The impacts of a breather by instants, and what deviations are measured by.
 #[derive(Debug, Clone)]
-pub struct Track {
+pub(crate) struct Track {
     pub(crate) instants: Vec<Vec<Expected>>,
     /// The largest velocity at an impact.
     pub(crate) fastest: f64,
@@ -111,7 +111,9 @@ impl<'a> Follower<'a> {
         let track = self.track;
         let impacts = &track.instants[self.instant];
         let place = impacts.iter().zip(&self.open).position(|(expected, open)| {
-            *open && (expected.site, expected.barrier) == (event.site, event.barrier) && event.kind == EventKind::Impact
+            *open
+                && (expected.site, expected.barrier) == (event.contact, event.barrier)
+                && event.kind == EventKind::Impact
         });
         let Some(place) = place else { return f64::INFINITY };
         let expected = impacts[place];

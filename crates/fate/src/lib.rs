@@ -63,7 +63,6 @@ pub use end::End;
 pub use ensemble::{Ensemble, OutOfRange};
 pub use exponent::{Measured, Unmeasured, measure, measure_structure};
 pub use fates::{BreatherFates, CellFates, Ensembled, From, fates};
-pub use origin::{Breather, OfStructure};
 pub use reader::Reader;
 pub use run::{Fate, Home, LOOKED_AT};
 pub use section::Strobe;

@@ -19,7 +19,7 @@ pub(crate) const REPETITIONS: usize = 4;
 
 /// One of the impacts of an instant.
 #[derive(Debug, Clone, Copy)]
-pub struct Hit {
+pub(crate) struct Hit {
     /// The mass, or the contact.
     pub(crate) site: usize,
     pub(crate) barrier: Barrier,
@@ -75,7 +75,7 @@ impl Latest {
             self.rested = true;
             return;
         }
-        let hit = Hit { site: event.site, barrier: event.barrier, velocity: event.velocity_before };
+        let hit = Hit { site: event.contact, barrier: event.barrier, velocity: event.velocity_before };
         let now = Instant { periods: event.time.periods(), part: event.time.part(), hits: vec![hit] };
         self.hits += 1;
         match self.instants.back_mut() {
@@ -176,8 +176,9 @@ mod tests {
         let mut latest = Latest::default();
         for (period, velocity) in (0..40).zip(velocities.iter().cycle()) {
             let time = Time::of_period(2.0, period, 0.25);
-            let (site, barrier, kind) = (0, Barrier::Upper, EventKind::Impact);
-            let event = Event { time, site, barrier, velocity_before: *velocity, velocity_after: -*velocity, kind };
+            let (contact, barrier, kind) = (0, Barrier::Upper, EventKind::Impact);
+            let (velocity_before, velocity_after, impulse) = (*velocity, -*velocity, -2.0 * *velocity);
+            let event = Event { time, contact, barrier, velocity_before, velocity_after, impulse, kind };
             latest.see(&event, 1e-3);
         }
         latest

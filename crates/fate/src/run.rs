@@ -1,13 +1,13 @@
 //! One run from a perturbed breather: how it ends, and when it leaves.
 
 use vibrochain_breather::{BreatherError, Orbit, StructureModel, StructureOrbit, StructureOrbitError};
-use vibrochain_eventsim::{Event, Exponent, Growth, Limits, Time};
+use vibrochain_eventsim::{Event, Exponent, Growth, Limits, Outcome, Report, Simulation, Tangents, Time};
 use vibrochain_lattice::Stop;
 
 use crate::end::End;
 use crate::ensemble::Ensemble;
 use crate::follow::{Follower, Track};
-use crate::origin::{Breather, OfStructure, Origin, Reached, Riding, Run};
+use crate::origin::Origin;
 use crate::repeat::Latest;
 
 /// Periods at the end whose impacts are looked at: enough for a slow drift to show, few enough for a run that has just settled.
@@ -29,8 +29,8 @@ const CLEARLY: f64 = 3.0;
 
 /// A breather to start from, or another origin, with what every run from it needs.
 #[derive(Debug, Clone)]
-pub struct Home<O = Breather> {
-    pub(crate) origin: O,
+pub struct Home {
+    pub(crate) origin: Origin,
     track: Track,
 }
 
@@ -46,34 +46,26 @@ pub struct Fate {
 }
 
 impl Home {
-    /// Prepares runs from a breather.
+    /// Prepares runs from a breather of a chain.
     ///
     /// # Errors
     /// [`BreatherError`] if its motion is not defined.
     pub fn of(orbit: &Orbit) -> Result<Self, BreatherError> {
-        Ok(Self::with(Breather::new(orbit)?))
+        Ok(Self::with(Origin::on(orbit)?))
     }
 
-    /// The breather.
-    #[must_use]
-    pub fn orbit(&self) -> &Orbit {
-        &self.origin.orbit
-    }
-}
-
-impl Home<OfStructure> {
     /// Prepares runs from an orbit of a structure.
     ///
     /// # Errors
     /// [`StructureOrbitError`] if its motion is not defined.
     pub fn of_structure(orbit: &StructureOrbit) -> Result<Self, StructureOrbitError> {
-        Ok(Self::with(OfStructure::on(orbit)?))
+        Ok(Self::with(Origin::on_structure(orbit)?))
     }
 
     /// Prepares runs from a structure at rest under its static load: what it settles on by itself.
     #[must_use]
     pub fn at_rest(model: &StructureModel) -> Self {
-        Self::with(OfStructure::at_rest(model))
+        Self::with(Origin::at_rest(model))
     }
 
     /// Whether contacts that share coordinates and hit at one instant do so in sequence, whatever the ensemble says.
@@ -81,10 +73,8 @@ impl Home<OfStructure> {
     pub fn in_sequence(self, in_sequence: bool) -> Self {
         Self { origin: self.origin.in_sequence(in_sequence), ..self }
     }
-}
 
-impl<O: Origin> Home<O> {
-    fn with(origin: O) -> Self {
+    fn with(origin: Origin) -> Self {
         Self { track: origin.track(), origin }
     }
 
@@ -92,27 +82,27 @@ impl<O: Origin> Home<O> {
     #[must_use]
     pub fn run(&self, ensemble: &Ensemble, seed: u64, stop: &Stop) -> Option<Fate> {
         let incomplete = |left| Some(Fate { end: End::Incomplete, left, exponent: None });
-        let started = self.origin.run(Some((ensemble.size, seed)), stop).zip(self.origin.tangent(seed));
-        let Some((simulation, mut tangents)) = started else { return incomplete(None) };
+        let Some(simulation) = self.origin.run(Some((ensemble.size, seed)), stop) else { return incomplete(None) };
+        let Ok(mut tangents) = simulation.tangents(1, seed) else { return incomplete(None) };
         let mut simulation = if ensemble.in_sequence { simulation.in_sequence() } else { simulation };
-        let mut follower = Follower::new(&self.track, self.origin.time(), ensemble.leave);
+        let mut follower = Follower::new(&self.track, self.origin.time, ensemble.leave);
         let mut latest = Latest::default();
         let close = CLOSE * ensemble.tolerance.min(self.track.shortest_wait() / self.track.unit);
         let (skipped, periods) = (ensemble.skipped(), ensemble.periods);
         let looked_at = periods - LOOKED_AT.min(periods - skipped);
         let mut growth = None;
         for period in 1..=periods {
-            let until = simulation.time_of(period);
+            let until = simulation.time_of(period, 0.0);
             let observe = |event: &Event| {
                 follower.see(event);
                 if period > looked_at {
                     latest.see(event, close);
                 }
             };
-            let riders = (period > skipped).then_some(&mut tangents);
-            let reached = reach(&mut simulation, riders, until, observe)?;
+            let carried = (period > skipped).then_some(&mut tangents);
+            let reached = reach(&mut simulation, carried, until, observe)?;
             follower.reach(simulation.time());
-            if reached != Reached::Time {
+            if reached.outcome != Outcome::TimeReached {
                 return incomplete(follower.left());
             }
             if period > skipped {
@@ -135,7 +125,7 @@ impl<O: Origin> Home<O> {
             return End::Quiet;
         }
         latest.trim();
-        if latest.is(&self.track, self.origin.time(), tolerance) {
+        if latest.is(&self.track, self.origin.time, tolerance) {
             return End::Breather;
         }
         let repeated = latest.repeated(tolerance, self.track.forced);
@@ -153,14 +143,17 @@ impl<O: Origin> Home<O> {
     }
 }
 
-/// Carries a run to a time, with tangent vectors or without. `None` if the stop flag that it heeds is raised.
-pub(crate) fn reach<R: Run>(
-    run: &mut R,
-    tangents: Option<&mut R::Tangents>,
+/// Carries a run to a time, with tangent vectors of its model or without. `None` if the stop flag that it heeds is raised.
+pub(crate) fn reach(
+    run: &mut Simulation,
+    tangents: Option<&mut Tangents>,
     until: Time,
-    mut observe: impl FnMut(&Event),
-) -> Option<Reached> {
-    // (They are of this model.)
-    let (ended, _) = run.advance(tangents, &Limits::until(until), &mut observe)?;
-    (ended != Reached::Stopped).then_some(ended)
+    observe: impl FnMut(&Event),
+) -> Option<Report> {
+    let limits = Limits::until(until);
+    let report = match tangents {
+        Some(tangents) => run.run_with(tangents, &limits, observe).ok()?,
+        None => run.run(&limits, observe),
+    };
+    (report.outcome != Outcome::Stopped).then_some(report)
 }

@@ -1,7 +1,7 @@
 //! Ensembles over a structure's scene: many runs from the orbits of every point, or from rest.
 
 use vibrochain_breather::{StructureModel, structure_candidates, structure_is_physical};
-use vibrochain_eventsim::StructureSimulation;
+use vibrochain_eventsim::{Simulation, State};
 use vibrochain_floquet::structure_stability;
 use vibrochain_lattice::Stop;
 use vibrochain_maps::cell::{Cell, Class, Status};
@@ -12,12 +12,12 @@ use vibrochain_maps::structure::{Setting, StructureScene};
 use crate::diagram::Sectioned;
 use crate::ensemble::Ensemble;
 use crate::fates::{Departure, Ensembled, Found, From};
-use crate::origin::{OfStructure, Origin};
+use crate::origin::Origin;
 use crate::run::Home;
 use crate::section::Strobe;
 
 /// An orbit as runs start from it, and whether it is stable where that is decided.
-type Judged = (Departure<OfStructure>, Option<bool>);
+type Judged = (Departure, Option<bool>);
 
 /// The physical orbits of all words that are asked for, and what a sweep says of their lists: where one is not complete, or something could not
 /// be worked out, more may live here. `None` if stopped.
@@ -51,8 +51,6 @@ fn departures(scene: &StructureScene, model: &StructureModel, stop: &Stop) -> Op
 }
 
 impl Ensembled for StructureScene {
-    type Origin = OfStructure;
-
     fn takes(&self, ensemble: &Ensemble, from: From) -> Result<(), String> {
         // A structure's lengths are its user's: any perturbation that leaves its contacts between their barriers is one.
         let checked = Ensemble { size: ensemble.size.min(1.0), ..*ensemble };
@@ -65,7 +63,7 @@ impl Ensembled for StructureScene {
         self.model().map(drop)
     }
 
-    fn find(&self, number: u64, from: From, row: &mut RowOfModels, stop: &Stop) -> Option<Found<OfStructure>> {
+    fn find(&self, number: u64, from: From, row: &mut RowOfModels, stop: &Stop) -> Option<Found> {
         if stop.is_raised() {
             return None;
         }
@@ -99,8 +97,6 @@ impl Ensembled for StructureScene {
 }
 
 impl Sectioned for StructureScene {
-    type State = Vec<[f64; 2]>;
-
     /// The contacts of the scene's words; all where it names none.
     fn watched(&self) -> Vec<usize> {
         let asked = self.asked();
@@ -139,27 +135,20 @@ impl Sectioned for StructureScene {
         &self,
         cell: u64,
         ensemble: &Ensemble,
-        carried: Option<Self::State>,
+        carried: Option<State>,
         stop: &Stop,
-    ) -> Option<Option<(StructureSimulation, Strobe)>> {
+    ) -> Option<Option<(Simulation, Strobe)>> {
         let mut row = self.worker(stop);
         let Ok(model) = row.model(self, cell) else { return Some(None) };
         let (origin, perturbed) = match carried {
-            Some(modes) => (OfStructure::at(&model, modes), None),
+            Some(state) => (Origin::at(&model, state.modes), None),
             None => match self.find(cell, From::Class, &mut row, stop)?.departures.pop() {
                 Some(departure) => (departure.home.origin, Some((ensemble.size, ensemble.seed_of(cell, 0, 0)))),
-                None => (OfStructure::at_rest(&model), None),
+                None => (Origin::at_rest(&model), None),
             },
         };
         let origin = origin.in_sequence(self.in_sequence || ensemble.in_sequence);
         Some(origin.run(perturbed, stop).map(|run| (run, origin.strobe())))
-    }
-
-    fn look(run: &StructureSimulation, watched: &[usize]) -> (Vec<(f64, f64)>, Self::State) {
-        let state = run.state();
-        let of =
-            |contact: &usize| state.contacts.get(*contact).map_or((f64::NAN, f64::NAN), |at| (at.place, at.velocity));
-        (watched.iter().map(of).collect(), state.modes)
     }
 }
 
@@ -182,11 +171,11 @@ mod tests {
                 LinearMode::oscillator(0.0, [1.0, 2.3][k], &shape, &[])
             };
             let structure = ModalStructure::new(vec![stop; 2], Vec::new(), vec![mode(0), mode(1)]).unwrap();
-            let origin = OfStructure::at_rest(&StructureModel::new(Arc::new(structure), omega).unwrap());
+            let origin = Origin::at_rest(&StructureModel::new(Arc::new(structure), omega).unwrap());
             for seed in 0..20 {
                 let size = 1e-3;
                 let run = origin.run(Some((size, seed)), &Stop::default()).unwrap();
-                let moved = run.state().contacts.iter().fold([0.0; 2], |most: [f64; 2], contact| {
+                let moved = run.contacts().iter().fold([0.0; 2], |most: [f64; 2], contact| {
                     [most[0].max(contact.place.abs()), most[1].max(contact.velocity.abs() / omega)]
                 });
                 assert!((moved[0].max(moved[1]) / size - 1.0).abs() < 1e-12, "{omega} {seed}: {moved:?}");

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 use vibrochain_breather::{Family, Motion, Orbit, admissibility, breathers};
-use vibrochain_eventsim::{Limits, Outcome, Simulation, Tangents, Time};
+use vibrochain_eventsim::{Limits, Outcome, Simulation, Time};
 use vibrochain_fate::{Start, measure};
 use vibrochain_floquet::{Tolerance, full_monodromy, stability};
 use vibrochain_lattice::{Model, Point, Propagator, Spectrum, Stop};
@@ -40,16 +40,12 @@ fn by_tangents(orbit: &Orbit) -> Vec<Vec<f64>> {
     let mut simulation = Simulation::new(orbit.model(), orbit.psi().unwrap_or(0.0) + start, &u, &v).unwrap();
     let sites = u.len();
     let unit = |i: usize| (0..sites).map(|n| f64::from(u8::from(n == i))).collect::<Vec<_>>();
-    let units: Vec<_> = (0..2 * sites).map(|i| (unit(i), unit(i.wrapping_sub(sites)))).collect();
-    let mut tangents = Tangents::of(orbit.model(), &units).unwrap();
+    let units: Vec<_> = (0..2 * sites).map(|i| [unit(i), unit(i.wrapping_sub(sites))]).collect();
+    let mut tangents = simulation.tangents_along(&units).unwrap();
     let end = Time::new(orbit.model(), orbit.force_periods().into(), 0.0);
     let report = simulation.run_with(&mut tangents, &Limits::until(end), |_| {}).unwrap();
     assert_eq!((report.outcome, report.work.impacts), (Outcome::TimeReached, orbit.impacts().len() as u64));
-    let column = |i| {
-        let (u, v) = tangents.vector(i).unwrap();
-        [u, v].concat()
-    };
-    (0..2 * sites).map(column).collect()
+    (0..2 * sites).map(|i| tangents.vector(i).unwrap().concat()).collect()
 }
 
 #[test]
@@ -107,7 +103,7 @@ fn a_run_that_starts_on_a_breather_has_its_exponent_before_it_leaves() {
         }
         let start = Start::on(&orbit).unwrap();
         let mut simulation = start.simulation(orbit.model()).unwrap();
-        let mut tangents = Tangents::random(orbit.model(), 1, 3).unwrap();
+        let mut tangents = simulation.tangents(1, 3).unwrap();
         let periods = (16.5 / growth).ceil() as u64;
         let mut logs = vec![0.0];
         for period in 1..=periods {

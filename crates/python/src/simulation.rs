@@ -62,7 +62,7 @@ impl Events {
         if self.time.len() > MOST_EVENTS {
             return;
         }
-        let (site, layer) = layout.place(event.site);
+        let (site, layer) = layout.place(event.contact);
         self.time.push(event.time.on_clock(start));
         self.site.push(site as i64);
         self.layer.push(layer as i64);
@@ -125,14 +125,14 @@ impl Course {
             report = Some(told);
             match told.outcome {
                 Outcome::TimeReached => {}
-                Outcome::Cascade { site, barrier, bounces } => {
+                Outcome::Cascade { contact, barrier, bounces } => {
                     return Err(Failure::NotConverged(format!(
                         "site {} has met the {barrier} barrier {bounces} times in a cascade that does not end: with restitution \
                          1 a mass that is pressed against its barrier bounces for ever; give a restitution below 1",
-                        layout.name(site)
+                        layout.name(contact)
                     )));
                 }
-                Outcome::ImpactsReached | Outcome::WorkLimit | Outcome::Stopped => break,
+                _ => break,
             }
             if place < looks.len() {
                 simulation.read(&mut now, &mut speed);

@@ -67,7 +67,7 @@ impl Film {
     }
 
     pub(crate) fn hit(&mut self, event: &Event) {
-        let impact = (event.site, event.barrier == Barrier::Upper);
+        let impact = (event.contact, event.barrier == Barrier::Upper);
         if !self.impacts.contains(&impact) {
             self.impacts.push(impact);
         }

@@ -14,7 +14,7 @@ use vibrochain_breather::{Finder, Orbit};
 use vibrochain_eventsim::{Limits, Outcome, Report, Simulation, Time};
 use vibrochain_fate::{End, LOOKED_AT, Pattern, Witness};
 use vibrochain_floquet::{Analyser, Tolerance};
-use vibrochain_lattice::{Short, Stop};
+use vibrochain_lattice::{Model, Short, Stop};
 
 use crate::along::{Start, picked};
 use crate::args::{Direction, SimulateArgs};
@@ -108,6 +108,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     let distance = orbit.map(|orbit| deviation(orbit, &simulation, start)).transpose()?;
     let told = Told {
         args,
+        model: &model,
         simulation: &simulation,
         report: &report,
         stopped,
@@ -123,13 +124,27 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
         Outcome::Stopped => Err(interrupted(args, simulation.time())),
         _ if stopped => Err(interrupted(args, simulation.time())),
         Outcome::TimeReached | Outcome::ImpactsReached => Ok(()),
-        Outcome::Cascade { site, barrier, bounces } => Err(CliError::Computation(format!(
+        Outcome::Cascade { contact, barrier, bounces } => Err(CliError::Computation(format!(
             "site {} has met the {barrier} barrier {bounces} times in a cascade that does not end: with restitution 1 a mass that is pressed against its barrier bounces for ever; give a restitution below 1",
-            model.chain().layout().name(site)
+            model.chain().layout().name(contact)
         ))),
-        Outcome::WorkLimit => {
+        // Masses share nothing, and no mode of a chain feeds itself.
+        Outcome::WorkLimit | Outcome::Simultaneous { .. } | Outcome::Diverged { .. } => {
             Err(CliError::Computation("the limit on work was reached; simulate fewer periods".to_owned()))
         }
+    }
+}
+
+/// Why a run ended, in a word of the answers.
+pub(crate) fn name_of(outcome: &Outcome) -> &'static str {
+    match outcome {
+        Outcome::TimeReached => "time-reached",
+        Outcome::ImpactsReached => "impacts-reached",
+        Outcome::Simultaneous { .. } => "simultaneous",
+        Outcome::Cascade { .. } => "cascade",
+        Outcome::Diverged { .. } => "diverged",
+        Outcome::WorkLimit => "work-limit",
+        Outcome::Stopped => "interrupted",
     }
 }
 
@@ -200,7 +215,7 @@ struct Kept<'a> {
 
 impl Run for Kept<'_> {
     fn time_of(&self, periods: u64, part: f64) -> Time {
-        Time::new(self.simulation.model(), periods, part)
+        self.simulation.time_of(periods, part)
     }
 
     fn advance(&mut self, limits: &Limits, stop: &Stop) -> Result<Reached, CliError> {
@@ -221,7 +236,7 @@ impl Run for Kept<'_> {
         let reached = match report.outcome {
             Outcome::TimeReached => Reached::Time,
             Outcome::Stopped => Reached::Stopped,
-            Outcome::ImpactsReached | Outcome::Cascade { .. } | Outcome::WorkLimit => Reached::End,
+            _ => Reached::End,
         };
         self.report = Some(report);
         Ok(reached)
@@ -256,6 +271,7 @@ impl Run for Kept<'_> {
 /// What is told of a run.
 struct Told<'a> {
     args: &'a SimulateArgs,
+    model: &'a Model,
     simulation: &'a Simulation,
     report: &'a Report,
     stopped: bool,
@@ -273,24 +289,17 @@ impl Told<'_> {
     fn answer(&self) -> Value {
         let (simulation, fate) = (self.simulation, &self.fate);
         let (work, time, state) = (simulation.work(), simulation.time(), simulation.state());
-        let outcome = match self.report.outcome {
-            _ if self.stopped => "interrupted",
-            Outcome::Stopped => "interrupted",
-            Outcome::TimeReached => "time-reached",
-            Outcome::ImpactsReached => "impacts-reached",
-            Outcome::Cascade { .. } => "cascade",
-            Outcome::WorkLimit => "work-limit",
-        };
+        let outcome = if self.stopped { Outcome::Stopped } else { self.report.outcome };
         let word = match &fate.end {
             Some(End::Periodic(word)) => Some(word.to_string()),
             _ => None,
         };
         // The force repeats: its phase at the end needs no whole periods.
-        let psi = (state.psi + time.offset()).rem_euclid(simulation.model().period());
+        let psi = (state.psi + time.offset()).rem_euclid(self.model.period());
         json!({
             "schema": SIMULATE,
-            "outcome": outcome,
-            "parameters": simulation.model(),
+            "outcome": name_of(&outcome),
+            "parameters": self.model,
             "solution": self.home.map(|home| home.number),
             "start": self.start,
             "periods": time.periods(),
@@ -310,7 +319,7 @@ impl Told<'_> {
 
     /// For people. Writing to a String cannot fail.
     fn text(&self, verbose: bool) -> String {
-        let (work, time, model) = (self.simulation.work(), self.simulation.time(), self.simulation.model());
+        let (work, time, model) = (self.simulation.work(), self.simulation.time(), self.model);
         let mut out = String::new();
         let from = match self.home {
             Some(Start { orbit, number, count }) => format!("{} breather, solution {number} of {count}", orbit.name()),
@@ -323,7 +332,7 @@ impl Told<'_> {
             Outcome::TimeReached => "",
             Outcome::ImpactsReached => ", number of impacts reached",
             Outcome::Cascade { .. } => ", a cascade of impacts could not be resolved",
-            Outcome::WorkLimit => ", limit on work reached",
+            Outcome::WorkLimit | Outcome::Simultaneous { .. } | Outcome::Diverged { .. } => ", limit on work reached",
         };
         let rests = match work.sticks {
             0 => String::new(),
@@ -348,7 +357,7 @@ impl Told<'_> {
 
     /// Whether it began beside the breather without a force: it is then next to another one of the family, whose frequency differs.
     fn may_drift(&self) -> bool {
-        self.args.perturb.is_some_and(|size| size != 0.0) && self.simulation.model().amplitude() == 0.0
+        self.args.perturb.is_some_and(|size| size != 0.0) && self.model.amplitude() == 0.0
     }
 
     /// What the run has come to, in a sentence.

@@ -41,7 +41,7 @@ impl ImpactTable {
     }
 
     pub(crate) fn write(&mut self, event: &Event) {
-        let (site, layer) = self.layout.place(event.site);
+        let (site, layer) = self.layout.place(event.contact);
         let mut row = vec![
             event.time.on_clock(self.start).to_string(),
             site.to_string(),
@@ -172,7 +172,7 @@ impl Plot {
     }
 
     pub(crate) fn hit(&mut self, event: &Event) {
-        if event.site == self.home {
+        if event.contact == self.home {
             self.trace.hit(event.time.in_periods(), place(self.picture.barriers, event.barrier));
         }
     }

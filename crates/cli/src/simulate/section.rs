@@ -109,7 +109,7 @@ impl Section {
     pub(crate) fn see(&mut self, event: &Event) {
         if event.kind == EventKind::Impact {
             let velocities = [event.velocity_before, event.velocity_after];
-            self.hit(event.time, event.site, event.barrier, velocities);
+            self.hit(event.time, event.contact, event.barrier, velocities);
         }
     }
 

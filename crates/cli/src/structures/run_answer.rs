@@ -4,11 +4,10 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
 use crate::common::schemas::STRUCTURE_RUN;
+use crate::simulate::name_of;
 use serde_json::{Value, json};
 use vibrochain_breather::{Hit, StructureModel, StructureOrbit};
-use vibrochain_eventsim::{
-    ContactEvent, EnergyBalance, EventKind, StructureOutcome, StructureReport, StructureState, Time,
-};
+use vibrochain_eventsim::{EnergyBalance, Event, EventKind, Outcome, Report, State, Time};
 use vibrochain_floquet::{Tolerance, Verdict, structure_verdict};
 use vibrochain_lattice::{Barrier, Short, Stop, Stopped};
 use vibrochain_maps::numbers::Number;
@@ -68,11 +67,11 @@ impl Settled {
 }
 
 /// By how much two patterns differ; `None`: they are not of the same impacts.
-fn apart(a: &[(&ContactEvent, f64)], b: &[(&ContactEvent, f64)]) -> Option<f64> {
-    let same = |((a, _), (b, _)): (&(&ContactEvent, f64), &(&ContactEvent, f64))| {
+fn apart(a: &[(&Event, f64)], b: &[(&Event, f64)]) -> Option<f64> {
+    let same = |((a, _), (b, _)): (&(&Event, f64), &(&Event, f64))| {
         [a.kind, b.kind] == [EventKind::Impact; 2] && (a.contact, a.barrier) == (b.contact, b.barrier)
     };
-    let differ = |((a, from), (b, to)): (&(&ContactEvent, f64), &(&ContactEvent, f64))| {
+    let differ = |((a, from), (b, to)): (&(&Event, f64), &(&Event, f64))| {
         let impulse = (a.impulse - b.impulse).abs();
         (from - to).abs().max(if impulse == 0.0 { 0.0 } else { impulse / a.impulse.abs() })
     };
@@ -119,15 +118,15 @@ impl Settled {
 pub(super) fn settled(
     model: &StructureModel,
     psi: f64,
-    events: &[ContactEvent],
+    events: &[Event],
     (end, rests): (Time, bool),
     stop: &Stop,
 ) -> Result<End, Stopped> {
     let period = model.period();
-    let since = |event: &ContactEvent| {
+    let since = |event: &Event| {
         (end.periods() as f64 - event.time.periods() as f64) + (end.offset() - event.time.offset()) / period
     };
-    let is_lately = |event: &ContactEvent| event.kind != EventKind::Impact && since(event) < REPETITIONS as f64;
+    let is_lately = |event: &Event| event.kind != EventKind::Impact && since(event) < REPETITIONS as f64;
     if rests || events.iter().any(is_lately) {
         return Ok(End::Rests);
     }
@@ -135,15 +134,15 @@ pub(super) fn settled(
         return Ok(of_own_period(model, events));
     }
     let late = quiet(events.iter().map(since).filter(|since| *since < MOST_PERIODS as f64));
-    let since = |event: &ContactEvent| since(event) - late;
+    let since = |event: &Event| since(event) - late;
     let seen = events.first().map_or(0.0, since);
     // Of periods that do not repeat well enough, their differences.
     let mut missed: Vec<(u64, f64)> = Vec::new();
     for count in (1..=MOST_PERIODS).take_while(|count| (REPETITIONS * count) as f64 <= seen) {
         stop.heard()?;
-        let windows = [0, 1, 2, 3].map(|number: u64| -> Vec<(&ContactEvent, f64)> {
+        let windows = [0, 1, 2, 3].map(|number: u64| -> Vec<(&Event, f64)> {
             let (from, to) = (((number + 1) * count) as f64, (number * count) as f64);
-            let inside = |event: &&ContactEvent| (to..from).contains(&since(event));
+            let inside = |event: &&Event| (to..from).contains(&since(event));
             events.iter().filter(inside).map(|event| (event, since(event) - to)).collect()
         });
         let [last, before, second, first] = &windows;
@@ -178,8 +177,8 @@ pub(super) fn settled(
 }
 
 /// The same without a load, which gives no period: by the order of the impacts.
-fn of_own_period(model: &StructureModel, events: &[ContactEvent]) -> End {
-    let after = |event: &ContactEvent, begin: &ContactEvent| {
+fn of_own_period(model: &StructureModel, events: &[Event]) -> End {
+    let after = |event: &Event, begin: &Event| {
         let periods = event.time.periods() as f64 - begin.time.periods() as f64;
         periods * model.period() + (event.time.offset() - begin.time.offset())
     };
@@ -188,7 +187,7 @@ fn of_own_period(model: &StructureModel, events: &[ContactEvent]) -> End {
         let Some(from) = events.len().checked_sub(whole * count + 1) else { break };
         let latest = &events[from..];
         let lasted = |n: usize| after(&latest[(n + 1) * count], &latest[n * count]);
-        let windows = [0, 1, 2, 3].map(|n: usize| -> Vec<(&ContactEvent, f64)> {
+        let windows = [0, 1, 2, 3].map(|n: usize| -> Vec<(&Event, f64)> {
             let begin = &latest[n * count];
             latest[n * count..(n + 1) * count].iter().map(|event| (event, after(event, begin) / lasted(n))).collect()
         });
@@ -198,7 +197,7 @@ fn of_own_period(model: &StructureModel, events: &[ContactEvent]) -> End {
         let period = lasted(3);
         let slip = (lasted(2) - period).abs() / period;
         let begin = &latest[3 * count];
-        let hit = |event: &ContactEvent| Hit::new(event.contact, event.barrier, after(event, begin), event.impulse);
+        let hit = |event: &Event| Hit::new(event.contact, event.barrier, after(event, begin), event.impulse);
         let impacts = latest[3 * count..4 * count].iter().map(hit).collect();
         let mut settled = Settled { stable: None, force_periods: 0, period, psi: 0.0, impacts };
         let now = now.max(slip);
@@ -213,49 +212,37 @@ fn of_own_period(model: &StructureModel, events: &[ContactEvent]) -> End {
     missed.into_iter().filter(|by| *by < FAR).reduce(f64::min).map_or(End::Other, End::Moves)
 }
 
-fn outcome(outcome: &StructureOutcome) -> String {
+fn outcome(outcome: &Outcome) -> String {
     match outcome {
-        StructureOutcome::TimeReached => "the time asked for was reached".to_owned(),
-        StructureOutcome::ImpactsReached => "the impacts asked for were reached".to_owned(),
-        StructureOutcome::Simultaneous { first, second } => {
+        Outcome::TimeReached => "the time asked for was reached".to_owned(),
+        Outcome::ImpactsReached => "the impacts asked for were reached".to_owned(),
+        Outcome::Simultaneous { first, second } => {
             format!(
                 "contacts {first} and {second} share a coordinate and hit at one instant: what comes of it depends on their order; --in-sequence lets them hit in that of their numbers"
             )
         }
-        StructureOutcome::Cascade { contact, barrier, bounces: 0 } => {
+        Outcome::Cascade { contact, barrier, bounces: 0 } => {
             format!(
                 "impacts of contact {contact} on its {barrier} barrier follow each other at one instant without an end"
             )
         }
-        StructureOutcome::Cascade { contact, barrier, bounces } => {
+        Outcome::Cascade { contact, barrier, bounces } => {
             format!(
                 "contact {contact} has hit its {barrier} barrier {bounces} times in a cascade that could not be resolved: pressed without a loss it bounces for ever; give it a restitution below 1, as 0.999"
             )
         }
-        StructureOutcome::Diverged { mode } => format!(
+        Outcome::Diverged { mode } => format!(
             "mode {mode} grows without bound: it is beyond 1e4 times what barriers, loads and the start make of the modes, or 1e100"
         ),
-        StructureOutcome::WorkLimit => "the limit of work was reached".to_owned(),
-        StructureOutcome::Stopped => "it was told to stop".to_owned(),
-    }
-}
-
-fn name(outcome: &StructureOutcome) -> &'static str {
-    match outcome {
-        StructureOutcome::TimeReached => "time-reached",
-        StructureOutcome::ImpactsReached => "impacts-reached",
-        StructureOutcome::Simultaneous { .. } => "simultaneous",
-        StructureOutcome::Cascade { .. } => "cascade",
-        StructureOutcome::Diverged { .. } => "diverged",
-        StructureOutcome::WorkLimit => "work-limit",
-        StructureOutcome::Stopped => "interrupted",
+        Outcome::WorkLimit => "the limit of work was reached".to_owned(),
+        Outcome::Stopped => "it was told to stop".to_owned(),
     }
 }
 
 pub(super) fn text(
     (model, has_period): (&StructureModel, bool),
     from: &str,
-    report: &StructureReport,
+    report: &Report,
     [impacts, sticks, releases]: [usize; 3],
     settled: &End,
 ) -> String {
@@ -269,7 +256,7 @@ pub(super) fn text(
         "{impacts} impacts, {sticks} sticks, {releases} releases up to t = {}",
         Number(report.time.to_f64())
     );
-    if report.outcome != StructureOutcome::TimeReached {
+    if report.outcome != Outcome::TimeReached {
         let _ = writeln!(out, "ended: {}", outcome(&report.outcome));
     }
     let is_short = report.time.in_periods() < REPETITIONS as f64;
@@ -329,8 +316,8 @@ pub(super) fn answer(
     scene: &StructureScene,
     (model, has_period): (&StructureModel, bool),
     psi: f64,
-    report: &StructureReport,
-    state: &StructureState,
+    report: &Report,
+    state: &State,
     [impacts, sticks, releases]: [usize; 3],
     settled: &End,
 ) -> Value {
@@ -356,12 +343,12 @@ pub(super) fn answer(
         "schema": STRUCTURE_RUN,
         "structure": structure,
         "psi": psi,
-        "outcome": name(&report.outcome),
+        "outcome": name_of(&report.outcome),
         "time": report.time.to_f64(),
         "impacts": impacts,
         "sticks": sticks,
         "releases": releases,
         "repeats": repeated,
-        "state": { "displacement": state.place, "velocity": state.velocity, "psi": psi_there },
+        "state": { "displacement": state.displacement, "velocity": state.velocity, "psi": psi_there },
     })
 }

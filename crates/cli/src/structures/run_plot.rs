@@ -1,7 +1,7 @@
 //! The picture of a structure's run: a contact at its end, over the orbit it began on, and the velocities of all impacts.
 
 use vibrochain_breather::{StructureModel, StructureMotion, StructureOrbit};
-use vibrochain_eventsim::{ContactEvent, ContactState, Time};
+use vibrochain_eventsim::{ContactState, Event, Time};
 use vibrochain_lattice::Contact;
 use vibrochain_maps::structure::StructureScene;
 use vibrochain_plot::{Curves, Mark, Pane, Series, curves_picture, run_trace};
@@ -85,7 +85,7 @@ impl RunPlot {
         Ok(Some(plot))
     }
 
-    pub(super) fn hit(&mut self, event: &ContactEvent) {
+    pub(super) fn hit(&mut self, event: &Event) {
         let periods = event.time.in_periods();
         let barrier = self.contact.barrier(event.barrier).filter(|_| event.contact == self.home);
         barrier.into_iter().for_each(|barrier| self.trace.hit(periods, barrier));

@@ -1,9 +1,7 @@
 //! `mapgen simulate` of a structure: every impact from a state or an orbit on, and what the run settles on.
 
 use vibrochain_breather::{StructureModel, StructureMotion, StructureOrbit, structure_admissibility};
-use vibrochain_eventsim::{
-    ContactEvent, EventKind, Limits, StructureOutcome, StructureReport, StructureSimulation, StructureState, Time,
-};
+use vibrochain_eventsim::{Event, EventKind, Limits, Outcome, Report, Simulation, State, Time};
 use vibrochain_lattice::Stop;
 use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::numbers::Number;
@@ -19,7 +17,7 @@ use crate::common::schemas::STRUCTURE_RUN;
 use crate::simulate::follow::{Reached, Run, checked, follow};
 use crate::simulate::pace::interrupted;
 use crate::simulate::section::{Section, Sectioned};
-use crate::simulate::start::{Start as State, of_no_file, read};
+use crate::simulate::start::{Start as Given, of_no_file, read};
 
 /// Periods of a run, of which there are fewer.
 const MOST: f64 = 1e15;
@@ -40,8 +38,7 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
     ensure!(args.periods < MOST, "{} is out of range: give at most {MOST:e} periods", args.length());
     let taken = checked(args)?;
     let Start { psi, modes, from, orbit } = start(args, scene, &model)?;
-    let structure = (**model.structure()).clone();
-    let simulation = StructureSimulation::new(structure, model.omega(), psi, &modes);
+    let simulation = Simulation::of_modes(model.structure().clone(), model.omega(), psi, &modes);
     let mut simulation = simulation.map_err(|error| CliError::Request(error.to_string()))?;
     if args.in_sequence || scene.in_sequence {
         simulation = simulation.in_sequence();
@@ -87,7 +84,7 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
     plot.map_or(Ok(()), RunPlot::finish)?;
     table.map_or(Ok(()), CsvFile::finish)?;
     let Some(report) = report.filter(|_| !stopped) else { return Err(interrupted(args, simulation.time())) };
-    let rests = simulation.state().contacts.iter().any(|contact| contact.resting.is_some());
+    let rests = simulation.contacts().iter().any(|contact| contact.resting.is_some());
     let settled = if has_period {
         let settled = settled(&model, psi, &events, (report.time, rests), &stop);
         settled.map_err(|_| interrupted(args, simulation.time()))?
@@ -145,7 +142,7 @@ struct Start {
 fn start(args: &SimulateArgs, scene: &StructureScene, model: &StructureModel) -> Result<Start, CliError> {
     let of_no_orbit = |psi, modes, from| Ok(Start { psi, modes, from, orbit: None });
     if let Some(path) = &args.state {
-        let State { displacement, velocity, psi, .. } = read(path, STRUCTURE_RUN, args.psi)?;
+        let Given { displacement, velocity, psi, .. } = read(path, STRUCTURE_RUN, args.psi)?;
         let modes = scene.modes_of(&displacement, &velocity);
         let name = if of_no_file(path).is_some() { "given".into() } else { format!("of {}", path.display()) };
         let modes = modes.map_err(|why| CliError::Request(format!("the state {name}: {why}")))?;
@@ -179,14 +176,14 @@ fn start(args: &SimulateArgs, scene: &StructureScene, model: &StructureModel) ->
 
 /// A run with what is kept of it: the table's rows as they come, counts, and the events of as many periods as may repeat.
 struct Kept {
-    simulation: StructureSimulation,
-    report: Option<StructureReport>,
+    simulation: Simulation,
+    report: Option<Report>,
     table: Option<CsvFile>,
     trajectory: Option<CsvFile>,
     section: Option<Section>,
     plot: Option<RunPlot>,
     counts: [usize; 3],
-    events: Vec<ContactEvent>,
+    events: Vec<Event>,
 }
 
 /// Events are thinned out once there are this many.
@@ -217,8 +214,8 @@ impl Run for Kept {
         failed?;
         section.as_mut().and_then(Section::failed).map_or(Ok(()), Err)?;
         let reached = match report.outcome {
-            StructureOutcome::TimeReached => Reached::Time,
-            StructureOutcome::Stopped => Reached::Stopped,
+            Outcome::TimeReached => Reached::Time,
+            Outcome::Stopped => Reached::Stopped,
             _ => Reached::End,
         };
         self.report = Some(report);
@@ -233,11 +230,12 @@ impl Run for Kept {
         if self.trajectory.is_none() && self.plot.is_none() {
             return Ok(());
         }
-        let StructureState { place, velocity, contacts, time, .. } = self.simulation.state();
+        let (contacts, time) = (self.simulation.contacts(), self.simulation.time());
+        let State { displacement, velocity, .. } = self.simulation.state();
         self.plot.as_mut().map_or(Ok(()), |plot| plot.look(time, &contacts))?;
         let Some(table) = &mut self.trajectory else { return Ok(()) };
         let (places, velocities) = contacts.iter().map(|contact| (contact.place, contact.velocity)).unzip();
-        let all: [Vec<f64>; 5] = [vec![time.to_f64()], places, velocities, place, velocity];
+        let all: [Vec<f64>; 5] = [vec![time.to_f64()], places, velocities, displacement, velocity];
         Ok(table.row(all.iter().flatten().map(f64::to_string))?)
     }
 
@@ -246,14 +244,14 @@ impl Run for Kept {
     }
 
     fn state(&self) -> [Vec<f64>; 2] {
-        let contacts = self.simulation.state().contacts;
+        let contacts = self.simulation.contacts();
         let (places, velocities) = contacts.iter().map(|contact| (contact.place, contact.velocity)).unzip();
         [places, velocities]
     }
 }
 
 /// A row of the table of impacts.
-fn row(event: &ContactEvent) -> [String; 7] {
+fn row(event: &Event) -> [String; 7] {
     let number = |x: f64| Number(x).to_string();
     [
         number(event.time.to_f64()),
@@ -267,7 +265,7 @@ fn row(event: &ContactEvent) -> [String; 7] {
 }
 
 /// Keeps an event among those of as many periods as may repeat.
-fn keep(events: &mut Vec<ContactEvent>, event: &ContactEvent) {
+fn keep(events: &mut Vec<Event>, event: &Event) {
     if events.len() >= MANY {
         // So often the longest pattern, and the period under way.
         let from = event.time.periods().saturating_sub(REPETITIONS * MOST_PERIODS + 1);

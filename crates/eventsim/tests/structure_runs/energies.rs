@@ -1,7 +1,7 @@
 //! Balances of energy.
 
 use nalgebra::{DMatrix, DVector};
-use vibrochain_eventsim::{EventKind, Limits, StructureOutcome};
+use vibrochain_eventsim::{EventKind, Limits, Outcome};
 use vibrochain_lattice::{Complex, Contact, Structure};
 use vibrochain_testkit::Random;
 
@@ -29,7 +29,7 @@ fn energy_is_what_loads_give_less_what_dashpots_and_impacts_take() {
         assert!(kinds[0] > 50 && kinds[1] > 5 && kinds[2] > 5, "{kinds:?}");
         let balance = simulation.balance().unwrap();
         let state = simulation.state();
-        let now = dense(&DVector::from_vec(state.place), &DVector::from_vec(state.velocity));
+        let now = dense(&DVector::from_vec(state.displacement), &DVector::from_vec(state.velocity));
         let missing = now - start - (balance.work - balance.dashpots - balance.impacts);
         assert!(missing.abs() < 1e-12 * balance.work, "{missing:e} {balance:?}");
         assert!(balance.dashpots > 0.1 && balance.impacts > 0.1);
@@ -83,7 +83,7 @@ fn keeps_its_energy(impacts: u64) {
     let mut simulation = started(&structure, 1.0, 0.0, &q, &v);
     let start = energy(&simulation);
     let report = simulation.run(&Limits::impacts(impacts), |_| {});
-    assert_eq!(report.outcome, StructureOutcome::ImpactsReached);
+    assert_eq!(report.outcome, Outcome::ImpactsReached);
     let drift = energy(&simulation) / start - 1.0;
     println!("{impacts} impacts: {drift:e}, {:?}", report.work);
     assert!(drift.abs() < 1e-11, "{drift:e}");
@@ -141,10 +141,11 @@ fn under_pressure(made: usize, is_run: impl Fn(usize) -> bool) -> (u64, u64, usi
         let start = form.energy(&simulation.state().modes);
         for part in 1..=100 {
             let report = simulation.run(&until(&simulation, 0, 0.2 * f64::from(part)), |_| {});
-            assert_eq!(report.outcome, StructureOutcome::TimeReached, "{round} {part}");
+            assert_eq!(report.outcome, Outcome::TimeReached, "{round} {part}");
             let state = simulation.state();
-            for (contact, (w, limits)) in state.contacts.iter().zip(&structure.contacts) {
-                let [place, velocity] = [&state.place, &state.velocity].map(|q| w.dot(&DVector::from_column_slice(q)));
+            for (contact, (w, limits)) in simulation.contacts().iter().zip(&structure.contacts) {
+                let [place, velocity] =
+                    [&state.displacement, &state.velocity].map(|q| w.dot(&DVector::from_column_slice(q)));
                 let case = format!("{round} {part} {contact:?} {place} {velocity} {limits:?}");
                 assert!(limits.room(place) > -1e-11 && (place - contact.place).abs() < 1e-11, "{case}");
                 assert!((velocity - contact.velocity).abs() < 1e-10, "{case}");

@@ -1,7 +1,7 @@
 //! Flight by local series against flight by modes and against what shares no code.
 
 use nalgebra::{DMatrix, DVector};
-use vibrochain_eventsim::{ContactEvent, EventKind, Limits, StructureOutcome, StructureSimulation, StructureTangents};
+use vibrochain_eventsim::{Event, EventKind, Limits, Outcome, Simulation};
 use vibrochain_lattice::{Complex, Contact, DampedChain, Ends, ModalStructure, RowEnds, Structure};
 use vibrochain_testkit::Random;
 
@@ -95,18 +95,18 @@ fn sparse(random: &mut Random) -> Structure {
 }
 
 /// Events until one of them is so slow that rounding grows there, and the state after them.
-fn run(structure: ModalStructure, omega: f64, xi: &[[f64; 2]]) -> (Vec<ContactEvent>, StructureSimulation) {
-    let mut simulation = StructureSimulation::new(structure, omega, 0.4, xi).unwrap();
+fn run(structure: ModalStructure, omega: f64, xi: &[[f64; 2]]) -> (Vec<Event>, Simulation) {
+    let mut simulation = Simulation::of_modes(structure, omega, 0.4, xi).unwrap();
     let (_, events) = simulation.collect(&until(&simulation, 3, 0.3));
     (events, simulation)
 }
 
-fn is_slow(event: &ContactEvent) -> bool {
+fn is_slow(event: &Event) -> bool {
     event.kind == EventKind::Impact && event.velocity_before.abs() < 0.03
 }
 
 /// The events that both have before rounding grows, and how far these are apart.
-fn compare(one: &[ContactEvent], two: &[ContactEvent], case: &str) -> (usize, f64) {
+fn compare(one: &[Event], two: &[Event], case: &str) -> (usize, f64) {
     let (mut count, mut worst) = (0, 0.0f64);
     for (a, b) in one.iter().zip(two) {
         if is_slow(a) || is_slow(b) {
@@ -123,7 +123,7 @@ fn compare(one: &[ContactEvent], two: &[ContactEvent], case: &str) -> (usize, f6
 #[test]
 fn local_series_fly_as_modes_do() {
     let mut random = Random(77);
-    let (mut impacts, mut rests, mut quiet) = (0, 0, 0);
+    let (mut impacts, mut rests, mut quiet, mut energies) = (0, 0, 0, 0);
     for round in 0..300 {
         let (modal, omega) = if round % 3 == 0 {
             (sparse(&mut random).modal().unwrap(), random.between(0.5, 1.5))
@@ -133,7 +133,7 @@ fn local_series_fly_as_modes_do() {
         assert!(modal.operator().is_some());
         let xi: Vec<[f64; 2]> =
             modal.modes().iter().map(|_| [random.between(-0.1, 0.1), random.between(-0.4, 0.4)]).collect();
-        if StructureSimulation::new(modal.clone(), omega, 0.4, &xi).is_err() {
+        if Simulation::of_modes(modal.clone(), omega, 0.4, &xi).is_err() {
             continue;
         }
         let ((one, mut local), (two, mut modes)) = (run(modal.clone(), omega, &xi), run(of_modes(&modal), omega, &xi));
@@ -143,22 +143,27 @@ fn local_series_fly_as_modes_do() {
         rests += one[..count].iter().filter(|event| event.kind != EventKind::Impact).count();
         if count == one.len() && count == two.len() {
             let (a, b) = (local.state(), modes.state());
-            let lists = [(&a.place, &b.place), (&a.velocity, &b.velocity)];
+            let lists = [(&a.displacement, &b.displacement), (&a.velocity, &b.velocity)];
             let apart =
                 lists.iter().flat_map(|(a, b)| a.iter().zip(*b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             let of_modes =
                 a.modes.iter().flatten().zip(b.modes.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(apart < 1e-11 && of_modes < 1e-10, "{round}: {apart:e} {of_modes:e}");
-            for (a, b) in a.contacts.iter().zip(&b.contacts) {
+            for (a, b) in local.contacts().iter().zip(&modes.contacts()) {
                 assert_eq!(a.resting, b.resting, "{round}");
                 assert!((a.force - b.force).abs() < 1e-10 && (a.place - b.place).abs() < 1e-11, "{round} {a:?} {b:?}");
             }
             assert!(local.balance().is_none() && modes.balance().is_none());
+            // Modes of complex shape do not know theirs.
+            if let (Some(own), Some(of_modes)) = (local.energy(), modes.energy()) {
+                assert!((own - of_modes).abs() < 1e-11 * (1.0 + own), "{round}: {own} {of_modes}");
+                energies += 1;
+            }
             quiet += 1;
         }
     }
-    println!("{impacts} events, {rests} of rest, {quiet} runs to their ends");
-    assert!(impacts > 1000 && rests > 20 && quiet > 100, "{impacts} {rests} {quiet}");
+    println!("{impacts} events, {rests} of rest, {quiet} runs to their ends, {energies} energies");
+    assert!(impacts > 1000 && rests > 20 && quiet > 100 && energies > 20, "{impacts} {rests} {quiet} {energies}");
 }
 
 /// A long row of any ends in which every mass has stops, and may hit.
@@ -188,8 +193,8 @@ fn row(random: &mut Random) -> (DampedChain, Vec<f64>, Vec<f64>) {
 
 /// A row by local series and by its modes, to a part of a period.
 struct Both {
-    local: StructureSimulation,
-    modes: StructureSimulation,
+    local: Simulation,
+    modes: Simulation,
     /// Events that both have.
     count: usize,
     /// Neither has more.
@@ -201,7 +206,7 @@ fn both(chain: &DampedChain, [place, velocity]: [&[f64]; 2], part: f64, round: u
     let modal = chain.modal().unwrap();
     let xi = chain.project(&modal, place, velocity).unwrap();
     let of = |structure: ModalStructure| {
-        let mut simulation = StructureSimulation::new(structure, 1.5, 0.4, &xi).unwrap();
+        let mut simulation = Simulation::of_modes(structure, 1.5, 0.4, &xi).unwrap();
         let (_, events) = simulation.collect(&until(&simulation, 0, part));
         (events, simulation)
     };
@@ -223,7 +228,7 @@ fn parts_of_a_row_fly_as_all_modes_do() {
         (impacts, restarts, windows) = (impacts + count, restarts + work.restarts, windows + work.windows);
         if is_whole {
             let (a, b) = (local.state(), modes.state());
-            let pairs = a.place.iter().zip(&b.place).chain(a.velocity.iter().zip(&b.velocity));
+            let pairs = a.displacement.iter().zip(&b.displacement).chain(a.velocity.iter().zip(&b.velocity));
             let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(apart < 1e-11, "{round}: {apart:e}");
             ends += 1;
@@ -255,7 +260,7 @@ fn parts_of_a_row_restart_beside_masses_at_rest() {
         let work = local.work();
         (impacts, restarts, windows) = (impacts + count, restarts + work.restarts, windows + work.windows);
         if is_whole {
-            for (a, b) in local.state().contacts.iter().zip(&modes.state().contacts) {
+            for (a, b) in local.contacts().iter().zip(&modes.contacts()) {
                 assert_eq!(a.resting, b.resting, "{round}");
                 assert!((a.force - b.force).abs() < 1e-10, "{round} {a:?} {b:?}");
                 forces += usize::from(a.force < -1.0);
@@ -287,7 +292,7 @@ fn layers_fly_as_their_modes_do() {
         };
         let Ok(modal) = chain.modal() else { continue };
         let xi: Vec<[f64; 2]> = modal.modes().iter().map(|_| [0.0, random.between(-0.3, 0.3)]).collect();
-        if StructureSimulation::new(modal.clone(), 0.9, 0.4, &xi).is_err() {
+        if Simulation::of_modes(modal.clone(), 0.9, 0.4, &xi).is_err() {
             continue;
         }
         let ((one, local), (two, modes)) = (run(modal.clone(), 0.9, &xi), run(of_modes(&modal), 0.9, &xi));
@@ -314,11 +319,10 @@ fn tangents_of_a_row_in_parts_are_those_of_modes() {
         let (chain, place, velocity) = row(&mut random);
         let modal = chain.modal().unwrap();
         let xi = chain.project(&modal, &place, &velocity).unwrap();
-        let direction: Vec<[f64; 2]> =
-            xi.iter().map(|_| [random.between(-1.0, 1.0), random.between(-1.0, 1.0)]).collect();
+        let direction = [(); 2].map(|()| xi.iter().map(|_| random.between(-1.0, 1.0)).collect::<Vec<f64>>());
         let of = |structure: &ModalStructure| {
-            let mut simulation = StructureSimulation::new(structure.clone(), 1.5, 0.4, &xi).unwrap();
-            let mut tangents = StructureTangents::of(structure, std::slice::from_ref(&direction)).unwrap();
+            let mut simulation = Simulation::of_modes(structure.clone(), 1.5, 0.4, &xi).unwrap();
+            let mut tangents = simulation.tangents_along(std::slice::from_ref(&direction)).unwrap();
             let (limits, mut events) = (until(&simulation, 0, 0.3), Vec::new());
             let report = simulation.run_with(&mut tangents, &limits, |event| events.push(*event)).unwrap();
             let grown = tangents.growth()[0].exp();
@@ -326,7 +330,7 @@ fn tangents_of_a_row_in_parts_are_those_of_modes() {
             (report, events, vector, tangents.has_grazed())
         };
         let (report, events, vector, grazed) = of(&modal);
-        let mut bare = StructureSimulation::new(modal.clone(), 1.5, 0.4, &xi).unwrap();
+        let mut bare = Simulation::of_modes(modal.clone(), 1.5, 0.4, &xi).unwrap();
         let (alone, same) = bare.collect(&until(&bare, 0, 0.3));
         assert_eq!((alone.work, same), (report.work, events.clone()));
         let (_, others, by_modes, _) = of(&of_modes(&modal));
@@ -354,7 +358,7 @@ fn local_series_hit_where_exponentials_and_bisection_hit() {
         let (omega, q) = (random.between(0.4, 1.5), DVector::zeros(n));
         let v = DVector::from_fn(n, |_, _| random.between(-1.0, 1.0));
         let xi = structure.project(&modal, &q, &v).unwrap();
-        let mut simulation = StructureSimulation::new(modal, omega, 0.4, &xi).unwrap();
+        let mut simulation = Simulation::of_modes(modal, omega, 0.4, &xi).unwrap();
         let (_, events) = simulation.collect(&Limits { impacts: 12, ..until(&simulation, 3, 0.0) });
         let reach = events.last().map_or(0.0, |event| event.time.to_f64());
         let dense = Dense::new(&structure, omega, 0.4, &q, &v).impacts(reach + 1e-6, 2e-3);
@@ -389,12 +393,12 @@ fn local_series_keep_the_energy() {
         let xi =
             chain.project(&modal, &wave(1.3).iter().map(|x| 0.4 + 0.5 * x).collect::<Vec<_>>(), &wave(2.1)).unwrap();
         let form = modal.energy_form().unwrap();
-        let simulation = StructureSimulation::new(modal, 1.5, 0.0, &xi).unwrap();
+        let simulation = Simulation::of_modes(modal, 1.5, 0.0, &xi).unwrap();
         let mut simulation = if damping == 0.0 { simulation } else { simulation.with_balance(form.clone()) };
         let start = form.energy(&xi);
         let report =
             simulation.run(&until(&simulation, if damping == 0.0 { 42_000 / sites as u64 } else { 50 }, 0.0), |_| {});
-        assert_eq!(report.outcome, StructureOutcome::TimeReached);
+        assert_eq!(report.outcome, Outcome::TimeReached);
         let change = form.energy(&simulation.state().modes) - start;
         let missing =
             simulation.balance().map_or(change, |balance| change - (balance.work - balance.dashpots - balance.impacts));

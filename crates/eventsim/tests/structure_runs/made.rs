@@ -1,7 +1,7 @@
 //! Structures and runs that several tests make.
 
 use nalgebra::{DMatrix, DVector};
-use vibrochain_eventsim::{Limits, StructureSimulation};
+use vibrochain_eventsim::{Limits, Simulation};
 use vibrochain_lattice::{Complex, Contact, Structure};
 
 pub(crate) fn harmonic(load: &DVector<f64>) -> Vec<(u32, DVector<Complex<f64>>)> {
@@ -9,29 +9,22 @@ pub(crate) fn harmonic(load: &DVector<f64>) -> Vec<(u32, DVector<Complex<f64>>)>
 }
 
 /// The energy, of modes of real shape.
-pub(crate) fn energy(simulation: &StructureSimulation) -> f64 {
-    simulation.structure().energy_form().unwrap().energy(&simulation.state().modes)
+pub(crate) fn energy(simulation: &Simulation) -> f64 {
+    simulation.structure().unwrap().energy_form().unwrap().energy(&simulation.state().modes)
 }
 
-pub(crate) fn balanced(simulation: StructureSimulation) -> StructureSimulation {
-    let form = simulation.structure().energy_form().unwrap();
-    simulation.with_balance(form)
+pub(crate) fn balanced(simulation: Simulation) -> Simulation {
+    simulation.with_balance(None)
 }
 
 /// A simulation from q, q′.
-pub(crate) fn started(
-    structure: &Structure,
-    omega: f64,
-    psi: f64,
-    q: &DVector<f64>,
-    v: &DVector<f64>,
-) -> StructureSimulation {
+pub(crate) fn started(structure: &Structure, omega: f64, psi: f64, q: &DVector<f64>, v: &DVector<f64>) -> Simulation {
     let modal = structure.modal().unwrap();
     let xi = structure.project(&modal, q, v).unwrap();
-    StructureSimulation::new(modal, omega, psi, &xi).unwrap()
+    Simulation::of_modes(modal, omega, psi, &xi).unwrap()
 }
 
-pub(crate) fn until(simulation: &StructureSimulation, periods: u64, part: f64) -> Limits {
+pub(crate) fn until(simulation: &Simulation, periods: u64, part: f64) -> Limits {
     Limits { until: Some(simulation.time_of(periods, part)), ..Limits::default() }
 }
 

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
-use vibrochain_eventsim::{EventKind, Limits, StructureOutcome, StructureSimulation};
+use vibrochain_eventsim::{EventKind, Limits, Outcome, Simulation};
 use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Structure};
 use vibrochain_testkit::Random;
 
@@ -21,7 +21,7 @@ struct Pressed {
 }
 
 impl Pressed {
-    fn started(&self, omega: f64, place: f64) -> StructureSimulation {
+    fn started(&self, omega: f64, place: f64) -> Simulation {
         let &Self { mass, stiffness, damping, still, stop, restitution } = self;
         let part = mass.sqrt().recip();
         let shape = ModeShape { contacts: vec![part], coordinates: vec![part], still: still * part };
@@ -32,7 +32,7 @@ impl Pressed {
         let modal = ModalStructure::new(vec![stop], vec![], vec![mode]).unwrap();
         // At rest: of a damped mode q′ = 0 takes ξ₂ = δξ₁/κ.
         let first = place / part;
-        StructureSimulation::new(modal, omega, 0.0, &[[first, decay * first / rate]]).unwrap()
+        Simulation::of_modes(modal, omega, 0.0, &[[first, decay * first / rate]]).unwrap()
     }
 
     /// The same motion with the stop moved in the place of the static load, by which places are less.
@@ -43,7 +43,7 @@ impl Pressed {
 }
 
 /// When it comes to rest, and after how many impacts.
-fn rest(mut simulation: StructureSimulation, periods: u64) -> (Option<f64>, u64, StructureOutcome) {
+fn rest(mut simulation: Simulation, periods: u64) -> (Option<f64>, u64, Outcome) {
     let limits = until(&simulation, periods, 0.0);
     let mut at = None;
     let report = simulation.run(&limits, |event| {
@@ -63,7 +63,7 @@ fn a_mass_that_a_static_load_presses_comes_to_rest_where_the_sum_of_its_bounces_
     for omega in [1.0, 0.05, 30.0, 3e3, 1e5] {
         let periods = (0.9 * omega / TAU).ceil() as u64;
         let (at, impacts, outcome) = rest(pressed.started(omega, 1.0), periods);
-        assert_eq!(outcome, StructureOutcome::TimeReached, "{omega}");
+        assert_eq!(outcome, Outcome::TimeReached, "{omega}");
         assert!((at.unwrap() - exact).abs() < 1e-14 && impacts > 100, "{omega}: {at:?} {exact}");
     }
 }
@@ -90,7 +90,7 @@ fn preloaded_masses_come_to_rest_as_those_with_a_shifted_stop_do() {
         let (at, _, outcome) = rest(pressed.started(omega, place), 1);
         let (twin, by) = pressed.moved();
         let (other, _, _) = rest(twin.started(omega, place - by), 1);
-        assert_eq!(outcome, StructureOutcome::TimeReached, "{pressed:?}");
+        assert_eq!(outcome, Outcome::TimeReached, "{pressed:?}");
         let (Some(at), Some(other)) = (at, other) else { panic!("{pressed:?}: {at:?} {other:?}") };
         // The twin's own stop is rounded, by so much of the depth.
         let known = 1e-13 + 8.0 * f64::EPSILON * (still / stiffness).abs().max(stop.abs()) / depth;
@@ -115,9 +115,9 @@ fn masses_that_a_slow_load_presses_end_in_no_cascade() {
         let mode = LinearMode::oscillator(0.0, rate * rate, &shape, &load);
         let stop = Contact { lower: None, upper: Some(0.0), restitution: random.between(0.3, 0.9) };
         let modal = ModalStructure::new(vec![stop], vec![1], vec![mode]).unwrap();
-        let mut simulation = StructureSimulation::new(modal, 1.0, 0.0, &[[-random.between(0.1, 1.0), 0.0]]).unwrap();
+        let mut simulation = Simulation::of_modes(modal, 1.0, 0.0, &[[-random.between(0.1, 1.0), 0.0]]).unwrap();
         let (report, events) = simulation.collect(&until(&simulation, 2, 0.0));
-        assert_eq!(report.outcome, StructureOutcome::TimeReached);
+        assert_eq!(report.outcome, Outcome::TimeReached);
         sticks += usize::from(events.iter().any(|event| event.kind == EventKind::Stick));
     }
     assert!(sticks >= 95, "{sticks}");
@@ -139,7 +139,7 @@ fn a_difference_of_coordinates_chatters_as_the_distance_by_itself() {
         let q = DVector::from_vec(vec![common + 1.0, common]);
         let simulation = started(&structure, 1.0, 0.0, &q, &DVector::zeros(2));
         let (at, _, outcome) = rest(simulation, 1);
-        assert_eq!(outcome, StructureOutcome::TimeReached, "{masses:?} {common}");
+        assert_eq!(outcome, Outcome::TimeReached, "{masses:?} {common}");
         let off = (at.unwrap() - exact).abs();
         // The modes know the distance from where the load would hold it, 9.81e-5, to the rounding of the places that it is of.
         let known = 4.0 * f64::EPSILON * (1.0 + common) / 9.81e-5;
@@ -170,12 +170,12 @@ fn three_balls_that_collapse_do_so_when_the_sum_of_their_flights_says() {
         let mut simulation = started(&structure, 1.0, 0.0, &q, &v);
         let report = simulation.run(&until(&simulation, 1, 0.0), |_| {});
         let at = report.time.to_f64();
-        assert!(matches!(report.outcome, StructureOutcome::Simultaneous { .. }), "{restitution}: {report:?}");
+        assert!(matches!(report.outcome, Outcome::Simultaneous { .. }), "{restitution}: {report:?}");
         assert!((at - exact).abs() < 2e-15 / (most - restitution), "{restitution}: {at} {exact}");
         // In sequence they stay together, with the momentum that they had.
         let mut simulation = simulation.in_sequence();
         let report = simulation.run(&until(&simulation, 1, 0.0), |_| {});
-        assert_eq!(report.outcome, StructureOutcome::TimeReached, "{restitution}");
+        assert_eq!(report.outcome, Outcome::TimeReached, "{restitution}");
         let end = simulation.state();
         assert!(end.velocity.iter().all(|v| (v - 0.7 / 3.0).abs() < 1e-14), "{restitution}: {:?}", end.velocity);
     }
@@ -198,7 +198,7 @@ fn a_force_that_touches_zero_releases_nothing() {
             let psi = 0.37 * number as f64;
             let mut simulation = started(&structure, omega, psi, &DVector::zeros(2), &DVector::zeros(2));
             let (report, events) = simulation.collect(&until(&simulation, 20, 0.0));
-            assert_eq!(report.outcome, StructureOutcome::TimeReached);
+            assert_eq!(report.outcome, Outcome::TimeReached);
             let kinds: Vec<EventKind> = events.iter().map(|event| event.kind).collect();
             if still == 1.0 {
                 assert_eq!(kinds, [EventKind::Stick], "{omega}");
@@ -229,7 +229,7 @@ fn a_preloaded_run_goes_on_from_anywhere() {
     let mut seen = Vec::new();
     loop {
         let report = cut.run(&Limits { impacts: 7, ..end }, |event| seen.push(*event));
-        if report.outcome != StructureOutcome::ImpactsReached {
+        if report.outcome != Outcome::ImpactsReached {
             break;
         }
     }

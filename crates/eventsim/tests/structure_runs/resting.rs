@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
-use vibrochain_eventsim::{EventKind, Limits, StructureOutcome, StructureSimulation};
+use vibrochain_eventsim::{EventKind, Limits, Outcome, Simulation};
 use vibrochain_lattice::{Barrier, Complex, Contact, LinearMode, ModalStructure, ModeShape, Structure};
 
 use crate::made::{balanced, contact, energy, harmonic, started, until};
@@ -29,11 +29,11 @@ fn contacts_at_rest_move_as_their_constraint_says_and_leave_when_their_force_van
     // Contact 0 comes back and pushes the other one, which rests, into its barrier: without a word about the order that is the end.
     let mut alone = started(&structure, omega, psi, &DVector::zeros(n), &DVector::zeros(n));
     let report = alone.run(&until(&alone, 1, 0.0), |_| {});
-    assert_eq!(report.outcome, StructureOutcome::Simultaneous { first: 0, second: 1 });
+    assert_eq!(report.outcome, Outcome::Simultaneous { first: 0, second: 1 });
     // At rest with both contacts on their barriers.
     let mut simulation = started(&structure, omega, psi, &DVector::zeros(n), &DVector::zeros(n)).in_sequence();
     let (report, events) = simulation.collect(&until(&simulation, 1, 0.0));
-    assert_eq!(report.outcome, StructureOutcome::TimeReached);
+    assert_eq!(report.outcome, Outcome::TimeReached);
     let held: Vec<_> = events.iter().take(2).map(|event| (event.kind, event.contact, event.time.to_f64())).collect();
     assert_eq!(held, [(EventKind::Stick, 0, 0.0), (EventKind::Stick, 1, 0.0)]);
     let release = events.iter().find(|event| event.kind == EventKind::Release).unwrap();
@@ -84,14 +84,14 @@ fn contacts_at_rest_move_as_their_constraint_says_and_leave_when_their_force_van
         let h = half / f64::from(steps);
         y = step(f64::from(i) * h, &y, h);
     }
-    let state = again.state();
+    let (state, contacts) = (again.state(), again.contacts());
     for i in 0..n {
-        assert!((state.place[i] - y[i]).abs() < 1e-12 && (state.velocity[i] - y[n + i]).abs() < 1e-12);
+        assert!((state.displacement[i] - y[i]).abs() < 1e-12 && (state.velocity[i] - y[n + i]).abs() < 1e-12);
     }
     let (_, force) = forces(half, &y);
     for contact in 0..2 {
-        assert!((state.contacts[contact].force - force[contact]).abs() < 1e-11);
-        assert!(state.contacts[contact].resting == Some(Barrier::Upper) && state.contacts[contact].place == 0.0);
+        assert!((contacts[contact].force - force[contact]).abs() < 1e-11);
+        assert!(contacts[contact].resting == Some(Barrier::Upper) && contacts[contact].place == 0.0);
     }
 }
 
@@ -104,7 +104,7 @@ fn a_ball_on_a_table_bounces_geometrically_to_its_limit() {
         let table = Contact { lower: Some(0.0), upper: None, restitution: e };
         let ball =
             ModalStructure::new(vec![table], vec![], vec![LinearMode::oscillator(0.0, 0.0, &shape, &[])]).unwrap();
-        let mut simulation = balanced(StructureSimulation::new(ball, 0.05, 0.0, &[[0.0, v]]).unwrap());
+        let mut simulation = balanced(Simulation::of_modes(ball, 0.05, 0.0, &[[0.0, v]]).unwrap());
         let start = energy(&simulation);
         let (_, events) = simulation.collect(&until(&simulation, 1, 0.0));
         let mut time = 0.0;
@@ -137,7 +137,7 @@ fn a_ball_on_a_shaken_table_follows_its_parabolas() {
         let mode = LinearMode::oscillator(0.0, 0.0, &shape, &load);
         let ball = ModalStructure::new(vec![table], vec![1], vec![mode]).unwrap();
         let (x, v) = (0.3, 0.4);
-        let mut simulation = StructureSimulation::new(ball, omega, 0.0, &[[x, v]]).unwrap();
+        let mut simulation = Simulation::of_modes(ball, omega, 0.0, &[[x, v]]).unwrap();
         let (_, events) = simulation.collect(&until(&simulation, 6, 0.0));
         let place = |t: f64| amplitude * (omega * t).cos();
         let speed = |t: f64| -amplitude * omega * (omega * t).sin();
@@ -177,12 +177,12 @@ fn without_a_loss_a_contact_that_is_pressed_bounces_for_ever() {
     let shape = ModeShape { contacts: vec![1.0], coordinates: vec![1.0], still: -1.0 };
     let table = Contact { lower: Some(0.0), upper: None, restitution: 1.0 };
     let ball = ModalStructure::new(vec![table], vec![], vec![LinearMode::oscillator(0.0, 0.0, &shape, &[])]).unwrap();
-    let mut simulation = StructureSimulation::new(ball, 1.0, 0.0, &[[0.0, 1e-7]]).unwrap();
+    let mut simulation = Simulation::of_modes(ball, 1.0, 0.0, &[[0.0, 1e-7]]).unwrap();
     let report = simulation.run(&until(&simulation, 1, 0.0), |_| {});
-    let cascade = StructureOutcome::Cascade { contact: 0, barrier: Barrier::Lower, bounces: 100_000 };
+    let cascade = Outcome::Cascade { contact: 0, barrier: Barrier::Lower, bounces: 100_000 };
     assert_eq!(report.outcome, cascade);
     assert!((report.time.to_f64() - 100_000.0 * 2e-7).abs() < 1e-12, "{report:?}");
     // It goes on where it is asked to.
     let report = simulation.run(&Limits { impacts: 10, ..until(&simulation, 1, 0.0) }, |_| {});
-    assert_eq!(report.outcome, StructureOutcome::ImpactsReached);
+    assert_eq!(report.outcome, Outcome::ImpactsReached);
 }

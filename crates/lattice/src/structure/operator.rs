@@ -201,6 +201,27 @@ impl SparseOperator {
         }
     }
 
+    /// ½q′ᵀMq′ + ½qᵀKq. Alike coordinates have the sum over springs, which is 0 to the last digit where nothing is stretched.
+    pub fn energy(&self, place: &[f64], velocity: &[f64]) -> f64 {
+        let of = |n: usize| {
+            let (mass, own, v) = (self.masses[n], place[n], velocity[n]);
+            let Pulls::Alike { stiffness: [ground, between], layering, .. } = &self.pulls else {
+                return 0.5 * mass * (v * v + own * self.pull(n, false, |m| place[m]));
+            };
+            let spring = |gamma: f64, side: Option<usize>| {
+                let stretch = side.map_or(0.0, |m| place[m]) - own;
+                gamma * stretch * stretch
+            };
+            // Each spring once: from the mass before it, or from the one that has a wall before it.
+            let wall = |gamma: f64, side: Option<usize>| if side.is_none() { spring(gamma, None) } else { 0.0 };
+            let across = if layering.layers > 1 { layering.stiffness } else { 0.0 };
+            let [left, right, below, above] = self.neighbours(n);
+            let row = v * v + ground * own * own + spring(*between, right) + wall(*between, left);
+            0.5 * (row + spring(across, above) + wall(across, below))
+        };
+        (0..self.masses.len()).map(of).sum()
+    }
+
     /// The same of the sizes of all entries.
     pub fn size(&self, row: usize, is_damping: bool, of: impl Fn(usize) -> f64) -> f64 {
         let mut sum = 0.0;

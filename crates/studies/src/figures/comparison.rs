@@ -75,7 +75,7 @@ pub(super) fn draw(scene: &LineScene, run: Run, stop: &Stop) -> Result<Drawn, Cl
         let ending = step + shown * SAMPLES > steps;
         let report = simulation.run(&limits, |event| {
             if ending {
-                hit[event.site] = true;
+                hit[event.contact] = true;
             }
         });
         if report.outcome != Outcome::TimeReached {

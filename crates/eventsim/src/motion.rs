@@ -1,23 +1,23 @@
 //! The state of a structure between events, and the search for the next one.
 
-use super::approach::{Approach, Share};
-use super::flight::Flight;
-use super::near::Tendencies;
-use super::places::{FORGET, Place, Places};
-use super::series::{RestForce, Series};
-use super::system::System;
 use crate::balance::Ledger;
-use crate::bound;
 use crate::event::Work;
-use crate::queue::{Candidates, Entry};
+use crate::flight::Flight;
+use crate::flight::approach::{Approach, Share};
+use crate::flight::near::Tendencies;
+use crate::flight::places::{FORGET, Place, Places};
+use crate::flight::rest_series::{RestForce, Series};
+use crate::flight::system::System;
+use crate::series::bound;
 use crate::stop_check::StopCheck;
 use crate::time::Clock;
 use crate::units::{MAX_ORDER, spread};
+use crate::watch::queue::{Candidates, Entry};
 use crate::watch::{self, Contact, Kind, Step, Watch};
 use vibrochain_lattice::{Barrier, Stopped};
 
 /// Events this close together, relative to the time since the base or to the time of the fastest rate, happen together.
-pub(super) const SIMULTANEOUS: f64 = 8.0 * f64::EPSILON;
+pub(crate) const SIMULTANEOUS: f64 = 8.0 * f64::EPSILON;
 
 /// A contact whose flight rises less than this part of that scale, or which is so close to its barrier and so slow against the velocities
 /// that make up its own, is followed by its own distance and velocity: modes would tell some digits less.
@@ -45,18 +45,18 @@ pub(crate) struct Motion {
     /// The window since the base of modes with contacts at rest or next to it; none: flight in modes, or local.
     pub(crate) series: Option<Box<Series>>,
     /// Time in a unit of that of polynomials.
-    pub(super) unit: f64,
+    pub(crate) unit: f64,
     /// Its certified length.
     pub(crate) horizon: f64,
     pub(crate) due: Vec<Due>,
     pub(crate) work: Work,
     pub(crate) ledger: Option<Ledger>,
-    pub(super) candidates: Candidates,
+    pub(crate) candidates: Candidates,
     /// What is due restarts parts of the row alone.
-    pub(super) is_apart: bool,
+    pub(crate) is_apart: bool,
     shares: Vec<Share>,
     taken: Vec<Entry>,
-    pub(super) seed: u64,
+    pub(crate) seed: u64,
 }
 
 impl Motion {
@@ -86,6 +86,11 @@ impl Motion {
             seed: 1,
             system,
         }
+    }
+
+    /// Whether it flies by its coordinates.
+    pub(crate) fn is_local(&self) -> bool {
+        matches!(self.flight, Flight::Local(_))
     }
 
     /// Starts a window at the base.
@@ -246,8 +251,9 @@ impl Motion {
             return;
         }
         if let Some(mut ledger) = self.ledger.take() {
-            let form = ledger.form.clone();
-            ledger.flight(self.system.fastest, s, |time| self.powers_at(&form, time));
+            let form = ledger.form.take();
+            ledger.flight(self.system.fastest, s, |time| self.powers_at(form.as_ref(), time));
+            ledger.form = form;
             self.ledger = Some(ledger);
         }
         if let Self { flight: Flight::Local(flight), places, clock, system, .. } = self {
@@ -334,7 +340,7 @@ impl Motion {
 
     /// Lets the modes have the places and velocities of contacts that were followed by their own: their rounding would add up from bounce to
     /// bounce, and the acceleration of a contact that chatters is what its modes say.
-    pub(super) fn take_up(&mut self, followed: &[(usize, Barrier)]) {
+    pub(crate) fn take_up(&mut self, followed: &[(usize, Barrier)]) {
         // Each moves the others that share its modes.
         for &(contact, barrier) in followed.iter().chain(followed) {
             let place = self.system.barrier(contact, barrier);

@@ -10,12 +10,12 @@
 //! so no step to the first root of this passes the first root of f. Terms are sorted by rate and all cuts are tried: far from a barrier
 //! fast modes of small size do not shorten the step, next to it all curvature counts and convergence is quadratic ([`crate::watch`]).
 
-use super::loads::add;
-use super::modal_flight::ModalFlight;
-use super::places::Place;
-use super::system::{System, Term};
-use crate::safe_step::{ROUNDING, Side, safe_step, side};
+use crate::flight::loads::add;
+use crate::flight::modal_flight::ModalFlight;
+use crate::flight::places::Place;
+use crate::flight::system::{System, Term};
 use crate::watch::Step;
+use crate::watch::safe_step::{ROUNDING, Side, safe_step, side};
 use vibrochain_lattice::{Barrier, Complex, LinearMode, Turn};
 
 /// One term at an instant, summed with all slower ones; its own size over what is left of the window.

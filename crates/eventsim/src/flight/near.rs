@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::local::{Local, LocalSeries};
-use super::places::Place;
-use super::series::{LOW, Series};
-use super::system::System;
+use crate::flight::local::{Local, LocalSeries};
+use crate::flight::places::Place;
+use crate::flight::rest_series::{LOW, Series};
+use crate::flight::system::System;
 use crate::watch::Contact;
 use vibrochain_lattice::Barrier;
 

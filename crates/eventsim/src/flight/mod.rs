@@ -1,11 +1,39 @@
 //! Flight from a base, by modes or by local series.
+//!
+//! Local series carry coordinates: the masses of a chain, and those of any structure with a diagonal M where that is faster. By modes ξ flies by
+//! e^{At} of each mode, whatever the ratio of their rates, and a contact is a sum of damped sines, of which bounds are known. Where a contact
+//! rests on its barrier, or leaves it so slowly that only its own distance tells it from resting, modes fly by a Taylor series with the forces of
+//! resting contacts in it.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `loads` | what static and harmonic loads add to each mode, at resonances and to rigid modes, too |
+//! | `system` | the structure and what stays the same during a run |
+//! | `local`, `local_flight`, `local_part`, `local_reading` | local series of coordinates, flight by them, their windows and restarts, what they tell |
+//! | `modal_flight` | exact flight in modes |
+//! | `approach` | a certified step towards the first contact, by modes |
+//! | `rest_series` | Taylor series of modes with resting contacts |
+//! | `near` | what contacts do at an instant, by either |
+//! | `places` | where contacts are, and which of them are at a barrier |
 
-use super::local_flight::LocalFlight;
-use super::modal_flight::ModalFlight;
-use super::near::Tendencies;
-use super::places::Places;
-use super::series::Series;
-use super::system::System;
+pub(crate) mod approach;
+pub(crate) mod loads;
+pub(crate) mod local;
+pub(crate) mod local_flight;
+pub(crate) mod local_part;
+pub(crate) mod local_reading;
+pub(crate) mod modal_flight;
+pub(crate) mod near;
+pub(crate) mod places;
+pub(crate) mod rest_series;
+pub(crate) mod system;
+
+use crate::flight::local_flight::LocalFlight;
+use crate::flight::modal_flight::ModalFlight;
+use crate::flight::near::Tendencies;
+use crate::flight::places::Places;
+use crate::flight::rest_series::Series;
+use crate::flight::system::System;
 use vibrochain_lattice::Complex;
 
 /// State at the base, with all that its flight needs.

@@ -4,8 +4,8 @@
 use vibrochain_lattice::{Contact as Stops, LinearMode, ModalStructure, ModeShape};
 use vibrochain_testkit::Random;
 
-use super::super::system::System;
 use super::*;
+use crate::flight::system::System;
 
 /// What contacts are made to do at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -176,8 +176,9 @@ fn impacts_at_one_instant_without_a_conflict_commute() {
             assert!(is_free, "{round}: {made:?} {ends:?}");
             let mut changes = Vec::new();
             motion.collide(&mut changes).unwrap();
-            let impacts =
-                |c: usize| changes.iter().filter(|change| change.site == c && change.kind == EventKind::Impact).count();
+            let impacts = |c: usize| {
+                changes.iter().filter(|change| change.contact == c && change.kind == EventKind::Impact).count()
+            };
             assert!((0..count).all(|c| impacts(c) == once[c]), "{round}: {made:?} {changes:?}");
             let (_, end) = ends[0].as_ref().unwrap();
             for c in 0..count {

@@ -1,12 +1,12 @@
 //! Chatter, rest and release of a structure's contacts: those of the chain ([`crate::collision`]), with accelerations that know dashpots and the
 //! forces of other contacts at rest. A contact that comes to rest may take another one's load off: whose force would pull is released at once.
 
-use super::flight::Flight;
-use super::motion::Motion;
-use super::near::Tendencies;
-use super::places::Place;
 use crate::cascade::Change;
 use crate::event::EventKind;
+use crate::flight::Flight;
+use crate::flight::near::Tendencies;
+use crate::flight::places::Place;
+use crate::motion::Motion;
 use crate::watch::Contact;
 use vibrochain_lattice::Barrier;
 
@@ -16,7 +16,7 @@ pub const CHATTER_TIME: f64 = 1e-8;
 
 impl Motion {
     /// What a contact on its barrier does after the impacts there.
-    pub(super) fn part(&mut self, contact: usize, barrier: Barrier, changes: &mut Vec<Change>) {
+    pub(crate) fn part(&mut self, contact: usize, barrier: Barrier, changes: &mut Vec<Change>) {
         let outward = self.outward(contact, barrier);
         if outward == 0.0 {
             self.rest_or_leave(contact, barrier, changes);
@@ -68,7 +68,7 @@ impl Motion {
     }
 
     /// The velocity of a contact at rest that its force takes off again within [`CHATTER_TIME`]: it is none.
-    pub(super) fn holds(&self, tendencies: &Tendencies, contact: usize) -> f64 {
+    pub(crate) fn holds(&self, tendencies: &Tendencies, contact: usize) -> f64 {
         let pressing = tendencies.force(contact).abs() * self.system.mobility(contact, contact);
         0.5 * pressing * CHATTER_TIME / self.system.fastest
     }
@@ -89,7 +89,7 @@ impl Motion {
     }
 
     /// Lets a contact leave its barrier with the first derivative, from `order` on, that does not vanish; if that points outward it stays.
-    pub(super) fn release(
+    pub(crate) fn release(
         &mut self,
         contact: usize,
         barrier: Barrier,
@@ -146,7 +146,7 @@ impl Motion {
             return;
         }
         let mut touched: Vec<usize> =
-            changes.iter().flat_map(|change| flight.local.operator.beside(change.site)).collect();
+            changes.iter().flat_map(|change| flight.local.operator.beside(change.contact)).collect();
         touched.sort_unstable();
         touched.dedup();
         for contact in touched {
@@ -171,7 +171,7 @@ impl Motion {
 mod tests {
     use vibrochain_lattice::{Complex, Contact as Stops, LinearMode, ModalStructure, ModeShape};
 
-    use crate::{CHATTER_TIME, EventKind, Limits, StructureSimulation};
+    use crate::{CHATTER_TIME, EventKind, Limits, Simulation};
 
     /// A free mass chatters on a table while its load changes from pressing to lifting: how soon, not how fast the motion is, decides how many
     /// of its bounces are told one by one. It rests at the first whose rest lasts no longer than [`CHATTER_TIME`] against that, and is let go
@@ -188,7 +188,7 @@ mod tests {
                 let structure = ModalStructure::new(vec![table], vec![1], vec![mode.clone()]).unwrap();
                 let speed = 0.5 * left * pressing * (1.0 - restitution);
                 let start = [0.0, -speed / restitution / mode.rate];
-                let mut simulation = StructureSimulation::new(structure, 1.0, 0.0, &[start]).unwrap();
+                let mut simulation = Simulation::of_modes(structure, 1.0, 0.0, &[start]).unwrap();
                 let limits = Limits { until: Some(simulation.time_of(0, 2.0 * pressing / lift)), ..Limits::default() };
                 let (_, events) = simulation.collect(&limits);
                 let bounces = events.iter().filter(|event| event.kind == EventKind::Impact).count();

@@ -3,18 +3,18 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::loads::Loads;
-use super::local::{Held, Local, LocalSeries};
-use super::near::Tendencies;
-use super::places::{FORGET, Place, Places};
-use super::series::LOW;
-use super::system::System;
-use crate::bound::{self, Group, TAIL};
-use crate::part::{Pace, Part};
+use crate::flight::loads::Loads;
+use crate::flight::local::{Held, Local, LocalSeries};
+use crate::flight::near::Tendencies;
+use crate::flight::places::{FORGET, Place, Places};
+use crate::flight::rest_series::LOW;
+use crate::flight::system::System;
+use crate::series::bound::{self, Group, TAIL};
+use crate::series::part::{Pace, Part};
+use crate::series::weights::Weights;
 use crate::series::{CORRECTED, LANES, Rows, eight};
 use crate::units::{MAX_ORDER, ORDERS, spread};
 use crate::watch::{self, Contact, Watch};
-use crate::weights::Weights;
 use vibrochain_lattice::{Barrier, Complex};
 use wide::f64x8;
 
@@ -24,33 +24,33 @@ pub(crate) struct LocalFlight {
     pub(crate) local: Arc<Local>,
     /// e^{iw(t+ψ)} of each load at the base, and where series have begun last.
     pub(crate) turned: Vec<Complex<f64>>,
-    pub(super) now: Vec<Complex<f64>>,
+    pub(crate) now: Vec<Complex<f64>>,
     /// Of each coordinate, at the origin of its series: q = `reference` + x, from where the static load holds it, and q′, in internal time.
     ///
     /// Near a barrier that stops the coordinate itself the reference is that barrier: x is then the distance to it, and a mass that leaves at 1e-13
     /// and comes back at once has its flight to full RELATIVE accuracy, which q could not hold.
-    pub(super) x: Vec<f64>,
-    pub(super) velocity: Vec<f64>,
-    pub(super) reference: Vec<f64>,
+    pub(crate) x: Vec<f64>,
+    pub(crate) velocity: Vec<f64>,
+    pub(crate) reference: Vec<f64>,
     pub(crate) series: LocalSeries,
     /// Origins since the base, internal; `moved` lists those that are not 0.
-    pub(super) origin: Vec<f64>,
-    pub(super) moved: Vec<usize>,
+    pub(crate) origin: Vec<f64>,
+    pub(crate) moved: Vec<usize>,
     /// Coordinates that leave a barrier, and what rounding took from their series; of few, all.
-    pub(super) lost: Vec<(usize, [f64; CORRECTED])>,
-    pub(super) part_rows: Rows,
+    pub(crate) lost: Vec<(usize, [f64; CORRECTED])>,
+    pub(crate) part_rows: Rows,
     /// Parts that restart.
-    pub(super) parts: Vec<Part>,
+    pub(crate) parts: Vec<Part>,
     /// Length of the window, internal, since the base.
-    pub(super) horizon: f64,
-    pub(super) pace: Pace,
+    pub(crate) horizon: f64,
+    pub(crate) pace: Pace,
     next: [Vec<f64>; 2],
     /// Bounds of eight coordinates each over the window.
     groups: Vec<Group>,
     /// Lower and upper barriers of all contacts, from where the static load holds them; infinite where there is none.
-    pub(super) limits: [Vec<f64>; 2],
+    pub(crate) limits: [Vec<f64>; 2],
     /// Contact n sees coordinate n as it is, and there is one of each.
-    pub(super) is_direct: bool,
+    pub(crate) is_direct: bool,
 }
 
 /// From so many coordinates on weights are not held in two words: an event restarts a part, as a rule, at instants that do not repeat.
@@ -72,7 +72,7 @@ pub(crate) struct Sweep {
 }
 
 /// Sets d_0 and d_1 of columns from `first` on to what coordinates have.
-pub(super) fn begin_rows([x, reference, velocity]: [&[f64]; 3], rows: &mut Rows, first: usize, range: Range<usize>) {
+pub(crate) fn begin_rows([x, reference, velocity]: [&[f64]; 3], rows: &mut Rows, first: usize, range: Range<usize>) {
     let (places, velocities) = rows.data[first + 1..].split_at_mut(rows.stride);
     let whole = x[range.clone()].iter().zip(&reference[range.clone()]);
     places.iter_mut().zip(whole).for_each(|(to, (x, reference))| *to = x + reference);
@@ -156,12 +156,12 @@ impl LocalFlight {
         }
     }
 
-    pub(super) fn weights(&self, contact: usize) -> &[(usize, f64)] {
+    pub(crate) fn weights(&self, contact: usize) -> &[(usize, f64)] {
         &self.local.operator.contacts[contact]
     }
 
     /// q of a coordinate, from where the static load holds it.
-    pub(super) fn position(&self, n: usize) -> f64 {
+    pub(crate) fn position(&self, n: usize) -> f64 {
         self.reference[n] + self.x[n]
     }
 
@@ -205,7 +205,7 @@ impl LocalFlight {
     }
 
     /// What series begin from.
-    pub(super) fn state(&self) -> [&[f64]; 3] {
+    pub(crate) fn state(&self) -> [&[f64]; 3] {
         [&self.x, &self.reference, &self.velocity]
     }
 
@@ -296,7 +296,7 @@ impl LocalFlight {
     }
 
     /// Barriers of a contact, from where its place is measured; infinite where there is none.
-    pub(super) fn limits(&self, system: &System, contact: usize, place: &Place) -> [f64; 2] {
+    pub(crate) fn limits(&self, system: &System, contact: usize, place: &Place) -> [f64; 2] {
         let reference = if self.is_direct {
             self.reference[contact]
         } else {
@@ -312,7 +312,7 @@ impl LocalFlight {
     }
 
     /// Those of `count` ≤ 8 contacts from `base` on, each a coordinate, that their bounds do not clear.
-    pub(super) fn sift(&self, bounds: &Group, base: usize, count: usize, found: &mut impl FnMut(&Self, usize, Sweep)) {
+    pub(crate) fn sift(&self, bounds: &Group, base: usize, count: usize, found: &mut impl FnMut(&Self, usize, Sweep)) {
         let &Group { rise, fall, bend_up, bend_down } = bounds;
         let reference = f64x8::from(eight(&self.reference, base));
         let [lower, upper] = [0, 1].map(|side: usize| f64x8::from(eight(&self.limits[side], base)) - reference);
@@ -329,7 +329,7 @@ impl LocalFlight {
     }
 
     /// The origin of a contact's series.
-    pub(super) fn origin(&self, contact: usize) -> f64 {
+    pub(crate) fn origin(&self, contact: usize) -> f64 {
         if self.is_direct { self.origin[contact] } else { 0.0 }
     }
 
@@ -367,7 +367,7 @@ impl LocalFlight {
 
     /// Weights at `s` since the base, for coordinates whose series begin there. Of few coordinates they are held in two words: of a periodic
     /// motion the same ones come again and again.
-    pub(super) fn weights_at(&self, s: f64) -> Weights {
+    pub(crate) fn weights_at(&self, s: f64) -> Weights {
         let mut weights = Weights::zero();
         let (s, order, inverse) = (s * self.local.scale, self.series.rows.order, &self.local.inverse_factorial);
         if self.x.len() < LARGE {
@@ -392,7 +392,7 @@ impl LocalFlight {
     }
 
     /// Where a contact beside a barrier is at `s`, with the weights of that time.
-    pub(super) fn moved(&self, contact: usize, place: &Place, s: f64, weights: &Weights) -> Place {
+    pub(crate) fn moved(&self, contact: usize, place: &Place, s: f64, weights: &Weights) -> Place {
         let (x, v) = self.near_at(contact, place, s, weights);
         // A flight so short that even the distance underflows has not left.
         let touch = if x == 0.0 { place.touch } else { Contact::Free };
@@ -401,7 +401,7 @@ impl LocalFlight {
 
     /// Where it is now that the base has moved. Far from its barrier it forgets that: g is known as well; but a contact that is a coordinate not at the
     /// other one, which it is about to strike, and which the change would round.
-    pub(super) fn settled(&mut self, contact: usize, place: &Place) -> Place {
+    pub(crate) fn settled(&mut self, contact: usize, place: &Place) -> Place {
         let scale = FORGET * self.scale(contact);
         if !self.is_direct {
             return if place.x.abs() > scale { Place::free(self.place(contact)) } else { *place };

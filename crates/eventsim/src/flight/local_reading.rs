@@ -1,107 +1,14 @@
-//! What a structure in flight tells at any time of its window.
+//! What local series tell at any time of their window: coordinates, contacts, their derivatives and forces.
 
-use super::approach::Approach;
-use super::flight::Flight;
 use super::local::Local;
 use super::local_flight::LocalFlight;
-use super::motion::Motion;
 use super::places::{Place, Places};
-use super::series::LOW;
+use super::rest_series::LOW;
 use super::system::System;
+use crate::series::weights::Weights;
 use crate::units::MAX_ORDER;
 use crate::watch::{Contact, Watch};
-use crate::weights::Weights;
-use vibrochain_lattice::{Barrier, EnergyForm};
-
-impl Motion {
-    /// ξ of all modes at `s` since the base, from their equilibrium.
-    pub(crate) fn modes_at(&self, s: f64) -> Vec<[f64; 2]> {
-        match (&self.flight, &self.series) {
-            (Flight::Local(flight), _) => {
-                let [place, velocity] = flight.at(s);
-                flight.local.operator.project(self.system.modes(), &place, &velocity)
-            }
-            (Flight::Modes(flight), Some(series)) if !series.forces.is_empty() => {
-                (0..flight.xi.len()).map(|k| series.mode(k, s / series.length)).collect()
-            }
-            (Flight::Modes(flight), _) => flight.all_at(&self.system, s),
-        }
-    }
-
-    /// q and q′ at `s`, as far as the structure knows its coordinates; ξ of all modes.
-    pub(crate) fn coordinates_at(&self, s: f64) -> ([Vec<f64>; 2], Vec<[f64; 2]>) {
-        let measured = self.modes_at(s);
-        let modes = self.system.absolute(&measured);
-        if let Flight::Local(flight) = &self.flight {
-            let n = flight.local.operator.masses.len();
-            let (mut place, mut velocity) = (vec![0.0; n], vec![0.0; n]);
-            flight.read(s, [&mut place, &mut velocity]);
-            place.iter_mut().zip(&flight.local.equilibrium).for_each(|(place, held)| *place += held);
-            return ([place, velocity], modes);
-        }
-        let turned = self.system.loads.later(self.flight.turned(), s);
-        let coordinates = self.system.modes().first().map_or(0, |mode| mode.coordinates.len());
-        let (mut place, mut velocity) = (vec![0.0; coordinates], vec![0.0; coordinates]);
-        for (k, (mode, xi)) in self.system.modes().iter().zip(&modes).enumerate() {
-            let given = self.system.loads.given(k, &turned);
-            let rise = mode.turn.act(mode.generator(), measured[k]);
-            for (i, row) in mode.coordinates.iter().enumerate() {
-                place[i] += row[0] * xi[0] + row[1] * xi[1];
-                velocity[i] += row[0] * (rise[0] + given[0]) + row[1] * (rise[1] + given[1]);
-            }
-        }
-        ([place, velocity], modes)
-    }
-
-    /// q and q′ of the first coordinates at `s`, where it flies by these, from where the static load holds them.
-    pub(crate) fn read(&self, s: f64, state: [&mut [f64]; 2]) {
-        if let Flight::Local(flight) = &self.flight {
-            flight.read(s, state);
-        }
-    }
-
-    /// The longest window there may be.
-    pub(crate) fn longest_window(&self) -> f64 {
-        match &self.flight {
-            Flight::Local(flight) => flight.local.horizons.into_iter().fold(0.0, f64::max) / flight.local.scale,
-            Flight::Modes(_) => self.system.longest,
-        }
-    }
-
-    /// The force on a contact at rest at `s`, positive towards larger g.
-    pub(crate) fn force_at(&self, contact: usize, s: f64) -> f64 {
-        match (&self.flight, &self.series) {
-            (Flight::Local(flight), _) => flight.force_at(&self.system, contact, s),
-            (_, Some(series)) => series.force(contact, s / series.length),
-            _ => 0.0,
-        }
-    }
-
-    /// x, measured as at the base, and v of a contact at `s`.
-    pub(crate) fn contact_at(&self, contact: usize, s: f64) -> (f64, f64) {
-        let place = &self.places[contact];
-        match (&self.flight, &self.series) {
-            (Flight::Local(flight), _) => flight.contact_at(contact, place, s),
-            (_, Some(series)) => series.contact(contact, s / series.length),
-            (Flight::Modes(flight), None) => {
-                let approach = Approach { system: &self.system, flight, contact, place };
-                let view = approach.view(s, 0.0, &mut Vec::new());
-                (view.x, view.v)
-            }
-        }
-    }
-
-    /// Work of the loads and what dashpots take, a unit of time, at `s`.
-    pub(super) fn powers_at(&self, form: &EnergyForm, s: f64) -> [f64; 2] {
-        let turned = self.system.loads.later(self.flight.turned(), s);
-        if let Flight::Local(flight) = &self.flight {
-            return flight.local.powers(&flight.at(s)[1], &turned);
-        }
-        let xi = self.system.absolute(&self.modes_at(s));
-        // The first of the loads is the static one.
-        [form.power(&xi, &turned[1..]), form.dissipation(&xi)]
-    }
-}
+use vibrochain_lattice::Barrier;
 
 impl LocalFlight {
     /// q and q′ at `s` after the base, in the structure's unit of time. q counts from where the static load holds the structure.
@@ -123,7 +30,7 @@ impl LocalFlight {
     }
 
     /// x and q′ of the first coordinates in internal time, with the weights of that time.
-    pub(super) fn fly(&self, s: f64, weights: &Weights, [x, velocity]: [&mut [f64]; 2]) {
+    pub(crate) fn fly(&self, s: f64, weights: &Weights, [x, velocity]: [&mut [f64]; 2]) {
         let own = &self.x[..x.len()];
         if s == 0.0 {
             x.copy_from_slice(own);
@@ -149,7 +56,7 @@ impl LocalFlight {
     }
 
     /// x and v of a contact at `s`, with the weights of that time.
-    pub(super) fn near_at(&self, contact: usize, place: &Place, s: f64, weights: &Weights) -> (f64, f64) {
+    pub(crate) fn near_at(&self, contact: usize, place: &Place, s: f64, weights: &Weights) -> (f64, f64) {
         let origin = self.origin(contact);
         let mut own_weights = Weights::zero();
         let weights = if origin == 0.0 {
@@ -204,7 +111,7 @@ impl LocalFlight {
 
     /// The k-th derivative of coordinate `n`, in the structure's time: as if it were free, while those at rest stay.
     /// Each at the origin of its series, which must be one instant for those that can be felt so soon.
-    pub(super) fn derivative(&self, places: &Places, free: usize, n: usize, k: usize) -> f64 {
+    pub(crate) fn derivative(&self, places: &Places, free: usize, n: usize, k: usize) -> f64 {
         if k > 0 && n != free && self.is_direct && places.is_resting(n) {
             return 0.0;
         }
@@ -266,7 +173,7 @@ impl LocalFlight {
     }
 
     /// Follows the force on a contact at rest.
-    pub(super) fn rest_watch(
+    pub(crate) fn rest_watch(
         &self,
         system: &System,
         (contact, barrier): (usize, Barrier),

@@ -1,16 +1,14 @@
 //! The event loop: flight from window to window, and what interrupts it.
 
-use super::event::{ContactEvent, StructureOutcome};
-use super::flight::Flight;
-use super::motion::Motion;
-use super::rest::CHATTER_TIME;
-use super::tangent::Company;
-use crate::cascade::{Cascade, Cascades, Change};
-use crate::event::{BOUNCE_TIME, Limits};
+use crate::cascade::{Cascades, Change};
+use crate::event::{BOUNCE_TIME, Event, Limits, Outcome, Report};
+use crate::flight::Flight;
+use crate::motion::Motion;
+use crate::rest::CHATTER_TIME;
 use crate::stop_check::StopCheck;
 use crate::time::Time;
-use crate::watch::Contact;
-use vibrochain_lattice::{Barrier, Stop, Stopped};
+use crate::with_tangents::Perturbations;
+use vibrochain_lattice::{Stop, Stopped};
 
 /// Of a contact that loses nothing, flights shorter than this, in units of the fastest rate, and so short that a period holds more than
 /// [`Limits::bounces`] of them, are of one cascade: pressed it bounces for ever, where one that loses energy comes to rest.
@@ -41,28 +39,20 @@ impl EventLoop {
     /// From a state in which contacts on their barriers have been told apart from those that hit them; modes have diverged beyond `reach`.
     pub(crate) fn new(mut motion: Motion, reach: Vec<f64>, mut untold: Vec<Change>) -> Self {
         motion.let_go(&mut untold);
-        let (cascades, check) = (Cascades::new(motion.places.len()), StopCheck::new(Stop::default(), reach.len()));
+        let (cascades, check) = (Cascades::new(motion.places.len()), StopCheck::new(Stop::default(), 1));
         motion.begin();
         let (now, in_sequence, stalls, changes) = (0.0, false, 0, Vec::new());
         Self { motion, now, in_sequence, cascades, stalls, reach, untold, changes, check }
     }
 
-    /// From now on runs end once `stop` is raised; a step is over so many terms.
-    pub(crate) fn heed(&mut self, stop: &Stop, terms: usize) {
-        self.check = StopCheck::new(stop.clone(), terms);
+    /// From now on runs end once `stop` is raised.
+    pub(crate) fn heed(&mut self, stop: &Stop) {
+        self.check = StopCheck::new(stop.clone(), self.motion.system.size());
     }
 
     /// Present time.
     pub(crate) fn time(&self) -> Time {
         self.time_at(self.now)
-    }
-
-    /// The barrier on which a contact rests.
-    pub(crate) fn resting(&self, contact: usize) -> Option<Barrier> {
-        match self.motion.places.get(contact)?.touch {
-            Contact::Resting(barrier) => Some(barrier),
-            _ => None,
-        }
     }
 
     /// Moves the base to the present time.
@@ -74,28 +64,38 @@ impl EventLoop {
     }
 
     /// Runs until the first of `limits` is met; every event is shown to `observer`, in the order of time.
-    pub(crate) fn advance(
+    pub(crate) fn run(
         &mut self,
         limits: &Limits,
-        observer: &mut impl FnMut(&ContactEvent),
-        company: &mut impl Company,
-    ) -> StructureOutcome {
+        observer: &mut impl FnMut(&Event),
+        perturbations: &mut impl Perturbations,
+    ) -> Report {
+        let outcome = self.advance(limits, observer, perturbations);
+        Report { outcome, time: self.time(), work: self.motion.work }
+    }
+
+    fn advance(
+        &mut self,
+        limits: &Limits,
+        observer: &mut impl FnMut(&Event),
+        perturbations: &mut impl Perturbations,
+    ) -> Outcome {
         let impacts = self.motion.work.impacts.saturating_add(limits.impacts);
         let flights = self.flights().saturating_add(limits.flights);
         let untold = std::mem::take(&mut self.untold);
         let _ = self.tell(&untold, limits, observer);
         loop {
             if self.motion.work.impacts >= impacts {
-                return StructureOutcome::ImpactsReached;
+                return Outcome::ImpactsReached;
             }
             if self.flights() >= flights {
-                return StructureOutcome::WorkLimit;
+                return Outcome::WorkLimit;
             }
             let is_within = |(xi, reach): (&[f64; 2], &f64)| xi.iter().all(|xi| xi.abs() <= *reach);
             if let Flight::Modes(flight) = &self.motion.flight
                 && let Some(mode) = flight.xi.iter().zip(&self.reach).position(|pair| !is_within(pair))
             {
-                return StructureOutcome::Diverged { mode };
+                return Outcome::Diverged { mode };
             }
             let target =
                 limits.until.map_or(f64::INFINITY, |time| self.motion.clock.until(time.periods(), time.offset()));
@@ -104,10 +104,10 @@ impl EventLoop {
             let limit = target.min(horizon).min(pending);
             let next = match self.motion.next(limit, &mut self.check) {
                 Ok(next) => next,
-                Err(Stopped) => return StructureOutcome::Stopped,
+                Err(Stopped) => return Outcome::Stopped,
             };
             if let Some(first) = next {
-                if let Some(outcome) = self.event(first, limits, observer, company) {
+                if let Some(outcome) = self.event(first, limits, observer, perturbations) {
                     return outcome;
                 }
             } else if pending <= limit {
@@ -116,7 +116,7 @@ impl EventLoop {
                 self.cascades.rested_by(pending, |change| observer(&event(change, time)));
             } else if target <= horizon {
                 self.now = self.now.max(target);
-                return StructureOutcome::TimeReached;
+                return Outcome::TimeReached;
             } else {
                 self.move_on(horizon);
                 self.motion.begin();
@@ -144,9 +144,9 @@ impl EventLoop {
         &mut self,
         first: f64,
         limits: &Limits,
-        observer: &mut impl FnMut(&ContactEvent),
-        company: &mut impl Company,
-    ) -> Option<StructureOutcome> {
+        observer: &mut impl FnMut(&Event),
+        perturbations: &mut impl Perturbations,
+    ) -> Option<Outcome> {
         let (at, is_whole) = self.motion.arrive(first, self.now);
         if is_whole {
             self.rebased(at);
@@ -160,31 +160,25 @@ impl EventLoop {
         {
             // The same events are due once more at the base.
             self.motion.stand();
-            return Some(StructureOutcome::Simultaneous { first, second });
+            return Some(Outcome::Simultaneous { first, second });
         }
         let mut changes = std::mem::take(&mut self.changes);
         changes.clear();
-        company.arrive(&self.motion, self.now);
+        perturbations.arrive(&self.motion, self.now);
         let result = self.motion.collide(&mut changes);
-        company.meet(&self.motion, &changes);
+        perturbations.meet(&self.motion, &changes);
         let outcome = self.tell(&changes, limits, observer);
         self.motion.flight.note_event(self.now);
         self.motion.restart(self.now);
         self.stalls = if changes.is_empty() { self.stalls + 1 } else { 0 };
         self.changes = changes;
         let stalled = if self.stalls > STALLS { self.motion.due.first().copied() } else { result.err() };
-        let cascade =
-            stalled.map(|due| StructureOutcome::Cascade { contact: due.contact, barrier: due.barrier, bounces: 0 });
+        let cascade = stalled.map(|due| Outcome::Cascade { contact: due.contact, barrier: due.barrier, bounces: 0 });
         cascade.or(outcome)
     }
 
     /// Reports `changes` at the base and counts bounces.
-    fn tell(
-        &mut self,
-        changes: &[Change],
-        limits: &Limits,
-        observer: &mut impl FnMut(&ContactEvent),
-    ) -> Option<StructureOutcome> {
+    fn tell(&mut self, changes: &[Change], limits: &Limits, observer: &mut impl FnMut(&Event)) -> Option<Outcome> {
         let (time, now, system) = (self.time(), (&self.motion.clock, self.now), &self.motion.system);
         let wait = |contact: usize| {
             // A cascade takes ln(from/to)/(1 − e) impacts from one length of its flights to another.
@@ -195,12 +189,7 @@ impl EventLoop {
             if is_resolved { bounce } else { pressed.min(system.period() / most).max(bounce) }
         };
         let observe = |change: &Change| observer(&event(change, time));
-        let cascade = self.cascades.tell(changes, now, limits.bounces, wait, observe);
-        cascade.map(|Cascade { site: contact, barrier, bounces }| StructureOutcome::Cascade {
-            contact,
-            barrier,
-            bounces,
-        })
+        self.cascades.tell(changes, now, limits.bounces, wait, observe)
     }
 
     fn time_at(&self, s: f64) -> Time {
@@ -210,7 +199,7 @@ impl EventLoop {
 }
 
 /// What is told of a change at `time`.
-fn event(change: &Change, time: Time) -> ContactEvent {
-    let &Change { site: contact, barrier, before, after, force: impulse, kind, .. } = change;
-    ContactEvent { time, contact, barrier, velocity_before: before, velocity_after: after, impulse, kind }
+fn event(change: &Change, time: Time) -> Event {
+    let &Change { contact, barrier, before, after, impulse, kind, .. } = change;
+    Event { time, contact, barrier, velocity_before: before, velocity_after: after, impulse, kind }
 }

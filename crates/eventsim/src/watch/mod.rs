@@ -1,4 +1,4 @@
-//! The first contact of one mass, certified by steps that no contact can hide in ([`crate::safe_step`]).
+//! The first contact of one mass, certified by steps that no contact can hide in ([`crate::watch::safe_step`]).
 //!
 //! **Rounding.** f is computed to μ = 4 ε (|c₀| + |c₁|τ + |c₂|τ²) or better, ε = 2⁻⁵²: an approach to within μ is a
 //! contact. Where displacements are measured from the barrier itself, μ shrinks with the distance.
@@ -6,9 +6,12 @@
 //! **A mass at rest** is released where its force has a root and then turns by more than its rounding before it presses again. A force that
 //! touches 0 and rises turns nothing, whatever rounding makes of the touch.
 
-use crate::bound;
-use crate::safe_step::{ROUNDING, Side, departure, safe_step, side};
+pub(crate) mod queue;
+pub(crate) mod safe_step;
+
+use crate::series::bound;
 use crate::units::MAX_ORDER;
+use crate::watch::safe_step::{ROUNDING, Side, departure, safe_step, side};
 use vibrochain_lattice::Barrier;
 
 /// Steps after which the bound of the second derivative is taken over twice the time gone by instead of the whole window, and

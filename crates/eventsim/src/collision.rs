@@ -9,11 +9,11 @@
 //! so is one that the force on a contact at rest takes off within [`CHATTER_TIME`](crate::CHATTER_TIME): contacts that chatter together would never end.
 //! Without coordinates in common the order does not matter.
 
-use super::flight::Flight;
-use super::motion::{Due, Motion, SIMULTANEOUS};
-use super::places::Place;
 use crate::cascade::Change;
 use crate::event::EventKind;
+use crate::flight::Flight;
+use crate::flight::places::Place;
+use crate::motion::{Due, Motion, SIMULTANEOUS};
 use crate::time::two_sum;
 use crate::watch::Contact;
 use vibrochain_lattice::Barrier;
@@ -195,21 +195,21 @@ impl Motion {
 
     fn note_impact(
         &mut self,
-        site: usize,
+        contact: usize,
         barrier: Barrier,
         [before, after]: [f64; 2],
-        force: f64,
+        impulse: f64,
         changes: &mut Vec<Change>,
     ) {
         if let Some(ledger) = &mut self.ledger {
-            ledger.impact(-0.5 * force * (before + after));
+            ledger.impact(-0.5 * impulse * (before + after));
         }
         self.work.impacts += 1;
-        changes.push(Change { site, barrier, before, after, force, kind: EventKind::Impact, delay: 0.0 });
+        changes.push(Change { contact, barrier, before, after, impulse, kind: EventKind::Impact, delay: 0.0 });
     }
 
     /// g′ outward.
-    pub(super) fn outward(&self, contact: usize, barrier: Barrier) -> f64 {
+    pub(crate) fn outward(&self, contact: usize, barrier: Barrier) -> f64 {
         let v = self.places[contact].v.unwrap_or_else(|| self.flight.velocity(&self.system, contact));
         barrier.sign() * v
     }

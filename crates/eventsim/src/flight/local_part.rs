@@ -1,20 +1,20 @@
 //! Windows of local series, and new series in the middle of one, of those coordinates of a row that can feel what has happened
-//! ([`crate::part`]): only where contact n sees mass n as it is.
+//! ([`crate::series::part`]): only where contact n sees mass n as it is.
 
-use super::flight::Flight;
-use super::local::LocalSeries;
-use super::local_flight::{LocalFlight, Sweep, begin_rows};
-use super::motion::{Due, Motion};
-use super::places::{Place, Places};
-use super::system::System;
-use crate::bound;
-use crate::part::{DITHER, LEAST_REACH, Part, ranges, split};
-use crate::queue::Candidates;
-use crate::safe_step::safe_step;
+use crate::flight::Flight;
+use crate::flight::local::LocalSeries;
+use crate::flight::local_flight::{LocalFlight, Sweep, begin_rows};
+use crate::flight::places::{Place, Places};
+use crate::flight::system::System;
+use crate::motion::{Due, Motion};
+use crate::series::bound;
+use crate::series::part::{DITHER, LEAST_REACH, Part, ranges, split};
+use crate::series::weights::Weights;
 use crate::series::{LANES, eight};
 use crate::units::{MAX_ORDER, reach, spread};
+use crate::watch::queue::Candidates;
+use crate::watch::safe_step::safe_step;
 use crate::watch::{Contact, Watch};
-use crate::weights::Weights;
 use vibrochain_lattice::{Barrier, Ends};
 
 /// Jump of a velocity against the size of the motion in units of the rate: (1+e) of a velocity that is at most twice that size.
@@ -22,14 +22,14 @@ const JUMP: f64 = 4.0;
 
 impl LocalFlight {
     /// The share of all masses that restarts with one at any time in a window, if it is less than half.
-    pub(super) fn touched(&self, horizon: f64) -> Option<f64> {
+    pub(crate) fn touched(&self, horizon: f64) -> Option<f64> {
         let (_, coupling) = self.local.row().filter(|_| self.is_direct)?;
         let touched = 2 * reach(coupling, horizon, JUMP) + 3;
         Some(touched as f64 / self.x.len() as f64).filter(|share| *share < 0.5)
     }
 
     /// Finds the parts that feel contacts which are due at `s` since the base in internal time. False: all masses do, or are to be restarted anyway.
-    pub(super) fn split(&mut self, due: &[Due], s: f64) -> bool {
+    pub(crate) fn split(&mut self, due: &[Due], s: f64) -> bool {
         let Some((ends, coupling)) = self.local.row().filter(|_| self.is_direct) else { return false };
         let reach = reach(coupling, self.horizon - s, JUMP).max(LEAST_REACH);
         let row = (self.x.len(), ends[0] == Ends::Closed);
@@ -37,7 +37,7 @@ impl LocalFlight {
     }
 
     /// Carries masses of a part alone to `s` as the new origin of their series.
-    pub(super) fn carry(&mut self, places: &mut Places, part: Part, s: f64) {
+    pub(crate) fn carry(&mut self, places: &mut Places, part: Part, s: f64) {
         for (masses, _) in ranges(part, self.x.len()) {
             for base in masses.clone().step_by(LANES) {
                 // How far they have moved: measured from a barrier that has more digits than where they are.
@@ -68,7 +68,7 @@ impl LocalFlight {
 
     /// New series of a part whose masses are at `s`: `found` is told of contacts that bounds do not clear, and of those at rest with the forces
     /// on them.
-    pub(super) fn restart(
+    pub(crate) fn restart(
         &mut self,
         places: &Places,
         part: Part,
@@ -132,16 +132,16 @@ impl LocalFlight {
 }
 
 /// A mass at rest in a part, with the derivatives of the force on it.
-pub(super) struct PartRest {
-    pub(super) contact: (usize, Barrier),
+pub(crate) struct PartRest {
+    pub(crate) contact: (usize, Barrier),
     column: usize,
-    pub(super) forces: [f64; MAX_ORDER + 1],
+    pub(crate) forces: [f64; MAX_ORDER + 1],
 }
 
 impl Motion {
     /// The certified window of local series: contacts that bounds do not clear are candidates from where parabolas above and below them
     /// first meet a barrier.
-    pub(super) fn begin_local(&mut self) {
+    pub(crate) fn begin_local(&mut self) {
         let Self { flight: Flight::Local(flight), system, places, candidates, seed, .. } = self else { return };
         self.unit = 1.0 / flight.local.scale;
         self.work.bounds += places.len() as u64;

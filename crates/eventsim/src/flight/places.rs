@@ -2,12 +2,12 @@
 
 use std::ops::Index;
 
-use super::system::System;
+use crate::flight::system::System;
 use crate::watch::Contact;
 use vibrochain_lattice::Barrier;
 
 /// Beyond this part of the scale of its motion a contact forgets the barrier that x is measured from: g is known as well.
-pub(super) const FORGET: f64 = 1.0 / 16.0;
+pub(crate) const FORGET: f64 = 1.0 / 16.0;
 
 /// Where a contact is.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,10 +7,10 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::loads::{Answer, Loads};
-use crate::bound;
+use crate::flight::loads::{Answer, Loads};
+use crate::series::bound;
+use crate::series::stencil::{Links, Stencil, lost_of_springs};
 use crate::series::{CORRECTED, Rows};
-use crate::stencil::{Links, Stencil, lost_of_springs};
 use crate::units::{Growth, MAX_ORDER, ORDERS, REMAINDER, inverse_factorials};
 use vibrochain_lattice::{Bands, Barrier, Complex, Ends, LinearMode, ModalStructure, Pulls, SparseOperator};
 
@@ -75,7 +75,7 @@ pub(crate) struct Local {
 pub(crate) struct Held {
     pub(crate) contacts: Vec<(usize, Barrier)>,
     /// One row a contact; a single entry where no two share a coordinate.
-    pub(super) inverse: Vec<Vec<f64>>,
+    pub(crate) inverse: Vec<Vec<f64>>,
     /// No two share a coordinate and each sees one alone: what is held is 0 there.
     pub(crate) is_plain: bool,
 }
@@ -246,7 +246,7 @@ impl Local {
     }
 
     /// What stands at the ends of the coordinates; where neighbours are looked up, the wall.
-    pub(super) fn beyond(&self) -> [Option<Ends>; 2] {
+    pub(crate) fn beyond(&self) -> [Option<Ends>; 2] {
         match &self.pulls {
             Scaled::Row(ends, _) => ends.map(Some),
             _ => [Some(Ends::Fixed); 2],
@@ -258,7 +258,7 @@ impl Local {
     ///
     /// A mass that leaves a barrier is at the same place at every impact, to the bit, and its rounding errors with it.
     /// Alone among all they do not average out: they would change the energy by up to ε/2 an impact.
-    pub(super) fn lost(&self, n: usize, rows: &Rows) -> Option<[f64; CORRECTED]> {
+    pub(crate) fn lost(&self, n: usize, rows: &Rows) -> Option<[f64; CORRECTED]> {
         let (stencil, across, [left, right, below, above]) = match &self.pulls {
             Scaled::Row(_, stencil) => (stencil, 0.0, [n, n + 2, n + 1, n + 1]),
             Scaled::Layers(links) => links.of(n),
@@ -286,7 +286,7 @@ impl Local {
     }
 
     /// The row that the coordinates are, of masses alike: what stands at its ends, and γ₂ and c₂.
-    pub(super) fn row(&self) -> Option<([Ends; 2], [f64; 2])> {
+    pub(crate) fn row(&self) -> Option<([Ends; 2], [f64; 2])> {
         match &self.pulls {
             Scaled::Row(ends, Stencil { stiffness, damping }) => Some((*ends, [stiffness[1], damping[1]])),
             _ => None,
@@ -296,7 +296,7 @@ impl Local {
     /// Derivatives up to `order` of ranges of coordinates, each with its first column; rows 0 and 1 are there. `hold` may change each order
     /// before the next follows from it.
     #[inline(always)]
-    pub(super) fn fill(
+    pub(crate) fn fill(
         &self,
         rows: &mut Rows,
         ranges: &[(Range<usize>, usize)],
@@ -383,43 +383,44 @@ pub struct FlightChoice {
     /// Multiplications in a unit of time by local series of the coordinates; `None`: the structure is its modes alone, or one of them grows by
     /// itself.
     pub local: Option<f64>,
-    /// By modes.
-    pub modal: f64,
+    /// By modes; `None` of a chain, whose modes are not asked for.
+    pub modal: Option<f64>,
 }
 
 impl FlightChoice {
-    /// Local series take all orders of all coordinates in a window of about two units of the fastest rate. By modes each contact is a sum of
-    /// exponentials, looked at once in about the unit of the loads' rate.
+    /// By modes each contact is a sum of exponentials, looked at once in about the unit of the loads' rate.
     pub(crate) fn new(structure: &ModalStructure, (omega, fastest): (f64, f64)) -> Self {
-        let of_operator = |operator: &Arc<SparseOperator>| {
-            let contacts: usize = operator.contacts.iter().map(|contact| contact.len() + CONTACT).sum();
-            (operator.operations() + contacts) as f64 * MAX_ORDER as f64 * 0.5 * fastest
-        };
         // Modes that grow are asked for one by one how far they have come.
         let grows = |mode: &LinearMode| mode.rates().iter().any(|rate| rate.re > 0.0);
-        let local = structure.operator().filter(|_| !structure.modes().iter().any(grows)).map(of_operator);
+        let operator = structure.operator().filter(|_| !structure.modes().iter().any(grows));
+        let local = operator.map(|operator| Self::operations(operator, fastest));
         let modal = (structure.contacts().len() * structure.modes().len()) as f64 * TERM * omega;
-        Self { local, modal }
+        Self { local, modal: Some(modal) }
+    }
+
+    /// Of coordinates alone.
+    pub(crate) fn of_operator(operator: &SparseOperator, fastest: f64) -> Self {
+        Self { local: Some(Self::operations(operator, fastest)), modal: None }
+    }
+
+    /// Local series take all orders of all coordinates in a window of about two units of the fastest rate.
+    fn operations(operator: &SparseOperator, fastest: f64) -> f64 {
+        let contacts: usize = operator.contacts.iter().map(|contact| contact.len() + CONTACT).sum();
+        (operator.operations() + contacts) as f64 * MAX_ORDER as f64 * 0.5 * fastest
     }
 
     /// Whether it flies by local series: they take no more multiplications.
     pub fn is_local(&self) -> bool {
-        self.local.is_some_and(|local| local <= self.modal)
+        self.local.is_some_and(|local| self.modal.is_none_or(|modal| local <= modal))
     }
 }
 
 impl fmt::Display for FlightChoice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let modal = self.modal;
-        match self.local {
-            Some(local) if self.is_local() => {
-                write!(f, "flight by local series: {local:.1e} multiplications in a unit of time, by modes {modal:.1e}")
-            }
-            Some(local) => {
-                write!(f, "flight by modes: {modal:.1e} multiplications in a unit of time, by local series {local:.1e}")
-            }
-            None => write!(f, "flight by modes: {modal:.1e} multiplications in a unit of time"),
-        }
+        let (names, known) = (["by local series", "by modes"], [self.local, self.modal]);
+        let own = usize::from(!self.is_local());
+        write!(f, "flight {}: {:.1e} multiplications in a unit of time", names[own], known[own].unwrap_or(0.0))?;
+        known[1 - own].map_or(Ok(()), |other| write!(f, ", {} {other:.1e}", names[1 - own]))
     }
 }
 
@@ -434,3 +435,6 @@ fn subtract(bands: &Bands, from: &[f64], to: &mut [f64]) {
         to[*row] -= entry * from[*column];
     }
 }
+
+#[cfg(test)]
+mod tests;

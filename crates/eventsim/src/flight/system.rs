@@ -2,10 +2,10 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::loads::{Answer, Loads, add};
-use super::local::{FlightChoice, Local};
+use crate::flight::loads::{Answer, Loads, add};
+use crate::flight::local::{FlightChoice, Local};
 use crate::time::two_sum;
-use vibrochain_lattice::{Barrier, Complex, Contact, LinearMode, ModalStructure, SparseOperator};
+use vibrochain_lattice::{Barrier, Complex, Contact, LinearMode, ModalStructure, Model, SparseOperator};
 
 type C = Complex<f64>;
 
@@ -97,13 +97,15 @@ impl System {
         Self { terms, swings, origins, stops, mobility, apart, lost, fastest, longest, omega, loads, local, structure }
     }
 
+    /// The masses of a chain, under its force at a phase.
+    pub(crate) fn of_chain(model: &Model, psi: f64) -> Self {
+        let harmonics = model.force().harmonics().iter().filter(|harmonic| harmonic.amplitude != 0.0);
+        let numbers: Vec<u32> = harmonics.map(|harmonic| harmonic.number).collect();
+        Self::of_operator(model.operator(), model.stop(), &numbers, (model.omega(), psi))
+    }
+
     /// The system of coordinates given by their operator, without modes: the same stops at each, under loads of these harmonics.
-    pub(crate) fn of_operator(
-        operator: SparseOperator,
-        stop: Contact,
-        harmonics: &[u32],
-        (omega, psi): (f64, f64),
-    ) -> Self {
+    fn of_operator(operator: SparseOperator, stop: Contact, harmonics: &[u32], (omega, psi): (f64, f64)) -> Self {
         let loads = Loads::of_harmonics(harmonics, omega, psi);
         let driven = loads.rates.iter().copied().fold(0.0, f64::max);
         let fastest = Local::rate(&operator).max(driven).max(0.25 * omega);
@@ -130,11 +132,19 @@ impl System {
 
     /// The same by local series, if these are faster.
     pub(crate) fn local_if_faster(self) -> Self {
-        let rates = (self.omega, self.fastest);
-        let is_local = |structure: &&Arc<ModalStructure>| FlightChoice::new(structure, rates).is_local();
-        match self.structure.as_ref().filter(is_local).and_then(|structure| structure.operator().cloned()) {
+        let known = self.structure.as_ref().filter(|_| self.choice().is_local());
+        match known.and_then(|structure| structure.operator().cloned()) {
             Some(operator) => self.by_coordinates(operator),
             None => self,
+        }
+    }
+
+    /// How it flies.
+    pub(crate) fn choice(&self) -> FlightChoice {
+        match (&self.structure, &self.local) {
+            (None, Some(local)) => FlightChoice::of_operator(&local.operator, self.fastest),
+            (Some(structure), _) => FlightChoice::new(structure, (self.omega, self.fastest)),
+            (None, None) => FlightChoice { local: None, modal: None },
         }
     }
 
@@ -156,6 +166,35 @@ impl System {
 
     pub(crate) fn modes(&self) -> &[LinearMode] {
         self.structure.as_ref().map_or(&[], |structure| structure.modes())
+    }
+
+    /// Modes, or coordinates where no modes are known: what a step is over, and how many pairs of numbers a state has.
+    pub(crate) fn size(&self) -> usize {
+        self.structure.as_ref().map_or(self.stops.len(), |structure| structure.modes().len())
+    }
+
+    /// The barriers of a contact where they are.
+    pub(crate) fn limits(&self, contact: usize) -> Contact {
+        self.structure.as_ref().map_or(self.stops[contact], |structure| structure.contacts()[contact])
+    }
+
+    /// Whether small perturbations of a run of one are perturbations of one of the other: all is alike but loads.
+    pub(crate) fn is_alike(&self, other: &Self) -> bool {
+        let is_alike = |(a, b): (&LinearMode, &LinearMode)| {
+            (a.decay, a.rate, a.turn) == (b.decay, b.rate, b.turn) && a.rows == b.rows
+        };
+        match (&self.structure, &other.structure, &self.local, &other.local) {
+            (Some(own), Some(other), ..) => {
+                own.contacts() == other.contacts()
+                    && own.modes().len() == other.modes().len()
+                    && own.modes().iter().zip(other.modes()).all(is_alike)
+            }
+            (None, None, Some(own), Some(other_local)) => {
+                let (own, of_other) = (&own.operator, &other_local.operator);
+                self.stops == other.stops && own.masses == of_other.masses && own.pulls == of_other.pulls
+            }
+            _ => false,
+        }
     }
 
     pub(crate) fn restitution(&self, contact: usize) -> f64 {

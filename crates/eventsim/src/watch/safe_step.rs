@@ -1,7 +1,7 @@
 //! Steps that stay short of the first contact.
 //!
 //! Let f be the distance to a barrier (or, for a mass at rest, the force that holds it there) and B ≥ −f″ over the
-//! window ([`crate::bound`]). From any τ with f > 0,
+//! window ([`crate::series::bound`]). From any τ with f > 0,
 //!
 //! ```text
 //! f(τ+d) ≥ f(τ) + f′(τ) d − B d²/2      for all d ≥ 0 within the window,
@@ -16,7 +16,7 @@
 //! answer, 2f′/B. If it leaves with a higher order m (3 after a release) the known zero is divided out:
 //! g = f/s^m, g(0) > 0, and g ≥ g(0) − G s with a bound G of the same kind gives the first safe step.
 
-use crate::bound;
+use crate::series::bound;
 
 /// Rounding of a series relative to its terms, and of a step relative to the time: see [`crate::watch`].
 pub(crate) const ROUNDING: f64 = 4.0 * f64::EPSILON;

@@ -1,7 +1,7 @@
 //! Exact flight in modes, from a base.
 
-use super::loads::add;
-use super::system::System;
+use crate::flight::loads::add;
+use crate::flight::system::System;
 use vibrochain_lattice::{Complex, LinearMode};
 
 /// Coordinates of all modes at the base.

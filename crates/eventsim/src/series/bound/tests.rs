@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::series::tests::{empty, filled};
-use crate::weights::Weights;
+use crate::series::weights::Weights;
 
 /// Each of eight masses stays within its bounds, and above and below its parabolas; where no term turns back it reaches them.
 #[test]

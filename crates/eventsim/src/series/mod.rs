@@ -8,7 +8,7 @@
 //!
 //! for every mass that flies (of a chain: `stencil`); a mass at rest has d_k = 0 for k ≥ 1 and the right-hand side is the force on its
 //! barrier. Nothing here knows the modes, so that masses at rest change nothing, and no time step is made: a window
-//! is as long as what the series leaves out stays below rounding (`structure::local`).
+//! is as long as what the series leaves out stays below rounding (`flight::local`).
 //!
 //! - Derivatives, not Taylor coefficients: the recurrence then has no division, whose constant rounding errors would
 //!   add up over a million windows. The divisions are in the weights s^k/k!, the first of them in two words.
@@ -16,12 +16,17 @@
 //!   (a free end), 0 (a wall), or, for a part, its neighbours' known series. Rings of one and two masses are right without
 //!   a special case. Of several layers the neighbours are looked up in a list, in which ghost column 0 is the wall.
 
+pub(crate) mod bound;
+pub(crate) mod part;
+pub(crate) mod stencil;
+pub(crate) mod weights;
+
 use std::ops::Range;
 
 use wide::{f64x4, f64x8};
 
+use crate::series::weights::{TWO_WORDS, Weights};
 use crate::units::MAX_ORDER;
-use crate::weights::{TWO_WORDS, Weights};
 use vibrochain_lattice::Ends;
 
 /// Masses handled at once; rows are padded so that the last group may run over the end.

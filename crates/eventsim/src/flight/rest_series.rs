@@ -4,10 +4,10 @@
 //! so the coefficient λ_n of the forces solves w_iᵀM⁻¹w_j λ_n = −row·A(Aξ_n + b_n): a system of the size of what rests. Contacts beside a
 //! barrier start from the distance and the velocity that are carried for them.
 
-use super::loads::add;
-use super::modal_flight::ModalFlight;
-use super::places::Places;
-use super::system::System;
+use crate::flight::loads::add;
+use crate::flight::modal_flight::ModalFlight;
+use crate::flight::places::Places;
+use crate::flight::system::System;
 use crate::units::{MAX_ORDER, inverse_factorials};
 use crate::watch::Contact;
 use vibrochain_lattice::Barrier;
@@ -190,9 +190,9 @@ mod tests {
     use vibrochain_lattice::{Complex, Contact as Stops, LinearMode, ModalStructure, ModeShape};
     use vibrochain_testkit::Random;
 
-    use super::super::flight::Flight;
-    use super::super::motion::Motion;
     use super::*;
+    use crate::flight::Flight;
+    use crate::motion::Motion;
 
     /// One to five modes that swing or creep, under a static load and two harmonics, with two contacts.
     fn motion(random: &mut Random) -> Motion {
