@@ -9,6 +9,7 @@ use vibrochain_plot::{Animation, Format, Instant, MOST_MASSES, Moving, Page, ani
 use crate::args::SimulateArgs;
 use crate::common::caption::describe_run;
 use crate::common::error::CliError;
+use crate::simulate::follow::Recorder;
 use crate::simulate::recording::Every;
 
 /// Periods of the run that are shown, the last ones: longer, and nobody looks to the end.
@@ -66,16 +67,23 @@ impl Film {
         }))
     }
 
-    pub(crate) fn hit(&mut self, event: &Event) {
+    pub(crate) fn finish(self) -> Result<(), CliError> {
+        let bytes = animation(&self.picture, self.moving, self.page);
+        Ok(self.file.finish_with(&bytes.map_err(|error| CliError::Computation(error.to_string()))?)?)
+    }
+}
+
+impl Recorder for Film {
+    fn event(&mut self, event: &Event) {
         let impact = (event.contact, event.barrier == Barrier::Upper);
         if !self.impacts.contains(&impact) {
             self.impacts.push(impact);
         }
     }
 
-    pub(crate) fn see(&mut self, simulation: &Simulation) {
+    fn look(&mut self, simulation: &Simulation) -> Result<(), CliError> {
         if !self.shown.is_due() {
-            return;
+            return Ok(());
         }
         let left = self.periods - simulation.time().in_periods();
         let impacts = std::mem::take(&mut self.impacts);
@@ -87,10 +95,6 @@ impl Film {
         } else if let (true, Some(first)) = (left <= 1e-9, self.picture.instants.first_mut()) {
             first.impacts.extend(impacts);
         }
-    }
-
-    pub(crate) fn finish(self) -> Result<(), CliError> {
-        let bytes = animation(&self.picture, self.moving, self.page);
-        Ok(self.file.finish_with(&bytes.map_err(|error| CliError::Computation(error.to_string()))?)?)
+        Ok(())
     }
 }

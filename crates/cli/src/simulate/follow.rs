@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use vibrochain_eventsim::{Limits, Time};
+use vibrochain_eventsim::{Event, Limits, Outcome, Report, Simulation};
 use vibrochain_lattice::Stop;
 
 use crate::args::SimulateArgs;
@@ -66,75 +66,99 @@ pub(crate) fn checked(args: &SimulateArgs) -> Result<bool, CliError> {
 /// Between two looks at how far a long run is.
 const PORTION: Duration = Duration::from_millis(100);
 
-/// How far a simulation has come.
-#[derive(PartialEq)]
-pub(crate) enum Reached {
-    /// The time that was asked for.
-    Time,
-    /// Where it was told to stop.
-    Stopped,
-    /// Its end.
-    End,
+/// What is kept of a run.
+pub(crate) trait Recorder {
+    /// Takes note of an event.
+    fn event(&mut self, _: &Event) {}
+
+    /// Takes a sample.
+    fn look(&mut self, _: &Simulation) -> Result<(), CliError> {
+        Ok(())
+    }
+
+    /// The first row of an event that could not be written, once; the simulation cannot stop for it at once.
+    fn failed(&mut self) -> Option<CliError> {
+        None
+    }
+}
+
+impl<R: Recorder> Recorder for Option<R> {
+    fn event(&mut self, event: &Event) {
+        self.iter_mut().for_each(|recorder| recorder.event(event));
+    }
+
+    fn look(&mut self, simulation: &Simulation) -> Result<(), CliError> {
+        self.as_mut().map_or(Ok(()), |recorder| recorder.look(simulation))
+    }
+
+    fn failed(&mut self) -> Option<CliError> {
+        self.as_mut().and_then(Recorder::failed)
+    }
 }
 
 /// A simulation with what is kept of it.
-pub(crate) trait Run {
-    /// `periods` periods of the force and the `part` of one more, as a limit.
-    fn time_of(&self, periods: u64, part: f64) -> Time;
-    /// Goes on to these limits, or until it is to stop, and takes note of all events.
-    fn advance(&mut self, limits: &Limits, stop: &Stop) -> Result<Reached, CliError>;
-    /// Present time, and the impacts up to it.
-    fn now(&self) -> (Time, u64);
-    /// Takes a sample.
-    fn look(&mut self) -> Result<(), CliError>;
-    fn section(&mut self) -> Option<&mut Section>;
-    /// Places and velocities of all masses or contacts.
-    fn state(&self) -> [Vec<f64>; 2];
+pub(crate) struct Run<'a> {
+    pub(crate) simulation: &'a mut Simulation,
+    pub(crate) section: &'a mut Option<Section>,
+    pub(crate) recorders: &'a mut [&'a mut dyn Recorder],
 }
 
-/// Runs to the end, with so many samples a period (0: a look at the end alone), in portions of time, so that Ctrl-C is heard and people are told
-/// however long a period takes. Whether it was.
-pub(crate) fn follow(
-    run: &mut impl Run,
-    args: &SimulateArgs,
-    samples: u64,
-    stop: &Stop,
-    console: &mut Console<'_>,
-) -> Result<bool, CliError> {
-    let periods = args.periods;
-    let end = run.time_of(periods.trunc() as u64, periods.fract());
-    // The last sample is at the end.
-    let sampled = (periods * samples as f64) as u64;
-    let total = sampled + u64::from(samples == 0 || sampled as f64 / (samples as f64) < periods);
-    let mut pace = Pace::new(args, console);
-    let mut reached = run.advance(&Limits::until(run.time_of(0, 0.0)), stop)?;
-    let (mut step, mut stopped) = (0, stop.is_raised());
-    loop {
-        run.look()?;
-        if stopped || reached != Reached::Time || step >= total {
-            pace.finish();
-            return Ok(stopped);
-        }
-        step += 1;
-        let part = (step % samples.max(1)) as f64 / samples as f64;
-        let time = if step > sampled { end } else { run.time_of(step / samples, part) };
-        // With the looks of the section on the way.
+impl Run<'_> {
+    /// Goes on to these limits, or until it is to stop.
+    fn advance(&mut self, limits: &Limits, stop: &Stop) -> Result<Report, CliError> {
+        let Self { simulation, section, recorders } = self;
+        simulation.heed(stop);
+        let report = simulation.run(limits, |event| {
+            section.event(event);
+            recorders.iter_mut().for_each(|recorder| recorder.event(event));
+        });
+        let failed = recorders.iter_mut().find_map(|recorder| recorder.failed());
+        failed.or_else(|| section.failed()).map_or(Ok(report), Err)
+    }
+
+    /// Runs to the end, with so many samples a period (0: a look at the end alone), in portions of time, so that Ctrl-C is heard and people are
+    /// told however long a period takes. How it ended, and whether it was stopped.
+    pub(crate) fn follow(
+        &mut self,
+        args: &SimulateArgs,
+        samples: u64,
+        stop: &Stop,
+        console: &mut Console<'_>,
+    ) -> Result<(Report, bool), CliError> {
+        let periods = args.periods;
+        let end = self.simulation.time_of(periods.trunc() as u64, periods.fract());
+        // The last sample is at the end.
+        let sampled = (periods * samples as f64) as u64;
+        let total = sampled + u64::from(samples == 0 || sampled as f64 / (samples as f64) < periods);
+        let mut pace = Pace::new(args, console);
+        let mut report = self.advance(&Limits::until(self.simulation.time_of(0, 0.0)), stop)?;
+        let (mut step, mut stopped) = (0, stop.is_raised());
         loop {
-            let look = run.section().and_then(|section| section.due(time));
-            let left = args.max_impacts.map_or(u64::MAX, |most| most.saturating_sub(run.now().1));
-            let until = look.or(Some(time));
-            reached = run.advance(&Limits { until, impacts: left, ..Limits::default() }, &stop.within(PORTION))?;
-            stopped = stop.is_raised();
-            let (now, impacts) = run.now();
-            pace.see(now, impacts, console);
-            if look.is_some() && reached == Reached::Time {
-                let [places, velocities] = run.state();
-                run.section().map_or(Ok(()), |section| section.look(now, &places, &velocities))?;
-            } else if reached != Reached::Stopped {
-                break;
+            self.recorders.iter_mut().try_for_each(|recorder| recorder.look(self.simulation))?;
+            if stopped || report.outcome != Outcome::TimeReached || step >= total {
+                pace.finish();
+                return Ok((report, stopped));
             }
-            if stopped {
-                break;
+            step += 1;
+            let part = (step % samples.max(1)) as f64 / samples as f64;
+            let time = if step > sampled { end } else { self.simulation.time_of(step / samples, part) };
+            // With the looks of the section on the way.
+            loop {
+                let look = self.section.as_ref().and_then(|section| section.due(time));
+                let left = args.max_impacts.map_or(u64::MAX, |most| most.saturating_sub(report.work.impacts));
+                let until = look.or(Some(time));
+                let limits = Limits { until, impacts: left, ..Limits::default() };
+                report = self.advance(&limits, &stop.within(PORTION))?;
+                stopped = stop.is_raised();
+                pace.see(report.time, report.work.impacts, console);
+                if look.is_some() && report.outcome == Outcome::TimeReached {
+                    self.section.look(self.simulation)?;
+                } else if report.outcome != Outcome::Stopped {
+                    break;
+                }
+                if stopped {
+                    break;
+                }
             }
         }
     }

@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 use vibrochain_breather::{Finder, Orbit};
-use vibrochain_eventsim::{Limits, Outcome, Report, Simulation, Time};
+use vibrochain_eventsim::{Event, Outcome, Report, Simulation};
 use vibrochain_fate::{End, LOOKED_AT, Pattern, Witness};
 use vibrochain_floquet::{Analyser, Tolerance};
 use vibrochain_lattice::{Model, Short, Stop};
@@ -26,13 +26,12 @@ use crate::common::model::{Chosen, chosen};
 use crate::common::schemas::SIMULATE;
 use crate::common::which;
 use crate::simulate::animate::Film;
-use crate::simulate::follow::{Reached, Run};
+use crate::simulate::follow::{Recorder, Run};
 use crate::simulate::pace::interrupted;
-use crate::simulate::recording::{ImpactTable, Plot, orbit_time, trajectory_columns};
+use crate::simulate::recording::{ImpactTable, Plot, Trajectory, orbit_time};
 use crate::simulate::section::{Section, Sectioned};
 use crate::simulate::start::{Start as State, leading_mode_at};
 use crate::structures;
-use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::numbers::Number;
 
 /// Windows of flight that a run may need at least, impacts aside; of a single mass 1e15 are some three years.
@@ -58,10 +57,9 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
     let stop = (console.interrupt)()?;
     let (start, home) = starting_point(args, &chosen, &stop, console)?;
     let orbit = home.as_ref().map(|home| &home.orbit);
-    let simulation = Simulation::new(&model, start.psi, &start.displacement, &start.velocity)
+    let mut simulation = Simulation::new(&model, start.psi, &start.displacement, &start.velocity)
         .map_err(|error| CliError::Request(error.to_string()))?;
-    let end = Time::new(&model, periods.trunc() as u64, periods.fract());
-    let windows = simulation.least_windows(end);
+    let windows = simulation.least_windows(simulation.time_of(periods.trunc() as u64, periods.fract()));
     ensure!(
         windows <= MAX_WINDOWS || args.max_impacts.is_some(),
         "{} is out of range here: a period of omega = {} is so long against the swing of a mass that they take {windows:.0e} windows of flight, the limit is {MAX_WINDOWS:.0e}; give at most {:.0e}, or --max-impacts",
@@ -71,11 +69,11 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
         0.5 * periods / windows * MAX_WINDOWS
     );
 
-    let impacts = args.impacts.as_deref().map(|path| ImpactTable::open(path, start.time, &model)).transpose()?;
-    let sites = model.chain().sites();
-    let columns = || trajectory_columns(sites);
-    let trajectory = args.trajectory.as_deref();
-    let trajectory = trajectory.map(|path| CsvFile::create("--trajectory", path, columns())).transpose()?;
+    let (chain, sites) = (model.chain(), model.chain().sites());
+    let impacts = args.impacts.as_deref().map(|path| ImpactTable::open(path, start.time, Some(chain.layout())));
+    let mut impacts = impacts.transpose()?;
+    let trajectory = args.trajectory.as_deref().map(|path| Trajectory::of_chain(path, start.time, sites));
+    let mut trajectory = trajectory.transpose()?;
     let sectioned = Sectioned {
         period: model.period(),
         psi: start.psi,
@@ -84,24 +82,21 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
         home: orbit.map_or(vec![0], Orbit::hit_sites),
         names: ["site", "displacement", "velocity"],
     };
-    let section = Section::open(args, sectioned)?;
-    let plot = Plot::open(args, &model, orbit, &start)?;
-    let film = Film::open(args, &model, orbit)?;
+    let mut section = Section::open(args, sectioned)?;
+    let mut plot = Plot::open(args, &model, orbit, &start)?;
+    let mut film = Film::open(args, &model, orbit)?;
 
     // Samples if somebody wants them, otherwise the end alone.
     let samples = if trajectory.is_some() || plot.is_some() || film.is_some() { args.samples } else { 0 };
     let pattern = orbit.map(Pattern::of);
     let witness = Witness::new(&model, pattern.as_ref().map(|pattern| (pattern, start.time)));
-    let (report, state) = (None, [vec![0.0; sites], vec![0.0; sites]]);
-    let (start, events) = (start.time, 0);
-    let mut run = Kept { simulation, report, start, state, impacts, trajectory, section, plot, film, witness, events };
-    let stopped = follow::follow(&mut run, args, samples, &stop, console)?;
-    let Kept { simulation, report, impacts, trajectory, section, plot, film, witness, events, .. } = run;
-    let Some(report) = report else { return Ok(()) };
-
+    let (start, mut ends) = (start.time, Ends { witness, events: 0 });
+    let recorders: &mut [&mut dyn Recorder] = &mut [&mut impacts, &mut trajectory, &mut plot, &mut film, &mut ends];
+    let mut run = Run { simulation: &mut simulation, section: &mut section, recorders };
+    let (report, stopped) = run.follow(args, samples, &stop, console)?;
     // What was simulated is kept, however the run ended.
     impacts.map_or(Ok(()), ImpactTable::finish)?;
-    trajectory.map_or(Ok(()), CsvFile::finish)?;
+    trajectory.map_or(Ok(()), Trajectory::finish)?;
     section.map_or(Ok(()), Section::finish)?;
     plot.map_or(Ok(()), Plot::finish)?;
     film.map_or(Ok(()), Film::finish)?;
@@ -114,9 +109,9 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliErro
         stopped,
         start,
         home: home.as_ref(),
-        fate: witness.outcome(simulation.time()),
+        fate: ends.witness.outcome(simulation.time()),
         distance,
-        events,
+        events: ends.events,
     };
     let text = if args.json { printed(&told.answer())? } else { told.text(console.verbose) };
     console.answer(&text, args.json, taken)?;
@@ -196,75 +191,16 @@ fn deviation(orbit: &Orbit, simulation: &Simulation, start: f64) -> Result<f64, 
     Ok(masses.map(|(u, exact)| (u - exact).abs()).fold(0.0, f64::max))
 }
 
-/// A run with what is kept of it.
-struct Kept<'a> {
-    simulation: Simulation,
-    report: Option<Report>,
-    /// Time of the start, on the clock of the orbit.
-    start: f64,
-    /// Displacements and velocities at a sample.
-    state: [Vec<f64>; 2],
-    impacts: Option<ImpactTable>,
-    trajectory: Option<CsvFile>,
-    section: Option<Section>,
-    plot: Option<Plot>,
-    film: Option<Film>,
+/// What a run comes to, and how many events it has.
+struct Ends<'a> {
     witness: Witness<'a>,
     events: u64,
 }
 
-impl Run for Kept<'_> {
-    fn time_of(&self, periods: u64, part: f64) -> Time {
-        self.simulation.time_of(periods, part)
-    }
-
-    fn advance(&mut self, limits: &Limits, stop: &Stop) -> Result<Reached, CliError> {
-        let Self { simulation, impacts, section, plot, film, witness, events, .. } = self;
-        simulation.heed(stop);
-        let report = simulation.run(limits, |event| {
-            *events += 1;
-            impacts.iter_mut().for_each(|table| table.write(event));
-            witness.see(event);
-            plot.iter_mut().for_each(|plot| plot.hit(event));
-            film.iter_mut().for_each(|film| film.hit(event));
-            section.iter_mut().for_each(|section| section.see(event));
-        });
-        let unwritten = impacts.as_mut().and_then(|table| table.failure.take());
-        if let Some(error) = unwritten.or_else(|| section.as_mut().and_then(Section::failed)) {
-            return Err(error);
-        }
-        let reached = match report.outcome {
-            Outcome::TimeReached => Reached::Time,
-            Outcome::Stopped => Reached::Stopped,
-            _ => Reached::End,
-        };
-        self.report = Some(report);
-        Ok(reached)
-    }
-
-    fn now(&self) -> (Time, u64) {
-        (self.simulation.time(), self.simulation.work().impacts)
-    }
-
-    fn look(&mut self) -> Result<(), CliError> {
-        if let Some(table) = &mut self.trajectory {
-            let [displacement, velocity] = &mut self.state;
-            self.simulation.read(displacement, velocity);
-            let time = self.simulation.time().on_clock(self.start);
-            table.row(std::iter::once(&time).chain(displacement.iter()).chain(velocity.iter()).map(f64::to_string))?;
-        }
-        self.plot.iter_mut().for_each(|plot| plot.see(&self.simulation));
-        self.film.iter_mut().for_each(|film| film.see(&self.simulation));
-        Ok(())
-    }
-
-    fn section(&mut self) -> Option<&mut Section> {
-        self.section.as_mut()
-    }
-
-    fn state(&self) -> [Vec<f64>; 2] {
-        let state = self.simulation.state();
-        [state.displacement, state.velocity]
+impl Recorder for Ends<'_> {
+    fn event(&mut self, event: &Event) {
+        self.events += 1;
+        self.witness.see(event);
     }
 }
 

@@ -6,6 +6,7 @@ use vibrochain_breather::{Impact, Motion, Orbit};
 use vibrochain_eventsim::{Event, Simulation, Time};
 use vibrochain_lattice::{Barrier, Layout, Model};
 use vibrochain_maps::files::CsvFile;
+use vibrochain_maps::numbers::Number;
 use vibrochain_plot::field::FieldWriter;
 use vibrochain_plot::{RunPicture, run_picture};
 
@@ -13,6 +14,7 @@ use crate::args::SimulateArgs;
 use crate::common::caption::describe_run;
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
+use crate::simulate::follow::Recorder;
 use crate::simulate::start::Start;
 
 /// The time on an orbit's own clock: whole periods are taken off before they cost digits.
@@ -21,41 +23,29 @@ pub fn orbit_time(orbit: &Orbit, time: Time, start: f64) -> f64 {
     periods as f64 * orbit.model().period() + time.offset() + start
 }
 
-/// `time,site,barrier,velocity_before,velocity_after,kind`, one row a mass; `layer` after `site` where there are several.
+/// One row an event. Of a chain `time,site,barrier,velocity_before,velocity_after,kind`, `layer` after `site` where there are several; of a
+/// structure the contact for the site, and `impulse` before `kind`.
 pub(crate) struct ImpactTable {
     file: CsvFile,
-    layout: Layout,
+    /// How masses are called, of a chain.
+    layout: Option<Layout>,
     start: f64,
-    /// The first row that could not be written; the simulation cannot stop for it at once.
-    pub(crate) failure: Option<CliError>,
+    /// The first row that could not be written.
+    failure: Option<CliError>,
 }
 
 impl ImpactTable {
-    pub(crate) fn open(path: &Path, start: f64, model: &Model) -> Result<Self, CliError> {
-        let layout = model.chain().layout();
-        let mut header = vec!["time", "site", "barrier", "velocity_before", "velocity_after", "kind"];
-        if layout.layers > 1 {
-            header.insert(2, "layer");
+    /// Of a run that begins at the time `start` of its clock.
+    pub(crate) fn open(path: &Path, start: f64, layout: Option<Layout>) -> Result<Self, CliError> {
+        let mut header = vec!["time", "contact", "barrier", "velocity_before", "velocity_after", "kind"];
+        match layout {
+            None => header.insert(5, "impulse"),
+            Some(layout) => {
+                header[1] = "site";
+                header.splice(2..2, (layout.layers > 1).then_some("layer"));
+            }
         }
         Ok(Self { file: CsvFile::create("--impacts", path, header)?, layout, start, failure: None })
-    }
-
-    pub(crate) fn write(&mut self, event: &Event) {
-        let (site, layer) = self.layout.place(event.contact);
-        let mut row = vec![
-            event.time.on_clock(self.start).to_string(),
-            site.to_string(),
-            event.barrier.name().to_owned(),
-            event.velocity_before.to_string(),
-            event.velocity_after.to_string(),
-            event.kind.name().to_owned(),
-        ];
-        if self.layout.layers > 1 {
-            row.insert(2, layer.to_string());
-        }
-        if let Err(error) = self.file.row(row) {
-            self.failure.get_or_insert(error.into());
-        }
     }
 
     pub(crate) fn finish(self) -> Result<(), CliError> {
@@ -63,10 +53,64 @@ impl ImpactTable {
     }
 }
 
+impl Recorder for ImpactTable {
+    fn event(&mut self, event: &Event) {
+        let number = |x: f64| Number(x).to_string();
+        let &Event { contact, barrier, velocity_before, velocity_after, impulse, kind, .. } = event;
+        let (name, layer) = self.layout.map_or((contact, 0), |layout| layout.place(contact));
+        let layer = self.layout.is_some_and(|layout| layout.layers > 1).then(|| layer.to_string());
+        let impulse = self.layout.is_none().then(|| number(impulse));
+        let row = [number(event.time.on_clock(self.start)), name.to_string()].into_iter().chain(layer);
+        let row = row.chain([barrier.name().to_owned(), number(velocity_before), number(velocity_after)]);
+        if let Err(error) = self.file.row(row.chain(impulse).chain([kind.name().to_owned()])) {
+            self.failure.get_or_insert(error.into());
+        }
+    }
+
+    fn failed(&mut self) -> Option<CliError> {
+        self.failure.take()
+    }
+}
+
 /// `time,displacement_0,…,velocity_0,…`
 pub(crate) fn trajectory_columns(sites: usize) -> impl Iterator<Item = String> {
     let columns = move |name: &'static str| (0..sites).map(move |n| format!("{name}_{n}"));
     std::iter::once("time".to_owned()).chain(columns("displacement")).chain(columns("velocity"))
+}
+
+/// One row a sample: the time, of a structure what its contacts do, and all coordinates with their velocities.
+pub(crate) struct Trajectory {
+    file: CsvFile,
+    start: f64,
+    with_contacts: bool,
+}
+
+impl Trajectory {
+    /// Of a run of a chain that begins at the time `start` of its clock.
+    pub(crate) fn of_chain(path: &Path, start: f64, sites: usize) -> Result<Self, CliError> {
+        let file = CsvFile::create("--trajectory", path, trajectory_columns(sites))?;
+        Ok(Self { file, start, with_contacts: false })
+    }
+
+    /// Of a structure, with what its contacts do first.
+    pub(crate) fn of_structure(path: &Path, columns: impl Iterator<Item = String>) -> Result<Self, CliError> {
+        Ok(Self { file: CsvFile::create("--trajectory", path, columns)?, start: 0.0, with_contacts: true })
+    }
+
+    pub(crate) fn finish(self) -> Result<(), CliError> {
+        Ok(self.file.finish()?)
+    }
+}
+
+impl Recorder for Trajectory {
+    fn look(&mut self, simulation: &Simulation) -> Result<(), CliError> {
+        let (state, time) = (simulation.state(), simulation.time().on_clock(self.start));
+        let contacts = if self.with_contacts { simulation.contacts() } else { Vec::new() };
+        let (places, velocities): (Vec<f64>, Vec<f64>) =
+            contacts.iter().map(|contact| (contact.place, contact.velocity)).unzip();
+        let all = [vec![time], places, velocities, state.displacement, state.velocity];
+        Ok(self.file.row(all.iter().flatten().map(f64::to_string))?)
+    }
 }
 
 /// Periods at the end of the run of which what is hit is shown.
@@ -171,30 +215,6 @@ impl Plot {
         }))
     }
 
-    pub(crate) fn hit(&mut self, event: &Event) {
-        if event.contact == self.home {
-            self.trace.hit(event.time.in_periods(), place(self.picture.barriers, event.barrier));
-        }
-    }
-
-    pub(crate) fn see(&mut self, simulation: &Simulation) {
-        let time = simulation.time();
-        let periods = time.in_periods();
-        let is_point = self.trace.is_due(periods);
-        if is_point || self.field.wants() {
-            simulation.read(&mut self.scratch.0, &mut self.scratch.1);
-        }
-        let u = &self.scratch.0;
-        self.field.see(u, periods);
-        if is_point {
-            self.trace.simulated.push((periods, u.get(self.home).copied().unwrap_or(0.0)));
-            if let Some((orbit, motion)) = &mut self.orbit {
-                let now = motion.at(self.home, orbit_time(orbit, time, self.start));
-                self.trace.analytic.push((periods, now.displacement));
-            }
-        }
-    }
-
     pub(crate) fn finish(self) -> Result<(), CliError> {
         let tips = self.tips();
         let Self { files, picture, trace: Trace { simulated, mut analytic, .. }, field, .. } = self;
@@ -220,6 +240,33 @@ impl Plot {
             (0..=rounds).map(move |k| (next + k as f64 * every, height))
         };
         own.flat_map(of).collect()
+    }
+}
+
+impl Recorder for Plot {
+    fn event(&mut self, event: &Event) {
+        if event.contact == self.home {
+            self.trace.hit(event.time.in_periods(), place(self.picture.barriers, event.barrier));
+        }
+    }
+
+    fn look(&mut self, simulation: &Simulation) -> Result<(), CliError> {
+        let time = simulation.time();
+        let periods = time.in_periods();
+        let is_point = self.trace.is_due(periods);
+        if is_point || self.field.wants() {
+            simulation.read(&mut self.scratch.0, &mut self.scratch.1);
+        }
+        let u = &self.scratch.0;
+        self.field.see(u, periods);
+        if is_point {
+            self.trace.simulated.push((periods, u.get(self.home).copied().unwrap_or(0.0)));
+            if let Some((orbit, motion)) = &mut self.orbit {
+                let now = motion.at(self.home, orbit_time(orbit, time, self.start));
+                self.trace.analytic.push((periods, now.displacement));
+            }
+        }
+        Ok(())
     }
 }
 

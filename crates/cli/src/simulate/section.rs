@@ -1,11 +1,11 @@
 //! Poincaré sections of a simulated run, as a table.
 
-use vibrochain_eventsim::{Event, EventKind, Time};
+use vibrochain_eventsim::{Event, EventKind, Simulation, Time};
 use vibrochain_fate::Strobe;
-use vibrochain_lattice::Barrier;
 
 use crate::args::{SectionName, SimulateArgs};
 use crate::common::error::CliError;
+use crate::simulate::follow::Recorder;
 use vibrochain_maps::files::CsvFile;
 
 /// The most masses of a section.
@@ -23,7 +23,7 @@ pub(crate) struct Section {
     period: f64,
     /// Periods left out.
     skip: f64,
-    /// The first row that could not be written; the simulation cannot stop for it at once.
+    /// The first row that could not be written.
     failure: Option<CliError>,
 }
 
@@ -96,42 +96,36 @@ impl Section {
         [time.on_clock(self.start).to_string(), time.periods().to_string(), phase.to_string()]
     }
 
-    /// Looks at the places and velocities of all at a time that was due.
-    pub(crate) fn look(&mut self, time: Time, places: &[f64], velocities: &[f64]) -> Result<(), CliError> {
-        let Some((_, next)) = &mut self.strobe else { return Ok(()) };
-        *next += 1;
-        let of = |values: &[f64]| self.sites.iter().map(|&n| values[n].to_string()).collect::<Vec<_>>();
-        let row = self.place(time).into_iter().chain(of(places)).chain(of(velocities)).collect::<Vec<_>>();
-        Ok(self.file.row(row)?)
+    pub(crate) fn finish(self) -> Result<(), CliError> {
+        Ok(self.file.finish()?)
     }
+}
 
-    /// Takes note of an event.
-    pub(crate) fn see(&mut self, event: &Event) {
-        if event.kind == EventKind::Impact {
-            let velocities = [event.velocity_before, event.velocity_after];
-            self.hit(event.time, event.contact, event.barrier, velocities);
-        }
-    }
-
+impl Recorder for Section {
     /// Takes note of an impact.
-    pub(crate) fn hit(&mut self, time: Time, site: usize, barrier: Barrier, velocities: [f64; 2]) {
-        let wanted = self.strobe.is_none() && time.in_periods() >= self.skip && self.sites.binary_search(&site).is_ok();
-        if !wanted {
+    fn event(&mut self, event: &Event) {
+        let is_seen = event.kind == EventKind::Impact && self.strobe.is_none() && event.time.in_periods() >= self.skip;
+        if !is_seen || self.sites.binary_search(&event.contact).is_err() {
             return;
         }
-        let [before, after] = velocities.map(|velocity| velocity.to_string());
-        let rest = [site.to_string(), barrier.name().to_owned(), before, after];
-        if let Err(error) = self.file.row(self.place(time).into_iter().chain(rest)) {
+        let [before, after] = [event.velocity_before, event.velocity_after].map(|velocity| velocity.to_string());
+        let rest = [event.contact.to_string(), event.barrier.name().to_owned(), before, after];
+        if let Err(error) = self.file.row(self.place(event.time).into_iter().chain(rest)) {
             self.failure.get_or_insert(error.into());
         }
     }
 
-    /// The failure to write a row, once.
-    pub(crate) fn failed(&mut self) -> Option<CliError> {
-        self.failure.take()
+    /// Looks at the run at a time that was due.
+    fn look(&mut self, simulation: &Simulation) -> Result<(), CliError> {
+        let Some((_, next)) = &mut self.strobe else { return Ok(()) };
+        *next += 1;
+        let seen: Vec<_> = self.sites.iter().filter_map(|&contact| simulation.contact(contact)).collect();
+        let places = seen.iter().map(|contact| contact.place.to_string());
+        let velocities = seen.iter().map(|contact| contact.velocity.to_string());
+        Ok(self.file.row(self.place(simulation.time()).into_iter().chain(places).chain(velocities))?)
     }
 
-    pub(crate) fn finish(self) -> Result<(), CliError> {
-        Ok(self.file.finish()?)
+    fn failed(&mut self) -> Option<CliError> {
+        self.failure.take()
     }
 }

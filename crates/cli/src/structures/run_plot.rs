@@ -1,7 +1,7 @@
 //! The picture of a structure's run: a contact at its end, over the orbit it began on, and the velocities of all impacts.
 
 use vibrochain_breather::{StructureModel, StructureMotion, StructureOrbit};
-use vibrochain_eventsim::{ContactState, Event, Time};
+use vibrochain_eventsim::{Event, EventKind, Simulation};
 use vibrochain_lattice::Contact;
 use vibrochain_maps::structure::StructureScene;
 use vibrochain_plot::{Curves, Mark, Pane, Series, curves_picture, run_trace};
@@ -9,6 +9,7 @@ use vibrochain_plot::{Curves, Mark, Pane, Series, curves_picture, run_trace};
 use crate::args::SimulateArgs;
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
+use crate::simulate::follow::Recorder;
 use crate::simulate::recording::Trace;
 
 /// Impacts of each contact at most: some for every pixel.
@@ -85,37 +86,6 @@ impl RunPlot {
         Ok(Some(plot))
     }
 
-    pub(super) fn hit(&mut self, event: &Event) {
-        let periods = event.time.in_periods();
-        let barrier = self.contact.barrier(event.barrier).filter(|_| event.contact == self.home);
-        barrier.into_iter().for_each(|barrier| self.trace.hit(periods, barrier));
-        let velocities = &mut self.velocities;
-        let known = velocities.iter().position(|(contact, _)| *contact == event.contact);
-        let at = known.unwrap_or(velocities.len());
-        if at == velocities.len() && at < CONTACTS {
-            velocities.push((event.contact, Thinned { points: Vec::new(), stride: 1, seen: 0 }));
-        }
-        if let Some((_, velocities)) = velocities.get_mut(at) {
-            velocities.push((periods, event.velocity_before));
-        }
-    }
-
-    pub(super) fn look(&mut self, time: Time, contacts: &[ContactState]) -> Result<(), CliError> {
-        let periods = time.in_periods();
-        if !self.trace.is_due(periods) {
-            return Ok(());
-        }
-        self.trace.simulated.extend(contacts.get(self.home).map(|contact| (periods, contact.place)));
-        let Some((orbit, start)) = &self.orbit else { return Ok(()) };
-        let rounds = time.periods() % u64::from(orbit.force_periods());
-        let now = rounds as f64 * orbit.model().period() + time.offset() + start;
-        let (motion, now) = (StructureMotion::new(orbit)?, now.rem_euclid(orbit.period()));
-        let i = orbit.impacts().partition_point(|impact| impact.time <= now).saturating_sub(1);
-        let [place, ..] = motion.contact(self.home, i, now - orbit.impacts()[i].time);
-        self.trace.analytic.push((periods, place));
-        Ok(())
-    }
-
     pub(super) fn finish(self) -> Result<(), CliError> {
         let picture = self.picture();
         self.files.draw(|page| curves_picture(&picture, page))
@@ -148,5 +118,42 @@ impl RunPlot {
         };
         let panes = vec![trace, impacts];
         Curves { title: self.title.clone(), panes, columns: 1, pane: (1100, 400), ..Curves::default() }
+    }
+}
+
+impl Recorder for RunPlot {
+    fn event(&mut self, event: &Event) {
+        if event.kind != EventKind::Impact {
+            return;
+        }
+        let periods = event.time.in_periods();
+        let barrier = self.contact.barrier(event.barrier).filter(|_| event.contact == self.home);
+        barrier.into_iter().for_each(|barrier| self.trace.hit(periods, barrier));
+        let velocities = &mut self.velocities;
+        let known = velocities.iter().position(|(contact, _)| *contact == event.contact);
+        let at = known.unwrap_or(velocities.len());
+        if at == velocities.len() && at < CONTACTS {
+            velocities.push((event.contact, Thinned { points: Vec::new(), stride: 1, seen: 0 }));
+        }
+        if let Some((_, velocities)) = velocities.get_mut(at) {
+            velocities.push((periods, event.velocity_before));
+        }
+    }
+
+    fn look(&mut self, simulation: &Simulation) -> Result<(), CliError> {
+        let time = simulation.time();
+        let periods = time.in_periods();
+        if !self.trace.is_due(periods) {
+            return Ok(());
+        }
+        self.trace.simulated.extend(simulation.contact(self.home).map(|contact| (periods, contact.place)));
+        let Some((orbit, start)) = &self.orbit else { return Ok(()) };
+        let rounds = time.periods() % u64::from(orbit.force_periods());
+        let now = rounds as f64 * orbit.model().period() + time.offset() + start;
+        let (motion, now) = (StructureMotion::new(orbit)?, now.rem_euclid(orbit.period()));
+        let i = orbit.impacts().partition_point(|impact| impact.time <= now).saturating_sub(1);
+        let [place, ..] = motion.contact(self.home, i, now - orbit.impacts()[i].time);
+        self.trace.analytic.push((periods, place));
+        Ok(())
     }
 }

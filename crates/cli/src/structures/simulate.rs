@@ -1,10 +1,7 @@
 //! `mapgen simulate` of a structure: every impact from a state or an orbit on, and what the run settles on.
 
 use vibrochain_breather::{StructureModel, StructureMotion, StructureOrbit, structure_admissibility};
-use vibrochain_eventsim::{Event, EventKind, Limits, Outcome, Report, Simulation, State, Time};
-use vibrochain_lattice::Stop;
-use vibrochain_maps::files::CsvFile;
-use vibrochain_maps::numbers::Number;
+use vibrochain_eventsim::{Event, Simulation};
 use vibrochain_maps::structure::{Setting, StructureScene};
 
 use super::orbit::{OfWord, columns, found};
@@ -14,8 +11,9 @@ use crate::args::SimulateArgs;
 use crate::common::console::Console;
 use crate::common::error::CliError;
 use crate::common::schemas::STRUCTURE_RUN;
-use crate::simulate::follow::{Reached, Run, checked, follow};
+use crate::simulate::follow::{Recorder, Run, checked};
 use crate::simulate::pace::interrupted;
+use crate::simulate::recording::{ImpactTable, Trajectory};
 use crate::simulate::section::{Section, Sectioned};
 use crate::simulate::start::{Start as Given, of_no_file, read};
 
@@ -53,10 +51,9 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
         simulation = simulation.with_balance(form.clone());
     }
     let stop = (console.interrupt)()?;
-    let names = ["time", "contact", "barrier", "velocity_before", "velocity_after", "impulse", "kind"];
-    let table = args.impacts.as_deref().map(|path| CsvFile::create("--impacts", path, names)).transpose()?;
-    let trajectory = args.trajectory.as_deref();
-    let trajectory = trajectory.map(|path| CsvFile::create("--trajectory", path, columns(&model))).transpose()?;
+    let mut table = args.impacts.as_deref().map(|path| ImpactTable::open(path, 0.0, None)).transpose()?;
+    let trajectory = args.trajectory.as_deref().map(|path| Trajectory::of_structure(path, columns(&model)));
+    let mut trajectory = trajectory.transpose()?;
     let hit = orbit.as_ref().map_or(vec![0], |(orbit, _)| {
         let mut hit: Vec<usize> = orbit.impacts().iter().map(|impact| impact.contact).collect();
         hit.sort_unstable();
@@ -71,19 +68,22 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
         home: hit.clone(),
         names: ["contact", "contact", "contact_velocity"],
     };
-    let section = Section::open(args, section)?;
-    let plot = RunPlot::open(args, scene, (&model, has_period), (&from, hit[0]), orbit)?;
+    let mut section = Section::open(args, section)?;
+    let mut plot = RunPlot::open(args, scene, (&model, has_period), (&from, hit[0]), orbit)?;
     let samples = if trajectory.is_some() || plot.is_some() { args.samples } else { 0 };
-    let (report, counts, events) = (None, [0; 3], Vec::new());
-    let mut kept = Kept { simulation, report, table, trajectory, section, plot, counts, events };
-    let stopped = follow(&mut kept, args, samples, &stop, console)?;
-    let Kept { mut simulation, report, table, trajectory, section, plot, counts, events } = kept;
+    let mut latest = Latest::default();
+    let recorders: &mut [&mut dyn Recorder] = &mut [&mut table, &mut trajectory, &mut plot, &mut latest];
+    let mut run = Run { simulation: &mut simulation, section: &mut section, recorders };
+    let (report, stopped) = run.follow(args, samples, &stop, console)?;
+    let Latest { counts, events } = latest;
     // What was simulated is kept.
-    trajectory.map_or(Ok(()), CsvFile::finish)?;
+    trajectory.map_or(Ok(()), Trajectory::finish)?;
     section.map_or(Ok(()), Section::finish)?;
     plot.map_or(Ok(()), RunPlot::finish)?;
-    table.map_or(Ok(()), CsvFile::finish)?;
-    let Some(report) = report.filter(|_| !stopped) else { return Err(interrupted(args, simulation.time())) };
+    table.map_or(Ok(()), ImpactTable::finish)?;
+    if stopped {
+        return Err(interrupted(args, simulation.time()));
+    }
     let rests = simulation.contacts().iter().any(|contact| contact.resting.is_some());
     let settled = if has_period {
         let settled = settled(&model, psi, &events, (report.time, rests), &stop);
@@ -174,14 +174,9 @@ fn start(args: &SimulateArgs, scene: &StructureScene, model: &StructureModel) ->
     Ok(Start { psi, modes, from: format!("the orbit {word}"), orbit: Some((orbit.clone(), time)) })
 }
 
-/// A run with what is kept of it: the table's rows as they come, counts, and the events of as many periods as may repeat.
-struct Kept {
-    simulation: Simulation,
-    report: Option<Report>,
-    table: Option<CsvFile>,
-    trajectory: Option<CsvFile>,
-    section: Option<Section>,
-    plot: Option<RunPlot>,
+/// Counts of a run, and the events of as many periods as may repeat.
+#[derive(Default)]
+struct Latest {
     counts: [usize; 3],
     events: Vec<Event>,
 }
@@ -189,91 +184,19 @@ struct Kept {
 /// Events are thinned out once there are this many.
 const MANY: usize = 1 << 16;
 
-impl Run for Kept {
-    fn time_of(&self, periods: u64, part: f64) -> Time {
-        self.simulation.time_of(periods, part)
-    }
-
-    fn advance(&mut self, limits: &Limits, stop: &Stop) -> Result<Reached, CliError> {
-        let Self { simulation, table, section, plot, counts, events, .. } = self;
-        let mut failed = Ok(());
-        simulation.heed(stop);
-        let report = simulation.run(limits, |event| {
-            counts[event.kind as usize] += 1;
-            if event.kind == EventKind::Impact {
-                plot.iter_mut().for_each(|plot| plot.hit(event));
-                let velocities = [event.velocity_before, event.velocity_after];
-                let section = section.iter_mut();
-                section.for_each(|section| section.hit(event.time, event.contact, event.barrier, velocities));
-            }
-            if let (Some(table), Ok(())) = (table.as_mut(), &failed) {
-                failed = table.row(row(event));
-            }
-            keep(events, event);
-        });
-        failed?;
-        section.as_mut().and_then(Section::failed).map_or(Ok(()), Err)?;
-        let reached = match report.outcome {
-            Outcome::TimeReached => Reached::Time,
-            Outcome::Stopped => Reached::Stopped,
-            _ => Reached::End,
-        };
-        self.report = Some(report);
-        Ok(reached)
-    }
-
-    fn now(&self) -> (Time, u64) {
-        (self.simulation.time(), self.counts[0] as u64)
-    }
-
-    fn look(&mut self) -> Result<(), CliError> {
-        if self.trajectory.is_none() && self.plot.is_none() {
-            return Ok(());
-        }
-        let (contacts, time) = (self.simulation.contacts(), self.simulation.time());
-        let State { displacement, velocity, .. } = self.simulation.state();
-        self.plot.as_mut().map_or(Ok(()), |plot| plot.look(time, &contacts))?;
-        let Some(table) = &mut self.trajectory else { return Ok(()) };
-        let (places, velocities) = contacts.iter().map(|contact| (contact.place, contact.velocity)).unzip();
-        let all: [Vec<f64>; 5] = [vec![time.to_f64()], places, velocities, displacement, velocity];
-        Ok(table.row(all.iter().flatten().map(f64::to_string))?)
-    }
-
-    fn section(&mut self) -> Option<&mut Section> {
-        self.section.as_mut()
-    }
-
-    fn state(&self) -> [Vec<f64>; 2] {
-        let contacts = self.simulation.contacts();
-        let (places, velocities) = contacts.iter().map(|contact| (contact.place, contact.velocity)).unzip();
-        [places, velocities]
-    }
-}
-
-/// A row of the table of impacts.
-fn row(event: &Event) -> [String; 7] {
-    let number = |x: f64| Number(x).to_string();
-    [
-        number(event.time.to_f64()),
-        event.contact.to_string(),
-        event.barrier.name().to_owned(),
-        number(event.velocity_before),
-        number(event.velocity_after),
-        number(event.impulse),
-        event.kind.name().to_owned(),
-    ]
-}
-
-/// Keeps an event among those of as many periods as may repeat.
-fn keep(events: &mut Vec<Event>, event: &Event) {
-    if events.len() >= MANY {
-        // So often the longest pattern, and the period under way.
-        let from = event.time.periods().saturating_sub(REPETITIONS * MOST_PERIODS + 1);
-        events.retain(|event| event.time.periods() >= from);
+impl Recorder for Latest {
+    fn event(&mut self, event: &Event) {
+        let Self { counts, events } = self;
+        counts[event.kind as usize] += 1;
         if events.len() >= MANY {
-            // So many impacts a period repeat nothing that is worth a word.
-            events.drain(..MANY / 2);
+            // So often the longest pattern, and the period under way.
+            let from = event.time.periods().saturating_sub(REPETITIONS * MOST_PERIODS + 1);
+            events.retain(|event| event.time.periods() >= from);
+            if events.len() >= MANY {
+                // So many impacts a period repeat nothing that is worth a word.
+                events.drain(..MANY / 2);
+            }
         }
+        events.push(*event);
     }
-    events.push(*event);
 }
