@@ -1,19 +1,18 @@
 //! Bifurcation diagrams by simulation: along one parameter, where runs are once a period when they have had time to settle.
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
-use vibrochain_breather::Orbit;
 use vibrochain_eventsim::{Outcome, Simulation, State};
-use vibrochain_lattice::{Barrier, Model, Stop};
+use vibrochain_lattice::Stop;
 use vibrochain_maps::cell::Worker;
 use vibrochain_maps::grid::Grid;
 use vibrochain_maps::scene::Scene;
 use vibrochain_maps::sweep::{Ended, Job};
 
 use crate::ensemble::Ensemble;
-use crate::fates::Ensembled;
+use crate::fates::{Ensembled, From};
+use crate::origin::Origin;
 use crate::run::reach;
 use crate::section::Strobe;
-use crate::start::Start;
 
 /// Cells whose points wait for each other, and how many numbers they may be together: a quarter of a gigabyte.
 const BLOCK: u64 = 64;
@@ -53,15 +52,8 @@ pub trait Sectioned: Ensembled {
     /// Why not.
     fn carries(&self) -> Result<(), String>;
 
-    /// A run of a cell from the end of another one; or from what gives the cell its class, perturbed, or from rest where nothing does. With
-    /// the instants at which it is looked at; `None` where nothing can start. The outer `None`: stopped.
-    fn begin(
-        &self,
-        cell: u64,
-        ensemble: &Ensemble,
-        carried: Option<State>,
-        stop: &Stop,
-    ) -> Option<Option<(Simulation, Strobe)>>;
+    /// Whence a run of a cell goes on from a state at an instant of the section, or starts at rest; `None` where there is no model.
+    fn origin(&self, cell: u64, state: Option<State>, worker: &mut Self::Worker) -> Option<Origin>;
 }
 
 /// A diagram that is asked for.
@@ -124,7 +116,7 @@ impl<S: Sectioned> Diagram<'_, S> {
             return None;
         }
         let (mut points, mut end) = (Vec::new(), None);
-        let Some((mut run, strobe)) = self.scene.begin(number, self.ensemble, carried, stop)? else {
+        let Some((mut run, strobe)) = self.begin(number, carried, stop)? else {
             return Some((Column { number, points, complete: false }, None));
         };
         let first = self.ensemble.periods.saturating_sub(self.points);
@@ -144,6 +136,25 @@ impl<S: Sectioned> Diagram<'_, S> {
             }
         }
         Some((Column { number, points, complete: true }, end))
+    }
+
+    /// A run of a cell from the end of another one; or from what gives the cell its class, perturbed, or from rest where nothing does. With
+    /// the instants at which it is looked at; `None` where nothing can start. The outer `None`: stopped.
+    fn begin(&self, cell: u64, carried: Option<State>, stop: &Stop) -> Option<Option<(Simulation, Strobe)>> {
+        let Self { scene, ensemble, .. } = self;
+        let mut worker = scene.worker(stop);
+        let departure = match carried {
+            None => scene.find(cell, From::Class, &mut worker, stop)?.departures.pop(),
+            Some(_) => None,
+        };
+        let (origin, perturbed) = match departure {
+            Some(departure) => (Some(departure.home.origin), Some((ensemble.size, ensemble.seed_of(cell, 0, 0)))),
+            None => (scene.origin(cell, carried, &mut worker), None),
+        };
+        Some(origin.and_then(|origin| {
+            let run = origin.run(perturbed, stop)?;
+            Some((if ensemble.in_sequence { run.in_sequence() } else { run }, origin.strobe()))
+        }))
     }
 }
 
@@ -166,42 +177,10 @@ impl Sectioned for Scene {
         Ok(())
     }
 
-    fn begin(
-        &self,
-        cell: u64,
-        ensemble: &Ensemble,
-        carried: Option<State>,
-        stop: &Stop,
-    ) -> Option<Option<(Simulation, Strobe)>> {
+    fn origin(&self, cell: u64, state: Option<State>, _: &mut Worker) -> Option<Origin> {
         let model = self.point(cell).model().ok()?;
-        let sites = model.chain().sites();
-        let (u, v, psi) = match carried {
-            // At an instant of the section the phase is 0.
-            Some(State { displacement, velocity, .. }) => (within(displacement, &model), velocity, 0.0),
-            None => {
-                let mut best: Option<Orbit> = None;
-                Worker::new(sites).until(stop).examine(&model, &self.task, |orbit, better| {
-                    if better {
-                        best = Some(orbit.clone());
-                    }
-                });
-                match best.and_then(|orbit| Start::on(&orbit).ok()) {
-                    Some(mut start) => {
-                        start.perturb_at_random(&model, ensemble.size, ensemble.seed_of(cell, 0, 0));
-                        (start.displacement, start.velocity, start.psi)
-                    }
-                    None => (vec![0.0; sites], vec![0.0; sites], 0.0),
-                }
-            }
-        };
-        let simulation = Simulation::new(&model, psi, &u, &v).ok();
-        Some(simulation.map(|simulation| (simulation, Strobe::new(&model, psi, 0.0))))
+        let still = || vec![0.0; model.chain().sites()];
+        let (u, v) = state.map_or_else(|| (still(), still()), |state| (state.displacement, state.velocity));
+        Some(Origin::of_masses(&model, u, v))
     }
-}
-
-/// Displacements of another model's run, brought between the barriers of this one.
-fn within(mut u: Vec<f64>, model: &Model) -> Vec<f64> {
-    let [low, high] = [Barrier::Lower, Barrier::Upper].map(|barrier| model.barrier(barrier));
-    u.iter_mut().for_each(|u| *u = u.clamp(low, high));
-    u
 }

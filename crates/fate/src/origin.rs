@@ -4,7 +4,7 @@ use vibrochain_breather::{
     BreatherError, Orbit, StructureModel, StructureMotion, StructureOrbit, StructureOrbitError, Word,
 };
 use vibrochain_eventsim::{Simulation, Tangents};
-use vibrochain_lattice::{Barrier, ModalStructure, Stop};
+use vibrochain_lattice::{Barrier, ModalStructure, Model, Stop};
 
 use crate::follow::{Expected, Track};
 use crate::repeat::{Hit, word_of};
@@ -16,7 +16,7 @@ const FEW: usize = 128;
 
 /// Whence runs start.
 #[derive(Debug, Clone)]
-pub(crate) struct Origin {
+pub struct Origin {
     state: State,
     /// Phase of the force at the start, as a time.
     psi: f64,
@@ -28,7 +28,7 @@ pub(crate) struct Origin {
 /// A state of a model, and the orbit it is on.
 #[derive(Debug, Clone)]
 enum State {
-    Masses { orbit: Box<Orbit>, start: Start },
+    Masses { model: Box<Model>, orbit: Option<Box<Orbit>>, start: Start },
     Modes { model: StructureModel, orbit: Option<Box<StructureOrbit>>, modes: Vec<[f64; 2]> },
 }
 
@@ -37,7 +37,25 @@ impl Origin {
     pub(crate) fn on(orbit: &Orbit) -> Result<Self, BreatherError> {
         let start = Start::on(orbit)?;
         let (psi, time) = (start.psi, start.time);
-        Ok(Self { state: State::Masses { orbit: Box::new(orbit.clone()), start }, psi, time, in_sequence: false })
+        Ok(Self {
+            state: State::Masses { model: Box::new(*orbit.model()), orbit: Some(Box::new(orbit.clone())), start },
+            psi,
+            time,
+            in_sequence: false,
+        })
+    }
+
+    /// A chain in any state, on no orbit, at phase 0 of the force; brought between the barriers.
+    pub(crate) fn of_masses(model: &Model, mut displacement: Vec<f64>, velocity: Vec<f64>) -> Self {
+        let [low, high] = [Barrier::Lower, Barrier::Upper].map(|barrier| model.barrier(barrier));
+        displacement.iter_mut().for_each(|u| *u = u.clamp(low, high));
+        let start = Start { displacement, velocity, psi: 0.0, time: 0.0 };
+        Self {
+            state: State::Masses { model: Box::new(*model), orbit: None, start },
+            psi: 0.0,
+            time: 0.0,
+            in_sequence: false,
+        }
     }
 
     /// On an orbit of a structure, in the middle of the flight before the first impact.
@@ -70,15 +88,17 @@ impl Origin {
     /// The impacts of the orbit; none where runs start on no orbit.
     pub(crate) fn track(&self) -> Track {
         match &self.state {
-            State::Masses { orbit, .. } => Track::of(orbit),
-            State::Modes { model, orbit, .. } => Track::of_structure(model, orbit.as_deref()),
+            State::Masses { orbit: Some(orbit), .. } => Track::of(orbit),
+            State::Masses { model, orbit: None, .. } => Track::none(model.period(), model.amplitude() > 0.0),
+            State::Modes { orbit: Some(orbit), .. } => Track::of_structure(orbit),
+            State::Modes { model, orbit: None, .. } => Track::none(model.period(), model.structure().is_forced()),
         }
     }
 
     /// The instants at which the load is greatest, of a run.
     pub(crate) fn strobe(&self) -> Strobe {
         let period = match &self.state {
-            State::Masses { orbit, .. } => orbit.model().period(),
+            State::Masses { model, .. } => model.period(),
             State::Modes { model, .. } => model.period(),
         };
         Strobe::of_period(period, self.psi, 0.0)
@@ -88,8 +108,8 @@ impl Origin {
     /// the largest change of a contact's g, or of g′ over ω.
     pub(crate) fn run(&self, perturbed: Option<(f64, u64)>, stop: &Stop) -> Option<Simulation> {
         let run = match &self.state {
-            State::Masses { orbit, start } => {
-                let (model, mut start) = (orbit.model(), start.clone());
+            State::Masses { model, start, .. } => {
+                let mut start = start.clone();
                 if let Some((size, seed)) = perturbed {
                     start.perturb_at_random(model, size, seed);
                 }
@@ -114,9 +134,9 @@ impl Origin {
 
     /// The word of impacts that repeat, the same whichever of them comes first.
     pub(crate) fn word(&self, instants: Vec<Vec<Hit>>) -> Option<Word> {
-        if let State::Masses { orbit, .. } = &self.state {
-            let layout = orbit.model().chain().layout();
-            return Some(word_of(instants, |site| layout.place(site))?.canonical(orbit.model()));
+        if let State::Masses { model, .. } = &self.state {
+            let layout = model.chain().layout();
+            return Some(word_of(instants, |site| layout.place(site))?.canonical(model));
         }
         let rotated = |by: usize| {
             let mut instants = instants.clone();
@@ -188,10 +208,10 @@ fn move_inside(structure: &ModalStructure, modes: &mut [[f64; 2]]) {
 }
 
 impl Track {
-    /// Of an orbit of a structure; without one no impact is expected.
-    pub(crate) fn of_structure(model: &StructureModel, orbit: Option<&StructureOrbit>) -> Self {
+    /// Of an orbit of a structure.
+    pub(crate) fn of_structure(orbit: &StructureOrbit) -> Self {
         let mut instants: Vec<Vec<Expected>> = Vec::new();
-        for impact in orbit.iter().flat_map(|orbit| orbit.impacts()) {
+        for impact in orbit.impacts() {
             let (time, velocity, barrier): (f64, f64, Barrier) = (impact.time, impact.velocity_before, impact.barrier);
             let expected = Expected { site: impact.contact, barrier, time, velocity };
             match instants.last_mut().filter(|instant| instant.iter().all(|other| other.time == time)) {
@@ -200,14 +220,14 @@ impl Track {
             }
         }
         let fastest = instants.iter().flatten().fold(0.0, |most: f64, one| most.max(one.velocity.abs()));
-        let span = orbit.map_or(1, StructureOrbit::force_periods);
-        Self {
-            instants,
-            fastest,
-            period: model.period() * f64::from(span),
-            unit: model.period(),
-            span: span.into(),
-            forced: model.structure().is_forced(),
-        }
+        let (unit, span) = (orbit.model().period(), orbit.force_periods());
+        let period = unit * f64::from(span);
+        let forced = orbit.model().structure().is_forced();
+        Self { instants, fastest, period, unit, span: span.into(), forced }
+    }
+
+    /// Where no impact is expected.
+    pub(crate) fn none(period: f64, forced: bool) -> Self {
+        Self { instants: Vec::new(), fastest: 0.0, period, unit: period, span: 1, forced }
     }
 }

@@ -1,7 +1,7 @@
 //! Ensembles over a structure's scene: many runs from the orbits of every point, or from rest.
 
 use vibrochain_breather::{StructureModel, structure_candidates, structure_is_physical};
-use vibrochain_eventsim::{Simulation, State};
+use vibrochain_eventsim::State;
 use vibrochain_floquet::structure_stability;
 use vibrochain_lattice::Stop;
 use vibrochain_maps::cell::{Cell, Class, Status};
@@ -14,7 +14,6 @@ use crate::ensemble::Ensemble;
 use crate::fates::{Departure, Ensembled, Found, From};
 use crate::origin::Origin;
 use crate::run::Home;
-use crate::section::Strobe;
 
 /// An orbit as runs start from it, and whether it is stable where that is decided.
 type Judged = (Departure, Option<bool>);
@@ -131,24 +130,10 @@ impl Sectioned for StructureScene {
         }
     }
 
-    fn begin(
-        &self,
-        cell: u64,
-        ensemble: &Ensemble,
-        carried: Option<State>,
-        stop: &Stop,
-    ) -> Option<Option<(Simulation, Strobe)>> {
-        let mut row = self.worker(stop);
-        let Ok(model) = row.model(self, cell) else { return Some(None) };
-        let (origin, perturbed) = match carried {
-            Some(state) => (Origin::at(&model, state.modes), None),
-            None => match self.find(cell, From::Class, &mut row, stop)?.departures.pop() {
-                Some(departure) => (departure.home.origin, Some((ensemble.size, ensemble.seed_of(cell, 0, 0)))),
-                None => (Origin::at_rest(&model), None),
-            },
-        };
-        let origin = origin.in_sequence(self.in_sequence || ensemble.in_sequence);
-        Some(origin.run(perturbed, stop).map(|run| (run, origin.strobe())))
+    fn origin(&self, cell: u64, state: Option<State>, row: &mut RowOfModels) -> Option<Origin> {
+        let model = row.model(self, cell).ok()?;
+        let modes = state.map_or_else(|| model.structure().still(), |state| state.modes);
+        Some(Origin::at(&model, modes).in_sequence(self.in_sequence))
     }
 }
 
