@@ -137,7 +137,8 @@ impl Zeros {
                     if !known.is_empty() && clearances[i].ends.contains(&0.0) {
                         self.sloping.push(Sloping { low, high, sign: clearances[i].centre.1.signum() });
                     }
-                    if let Some(zero) = self.bracketed(f, [low, centre, high], &clearances[i]) {
+                    let zero = self.bracketed(f, [low, centre, high], &clearances[i]);
+                    if let Some(zero) = zero.filter(|zero| !known.contains(zero)) {
                         let proved = self.proved(f, (low, zero, high), &clearances[i]);
                         let width = resolution(zero).max(proved.unwrap_or(0.0));
                         self.places.push(Place { zero, width, simple: proved.is_some() });

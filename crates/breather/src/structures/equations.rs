@@ -163,8 +163,7 @@ impl<'a> Equations<'a> {
         contacts.dedup();
         let response = model.response(&contacts, force_periods)?;
         let rigid = Drift::felt(structure, &contacts)?;
-        let forced = structure.is_forced();
-        let self_excited = structure.has_own_period();
+        let (forced, self_excited) = (response.fixed.forced, response.fixed.self_excited);
         if self_excited && force_periods > 1 {
             return Err(StructureOrbitError::OwnPeriod { force_periods });
         }

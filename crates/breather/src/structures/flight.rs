@@ -1,6 +1,6 @@
 //! Every contact of an orbit at any time: exact flight of the modes from impact to impact, the motion under the loads on top.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use smallvec::SmallVec;
 use vibrochain_lattice::{Complex, LinearMode, ModalStructure, ModeFlow, ParticipatingModes, Stopped, Turn, Turned};
@@ -17,8 +17,8 @@ type C = Complex<f64>;
 #[derive(Debug, Clone)]
 pub struct StructureMotion<'a> {
     orbit: &'a StructureOrbit,
-    /// ξ of each regular mode that is felt just after each impact, without loads: [impact][mode].
-    states: Vec<Vec<[f64; 2]>>,
+    /// ξ of each regular mode that is felt just after each impact, without loads, once it is asked for: [impact][mode].
+    states: SmallVec<[OnceLock<Vec<[f64; 2]>>; 2]>,
 }
 
 impl<'a> StructureMotion<'a> {
@@ -27,7 +27,7 @@ impl<'a> StructureMotion<'a> {
     /// # Errors
     /// [`StructureOrbitError::Structure`] at a resonance.
     pub fn new(orbit: &'a StructureOrbit) -> Result<Self, StructureOrbitError> {
-        Ok(Self { orbit, states: after_impacts(orbit, &orbit.response().kernel) })
+        Ok(Self { orbit, states: orbit.impacts().iter().map(|_| OnceLock::new()).collect() })
     }
 
     fn structure(&self) -> &ModalStructure {
@@ -46,12 +46,16 @@ impl<'a> StructureMotion<'a> {
     /// The regular modes that are felt, with their state just after an impact.
     pub(super) fn felt(&self, i: usize) -> impl Iterator<Item = (&LinearMode, [f64; 2])> + Clone {
         let modes = self.response().kernel.regular().map(|(mode, _)| mode);
-        modes.zip(self.states[i].iter().copied())
+        modes.zip(self.after(i).iter().copied())
+    }
+
+    fn after(&self, i: usize) -> &[[f64; 2]] {
+        self.states[i].get_or_init(|| after_impact(self.orbit, &self.response().kernel, i))
     }
 
     /// The state of one of these modes, or of a rigid one, which come after them, just after an impact.
     pub(super) fn state(&self, i: usize, number: usize) -> [f64; 2] {
-        let (states, rigid) = (&self.states[i], self.response().kernel.rigid());
+        let (states, rigid) = (self.after(i), self.response().kernel.rigid());
         states.get(number).copied().unwrap_or_else(|| {
             let place = number - states.len();
             self.rigid_state(&rigid[place], i, 0.0, self.orbit.offsets()[place])
@@ -153,7 +157,7 @@ impl<'a> StructureMotion<'a> {
         // Every mode by itself, felt or not.
         let felt = ParticipatingModes { modes: structure.modes().to_vec(), ..ParticipatingModes::default() };
         let kernel = PeriodicKernel::new(structure.modes(), Arc::new(felt), &[], self.orbit.period());
-        let mut states = after_impacts(self.orbit, &kernel).swap_remove(i).into_iter();
+        let mut states = after_impact(self.orbit, &kernel, i).into_iter();
         let mut offsets = self.orbit.offsets().iter();
         for (mode, sum) in structure.modes().iter().zip(&mut all) {
             let own = if mode.is_rigid() {
@@ -249,29 +253,26 @@ pub(super) fn reach(flow: ModeFlow, state: [f64; 2], left: f64, order: u32) -> f
     }
 }
 
-/// ξ of each regular mode of a kernel just after each impact: its own impulse, and all others since, over all periods.
-fn after_impacts(orbit: &StructureOrbit, kernel: &PeriodicKernel) -> Vec<Vec<[f64; 2]>> {
+/// ξ of each regular mode of a kernel just after an impact: its own impulse, and all others since, over all periods.
+fn after_impact(orbit: &StructureOrbit, kernel: &PeriodicKernel, i: usize) -> Vec<[f64; 2]> {
     let (impacts, period) = (orbit.impacts(), orbit.period());
     let modes: SmallVec<[(&LinearMode, Turned); 16]> = kernel.regular().collect();
-    let after = |i: usize| {
-        let mut states = vec![[0.0; 2]; modes.len()];
-        for (j, other) in impacts.iter().enumerate() {
-            let past = if impacts[i].time > other.time || i == j {
-                impacts[i].time - other.time
-            } else if impacts[i].time == other.time {
-                // Of impacts at one instant, those earlier in the list have happened.
-                if j < i { 0.0 } else { period }
-            } else {
-                impacts[i].time - other.time + period
-            };
-            let flights = Turn::flights(modes.iter().map(|(mode, _)| mode.flow()), past);
-            for ((state, (mode, sum)), flight) in states.iter_mut().zip(&modes).zip(flights) {
-                let by = if past == 0.0 { *sum } else { mode.turn.product(flight, *sum) };
-                let given = mode.turn.act(by, mode.columns[other.contact].map(|x| x * other.impulse));
-                *state = [state[0] + given[0], state[1] + given[1]];
-            }
+    let mut states = vec![[0.0; 2]; modes.len()];
+    for (j, other) in impacts.iter().enumerate() {
+        let past = if impacts[i].time > other.time || i == j {
+            impacts[i].time - other.time
+        } else if impacts[i].time == other.time {
+            // Of impacts at one instant, those earlier in the list have happened.
+            if j < i { 0.0 } else { period }
+        } else {
+            impacts[i].time - other.time + period
+        };
+        let flights = Turn::flights(modes.iter().map(|(mode, _)| mode.flow()), past);
+        for ((state, (mode, sum)), flight) in states.iter_mut().zip(&modes).zip(flights) {
+            let by = if past == 0.0 { *sum } else { mode.turn.product(flight, *sum) };
+            let given = mode.turn.act(by, mode.columns[other.contact].map(|x| x * other.impulse));
+            *state = [state[0] + given[0], state[1] + given[1]];
         }
-        states
-    };
-    (0..impacts.len()).map(after).collect()
+    }
+    states
 }

@@ -21,6 +21,7 @@
 //! | `newton` | from impacts nearby to an orbit |
 //! | `search` | all orbits of up to three impacts; of more, those that starts lead to |
 //! | `flight` | [`StructureMotion`]: every contact at any time |
+//! | `view` | what contacts see of flights |
 //! | `windows` | one flight as polynomials |
 //! | `admissible` | physical or what is in the way |
 //! | `continuation` | [`StructureBranch`]: the equations with numbers of the structure free |
@@ -44,4 +45,5 @@ pub(crate) mod reversible;
 pub(crate) mod search;
 #[cfg(test)]
 mod tests;
+mod view;
 mod windows;

@@ -3,25 +3,23 @@
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use vibrochain_lattice::{
-    Barrier, Complex, MAX_MAGNITUDE, ModalStructure, ParticipatingModes, Stop, Stopped, StructureError,
-};
+use vibrochain_lattice::{Barrier, Complex, MAX_MAGNITUDE, ModalStructure, Stop, Stopped, StructureError};
 
 use super::error::StructureOrbitError;
-use super::response::Response;
+use super::response::{FixedPart, Response};
 
 /// A linear structure with stops under loads of frequency ω; of an orbit without them, ω is its own.
 #[derive(Debug, Clone)]
 pub struct StructureModel {
     structure: Arc<ModalStructure>,
     omega: f64,
-    felt: Arc<Mutex<Felt>>,
+    fixed: Arc<Mutex<KnownParts>>,
     responses: Arc<Mutex<Responses>>,
     stop: Stop,
 }
 
-/// The modes that some contacts feel, of each list of contacts that has been asked for.
-type Felt = Vec<(Vec<usize>, Arc<ParticipatingModes>)>;
+/// What no frequency changes, of each list of contacts that has been asked for.
+type KnownParts = Vec<(Vec<usize>, Arc<FixedPart>)>;
 
 /// What contacts do after impacts at some of them, for each list of these and number of periods: words of one contact share it.
 type Responses = Vec<((Vec<usize>, u32), Arc<Response>)>;
@@ -38,7 +36,7 @@ impl StructureModel {
     /// # Errors
     /// [`StructureOrbitError::Omega`].
     pub fn new(structure: Arc<ModalStructure>, omega: f64) -> Result<Self, StructureOrbitError> {
-        Self { structure, omega, felt: Arc::default(), responses: Arc::default(), stop: Stop::default() }.at(omega)
+        Self { structure, omega, fixed: Arc::default(), responses: Arc::default(), stop: Stop::default() }.at(omega)
     }
 
     /// The same, whose orbits, and all that is asked of them, are worked out no longer than until the request to stop is raised.
@@ -62,22 +60,22 @@ impl StructureModel {
     /// [`StructureOrbitError::Omega`].
     pub fn at(&self, omega: f64) -> Result<Self, StructureOrbitError> {
         if (1.0 / MAX_MAGNITUDE..=MAX_MAGNITUDE).contains(&omega) {
-            let (structure, felt, stop) = (self.structure.clone(), self.felt.clone(), self.stop.clone());
-            Ok(Self { structure, omega, felt, responses: Arc::default(), stop })
+            let (structure, fixed, stop) = (self.structure.clone(), self.fixed.clone(), self.stop.clone());
+            Ok(Self { structure, omega, fixed, responses: Arc::default(), stop })
         } else {
             Err(StructureOrbitError::Omega { omega })
         }
     }
 
-    /// The modes as impacts at these contacts feel them.
-    pub(super) fn participating_modes(&self, hit: &[usize]) -> Arc<ParticipatingModes> {
-        let mut known = self.felt.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, felt)) = known.iter().find(|(contacts, _)| contacts == hit) {
-            return felt.clone();
+    /// What no frequency changes, of impacts at these contacts.
+    fn fixed(&self, hit: &[usize]) -> Arc<FixedPart> {
+        let mut known = self.fixed.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, fixed)) = known.iter().find(|(contacts, _)| contacts == hit) {
+            return fixed.clone();
         }
-        let felt = Arc::new(self.structure.participating_modes(hit));
-        known.push((hit.to_vec(), felt.clone()));
-        felt
+        let fixed = Arc::new(FixedPart::new(&self.structure, hit));
+        known.push((hit.to_vec(), fixed.clone()));
+        fixed
     }
 
     /// What contacts do after impacts at these, in an orbit of so many periods of the loads.
@@ -87,8 +85,7 @@ impl StructureModel {
             return Ok(response.clone());
         }
         let period = self.period() * f64::from(force_periods);
-        let response =
-            Arc::new(Response::new(&self.structure, (self.omega, period), self.participating_modes(hit), hit)?);
+        let response = Arc::new(Response::new(&self.structure, (self.omega, period), self.fixed(hit), hit)?);
         known.push(((hit.to_vec(), force_periods), response.clone()));
         Ok(response)
     }

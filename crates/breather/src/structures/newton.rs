@@ -10,12 +10,24 @@ const STEPS: usize = 60;
 /// Rows below this part of their terms are as small as rounding lets them be: no orbit is found where steps end above it.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
+/// Rows of a closed form are as small as this part of their terms, a few roundings, unless something is amiss.
+const EXACT: f64 = 4.0 * f64::EPSILON;
+
 /// A step that leaves more than this part of the rows, once they are rounding, is followed by none.
 const IMPROVED: f64 = 0.5;
 
 impl Equations<'_> {
     /// The orbit that Newton's method leads to, with the system there.
-    pub(super) fn solve(&self, mut point: Point) -> Result<(Point, System), StructureOrbitError> {
+    pub(super) fn solve(&self, point: Point) -> Result<(Point, System), StructureOrbitError> {
+        self.solve_to(point, 0.0)
+    }
+
+    /// The same from a closed form: where rounding alone is left of its rows, it is the orbit.
+    pub(super) fn solve_exact(&self, point: Point) -> Result<(Point, System), StructureOrbitError> {
+        self.solve_to(point, EXACT)
+    }
+
+    fn solve_to(&self, mut point: Point, enough: f64) -> Result<(Point, System), StructureOrbitError> {
         let mut best: Option<(f64, Point, System)> = None;
         for _ in 0..STEPS {
             let system = self.system(&point)?;
@@ -27,7 +39,7 @@ impl Equations<'_> {
             }
             let least = best.as_ref().map_or(f64::INFINITY, |(least, ..)| *least);
             let improved = violation < least;
-            let last = violation == 0.0 || (least < ROUNDING && violation >= IMPROVED * least);
+            let last = violation <= enough || (least < ROUNDING && violation >= IMPROVED * least);
             let step = if last { None } else { Factors::new(system.jacobian.clone()) };
             let step = step.map(|factors| factors.solve(&system.rows));
             if improved {

@@ -47,8 +47,9 @@ pub(super) struct PeriodicKernel {
     sums: Vec<Option<Sum>>,
     /// The rigid modes of the structure, as they are: each has an offset.
     rigid: Vec<LinearMode>,
-    /// From each contact that is hit to itself, a period later.
+    /// From each contact that is hit to itself, a period later; and where one alone is hit without losses, half a period later.
     own: Vec<(usize, Jet)>,
+    half: Option<Jet>,
 }
 
 /// What changes a number in size, and what turns it.
@@ -62,8 +63,13 @@ impl PeriodicKernel {
     pub(super) fn new(modes: &[LinearMode], felt: Arc<ParticipatingModes>, hit: &[usize], period: f64) -> Self {
         let sums = felt.modes.iter().map(|mode| Sum::of(mode, period)).collect();
         let rigid = modes.iter().filter(|mode| mode.is_rigid()).cloned().collect();
-        let mut kernel = Self { period, felt, sums, rigid, own: Vec::new() };
+        let mut kernel = Self { period, felt, sums, rigid, own: Vec::new(), half: None };
         kernel.own = hit.iter().map(|&contact| (contact, kernel.jet(contact, contact, period))).collect();
+        if let [contact] = *hit
+            && kernel.felt.of_one.is_some()
+        {
+            kernel.half = Some(kernel.jet(contact, contact, 0.5 * period));
+        }
         kernel
     }
 
@@ -112,6 +118,13 @@ impl PeriodicKernel {
             && let Some((_, jet)) = self.own.iter().find(|(contact, _)| *contact == to)
         {
             return *jet;
+        }
+        if let Some(jet) = self.half
+            && t.abs() == 0.5 * self.period
+            && to == from
+            && self.own.iter().any(|(contact, _)| *contact == to)
+        {
+            return jet;
         }
         let t = if t > 0.0 { t } else { t + self.period };
         let (mut jet, mut sizes) = ([0.0; 4], [0.0; 4]);
@@ -252,6 +265,9 @@ fn one_less(mode: &LinearMode, period: f64) -> Turned {
     match mode.turn {
         Turn::Circular => {
             let half = (0.5 * angle).sin();
+            if decay == 0.0 {
+                return Turned { even: 2.0 * half * half, odd: -angle.sin() };
+            }
             Turned { even: 2.0 * half * half - decay.exp_m1() * angle.cos(), odd: -decay.exp() * angle.sin() }
         }
         Turn::Hyperbolic => {

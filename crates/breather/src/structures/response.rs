@@ -1,10 +1,12 @@
 //! What contacts of a structure do after impacts at some of them, and under its loads, at one frequency.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
+use smallvec::SmallVec;
 use vibrochain_lattice::{Complex, ModalStructure, ParticipatingModes, StructureError};
 
 use super::periodic_kernel::{PeriodicKernel, UNIT};
+use super::view::View;
 
 type C = Complex<f64>;
 
@@ -18,45 +20,29 @@ pub(super) struct Response {
     /// ĝ of each harmonic, at each contact; bounds of the errors.
     swings: Vec<(f64, Vec<C>)>,
     swing_errors: Vec<Vec<f64>>,
+    pub(super) fixed: Arc<FixedPart>,
+}
+
+/// What of it no frequency changes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FixedPart {
+    /// The modes as the contacts that are hit feel them.
+    pub(super) felt: Arc<ParticipatingModes>,
     /// g⁰; bounds of the errors.
     still: Vec<f64>,
     still_errors: Vec<f64>,
     /// 1/m of the contacts that are hit, with bounds of the errors.
     mobilities: Vec<(usize, [f64; 2])>,
+    /// Whether loads change, and whether the period is the motion's own.
+    pub(super) forced: bool,
+    pub(super) self_excited: bool,
+    /// What contacts see of flights without loads, and these contacts, once they are asked for.
+    view: OnceLock<Arc<(Vec<usize>, Option<View>)>>,
 }
 
-/// A harmonic whose motion and acceleration are below this part of another's is none: what it does is less than that one's rounding.
-const NONE: f64 = 1e-20;
-
-/// The error of a mode that a load drives this close to its frequency, relative to that, is carried as one number.
-pub(super) const NEAR: f64 = 1e-3;
-
-impl Response {
-    /// Of a structure at a frequency of its loads, whose modes the impacts at the contacts `hit` feel as `felt`.
-    ///
-    /// # Errors
-    /// [`StructureError::Resonance`] where a load meets a mode that nothing damps.
-    pub(super) fn new(
-        structure: &ModalStructure,
-        (omega, period): (f64, f64),
-        felt: Arc<ParticipatingModes>,
-        hit: &[usize],
-    ) -> Result<Self, StructureError> {
-        let kernel = PeriodicKernel::new(structure.modes(), felt, hit, period);
-        let (mut swings, mut swing_errors) = (Vec::new(), Vec::new());
-        let all: Vec<(f64, Vec<C>)> = (structure.harmonics().iter().enumerate())
-            .map(|(place, harmonic)| Ok((f64::from(*harmonic) * omega, structure.steady_at(place, omega)?)))
-            .collect::<Result<_, StructureError>>()?;
-        let size = |(rate, swing): &(f64, Vec<C>)| {
-            swing.iter().map(|swing| swing.norm()).fold(0.0, f64::max) * (1.0 + rate.powi(2))
-        };
-        let largest = all.iter().map(size).fold(0.0, f64::max);
-        for (place, one) in all.into_iter().enumerate() {
-            if size(&one) > NONE * largest || largest == 0.0 {
-                swings.push(one);
-                swing_errors.push(structure.steady_errors_at(place, omega, NEAR));
-            }
-        }
+impl FixedPart {
+    /// Of a structure some of whose contacts are hit.
+    pub(super) fn new(structure: &ModalStructure, hit: &[usize]) -> Self {
         let resting = structure.still();
         let moved: Vec<_> = structure.modes().iter().zip(&resting).filter(|(_, xi)| **xi != [0.0; 2]).collect();
         let at_rest = |contact: usize| {
@@ -70,8 +56,47 @@ impl Response {
         let mobility =
             |contact: usize| [structure.mobility(contact, contact), structure.mobility_error(contact, contact)];
         let mobilities = hit.iter().map(|&contact| (contact, mobility(contact))).collect();
-        let still_errors = structure.still_errors();
-        Ok(Self { kernel, swings, swing_errors, still, still_errors, mobilities })
+        let felt = Arc::new(structure.participating_modes(hit));
+        let (forced, self_excited) = (structure.is_forced(), structure.has_own_period());
+        let (still_errors, view) = (structure.still_errors(), OnceLock::new());
+        Self { felt, still, still_errors, mobilities, forced, self_excited, view }
+    }
+}
+
+/// A harmonic whose motion and acceleration are below this part of another's is none: what it does is less than that one's rounding.
+const NONE: f64 = 1e-20;
+
+/// The error of a mode that a load drives this close to its frequency, relative to that, is carried as one number.
+pub(super) const NEAR: f64 = 1e-3;
+
+impl Response {
+    /// Of a structure at a frequency of its loads, with impacts at the contacts `hit`.
+    ///
+    /// # Errors
+    /// [`StructureError::Resonance`] where a load meets a mode that nothing damps.
+    pub(super) fn new(
+        structure: &ModalStructure,
+        (omega, period): (f64, f64),
+        fixed: Arc<FixedPart>,
+        hit: &[usize],
+    ) -> Result<Self, StructureError> {
+        let kernel = PeriodicKernel::new(structure.modes(), fixed.felt.clone(), hit, period);
+        let (mut swings, mut swing_errors) = (Vec::new(), Vec::new());
+        let harmonics = if fixed.forced { structure.harmonics() } else { &[] };
+        let all: Vec<(f64, Vec<C>)> = (harmonics.iter().enumerate())
+            .map(|(place, harmonic)| Ok((f64::from(*harmonic) * omega, structure.steady_at(place, omega)?)))
+            .collect::<Result<_, StructureError>>()?;
+        let size = |(rate, swing): &(f64, Vec<C>)| {
+            swing.iter().map(|swing| swing.norm()).fold(0.0, f64::max) * (1.0 + rate.powi(2))
+        };
+        let largest = all.iter().map(size).fold(0.0, f64::max);
+        for (place, one) in all.into_iter().enumerate() {
+            if size(&one) > NONE * largest {
+                swings.push(one);
+                swing_errors.push(structure.steady_errors_at(place, omega, NEAR));
+            }
+        }
+        Ok(Self { kernel, swings, swing_errors, fixed })
     }
 
     /// Frequency of the only harmonic and ĝ of every contact; `None` of several or none.
@@ -87,23 +112,35 @@ impl Response {
         let near = |a: C, b: C| (a - b).norm_sqr() <= ALIKE * ALIKE * a.norm_sqr();
         let real = |x: f64| C::new(x, 0.0);
         self.kernel.felt.twins[one] == self.kernel.felt.twins[other]
-            && near(real(self.still[one]), real(self.still[other]))
+            && near(real(self.fixed.still[one]), real(self.fixed.still[other]))
             && self.swings.iter().all(|(_, swing)| near(swing[one], swing[other]))
+    }
+
+    /// What those contacts see of flights that `order` lists; without loads the list and what it sees are the same at all frequencies.
+    pub(super) fn view(&self, order: impl FnOnce() -> Vec<usize>) -> Arc<(Vec<usize>, Option<View>)> {
+        let made = || {
+            let contacts = order();
+            let regular = self.kernel.regular().map(|(mode, _)| mode);
+            let modes: SmallVec<[_; 16]> = regular.chain(self.kernel.rigid()).collect();
+            let view = View::new(&modes, &self.swings, (&contacts, |contact| self.still(contact)));
+            Arc::new((contacts, view))
+        };
+        if self.fixed.forced || self.fixed.self_excited { made() } else { self.fixed.view.get_or_init(made).clone() }
     }
 
     /// 1/m of a contact that is hit.
     pub(super) fn mobility(&self, contact: usize) -> Option<f64> {
-        self.mobilities.iter().find(|(hit, _)| *hit == contact).map(|(_, [mobility, _])| *mobility)
+        self.fixed.mobilities.iter().find(|(hit, _)| *hit == contact).map(|(_, [mobility, _])| *mobility)
     }
 
     /// A bound of its error; 0 of one that is not hit.
     pub(super) fn mobility_error(&self, contact: usize) -> f64 {
-        self.mobilities.iter().find(|(hit, _)| *hit == contact).map_or(0.0, |(_, [_, error])| *error)
+        self.fixed.mobilities.iter().find(|(hit, _)| *hit == contact).map_or(0.0, |(_, [_, error])| *error)
     }
 
     /// g⁰ of a contact.
     pub(super) fn still(&self, contact: usize) -> f64 {
-        self.still[contact]
+        self.fixed.still[contact]
     }
 
     /// Frequencies and ĝ of a contact.
@@ -127,7 +164,7 @@ impl Response {
     /// Sizes of the terms of g⁰ + G and two derivatives at t + ψ, with what rounding of that time makes of them and what errors of ĝ do: where
     /// one of them vanishes, as the velocity does at a grazing, its own size says nothing of its error.
     pub(super) fn load_sizes(&self, contact: usize, t: f64) -> [f64; 3] {
-        let mut sizes = [self.still[contact].abs() + self.still_errors[contact] / UNIT, 0.0, 0.0];
+        let mut sizes = [self.fixed.still[contact].abs() + self.fixed.still_errors[contact] / UNIT, 0.0, 0.0];
         for ((rate, swing), errors) in self.swings(contact).zip(&self.swing_errors) {
             let mut value = swing * C::from_polar(1.0, rate * t);
             let mut length = swing.norm() + errors[contact] / UNIT;

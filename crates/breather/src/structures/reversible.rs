@@ -38,16 +38,9 @@ impl StructureOrbit {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn reversible(&self) -> Option<ReversibleOrbit<'_>> {
-        let modes = self.response().kernel.felt.of_one.as_deref().filter(|_| self.is_conservative())?;
-        let period = self.period();
+        let modes = self.response().kernel.felt.of_one.as_deref().filter(|_| self.is_reversible())?;
         let ratio = match self.impacts() {
-            [_] => None,
             [first, second] => {
-                let off = (second.time - 0.5 * period).abs();
-                let blurred = off <= second.time_error && off <= HALF * period;
-                if !blurred && off > 4.0 * f64::EPSILON * period {
-                    return None;
-                }
                 let [one, two] = [first.impulse, second.impulse];
                 let moved = self.error_origins().iter().map(|origin| origin[1].impulse / two - origin[0].impulse / one);
                 let error = moved.map(f64::abs).sum::<f64>() + 4.0 * f64::EPSILON;
@@ -57,8 +50,22 @@ impl StructureOrbit {
                 }
                 Some((ratio, error))
             }
-            _ => return None,
+            _ => None,
         };
-        Some(ReversibleOrbit { modes, period, ratio })
+        Some(ReversibleOrbit { modes, period: self.period(), ratio })
+    }
+
+    /// Whether it is its own mirror image in time and has all impacts at one contact.
+    pub(super) fn is_reversible(&self) -> bool {
+        let period = self.period();
+        let are_halves = match self.impacts() {
+            [_] => true,
+            [_, second] => {
+                let off = (second.time - 0.5 * period).abs();
+                off <= 4.0 * f64::EPSILON * period || off <= second.time_error && off <= HALF * period
+            }
+            _ => false,
+        };
+        are_halves && self.response().kernel.felt.of_one.is_some() && self.is_conservative()
     }
 }

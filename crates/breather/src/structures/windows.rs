@@ -1,12 +1,12 @@
 //! One flight of an orbit in windows of a radian of its fastest part, four modes at a time.
 
 use smallvec::{SmallVec, smallvec};
+use vibrochain_lattice::Turn;
 use vibrochain_lattice::simd::lanes::{LANES, Lane, all, combine, dot, four};
-use vibrochain_lattice::{ModeFlow, Turn, Turned};
 
-use super::equations::Equations;
 use super::flight::{StructureMotion, reach};
 use super::periodic_kernel::length;
+use super::view::{Flow, Lanes, Node, Sights, View};
 use crate::motion::polynomial::{ORDER, Polynomial};
 
 /// Radians of the fastest part in a window.
@@ -18,48 +18,26 @@ const MOST_WINDOWS: f64 = 600.0;
 /// Windows after which states are set anew, so that rounding cannot add up.
 const REFRESH: usize = 32;
 
-/// As many groups as a structure of sixteen modes has without asking for memory.
-pub(super) type Lanes = SmallVec<[Lane; 4]>;
-
-/// What contacts see of an orbit's flights: the modes and the motion under a load, which is one mode more, that nothing damps.
-pub(super) struct View {
-    /// How each part moves, and the number of each mode among those that are felt.
-    flows: SmallVec<[ModeFlow; 16]>,
-    numbers: SmallVec<[usize; 16]>,
-    /// From this one on contacts see both coordinates, before it the first alone.
-    both: usize,
-    sights: Sights,
-    generator: Flow,
-    fastest: f64,
-}
-
 /// One flight in windows, on which contacts are polynomials to rounding, some of a structure's, known by their places in a list.
 pub(super) struct Windows<'v> {
     view: &'v View,
     /// Length of a window, and how many there are.
     pub(super) length: f64,
     count: usize,
-    number: usize,
-    whole: f64,
+    /// How long the flight is looked at.
+    pub(super) whole: f64,
     /// What the contacts see that are still looked at, where these are not all.
     kept: Option<Sights>,
     /// The parts at the beginning.
     first: Node,
     /// What a window does to them.
     step: Flow,
-    /// The window's start and end.
-    here: Node,
-    next: Node,
+    /// Where each window starts.
+    starts: Vec<Node>,
     sighted: Sighted,
-    /// Derivatives over factorials at its start as contacts see them, once they are asked for.
+    /// Derivatives over factorials at the start of one of them as contacts see them, once they are asked for.
     derivatives: Vec<Lane>,
-    derived: bool,
-}
-
-/// What contacts see of the parts, four at a time: of first coordinates, and of second ones behind; and where they are under the static load.
-struct Sights {
-    shapes: Vec<Lane>,
-    still: Lanes,
+    derived: Option<usize>,
 }
 
 /// Places and velocities of all contacts where they were last looked at, four at a time; and velocities of the parts.
@@ -67,99 +45,6 @@ pub(super) struct Sighted {
     pub(super) places: Lanes,
     pub(super) velocities: Lanes,
     rates: Node,
-}
-
-/// What each coordinate keeps, what the first one gets from the second, and the second from the first.
-struct Flow([Lanes; 3]);
-
-/// The two coordinates of all parts.
-#[derive(Clone)]
-struct Node([Lanes; 2]);
-
-impl Flow {
-    fn of(flows: &[ModeFlow], by: impl Fn(usize) -> Turned) -> Self {
-        let mut lanes = [(); 3].map(|()| -> Lanes { smallvec![[0.0; LANES]; flows.len().div_ceil(LANES)] });
-        for (k, flow) in flows.iter().enumerate() {
-            let Turned { even, odd } = by(k);
-            let [keeps, gets, gives] = &mut lanes;
-            let values = [(keeps, even), (gets, odd), (gives, -flow.turn.sign() * odd)];
-            values.into_iter().for_each(|(lanes, value)| lanes.as_flattened_mut()[k] = value);
-        }
-        Self(lanes)
-    }
-
-    /// All coordinates turned, times a number.
-    fn act(&self, Node([x, y]): &Node, by: f64, Node([next_x, next_y]): &mut Node) {
-        let [keeps, gets, gives] = &self.0;
-        for g in 0..x.len() {
-            let (a, b, by) = (four(x[g]), four(y[g]), four([by; LANES]));
-            next_x[g] = ((four(keeps[g]) * a + four(gets[g]) * b) * by).to_array();
-            next_y[g] = ((four(keeps[g]) * b + four(gives[g]) * a) * by).to_array();
-        }
-    }
-}
-
-impl Node {
-    fn zeros(groups: usize) -> Self {
-        Self([(); 2].map(|()| smallvec![[0.0; LANES]; groups]))
-    }
-
-    fn put(&mut self, k: usize, state: [f64; 2]) {
-        self.0.iter_mut().zip(state).for_each(|(lanes, value)| lanes.as_flattened_mut()[k] = value);
-    }
-}
-
-impl View {
-    /// Of a list of contacts. `None` where a dashpot or a static load acts on a rigid mode.
-    pub(super) fn new(motion: &StructureMotion<'_>, contacts: &[usize]) -> Option<Self> {
-        let response = motion.response();
-        let rigid = response.kernel.rigid();
-        if rigid.iter().any(|mode| mode.decay != 0.0 || Equations::push(mode) != 0.0) {
-            return None;
-        }
-        let regular = response.kernel.regular().map(|(mode, _)| mode);
-        let modes: SmallVec<[_; 16]> = regular.chain(rigid).collect();
-        // Modes of which contacts see one coordinate come first.
-        let mut numbers: SmallVec<[usize; 16]> = (0..modes.len()).filter(|&k| modes[k].is_real).collect();
-        let both = numbers.len();
-        numbers.extend((0..modes.len()).filter(|&k| !modes[k].is_real));
-        let swings: SmallVec<[f64; 1]> = response.swings(0).map(|(rate, _)| rate).collect();
-        let mut flows: SmallVec<[_; 16]> = numbers.iter().map(|&k| modes[k].flow()).collect();
-        flows.extend(swings.iter().map(|&rate| ModeFlow { turn: Turn::Circular, decay: 0.0, rate }));
-        let (count, fours) = (flows.len(), contacts.len().div_ceil(LANES));
-        let mut shapes = vec![[0.0; LANES]; (2 * count - both) * fours];
-        let mut put =
-            |row: usize, place: usize, value: f64| shapes.as_flattened_mut()[row * fours * LANES + place] = value;
-        for (row, &k) in numbers.iter().enumerate() {
-            for (place, &contact) in contacts.iter().enumerate() {
-                let [x, y] = modes[k].rows[contact];
-                put(row, place, x);
-                if row >= both {
-                    put(count + row - both, place, y);
-                }
-            }
-        }
-        let mut still: Lanes = smallvec![[0.0; LANES]; fours];
-        for (place, &contact) in contacts.iter().enumerate() {
-            still.as_flattened_mut()[place] = response.still(contact);
-            for (number, (_, swing)) in response.swings(contact).enumerate() {
-                let row = numbers.len() + number;
-                put(row, place, swing.re);
-                put(count + row - both, place, swing.im);
-            }
-        }
-        // A rigid mode goes on as it does: its κ is a unit of velocity.
-        let turning = modes.iter().filter(|mode| !mode.is_rigid());
-        let fastest = turning.map(|mode| length([mode.rate, mode.decay])).chain(swings).fold(0.0, f64::max);
-        let generator = Flow::of(&flows, |k| Turned { even: -flows[k].decay, odd: flows[k].rate });
-        Some(Self { flows, numbers, both, sights: Sights { shapes, still }, generator, fastest })
-    }
-
-    /// The numbers that contacts see at a node.
-    fn seen<'n>(&self, Node([x, y]): &'n Node) -> impl Iterator<Item = f64> + Clone + use<'n> {
-        let (both, count) = (self.both, self.flows.len());
-        x.as_flattened()[..count].iter().chain(&y.as_flattened()[both..count]).copied()
-    }
 }
 
 impl Sighted {
@@ -176,9 +61,8 @@ impl Sighted {
 }
 
 impl<'v> Windows<'v> {
-    /// Of the flight after impact `i`. `None` where there would be too many.
-    pub(super) fn new(view: &'v View, motion: &StructureMotion<'_>, i: usize) -> Option<Self> {
-        let whole = motion.until_next(i);
+    /// Of the flight after impact `i`, as far as `whole`. `None` where there would be too many.
+    pub(super) fn new(view: &'v View, motion: &StructureMotion<'_>, i: usize, whole: f64) -> Option<Self> {
         let windows = (whole * view.fastest / WINDOW).ceil().max(1.0);
         if windows > MOST_WINDOWS {
             return None;
@@ -192,27 +76,23 @@ impl<'v> Windows<'v> {
             first.put(k, [cos, -sin]);
         }
         let flights = Turn::flights(view.flows.iter().copied(), length);
-        let mut own = Self {
+        Some(Self {
             view,
             length,
             count: windows as usize,
-            number: 0,
             whole,
             kept: None,
             step: Flow::of(&view.flows, |k| flights[k]),
-            here: first.clone(),
             first,
-            next: Node::zeros(groups),
+            starts: Vec::new(),
             sighted: Sighted {
                 places: smallvec![[0.0; LANES]; fours],
                 velocities: smallvec![[0.0; LANES]; fours],
                 rates: Node::zeros(groups),
             },
             derivatives: Vec::new(),
-            derived: false,
-        };
-        own.step.act(&own.here, 1.0, &mut own.next);
-        Some(own)
+            derived: None,
+        })
     }
 
     /// Looks from here on at the contacts at these places alone, and tells their new ones.
@@ -239,30 +119,37 @@ impl<'v> Windows<'v> {
         self.sighted.velocities.truncate(fours);
     }
 
-    /// Since the impact.
-    pub(super) fn start(&self) -> f64 {
-        self.number as f64 * self.length
+    /// When a window starts, since the impact.
+    pub(super) fn start(&self, number: usize) -> f64 {
+        number as f64 * self.length
     }
 
-    /// Whether the flight goes on before the window, and after it.
-    pub(super) fn goes_on(&self) -> [bool; 2] {
-        [self.number > 0, self.number + 1 < self.count]
+    /// Whether the flight goes on before a window, and after it.
+    pub(super) fn goes_on(&self, number: usize) -> [bool; 2] {
+        [number > 0, number + 1 < self.count]
     }
 
-    /// Goes on to the next window, if there is one.
-    pub(super) fn advance(&mut self) -> bool {
-        self.number += 1;
-        if self.number == self.count {
-            return false;
+    /// Places and velocities of all contacts at the start of each window and at the end of the last one, four at a time: a row for each.
+    pub(super) fn nodes(&mut self, nodes: &mut Vec<[Lane; 2]>) {
+        nodes.clear();
+        self.starts.clear();
+        let (mut here, mut next) = (self.first.clone(), self.first.clone());
+        for number in 0..=self.count {
+            self.sighted.look(self.view, &self.kept, &here);
+            nodes.extend(
+                self.sighted.places.iter().zip(&self.sighted.velocities).map(|(place, speed)| [*place, *speed]),
+            );
+            if number == self.count {
+                break;
+            }
+            if (number + 1).is_multiple_of(REFRESH) {
+                next = self.node_at(self.start(number + 1));
+            } else {
+                self.step.act(&here, 1.0, &mut next);
+            }
+            self.starts.push(here);
+            here = next.clone();
         }
-        self.derived = false;
-        std::mem::swap(&mut self.here, &mut self.next);
-        if self.number.is_multiple_of(REFRESH) {
-            let at = self.start();
-            self.here = self.node_at(at);
-        }
-        self.step.act(&self.here, 1.0, &mut self.next);
-        true
     }
 
     /// All parts at a time since the impact.
@@ -278,13 +165,7 @@ impl<'v> Windows<'v> {
         [&self.sighted.places, &self.sighted.velocities].map(|list| list.as_flattened()[place])
     }
 
-    /// Places and velocities of all contacts at the window's end, four at a time.
-    pub(super) fn pass(&mut self) -> &Sighted {
-        self.sighted.look(self.view, &self.kept, &self.next);
-        &self.sighted
-    }
-
-    /// The same of so many contacts at both ends of the flight.
+    /// Places and velocities of so many contacts at both ends of the flight.
     pub(super) fn ends(&mut self, count: usize) -> SmallVec<[[[f64; 2]; 2]; 16]> {
         let last = self.node_at(self.whole);
         self.sighted.look(self.view, &self.kept, &self.first);
@@ -316,18 +197,19 @@ impl<'v> Windows<'v> {
         })
     }
 
-    /// The contact on this window, from its start on.
-    pub(super) fn polynomial(&mut self, place: usize) -> Polynomial {
+    /// The contact on a window, from its start on.
+    pub(super) fn polynomial(&mut self, number: usize, place: usize) -> Polynomial {
         let width = (2 * self.view.flows.len() - self.view.both).div_ceil(LANES);
-        if !self.derived {
-            self.derived = true;
+        if self.derived != Some(number) {
+            self.derived = Some(number);
             let mut derivatives = std::mem::take(&mut self.derivatives);
             derivatives.resize(width * ORDER, [0.0; LANES]);
-            let (mut now, mut then) = (self.here.clone(), self.here.clone());
+            let start = &self.starts[number];
+            let [mut even, mut odd] = [start.clone(), start.clone()];
             for (order, row) in derivatives.chunks_exact_mut(width.max(1)).enumerate() {
-                row.as_flattened_mut().iter_mut().zip(self.view.seen(&now)).for_each(|(slot, value)| *slot = value);
-                self.view.generator.act(&now, 1.0 / (order + 1) as f64, &mut then);
-                std::mem::swap(&mut now, &mut then);
+                let (now, then) = if order % 2 == 0 { (&even, &mut odd) } else { (&odd, &mut even) };
+                row.as_flattened_mut().iter_mut().zip(self.view.seen(now)).for_each(|(slot, value)| *slot = value);
+                self.view.generator.act(now, 1.0 / (order + 1) as f64, then);
             }
             self.derivatives = derivatives;
         }

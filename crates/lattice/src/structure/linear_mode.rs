@@ -245,7 +245,11 @@ impl LinearMode {
 
     /// Whether a pole is 0: nothing holds the mode in its place.
     pub fn is_rigid(&self) -> bool {
-        self.rates().contains(&C::default())
+        match self.turn {
+            Turn::Circular => self.decay == 0.0 && self.rate == 0.0,
+            Turn::Hyperbolic => self.decay.abs() == self.rate.abs(),
+            Turn::Parabolic => self.decay == 0.0,
+        }
     }
 
     /// The coordinates, complex, under a load `given`·e^{iwt}: (iw − A)⁻¹·given. Not finite at a resonance.

@@ -1,23 +1,28 @@
 //! Contacts as polynomials on windows of a radian, whose turning points are isolated.
 
 use smallvec::smallvec;
-use vibrochain_lattice::simd::lanes::{LANES, Number, four};
+use vibrochain_lattice::simd::lanes::{LANES, Lane, Number, all, four};
 use vibrochain_lattice::{Barrier, Stopped};
 use wide::f64x4;
 
 use super::Search;
+use crate::admissible::check::Depth;
 use crate::motion::polynomial::{Polynomial, turning_points, with_overlap};
-use crate::structures::windows::{Lanes, Windows};
+use crate::structures::view::Lanes;
+use crate::structures::windows::Windows;
 
-/// A contact that may come near its barriers, where it is and how fast at a window's start.
+/// A contact that may come near its barriers.
 struct Watched {
     contact: usize,
     /// Its place among those that are looked at, and a bound of its |g⁗|.
     place: usize,
     fourth: f64,
     stops: [Option<(Barrier, f64)>; 2],
-    here: [f64; 2],
 }
+
+/// Of a velocity at the end of a flight below this part of those nearby the contact turns so close to the end that it is as near a barrier there,
+/// to rounding.
+const STILL: f64 = 1e-9;
 
 /// A barrier of a contact, and where it is.
 #[derive(Debug, Clone, Copy)]
@@ -61,13 +66,20 @@ impl Passage<f64x4> {
 }
 
 impl Passage<f64> {
-    /// Whether the velocity may vanish.
-    fn may_turn(&self) -> bool {
+    /// Whether the velocity may vanish; at the ends that are `known`, where the flight ends, too, it may be 0 all the same.
+    fn may_turn(&self, known: [bool; 2]) -> bool {
         let [a, b, c, d] = self.points;
         let slopes = [b - a, c - b, d - c].map(|way| way * 3.0 / self.length);
+        let one_way = |list: &[f64], off: f64| list.iter().all(|x| *x > off) || list.iter().all(|x| *x < -off);
         // √3/216 of what is 1/384 in place.
-        let off = self.off * 3.08 / self.length;
-        !(slopes.iter().all(|slope| *slope > off) || slopes.iter().all(|slope| *slope < -off))
+        if one_way(&slopes, self.off * 3.08 / self.length) {
+            return false;
+        }
+        let [first, middle, last] = slopes;
+        let most = slopes.iter().fold(0.0, |most: f64, slope| most.max(slope.abs()));
+        let is_still = known[0] && first.abs() <= STILL * most || known[1] && last.abs() <= STILL * most;
+        // 1/12 in the acceleration, which is twice these over the length.
+        !(is_still && one_way(&[middle - first, last - middle], 16.0 * self.off / self.length))
     }
 }
 
@@ -75,7 +87,7 @@ impl Search<'_> {
     /// Turning points of the contacts' polynomials, window by window.
     pub(super) fn by_windows(&mut self, windows: &mut Windows<'_>, order: &[usize], i: usize) -> Result<(), Stopped> {
         let begins = self.orbit.impacts()[i].time;
-        let whole = self.motion.until_next(i);
+        let whole = windows.whole;
         let bounds = windows.bounds();
         let [excursions, fourths] = bounds.each_ref().map(|lanes| lanes.as_flattened());
         let mut watched: Vec<Watched> = Vec::with_capacity(order.len());
@@ -97,7 +109,7 @@ impl Search<'_> {
                 }
             }
             if stops.iter().any(Option::is_some) {
-                watched.push(Watched { contact, place, fourth: fourths[place], stops, here });
+                watched.push(Watched { contact, place, fourth: fourths[place], stops });
             }
         }
         if watched.is_empty() {
@@ -105,81 +117,102 @@ impl Search<'_> {
         }
         windows.keep(&mut watched.iter_mut().map(|own| &mut own.place));
         // Of all of them, four at a time.
-        let lanes = |pad: f64, of: fn(&Watched) -> f64| {
+        let lanes = |pad: f64, of: &dyn Fn(&Watched) -> f64| {
             let mut lanes: Lanes = smallvec![[pad; LANES]; watched.len().div_ceil(LANES)];
             lanes.as_flattened_mut().iter_mut().zip(&watched).for_each(|(slot, own)| *slot = of(own));
             lanes
         };
-        let [lower, upper] = [
-            lanes(f64::NEG_INFINITY, |own| own.stops[0].map_or(f64::NEG_INFINITY, |(_, stop)| stop)),
-            lanes(f64::INFINITY, |own| own.stops[1].map_or(f64::INFINITY, |(_, stop)| stop)),
-        ];
-        let fourths = lanes(0.0, |own| own.fourth);
-        let mut here = [lanes(0.0, |own| own.here[0]), lanes(0.0, |own| own.here[1])];
-        let mut there = here.clone();
+        let far = [f64::NEG_INFINITY, f64::INFINITY];
+        let stop = |own: &Watched, side: usize| own.stops[side].map_or(far[side], |(_, stop)| stop);
+        let stops = [0, 1].map(|side| lanes(far[side], &|own| stop(own, side)));
+        let fourths = lanes(0.0, &|own| own.fourth);
+        let mut nodes = std::mem::take(&mut self.nodes);
+        windows.nodes(&mut nodes);
+        // A contact that a barrier does not hit before the flight or after it comes no less near than it is anywhere.
+        let is_hit = |contact, barrier| {
+            [begins, begins + self.motion.until_next(i)]
+                .iter()
+                .any(|at| self.impact_at(contact, barrier, *at).is_some())
+        };
+        let free = [0, 1].map(|side| {
+            let of = |own: &Watched| own.stops[side].filter(|(barrier, _)| !is_hit(own.contact, *barrier));
+            lanes(far[side], &|own| of(own).map_or(far[side], |(_, stop)| stop))
+        });
+        let mut nearest = all(f64::INFINITY);
+        for row in nodes.chunks_exact(fourths.len()) {
+            for (g, [places, _]) in row.iter().enumerate() {
+                let rooms = [four(*places) - four(free[0][g]), four(free[1][g]) - four(*places)];
+                nearest = nearest.fast_min(rooms[0].fast_min(rooms[1]));
+            }
+        }
+        let nearest = nearest.to_array().into_iter().fold(f64::INFINITY, f64::min);
+        // Of several that are in the way the first one is told.
+        let nearest = if self.depth == Depth::First { nearest.max(0.0) } else { nearest };
         let mut pending = std::mem::take(&mut self.pending);
-        loop {
+        let rows: &[[Lane; 2]] = &nodes;
+        let rows = rows.chunks_exact(fourths.len());
+        for (number, (begin, end)) in rows.clone().zip(rows.skip(1)).enumerate() {
             self.motion.heard()?;
-            let sighted = windows.pass();
-            there[0].copy_from_slice(&sighted.places);
-            there[1].copy_from_slice(&sighted.velocities);
             for (group, four_watched) in watched.chunks(LANES).enumerate() {
-                let [begin, end] = [&here, &there].map(|both| both.each_ref().map(|lanes| four(lanes[group])));
+                let [begin, end] = [begin[group], end[group]].map(|both| both.map(four));
                 let passages = Passage::new(begin, end, windows.length, four(fourths[group]));
-                let rooms = [(Barrier::Lower, &lower), (Barrier::Upper, &upper)]
+                let rooms = [(Barrier::Lower, &stops[0]), (Barrier::Upper, &stops[1])]
                     .map(|(barrier, stops)| passages.room(barrier, four(stops[group])));
                 let room = (-(-rooms[0]).at_least(-rooms[1])).to_array();
                 for (lane, own) in four_watched.iter().enumerate() {
-                    if self.closest.as_ref().is_some_and(|(least, _)| room[lane] >= *least) {
-                        continue;
+                    if room[lane] <= self.limit(nearest) {
+                        self.pass((&mut *windows, number), own, (passages.of(lane), nearest), begins, &mut pending);
                     }
-                    self.pass(windows, own, passages.of(lane), begins, &mut pending);
                 }
             }
-            std::mem::swap(&mut here, &mut there);
-            if self.is_decided() || !windows.advance() {
+            if self.is_decided() {
                 break;
             }
         }
-        self.pending = pending;
+        (self.pending, self.nodes) = (pending, nodes);
         Ok(())
+    }
+
+    /// The least distance so far, or where contacts have been seen to be nearer: what stays farther away does not count.
+    fn limit(&self, nearest: f64) -> f64 {
+        self.closest.as_ref().map_or(nearest, |(least, _)| least.min(nearest))
     }
 
     /// Looks at one contact on a window.
     fn pass(
         &mut self,
-        windows: &mut Windows<'_>,
+        (windows, number): (&mut Windows<'_>, usize),
         own: &Watched,
-        passage: Passage<f64>,
+        (passage, nearest): (Passage<f64>, f64),
         begins: f64,
         pending: &mut Vec<(f64, f64)>,
     ) {
-        if !passage.may_turn() {
+        if !passage.may_turn(windows.goes_on(number).map(|more| !more)) {
             return;
         }
         let mut polynomial: Option<Polynomial> = None;
         for (barrier, stop) in own.stops.into_iter().flatten() {
-            if self.closest.as_ref().is_some_and(|(least, _)| passage.room(barrier, stop) >= *least) {
+            if passage.room(barrier, stop) > self.limit(nearest) {
                 continue;
             }
-            let own_polynomial = polynomial.get_or_insert_with(|| windows.polynomial(own.place));
+            let own_polynomial = polynomial.get_or_insert_with(|| windows.polynomial(number, own.place));
             let clear = self.clear_after(own.contact, barrier, begins);
             let wall = Wall { contact: own.contact, barrier, stop, clear };
-            self.turns(windows, own_polynomial, wall, begins, pending);
+            self.turns((windows, number), own_polynomial, wall, begins, pending);
         }
     }
 
     /// Takes note of the turning points on a window.
     fn turns(
         &mut self,
-        windows: &Windows<'_>,
+        (windows, number): (&Windows<'_>, usize),
         polynomial: &Polynomial,
         Wall { contact, barrier, stop, clear }: Wall,
         begins: f64,
         pending: &mut Vec<(f64, f64)>,
     ) {
-        let [from, to] = with_overlap(windows.length, windows.goes_on());
-        let from = from.max(if clear > 0.0 { clear - windows.start() } else { f64::NEG_INFINITY });
+        let [from, to] = with_overlap(windows.length, windows.goes_on(number));
+        let from = from.max(if clear > 0.0 { clear - windows.start(number) } else { f64::NEG_INFINITY });
         if from >= to {
             return;
         }
@@ -190,7 +223,7 @@ impl Search<'_> {
         let mut own = *polynomial;
         own.coefficients.iter_mut().for_each(|c| *c *= barrier.sign() / scale);
         own.coefficients[0] += 1.0 - barrier.sign() * stop / scale;
-        let start = begins + windows.start();
+        let start = begins + windows.start(number);
         let least = self.closest.as_ref().map_or(f64::INFINITY, |(least, _)| *least / scale);
         let mut note = |s: f64, value: f64| {
             self.note((1.0 - value) * scale, (contact, barrier), start + s);

@@ -9,11 +9,12 @@ mod release;
 
 use smallvec::SmallVec;
 use vibrochain_lattice::Barrier;
+use vibrochain_lattice::simd::lanes::Lane;
 
 use super::error::StructureOrbitError;
 use super::flight::StructureMotion;
 use super::orbit::{StructureImpact, StructureOrbit};
-use super::windows::{View, Windows};
+use super::windows::Windows;
 use crate::admissible::answer::{Admissibility, Approach, Obstruction};
 use crate::admissible::check::Depth;
 use crate::orbit::time_between;
@@ -61,15 +62,22 @@ fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, Structur
             }
         }
     }
-    let mut search = Search { orbit, motion: &motion, clear, closest: None, pending: Vec::new(), depth };
-    let order = search.order();
-    let view = View::new(&motion, &order);
+    let (pending, nodes) = (Vec::new(), Vec::new());
+    let mut search = Search { orbit, motion: &motion, clear, closest: None, pending, nodes, depth };
+    let (order, view) = &*motion.response().view(|| search.order());
+    // What contacts do in one half of the period they do in the other, backwards.
+    let is_mirrored = orbit.is_reversible();
     for i in 0..impacts.len() {
         if motion.until_next(i) <= TOGETHER * orbit.period() || search.is_decided() {
             continue;
         }
-        match view.as_ref().and_then(|view| Windows::new(view, &motion, i)) {
-            Some(mut windows) => search.by_windows(&mut windows, &order, i)?,
+        if i > 0 && is_mirrored {
+            break;
+        }
+        let half = if is_mirrored && impacts.len() == 1 { 0.5 } else { 1.0 };
+        let whole = half * motion.until_next(i);
+        match view.as_ref().and_then(|view| Windows::new(view, &motion, i, whole)) {
+            Some(mut windows) => search.by_windows(&mut windows, order, i)?,
             None => search.by_steps(i)?,
         }
     }
@@ -91,6 +99,8 @@ struct Search<'a> {
     clear: SmallVec<[f64; 4]>,
     closest: Option<(f64, Approach)>,
     pending: Vec<(f64, f64)>,
+    /// Contacts where windows begin and end: work space.
+    nodes: Vec<[Lane; 2]>,
     depth: Depth,
 }
 
@@ -183,8 +193,8 @@ mod tests {
                 let Some(margin) = answer.margin else { continue };
                 let motion = StructureMotion::new(orbit).unwrap();
                 let clear = smallvec::smallvec![0.0; orbit.impacts().len()];
-                let mut search =
-                    Search { orbit, motion: &motion, clear, closest: None, pending: Vec::new(), depth: Depth::Worst };
+                let (pending, nodes, depth) = (Vec::new(), Vec::new(), Depth::Worst);
+                let mut search = Search { orbit, motion: &motion, clear, closest: None, pending, nodes, depth };
                 (0..orbit.impacts().len()).for_each(|i| search.by_steps(i).unwrap());
                 let Some((stepped, _)) = search.closest else {
                     assert!(margin > 0.0);

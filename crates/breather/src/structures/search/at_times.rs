@@ -13,17 +13,27 @@ pub(super) struct Start {
     pub(super) point: Point,
     /// It belongs to a zero that is known to be there.
     pub(super) is_zero: bool,
+    /// It is a closed form, which nothing but rounding leaves to be improved.
+    pub(super) is_exact: bool,
 }
 
 impl From<Point> for Start {
     fn from(point: Point) -> Self {
-        Self { point, is_zero: false }
+        Self::new(point, false)
     }
 }
 
 impl Start {
+    pub(super) fn new(point: Point, is_zero: bool) -> Self {
+        Self { point, is_zero, is_exact: false }
+    }
+
     pub(super) fn zero(point: Point) -> Self {
-        Self { point, is_zero: true }
+        Self::new(point, true)
+    }
+
+    pub(super) fn exact(point: Point) -> Self {
+        Self { point, is_zero: true, is_exact: true }
     }
 }
 
@@ -167,7 +177,7 @@ impl Impacts<'_> {
 
     /// The same of a line that is known.
     pub(super) fn starts_on(&self, line: &Line, times: &[f64]) -> Vec<Start> {
-        let start = |x: &Vector| Start { point: self.point(times, x), is_zero: line.holds() };
+        let start = |x: &Vector| Start::new(self.point(times, x), line.holds());
         line.on_the_circle().iter().map(start).collect()
     }
 }

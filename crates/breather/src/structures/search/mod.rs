@@ -5,6 +5,7 @@
 //! | `orbits` | [`structure_orbits`]: which search a word takes, and the list that comes of it |
 //! | `at_times` | impulses, offsets and phase at given times |
 //! | `distinct` | which orbits of a list are one, and which are orbits of its word |
+//! | `half_period` | the same of one contact between two barriers, without loads and losses |
 //! | `two_impacts` | the proof that no two impacts are missing |
 //! | `merged` | the number of orbits where two zeros may have merged |
 //! | `phase_plane` | the same of one and of two under loads of several harmonics, and where nothing holds a structure |
@@ -16,6 +17,7 @@
 mod at_times;
 mod distinct;
 mod elimination;
+mod half_period;
 mod merged;
 mod orbits;
 mod phase_plane;

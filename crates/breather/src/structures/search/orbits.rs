@@ -7,7 +7,7 @@
 //! F(φ) = Δ²(c² + s² − 1),      Δ the determinant of the linear equations.
 //! ```
 //!
-//! Without loads the positions give the impulses, and one of Newton's laws is left: the zeros of K₂₁′. Of three impacts two functions of two times
+//! Without loads the positions give the impulses, and one of Newton's laws is left: the zeros of K₂₁′, of one contact half a period apart, and others. Of three impacts two functions of two times
 //! are left.
 
 use smallvec::SmallVec;
@@ -189,12 +189,13 @@ fn found(
         searched && !(orbit.repeats_sooner() || pulls && pushing)
     };
     let (mut solutions, mut lost): (Vec<Solution>, usize) = (Vec::new(), 0);
-    for Start { point, is_zero } in starts {
+    for Start { point, is_zero, is_exact } in starts {
         model.heard()?;
         if scope == ListScope::Candidates && point.pulls() {
             continue;
         }
-        let orbit = equations.solve(point).and_then(|solved| StructureOrbit::new(&equations, force_periods, solved));
+        let solved = if is_exact { equations.solve_exact(point) } else { equations.solve(point) };
+        let orbit = solved.and_then(|solved| StructureOrbit::new(&equations, force_periods, solved));
         // A zero whose orbit is not reached, or is none as far as its errors tell, is told, not dropped.
         let sound = orbit.ok().filter(|orbit| (letters_at_once(word) || orbit.has_its_instants()) && orbit.hits());
         let Some(orbit) = sound else {
@@ -260,10 +261,10 @@ impl Impacts<'_> {
             }
             (1, false) => {
                 let x = self.linear(&[0.0])?.solve().ok_or(StructureOrbitError::Singular)?;
-                Ok((vec![Start::zero(self.point(&[0.0], &x))], CLOSED_FORM))
+                Ok((vec![Start::exact(self.point(&[0.0], &x))], CLOSED_FORM))
             }
             (1, true) => self.proved_of_one().unwrap_or_else(|| self.starts()),
-            (2, false) => self.proved().unwrap_or_else(|| self.scan()),
+            (2, false) => self.proved_of_both_sides().or_else(|| self.proved()).unwrap_or_else(|| self.scan()),
             (2, true) => self.of_two(single, scope),
             (3, _) => self.proved_in_the_plane(scope.boxes()).unwrap_or_else(|| self.starts()),
             _ => self.starts(),
@@ -376,7 +377,7 @@ impl Impacts<'_> {
         }
         for (at, is_zero) in all_places(&zeros.simple, &zeros.unresolved) {
             match functions.numbers(at) {
-                Some(numbers) => starts.push(Start { point: self.point(&times(at), &numbers), is_zero }),
+                Some(numbers) => starts.push(Start::new(self.point(&times(at), &numbers), is_zero)),
                 None => open += usize::from(is_zero),
             }
         }

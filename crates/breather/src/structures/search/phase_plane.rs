@@ -282,7 +282,7 @@ impl Impacts<'_> {
             let (a, b) = (fastest * of_place / size, of_law / size);
             smallvec![(a * fastest * (place - load) - b * weight * speed) / size]
         };
-        let start = |(psi, is_zero): (f64, bool)| Start { point: self.at_phase(&[0.0], &numbers(psi), psi), is_zero };
+        let start = |(psi, is_zero): (f64, bool)| Start::new(self.at_phase(&[0.0], &numbers(psi), psi), is_zero);
         let starts = all_places(&zeros.simple, &zeros.unresolved).map(start).collect();
         let (intervals, unresolved) = (zeros.intervals, zeros.unresolved.len());
         Some(Ok((starts, StructureSearch::Enclosures { intervals, unresolved })))
@@ -298,7 +298,7 @@ impl Impacts<'_> {
         let (mut starts, mut unresolved): (Vec<Start>, usize) = (Vec::new(), zeros.unresolved.len());
         for (at, is_zero) in all_places(&zeros.simple, &zeros.unresolved) {
             match functions.numbers(at) {
-                Some(numbers) => starts.push(Start { point: self.at_phase(&[0.0, at[0]], &numbers, at[1]), is_zero }),
+                Some(numbers) => starts.push(Start::new(self.at_phase(&[0.0, at[0]], &numbers, at[1]), is_zero)),
                 None => unresolved += usize::from(is_zero),
             }
         }

@@ -79,7 +79,7 @@ impl Impacts<'_> {
         let known = zeros.simple.iter().map(|period| (*period, true));
         for (period, is_zero) in known.chain(zeros.unresolved.iter().map(|period| (*period, false))) {
             match self.of_period(period, &[0.0]) {
-                Ok(Some(point)) => starts.push(Start { point, is_zero }),
+                Ok(Some(point)) => starts.push(Start::new(point, is_zero)),
                 Ok(None) => unresolved += usize::from(is_zero),
                 Err(error) => return Some(Err(error)),
             }

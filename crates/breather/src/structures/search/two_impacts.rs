@@ -40,13 +40,13 @@ const COINCIDENT: f64 = 1e-4;
 pub(super) const RESOLUTION: f64 = 1e-11;
 
 /// The same of one function: next to a resonance its zeros come in pairs, as close as the square of the distance.
-const FINEST: f64 = 1e-14;
+pub(super) const FINEST: f64 = 1e-14;
 
 /// Places closer than this part of the period are one: next to a fold rounding blurs each zero of a pair alone.
 const PAIR: f64 = 1e-6;
 
 /// Intervals to begin with: where modes are far faster than the load, they have died out in nearly all of them.
-const MOST_PIECES: usize = 512;
+pub(super) const MOST_PIECES: usize = 512;
 
 /// The part of the period from which on two impacts can be told from one, which are `alike` at one instant.
 pub(super) fn told_apart(alike: bool) -> f64 {

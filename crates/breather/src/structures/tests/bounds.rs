@@ -6,7 +6,7 @@ use vibrochain_testkit::Random;
 use super::orbits;
 use crate::structures::flight::{StructureMotion, reach};
 use crate::structures::periodic_kernel::length;
-use crate::structures::windows::{View, Windows};
+use crate::structures::windows::Windows;
 
 /// The length of a mode's state or of a derivative stays below its bound on a flight, and comes near it on some.
 #[test]
@@ -67,20 +67,22 @@ fn accelerations_stay_within_their_bound() {
 #[test]
 fn windows_hold_the_motion_and_bound_it() {
     let mut random = Random(47);
-    let (mut flights, mut near) = (0, [0, 0]);
+    let (mut flights, mut near, mut nodes) = (0, [0, 0], Vec::new());
     orbits(&mut random, 150, |orbit, random| {
         let motion = StructureMotion::new(orbit).unwrap();
         let order = if random.chance(0.5) { vec![0, 1] } else { vec![1, 0] };
-        let Some(view) = View::new(&motion, &order) else { return };
+        let view = motion.response().view(|| order.clone());
+        let Some(view) = &view.1 else { return };
         for i in 0..orbit.impacts().len() {
-            let Some(mut windows) = Windows::new(&view, &motion, i) else { continue };
             let whole = motion.until_next(i);
+            let Some(mut windows) = Windows::new(view, &motion, i, whole) else { continue };
+            windows.nodes(&mut nodes);
             let bounds = windows.bounds();
             let (mut excursions, mut fourths) = ([0.0_f64; 2], [0.0_f64; 2]);
-            loop {
-                let start = windows.start();
+            for number in 0..nodes.len() - 1 {
+                let start = windows.start(number);
                 for (place, &contact) in order.iter().enumerate() {
-                    let polynomial = windows.polynomial(place);
+                    let polynomial = windows.polynomial(number, place);
                     let still = motion.response().still(contact);
                     for k in 0..=8 {
                         let s = windows.length * f64::from(k) / 8.0;
@@ -97,12 +99,15 @@ fn windows_hold_the_motion_and_bound_it() {
                         fourths[place] = fourths[place].max(fourth.abs());
                     }
                 }
-                windows.pass();
-                if !windows.advance() {
-                    break;
+                let [places, velocities] = nodes[number + 1];
+                for (place, &contact) in order.iter().enumerate() {
+                    let there = motion.contact(contact, i, start + windows.length);
+                    let size = 1.0 + bounds[0].as_flattened()[place];
+                    assert!((places[place] - there[0]).abs() < 1e-12 * size, "{places:?} {there:?}");
+                    assert!((velocities[place] - there[1]).abs() < 1e-11 * size / windows.length, "{there:?}");
                 }
             }
-            assert!((windows.start() - whole).abs() < 1e-12 * whole);
+            assert!((windows.start(nodes.len() - 1) - whole).abs() < 1e-12 * whole);
             for place in 0..2 {
                 for (n, most) in [excursions[place], fourths[place]].into_iter().enumerate() {
                     let bound = bounds[n].as_flattened()[place];
@@ -125,13 +130,15 @@ fn contacts_that_are_kept_are_seen_as_before() {
         let motion = StructureMotion::new(orbit).unwrap();
         // Eight places in the lists: two groups of four.
         let order = [0, 1, 0, 0, 0, 0, 1, 0];
-        let Some(view) = View::new(&motion, &order) else { return };
-        let Some(mut windows) = Windows::new(&view, &motion, 0) else { return };
+        let view = motion.response().view(|| order.to_vec());
+        let Some(view) = &view.1 else { return };
+        let Some(mut windows) = Windows::new(view, &motion, 0, motion.until_next(0)) else { return };
         let mut places = [1, 6];
         windows.keep(&mut places.iter_mut());
         assert_eq!(places, [0, 1]);
-        let seen = windows.pass();
-        let [place, velocity] = [&seen.places, &seen.velocities].map(|lanes| lanes.as_flattened()[1]);
+        let mut nodes = Vec::new();
+        windows.nodes(&mut nodes);
+        let [place, velocity] = nodes[1].map(|lanes| lanes[1]);
         let there = motion.contact(1, 0, windows.length);
         assert!((place - there[0]).abs() < 1e-12 * (1.0 + there[0].abs()), "{place} {there:?}");
         assert!((velocity - there[1]).abs() < 1e-11 * (1.0 + there[1].abs()), "{velocity} {there:?}");

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vibrochain_lattice::{Contact, LinearMode, ModalStructure, ModeShape};
+use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape};
 use vibrochain_testkit::Random;
 
 use super::{model, orbits};
@@ -172,4 +172,60 @@ fn halves_of_an_orbit_differ_as_its_impacts_do() {
         }
     });
     assert!(single > 10 && double > 10, "{single} {double}");
+}
+
+/// One contact between two stops, without loads and losses: where K′ of the sampled kernel changes its sign there is an orbit, and nowhere else.
+#[test]
+fn between_two_stops_without_losses_every_zero_of_the_kernel_has_an_orbit() {
+    const SAMPLES: usize = 4000;
+    let mut random = Random(97);
+    let (mut halves, mut others, mut rigid) = (0, 0, 0);
+    for _ in 0..150 {
+        let mode = |random: &mut Random, frequency: f64| {
+            let shape = ModeShape { contacts: vec![random.between(-1.0, 1.0)], coordinates: Vec::new(), still: 0.0 };
+            LinearMode::oscillator(0.0, frequency * frequency, &shape, &[])
+        };
+        let mut modes: Vec<_> = (0..1 + random.below(6)).map(|_| random.log(0.3, 4.0)).collect();
+        let is_rigid = random.chance(0.2);
+        modes.extend(is_rigid.then_some(0.0));
+        let modes = modes.into_iter().map(|frequency| mode(&mut random, frequency)).collect();
+        let stop = Contact { lower: Some(-random.log(0.3, 2.0)), upper: Some(random.log(0.3, 2.0)), restitution: 1.0 };
+        let structure = Arc::new(ModalStructure::new(vec![stop], Vec::new(), modes).unwrap());
+        let model = StructureModel::new(structure.clone(), random.log(0.3, 3.0)).unwrap();
+        let Ok(found) = structure_orbits(&model, &"0+,0-".parse().unwrap(), 1) else { continue };
+        if !found.search.is_complete() {
+            continue;
+        }
+        let period = model.period();
+        let at = |i: usize| period * (i as f64 + 0.5) / SAMPLES as f64;
+        let held_by_nothing = structure.modes().iter().filter(|mode| mode.is_rigid());
+        let weight: f64 = held_by_nothing.map(|mode| mode.rows[0][0].powi(2)).sum();
+        let slope = |t: f64| regular(&structure, period, t) + weight * (0.5 - t / period);
+        let values: Vec<f64> = (0..SAMPLES).map(|i| slope(at(i))).collect();
+        let mut changes = 0;
+        for (i, pair) in values.windows(2).enumerate() {
+            if pair[0] * pair[1] < 0.0 {
+                let here = |orbit: &&StructureOrbit| (at(i)..at(i + 1)).contains(&orbit.phi().unwrap());
+                assert_eq!(found.orbits.iter().filter(here).count(), 1, "{i} {found:?}");
+                changes += 1;
+            }
+        }
+        // Two zeros between two samples may be missed here.
+        assert!(found.orbits.len() == changes || found.orbits.len() == changes + 2, "{changes} {found:?}");
+        let is_half = |orbit: &&StructureOrbit| (orbit.phi().unwrap() - 0.5 * period).abs() < 1e-12 * period;
+        assert_eq!(found.orbits.iter().filter(is_half).count(), 1);
+        halves += 1;
+        others += changes - 1;
+        rigid += usize::from(is_rigid);
+    }
+    assert!(halves > 100 && others > 100 && rigid > 15, "{halves} {others} {rigid}");
+}
+
+/// K′ of the modes that something holds, by the sum over all past impulses.
+fn regular(structure: &ModalStructure, period: f64, t: f64) -> f64 {
+    let mode = |mode: &LinearMode| {
+        let z = Complex::from_polar(1.0, mode.rate * period);
+        mode.rows[0][0].powi(2) * (Complex::from_polar(1.0, mode.rate * t) / (1.0 - z)).re
+    };
+    structure.modes().iter().filter(|mode| !mode.is_rigid()).map(mode).sum()
 }

@@ -26,7 +26,7 @@ fn bounds_between_two_ends_are_attained() {
         for (part, turns) in [(0.999, true), (1.01, false), (-0.999, true), (-1.01, false)] {
             let drift = part * most;
             let passage = Passage::new([0.0, drift], [drift * length, drift], length, fourth);
-            assert_eq!(passage.may_turn(), turns, "{part} {length} {fourth}");
+            assert_eq!(passage.may_turn([false; 2]), turns, "{part} {length} {fourth}");
             checked += 1;
         }
     }
@@ -67,7 +67,7 @@ fn a_contact_has_the_room_that_is_told() {
             let lane = all.room(barrier, f64x4::splat(stop)).to_array()[1];
             assert!((lane - room).abs() < 1e-15 && (all.of(1).room(barrier, stop) - room).abs() < 1e-15);
         }
-        if !passage.may_turn() {
+        if !passage.may_turn([false; 2]) {
             let (low, high) =
                 samples(1).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
             assert!(low * high > 0.0, "{low} {high}");
@@ -75,4 +75,35 @@ fn a_contact_has_the_room_that_is_told() {
         }
     }
     assert!(straight > 100 && near > 400, "{straight} {near}");
+}
+
+/// Where a contact turns at an end of its flight it is told to turn nowhere else only if it does not.
+#[test]
+fn a_contact_that_turns_at_an_end_may_turn_nowhere_else() {
+    let mut random = Random(7);
+    let (mut nowhere, mut again) = (0, 0);
+    for _ in 0..2000 {
+        let terms: [[f64; 2]; 3] = std::array::from_fn(|_| [random.between(-1.0, 1.0), random.log(0.3, 2.0)]);
+        let length = random.log(0.05, 2.0);
+        let at = |order: i32, t: f64| -> f64 {
+            let turn = f64::from(order) * FRAC_PI_2;
+            terms.iter().map(|[size, rate]| size * rate.powi(order) * (rate * t + turn).cos()).sum()
+        };
+        let fourth = terms.iter().map(|[size, rate]| size.abs() * rate.powi(4)).sum();
+        let ends = [0.0, length].map(|t| [at(0, t), at(1, t)]);
+        let backwards = random.chance(0.5);
+        let passage = if backwards {
+            Passage::new([ends[1][0], -ends[1][1]], [ends[0][0], 0.0], length, fourth)
+        } else {
+            Passage::new([ends[0][0], 0.0], ends[1], length, fourth)
+        };
+        let inside: Vec<f64> = (1..=300).map(|i| at(1, length * f64::from(i) / 300.0)).collect();
+        let turns = !(inside.iter().all(|v| *v > 0.0) || inside.iter().all(|v| *v < 0.0));
+        let told = passage.may_turn([!backwards, backwards]);
+        assert!(told || !turns, "{terms:?} {length}");
+        assert!(passage.may_turn([backwards, !backwards]));
+        nowhere += usize::from(!told);
+        again += usize::from(turns);
+    }
+    assert!(nowhere > 1000 && again > 30, "{nowhere} {again}");
 }
