@@ -44,6 +44,8 @@ pub(crate) struct LocalFlight {
     /// Length of the window, internal, since the base.
     pub(crate) horizon: f64,
     pub(crate) pace: Pace,
+    /// The share of all masses that an event restarts, of each order, if these are few.
+    touched: [Option<f64>; ORDERS.len()],
     next: [Vec<f64>; 2],
     /// Bounds of eight coordinates each over the window.
     groups: Vec<Group>,
@@ -137,6 +139,7 @@ impl LocalFlight {
         Self {
             limits: [Barrier::Lower, Barrier::Upper].map(limits),
             is_direct: system.is_direct(),
+            touched: Self::touched(&local, system.is_direct()),
             local,
             now: turned.clone(),
             turned,
@@ -229,9 +232,7 @@ impl LocalFlight {
         mut found: impl FnMut(&Self, usize, Sweep),
     ) -> f64 {
         let least = places.soft().map(|(_, order)| order).max().unwrap_or(0);
-        let mut pace = std::mem::take(&mut self.pace);
-        let (order, longest) = pace.choose(least, &self.local.horizons, |horizon| self.touched(horizon));
-        self.pace = pace;
+        let (order, longest) = self.pace.choose(least, &self.local.horizons, &self.touched);
         let Self { local, turned, x, velocity, reference, series, is_direct, lost, .. } = self;
         let n = x.len();
         series.held = Held::new(system, local, places);

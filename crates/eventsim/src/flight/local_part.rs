@@ -2,7 +2,7 @@
 //! ([`crate::series::part`]): only where contact n sees mass n as it is.
 
 use crate::flight::Flight;
-use crate::flight::local::LocalSeries;
+use crate::flight::local::{Local, LocalSeries};
 use crate::flight::local_flight::{LocalFlight, Sweep, begin_rows};
 use crate::flight::places::{Place, Places};
 use crate::flight::system::System;
@@ -11,7 +11,7 @@ use crate::series::bound;
 use crate::series::part::{DITHER, LEAST_REACH, Part, ranges, split};
 use crate::series::weights::Weights;
 use crate::series::{LANES, eight};
-use crate::units::{MAX_ORDER, reach, spread};
+use crate::units::{MAX_ORDER, ORDERS, reach, spread};
 use crate::watch::queue::Candidates;
 use crate::watch::safe_step::safe_step;
 use crate::watch::{Contact, Watch};
@@ -21,11 +21,14 @@ use vibrochain_lattice::{Barrier, Ends};
 const JUMP: f64 = 4.0;
 
 impl LocalFlight {
-    /// The share of all masses that restarts with one at any time in a window, if it is less than half.
-    pub(crate) fn touched(&self, horizon: f64) -> Option<f64> {
-        let (_, coupling) = self.local.row().filter(|_| self.is_direct)?;
-        let touched = 2 * reach(coupling, horizon, JUMP) + 3;
-        Some(touched as f64 / self.x.len() as f64).filter(|share| *share < 0.5)
+    /// The share of all masses that restarts with one at any time in a window of each order, if it is less than half.
+    pub(crate) fn touched(local: &Local, is_direct: bool) -> [Option<f64>; ORDERS.len()] {
+        let share = |horizon: f64| {
+            let (_, coupling) = local.row().filter(|_| is_direct)?;
+            let touched = 2 * reach(coupling, horizon, JUMP) + 3;
+            Some(touched as f64 / local.operator.masses.len() as f64).filter(|share| *share < 0.5)
+        };
+        local.horizons.map(share)
     }
 
     /// Finds the parts that feel contacts which are due at `s` since the base in internal time. False: all masses do, or are to be restarted anyway.

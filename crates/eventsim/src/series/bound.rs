@@ -45,20 +45,13 @@ fn positive(a: f64) -> f64 {
 
 /// The largest size in a row.
 pub(crate) fn largest(row: &[f64]) -> f64 {
-    let (groups, rest) = row.as_chunks::<LANES>();
-    let mut most = f64x8::ZERO;
-    for group in groups {
-        most = most.fast_max(f64x8::from(*group).abs());
-    }
     let larger = |most: f64, d: f64| if d > most { d } else { most };
-    let mut largest = 0.0;
-    for d in most.to_array() {
-        largest = larger(largest, d);
-    }
-    for d in rest {
-        largest = larger(largest, d.abs());
-    }
-    largest
+    let Some(end) = row.last_chunk::<LANES>() else { return row.iter().fold(0.0, |most, d| larger(most, d.abs())) };
+    // The last eight may have been seen in part: a largest size does not change.
+    let groups = row.as_chunks::<LANES>().0.iter().chain([end]);
+    let most = groups.fold(f64x8::ZERO, |most, group| most.fast_max(f64x8::from(*group).abs()));
+    let [a, b, c, d, e, f, g, h] = most.to_array();
+    larger(larger(larger(a, e), larger(b, f)), larger(larger(c, g), larger(d, h)))
 }
 
 /// Bound on |p_J| for every mass of a ring.

@@ -63,30 +63,31 @@ impl Pace {
     }
 
     /// Order and horizon of the next window: least cost a unit of time at the present rate of events. `touched` is the share of all masses that
-    /// restarts with one at any time in a window, if these are few.
+    /// restarts with one at any time in a window of each order, if these are few.
     ///
     /// A mass that leaves a barrier with a derivative of high order needs a series that has it: `least` orders.
     pub(crate) fn choose(
         &mut self,
         least: u8,
         horizons: &[f64; ORDERS.len()],
-        touched: impl Fn(f64) -> Option<f64>,
+        touched: &[Option<f64>; ORDERS.len()],
     ) -> (usize, f64) {
         let rate = self.rate;
         let is_same = |chosen: &Choice| chosen.least == least && (rate - chosen.rate).abs() <= SAME_RATE * chosen.rate;
         if let Some(chosen) = self.chosen.filter(is_same) {
             return (chosen.order, chosen.horizon);
         }
-        let cost = |(order, horizon): (usize, f64)| {
+        let cost = |(order, horizon): (usize, f64), touched: Option<f64>| {
             // If every event restarts all masses, the rest of the window is lost …
             let used = if rate * horizon > 1e-9 { -(-rate * horizon).exp_m1() / rate } else { horizon };
             // … or its neighbours only.
-            let of_parts = touched(horizon).map_or(f64::INFINITY, |share| 1.0 / horizon + RESTART_COST * rate * share);
+            let of_parts = touched.map_or(f64::INFINITY, |share| 1.0 / horizon + RESTART_COST * rate * share);
             order as f64 * of_parts.min(1.0 / used)
         };
         let last = ORDERS.len() - 1;
-        let choices = ORDERS.into_iter().zip(*horizons).filter(|(order, _)| *order >= usize::from(least));
-        let best = choices.map(|choice| (cost(choice), choice)).min_by(|a, b| a.0.total_cmp(&b.0));
+        let choices = ORDERS.into_iter().zip(*horizons).zip(*touched);
+        let choices = choices.filter(|((order, _), _)| *order >= usize::from(least));
+        let best = choices.map(|(choice, touched)| (cost(choice, touched), choice)).min_by(|a, b| a.0.total_cmp(&b.0));
         let (order, horizon) = best.map_or((ORDERS[last], horizons[last]), |(_, choice)| choice);
         self.chosen = Some(Choice { least, rate, order, horizon });
         (order, horizon)
