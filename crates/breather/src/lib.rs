@@ -64,7 +64,6 @@ pub use admissible::map_breather::{MapBreather, MapSearch};
 pub use branch::at_resonance::Limit;
 pub use branch::departure::Departure;
 pub use branch::{Branch, BranchPoint};
-pub use equations::condition::{Condition, ImpactError, Together};
 #[doc(hidden)]
 pub use equations::linear;
 pub use equations::{BlochEquations, LinearImpact, Shift};
@@ -76,8 +75,10 @@ pub use search::completeness::{Completeness, Proof};
 pub use search::finder::{Finder, OrbitList, Prepared, Scope, breathers, condition};
 pub use search::words::ended::{End, Ended};
 pub use structures::admissible::{structure_admissibility, structure_is_physical};
+pub use structures::condition::Condition;
 pub use structures::continuation::{StructureBranch, StructureBranchPoint, StructureContinuation, StructureFamily};
 pub use structures::error::StructureOrbitError;
+pub use structures::errors::{ImpactError, Together};
 pub use structures::flight::StructureMotion;
 pub use structures::model::StructureModel;
 pub use structures::orbit::{StructureImpact, StructureOrbit};

@@ -148,19 +148,19 @@ pub(crate) struct PyCondition {
     /// float : reciprocal condition number of the orbit's equations, 0 at a fold.
     #[pyo3(get)]
     fold: f64,
-    /// float : estimated error of the impulses, relative to the largest; inf where no bound is known.
+    /// float : a bound of the error of the impulses, relative to the largest; inf where none is known.
     #[pyo3(get)]
     impulse_error: f64,
-    /// float : estimated error of the times, relative to the period; inf where no bound is known.
+    /// float : a bound of the error of the times, relative to the period; inf where none is known.
     #[pyo3(get)]
     time_error: f64,
     text: String,
 }
 
 impl PyCondition {
-    pub(crate) fn new(condition: &Condition, orbit: &Orbit) -> Self {
+    pub(crate) fn new(condition: &Condition) -> Self {
         let Condition { resonance, grazing, fold, .. } = *condition;
-        let (impulse_error, time_error) = (condition.impulse_error(orbit), condition.time_error(orbit));
+        let (impulse_error, time_error) = (condition.impulse_error(), condition.time_error());
         Self { resonance, grazing, fold, impulse_error, time_error, text: condition.to_string() }
     }
 }

@@ -325,7 +325,7 @@ impl PyOrbit {
     /// True
     fn condition(&self, py: Python<'_>) -> PyResult<PyCondition> {
         let orbit = self.0.clone();
-        call(py, self.0.model(), move || condition(&orbit).map(|condition| PyCondition::new(&condition, &orbit)))
+        call(py, self.0.model(), move || condition(&orbit).map(|condition| PyCondition::new(&condition)))
     }
 
     /// Floquet multipliers, and whether the orbit is stable.

@@ -35,7 +35,7 @@ impl Counts {
         let truth = match TrueOrbit::refine(orbit, DEFAULT_BITS) {
             Ok(truth) => truth,
             Err(error @ (TruthError::NotConverged { .. } | TruthError::Singular { .. })) => {
-                let claimed = condition.impulse_error(orbit);
+                let claimed = condition.impulse_error();
                 assert!(claimed > 1e-3, "{error} {claimed:e} {orbit:?}");
                 self.lost += 1;
                 return;
@@ -345,7 +345,7 @@ fn forced_families_are_complete_at_any_site() {
             let condition = finder.condition(&orbit).unwrap();
             // Two impacts that are one, or orbits too near a fold to be told apart.
             let twice = periods == 2 && (orbit.impacts()[1].time / period - 0.5).abs() < 1e-3;
-            if condition.fold < 1e-4 || condition.impulse_error(&orbit) > 1e-6 || twice {
+            if condition.fold < 1e-4 || condition.impulse_error() > 1e-6 || twice {
                 continue;
             }
             let same = |other: &Orbit| {

@@ -10,7 +10,7 @@ use vibrochain_lattice::{ImpulseResponse, Model};
 
 use crate::admissible::check::Impacts;
 use crate::admissible::conservative_modes::TwoImpulses;
-use crate::equations::condition::delicate;
+use crate::equations::delicate::delicate;
 use crate::error::NoBreather;
 use crate::orbit::{Family, MOST_RESIDUAL};
 use crate::search::families::conservative::{crosses, impulse, impulses};

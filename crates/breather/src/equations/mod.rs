@@ -10,7 +10,7 @@
 //! ```
 //!
 //! Their Jacobian J is singular at a fold or pitchfork of the family. It serves three times: errors of the terms pass through
-//! its inverse (`condition`), so does what is left of a residual (`polish`), and branches follow its kernel (`branch`).
+//! its inverse, so does what is left of a residual (`polish`), and branches follow its kernel (`branch`).
 
 use smallvec::SmallVec;
 use vibrochain_lattice::{ImpulseResponse, KernelJet};
@@ -22,9 +22,8 @@ use crate::orbit::{Impact, Orbit};
 use crate::worse;
 
 mod bloch;
-pub(crate) mod condition;
+pub(crate) mod delicate;
 mod elimination;
-pub(crate) mod flights;
 pub mod linear;
 pub(crate) mod newton;
 pub(crate) mod slopes;
@@ -44,15 +43,6 @@ pub(crate) struct Equations<'a> {
     pub(crate) unknowns: Unknowns,
     /// Which impact of the orbit each of the word's is, if its order is not that of time.
     places: Option<SmallVec<[usize; 2]>>,
-}
-
-/// Which errors of the equations are meant.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Errors {
-    /// Of all terms, with the worst signs, and of their sums.
-    Evaluated,
-    /// Of the terms, without those of the modes' amplitudes, which are common to all terms of a mode.
-    WithoutAmplitudes,
 }
 
 impl<'a> Equations<'a> {
@@ -194,7 +184,7 @@ impl<'a> Equations<'a> {
     /// The linearised equations.
     pub(crate) fn system(&self) -> System {
         let largest = (0..self.count()).map(|j| self.impulse(j).abs()).fold(f64::MIN_POSITIVE, f64::max);
-        System::new(self.jacobian(), self.unknowns.units(self.orbit, self.response, largest))
+        System::new(self.jacobian(), &self.unknowns.units(self.orbit, self.response, largest))
     }
 
     /// Error of G's derivative of some order at impact `i`.
@@ -206,7 +196,7 @@ impl<'a> Equations<'a> {
     }
 
     /// Rounding of the equations, with the worst signs.
-    pub(crate) fn row_errors(&self, which: Errors) -> Vector {
+    pub(crate) fn row_errors(&self) -> Vector {
         let (n, model) = (self.count(), self.orbit.model());
         let displacement = static_displacement(self.orbit, self.response);
         let mut errors = zeros(self.unknowns.size());
@@ -216,10 +206,7 @@ impl<'a> Equations<'a> {
             let mut newton = UNIT * (0.5 * model.loss() * impact.impulse).abs() + self.force_rounding(i, 1);
             for j in 0..n {
                 let (to, from, t) = (impact.site, self.impact(j).site, self.elapsed(i, j));
-                let bound = match which {
-                    Errors::Evaluated => self.response.sensitivity_between(to, from, t),
-                    Errors::WithoutAmplitudes => self.response.rounding_between(to, from, t),
-                };
+                let bound = self.response.sensitivity_between(to, from, t);
                 position += UNIT * self.impulse(j).abs() * bound.value;
                 if j != i {
                     newton += UNIT * self.impulse(j).abs() * bound.slope;
@@ -230,20 +217,9 @@ impl<'a> Equations<'a> {
                 errors[row] = newton;
             }
         }
-        errors[n] = 2.0 * UNIT * (self.response.static_stiffness() * displacement).abs();
-        if which == Errors::Evaluated {
-            errors[n] += UNIT * (0..n).map(|j| self.impulse(j).abs()).sum::<f64>();
-        }
+        let net = (0..n).map(|j| self.impulse(j).abs()).sum::<f64>();
+        errors[n] = UNIT * (net + 2.0 * (self.response.static_stiffness() * displacement).abs());
         errors
-    }
-
-    /// How the acceleration Σ_j P_j K″(t_i−t_j) + G̈(t_i+ψ) changes with the unknowns.
-    pub(crate) fn acceleration_gradient(&self, i: usize) -> Vector {
-        let (impulses, jets, load) = (self.impulses(), self.jets(i), self.force(i));
-        let mut gradient = zeros(self.unknowns.size());
-        let slopes = Slopes { impact: i, impulses: &impulses, jets: &jets, load: &load };
-        slopes.add(2, |j| self.unknowns.time(j), self.unknowns.psi(), &mut gradient);
-        gradient
     }
 }
 

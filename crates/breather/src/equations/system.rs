@@ -1,23 +1,21 @@
-//! A Jacobian and its inverse, with the natural sizes of the unknowns: what errors of rows do to them.
+//! A Jacobian and its inverse, scaled by the natural sizes of the unknowns.
 
 use smallvec::smallvec;
 
-use crate::equations::linear::{Factors, Matrix, Vector, dot, zeros};
-use crate::equations::unknowns::Unknowns;
+use crate::equations::linear::{Factors, Matrix, Vector, dot};
 
 /// The Jacobian and its inverse.
 #[derive(Debug, Clone)]
 pub(crate) struct System {
     pub(crate) matrix: Matrix,
     inverse: Matrix,
-    /// Natural sizes of the unknowns.
-    units: Vector,
     /// Reciprocal condition number of J, rows and columns scaled.
     pub(crate) reciprocal_condition: f64,
 }
 
 impl System {
-    pub(crate) fn new(matrix: Matrix, units: Vector) -> Self {
+    /// `units` are natural sizes of the unknowns.
+    pub(crate) fn new(matrix: Matrix, units: &[f64]) -> Self {
         let n = matrix.size();
         let mut scaled = Matrix::from_fn(n, |i, j| matrix[(i, j)] * units[j]);
         let mut sizes: Vector = smallvec![1.0; n];
@@ -33,7 +31,7 @@ impl System {
         let forward = norm(&scaled);
         let Some(factors) = Factors::new(scaled) else {
             let inverse = Matrix::from_fn(n, |_, _| f64::INFINITY);
-            return Self { matrix, inverse, units, reciprocal_condition: 0.0 };
+            return Self { matrix, inverse, reciprocal_condition: 0.0 };
         };
         let scaled = factors.inverse();
         let condition = forward * norm(&scaled);
@@ -41,7 +39,7 @@ impl System {
         let reciprocal_condition =
             if condition >= 1.0 { 1.0 / condition } else { f64::from(u8::from(condition > 0.0)) };
         let inverse = Matrix::from_fn(n, |i, j| units[i] * scaled[(i, j)] / sizes[j]);
-        Self { matrix, inverse, units, reciprocal_condition }
+        Self { matrix, inverse, reciprocal_condition }
     }
 
     /// J⁻¹ r
@@ -54,38 +52,12 @@ impl System {
         let carried = |i: usize| self.inverse.row(i).iter().zip(rows).filter(|(_, row)| **row != 0.0);
         (0..rows.len()).map(|i| carried(i).map(|(entry, row)| entry.abs() * row).sum()).collect()
     }
-
-    /// |g J⁻¹| r for r ≥ 0.
-    pub(crate) fn through(&self, gradient: &[f64], rows: &[f64]) -> f64 {
-        let n = rows.len();
-        let carried = |j: usize| (0..n).map(|i| gradient[i] * self.inverse[(i, j)]).sum::<f64>();
-        (0..n).map(|j| if rows[j] == 0.0 { 0.0 } else { carried(j).abs() * rows[j] }).sum()
-    }
-
-    /// What rounding of the open times and phase, each by `unit` of its period, does to impulses worked out from them by
-    /// the conditions of position alone.
-    pub(crate) fn impulse_rounding(&self, unknowns: &Unknowns, unit: f64) -> Vector {
-        let n = unknowns.impacts;
-        let mut errors = zeros(n);
-        if unknowns.times().next().is_none() {
-            return errors;
-        }
-        let positions = Matrix::from_fn(n + 1, |i, j| self.matrix[(i, j)]);
-        let positions = Self::new(positions, self.units[..=n].into());
-        for place in unknowns.times().chain(unknowns.psi()) {
-            let rows: Vector = (0..=n).map(|i| if i < n { self.matrix[(i, place)] } else { 0.0 }).collect();
-            let moved = positions.solve(&rows);
-            for (error, moved) in errors.iter_mut().zip(moved) {
-                *error += unit * (self.units[place] * moved).abs();
-            }
-        }
-        errors
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::equations::linear::zeros;
 
     /// Row by row and column by column as the definitions have it.
     #[test]
@@ -95,7 +67,7 @@ mod tests {
             let n = 1 + round % 7;
             let matrix: Vec<f64> = (0..n * n).map(|_| random.f64() - 0.5).collect();
             let units: Vector = (0..n).map(|_| 10f64.powf(4.0 * random.f64() - 2.0)).collect();
-            let system = System::new(Matrix::from_fn(n, |i, j| matrix[i * n + j]), units.clone());
+            let system = System::new(Matrix::from_fn(n, |i, j| matrix[i * n + j]), &units);
             let scaled: Vec<Vec<f64>> = (0..n)
                 .map(|i| {
                     let row: Vec<f64> = (0..n).map(|j| matrix[i * n + j] * units[j]).collect();

@@ -38,10 +38,6 @@ impl Motion {
     }
 
     /// Sums of the moduli of the terms of v̈ in the two forms of [`Motion::just_after`].
-    pub(crate) fn acceleration_sizes(&self, site: usize) -> (f64, f64) {
-        self.sizes(&self.around(site))
-    }
-
     fn sizes(&self, around: &Around) -> (f64, f64) {
         let (own, sides) = (around.own.displacement.abs(), around.sides.map(f64::abs));
         let neighbours = self.chain.spring_force_bound(own, sides) + self.force.bound(0);

@@ -5,8 +5,8 @@ use std::fmt::{Display, Formatter, Result};
 use vibrochain_lattice::{Layout, Short};
 
 use crate::admissible::answer::Admissibility;
-use crate::equations::condition::Condition;
 use crate::orbit::{Hit, Impact, Orbit};
+use crate::structures::condition::Condition;
 
 impl Hit {
     /// In words, with its mass as words of this lattice name it: where, when, how strong.

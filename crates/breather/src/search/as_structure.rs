@@ -1,9 +1,7 @@
 //! Words of a lattice asked of it as a structure, whose contacts are the masses that are hit.
 
-use std::sync::Arc;
-
 use smallvec::SmallVec;
-use vibrochain_lattice::{Barrier, ImpulseResponse, ModalStructure, Model, Stop};
+use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Stop};
 
 use crate::error::BreatherError;
 use crate::orbit::{Draft, Family, Hit};
@@ -39,17 +37,11 @@ pub(crate) fn among(
     stop: &Stop,
 ) -> Result<Option<StructureFound>, BreatherError> {
     let all = if wanted.candidates() { structure_candidates } else { structure_orbits };
-    match structure(model, contacts, stop).and_then(|structure| all(&structure, word, periods)) {
+    match StructureModel::of_lattice(model, contacts, stop).and_then(|structure| all(&structure, word, periods)) {
         Ok(searched) => Ok(Some(searched)),
         Err(StructureOrbitError::Stopped(stopped)) => Err(stopped.into()),
         Err(_) => Ok(None),
     }
-}
-
-/// The lattice with these contacts.
-fn structure(model: &Model, contacts: &[Vec<usize>], stop: &Stop) -> Result<StructureModel, StructureOrbitError> {
-    let structure: ModalStructure = model.structure(contacts)?;
-    Ok(StructureModel::new(Arc::new(structure), model.omega())?.until(stop))
 }
 
 /// The orbits of one mass, number `home`, that hits these barriers in turn in so many periods of the force, and what is known of their list.

@@ -6,7 +6,7 @@ use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum, Stop};
 use crate::admissible::answer::Admissibility;
 use crate::admissible::check::{Depth, Watch};
 use crate::admissible::conservative_modes::ConservativeModes;
-use crate::equations::condition::{Condition, is_delicate};
+use crate::equations::delicate::is_delicate;
 use crate::equations::newton::{CONVERGED, STEPS_FROM_AFAR, polish};
 use crate::error::BreatherError;
 use crate::motion::Motion;
@@ -16,6 +16,7 @@ use crate::search::completeness::Completeness;
 use crate::search::screens::kernel_grid::KernelGrid;
 use crate::search::screens::radiation::Radiation;
 use crate::search::words::ended::Ended;
+use crate::structures::condition::Condition;
 
 /// All orbits of a family at a point.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -279,7 +280,7 @@ impl Finder {
         if violation <= CONVERGED { Ok(polished) } else { Err(BreatherError::NotConverged { violation }) }
     }
 
-    /// How far an orbit can be trusted. Not part of a sweep's inner loop: it costs as much as finding the orbit.
+    /// How far an orbit can be trusted. Not part of a sweep's inner loop: it makes the modes of the masses that are hit.
     ///
     /// # Errors
     /// As [`Finder::admissibility`].
@@ -292,12 +293,11 @@ impl Finder {
     /// let (mut finder, mut found) = (Finder::new(21), OrbitList::default());
     /// finder.find(&model, Family::DoubleSided, &mut found)?;
     /// let condition = finder.condition(&found.orbits[0])?;
-    /// assert!(condition.impulse_error(&found.orbits[0]) < 1e-13);
+    /// assert!(condition.impulse_error() < 1e-13);
     /// # Ok::<(), vibrochain_breather::BreatherError>(())
     /// ```
-    pub fn condition(&mut self, orbit: &Orbit) -> Result<Condition, BreatherError> {
-        self.load(orbit)?;
-        Ok(Condition::of(orbit, &self.response, &mut self.motion))
+    pub fn condition(&self, orbit: &Orbit) -> Result<Condition, BreatherError> {
+        Condition::of_lattice(orbit, &self.stop)
     }
 
     /// Whether errors of an orbit could matter to its verdict: next to a resonance, to grazing or to a fold. Cheap enough

@@ -207,7 +207,7 @@ impl System for StructureContinuation {
             for i in 0..matrix.size() {
                 matrix.row_mut(i).iter_mut().zip(&units).for_each(|(entry, unit)| *entry *= unit);
             }
-            let orbit = StructureOrbit::new(equations, periods, (point, here))?;
+            let orbit = StructureOrbit::as_it_is(equations, periods, (&point, &here))?;
             Ok(Evaluation { orbit, rows, matrix, full: None, kept })
         })
     }

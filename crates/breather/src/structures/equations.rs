@@ -10,6 +10,7 @@ use vibrochain_lattice::{Barrier, Complex, LinearMode, ModalStructure, Structure
 
 use super::error::StructureOrbitError;
 use super::model::StructureModel;
+use super::open_mode::OpenMode;
 use super::periodic_kernel::{PeriodicKernel, UNIT};
 use super::response::Response;
 use crate::equations::linear::{Matrix, Vector, dot, zeros};
@@ -20,6 +21,9 @@ type C = Complex<f64>;
 
 /// Parts of a vector below this are rounding of the shapes it is made of.
 const SAME: f64 = 1e-12;
+
+/// A time is half a period to this part of it: a few roundings.
+const HALF: f64 = 8.0 * f64::EPSILON;
 
 /// An impact as its equations know it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,7 +40,7 @@ impl From<&Hit> for Strike {
     }
 }
 
-/// What is solved for: the impacts, the phase of the loads or, where nothing gives it, the period, and where rigid modes are.
+/// What is solved for: the impacts, the phase of the loads or, where nothing gives it, the period, where rigid modes are, and states of open ones.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Point {
     pub(super) strikes: SmallVec<[Strike; 4]>,
@@ -44,6 +48,20 @@ pub(super) struct Point {
     /// Of a self-excited orbit an unknown, of others that of the equations.
     pub(super) period: f64,
     pub(super) offsets: SmallVec<[f64; 1]>,
+}
+
+/// Points closer than this, times as parts of the period and impulses of the strongest, are of one orbit.
+const SAME_ORBIT: f64 = 1e-3;
+
+impl Point {
+    /// Whether a point is of the same orbit, but for rounding.
+    pub(super) fn is_near(&self, other: &Self) -> bool {
+        let strongest = other.strikes.iter().map(|strike| strike.impulse.abs()).fold(0.0, f64::max);
+        self.strikes.iter().zip(&other.strikes).all(|(one, other)| {
+            (one.time - other.time).abs() <= SAME_ORBIT * self.period
+                && (one.impulse - other.impulse).abs() <= SAME_ORBIT * strongest
+        })
+    }
 }
 
 /// One impact of the equations: what its contact does just before.
@@ -128,9 +146,14 @@ pub(super) struct Equations<'a> {
     /// No load, but losses that negative dashpots make up for: the period is an unknown.
     pub(super) self_excited: bool,
     /// The contacts that are hit.
-    hit: SmallVec<[usize; 4]>,
+    pub(super) hit: SmallVec<[usize; 4]>,
     /// Without loads and losses one of Newton's laws follows from the others: that of this impact, which must not lose its impulse.
     pub(super) left_out: usize,
+    /// The orbit is its own mirror image in time: impacts are at 0 and half a period, and Newton's laws hold by themselves.
+    pub(super) is_mirrored: bool,
+    /// Modes next to a resonance whose states are unknowns, and the loads that drive them: numbers of modes of the structure and of harmonics.
+    pub(super) open: Vec<OpenMode>,
+    pub(super) driven: Vec<(usize, usize)>,
 }
 
 /// The rows that are to vanish, their derivatives, and what is made of them on the way.
@@ -167,7 +190,18 @@ impl<'a> Equations<'a> {
         if self_excited && force_periods > 1 {
             return Err(StructureOrbitError::OwnPeriod { force_periods });
         }
-        Ok(Self { model, response, rigid, forced, self_excited, hit: contacts, left_out: 0 })
+        Ok(Self {
+            model,
+            response,
+            rigid,
+            forced,
+            self_excited,
+            hit: contacts,
+            left_out: 0,
+            is_mirrored: false,
+            open: Vec::new(),
+            driven: Vec::new(),
+        })
     }
 
     /// What the same equations of another period answer.
@@ -178,7 +212,7 @@ impl<'a> Equations<'a> {
     ) -> Result<T, StructureOrbitError> {
         let model = self.model.at(TAU / period)?;
         let (response, rigid, hit) = (model.response(&self.hit, 1)?, self.rigid.clone(), self.hit.clone());
-        ask(&Equations { model: &model, response, rigid, hit, ..*self })
+        ask(&Equations { model: &model, response, rigid, hit, ..self.clone() })
     }
 
     /// The periodic kernel.
@@ -233,9 +267,43 @@ impl<'a> Equations<'a> {
         self.response.load(contact, t)
     }
 
+    /// The equations of orbits that are mirror images of themselves in time, with the point, if it is one: without loads and losses, all impacts at
+    /// 0 and half a period. They stay regular where other orbits branch off.
+    pub(super) fn of_mirrored(&self, point: &Point) -> Option<(Self, Point)> {
+        let half = 0.5 * self.period();
+        let centred = |time: f64| (time - half).abs() <= HALF * half;
+        let fixed = |strike: &Strike| strike.time == 0.0 || centred(strike.time);
+        if self.has_time() || !self.model.structure().is_lossless() || !point.strikes.iter().all(fixed) {
+            return None;
+        }
+        let mut point = point.clone();
+        point.strikes.iter_mut().filter(|strike| centred(strike.time)).for_each(|strike| strike.time = half);
+        Some((Self { is_mirrored: true, ..self.clone() }, point))
+    }
+
     /// Numbers of unknowns: impulses, times but the first, ψ if there is a load, the period if nothing gives it, offsets.
     pub(super) fn unknowns(&self, impacts: usize) -> usize {
-        2 * impacts - 1 + usize::from(self.has_time()) + self.rigid.len()
+        impacts + self.laws(impacts) + self.rigid.len() + 2 * self.open.len()
+    }
+
+    /// Number of Newton's laws that are asked for: as many as there are unknown times, phase and period among them.
+    fn laws(&self, impacts: usize) -> usize {
+        if self.is_mirrored { 0 } else { impacts - 1 + usize::from(self.has_time()) }
+    }
+
+    /// Place of the time of an impact among the unknowns of `impacts`.
+    pub(super) fn time(&self, impacts: usize, i: usize) -> Option<usize> {
+        (i > 0 && !self.is_mirrored).then(|| impacts + i - 1)
+    }
+
+    /// Place of ψ.
+    pub(super) fn psi(&self, impacts: usize) -> Option<usize> {
+        self.forced.then(|| 2 * impacts - 1)
+    }
+
+    /// Places of times, and of the phase or the period.
+    pub(super) fn times(&self, impacts: usize) -> std::ops::Range<usize> {
+        impacts..impacts + self.laws(impacts)
     }
 
     /// Whether ψ or the period is an unknown, behind the times; then no law follows from the others.
@@ -246,7 +314,8 @@ impl<'a> Equations<'a> {
     /// The row of Newton's law of an impact among `impacts`; `None` of the one that follows from the others.
     pub(super) fn row_of_law(&self, impacts: usize, i: usize) -> Option<usize> {
         let above = usize::from(!self.has_time() && i > self.left_out);
-        (self.has_time() || i != self.left_out).then_some(impacts + i - above)
+        let follows = self.is_mirrored || !self.has_time() && i == self.left_out;
+        (!follows).then(|| impacts + i - above)
     }
 
     /// Offsets of all rigid modes.
@@ -283,9 +352,8 @@ impl<'a> Equations<'a> {
 
     /// The same where the period is that of the equations.
     fn assembled(&self, point: &Point) -> Result<System, StructureOrbitError> {
-        let (n, offsets) = (point.strikes.len(), self.rigid.len());
+        let (n, offsets) = (point.strikes.len(), self.rigid.len() + 2 * self.open.len());
         let size = self.unknowns(n);
-        let laws_left_out = usize::from(!self.has_time());
         let mut system = System {
             rows: zeros(size),
             sizes: zeros(size),
@@ -294,7 +362,7 @@ impl<'a> Equations<'a> {
             gradients: SmallVec::with_capacity(n),
         };
         let first_offset = size - offsets;
-        let (time, psi) = (|i: usize| (i > 0).then(|| n + i - 1), self.forced.then_some(2 * n - 1));
+        let (time, psi) = (|i: usize| self.time(n, i), self.psi(n));
         let impulses: SmallVec<[f64; 4]> = point.strikes.iter().map(|strike| strike.impulse).collect();
         for (i, strike) in point.strikes.iter().enumerate() {
             self.model.heard()?;
@@ -333,6 +401,7 @@ impl<'a> Equations<'a> {
                 sizes[0] += (shape * point.offsets[place]).abs();
                 gradient[0][first_offset + place] += shape;
             }
+            self.add_open(point, i, (&mut sums, &mut sizes), &mut gradient);
             let [of_place, of_velocity, of_acceleration] = gradient;
             system.rows[i] = sums[0] - stop;
             system.sizes[i] = sizes[0];
@@ -357,7 +426,7 @@ impl<'a> Equations<'a> {
             });
         }
         for (place, drift) in self.rigid.iter().enumerate() {
-            let row = 2 * n - laws_left_out + place;
+            let row = first_offset + place;
             let push = drift.push * self.period();
             system.rows[row] = push;
             system.sizes[row] = push.abs();
@@ -371,6 +440,7 @@ impl<'a> Equations<'a> {
                 system.jacobian[(row, j)] = shape;
             }
         }
+        self.close_open(point, &mut system);
         Ok(system)
     }
 }

@@ -2,22 +2,44 @@
 //!
 //! Rows F of the equations are off by what is left of them and by bounds of their errors, δF. To first order unknowns are off by r = |J⁻¹|δF.
 //! That is a bound only as long as J does not change much on the way: with H = Σ_k |J⁻¹ ∂_kJ| r′_k, from the equations at points a little
-//! aside, there is a root within r′ if r + H r′ ≤ r′ (Krawczyk). Where not even r′ = 2r will do nothing is known.
+//! aside, there is a root within r′ if r + H r′ ≤ r′ (Krawczyk). r′ begins at 2r and is widened where it does not hold; where that does not help nothing
+//! is known.
 
 use smallvec::SmallVec;
 
-use super::equations::{Equations, Point, System};
+use super::equations::{Equations, Point, Strike, System};
 use super::error::StructureOrbitError;
 use super::periodic_kernel::UNIT;
-use crate::equations::condition::{ImpactError, Together};
 use crate::equations::linear::{Factors, Matrix, Vector, dot, zeros};
 
 /// Unknowns that are off by less, as parts of what they can be, have no square that counts: next to a fold at the distance of the root of
 /// rounding they are off by about that root.
 const FIRST_ORDER: f64 = 1e-10;
 
+/// How often r′ is widened before no bound is known.
+const WIDENED: usize = 3;
+
 /// A time that is off by more of the period is not known.
 const MOST: f64 = 0.05;
+
+/// Errors of an impact, in units of what they are errors of.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ImpactError {
+    /// Of its time.
+    pub time: f64,
+    /// Of its impulse.
+    pub impulse: f64,
+    /// Of the acceleration there.
+    pub acceleration: f64,
+}
+
+impl ImpactError {
+    /// Of what is not known.
+    pub(crate) const LOST: Self = Self { time: f64::INFINITY, impulse: f64::INFINITY, acceleration: f64::INFINITY };
+}
+
+/// Errors of one origin: what it does to each impact, with signs.
+pub type Together = SmallVec<[ImpactError; 2]>;
 
 /// Bounds of errors of an orbit.
 #[derive(Debug, Clone)]
@@ -51,15 +73,15 @@ impl OrbitErrors {
         let mut origins: Vec<Together> = Vec::with_capacity(2 * size + n);
         for row in 0..size {
             let moved: Vector = (0..size).map(|i| inverse[(i, row)] * off[row]).collect();
-            origins.push((0..n).map(|i| impact_error(n, i, &moved, along(i, &moved))).collect());
+            origins.push((0..n).map(|i| equations.impact_error(n, i, &moved, along(i, &moved))).collect());
         }
         // What is one number in all rows keeps its signs.
         let mut apart = own;
-        for doubt in equations.resonant_doubts(point) {
+        for doubt in equations.resonant_doubts(point).into_iter().chain(equations.doubts_of_open(point)?) {
             let moved: Vector = factors.solve(&doubt.rows).iter().map(|by| -by).collect();
             first.iter_mut().zip(&moved).for_each(|(error, by)| *error += by.abs());
             let carried = |i: usize| along(i, &moved) + doubt.accelerations[i];
-            origins.push((0..n).map(|i| impact_error(n, i, &moved, carried(i))).collect());
+            origins.push((0..n).map(|i| equations.impact_error(n, i, &moved, carried(i))).collect());
             // Both are far larger than their sum, of which as many digits are left as the matrix lets be.
             for (i, error) in apart.iter_mut().enumerate() {
                 let size: f64 = system.gradients[i].iter().zip(&moved).map(|(slope, by)| (slope * by).abs()).sum();
@@ -83,10 +105,12 @@ impl OrbitErrors {
                 let mut moved = zeros(size);
                 moved[place] = *by;
                 unknowns[place] += by;
-                origins.push((0..n).map(|i| impact_error(n, i, &moved, along(i, &moved))).collect());
+                origins.push((0..n).map(|i| equations.impact_error(n, i, &moved, along(i, &moved))).collect());
             }
         }
         let accelerations = of_accelerations(&apart, &origins);
+        let late = |strike: &Strike| ImpactError { time: equations.fixed_time_error(strike), ..ImpactError::default() };
+        origins.push(point.strikes.iter().map(late).collect());
         for (i, acceleration) in apart.into_iter().enumerate() {
             let mut origin: Together = SmallVec::from_elem(ImpactError::default(), n);
             origin[i].acceleration = acceleration;
@@ -96,9 +120,8 @@ impl OrbitErrors {
     }
 
     fn unknown(estimates: [Vector; 2]) -> Self {
-        let lost = ImpactError { time: f64::INFINITY, impulse: f64::INFINITY, acceleration: f64::INFINITY };
         let [unknowns, accelerations] = estimates.each_ref().map(|list| SmallVec::from_elem(f64::INFINITY, list.len()));
-        let origins = vec![SmallVec::from_elem(lost, accelerations.len())];
+        let origins = vec![SmallVec::from_elem(ImpactError::LOST, accelerations.len())];
         Self { unknowns, accelerations, origins, estimates }
     }
 }
@@ -108,8 +131,16 @@ fn weighted(row: &[f64], by: &[f64]) -> f64 {
     row.iter().zip(by).map(|(x, off)| x.abs() * off).sum()
 }
 
-fn impact_error(n: usize, i: usize, moved: &[f64], acceleration: f64) -> ImpactError {
-    ImpactError { time: if i == 0 { 0.0 } else { moved[n + i - 1] }, impulse: moved[i], acceleration }
+impl Equations<'_> {
+    /// Half a period is rounded.
+    pub(super) fn fixed_time_error(&self, strike: &Strike) -> f64 {
+        if self.is_mirrored && strike.time > 0.0 { f64::EPSILON * self.period() } else { 0.0 }
+    }
+
+    /// What changes of the unknowns do to impact `i` of `n`, with that of its acceleration.
+    pub(super) fn impact_error(&self, n: usize, i: usize, moved: &[f64], acceleration: f64) -> ImpactError {
+        ImpactError { time: self.time(n, i).map_or(0.0, |place| moved[place]), impulse: moved[i], acceleration }
+    }
 }
 
 /// What is to be added to errors r of first order, and to those of accelerations; `None` where no bound is known.
@@ -119,12 +150,31 @@ fn beyond_first_order(
     system: &System,
     (factors, first): (&Factors, &Vector),
 ) -> Result<Option<(Vector, Vector)>, StructureOrbitError> {
-    let (n, size) = (point.strikes.len(), first.len());
     // A little more than nothing for what is not off at all.
     let least: Vector = equations.scales(point).iter().map(|scale| f64::EPSILON * scale).collect();
     let first: Vector = first.iter().zip(&least).map(|(first, least)| first + least).collect();
-    let reach: Vector = first.iter().map(|first| 2.0 * first).collect();
-    let times = &reach[n..2 * n - 1 + usize::from(equations.forced)];
+    let mut reach: Vector = first.iter().map(|first| 2.0 * first).collect();
+    for _ in 0..WIDENED {
+        let Some((bent, accelerations)) = bent(equations, point, system, (factors, &reach))? else { return Ok(None) };
+        let whole: Vector = first.iter().zip(&bent).map(|(first, bent)| first + bent).collect();
+        if whole.iter().zip(&reach).all(|(whole, reach)| whole <= reach) {
+            return Ok(Some((bent, accelerations)));
+        }
+        // An unknown that hardly moves to first order moves with the squares of others.
+        reach = whole.iter().zip(&reach).map(|(whole, reach)| reach.max(2.0 * whole)).collect();
+    }
+    Ok(None)
+}
+
+/// H r′ for errors r′, and what these do to accelerations beyond first order; `None` where a time is not known.
+fn bent(
+    equations: &Equations<'_>,
+    point: &Point,
+    system: &System,
+    (factors, reach): (&Factors, &Vector),
+) -> Result<Option<(Vector, Vector)>, StructureOrbitError> {
+    let (n, size) = (point.strikes.len(), reach.len());
+    let times = &reach[equations.times(n)];
     if times.iter().any(|time| *time > MOST * equations.period()) {
         return Ok(None);
     }
@@ -153,8 +203,7 @@ fn beyond_first_order(
             *by += (0..size).map(change).sum::<f64>();
         }
     }
-    let known = bent.iter().zip(&first).all(|(bent, first)| bent <= first);
-    Ok(known.then_some((bent, accelerations)))
+    Ok(Some((bent, accelerations)))
 }
 
 impl Equations<'_> {

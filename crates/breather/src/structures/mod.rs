@@ -16,8 +16,10 @@
 //! | `equations` | rows and Jacobian of an orbit's impacts |
 //! | `orbit` | [`StructureOrbit`], and how far it can be trusted |
 //! | `reversible` | [`ReversibleOrbit`]: what multipliers of an orbit that is its own mirror image in time depend on |
+//! | `open_mode`, `open_modes` | modes next to a resonance, whose states are unknowns |
 //! | `resonant_doubts` | what the error of a frequency does to them next to a resonance |
 //! | `errors` | bounds of an orbit's errors |
+//! | `condition` | [`crate::Condition`]: distances to where the equations lose their grip |
 //! | `newton` | from impacts nearby to an orbit |
 //! | `search` | all orbits of up to three impacts; of more, those that starts lead to |
 //! | `flight` | [`StructureMotion`]: every contact at any time |
@@ -29,14 +31,17 @@
 
 pub(crate) mod admissible;
 mod between;
+pub(crate) mod condition;
 pub(crate) mod continuation;
 mod departure;
-mod equations;
+pub(crate) mod equations;
 pub(crate) mod error;
-mod errors;
+pub(crate) mod errors;
 pub(crate) mod flight;
 pub(crate) mod model;
 mod newton;
+mod open_mode;
+mod open_modes;
 pub(crate) mod orbit;
 mod periodic_kernel;
 mod resonant_doubts;

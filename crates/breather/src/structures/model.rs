@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use vibrochain_lattice::{Barrier, Complex, MAX_MAGNITUDE, ModalStructure, Stop, Stopped, StructureError};
+use vibrochain_lattice::{Barrier, Complex, MAX_MAGNITUDE, ModalStructure, Model, Stop, Stopped, StructureError};
 
 use super::error::StructureOrbitError;
 use super::response::{FixedPart, Response};
@@ -37,6 +37,14 @@ impl StructureModel {
     /// [`StructureOrbitError::Omega`].
     pub fn new(structure: Arc<ModalStructure>, omega: f64) -> Result<Self, StructureOrbitError> {
         Self { structure, omega, fixed: Arc::default(), responses: Arc::default(), stop: Stop::default() }.at(omega)
+    }
+
+    /// A lattice with contacts at these lists of masses, as [`Model::structure`] has them.
+    ///
+    /// # Errors
+    /// [`StructureOrbitError`]: no such mass, or a frequency out of range.
+    pub(crate) fn of_lattice(model: &Model, contacts: &[Vec<usize>], stop: &Stop) -> Result<Self, StructureOrbitError> {
+        Ok(Self::new(Arc::new(model.structure(contacts)?), model.omega())?.until(stop))
     }
 
     /// The same, whose orbits, and all that is asked of them, are worked out no longer than until the request to stop is raised.

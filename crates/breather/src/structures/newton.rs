@@ -74,13 +74,13 @@ impl Equations<'_> {
     /// One step back along the unknowns, shortened where a time would move by more than a part of the period.
     pub(super) fn take(&self, point: &mut Point, step: &[f64]) {
         let (n, period) = (point.strikes.len(), self.period());
-        let times = &step[n..2 * n - 1 + usize::from(self.has_time())];
+        let times = &step[self.times(n)];
         let longest = times.iter().map(|x| x.abs()).fold(0.0, f64::max);
         let by = if longest > 0.1 * period { 0.1 * period / longest } else { 1.0 };
         for (i, strike) in point.strikes.iter_mut().enumerate() {
             strike.impulse -= by * step[i];
-            if i > 0 {
-                strike.time -= by * step[n + i - 1];
+            if let Some(place) = self.time(n, i) {
+                strike.time -= by * step[place];
             }
         }
         if self.forced {

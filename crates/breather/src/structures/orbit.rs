@@ -7,10 +7,9 @@ use vibrochain_lattice::Barrier;
 
 use super::equations::{Equations, Point, Strike, System};
 use super::error::StructureOrbitError;
-use super::errors::OrbitErrors;
+use super::errors::{ImpactError, OrbitErrors, Together};
 use super::model::StructureModel;
 use super::response::Response;
-use crate::equations::condition::{ImpactError, Together};
 use crate::equations::{BlochEquations, LinearImpact};
 use crate::orbit::Hit;
 use crate::word::MAX_IMPACTS;
@@ -68,11 +67,26 @@ impl StructureOrbit {
         force_periods: u32,
         (point, system): (Point, System),
     ) -> Result<Self, StructureOrbitError> {
+        if let Some((equations, point)) = equations.opened(&point)
+            && let Ok((opened, system)) = equations.solve(point.clone())
+            && opened.is_near(&point)
+        {
+            return Self::assembled_at(&equations, force_periods, (&opened, &system));
+        }
+        Self::as_it_is(equations, force_periods, (&point, &system))
+    }
+
+    /// The orbit at a point of the equations, which next to a resonance may be off more than rounding.
+    pub(super) fn as_it_is(
+        equations: &Equations<'_>,
+        force_periods: u32,
+        (point, system): (&Point, &System),
+    ) -> Result<Self, StructureOrbitError> {
         if equations.self_excited {
-            let all = |equations: &Equations<'_>| Self::assembled_at(equations, force_periods, (&point, &system));
+            let all = |equations: &Equations<'_>| Self::assembled_at(equations, force_periods, (point, system));
             return equations.at_period(point.period, all);
         }
-        Self::assembled_at(equations, force_periods, (&point, &system))
+        Self::assembled_at(equations, force_periods, (point, system))
     }
 
     /// The orbit at a point of the equations of its own period.
@@ -81,10 +95,17 @@ impl StructureOrbit {
         force_periods: u32,
         (point, system): (&Point, &System),
     ) -> Result<Self, StructureOrbitError> {
+        if !equations.is_mirrored
+            && let Some((mirrored, point)) = equations.of_mirrored(point)
+        {
+            let system = mirrored.system(&point)?;
+            return Self::assembled_at(&mirrored, force_periods, (&point, &system));
+        }
         let n = point.strikes.len();
         let OrbitErrors { unknowns, accelerations, origins, estimates } = OrbitErrors::of(equations, point, system)?;
         let impact = |i: usize| {
             let (strike, arrival) = (&point.strikes[i], &system.arrivals[i]);
+            let error = equations.impact_error(n, i, &unknowns, accelerations[i]);
             StructureImpact {
                 contact: strike.contact,
                 barrier: strike.barrier,
@@ -94,9 +115,9 @@ impl StructureOrbit {
                 // From 0, so that none is left as 0 and not as −0.
                 velocity_after: 0.0 - equations.restitution(strike.contact) * arrival.velocity,
                 acceleration_before: arrival.acceleration,
-                time_error: if i == 0 { 0.0 } else { unknowns[n + i - 1] },
-                impulse_error: unknowns[i],
-                acceleration_error: accelerations[i],
+                time_error: error.time + equations.fixed_time_error(strike),
+                impulse_error: error.impulse,
+                acceleration_error: error.acceleration,
             }
         };
         let impacts: Vec<StructureImpact> = (0..n).map(impact).collect();
@@ -108,15 +129,11 @@ impl StructureOrbit {
             .fold(0.0, f64::max);
         let period = equations.model.period();
         let [of_unknowns, of_accelerations] = estimates;
-        let estimate = |i: usize| ImpactError {
-            time: if i == 0 { 0.0 } else { of_unknowns[n + i - 1] },
-            impulse: of_unknowns[i],
-            acceleration: of_accelerations[i],
-        };
-        let of_psi = |list: &[f64]| if equations.forced { list[2 * n - 1] } else { 0.0 };
+        let estimate = |i: usize| equations.impact_error(n, i, &of_unknowns, of_accelerations[i]);
+        let of_psi = |list: &[f64]| equations.psi(n).map_or(0.0, |place| list[place]);
         Ok(Self {
             model: equations.model.clone(),
-            response: equations.response.clone(),
+            response: equations.model.response(&equations.hit, force_periods)?,
             force_periods,
             psi: equations.forced.then(|| point.psi.rem_euclid(period)),
             estimates: (0..n).map(estimate).collect(),
@@ -128,6 +145,37 @@ impl StructureOrbit {
             violation,
             origins,
         })
+    }
+
+    /// The orbit as it is given by its impacts, in order of time from 0 on, and where rigid modes put them on their barriers.
+    pub(super) fn given(
+        model: &StructureModel,
+        (force_periods, psi): (u32, f64),
+        strikes: SmallVec<[Strike; 4]>,
+    ) -> Result<Self, StructureOrbitError> {
+        let equations = Equations::new(model, force_periods, strikes.iter().map(|strike| strike.contact))?;
+        let offsets = smallvec::smallvec![0.0; equations.rigid.len()];
+        let point = equations.with_offsets(Point { strikes, psi, period: equations.period(), offsets })?;
+        let system = equations.system(&point)?;
+        Self::new(&equations, force_periods, (point, system))
+    }
+
+    /// Its equations, and where it is in them.
+    pub(super) fn equations(&self) -> Result<(Equations<'_>, Point), StructureOrbitError> {
+        let equations = Equations::new(&self.model, self.force_periods, self.impacts.iter().map(|one| one.contact))?;
+        let strike = |one: &StructureImpact| Strike {
+            contact: one.contact,
+            barrier: one.barrier,
+            time: one.time,
+            impulse: one.impulse,
+        };
+        let point = Point {
+            strikes: self.impacts.iter().map(strike).collect(),
+            psi: self.psi.unwrap_or(0.0),
+            period: self.period(),
+            offsets: equations.felt_offsets(&self.offsets),
+        };
+        Ok(equations.of_mirrored(&point).unwrap_or((equations, point)))
     }
 
     /// The orbit of given impacts, refined from there by Newton's method: in order of time, the contact of each as its site. A period of its own

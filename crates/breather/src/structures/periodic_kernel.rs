@@ -73,6 +73,16 @@ impl PeriodicKernel {
         kernel
     }
 
+    /// The kernel without some of the regular modes, by their places among these.
+    pub(super) fn without(&self, places: &[usize]) -> Self {
+        let mut kernel = self.clone();
+        let regular = kernel.sums.iter_mut().filter(|sum| sum.is_some()).enumerate();
+        regular.filter(|(place, _)| places.contains(place)).for_each(|(_, sum)| *sum = None);
+        let hit: Vec<usize> = std::mem::take(&mut kernel.own).into_iter().map(|(contact, _)| contact).collect();
+        kernel.own = hit.iter().map(|&contact| (contact, kernel.jet(contact, contact, kernel.period))).collect();
+        kernel
+    }
+
     /// Whether nothing holds the structure somewhere.
     pub(super) fn has_rigid(&self) -> bool {
         !self.rigid.is_empty()
@@ -260,7 +270,7 @@ fn rigid_by_period(mode: &LinearMode, period: f64, t: f64) -> [f64; 3] {
 }
 
 /// 1 − e^{AT} as a + bJ, without cancellation next to a resonance.
-fn one_less(mode: &LinearMode, period: f64) -> Turned {
+pub(super) fn one_less(mode: &LinearMode, period: f64) -> Turned {
     let (decay, angle) = (-mode.decay * period, mode.rate * period);
     match mode.turn {
         Turn::Circular => {

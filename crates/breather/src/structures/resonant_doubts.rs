@@ -37,8 +37,11 @@ impl Equations<'_> {
             })
         });
         let (structure, omega) = (self.model.structure(), self.model.omega());
-        let modes = structure.modes().iter().filter(|_| self.forced);
-        let driven = modes.flat_map(|mode| (0..structure.harmonics().len()).map(move |place| (mode, place)));
+        let modes = structure.modes().iter().enumerate().filter(|_| self.forced);
+        let driven = modes.flat_map(|(number, mode)| {
+            let apart = (0..structure.harmonics().len()).filter(move |place| !self.driven.contains(&(number, *place)));
+            apart.map(move |place| (mode, place))
+        });
         let driven = driven.filter(|(mode, place)| structure.is_near(mode, *place, omega, NEAR));
         let driven = driven.flat_map(|(mode, place)| [C::new(1.0, 0.0), C::new(0.0, 1.0)].map(|by| (mode, place, by)));
         let loads = driven.map(|(mode, place, by)| {

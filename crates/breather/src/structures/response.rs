@@ -99,6 +99,28 @@ impl Response {
         Ok(Self { kernel, swings, swing_errors, fixed })
     }
 
+    /// The same with another kernel, and without what some harmonics do to modes next to them.
+    pub(super) fn without(
+        &self,
+        kernel: PeriodicKernel,
+        structure: &ModalStructure,
+        omega: f64,
+        taken: &[(usize, usize)],
+    ) -> Self {
+        let mut response = Self { kernel, ..self.clone() };
+        if taken.is_empty() {
+            return response;
+        }
+        let all = 0..structure.harmonics().len();
+        let swing = |place: usize| {
+            let left_out = |mode: usize| taken.contains(&(mode, place));
+            (f64::from(structure.harmonics()[place]) * omega, structure.steady_but(place, omega, left_out))
+        };
+        response.swings = all.clone().map(swing).collect();
+        response.swing_errors = all.map(|place| structure.steady_errors_at(place, omega, NEAR)).collect();
+        response
+    }
+
     /// Frequency of the only harmonic and ĝ of every contact; `None` of several or none.
     pub(super) fn single(&self) -> Option<(f64, &[C])> {
         match &self.swings[..] {

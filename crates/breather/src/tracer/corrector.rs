@@ -3,9 +3,9 @@
 use smallvec::SmallVec;
 use vibrochain_lattice::{Model, Parameter, Stop};
 
+use crate::equations::Equations;
 use crate::equations::linear::{Vector, zeros};
 use crate::equations::unknowns::{Template, Unknowns};
-use crate::equations::{Equations, Errors};
 use crate::error::BranchError;
 use crate::error::BreatherError;
 use crate::orbit::Orbit;
@@ -187,7 +187,7 @@ impl System for Continuation {
     }
 
     fn row_errors(&self, here: &Evaluation<Orbit, Places>) -> Vector {
-        self.reduction.rows(&self.equations(&here.orbit, &here.kept).row_errors(Errors::Evaluated))
+        self.reduction.rows(&self.equations(&here.orbit, &here.kept).row_errors())
     }
 
     fn evaluations(&self) -> usize {

@@ -56,7 +56,7 @@ fn solution(solution: &Solution) -> Value {
     let obstruction = |obstruction: &Obstruction| {
         placed(obstruction.site(), joined(json!(obstruction), json!({ "message": obstruction.told(&layout) })))
     };
-    let errors = json!({ "impulse_error": condition.impulse_error(orbit), "time_error": condition.time_error(orbit) });
+    let errors = json!({ "impulse_error": condition.impulse_error(), "time_error": condition.time_error() });
     let mut told = json!({
         "condition": joined(json!(condition), errors),
         "physical": admissibility.is_physical(),

@@ -190,8 +190,8 @@ fn text(model: &Model, name: &str, solutions: &[Solution], found: &OrbitList) ->
             out,
             "  residual {:.1e}; errors: impulses {}, times {} of a period",
             orbit.residual(),
-            estimate(condition.impulse_error(orbit)),
-            estimate(condition.time_error(orbit))
+            estimate(condition.impulse_error()),
+            estimate(condition.time_error())
         );
         let _ = writeln!(out, "  {condition}");
     }

@@ -5,7 +5,7 @@
 //! their space. What is left open is one next to ±1, or others that may have met.
 
 use nalgebra::Complex;
-use vibrochain_breather::{BlochEquations, Condition, Finder, ImpactError, Orbit, Together};
+use vibrochain_breather::{BlochEquations, Finder, ImpactError, Orbit, Together};
 use vibrochain_lattice::SparedModes;
 
 use super::clusters::zeros;
@@ -60,7 +60,7 @@ pub(crate) fn posed(question: Question<'_>, finder: &mut Finder) -> Result<Posed
     let careful = question.thorough || finder.is_delicate(orbit)?;
     let condition = if careful { Some(finder.condition(orbit)?) } else { None };
     let (equations, spared) = BlochEquations::of(orbit, finder.prepared(orbit)?.response());
-    let data = condition.map_or(Vec::new(), |condition| origins(&equations, &condition));
+    let data = condition.map_or(Vec::new(), |condition| origins(&equations, &condition.origins));
     Ok(Posed { equations, spared, data })
 }
 
@@ -233,7 +233,7 @@ impl Reciprocal {
 }
 
 /// What errors of the orbit's own data do to its equations, by origin.
-pub(crate) fn origins(equations: &BlochEquations, condition: &Condition) -> Vec<Origin> {
+pub(crate) fn origins(equations: &BlochEquations, known: &[Together]) -> Vec<Origin> {
     let impacts = equations.impacts();
     // Impulses are units of times: of g″⁻/(ωP) alone they count. Only differences of times do.
     let of_impact = |(i, known): (usize, &ImpactError)| {
@@ -245,8 +245,8 @@ pub(crate) fn origins(equations: &BlochEquations, condition: &Condition) -> Vec<
     // What rounding makes of an acceleration alone is not felt where it is not asked for.
     let given = equations.slide_errors().is_none();
     let felt = |origin: &&Together| given || origin.iter().any(|error| error.impulse != 0.0 || error.time != 0.0);
-    let mut origins: Vec<Origin> = Vec::with_capacity(condition.origins.len() + 2 * impacts.len());
-    let asked = condition.origins.iter().filter(felt);
+    let mut origins: Vec<Origin> = Vec::with_capacity(known.len() + 2 * impacts.len());
+    let asked = known.iter().filter(felt);
     origins.extend(asked.map(|origin| origin.iter().enumerate().map(of_impact).collect::<Origin>()));
     // And both are rounded.
     for (i, impact) in impacts.iter().enumerate() {
@@ -292,7 +292,7 @@ mod tests {
                 }
             }
             let moved = BlochEquations::new(equations.kernel().clone(), impacts);
-            let data = origins(&equations, &Condition { origins: vec![origin], ..Condition::default() });
+            let data = origins(&equations, &[origin]);
             let ask = |equations: &BlochEquations, data: &[Origin]| {
                 told(equations, false, data, Tolerance::Rounding).map(|(verdict, _)| verdict)
             };

@@ -4,7 +4,7 @@
 use std::cell::OnceCell;
 
 use nalgebra::Complex;
-use vibrochain_breather::{BlochEquations, BreatherError, Condition, ImpactError, StructureOrbit};
+use vibrochain_breather::{BlochEquations, BreatherError, ImpactError, StructureOrbit};
 use vibrochain_lattice::aside;
 
 use crate::analyser::{Analyser, Stability};
@@ -190,8 +190,7 @@ impl<'a> StructureMultipliers<'a> {
         let errors = self.orbit.error_origins();
         let finite = |error: &ImpactError| (error.time + error.impulse + error.acceleration).is_finite();
         if errors.iter().flatten().all(finite) {
-            let condition = Condition { origins: errors.to_vec(), ..Condition::default() };
-            let answer = ask(self.equations(), &origins(self.equations(), &condition));
+            let answer = ask(self.equations(), &origins(self.equations(), errors));
             if let Ok((verdict, rest)) = answer
                 && self.moves_straight(&verdict, &ask)
             {

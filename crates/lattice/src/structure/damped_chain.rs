@@ -115,10 +115,12 @@ impl DampedChain {
         self.check()?;
         let row = LayerModes::new((self.sites, self.ends), (self.layers, self.layer_ends));
         let reach = |weights: &[(usize, f64)]| weights.iter().map(|(_, weight)| weight * weight).sum::<f64>().sqrt();
+        let is_uniform =
+            self.loads.iter().map(|(_, load)| load.windows(2).all(|pair| pair[0] == pair[1])).collect::<Vec<_>>();
         let reaches: Vec<f64> = self.contacts.iter().map(|(weights, _)| reach(weights)).collect();
         let of_mode = |(k, frequency): (usize, &Frequency)| {
             let Frequency { mode, coupling, square } = *frequency;
-            let shape = self.seen(&row, mode);
+            let shape = self.seen(&row, mode, &is_uniform);
             let (own, between) = (Twofold::from(self.damping), Twofold::from(self.coupling_damping) * coupling);
             let half = Twofold::from(0.5);
             let error = 0.5 * FAINT * (own.high.abs() + between.high.abs());
@@ -204,8 +206,8 @@ impl DampedChain {
         self.sites * self.layers
     }
 
-    /// What contacts, loads and, if they are asked for, masses see of a mode.
-    fn seen(&self, row: &LayerModes, mode: LayeredMode) -> SeenShape {
+    /// What contacts, loads and, if they are asked for, masses see of a mode; and whether each load is the same on all masses.
+    fn seen(&self, row: &LayerModes, mode: LayeredMode, are_uniform: &[bool]) -> SeenShape {
         let shape = row.shape(mode);
         let all: Vec<Twofold> = if self.all_masses { (0..self.masses()).map(&shape).collect() } else { Vec::new() };
         let at = |n: usize| all.get(n).copied().unwrap_or_else(|| shape(n));
@@ -226,8 +228,7 @@ impl DampedChain {
             let (seen, size) = seen(&mut load.enumerate());
             seen.unless_rounding(size)
         };
-        let of_load = |(_, load): &(u32, Vec<C>)| {
-            let is_uniform = load.windows(2).all(|pair| pair[0] == pair[1]);
+        let of_load = |((_, load), &is_uniform): (&(u32, Vec<C>), &bool)| {
             [loaded(&mut load.iter().map(|f| f.re), is_uniform), loaded(&mut load.iter().map(|f| f.im), is_uniform)]
         };
         let still_is_uniform = self.static_load.windows(2).all(|pair| pair[0] == pair[1]);
@@ -235,7 +236,7 @@ impl DampedChain {
             contacts: self.contacts.iter().map(|(weights, _)| seen(&mut weights.iter().copied()).0).collect(),
             coordinates: all.iter().map(|shape| shape.value()).collect(),
             still: loaded(&mut self.static_load.iter().copied(), still_is_uniform),
-            loads: self.loads.iter().map(of_load).collect(),
+            loads: self.loads.iter().zip(are_uniform).map(of_load).collect(),
         }
     }
 

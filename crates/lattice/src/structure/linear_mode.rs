@@ -7,7 +7,7 @@ use crate::kernel::turn::{ModeFlow, Turn, Turned};
 type C = Complex<f64>;
 
 /// Poles this close, against their size, are equal.
-const ALIKE: f64 = 1e-13;
+pub(super) const ALIKE: f64 = 1e-13;
 
 /// A pair of poles of (λ²M + λC + K)⁻¹.
 #[derive(Debug, Clone, PartialEq)]
@@ -234,7 +234,7 @@ impl LinearMode {
     }
 
     /// Whether another oscillator has the same poles, to the rounding of eigenvalues.
-    pub(crate) fn is_alike(&self, other: &Self) -> bool {
+    pub fn is_alike(&self, other: &Self) -> bool {
         let near = |a: f64, b: f64| (a - b).abs() <= ALIKE * (self.decay.abs() + self.rate);
         self.is_real
             && other.is_real

@@ -7,7 +7,7 @@ use rustfft::num_complex::Complex;
 use super::contact::Contact;
 use super::contact_modes::{ContactMode, of_contact};
 use super::error::StructureError;
-use super::linear_mode::{LinearMode, ModeErrors};
+use super::linear_mode::{ALIKE, LinearMode, ModeErrors};
 use super::operator::SparseOperator;
 use crate::kernel::bloch::BlochKernel;
 use crate::kernel::turn::Turn;
@@ -62,6 +62,33 @@ pub struct ParticipatingModes {
     pub spared: Vec<[Complex<f64>; 2]>,
     /// The modes as the one contact that is hit feels them; `None` of several contacts, and where a mode is damped.
     pub of_one: Option<Vec<ContactMode>>,
+}
+
+/// Modes by rising rate: those alike are neighbours.
+struct ByRate {
+    order: Vec<usize>,
+    /// Where each mode is in that order.
+    places: Vec<usize>,
+}
+
+impl ByRate {
+    fn of(modes: &[LinearMode]) -> Self {
+        let mut order: Vec<usize> = (0..modes.len()).collect();
+        order.sort_by(|&a, &b| modes[a].rate.total_cmp(&modes[b].rate));
+        let mut places = vec![0; modes.len()];
+        order.iter().enumerate().for_each(|(place, &mode)| places[mode] = place);
+        Self { order, places }
+    }
+
+    /// Numbers of the modes whose rates are next to that of mode `k`, rising; itself among them.
+    fn around(&self, modes: &[LinearMode], k: usize) -> Vec<usize> {
+        let (place, mode) = (self.places[k], &modes[k]);
+        let near = |&&other: &&usize| (modes[other].rate - mode.rate).abs() <= ALIKE * (mode.decay.abs() + mode.rate);
+        let mut around: Vec<usize> = self.order[..place].iter().rev().take_while(near).copied().collect();
+        around.extend(self.order[place..].iter().take_while(near));
+        around.sort_unstable();
+        around
+    }
 }
 
 impl ParticipatingModes {
@@ -262,6 +289,7 @@ impl ModalStructure {
             hit.iter().map(|&contact| (most(contact), most_given(contact))).unzip();
         // Of all contacts with each that is hit: [hit contact][contact].
         let mut products = vec![0.0; contacts * hit.len()];
+        let by_rate = ByRate::of(&self.modes);
         for (k, mode) in self.modes.iter().enumerate() {
             if std::mem::replace(&mut done[k], true) {
                 continue;
@@ -283,7 +311,8 @@ impl ModalStructure {
             let mut errors =
                 ModeErrors { rows: vec![0.0; contacts], columns: vec![0.0; contacts], ..ModeErrors::default() };
             let mut count = 0;
-            for (other, alike) in self.modes.iter().enumerate().skip(k) {
+            for other in by_rate.around(&self.modes, k) {
+                let alike = &self.modes[other];
                 if other == k || !done[other] && mode.is_alike(alike) {
                     done[other] = true;
                     count += 1;

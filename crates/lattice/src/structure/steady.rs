@@ -37,6 +37,19 @@ impl ModalStructure {
     }
 
     /// Numbers and coordinates of the modes that it drives.
+    /// The same without modes of some numbers.
+    pub fn steady_but(&self, place: usize, omega: f64, left_out: impl Fn(usize) -> bool) -> Vec<C> {
+        let w = f64::from(self.harmonics()[place]) * omega;
+        let mut sums = vec![C::default(); self.contacts().len()];
+        for (_, mode) in
+            self.modes().iter().enumerate().filter(|(k, mode)| !left_out(*k) && mode.loads[place] != [C::default(); 2])
+        {
+            let xi = mode.steady(w, mode.loads[place]);
+            sums.iter_mut().zip(&mode.rows).for_each(|(sum, row)| *sum += xi[0] * row[0] + xi[1] * row[1]);
+        }
+        sums
+    }
+
     fn driven(&self, place: usize, omega: f64) -> impl Iterator<Item = Result<(usize, [C; 2]), StructureError>> {
         let harmonic = self.harmonics()[place];
         let w = f64::from(harmonic) * omega;

@@ -219,7 +219,7 @@ impl<'a, 'b> Rows<'a, 'b> {
         scaled.iter_mut().for_each(|x| *x /= length);
         let border: Vector = scaled.iter().zip(&units).map(|(x, unit)| x / (unit * unit)).collect();
         let stops: Vector = stops.iter().map(|stop| -stop).collect();
-        let system = System::new(matrix.bordered(&stops, &border), units);
+        let system = System::new(matrix.bordered(&stops, &border), &units);
         // e, with the worst signs.
         let changes = self.summed(false, |pair, across| {
             let change = jets[pair].slope.abs() * radius + 0.5 * self.bounds[pair][1] * radius * radius;

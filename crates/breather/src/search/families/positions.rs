@@ -101,7 +101,7 @@ impl<'a> Positions<'a> {
         // Impulses are like those of a mass that crosses the gap in half a period.
         let mut units: Vector = (0..n).map(|_| self.model.omega()).collect();
         units.push(1.0);
-        let system = System::new(matrix, units);
+        let system = System::new(matrix, &units);
         (system.reciprocal_condition > SINGULAR).then_some(system)
     }
 

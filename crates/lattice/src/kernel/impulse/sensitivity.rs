@@ -27,22 +27,12 @@ impl ImpulseResponse {
 
     /// As [`ImpulseResponse::sensitivity`], for K_n and its derivatives at the site `site`.
     pub fn sensitivity_at(&self, site: usize, t: f64) -> KernelJet {
-        self.response_to(site, 0, t, |k| self.mode_detuning(k))
+        self.response_to(site, 0, t)
     }
 
     /// As [`ImpulseResponse::sensitivity`], for [`ImpulseResponse::jet_between`].
     pub fn sensitivity_between(&self, to: usize, from: usize, t: f64) -> KernelJet {
-        self.between(to, from, t, |k| self.mode_detuning(k))
-    }
-
-    /// As [`ImpulseResponse::sensitivity_between`], without what changes a mode at all times alike: its amplitude
-    /// 1/(2 sin y), which answers to a relative change of y with [`ImpulseResponse::mode_detuning`].
-    pub fn rounding_between(&self, to: usize, from: usize, t: f64) -> KernelJet {
-        self.between(to, from, t, |_| 0.0)
-    }
-
-    fn between(&self, to: usize, from: usize, t: f64, detuning: impl Fn(usize) -> f64) -> KernelJet {
-        let mut sum = self.response_to(to, from, t, detuning);
+        let mut sum = self.response_to(to, from, t);
         if !self.is_home(to, from) {
             // The frequency twice, the period once, a few operations.
             sum.value += 6.0 * (0..self.modes()).map(|k| self.static_drop(k, to, from).abs()).sum::<f64>();
@@ -52,12 +42,12 @@ impl ImpulseResponse {
 
     /// 2|y cot y|: relative change of the amplitude of mode `k` when frequency and period change by a relative unit each;
     /// Ω/|Ω−jω| and more next to a resonance. 0 for soft modes, y < 1, whose terms are regular.
-    pub fn mode_detuning(&self, k: usize) -> f64 {
+    fn mode_detuning(&self, k: usize) -> f64 {
         let y = 0.5 * self.frequencies()[k] * self.period();
         if y < 1.0 { 0.0 } else { 2.0 * y * (self.cos_half()[k] / self.sin_half()[k]).abs() }
     }
 
-    fn response_to(&self, to: usize, from: usize, t: f64, detuning: impl Fn(usize) -> f64) -> KernelJet {
+    fn response_to(&self, to: usize, from: usize, t: f64) -> KernelJet {
         let t = self.fold(t);
         let offset = t - 0.5 * self.period();
         let mut sum = KernelJet::default();
@@ -78,7 +68,7 @@ impl ImpulseResponse {
                 let (sin, cos) = x.sin_cos();
                 let (sin, cos) = (sin.abs(), cos.abs());
                 // t, T and Ω enter x = Ω(t−T/2).
-                let (amplitude, swing) = (2.0 + detuning(k), 2.0 * frequency * t.max(0.5 * self.period()));
+                let (amplitude, swing) = (2.0 + self.mode_detuning(k), 2.0 * frequency * t.max(0.5 * self.period()));
                 let (even, odd) = (amplitude * cos + swing * sin, amplitude * sin + swing * cos);
                 let scale = weight * 0.5 / sine;
                 sum.value += scale * (even + 2.0 * sine / y) / frequency;

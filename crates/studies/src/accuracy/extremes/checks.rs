@@ -219,10 +219,10 @@ fn check_orbit(
         condition.grazing
     );
     let impulses = Row::new(case, format!("{family} impulses"));
-    keep(impulses.measured(condition.impulse_error(orbit), error.impulse).told(distances));
+    keep(impulses.measured(condition.impulse_error(), error.impulse).told(distances));
     if orbit.phi().is_some() || orbit.psi().is_some() {
         let times = Row::new(case, format!("{family} times"));
-        keep(times.measured(condition.time_error(orbit), error.time.max(error.psi)));
+        keep(times.measured(condition.time_error(), error.time.max(error.psi)));
     }
     if spectra != Spectra::Left {
         let row = Row::new(case, format!("{family} spectral radius"));
