@@ -9,7 +9,7 @@ use vibrochain_plot::{Animation, Format, Instant, MOST_MASSES, Moving, Page, ani
 use crate::args::SimulateArgs;
 use crate::common::caption::describe_run;
 use crate::common::error::CliError;
-use crate::simulate::follow::Recorder;
+use crate::simulate::recorder::Recorder;
 use crate::simulate::recording::Every;
 
 /// Periods of the run that are shown, the last ones: longer, and nobody looks to the end.

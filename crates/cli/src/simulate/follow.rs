@@ -3,13 +3,14 @@
 use std::path::Path;
 use std::time::Duration;
 
-use vibrochain_eventsim::{Event, Limits, Outcome, Report, Simulation};
+use vibrochain_eventsim::{Limits, Outcome, Report, Simulation};
 use vibrochain_lattice::Stop;
 
 use crate::args::SimulateArgs;
 use crate::common::console::{Console, destinations};
 use crate::common::error::CliError;
 use crate::simulate::pace::Pace;
+use crate::simulate::recorder::Recorder;
 use crate::simulate::section::Section;
 use crate::simulate::start;
 
@@ -65,36 +66,6 @@ pub(crate) fn checked(args: &SimulateArgs) -> Result<bool, CliError> {
 
 /// Between two looks at how far a long run is.
 const PORTION: Duration = Duration::from_millis(100);
-
-/// What is kept of a run.
-pub(crate) trait Recorder {
-    /// Takes note of an event.
-    fn event(&mut self, _: &Event) {}
-
-    /// Takes a sample.
-    fn look(&mut self, _: &Simulation) -> Result<(), CliError> {
-        Ok(())
-    }
-
-    /// The first row of an event that could not be written, once; the simulation cannot stop for it at once.
-    fn failed(&mut self) -> Option<CliError> {
-        None
-    }
-}
-
-impl<R: Recorder> Recorder for Option<R> {
-    fn event(&mut self, event: &Event) {
-        self.iter_mut().for_each(|recorder| recorder.event(event));
-    }
-
-    fn look(&mut self, simulation: &Simulation) -> Result<(), CliError> {
-        self.as_mut().map_or(Ok(()), |recorder| recorder.look(simulation))
-    }
-
-    fn failed(&mut self) -> Option<CliError> {
-        self.as_mut().and_then(Recorder::failed)
-    }
-}
 
 /// A simulation with what is kept of it.
 pub(crate) struct Run<'a> {

@@ -3,6 +3,7 @@
 pub(crate) mod animate;
 pub(crate) mod follow;
 pub(crate) mod pace;
+pub(crate) mod recorder;
 pub mod recording;
 pub(crate) mod section;
 pub mod start;
@@ -26,8 +27,9 @@ use crate::common::model::{Chosen, chosen};
 use crate::common::schemas::SIMULATE;
 use crate::common::which;
 use crate::simulate::animate::Film;
-use crate::simulate::follow::{Recorder, Run};
+use crate::simulate::follow::Run;
 use crate::simulate::pace::interrupted;
+use crate::simulate::recorder::Recorder;
 use crate::simulate::recording::{ImpactTable, Plot, Trajectory, orbit_time};
 use crate::simulate::section::{Section, Sectioned};
 use crate::simulate::start::{Start as State, leading_mode_at};

@@ -14,7 +14,7 @@ use crate::args::SimulateArgs;
 use crate::common::caption::describe_run;
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
-use crate::simulate::follow::Recorder;
+use crate::simulate::recorder::Recorder;
 use crate::simulate::start::Start;
 
 /// The time on an orbit's own clock: whole periods are taken off before they cost digits.

@@ -5,7 +5,7 @@ use vibrochain_fate::Strobe;
 
 use crate::args::{SectionName, SimulateArgs};
 use crate::common::error::CliError;
-use crate::simulate::follow::Recorder;
+use crate::simulate::recorder::Recorder;
 use vibrochain_maps::files::CsvFile;
 
 /// The most masses of a section.

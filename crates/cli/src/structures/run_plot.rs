@@ -9,7 +9,7 @@ use vibrochain_plot::{Curves, Mark, Pane, Series, curves_picture, run_trace};
 use crate::args::SimulateArgs;
 use crate::common::error::CliError;
 use crate::common::pictures::files::PictureFiles;
-use crate::simulate::follow::Recorder;
+use crate::simulate::recorder::Recorder;
 use crate::simulate::recording::Trace;
 
 /// Impacts of each contact at most: some for every pixel.
