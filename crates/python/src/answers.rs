@@ -4,7 +4,7 @@ use numpy::{Complex64, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyComplex;
 use serde::{Deserialize, Serialize};
-use vibrochain_breather::{Admissibility, Condition, Obstruction, Orbit};
+use vibrochain_breather::{Admissibility, Condition, Obstruction};
 use vibrochain_floquet::{Mechanism, Verdict};
 use vibrochain_lattice::Layout;
 
