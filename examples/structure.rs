@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use vibrochain::structure_stability;
 use vibrochain::{Complex, Contact, DMatrix, DVector, Structure, StructureModel, Tolerance};
-use vibrochain::{structure_admissibility, structure_orbits, structure_stability};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let stop = Contact { lower: None, upper: Some(0.7), restitution: 0.8 };
@@ -16,10 +16,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ..Structure::default()
     };
     let model = StructureModel::new(Arc::new(structure.modal()?), 0.8)?;
-    let found = structure_orbits(&model, &"0+".parse()?, 1)?;
+    let found = model.orbits(&"0+".parse()?, 1)?;
     for orbit in &found.orbits {
         let verdict = structure_stability(orbit, Tolerance::Rounding)?.verdict;
-        println!("P = {:?}: |μ| = {}, {}", orbit.impulses(), verdict.spectral_radius, structure_admissibility(orbit)?);
+        println!("P = {:?}: |μ| = {}, {}", orbit.impulses(), verdict.spectral_radius, orbit.admissibility()?);
     }
     assert_eq!(found.orbits.len(), 2);
     Ok(())

@@ -9,7 +9,7 @@ pub use vibrochain_maps as maps;
 
 // What twenty lines need, by one name each; all else by its layer.
 pub use breather::{Admissibility, Family, Impact, Orbit, OrbitList, Word, admissibility, breathers};
-pub use breather::{StructureModel, StructureOrbit, structure_admissibility, structure_orbits};
+pub use breather::{StructureModel, StructureOrbit};
 pub use eventsim::{Event, EventKind, Limits, Outcome, Simulation, Time};
 pub use floquet::{Mechanism, Stability, Tolerance, Verdict, stability, structure_stability};
 pub use lattice::{Barrier, Chain, Complex, Contact, DMatrix, DVector, Model, Point, Structure};

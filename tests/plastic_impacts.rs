@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
 
-use vibrochain_breather::{Obstruction, StructureModel, structure_admissibility, structure_orbits};
+use vibrochain_breather::{Obstruction, StructureModel};
 use vibrochain_floquet::{Event, StructureCourse, Tolerance, structure_diagram};
 use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Stop};
 use vibrochain_maps::structure::along::family;
@@ -54,8 +54,8 @@ fn onset() -> f64 {
 #[test]
 fn a_branch_tells_where_a_contact_begins_to_rest_and_no_grazing() {
     let scene = scene();
-    let orbits = structure_orbits(&scene.model().unwrap(), &"0+".parse().unwrap(), 1).unwrap().orbits;
-    let orbit = orbits.iter().find(|orbit| structure_admissibility(orbit).unwrap().is_physical()).unwrap();
+    let orbits = scene.model().unwrap().orbits(&"0+".parse().unwrap(), 1).unwrap().orbits;
+    let orbit = orbits.iter().find(|orbit| orbit.admissibility().unwrap().is_physical()).unwrap();
     let course = StructureCourse {
         from: 1.5,
         to: 3.0,
@@ -87,9 +87,8 @@ fn no_cell_of_a_map_is_lost_to_rounding() {
     for i in 0..151 {
         let omega = 1.5 + 0.01 * f64::from(i);
         let model = scene().model().unwrap().at(omega).unwrap();
-        let found = structure_orbits(&model, &"0+".parse().unwrap(), 1).unwrap();
-        let physical =
-            found.orbits.iter().filter(|orbit| structure_admissibility(orbit).unwrap().is_physical()).count();
+        let found = model.orbits(&"0+".parse().unwrap(), 1).unwrap();
+        let physical = found.orbits.iter().filter(|orbit| orbit.admissibility().unwrap().is_physical()).count();
         assert_eq!(physical, usize::from(omega > 1.8206320992027214), "{omega}");
         alive += physical;
     }
@@ -123,9 +122,9 @@ fn orbits_of_plastic_impacts_are_physical_where_runs_have_them() {
         let structure = Arc::new(structure(&mut random));
         let model = StructureModel::new(structure, random.log(0.4, 3.0)).unwrap();
         for word in ["0+", "0+,0+", "0+,1-"] {
-            let Ok(found) = structure_orbits(&model, &word.parse().unwrap(), 1) else { continue };
+            let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
             for orbit in &found.orbits {
-                let told = structure_admissibility(orbit).unwrap();
+                let told = orbit.admissibility().unwrap();
                 match told.obstruction {
                     Some(Obstruction::WrongSign { .. }) => continue,
                     Some(Obstruction::Sticking { .. }) => sticking += 1,

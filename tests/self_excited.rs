@@ -5,9 +5,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
 
-use vibrochain_breather::{
-    StructureFound, StructureModel, StructureOrbit, StructureOrbitError, structure_admissibility, structure_orbits,
-};
+use vibrochain_breather::{StructureFound, StructureModel, StructureOrbit, StructureOrbitError};
 use vibrochain_eventsim::{Limits, Outcome, Simulation};
 use vibrochain_floquet::{
     End, Event, Located, StructureCourse, StructureWindow, Tolerance, structure_curve, structure_diagram,
@@ -35,7 +33,7 @@ fn damped(c: f64, stops: &str, restitution: f64, map: &str) -> StructureScene {
 }
 
 fn orbits(model: &StructureModel, word: &str) -> StructureFound {
-    structure_orbits(model, &word.parse().unwrap(), 1).unwrap()
+    model.orbits(&word.parse().unwrap(), 1).unwrap()
 }
 
 /// q and q′ of the mass alone, a time after these.
@@ -81,7 +79,7 @@ fn one_mass_has_the_cycle_of_many_digits() {
     assert!((orbit.period() - 4.231628856140046).abs() <= orbit.period_error() && orbit.period_error() < 1e-13);
     let impact = &orbit.impacts()[0];
     assert!((impact.impulse - 3.568_534_193_789_094_6).abs() <= impact.impulse_error && impact.impulse_error < 1e-12);
-    assert!(structure_admissibility(orbit).unwrap().is_physical());
+    assert!(orbit.admissibility().unwrap().is_physical());
     // One is 1; the map from impact to impact has the other as its slope.
     let stability = structure_stability(orbit, Tolerance::Rounding).unwrap();
     let [one, other] = stability.multipliers[..] else { panic!("{:?}", stability.multipliers) };
@@ -130,8 +128,7 @@ fn two_stops_have_the_cycle_that_is_its_own_mirror_image() {
     let model = scene("lower = -1\nupper = 1", 0.5).model().unwrap();
     let found = orbits(&model, "0+,0-");
     assert!(!found.search.is_complete());
-    let physical: Vec<_> =
-        found.orbits.iter().filter(|orbit| structure_admissibility(orbit).unwrap().is_physical()).collect();
+    let physical: Vec<_> = found.orbits.iter().filter(|orbit| orbit.admissibility().unwrap().is_physical()).collect();
     let [orbit] = physical[..] else { panic!("{}", physical.len()) };
     let next = |v: f64| {
         let start = [1.0, -v];
@@ -195,7 +192,7 @@ fn lists_of_one_impact_have_all_periods_and_runs_follow_what_is_physical() {
             listed += 1;
         }
         for orbit in found.orbits.iter().chain(&orbits(&model, "0+,1-").orbits) {
-            let told = structure_admissibility(orbit).unwrap();
+            let told = orbit.admissibility().unwrap();
             assert_eq!(told.is_physical(), run_follows(orbit), "{told:?} {orbit:?}");
             *(if told.is_physical() { &mut physical } else { &mut other }) += 1;
             two += usize::from(told.is_physical() && orbit.impacts().len() == 2);
@@ -324,12 +321,12 @@ fn doubled_orbits_leave_and_come_back_where_the_period_doubles() {
     let found = orbits(&scene.model().unwrap(), "0-").orbits;
     let mut followed = 0;
     for orbit in &found {
-        let told = structure_admissibility(orbit).unwrap();
+        let told = orbit.admissibility().unwrap();
         assert_eq!(told.is_physical(), run_follows(orbit), "{told:?}");
         followed += usize::from(told.is_physical());
     }
     assert_eq!((found.len(), followed), (3, 2));
-    let simple = found.iter().find(|orbit| structure_admissibility(orbit).unwrap().is_physical()).unwrap();
+    let simple = found.iter().find(|orbit| orbit.admissibility().unwrap().is_physical()).unwrap();
     let diagram = structure_diagram(simple, &free, 0.64, &course(0.6, 0.66, 1), &Stop::default()).unwrap();
     let [own, doubled] = &diagram.branches[..] else { panic!("{}", diagram.branches.len()) };
     let events: Vec<_> = own.events().collect();
@@ -389,13 +386,13 @@ fn scene_at(restitution: f64) -> Vec<StructureOrbit> {
 fn what_feeds_on_nothing_is_refused() {
     let word = "0-".parse().unwrap();
     let model = scene("lower = -1", 0.5).model().unwrap();
-    assert!(matches!(structure_orbits(&model, &word, 2), Err(StructureOrbitError::OwnPeriod { force_periods: 2 })));
+    assert!(matches!(model.orbits(&word, 2), Err(StructureOrbitError::OwnPeriod { force_periods: 2 })));
     let shape = ModeShape { contacts: vec![1.0], coordinates: Vec::new(), still: 0.0 };
     let stop = Contact { lower: Some(-1.0), upper: None, restitution: 0.5 };
     for decay in [0.0, 0.1] {
         let mode = LinearMode::oscillator(decay, 1.0 - decay * decay, &shape, &[]);
         let structure = ModalStructure::new(vec![stop], Vec::new(), vec![mode]).unwrap();
         let model = StructureModel::new(Arc::new(structure), TAU / 3.0).unwrap();
-        assert_eq!(structure_orbits(&model, &word, 1), Err(StructureOrbitError::LossWithoutLoad), "{decay}");
+        assert_eq!(model.orbits(&word, 1), Err(StructureOrbitError::LossWithoutLoad), "{decay}");
     }
 }

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
-use vibrochain_breather::{Hit, StructureModel, StructureOrbit, Word, structure_admissibility, structure_orbits};
+use vibrochain_breather::{Hit, StructureModel, StructureOrbit, Word};
 use vibrochain_eventsim::{Event, EventKind, Limits, Outcome, Simulation};
 use vibrochain_floquet::{Complex, Tolerance, structure_stability};
 use vibrochain_lattice::{Barrier, Contact, Structure};
@@ -180,7 +180,7 @@ impl Tally {
             assert!(off < 1e-4, "{off:e} {case}");
         }
         assert!(orbit.violation() < 1e-11, "{:e} {case}", orbit.violation());
-        assert!(structure_admissibility(&orbit).unwrap().is_physical(), "{case}");
+        assert!(orbit.admissibility().unwrap().is_physical(), "{case}");
         // Places, Newton's law and multipliers by dense matrices.
         (dense.psi, dense.period) = (orbit.psi().unwrap(), orbit.period());
         let limits = &structure.contacts;
@@ -251,7 +251,7 @@ impl Tally {
         let word: Vec<_> =
             orbit.impacts().iter().map(|impact| format!("{}{}", impact.contact, name(impact.barrier))).collect();
         let word: Word = word.join(",").parse().unwrap();
-        let found = structure_orbits(model, &word, periods).unwrap();
+        let found = model.orbits(&word, periods).unwrap();
         if !found.search.is_complete() {
             return;
         }

@@ -5,10 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use serde_json::Value;
-use vibrochain_breather::{
-    Hit, StructureModel, StructureMotion, StructureOrbit, StructureSearch, Word, structure_admissibility,
-    structure_orbits,
-};
+use vibrochain_breather::{Hit, StructureModel, StructureMotion, StructureOrbit, StructureSearch, Word};
 use vibrochain_floquet::{
     Analyser, Complex, StructureMultipliers, Tolerance, Verdict, structure_stability, structure_verdict,
 };
@@ -125,7 +122,7 @@ fn orbits_of_the_table_are_orbits() {
             let off = (found.acceleration_before - told.acceleration).abs();
             assert!(off < 1e-8 * scale, "{}: {off:e} {found:?} {told:?}", case.dense.name);
         }
-        let physical = structure_admissibility(&orbit).unwrap();
+        let physical = orbit.admissibility().unwrap();
         assert_eq!(physical.is_physical(), case.physical, "{}: {physical:?}", case.dense.name);
     }
     println!("{worst:e}");
@@ -168,7 +165,7 @@ fn multipliers_of_the_table_are_those_of_the_monodromy_matrix() {
 fn words_of_the_table_are_found_without_a_start() {
     let (mut found_count, mut short, mut missed) = (0, 0, Vec::new());
     for case in cases() {
-        let Ok(found) = structure_orbits(&case.model(), &case.word, case.force_periods) else {
+        let Ok(found) = case.model().orbits(&case.word, case.force_periods) else {
             missed.push(format!("{} {}", case.dense.name, case.word));
             continue;
         };
@@ -307,7 +304,7 @@ fn complete_lists_of_two_and_three_impacts_lack_nothing_that_starts_lead_to() {
             };
             let word: Word = letters.iter().map(name).collect::<Vec<_>>().join(",").parse().unwrap();
             let periods = 1 + random.below(2) as u32;
-            let Ok(found) = structure_orbits(&model, &word, periods) else { continue };
+            let Ok(found) = model.orbits(&word, periods) else { continue };
             let (StructureSearch::Enclosures { .. } | StructureSearch::BranchAndPrune { .. }) = found.search else {
                 continue;
             };
@@ -377,7 +374,7 @@ fn many_modes_and_contacts() {
     let model = StructureModel::new(Arc::new(ModalStructure::new(contacts, vec![1], modes).unwrap()), 1.1).unwrap();
     let mut checked = 0;
     for text in ["0+", "3+", "7-"] {
-        for orbit in structure_orbits(&model, &text.parse().unwrap(), 1).unwrap().orbits.iter().take(2) {
+        for orbit in model.orbits(&text.parse().unwrap(), 1).unwrap().orbits.iter().take(2) {
             assert!(orbit.violation() < 1e-11, "{text}: {:e}", orbit.violation());
             let stability = structure_stability(orbit, Tolerance::Rounding).unwrap();
             assert_eq!(stability.multipliers.len(), 600, "{text}");
@@ -399,7 +396,7 @@ fn many_modes_and_contacts() {
 fn two_free_bodies_have_the_orbits_of_their_distance() {
     let orbits = |structure: &Structure, word: &str| {
         let model = StructureModel::new(Arc::new(structure.modal().unwrap()), 3.0).unwrap();
-        structure_orbits(&model, &word.parse().unwrap(), 1).unwrap().orbits
+        model.orbits(&word.parse().unwrap(), 1).unwrap().orbits
     };
     let contact = Contact { lower: Some(-0.05), upper: Some(0.07), restitution: 0.7 };
     let (mut compared, mut physical) = (0, 0);
@@ -424,7 +421,7 @@ fn two_free_bodies_have_the_orbits_of_their_distance() {
                     let far = (a.impulse - b.impulse).abs() / reduced + (a.time - b.time).abs();
                     assert!(far < 1e-10, "{masses:?} {damping} {word}: {a:?} {b:?}");
                 }
-                let is_physical = |orbit| structure_admissibility(orbit).unwrap().is_physical();
+                let is_physical = |orbit: &StructureOrbit| orbit.admissibility().unwrap().is_physical();
                 assert_eq!(is_physical(one), is_physical(other), "{masses:?} {damping} {word}");
                 physical += u32::from(is_physical(one));
                 let [all, own] = [one, other].map(|orbit| structure_stability(orbit, Tolerance::Rounding).unwrap());

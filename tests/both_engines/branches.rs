@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::{Family, Finder, OrbitList, StructureFamily, structure_orbits};
+use vibrochain_breather::{Family, Finder, OrbitList, StructureFamily};
 use vibrochain_floquet::{Course, Event, Located, StructureCourse, Tolerance, diagram, structure_diagram};
 use vibrochain_lattice::{Parameter, Stop};
 use vibrochain_testkit::{Random, Ranges};
@@ -29,7 +29,7 @@ fn branches_of_a_chain_are_those_of_a_structure() {
             continue;
         }
         let (word, periods) = word(family, 0);
-        let Ok(list) = structure_orbits(&structure(&model), &word, periods) else { continue };
+        let Ok(list) = structure(&model).orbits(&word, periods) else { continue };
         let is_physical = |finder: &mut Finder, orbit| finder.admissibility(orbit).unwrap().is_physical();
         let Some(place) = found.orbits.iter().position(|orbit| is_physical(&mut finder, orbit)) else { continue };
         let orbit = &found.orbits[place];

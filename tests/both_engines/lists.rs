@@ -2,7 +2,6 @@
 
 use vibrochain_breather::{
     Completeness, Condition, Family, Finder, Orbit, OrbitList, Scope, StructureFound, StructureOrbit, Word,
-    structure_admissibility, structure_orbits,
 };
 use vibrochain_floquet::{Analyser, Tolerance, structure_verdict};
 use vibrochain_lattice::{Force, Harmonic};
@@ -117,7 +116,7 @@ impl Tally {
 
     fn compare_orbits(&mut self, what: &str, (chain, finder): (&Orbit, &mut Finder), other: &StructureOrbit) {
         self.orbits += 1;
-        let (one, two) = (finder.admissibility(chain).unwrap(), structure_admissibility(other).unwrap());
+        let (one, two) = (finder.admissibility(chain).unwrap(), other.admissibility().unwrap());
         let rounded = rounding_of_matrices(&finder.condition(chain).unwrap());
         let grazes = |margin: Option<f64>| margin.is_some_and(|margin| margin.abs() < 1e-9);
         if !grazes(one.margin) && !grazes(two.margin) {
@@ -173,7 +172,7 @@ fn families_are_words_of_a_structure() {
             }
             let site = found.orbits.first().and_then(Orbit::impact_site).unwrap_or(0);
             let (word, periods) = word(family, site);
-            let Ok(list) = structure_orbits(&other, &word, periods) else { continue };
+            let Ok(list) = other.orbits(&word, periods) else { continue };
             if found.orbits.is_empty() && site == 0 && !chain.is_ring() {
                 continue;
             }
@@ -214,7 +213,7 @@ fn families_under_several_harmonics_are_words_of_a_structure() {
                 continue;
             }
             let (word, periods) = word(family, 0);
-            let Ok(list) = structure_orbits(&structure(&model), &word, periods) else { continue };
+            let Ok(list) = structure(&model).orbits(&word, periods) else { continue };
             tally.compare(&format!("{number} {family} {model}"), (&found, &mut finder), &list);
         }
     }
@@ -238,7 +237,7 @@ fn next_to_resonances_what_both_find_is_the_same() {
                 continue;
             }
             let (word, periods) = word(family, 0);
-            let Ok(list) = structure_orbits(&structure(&model), &word, periods) else { continue };
+            let Ok(list) = structure(&model).orbits(&word, periods) else { continue };
             tally.compare(&format!("{number} {family} {model}"), (&found, &mut finder), &list);
         }
     }
@@ -267,7 +266,7 @@ fn words_of_a_chain_are_words_of_a_structure() {
         if finder.find_word(&model, &word, Scope::All, &mut found).is_err() {
             continue;
         }
-        let Ok(list) = structure_orbits(&structure(&model), &word, 1) else { continue };
+        let Ok(list) = structure(&model).orbits(&word, 1) else { continue };
         tally.compare(&format!("{number} {word} {model}"), (&found, &mut finder), &list);
     }
     let Tally { lists, ordered, orbits, physical, stable, unstable, complete, fewer, pulled, missed, worst } = tally;

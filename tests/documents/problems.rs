@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use std::fs;
 use std::path::PathBuf;
 
-use vibrochain_breather::{StructureFound, StructureOrbit, Word, structure_admissibility, structure_orbits};
+use vibrochain_breather::{StructureFound, StructureOrbit, Word};
 use vibrochain_floquet::{Tolerance, structure_stability};
 use vibrochain_lattice::{Complex, Stop};
 use vibrochain_maps::structure::{Setting, StructureScene};
@@ -23,7 +23,7 @@ fn scene(name: &str) -> StructureScene {
 
 pub(crate) fn orbits(scene: &StructureScene, word: Option<&str>) -> StructureFound {
     let word: Word = word.map_or_else(|| scene.word.clone().unwrap(), |word| word.parse().unwrap());
-    structure_orbits(&scene.model().unwrap(), &word, scene.force_periods).unwrap()
+    scene.model().unwrap().orbits(&word, scene.force_periods).unwrap()
 }
 
 fn radius(orbit: &StructureOrbit) -> f64 {
@@ -31,7 +31,7 @@ fn radius(orbit: &StructureOrbit) -> f64 {
 }
 
 fn is_physical(orbit: &StructureOrbit) -> bool {
-    structure_admissibility(orbit).unwrap().is_physical()
+    orbit.admissibility().unwrap().is_physical()
 }
 
 pub(crate) fn physical(found: &StructureFound) -> Vec<&StructureOrbit> {
@@ -278,7 +278,7 @@ fn at_the_rest_position_low_frequencies_have_several_impacts_a_period() {
     for omega in [0.5, 1.0 / 3.0] {
         own.set(Setting::Omega, omega).unwrap();
         for word in ["0+", "0+,0+", "0+,0+,0+"] {
-            let error = structure_orbits(&own.model().unwrap(), &word.parse().unwrap(), 1).unwrap_err();
+            let error = own.model().unwrap().orbits(&word.parse().unwrap(), 1).unwrap_err();
             assert!(error.to_string().starts_with("resonance: harmonic"), "{error}");
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Model ── breathers, Finder ──> OrbitList: Completeness, Orbit… ──> Motion, Admissibility, Condition, Branch
-//! StructureModel ── structure_orbits ──> StructureFound: StructureOrbit… ──> StructureMotion, Admissibility
+//! StructureModel ── orbits ──> StructureFound: StructureOrbit… ──> StructureMotion, Admissibility
 //! ```
 //!
 //! Between impacts the chain is linear, so that a periodic orbit is a superposition of periodic impulse responses.
@@ -74,7 +74,6 @@ pub use roots::bracket;
 pub use search::completeness::{Completeness, Proof};
 pub use search::finder::{Finder, OrbitList, Prepared, Scope, breathers, condition};
 pub use search::words::ended::{End, Ended};
-pub use structures::admissible::{structure_admissibility, structure_is_physical};
 pub use structures::condition::Condition;
 pub use structures::continuation::{StructureBranch, StructureBranchPoint, StructureContinuation, StructureFamily};
 pub use structures::error::StructureOrbitError;
@@ -83,7 +82,7 @@ pub use structures::flight::StructureMotion;
 pub use structures::model::StructureModel;
 pub use structures::orbit::{StructureImpact, StructureOrbit};
 pub use structures::reversible::ReversibleOrbit;
-pub use structures::search::{StructureFound, StructureSearch, structure_candidates, structure_orbits};
+pub use structures::search::{StructureFound, StructureSearch};
 pub use tracer::corrector::Continuation;
 pub use tracer::line;
 pub use tracer::pace::Pace;

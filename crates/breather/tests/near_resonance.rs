@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use vibrochain_breather::{
     Completeness, Family, Finder, OrbitList, Scope, StructureFound, StructureImpact, StructureModel, StructureOrbit,
-    breathers, structure_orbits,
+    breathers,
 };
 use vibrochain_lattice::{Complex, Contact, DMatrix, DVector, Ends, Point, Structure};
 use vibrochain_testkit::Random;
@@ -44,7 +44,7 @@ fn between(lower: f64, upper: f64, restitution: f64) -> Contact {
 }
 
 fn list(model: &StructureModel, word: &str, periods: u32) -> StructureFound {
-    structure_orbits(model, &word.parse().unwrap(), periods).unwrap()
+    model.orbits(&word.parse().unwrap(), periods).unwrap()
 }
 
 /// First impulse, second time and ψ, which is 0 without a load.

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::{Hit, StructureModel, StructureOrbit, StructureSearch, Word, structure_orbits};
+use vibrochain_breather::{Hit, StructureModel, StructureOrbit, StructureSearch, Word};
 use vibrochain_lattice::{Barrier, Complex, Contact, LinearMode, ModalStructure, ModeShape};
 use vibrochain_testkit::Random;
 
@@ -102,7 +102,7 @@ struct Tally {
 impl Tally {
     fn compare(&mut self, name: &str, model: &StructureModel, letters: &Letters, periods: u32, random: &mut Random) {
         let word = word(letters);
-        let Ok(found) = structure_orbits(model, &word, periods) else { return };
+        let Ok(found) = model.orbits(&word, periods) else { return };
         self.lists += 1;
         println!("{name} {word}/{periods}: {} {:?}", found.orbits.len(), found.search);
         let StructureSearch::BranchAndPrune { boxes, unresolved } = found.search else { return };

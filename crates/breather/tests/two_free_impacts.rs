@@ -4,9 +4,7 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::{
-    Completeness, Family, Hit, StructureModel, StructureOrbit, StructureSearch, breathers, structure_orbits,
-};
+use vibrochain_breather::{Completeness, Family, Hit, StructureModel, StructureOrbit, StructureSearch, breathers};
 use vibrochain_lattice::{Barrier, Contact, DMatrix, DVector, LinearMode, ModalStructure, ModeShape, Point, Structure};
 use vibrochain_testkit::Random;
 
@@ -46,7 +44,7 @@ fn a_ring_has_the_orbits_of_its_family() {
             continue;
         }
         let structure = StructureModel::new(Arc::new(ring(sites, [gamma1, gamma2, asymmetry])), omega).unwrap();
-        let Ok(found) = structure_orbits(&structure, &"0+,0-".parse().unwrap(), 1) else { continue };
+        let Ok(found) = structure.orbits(&"0+,0-".parse().unwrap(), 1) else { continue };
         let StructureSearch::Enclosures { unresolved: 0, .. } = found.search else { continue };
         let by_structure: Vec<Told> = (found.orbits.iter())
             .map(|orbit| [0, 1].map(|i| orbit.impacts()[i]))
@@ -95,7 +93,7 @@ fn any_structure_has_all_orbits_that_starts_lead_to() {
         } else {
             "0+,1-"
         };
-        let Ok(found) = structure_orbits(&model, &word.parse().unwrap(), 1) else { continue };
+        let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
         let StructureSearch::Enclosures { unresolved, .. } = found.search else { panic!("{:?}", found.search) };
         complete += usize::from(unresolved == 0);
         if unresolved > 0 {

@@ -1,6 +1,6 @@
 //! Ensembles over a structure's scene: many runs from the orbits of every point, or from rest.
 
-use vibrochain_breather::{StructureModel, structure_candidates, structure_is_physical};
+use vibrochain_breather::StructureModel;
 use vibrochain_eventsim::State;
 use vibrochain_floquet::structure_stability;
 use vibrochain_lattice::Stop;
@@ -23,14 +23,14 @@ type Judged = (Departure, Option<bool>);
 fn departures(scene: &StructureScene, model: &StructureModel, stop: &Stop) -> Option<(Vec<Judged>, Status)> {
     let (mut all, mut status) = (Vec::new(), Status::Ok);
     for (word, periods) in scene.asked() {
-        let Ok(found) = structure_candidates(model, &word, periods) else {
+        let Ok(found) = model.candidates(&word, periods) else {
             status = Status::IllConditioned;
             continue;
         };
         status = status.max(Status::of_search(found.search));
         for orbit in &found.orbits {
             stop.heard().ok()?;
-            let physical = structure_is_physical(orbit).map(|answer| answer.is_physical());
+            let physical = orbit.first_obstruction().map(|answer| answer.is_physical());
             if matches!(physical, Ok(false)) {
                 continue;
             }

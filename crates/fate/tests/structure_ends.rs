@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use vibrochain_breather::{Hit, StructureModel, StructureOrbit, structure_is_physical};
+use vibrochain_breather::{Hit, StructureModel, StructureOrbit};
 use vibrochain_fate::{End, Ensemble, Home, measure_structure};
 use vibrochain_floquet::{Tolerance, structure_stability};
 use vibrochain_lattice::{Barrier, Complex, Contact, Stop};
@@ -25,7 +25,7 @@ fn orbits() -> Vec<(String, StructureOrbit)> {
         let periods = (case.period * case.omega / TAU).round() as u32;
         // Orbits without force are families, which Newton's method does not take.
         let Ok(orbit) = StructureOrbit::near(&model, periods, case.psi, &impacts) else { continue };
-        if structure_is_physical(&orbit).unwrap().is_physical() {
+        if orbit.first_obstruction().unwrap().is_physical() {
             all.push((case.name.clone(), orbit));
         }
     }
@@ -107,8 +107,8 @@ fn self_excited_runs_settle_on_their_cycle() {
         let structure = vibrochain_lattice::ModalStructure::new(vec![contact], Vec::new(), vec![mode]).unwrap();
         let model = StructureModel::new(Arc::new(structure), 1.0).unwrap();
         let word = "0-".parse().unwrap();
-        let found = vibrochain_breather::structure_orbits(&model, &word, 1).unwrap().orbits;
-        let physical = found.iter().find(|orbit| structure_is_physical(orbit).unwrap().is_physical()).unwrap();
+        let found = model.orbits(&word, 1).unwrap().orbits;
+        let physical = found.iter().find(|orbit| orbit.first_obstruction().unwrap().is_physical()).unwrap();
         let measured = measure_structure(physical, 1000, &Stop::default()).unwrap();
         assert!(measured.value.abs() < 1e-7 + measured.error, "{measured:?}");
         let ensemble = Ensemble { periods: 800, size: 1e-3, ..Ensemble::default() };

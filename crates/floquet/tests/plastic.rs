@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use nalgebra::{Complex as C, DMatrix, DVector};
-use vibrochain_breather::{StructureModel, structure_orbits};
+use vibrochain_breather::StructureModel;
 use vibrochain_floquet::{Tolerance, structure_stability};
 use vibrochain_lattice::{Contact, Structure};
 use vibrochain_testkit::Random;
@@ -41,7 +41,7 @@ fn one_multiplier_is_zero_and_none_is_in_doubt() {
     for number in 0..1200 {
         let (structure, omega, word) = draw(&mut random);
         let model = StructureModel::new(Arc::new(structure.modal().unwrap()), omega).unwrap();
-        let Ok(found) = structure_orbits(&model, &word.parse().unwrap(), 1) else { continue };
+        let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
         for orbit in found.orbits.iter().take(3) {
             let told = structure_stability(orbit, Tolerance::Rounding);
             let told = told.unwrap_or_else(|error| panic!("{number} {word}: {error}"));

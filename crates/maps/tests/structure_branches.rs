@@ -4,7 +4,7 @@
 
 use std::collections::BTreeSet;
 
-use vibrochain_breather::{Family, StructureOrbit, Word, breathers, structure_orbits};
+use vibrochain_breather::{Family, StructureOrbit, Word, breathers};
 use vibrochain_floquet::{
     Course, End, Event, Evidence, Followed, FollowedBranch, Located, Special, SpecialPoint, StructureCourse,
     StructureWindow, Tolerance, Window, curve, diagram, structure_curve, structure_diagram,
@@ -78,7 +78,7 @@ fn a_chain_without_dashpots_has_the_events_of_its_own_engine() {
     let (mut compared, mut branches, mut met) = (0, 0, BTreeSet::new());
     for (sites, numbers, family, free, setting, range) in cases {
         let scene = chain(sites, numbers);
-        let found = structure_orbits(&scene.model().unwrap(), &Word::of_family(family).unwrap(), 1).unwrap();
+        let found = scene.model().unwrap().orbits(&Word::of_family(family).unwrap(), 1).unwrap();
         for orbit in breathers(&model(sites, numbers), family).unwrap().orbits {
             let mut asked = Course::new(&orbit, free);
             (asked.from, asked.to) = (range[0], range[1]);
@@ -124,7 +124,7 @@ fn the_grazing_curve_of_a_damped_oscillator_is_known_by_hand() {
     );
     let grazing = |omega: f64| ((1.0 - omega * omega).powi(2) + 0.01 * omega * omega).sqrt();
     scene.set(Setting::Load, 1.1 * grazing(0.8)).unwrap();
-    let found = structure_orbits(&scene.model().unwrap(), &"0+".parse().unwrap(), 1).unwrap();
+    let found = scene.model().unwrap().orbits(&"0+".parse().unwrap(), 1).unwrap();
     let mut followed = 0;
     for orbit in &found.orbits {
         let own = branch(&scene, orbit, Setting::Load, [0.05, 2.0]);
@@ -157,7 +157,7 @@ fn the_grazing_curve_of_a_damped_oscillator_is_known_by_hand() {
 fn curves_of_a_chain_without_dashpots_are_those_of_its_own_engine() {
     let numbers = [0.2, 0.1, 1.07, 0.8, 0.165, 0.25];
     let scene = chain(5, numbers);
-    let found = structure_orbits(&scene.model().unwrap(), &"0-".parse().unwrap(), 1).unwrap();
+    let found = scene.model().unwrap().orbits(&"0-".parse().unwrap(), 1).unwrap();
     let window = StructureWindow { from: [0.12, 1.03], to: [0.3, 1.12] };
     let settings = [Setting::Load, Setting::Omega];
     let (mut seen, mut special) = (BTreeSet::new(), BTreeSet::new());
@@ -250,7 +250,7 @@ fn a_branch_closes_where_its_phase_has_gone_round() {
     let size = ((1.0 - omega * omega).powi(2) + (c * omega).powi(2)).sqrt().recip();
     let sine = omega * size * (1.0 + e) * kernel.im / (1.0 + (1.0 + e) * (pole * kernel).im);
     let farthest = size.hypot(sine);
-    let found = structure_orbits(&scene.model().unwrap(), &"0+".parse().unwrap(), 1).unwrap();
+    let found = scene.model().unwrap().orbits(&"0+".parse().unwrap(), 1).unwrap();
     assert_eq!(found.orbits.len(), 2);
     for orbit in &found.orbits {
         let branch = branch(&scene, orbit, Setting::Upper(0), [-3.0, 5.0]);

@@ -5,7 +5,7 @@
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
-use vibrochain_breather::{StructureOrbit, structure_orbits};
+use vibrochain_breather::StructureOrbit;
 use vibrochain_floquet::{
     Complex, Diagram, End, Event, FollowedBranch, StructureCourse, StructureWindow, Tolerance, structure_curve,
     structure_diagram, structure_stability,
@@ -24,7 +24,7 @@ fn of_text(text: &str) -> StructureScene {
 }
 
 fn orbits(scene: &StructureScene) -> Vec<StructureOrbit> {
-    structure_orbits(&scene.model().unwrap(), scene.word.as_ref().unwrap(), scene.force_periods).unwrap().orbits
+    scene.model().unwrap().orbits(scene.word.as_ref().unwrap(), scene.force_periods).unwrap().orbits
 }
 
 fn course([from, to]: [f64; 2], generations: u32) -> StructureCourse {

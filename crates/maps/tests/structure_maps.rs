@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use vibrochain_breather::{StructureMotion, StructureSearch, structure_orbits};
+use vibrochain_breather::{StructureMotion, StructureSearch};
 use vibrochain_lattice::Stop;
 use vibrochain_maps::absence::{AT_ONCE, Absence};
 use vibrochain_maps::grid::Grid;
@@ -49,7 +49,7 @@ fn proofs_take_few_intervals() {
     for gamma2 in [0.02, 0.1, 0.25] {
         for omega in [1.0, 1.5, 2.0, 2.8] {
             let model = ring(gamma2, omega).model().unwrap();
-            let found = structure_orbits(&model, &"0+,0-".parse().unwrap(), 1).unwrap();
+            let found = model.orbits(&"0+,0-".parse().unwrap(), 1).unwrap();
             let StructureSearch::Enclosures { intervals: own, unresolved: 0 } = found.search else {
                 panic!("{:?}", found.search);
             };
@@ -78,7 +78,7 @@ fn cells_say_why_nothing_is_physical() {
         let Some(absence) = cell.found.absence else { continue };
         counts[absence as usize] += 1;
         let model = scene.worker(&stop).model(&scene, number).unwrap();
-        let found = structure_orbits(&model, &"0+".parse().unwrap(), 1).unwrap();
+        let found = model.orbits(&"0+".parse().unwrap(), 1).unwrap();
         let pushing = |orbit: &&vibrochain_breather::StructureOrbit| orbit.impacts()[0].impulse < 0.0;
         let candidates: Vec<_> = found.orbits.iter().filter(pushing).collect();
         let Some(first) = cell.found.obstruction else {

@@ -5,7 +5,7 @@ use std::path::Path;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use vibrochain_breather::{admissibility, structure_admissibility};
+use vibrochain_breather::admissibility;
 use vibrochain_floquet::{Event, FloquetError, Mechanism, Stability, Tolerance, stability, structure_stability};
 use vibrochain_lattice::{Parameter, Spectrum, Stop};
 use vibrochain_maps::caption::{describe, in_common, in_words};
@@ -251,7 +251,7 @@ pub(crate) fn _structure_pane(
 ) -> PyResult<(PyPane, String)> {
     let work = move |_: &Stop| {
         let (scene, orbit) = structure_orbit(&scene, &near.0, psi, force_periods)?;
-        let admissibility = structure_admissibility(&orbit)?;
+        let admissibility = orbit.admissibility()?;
         let stability = structure_stability(&orbit, Tolerance::Rounding);
         let [motion, portrait] = contact_panes(&orbit, admissibility.obstruction.as_ref())?.swap_remove(0);
         let panes = [("motion", motion), ("portrait", portrait)];

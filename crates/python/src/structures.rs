@@ -7,7 +7,6 @@ use pyo3::prelude::*;
 use serde_json::{Value, json};
 use vibrochain_breather::{
     StructureFound, StructureModel, StructureMotion, StructureOrbit, StructureOrbitError, StructureSearch, Word,
-    structure_orbits,
 };
 use vibrochain_floquet::{
     Diagram, Event, FollowedBranch, Station, StructureCourse, StructureWindow, Tolerance, structure_diagram,
@@ -62,7 +61,7 @@ pub(crate) fn _structure(
         let found = match &word {
             Some(word) => {
                 let word: Word = word.parse().map_err(|error| Failure::Request(format!("word {word}: {error}")))?;
-                structure_orbits(&model, &word, force_periods)?
+                model.orbits(&word, force_periods)?
             }
             None => {
                 let orbit = orbit_near(&model, force_periods, psi, &near.0)?;

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::{StructureFamily, StructureModel, StructureOrbit, structure_orbits};
+use vibrochain_breather::{StructureFamily, StructureModel, StructureOrbit};
 use vibrochain_floquet::{Event, StructureCourse, Tolerance, structure_diagram, structure_stability};
 use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Stop};
 use vibrochain_testkit::Random;
@@ -132,7 +132,7 @@ impl Truth {
 }
 
 fn own(given: Given, load: f64) -> Vec<StructureOrbit> {
-    structure_orbits(&given.model(load).unwrap(), &"0+".parse().unwrap(), 1).unwrap().orbits
+    given.model(load).unwrap().orbits(&"0+".parse().unwrap(), 1).unwrap().orbits
 }
 
 fn given(random: &mut Random) -> Given {

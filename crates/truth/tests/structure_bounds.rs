@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use nalgebra::{Complex as C, DMatrix, DVector};
-use vibrochain_breather::{StructureModel, StructureOrbit, structure_orbits};
+use vibrochain_breather::{StructureModel, StructureOrbit};
 use vibrochain_floquet::{Tolerance, structure_stability};
 use vibrochain_lattice::{Contact, Structure};
 use vibrochain_testkit::Random;
@@ -170,7 +170,7 @@ fn tally(trouble: Trouble, seed: u64, count: usize) -> Tally {
         let (structure, omega, word) = draw(&mut random, trouble);
         let Ok(modal) = structure.modal() else { continue };
         let model = StructureModel::new(Arc::new(modal), omega).unwrap();
-        let Ok(found) = structure_orbits(&model, &word.parse().unwrap(), 1) else { continue };
+        let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
         for (k, orbit) in found.orbits.iter().take(3).enumerate() {
             tally.take(&format!("{trouble:?} {number} {word} {k}"), &structure, orbit);
         }
@@ -281,7 +281,7 @@ fn structures_whose_errors_were_told_too_small() {
     ];
     for (structure, omega, word, periods, impulse, radius) in cases {
         let model = StructureModel::new(Arc::new(structure.modal().unwrap()), omega).unwrap();
-        let mut found = structure_orbits(&model, &word.parse().unwrap(), periods).unwrap().orbits;
+        let mut found = model.orbits(&word.parse().unwrap(), periods).unwrap().orbits;
         // A list may begin an orbit at either impact.
         let away = |orbit: &StructureOrbit| {
             let off = orbit.impacts().iter().map(|impact| (impact.impulse - impulse).abs());

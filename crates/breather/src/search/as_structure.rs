@@ -10,7 +10,7 @@ use crate::search::finder::Scope;
 use crate::structures::error::StructureOrbitError;
 use crate::structures::model::StructureModel;
 use crate::structures::orbit::StructureOrbit;
-use crate::structures::search::{StructureFound, StructureSearch, structure_candidates, structure_orbits};
+use crate::structures::search::{StructureFound, StructureSearch};
 use crate::word::{Letter, Word};
 
 impl Searched {
@@ -36,7 +36,7 @@ pub(crate) fn among(
     wanted: Scope,
     stop: &Stop,
 ) -> Result<Option<StructureFound>, BreatherError> {
-    let all = if wanted.candidates() { structure_candidates } else { structure_orbits };
+    let all = if wanted.candidates() { StructureModel::candidates } else { StructureModel::orbits };
     match StructureModel::of_lattice(model, contacts, stop).and_then(|structure| all(&structure, word, periods)) {
         Ok(searched) => Ok(Some(searched)),
         Err(StructureOrbitError::Stopped(stopped)) => Err(stopped.into()),

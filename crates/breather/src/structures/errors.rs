@@ -243,7 +243,6 @@ mod tests {
     use crate::structures::flight::StructureMotion;
     use crate::structures::model::StructureModel;
     use crate::structures::orbit::StructureOrbit;
-    use crate::structures::search::structure_orbits;
 
     /// One mass under a load, with stops at ±`stop`.
     fn model(stop: f64, omega: f64, decay: f64, loads: f64) -> StructureModel {
@@ -256,7 +255,7 @@ mod tests {
     }
 
     fn orbits(model: &StructureModel, word: &str) -> Vec<StructureOrbit> {
-        structure_orbits(model, &word.parse().unwrap(), 1).unwrap().orbits
+        model.orbits(&word.parse().unwrap(), 1).unwrap().orbits
     }
 
     /// The acceleration at an impact moves with the unknowns as much as by its own terms: a load that is known worse moves impulse, phase and

@@ -268,7 +268,6 @@ mod tests {
     use vibrochain_lattice::{Chain, Model};
 
     use crate::structures::model::StructureModel;
-    use crate::structures::search::structure_orbits;
 
     /// A lattice with contacts at two of its masses, next to the resonance of its softest mode with the third harmonic of the load or its first.
     fn near(distance: f64, harmonic: f64, coupling: f64) -> StructureModel {
@@ -291,7 +290,7 @@ mod tests {
             for coupling in [0.0, 0.07] {
                 let model = near(distance, harmonic, coupling);
                 for word in WORDS {
-                    for orbit in structure_orbits(&model, &word.parse().unwrap(), 1).unwrap().orbits {
+                    for orbit in model.orbits(&word.parse().unwrap(), 1).unwrap().orbits {
                         let (closed, point) = orbit.equations().unwrap();
                         let (opened, whole) = closed.opened(&point).unwrap();
                         let (rows, same) = (closed.system(&point).unwrap(), opened.system(&whole).unwrap());
@@ -341,7 +340,7 @@ mod tests {
                 for coupling in [0.0, 0.07] {
                     let model = near(distance, harmonic, coupling);
                     for word in WORDS {
-                        for orbit in structure_orbits(&model, &word.parse().unwrap(), 1).unwrap().orbits {
+                        for orbit in model.orbits(&word.parse().unwrap(), 1).unwrap().orbits {
                             let strongest = orbit.impulses().iter().fold(0.0, |most: f64, one| most.max(one.abs()));
                             let worst = orbit.impacts().iter().map(|one| one.impulse_error).fold(0.0, f64::max);
                             // Of slower impacts less is known: the mode swings as far as their impulses' digits let it.

@@ -26,13 +26,13 @@ impl StructureOrbit {
     ///
     /// ```
     /// use std::sync::Arc;
-    /// use vibrochain_breather::{StructureModel, structure_orbits};
+    /// use vibrochain_breather::StructureModel;
     /// use vibrochain_lattice::{Contact, LinearMode, ModalStructure, ModeShape};
     /// let shape = ModeShape { contacts: vec![1.0], coordinates: vec![1.0], still: 0.0 };
     /// let mode = LinearMode::oscillator(0.0, 1.0, &shape, &[]);
     /// let stop = Contact { lower: Some(-1.0), upper: Some(0.4), restitution: 1.0 };
     /// let structure = Arc::new(ModalStructure::new(vec![stop], vec![], vec![mode])?);
-    /// let found = structure_orbits(&StructureModel::new(structure, 1.5)?, &"0+,0-".parse()?, 1)?;
+    /// let found = StructureModel::new(structure, 1.5)?.orbits(&"0+,0-".parse()?, 1)?;
     /// let (ratio, error) = found.orbits[0].reversible().unwrap().ratio.unwrap();
     /// assert!(ratio < 0.0 && error < 1e-13);
     /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -1,7 +1,7 @@
 //! Orbits of a structure as its numbers vary.
 
 use serde_json::{Map, Value, json};
-use vibrochain_breather::{StructureOrbit, structure_is_physical};
+use vibrochain_breather::StructureOrbit;
 use vibrochain_floquet::{
     Diagram, Event, EventCurve, Located, StructureCourse, StructureWindow, Tolerance, structure_diagram,
 };
@@ -55,7 +55,7 @@ impl Along for StructureAlong {
         let model = scene.model()?;
         let OfWord { found, word, .. } = found(&args.which, &scene, &model)?;
         ensure!(!found.orbits.is_empty(), CliError::IllPosed(format!("no orbit of {word} was found to start from")));
-        let is_physical = |orbit: &StructureOrbit| Ok(structure_is_physical(orbit)?.is_physical());
+        let is_physical = |orbit: &StructureOrbit| Ok(orbit.first_obstruction()?.is_physical());
         let start = begun((found.orbits, &format!(" of {word}")), args, is_physical)?;
         let along = Self { scene, start, word };
         checked_range(&along, free, FIRST, [args.from, args.to])?;

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Deserialize;
 use vibrochain_breather::{
     Family, Hit, StructureFound, StructureModel, StructureMotion, StructureOrbit, StructureOrbitError, StructureSearch,
-    Word, structure_orbits,
+    Word,
 };
 use vibrochain_lattice::Barrier;
 use vibrochain_maps::scene::tolerance_from;
@@ -134,7 +134,7 @@ pub(crate) fn found(which: &WhichArgs, scene: &StructureScene, model: &Structure
         }
     };
     let periods = which.force_periods.unwrap_or(periods);
-    Ok(OfWord { found: structure_orbits(model, &word, periods)?, word: word.to_string(), periods })
+    Ok(OfWord { found: model.orbits(&word, periods)?, word: word.to_string(), periods })
 }
 
 /// Impacts of a file.

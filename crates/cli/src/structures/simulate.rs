@@ -1,6 +1,6 @@
 //! `mapgen simulate` of a structure: every impact from a state or an orbit on, and what the run settles on.
 
-use vibrochain_breather::{StructureModel, StructureMotion, StructureOrbit, structure_admissibility};
+use vibrochain_breather::{StructureModel, StructureMotion, StructureOrbit};
 use vibrochain_eventsim::{Event, Simulation};
 use vibrochain_maps::structure::{Setting, StructureScene};
 
@@ -160,8 +160,7 @@ fn start(args: &SimulateArgs, scene: &StructureScene, model: &StructureModel) ->
             CliError::Request(format!("--solution {number} does not exist: {word} has {} here", found.orbits.len()))
         })?,
         None => {
-            let physical =
-                |orbit: &&StructureOrbit| structure_admissibility(orbit).is_ok_and(|answer| answer.is_physical());
+            let physical = |orbit: &&StructureOrbit| orbit.admissibility().is_ok_and(|answer| answer.is_physical());
             let first = found.orbits.iter().find(physical);
             first.ok_or_else(|| CliError::IllPosed(format!("{word} has no physical orbit here to start on")))?
         }

@@ -5,7 +5,7 @@ use nalgebra::Complex;
 use vibrochain_breather::system::System;
 use vibrochain_breather::{
     BranchError, Departure, StructureBranch, StructureBranchPoint, StructureContinuation, StructureFamily,
-    StructureOrbit, structure_is_physical,
+    StructureOrbit,
 };
 use vibrochain_lattice::{Resonance, Stop};
 
@@ -153,7 +153,7 @@ impl OfStructure {
         solved: Solved<StructureOrbit>,
         point: &StructureBranchPoint,
     ) -> Located<StructureOrbit> {
-        let physical = |orbit: &StructureOrbit| structure_is_physical(orbit).ok().map(|told| told.is_physical());
+        let physical = |orbit: &StructureOrbit| orbit.first_obstruction().ok().map(|told| told.is_physical());
         let beside = self.others.verdict(point.orbit(), self.tolerance).into_iter();
         let side = |stability| EventSide { value: point.value(), stability, physical: physical(point.orbit()) };
         let distance = AWAY * solved.value.abs().max(1e-2 * self.range);

@@ -30,7 +30,7 @@ const STRAIGHT: f64 = 1.5;
 ///
 /// ```
 /// use std::sync::Arc;
-/// use vibrochain_breather::{StructureModel, structure_orbits};
+/// use vibrochain_breather::StructureModel;
 /// use vibrochain_floquet::{Tolerance, structure_stability};
 /// use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape};
 /// // q″ + 0.1 q′ + q = cos ωt, a stop at 0.1.
@@ -39,7 +39,7 @@ const STRAIGHT: f64 = 1.5;
 /// let stop = Contact { lower: None, upper: Some(0.1), restitution: 0.8 };
 /// let structure = Arc::new(ModalStructure::new(vec![stop], vec![1], vec![mode])?);
 /// let model = StructureModel::new(structure, 2.325)?;
-/// let found = structure_orbits(&model, &"0+".parse()?, 1)?;
+/// let found = model.orbits(&"0+".parse()?, 1)?;
 /// let stable = found.orbits.iter().map(|orbit| structure_stability(orbit, Tolerance::Rounding));
 /// let radii = stable.map(|answer| Ok(answer?.verdict.spectral_radius)).collect::<Result<Vec<_>, Box<dyn std::error::Error>>>()?;
 /// assert!(radii.iter().any(|radius| (radius - 0.6988872749041013).abs() < 1e-12));

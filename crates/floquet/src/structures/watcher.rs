@@ -1,6 +1,6 @@
 //! Looks at a structure's orbits.
 
-use vibrochain_breather::{Admissibility, BranchError, StructureOrbit, structure_admissibility};
+use vibrochain_breather::{Admissibility, BranchError, StructureOrbit};
 
 use super::stability::{participating_multipliers, structure_verdict};
 use crate::events::half_sums::half_sums;
@@ -19,7 +19,7 @@ impl Watcher for OfStructures {
     const FAINT: f64 = 1e-9;
 
     fn admissibility(&mut self, orbit: &StructureOrbit) -> Result<Admissibility, LocateError> {
-        Ok(structure_admissibility(orbit).map_err(BranchError::from)?)
+        Ok(orbit.admissibility().map_err(BranchError::from)?)
     }
 
     fn spectrum(&mut self, orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Spectrum, LocateError> {

@@ -3,7 +3,6 @@
 use serde_json::{Map, Value, json as value};
 use vibrochain_breather::{
     Admissibility, Obstruction, StructureFound, StructureImpact, StructureModel, StructureOrbit, StructureOrbitError,
-    structure_admissibility,
 };
 use vibrochain_floquet::{FloquetError, Stability, Tolerance, Verdict, structure_stability};
 
@@ -34,11 +33,7 @@ impl<'a> Answered<'a> {
     /// # Errors
     /// [`StructureOrbitError`] at a resonance.
     pub fn new(orbit: &'a StructureOrbit, tolerance: Tolerance) -> Result<Self, StructureOrbitError> {
-        Ok(Self {
-            orbit,
-            admissibility: structure_admissibility(orbit)?,
-            stability: structure_stability(orbit, tolerance),
-        })
+        Ok(Self { orbit, admissibility: orbit.admissibility()?, stability: structure_stability(orbit, tolerance) })
     }
 }
 

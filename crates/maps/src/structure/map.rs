@@ -4,9 +4,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use serde_json::{Map, Value as Json};
-use vibrochain_breather::{
-    Admissibility, StructureModel, StructureOrbit, Word, structure_candidates, structure_is_physical,
-};
+use vibrochain_breather::{Admissibility, StructureModel, StructureOrbit, Word};
 use vibrochain_floquet::{Analyser, StructureMultipliers, Tolerance};
 use vibrochain_lattice::Stop;
 
@@ -124,7 +122,7 @@ fn best_of<'a>(
 /// One point.
 fn cell_of(scene: &StructureScene, model: &StructureModel, analyser: &mut Analyser) -> StructureCell {
     let mut cell = StructureCell::EMPTY;
-    let lists: Vec<_> = scene.words.iter().map(|(word, periods)| structure_candidates(model, word, *periods)).collect();
+    let lists: Vec<_> = scene.words.iter().map(|(word, periods)| model.candidates(word, *periods)).collect();
     let mut candidates = Vec::new();
     let mut way: Option<(Absence, FirstObstruction)> = None;
     for (word, found) in lists.iter().enumerate() {
@@ -137,7 +135,7 @@ fn cell_of(scene: &StructureScene, model: &StructureModel, analyser: &mut Analys
         };
         cell.found.status = cell.found.status.max(Status::of_search(found.search));
         for orbit in &found.orbits {
-            let physical = match structure_is_physical(orbit) {
+            let physical = match orbit.first_obstruction() {
                 Ok(Admissibility { obstruction: Some(obstruction), .. }) => {
                     way.get_or_insert_with(|| FirstObstruction::of(orbit, &obstruction));
                     continue;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use ode_solvers::System;
-use vibrochain_breather::{Hit, StructureModel, StructureOrbit, Word, structure_admissibility, structure_orbits};
+use vibrochain_breather::{Hit, StructureModel, StructureOrbit, Word};
 use vibrochain_lattice::{Barrier, Complex, Contact, Structure};
 use vibrochain_truth::{DEFAULT_BITS, Real, StructureStart, TrueStructureImpact, TrueStructureOrbit};
 
@@ -264,8 +264,8 @@ fn model(structure: &Structure) -> Result<StructureModel, CliError> {
 
 /// The physical orbit of a word.
 fn physical(structure: &Structure, word: &Word) -> Result<Answer, CliError> {
-    let orbits = structure_orbits(&model(structure)?, word, 1).map_err(computation)?.orbits;
-    let is_physical = |orbit: &&StructureOrbit| structure_admissibility(orbit).is_ok_and(|answer| answer.is_physical());
+    let orbits = model(structure)?.orbits(word, 1).map_err(computation)?.orbits;
+    let is_physical = |orbit: &&StructureOrbit| orbit.admissibility().is_ok_and(|answer| answer.is_physical());
     let orbit = orbits.iter().find(is_physical).ok_or_else(|| computation("no physical orbit of two masses"))?;
     Ok(Answer::of(orbit))
 }
@@ -308,7 +308,7 @@ fn run(meter: &mut Meter<'_>) -> Result<Table, CliError> {
             Ok(vec![Answer::of(&orbit)])
         })?;
         measure("closed form, all orbits", "all orbits".to_owned(), &mut || {
-            let found = structure_orbits(&model(black_box(&structure))?, &word, 1).map_err(computation)?;
+            let found = model(black_box(&structure))?.orbits(&word, 1).map_err(computation)?;
             Ok(found.orbits.iter().map(Answer::of).collect())
         })?;
         for &bits in digits {

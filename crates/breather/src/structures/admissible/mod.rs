@@ -20,21 +20,23 @@ use crate::admissible::check::Depth;
 use crate::orbit::time_between;
 use release::{Release, TOGETHER};
 
-/// Whether an orbit is physical, with the least distance at a turning point or what is in the way, where it is farthest out; contacts stand
-/// in place of sites.
-///
-/// # Errors
-/// [`StructureOrbitError`] at a resonance.
-pub fn structure_admissibility(orbit: &StructureOrbit) -> Result<Admissibility, StructureOrbitError> {
-    check(orbit, Depth::Worst)
-}
+impl StructureOrbit {
+    /// Whether the orbit is physical, with the least distance at a turning point or what is in the way, where it is farthest out; contacts stand
+    /// in place of sites.
+    ///
+    /// # Errors
+    /// [`StructureOrbitError`] at a resonance.
+    pub fn admissibility(&self) -> Result<Admissibility, StructureOrbitError> {
+        check(self, Depth::Worst)
+    }
 
-/// As [`structure_admissibility`], to the first thing that is in the way: what a map asks.
-///
-/// # Errors
-/// As [`structure_admissibility`].
-pub fn structure_is_physical(orbit: &StructureOrbit) -> Result<Admissibility, StructureOrbitError> {
-    check(orbit, Depth::First)
+    /// As [`StructureOrbit::admissibility`], to the first thing that is in the way: what a map asks.
+    ///
+    /// # Errors
+    /// As [`StructureOrbit::admissibility`].
+    pub fn first_obstruction(&self) -> Result<Admissibility, StructureOrbitError> {
+        check(self, Depth::First)
+    }
 }
 
 fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, StructureOrbitError> {
@@ -159,7 +161,6 @@ mod tests {
 
     use super::*;
     use crate::structures::model::StructureModel;
-    use crate::structures::search::structure_orbits;
 
     /// A few modes with two contacts, one on one side and one between two barriers.
     fn structure(random: &mut Random) -> ModalStructure {
@@ -187,9 +188,9 @@ mod tests {
             let structure = Arc::new(structure(&mut random));
             let model = StructureModel::new(structure, random.between(0.5, 3.0)).unwrap();
             let word = random.of(&["0+", "0+,0+", "1-,1+", "0+,1-"]).parse().unwrap();
-            let Ok(found) = structure_orbits(&model, &word, 1) else { continue };
+            let Ok(found) = model.orbits(&word, 1) else { continue };
             for orbit in &found.orbits {
-                let answer = structure_admissibility(orbit).unwrap();
+                let answer = orbit.admissibility().unwrap();
                 let Some(margin) = answer.margin else { continue };
                 let motion = StructureMotion::new(orbit).unwrap();
                 let clear = smallvec::smallvec![0.0; orbit.impacts().len()];
@@ -203,7 +204,7 @@ mod tests {
                 assert_eq!(stepped <= 0.0, margin <= 0.0, "{stepped} {margin} {orbit:?}");
                 if margin <= 0.0 {
                     crossing += 1;
-                    let quick = structure_is_physical(orbit).unwrap();
+                    let quick = orbit.first_obstruction().unwrap();
                     assert!(!quick.is_physical());
                     first += usize::from(quick.margin != answer.margin);
                     let mut least = f64::INFINITY;

@@ -7,7 +7,6 @@ use vibrochain_testkit::Random;
 
 use super::*;
 use crate::structures::flight::StructureMotion;
-use crate::structures::search::structure_orbits;
 
 /// Two oscillators that nothing couples, each with a stop of its own, under one load.
 fn apart(random: &mut Random) -> StructureModel {
@@ -37,7 +36,7 @@ fn an_orbit_that_loses_an_impact_keeps_its_phase() {
     let (mut first, mut second) = (0, 0);
     for _ in 0..40 {
         let model = apart(&mut random);
-        let Ok(found) = structure_orbits(&model, &"0+,1+".parse().unwrap(), 1) else { continue };
+        let Ok(found) = model.orbits(&"0+,1+".parse().unwrap(), 1) else { continue };
         for orbit in &found.orbits {
             for lost in [0, 1] {
                 let begins = if lost == 0 { orbit.impacts()[1].time } else { 0.0 };
@@ -67,7 +66,7 @@ fn a_touch_leaves_the_motion_as_it_is() {
     let (mut before, mut after) = (0, 0);
     for _ in 0..40 {
         let model = apart(&mut random);
-        let Ok(found) = structure_orbits(&model, &"0+".parse().unwrap(), 1) else { continue };
+        let Ok(found) = model.orbits(&"0+".parse().unwrap(), 1) else { continue };
         for orbit in &found.orbits {
             let time = random.between(-0.9, 0.9) * orbit.period();
             let touch = Strike { contact: 1, barrier: Barrier::Upper, time, impulse: 0.0 };
@@ -93,7 +92,7 @@ fn the_means_of_two_halves_are_the_orbit_between_them() {
     for _ in 0..40 {
         let model = apart(&mut random);
         for word in ["0+", "0+,1+"] {
-            let Ok(found) = structure_orbits(&model, &word.parse().unwrap(), 1) else { continue };
+            let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
             for orbit in &found.orbits {
                 let twice = orbit.twice().unwrap();
                 assert!(twice.force_periods() == 2 && twice.violation() < 1e-9);

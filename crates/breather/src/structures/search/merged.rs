@@ -80,7 +80,6 @@ mod tests {
     use crate::structures::equations::Equations;
     use crate::structures::model::StructureModel;
     use crate::structures::orbit::StructureOrbit;
-    use crate::structures::search::structure_orbits;
 
     /// Modes without losses under a load in phase; of two contacts that are each other's mirror image, or of any two.
     fn model(random: &mut Random, mirrored: bool) -> StructureModel {
@@ -118,7 +117,7 @@ mod tests {
             let structure = Arc::new(ModalStructure::new(vec![stops], vec![1], vec![mode]).unwrap());
             let model = StructureModel::new(structure, 0.42).unwrap();
             for word in ["0-", "0+,0-"] {
-                let found = structure_orbits(&model, &word.parse().unwrap(), 1).unwrap();
+                let found = model.orbits(&word.parse().unwrap(), 1).unwrap();
                 assert!(force > 1e-10 || !found.search.is_complete(), "{force} {word} {found:?}");
                 open += usize::from(!found.search.is_complete());
                 listed += found.orbits.len();
@@ -136,7 +135,7 @@ mod tests {
             let model = model(&mut random, round % 2 == 0);
             for (word, periods) in [("0-,0+", 1), ("0-,0-", 1), ("0-,0-", 2), ("0+,1-", 1), ("0+,1+", 1)] {
                 let word: crate::word::Word = word.parse().unwrap();
-                let Ok(found) = structure_orbits(&model, &word, periods) else { continue };
+                let Ok(found) = model.orbits(&word, periods) else { continue };
                 let phis: Vec<f64> = found.orbits.iter().map(|orbit| orbit.impacts()[1].time).collect();
                 let one = |pair: &&[f64]| pair[1] - pair[0] < 1e-8 * model.period();
                 (lists, orbits) = (lists + 1, orbits + phis.len());

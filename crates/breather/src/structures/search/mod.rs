@@ -2,7 +2,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `orbits` | [`structure_orbits`]: which search a word takes, and the list that comes of it |
+//! | `orbits` | [`StructureModel::orbits`](crate::StructureModel::orbits): which search a word takes, and the list that comes of it |
 //! | `at_times` | impulses, offsets and phase at given times |
 //! | `distinct` | which orbits of a list are one, and which are orbits of its word |
 //! | `half_period` | the same of one contact between two barriers, without loads and losses |
@@ -27,4 +27,4 @@ mod starts;
 mod three_impacts;
 mod two_impacts;
 
-pub use orbits::{StructureFound, StructureSearch, structure_candidates, structure_orbits};
+pub use orbits::{StructureFound, StructureSearch};

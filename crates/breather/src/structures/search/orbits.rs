@@ -104,30 +104,24 @@ pub struct StructureFound {
     pub periods: Option<[f64; 2]>,
 }
 
-/// All orbits of a word that are found: contacts stand in place of sites. Those of one impact or two are listed with their signs as they are,
-/// pulled or not; of longer words only those whose barriers push. An orbit is listed once, whichever impact it begins with, and not where it
-/// repeats itself sooner. Of three impacts a list takes some hundredths of a second, and up to two seconds.
-///
-/// # Errors
-/// [`StructureOrbitError`].
-pub fn structure_orbits(
-    model: &StructureModel,
-    word: &Word,
-    force_periods: u32,
-) -> Result<StructureFound, StructureOrbitError> {
-    found(model, word, force_periods, ListScope::All)
-}
+impl StructureModel {
+    /// All orbits of a word that are found: contacts stand in place of sites. Those of one impact or two are listed with their signs as they are,
+    /// pulled or not; of longer words only those whose barriers push. An orbit is listed once, whichever impact it begins with, and not where it
+    /// repeats itself sooner. Of three impacts a list takes some hundredths of a second, and up to two seconds.
+    ///
+    /// # Errors
+    /// [`StructureOrbitError`].
+    pub fn orbits(&self, word: &Word, force_periods: u32) -> Result<StructureFound, StructureOrbitError> {
+        found(self, word, force_periods, ListScope::All)
+    }
 
-/// The same without those whose barriers pull: what a map asks for.
-///
-/// # Errors
-/// As [`structure_orbits`].
-pub fn structure_candidates(
-    model: &StructureModel,
-    word: &Word,
-    force_periods: u32,
-) -> Result<StructureFound, StructureOrbitError> {
-    found(model, word, force_periods, ListScope::Candidates)
+    /// The same without those whose barriers pull: what a map asks for.
+    ///
+    /// # Errors
+    /// As [`StructureModel::orbits`].
+    pub fn candidates(&self, word: &Word, force_periods: u32) -> Result<StructureFound, StructureOrbitError> {
+        found(self, word, force_periods, ListScope::Candidates)
+    }
 }
 
 /// Which orbits a list is to hold.

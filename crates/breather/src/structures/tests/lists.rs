@@ -9,7 +9,7 @@ use super::{model, orbits};
 use crate::structures::flight::StructureMotion;
 use crate::structures::model::StructureModel;
 use crate::structures::orbit::StructureOrbit;
-use crate::structures::search::{StructureFound, structure_candidates, structure_orbits};
+use crate::structures::search::StructureFound;
 
 /// Times of a period at which motions are compared.
 const TIMES: usize = 24;
@@ -41,7 +41,7 @@ fn no_orbit_is_listed_twice_nor_one_that_repeats_sooner() {
     for _ in 0..120 {
         let model = model(&mut random);
         for (word, periods) in [("0+", 1), ("0+,0+", 1), ("0+,0+", 2), ("1-,1+", 1), ("0+,1-", 2), ("1-,1+,1+", 1)] {
-            let Ok(found) = structure_orbits(&model, &word.parse().unwrap(), periods) else { continue };
+            let Ok(found) = model.orbits(&word.parse().unwrap(), periods) else { continue };
             let tracks: Vec<Vec<f64>> = found.orbits.iter().map(track).collect();
             for (n, own) in tracks.iter().enumerate() {
                 for (m, other) in tracks[..n].iter().enumerate() {
@@ -93,12 +93,12 @@ fn what_is_listed_are_orbits() {
         let model = model(&mut random);
         for word in ["0+", "1-,1+", "0+,1-", "0+,0+"] {
             let word = word.parse().unwrap();
-            let Ok(found) = structure_orbits(&model, &word, 1) else { continue };
+            let Ok(found) = model.orbits(&word, 1) else { continue };
             impacts += found.orbits.iter().map(check).sum::<usize>();
             let pushes = |orbit: &&StructureOrbit| {
                 orbit.impacts().iter().all(|impact| impact.barrier.sign() * impact.impulse < 0.0)
             };
-            let StructureFound { orbits, .. } = structure_candidates(&model, &word, 1).unwrap();
+            let StructureFound { orbits, .. } = model.candidates(&word, 1).unwrap();
             let pushing: Vec<_> = found.orbits.iter().filter(pushes).collect();
             assert_eq!(orbits.iter().filter(pushes).collect::<Vec<_>>(), pushing);
             pulled += found.orbits.len() - pushing.len();
@@ -124,7 +124,7 @@ fn half_periods_are_listed_without_loads() {
         let structure = Arc::new(ModalStructure::new(vec![stops; 2], Vec::new(), modes).unwrap());
         let model = StructureModel::new(structure, random.between(0.5, 3.0)).unwrap();
         for word in ["0-,0+", "0+,1-"] {
-            let Ok(found) = structure_orbits(&model, &word.parse().unwrap(), 1) else { continue };
+            let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
             let half = 0.5 * model.period();
             let is_half = |orbit: &&StructureOrbit| (orbit.impacts()[1].time - half).abs() < 1e-9 * half;
             assert_eq!(found.orbits.iter().filter(is_half).count(), 1, "{word} {found:?}");
@@ -192,7 +192,7 @@ fn between_two_stops_without_losses_every_zero_of_the_kernel_has_an_orbit() {
         let stop = Contact { lower: Some(-random.log(0.3, 2.0)), upper: Some(random.log(0.3, 2.0)), restitution: 1.0 };
         let structure = Arc::new(ModalStructure::new(vec![stop], Vec::new(), modes).unwrap());
         let model = StructureModel::new(structure.clone(), random.log(0.3, 3.0)).unwrap();
-        let Ok(found) = structure_orbits(&model, &"0+,0-".parse().unwrap(), 1) else { continue };
+        let Ok(found) = model.orbits(&"0+,0-".parse().unwrap(), 1) else { continue };
         if !found.search.is_complete() {
             continue;
         }

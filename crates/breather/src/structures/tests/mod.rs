@@ -11,7 +11,6 @@ use vibrochain_testkit::Random;
 
 use super::model::StructureModel;
 use super::orbit::StructureOrbit;
-use super::search::structure_orbits;
 
 /// A mode of real shape below, at or above critical damping, as two contacts see it.
 fn mode(random: &mut Random, frequency: f64, ratio: f64) -> LinearMode {
@@ -64,7 +63,7 @@ fn orbits(random: &mut Random, structures: usize, mut visit: impl FnMut(&Structu
     for _ in 0..structures {
         let model = model(random);
         let word = random.of(&["0+", "0+,0+", "1-,1+", "0+,1-"]).parse().unwrap();
-        let Ok(found) = structure_orbits(&model, &word, 1) else { continue };
+        let Ok(found) = model.orbits(&word, 1) else { continue };
         found.orbits.iter().for_each(|orbit| visit(orbit, random));
     }
 }

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
-use vibrochain_breather::{Family, Finder, StructureModel, breathers, structure_orbits};
+use vibrochain_breather::{Family, Finder, StructureModel, breathers};
 use vibrochain_lattice::{Chain, Contact, LinearMode, ModalStructure, ModeShape, Model, Structure};
 use vibrochain_testkit::{Random, stiffness};
 
@@ -74,7 +74,7 @@ fn modes_of_one_contact_say_what_the_equations_say() {
         let structure = Arc::new([dense, given, row][round % 3](&mut random));
         let model = StructureModel::new(structure, random.log(0.3, 3.0)).unwrap();
         for (instants, word) in ["0+", "0+,0-"].into_iter().enumerate() {
-            let Ok(found) = structure_orbits(&model, &word.parse().unwrap(), 1) else { continue };
+            let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
             for orbit in &found.orbits {
                 let Some(reversible) = orbit.reversible() else { continue };
                 let Some(told) = analyser.structure_reversible(&reversible, Tolerance::Rounding) else {
@@ -130,9 +130,7 @@ fn matrices_of_a_chain_have_its_verdicts() {
         };
         let structure = StructureModel::new(Arc::new(matrices.modal().unwrap()), model.omega()).unwrap();
         for (family, word) in [(Family::DoubleSided, "0+,0-"), (Family::SingleSided, "0-")] {
-            let (Ok(own), Ok(found)) =
-                (breathers(&model, family), structure_orbits(&structure, &word.parse().unwrap(), 1))
-            else {
+            let (Ok(own), Ok(found)) = (breathers(&model, family), structure.orbits(&word.parse().unwrap(), 1)) else {
                 continue;
             };
             let mut finder = Finder::new(sites);

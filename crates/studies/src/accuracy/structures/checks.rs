@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::{StructureModel, StructureOrbit, structure_orbits};
+use vibrochain_breather::{StructureModel, StructureOrbit};
 use vibrochain_floquet::{Tolerance, Verdict, structure_verdict};
 use vibrochain_truth::{TrueStructureOrbit, TruthError};
 
@@ -28,7 +28,7 @@ pub fn check_structure(case: &str, draw: &StructureDraw) -> Vec<Row> {
     let model = draw.structure.modal().map_err(|error| error.to_string());
     let model = model.and_then(|modal| StructureModel::new(Arc::new(modal), draw.omega).map_err(|e| e.to_string()));
     let found = match (model, draw.word.parse()) {
-        (Ok(model), Ok(word)) => structure_orbits(&model, &word, draw.force_periods),
+        (Ok(model), Ok(word)) => model.orbits(&word, draw.force_periods),
         (Err(error), _) => return none(error),
         (_, Err(error)) => return none(error.to_string()),
     };

@@ -9,7 +9,6 @@ use super::*;
 use crate::structures::equations::Equations;
 use crate::structures::model::StructureModel;
 use crate::structures::orbit::StructureOrbit;
-use crate::structures::search::structure_orbits;
 
 /// Two contacts of a few modes under two or three harmonics, even ones among them; at times nothing holds it, and a static load pushes it.
 fn model(random: &mut Random, harmonics: &[u32]) -> StructureModel {
@@ -42,7 +41,7 @@ fn lists_under_several_harmonics_are_complete() {
         let model = model(&mut random, if round % 2 == 0 { &[1, 2] } else { &[1, 3, 4] });
         for (word, periods) in [("0-", 1), ("0-,0+", 1), ("0-,0-", 2), ("0+,1-", 1), ("0+,1+", 1)] {
             let word: crate::word::Word = word.parse().unwrap();
-            let Ok(found) = structure_orbits(&model, &word, periods) else { continue };
+            let Ok(found) = model.orbits(&word, periods) else { continue };
             (lists, orbits) = (lists + 1, orbits + found.orbits.len());
             if !found.search.is_complete() {
                 continue;

@@ -6,7 +6,6 @@ use vibrochain_testkit::Random;
 
 use super::*;
 use crate::structures::equations::Equations;
-use crate::structures::search::structure_orbits;
 use crate::structures::tests::model;
 
 /// The three letters of a word, above one contact, above the same or the other, below the other.
@@ -63,7 +62,7 @@ fn no_orbit_is_excluded() {
         let model = model(&mut random);
         let letters = letters(round);
         let word = if round % 2 == 0 { "0+,0+,1-" } else { "0+,1+,1-" };
-        let Ok(found) = structure_orbits(&model, &word.parse().unwrap(), 1) else { continue };
+        let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
         let equations = Equations::new(&model, 1, letters.iter().map(|letter| letter.0)).unwrap();
         let impacts = Impacts { equations: &equations, letters: smallvec![letters[0], letters[1], letters[2]] };
         let Some(functions) = ThreeImpacts::new(&impacts, 1000) else { continue };
