@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use vibrochain::structure_stability;
-use vibrochain::{Complex, Contact, DMatrix, DVector, Structure, StructureModel, Tolerance};
+use vibrochain::{Complex, Contact, DMatrix, DVector, Structure, StructureModel, Tolerance, structure_stability};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let stop = Contact { lower: None, upper: Some(0.7), restitution: 0.8 };

@@ -103,7 +103,6 @@ fn memory(sites: usize) {
         let info = allocation_counter::measure(|| {
             let (mut finder, found) = conservative(sites, 0.1, 0.8, family);
             let orbit = &found.orbits[0];
-            let _ = finder.condition(orbit).unwrap();
             let _ = finder.admissibility(orbit).unwrap();
             let all = Analyser::default().multipliers(orbit, &mut finder, Tolerance::Rounding).unwrap();
             let mut labels = ModeLabels::new(orbit, &mut finder).unwrap();
@@ -112,6 +111,16 @@ fn memory(sites: usize) {
             assert_eq!(labelled, 2 * sites - 2, "{family:?} {sites}");
         });
         assert!(info.bytes_max < most, "{family:?} {sites}: {} bytes", info.bytes_max);
+    }
+}
+
+/// The condition of an orbit takes the modes of the masses that are hit, each with its errors.
+#[test]
+fn memory_of_a_condition_grows_like_the_ring() {
+    for sites in [10_001, 100_001] {
+        let (finder, found) = conservative(sites, 0.1, 0.8, Family::DoubleSided);
+        let info = allocation_counter::measure(|| assert!(finder.condition(&found.orbits[0]).unwrap().fold > 0.1));
+        assert!(info.bytes_max < 900 * sites as u64, "{sites}: {} bytes", info.bytes_max);
     }
 }
 

@@ -39,6 +39,9 @@ pub struct Condition {
     /// where the errors of one origin cancel.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub origins: Vec<Together>,
+    /// What is to be added to the impacts of a lattice's orbit: those of the same orbit refined, whose errors the origins are.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub correction: Together,
     /// The largest impulse, the period, and that of the loads.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) scales: [f64; 3],
@@ -59,7 +62,9 @@ impl Condition {
     /// Where nothing is known of an orbit's impacts.
     pub(crate) fn lost(impacts: usize) -> Self {
         let impacts: Together = SmallVec::from_elem(ImpactError::LOST, impacts);
-        Self { psi_error: f64::INFINITY, origins: vec![impacts.clone()], impacts, scales: [1.0; 3], ..Self::default() }
+        let correction = SmallVec::from_elem(ImpactError::default(), impacts.len());
+        let origins = vec![impacts.clone()];
+        Self { psi_error: f64::INFINITY, origins, impacts, correction, scales: [1.0; 3], ..Self::default() }
     }
 }
 
@@ -90,23 +95,35 @@ impl Condition {
         }
     }
 
+    /// An orbit of a lattice with the impacts of the same orbit refined. Next to a resonance multipliers move with what is left of its own.
+    pub fn corrected(&self, orbit: &Orbit) -> Orbit {
+        let (mut corrected, e) = (orbit.clone(), orbit.model().restitution());
+        for (impact, by) in corrected.impacts.iter_mut().zip(&self.correction) {
+            impact.time += by.time;
+            impact.impulse += by.impulse;
+            impact.acceleration += by.acceleration;
+            impact.velocity_before = -impact.impulse / (1.0 + e);
+            impact.velocity_after = e * impact.impulse / (1.0 + e);
+        }
+        corrected
+    }
+
     /// That of a lattice's orbit from that of the same orbit of the structure: as far as the two are apart, the first may be farther off.
     fn from(mut self, refined: &StructureOrbit, orbit: &Orbit) -> Self {
         let since = |i: usize| orbit.impacts()[i].time - orbit.impacts()[0].time;
         let apart = |(i, (own, other)): (usize, (&Impact, &StructureImpact))| ImpactError {
-            time: since(i) - other.time,
-            impulse: own.impulse - other.impulse,
-            acceleration: own.acceleration - other.acceleration_before,
+            time: other.time - since(i),
+            impulse: other.impulse - own.impulse,
+            acceleration: other.acceleration_before - own.acceleration,
         };
-        let apart: Together = orbit.impacts().iter().zip(refined.impacts()).enumerate().map(apart).collect();
-        for (bound, apart) in self.impacts.iter_mut().zip(&apart) {
+        self.correction = orbit.impacts().iter().zip(refined.impacts()).enumerate().map(apart).collect();
+        for (bound, apart) in self.impacts.iter_mut().zip(&self.correction) {
             bound.time += apart.time.abs();
             bound.impulse += apart.impulse.abs();
             bound.acceleration += apart.acceleration.abs();
         }
         let phase = |psi: f64| time_between(psi, orbit.psi_or_zero() + orbit.impacts()[0].time, orbit.model().period());
         self.psi_error += refined.psi().map_or(0.0, phase);
-        self.origins.push(apart);
         self
     }
 }
@@ -130,6 +147,7 @@ impl StructureOrbit {
             psi_error: self.psi_error(),
             impacts: self.impacts().iter().map(bound).collect(),
             origins: self.error_origins().to_vec(),
+            correction: self.impacts().iter().map(|_| ImpactError::default()).collect(),
             scales: [strongest, self.period(), self.model().period()],
         })
     }

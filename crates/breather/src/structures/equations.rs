@@ -50,17 +50,19 @@ pub(super) struct Point {
     pub(super) offsets: SmallVec<[f64; 1]>,
 }
 
-/// Points closer than this, times as parts of the period and impulses of the strongest, are of one orbit.
-const SAME_ORBIT: f64 = 1e-3;
+/// Points closer than this, times and phase as parts of the period and impulses of the strongest, are of one orbit.
+const SAME_ORBIT: f64 = 1e-4;
 
 impl Point {
     /// Whether a point is of the same orbit, but for rounding.
     pub(super) fn is_near(&self, other: &Self) -> bool {
         let strongest = other.strikes.iter().map(|strike| strike.impulse.abs()).fold(0.0, f64::max);
-        self.strikes.iter().zip(&other.strikes).all(|(one, other)| {
-            (one.time - other.time).abs() <= SAME_ORBIT * self.period
-                && (one.impulse - other.impulse).abs() <= SAME_ORBIT * strongest
-        })
+        let phase = (self.psi - other.psi).abs() <= SAME_ORBIT * self.period;
+        phase
+            && self.strikes.iter().zip(&other.strikes).all(|(one, other)| {
+                (one.time - other.time).abs() <= SAME_ORBIT * self.period
+                    && (one.impulse - other.impulse).abs() <= SAME_ORBIT * strongest
+            })
     }
 }
 

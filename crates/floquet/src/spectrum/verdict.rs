@@ -59,6 +59,8 @@ pub(crate) fn posed(question: Question<'_>, finder: &mut Finder) -> Result<Posed
     let _ = saltations(orbit)?;
     let careful = question.thorough || finder.is_delicate(orbit)?;
     let condition = if careful { Some(finder.condition(orbit)?) } else { None };
+    let corrected = condition.as_ref().map(|condition| condition.corrected(orbit));
+    let orbit = corrected.as_ref().unwrap_or(orbit);
     let (equations, spared) = BlochEquations::of(orbit, finder.prepared(orbit)?.response());
     let data = condition.map_or(Vec::new(), |condition| origins(&equations, &condition.origins));
     Ok(Posed { equations, spared, data })
