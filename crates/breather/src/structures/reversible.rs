@@ -30,7 +30,7 @@ impl StructureOrbit {
     /// use vibrochain_lattice::{Contact, LinearMode, ModalStructure, ModeShape};
     /// let shape = ModeShape { contacts: vec![1.0], coordinates: vec![1.0], still: 0.0 };
     /// let mode = LinearMode::oscillator(0.0, 1.0, &shape, &[]);
-    /// let stop = Contact { lower: Some(-1.0), upper: Some(0.4), restitution: 1.0 };
+    /// let stop = Contact { lower: Some(-1.0), upper: Some(0.7), restitution: 1.0 };
     /// let structure = Arc::new(ModalStructure::new(vec![stop], vec![], vec![mode])?);
     /// let found = StructureModel::new(structure, 1.5)?.orbits(&"0+,0-".parse()?, 1)?;
     /// let (ratio, error) = found.orbits[0].reversible().unwrap().ratio.unwrap();
