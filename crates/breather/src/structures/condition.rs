@@ -66,9 +66,7 @@ impl Condition {
         let origins = vec![impacts.clone()];
         Self { psi_error: f64::INFINITY, origins, impacts, correction, scales: [1.0; 3], ..Self::default() }
     }
-}
 
-impl Condition {
     /// That of a lattice's orbit: of the same orbit of the structure with a contact at each mass that is hit.
     pub(crate) fn of_lattice(orbit: &Orbit, stop: &Stop) -> Result<Self, BreatherError> {
         let (sites, impacts) = (orbit.hit_sites(), orbit.impacts());
@@ -95,7 +93,7 @@ impl Condition {
         }
     }
 
-    /// An orbit of a lattice with the impacts of the same orbit refined. Next to a resonance multipliers move with what is left of its own.
+    /// The lattice's orbit with refined impacts. Next to a resonance its own residual moves the multipliers.
     pub fn corrected(&self, orbit: &Orbit) -> Orbit {
         let (mut corrected, e) = (orbit.clone(), orbit.model().restitution());
         for (impact, by) in corrected.impacts.iter_mut().zip(&self.correction) {
@@ -108,7 +106,7 @@ impl Condition {
         corrected
     }
 
-    /// That of a lattice's orbit from that of the same orbit of the structure: as far as the two are apart, the first may be farther off.
+    /// The condition of a lattice's orbit from that of the structure's: the distance between the two adds to the bounds.
     fn from(mut self, refined: &StructureOrbit, orbit: &Orbit) -> Self {
         let since = |i: usize| orbit.impacts()[i].time - orbit.impacts()[0].time;
         let apart = |(i, (own, other)): (usize, (&Impact, &StructureImpact))| ImpactError {

@@ -50,7 +50,8 @@ pub(super) struct Point {
     pub(super) offsets: SmallVec<[f64; 1]>,
 }
 
-/// Points closer than this, times and phase as parts of the period and impulses of the strongest, are of one orbit.
+/// Newton's method from a point has stayed at its orbit if it moved times and phase by less than this part of the period, and impulses by less
+/// than this part of the strongest.
 const SAME_ORBIT: f64 = 1e-4;
 
 impl Point {

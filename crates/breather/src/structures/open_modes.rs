@@ -24,7 +24,7 @@ use crate::equations::linear::{Matrix, Vector};
 /// Modes at most that are taken as unknowns, the closest first: each costs two rows.
 const MOST: usize = 4;
 
-/// By what part of a mode's speed its poles are moved to see what their errors do: the root of rounding of what that leaves, about.
+/// The relative step of the central differences by a pole: rounding leaves them ten digits, the curvature of the flights twelve.
 const MOVED: f64 = 1e-6;
 
 /// What a contact sees of a state.
@@ -43,18 +43,18 @@ impl Equations<'_> {
             return None;
         }
         let places: Vec<usize> = near.iter().map(|(place, _)| *place).collect();
-        let mut open: Vec<OpenMode> = (kernel.sums_of().enumerate().filter(|(place, _)| places.contains(place)))
-            .map(|(_, (mode, _))| OpenMode {
-                mode: mode.clone(),
-                one_less: one_less(mode, kernel.period),
-                loads: SmallVec::new(),
-            })
-            .collect();
+        let opened = |mode: &LinearMode| OpenMode {
+            mode: mode.clone(),
+            one_less: one_less(mode, kernel.period),
+            loads: SmallVec::new(),
+        };
+        let chosen = kernel.regular().enumerate().filter(|(place, _)| places.contains(place));
+        let (mut open, sums): (Vec<OpenMode>, Vec<Turned>) = chosen.map(|(_, (mode, sum))| (opened(mode), sum)).unzip();
         let driven = self.take_loads(&mut open);
         let (structure, omega) = (self.model.structure(), self.model.omega());
         let response = self.response.without(kernel.without(&places), structure, omega, &driven);
         let equations = Self { response: Arc::new(response), open, driven, ..self.clone() };
-        let point = equations.with_states(point);
+        let point = equations.with_states(point, &sums);
         Some((equations, point))
     }
 
@@ -104,17 +104,12 @@ impl Equations<'_> {
         Some(parts)
     }
 
-    /// The point with the states that its impulses lead to.
-    fn with_states(&self, point: &Point) -> Point {
+    /// The point with the states that its impulses lead to; `sums` are (1−R)⁻¹ of the open modes.
+    fn with_states(&self, point: &Point, sums: &[Turned]) -> Point {
         let mut whole = point.clone();
         whole.offsets.truncate(self.rigid.len());
-        for own in &self.open {
-            let turn = own.mode.turn;
-            let pushed = self.pushed(own, point);
-            let less = own.one_less;
-            let square = less.even * less.even + turn.sign() * less.odd * less.odd;
-            let inverse = Turned { even: less.even / square, odd: -less.odd / square };
-            let state = own.act(inverse, pushed);
+        for (own, &sum) in self.open.iter().zip(sums) {
+            let state = own.act(sum, self.pushed(own, point));
             whole.offsets.extend(state.map(|entry| if entry.is_finite() { entry } else { 0.0 }));
         }
         whole
@@ -194,7 +189,7 @@ impl Equations<'_> {
         }
     }
 
-    /// The equations with a pole of an open mode moved, each of its rates by a part of the mode's speed.
+    /// The equations with the pole of open mode `k` moved, its decay and its rate by these parts of its modulus.
     fn with_moved(&self, k: usize, [decay, rate]: [f64; 2]) -> Self {
         let mut moved = self.clone();
         let own = &mut moved.open[k];
@@ -205,7 +200,8 @@ impl Equations<'_> {
         moved
     }
 
-    /// What errors of the poles of open modes do, which are the same numbers in all rows: of each mode what its decay does and what its rate does.
+    /// How errors of the poles of open modes move the rows: a vector for the decay of each mode and one for its rate. The error of a pole is one
+    /// number in all rows, so its signs are kept.
     pub(super) fn doubts_of_open(&self, point: &Point) -> Result<Vec<ResonantDoubt>, StructureOrbitError> {
         let mut doubts = Vec::with_capacity(2 * self.open.len());
         for (k, own) in self.open.iter().enumerate() {

@@ -88,7 +88,7 @@ impl Run<'_> {
     }
 
     /// Runs to the end, with so many samples a period (0: a look at the end alone), in portions of time, so that Ctrl-C is heard and people are
-    /// told however long a period takes. How it ended, and whether it was stopped.
+    /// told however long a period takes; answers how the run ended, and whether a signal stopped it.
     pub(crate) fn follow(
         &mut self,
         args: &SimulateArgs,

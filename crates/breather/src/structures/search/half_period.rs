@@ -20,7 +20,7 @@ use crate::roots::interval::{Clearance, Enclosed, Zeros};
 use crate::structures::equations::Point;
 use crate::structures::error::StructureOrbitError;
 
-/// Next to a resonance, |sin ΩT/2| below this, errors of frequencies make all amplitudes doubtful: the way of several contacts tells them apart.
+/// Where |sin ΩT/2| is below this, next to a resonance, errors of frequencies blur all amplitudes: the search of several contacts takes over.
 const NEAR: f64 = 1e-3;
 
 /// Rounding of an amplitude and of a sine, in units of ε.
