@@ -1,13 +1,15 @@
 //! Looks at a chain's orbits.
 
 use vibrochain_breather::{Admissibility, Finder, Orbit};
-use vibrochain_lattice::Stop;
+use vibrochain_lattice::{BlochKernel, SparedModes, Stop};
 
-use super::half_sums::half_sums;
+use super::half_sums::{drop_nearest, half_sums};
 use super::orbit::EventOrbit;
 use super::watcher::{Spectrum, Watcher};
 use crate::analyser::Analyser;
+use crate::error::FloquetError;
 use crate::locate::LocateError;
+use crate::reference::dense::{is_reduced, uncoupled};
 use crate::verdict::{Question, Tolerance, Verdict};
 
 /// Impulses of a chain are about to vanish against those of a tenth of the force's own speed.
@@ -45,7 +47,16 @@ impl Watcher for OfChains {
             return Ok((values, Some(verdict)));
         }
         self.analyser.dense.solve(orbit, &mut self.finder)?;
-        Ok((half_sums(&self.analyser.dense.values, orbit.is_reversible()), None))
+        let mut sums = half_sums(&self.analyser.dense.values, orbit.is_reversible());
+        // The whole lattice's matrix has modes, too, that no impact reaches.
+        if !is_reduced(orbit) && !uncoupled(orbit) {
+            let prepared = self.finder.prepared(orbit).map_err(FloquetError::from)?;
+            let (_, spared) = BlochKernel::of_lattice(prepared.response(), &orbit.hit_sites());
+            for SparedModes { frequency, count, .. } in spared {
+                (0..count).for_each(|_| drop_nearest(&mut sums, (frequency * orbit.period()).cos()));
+            }
+        }
+        Ok((sums, None))
     }
 
     fn verdict(&mut self, orbit: &Orbit, tolerance: Tolerance) -> Result<Verdict, LocateError> {

@@ -1,19 +1,14 @@
 //! Branches of a chain's orbits: what stands at their ends and beside them; and the search for one event along one.
 
-use nalgebra::Complex;
 use vibrochain_breather::{Branch, BranchError, BranchPoint, BreatherError, Continuation, Departure, Orbit, OrbitList};
 use vibrochain_lattice::{Parameter, Resonance, Stop};
 
 use super::answer::{Answer, End, Event, LocateError, Located, Search};
 use super::course::Station;
 use super::follower::follow::upwards;
-use super::follower::{Ended, Ends, Follower, Order, Stretch};
+use super::follower::{Ended, Ends, Follower, Stretch};
 use crate::bracket::zero;
-use crate::error::FloquetError;
 use crate::events::OfChains;
-use crate::events::half_sums::SPLIT;
-use crate::multipliers::odd_multipliers;
-use crate::stripes::{OrderFinder, SignatureOrder, signature};
 use crate::verdict::Tolerance;
 
 /// A branch that is lost this near to a resonance, as a part of the range, ends there.
@@ -27,9 +22,6 @@ const PEAK_STEPS: usize = 6;
 
 /// The shortest range, as a part of the start: a fiftieth of it, and a thousandth of that, are more than rounding.
 const LEAST: f64 = 1e-9;
-
-/// As near as this a pair is that of a mode that the impacts do not reach.
-const SPARED: f64 = 1e-10;
 
 /// Follows the branch of `orbit` both ways, to the ends of the range or to a fold or another end of the branch, and collects all events.
 ///
@@ -119,14 +111,13 @@ pub(super) struct OfChain {
     range: [f64; 2],
     /// Who looks at orbits beside the branch.
     others: OfChains,
-    orders: OrderFinder,
     /// Orbits and spectra worked out beside it.
     counts: [usize; 2],
 }
 
 impl OfChain {
     pub(super) fn new(sites: usize, free: Parameter, range: [f64; 2], stop: &Stop) -> Self {
-        Self { free, range, others: OfChains::new(sites, stop), orders: OrderFinder::default(), counts: [0; 2] }
+        Self { free, range, others: OfChains::new(sites, stop), counts: [0; 2] }
     }
 
     fn length(&self) -> f64 {
@@ -142,7 +133,6 @@ impl Ends for OfChain {
     type Watcher = OfChains;
     type System = Continuation;
     const VANISHED: f64 = 0.0;
-    const SIGNED: bool = true;
 
     fn resonance_between(branch: &Branch, from: &BranchPoint, to: &BranchPoint) -> Option<(f64, Resonance)> {
         branch.resonance_within(from, to.value())
@@ -221,33 +211,6 @@ impl Ends for OfChain {
 
     fn others(&mut self) -> &mut OfChains {
         &mut self.others
-    }
-
-    /// At one site signatures are those of each pair. The matrix of others does not see multipliers turn real as ν does.
-    fn order(&mut self, orbit: &Orbit) -> Option<SignatureOrder> {
-        let asked = orbit.impact_site().is_none() && orbit.is_reversible();
-        asked.then(|| self.orders.of(orbit).ok().flatten())?
-    }
-
-    fn signatures(&mut self, orbit: &Orbit, sums: &[Complex<f64>]) -> Result<Option<Order>, LocateError> {
-        if orbit.impact_site().is_none() {
-            return Ok(None);
-        }
-        // Off rings the matrix knows modes, too, that the impacts do not reach.
-        let spared = if orbit.centre().is_some() { None } else { odd_multipliers(orbit) }.unwrap_or_default();
-        let moves = |nu: &&Complex<f64>| nu.im > SPLIT || nu.im.abs() <= SPLIT && nu.re.abs() < 1.0;
-        let mut pairs: Vec<Complex<f64>> = sums.iter().filter(moves).copied().collect();
-        pairs.retain(|nu| spared.iter().all(|mode| (mode.re - nu.re).abs() > SPARED));
-        pairs.sort_by(|a, b| a.re.total_cmp(&b.re));
-        let prepared = self.others.finder.prepared(orbit).map_err(FloquetError::from)?;
-        let told = |nu: &Complex<f64>| {
-            if nu.im > SPLIT {
-                return Some(None);
-            }
-            let multiplier = Complex::new(nu.re, ((1.0 - nu.re) * (1.0 + nu.re)).sqrt());
-            signature(prepared, multiplier).map(Some)
-        };
-        Ok(pairs.iter().map(told).collect())
     }
 
     fn evaluations(&self) -> usize {

@@ -112,9 +112,8 @@ pub struct FollowedBranch<O = Orbit> {
     pub stations: Vec<Station<O>>,
     /// Where there may be more events, hidden by rounding.
     pub unresolved: Vec<Unresolved>,
-    /// Steps in which a thin stripe may hide. Without loss, those in which Krein signatures do not tell: some next to places where pairs meet, and
-    /// all of them for impacts at several sites of orbits that are not their own mirror images in time. With losses, those in which rounding leaves
-    /// open which multipliers cross the circle.
+    /// Steps in which a thin stripe may hide. Without loss, those in which Krein signatures do not tell: some next to places where pairs meet. With
+    /// losses, those in which rounding leaves open which multipliers cross the circle.
     pub untold: usize,
     /// Where and how the way ends at the first and behind the last station. One that leaves another has its origin first.
     pub ends: Vec<(f64, End)>,

@@ -14,6 +14,7 @@
 //! | `drift` | how one moves along a branch |
 //! | `solve` | all of them, counted |
 //! | `clusters` | the same where poles nearly coincide |
+//! | `krein`, `parts` | Krein's form on an eigenvector, and which symmetry that has |
 //! | `leading` | f as a sum over its poles, and the zeros that lead alone, for a verdict |
 //! | `beyond` | whether one is surely beyond some modulus, by a sign |
 //! | `shape` | [`ModalShape`]: the perturbation that belongs to a multiplier |
@@ -24,9 +25,11 @@ mod beyond;
 mod clusters;
 mod drift;
 mod function;
+mod krein;
 mod leading;
 mod multipliers;
 mod null;
+mod parts;
 mod refine;
 mod shape;
 mod solve;
@@ -38,6 +41,7 @@ mod zero;
 
 pub(crate) use beyond::{BEYOND, is_surely_beyond};
 pub(crate) use function::SpectralFunction;
+pub(crate) use krein::KreinForms;
 pub use multipliers::ImpactSpectrum;
 pub(crate) use refine::Origin;
 pub use shape::ModalShape;

@@ -15,7 +15,7 @@ use crate::zeros::SecularError;
 type C = Complex<f64>;
 
 /// What a multiplier may leave of J, as a part of its largest entry.
-const MOST_DEFECT: f64 = 1e-4;
+pub(super) const MOST_DEFECT: f64 = 1e-4;
 
 /// The perturbation of a multiplier in normalised even modes (u_site = Σ b_k x_k), just before the first impact.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,7 +64,7 @@ impl ModalShape {
             return Err(SecularError::Certificate { defect: null.defect, allowed: MOST_DEFECT });
         }
         let modes = equations.kernel().modes();
-        let states = modes.iter().enumerate().map(|(k, mode)| (function.state(multiplier, &null, k), mode.rate));
+        let states = modes.iter().enumerate().map(|(k, mode)| (function.state(multiplier, &null, 0, k), mode.rate));
         let (mut displacement, mut velocity): (Vec<C>, Vec<C>) = states.map(|([x, y], rate)| (x, y * rate)).unzip();
         let omega = equations.omega();
         let squares = |list: &[C]| list.iter().map(|z| z.norm_sqr()).sum::<f64>();
@@ -89,11 +89,11 @@ impl ModalShape {
 }
 
 impl SpectralFunction<'_> {
-    /// Both coordinates of mode `k` just before the first impact, of the perturbation whose null vector this is.
-    fn state(&self, z: C, null: &Null, k: usize) -> [C; 2] {
+    /// Both coordinates of mode `k` just before the first impact, of the perturbation whose null vector is this column.
+    pub(super) fn state(&self, z: C, null: &Null, column: usize, k: usize) -> [C; 2] {
         let (mode, size) = (&self.equations.kernel().modes()[k], self.equations.size());
         let coordinates = mode.coordinates;
-        let y = null.right.column(0);
+        let y = null.right.column(column);
         let sum = |of: &dyn Fn([f64; 2]) -> [C; 2]| {
             let terms = self.equations.columns(k).iter().zip(y.iter()).map(|(column, y)| of(*column).map(|x| x * y));
             terms.fold([C::default(); 2], |[p, q], [u, v]| [p + u, q + v])

@@ -26,15 +26,16 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::OnceLock;
 
 use nalgebra::Complex;
-use vibrochain_breather::Prepared;
+use vibrochain_breather::{BlochEquations, Prepared};
 
 use super::form::{C, Form};
 use super::internal::{InternalMode, internal_mode};
-use super::signature::{Signature, signature};
+use super::signature::Signature;
 use crate::bracket::zero;
 use crate::error::FloquetError;
 use crate::multipliers::participating_modes;
 use crate::saltation::{Saltation, saltations};
+use crate::spectrum::KreinForms;
 
 /// Two modes this close, relatively, have none between them.
 const EQUAL: f64 = 1e-9;
@@ -198,11 +199,13 @@ impl DressedModes {
     /// `roots` are those of the orbit taken over, ν = ½(μ + 1/μ), as [`crate::Secular::roots`] has them. O(M) for each.
     pub fn signatures(&self, prepared: Prepared<'_>, roots: &[Complex<f64>]) -> Vec<Option<Signature>> {
         // In turns of the circle, from −½ to ½: where the form is positive. It is negative at the mirror images.
+        let (equations, _) = BlochEquations::of(prepared.orbit(), prepared.response());
+        let forms = KreinForms::without_parts(&equations);
         let on_the_circle = roots.iter().filter(|nu| nu.im == 0.0 && nu.re.abs() < 1.0);
         let positive: Vec<f64> = on_the_circle
             .filter_map(|nu| {
                 let multiplier = C::new(nu.re, ((1.0 - nu.re) * (1.0 + nu.re)).sqrt());
-                let sign = signature(prepared, multiplier)?.value();
+                let sign = Signature::at(multiplier, &forms)?.value();
                 Some(f64::from(sign) * multiplier.arg() / TAU)
             })
             .collect();

@@ -28,28 +28,14 @@ const ON_CIRCLE: f64 = 1e-6;
 
 /// The order of the signatures of all multipliers along the upper half of the unit circle: a number that is the same for equal orders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct SignatureOrder {
-    all: u64,
-    /// Of those on the circle alone, wherever others are.
-    circle: u64,
-}
+pub struct SignatureOrder(u64);
 
 impl SignatureOrder {
     /// Of the signs of each part, 0 off the circle.
-    fn of(parts: &mut [Vec<i8>]) -> Self {
-        let number = |parts: &[Vec<i8>]| {
-            let mut hasher = DefaultHasher::new();
-            parts.hash(&mut hasher);
-            hasher.finish()
-        };
-        let all = number(parts);
-        parts.iter_mut().for_each(|signs| signs.retain(|sign| *sign != 0));
-        Self { all, circle: number(parts) }
-    }
-
-    /// Whether the signatures on the circle are in the same order. They stay so where a pair drifts past one that is off the circle.
-    pub(crate) fn is_alike_on_circle(self, other: Self) -> bool {
-        self.circle == other.circle
+    fn of(parts: &[Vec<i8>]) -> Self {
+        let mut hasher = DefaultHasher::new();
+        parts.hash(&mut hasher);
+        Self(hasher.finish())
     }
 }
 
@@ -93,7 +79,7 @@ impl OrderFinder {
             return Ok(None);
         }
         if !orbit.is_reversible() {
-            return Ok(Some(SignatureOrder::of(&mut [by_monodromy(orbit)?])));
+            return Ok(Some(SignatureOrder::of(&[by_monodromy(orbit)?])));
         }
         let half_sum = HalfSum::new(orbit, &mut self.spectrum)?;
         let mut parts = Vec::new();
@@ -104,7 +90,7 @@ impl OrderFinder {
                 parts.push(signs(half_sum.on(&basis), &hit, i == 0)?);
             }
         }
-        Ok(Some(SignatureOrder::of(&mut parts)))
+        Ok(Some(SignatureOrder::of(&parts)))
     }
 }
 

@@ -1,13 +1,12 @@
 //! Krein signatures of multipliers, and of the modes of the bare ring.
 
 use nalgebra::Complex;
-use vibrochain_breather::Prepared;
+use vibrochain_breather::BlochEquations;
 use vibrochain_lattice::ImpulseResponse;
 
-use crate::spectrum::ModalShape;
+use crate::spectrum::KreinForms;
 
-/// |form| on an eigenvector of length 1, energies in units of ω, below which its sign is rounding's: the form of a pair that has
-/// met, or left the circle, is 0.
+/// Part of the action below which the sign of the form is rounding's: the form of a pair that has met, or left the circle, is 0.
 const NO_FORM: f64 = 1e-7;
 
 /// Krein signature of a pair of multipliers e^{±iθ}, by the one in the upper half plane.
@@ -27,6 +26,17 @@ impl Signature {
         if sign > 0.0 { Self::Positive } else { Self::Negative }
     }
 
+    /// By Krein's form, as a part of the action, on a multiplier in the upper half plane.
+    pub(crate) fn of_form(form: f64) -> Option<Self> {
+        if form.abs() > NO_FORM { Some(Self::of(form)) } else { None }
+    }
+
+    /// Of a multiplier above or below the real axis.
+    pub(super) fn at(multiplier: Complex<f64>, forms: &KreinForms) -> Option<Self> {
+        let told = forms.at(multiplier, 1)?;
+        Self::of_form(told.first()?.form * multiplier.im.signum())
+    }
+
     /// +1 or −1.
     pub fn value(self) -> i8 {
         match self {
@@ -42,12 +52,12 @@ impl From<Signature> for i8 {
     }
 }
 
-/// Signature of an orbit's multiplier on the unit circle, above or below the real axis: the sign of Krein's form on its
-/// eigenvector, for the one in the upper half plane. `None` for what is no multiplier of the modes that feel the impacts, or not on the
-/// circle, and for one of a pair that has met. O(M).
+/// Signature of a multiplier on the unit circle, above or below the real axis, of an orbit without losses, by its equations J(z): the sign of
+/// Krein's form on its eigenvector, for the one in the upper half plane. `None` for what is no multiplier of the modes that feel the impacts,
+/// or not on the circle, for one of a pair that has met, and where energy is lost. O(n r²) for n modes and r impacts.
 ///
 /// ```
-/// use vibrochain_breather::{Family, Finder, OrbitList};
+/// use vibrochain_breather::{BlochEquations, Family, Finder, OrbitList};
 /// use vibrochain_floquet::{Complex, Secular, Signature, signature};
 /// use vibrochain_lattice::{Chain, Model};
 /// let model = Model::conservative(Chain::new(6, 0.2, 0.15)?, 1.2, 0.4)?;
@@ -55,9 +65,10 @@ impl From<Signature> for i8 {
 /// finder.find(&model, Family::DoubleSided, &mut found)?;
 /// let prepared = finder.prepared(&found.orbits[0])?;
 /// secular.replace(prepared)?;
+/// let (equations, _) = BlochEquations::of(prepared.orbit(), prepared.response());
 /// let told = |nu: &Complex<f64>| {
 ///     let multiplier = Complex::new(nu.re, (1.0 - nu.re * nu.re).sqrt());
-///     (multiplier.arg(), signature(prepared, multiplier))
+///     (multiplier.arg(), signature(&equations, multiplier))
 /// };
 /// let mut signatures: Vec<_> = secular.roots()?.0.iter().map(told).collect();
 /// signatures.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -66,12 +77,10 @@ impl From<Signature> for i8 {
 /// assert_eq!(signatures.iter().map(|s| s.1).collect::<Vec<_>>(), [negative, negative, positive]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn signature(prepared: Prepared<'_>, multiplier: Complex<f64>) -> Option<Signature> {
-    let shape = ModalShape::new(prepared, multiplier).ok()?;
-    // ½i(ẋ̄x − x̄ẋ) = Im x̄ẋ
-    let form: f64 = shape.displacement.iter().zip(&shape.velocity).map(|(x, velocity)| (x.conj() * velocity).im).sum();
-    let upper = form * multiplier.im.signum() / prepared.response().omega();
-    if upper.abs() > NO_FORM { Some(Signature::of(upper)) } else { None }
+pub fn signature(equations: &BlochEquations, multiplier: Complex<f64>) -> Option<Signature> {
+    let is_kept = equations.kernel().modes().iter().all(|mode| mode.decay == 0.0)
+        && equations.impacts().iter().all(|impact| impact.restitution == 1.0);
+    if is_kept { Signature::at(multiplier, &KreinForms::without_parts(equations)) } else { None }
 }
 
 /// Signature of even mode k of the bare ring, the sign of sin Ω_kT; `None` where rounding could have changed it, 2Ω_k = jω.

@@ -44,7 +44,6 @@ impl Ends for OfStructure {
     type Watcher = OfStructures;
     type System = StructureContinuation;
     const VANISHED: f64 = 1e-9;
-    const SIGNED: bool = false;
 
     fn resonance_between(
         _: &StructureBranch,

@@ -53,11 +53,11 @@ impl<E: Ends> Follower<E> {
         let mut told = [false; 2];
         for (told, (from, to)) in told.iter_mut().zip([(from, between), (between, to)]) {
             // A stripe at ±1, however thin, shows in the signatures at both sides of it.
-            let hidden = self.hides_stripe(from.1, to.1, depth);
+            let hidden = self.hides_doubling(from.1, to.1, depth);
             if depth >= THINNEST && hidden {
                 self.hidden(from.0.value(), to.0.value());
             }
-            *told = clear && (depth >= THINNEST || !hidden && !self.hides_doubling(from, to, depth)?);
+            *told = clear && (depth >= THINNEST || !hidden);
         }
         let mut crossings = self.crossings([from, between, to], told)?;
         for (part, (from, to)) in [(from, between), (between, to)].into_iter().enumerate() {

@@ -3,7 +3,7 @@
 //! Two collide only if their Krein signatures differ. On the circle none passes another of the other signature without leaving it;
 //! so the signatures in the order of their pairs change only through such a stripe of instability. Where they have changed over a step
 //! at both ends of which as many pairs are on the circle, a stripe hides between, however thin: where the two meet that have changed
-//! places is inside it.
+//! places is inside it. Pairs of parts that a symmetry keeps apart (`order`) have an order each: they pass through each other.
 //!
 //! Inside a stripe two pairs may close and two others part before the next point. Then the place among the others has changed that
 //! those off the circle have. It does so without an event, too, where they drift past a pair that stays: so halving ends sooner.
@@ -11,11 +11,11 @@
 use nalgebra::Complex;
 
 use super::confirm::{Found, Part};
-use super::{At, Ends, Follower, OrbitOf, Order, Point, Seen};
+use super::order::Order;
+use super::{At, Ends, Follower, OrbitOf, Point, Seen};
 use crate::events::half_sums::{SPLIT, collided, complex_count};
 use crate::events::{EventOrbit, Solved, Test, Watcher};
 use crate::locate::answer::{Event, Evidence, LocateError};
-use crate::stripes::Signature;
 
 /// Halvings of a step in search of a stripe: to the rounding of its length.
 const DEEPEST: u32 = 45;
@@ -53,14 +53,31 @@ type Edge<E> = (f64, Solved<OrbitOf<E>>, Evidence);
 struct Place {
     s: f64,
     sums: Sums,
-    /// `None` where a signature cannot be told.
     order: Option<Order>,
 }
 
 impl Place {
+    fn new(s: f64, seen: &Seen) -> Self {
+        Self { s, sums: seen.values.clone(), order: seen.order.clone() }
+    }
+
+    fn told(&self) -> Option<&Order> {
+        told(&self.order)
+    }
+
     fn off_circle(&self) -> usize {
         complex_count(&self.sums)
     }
+}
+
+/// An order of which every signature is told.
+fn told(order: &Option<Order>) -> Option<&Order> {
+    order.as_ref().filter(|order| order.is_told())
+}
+
+/// The order of an orbit's pairs, by their half-sums.
+pub(super) fn order(orbit: &impl EventOrbit, half_sums: &[Complex<f64>]) -> Option<Order> {
+    Order::of(&orbit.linearised().ok()?, half_sums)
 }
 
 impl<E: Ends> Follower<E> {
@@ -72,18 +89,15 @@ impl<E: Ends> Follower<E> {
         found: &mut Vec<Found<E>>,
     ) -> Result<(), LocateError> {
         let length = self.branch.length_between(point, next);
-        let first = self.place(0.0, point.orbit(), &seen.values)?;
-        let last = self.place(length, next.orbit(), &next_seen.values)?;
-        if E::SIGNED {
-            let told = |place: &Place, seen: &Seen| place.order.is_some() || seen.order.is_some();
-            self.untold += usize::from(!told(&first, seen) || !told(&last, next_seen));
-        }
+        let first = Place::new(0.0, seen);
+        let last = Place::new(length, next_seen);
+        self.untold += usize::from(first.told().is_none() || last.told().is_none());
         let (mut parts, mut edges) = (vec![Part { from: first, to: last, depth: 0 }], Vec::new());
         while let Some(Part { from, to, depth }) = parts.pop() {
             let event = match from.off_circle().abs_diff(to.off_circle()) {
                 0 => {
-                    let (Some(before), Some(after)) = (&from.order, &to.order) else { continue };
-                    let certain = is_certain(before, after);
+                    let (Some(before), Some(after)) = (from.told(), to.told()) else { continue };
+                    let certain = before.swapped(after).is_some();
                     if before == after || !certain && depth >= APART {
                         continue;
                     }
@@ -119,7 +133,8 @@ impl<E: Ends> Follower<E> {
             let middle = if depth < DEEPEST { Some(self.between_places(point, from.s, to.s)?) } else { None };
             // Two that have changed places, but lie too near to each other all the way between.
             let swapped = event && from.off_circle() == to.off_circle();
-            let known = |middle: &Place| !swapped || middle.order.is_some() || middle.off_circle() != from.off_circle();
+            let known =
+                |middle: &Place| !swapped || middle.told().is_some() || middle.off_circle() != from.off_circle();
             if let Some(middle) = middle.filter(known) {
                 parts.extend(Part { from, to, depth }.parted([Some(middle.clone()), Some(middle)]));
             } else if event {
@@ -143,43 +158,24 @@ impl<E: Ends> Follower<E> {
 
     /// Whether between two points a pair has left the circle at −1 or +1, against itself, and come back. It has the other signature then:
     /// the balance of signatures tells, while as many pairs as before are beyond either end.
-    pub(super) fn hides_doubling(&mut self, from: At<'_, E>, to: At<'_, E>, depth: u32) -> Result<bool, LocateError> {
-        let orbit = from.0.orbit();
+    pub(super) fn hides_doubling(&self, from: &Seen, to: &Seen, depth: u32) -> bool {
         let at_ends = [Event::PeriodDoubling, Event::Pitchfork].into_iter().any(|event| self.watches(event));
-        if !E::SIGNED || !at_ends || !orbit.is_lossless() {
-            return Ok(false);
-        }
-        let mut told = |(point, seen): At<'_, E>| -> Result<_, LocateError> {
-            let place = self.place(0.0, point.orbit(), &seen.values)?;
+        let (Some(before), Some(behind)) = (told(&from.order), told(&to.order)) else { return false };
+        let off = |seen: &Seen, order: &Order| {
             let beyond = [-1.0, 1.0]
-                .map(|end| place.sums.iter().filter(|nu| nu.im.abs() <= SPLIT && nu.re * end >= 1.0).count());
-            Ok(place.order.as_ref().map(|order| (beyond, place.off_circle(), order.len(), positive(order))))
+                .map(|end| seen.values.iter().filter(|nu| nu.im.abs() <= SPLIT && nu.re * end >= 1.0).count());
+            (beyond, seen.openings.len(), order.size())
         };
-        let (Some(before), Some(behind)) = (told(from)?, told(to)?) else { return Ok(false) };
         // Where other events change the numbers, halves that are free of them can tell.
-        let comparable = (before.0, before.1, before.2) == (behind.0, behind.1, behind.2);
-        Ok(if comparable { before.3 != behind.3 } else { depth < ASIDE })
-    }
-
-    /// Whether a stripe lies between two points of orbits of several sites, besides what changes the number off the circle: the order of
-    /// signatures tells. Off the circle it changes, too, where one drifts past another.
-    pub(super) fn hides_stripe(&self, from: &Seen, to: &Seen, depth: u32) -> bool {
-        let (Some(before), Some(behind)) = (from.order, to.order) else { return false };
-        let off = |seen: &Seen| {
-            let beyond = |end: f64| seen.values.iter().filter(|nu| nu.im == 0.0 && nu.re * end >= 1.0).count();
-            (seen.openings.len(), beyond(-1.0), beyond(1.0))
-        };
-        if off(from) != off(to) {
-            return before != behind && depth < ASIDE;
-        }
-        !before.is_alike_on_circle(behind) || before != behind && depth < APART
+        let comparable = off(from, before) == off(to, behind);
+        at_ends && if comparable { before.kinds() != behind.kinds() } else { depth < ASIDE }
     }
 
     /// A place on the side of `end` so near to an edge as the order can be told.
     fn next_to(&mut self, point: &Point<E>, edge: f64, end: &Place) -> Result<Option<Place>, LocateError> {
         for share in NEXT_TO {
             let place = self.place_at(point, edge + share * (end.s - edge))?;
-            if place.order.is_some() && place.off_circle() == end.off_circle() {
+            if place.told().is_some() && place.off_circle() == end.off_circle() {
                 return Ok(Some(place));
             }
         }
@@ -188,15 +184,9 @@ impl<E: Ends> Follower<E> {
 
     /// Where the two meet that have changed places between two places: the least (ν₁ − ν₂)², by parabolas through three points.
     fn meeting(&mut self, point: &Point<E>, [from, to]: [&Place; 2]) -> Result<Option<Place>, LocateError> {
-        let (Some(before), Some(after)) = (&from.order, &to.order) else { return Ok(None) };
-        let swapped = on_circle(before).zip(on_circle(after)).position(|(a, b)| a != b);
-        let Some(first) = swapped else { return Ok(None) };
-        let gap = |place: &Place| {
-            let mut real: Vec<f64> =
-                place.sums.iter().filter(|nu| nu.im.abs() <= SPLIT && nu.re.abs() < 1.0).map(|nu| nu.re).collect();
-            real.sort_unstable_by(f64::total_cmp);
-            Some((real.get(first + 1)? - real.get(first)?).powi(2))
-        };
+        let (Some(before), Some(after)) = (from.told(), to.told()) else { return Ok(None) };
+        let Some(swapped) = before.swapped(after) else { return Ok(None) };
+        let gap = |place: &Place| place.order.as_ref()?.gap(swapped);
         let inside = |place: &Place| place.off_circle() > from.off_circle();
         let (Some(low), Some(high)) = (gap(from), gap(to)) else { return Ok(None) };
         let (mut low, mut high) = ((from.s, low), (to.s, high));
@@ -243,38 +233,17 @@ impl<E: Ends> Follower<E> {
     fn place_at(&mut self, point: &Point<E>, s: f64) -> Result<Place, LocateError> {
         let there = self.branch.step(point, s)?;
         let (values, _) = self.watcher.spectrum(there.orbit(), self.stretch.tolerance)?;
-        self.place(s, there.orbit(), &values)
+        Ok(Place { s, order: order(there.orbit(), &values), sums: values })
     }
 
     /// The middle, or where the order can be told beside it.
     fn between_places(&mut self, point: &Point<E>, from: f64, to: f64) -> Result<Place, LocateError> {
         let mut place = self.place_at(point, 0.5 * (from + to))?;
         for share in BESIDE {
-            if place.order.is_none() {
+            if place.told().is_none() {
                 place = self.place_at(point, from + share * (to - from))?;
             }
         }
         Ok(place)
     }
-
-    fn place(&mut self, s: f64, orbit: &OrbitOf<E>, half_sums: &[Complex<f64>]) -> Result<Place, LocateError> {
-        Ok(Place { s, sums: half_sums.to_vec(), order: self.ends.signatures(orbit, half_sums)? })
-    }
-}
-
-/// The signatures on the circle alone are the same but stand in another order, so that a stripe must lie between.
-fn is_certain(before: &Order, after: &Order) -> bool {
-    on_circle(before).count() == on_circle(after).count()
-        && on_circle(before).ne(on_circle(after))
-        && positive(before) == positive(after)
-}
-
-/// The signatures on the circle, in order.
-fn on_circle(order: &Order) -> impl Iterator<Item = Signature> + '_ {
-    order.iter().flatten().copied()
-}
-
-/// Number of pairs of positive signature.
-fn positive(order: &Order) -> usize {
-    on_circle(order).filter(|one| *one == Signature::Positive).count()
 }

@@ -6,7 +6,7 @@
 //! | `seen`, `between` | what is seen at a point; steps so short that no pair of events hides |
 //! | `confirm`, `beside_resonance` | events where a test function changes its sign |
 //! | `crossings`, `paths`, `cubic` | pairs of multipliers that cross the circle, by their slopes |
-//! | `collision` | without losses, pairs that meet on it |
+//! | `collision`, `order` | without losses, pairs that meet on it, and their Krein signatures |
 
 mod beside_resonance;
 mod between;
@@ -15,6 +15,7 @@ pub(crate) mod confirm;
 mod crossings;
 mod cubic;
 pub(crate) mod follow;
+mod order;
 mod paths;
 mod seen;
 
@@ -26,11 +27,7 @@ use vibrochain_lattice::{Resonance, Stop};
 use crate::events::{EventOrbit, Watcher};
 use crate::locate::answer::{End, Event, LocateError, Located, Unresolved};
 use crate::locate::course::{DiagramPoint, Station};
-use crate::stripes::{Signature, SignatureOrder};
 use crate::verdict::{Tolerance, Verdict};
-
-/// Pairs in the order of Re ν: the signature of one on the circle, nothing of two off it.
-pub(crate) type Order = Vec<Option<Signature>>;
 
 /// The orbits of an [`Ends`].
 pub(crate) type OrbitOf<E> = <<E as Ends>::Watcher as Watcher>::Orbit;
@@ -58,8 +55,8 @@ pub(crate) struct Seen {
     moving: crossings::Moving,
     /// Without loss, (Im ν)² of the pairs off the circle, by Re ν.
     pub(super) openings: Vec<f64>,
-    /// Of impacts at several sites, the order of Krein signatures along the circle.
-    pub(super) order: Option<SignatureOrder>,
+    /// Without loss, the pairs in order along the circle, with their Krein signatures.
+    order: Option<order::Order>,
     /// Where it comes with the multipliers.
     pub(super) verdict: Option<Verdict>,
 }
@@ -82,8 +79,6 @@ pub(crate) trait Ends: Sized {
     type System: System<Orbit = OrbitOf<Self>> + Clone;
     /// Impulses this small, against the first, are none.
     const VANISHED: f64;
-    /// Whether Krein signatures of orbits without losses can be told.
-    const SIGNED: bool;
 
     /// The resonance between two points, and where it is.
     fn resonance_between(branch: &Track<Self>, from: &Point<Self>, to: &Point<Self>) -> Option<(f64, Resonance)>;
@@ -102,18 +97,6 @@ pub(crate) trait Ends: Sized {
     fn leaving(&self, at: (&OrbitOf<Self>, f64), departure: &Departure) -> Result<Begun<Self>, BranchError>;
     /// Who looks at orbits beside the branch.
     fn others(&mut self) -> &mut Self::Watcher;
-    /// Of impacts at several places, the order of Krein signatures along the circle.
-    fn order(&mut self, _orbit: &OrbitOf<Self>) -> Option<SignatureOrder> {
-        None
-    }
-    /// The signatures of pairs, by their ν; `None` where one cannot be told.
-    fn signatures(
-        &mut self,
-        _orbit: &OrbitOf<Self>,
-        _half_sums: &[Complex<f64>],
-    ) -> Result<Option<Order>, LocateError> {
-        Ok(None)
-    }
     /// Orbits worked out beside the branch.
     fn evaluations(&self) -> usize {
         0

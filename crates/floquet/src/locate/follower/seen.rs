@@ -2,6 +2,7 @@
 
 use vibrochain_breather::{Admissibility, Hit};
 
+use super::collision::order;
 use super::{At, Ends, Follower, Point, Seen};
 use crate::events::half_sums::upper_half;
 use crate::events::{EventOrbit, Test, Watcher, another_one, minus_one};
@@ -29,14 +30,15 @@ impl<E: Ends> Follower<E> {
         // Signatures tell of thin stripes of any kind.
         let lossless = orbit.is_lossless();
         let signed = lossless && (seen.minus_one.is_some() || seen.another_one.is_some());
-        if self.watches(Event::NeimarkSacker) || signed {
+        let watched = self.watches(Event::NeimarkSacker) || signed;
+        if watched {
             (seen.values, seen.verdict) = self.watcher.spectrum(orbit, self.stretch.tolerance)?;
         }
-        if lossless && !seen.values.is_empty() {
+        if lossless && watched {
             let mut off = upper_half(&seen.values);
             off.sort_by(|a, b| a.re.total_cmp(&b.re));
             seen.openings = off.iter().map(|nu| nu.im * nu.im).collect();
-            seen.order = self.ends.order(orbit);
+            seen.order = order(orbit, &seen.values);
         }
         Ok(seen)
     }
