@@ -105,6 +105,29 @@ impl Analyser {
         Some(told(&found, tolerance)).filter(|verdict| !verdict.hangs_on_rounding(true, tolerance))
     }
 
+    /// The same with all multipliers of the modes that the contact feels but the trivial pair; `None`, too, next to ±1, and where two pairs may have
+    /// met.
+    pub(crate) fn structure_multipliers(
+        &mut self,
+        orbit: &ReversibleOrbit<'_>,
+        tolerance: Tolerance,
+    ) -> Option<(Verdict, Vec<Complex<f64>>)> {
+        let verdict = self.structure_reversible(orbit, tolerance)?;
+        // A screen of signs may have spared the rest.
+        let ratio = self.secular.residues.take_over_structure(orbit).ok()?;
+        self.secular.residues.complete(ratio).ok()?;
+        let mut multipliers = Vec::with_capacity(2 * orbit.modes.len());
+        for (nu, error) in self.secular.all_nu().ok()? {
+            let excess = nu.excess();
+            if nu.excess_error(excess, error) > WORST * (1.0 + excess) {
+                return None;
+            }
+            multipliers.extend(nu.multipliers());
+        }
+        let are_all = self.secular.roots.touching.is_empty() && multipliers.len() + 2 == 2 * orbit.modes.len();
+        are_all.then_some((verdict, multipliers))
+    }
+
     /// The verdict on a [`MapBreather`], as [`Analyser::verdict`] has it of the orbit; `None` where only the
     /// orbit can tell: next to where its errors matter or to the border of stability, and how its symmetry breaks.
     ///

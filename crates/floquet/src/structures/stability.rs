@@ -1,5 +1,5 @@
-//! Stability of orbits of any linear structure: all multipliers from J(z). A verdict alone on an orbit without losses that is its own mirror
-//! image in time, with impacts at one contact, comes from the modes as that contact feels them, unless these leave it open.
+//! Stability of orbits of any linear structure: all multipliers from J(z). Those of an orbit without losses that is its own mirror image in
+//! time, with impacts at one contact, come from the modes as that contact feels them, unless these leave something open.
 
 use std::cell::OnceCell;
 
@@ -175,6 +175,12 @@ impl<'a> StructureMultipliers<'a> {
 
     /// The same with the multipliers of the modes that the impacts feel.
     fn all(&self, tolerance: Tolerance) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
+        let reversible = self.orbit.reversible();
+        let known = reversible.and_then(|orbit| Analyser::default().structure_multipliers(&orbit, tolerance));
+        known.map_or_else(|| self.all_worked_out(tolerance), Ok)
+    }
+
+    fn all_worked_out(&self, tolerance: Tolerance) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
         let ask = |equations: &BlochEquations, data: &[Origin]| self.told(equations, data, tolerance);
         let (felt, multipliers) = self.as_well_as_known(ask, tolerance)?;
         Ok((self.with_spared(felt, tolerance), multipliers))

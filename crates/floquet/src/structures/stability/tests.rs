@@ -69,7 +69,7 @@ fn modes_of_one_contact_say_what_the_equations_say() {
     let (mut random, mut analyser) = (Random(41), Analyser::default());
     // Of one instant and of two: answered, stable, unstable; left open.
     let (mut answers, mut stable, mut unstable, mut open) = ([0; 2], [0; 2], [0; 2], 0);
-    let (mut rigid, mut leading) = (0, [0; 3]);
+    let (mut rigid, mut leading, mut all, mut asked) = (0, [0; 3], 0, 0);
     for round in 0..1500 {
         let structure = Arc::new([dense, given, row][round % 3](&mut random));
         let model = StructureModel::new(structure, random.log(0.3, 3.0)).unwrap();
@@ -83,6 +83,21 @@ fn modes_of_one_contact_say_what_the_equations_say() {
                 };
                 assert_eq!(told.method, Method::Secular);
                 answers[instants] += 1;
+                if let Some((verdict, list)) = analyser.structure_multipliers(&reversible, Tolerance::Rounding)
+                    && let Ok((_, mut right)) = StructureMultipliers::of(orbit).all_worked_out(Tolerance::Rounding)
+                {
+                    assert_eq!((verdict.stable, list.len()), (told.stable, right.len()), "{round} {word}");
+                    for z in list {
+                        let off = |w: &Complex<f64>| (w - z).norm();
+                        let nearest =
+                            (0..right.len()).min_by(|&i, &j| off(&right[i]).total_cmp(&off(&right[j]))).unwrap();
+                        // Next to another pair both know less.
+                        let apart = off(&right.swap_remove(nearest));
+                        assert!(apart < 1e-8 * (1.0 + z.norm()), "{round} {word}: {z} {apart:e}");
+                        all += usize::from(apart < 1e-11 * (1.0 + z.norm()));
+                        asked += 1;
+                    }
+                }
                 rigid += usize::from(reversible.modes.iter().any(|mode| mode.frequency == 0.0));
                 let Ok(right) = StructureMultipliers::of(orbit).worked_out(Tolerance::Rounding) else { continue };
                 let error = told.resolution + right.resolution + 1e-10 * (1.0 + told.spectral_radius);
@@ -105,6 +120,7 @@ fn modes_of_one_contact_say_what_the_equations_say() {
     }
     assert!(answers.iter().all(|count| *count > 700) && open * 20 < answers[0] + answers[1], "{answers:?} {open}");
     assert!(stable.iter().chain(&unstable).all(|count| *count > 100), "{stable:?} {unstable:?}");
+    assert!(asked > 5_000 && 100 * (asked - all) < asked, "{all} of {asked}");
     assert!(rigid > 50 && leading.iter().all(|count| *count > 20), "{rigid} {leading:?}");
 }
 
