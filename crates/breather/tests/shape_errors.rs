@@ -39,8 +39,8 @@ fn errors_of_shapes_bound_what_shapes_that_are_off_make_of_the_equations() {
         let off = 1e-7;
         let mut modes = modes(&mut random);
         for mode in &mut modes {
-            mode.errors.rows = vec![off; CONTACTS];
-            mode.errors.columns = vec![off; CONTACTS];
+            mode.errors.rows = smallvec::smallvec![off; CONTACTS];
+            mode.errors.columns = smallvec::smallvec![off; CONTACTS];
         }
         let mut moved = modes.clone();
         for pair in moved.iter_mut().flat_map(|mode| mode.rows.iter_mut().chain(&mut mode.columns)) {

@@ -58,7 +58,7 @@ fn kernel(structure: &Structure) -> BlochKernel {
         modes.push(LinearMode::real_poles([pair[0], pair[1]], [both[0].0, both[1].0], shapes, &[]));
     }
     let contacts: Vec<usize> = (0..structure.contacts.len()).collect();
-    ParticipatingModes { modes, ..ParticipatingModes::default() }.kernel(structure.period, &contacts)
+    ParticipatingModes { modes: modes.into(), ..ParticipatingModes::default() }.kernel(structure.period, &contacts)
 }
 
 fn equations(structure: &Structure) -> BlochEquations {

@@ -99,5 +99,6 @@ pub use structure::error::StructureError;
 pub use structure::linear_mode::{LinearMode, ModeErrors, ModeShape};
 #[cfg(feature = "matrices")]
 pub use structure::matrices::Structure;
-pub use structure::modal::{ModalStructure, ParticipatingModes};
+pub use structure::modal::ModalStructure;
 pub use structure::operator::{Bands, Layering, Pulls, SparseOperator};
+pub use structure::participating::ParticipatingModes;

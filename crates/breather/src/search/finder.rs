@@ -88,6 +88,8 @@ pub struct Finder {
     pub(crate) radiation: Option<Option<Radiation>>,
     pub(crate) watch: Watch,
     pub(crate) conservative_modes: ConservativeModes,
+    /// That of the orbit last asked for it: verdicts and answers both want it.
+    condition: Option<Box<(Orbit, Condition)>>,
     pub(crate) stop: Stop,
 }
 
@@ -108,6 +110,7 @@ impl Finder {
             radiation: None,
             watch: Watch::default(),
             conservative_modes: ConservativeModes::default(),
+            condition: None,
             stop: Stop::default(),
         }
     }
@@ -296,8 +299,15 @@ impl Finder {
     /// assert!(condition.impulse_error() < 1e-13);
     /// # Ok::<(), vibrochain_breather::BreatherError>(())
     /// ```
-    pub fn condition(&self, orbit: &Orbit) -> Result<Condition, BreatherError> {
-        Condition::of_lattice(orbit, &self.stop)
+    pub fn condition(&mut self, orbit: &Orbit) -> Result<Condition, BreatherError> {
+        if let Some((known, condition)) = self.condition.as_deref()
+            && known == orbit
+        {
+            return Ok(condition.clone());
+        }
+        let condition = Condition::of_lattice(orbit, &self.stop)?;
+        self.condition = Some(Box::new((orbit.clone(), condition.clone())));
+        Ok(condition)
     }
 
     /// Whether errors of an orbit could matter to its verdict: next to a resonance, to grazing or to a fold. Cheap enough

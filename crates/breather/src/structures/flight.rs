@@ -155,7 +155,7 @@ impl<'a> StructureMotion<'a> {
             }
         }
         // Every mode by itself, felt or not.
-        let felt = ParticipatingModes { modes: structure.modes().to_vec(), ..ParticipatingModes::default() };
+        let felt = ParticipatingModes { modes: structure.modes().to_vec().into(), ..ParticipatingModes::default() };
         let kernel = PeriodicKernel::new(structure.modes(), Arc::new(felt), &[], self.orbit.period());
         let mut states = after_impact(self.orbit, &kernel, i).into_iter();
         let mut offsets = self.orbit.offsets().iter();

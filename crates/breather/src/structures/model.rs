@@ -39,12 +39,12 @@ impl StructureModel {
         Self { structure, omega, fixed: Arc::default(), responses: Arc::default(), stop: Stop::default() }.at(omega)
     }
 
-    /// A lattice with contacts at these lists of masses, as [`Model::structure`] has them.
+    /// A lattice with contacts at these lists of masses, as [`Model::felt_structure`] has them.
     ///
     /// # Errors
     /// [`StructureOrbitError`]: no such mass, or a frequency out of range.
     pub(crate) fn of_lattice(model: &Model, contacts: &[Vec<usize>], stop: &Stop) -> Result<Self, StructureOrbitError> {
-        Ok(Self::new(Arc::new(model.structure(contacts)?), model.omega())?.until(stop))
+        Ok(Self::new(Arc::new(model.felt_structure(contacts)?), model.omega())?.until(stop))
     }
 
     /// The same, whose orbits, and all that is asked of them, are worked out no longer than until the request to stop is raised.

@@ -119,6 +119,12 @@ impl LayerModes {
         }
     }
 
+    /// Whether a mass is at a node of the mode.
+    pub(crate) fn is_node(&self, mode: LayeredMode, n: usize) -> bool {
+        let along = self.along.wave(mode.along, n % self.length);
+        along.high == 0.0 || self.across.wave(mode.across, n / self.length).high == 0.0
+    }
+
     /// Whether the displacements of all masses add up to 0, as a load that is the same on all of them sees it.
     pub(crate) fn is_balanced(&self, mode: LayeredMode) -> bool {
         self.along.is_balanced(mode.along) || self.across.is_balanced(mode.across)

@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use rustfft::num_complex::Complex;
+use smallvec::SmallVec;
 
 use super::basis::Basis;
 use super::error::StructureError;
@@ -145,7 +146,7 @@ impl<'a> Assembly<'a> {
         let mut modes: Vec<LinearMode> = Vec::with_capacity(coupled.len());
         let all = |pole: &Pole, lists: &[Vec<Bounded>]| lists.iter().map(|list| seen(pole, list)).unzip();
         for pole in complex {
-            let (contacts, rows): (Vec<C>, Vec<f64>) = all(pole, &self.contacts);
+            let (contacts, rows): (Vec<C>, SmallVec<[f64; 2]>) = all(pole, &self.contacts);
             let (still, still_error) = seen(pole, &self.still);
             let parts = |[re, im]: &[Vec<Bounded>; 2]| [seen(pole, re), seen(pole, im)];
             let loads: Vec<[(C, f64); 2]> = self.loads.iter().map(parts).collect();
@@ -189,7 +190,7 @@ impl<'a> Assembly<'a> {
             let mut mode =
                 LinearMode::real_poles(both.map(|pole| pole.rate().re), signs, [&shape(0), &shape(1)], &loads);
             let error = |list: &Vec<Bounded>| both.iter().map(|pole| seen(pole, list).1).sum::<f64>();
-            let rows: Vec<f64> = self.contacts.iter().map(error).collect();
+            let rows: SmallVec<[f64; 2]> = self.contacts.iter().map(error).collect();
             mode.errors = ModeErrors {
                 poles: both.iter().map(|pole| pole.error + f64::EPSILON * pole.rate().norm()).sum(),
                 columns: rows.clone(),

@@ -33,7 +33,10 @@ impl ContactMode {
 
 /// Modes as one contact feels them; `None` unless all go on for ever.
 pub(super) fn of_contact(modes: &[LinearMode], contact: usize) -> Option<Vec<ContactMode>> {
-    let mut list: Vec<ContactMode> = modes.iter().map(|mode| ContactMode::of(mode, contact)).collect::<Option<_>>()?;
+    let mut list: Vec<ContactMode> = Vec::with_capacity(modes.len());
+    for mode in modes {
+        list.push(ContactMode::of(mode, contact)?);
+    }
     let sum: f64 = list.iter().map(|mode| mode.weight).sum();
     let error = list.iter().map(|mode| mode.weight * mode.weight_error).sum::<f64>() / sum;
     for mode in &mut list {

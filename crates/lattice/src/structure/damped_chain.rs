@@ -112,6 +112,16 @@ impl DampedChain {
     /// [`StructureError`]: numbers out of range, sizes that do not fit, springs that let the chain fall over, too much damping. Of a contact that
     /// none of the modes which are kept moves, [`StructureError::Unmoved`].
     pub fn modal(&self) -> Result<ModalStructure, StructureError> {
+        self.modal_of(|_, _| true)
+    }
+
+    /// The same of the modes that move a mass which a contact sees.
+    pub(super) fn felt(&self) -> Result<ModalStructure, StructureError> {
+        let masses = || self.contacts.iter().flat_map(|(weights, _)| weights.iter().map(|(n, _)| *n));
+        self.modal_of(|row, mode| masses().any(|n| !row.is_node(mode, n)))
+    }
+
+    fn modal_of(&self, is_wanted: impl Fn(&LayerModes, LayeredMode) -> bool) -> Result<ModalStructure, StructureError> {
         self.check()?;
         let row = LayerModes::new((self.sites, self.ends), (self.layers, self.layer_ends));
         let reach = |weights: &[(usize, f64)]| weights.iter().map(|(_, weight)| weight * weight).sum::<f64>().sqrt();
@@ -127,7 +137,13 @@ impl DampedChain {
             let decay = Bounded { sum: (own + between) * half, error: if coupling.high == 0.0 { 0.0 } else { error } };
             Ok(without_rounding(shape.oscillator(k, square, decay)?, reaches.iter().copied()))
         };
-        let modes = self.slowest(&row)?.iter().enumerate().map(of_mode).collect::<Result<_, _>>()?;
+        let slowest = self.slowest(&row, is_wanted)?;
+        // Room for exactly as many: of a large lattice they are most of what it takes.
+        let mut modes = Vec::with_capacity(slowest.len());
+        for mode in slowest.iter().enumerate().map(of_mode) {
+            modes.push(mode?);
+        }
+        drop(slowest);
         let contacts = self.contacts.iter().map(|(_, contact)| *contact).collect();
         let harmonics = self.loads.iter().map(|(number, _)| *number).collect();
         Ok(ModalStructure::keeping(self.modes, contacts, harmonics, modes)?.with_operator(self.operator()))
@@ -172,11 +188,15 @@ impl DampedChain {
             let dot = |list: &[f64]| shape.iter().zip(list).map(|(shape, x)| shape * x).sum::<f64>();
             mode.amplitudes(dot(place), dot(velocity))
         };
-        Ok(self.slowest(&row)?.into_iter().zip(modal.modes()).map(of_mode).collect())
+        Ok(self.slowest(&row, |_, _| true)?.into_iter().zip(modal.modes()).map(of_mode).collect())
     }
 
-    /// The modes that are kept, by rising frequency.
-    fn slowest(&self, row: &LayerModes) -> Result<Vec<Frequency>, StructureError> {
+    /// The modes that are kept, by rising frequency: of those that are wanted.
+    fn slowest(
+        &self,
+        row: &LayerModes,
+        is_wanted: impl Fn(&LayerModes, LayeredMode) -> bool,
+    ) -> Result<Vec<Frequency>, StructureError> {
         let frequency = |mode: LayeredMode| {
             let [coupling, across] = row.stiffnesses(mode);
             let own = Twofold::from(self.gamma1);
@@ -190,7 +210,9 @@ impl DampedChain {
             };
             Frequency { mode, coupling, square }
         };
-        let mut all: Vec<Frequency> = row.all().map(frequency).collect();
+        let wanted = || row.all().filter(|mode| is_wanted(row, *mode));
+        let mut all = Vec::with_capacity(wanted().count());
+        all.extend(wanted().map(frequency));
         let parts = |frequency: &Frequency| (frequency.square.sum.high, frequency.square.sum.low);
         let order = |a: (f64, f64), b: (f64, f64)| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1));
         all.sort_by(|a, b| order(parts(a), parts(b)));

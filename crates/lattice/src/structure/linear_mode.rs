@@ -1,6 +1,7 @@
 //! One mode of a structure: two real coordinates ξ with ξ′ = Aξ + what impulses and loads give, A = −δ + κJ ([`Turn`]).
 
 use rustfft::num_complex::Complex;
+use smallvec::{SmallVec, smallvec};
 
 use crate::kernel::turn::{ModeFlow, Turn, Turned};
 
@@ -19,9 +20,9 @@ pub struct LinearMode {
     /// κ
     pub rate: f64,
     /// What each contact sees of ξ.
-    pub rows: Vec<[f64; 2]>,
+    pub rows: SmallVec<[[f64; 2]; 1]>,
     /// What a unit impulse at each contact adds to ξ.
-    pub columns: Vec<[f64; 2]>,
+    pub columns: SmallVec<[[f64; 2]; 1]>,
     /// What each coordinate sees of ξ; empty where these are not asked for.
     pub coordinates: Vec<[f64; 2]>,
     /// What the static load adds to ξ in a unit of time.
@@ -40,9 +41,9 @@ pub struct ModeErrors {
     /// Of either pole λ.
     pub poles: f64,
     /// Of what each contact sees of ξ.
-    pub rows: Vec<f64>,
+    pub rows: SmallVec<[f64; 2]>,
     /// Of what a unit impulse at each contact adds to ξ.
-    pub columns: Vec<f64>,
+    pub columns: SmallVec<[f64; 2]>,
     /// Of what the static load adds.
     pub still: f64,
     /// Of what the loads of each harmonic add.
@@ -56,7 +57,7 @@ impl ModeErrors {
         let length = |list: &[f64; 2]| list[0].hypot(list[1]);
         Self {
             poles: UNIT * (mode.decay.abs() + mode.rate),
-            rows: vec![0.0; mode.rows.len()],
+            rows: smallvec![0.0; mode.rows.len()],
             columns: mode.columns.iter().map(|column| UNIT * length(column)).collect(),
             still: UNIT * length(&mode.still),
             loads: mode.loads.iter().map(|load| UNIT * load.iter().map(|load| load.norm()).sum::<f64>()).collect(),
@@ -87,14 +88,14 @@ impl LinearMode {
             // Any scale serves where both poles are one.
             (Turn::Parabolic, if decay == 0.0 { 1.0 } else { decay.abs() })
         };
-        let seen = |list: &[f64]| list.iter().map(|shape| [*shape, 0.0]).collect();
+        let seen = |shape: &f64| [*shape, 0.0];
         let mode = Self {
             turn,
             decay,
             rate,
-            rows: seen(&shape.contacts),
+            rows: shape.contacts.iter().map(seen).collect(),
             columns: shape.contacts.iter().map(|shape| [0.0, shape / rate]).collect(),
-            coordinates: seen(&shape.coordinates),
+            coordinates: shape.coordinates.iter().map(seen).collect(),
             still: [0.0, shape.still / rate],
             loads: loads.iter().map(|load| [C::default(), load / rate]).collect(),
             is_real: true,
@@ -106,15 +107,15 @@ impl LinearMode {
     /// A complex pole λ and its conjugate, φᵀ(2λM + C)φ = 1: φφᵀ is the residue there. `loads` are (Re φ)ᵀf and (Im φ)ᵀf.
     pub fn pole(rate: C, shape: &ModeShape<C>, loads: &[[C; 2]]) -> Self {
         // The complex amplitude ξ, as (Re ξ, −Im ξ).
-        let seen = |list: &[C]| list.iter().map(|shape| [2.0 * shape.re, 2.0 * shape.im]).collect();
+        let seen = |shape: &C| [2.0 * shape.re, 2.0 * shape.im];
         let given = |shape: C| [shape.re, -shape.im];
         let mode = Self {
             turn: Turn::Circular,
             decay: -rate.re,
             rate: rate.im,
-            rows: seen(&shape.contacts),
+            rows: shape.contacts.iter().map(seen).collect(),
             columns: shape.contacts.iter().copied().map(given).collect(),
-            coordinates: seen(&shape.coordinates),
+            coordinates: shape.coordinates.iter().map(seen).collect(),
             still: given(shape.still),
             loads: loads.iter().map(|[real, imaginary]| [*real, -*imaginary]).collect(),
             is_real: false,
@@ -140,7 +141,7 @@ impl LinearMode {
             turn: Turn::Hyperbolic,
             decay: -0.5 * (rates[0] + rates[1]),
             rate: 0.5 * (rates[0] - rates[1]),
-            rows: seen([&contacts[0], &contacts[1]]),
+            rows: seen([&contacts[0], &contacts[1]]).into(),
             columns: contacts[0].iter().zip(&contacts[1]).map(|(a, b)| given(*a, *b)).collect(),
             coordinates: seen([&coordinates[0], &coordinates[1]]),
             still: given(shapes[0].still, shapes[1].still),

@@ -16,6 +16,7 @@
 //! | `assembly` | modes from both |
 //! | `oscillator` | modes of real shape with bounds of their errors, whatever they are made of |
 //! | `operator` | [`SparseOperator`]: how coordinates pull at each other, beside the modes |
+//! | `participating` | [`ParticipatingModes`]: modes as impacts at some contacts feel them |
 //! | `steady` | motions under the loads alone |
 //! | `energy` | [`EnergyForm`]: energy and powers in the coordinates of the modes |
 //! | `error` | [`StructureError`] |
@@ -38,6 +39,7 @@ pub(crate) mod modal;
 mod of_model;
 pub(crate) mod operator;
 mod oscillator;
+pub(crate) mod participating;
 #[cfg(feature = "matrices")]
 mod poles;
 #[cfg(feature = "matrices")]

@@ -28,6 +28,33 @@ impl Model {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn structure(&self, contacts: &[Vec<usize>]) -> Result<ModalStructure, StructureError> {
+        self.with_contacts(contacts).modal()
+    }
+
+    /// The same structure without the modes that move none of these masses: no impact feels them. On a ring, where all masses are alike, the first
+    /// one stands for mass 0: of one mass alone it leaves out about half of the modes.
+    ///
+    /// # Errors
+    /// As [`Model::structure`].
+    ///
+    /// ```
+    /// use vibrochain_lattice::{Chain, Model};
+    /// let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, 1.5, 0.4)?;
+    /// assert_eq!(model.felt_structure(&[vec![5]])?.modes().len(), 11);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn felt_structure(&self, contacts: &[Vec<usize>]) -> Result<ModalStructure, StructureError> {
+        let sites = self.chain().sites();
+        let first = contacts.first().and_then(|masses| masses.first()).copied().unwrap_or_default();
+        if !self.chain().is_ring() || contacts.iter().flatten().any(|&mass| mass >= sites) {
+            return self.with_contacts(contacts).felt();
+        }
+        let turned = |mass: &usize| (mass + sites - first) % sites;
+        let contacts: Vec<Vec<usize>> = contacts.iter().map(|masses| masses.iter().map(turned).collect()).collect();
+        self.with_contacts(&contacts).felt()
+    }
+
+    fn with_contacts(&self, contacts: &[Vec<usize>]) -> DampedChain {
         let stop = self.stop();
         let contact = |masses: &Vec<usize>| {
             let root = (masses.len() as f64).sqrt();
@@ -35,7 +62,7 @@ impl Model {
             let [lower, upper] = [stop.lower, stop.upper].map(|place| place.map(|place| root * place));
             (seen, Contact { lower, upper, ..stop })
         };
-        self.damped_chain(contacts.iter().map(contact).collect()).modal()
+        self.damped_chain(contacts.iter().map(contact).collect())
     }
 
     /// How its masses pull at each other, with a contact at each of them and the force as the loads.
@@ -72,5 +99,50 @@ impl Model {
             all_masses: false,
             ..DampedChain::new(layout.length, RowEnds::Alike(layout.ends))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::chain::Chain;
+    use crate::modes::row::Ends;
+
+    /// What is left out is felt by nobody: mobilities, answers to impulses and steady motions are those of all modes, at whichever masses contacts are.
+    #[test]
+    fn contacts_feel_no_other_modes() {
+        let ring = Chain::new(21, 0.2, 0.1).unwrap();
+        let even = Chain::new(12, 0.2, 0.1).unwrap();
+        let walled = ring.with_ends(Ends::Fixed);
+        let layered = even.with_layers(3, 0.03, Ends::Free).unwrap();
+        let cases: [(Chain, &[usize], usize); 7] = [
+            (ring, &[0], 11),
+            (ring, &[5], 11),
+            (ring, &[3, 7], 21),
+            (even, &[11, 5], 7),
+            (walled, &[10], 11),
+            (walled, &[3], 20),
+            (layered, &[12], 14),
+        ];
+        for (chain, masses, count) in cases {
+            let model = chain.point().omega(1.1).asymmetry(0.2).amplitude(0.4).restitution(0.7).model().unwrap();
+            let contacts: Vec<Vec<usize>> = masses.iter().map(|mass| vec![*mass]).collect();
+            let [all, felt] = [model.structure(&contacts).unwrap(), model.felt_structure(&contacts).unwrap()];
+            assert_eq!((all.modes().len(), felt.modes().len()), (chain.sites(), count), "{masses:?}");
+            let answer = |of: &ModalStructure, to: usize, from: usize, t: f64| -> f64 {
+                of.modes().iter().map(|mode| mode.turn.pair(mode.rows[to], mode.flight(t), mode.columns[from])).sum()
+            };
+            for (to, from) in (0..masses.len()).flat_map(|to| (0..masses.len()).map(move |from| (to, from))) {
+                assert!((all.mobility(to, from) - felt.mobility(to, from)).abs() < 1e-14);
+                for t in [0.3, 2.0, 17.0] {
+                    let off = answer(&all, to, from, t) - answer(&felt, to, from, t);
+                    assert!(off.abs() < 1e-13, "{masses:?} {to} {from} {t}: {off:e}");
+                }
+            }
+            let swings = [&all, &felt].map(|of| of.steady_at(0, 1.1).unwrap());
+            assert!(swings[0].iter().zip(&swings[1]).all(|(a, b)| (a - b).norm() < 1e-13));
+        }
+        let model = Model::conservative(ring, 1.5, 0.4).unwrap();
+        assert!(matches!(model.felt_structure(&[vec![0], vec![21]]), Err(StructureError::Range { .. })));
     }
 }

@@ -1,6 +1,7 @@
 //! A mode of real shape, from its frequency, its dashpot and what is seen of its shape, with bounds of its errors.
 
 use rustfft::num_complex::Complex;
+use smallvec::SmallVec;
 
 use super::error::StructureError;
 use super::linear_mode::{LinearMode, ModeErrors, ModeShape};
@@ -66,7 +67,7 @@ impl SeenShape {
         let rate = mode.rate;
         let of_rate = f64::EPSILON * rate + (turned_error / rate).min(turned_error.sqrt());
         let (part, given) = (of_rate / rate, |error: f64, value: f64| error + 0.5 * f64::EPSILON * value.abs());
-        let rows: Vec<f64> = self.contacts.iter().map(|seen| given(seen.error, value(seen))).collect();
+        let rows: SmallVec<[f64; 2]> = self.contacts.iter().map(|seen| given(seen.error, value(seen))).collect();
         let added = |error: f64, value: f64| (error + (part + f64::EPSILON) * value.abs()) / rate;
         mode.errors = ModeErrors {
             poles: of_rate + decay.error + 0.5 * f64::EPSILON * delta.abs(),
