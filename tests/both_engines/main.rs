@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 mod branches;
+mod ends;
 mod lists;
 mod maps;
 mod runs;

@@ -188,7 +188,7 @@ pub enum BranchError {
     Breather(#[from] BreatherError),
     /// No orbit of a structure there.
     #[error(transparent)]
-    Structure(#[from] StructureOrbitError),
+    Structure(StructureOrbitError),
     /// The structure has no such value.
     #[error("{0}")]
     Model(String),
@@ -198,4 +198,13 @@ pub enum BranchError {
     /// No way is known by which orbits leave one of this family.
     #[error("no orbit is known to branch off one of this family")]
     Family,
+}
+
+impl From<StructureOrbitError> for BranchError {
+    fn from(error: StructureOrbitError) -> Self {
+        match error {
+            StructureOrbitError::Stopped(stopped) => Self::Breather(stopped.into()),
+            error => Self::Structure(error),
+        }
+    }
 }

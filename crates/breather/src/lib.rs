@@ -74,8 +74,10 @@ pub use roots::bracket;
 pub use search::completeness::{Completeness, Proof};
 pub use search::finder::{Finder, OrbitList, Prepared, Scope, breathers, condition};
 pub use search::words::ended::{End, Ended};
+pub use structures::branch::continuation::{
+    StructureBranch, StructureBranchPoint, StructureContinuation, StructureFamily,
+};
 pub use structures::condition::Condition;
-pub use structures::continuation::{StructureBranch, StructureBranchPoint, StructureContinuation, StructureFamily};
 pub use structures::error::StructureOrbitError;
 pub use structures::errors::{ImpactError, Together};
 pub use structures::flight::StructureMotion;

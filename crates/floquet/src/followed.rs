@@ -62,6 +62,4 @@ macro_rules! followed {
 }
 
 followed!(Orbit, site, |orbit: &Self| orbit.model().is_conservative(), |orbit: &Self| orbit.model().asymmetry() == 0.0);
-followed!(StructureOrbit, contact, StructureOrbit::is_conservative, |orbit: &Self| {
-    orbit.model().structure().contacts().iter().all(|contact| contact.lower == contact.upper.map(|upper| -upper))
-});
+followed!(StructureOrbit, contact, StructureOrbit::is_conservative, StructureOrbit::is_centred);

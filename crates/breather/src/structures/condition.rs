@@ -3,11 +3,11 @@
 use smallvec::SmallVec;
 use vibrochain_lattice::{LinearMode, Stop, Turn};
 
-use super::equations::Strike;
 use super::error::StructureOrbitError;
 use super::errors::{ImpactError, Together};
 use super::model::StructureModel;
 use super::orbit::{StructureImpact, StructureOrbit};
+use super::point::Strike;
 use crate::equations::System;
 use crate::equations::linear::{Vector, zeros};
 use crate::error::BreatherError;

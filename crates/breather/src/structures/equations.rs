@@ -6,16 +6,16 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Barrier, Complex, LinearMode, ModalStructure, StructureError};
+use vibrochain_lattice::{Complex, LinearMode, ModalStructure, StructureError};
 
 use super::error::StructureOrbitError;
 use super::model::StructureModel;
 use super::open_mode::OpenMode;
 use super::periodic_kernel::{PeriodicKernel, UNIT};
+use super::point::{Point, Strike};
 use super::response::Response;
 use crate::equations::linear::{Matrix, Vector, dot, zeros};
 use crate::equations::slopes::Slopes;
-use crate::orbit::Hit;
 
 type C = Complex<f64>;
 
@@ -24,48 +24,6 @@ const SAME: f64 = 1e-12;
 
 /// A time is half a period to this part of it: a few roundings.
 const HALF: f64 = 8.0 * f64::EPSILON;
-
-/// An impact as its equations know it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Strike {
-    pub(super) contact: usize,
-    pub(super) barrier: Barrier,
-    pub(super) time: f64,
-    pub(super) impulse: f64,
-}
-
-impl From<&Hit> for Strike {
-    fn from(hit: &Hit) -> Self {
-        Self { contact: hit.site, barrier: hit.barrier, time: hit.time, impulse: hit.impulse }
-    }
-}
-
-/// What is solved for: the impacts, the phase of the loads or, where nothing gives it, the period, where rigid modes are, and states of open ones.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Point {
-    pub(super) strikes: SmallVec<[Strike; 4]>,
-    pub(super) psi: f64,
-    /// Of a self-excited orbit an unknown, of others that of the equations.
-    pub(super) period: f64,
-    pub(super) offsets: SmallVec<[f64; 1]>,
-}
-
-/// Newton's method from a point has stayed at its orbit if it moved times and phase by less than this part of the period, and impulses by less
-/// than this part of the strongest.
-const SAME_ORBIT: f64 = 1e-4;
-
-impl Point {
-    /// Whether a point is of the same orbit, but for rounding.
-    pub(super) fn is_near(&self, other: &Self) -> bool {
-        let strongest = other.strikes.iter().map(|strike| strike.impulse.abs()).fold(0.0, f64::max);
-        let phase = (self.psi - other.psi).abs() <= SAME_ORBIT * self.period;
-        phase
-            && self.strikes.iter().zip(&other.strikes).all(|(one, other)| {
-                (one.time - other.time).abs() <= SAME_ORBIT * self.period
-                    && (one.impulse - other.impulse).abs() <= SAME_ORBIT * strongest
-            })
-    }
-}
 
 /// One impact of the equations: what its contact does just before.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

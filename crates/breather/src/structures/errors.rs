@@ -7,9 +7,10 @@
 
 use smallvec::SmallVec;
 
-use super::equations::{Equations, Point, Strike, System};
+use super::equations::{Equations, System};
 use super::error::StructureOrbitError;
 use super::periodic_kernel::UNIT;
+use super::point::{Point, Strike};
 use crate::equations::linear::{Factors, Matrix, Vector, dot, zeros};
 
 /// Unknowns that are off by less, as parts of what they can be, have no square that counts: next to a fold at the distance of the root of

@@ -13,6 +13,7 @@
 //! | `periodic_kernel` | K and its derivatives, regular modes and rigid ones |
 //! | `between` | K from one contact to another and back as functions of one time, with bounds |
 //! | `response` | what contacts do after impacts and under the loads, shared by all words of the same contacts |
+//! | `point` | what they are solved for: impacts, phase, offsets |
 //! | `equations` | rows and Jacobian of an orbit's impacts |
 //! | `orbit` | [`StructureOrbit`], and how far it can be trusted |
 //! | `reversible` | [`ReversibleOrbit`]: what multipliers of an orbit that is its own mirror image in time depend on |
@@ -26,14 +27,12 @@
 //! | `view` | what contacts see of flights |
 //! | `windows` | one flight as polynomials |
 //! | `admissible` | physical or what is in the way |
-//! | `continuation` | [`StructureBranch`]: the equations with numbers of the structure free |
-//! | `departure` | where the branch of other orbits begins |
+//! | `branch` | [`StructureBranch`]: orbits as a number of the structure varies |
 
 pub(crate) mod admissible;
 mod between;
+pub(crate) mod branch;
 pub(crate) mod condition;
-pub(crate) mod continuation;
-mod departure;
 pub(crate) mod equations;
 pub(crate) mod error;
 pub(crate) mod errors;
@@ -44,6 +43,7 @@ mod open_mode;
 mod open_modes;
 pub(crate) mod orbit;
 mod periodic_kernel;
+mod point;
 mod resonant_doubts;
 mod response;
 pub(crate) mod reversible;

@@ -1,7 +1,8 @@
 //! From impacts nearby to an orbit.
 
-use super::equations::{Equations, Point, System};
+use super::equations::{Equations, System};
 use super::error::StructureOrbitError;
+use super::point::Point;
 use crate::equations::linear::{Factors, Matrix, Vector};
 
 /// Steps at most: a start that leads anywhere takes a handful.

@@ -13,10 +13,11 @@ use std::sync::Arc;
 use smallvec::SmallVec;
 use vibrochain_lattice::{LinearMode, Turn, Turned};
 
-use super::equations::{Equations, Point, System};
+use super::equations::{Equations, System};
 use super::error::StructureOrbitError;
 use super::open_mode::{OpenMode, State};
 use super::periodic_kernel::{UNIT, length, one_less};
+use super::point::Point;
 use super::resonant_doubts::ResonantDoubt;
 use super::response::NEAR;
 use crate::equations::linear::{Matrix, Vector};

@@ -5,10 +5,11 @@ use std::sync::Arc;
 use smallvec::SmallVec;
 use vibrochain_lattice::Barrier;
 
-use super::equations::{Equations, Point, Strike, System};
+use super::equations::{Equations, System};
 use super::error::StructureOrbitError;
 use super::errors::{ImpactError, OrbitErrors, Together};
 use super::model::StructureModel;
+use super::point::{Point, SAME_INSTANT, Strike};
 use super::response::Response;
 use crate::equations::{BlochEquations, LinearImpact};
 use crate::orbit::Hit;
@@ -206,7 +207,15 @@ impl StructureOrbit {
             offsets: smallvec::smallvec![0.0; equations.rigid.len()],
         };
         let point = equations.with_offsets(point)?;
-        let solved = equations.solve(point)?;
+        let mut solved = equations.solve(point)?;
+        let together = |by: f64| by < 0.0 && -by <= SAME_INSTANT * period;
+        if solved.0.strikes.windows(2).any(|pair| together(pair[1].time - pair[0].time))
+            && let Some(point) = solved.0.in_time()
+        {
+            // Which of simultaneous impacts comes first is rounding.
+            let system = equations.system(&point)?;
+            solved = (point, system);
+        }
         let last = if equations.self_excited { solved.0.period } else { period };
         if !in_order(solved.0.strikes.iter().map(|strike| strike.time), last) {
             return Err(StructureOrbitError::OutOfOrder { found: true });

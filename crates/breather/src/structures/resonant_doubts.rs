@@ -6,8 +6,9 @@
 
 use vibrochain_lattice::Complex;
 
-use super::equations::{Equations, Point};
+use super::equations::Equations;
 use super::periodic_kernel::EITHER_WAY;
+use super::point::Point;
 use super::response::NEAR;
 use crate::equations::linear::{Vector, zeros};
 

@@ -128,6 +128,14 @@ impl Analyser {
         are_all.then_some((verdict, multipliers))
     }
 
+    /// ν = ½(μ + 1/μ) of the pairs of a structure's orbit; `None` where their residues do not tell.
+    pub(crate) fn structure_half_sums(&mut self, orbit: &ReversibleOrbit<'_>) -> Option<Vec<Complex<f64>>> {
+        let ratio = self.secular.residues.take_over_structure(orbit).ok()?;
+        self.secular.residues.complete(ratio).ok()?;
+        let all = self.secular.all_nu().ok()?;
+        Some(all.map(|(nu, _)| nu.complex()).collect())
+    }
+
     /// The verdict on a [`MapBreather`], as [`Analyser::verdict`] has it of the orbit; `None` where only the
     /// orbit can tell: next to where its errors matter or to the border of stability, and how its symmetry breaks.
     ///

@@ -46,11 +46,11 @@ impl Ends for OfStructure {
     const VANISHED: f64 = 1e-9;
 
     fn resonance_between(
-        _: &StructureBranch,
-        _: &StructureBranchPoint,
-        _: &StructureBranchPoint,
+        branch: &StructureBranch,
+        from: &StructureBranchPoint,
+        to: &StructureBranchPoint,
     ) -> Option<(f64, Resonance)> {
-        None
+        branch.resonance_between(from, to)
     }
 
     fn resonance_ahead(&self, _: &StructureBranch, point: &StructureBranchPoint) -> Option<(f64, Resonance)> {
@@ -60,7 +60,10 @@ impl Ends for OfStructure {
 
     /// The grazing at which two impacts next to each other vanish together. On both sides of it, and of one of the two alone, there are orbits;
     /// of both there are none beyond.
-    fn simpler_ahead(&mut self, point: &StructureBranchPoint, _first: f64) -> Option<Ended<StructureOrbit>> {
+    fn simpler_ahead(&mut self, point: &StructureBranchPoint, first: f64) -> Option<Ended<StructureOrbit>> {
+        if let Some(ended) = self.vanishing_ahead(point, first) {
+            return Some(ended);
+        }
         let (orbit, impacts) = (point.orbit(), point.orbit().impacts());
         let (period, slow, last) = (orbit.period(), MERGING * orbit.speed(), impacts.len() - 1);
         let merge = |i: usize, j: usize| {

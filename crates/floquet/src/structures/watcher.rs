@@ -2,7 +2,10 @@
 
 use vibrochain_breather::{Admissibility, BranchError, StructureOrbit};
 
-use super::stability::{participating_multipliers, structure_verdict};
+use super::by_matrix;
+use super::stability::{StructureMultipliers, participating_multipliers};
+use crate::analyser::Analyser;
+use crate::error::FloquetError;
 use crate::events::half_sums::half_sums;
 use crate::events::{EventOrbit, Spectrum, Watcher, strongest};
 use crate::locate::LocateError;
@@ -10,8 +13,9 @@ use crate::verdict::{Tolerance, Verdict};
 
 /// Looks at a structure's orbits.
 #[derive(Debug, Default)]
-pub(super) struct OfStructures {
+pub(crate) struct OfStructures {
     spectra: usize,
+    analyser: Analyser,
 }
 
 impl Watcher for OfStructures {
@@ -24,13 +28,23 @@ impl Watcher for OfStructures {
 
     fn spectrum(&mut self, orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Spectrum, LocateError> {
         self.spectra += 1;
-        let (multipliers, verdict) = participating_multipliers(orbit, tolerance)?;
+        let reversible = orbit.reversible().filter(|_| orbit.is_lossless());
+        if let Some(values) = reversible.and_then(|orbit| self.analyser.structure_half_sums(&orbit)) {
+            return Ok((values, None));
+        }
+        let (multipliers, verdict) = match participating_multipliers(orbit, tolerance) {
+            Err(FloquetError::Uncounted(doubt)) if orbit.is_lossless() => {
+                let all = by_matrix::multipliers(&orbit.bloch_equations().0, orbit.is_conservative());
+                (all.ok_or(FloquetError::Uncounted(doubt))?, None)
+            }
+            told => told?,
+        };
         let values = if orbit.is_lossless() { half_sums(&multipliers, false) } else { multipliers };
         Ok((values, verdict))
     }
 
     fn verdict(&mut self, orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Verdict, LocateError> {
-        Ok(structure_verdict(orbit, tolerance)?)
+        Ok(StructureMultipliers::of(orbit).verdict(&mut self.analyser, tolerance)?)
     }
 
     fn strength(&self, orbit: &StructureOrbit) -> f64 {

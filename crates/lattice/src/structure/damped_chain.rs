@@ -254,8 +254,16 @@ impl DampedChain {
             [loaded(&mut load.iter().map(|f| f.re), is_uniform), loaded(&mut load.iter().map(|f| f.im), is_uniform)]
         };
         let still_is_uniform = self.static_load.windows(2).all(|pair| pair[0] == pair[1]);
+        let of_contact = |(weights, _): &(Vec<(usize, f64)>, Contact)| match weights[..] {
+            // A mass itself: no sum.
+            [(n, 1.0)] => {
+                let sum = at(n);
+                Bounded { sum, error: (FAINT + 2.0 * FINE) * sum.high.abs() }
+            }
+            _ => seen(&mut weights.iter().copied()).0,
+        };
         SeenShape {
-            contacts: self.contacts.iter().map(|(weights, _)| seen(&mut weights.iter().copied()).0).collect(),
+            contacts: self.contacts.iter().map(of_contact).collect(),
             coordinates: all.iter().map(|shape| shape.value()).collect(),
             still: loaded(&mut self.static_load.iter().copied(), still_is_uniform),
             loads: self.loads.iter().zip(are_uniform).map(of_load).collect(),

@@ -4,9 +4,10 @@ use smallvec::SmallVec;
 use vibrochain_lattice::{Barrier, Complex};
 
 use crate::equations::linear::{Factors, Matrix, Vector, zeros};
-use crate::structures::equations::{Equations, Point, Strike};
+use crate::structures::equations::Equations;
 use crate::structures::error::StructureOrbitError;
 use crate::structures::periodic_kernel::UNIT;
+use crate::structures::point::{Point, Strike};
 
 /// Where Newton's method begins.
 pub(super) struct Start {

@@ -17,8 +17,8 @@ use super::orbits::{Starts, StructureSearch};
 use super::two_impacts::{FINEST, MOST_PIECES};
 use crate::roots::dual::Dual;
 use crate::roots::interval::{Clearance, Enclosed, Zeros};
-use crate::structures::equations::Point;
 use crate::structures::error::StructureOrbitError;
+use crate::structures::point::Point;
 
 /// Where |sin ΩT/2| is below this, next to a resonance, errors of frequencies blur all amplitudes: the search of several contacts takes over.
 const NEAR: f64 = 1e-3;

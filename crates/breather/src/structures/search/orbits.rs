@@ -17,10 +17,11 @@ use super::at_times::{Impacts, Start, all_places};
 use super::three_impacts::ThreeImpacts;
 use super::two_impacts::Function;
 use crate::orbit::order;
-use crate::structures::equations::{Equations, Point};
+use crate::structures::equations::Equations;
 use crate::structures::error::StructureOrbitError;
 use crate::structures::model::StructureModel;
 use crate::structures::orbit::StructureOrbit;
+use crate::structures::point::Point;
 use crate::word::Word;
 
 /// Half a period apart, to this part of it, two impacts may be those that a symmetry makes alike.

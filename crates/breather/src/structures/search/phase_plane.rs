@@ -19,7 +19,7 @@ use crate::roots::interval::{Clearance, Enclosed, Zeros, one_by_one};
 use crate::roots::patch::{Patch, Piece};
 use crate::roots::planar::{Planar, PlanarZeros};
 use crate::structures::between::{Between, Pair};
-use crate::structures::equations::{Point, Strike};
+use crate::structures::point::{Point, Strike};
 
 type C = Complex<f64>;
 

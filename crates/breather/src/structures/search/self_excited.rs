@@ -24,9 +24,9 @@ use super::orbits::{Starts, StructureSearch};
 use super::starts::{STARTS, golden};
 use super::two_impacts::RESOLUTION;
 use crate::roots::interval::{Clearance, Enclosed, Zeros};
-use crate::structures::equations::Point;
 use crate::structures::error::StructureOrbitError;
 use crate::structures::periodic_kernel::{PeriodicKernel, length};
+use crate::structures::point::Point;
 
 /// Periods that are searched: from this part of the fastest mode's to so many of the slowest one's.
 const SHORTEST: f64 = 1e-3;

@@ -3,8 +3,8 @@
 use super::at_times::{Impacts, Start};
 use super::orbits::{Starts, StructureSearch};
 use crate::equations::linear::{Matrix, zeros};
-use crate::structures::equations::{Point, Strike};
 use crate::structures::error::StructureOrbitError;
+use crate::structures::point::{Point, Strike};
 
 /// Starts of a word of three impacts or more.
 pub(super) const STARTS: usize = 600;

@@ -14,7 +14,7 @@ use super::confirm::{Found, Part};
 use super::order::Order;
 use super::{At, Ends, Follower, OrbitOf, Point, Seen};
 use crate::events::half_sums::{SPLIT, collided, complex_count};
-use crate::events::{EventOrbit, Solved, Test, Watcher};
+use crate::events::{Solved, Test, Watcher};
 use crate::locate::answer::{Event, Evidence, LocateError};
 
 /// Halvings of a step in search of a stripe: to the rounding of its length.
@@ -73,11 +73,6 @@ impl Place {
 /// An order of which every signature is told.
 fn told(order: &Option<Order>) -> Option<&Order> {
     order.as_ref().filter(|order| order.is_told())
-}
-
-/// The order of an orbit's pairs, by their half-sums.
-pub(super) fn order(orbit: &impl EventOrbit, half_sums: &[Complex<f64>]) -> Option<Order> {
-    Order::of(&orbit.linearised().ok()?, half_sums)
 }
 
 impl<E: Ends> Follower<E> {
@@ -233,7 +228,7 @@ impl<E: Ends> Follower<E> {
     fn place_at(&mut self, point: &Point<E>, s: f64) -> Result<Place, LocateError> {
         let there = self.branch.step(point, s)?;
         let (values, _) = self.watcher.spectrum(there.orbit(), self.stretch.tolerance)?;
-        Ok(Place { s, order: order(there.orbit(), &values), sums: values })
+        Ok(Place { s, order: Order::of_orbit(there.orbit(), &values), sums: values })
     }
 
     /// The middle, or where the order can be told beside it.

@@ -3,6 +3,7 @@
 use nalgebra::Complex;
 use vibrochain_breather::BlochEquations;
 
+use crate::events::EventOrbit;
 use crate::events::half_sums::SPLIT;
 use crate::spectrum::KreinForms;
 use crate::stripes::Signature;
@@ -44,6 +45,11 @@ impl PartialEq for Order {
 }
 
 impl Order {
+    /// Of an orbit by the half-sums ν of its pairs.
+    pub(super) fn of_orbit(orbit: &impl EventOrbit, half_sums: &[Complex<f64>]) -> Option<Self> {
+        Self::of(&orbit.linearised().ok()?, half_sums)
+    }
+
     /// Of an orbit by its equations and the half-sums ν of its pairs; `None` where parts cannot be told.
     pub(super) fn of(equations: &BlochEquations, half_sums: &[Complex<f64>]) -> Option<Self> {
         let forms = KreinForms::new(equations);

@@ -2,7 +2,7 @@
 
 use vibrochain_breather::{Admissibility, Hit};
 
-use super::collision::order;
+use super::order::Order;
 use super::{At, Ends, Follower, Point, Seen};
 use crate::events::half_sums::upper_half;
 use crate::events::{EventOrbit, Test, Watcher, another_one, minus_one};
@@ -38,7 +38,7 @@ impl<E: Ends> Follower<E> {
             let mut off = upper_half(&seen.values);
             off.sort_by(|a, b| a.re.total_cmp(&b.re));
             seen.openings = off.iter().map(|nu| nu.im * nu.im).collect();
-            seen.order = order(orbit, &seen.values);
+            seen.order = Order::of_orbit(orbit, &seen.values);
         }
         Ok(seen)
     }

@@ -167,3 +167,29 @@ fn matrices_of_a_chain_have_its_verdicts() {
     }
     assert!(stable > 60 && unstable > 60 && rigid > 40, "{stable} {unstable} {rigid}");
 }
+
+/// The matrix of a period has the multipliers that J(z) has, but those of the shift in time, which it splits by the root of rounding.
+#[test]
+fn the_matrix_of_a_period_has_the_multipliers_of_the_equations() {
+    let (mut random, mut checked, mut off) = (Random(43), 0, 0);
+    for round in 0..300 {
+        let structure = Arc::new([dense, row][round % 2](&mut random));
+        let model = StructureModel::new(structure, random.log(0.3, 3.0)).unwrap();
+        for word in ["0+", "0+,0-"] {
+            let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
+            for orbit in &found.orbits {
+                let Ok((_, expected)) = StructureMultipliers::of(orbit).all(Tolerance::Rounding) else { continue };
+                let found = crate::structures::by_matrix::multipliers(&orbit.bloch_equations().0, true).unwrap();
+                assert_eq!(found.len(), expected.len());
+                for mu in &expected {
+                    let nearest = found.iter().map(|other| (other - mu).norm()).fold(f64::INFINITY, f64::min);
+                    // Next to 1 it may be one of the two that are left out.
+                    assert!(nearest <= 1e-6 * (1.0 + mu.norm()) || (mu - 1.0).norm() < 1e-3, "{mu} {nearest:e}");
+                    off += usize::from((mu.norm() - 1.0).abs() > 1e-3);
+                    checked += 1;
+                }
+            }
+        }
+    }
+    assert!(checked > 1000 && off > 20, "{checked} {off}");
+}

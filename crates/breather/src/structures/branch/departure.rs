@@ -3,13 +3,14 @@
 use vibrochain_lattice::Stop;
 
 use super::continuation::{StructureBranch, StructureBranchPoint, StructureContinuation, StructureFamily};
-use super::equations::{Equations, Point, Strike};
-use super::error::StructureOrbitError;
-use super::model::StructureModel;
-use super::orbit::{StructureImpact, StructureOrbit};
 use crate::branch::departure::Departure;
 use crate::error::BranchError;
 use crate::orbit::SIMULTANEOUS;
+use crate::structures::equations::Equations;
+use crate::structures::error::StructureOrbitError;
+use crate::structures::model::StructureModel;
+use crate::structures::orbit::{StructureImpact, StructureOrbit};
+use crate::structures::point::{Point, Strike};
 use crate::tracer::system::{Matrix, System};
 use crate::word::MAX_IMPACTS;
 
@@ -122,8 +123,11 @@ impl StructureOrbit {
         }
         let lapse = 0.5 * self.period();
         let shift = other[0].time;
+        // Time alone mirrors an orbit between barriers that are not as far away.
+        let alike = again || self.is_centred();
         let mean = |(a, b): (&StructureImpact, &StructureImpact)| {
-            let impulse = 0.5 * (a.impulse.abs() + b.impulse.abs()) * a.impulse.signum();
+            let mean = 0.5 * (a.impulse.abs() + b.impulse.abs()) * a.impulse.signum();
+            let impulse = if alike { mean } else { a.impulse };
             let time = 0.5 * (a.time + b.time - shift);
             Strike { contact: a.contact, barrier: a.barrier, time, impulse }
         };
@@ -132,7 +136,7 @@ impl StructureOrbit {
             let image = |(a, b): (&Strike, &StructureImpact)| Strike {
                 barrier: b.barrier,
                 time: a.time + lapse,
-                impulse: -a.impulse,
+                impulse: if alike { -a.impulse } else { b.impulse },
                 ..*a
             };
             let images: Vec<Strike> = strikes.iter().zip(other).map(image).collect();

@@ -3,15 +3,16 @@
 use std::fmt;
 use std::sync::Arc;
 
-use vibrochain_lattice::{Barrier, Stop, Turn};
+use vibrochain_lattice::{Barrier, ModalStructure, Stop, Turn};
 
-use super::equations::{Equations, Point, Strike, System as Rows};
-use super::error::StructureOrbitError;
-use super::model::StructureModel;
-use super::orbit::{StructureImpact, StructureOrbit};
 use crate::equations::linear::{Vector, dot};
 use crate::error::{BranchError, BreatherError};
 use crate::orbit::time_between;
+use crate::structures::equations::{Equations, System as Rows};
+use crate::structures::error::StructureOrbitError;
+use crate::structures::model::StructureModel;
+use crate::structures::orbit::{StructureImpact, StructureOrbit};
+use crate::structures::point::{Point, Strike};
 use crate::tracer::solution_curve::{SolutionCurve, SolutionPoint};
 use crate::tracer::system::{Evaluation, System};
 
@@ -20,6 +21,9 @@ const FAINT: f64 = 0.1;
 
 /// Times and impulses that agree to this part are images of each other.
 const IMAGE: f64 = 1e-8;
+
+/// What two contacts feel of each other at once, squared and relative, is rounding of the modes below this.
+const APART: f64 = 1e-24;
 
 /// How far a number is moved, relative, to see whether it brings losses.
 const MOVED: f64 = 1e-3;
@@ -38,6 +42,8 @@ pub type StructureBranch = SolutionCurve<StructureContinuation>;
 pub struct StructureContinuation {
     family: StructureFamily,
     contacts: Vec<(usize, Barrier)>,
+    /// Impacts that cannot overtake each other.
+    in_order: Vec<(usize, usize)>,
     force_periods: u32,
     /// Unknowns: impulses, times but the first, ψ if there is a load, the period if nothing gives it, offsets of rigid modes.
     size: usize,
@@ -76,7 +82,9 @@ impl StructureContinuation {
         let hits = || orbit.impacts().iter().map(|impact| impact.contact);
         let equations = Equations::new(model, orbit.force_periods(), hits())?;
         let felt = equations.felt_offsets(orbit.offsets());
-        let contacts = orbit.impacts().iter().map(|impact| (impact.contact, impact.barrier)).collect();
+        let contacts: Vec<(usize, Barrier)> =
+            orbit.impacts().iter().map(|impact| (impact.contact, impact.barrier)).collect();
+        let in_order = bound_pairs(&contacts, model.structure());
         let size = |i: &usize| orbit.impacts()[*i].impulse.abs();
         let strongest = (0..orbit.impacts().len()).max_by(|i, j| size(i).total_cmp(&size(j))).unwrap_or(0);
         let most = size(&strongest);
@@ -108,6 +116,7 @@ impl StructureContinuation {
         Ok(Self {
             family,
             contacts,
+            in_order,
             force_periods,
             size,
             forced,
@@ -128,6 +137,11 @@ impl StructureContinuation {
         self.self_excited.then(|| 1.0 / self.units[2 * self.contacts.len() - 1])
     }
 
+    /// The model at a value of the one number that is free.
+    pub(super) fn model_at(&self, value: f64) -> Option<StructureModel> {
+        (self.family)(&[value]).ok()
+    }
+
     /// The model at `z`.
     fn model(&mut self, z: &[f64]) -> Result<StructureModel, BranchError> {
         self.stop.heard().map_err(|stopped| BranchError::Breather(BreatherError::from(stopped)))?;
@@ -135,20 +149,23 @@ impl StructureContinuation {
         Ok((self.family)(&z[self.size..]).map_err(BranchError::Model)?.until(&self.stop))
     }
 
+    /// The impacts in the order of the word, which that of time may leave: impacts of contacts that feel nothing of each other at once may overtake
+    /// each other, and simultaneous ones always do, by rounding.
     fn point(&self, z: &[f64], period: f64) -> Result<Point, BranchError> {
         let n = self.contacts.len();
         let period = if self.self_excited { z[2 * n - 1] } else { period };
-        let mut last = 0.0;
-        let mut strikes = smallvec::SmallVec::new();
-        for (i, &(contact, barrier)) in self.contacts.iter().enumerate() {
-            let time = if i == 0 { 0.0 } else { z[n + i - 1] };
-            // Also where two impacts are at one instant, as of two contacts they may be.
-            if !(last..period).contains(&time) {
-                return Err(BranchError::NoConvergence);
-            }
-            last = time;
-            strikes.push(Strike { contact, barrier, time, impulse: z[i] });
+        let time = |i: usize| if i == 0 { 0.0 } else { z[n + i - 1] };
+        // Also where two impacts are at one instant, as of two contacts they may be.
+        if self.in_order.iter().any(|&(i, j)| !(0.0..period).contains(&(time(j) - time(i)))) {
+            return Err(BranchError::NoConvergence);
         }
+        let strike = |(i, &(contact, barrier)): (usize, &(usize, Barrier))| Strike {
+            contact,
+            barrier,
+            time: time(i).rem_euclid(period),
+            impulse: z[i],
+        };
+        let strikes = self.contacts.iter().enumerate().map(strike).collect();
         let psi = if self.forced { z[2 * n - 1] } else { 0.0 };
         let first = 2 * n - 1 + usize::from(self.forced || self.self_excited);
         Ok(Point { strikes, psi, period, offsets: z[first..self.size].iter().copied().collect() })
@@ -207,7 +224,10 @@ impl System for StructureContinuation {
             for i in 0..matrix.size() {
                 matrix.row_mut(i).iter_mut().zip(&units).for_each(|(entry, unit)| *entry *= unit);
             }
-            let orbit = StructureOrbit::as_it_is(equations, periods, (&point, &here))?;
+            let orbit = match point.in_time() {
+                None => StructureOrbit::as_it_is(equations, periods, (&point, &here))?,
+                Some(point) => StructureOrbit::as_it_is(equations, periods, (&point, &equations.system(&point)?))?,
+            };
             Ok(Evaluation { orbit, rows, matrix, full: None, kept })
         })
     }
@@ -269,8 +289,14 @@ impl StructureOrbit {
         dot(&self.unevenness(), &other.unevenness()) < 0.0
     }
 
+    /// Whether what an impact does at one barrier its image may do at the other: all of them are as far from 0.
+    pub fn is_centred(&self) -> bool {
+        self.model().structure().contacts().iter().all(|contact| contact.lower == contact.upper.map(|upper| -upper))
+    }
+
     /// Impulses and flights half the impacts later, less those now, as parts of the strongest and of the period: 0 of an orbit that repeats or
-    /// mirrors itself. None of an odd number of impacts.
+    /// mirrors itself. Where the second half hits the other barriers, and these are not as far away, time alone can mirror it: then of flights
+    /// alone. None of an odd number of impacts.
     pub fn unevenness(&self) -> Vec<f64> {
         let (impacts, half) = (self.impacts(), self.impacts().len() / 2);
         if impacts.len() % 2 == 1 {
@@ -279,7 +305,10 @@ impl StructureOrbit {
         let strongest = impacts.iter().map(|impact| impact.impulse.abs()).fold(f64::MIN_POSITIVE, f64::max);
         let end = |i: usize| impacts.get(i + 1).map_or(self.period(), |next| next.time);
         let flight = |i: usize| (end(i) - impacts[i].time) / self.period();
-        let impulses = (0..half).map(|i| (impacts[i + half].impulse.abs() - impacts[i].impulse.abs()) / strongest);
+        let (one, other) = impacts.split_at(half);
+        let alike = self.is_centred() || one.iter().zip(other).all(|(a, b)| a.barrier == b.barrier);
+        let pairs = if alike { half } else { 0 };
+        let impulses = (0..pairs).map(|i| (impacts[i + half].impulse.abs() - impacts[i].impulse.abs()) / strongest);
         impulses.chain((0..half).map(|i| flight(i + half) - flight(i))).collect()
     }
 }
@@ -299,6 +328,17 @@ fn with_places(mut here: Rows, weight: Option<f64>) -> Rows {
         }
     }
     here
+}
+
+/// Pairs of impacts of which the second feels the first at once: of one contact, or of two that share inertia.
+fn bound_pairs(contacts: &[(usize, Barrier)], structure: &ModalStructure) -> Vec<(usize, usize)> {
+    let bound = |&(i, j): &(usize, usize)| {
+        let (one, other) = (contacts[i].0, contacts[j].0);
+        let own = structure.mobility(one, one) * structure.mobility(other, other);
+        one == other || structure.mobility(one, other).powi(2) > APART * own
+    };
+    let count = contacts.len();
+    (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j))).filter(bound).collect()
 }
 
 /// After how long the load repeats itself.

@@ -1,0 +1,76 @@
+//! What the equations of an orbit are solved for.
+
+use smallvec::SmallVec;
+use vibrochain_lattice::Barrier;
+
+use crate::orbit::Hit;
+
+/// Times that differ by no more than this part of the period are one: more than rounding of simultaneous impacts, less than flights.
+pub(super) const SAME_INSTANT: f64 = 1e-11;
+
+/// An impact as its equations know it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Strike {
+    pub(super) contact: usize,
+    pub(super) barrier: Barrier,
+    pub(super) time: f64,
+    pub(super) impulse: f64,
+}
+
+impl From<&Hit> for Strike {
+    fn from(hit: &Hit) -> Self {
+        Self { contact: hit.site, barrier: hit.barrier, time: hit.time, impulse: hit.impulse }
+    }
+}
+
+/// What is solved for: the impacts, the phase of the loads or, where nothing gives it, the period, where rigid modes are, and states of open ones.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Point {
+    pub(super) strikes: SmallVec<[Strike; 4]>,
+    pub(super) psi: f64,
+    /// Of a self-excited orbit an unknown, of others that of the equations.
+    pub(super) period: f64,
+    pub(super) offsets: SmallVec<[f64; 1]>,
+}
+
+/// Newton's method from a point has stayed at its orbit if it moved times and phase by less than this part of the period, and impulses by less
+/// than this part of the strongest.
+const SAME_ORBIT: f64 = 1e-4;
+
+impl Point {
+    /// The same impacts in order of time, of one instant where they are but for rounding; `None` if they are so already.
+    pub(super) fn in_time(&self) -> Option<Self> {
+        let same = SAME_INSTANT * self.period;
+        // Just before 0, by rounding, is the first instant.
+        let is_first = |strike: &Strike| {
+            strike.time < 0.0 && -strike.time <= same || strike.time > 0.0 && self.period - strike.time <= same
+        };
+        let near = |pair: &[Strike]| {
+            let flight = pair[1].time - pair[0].time;
+            flight < 0.0 || 0.0 < flight && flight <= same
+        };
+        if !self.strikes.iter().any(is_first) && !self.strikes.windows(2).any(near) {
+            return None;
+        }
+        let mut point = self.clone();
+        point.strikes.iter_mut().filter(|strike| is_first(strike)).for_each(|strike| strike.time = 0.0);
+        point.strikes.sort_by(|one, other| one.time.total_cmp(&other.time));
+        for i in 1..point.strikes.len() {
+            let before = point.strikes[i - 1].time;
+            let own = &mut point.strikes[i].time;
+            *own = if *own - before <= same { before } else { *own };
+        }
+        Some(point)
+    }
+
+    /// Whether a point is of the same orbit, but for rounding.
+    pub(super) fn is_near(&self, other: &Self) -> bool {
+        let strongest = other.strikes.iter().map(|strike| strike.impulse.abs()).fold(0.0, f64::max);
+        let phase = (self.psi - other.psi).abs() <= SAME_ORBIT * self.period;
+        phase
+            && self.strikes.iter().zip(&other.strikes).all(|(one, other)| {
+                (one.time - other.time).abs() <= SAME_ORBIT * self.period
+                    && (one.impulse - other.impulse).abs() <= SAME_ORBIT * strongest
+            })
+    }
+}
