@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use vibrochain_lattice::{Barrier, ModalStructure, Stop, Turn};
 
+use super::twins::{IMAGE, Twins};
 use crate::equations::linear::{Vector, dot};
 use crate::error::{BranchError, BreatherError};
 use crate::orbit::time_between;
@@ -18,9 +19,6 @@ use crate::tracer::system::{Evaluation, System};
 
 /// Impulses are measured by the strongest, and by this part of what a barrier as far as the contact's own would take.
 const FAINT: f64 = 0.1;
-
-/// Times and impulses that agree to this part are images of each other.
-const IMAGE: f64 = 1e-8;
 
 /// What two contacts feel of each other at once, squared and relative, is rounding of the modes below this.
 const APART: f64 = 1e-24;
@@ -52,6 +50,10 @@ pub struct StructureContinuation {
     self_excited: bool,
     /// The strongest impact where this begins.
     strongest: usize,
+    /// Mirror images of impacts, which are followed with them.
+    twins: Option<Twins>,
+    /// Of all unknowns, and of the coordinates with the numbers that are free.
+    full_units: Vector,
     units: Vector,
     origin: Vector,
     /// After how long the load of the last equations repeats itself.
@@ -72,6 +74,45 @@ impl StructureContinuation {
     /// # Errors
     /// [`BranchError::Model`] where there is no such model.
     pub fn through(
+        orbit: &StructureOrbit,
+        family: StructureFamily,
+        values: &[f64],
+        units: &[f64],
+        stop: &Stop,
+    ) -> Result<Self, BranchError> {
+        let mut whole = Self::among_all(orbit, family, values, units, stop)?;
+        let hit = || whole.contacts.iter().map(|one| one.0);
+        let mut equations = Equations::new(orbit.model(), whole.force_periods, hit())?;
+        equations.left_out = whole.strongest;
+        let Some(twins) = Twins::of(orbit, &equations) else { return Ok(whole) };
+        let reduced = |full: &[f64]| -> Vector {
+            twins.leading().map(|place| full[place]).chain(full[whole.size..].iter().copied()).collect()
+        };
+        let origin = reduced(&whole.origin);
+        // Also where a number moves they must stay what they are.
+        for k in 0..=values.len() {
+            let mut moved = values.to_vec();
+            if let Some(value) = moved.get_mut(k) {
+                *value += MOVED * value.abs().max(MOVED);
+            }
+            let Ok(model) = (whole.family)(&moved) else { continue };
+            let there = Equations::new(&model, whole.force_periods, hit())?;
+            let point = whole.point(&twins.expand(&origin, there.period()), there.period())?;
+            if !twins.are_kept_by(&there.system(&point)?) {
+                return Ok(whole);
+            }
+        }
+        (whole.units, whole.origin) = (reduced(&whole.full_units), origin);
+        whole.size = twins.size();
+        whole.twins = Some(twins);
+        Ok(whole)
+    }
+
+    /// The same among orbits of any symmetry.
+    ///
+    /// # Errors
+    /// As [`StructureContinuation::through`].
+    pub(super) fn among_all(
         orbit: &StructureOrbit,
         family: StructureFamily,
         values: &[f64],
@@ -123,6 +164,8 @@ impl StructureContinuation {
             rigid,
             self_excited,
             strongest,
+            twins: None,
+            full_units: own.clone(),
             units: own,
             origin,
             load_period: load_period(&equations),
@@ -168,7 +211,8 @@ impl StructureContinuation {
         let strikes = self.contacts.iter().enumerate().map(strike).collect();
         let psi = if self.forced { z[2 * n - 1] } else { 0.0 };
         let first = 2 * n - 1 + usize::from(self.forced || self.self_excited);
-        Ok(Point { strikes, psi, period, offsets: z[first..self.size].iter().copied().collect() })
+        let last = first + self.rigid;
+        Ok(Point { strikes, psi, period, offsets: z[first..last].iter().copied().collect() })
     }
 
     fn assembled<T>(
@@ -185,7 +229,10 @@ impl StructureContinuation {
         }
         equations.left_out = self.strongest;
         self.load_period = load_period(&equations);
-        let point = self.point(z, equations.period())?;
+        let point = match &self.twins {
+            Some(twins) => self.point(&twins.expand(z, equations.period()), equations.period())?,
+            None => self.point(z, equations.period())?,
+        };
         let rows = equations.system(&point)?;
         if rows.rows.iter().all(|row| row.is_finite()) {
             Ok(make(&equations, point, rows)?)
@@ -214,11 +261,13 @@ impl System for StructureContinuation {
 
     fn rows(&mut self, z: &[f64]) -> Result<Vector, BranchError> {
         let weight = self.weight_of_places();
-        self.assembled(z, |_, _, rows| Ok(with_places(rows, weight).rows))
+        let rows = self.assembled(z, |_, _, rows| Ok(with_places(rows, weight).rows))?;
+        Ok(self.twins.as_ref().map_or(rows.clone(), |twins| twins.rows(&rows)))
     }
 
     fn evaluate(&mut self, z: &[f64]) -> Result<Evaluation<StructureOrbit, Vector>, BranchError> {
-        let (units, periods, weight) = (self.units.clone(), self.force_periods, self.weight_of_places());
+        let (units, periods, weight) = (self.full_units.clone(), self.force_periods, self.weight_of_places());
+        let twins = self.twins.clone();
         self.assembled(z, |equations, point, here| {
             let Rows { rows, sizes: kept, jacobian: mut matrix, .. } = with_places(here.clone(), weight);
             for i in 0..matrix.size() {
@@ -228,7 +277,16 @@ impl System for StructureContinuation {
                 None => StructureOrbit::as_it_is(equations, periods, (&point, &here))?,
                 Some(point) => StructureOrbit::as_it_is(equations, periods, (&point, &equations.system(&point)?))?,
             };
-            Ok(Evaluation { orbit, rows, matrix, full: None, kept })
+            Ok(match twins {
+                None => Evaluation { orbit, rows, matrix, full: None, kept },
+                Some(twins) => Evaluation {
+                    orbit,
+                    rows: twins.rows(&rows),
+                    kept: twins.rows(&kept),
+                    matrix: twins.matrix(&matrix),
+                    full: Some(matrix),
+                },
+            })
         })
     }
 

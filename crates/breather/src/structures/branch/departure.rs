@@ -48,7 +48,9 @@ impl StructureBranch {
         let mut branch = match departure {
             Departure::PeriodDoubling if orbit.is_conservative() => return Err(BranchError::Family),
             Departure::PeriodDoubling => through(&orbit.twice()?)?,
-            Departure::Pitchfork => through(orbit)?,
+            Departure::Pitchfork => {
+                Self::of(StructureContinuation::among_all(orbit, family.clone(), &[value], &[unit], stop)?)
+            }
             Departure::Touching(hits) => {
                 let hits: Vec<Strike> = hits.iter().map(|hit| Strike { impulse: 0.0, ..Strike::from(hit) }).collect();
                 return exchanged(None, &hits);
