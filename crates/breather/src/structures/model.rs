@@ -98,6 +98,21 @@ impl StructureModel {
         Ok(response)
     }
 
+    /// Place, velocity, acceleration and jerk of a contact in the motion that its loads drive alone, at a time t + ψ of these.
+    ///
+    /// # Errors
+    /// [`StructureOrbitError`] at a resonance, or where there is no such contact.
+    pub fn driven(&self, contact: usize, t: f64) -> Result<[f64; 4], StructureOrbitError> {
+        let last = self.structure.contacts().len() - 1;
+        if contact > last {
+            return Err(StructureOrbitError::NoSuchContact { contact, last });
+        }
+        let response = self.response(&[contact], 1)?;
+        let mut jet = response.load(contact, t);
+        jet[0] += response.still(contact);
+        Ok(jet)
+    }
+
     /// The structure.
     pub fn structure(&self) -> &Arc<ModalStructure> {
         &self.structure

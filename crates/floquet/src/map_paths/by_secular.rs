@@ -13,7 +13,7 @@ use crate::saltation::saltations;
 use crate::sizes::{MOST_DENSE, is_affordable, most_refined};
 use crate::spectrum::{Posed, SpectralFunction, posed};
 use crate::verdict::{Mechanism, Question, Tolerance, Verdict};
-use crate::zeros::{SecularError, excess};
+use crate::zeros::{Nu, SecularError, excess};
 
 /// Errors of the leading multiplier beyond this part of it are left to a dense solver: next to coincident poles that has smaller
 /// ones. (Estimates are cautious there, by two to three digits.)
@@ -113,11 +113,9 @@ impl Analyser {
         tolerance: Tolerance,
     ) -> Option<(Verdict, Vec<Complex<f64>>)> {
         let verdict = self.structure_reversible(orbit, tolerance)?;
-        // A screen of signs may have spared the rest.
-        let ratio = self.secular.residues.take_over_structure(orbit).ok()?;
-        self.secular.residues.complete(ratio).ok()?;
         let mut multipliers = Vec::with_capacity(2 * orbit.modes.len());
-        for (nu, error) in self.secular.all_nu().ok()? {
+        // A screen of signs may have spared the rest.
+        for (nu, error) in self.all_nu_of(orbit)? {
             let excess = nu.excess();
             if nu.excess_error(excess, error) > WORST * (1.0 + excess) {
                 return None;
@@ -130,10 +128,14 @@ impl Analyser {
 
     /// ν = ½(μ + 1/μ) of the pairs of a structure's orbit; `None` where their residues do not tell.
     pub(crate) fn structure_half_sums(&mut self, orbit: &ReversibleOrbit<'_>) -> Option<Vec<Complex<f64>>> {
+        Some(self.all_nu_of(orbit)?.map(|(nu, _)| nu.complex()).collect())
+    }
+
+    /// The same with bounds of their errors.
+    fn all_nu_of(&mut self, orbit: &ReversibleOrbit<'_>) -> Option<impl Iterator<Item = (Nu, f64)> + '_> {
         let ratio = self.secular.residues.take_over_structure(orbit).ok()?;
         self.secular.residues.complete(ratio).ok()?;
-        let all = self.secular.all_nu().ok()?;
-        Some(all.map(|(nu, _)| nu.complex()).collect())
+        self.secular.all_nu().ok()
     }
 
     /// The verdict on a [`MapBreather`], as [`Analyser::verdict`] has it of the orbit; `None` where only the

@@ -23,7 +23,7 @@ pub(crate) struct KreinForm {
     pub(crate) part: u32,
     /// The multiplier of half a period, where the orbit is its own image after that.
     pub(crate) half: Option<C>,
-    /// The form, as a part of the action; of several alike in one part the least, and 0 where they have both signs.
+    /// Krein's form as a part of the action. Where multipliers of one part coincide it is the least of theirs, or 0 if they have both signs.
     pub(crate) form: f64,
 }
 

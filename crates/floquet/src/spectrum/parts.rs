@@ -1,4 +1,5 @@
-//! Symmetries of an orbit's impacts, told by J(z): multipliers of different parts pass each other.
+//! Symmetries of an orbit, read off J(z). Under each an eigenvector is even or odd, and multipliers of eigenvectors that differ in this pass each
+//! other.
 //!
 //! A symmetry takes impact i to impact j at another contact, or half a period later: what happens to i in a period happens to j in that period
 //! or in the next one. So U takes y_i to place j, times 1/z if it is the next one, and J(z)U = UJ(z). U² is 1, or 1/z where U goes on by half a

@@ -19,7 +19,7 @@ const SPARED: f64 = 1e-24;
 /// rounding of eigenvectors.
 const TWINS: f64 = 1e-12;
 
-/// A square of a shape below this part of the largest of its kind is rounding of their products.
+/// Squares of shapes are sums of products. One below this part of the largest at the same contact is their rounding.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Modes as impacts at some contacts feel them ([`ModalStructure::participating_modes`]).
@@ -66,7 +66,7 @@ impl ByRate {
         beside.filter_map(|place| self.order.get(place)).all(|&other| !near(&modes[k], &modes[other]))
     }
 
-    /// Numbers of the modes whose rates are next to that of mode `k`, rising; itself among them.
+    /// Numbers, rising, of the modes whose rates are next to that of mode `k`; `k` is among them.
     fn around(&self, modes: &[LinearMode], k: usize) -> Vec<usize> {
         let (place, mode) = (self.places[k], &modes[k]);
         let near = |other: &&usize| near(mode, &modes[**other]);

@@ -51,7 +51,7 @@ pub struct StructureContinuation {
     /// The strongest impact where this begins.
     strongest: usize,
     /// Mirror images of impacts, which are followed with them.
-    twins: Option<Twins>,
+    twins: Option<Arc<Twins>>,
     /// Of all unknowns, and of the coordinates with the numbers that are free.
     full_units: Vector,
     units: Vector,
@@ -104,7 +104,7 @@ impl StructureContinuation {
         }
         (whole.units, whole.origin) = (reduced(&whole.full_units), origin);
         whole.size = twins.size();
-        whole.twins = Some(twins);
+        whole.twins = Some(Arc::new(twins));
         Ok(whole)
     }
 
@@ -262,7 +262,10 @@ impl System for StructureContinuation {
     fn rows(&mut self, z: &[f64]) -> Result<Vector, BranchError> {
         let weight = self.weight_of_places();
         let rows = self.assembled(z, |_, _, rows| Ok(with_places(rows, weight).rows))?;
-        Ok(self.twins.as_ref().map_or(rows.clone(), |twins| twins.rows(&rows)))
+        Ok(match &self.twins {
+            Some(twins) => twins.rows(&rows),
+            None => rows,
+        })
     }
 
     fn evaluate(&mut self, z: &[f64]) -> Result<Evaluation<StructureOrbit, Vector>, BranchError> {

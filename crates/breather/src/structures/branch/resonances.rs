@@ -3,12 +3,8 @@
 use vibrochain_lattice::{LinearMode, Resonance, Turn};
 
 use super::continuation::{StructureBranch, StructureBranchPoint};
-use crate::roots::bracket::zero;
+use crate::branch::resonances::{STILL, nearest};
 use crate::structures::orbit::StructureOrbit;
-
-/// A harmonic of which symmetry leaves no more than this part moves no mode: some roundings of its terms. Next to a resonance that does move its
-/// mode the impulses, too, conspire against it, but by the square of the distance.
-const STILL: f64 = 64.0 * f64::EPSILON;
 
 /// The frequency of a mode that nothing damps.
 fn frequency(mode: &LinearMode) -> Option<f64> {
@@ -40,37 +36,17 @@ impl StructureBranch {
         from: &StructureBranchPoint,
         to: &StructureBranchPoint,
     ) -> Option<(f64, Resonance)> {
-        let base = |point: &StructureBranchPoint| std::f64::consts::TAU / point.orbit().period();
-        let (omega, last_omega, scale) = (base(from), base(to), from.value().abs().max(to.value().abs()));
-        let modes = |point: &'_ StructureBranchPoint| point.orbit().model().structure().clone();
-        let (first, last) = (modes(from), modes(to));
-        let mut nearest: Option<(f64, Resonance)> = None;
-        for (number, (mode, end)) in first.modes().iter().zip(last.modes()).enumerate() {
-            let (Some(start), Some(end)) = (frequency(mode), frequency(end)) else { continue };
-            let [before, behind] = [start / omega, end / last_omega].map(f64::floor);
-            let harmonic = if behind > before { before + 1.0 } else { before };
-            if before == behind || harmonic < 1.0 || !from.orbit().pushes(mode, harmonic) {
-                continue;
-            }
-            let off = |omega: f64, frequency: f64| (-harmonic).mul_add(omega, frequency);
-            // Along the branch the frequency goes from that of one point to that of the other.
-            let periods = from.orbit().model().omega() / omega;
-            let at = |value: f64| {
-                let model = self.equations.model_at(value)?;
-                let (frequency, omega) = (frequency(model.structure().modes().get(number)?)?, model.omega() / periods);
-                let distance = off(omega, frequency);
-                Some((value, Resonance { harmonic: harmonic as u64, mode: number, frequency, omega, distance }))
-            };
-            let distance = |value: f64| at(value).map(|(_, resonance)| resonance.distance).ok_or(());
-            let ends = [(from.value(), off(omega, start)), (to.value(), off(last_omega, end))];
-            let hit = zero(ends[0], ends[1], scale, distance).ok().and_then(at);
-            let away = |value: f64| (value - from.value()).abs();
-            if let Some(hit) = hit
-                && nearest.as_ref().is_none_or(|(old, _)| away(hit.0) < away(*old))
-            {
-                nearest = Some(hit);
-            }
-        }
-        nearest
+        let end = |point: &StructureBranchPoint| (point.value(), std::f64::consts::TAU / point.orbit().period());
+        let (first, last) = (from.orbit().model().structure().modes(), to.orbit().model().structure().modes());
+        let both = first.iter().zip(last).enumerate();
+        let frequencies = both.filter_map(|(number, (mode, end))| Some((number, (frequency(mode)?, frequency(end)?))));
+        // Along the branch an orbit lasts as many periods of the loads.
+        let periods = from.orbit().period() / from.orbit().model().period();
+        let at = |number: usize, value: f64| {
+            let model = self.equations.model_at(value)?;
+            Some((frequency(model.structure().modes().get(number)?)?, model.omega() / periods))
+        };
+        let counts = |number: usize, harmonic: f64| from.orbit().pushes(&first[number], harmonic);
+        nearest([end(from), end(to)], frequencies, at, counts)
     }
 }

@@ -1,8 +1,6 @@
 //! Orbits of a word in which a mirror of the structure exchanges impacts, at once or half a period later, followed among themselves: without loads and
 //! losses the times of masses that hardly feel each other are all but free, and these orbits have one for each pair.
 
-use smallvec::SmallVec;
-
 use crate::equations::linear::{Matrix, Vector};
 use crate::orbit::time_between;
 use crate::structures::equations::{Equations, System};
@@ -20,9 +18,11 @@ const SLOPES: f64 = 1e-12;
 /// Which unknowns a coordinate moves, and which rows are asked for.
 #[derive(Debug, Clone)]
 pub(super) struct Twins {
-    /// Of each impact the other one, or itself, and whether that comes half a period later.
-    images: Vec<(usize, bool)>,
-    columns: Vec<SmallVec<[usize; 2]>>,
+    /// The image of each impact, another one.
+    images: Vec<usize>,
+    /// Images come half a period later.
+    are_later: bool,
+    columns: Vec<[usize; 2]>,
     rows: Vec<usize>,
 }
 
@@ -32,30 +32,23 @@ impl Twins {
         if equations.has_time() || !equations.rigid.is_empty() || orbit.impacts().len() < 2 {
             return None;
         }
-        let images = images(orbit, false).or_else(|| images(orbit, true))?;
-        Some(Self::with(images, equations.left_out, equations))
-    }
-
-    fn with(images: Vec<(usize, bool)>, left_out: usize, equations: &Equations<'_>) -> Self {
+        let (are_later, images) = [false, true].into_iter().find_map(|later| Some((later, images(orbit, later)?)))?;
         let n = images.len();
-        let firsts: Vec<usize> = (0..n).filter(|&i| images[i].0 >= i).collect();
-        let both = |i: usize| -> SmallVec<[usize; 2]> {
-            let other = images[i].0;
-            if other == i { SmallVec::from_slice(&[i]) } else { SmallVec::from_slice(&[i, other]) }
-        };
+        let firsts: Vec<usize> = (0..n).filter(|&i| images[i] > i).collect();
+        let both = |i: usize| [i, images[i]];
         let mut columns: Vec<_> = firsts.iter().map(|&i| both(i)).collect();
         let times = firsts.iter().filter(|&&i| i > 0);
-        columns.extend(times.map(|&i| both(i).iter().map(|&j| n + j - 1).collect::<SmallVec<[usize; 2]>>()));
-        let laws = firsts.iter().filter(|&&i| !both(i).contains(&left_out));
+        columns.extend(times.map(|&i| both(i).map(|j| n + j - 1)));
+        let laws = firsts.iter().filter(|&&i| !both(i).contains(&equations.left_out));
         let mut rows = firsts.clone();
         rows.extend(laws.filter_map(|&i| equations.row_of_law(n, i)));
-        Self { images, columns, rows }
+        Some(Self { images, are_later, columns, rows })
     }
 
     /// Whether the images of places, and of their slopes by impulses, are what they are images of, at a point that is its own image.
     pub(super) fn are_kept_by(&self, system: &System) -> bool {
         let n = self.images.len();
-        let image = |i: usize| self.images[i].0;
+        let image = |i: usize| self.images[i];
         (0..n).all(|i| {
             let (row, other) = (system.jacobian.row(i), system.jacobian.row(image(i)));
             let length = row[..n].iter().map(|entry| entry.abs()).fold(0.0, f64::max);
@@ -81,9 +74,9 @@ impl Twins {
         for (column, value) in self.columns.iter().zip(z) {
             column.iter().for_each(|&i| full[i] = *value);
         }
-        for (i, &(image, later)) in self.images.iter().enumerate().filter(|(i, (image, _))| image > i) {
+        for (i, &image) in self.images.iter().enumerate().filter(|(i, image)| *image > i) {
             let own = if i == 0 { 0.0 } else { full[n + i - 1] };
-            full[n + image - 1] = if later { (own + 0.5 * period).rem_euclid(period) } else { own };
+            full[n + image - 1] = if self.are_later { (own + 0.5 * period).rem_euclid(period) } else { own };
         }
         full
     }
@@ -97,8 +90,8 @@ impl Twins {
     }
 }
 
-/// The impact of another contact that is the image of each one; `None` where one has none, or all are their own.
-fn images(orbit: &StructureOrbit, later: bool) -> Option<Vec<(usize, bool)>> {
+/// The impact of another contact that is the image of each one; `None` where one has none.
+fn images(orbit: &StructureOrbit, later: bool) -> Option<Vec<usize>> {
     let (impacts, period) = (orbit.impacts(), orbit.period());
     let lapse = if later { 0.5 * period } else { 0.0 };
     let alike = |one: &StructureImpact, other: &StructureImpact| {
@@ -115,7 +108,7 @@ fn images(orbit: &StructureOrbit, later: bool) -> Option<Vec<(usize, bool)>> {
     let pairs = (0..all.len()).all(|i| {
         all[all[i]] == i && (0..all.len()).all(|j| contact(i) != contact(j) || contact(all[i]) == contact(all[j]))
     });
-    pairs.then(|| all.into_iter().map(|image| (image, later)).collect())
+    pairs.then_some(all)
 }
 
 #[cfg(test)]

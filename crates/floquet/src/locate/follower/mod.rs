@@ -55,7 +55,7 @@ pub(crate) struct Seen {
     moving: crossings::Moving,
     /// Without loss, (Im ν)² of the pairs off the circle, by Re ν.
     pub(super) openings: Vec<f64>,
-    /// Without loss, the pairs in order along the circle, with their Krein signatures.
+    /// Of an orbit without losses its pairs of multipliers in their order along the circle, with their Krein signatures.
     order: Option<order::Order>,
     /// Where it comes with the multipliers.
     pub(super) verdict: Option<Verdict>,
