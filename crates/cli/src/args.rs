@@ -103,7 +103,7 @@ pub enum Command {
     Simulate(SimulateArgs),
     /// What becomes of the breathers of a scene when they are perturbed: many simulated runs of each.
     Fate(FateArgs),
-    /// Draw where two modes collide over a conservative map, and print how much of the instability that explains.
+    /// Where each stripe of instability of a conservative map begins and ends, however thin, and how strong it is.
     Stripes(StripesArgs),
     /// Fly over a map in the browser: cells are computed as they come into sight.
     Explore(ExploreArgs),
@@ -120,35 +120,15 @@ pub enum Command {
 /// Arguments of `mapgen stripes`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "A line is where two modes of the lattice, as the breather shifts them, have frequencies that sum to a harmonic of \
-                  ω. It is labelled k,l,j: mode k lies between Ω_k and Ω_{k+1} of the bare lattice, those counted that have no node at \
-                  the breather. Printed is the share of unstable cells within one cell of a line, beside that of stable cells, \
-                  of differences of two modes, and of sums and differences of the bare lattice's frequencies."
+    after_help = "In a stripe two modes of the lattice collide, as the breather shifts them: their frequencies sum to a harmonic of ω. \
+                  Mode k lies between Ω_k and Ω_{k+1} of the bare lattice, those counted that have no node at the breather."
 )]
 pub struct StripesArgs {
     /// Scene file (TOML) of a conservative map with x = omega and y = gamma2.
     pub scene: PathBuf,
-    /// Table of the lines (.csv).
-    #[arg(long, value_name = "FILE")]
-    pub out: Option<PathBuf>,
-    /// What --out was once, when --out was the picture.
-    #[arg(long, hide = true, value_name = "FILE")]
-    pub csv: Option<PathBuf>,
-    /// Picture of the map and the lines, .png, .svg or .pdf.
-    #[arg(long, help_heading = PICTURES, value_name = "FILE")]
-    pub plot: Option<PathBuf>,
-    /// How it is made.
-    #[command(flatten)]
-    pub page: PageArgs,
     /// Table of the stripes, however thin (CSV): for each row of the scene where each begins and ends, its width and its growth.
-    #[arg(long, value_name = "FILE")]
-    pub widths: Option<PathBuf>,
-    /// Table of the map, as `mapgen sweep` has written it for the same scene [default: the map is computed].
-    #[arg(long, value_name = "FILE")]
-    pub map: Option<PathBuf>,
-    /// Draw, faintly, also where a difference of two modes is a harmonic: equal signatures, no collision.
-    #[arg(long)]
-    pub all: bool,
+    #[arg(long, alias = "widths", value_name = "FILE")]
+    pub out: Option<PathBuf>,
 }
 
 /// Arguments of `mapgen explore`.

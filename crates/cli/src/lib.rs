@@ -5,7 +5,7 @@
 // | `along` | an orbit to start from as its numbers vary, of a chain or of a structure: for `locate`, `branch` and `curve` |
 // | `common` | what commands share: console, models and orbits asked for, pictures, tables in chunks, schemas |
 // | `args`, `program` | the command line; the whole program as a function |
-// | `orbit`, `sweep`, `branch`, `curve`, `fate`, `simulate`, `stripes`, `explore`, `setup` | a command and its parts; `sweep` has `merge` and `draw`, too |
+// | `orbit`, `sweep`, `branch`, `curve`, `fate`, `simulate`, `explore`, `setup` | a command and its parts; `sweep` has `merge` and `draw`, too |
 // | `structures` | what commands do for a structure of any kind, and for a chain with dashpots |
 // | `curves`, `locate`, `schema`, `words` | commands of one file |
 

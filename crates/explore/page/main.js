@@ -106,7 +106,7 @@ async function begin() {
       await point.open(at, { which, number, focus: false });
       if (run && point.solution) await point.run.resume(run);
     }
-    for (const name of over) await overlays.ask(name);
+    if (over.length > 0) await overlays.ask();
   };
   window.addEventListener("hashchange", () => {
     if (recall(location.hash)) {

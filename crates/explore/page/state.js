@@ -6,7 +6,7 @@ export const state = {
   at: null, // the point looked at, by its values along x and y
   which: null, number: 0, // the solution looked at: its family or word, and its number from 0
   run: null, // perturb, direction, seed, periods of the run shown
-  over: [], // lines over the map: "curves", "stripes"
+  over: [], // lines over the map: "curves"
   color: "class", // what colours the map: "class", or a number, as a column of tables is called
   theme: "system",
 };
@@ -52,7 +52,7 @@ export function recall(hash) {
   state.which = typeof plain.orbit === "string" ? plain.orbit : null;
   state.number = Math.max(0, Math.trunc(number(plain.solution, 0)));
   state.run = typeof plain.run === "object" ? plain.run : null;
-  state.over = Array.isArray(plain.lines) ? plain.lines.filter((name) => name === "curves" || name === "stripes") : [];
+  state.over = Array.isArray(plain.lines) ? plain.lines.filter((name) => name === "curves") : [];
   state.color = COLORS.includes(plain.color) ? plain.color : "class";
   state.theme = ["light", "dark"].includes(plain.theme) ? plain.theme : "system";
   return true;

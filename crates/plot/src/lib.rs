@@ -53,7 +53,7 @@ pub use map::palette;
 pub use map::palette::{Palette, Tile};
 pub use map::quantity::{NumberScale, Quantity, Shade, number_scale};
 pub use map::regions::{RegionsPicture, regions_fit, regions_picture};
-pub use map::{MapBorder, MapLine, MapPicture, map_picture, map_with_lines};
+pub use map::{MapBorder, MapPicture, map_picture};
 pub use moving::animation;
 pub use moving::motion::{Animation, Instant, MOST_MASSES, Moving};
 pub use panels::curves::{Curves, Mark, Pane, Scale, Series, Stroke};

@@ -32,6 +32,8 @@ pub enum Command {
     Accuracy(AccuracyArgs),
     /// Print how wide stripes of instability are and how strong, beside the law they follow (docs/stripes.md).
     Stripes(StripesArgs),
+    /// Draw where two modes collide over a conservative map, and print how much of the instability that explains (docs/stripes.md).
+    Lines(LinesArgs),
     /// Count what a map that is refined has wrong, against all cells of its finest grid (docs/scenes.md).
     Refinement(RefinementArgs),
     /// Run one inner loop, whose instructions scripts/instructions.sh counts.
@@ -101,6 +103,20 @@ pub struct StripesArgs {
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Picture of their growth over ω in rings of all lengths, .png or .svg.
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+}
+
+/// Arguments of `studies lines`.
+#[derive(Debug, Args)]
+pub struct LinesArgs {
+    /// The scene, a conservative map with x = omega and y = gamma2.
+    #[arg(value_name = "SCENE")]
+    pub scene: PathBuf,
+    /// Table of the lines (.csv).
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Picture of the map and its lines, .png or .svg.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
 }

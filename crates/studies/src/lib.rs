@@ -6,7 +6,7 @@
 // | `figures` | every figure of the paper, with the numbers behind it |
 // | `forms`, `errata` | the paper's closed forms with their misprints; the corrections, each with its evidence |
 // | `validate` | closed forms against simulation |
-// | `stripes` | width and growth of stripes of instability against a law |
+// | `stripes` | lines on which two modes collide; width and growth of stripes against a law |
 // | `refinement` | maps that are refined against all cells of their finest grid |
 // | `accuracy` | error against run time |
 // | `loops` | inner loops, for a tool that counts their instructions |

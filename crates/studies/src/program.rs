@@ -20,6 +20,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<
         Command::Errata(args) => errata::run(args, console),
         Command::Accuracy(args) => accuracy::run(args, console),
         Command::Stripes(args) => stripes::run(args, console),
+        Command::Lines(args) => stripes::run_lines(args, console),
         Command::Refinement(args) => refinement::run(args, console),
         Command::Loop(args) => loops::run(args, console),
     }

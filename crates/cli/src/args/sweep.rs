@@ -132,8 +132,8 @@ pub struct MergeArgs {
 /// Arguments of `mapgen draw`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Tables that hold a picture: those of sweep, merge, fate, branch and curve, and that of stripes together with the table \
-                  of its map. The names of its columns say which one it is; the manifest beside it says what it is of."
+    after_help = "Tables that hold a picture: those of sweep, merge, fate, branch and curve. The names of its columns say which one it is; \
+                  the manifest beside it says what it is of."
 )]
 pub struct DrawArgs {
     /// Table (.csv); `-` is standard input.
@@ -148,10 +148,7 @@ pub struct DrawArgs {
     /// branch a list with commas of impulse, phi, psi, margin, spectral_radius [default: impulse,spectral_radius].
     #[arg(long, alias = "color", help_heading = PICTURES, value_name = "QUANTITY", value_delimiter = ',', value_parser = among(&ALL), hide_possible_values = true)]
     pub show: Vec<QuantityName>,
-    /// Draw what is left out otherwise: of a branch, orbits that are not physical; of stripes, the lines of differences, faintly.
+    /// Draw what is left out otherwise: of a branch, orbits that are not physical.
     #[arg(long, help_heading = PICTURES)]
     pub all: bool,
-    /// To draw a table of stripes: the table of the map that its lines lie on.
-    #[arg(long, value_name = "FILE")]
-    pub map: Option<PathBuf>,
 }

@@ -85,7 +85,7 @@ impl Answers for Program {
     }
 
     fn is_long(&self, question: &str) -> bool {
-        ["curves", "stripes", "sweep"].contains(&question)
+        ["curves", "sweep"].contains(&question)
     }
 
     fn answer(&self, question: &str, asked: &Value, stop: &Stop) -> Result<Value, Refusal> {
@@ -93,7 +93,6 @@ impl Answers for Program {
             "orbit" => orbit(&read(asked)?)?,
             "simulate" => simulate(&read(asked)?)?,
             "curves" => curves(&read(asked)?)?,
-            "stripes" => stripes(&read(asked)?)?,
             "sweep" => sweep(&read(asked)?)?,
             "texts" => return of_map(&window(&read(asked)?)?),
             _ => return Err(Refusal::new(404, "there is no such question")),
@@ -243,10 +242,6 @@ fn curves(asked: &Window) -> Result<Line, Refusal> {
         line = line.flag("tolerance", Number(tolerance));
     }
     Ok(line.switch("json"))
-}
-
-fn stripes(asked: &Window) -> Result<Line, Refusal> {
-    Ok(about("stripes", asked)?.output("out", "stripes.csv").output("plot", "stripes.png"))
 }
 
 fn sweep(asked: &Window) -> Result<Line, Refusal> {

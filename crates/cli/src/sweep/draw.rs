@@ -24,7 +24,6 @@ use crate::common::table_rows::TableRows;
 use crate::common::threads::threads;
 use crate::fate::plot::Plot;
 use crate::fate::{ENDS, SECTION};
-use crate::stripes;
 use crate::sweep::report::{counted, size};
 
 /// Columns of a table that are told of one that is not known.
@@ -38,7 +37,6 @@ enum Kind {
     Section,
     Branch,
     Curve,
-    Lines,
 }
 
 impl Kind {
@@ -54,8 +52,6 @@ impl Kind {
         };
         if columns.join(",") == crate::branch::table::HEADER {
             Ok(Self::Branch)
-        } else if columns == stripes::COLUMNS {
-            Ok(Self::Lines)
         } else if is_curve() {
             Ok(Self::Curve)
         } else if has("share_breather") {
@@ -74,7 +70,7 @@ impl Kind {
                 told += ",…";
             }
             Err(format!(
-                "no picture is known of the columns {told}: give a table of sweep, merge, fate, branch, curve or stripes"
+                "no picture is known of the columns {told}: give a table of sweep, merge, fate, branch or curve"
             ))
         }
     }
@@ -87,7 +83,6 @@ impl Kind {
             Self::Section => SECTION,
             Self::Branch => "branch",
             Self::Curve => "curve",
-            Self::Lines => stripes::LINES,
         }
     }
 
@@ -95,8 +90,7 @@ impl Kind {
     fn takes(self, args: &DrawArgs) -> Result<(), CliError> {
         let flags = [
             ("--show", !args.show.is_empty(), "of sweep or branch", matches!(self, Self::Cells | Self::Branch)),
-            ("--all", args.all, "of branch or stripes", matches!(self, Self::Branch | Self::Lines)),
-            ("--map", args.map.is_some(), "of stripes", self == Self::Lines),
+            ("--all", args.all, "of branch", self == Self::Branch),
         ];
         if let Some((flag, _, whose, _)) = flags.iter().find(|(_, given, _, taken)| *given && !taken) {
             let name = self.name();
@@ -120,8 +114,7 @@ pub fn run(args: &DrawArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     ensure!(!outputs.is_empty(), "nothing is asked for: give --plot FILE, .png, .svg or .pdf");
     let manifest = manifest_path(&args.table);
     let source = args.scene.as_deref().unwrap_or(&manifest);
-    let inputs =
-        [("the table", Some(args.table.as_path())), ("the scene", Some(source)), ("--map", args.map.as_deref())];
+    let inputs = [("the table", Some(args.table.as_path())), ("the scene", Some(source))];
     destinations(false, &inputs, &outputs)?;
     let table = TableRows::open("table", &args.table)?;
     let kind = Kind::of(&table.columns()).map_err(|what| table.wrong(&what))?;
@@ -141,16 +134,6 @@ pub fn run(args: &DrawArgs, console: &mut Console<'_>) -> Result<(), CliError> {
         Kind::Section => section::<Scene>(PictureFiles::asked(wanted)?, table, source)?,
         Kind::Branch => branch(args, table, source)?,
         Kind::Curve => curve(PictureFiles::asked(wanted)?, table, source)?,
-        Kind::Lines => {
-            let Some(map) = args.map.as_deref() else {
-                let what =
-                    "it has the lines alone: give the table of the map that they lie on, of the same scene, by --map";
-                return Err(table.wrong(what));
-            };
-            let (rows, _): (_, serde_json::Value) = read(source, stripes::LINES)?;
-            let lines = stripes::redraw(PictureFiles::asked(wanted)?, (table, rows), source, map, args.all)?;
-            counted(lines, "line")
-        }
     };
     console.summary(&told);
     Ok(())

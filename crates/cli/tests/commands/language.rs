@@ -241,7 +241,7 @@ fn headings_of_help_hold_what_they_name() {
         "--solution",
     ];
     let mut seen = 0;
-    for command in ["sweep", "merge", "draw", "orbit", "branch", "curve", "curves", "simulate", "fate", "stripes"] {
+    for command in ["sweep", "merge", "draw", "orbit", "branch", "curve", "curves", "simulate", "fate"] {
         let help = dir.run(&format!("{command} --help")).with(0, &[]).out;
         let section = help.split("\nPictures:\n").nth(1).unwrap_or_else(|| panic!("{command}: {help}"));
         // The next heading begins at the margin.
@@ -280,11 +280,7 @@ fn names_of_before_go_on_working_and_help_does_not_show_them() {
         &["a.png", "a.svg", "a.pdf"],
     );
     alike("draw map.csv --svg a.svg --color margin", "draw map.csv --plot a.svg --show margin", &["a.svg"]);
-    alike(
-        "stripes scene.toml --out a.svg --csv lines.csv",
-        "stripes scene.toml --plot a.svg --out lines.csv",
-        &["a.svg", "lines.csv"],
-    );
+    alike("stripes scene.toml --widths a.csv", "stripes scene.toml --out a.csv", &["a.csv"]);
     alike(
         &format!("{orbit} --all-plots p --svg"),
         &format!("{orbit} --all-plots p --format svg"),

@@ -122,7 +122,7 @@ const LINES: [&str; 20] = [
     "mapgen simulate --family single-sided --sites 3 --gamma1 .2 --gamma2 .1 --omega .92 --asymmetry .4 --force 1:.1:.3,3:.02 --restitution .9 --periods 2",
 ];
 
-/// A map that stripes are drawn over.
+/// A map that has stripes.
 const STRIPES: &str = r#"title = "stripes"
 [model]
 sites = 5
@@ -137,11 +137,10 @@ stability = true
 "#;
 
 /// Commands that are run under limits alone: some of them take seconds.
-const MORE_LINES: [&str; 8] = [
+const MORE_LINES: [&str; 7] = [
     "mapgen locate --event grazing --free omega --from .9 --to 1.1 --family single-sided --sites 3 --gamma1 .2 --gamma2 .1 --omega 1 --asymmetry .4",
     "mapgen locate --json --event fold --free amplitude --family double-sided --sites 2 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --amplitude .1 --restitution .9",
-    "mapgen stripes scene.toml --out stripes.png --csv stripes.csv",
-    "mapgen stripes scene.toml --out stripes.svg --all --style column --letters",
+    "mapgen stripes scene.toml --out stripes.csv",
     "mapgen sweep scene.toml --out map.csv --png map.png --svg map.svg --pdf map.pdf --threads 2 --width 86mm --dpi 150 --font-size 8",
     "mapgen merge parts --out map.csv --png map.png",
     "mapgen orbit --family double-sided --sites 5 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4 --all-plots plots --multipliers multipliers.csv",

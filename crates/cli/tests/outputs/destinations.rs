@@ -41,8 +41,7 @@ fn options() -> Vec<(String, &'static str)> {
         ("sweep scene.toml --out elsewhere/map.csv --pdf FILE --quiet".to_owned(), "pdf"),
         (format!("{orbit} --plot FILE"), "png"),
         (format!("{simulate} --plot FILE"), "png"),
-        ("stripes scene.toml --plot FILE".to_owned(), "png"),
-        ("stripes scene.toml --plot elsewhere/lines.png --csv FILE".to_owned(), "csv"),
+        ("stripes scene.toml --out FILE".to_owned(), "csv"),
     ]);
     if cfg!(feature = "compress") {
         all.push(("sweep scene.toml --out FILE --quiet".to_owned(), "csv.gz"));
@@ -52,7 +51,7 @@ fn options() -> Vec<(String, &'static str)> {
 
 /// Whether a manifest lies beside the file of a line: beside a table that a picture can be drawn from again.
 fn has_manifest(line: &str) -> bool {
-    line.contains("--out FILE --quiet") || line.contains("stripes") && line.contains("--csv FILE")
+    line.contains("--out FILE --quiet")
 }
 
 /// What a line writes into a plain file, which is then removed.
@@ -245,7 +244,7 @@ fn endings_that_promise_something_else_are_refused() {
     let mut asked = 0;
     for (line, ending) in options() {
         let others = ["csv", "csv.gz", "png", "svg", "jpg", "md", "json", "h5", "toml", "GIF", "pdf", "5"];
-        // A table may be compressed, a picture of --plot and of stripes have either form.
+        // A table may be compressed, a picture of --plot has either form.
         let either = |other: &str| match ending {
             _ if other == ending => true,
             "csv" | "csv.gz" if line.contains("--out FILE --quiet") => other.starts_with("csv"),
@@ -321,9 +320,7 @@ fn no_file_has_two_uses_by_whatever_names() {
         ("sweep scene.toml --out map --png map".to_owned(), "--out and --png"),
         ("sweep scene.toml --out map.csv --png map.csv.parts".to_owned(), "the folder of chunks and --png"),
         ("merge parts --out map --svg new/../map".to_owned(), "--out and --svg"),
-        ("stripes scene.csv --plot elsewhere/a.png --csv folder/../scene.csv".to_owned(), "the scene and --out"),
-        ("stripes scene.toml --map scene.csv --plot a.png --csv link.csv".to_owned(), "--map and --out"),
-        ("stripes scene.toml --plot - --csv -".to_owned(), "--plot and --out"),
+        ("stripes scene.csv --out folder/../scene.csv".to_owned(), "the scene and --out"),
         (format!("{orbit} --multipliers - --plot -"), "--multipliers and --plot"),
         (format!("{orbit} --multipliers pipe.csv --plot pipe.csv"), "--multipliers and --plot"),
         (format!("{orbit} --plot pics --all-plots pics"), "--plot and --all-plots"),

@@ -56,12 +56,6 @@ fn drawn() -> (TestDir, Vec<(&'static str, String, &'static str)>) {
                 .to_owned(),
             "",
         ),
-        ("lines", "stripes scene.toml --csv TABLE --plot PICTURE".to_owned(), "--map map.csv"),
-        (
-            "differences",
-            "stripes scene.toml --map map.csv --all --csv TABLE --plot PICTURE".to_owned(),
-            "--map map.csv --all",
-        ),
     ];
     for (name, line, _) in &lines {
         let line = line.replace("TABLE", &format!("{name}.csv")).replace("PICTURE", &format!("{name}.svg"));
@@ -84,7 +78,7 @@ fn every_table_with_a_picture_is_drawn_again_to_the_byte() {
         dir.shell(&piped).with(0, &[]);
         assert!(dir.read("piped.svg") == dir.read("again.svg"), "{name}");
     }
-    assert_eq!(lines.len(), 9);
+    assert_eq!(lines.len(), 7);
     assert!(String::from_utf8(dir.read("touch.svg")).unwrap().contains("curve 1: site 4 touches the lower barrier"));
     // One that is merged of shards has the same manifest beside it.
     let dir = TestDir::new();
@@ -146,12 +140,9 @@ fn what_is_no_table_or_a_damaged_one_is_refused() {
             "--palette is of maps, this is a table of",
         );
     }
-    assert_eq!(damaged, 45);
+    assert_eq!(damaged, 35);
     refused("draw ends.csv --svg new.svg --show phi", "--show is of tables of sweep or branch, this is one of fate");
-    refused("draw curve.csv --svg new.svg --all", "--all is of tables of branch or stripes, this is one of curve");
-    refused("draw map.csv --svg new.svg --map map.csv", "--map is of tables of stripes, this is one of sweep");
-    refused("draw lines.csv --svg new.svg", "give the table of the map that they lie on");
-    refused("draw lines.csv --svg new.svg --map ends.csv", "its columns are not those of this scene");
+    refused("draw curve.csv --svg new.svg --all", "--all is of tables of branch, this is one of curve");
     refused("draw - --svg new.svg", "table -: it is empty");
     refused("draw ends.csv --svg ends.manifest.json", "the scene and --svg are the same file");
     // Tables without a picture.

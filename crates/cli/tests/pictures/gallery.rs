@@ -83,13 +83,13 @@ fn every_picture_of_the_documents_is_in_the_gallery() {
     assert!(all.len() > 30);
     let listed: Vec<&Path> = all.iter().map(|entry| entry.file.as_path()).collect();
     let mut missing = Vec::new();
-    for folder in ["docs", "docs/guide", "docs/bifurcations", "docs/stripes", "docs/gallery", "docs/problems"] {
+    for folder in ["docs", "docs/guide", "docs/bifurcations", "docs/gallery", "docs/problems"] {
         for file in fs::read_dir(root().join(folder)).unwrap() {
             let file = Path::new(folder).join(file.unwrap().file_name());
             let is_picture = file.extension().is_some_and(|end| end == "png" || end == "gif");
-            // One is drawn by the studies, one is the window of a browser.
-            let others = ["docs/stripes/widths.png", "docs/explore.png"];
-            if is_picture && !listed.contains(&file.as_path()) && !others.iter().any(|other| file == Path::new(other)) {
+            // The window of a browser.
+            let is_window = file == Path::new("docs/explore.png");
+            if is_picture && !listed.contains(&file.as_path()) && !is_window {
                 missing.push(file);
             }
         }

@@ -137,7 +137,6 @@ fn limits_of_a_picture_are_known_at_once() {
         "fate line.toml --out map.csv --plot a.png".to_owned(),
         "fate scene.toml --starts 1 --out map.csv --plot a.png".to_owned(),
         "fate line.toml --diagram d.csv --plot a.png".to_owned(),
-        "stripes scene.toml --plot a.png".to_owned(),
         "curves scene.toml --plot a.png".to_owned(),
         format!("curve --event grazing --free omega --and gamma2 {orbit} --plot a.png"),
         format!("branch --free omega {orbit} --plot a.png"),

@@ -96,7 +96,7 @@ fn columns() -> Names {
         format!("branch {FORCED} --free amplitude --from .16 --to .17 --csv table"),
         format!("curve {FORCED} --event fold --free amplitude --and restitution --tolerance 1e-2 --csv table"),
     ];
-    commands.push("stripes scene.toml --plot picture.png --csv table --widths more".to_owned());
+    commands.push("stripes scene.toml --out table".to_owned());
     let (mut found, mut tables) = (Names::new(), 0);
     for command in commands {
         let command = command.replace(" table", " table.csv").replace(" more", " more.csv");

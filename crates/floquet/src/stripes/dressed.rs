@@ -121,11 +121,6 @@ impl DressedModes {
         self.form.omega()
     }
 
-    /// The waves.
-    pub(super) fn form(&self) -> &Form {
-        &self.form
-    }
-
     /// The orbit is its own mirror image half a period later: its multipliers are squares, and modes that meet at an odd
     /// harmonic have opposite roots and do not collide.
     pub fn is_symmetric(&self) -> bool {
@@ -141,14 +136,6 @@ impl DressedModes {
     pub fn internal_mode(&self) -> Option<&InternalMode> {
         let look = || if self.bare.is_empty() { None } else { internal_mode(&self.form, &mut Vec::new()) };
         self.internal.get_or_init(look).as_ref()
-    }
-
-    /// The internal mode grows by what it emits, and so fast that it is e times as large before a wave has come back
-    /// around the ring (in 2π over the mean distance of neighbouring modes). Such an orbit is unstable, on a long ring as on
-    /// a short one, with few exceptions next to that bound; slower, the mode grows where it meets a mode of the ring, and not in between.
-    pub fn internal_grows(&self) -> bool {
-        // Of several channels each has its own modes.
-        self.internal_mode().is_some_and(|mode| -mode.loss * TAU > self.spacing() * self.form.channels() as f64)
     }
 
     /// The mean distance of neighbouring modes.
@@ -234,8 +221,25 @@ impl DressedModes {
         (0.5 * (self.reflection(w) * rest).arg()).rem_euclid(PI)
     }
 
-    /// The coefficient of reflection. Its modulus is not 1 where waves are turned into others, at w_j in the band.
-    pub(super) fn reflection(&self, w: f64) -> C {
+    /// The coefficient of reflection of waves of frequency w in the band (dimensionless), the waves of its partners w + jω running off. Its
+    /// modulus is 1 where no partner is in the band.
+    ///
+    /// ```
+    /// # use vibrochain_breather::{Family, Finder, OrbitList};
+    /// # use vibrochain_floquet::DressedModes;
+    /// # use vibrochain_lattice::{Chain, Model};
+    /// let modes = |omega: f64| -> Result<DressedModes, Box<dyn std::error::Error>> {
+    ///     let model = Model::conservative(Chain::new(21, 0.2, 0.1)?, omega, 0.4)?;
+    ///     let (mut finder, mut found, mut modes) = (Finder::new(21), OrbitList::default(), DressedModes::default());
+    ///     finder.find_symmetric(&model, Family::DoubleSided, &mut found)?;
+    ///     modes.replace(finder.prepared(&found.orbits[0])?)?;
+    ///     Ok(modes)
+    /// };
+    /// // The band ends at 0.775: above twice that, waves come back whole; below, some come back stronger.
+    /// assert!((modes(1.6)?.reflection(0.7).norm() - 1.0).abs() < 1e-9 && modes(1.5)?.reflection(0.75).norm() < 0.99);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn reflection(&self, w: f64) -> Complex<f64> {
         // Linear in G₀.
         let [without, with] = self.form.without_and_with(w);
         let green = -without / (with - without);

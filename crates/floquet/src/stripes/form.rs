@@ -213,23 +213,6 @@ impl Form {
         self.channels.iter().any(|channel| channel.carries(w))
     }
 
-    /// The number of masses of a ring.
-    pub(super) fn ring(&self) -> Option<usize> {
-        self.ring.then_some(self.sites)
-    }
-
-    /// How many w_j but w itself are in a band.
-    pub(super) fn partners(&self, w: f64) -> usize {
-        let top = self.bands().map(|(_, high)| high).fold(0.0, f64::max);
-        let most = ((top + w.abs()) / self.omega).ceil() as i32;
-        (-most..=most).filter(|j| *j != 0 && self.carries(w + f64::from(*j) * self.omega)).count()
-    }
-
-    /// Number of bands.
-    pub(super) fn channels(&self) -> usize {
-        self.channels.len()
-    }
-
     /// Phase x of a standing wave at w between the modes k and k + 1, from 0 at the one to π at the other.
     pub(super) fn phase_between(&self, k: usize, w: f64) -> f64 {
         if self.ring {

@@ -12,7 +12,6 @@
 //! | `reversal`, `pencil` | two modes that meet, as two oscillators that the impacts couple |
 //! | `stripe`, `finder` | [`Stripe`]: where a stripe begins and ends on a line, and how strong it is |
 //! | `place` | what is off the circle at a point of a line |
-//! | `law` | how strong a stripe is, without looking for it |
 //! | `row` | [`StripeRow`]: all stripes on a line |
 //!
 //! A mode that swings freely over a period turns by e^{iΩT} and, its mirror image, by e^{−iΩT}. Krein's form
@@ -35,7 +34,6 @@ mod dressed;
 mod finder;
 mod form;
 mod internal;
-mod law;
 mod order;
 mod passing;
 mod pencil;

@@ -4,6 +4,5 @@
 mod along_rows;
 mod edges;
 mod krein;
-mod law;
 mod of_rows;
 mod signatures;

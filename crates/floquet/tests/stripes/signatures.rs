@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use faer::MatRef;
 use vibrochain_breather::{Family, Finder, Orbit, OrbitList};
-use vibrochain_floquet::{Complex, DressedModes, Secular, Signature, bare_signature, even_monodromy};
+use vibrochain_floquet::{Complex, DressedModes, InternalMode, Secular, Signature, bare_signature, even_monodromy};
 use vibrochain_lattice::{Chain, ImpulseResponse, Model, Point, Spectrum};
 use vibrochain_testkit::Values::{Either, Even, Is};
 use vibrochain_testkit::{Random, Ranges};
@@ -292,7 +292,11 @@ fn an_internal_mode_that_grows_before_its_waves_are_back_makes_the_orbit_unstabl
         let sites = 6 + (random.unit() * 16.0) as usize;
         let (g2, omega, a) = (random.between(0.02, 0.3), random.between(0.45, 1.2), random.between(0.0, 0.8));
         let Some(orbit) = bench.orbit(Family::SingleSided, sites, g2, omega, a) else { continue };
-        let Some(own) = bench.modes.internal_mode().copied().filter(|_| bench.modes.internal_grows()) else { continue };
+        // e times as large before a wave has come back around the ring, in 2π over the mean distance of neighbouring modes.
+        let bare = bench.response(&orbit).frequencies();
+        let spacing = (bare[bare.len() - 1] - bare[0]) / (bare.len() - 1) as f64;
+        let grows = |own: &InternalMode| -own.loss * TAU > spacing;
+        let Some(own) = bench.modes.internal_mode().copied().filter(grows) else { continue };
         let values = dense(&orbit);
         all += 1;
         unstable += usize::from(excess(&values) > 1e-3);

@@ -185,11 +185,6 @@ impl Drawing {
         self.shape(Shape { outlines: vec![points], line: Some(line), ..Shape::default() });
     }
 
-    pub(crate) fn area(&mut self, points: Vec<Place>, colour: Rgb) {
-        let fill = Some(Fill::Colour(colour));
-        self.shape(Shape { outlines: vec![points], closed: true, fill, ..Shape::default() });
-    }
-
     /// The edges of a box.
     pub(crate) fn frame(&mut self, [[left, top], [right, bottom]]: [Place; 2], line: Line) {
         let outline = vec![[left, top], [right, top], [right, bottom], [left, bottom]];

@@ -1,4 +1,4 @@
-//! What stands beside a map and tells its colours: samples, lines, notes and a bar.
+//! What stands beside a map and tells its colours: samples, lines and a bar.
 
 use crate::backend::drawing::{Across, BLACK, DIM, Drawing, Line, Place, Rgb, Upright, sides};
 use crate::backend::page::Page;
@@ -15,19 +15,15 @@ pub(crate) enum Entry<'a> {
     Sample(Box<dyn Fn(u32, u32) -> Rgb + 'a>, String),
     /// A line, and what it means.
     Stroke(Rgb, Option<[f64; 2]>, String),
-    /// A line of small letters.
-    Note(String),
 }
 
-/// In em: the sample of an entry, the air beside it, the heights of entries, of headings and of notes.
+/// In em: the sample of an entry, the air beside it, the heights of entries and of headings.
 const SAMPLE: [f64; 2] = [2.1, 1.6];
 const BESIDE: f64 = 0.7;
 const ROW: f64 = 2.25;
 const HEADING: f64 = 2.4;
-const NOTE: f64 = 1.5;
-/// Between entries that stand side by side, and between words.
+/// Between entries that stand side by side.
 const BETWEEN: f64 = 1.6;
-const SPACE: f64 = 0.32;
 
 /// Sizes of letters against those of legends.
 const TEXT: f64 = 1.1;
@@ -40,7 +36,6 @@ impl Entry<'_> {
             Self::Heading(text) => [SMALL * width(text), HEADING],
             Self::Sample(_, text) => [SAMPLE[0] + BESIDE + TEXT * width(text), ROW],
             Self::Stroke(.., text) => [SAMPLE[0] + BESIDE + TEXT * width(text), ROW],
-            Self::Note(text) => [SMALL * width(text), NOTE],
         }
     }
 
@@ -59,7 +54,6 @@ impl Entry<'_> {
                 drawing.line(vec![[x, middle], [x + SAMPLE[0] * em, middle]], line);
                 drawing.words(text, [x + (SAMPLE[0] + BESIDE) * em, middle], TEXT * em, BLACK);
             }
-            Self::Note(text) => drawing.words(text, [x, y + 0.5 * NOTE * em], SMALL * em, DIM),
         }
     }
 }
@@ -101,15 +95,13 @@ pub(crate) fn draw_list(drawing: &mut Drawing, entries: &[Entry<'_>], [x, mut y]
 pub(crate) fn flow(entries: &[Entry<'_>], room: f64, page: &Page) -> (Vec<Place>, f64) {
     let em = page.font;
     let (mut x, mut y, mut places) = (0.0, 0.0, Vec::new());
-    for (i, entry) in entries.iter().enumerate() {
-        let ([wide, _], after) = (entry.size(), entries.get(i + 1));
+    for entry in entries {
+        let [wide, _] = entry.size();
         if x > 0.0 && (x + wide * em > room || matches!(entry, Entry::Heading(_))) {
             (x, y) = (0.0, y + ROW * em);
         }
-        // A note may go on in the next one.
-        let goes_on = matches!(entry, Entry::Note(_)) && matches!(after, Some(Entry::Note(_)));
         places.push([x, y]);
-        x += (wide + if goes_on { SPACE } else { BETWEEN }) * em;
+        x += (wide + BETWEEN) * em;
     }
     let height = if places.is_empty() { 0.0 } else { y + ROW * em };
     (places, height)
@@ -120,7 +112,7 @@ pub(crate) fn draw_flow(drawing: &mut Drawing, entries: &[Entry<'_>], [x, y]: Pl
         let at = [x + dx, y + dy];
         match entry {
             // On one line with what stands beside it.
-            Entry::Heading(text) | Entry::Note(text) => {
+            Entry::Heading(text) => {
                 drawing.words(text, [at[0], at[1] + 0.5 * ROW * page.font], SMALL * page.font, DIM);
             }
             _ => entry.draw(drawing, at, page),

@@ -3,7 +3,6 @@
 pub(crate) mod classes;
 pub(crate) mod ends;
 pub(crate) mod key;
-pub(crate) mod lines;
 pub(crate) mod map_cells;
 pub(crate) mod mapped;
 pub(crate) mod one_axis;
@@ -21,8 +20,6 @@ use crate::axes::axis::spanned;
 use crate::backend::format::PlotError;
 use crate::backend::page::Page;
 use crate::backend::strokes::Borders;
-pub use crate::map::lines::MapLine;
-use crate::map::lines::{draw_lines, key};
 use crate::map::map_cells::{MapCells, places, sharing};
 use crate::map::mapped::{Mapped, plane};
 use crate::map::palette::Palette;
@@ -58,18 +55,6 @@ pub struct MapBorder {
 /// # Errors
 /// [`PlotError`].
 pub fn map_picture(picture: &MapPicture<'_>, page: impl Into<Page>) -> Result<Vec<u8>, PlotError> {
-    map_with_lines(picture, &[], page)
-}
-
-/// The same with lines over the cells.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn map_with_lines(
-    picture: &MapPicture<'_>,
-    lines: &[MapLine],
-    page: impl Into<Page>,
-) -> Result<Vec<u8>, PlotError> {
     let axes = plane(picture.scene)?;
     let spans = axes.each_ref().map(|axis| span(&axis.values));
     let (palette, cells) = (picture.palette, picture.cells);
@@ -86,14 +71,12 @@ pub fn map_with_lines(
         Borders::add(&mut borders, &border.kind, border.points.iter().copied().map(&part).collect(), &border.title);
     }
     sheet.tell_borders(&borders);
-    sheet.entries.extend(key(lines));
     let placed = sheet.placed(cells.places(), page.into());
     let raster = Raster::of(cells.places(), &placed, &|place, at, each| cells.colours(place, at, palette, bar, each));
     sheet.bytes(&placed, Vec::new(), |drawing| {
         let corners = placed.corners();
         drawing.image(corners, raster.size, raster.rgb.clone());
         drawing.clipped(corners, |drawing| Borders::draw(&borders, drawing, |at| placed.within(at), &placed.page));
-        draw_lines(drawing, &placed, &raster, lines, &part);
     })
 }
 

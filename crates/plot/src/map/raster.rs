@@ -42,18 +42,6 @@ impl Raster {
         }
         Self { size: [across.len() as u32, down.len() as u32], rgb }
     }
-
-    /// Whether it is dark at a place, given by its parts.
-    pub(crate) fn is_dark(&self, parts: [f64; 2]) -> bool {
-        let [x, y] = [0, 1].map(|i| {
-            let last = self.size[i].saturating_sub(1);
-            (parts[i] * f64::from(self.size[i])).clamp(0.0, f64::from(last)) as usize
-        });
-        let first = 3 * (y * self.size[0] as usize + x);
-        let grey =
-            |rgb: &[u8]| rgb.iter().zip([0.3, 0.59, 0.11]).map(|(c, weight)| f64::from(*c) * weight).sum::<f64>();
-        self.rgb.get(first..first + 3).is_some_and(|rgb| grey(rgb) < 110.0)
-    }
 }
 
 /// Of each pixel along an axis that has about so many, the cells that lie in it, with their shares.

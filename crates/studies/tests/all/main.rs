@@ -8,4 +8,6 @@ mod figures;
 mod net;
 mod peer;
 mod requests;
+mod stripe_laws;
+mod stripe_lines;
 mod structures;

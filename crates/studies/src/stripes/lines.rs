@@ -2,22 +2,17 @@
 //! with a breather of one family, the number (Ω̃_k ± Ω̃_l)/ω passes a whole one.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::ThreadPool;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use vibrochain_breather::{Family, Finder, OrbitList};
+use vibrochain_cli::common::error::CliError;
+use vibrochain_cli::stripes::StripeRows;
 use vibrochain_floquet::{DressedModes, Passing, participating_modes, passings};
 use vibrochain_lattice::{Parameter, Stop};
-
-use crate::common::error::CliError;
-use crate::stripes::cuts::{Carrier, Cut};
-use crate::stripes::request::{Request, family};
 use vibrochain_plot::Tile;
 
-/// The most places where lines meet rows: some 50 bytes each, 300 MB with the lines drawn of them. The fullest map of docs/stripes.md
-/// draws 92 thousand.
-const MOST_CROSSINGS: u64 = 5_000_000;
+use crate::stripes::cuts::{Carrier, Cut, family};
 
 /// What tells lines apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -49,8 +44,6 @@ pub(super) struct Rows {
     /// For comparison: whether a cell is within one cell, along its row, of a line of sums of the bare lattice's modes, and of
     /// differences.
     pub(super) bare: [Vec<bool>; 2],
-    /// Cells whose internal mode grows by itself ([`DressedModes::internal_grows`]).
-    pub(super) growing: Vec<usize>,
 }
 
 /// A piece of a line.
@@ -75,20 +68,19 @@ const FAMILIES: [Family; 2] = [Family::DoubleSided, Family::SingleSided];
 /// All crossings and cuts, by rows.
 ///
 /// # Errors
-/// [`CliError::Interrupted`]; [`CliError::Computation`] for more lines than can be held.
-pub(super) fn rows(request: &Request, tiles: &[Tile], pool: &ThreadPool, stop: &Stop) -> Result<Rows, CliError> {
-    let met = AtomicU64::new(0);
+/// [`CliError::Interrupted`].
+pub(super) fn rows(map: &StripeRows, tiles: &[Tile], pool: &ThreadPool, stop: &Stop) -> Result<Rows, CliError> {
     let rows: Result<Vec<Rows>, CliError> = pool.install(|| {
-        (0..request.gamma2.points)
+        (0..map.gamma2.points)
             .into_par_iter()
             .map_init(
                 || Worker {
-                    carrier: Carrier::new(request.scene.base.sites(), stop),
-                    finder: Finder::new(request.scene.base.sites()).until(stop),
+                    carrier: Carrier::new(map.scene.base.sites(), stop),
+                    finder: Finder::new(map.scene.base.sites()).until(stop),
                     found: OrbitList::default(),
                     modes: DressedModes::default(),
                 },
-                |worker, row| worker.row(request, tiles, row, &met),
+                |worker, row| worker.row(map, tiles, row),
             )
             .collect()
     });
@@ -97,7 +89,6 @@ pub(super) fn rows(request: &Request, tiles: &[Tile], pool: &ThreadPool, stop: &
         all.crossings.extend(row.crossings);
         all.cuts.extend(row.cuts);
         all.bare.iter_mut().zip(row.bare).for_each(|(all, row)| all.extend(row));
-        all.growing.extend(row.growing);
     }
     Ok(all)
 }
@@ -110,20 +101,19 @@ struct Worker {
 }
 
 impl Worker {
-    /// One row; `met` counts the crossings of all.
-    fn row(&mut self, request: &Request, tiles: &[Tile], row: usize, met: &AtomicU64) -> Result<Rows, CliError> {
-        let mut all = Rows { bare: bare(request, row), ..Rows::default() };
-        let symmetric = request.scene.base.get(Parameter::Asymmetry) == 0.0;
-        let columns = request.omega.points;
+    fn row(&mut self, map: &StripeRows, tiles: &[Tile], row: usize) -> Result<Rows, CliError> {
+        let mut all = Rows { bare: bare(map, row), ..Rows::default() };
+        let symmetric = map.scene.base.get(Parameter::Asymmetry) == 0.0;
+        let columns = map.omega.points;
         let (mut here, mut last) = (Vec::new(), Vec::new());
         for of in FAMILIES {
             let double = of == Family::DoubleSided;
-            let is = |column: usize| tiles.get(request.cell(row, column)).and_then(family) == Some(of);
+            let is = |column: usize| tiles.get(map.cell(row, column)).and_then(family) == Some(of);
             // A breather that is not physical has modes, too: a line is not to end short of the last cell.
             let beside: Vec<bool> =
                 (0..columns).map(|column| (column.saturating_sub(1)..=(column + 1).min(columns - 1)).any(is)).collect();
             let mut wanted = beside.clone();
-            let cuts = self.carrier.cuts(request, tiles, row, of).ok_or(CliError::Interrupted)?;
+            let cuts = self.carrier.cuts(map, tiles, row, of).ok_or(CliError::Interrupted)?;
             for cut in &cuts {
                 wanted[cut.from..=cut.to].fill(true);
             }
@@ -132,60 +122,43 @@ impl Worker {
             for column in 0..columns {
                 here.clear();
                 if wanted[column] {
-                    let cell = request.cell(row, column);
-                    if self.frequencies(request, cell, of, &mut here) && is(column) {
-                        all.growing.push(cell);
-                    }
+                    self.frequencies(map, map.cell(row, column), of, &mut here);
                 }
                 // A cell that was stopped has no modes.
                 self.finder.stop().heard().map_err(|_| CliError::Interrupted)?;
                 let beyond = !(beside[column] && column > 0 && beside[column - 1]);
-                let before = all.crossings.len();
                 passings(&last, &here, double && symmetric, |Passing { modes: (k, l), harmonic, sum, part }| {
                     let key = Key { double, k, l, harmonic, sum };
                     all.crossings.push(Crossing { key, row, place: column as f64 - 1.0 + part, beyond });
                 });
-                let more = (all.crossings.len() - before) as u64;
-                if met.fetch_add(more, Ordering::Relaxed) + more > MOST_CROSSINGS {
-                    return Err(CliError::Computation(format!(
-                        "lines meet the rows of this map more than {MOST_CROSSINGS} times: give fewer points of {} or fewer sites",
-                        Parameter::Gamma2.name()
-                    )));
-                }
                 std::mem::swap(&mut here, &mut last);
             }
         }
         Ok(all)
     }
 
-    /// Ω̃/ω of all modes in one cell, and whether the internal mode grows by itself.
-    fn frequencies(&mut self, request: &Request, cell: usize, family: Family, out: &mut Vec<Option<f64>>) -> bool {
-        let Ok(model) = request.scene.point(cell as u64).model() else { return false };
-        if self.finder.find_symmetric(&model, family, &mut self.found).is_err() {
-            return false;
-        }
-        let Some(orbit) = self.found.orbits.first() else { return false };
-        let Ok(prepared) = self.finder.prepared(orbit) else { return false };
-        if self.modes.replace(prepared).is_err() {
-            return false;
-        }
+    /// Ω̃/ω of all modes in one cell, of a breather that there is.
+    fn frequencies(&mut self, map: &StripeRows, cell: usize, family: Family, out: &mut Vec<Option<f64>>) -> Option<()> {
+        let model = map.scene.point(cell as u64).model().ok()?;
+        self.finder.find_symmetric(&model, family, &mut self.found).ok()?;
+        self.modes.replace(self.finder.prepared(self.found.orbits.first()?).ok()?).ok()?;
         out.extend(self.modes.frequencies().map(|frequency| frequency.map(|frequency| frequency / model.omega())));
-        self.modes.internal_grows()
+        Some(())
     }
 }
 
 /// The places where two modes of the bare lattice meet, whose frequencies do not depend on ω, and of which no line is drawn: which cells of a row have
 /// one between the cells on either side. (As ω falls to 0 there are more and more harmonics from one cell to the next.)
-fn bare(request: &Request, row: usize) -> [Vec<bool>; 2] {
-    let columns = request.omega.points;
+fn bare(map: &StripeRows, row: usize) -> [Vec<bool>; 2] {
+    let columns = map.omega.points;
     let mut near = [vec![false; columns], vec![false; columns]];
-    let Ok(model) = request.scene.point(request.cell(row, 0) as u64).model() else { return near };
+    let Ok(model) = map.scene.point(map.cell(row, 0) as u64).model() else { return near };
     let frequencies = participating_modes(model.chain(), 0);
     for (k, (_, low)) in frequencies.iter().enumerate() {
         for (l, (_, high)) in frequencies.iter().enumerate().skip(k) {
             // A mode against itself collides at odd harmonics only, and has no difference.
             let [sums, differences] = &mut near;
-            let is_met = |column: usize, value: f64| between(value, k == l, cells_about(request, column));
+            let is_met = |column: usize, value: f64| between(value, k == l, cells_about(map, column));
             for column in 0..columns {
                 sums[column] = sums[column] || is_met(column, low + high);
                 differences[column] = differences[column] || k != l && is_met(column, high - low);
@@ -196,8 +169,8 @@ fn bare(request: &Request, row: usize) -> [Vec<bool>; 2] {
 }
 
 /// ω one cell below and one above a column; beyond either end of the map is still next to it.
-fn cells_about(request: &Request, column: usize) -> (f64, f64) {
-    (request.omega.value(column as f64 - 1.0), request.omega.value(column as f64 + 1.0))
+fn cells_about(map: &StripeRows, column: usize) -> (f64, f64) {
+    (map.omega.value(column as f64 - 1.0), map.omega.value(column as f64 + 1.0))
 }
 
 /// Whether a harmonic jω, j odd if so wanted, is `value` at an ω from `low` to `high`.
@@ -211,23 +184,21 @@ fn between(value: f64, odd: bool, (low, high): (f64, f64)) -> bool {
 }
 
 /// The lines of dressed modes: crossings of neighbouring rows, put together.
-pub(super) fn joined(request: &Request, crossings: &[Crossing]) -> Vec<Line> {
+pub(super) fn joined(map: &StripeRows, crossings: &[Crossing]) -> Vec<Line> {
     let mut by_key: BTreeMap<Key, Vec<&Crossing>> = BTreeMap::new();
     for crossing in crossings.iter().filter(|crossing| !crossing.beyond) {
         by_key.entry(crossing.key).or_default().push(crossing);
     }
     // |dω/dγ₂| of a sum of two modes is below 4/Ω.
-    let base = &request.scene.base;
+    let base = &map.scene.base;
     let slope = 4.0 / base.get(Parameter::Gamma1).sqrt().max(0.05);
-    let reach = 4.0 + slope * request.gamma2.step / request.omega.step;
+    let reach = 4.0 + slope * map.gamma2.step / map.omega.step;
     let mut lines = Vec::new();
     for (key, crossings) in by_key {
         let mut open: Vec<(usize, f64, Line)> = Vec::new();
         for crossing in crossings {
-            let point = LinePoint {
-                omega: request.omega.value(crossing.place),
-                gamma2: request.gamma2.value(crossing.row as f64),
-            };
+            let point =
+                LinePoint { omega: map.omega.value(crossing.place), gamma2: map.gamma2.value(crossing.row as f64) };
             let near = open
                 .iter_mut()
                 .filter(|(row, place, _)| row + 1 == crossing.row && (place - crossing.place).abs() <= reach)

@@ -1,7 +1,7 @@
-//! `studies stripes`: how wide stripes of instability are and how strong, and what law they follow, as tables and a picture.
+//! How wide stripes of instability are and how strong, and what law they follow, as tables and a picture.
 //!
-//! Stripes are found by `StripeFinder`, one by one; the laws are `DressedModes::growth_at_meeting`, which knows the infinite ring and 1/M,
-//! and `StripeLine::weak_growth`, for masses that are hardly coupled.
+//! Stripes are found by `StripeFinder`, one by one; the laws are [`growth_at_meeting`], which knows the infinite ring and 1/M, and
+//! [`weak_growth`], for masses that are hardly coupled.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -12,6 +12,7 @@ use vibrochain_lattice::{Chain, Model, Parameter};
 use vibrochain_plot::{Curves, Format, Mark, Pane, Scale, Series, Stroke, curves_picture};
 
 use crate::args::StripesArgs;
+use crate::stripes::law::{growth_at_meeting, weak_growth};
 use vibrochain_cli::common::console::Console;
 use vibrochain_cli::common::error::CliError;
 use vibrochain_maps::files::{Output, distinct};
@@ -131,15 +132,15 @@ fn stripe_line(&Place { family, n, gamma2, asymmetry }: &Place) -> Result<Stripe
     Ok(StripeLine { model, family, free: Parameter::Omega })
 }
 
-/// Those of the breather at ω, if there is one.
-fn modes(line: &StripeLine, omega: f64) -> Result<Option<DressedModes>, CliError> {
+/// The modes of the breather at ω, if there is one, and its model.
+fn modes(line: &StripeLine, omega: f64) -> Result<Option<(Model, DressedModes)>, CliError> {
     let model = line.model.with(Parameter::Omega, omega).map_err(failed)?;
     let (mut finder, mut found, mut modes) =
         (Finder::new(model.chain().sites()), OrbitList::default(), DressedModes::default());
     finder.find_symmetric(&model, line.family, &mut found).map_err(failed)?;
     let Some(orbit) = found.orbits.first() else { return Ok(None) };
     modes.replace(finder.prepared(orbit).map_err(failed)?).map_err(failed)?;
-    Ok(Some(modes))
+    Ok(Some((model, modes)))
 }
 
 /// The stripes of the first harmonic, whole ones, along ω.
@@ -154,13 +155,13 @@ fn stripes(place: &Place) -> Result<Vec<Told>, CliError> {
             continue;
         }
         let met = |other: &&Stripe| (other.centre - stripe.centre).abs() < other.half_width + stripe.half_width;
-        let Some(modes) = modes(&line, stripe.centre)? else { continue };
+        let Some((model, modes)) = modes(&line, stripe.centre)? else { continue };
         told.push(Told {
             stripe: *stripe,
             modes: pair,
             apart: row.stripes.iter().filter(met).count() == 1,
-            law: modes.growth_at_meeting(pair),
-            weak: line.weak_growth(pair, 1),
+            law: growth_at_meeting(&modes, &model, pair),
+            weak: weak_growth(&line, pair, 1),
         });
     }
     Ok(told)
@@ -278,16 +279,17 @@ fn over_coupling(asymmetries: [f64; 2]) -> Result<Vec<Series>, CliError> {
                 let (mut finder, mut omega) =
                     (StripeFinder::default(), 2.0 * (GAMMA1 * (1.0 + 2.0 * 10f64.powf(power))).sqrt());
                 for _ in 0..APPROACH {
-                    omega = modes(&line, omega)?.and_then(|modes| modes.frequency(k)).map_or(omega, |w| 2.0 * w);
+                    omega = modes(&line, omega)?.and_then(|(_, modes)| modes.frequency(k)).map_or(omega, |w| 2.0 * w);
                 }
                 let Ok(stripe) = finder.near(&line, (k, k), 1, omega) else { continue };
                 let width = |growth: f64| 2.0 * sites * growth * stripe.centre / PI;
                 found.push((power, 2.0 * sites * stripe.half_width));
                 if number == 0 {
-                    let told = modes(&line, stripe.centre)?.and_then(|modes| modes.growth_at_meeting((k, k)));
+                    let told = modes(&line, stripe.centre)?;
+                    let told = told.and_then(|(model, modes)| growth_at_meeting(&modes, &model, (k, k)));
                     law.extend(told.map(|growth| (power, width(growth))));
                     weak.extend(
-                        line.weak_growth((k, k), 1).map(|growth| (power, width(growth))).filter(|_| power <= 0.0),
+                        weak_growth(&line, (k, k), 1).map(|growth| (power, width(growth))).filter(|_| power <= 0.0),
                     );
                 }
             }

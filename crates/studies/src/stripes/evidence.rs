@@ -5,18 +5,18 @@
 use std::fmt::Write as _;
 
 use vibrochain_breather::Family;
-
-use crate::stripes::cuts::Group;
-use crate::stripes::lines::{Crossing, Rows};
-use crate::stripes::request::{Request, family};
+use vibrochain_cli::stripes::StripeRows;
 use vibrochain_plot::Tile;
+
+use crate::stripes::cuts::{Group, family};
+use crate::stripes::lines::{Crossing, Rows};
 
 /// The lines compared.
 const KINDS: [&str; 4] = ["sums", "differences", "bare sums", "bare differences"];
 
 /// Cells within one cell of some lines.
-fn marked(request: &Request, crossings: &[Crossing], is: impl Fn(&Crossing) -> bool) -> Vec<bool> {
-    let (columns, rows) = (request.omega.points, request.gamma2.points);
+fn marked(map: &StripeRows, crossings: &[Crossing], is: impl Fn(&Crossing) -> bool) -> Vec<bool> {
+    let (columns, rows) = (map.omega.points, map.gamma2.points);
     let mut near = vec![false; columns * rows];
     for crossing in crossings.iter().filter(|crossing| is(crossing)) {
         let (low, high) = ((crossing.place - 1.0).ceil().max(0.0), (crossing.place + 1.0).floor());
@@ -25,7 +25,7 @@ fn marked(request: &Request, crossings: &[Crossing], is: impl Fn(&Crossing) -> b
         }
         for row in crossing.row.saturating_sub(1)..=(crossing.row + 1).min(rows - 1) {
             for column in low as usize..=(high as usize).min(columns - 1) {
-                near[request.cell(row, column)] = true;
+                near[map.cell(row, column)] = true;
             }
         }
     }
@@ -33,23 +33,21 @@ fn marked(request: &Request, crossings: &[Crossing], is: impl Fn(&Crossing) -> b
 }
 
 /// Cells with a mark in their own row or in one beside it.
-fn widened(request: &Request, marks: &[bool]) -> Vec<bool> {
-    let (columns, rows) = (request.omega.points, request.gamma2.points);
+fn widened(map: &StripeRows, marks: &[bool]) -> Vec<bool> {
+    let (columns, rows) = (map.omega.points, map.gamma2.points);
     let mut near = vec![false; marks.len()];
     for (cell, _) in marks.iter().enumerate().filter(|(_, mark)| **mark) {
         let (row, column) = (cell / columns, cell % columns);
-        (row.saturating_sub(1)..=(row + 1).min(rows - 1)).for_each(|row| near[request.cell(row, column)] = true);
+        (row.saturating_sub(1)..=(row + 1).min(rows - 1)).for_each(|row| near[map.cell(row, column)] = true);
     }
     near
 }
 
 /// The table that is printed.
-pub(super) fn evidence(request: &Request, tiles: &[Tile], rows: &Rows) -> String {
-    let layout = request.scene.base.layout;
+pub(super) fn evidence(map: &StripeRows, tiles: &[Tile], rows: &Rows) -> String {
+    let layout = map.scene.base.layout;
     let mut text = format!("{layout}: share of cells within one cell of a line\n");
-    let bare = rows.bare.each_ref().map(|marks| widened(request, marks));
-    let mut growing = vec![false; tiles.len()];
-    rows.growing.iter().for_each(|&cell| growing[cell] = true);
+    let bare = rows.bare.each_ref().map(|marks| widened(map, marks));
     for of in [Family::DoubleSided, Family::SingleSided] {
         let here: Vec<(usize, &Tile)> = tiles.iter().enumerate().filter(|(_, tile)| family(tile) == Some(of)).collect();
         if here.is_empty() {
@@ -58,7 +56,7 @@ pub(super) fn evidence(request: &Request, tiles: &[Tile], rows: &Rows) -> String
         let double = of == Family::DoubleSided;
         let lines = |sum: bool, beyond: bool| {
             let is = |met: &Crossing| met.key.double == double && met.key.sum == sum && (beyond || !met.beyond);
-            marked(request, &rows.crossings, is)
+            marked(map, &rows.crossings, is)
         };
         let [sums, differences] = &bare;
         let near = [&lines(true, false), &lines(false, false), sums, differences];
@@ -68,8 +66,7 @@ pub(super) fn evidence(request: &Request, tiles: &[Tile], rows: &Rows) -> String
         for name in KINDS {
             let _ = write!(text, " {name:>16}");
         }
-        let _ =
-            writeln!(text, " {:>16} {:>8} {:>16} {:>16}", "internal grows", "cuts", "cuts with a sum", "carried on");
+        let _ = writeln!(text, " {:>8} {:>16} {:>16}", "cuts", "cuts with a sum", "carried on");
         for group in Group::ALL {
             let cells: Vec<usize> = here.iter().filter(|(_, tile)| group.has(tile)).map(|(cell, _)| *cell).collect();
             if cells.is_empty() {
@@ -78,13 +75,13 @@ pub(super) fn evidence(request: &Request, tiles: &[Tile], rows: &Rows) -> String
             let share = |count: usize, all: usize| 100.0 * count as f64 / all as f64;
             let of_cells = |marks: &[bool]| share(cells.iter().filter(|&&cell| marks[cell]).count(), cells.len());
             let _ = write!(text, "  {:<14} {:>8}", group.name(), cells.len());
-            for marks in near.into_iter().chain([&growing]) {
+            for marks in near {
                 let _ = write!(text, " {:>14.1} %", of_cells(marks));
             }
             // Cells side by side in a row are one cut through a stripe.
             let cuts: Vec<_> = rows.cuts.iter().filter(|cut| cut.double == double && cut.group == group).collect();
             let any = |row: usize, (from, to): (usize, usize), marks: &[bool]| {
-                marks[request.cell(row, from)..=request.cell(row, to)].contains(&true)
+                marks[map.cell(row, from)..=map.cell(row, to)].contains(&true)
             };
             let met = cuts.iter().filter(|cut| any(cut.row, (cut.first, cut.last), near[0])).count();
             let carried = cuts.iter().filter(|cut| any(cut.row, (cut.from, cut.to), &anywhere)).count();

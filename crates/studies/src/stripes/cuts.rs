@@ -3,15 +3,21 @@
 //! for as long as there is a multiplier of its kind, and its line may be out there.
 
 use vibrochain_breather::{Family, Finder, OrbitList};
+use vibrochain_cli::stripes::StripeRows;
 use vibrochain_floquet::{Analyser, Complex, Mechanism, Tolerance, participating_modes};
 use vibrochain_lattice::Stop;
 
-use crate::stripes::request::{Request, family};
 use vibrochain_maps::cell::Class;
 use vibrochain_plot::Tile;
 
 /// |μ| − 1 from which a multiplier is off the circle: a dense solver, where one is asked, splits the trivial pair by 1e-7.
 const OFF: f64 = 1e-6;
+
+/// The family of a tile's orbit.
+pub(super) fn family(tile: &Tile) -> Option<Family> {
+    let (family, _) = tile.class?.parts()?;
+    Some(family).filter(|family| *family != Family::Word)
+}
 
 /// What cells of a run have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,10 +88,10 @@ impl Carrier {
     }
 
     /// All runs in one row; `None` if stopped.
-    pub(super) fn cuts(&mut self, request: &Request, tiles: &[Tile], row: usize, of: Family) -> Option<Vec<Cut>> {
-        let columns = request.omega.points;
+    pub(super) fn cuts(&mut self, map: &StripeRows, tiles: &[Tile], row: usize, of: Family) -> Option<Vec<Cut>> {
+        let columns = map.omega.points;
         let group = |column: usize| {
-            let tile = tiles.get(request.cell(row, column)).filter(|tile| family(tile) == Some(of))?;
+            let tile = tiles.get(map.cell(row, column)).filter(|tile| family(tile) == Some(of))?;
             Group::ALL.into_iter().find(|group| group.has(tile))
         };
         let groups: Vec<Option<Group>> = (0..columns).map(group).collect();
@@ -95,10 +101,10 @@ impl Carrier {
             let last = first + run.len() - 1;
             if let Some(group) = run.first().copied().flatten() {
                 let (mut from, mut to) = (first, last);
-                while from > 0 && self.goes_on(request, row, (from, from - 1), of, group) {
+                while from > 0 && self.goes_on(map, row, (from, from - 1), of, group) {
                     from -= 1;
                 }
-                while to + 1 < columns && self.goes_on(request, row, (to, to + 1), of, group) {
+                while to + 1 < columns && self.goes_on(map, row, (to, to + 1), of, group) {
                     to += 1;
                 }
                 cuts.push(Cut { double: of == Family::DoubleSided, group, row, first, last, from, to });
@@ -113,13 +119,13 @@ impl Carrier {
     /// From one column to the next one no harmonic of ω passes a mode, where the orbit would begin anew, and the group stays.
     fn goes_on(
         &mut self,
-        request: &Request,
+        map: &StripeRows,
         row: usize,
         (here, next): (usize, usize),
         of: Family,
         group: Group,
     ) -> bool {
-        let model = |column| request.scene.point(request.cell(row, column) as u64).model().ok();
+        let model = |column| map.scene.point(map.cell(row, column) as u64).model().ok();
         let (Some(here), Some(next)) = (model(here), model(next)) else { return false };
         if self.finder.find_symmetric(&next, of, &mut self.found).is_err() {
             return false;
