@@ -10,7 +10,7 @@ use crate::map_paths::fast_sums::neighbourhood::NearPoles;
 /// F in the neighbourhood of an origin.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Local<'a> {
-    pub(crate) near_poles: &'a NearPoles<2>,
+    pub(crate) near_poles: &'a NearPoles,
     pub(crate) distances: &'a [Lane],
     /// The origin in the coordinate of the field of far poles, if there are any.
     pub(crate) origin: Option<f64>,
@@ -39,7 +39,7 @@ impl Local<'_> {
         }
         let near = Jet { value: total(value), slope: total(slope), bend: 2.0 * total(bend) };
         let Some(origin) = self.origin else { return near };
-        let NearPoles { scale, far: [[field, field_slope, field_bend], _], .. } = self.near_poles;
+        let NearPoles { scale, far: [field, field_slope, field_bend], .. } = self.near_poles;
         let u = origin + at * scale;
         Jet {
             value: near.value + series(field, u),
@@ -60,7 +60,7 @@ impl Local<'_> {
             value += four(*residue) / (four(*distance) + all(t));
         }
         total(value)
-            + self.origin.map_or(0.0, |origin| series(&self.near_poles.far[0][0], origin + t * self.near_poles.scale))
+            + self.origin.map_or(0.0, |origin| series(&self.near_poles.far[0], origin + t * self.near_poles.scale))
     }
 
     /// The residue of a pole at the origin itself.
@@ -115,7 +115,7 @@ impl Local<'_> {
         }
         let (value, slope) = (Complex::new(total(re), total(im)), Complex::new(total(slope_re), total(slope_im)));
         let Some(origin) = self.origin else { return (value, slope) };
-        let NearPoles { scale, far: [[field, field_slope, _], _], .. } = self.near_poles;
+        let NearPoles { scale, far: [field, field_slope, _], .. } = self.near_poles;
         let u = t * scale + origin;
         let [far, far_slope] = complex_series([field, field_slope], u);
         (value + far, slope + far_slope * scale)

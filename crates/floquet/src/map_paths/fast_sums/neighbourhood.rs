@@ -9,43 +9,43 @@ use vibrochain_lattice::simd::lanes::{Lane, room};
 use crate::map_paths::fast_sums::multipole::{Field, NODES, Nodal, Ranges, Tree, derivative};
 use crate::map_paths::reversible::pole::{Angle, FAR_ROOT};
 
-/// One pole as a source of `N − 1` fields.
+/// One pole as a source of a field.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct ChargedPole<const N: usize> {
+pub(crate) struct ChargedPole {
     pub(crate) at: Angle,
     /// What the error of the pole is known by.
     pub(crate) shift: f64,
-    /// One charge a field and, last, the error of the charges.
-    pub(crate) charges: [f64; N],
+    /// The charge and its error.
+    pub(crate) charges: [f64; 2],
 }
 
 /// Poles one by one, in groups of four, and the field of those left out.
 #[derive(Debug, Clone)]
-pub(crate) struct NearPoles<const N: usize> {
-    pub(crate) charges: [Vec<Lane>; N],
+pub(crate) struct NearPoles {
+    pub(crate) charges: [Vec<Lane>; 2],
     pub(crate) shifts: Vec<Lane>,
     cos: Vec<Lane>,
     sin: Vec<Lane>,
     pub(crate) middle: f64,
     /// The field of far poles and its derivatives in u = (ν − middle)·scale, and its error.
     pub(crate) scale: f64,
-    pub(crate) far: [[Nodal; 3]; N],
+    pub(crate) far: [Nodal; 3],
     pub(crate) noise: f64,
     /// The part of it that is not due to errors of the charges.
     pub(crate) rounding: f64,
 }
 
-impl<const N: usize> Default for NearPoles<N> {
+impl Default for NearPoles {
     fn default() -> Self {
         let (shifts, cos, sin) = Default::default();
-        let (charges, far) = ([const { Vec::new() }; N], [[[0.0; NODES]; 3]; N]);
+        let (charges, far) = ([const { Vec::new() }; 2], [[0.0; NODES]; 3]);
         Self { charges, shifts, cos, sin, middle: 0.0, scale: 0.0, far, noise: 0.0, rounding: 0.0 }
     }
 }
 
-impl<const N: usize> NearPoles<N> {
+impl NearPoles {
     /// Takes over the poles that are counted one by one.
-    pub(crate) fn fill(&mut self, sources: impl ExactSizeIterator<Item = ChargedPole<N>>) {
+    pub(crate) fn fill(&mut self, sources: impl ExactSizeIterator<Item = ChargedPole>) {
         let count = sources.len();
         let mut charges = self.charges.each_mut().map(|charges| room(charges, count, 0.0));
         let [shifts, cos, sin] = [(&mut self.shifts, 0.0), (&mut self.cos, FAR_ROOT), (&mut self.sin, FAR_ROOT)]
@@ -92,32 +92,32 @@ impl<const N: usize> NearPoles<N> {
 /// The neighbourhood of some gaps, each named by the place of its left pole: which poles are near, and the field of the others. The near
 /// ones are copied only where they are looked at ([`Nearby`]): all of them at once would be five times the poles.
 #[derive(Debug, Clone)]
-pub(crate) struct Neighbourhood<const N: usize> {
+pub(crate) struct Neighbourhood {
     pub(crate) gaps: Range<usize>,
     near: Ranges,
     pub(crate) middle: f64,
     /// As in [`NearPoles`].
     pub(crate) scale: f64,
-    far: [Nodal; N],
+    far: Nodal,
     noise: f64,
     rounding: f64,
 }
 
 /// Divides poles, by their rising `points` d, into neighbourhoods.
-pub(crate) fn divide<const N: usize>(points: &[f64], charges: impl Fn(usize) -> [f64; N]) -> Vec<Neighbourhood<N>> {
-    let total_error: f64 = (0..points.len()).map(|place| charges(place)[N - 1]).sum();
+pub(crate) fn divide(points: &[f64], charges: impl Fn(usize) -> [f64; 2]) -> Vec<Neighbourhood> {
+    let total_error: f64 = (0..points.len()).map(|place| charges(place)[1]).sum();
     let (sources, targets) = (Tree::new(points, false), Tree::new(points, true));
-    let neighbourhood = |field: Field<N>| {
+    let neighbourhood = |field: Field<2>| {
         // Interpolation errs by 2e-14 of the kernels, which the sum of moduli overestimates rather than under.
-        let rounding = 1e-14 * field.far[..N - 1].iter().flatten().map(|c| c.abs()).sum::<f64>();
+        let rounding = 1e-14 * field.far[0].iter().map(|c| c.abs()).sum::<f64>();
         Neighbourhood {
             gaps: field.targets,
             near: field.near,
             middle: field.middle,
             scale: if field.half > 0.0 { 1.0 / field.half } else { 0.0 },
-            noise: rounding + field.far[N - 1][0].abs() + total_error,
+            noise: rounding + field.far[1][0].abs() + total_error,
             rounding,
-            far: field.far,
+            far: field.far[0],
         }
     };
     sources.fields(points, charges, &targets).map(neighbourhood).collect()
@@ -125,14 +125,14 @@ pub(crate) fn divide<const N: usize>(points: &[f64], charges: impl Fn(usize) -> 
 
 /// A look at one neighbourhood after the other: the poles and the field of the last one, and distances from one of its poles.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Nearby<const N: usize> {
-    near_poles: NearPoles<N>,
+pub(crate) struct Nearby {
+    near_poles: NearPoles,
     /// The first gap of the neighbourhood that `near_poles` is of.
     first_gap: Option<usize>,
     pub(crate) distances: Vec<Lane>,
 }
 
-impl<const N: usize> Nearby<N> {
+impl Nearby {
     /// Forgets where it looked: poles are about to change.
     pub(crate) fn forget(&mut self) {
         self.first_gap = None;
@@ -141,10 +141,10 @@ impl<const N: usize> Nearby<N> {
     /// Looks at a neighbourhood of the poles `whole` from one of them.
     pub(crate) fn look<'a>(
         &'a mut self,
-        whole: &NearPoles<N>,
-        neighbourhood: &Neighbourhood<N>,
+        whole: &NearPoles,
+        neighbourhood: &Neighbourhood,
         from: &Angle,
-    ) -> (&'a NearPoles<N>, &'a [Lane]) {
+    ) -> (&'a NearPoles, &'a [Lane]) {
         let Self { near_poles, first_gap, distances } = self;
         let Neighbourhood { gaps, near, middle, scale, far, noise, rounding } = neighbourhood;
         if *first_gap != Some(gaps.start) {
@@ -152,11 +152,8 @@ impl<const N: usize> Nearby<N> {
             near_poles.select(whole, near);
             (near_poles.middle, near_poles.scale, near_poles.noise, near_poles.rounding) =
                 (*middle, *scale, *noise, *rounding);
-            // Nobody asks for the last one, the field of errors.
-            for (near_poles, far) in near_poles.far.iter_mut().zip(&far[..N - 1]) {
-                let slope = derivative(far);
-                *near_poles = [*far, slope, derivative(&slope)];
-            }
+            let slope = derivative(far);
+            near_poles.far = [*far, slope, derivative(&slope)];
         }
         near_poles.distances(from, distances);
         (near_poles, distances)

@@ -5,11 +5,12 @@
 //! Laguerre's method, all poles and all known zeros divided out, so that nothing but missing zeros is there to be found. Each of its steps
 //! takes a pass over the poles, which bounds their number.
 //!
-//! A zero comes with its mirror image (that of a real function on the other side of the real axis): one of them stands for both.
+//! A zero comes with its mirror image on the other side of the real axis: the one above stands for both.
 
+use crate::map_paths::fast_sums::evaluate::Local;
 use crate::map_paths::fast_sums::neighbourhood::Nearby;
+use crate::map_paths::reversible::residues::Residues;
 use nalgebra::Complex;
-use smallvec::SmallVec;
 use vibrochain_lattice::simd::lanes::{Lane, ONE, TWO, ZERO, all, fill, four, total};
 
 type C = Complex<f64>;
@@ -25,60 +26,6 @@ const BUDGET: usize = 250_000_000;
 const ATTEMPTS: u32 = 4;
 /// No zero.
 const NONE: u32 = u32::MAX;
-
-/// A function by its poles, on a line of which offsets are counted from one pole or another.
-pub(crate) trait Poles<const N: usize> {
-    /// The function about one pole.
-    type Near<'a>: Near
-    where
-        Self: 'a;
-
-    /// Number of poles.
-    fn count(&self) -> usize;
-
-    /// The pole at `place` less that at `from`.
-    fn distance(&self, place: usize, from: usize) -> f64;
-
-    /// The last pole, in their order, before an offset from another one; the first one before all.
-    fn place_at(&self, from: usize, offset: f64) -> usize;
-
-    /// Where else a zero, or a pole, at an offset from a pole is, as far as it is nearby.
-    fn images(&self, from: usize, offset: C, is_pole: bool) -> SmallVec<[C; 2]>;
-
-    /// The one of a zero and its mirror image that stands for both.
-    fn kept(&self, from: usize, offset: C) -> C;
-
-    /// The function about the pole at `place`; from all poles one by one if `whole`.
-    fn near<'a>(&'a self, place: usize, whole: bool, scratch: &'a mut Nearby<N>) -> Option<Self::Near<'a>>;
-
-    /// The variable in which the function, times all (z−p), is a polynomial.
-    fn variable(&self, zero: &Zero) -> C;
-
-    /// The inverse of [`Poles::variable`].
-    fn find(&self, z: C) -> (usize, C);
-
-    /// Logarithmic derivative of that polynomial, and the derivative of this.
-    fn logarithmic(&self, z: C) -> (C, C);
-
-    /// Where to begin to look for the last zeros, and how close Laguerre's method is to come.
-    fn start(&self, attempt: u32, known: &[C], missing: usize) -> C;
-    fn close_enough(&self, z: C) -> f64;
-}
-
-/// A function about a pole.
-pub(crate) trait Near {
-    /// Value and derivative; `None` where that is not good.
-    fn value(&self, offset: C) -> Option<(C, C)>;
-
-    /// Errors of the value: of adding up alone, and of poles and residues, too.
-    fn errors(&self, offset: C) -> (f64, f64);
-
-    /// The nearest point on the line or lines of mirror symmetry, on which the function is real, and their direction.
-    fn axis(&self, offset: C) -> (C, C);
-
-    /// How well an offset can be told.
-    fn resolution(&self, offset: C) -> f64;
-}
 
 /// A zero by its offset from the pole at `place`, with its mirror image unless it is `real`.
 #[derive(Debug, Clone, Copy)]
@@ -98,7 +45,7 @@ impl Zero {
 
 /// Zeros that are known; also the work space.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct ZeroSearch<const N: usize> {
+pub(crate) struct ZeroSearch {
     pub(crate) zeros: Vec<Zero>,
     /// Mirror images counted.
     pub(crate) found: usize,
@@ -108,7 +55,7 @@ pub(crate) struct ZeroSearch<const N: usize> {
     /// Offsets of poles and zeros divided out.
     near_poles: Vec<C>,
     near_known: Vec<C>,
-    scratch: Nearby<N>,
+    scratch: Nearby,
     known_re: Vec<Lane>,
     known_im: Vec<Lane>,
 }
@@ -122,9 +69,9 @@ pub(crate) enum Attempt {
     Lost,
 }
 
-impl<const N: usize> ZeroSearch<N> {
+impl ZeroSearch {
     /// Forgets all zeros.
-    pub(crate) fn begin(&mut self, poles: &impl Poles<N>) {
+    pub(crate) fn begin(&mut self, poles: &Residues) {
         self.zeros.clear();
         self.before.clear();
         self.found = 0;
@@ -134,22 +81,20 @@ impl<const N: usize> ZeroSearch<N> {
     }
 
     /// Adds a zero.
-    pub(crate) fn note(&mut self, poles: &impl Poles<N>, zero: Zero) {
-        let place = poles.place_at(zero.place, zero.offset.re);
+    pub(crate) fn note(&mut self, poles: &Residues, zero: Zero) {
+        let place = place_at(poles, zero.place, zero.offset.re);
         self.before.push(std::mem::replace(&mut self.heads[place], self.zeros.len() as u32));
         self.found += zero.number();
         self.zeros.push(zero);
     }
 
     /// Collects offsets of poles and known zeros about the pole at `place`.
-    fn surround(&mut self, poles: &impl Poles<N>, place: usize) {
+    fn surround(&mut self, poles: &Residues, place: usize) {
         let (first, last) = (place.saturating_sub(REACH), (place + REACH).min(self.heads.len() - 1));
         self.near_poles.clear();
         self.near_known.clear();
         for other in first..=last {
-            let offset = C::new(poles.distance(other, place), 0.0);
-            self.near_poles.push(offset);
-            self.near_poles.extend(poles.images(place, offset, true));
+            self.near_poles.push(C::new(poles.distance(other, place), 0.0));
         }
         for head in &self.heads[first.saturating_sub(1)..=last] {
             let mut index = *head;
@@ -157,7 +102,7 @@ impl<const N: usize> ZeroSearch<N> {
                 let offset = zero.offset + poles.distance(zero.place, place);
                 self.near_known.push(offset);
                 if !zero.real {
-                    self.near_known.extend(poles.images(place, offset, false));
+                    self.near_known.push(offset.conj());
                 }
                 index = self.before[index as usize];
             }
@@ -165,7 +110,7 @@ impl<const N: usize> ZeroSearch<N> {
     }
 
     /// One search, from an offset from the pole at `place`.
-    pub(crate) fn nearby(&mut self, poles: &impl Poles<N>, place: usize, start: C) -> Attempt {
+    pub(crate) fn nearby(&mut self, poles: &Residues, place: usize, start: C) -> Attempt {
         let (mut place, mut offset) = (place, start);
         let mut scratch = std::mem::take(&mut self.scratch);
         let mut result = Attempt::Lost;
@@ -181,13 +126,13 @@ impl<const N: usize> ZeroSearch<N> {
                 result = Attempt::Known;
                 break;
             }
-            let Some(near) = poles.near(place, false, &mut scratch) else { break };
+            let near = poles.window(place.min(poles.count().saturating_sub(2)), place, &mut scratch);
             let Some(zero) = self.newton(&near, offset) else { break };
-            let zero = poles.kept(place, zero);
-            let now = poles.place_at(place, zero.re);
+            let zero = above(zero);
+            let now = place_at(poles, place, zero.re);
             if now.abs_diff(place) <= REACH / 2 {
                 let Some((offset, error, real)) = refine(&near, zero) else { break };
-                let offset = if real { offset } else { poles.kept(place, offset) };
+                let offset = if real { offset } else { above(offset) };
                 // Next to a known zero nothing is left of what it is divided out of.
                 result = if is_known(&self.near_known, offset, 1e-9) {
                     Attempt::Known
@@ -205,10 +150,10 @@ impl<const N: usize> ZeroSearch<N> {
     }
 
     /// Newton's method in the neighbourhood; `None` if it leaves it.
-    fn newton(&self, near: &impl Near, start: C) -> Option<C> {
+    fn newton(&self, near: &Local<'_>, start: C) -> Option<C> {
         let mut offset = start;
         for _ in 0..STEPS {
-            let (value, slope) = near.value(offset)?;
+            let (value, slope) = jet(near, offset)?;
             if value == C::default() {
                 return Some(offset);
             }
@@ -229,22 +174,25 @@ impl<const N: usize> ZeroSearch<N> {
     }
 
     /// Laguerre's method for the polynomial whose zeros are those missing of `wanted`.
-    pub(crate) fn anywhere(&mut self, poles: &impl Poles<N>, wanted: usize) {
+    pub(crate) fn anywhere(&mut self, poles: &Residues, wanted: usize) {
         let mut steps = BUDGET / (2 * wanted + 1);
         let mut attempt = 0;
         while self.found < wanted && attempt < ATTEMPTS {
             let missing = wanted - self.found;
             let both = |zero: &Zero| {
-                let z = poles.variable(zero);
+                let z = poles.nu(zero.place, zero.offset).complex();
                 [z, z.conj()].into_iter().take(zero.number())
             };
             let known: Vec<C> = self.zeros.iter().flat_map(both).collect();
             fill(&mut self.known_re, known.iter().map(|z| z.re), 1e100);
             fill(&mut self.known_im, known.iter().map(|z| z.im), 0.0);
-            let start = poles.start(attempt, &known, missing);
+            let rest: f64 = known.iter().map(|nu| nu.re).sum();
+            let mean = (poles.sum_of_roots() - rest) / missing as f64;
+            let start = C::from_polar(0.5, 1.5 + f64::from(attempt)) + mean;
             let Some(z) = self.laguerre(poles, start, missing, &mut steps) else { return };
             // The last steps are the function's own, from the nearest pole.
-            let (place, offset) = poles.find(C::new(z.re, z.im.abs()));
+            let place = poles.poles().partition_point(|pole| *pole <= z.re).saturating_sub(1);
+            let offset = C::new(z.re, z.im.abs()) - poles.poles()[place];
             let mut result = self.nearby(poles, place, offset);
             if result == Attempt::Lost {
                 result = self.far_off(poles, place, offset);
@@ -254,12 +202,13 @@ impl<const N: usize> ZeroSearch<N> {
     }
 
     /// A zero too far off for a neighbourhood, all poles one by one.
-    fn far_off(&mut self, poles: &impl Poles<N>, place: usize, start: C) -> Attempt {
+    fn far_off(&mut self, poles: &Residues, place: usize, start: C) -> Attempt {
         let mut scratch = std::mem::take(&mut self.scratch);
-        let refined = poles.near(place, true, &mut scratch).and_then(|near| refine(&near, start));
+        poles.distances(place, &mut scratch.distances);
+        let refined = refine(&poles.about(&scratch.distances), start);
         self.scratch = scratch;
         let Some((offset, error, real)) = refined else { return Attempt::Lost };
-        let offset = if real { offset } else { poles.kept(place, offset) };
+        let offset = if real { offset } else { above(offset) };
         let size = offset.norm();
         let known = |zero: &Zero| (zero.offset + poles.distance(zero.place, place) - offset).norm() <= 1e-9 * size;
         if (offset - start).norm() > 1e-6 * size || self.zeros.iter().any(known) {
@@ -269,11 +218,11 @@ impl<const N: usize> ZeroSearch<N> {
         Attempt::Added
     }
 
-    fn laguerre(&self, poles: &impl Poles<N>, start: C, missing: usize, steps: &mut usize) -> Option<C> {
+    fn laguerre(&self, poles: &Residues, start: C, missing: usize, steps: &mut usize) -> Option<C> {
         let (mut z, n) = (start, missing as f64);
         while *steps > 0 {
             *steps -= 1;
-            let (mut log, mut slope) = poles.logarithmic(z);
+            let (mut log, mut slope) = logarithmic(poles, z);
             let mut sums = [ZERO; 4];
             for (re, im) in self.known_re.iter().zip(&self.known_im) {
                 let (u, v) = (all(z.re) - four(*re), all(z.im) - four(*im));
@@ -293,7 +242,7 @@ impl<const N: usize> ZeroSearch<N> {
             }
             z -= step;
             // Of third order.
-            if step.norm() < poles.close_enough(z) {
+            if step.norm() < 1e-6 * z.im.abs().max(1e-6) {
                 return Some(z);
             }
         }
@@ -301,12 +250,56 @@ impl<const N: usize> ZeroSearch<N> {
     }
 }
 
+/// Value and derivative; `None` where the field of far poles is not good.
+fn jet(near: &Local<'_>, offset: C) -> Option<(C, C)> {
+    near.holds(offset).then(|| near.complex(offset))
+}
+
+/// The one of a zero and its mirror image that stands for both.
+fn above(offset: C) -> C {
+    C::new(offset.re, offset.im.abs().max(f64::MIN_POSITIVE))
+}
+
+/// The last pole, in their order, before an offset from another one; the first one before all.
+fn place_at(poles: &Residues, from: usize, offset: f64) -> usize {
+    let last = poles.count() - 1;
+    let mut place = from.min(last);
+    while place > 0 && offset < poles.distance(place, from) {
+        place -= 1;
+    }
+    while place < last && offset > poles.distance(place + 1, from) {
+        place += 1;
+    }
+    place
+}
+
+/// Logarithmic derivative of F times all (ν−d), a polynomial, and the derivative of this.
+fn logarithmic(poles: &Residues, nu: C) -> (C, C) {
+    let (x, y) = (all(nu.re), all(nu.im));
+    let mut sums = [ZERO; 10];
+    for (residue, pole) in poles.whole.charges[0].iter().zip(&poles.poles) {
+        let (u, residue) = (x - four(*pole), four(*residue));
+        let scale = ONE / (u * u + y * y);
+        // 1/(ν−d), its square and cube
+        let (a, b) = (u * scale, -y * scale);
+        let (a2, b2) = (a * a - b * b, TWO * a * b);
+        let (a3, b3) = (a2 * a - b2 * b, a2 * b + b2 * a);
+        let terms = [residue * a, residue * b, residue * a2, residue * b2, residue * a3, residue * b3, a, b, a2, b2];
+        // What pads a group is far away, but not to be counted among the poles.
+        sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+    }
+    let sum = |i: usize| C::new(total(sums[i]), total(sums[i + 1]));
+    let (value, slope, half_bend) = (sum(0), -sum(2), sum(4));
+    let ratio = slope / value;
+    (ratio + sum(6), half_bend * 2.0 / value - ratio * ratio - sum(8))
+}
+
 /// Last steps without others in the way, and what the zero is: its offset, error, and whether it is real; `None` if there is none. Two that
 /// rounding cannot tell apart are left as they are.
-fn refine(near: &impl Near, start: C) -> Option<(C, f64, bool)> {
+fn refine(near: &Local<'_>, start: C) -> Option<(C, f64, bool)> {
     let mut offset = start;
     for _ in 0..4 {
-        let (value, slope) = near.value(offset)?;
+        let (value, slope) = jet(near, offset)?;
         let step = value / slope;
         if step.norm() <= 2.0 * f64::EPSILON * offset.norm() {
             break;
@@ -316,17 +309,17 @@ fn refine(near: &impl Near, start: C) -> Option<(C, f64, bool)> {
             offset -= step;
         }
     }
-    let (value, slope) = near.value(offset)?;
-    let (rounding, noise) = near.errors(offset);
+    let (value, slope) = jet(near, offset)?;
+    let (rounding, noise) = (near.rounding(offset), near.noise(offset));
     let error = noise / slope.norm();
     if !error.is_finite() || value.norm() > 1e3 * rounding {
         return None;
     }
     // Of the function as it has been worked out; that it may have an error itself does not matter here.
-    let reach = 4.0 * (rounding / slope.norm() + near.resolution(offset));
-    let (foot, direction) = near.axis(offset);
-    let side = |at: C| near.value(at).map(|(value, _)| value.re > 0.0);
-    let crosses = || side(foot - direction * reach) != side(foot + direction * reach);
+    let reach = 4.0 * (rounding / slope.norm() + f64::EPSILON * offset.norm());
+    let foot = C::new(offset.re, 0.0);
+    let side = |at: C| jet(near, at).map(|(value, _)| value.re > 0.0);
+    let crosses = || side(foot - reach) != side(foot + reach);
     if (offset - foot).norm() <= reach && crosses() {
         return Some((foot, error, true));
     }

@@ -55,11 +55,11 @@ pub struct Residues {
     owners: Vec<u32>,
     pub(crate) poles: Vec<Lane>,
     /// All poles one by one.
-    pub(crate) whole: NearPoles<2>,
+    pub(crate) whole: NearPoles,
     pub(crate) below_one: Vec<Lane>,
     pub(crate) above_minus_one: Vec<Lane>,
     /// The neighbourhoods of large rings.
-    pub(crate) neighbourhoods: Vec<Neighbourhood<2>>,
+    pub(crate) neighbourhoods: Vec<Neighbourhood>,
     sum: f64,
     trace: f64,
     expected_trace: f64,
@@ -229,7 +229,7 @@ impl Residues {
     }
 
     /// F about the pole at `place`, for use in the gap right of the pole at `gap`. `nearby` is scratch space.
-    pub(crate) fn window<'a>(&'a self, gap: usize, place: usize, nearby: &'a mut Nearby<2>) -> Local<'a> {
+    pub(crate) fn window<'a>(&'a self, gap: usize, place: usize, nearby: &'a mut Nearby) -> Local<'a> {
         let neighbourhood = self.neighbourhoods.partition_point(|neighbourhood| neighbourhood.gaps.end <= gap);
         let Some(neighbourhood) = self.neighbourhoods.get(neighbourhood) else {
             self.distances(place, &mut nearby.distances);

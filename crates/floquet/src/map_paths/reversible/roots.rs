@@ -12,7 +12,7 @@ use crate::map_paths::reversible::verdict::{Secular, tangency};
 use crate::zeros::SecularError;
 
 /// A real root in a gap, from the nearer pole, and its error.
-fn bracketed(form: &Residues, scratch: &mut Nearby<2>, gap: usize, (low, high): (f64, f64), rising: bool) -> Root {
+fn bracketed(form: &Residues, scratch: &mut Nearby, gap: usize, (low, high): (f64, f64), rising: bool) -> Root {
     let width = form.distance(gap + 1, gap);
     // On which side of the middle?
     let middle = 0.5 * (low + high);

@@ -92,11 +92,11 @@ pub struct SecularVerdict {
 #[derive(Debug, Clone, Default)]
 pub struct Secular {
     pub(crate) residues: Residues,
-    pub(crate) nearby: Nearby<2>,
+    pub(crate) nearby: Nearby,
     pub(crate) suspects: Vec<Suspect>,
     pub(crate) pairs: Vec<Pair>,
     pub(crate) roots: Roots,
-    pub(crate) search: ZeroSearch<2>,
+    pub(crate) search: ZeroSearch,
 }
 
 /// The most unstable multiplier so far.
