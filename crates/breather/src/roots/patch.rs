@@ -46,6 +46,11 @@ impl Piece {
     pub(crate) fn along(self, axis: usize, radius: [f64; 2]) -> Patch {
         self.of([axis == 0, axis == 1], radius)
     }
+
+    /// Its value at the centre, all over the rectangle.
+    pub(crate) fn fixed(self, radius: [f64; 2]) -> Patch {
+        Patch::constant(self.jet[0], radius).doubted(SUMS * self.jet[0].abs() + self.doubt)
+    }
 }
 
 impl Patch {

@@ -39,23 +39,32 @@ impl OpenMode {
 
     /// What the loads make of rest at 0 by the time `t`, and how that changes with ψ.
     pub(super) fn driven(&self, t: f64, psi: f64) -> [Jet; 2] {
-        let (turn, generator) = (self.mode.turn, self.mode.generator().complex());
         let (mut moved, mut slopes) = ([[0.0; 2]; 4], [[0.0; 2]; 4]);
         for &(w, load, _) in &self.loads {
             let phase = C::from_polar(1.0, w * psi);
-            let mut motion = turn.act(from_rest(&self.mode, w, t), load.map(|entry| entry * phase));
-            let mut push = load.map(|entry| entry * C::from_polar(1.0, w * (t + psi)));
-            for order in 0..4 {
+            let motions = self.driven_jet(w, load.map(|entry| entry * phase), t);
+            for (order, motion) in motions.into_iter().enumerate() {
                 for side in 0..2 {
                     moved[order][side] += motion[side].re;
                     slopes[order][side] += (motion[side] * C::new(0.0, w)).re;
                 }
-                let next = turn.act(generator, motion);
-                motion = [0, 1].map(|side| next[side] + push[side]);
-                push = push.map(|entry| entry * C::new(0.0, w));
             }
         }
         [moved, slopes]
+    }
+
+    /// What a load Le^{iwt} makes of rest at 0 by the time `t`, and its derivatives.
+    pub(super) fn driven_jet(&self, w: f64, load: [C; 2], t: f64) -> [[C; 2]; 4] {
+        let (turn, generator) = (self.mode.turn, self.mode.generator().complex());
+        let mut motion = turn.act(from_rest(&self.mode, w, t), load);
+        let mut push = load.map(|entry| entry * C::from_polar(1.0, w * t));
+        [(); 4].map(|()| {
+            let own = motion;
+            let next = turn.act(generator, motion);
+            motion = [0, 1].map(|side| next[side] + push[side]);
+            push = push.map(|entry| entry * C::new(0.0, w));
+            own
+        })
     }
 
     /// How much larger than rounding of a number those of a flight of the time `t` are.

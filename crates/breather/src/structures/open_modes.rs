@@ -36,8 +36,24 @@ fn seen([a, b]: [f64; 2], [x, y]: State) -> f64 {
 impl Equations<'_> {
     /// The equations with the states of the modes next to a resonance among the unknowns, and the point; `None` where no mode is.
     pub(super) fn opened(&self, point: &Point) -> Option<(Self, Point)> {
+        let (equations, sums) = self.with_open(self.kernel().nearly_resonant().collect(), NEAR)?;
+        let point = equations.with_states(point, &sums);
+        Some((equations, point))
+    }
+
+    /// The equations with the states of the modes among the unknowns whose |1 − R| is below `distance`, and what loads as close do to these; of so many
+    /// modes at most.
+    pub(super) fn opened_within(&self, distance: f64, most: usize) -> Option<Self> {
+        let mut near: Vec<(usize, f64)> = self.kernel().within(distance).collect();
+        near.sort_by(|a, b| b.1.total_cmp(&a.1));
+        near.truncate(most);
+        Some(self.with_open(near, distance)?.0)
+    }
+
+    /// The equations with these modes open, by their places among the regular ones with how close each is, and (1−R)⁻¹ of these. `None` where no mode
+    /// is.
+    fn with_open(&self, mut near: Vec<(usize, f64)>, of_loads: f64) -> Option<(Self, Vec<Turned>)> {
         let kernel = self.kernel();
-        let mut near: Vec<(usize, f64)> = kernel.nearly_resonant().collect();
         near.sort_by(|a, b| b.1.total_cmp(&a.1));
         near.truncate(MOST);
         if near.is_empty() || self.self_excited {
@@ -51,23 +67,22 @@ impl Equations<'_> {
         };
         let chosen = kernel.regular().enumerate().filter(|(place, _)| places.contains(place));
         let (mut open, sums): (Vec<OpenMode>, Vec<Turned>) = chosen.map(|(_, (mode, sum))| (opened(mode), sum)).unzip();
-        let driven = self.take_loads(&mut open);
+        let driven = self.take_loads(&mut open, of_loads);
         let (structure, omega) = (self.model.structure(), self.model.omega());
         let response = self.response.without(kernel.without(&places), structure, omega, &driven);
-        let equations = Self { response: Arc::new(response), open, driven, ..self.clone() };
-        let point = equations.with_states(point, &sums);
-        Some((equations, point))
+        Some((Self { response: Arc::new(response), open, driven, ..self.clone() }, sums))
     }
 
-    /// Gives the loads next to a mode of the structure to the open modes that see it, and tells which these are: numbers of modes and harmonics.
-    fn take_loads(&self, open: &mut [OpenMode]) -> Vec<(usize, usize)> {
+    /// Gives the loads next to a mode of the structure, to this part of their frequency, to the open modes that see it, and tells which these are:
+    /// numbers of modes and harmonics.
+    fn take_loads(&self, open: &mut [OpenMode], apart: f64) -> Vec<(usize, usize)> {
         let (structure, omega) = (self.model.structure(), self.model.omega());
         let mut taken = Vec::new();
         if !self.forced {
             return taken;
         }
         for (number, mode) in structure.modes().iter().enumerate() {
-            let near = (0..structure.harmonics().len()).filter(|place| structure.is_near(mode, *place, omega, NEAR));
+            let near = (0..structure.harmonics().len()).filter(|place| structure.is_near(mode, *place, omega, apart));
             let near: Vec<usize> = near.collect();
             if near.is_empty() || mode.turn != Turn::Circular {
                 continue;

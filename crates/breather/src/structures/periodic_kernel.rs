@@ -64,13 +64,18 @@ impl PeriodicKernel {
         let sums = felt.modes.iter().map(|mode| Sum::of(mode, period)).collect();
         let rigid = modes.iter().filter(|mode| mode.is_rigid()).cloned().collect();
         let mut kernel = Self { period, felt, sums, rigid, own: Vec::new(), half: None };
-        kernel.own = hit.iter().map(|&contact| (contact, kernel.jet(contact, contact, period))).collect();
-        if let [contact] = *hit
-            && kernel.felt.of_one.is_some()
-        {
-            kernel.half = Some(kernel.jet(contact, contact, 0.5 * period));
-        }
+        kernel.know(hit);
         kernel
+    }
+
+    /// Works out what all orbits of impacts at these contacts ask for.
+    fn know(&mut self, hit: &[usize]) {
+        self.own = hit.iter().map(|&contact| (contact, self.jet(contact, contact, self.period))).collect();
+        if let [contact] = *hit
+            && self.felt.of_one.is_some()
+        {
+            self.half = Some(self.jet(contact, contact, 0.5 * self.period));
+        }
     }
 
     /// The kernel without some of the regular modes, by their places among these.
@@ -79,7 +84,8 @@ impl PeriodicKernel {
         let regular = kernel.sums.iter_mut().filter(|sum| sum.is_some()).enumerate();
         regular.filter(|(place, _)| places.contains(place)).for_each(|(_, sum)| *sum = None);
         let hit: Vec<usize> = std::mem::take(&mut kernel.own).into_iter().map(|(contact, _)| contact).collect();
-        kernel.own = hit.iter().map(|&contact| (contact, kernel.jet(contact, contact, kernel.period))).collect();
+        kernel.half = None;
+        kernel.know(&hit);
         kernel
     }
 
@@ -170,6 +176,20 @@ impl PeriodicKernel {
         let near =
             |(place, (_, sum)): (usize, (&LinearMode, &Sum))| (sum.blur < sum.steep).then_some((place, sum.steep));
         self.sums_of().enumerate().filter_map(near).map(|(place, steep)| (place, f64::EPSILON * steep))
+    }
+
+    /// Modes that oscillate and do not grow with |1 − R| below this, by their place among the regular ones, and its inverse.
+    pub(super) fn within(&self, distance: f64) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let swings = |mode: &LinearMode| mode.turn == Turn::Circular && mode.decay >= 0.0;
+        let away = |mode: &LinearMode| {
+            let less = one_less(mode, self.period);
+            length([less.even, less.odd])
+        };
+        let modes = self.regular().map(|(mode, _)| mode).enumerate();
+        let near = move |(place, mode): (usize, &LinearMode)| {
+            (swings(mode) && away(mode) < distance).then(|| (place, away(mode).recip()))
+        };
+        modes.filter_map(near)
     }
 
     /// What one regular mode has of the kernel and its first three derivatives at −T < t ≤ T, (1−R)⁻¹ times a number.

@@ -131,7 +131,10 @@ impl Impacts<'_> {
             Some((rate, _)) => x[n + rigid + 1].atan2(x[n + rigid]) / rate,
             None => 0.0,
         };
-        let (period, offsets) = (self.equations.period(), x[n..n + rigid].iter().copied().collect());
+        // Behind (c, s) states of open modes.
+        let states = x[n + rigid..].iter().skip(if self.equations.single().is_some() { 2 } else { 0 });
+        let offsets = x[n..n + rigid].iter().chain(states).copied().collect();
+        let period = self.equations.period();
         Point { strikes: strikes.collect(), psi, period, offsets }
     }
 

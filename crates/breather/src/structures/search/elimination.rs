@@ -6,7 +6,7 @@
 use crate::roots::patch::Patch;
 
 /// Rows, and columns, at most.
-pub(super) const MOST: usize = 6;
+pub(super) const MOST: usize = 8;
 
 /// W, or what is left of it.
 pub(super) type Table = [[Patch; MOST]; MOST];

@@ -8,6 +8,7 @@
 //! | `half_period` | the same of one contact between two barriers, without loads and losses |
 //! | `two_impacts` | the proof that no two impacts are missing |
 //! | `merged` | the number of orbits where two zeros may have merged |
+//! | `open_pieces` | what modes next to a resonance put into the tables of `phase_plane` |
 //! | `phase_plane` | the same of one and of two under loads of several harmonics, and where nothing holds a structure |
 //! | `three_impacts` | the same of three |
 //! | `elimination` | the null vector that zeros in a plane have |
@@ -19,6 +20,7 @@ mod distinct;
 mod elimination;
 mod half_period;
 mod merged;
+mod open_pieces;
 mod orbits;
 mod phase_plane;
 mod scan;

@@ -14,6 +14,7 @@ use smallvec::SmallVec;
 use vibrochain_lattice::Barrier;
 
 use super::at_times::{Impacts, Start, all_places};
+use super::elimination::MOST;
 use super::three_impacts::ThreeImpacts;
 use super::two_impacts::Function;
 use crate::orbit::order;
@@ -26,6 +27,10 @@ use crate::word::Word;
 
 /// Half a period apart, to this part of it, two impacts may be those that a symmetry makes alike.
 const HALF: f64 = 1e-7;
+
+/// States of modes with |1 − R| below this are unknowns where F leaves a place open. Farther away kernels are no more than a hundred times as large as
+/// without the resonance; each mode more makes rectangles twice as dear.
+const OPEN: f64 = 0.01;
 
 /// What is known of a list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -127,7 +132,7 @@ impl StructureModel {
 
 /// Which orbits a list is to hold.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum ListScope {
+pub(super) enum ListScope {
     /// Whether barriers push or pull.
     All,
     /// Those whose barriers push: others are not physical.
@@ -136,7 +141,7 @@ enum ListScope {
 
 impl ListScope {
     /// Rectangles on which three impacts may be sought, a few microseconds each: as long as starts take for a map, and a second or two for one list.
-    fn boxes(self) -> usize {
+    pub(super) fn boxes(self) -> usize {
         match self {
             Self::All => 400_000,
             Self::Candidates => 40_000,
@@ -165,56 +170,135 @@ fn found(
         return Err(StructureOrbitError::AtOnce);
     }
     let impacts = Impacts { equations: &equations, letters };
+    let request = Request { word, force_periods, scope };
     if equations.self_excited && !impacts.are_excited() {
         return Err(StructureOrbitError::LossWithoutLoad);
     }
     let periods = equations.self_excited.then(|| impacts.periods());
-    let (starts, mut search) = match periods {
-        Some(periods) => impacts.of_own_period(periods)?,
-        None => {
-            let contacts: SmallVec<[usize; 4]> = impacts.letters.iter().map(|(contact, _)| *contact).collect();
-            equations.off_resonance(&contacts)?;
-            if letters_at_once(word) { impacts.reversible(word)? } else { impacts.begin(scope)? }
-        }
-    };
-    let pushing = impacts.letters.len() > 2;
-    let listed = |orbit: &StructureOrbit| {
-        let pulls = orbit.impacts().iter().any(|impact| impact.barrier.sign() * impact.impulse >= 0.0);
-        let searched = periods.is_none_or(|[from, to]| (from..=to).contains(&orbit.period()));
-        searched && !(orbit.repeats_sooner() || pulls && pushing)
-    };
-    let (mut solutions, mut lost): (Vec<Solution>, usize) = (Vec::new(), 0);
-    for Start { point, is_zero, is_exact } in starts {
-        model.heard()?;
-        if scope == ListScope::Candidates && point.pulls() {
-            continue;
-        }
-        let solved = if is_exact { equations.solve_exact(point) } else { equations.solve(point) };
-        let orbit = solved.and_then(|solved| StructureOrbit::new(&equations, force_periods, solved));
-        // A zero whose orbit is not reached, or is none as far as its errors tell, is told, not dropped.
-        let sound = orbit.ok().filter(|orbit| (letters_at_once(word) || orbit.has_its_instants()) && orbit.hits());
-        let Some(orbit) = sound else {
-            lost += usize::from(is_zero);
-            continue;
-        };
-        let known = solutions.iter_mut().find_map(|known| Some((known.orbit.begun_at(&orbit)?, known)));
-        let Some((turn, known)) = known else {
-            solutions.push(Solution { zeros: if is_zero { vec![0] } else { vec![] }, orbit });
-            continue;
-        };
-        // Two zeros that lead to one orbit begun at the same impact: the orbit of one of them is missing.
-        lost += usize::from(is_zero && known.zeros.contains(&turn));
-        known.zeros.extend(is_zero.then_some(turn));
-        if turn == 0 && orbit.error() < known.orbit.error() {
-            known.orbit = orbit;
-        }
+    if let Some(periods) = periods {
+        let list = impacts.list(request, impacts.of_own_period(periods)?)?;
+        let searched = |orbit: &StructureOrbit| (periods[0]..=periods[1]).contains(&orbit.period());
+        return Ok(StructureFound {
+            orbits: list.orbits.into_iter().filter(searched).collect(),
+            periods: Some(periods),
+            ..list
+        });
     }
-    // Where Newton's method was stopped, too.
-    model.heard()?;
-    search.leave_open(lost);
-    let mut orbits: Vec<_> = solutions.into_iter().map(|solution| solution.orbit).filter(listed).collect();
-    order::sort(&mut orbits, |orbit| (orbit.period(), orbit.psi()), StructureOrbit::impacts, |impact| impact.time);
-    Ok(StructureFound { orbits, search, periods })
+    let contacts: SmallVec<[usize; 4]> = impacts.letters.iter().map(|(contact, _)| *contact).collect();
+    equations.off_resonance(&contacts)?;
+    if letters_at_once(word) {
+        return impacts.list(request, impacts.reversible(word)?);
+    }
+    match (impacts.letters.len(), equations.forced) {
+        (2, true) => return impacts.of_two(request),
+        (3, true) => {
+            if let Some(opened) = equations.opened_within(OPEN, (MOST - 6) / 2) {
+                let impacts = Impacts { equations: &opened, letters: impacts.letters.clone() };
+                if let Some(starts) = impacts.proved_in_the_plane(scope.boxes()) {
+                    return impacts.list(request, starts?);
+                }
+            }
+        }
+        _ => {}
+    }
+    impacts.list(request, impacts.begin(scope)?)
+}
+
+/// Puts a list in order of φ, orbits of one φ by ψ.
+fn sort(orbits: &mut [StructureOrbit]) {
+    order::sort(orbits, |orbit| (orbit.period(), orbit.psi()), StructureOrbit::impacts, |impact| impact.time);
+}
+
+/// What is asked of a list.
+#[derive(Clone, Copy)]
+struct Request<'a> {
+    word: &'a Word,
+    force_periods: u32,
+    scope: ListScope,
+}
+
+impl Impacts<'_> {
+    /// Two impacts under a load: by F where there is one and it leaves no place open, else in the plane of φ and ψ. Next to a resonance the states of
+    /// modes are among the unknowns there, and what is proved is proved however close the resonance is.
+    fn of_two(&self, request: Request<'_>) -> Result<StructureFound, StructureOrbitError> {
+        let single = self.equations.single().is_some();
+        let by_time = if single { self.proved().transpose()? } else { None };
+        let by_time = by_time.map(|starts| self.list(request, starts)).transpose()?;
+        let by_time = match by_time {
+            Some(list) if list.search.is_complete() => return Ok(list),
+            by_time => by_time,
+        };
+        let room = (MOST - 4).saturating_sub(self.equations.rigid.len()) / 2;
+        let opened = self.equations.opened_within(OPEN, room);
+        let impacts = Impacts { equations: opened.as_ref().unwrap_or(self.equations), letters: self.letters.clone() };
+        let in_plane = impacts.proved_in_the_phase_plane(request.scope).transpose()?;
+        let in_plane = in_plane.map(|starts| impacts.list(request, starts)).transpose()?;
+        let (mut best, other) = match (in_plane, by_time) {
+            (None, None) => return self.list(request, if single { self.scan() } else { self.starts() }?),
+            (Some(list), None) | (None, Some(list)) => return Ok(list),
+            // Open modes tell orbits apart that are one by the errors of the others.
+            (Some(in_plane), Some(by_time)) => {
+                let plane_first = opened.is_some() || in_plane.search.left_open() < by_time.search.left_open();
+                if plane_first { (in_plane, by_time) } else { (by_time, in_plane) }
+            }
+        };
+        if !best.search.is_complete() {
+            // What one search leaves open the other one may have found.
+            for orbit in other.orbits {
+                if best.orbits.iter().all(|known| known.begun_at(&orbit).is_none()) {
+                    best.orbits.push(orbit);
+                }
+            }
+            sort(&mut best.orbits);
+        }
+        Ok(best)
+    }
+
+    /// The orbits that starts lead to.
+    fn list(
+        &self,
+        Request { word, force_periods, scope }: Request<'_>,
+        (starts, mut search): (Vec<Start>, StructureSearch),
+    ) -> Result<StructureFound, StructureOrbitError> {
+        let (equations, model) = (self.equations, self.equations.model);
+        let pushing = self.letters.len() > 2;
+        let listed = |orbit: &StructureOrbit| {
+            let pulls = orbit.impacts().iter().any(|impact| impact.barrier.sign() * impact.impulse >= 0.0);
+            !(orbit.repeats_sooner() || pulls && pushing)
+        };
+        let (mut solutions, mut lost): (Vec<Solution>, usize) = (Vec::new(), 0);
+        for Start { point, is_zero, is_exact } in starts {
+            model.heard()?;
+            if scope == ListScope::Candidates && point.pulls() {
+                continue;
+            }
+            let solved = if is_exact { equations.solve_exact(point) } else { equations.solve(point) };
+            let orbit = solved.and_then(|solved| StructureOrbit::new(equations, force_periods, solved));
+            // A zero whose orbit is not reached, or is none as far as its errors tell, is told, not dropped.
+            let sound = orbit.ok().filter(|orbit| (letters_at_once(word) || orbit.has_its_instants()) && orbit.hits());
+            let Some(orbit) = sound else {
+                lost += usize::from(is_zero);
+                continue;
+            };
+            let known = solutions.iter_mut().find_map(|known| Some((known.orbit.begun_at(&orbit)?, known)));
+            let Some((turn, known)) = known else {
+                solutions.push(Solution { zeros: if is_zero { vec![0] } else { vec![] }, orbit });
+                continue;
+            };
+            // Two zeros that lead to one orbit begun at the same impact: the orbit of one of them is missing.
+            lost += usize::from(is_zero && known.zeros.contains(&turn));
+            known.zeros.extend(is_zero.then_some(turn));
+            if turn == 0 && orbit.error() < known.orbit.error() {
+                known.orbit = orbit;
+            }
+        }
+        // Where Newton's method was stopped, too.
+        model.heard()?;
+        search.leave_open(lost);
+        let mut orbits: Vec<_> = solutions.into_iter().map(|solution| solution.orbit).filter(listed).collect();
+        sort(&mut orbits);
+        Ok(StructureFound { orbits, search, periods: None })
+    }
 }
 
 /// An orbit, and at which of its impacts those begin that zeros have led to.
@@ -260,29 +344,8 @@ impl Impacts<'_> {
             }
             (1, true) => self.proved_of_one().unwrap_or_else(|| self.starts()),
             (2, false) => self.proved_of_both_sides().or_else(|| self.proved()).unwrap_or_else(|| self.scan()),
-            (2, true) => self.of_two(single, scope),
             (3, _) => self.proved_in_the_plane(scope.boxes()).unwrap_or_else(|| self.starts()),
             _ => self.starts(),
-        }
-    }
-
-    /// Two impacts under a load: by F where there is one and it leaves no place open, else in the plane of φ and ψ.
-    fn of_two(&self, single: bool, scope: ListScope) -> Starts {
-        let by_time = if single { self.proved().transpose()? } else { None };
-        let by_time = match by_time {
-            Some((starts, search)) if search.is_complete() => return Ok((starts, search)),
-            by_time => by_time,
-        };
-        let in_plane = self.proved_in_the_phase_plane(scope == ListScope::Candidates, scope.boxes()).transpose()?;
-        match (in_plane, by_time) {
-            (None, None) if single => self.scan(),
-            (None, None) => self.starts(),
-            (Some(proved), None) | (None, Some(proved)) => Ok(proved),
-            (Some((mut starts, in_plane)), Some(by_time)) if in_plane.left_open() < by_time.1.left_open() => {
-                starts.extend(by_time.0.into_iter().map(|start| Start::from(start.point)));
-                Ok((starts, in_plane))
-            }
-            (Some(_), Some(by_time)) => Ok(by_time),
         }
     }
 

@@ -12,7 +12,8 @@ use vibrochain_lattice::{Complex, Stop};
 
 use super::at_times::{Impacts, Start, all_places};
 use super::elimination::{Elimination, MOST, Table};
-use super::orbits::{Starts, StructureSearch};
+use super::open_pieces::{OpenRows, OpenStrip, at_phase};
+use super::orbits::{ListScope, Starts, StructureSearch};
 use super::two_impacts::{RESOLUTION, told_apart};
 use crate::roots::dual::{Algebra, Dual};
 use crate::roots::interval::{Clearance, Enclosed, Zeros, one_by_one};
@@ -60,6 +61,8 @@ struct PhasePlane {
     push: [f64; 2],
     /// Of each rigid motion what both contacts have of it, and the push of the static load in a period.
     rigid: SmallVec<[([f64; 2], f64); 1]>,
+    /// The modes whose states are unknowns.
+    open: Vec<OpenRows>,
     /// The least and the largest φ.
     range: [f64; 2],
     table: Elimination,
@@ -76,21 +79,30 @@ impl PhasePlane {
         let places = impacts.places()?;
         let period = equations.period();
         let drifts = equations.rigid.len();
-        if 4 + drifts > MOST {
+        let more = drifts + 2 * equations.open.len();
+        if 4 + more > MOST {
             return None;
         }
-        let least =
-            |row: usize| if (2..4).contains(&row) { equations.mobility(contacts[row - 2]) } else { f64::MIN_POSITIVE };
         let swings = contacts.map(|contact| equations.swings(contact).collect::<Swings>());
+        let weights = contacts.map(|contact| 1.0 + equations.restitution(contact));
+        let open = OpenRows::of(equations, &contacts);
+        let least = |row: usize| match row {
+            2 | 3 => equations.mobility(contacts[row - 2]),
+            _ if row >= 4 + drifts => open.get((row - 4 - drifts) / 2).map_or(f64::MIN_POSITIVE, OpenRows::given),
+            _ => f64::MIN_POSITIVE,
+        };
+        let table = Elimination { rows: 4 + more, columns: 3 + more, least: std::array::from_fn(least) };
+        let loads = swings.iter().flatten().map(|(rate, _)| *rate);
+        let loads = loads.chain(open.iter().map(|rows| rows.fastest()[1]));
         let shortest = period * told_apart(contacts[0] == contacts[1] && places[0] == places[1]);
         let longest = if letters[0] == letters[1] { 0.5 * period * (1.0 + BEYOND) } else { period - shortest };
         Some(Self {
             period,
             repeat: equations.model.loads_repeat(),
             between: Between::new(equations.kernel(), contacts[0], contacts[1])?,
-            fastest: swings.iter().flatten().map(|(rate, _)| *rate).fold(0.0, f64::max),
+            fastest: loads.fold(0.0, f64::max),
             swings,
-            weights: contacts.map(|contact| 1.0 + equations.restitution(contact)),
+            weights,
             own: contacts.map(|contact| equations.own(contact)),
             places: [places[0], places[1]],
             push: letters.map(|(_, barrier)| if is_pushed { -barrier.sign() } else { 0.0 }),
@@ -99,8 +111,9 @@ impl PhasePlane {
                 .iter()
                 .map(|drift| (contacts.map(|contact| drift.shapes[contact]), drift.push * period))
                 .collect(),
+            open,
             range: [shortest, longest],
-            table: Elimination { rows: 4 + drifts, columns: 3 + drifts, least: std::array::from_fn(least) },
+            table,
             budget,
             stop: equations.model.stop().clone(),
         })
@@ -111,7 +124,9 @@ impl PhasePlane {
         let mut zeros = PlanarZeros { stop: self.stop.clone(), ..PlanarZeros::default() };
         let [from, to] = self.range;
         let start = START * self.repeat;
-        let waves = [self.between.fastest.max(self.fastest) * (to - from), self.fastest * self.repeat];
+        let fastest =
+            self.open.iter().map(|rows| rows.fastest()[0]).fold(self.between.fastest.max(self.fastest), f64::max);
+        let waves = [fastest * (to - from), self.fastest * self.repeat];
         let pieces = waves.map(|turned| ((0.5 * turned) as usize).clamp(PIECES[0], PIECES[1]));
         zeros.find(self, [from, to], [start, start + self.repeat], pieces, RESOLUTION * self.period);
         let known = std::mem::take(&mut zeros.simple);
@@ -150,7 +165,7 @@ impl PhasePlane {
     }
 
     /// W about these φ and ψ.
-    fn filled(&self, pair: &Pair, [phi, psi]: [f64; 2], radius: [f64; 2]) -> Table {
+    fn filled(&self, (pair, open): &Strip, [phi, psi]: [f64; 2], radius: [f64; 2]) -> Table {
         let constant = |value: f64| Patch::constant(value, radius).doubted(8.0 * f64::EPSILON * value.abs());
         let mut table = [[Patch::constant(0.0, radius); MOST]; MOST];
         let last = self.table.columns - 1;
@@ -168,26 +183,56 @@ impl PhasePlane {
             }
             table[4 + k][last] = constant(*push);
         }
+        let drifts = self.rigid.len();
+        for (k, (own, strip)) in self.open.iter().zip(open).enumerate() {
+            let (row, column) = (4 + drifts + 2 * k, 2 + drifts + 2 * k);
+            let driven = at_phase(&strip.driven, psi, radius);
+            for (of, whole) in driven.into_iter().enumerate() {
+                let entry = &mut table[1 + 2 * of];
+                entry[0] = entry[0] + strip.first[of].along(0, radius);
+                entry[last] = entry[last] + whole;
+            }
+            let (less, first, left) = (own.one_less(), own.state(0, 0.0), own.left(0, 0.0));
+            for side in 0..2 {
+                for of in 0..2 {
+                    table[2 * of][column + side] = first[side][of].fixed(radius);
+                    table[1 + 2 * of][column + side] = strip.state[side][of].along(0, radius);
+                }
+                let entry = &mut table[row + side];
+                (entry[0], entry[1]) = (-left[side].fixed(radius), -strip.left[side].along(0, radius));
+                (entry[column], entry[column + 1]) = (constant(less[side][0]), constant(less[side][1]));
+                for (w, state, error) in own.pushed() {
+                    let there = state[side] * C::from_polar(1.0, w * psi);
+                    let doubt = error + 8.0 * f64::EPSILON * w * psi.abs() * there.norm();
+                    let wave = Piece { doubt, ..Piece::wave([there.re, there.im], w, there.norm()) };
+                    entry[last] = entry[last] - wave.along(1, radius);
+                }
+            }
+        }
         table
     }
 }
 
+/// The kernels between the impacts, and what depends on φ of the open modes.
+type Strip = (Pair, Vec<OpenStrip>);
+
 impl Planar for PhasePlane {
-    type Strip = Pair;
+    type Strip = Strip;
 
     fn budget(&self) -> usize {
         self.budget
     }
 
-    fn strip(&self, phi: f64, radius: f64) -> Pair {
-        self.between.pieces((phi, radius), self.weights, self.period)
+    fn strip(&self, phi: f64, radius: f64) -> Strip {
+        let open = self.open.iter().map(|own| own.strip(phi, radius)).collect();
+        (self.between.pieces((phi, radius), self.weights, self.period), open)
     }
 
-    fn enclose(&self, pair: &Pair, at: [f64; 2], radius: [f64; 2], form: usize) -> Option<([Patch; 2], bool)> {
+    fn enclose(&self, strip: &Strip, at: [f64; 2], radius: [f64; 2], form: usize) -> Option<([Patch; 2], bool)> {
         if form > 0 {
             return None;
         }
-        let reduced = match self.table.reduced(&self.filled(pair, at, radius)) {
+        let reduced = match self.table.reduced(&self.filled(strip, at, radius)) {
             Ok(reduced) => reduced,
             Err(pivot) => return Some(([pivot.unknown(); 2], false)),
         };
@@ -289,8 +334,8 @@ impl Impacts<'_> {
     }
 
     /// All orbits of two impacts under any loads, or of those only that push; `None` where they cannot be enclosed, or that takes too long.
-    pub(super) fn proved_in_the_phase_plane(&self, is_pushed: bool, budget: usize) -> Option<Starts> {
-        let functions = PhasePlane::new(self, is_pushed, budget)?;
+    pub(super) fn proved_in_the_phase_plane(&self, scope: ListScope) -> Option<Starts> {
+        let functions = PhasePlane::new(self, scope == ListScope::Candidates, scope.boxes())?;
         let zeros = functions.zeros();
         if zeros.exhausted > 0 {
             return None;

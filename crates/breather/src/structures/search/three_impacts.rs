@@ -11,6 +11,7 @@ use vibrochain_lattice::{Complex, Stop};
 
 use super::at_times::Impacts;
 use super::elimination::{Elimination, MOST, Reduced, Table};
+use super::open_pieces::{OpenRows, OpenStrip};
 use super::two_impacts::{RESOLUTION, told_apart};
 use crate::roots::patch::{Patch, Piece};
 use crate::roots::planar::{Planar, PlanarZeros};
@@ -55,6 +56,8 @@ pub(super) struct ThreeImpacts {
     alike: bool,
     /// A symmetry makes the impacts alike a third of the period apart: W has lost two ranks there.
     pub(super) double: bool,
+    /// The modes whose states are unknowns, under a load.
+    open: Vec<OpenRows>,
     /// Newton's laws are as large as 1/m at least: without a load both kernels in one of them may vanish at once.
     table: Elimination,
     budget: usize,
@@ -81,10 +84,16 @@ impl ThreeImpacts {
         }
         let between = |[i, j]: [usize; 2]| Between::new(equations.kernel(), contacts[i], contacts[j]);
         let period = equations.period();
-        let rows = 5 + usize::from(load.is_some());
-        let columns = 3 + 2 * usize::from(load.is_some()) + usize::from(!homogeneous);
+        let open = OpenRows::of(equations, &contacts);
+        let laws = 5 + usize::from(load.is_some());
+        let rows = laws + 2 * open.len();
+        let columns = 3 + 2 * usize::from(load.is_some()) + 2 * open.len() + usize::from(!homogeneous);
+        if rows > MOST {
+            return None;
+        }
         let mut least = [f64::MIN_POSITIVE; MOST];
-        (3..rows).for_each(|row| least[row] = equations.mobility(contacts[row + 3 - rows]));
+        (3..laws).for_each(|row| least[row] = equations.mobility(contacts[row + 3 - laws]));
+        (laws..rows).for_each(|row| least[row] = open[(row - laws) / 2].given());
         let mut functions = Self {
             period,
             between: [between(PAIRS[0])?, between(PAIRS[1])?, between(PAIRS[2])?],
@@ -101,6 +110,7 @@ impl ThreeImpacts {
             alike: letters.iter().all(|letter| *letter == letters[0]),
             table: Elimination { rows, columns, least },
             double: false,
+            open,
             budget,
             stop: equations.model.stop().clone(),
         };
@@ -113,7 +123,8 @@ impl ThreeImpacts {
         let mut zeros = PlanarZeros { stop: self.stop.clone(), ..PlanarZeros::default() };
         let [first, second, third] = self.least;
         let shortest = if self.alike { self.period / 3.0 } else { self.period - second - third };
-        let fastest = self.between.iter().map(|pair| pair.fastest).fold(self.rate, f64::max);
+        let fastest = self.between.iter().map(|pair| pair.fastest);
+        let fastest = fastest.chain(self.open.iter().map(|rows| rows.fastest()[0])).fold(self.rate, f64::max);
         let pieces = (0.25 * fastest * self.period) as usize;
         let pieces = [shortest / self.period, 1.0].map(|part| (part * pieces as f64) as usize);
         let [x, y] = [[first, shortest], [second, self.period - first - third]];
@@ -129,7 +140,7 @@ impl ThreeImpacts {
 
     /// Impulses and, of a load, c and s, for the times of a zero. `None` where they are not determined.
     pub(super) fn numbers(&self, [x, y]: [f64; 2]) -> Option<Vec<f64>> {
-        let table = self.filled(&self.pair(0, x, 0.0), &self.load(1, x), [x, y], [0.0; 2]);
+        let table = self.filled(&self.strip(x, 0.0), [x, y], [0.0; 2]);
         let Reduced { numbers, .. } = self.table.reduced(&table).ok()?;
         let numbers = numbers.map(|number| number.value());
         let [c, s] = [3, 4].map(|place| if self.rate > 0.0 { numbers[place] } else { 0.0 });
@@ -147,7 +158,7 @@ impl ThreeImpacts {
 
     fn is_double(&self) -> bool {
         let third = self.period / 3.0;
-        let table = self.filled(&self.pair(0, third, 0.0), &self.load(1, third), [third; 2], [0.0; 2]);
+        let table = self.filled(&self.strip(third, 0.0), [third; 2], [0.0; 2]);
         self.table.last_pivot(&table) < DOUBLE
     }
 
@@ -192,7 +203,7 @@ impl ThreeImpacts {
     }
 
     /// W about these times.
-    fn filled(&self, first: &Pair, load: &Load, [x, y]: [f64; 2], radius: [f64; 2]) -> Table {
+    fn filled(&self, (first, load, open): &Strip, [x, y]: [f64; 2], radius: [f64; 2]) -> Table {
         let (both, width) = (x + y, radius[0] + radius[1]);
         let patch = |axis: usize, piece: Piece| match axis {
             2 => piece.of([true; 2], radius),
@@ -200,7 +211,7 @@ impl ThreeImpacts {
         };
         let constant = |value: f64| Patch::constant(value, radius).doubted(8.0 * f64::EPSILON * value.abs());
         let mut table = [[Patch::constant(0.0, radius); MOST]; MOST];
-        let laws = self.table.rows - 3;
+        let laws = self.table.rows - 3 - 2 * self.open.len();
         for i in 0..3 {
             table[i][i] = constant(self.own[i][0]);
             if self.has_h() {
@@ -234,28 +245,79 @@ impl ThreeImpacts {
                 (table[3 + i][3], table[3 + i][4]) = (im.scaled(fast), re.scaled(fast));
             }
         }
+        for (k, (own, strip)) in self.open.iter().zip(open).enumerate() {
+            self.fill_open(&mut table, k, (own, strip), y, (both, width), &|i, piece| match i {
+                0 => piece.fixed(radius),
+                i => patch([0, 0, 2, 1][i], piece),
+            });
+        }
         table
     }
+
+    /// Adds a mode whose state is unknown to W under a load. `at` is a function of the time of an impact, number 3 of the time between the last two.
+    fn fill_open(
+        &self,
+        table: &mut Table,
+        k: usize,
+        (own, strip): (&OpenRows, &OpenStrip),
+        y: f64,
+        (both, width): (f64, f64),
+        at: &dyn Fn(usize, Piece) -> Patch,
+    ) {
+        let (row, column) = (6 + 2 * k, 5 + 2 * k);
+        let still = |value: f64| at(0, Piece { jet: [value, 0.0, 0.0], third: 0.0, doubt: 0.0 });
+        let states = [own.state(0, 0.0), strip.state, own.state(2, both)];
+        let left = [own.left(0, 0.0), strip.left, own.left(2, both)];
+        let less = own.one_less();
+        for i in 0..3 {
+            for side in 0..2 {
+                table[i][column + side] = at(i, states[i][side][0]);
+                table[3 + i][column + side] = at(i, states[i][side][1]);
+                table[row + side][i] = -at(i, left[i][side]);
+            }
+        }
+        for side in 0..2 {
+            (0..2).for_each(|other| table[row + side][column + other] = still(less[side][other]));
+            for (_, state, error) in own.pushed() {
+                let part = |value: f64| at(0, Piece { jet: [value, 0.0, 0.0], third: 0.0, doubt: error });
+                table[row + side][3] = table[row + side][3] - part(state[side].re);
+                table[row + side][4] = table[row + side][4] + part(state[side].im);
+            }
+        }
+        let passed =
+            [([1, 0], 1, strip.first), ([2, 1], 3, own.passed([2, 1], y)), ([2, 0], 2, own.passed([2, 0], both))];
+        for ([to, from], time, seen) in passed {
+            for (row, piece) in [to, 3 + to].into_iter().zip(seen) {
+                table[row][from] = table[row][from] + at(time, piece);
+            }
+        }
+        for (i, driven) in [(1, &strip.driven), (2, &own.driven(2, both, width))] {
+            for (_, parts) in driven {
+                for (row, [re, im]) in [i, 3 + i].into_iter().zip(*parts) {
+                    table[row][3] = table[row][3] + at(i, re);
+                    table[row][4] = table[row][4] - at(i, im);
+                }
+            }
+        }
+    }
 }
+
+/// The kernels of the first two impacts, the load at the second one, and what depends on its time of open modes.
+type Strip = (Pair, Load, Vec<OpenStrip>);
 
 impl Planar for ThreeImpacts {
     fn budget(&self) -> usize {
         self.budget
     }
 
-    type Strip = (Pair, Load);
+    type Strip = Strip;
 
     fn strip(&self, x: f64, radius: f64) -> Self::Strip {
-        (self.pair(0, x, radius), self.load(1, x))
+        let open = self.open.iter().map(|own| own.strip(x, radius)).collect();
+        (self.pair(0, x, radius), self.load(1, x), open)
     }
 
-    fn enclose(
-        &self,
-        (first, load): &Self::Strip,
-        [x, y]: [f64; 2],
-        radius: [f64; 2],
-        form: usize,
-    ) -> Option<([Patch; 2], bool)> {
+    fn enclose(&self, strip: &Strip, [x, y]: [f64; 2], radius: [f64; 2], form: usize) -> Option<([Patch; 2], bool)> {
         if form > 0 {
             return None;
         }
@@ -267,7 +329,7 @@ impl Planar for ThreeImpacts {
         if excludes && (rest < self.least[2] || is_turned || self.is_alike([x, y], radius)) {
             return none;
         }
-        let table = self.filled(first, load, [x, y], radius);
+        let table = self.filled(strip, [x, y], radius);
         let laws = [table[3][0], table[4][0]];
         let mut reduced = match self.table.reduced(&table) {
             Ok(reduced) => reduced,
@@ -277,7 +339,7 @@ impl Planar for ThreeImpacts {
             return none;
         }
         if self.table.rows == self.table.columns {
-            let [c, s, h] = [3, 4, 5].map(|place| reduced.numbers[place]);
+            let [c, s, h] = [3, 4, self.table.columns - 1].map(|place| reduced.numbers[place]);
             reduced.left[1] = c * c + s * s - h * h;
         }
         Some((reduced.left, true))

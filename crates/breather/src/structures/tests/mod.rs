@@ -11,6 +11,7 @@ use vibrochain_testkit::Random;
 
 use super::model::StructureModel;
 use super::orbit::StructureOrbit;
+use crate::roots::patch::Patch;
 
 /// A mode of real shape below, at or above critical damping, as two contacts see it.
 fn mode(random: &mut Random, frequency: f64, ratio: f64) -> LinearMode {
@@ -56,6 +57,30 @@ pub(in crate::structures) fn model(random: &mut Random) -> StructureModel {
     ];
     let structure = ModalStructure::new(contacts, vec![1], modes).unwrap();
     StructureModel::new(Arc::new(structure), random.between(0.5, 3.0)).unwrap()
+}
+
+/// The same with one more mode next to a resonance, its frequency off by so much, with hardly a dashpot.
+pub(in crate::structures) fn next_to_a_resonance(random: &mut Random, off: f64) -> StructureModel {
+    let model = model(random);
+    let (structure, harmonic) = (model.structure(), random.below(3) + 1);
+    let mut modes = structure.modes().to_vec();
+    let ratio = random.log(1e-3, 1e-1) * off.abs();
+    modes.push(mode(random, model.omega() * harmonic as f64 * (1.0 + off), ratio));
+    let structure = ModalStructure::new(structure.contacts().to_vec(), vec![1], modes).unwrap();
+    StructureModel::new(Arc::new(structure), model.omega()).unwrap()
+}
+
+/// Whether a number of a table of enclosures, and its slopes, are at a point so far off what is told of the rectangle; how much of that it takes.
+pub(in crate::structures) fn strays(own: &Patch, at: &Patch, off: [f64; 2]) -> f64 {
+    let linear = own.value() + own.slope()[0] * off[0] + own.slope()[1] * off[1];
+    let away = (at.value() - linear).abs();
+    assert!(away <= own.rest() + at.rounding, "{away:e} {own:?} {at:?}");
+    for axis in 0..2 {
+        let turned = (at.slope()[axis] - own.slope()[axis]).abs();
+        let rounding = 1e-12 * (own.slope()[axis].abs() + own.swing()[axis]);
+        assert!(turned <= own.swing()[axis] + rounding, "{axis} {turned:e} {own:?} {at:?}");
+    }
+    away / own.rest()
 }
 
 /// Orbits of one impact and of two of random structures, so many structures long.

@@ -6,7 +6,7 @@ use vibrochain_testkit::Random;
 
 use super::*;
 use crate::structures::equations::Equations;
-use crate::structures::tests::model;
+use crate::structures::tests::{model, next_to_a_resonance, strays};
 
 /// The three letters of a word, above one contact, above the same or the other, below the other.
 fn letters(round: usize) -> [(usize, Barrier); 3] {
@@ -17,17 +17,19 @@ fn letters(round: usize) -> [(usize, Barrier); 3] {
 #[test]
 fn numbers_of_the_equations_are_within_their_enclosures() {
     let mut random = Random(71);
-    let (mut checked, mut useful) = (0, 0);
-    for round in 0..40 {
-        let model = model(&mut random);
+    let (mut checked, mut useful, mut open) = (0, 0, 0);
+    for round in 0..60 {
+        let off = random.log(1e-11, 1e-4);
+        let model = if round % 3 == 0 { next_to_a_resonance(&mut random, off) } else { model(&mut random) };
         let letters = letters(round);
         let equations = Equations::new(&model, 1, letters.iter().map(|letter| letter.0)).unwrap();
+        let opened = equations.opened_within(1e-2, 1);
+        open += usize::from(opened.is_some());
+        let equations = opened.unwrap_or(equations);
         let impacts = Impacts { equations: &equations, letters: smallvec![letters[0], letters[1], letters[2]] };
         let Some(functions) = ThreeImpacts::new(&impacts, 1000) else { continue };
         let period = equations.period();
-        let table = |at: [f64; 2], radius: [f64; 2]| {
-            functions.filled(&functions.pair(0, at[0], radius[0]), &functions.load(1, at[0]), at, radius)
-        };
+        let table = |at: [f64; 2], radius: [f64; 2]| functions.filled(&functions.strip(at[0], radius[0]), at, radius);
         for _ in 0..10 {
             let centre = [0.0; 2].map(|_: f64| period * random.between(0.05, 0.45));
             let radius = centre.map(|at| at * random.log(1e-4, 0.9));
@@ -35,22 +37,15 @@ fn numbers_of_the_equations_are_within_their_enclosures() {
             let off = radius.map(|r| r * random.of(&[-1.0, 1.0, random.clone().between(-1.0, 1.0)]));
             let point = table([centre[0] + off[0], centre[1] + off[1]], [0.0; 2]);
             for (own, at) in whole.iter().flatten().zip(point.iter().flatten()) {
-                let linear = own.value() + own.slope()[0] * off[0] + own.slope()[1] * off[1];
-                let away = (at.value() - linear).abs();
-                assert!(away <= own.rest() + at.rounding, "{away:e} {own:?} {at:?}");
-                for axis in 0..2 {
-                    let turned = (at.slope()[axis] - own.slope()[axis]).abs();
-                    let rounding = 1e-12 * (own.slope()[axis].abs() + own.swing()[axis]);
-                    assert!(turned <= own.swing()[axis] + rounding, "{axis} {turned:e} {own:?} {at:?}");
-                }
+                let used = strays(own, at, off);
                 if own.rest() > 1e-9 * own.bound() {
                     checked += 1;
-                    useful += usize::from(away > 0.05 * own.rest());
+                    useful += usize::from(used > 0.05);
                 }
             }
         }
     }
-    assert!(checked > 4000 && useful > checked / 4, "{checked} {useful}");
+    assert!(checked > 4000 && useful > checked / 4 && open >= 20, "{checked} {useful} {open}");
 }
 
 /// No rectangle about the times of an orbit is said to hold none, however wide; and most narrow ones say that it is the only one.
@@ -92,4 +87,39 @@ fn no_orbit_is_excluded() {
         }
     }
     assert!(orbits > 12 && alone > enclosed / 4 && elsewhere > enclosed / 4, "{orbits} {enclosed} {alone} {elsewhere}");
+}
+
+/// Not so near that the kernel is large, the zeros of impacts that push are with the state of a mode among the unknowns those of the kernel.
+#[test]
+fn zeros_with_an_open_mode_are_those_of_the_kernel() {
+    let mut random = Random(79);
+    let (mut lists, mut orbits) = (0, 0);
+    for round in 0..40 {
+        let off = random.of(&[-1.0, 1.0]) * random.log(3e-4, 2e-3);
+        let model = next_to_a_resonance(&mut random, off);
+        let letters = letters(round);
+        let equations = Equations::new(&model, 1, letters.iter().map(|letter| letter.0)).unwrap();
+        let opened = equations.opened_within(0.05, 1).unwrap();
+        let found = [&equations, &opened].map(|equations| {
+            let impacts = Impacts { equations, letters: letters.into_iter().collect() };
+            let functions = ThreeImpacts::new(&impacts, 60_000)?;
+            let zeros = functions.zeros();
+            let pushes = |at: &[f64; 2]| {
+                let numbers = functions.numbers(*at).unwrap();
+                numbers.iter().zip(&functions.push).all(|(number, push)| number * push > 1e-9)
+            };
+            let pushing: Vec<[f64; 2]> = zeros.simple.iter().filter(|at| pushes(at)).copied().collect();
+            (zeros.exhausted + zeros.unresolved.len() == 0).then_some(pushing)
+        });
+        let [Some(closed), Some(opened)] = found else { continue };
+        assert_eq!(closed.len(), opened.len(), "{round} {closed:?} {opened:?}");
+        for at in &closed {
+            let near = |other: &&[f64; 2]| (0..2).all(|i| (at[i] - other[i]).abs() < 1e-7 * model.period());
+            assert_eq!(opened.iter().filter(near).count(), 1, "{round} {at:?} {opened:?}");
+            orbits += 1;
+        }
+        lists += 1;
+    }
+    eprintln!("{lists} {orbits}");
+    assert!(lists > 10 && orbits > 3, "{lists} {orbits}");
 }
