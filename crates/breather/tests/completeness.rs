@@ -261,7 +261,7 @@ fn an_empty_list_says_why_or_is_open_and_others_do_not() {
         let known = [NoBreather::NotSearched(Unsearched::Unnamed), NoBreather::LossWithoutForce].map(Some);
         assert!(words.is_err() || words.is_ok_and(|words| known.contains(&words.reason())), "{model}");
     }
-    assert!(all > 100 && none > 50 && open > blank && blank > 0, "{all} {none} {open} {blank}");
+    assert!(all > 100 && none > 50 && (1..20).contains(&open) && blank == 0, "{all} {none} {open} {blank}");
 }
 
 /// One mass, 1e-9 of its frequency away from resonance: impulses are near 10⁸, and rounding leaves no digit of them. What is found there

@@ -57,7 +57,7 @@ pub(crate) fn double_sided(
     let ranges = ranges(places.unwrap_or(&[(0.0, half)]), guard, edge);
     let least = if places.is_some() { 1 } else { LEAST };
     let alone = search(&problem, model, zeros, &ranges, least);
-    if !(zeros.unresolved.is_empty() || is_last) {
+    if !is_last && is_doubtful(zeros, response) {
         return None;
     }
     let mut emit = |solution: TwoImpactSolution| found(draft(&problem, &solution));
@@ -79,6 +79,17 @@ pub(crate) fn double_sided(
     let solution = |&delta: &f64| solution(&problem, alone.as_ref(), delta);
     count += zeros.simple.iter().filter_map(solution).map(&mut emit).count();
     Some(outcome(count, zeros.unresolved.len() + zeros.exhausted))
+}
+
+/// So near a resonance, by [`ImpulseResponse::condition`], intervals that were not looked at are no matter of their number; and nearer than this
+/// zeros as close as the square of the distance are lost in rounding.
+const NEAR: f64 = 1e4;
+const LOST: f64 = 1e8;
+
+/// Whether the list may lack some that the lattice as a structure has.
+fn is_doubtful(zeros: &Zeros, response: &ImpulseResponse) -> bool {
+    let condition = response.condition();
+    !zeros.unresolved.is_empty() || condition > NEAR && zeros.exhausted > 0 || condition > LOST
 }
 
 /// None at all is an answer only if no place was left open.
@@ -151,7 +162,7 @@ pub(crate) fn alike(
     let problem = TwoImpacts::new(pattern, model, response, force);
     let range = listed(pattern, model, 0.5 * response.period());
     let alone = search(&problem, model, zeros, &[range], LEAST);
-    if !(zeros.unresolved.is_empty() || is_last) {
+    if !is_last && is_doubtful(zeros, response) {
         return None;
     }
     // Without loss δ = 0 solves by itself, for X = 0; Y = Ã and Y = −Ã are one orbit, begun at either impact.
