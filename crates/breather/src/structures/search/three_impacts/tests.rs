@@ -120,6 +120,5 @@ fn zeros_with_an_open_mode_are_those_of_the_kernel() {
         }
         lists += 1;
     }
-    eprintln!("{lists} {orbits}");
     assert!(lists > 10 && orbits > 3, "{lists} {orbits}");
 }
