@@ -3,9 +3,9 @@
 //! | orbit | path |
 //! |---|---|
 //! | conservative, mirror image of itself in time, impacts at one site | [`crate::Secular`]: real poles and residues in ν = ½(μ + 1/μ) |
-//! | a verdict alone, as in maps, on a mirror image of itself in time of few masses, impacts at several sites or a doubt above | eigenvalues of a matrix of half the size, unless they leave it open |
-//! | all others, and whatever these doubt | `spectrum`: all zeros of the determinant of the impacts' equations |
-//! | what that cannot certify or leaves open, and words of many impacts on some thousand masses | a dense matrix |
+//! | a verdict alone, as in maps, on a mirror image of itself in time of few masses, impacts at several sites or open above | eigenvalues of a matrix of half the size |
+//! | all others, and whatever these leave open | `spectrum`: all zeros of the determinant of the impacts' equations |
+//! | what that cannot count or leaves open, and words of many impacts on some thousand masses | a dense matrix |
 //!
 //! Every answer names its path, see [`Method`].
 
@@ -16,13 +16,11 @@ use vibrochain_lattice::aside;
 use crate::all_multipliers::{Multipliers, Spared};
 use crate::error::FloquetError;
 use crate::map_paths::Secular;
-use crate::reference::dense::{Dense, is_reduced, uncoupled};
-use crate::reference::monodromy::MAX_DIMENSION;
+use crate::reference::dense::{Dense, uncoupled};
 use crate::sizes::{LARGE, MOST_DENSE, is_affordable, most_modes};
 use crate::spectrum::{BEYOND, is_surely_beyond, spectrum};
 use crate::symmetry::{breaks_symmetry, is_symmetric};
 use crate::verdict::{Mechanism, Method, Question, Tolerance, Verdict};
-use crate::zeros::SecularError;
 
 /// Multipliers and verdict of one orbit.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,27 +54,6 @@ pub struct Analyser {
 
 /// A verdict and, if they are asked for, the non-trivial multipliers of the space that feels impacts.
 pub(crate) type Answer = (Verdict, Vec<Complex<f64>>);
-
-/// Why the secular form has no answer.
-#[derive(Debug)]
-pub(crate) enum Failure {
-    /// A dense solver may have one.
-    SecularError(SecularError),
-    /// Nor has a dense solver.
-    Floquet(FloquetError),
-}
-
-impl From<SecularError> for Failure {
-    fn from(doubt: SecularError) -> Self {
-        Self::SecularError(doubt)
-    }
-}
-
-impl<E: Into<FloquetError>> From<E> for Failure {
-    fn from(error: E) -> Self {
-        Self::Floquet(error.into())
-    }
-}
 
 impl Analyser {
     /// An analyser that takes the dense path whatever the orbit: the reference that the secular form is held against.
@@ -209,103 +186,73 @@ impl Analyser {
 
     fn by_multipliers(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Answer, FloquetError> {
         if self.dense_only {
-            return self.by_matrix(question, finder, None);
+            return self.by_matrix(question, finder);
         }
         let Question { orbit, thorough, .. } = question;
         let chain = orbit.model().chain();
         let screened = has_residues(orbit) && (!thorough || chain.even_modes() > LARGE);
-        let mut doubt = None;
-        if screened {
-            match self.by_residues(question, finder)? {
-                Ok(answer) => return Ok(answer),
-                Err(why) => doubt = Some(why),
-            }
+        if screened && let Some(answer) = self.by_residues(question, finder)? {
+            return Ok(answer);
         }
         // A cell of a map of pairs on 21 masses takes 45 µs so, by all zeros of the determinant 560.
-        let is_asked = orbit.is_reversible() && (orbit.impact_site().is_none() || doubt.is_some());
-        let by_eigenvalues = !thorough && is_asked && chain.sites() <= LARGE;
-        if by_eigenvalues {
-            let answer = self.by_matrix(question, finder, doubt)?;
+        let is_quick = orbit.is_reversible() && (screened || orbit.impact_site().is_none()) && chain.sites() <= LARGE;
+        if !thorough && is_quick {
+            let answer = self.by_matrix(question, finder)?;
             if !answer.0.undecided {
                 return Ok(answer);
             }
         }
-        let told = match doubt {
-            _ if is_affordable(orbit) => spectrum(question, finder)?,
-            Some(doubt) => Err(doubt),
-            None => {
-                let by_matrix = if orbit.is_reversible() { MOST_DENSE } else { MOST_DENSE / 2 };
-                if chain.sites() <= by_matrix {
-                    return self.by_matrix(question, finder, None);
-                }
-                let impacts = orbit.impacts().len();
-                // Of a ring that is hit at one site half of the modes.
-                let felt = if orbit.centre().is_some() { 2 * most_modes(impacts) - 1 } else { most_modes(impacts) };
-                let limit = felt.max(by_matrix);
-                return Err(FloquetError::TooManyModes { masses: chain.sites(), impacts, limit });
+        if !is_affordable(orbit) {
+            let by_matrix = if orbit.is_reversible() { MOST_DENSE } else { MOST_DENSE / 2 };
+            if screened || chain.sites() <= by_matrix {
+                return self.by_matrix(question, finder);
             }
-        };
-        let dimension = 2 * chain.sites();
-        match told {
-            Ok(answer) if answer.verdict.undecided && dimension <= 2 * LARGE => {
-                let is_clear = |verdict: &Verdict| !verdict.undecided;
-                // Neither is asked twice.
-                let residues =
-                    if screened || !has_residues(orbit) { None } else { self.by_residues(question, finder)?.ok() };
-                let other = match residues {
-                    Some((verdict, _)) if is_clear(&verdict) => Some(verdict),
-                    _ if by_eigenvalues => None,
-                    _ => self.by_matrix(question, finder, doubt).ok().map(|(verdict, _)| verdict).filter(is_clear),
-                };
-                Ok((other.unwrap_or(answer.verdict), if thorough { answer.listed(orbit) } else { Vec::new() }))
-            }
-            Ok(answer) => Ok((answer.verdict, if thorough { answer.listed(orbit) } else { Vec::new() })),
-            Err(why) => {
-                let doubt = doubt.unwrap_or(why);
-                let modes = if is_reduced(orbit) { chain.even_modes() } else { chain.sites() };
-                let dimension = if orbit.is_reversible() { modes } else { 2 * modes };
-                if dimension > MAX_DIMENSION {
-                    return Err(FloquetError::InDoubt { doubt, dimension, limit: MAX_DIMENSION });
-                }
-                self.by_matrix(question, finder, Some(doubt))
-            }
+            let impacts = orbit.impacts().len();
+            // Of a ring that is hit at one site half of the modes.
+            let felt = if orbit.centre().is_some() { 2 * most_modes(impacts) - 1 } else { most_modes(impacts) };
+            return Err(FloquetError::TooManyModes { masses: chain.sites(), impacts, limit: felt.max(by_matrix) });
         }
+        let answer = match spectrum(question, finder) {
+            Err(FloquetError::Uncounted(doubt)) => {
+                // Next to grazing multipliers of 10⁵ and more have no digits as zeros of a determinant.
+                let answer = self.by_matrix(question, finder);
+                let is_large = |error: &FloquetError| matches!(error, FloquetError::TooLarge { .. });
+                return answer.map_err(|error| if is_large(&error) { doubt.into() } else { error });
+            }
+            answer => answer?,
+        };
+        let mut verdict = answer.verdict;
+        if verdict.undecided && chain.sites() <= LARGE {
+            // Neither is asked twice.
+            let asks = !screened && has_residues(orbit);
+            let residues = if asks { self.by_residues(question, finder)? } else { None };
+            let other = match residues.map(|(verdict, _)| verdict).filter(|verdict| !verdict.undecided) {
+                None if thorough || !is_quick => self.by_matrix(question, finder).ok().map(|(verdict, _)| verdict),
+                residues => residues,
+            };
+            verdict = other.filter(|other| !other.undecided).unwrap_or(verdict);
+        }
+        Ok((verdict, if thorough { answer.listed(orbit) } else { Vec::new() }))
     }
 
     /// Verdict and multipliers from a dense matrix.
-    fn by_matrix(
-        &mut self,
-        question: Question<'_>,
-        finder: &mut Finder,
-        doubt: Option<SecularError>,
-    ) -> Result<Answer, FloquetError> {
+    fn by_matrix(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Answer, FloquetError> {
         let verdict = self.dense.judge(question, finder)?;
         let multipliers = if question.thorough { self.dense.multipliers(question.orbit) } else { Vec::new() };
-        Ok((Verdict { method: Method::Dense(doubt), ..verdict }, multipliers))
+        Ok((Verdict { method: Method::Dense, ..verdict }, multipliers))
     }
 
-    /// Verdict and multipliers from residues, or their doubt.
-    fn by_residues(
-        &mut self,
-        question: Question<'_>,
-        finder: &mut Finder,
-    ) -> Result<Result<Answer, SecularError>, FloquetError> {
-        match self.of_residues(question, finder) {
-            Ok(answer) => Ok(Ok(answer)),
-            Err(Failure::SecularError(doubt)) => Ok(Err(doubt)),
-            Err(Failure::Floquet(error)) => Err(error),
-        }
-    }
-
-    fn of_residues(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Answer, Failure> {
-        let verdict = self.reversible(question, finder)?;
+    /// Verdict and multipliers from residues; `None` where these leave it open.
+    fn by_residues(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Option<Answer>, FloquetError> {
+        let Some(verdict) = self.reversible(question, finder)? else { return Ok(None) };
         if !question.thorough {
-            return Ok((verdict, Vec::new()));
+            return Ok(Some((verdict, Vec::new())));
         }
-        let multipliers: Vec<_> = self.secular.all_nu()?.flat_map(|(nu, _)| nu.multipliers()).collect();
+        let Ok(all) = self.secular.all_nu() else { return Ok(None) };
+        let multipliers: Vec<_> = all.flat_map(|(nu, _)| nu.multipliers()).collect();
         // Where none leads, one that is there.
         let leading = multipliers.first().filter(|_| verdict.excess() == 0.0).copied();
-        Ok((Verdict { leading: leading.unwrap_or(verdict.leading), ..verdict }, multipliers))
+        Ok(Some((Verdict { leading: leading.unwrap_or(verdict.leading), ..verdict }, multipliers)))
     }
 }
 

@@ -10,9 +10,9 @@ use crate::analyser::Analyser;
 use crate::error::FloquetError;
 use crate::multipliers::sort_multipliers;
 use crate::reference::dense::uncoupled;
-use crate::reference::monodromy::{MAX_DIMENSION, even_monodromy, full_monodromy};
+use crate::reference::monodromy::{even_monodromy, full_monodromy};
 use crate::spectrum::ModalShape;
-use crate::verdict::{Method, Question, Tolerance};
+use crate::verdict::{Question, Tolerance};
 use crate::zeros::SecularError;
 
 /// A multiplier and its perturbation just before the first impact.
@@ -31,14 +31,13 @@ impl FloquetMode {
     /// all at one site. O(M log M).
     ///
     /// # Errors
-    /// [`SecularError`], also for a number that is no multiplier of the orbit.
-    pub fn of(orbit: &Orbit, finder: &mut Finder, multiplier: Complex<f64>) -> Result<Self, SecularError> {
+    /// [`FloquetError`]; [`FloquetError::Uncounted`] for impacts at several sites, and for a number that is no multiplier of the orbit.
+    pub fn of(orbit: &Orbit, finder: &mut Finder, multiplier: Complex<f64>) -> Result<Self, FloquetError> {
         let home = orbit
             .centre()
             .filter(|_| orbit.model().chain().sites() == 1 || !uncoupled(orbit))
             .ok_or(SecularError::NotReversible)?;
-        let prepared = finder.prepared(orbit).map_err(|_| SecularError::NotReversible)?;
-        let shape = ModalShape::new(prepared, multiplier)?;
+        let shape = ModalShape::new(finder.prepared(orbit)?, multiplier)?;
         let (displacement, velocity) = shape.at_sites(orbit.model().chain().sites(), home);
         let mut mode = Self { multiplier, displacement, velocity };
         mode.normalise();
@@ -81,14 +80,8 @@ impl FloquetMode {
 pub fn leading_modes(orbit: &Orbit, count: usize) -> Result<Vec<FloquetMode>, FloquetError> {
     let mut finder = Finder::new(orbit.model().chain().sites());
     match by_determinant(orbit, &mut finder, count)? {
-        Ok(modes) => Ok(modes),
-        Err(doubt) => {
-            let dimension = 2 * orbit.model().chain().even_modes();
-            match doubt.filter(|_| orbit.centre().is_some() && dimension > MAX_DIMENSION) {
-                Some(doubt) => Err(FloquetError::InDoubt { doubt, dimension, limit: MAX_DIMENSION }),
-                None => by_matrix(orbit, count),
-            }
-        }
+        Some(modes) => Ok(modes),
+        None => by_matrix(orbit, count),
     }
 }
 
@@ -101,24 +94,21 @@ pub fn leading_modes_until(orbit: &Orbit, count: usize, stop: &Stop) -> Result<V
     aside(stop, move || leading_modes(&orbit, count)).map_err(BreatherError::from)?
 }
 
-/// From the determinant of the impacts' equations; where that does not tell so many, the doubt that it has, if it has one.
-fn by_determinant(
-    orbit: &Orbit,
-    finder: &mut Finder,
-    count: usize,
-) -> Result<Result<Vec<FloquetMode>, Option<SecularError>>, FloquetError> {
+/// From the determinant of the impacts' equations; `None` where that does not tell so many.
+fn by_determinant(orbit: &Orbit, finder: &mut Finder, count: usize) -> Result<Option<Vec<FloquetMode>>, FloquetError> {
     // Of masses without coupling the equations know one alone.
     if orbit.centre().is_none() || uncoupled(orbit) && orbit.model().chain().sites() > 1 {
-        return Ok(Err(None));
+        return Ok(None);
     }
     let question = Question { orbit, tolerance: Tolerance::Rounding, thorough: true };
-    let (verdict, mut multipliers) = Analyser::default().decide(question, finder)?;
-    if verdict.method != Method::Secular || multipliers.len() < count {
-        return Ok(Err(verdict.method.doubt()));
+    let (_, mut multipliers) = Analyser::default().decide(question, finder)?;
+    if multipliers.len() < count {
+        return Ok(None);
     }
     sort_multipliers(&mut multipliers);
     let modes = multipliers.into_iter().take(count).map(|multiplier| FloquetMode::of(orbit, finder, multiplier));
-    Ok(modes.collect::<Result<_, _>>().map_err(Some))
+    // A number that has no eigenvector of its own stands for two.
+    Ok(modes.collect::<Result<_, _>>().ok())
 }
 
 fn by_matrix(orbit: &Orbit, count: usize) -> Result<Vec<FloquetMode>, FloquetError> {

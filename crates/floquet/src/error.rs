@@ -30,18 +30,6 @@ pub enum FloquetError {
         /// Velocity before it.
         velocity: f64,
     },
-    /// The secular function has no answer that it could vouch for, and dense matrices would not fit.
-    #[error(
-        "the multipliers of this lattice are in doubt ({doubt}), and a dense analysis of dimension {dimension} exceeds the limit of {limit}"
-    )]
-    InDoubt {
-        /// The doubt.
-        doubt: SecularError,
-        /// Size of the matrix.
-        dimension: usize,
-        /// The most that is done, [`crate::MAX_DIMENSION`].
-        limit: usize,
-    },
     /// Impacts on a lattice with more modes than all multipliers are worked out of.
     #[error(
         "the multipliers of {impacts} impacts a period are worked out on such lattices of up to {limit} masses, and this one has {masses}; use \
@@ -55,9 +43,9 @@ pub enum FloquetError {
         /// The most masses for as many impacts.
         limit: usize,
     },
-    /// The multipliers of a structure's orbit could not be told apart and counted.
+    /// The multipliers could not be told apart and counted.
     #[error("the multipliers are in doubt: {0}")]
-    Uncounted(SecularError),
+    Uncounted(#[from] SecularError),
     /// The dense matrices would not fit.
     #[error("a dense analysis of dimension {dimension} exceeds the limit of {limit}; use fewer masses")]
     TooLarge {

@@ -3,7 +3,7 @@
 //! | | below | above |
 //! |---|---|---|
 //! | [`LARGE`] modes | sums over pairs of modes; eigenvalues of a matrix for a verdict on a small word that is its own mirror image in time | sums in O(M); zeros of the determinant |
-//! | [`MOST_DENSE`] rows | a matrix answers where nothing else does, or knows more digits | the answer has the digits it has, or there is none |
+//! | [`MOST_DENSE`] rows | a matrix answers words of many impacts; residues of few digits give place to all zeros of the determinant | there is no answer; it has the digits it has |
 //!
 //! Two more bound what an answer may cost: [`MOST_WORK`] for all zeros of a determinant, [`most_refined`] for single ones of a large ring.
 

@@ -5,7 +5,7 @@ use std::fmt;
 use nalgebra::Complex;
 use vibrochain_breather::Orbit;
 
-use crate::zeros::{SecularError, modulus};
+use crate::zeros::modulus;
 
 /// Where the leading multiplier of an unstable orbit is: how stability is lost.
 ///
@@ -107,15 +107,16 @@ pub(crate) struct Question<'a> {
 }
 
 /// Where an answer comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[must_use]
 pub enum Method {
     /// From the secular function: zeros of a scalar function, counted or found.
     #[default]
     Secular,
     /// From a matrix: where it was asked for ([`crate::Analyser::dense`]), and where a verdict alone is asked for of an orbit that is
-    /// its own mirror image in time and has impacts at several sites; with the doubt where the secular function had no answer.
-    Dense(Option<SecularError>),
+    /// its own mirror image in time, of few masses: with impacts at several sites, or where the secular function left it open; and where
+    /// zeros of the determinant could not be counted or cost too much.
+    Dense,
 }
 
 impl Method {
@@ -123,15 +124,7 @@ impl Method {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Secular => "secular",
-            Self::Dense(_) => "dense",
-        }
-    }
-
-    /// Why it is not the secular function, if that was tried.
-    pub fn doubt(&self) -> Option<SecularError> {
-        match self {
-            Self::Secular => None,
-            Self::Dense(doubt) => *doubt,
+            Self::Dense => "dense",
         }
     }
 }

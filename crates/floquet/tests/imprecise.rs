@@ -30,7 +30,7 @@ fn what_poles_hide_the_equations_settle() {
                 continue;
             }
             let told = analyser.verdict(orbit, &mut finder, Tolerance::Rounding).unwrap();
-            if matches!(told.method, Method::Dense(_)) {
+            if told.method == Method::Dense {
                 continue;
             }
             let expected = dense.verdict(orbit, &mut finder, Tolerance::Rounding).unwrap();

@@ -169,9 +169,7 @@ impl Status {
         match error {
             FloquetError::Grazing { .. } => Self::IllConditioned,
             FloquetError::NotConverged { .. } => Self::NotConverged,
-            FloquetError::TooLarge { .. } | FloquetError::TooManyModes { .. } | FloquetError::InDoubt { .. } => {
-                Self::TooLarge
-            }
+            FloquetError::TooLarge { .. } | FloquetError::TooManyModes { .. } => Self::TooLarge,
             FloquetError::Uncounted(_) => Self::NotConverged,
             FloquetError::Breather(error) => Self::of_orbit(error),
         }

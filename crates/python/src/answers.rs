@@ -207,9 +207,6 @@ pub(crate) struct PyVerdict {
     /// str : "secular" or "dense", where the answer comes from.
     #[pyo3(get)]
     method: String,
-    /// str or None : why it is a dense matrix, where the secular function was tried.
-    #[pyo3(get)]
-    doubt: Option<String>,
     text: String,
 }
 
@@ -224,7 +221,6 @@ impl From<&Verdict> for PyVerdict {
             excess: verdict.excess(),
             resolution: verdict.resolution,
             method: verdict.method.name().to_owned(),
-            doubt: verdict.method.doubt().map(|doubt| doubt.to_string()),
             text: verdict.to_string(),
         }
     }

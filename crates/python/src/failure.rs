@@ -127,9 +127,7 @@ impl From<FloquetError> for Failure {
             FloquetError::Breather(breather) => breather.into(),
             FloquetError::Grazing { .. } => Self::IllConditioned(message),
             FloquetError::NotConverged { .. } | FloquetError::Uncounted(_) => Self::NotConverged(message),
-            FloquetError::InDoubt { .. } | FloquetError::TooManyModes { .. } | FloquetError::TooLarge { .. } => {
-                Self::TooLarge(message)
-            }
+            FloquetError::TooManyModes { .. } | FloquetError::TooLarge { .. } => Self::TooLarge(message),
         }
     }
 }

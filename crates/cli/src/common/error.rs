@@ -117,7 +117,6 @@ impl From<FloquetError> for CliError {
             FloquetError::Grazing { .. } => Self::IllPosed(error.to_string()),
             FloquetError::NotConverged { .. }
             | FloquetError::Uncounted(_)
-            | FloquetError::InDoubt { .. }
             | FloquetError::TooManyModes { .. }
             | FloquetError::TooLarge { .. } => Self::Computation(error.to_string()),
         }

@@ -87,8 +87,5 @@ fn stability(all: &Multipliers) -> Value {
     if !listed {
         told["multipliers_note"] = json!(format!("{} of them: --multipliers FILE writes them as CSV", all.len()));
     }
-    if let Some(doubt) = verdict.method.doubt() {
-        told["doubt"] = json!(doubt.to_string());
-    }
     told
 }

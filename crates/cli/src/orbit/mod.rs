@@ -179,9 +179,6 @@ fn text(model: &Model, name: &str, solutions: &[Solution], found: &OrbitList) ->
                 phases.iter().map(|(site, ahead)| format!("site {} by {ahead:.3}", layout.name(*site))).collect();
             let _ = writeln!(out, "  the breathers drift apart: ahead are {}", ahead.join(", "));
         }
-        if let Some(doubt) = solution.multipliers.as_ref().ok().and_then(|all| all.verdict.method.doubt()) {
-            let _ = writeln!(out, "  by a dense matrix: {doubt}");
-        }
         if let Some(modes) = &solution.modes {
             let _ = writeln!(out, "  {modes}");
         }

@@ -143,7 +143,7 @@ pub(crate) fn places(value: &Value) -> Vec<String> {
 }
 
 /// Keys without which an answer is one, too.
-const MAY_BE_MISSING: [&str; 15] = [
+const MAY_BE_MISSING: [&str; 14] = [
     "refine",
     "refinement",
     // Of one layer, of a ring, of a word, of what was searched.
@@ -154,7 +154,6 @@ const MAY_BE_MISSING: [&str; 15] = [
     "starts",
     "ended",
     "phases",
-    "doubt",
     // Of scenes, whose defaults they are; and what is swept is not fixed.
     "spacing",
     "y",
@@ -164,14 +163,13 @@ const MAY_BE_MISSING: [&str; 15] = [
 ];
 
 /// Text that may be anything.
-const PROSE: [&str; 18] = [
+const PROSE: [&str; 17] = [
     "touches",
     "obstruction",
     "reason",
     "message",
     "stability_error",
     "multipliers_note",
-    "doubt",
     "ends",
     "version",
     "revision",

@@ -5,7 +5,7 @@ use nalgebra::Complex;
 use vibrochain_breather::{Finder, MapBreather, ReversibleOrbit};
 use vibrochain_lattice::Model;
 
-use crate::analyser::{Analyser, Failure};
+use crate::analyser::Analyser;
 use crate::error::FloquetError;
 use crate::map_paths::reversible::verdict::stable;
 use crate::map_paths::{Reason, Secular, SecularVerdict, Standing};
@@ -13,9 +13,9 @@ use crate::saltation::saltations;
 use crate::sizes::{MOST_DENSE, is_affordable, most_refined};
 use crate::spectrum::{Posed, SpectralFunction, posed};
 use crate::verdict::{Mechanism, Question, Tolerance, Verdict};
-use crate::zeros::{Nu, SecularError, excess};
+use crate::zeros::{Nu, excess};
 
-/// Errors of the leading multiplier beyond this part of it are left to a dense solver: next to coincident poles that has smaller
+/// Errors of the leading multiplier beyond this part of it are left to the impacts' equations: next to coincident poles these have smaller
 /// ones. (Estimates are cautious there, by two to three digits.)
 const WORST: f64 = 1e-10;
 
@@ -26,44 +26,57 @@ const WORST_OF_SWEEP: f64 = 1e-9;
 const ROOM: f64 = 4.0;
 
 impl Analyser {
-    pub(crate) fn reversible(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Verdict, Failure> {
+    /// The verdict from residues; `None` where these leave it open, or have larger errors than other ways.
+    pub(crate) fn reversible(
+        &mut self,
+        question: Question<'_>,
+        finder: &mut Finder,
+    ) -> Result<Option<Verdict>, FloquetError> {
         let orbit = question.orbit;
         let _ = saltations(orbit)?;
         let ratio_error = ratio_error(question, finder)?;
-        let ratio = self.secular.residues.take_over(finder.prepared(orbit)?, ratio_error)?;
+        let Some(ratio) = self.secular.residues.take_over(finder.prepared(orbit)?, ratio_error) else {
+            return Ok(None);
+        };
         if !question.thorough && self.secular.residues.all_positive(ratio) {
-            return Ok(Verdict::on_circle(None));
+            return Ok(Some(Verdict::on_circle(None)));
         }
         if question.thorough {
             // All multipliers of a large ring take as much room again.
             finder.give_back();
         }
-        self.secular.residues.complete(ratio)?;
-        let mut found = self.secular.verdict()?;
-        if !question.thorough && check(found.excess, found.excess_error, question).is_err() {
+        if self.secular.residues.complete(ratio).is_err() {
+            return Ok(None);
+        }
+        let Ok(mut found) = self.secular.verdict() else { return Ok(None) };
+        let (modes, worst) =
+            (orbit.model().chain().even_modes(), if question.thorough { WORST } else { WORST_OF_SWEEP });
+        let is_precise = |found: &SecularVerdict| is_precise(found.excess, found.excess_error, modes, worst);
+        if !question.thorough && !is_precise(&found) {
             found = self.secular.refined(found, orbit.period());
         }
         if found.outcome == Standing::Undecided {
             if is_affordable(orbit) {
-                return Err(SecularError::Tangency.into());
+                return Ok(None);
             }
             if let Some(verdict) = self.refined_leading(question, finder)? {
-                return Ok(verdict);
+                return Ok(Some(verdict));
             }
         }
-        if found.outcome == Standing::Unstable {
-            check(found.excess, found.excess_error, question)?;
-        }
-        Ok(told(&found, question.tolerance))
+        let is_open = found.outcome == Standing::Unstable && !is_precise(&found);
+        Ok((!is_open).then(|| told(&found, question.tolerance)))
     }
 
     /// The verdict on a large ring that errors of residues leave open, where the impacts' equations say that a multiplier is outside the
     /// circle: those that may lead are refined, as far as another one may be beyond them.
-    fn refined_leading(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Option<Verdict>, Failure> {
+    fn refined_leading(
+        &mut self,
+        question: Question<'_>,
+        finder: &mut Finder,
+    ) -> Result<Option<Verdict>, FloquetError> {
         let orbit = question.orbit;
-        let mut open: Vec<(f64, Complex<f64>)> = self
-            .secular
-            .all_nu()?
+        let Ok(all) = self.secular.all_nu() else { return Ok(None) };
+        let mut open: Vec<(f64, Complex<f64>)> = all
             .map(|(nu, error)| (nu.excess() + nu.excess_error(nu.excess(), error), nu.multipliers()[0]))
             .filter(|(most, value)| *most > 0.0 && value.im >= 0.0)
             .collect();
@@ -100,8 +113,8 @@ impl Analyser {
         orbit: &ReversibleOrbit<'_>,
         tolerance: Tolerance,
     ) -> Option<Verdict> {
-        let ratio = self.secular.residues.take_over_structure(orbit).ok()?;
-        let found = self.secular.found(ratio, (orbit.period, orbit.modes.len())).ok()?;
+        let ratio = self.secular.residues.take_over_structure(orbit)?;
+        let found = self.secular.found(ratio, (orbit.period, orbit.modes.len()))?;
         Some(told(&found, tolerance)).filter(|verdict| !verdict.hangs_on_rounding(true, tolerance))
     }
 
@@ -133,7 +146,7 @@ impl Analyser {
 
     /// The same with bounds of their errors.
     fn all_nu_of(&mut self, orbit: &ReversibleOrbit<'_>) -> Option<impl Iterator<Item = (Nu, f64)> + '_> {
-        let ratio = self.secular.residues.take_over_structure(orbit).ok()?;
+        let ratio = self.secular.residues.take_over_structure(orbit)?;
         self.secular.residues.complete(ratio).ok()?;
         self.secular.all_nu().ok()
     }
@@ -163,7 +176,7 @@ impl Analyser {
         };
         self.secular.residues.take_over_ring(breather.response());
         let (period, modes) = (breather.response().period(), model.chain().even_modes());
-        let found = self.secular.found(ratio, (period, modes)).ok()?;
+        let found = self.secular.found(ratio, (period, modes))?;
         let verdict = told(&found, tolerance);
         // Of an orbit without asymmetry this may be a pitchfork.
         let open = verdict.mechanism == Some(Mechanism::PlusOne) && model.asymmetry() == 0.0;
@@ -172,32 +185,21 @@ impl Analyser {
 }
 
 impl Secular {
-    /// The verdict alone on the modes taken over, of impulses with this ratio, a period and so many modes: signs of residues first.
-    ///
-    /// # Errors
-    /// A doubt, [`SecularError::Tangency`] and [`SecularError::Imprecise`] among them.
-    fn found(
-        &mut self,
-        ratio: Option<(f64, f64)>,
-        (period, modes): (f64, usize),
-    ) -> Result<SecularVerdict, SecularError> {
+    /// The verdict alone on the modes taken over, of impulses with this ratio, a period and so many modes: signs of residues first. `None` where
+    /// residues leave it open, or have larger errors than other ways.
+    fn found(&mut self, ratio: Option<(f64, f64)>, (period, modes): (f64, usize)) -> Option<SecularVerdict> {
         if self.residues.all_positive(ratio) {
-            return Ok(stable(Reason::EqualResidueSigns));
+            return Some(stable(Reason::EqualResidueSigns));
         }
-        self.residues.complete(ratio)?;
-        let mut found = self.verdict()?;
+        self.residues.complete(ratio).ok()?;
+        let mut found = self.verdict().ok()?;
         let is_precise = |found: &SecularVerdict| {
             found.outcome != Standing::Unstable || is_precise(found.excess, found.excess_error, modes, WORST_OF_SWEEP)
         };
         if !is_precise(&found) {
             found = self.refined(found, period);
         }
-        let SecularVerdict { excess, excess_error, .. } = found;
-        match found.outcome {
-            Standing::Undecided => Err(SecularError::Tangency),
-            Standing::Unstable if !is_precise(&found) => Err(SecularError::Imprecise { excess, excess_error }),
-            _ => Ok(found),
-        }
+        (found.outcome != Standing::Undecided && is_precise(&found)).then_some(found)
     }
 }
 
@@ -233,17 +235,7 @@ fn told(found: &SecularVerdict, tolerance: Tolerance) -> Verdict {
     }
 }
 
-/// An error that a dense solver would beat is a doubt.
-fn check(excess: f64, error: f64, question: Question<'_>) -> Result<(), Failure> {
-    let worst = if question.thorough { WORST } else { WORST_OF_SWEEP };
-    if is_precise(excess, error, question.orbit.model().chain().even_modes(), worst) {
-        Ok(())
-    } else {
-        Err(SecularError::Imprecise { excess, excess_error: error }.into())
-    }
-}
-
-/// Not a number is not.
+/// Whether no other way would have smaller errors, of the impacts' equations that say something. Not a number is not.
 fn is_precise(excess: f64, error: f64, modes: usize, worst: f64) -> bool {
     2 * modes > MOST_DENSE || error <= worst * (2.0 + excess)
 }

@@ -66,21 +66,17 @@ pub(crate) fn posed(question: Question<'_>, finder: &mut Finder) -> Result<Posed
     Ok(Posed { equations, spared, data })
 }
 
-/// What the multipliers of an orbit say, and, if the question is thorough, all of them; a doubt where they could not be told apart and
-/// counted.
-pub(crate) fn spectrum(
-    question: Question<'_>,
-    finder: &mut Finder,
-) -> Result<Result<Spectrum, SecularError>, FloquetError> {
+/// What the multipliers of an orbit say, and, if the question is thorough, all of them.
+pub(crate) fn spectrum(question: Question<'_>, finder: &mut Finder) -> Result<Spectrum, FloquetError> {
     let Question { orbit, tolerance, thorough } = question;
     let Posed { equations, spared, data } = posed(question, finder)?;
     let conservative = orbit.model().is_conservative();
-    let told = if thorough {
-        told(&equations, conservative, &data, tolerance)
+    let (verdict, multipliers) = if thorough {
+        told(&equations, conservative, &data, tolerance)?
     } else {
-        verdict(&equations, conservative, &data, tolerance).map(|verdict| (verdict, Vec::new()))
+        (verdict(&equations, conservative, &data, tolerance)?, Vec::new())
     };
-    Ok(told.map(|(verdict, multipliers)| Spectrum { verdict, multipliers, spared }))
+    Ok(Spectrum { verdict, multipliers, spared })
 }
 
 /// Verdict and multipliers of equations; `data` are the errors of what the orbit brings along.

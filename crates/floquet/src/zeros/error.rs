@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// What keeps the secular function from an answer that it could vouch for; a dense solver may still have one.
+/// What keeps the secular function from an answer that it could vouch for.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SecularError {
@@ -23,10 +23,7 @@ pub enum SecularError {
         /// The mode.
         mode: usize,
     },
-    /// A multiplier is on the unit circle to within rounding.
-    #[error("a multiplier is on the unit circle to within rounding")]
-    Tangency,
-    /// Rounding leaves the leading multiplier less accurate than a dense solver would.
+    /// Rounding leaves few digits of the leading multiplier.
     #[error("the excess {} is uncertain by {}", told(*excess), told(*excess_error))]
     Imprecise {
         /// |μ| − 1

@@ -89,7 +89,7 @@ impl Residues {
 
     /// The same, for an orbit the ratio of whose two impulses is known up to the relative error `ratio_error`.
     pub(crate) fn replace_within(&mut self, prepared: Prepared<'_>, ratio_error: f64) -> Result<(), SecularError> {
-        let ratio = self.take_over(prepared, ratio_error)?;
+        let ratio = self.take_over(prepared, ratio_error).ok_or(SecularError::NotReversible)?;
         self.complete(ratio)
     }
 
@@ -107,24 +107,21 @@ impl Residues {
     }
 
     /// Takes over the modes alone; the ratio of the impulses of two instants, and its error, is left to tell
-    /// [`Residues::all_positive`] or [`Residues::complete`].
-    pub(crate) fn take_over(
-        &mut self,
-        prepared: Prepared<'_>,
-        ratio_error: f64,
-    ) -> Result<Option<(f64, f64)>, SecularError> {
+    /// [`Residues::all_positive`] or [`Residues::complete`]. `None` of an orbit that is not its own mirror image in time, or has impacts at
+    /// several sites.
+    pub(crate) fn take_over(&mut self, prepared: Prepared<'_>, ratio_error: f64) -> Option<Option<(f64, f64)>> {
         if !prepared.orbit().is_reversible() || prepared.orbit().impact_site().is_none() {
-            return Err(SecularError::NotReversible);
+            return None;
         }
         let ratio = match prepared.orbit().impacts() {
             [_] => None,
             [first, second] if first.impulse != 0.0 && second.impulse != 0.0 => {
                 Some((second.impulse / first.impulse, ratio_error))
             }
-            _ => return Err(SecularError::NotReversible),
+            _ => return None,
         };
         self.modes.set_felt(prepared);
-        Ok(ratio)
+        Some(ratio)
     }
 
     /// Takes over the modes of a ring, as [`Residues::take_over`] does.
@@ -132,19 +129,14 @@ impl Residues {
         self.modes.set_in_fours(response);
     }
 
-    /// Takes over the modes of a structure's orbit, as [`Residues::take_over`] does.
-    ///
-    /// # Errors
-    /// [`SecularError::NotReversible`] of more than [`LARGE`] modes: sums over far ones know nothing of errors of their weights.
-    pub(crate) fn take_over_structure(
-        &mut self,
-        orbit: &ReversibleOrbit<'_>,
-    ) -> Result<Option<(f64, f64)>, SecularError> {
+    /// Takes over the modes of a structure's orbit, as [`Residues::take_over`] does; `None` of more than [`LARGE`] modes: sums over far ones
+    /// know nothing of errors of their weights.
+    pub(crate) fn take_over_structure(&mut self, orbit: &ReversibleOrbit<'_>) -> Option<Option<(f64, f64)>> {
         if orbit.modes.len() > LARGE {
-            return Err(SecularError::NotReversible);
+            return None;
         }
         self.modes.set_of_contact(orbit.modes, orbit.period);
-        Ok(orbit.ratio)
+        Some(orbit.ratio)
     }
 
     /// Whether all residues of the modes taken over are surely positive, so that nothing can collide. No is no answer.

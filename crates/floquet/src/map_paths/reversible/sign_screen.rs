@@ -219,7 +219,7 @@ mod tests {
                 for orbit in found.orbits.iter().filter(|orbit| orbit.is_reversible()) {
                     let ratio_error = 4.0 * f64::EPSILON;
                     let prepared = finder.prepared(orbit).unwrap();
-                    let Ok(ratio) = residues.take_over(prepared, ratio_error) else { continue };
+                    let Some(ratio) = residues.take_over(prepared, ratio_error) else { continue };
                     let quick = residues.all_positive(ratio);
                     let prepared = finder.prepared(orbit).unwrap();
                     let told = secular.residues.replace_within(prepared, ratio_error).and_then(|()| secular.verdict());
