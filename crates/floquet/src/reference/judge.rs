@@ -77,7 +77,7 @@ impl Dense {
             let reach = if settled || outside > reach { reach } else { split };
             zeros.push(match (reciprocal, half_sums) {
                 (true, true) => Zero { nu: Nu::of(value), error: reach, ..Zero::new(z, settled) },
-                (true, false) => Zero::of_pair(z, reach, settled),
+                (true, false) => Zero::of_pair(z, [reach; 2], settled),
                 (false, _) => Zero { error: reach, ..Zero::new(z, settled) },
             });
         }

@@ -53,7 +53,7 @@ fn left_of(cluster: &ModeCluster, felt: &Zeros) -> Vec<Zero> {
         return poles.map(|pole| vec![Zero { error: width, ..Zero::new(pole, true) }; count]).concat();
     }
     // All have one signature: none leaves the circle without one that has the other.
-    let zero = Zero::of_pair(poles[0], width, true);
+    let zero = Zero::of_pair(poles[0], [width; 2], true);
     let meets = |other: &Zero| (other.nu.complex() - zero.nu.complex()).norm() <= ROOM * (other.error + zero.error);
     let inside = zero.nu.below.max(-zero.nu.above) < -ROOM * zero.error;
     let held = inside && !felt.list.iter().any(meets);

@@ -287,9 +287,8 @@ impl Meromorphic for SpectralFunction<'_> {
 }
 
 impl SpectralFunction<'_> {
-    /// The sum of all zeros, tr M, from f far out: Σq − tr J₀⁻¹ΣA_kR_kC_k; with its error, `slide` and `time` being those
-    /// of the orbit's accelerations and times.
-    pub(super) fn trace(&self, slide: f64, time: f64) -> Option<(C, f64)> {
+    /// The sum of all zeros, tr M, from f far out: Σq − tr J₀⁻¹ΣA_kR_kC_k; with its error by rounding.
+    pub(super) fn trace(&self) -> Option<(C, f64)> {
         let size = self.whole.size();
         let mut first = DMatrix::<f64>::zeros(size, size);
         for (k, mode) in self.whole.kernel().modes().iter().enumerate() {
@@ -301,12 +300,9 @@ impl SpectralFunction<'_> {
             }
         }
         let constant = DMatrix::from_row_slice(size, size, self.whole.constant(false));
-        let constant_size = constant.norm();
         let inverse = constant.try_inverse()?;
         let reach = inverse.norm() * first.norm();
-        let top = self.whole.kernel().modes().iter().map(|mode| mode.rate).fold(0.0, f64::max);
-        let moved = slide * inverse.norm() + 2.0 * time * top * (1.0 + inverse.norm() * constant_size);
-        let error = (8.0 * f64::EPSILON * size as f64 + moved) * reach;
+        let error = 8.0 * f64::EPSILON * size as f64 * reach;
         Some((self.poles.iter().sum::<C>() - (inverse * first).trace(), error))
     }
 }

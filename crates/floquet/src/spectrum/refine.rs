@@ -41,6 +41,15 @@ pub(crate) struct Refined {
     pub(crate) z: C,
     /// Of rounding and of the orbit's own data.
     pub(crate) error: f64,
+    /// Of rounding alone: how far it may be from a zero of the equations as they are.
+    pub(crate) rounding: f64,
+}
+
+impl Refined {
+    /// An approximation of which nothing is known.
+    pub(crate) fn begun(z: C) -> Self {
+        Self { z, error: 0.0, rounding: 0.0 }
+    }
 }
 
 /// xᵀBy, xᵀB′y and bounds of their errors, the last of the former from the orbit's data.
@@ -74,10 +83,11 @@ impl SpectralFunction<'_> {
             let step = value / slope;
             // What the step is too long or too short by is of second order in it.
             if modulus(step) * slope_size <= error {
-                let error = (error + data) / slope_size + modulus(step) + 2.0 * f64::EPSILON * modulus(z);
+                let rounding = error / slope_size + modulus(step) + 2.0 * f64::EPSILON * modulus(z);
+                let error = rounding + data / slope_size;
                 // Errors are bounds: most steps this small are still in the right direction.
                 z -= step;
-                return error.is_finite().then_some(Refined { z, error });
+                return error.is_finite().then_some(Refined { z, error, rounding });
             }
             z -= step;
             if !(z.re.is_finite() && z.im.is_finite()) {
@@ -93,18 +103,20 @@ impl SpectralFunction<'_> {
         for step in 0.. {
             let null = self.null(z, count)?;
             let (mut values, mut slopes) = (DMatrix::zeros(count, count), DMatrix::zeros(count, count));
-            let (mut error, mut slope_error) = (0.0, 0.0);
+            let (mut error, mut rounding, mut slope_error) = (0.0, 0.0, 0.0);
             for i in 0..count {
                 for j in 0..count {
                     let (x, y) = (null.left.column(i), null.right.column(j));
                     let product = self.product(z, &null.near, (x.as_slice(), y.as_slice()), data)?;
                     (values[(i, j)], slopes[(i, j)]) = (product.value, product.slope);
                     error += (product.value_error + product.data).powi(2);
+                    rounding += product.value_error.powi(2);
                     slope_error += product.slope_error.powi(2);
                 }
             }
             let off = 16.0 * f64::EPSILON * null.norm;
-            let error = error.sqrt() + count as f64 * off * off / null.second;
+            let of_vectors = count as f64 * off * off / null.second;
+            let (error, rounding) = (error.sqrt() + of_vectors, f64::sqrt(rounding) + of_vectors);
             let definite = self.is_definite(z, &null, &slopes, slope_error.sqrt());
             let least = Singular::of(&slopes)?.least() - slope_error.sqrt();
             if least.is_nan() || least <= 0.0 {
@@ -122,10 +134,13 @@ impl SpectralFunction<'_> {
             let shifts = Schur::try_new(moves, f64::EPSILON, 100 * count)?.eigenvalues()?;
             // All of them are within the spread of their mean; a pencil that is no multiple of one matrix moves them by a root.
             let m = count as f64;
-            let error = 2.0 * (reach + spread.powf(1.0 - 1.0 / m) * reach.powf(1.0 / m)).min(2.0 * (reach + spread));
+            let moved = |reach: f64| {
+                2.0 * (reach + spread.powf(1.0 - 1.0 / m) * reach.powf(1.0 / m)).min(2.0 * (reach + spread))
+            };
             // Steps that have not ended leave the last one open.
-            let error = error + 2.0 * f64::EPSILON * modulus(z) + if creeps { modulus(mean) } else { 0.0 };
-            let refined = shifts.iter().map(|shift| Refined { z: z + shift, error });
+            let left = 2.0 * f64::EPSILON * modulus(z) + if creeps { modulus(mean) } else { 0.0 };
+            let (error, rounding) = (moved(reach) + left, moved(rounding / least) + left);
+            let refined = shifts.iter().map(|shift| Refined { z: z + shift, error, rounding });
             return error.is_finite().then(|| (refined.collect(), definite));
         }
         None

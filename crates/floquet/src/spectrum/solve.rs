@@ -165,10 +165,13 @@ impl Search<'_> {
         let mut list = self.settled(&roots);
         // A multiplier that has died out is not told from 0; how small those are the product of all says.
         let error = DEAD.max(self.left_for(&list, dead));
-        list.extend(gone.into_iter().map(|z| Zero { error, ..Zero::new(z, true) }));
+        list.extend(gone.into_iter().map(|z| Zero { error, rounding: error, ..Zero::new(z, true) }));
         let known_enough = |zero: &Zero| zero.apart && zero.error <= USELESS * (1.0 + modulus(zero.z));
         // Where two meet the iteration creeps, and does not end; what counts is that each is told from the rest.
-        let certified = list.iter().all(known_enough) && self.is_complete(&list);
+        let missed = if list.iter().all(known_enough) { self.missed_by_sum(&list) } else { None };
+        // A pencil is straight, which its zeros are not: what their sum lacks any of them may be off by.
+        list.iter_mut().filter(|zero| !zero.alone).for_each(|zero| zero.error += missed.unwrap_or(0.0));
+        let certified = missed.is_some() && list.iter().all(known_enough);
         let certified = certified && self.function.equations.left_out() <= NEGLIGIBLE;
         Zeros { list, dead, reciprocal: self.reciprocal, certified }
     }
@@ -223,7 +226,7 @@ impl Search<'_> {
                 missing += 1;
             }
         }
-        let (trace, _) = self.function.trace(0.0, 0.0)?;
+        let (trace, _) = self.function.trace()?;
         if missing == 0 || missing > MOST_MISSING {
             return None;
         }
@@ -265,8 +268,11 @@ impl Search<'_> {
     }
 
     /// A refined multiplier in its plane.
-    fn placed(&self, Refined { z, error }: Refined, settled: bool) -> Zero {
-        if self.reciprocal { Zero::of_pair(z, error, settled) } else { Zero { error, ..Zero::new(z, settled) } }
+    fn placed(&self, Refined { z, error, rounding }: Refined, settled: bool) -> Zero {
+        if self.reciprocal {
+            return Zero::of_pair(z, [error, rounding], settled);
+        }
+        Zero { error, rounding, ..Zero::new(z, settled) }
     }
 
     /// The multiplier next to an approximation in its plane.
@@ -289,7 +295,7 @@ impl Search<'_> {
             let z = self.multiplier(*root);
             let refined = self.function.refine(z, self.data);
             plain.push(refined.is_some());
-            zeros.push(self.placed(refined.unwrap_or(Refined { z, error: 0.0 }), refined.is_some()));
+            zeros.push(self.placed(refined.unwrap_or(Refined::begun(z)), refined.is_some()));
         }
         let near = |search: &Self, a: &Zero, b: &Zero| search.distance(a, b) <= ALONE * (a.error + b.error);
         let mut group: Vec<usize> = (0..count).collect();
@@ -306,25 +312,7 @@ impl Search<'_> {
             if group[first] != first || members.len() == 1 && plain[first] {
                 continue;
             }
-            let centre = members.iter().map(|&i| roots[i]).sum::<C>() / members.len() as f64;
-            let farthest = members.iter().map(|&i| modulus(roots[i] - centre)).fold(0.0, f64::max);
-            let together = self.function.refine_together(self.multiplier(centre), members.len(), self.data);
-            let found = together.map(|(found, held)| {
-                // Two in ν that nothing holds on the real axis may have left it.
-                let settled = held || !self.reciprocal;
-                found.into_iter().map(|refined| Zero { held, ..self.placed(refined, settled) }).collect::<Vec<_>>()
-            });
-            let begun = self.placed(Refined { z: self.multiplier(centre), error: 0.0 }, false);
-            // A pencil that leads away did not have this many zeros close together.
-            let here = |zero: &Zero| self.distance(zero, &begun) <= STRAY * (farthest + zero.error);
-            match found.filter(|found| found.iter().all(here)) {
-                Some(found) => members.iter().zip(found).for_each(|(&i, zero)| zeros[i] = zero),
-                // Nothing is known of what no null vector leads to.
-                None => members.iter().for_each(|&i| {
-                    let z = self.multiplier(roots[i]);
-                    zeros[i] = Zero { error: f64::INFINITY, ..self.placed(Refined { z, error: 0.0 }, false) };
-                }),
-            }
+            self.settle_group(&members, roots, members.iter().all(|&i| plain[i]), &mut zeros);
         }
         for i in 0..count {
             let apart = (0..count).all(|j| group[j] == group[i] || !near(self, &zeros[i], &zeros[j]));
@@ -332,6 +320,38 @@ impl Search<'_> {
         }
         self.symmetric(&mut zeros);
         zeros
+    }
+
+    /// Zeros that are not told apart, together; `plain` if each has been refined by itself.
+    fn settle_group(&self, members: &[usize], roots: &[C], plain: bool, zeros: &mut [Zero]) {
+        let centre = members.iter().map(|&i| roots[i]).sum::<C>() / members.len() as f64;
+        let farthest = members.iter().map(|&i| modulus(roots[i] - centre)).fold(0.0, f64::max);
+        let together = self.function.refine_together(self.multiplier(centre), members.len(), self.data);
+        let found = together.map(|(found, held)| {
+            // Two in ν that nothing holds on the real axis may have left it.
+            let settled = held || !self.reciprocal;
+            let zero = |refined| Zero { held, alone: false, ..self.placed(refined, settled) };
+            found.into_iter().map(zero).collect::<Vec<_>>()
+        });
+        let begun = self.placed(Refined::begun(self.multiplier(centre)), false);
+        // A pencil that leads away did not have this many zeros close together.
+        let here = |zero: &Zero| self.distance(zero, &begun) <= STRAY * (farthest + zero.error);
+        let Some(found) = found.filter(|found| found.iter().all(here)) else {
+            // Nothing is known of what no null vector leads to.
+            let begun = |i: usize| self.placed(Refined::begun(self.multiplier(roots[i])), false);
+            return members.iter().for_each(|&i| zeros[i] = Zero { error: f64::INFINITY, ..begun(i) });
+        };
+        let clear =
+            |i: usize, j: usize| self.distance(&zeros[i], &zeros[j]) > ALONE * (zeros[i].rounding + zeros[j].rounding);
+        if !(plain && members.iter().all(|&i| members.iter().all(|&j| i == j || clear(i, j)))) {
+            return members.iter().zip(found).for_each(|(&i, zero)| zeros[i] = zero);
+        }
+        // The orbit's own errors mix them, and rounding does not: each stays where it is. A pencil that misses one knows its error no better.
+        let missed = |&i: &usize| found.iter().map(|zero| self.distance(zero, &zeros[i])).fold(f64::INFINITY, f64::min);
+        let reach = found.iter().map(|zero| zero.error).fold(0.0, f64::max);
+        let error = reach + members.iter().map(missed).fold(0.0, f64::max);
+        let (held, settled) = (found[0].held, found[0].settled);
+        members.iter().for_each(|&i| zeros[i] = Zero { error, held, settled, ..zeros[i] });
     }
 
     /// Complex zeros in exactly conjugate pairs, real ones without imaginary part.
@@ -352,14 +372,17 @@ impl Search<'_> {
                 .filter(|(_, distance)| *distance < 2.0 * height(&zeros[i]));
             if let Some((j, _)) = partner {
                 let error = zeros[i].error.max(zeros[j].error);
+                let rounding = zeros[i].rounding.max(zeros[j].rounding);
                 let both = |own: fn(&Zero) -> bool| own(&zeros[i]) && own(&zeros[j]);
-                let (settled, apart, held) =
-                    (both(|zero| zero.settled), both(|zero| zero.apart), both(|zero| zero.held));
-                zeros[i] = Zero { error, settled, apart, held, ..zeros[i] };
+                let (settled, apart) = (both(|zero| zero.settled), both(|zero| zero.apart));
+                let (held, alone) = (both(|zero| zero.held), both(|zero| zero.alone));
+                zeros[i] = Zero { error, rounding, settled, alone, apart, held, ..zeros[i] };
                 zeros[j] = mirror(&zeros[i]);
                 done[j] = true;
             } else {
-                zeros[i].error += height(&zeros[i]);
+                let off = height(&zeros[i]);
+                zeros[i].error += off;
+                zeros[i].rounding += off;
                 if self.reciprocal {
                     zeros[i].nu.im = 0.0;
                     zeros[i].z = zeros[i].nu.multipliers()[0];
@@ -370,50 +393,52 @@ impl Search<'_> {
         }
     }
 
-    /// Whether sum and product of all multipliers are those of the poles plus what the impacts make of them:
-    /// f = 1 + tr(J₀⁻¹ΣARC)/z + … far out, f(0) = Πe².
-    fn is_complete(&self, list: &[Zero]) -> bool {
+    /// What the sum of all multipliers is off by beyond what those explain that are told apart; `None` where it or their product are not those of
+    /// the poles plus what the impacts make of them: f = 1 + tr(J₀⁻¹ΣARC)/z + … far out, f(0) = Πe². The equations count as they are: errors of
+    /// the orbit's data, large next to a resonance, would leave room for a zero.
+    fn missed_by_sum(&self, list: &[Zero]) -> Option<f64> {
         let both = |zero: &Zero| if self.reciprocal { zero.nu.multipliers().to_vec() } else { vec![zero.z] };
         let mut all: Vec<C> = list.iter().flat_map(both).collect();
         all.extend(std::iter::repeat_n(C::new(1.0, 0.0), if self.trivial == Trivial::None { 0 } else { 2 }));
         if all.len() != self.function.poles.len() {
-            return false;
+            return None;
         }
         let scale = 1.0 + self.function.poles.iter().map(|pole| modulus(*pole)).sum::<f64>();
         // Of those that are not told apart the sum is known all the same: the iteration has found them together.
-        let told = list.iter().filter(|zero| zero.settled || zero.held).map(|zero| zero.error);
-        let slack = 2.0 * told.sum::<f64>() + f64::EPSILON * scale * all.len() as f64;
-        let (slide, time) = self
-            .data
-            .iter()
-            .flatten()
-            .fold((0.0, 0.0), |(slide, time), error| (slide + error.slide.abs(), time + error.time.abs()));
-        let Some((trace, trace_error)) = self.function.trace(slide, time) else { return false };
+        let told = |alone: bool| list.iter().filter(move |zero| zero.alone == alone && (zero.settled || zero.held));
+        let [alone, together] = [true, false].map(|own| 2.0 * told(own).map(|zero| zero.rounding).sum::<f64>());
+        let (trace, trace_error) = self.function.trace()?;
         let sum: C = all.iter().sum();
         let sizes: f64 = all.iter().map(|z| modulus(*z)).sum::<f64>() + modulus(trace);
-        let by_sum = modulus(sum - trace) <= ROOM * (slack + trace_error) + CLOSED * sizes;
-        if self.reciprocal {
-            return by_sum;
+        let known = ROOM * (alone + f64::EPSILON * scale * all.len() as f64 + trace_error) + CLOSED * sizes;
+        let missed = modulus(sum - trace) - known;
+        let is_idle = known > TELLING * sizes && !list.iter().all(|zero| zero.alone);
+        let by_sum = !is_idle && missed <= ROOM * together;
+        if self.reciprocal || !by_sum {
+            return by_sum.then_some(missed.max(0.0));
         }
-        let relative: f64 = list.iter().map(|zero| (zero.error / modulus(zero.z)).min(1.0)).sum();
+        let relative: f64 = list.iter().map(|zero| (zero.rounding / modulus(zero.z)).min(1.0)).sum();
         let logarithm: f64 = all.iter().map(|z| modulus(*z).ln()).sum();
         let [losses, poles] = self.logarithms();
         // One that is 0 to rounding has no logarithm to speak of.
         let by_product = relative > 0.5
             || (logarithm - losses - poles).abs() <= ROOM * relative + CLOSED * (1.0 + losses.abs() + poles.abs());
-        by_sum && by_product
+        by_product.then_some(missed.max(0.0))
     }
 }
 
 /// One zero next to an approximation in the plane of z.
 pub(super) fn refined(function: &SpectralFunction<'_>, start: C, data: &[Origin]) -> Option<Zero> {
-    let Refined { z, error } = function.refine(start, data)?;
-    Some(Zero { error, ..Zero::new(z, true) })
+    let Refined { z, error, rounding } = function.refine(start, data)?;
+    Some(Zero { error, rounding, ..Zero::new(z, true) })
 }
 
 /// How far, of their sizes, sum and product may be off beyond what errors explain: two zeros that are one are off by their distance from
 /// the one that is missing, and where poles crowd that is small.
 const CLOSED: f64 = 1e-11;
+
+/// A sum that is unknown by more than this part of its terms says little of how many zeros are where several were refined together.
+const TELLING: f64 = 1e-6;
 
 /// A zero counts as found only if its error is at most this part of its size.
 const USELESS: f64 = 1e-2;

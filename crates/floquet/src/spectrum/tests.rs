@@ -1,13 +1,16 @@
 //! Errors of multipliers against the same equations written down otherwise: in another unit of time, with modes in another order.
 
-use vibrochain_breather::{BlochEquations, LinearImpact};
-use vibrochain_lattice::BlochKernel;
+use vibrochain_breather::{BlochEquations, Family, Finder, LinearImpact, breathers};
+use vibrochain_lattice::{BlochKernel, Chain, Spectrum};
 use vibrochain_testkit::Random;
 
 use super::clusters::zeros;
 use super::function::SpectralFunction;
 use super::refine::{DataError, Origin};
+use super::verdict::{posed, told};
 use super::zero::Zero;
+use crate::analyser::Analyser;
+use crate::verdict::{Question, Tolerance};
 use crate::zeros::modulus;
 
 /// One to nine modes that die, one impact to three at one contact or two, in units of time so many times shorter, modes from the first or the last.
@@ -190,4 +193,57 @@ fn a_period_that_is_off_moves_multipliers_within_their_errors() {
     }
     assert!(checked.iter().all(|count| *count > 80), "{checked:?}");
     assert!(near.iter().zip(checked).all(|(near, checked)| 2 * near > checked), "{near:?} {checked:?}");
+}
+
+/// Next to a resonance an orbit's own errors mix multipliers that are far apart: its equations are counted as they are, and no multiplier is
+/// lost, or they are not counted. Rings of 1 to 8 masses, hardly coupled, against the eigenvalues of a matrix.
+#[test]
+fn next_to_resonances_no_verdict_of_the_equations_is_false() {
+    let tolerance = Tolerance::Rounding;
+    let (mut random, mut dense) = (Random(97), Analyser::dense());
+    let (mut claims, mut uncounted, mut unstable, mut wrong) = ([0; 2], 0, [0; 2], Vec::new());
+    // Of these two the radius was told as 1 ± 0.03 where it is 2.6, and an unstable orbit as stable.
+    let lossless = Chain::new(4, 0.43400692865900176, 0.0010022677886832544).unwrap().point();
+    let lossless = lossless.omega(0.3301549433761315).asymmetry(0.0731860578923146).model().unwrap();
+    let forced = Chain::new(4, 0.8043304507464611, 0.0013359481506561625).unwrap().point();
+    let forced = forced.omega(0.2994443633954566).asymmetry(0.06461518481993055);
+    let forced = forced.amplitude(0.287803569948888).restitution(0.6461665472837259).model().unwrap();
+    let mut models = vec![(lossless, false), (forced, true)];
+    while models.len() < 600 {
+        let (masses, is_forced) = (1 + random.below(8), random.chance(0.5));
+        let chain = Chain::new(masses, random.between(0.05, 1.0), random.log(1e-4, 1e-2)).unwrap();
+        let spectrum = Spectrum::new(chain);
+        let near = random.of(spectrum.frequencies()) / (1 + random.below(3)) as f64;
+        let omega = near * (1.0 + random.of(&[1.0, -1.0]) * random.log(1e-9, 1e-2));
+        let point = chain.point().omega(omega).asymmetry(random.between(0.0, 0.8));
+        let forced = point.amplitude(random.between(0.02, 0.3)).restitution(random.between(0.5, 1.0));
+        models.push(((if is_forced { forced } else { point }).model().unwrap(), is_forced));
+    }
+    for (model, is_forced) in models {
+        let mut finder = Finder::new(model.chain().sites());
+        for family in [Family::SingleSided, Family::DoubleSided] {
+            let Ok(found) = breathers(&model, family) else { continue };
+            for orbit in &found.orbits {
+                let Ok(posed) = posed(Question { orbit, tolerance, thorough: true }, &mut finder) else { continue };
+                let Ok((verdict, multipliers)) = told(&posed.equations, !is_forced, &posed.data, tolerance) else {
+                    uncounted += 1;
+                    continue;
+                };
+                let Ok(right) = dense.stability(orbit, &mut finder, tolerance) else { continue };
+                let error = verdict.resolution + right.verdict.resolution;
+                let radius = right.verdict.spectral_radius;
+                let room = 1e-12 * (1.0 + radius);
+                let off = (verdict.spectral_radius - radius).abs();
+                let decided = !verdict.undecided && !right.verdict.undecided;
+                if off > 4.0 * error + room || decided && verdict.stable != right.verdict.stable {
+                    wrong.push(format!("{model} {family:?}: {verdict:?} {multipliers:?} {right:?}"));
+                }
+                claims[usize::from(is_forced)] += 1;
+                unstable[usize::from(is_forced)] += usize::from(radius > 1.1 && !verdict.undecided);
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} of {claims:?}: {}", wrong.len(), wrong[0]);
+    assert!(claims.iter().all(|count| *count > 900) && 8 * uncounted < claims[0] + claims[1], "{claims:?} {uncounted}");
+    assert!(unstable.iter().all(|count| *count > 80), "{unstable:?}");
 }
