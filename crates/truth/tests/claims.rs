@@ -120,7 +120,7 @@ fn claims_hold(place: Place, draws: usize) {
     );
     if place == Place::Elastic {
         assert!(
-            5 * told > 4 * draws && 4 * compared > draws && 16 * wide <= told && 200 * useless <= told,
+            5 * told > 4 * draws && 4 * compared > draws && 16 * wide <= told && 50 * useless <= told,
             "{told} {compared} {wide} {useless}"
         );
         return;
