@@ -202,7 +202,7 @@ fn next_to_resonances_no_verdict_of_the_equations_is_false() {
     let tolerance = Tolerance::Rounding;
     let (mut random, mut dense) = (Random(97), Analyser::dense());
     let (mut claims, mut uncounted, mut unstable, mut wrong) = ([0; 2], 0, [0; 2], Vec::new());
-    // Of these two the radius was told as 1 ± 0.03 where it is 2.6, and an unstable orbit as stable.
+    // Of these two a radius of 2.6 could be taken for 1 ± 0.03, and one that is 4.5e-8 away for known to 4.4e-9.
     let lossless = Chain::new(4, 0.43400692865900176, 0.0010022677886832544).unwrap().point();
     let lossless = lossless.omega(0.3301549433761315).asymmetry(0.0731860578923146).model().unwrap();
     let forced = Chain::new(4, 0.8043304507464611, 0.0013359481506561625).unwrap().point();
