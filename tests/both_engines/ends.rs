@@ -73,6 +73,18 @@ fn doubled_orbits_end_alike() {
     assert!(count("impulses-vanish") >= 5 && count("resonance") >= 5, "{ends:?}");
 }
 
+/// A branch begins within a thousandth of a resonance, where rows are known worse than their terms: Newton's method must not ask more of them.
+#[test]
+fn a_branch_begins_next_to_a_resonance() {
+    let chain = Chain::new(9, 0.6732154424472294, 0.0414386387586702).unwrap();
+    let model = Model::conservative(chain, 0.8613007462308684, 0.2996970688012291).unwrap();
+    let list = vibrochain_breather::breathers(&model, vibrochain_breather::Family::SingleSided).unwrap();
+    let found = both(&list.orbits[0], Parameter::Gamma2, [0.0331509, 0.0497264], &[Event::Pitchfork]);
+    assert_alike(&found, 1e-9, "next to a resonance");
+    let names: Vec<&str> = found[1].iter().map(|one| one.0.as_str()).collect();
+    assert_eq!(names, ["pitchfork", "range", "resonance"]);
+}
+
 /// Elastic impacts under a force: symmetric in time, so that asymmetric pairs branch off although a ≠ 0.
 #[test]
 fn pitchforks_of_mirror_images_in_time_are_alike() {

@@ -20,6 +20,9 @@ use crate::tracer::system::{Evaluation, System};
 /// Impulses are measured by the strongest, and by this part of what a barrier as far as the contact's own would take.
 const FAINT: f64 = 0.1;
 
+/// Of a row, as a part of the sizes of its terms.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// What two contacts feel of each other at once, squared and relative, is rounding of the modes below this.
 const APART: f64 = 1e-24;
 
@@ -272,7 +275,11 @@ impl System for StructureContinuation {
         let (units, periods, weight) = (self.full_units.clone(), self.force_periods, self.weight_of_places());
         let twins = self.twins.clone();
         self.assembled(z, |equations, point, here| {
-            let Rows { rows, sizes: kept, jacobian: mut matrix, .. } = with_places(here.clone(), weight);
+            let Rows { rows, sizes: mut kept, jacobian: mut matrix, .. } = with_places(here.clone(), weight);
+            // Next to a resonance rows are off by what its distance is, all together.
+            for doubt in equations.resonant_doubts(&point) {
+                kept.iter_mut().zip(&doubt.rows).for_each(|(size, row)| *size += row.abs() / ROUNDING);
+            }
             for i in 0..matrix.size() {
                 matrix.row_mut(i).iter_mut().zip(&units).for_each(|(entry, unit)| *entry *= unit);
             }
@@ -294,7 +301,7 @@ impl System for StructureContinuation {
     }
 
     fn row_errors(&self, here: &Evaluation<StructureOrbit, Vector>) -> Vector {
-        here.kept.iter().map(|size| 4.0 * f64::EPSILON * size).collect()
+        here.kept.iter().map(|size| ROUNDING * size).collect()
     }
 
     fn evaluations(&self) -> usize {
@@ -438,7 +445,6 @@ fn is_own_image(orbit: &StructureOrbit) -> bool {
     let holds = |sign: f64, of: &dyn Fn(f64) -> f64| {
         impacts.iter().all(|one| impacts.iter().any(|other| alike(one, other, sign, of(one.time))))
     };
-    let reversible = orbit.is_conservative() && orbit.model().structure().is_lossless();
     holds(-1.0, &|time| time + 0.5 * period)
-        || reversible && impacts.iter().any(|about| holds(1.0, &|time| about.time - time))
+        || orbit.is_conservative() && impacts.iter().any(|about| holds(1.0, &|time| about.time - time))
 }
