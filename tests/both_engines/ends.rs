@@ -101,7 +101,7 @@ fn pitchforks_of_mirror_images_in_time_are_alike() {
     assert!(pitchforks >= 1, "{pitchforks}");
 }
 
-/// Masses that hit at one instant overtake each other by rounding; where coupling vanishes a mirror alone holds them together.
+/// Rounding lets masses that hit at one instant overtake each other; where coupling vanishes only a mirror holds them together.
 #[test]
 fn words_of_two_masses_at_one_instant_are_alike() {
     let mut events = 0;

@@ -15,8 +15,8 @@ use crate::spectrum::{Posed, SpectralFunction, posed};
 use crate::verdict::{Mechanism, Question, Tolerance, Verdict};
 use crate::zeros::{Nu, excess};
 
-/// Errors of the leading multiplier beyond this part of it are left to the impacts' equations: next to coincident poles these have smaller
-/// ones. (Estimates are cautious there, by two to three digits.)
+/// A leading multiplier whose error is beyond this part of it is left to the impacts' equations: next to coincident poles they know it
+/// better. (Estimates are cautious there, by two to three digits.)
 const WORST: f64 = 1e-10;
 
 /// As [`WORST`], for a sweep, whose cells are not worth as much.

@@ -30,7 +30,8 @@ fn beyond(model: &StructureModel, (contact, barrier): (usize, Barrier), mut t: f
 }
 
 impl OfStructure {
-    /// The value right ahead of a point, where a branch is lost, at which all impulses vanish; `first` is the strongest where the branch began.
+    /// The value at which all impulses vanish, if it is right ahead of a point where the branch is lost; `first` is the strongest impulse where the
+    /// branch began.
     pub(super) fn vanishing_ahead(&self, point: &StructureBranchPoint, first: f64) -> Option<Ended<StructureOrbit>> {
         let orbit = point.orbit();
         let (impact, psi) = (orbit.impacts().first()?, orbit.psi()?);

@@ -40,7 +40,7 @@ impl StructureBranch {
         let (first, last) = (from.orbit().model().structure().modes(), to.orbit().model().structure().modes());
         let both = first.iter().zip(last).enumerate();
         let frequencies = both.filter_map(|(number, (mode, end))| Some((number, (frequency(mode)?, frequency(end)?))));
-        // Along the branch an orbit lasts as many periods of the loads.
+        // All orbits of a branch last the same number of periods of the loads.
         let periods = from.orbit().period() / from.orbit().model().period();
         let at = |number: usize, value: f64| {
             let model = self.equations.model_at(value)?;

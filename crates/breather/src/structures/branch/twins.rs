@@ -1,5 +1,5 @@
-//! Orbits of a word in which a mirror of the structure exchanges impacts, at once or half a period later, followed among themselves: without loads and
-//! losses the times of masses that hardly feel each other are all but free, and these orbits have one for each pair.
+//! Orbits of a word in which a mirror of the structure exchanges impacts, at once or half a period later, followed among themselves. Without loads and
+//! losses hardly anything tells when masses hit that hardly feel each other; a mirror leaves one time for each pair of impacts.
 
 use crate::equations::linear::{Matrix, Vector};
 use crate::orbit::time_between;

@@ -69,7 +69,7 @@ impl OpenRows {
         length([self.own.mode.decay, self.own.mode.rate])
     }
 
-    /// The fastest of the mode and its loads, and of the loads alone.
+    /// The largest rate of the mode and its loads; and the largest of the loads alone.
     pub(super) fn fastest(&self) -> [f64; 2] {
         let loads = self.own.loads.iter().map(|load| load.0).fold(0.0, f64::max);
         [self.fast().max(loads), loads]

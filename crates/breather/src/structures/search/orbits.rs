@@ -285,7 +285,7 @@ impl Impacts<'_> {
                 solutions.push(Solution { zeros: if is_zero { vec![0] } else { vec![] }, orbit });
                 continue;
             };
-            // Two zeros that lead to one orbit begun at the same impact: the orbit of one of them is missing.
+            // Two zeros have led to the same orbit, begun at the same impact: the orbit of one of them is missing.
             lost += usize::from(is_zero && known.zeros.contains(&turn));
             known.zeros.extend(is_zero.then_some(turn));
             if turn == 0 && orbit.error() < known.orbit.error() {

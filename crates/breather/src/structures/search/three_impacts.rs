@@ -254,7 +254,7 @@ impl ThreeImpacts {
         table
     }
 
-    /// Adds a mode whose state is unknown to W under a load. `at` is a function of the time of an impact, number 3 of the time between the last two.
+    /// Adds to W, under a load, a mode whose state is unknown. `at` makes a function of the time of an impact; number 3 is the time between the last two.
     fn fill_open(
         &self,
         table: &mut Table,

@@ -273,7 +273,7 @@ fn place_at(poles: &Residues, from: usize, offset: f64) -> usize {
     place
 }
 
-/// Logarithmic derivative of F times all (ν−d), a polynomial, and the derivative of this.
+/// The logarithmic derivative of the polynomial F·Π(ν−d), and its own derivative.
 fn logarithmic(poles: &Residues, nu: C) -> (C, C) {
     let (x, y) = (all(nu.re), all(nu.im));
     let mut sums = [ZERO; 10];
