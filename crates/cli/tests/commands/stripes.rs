@@ -8,20 +8,7 @@ use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
 #[cfg(unix)]
 use vibrochain_testkit::signal;
-use vibrochain_testkit::{TestDir, mapgen, written};
-
-const SCENE: &str = r#"
-[model]
-sites = 6
-gamma1 = 0.2
-asymmetry = 0.4
-[sweep]
-x = { parameter = "omega", from = 1.1, to = 2.3, points = 150 }
-y = { parameter = "gamma2", from = 0.1, to = 0.3, points = 40 }
-[compute]
-families = ["double-sided", "single-sided"]
-stability = true
-"#;
+use vibrochain_testkit::{STRIPES_SCENE, TestDir, mapgen, output, printed_numbers, written};
 
 /// Rows of a table, by column.
 fn table(path: &Path) -> Vec<BTreeMap<String, String>> {
@@ -32,18 +19,6 @@ fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
     row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
 }
 
-/// The numbers of a printed row.
-fn printed(text: &str, family: &str, row: &str) -> Vec<f64> {
-    let lines = text.lines().skip_while(|line| !line.starts_with(family)).skip(1);
-    let line = lines.take_while(|line| !line.is_empty()).find(|line| line.trim_start().starts_with(row));
-    let words = line.unwrap_or_else(|| panic!("no {row} in\n{text}")).split_whitespace();
-    words.filter_map(|word| word.parse().ok()).collect()
-}
-
-fn output(assert: assert_cmd::assert::Assert) -> String {
-    String::from_utf8(assert.success().get_output().stdout.clone()).unwrap()
-}
-
 fn stripes(dir: &TestDir, scene: &Path, out: &str) -> assert_cmd::assert::Assert {
     mapgen(&["stripes"]).arg(scene).arg("--out").arg(dir.path(out)).assert()
 }
@@ -51,26 +26,29 @@ fn stripes(dir: &TestDir, scene: &Path, out: &str) -> assert_cmd::assert::Assert
 #[test]
 fn wrong_requests() {
     let dir = TestDir::new();
-    let swap = SCENE.replace("\"omega\"", "\"ω\"").replace("\"gamma2\"", "\"omega\"").replace("\"ω\"", "\"gamma2\"");
+    let swap =
+        STRIPES_SCENE.replace("\"omega\"", "\"ω\"").replace("\"gamma2\"", "\"omega\"").replace("\"ω\"", "\"gamma2\"");
     let list = r#"values = [0.1, 0.2]"#;
     for (scene, message) in [
         (
-            SCENE.replace("sites = 6", "sites = 6\nforcing = { amplitude = 0.1, restitution = 0.9 }"),
+            STRIPES_SCENE.replace("sites = 6", "sites = 6\nforcing = { amplitude = 0.1, restitution = 0.9 }"),
             "give a scene without force and with elastic impacts",
         ),
         (swap, "give a scene with x = omega and y = gamma2"),
         (
-            SCENE.replace(r#""gamma2", from = 0.1"#, r#""gamma1", from = 0.1"#).replace("gamma1 = 0.2", "gamma2 = 0.2"),
+            STRIPES_SCENE
+                .replace(r#""gamma2", from = 0.1"#, r#""gamma1", from = 0.1"#)
+                .replace("gamma1 = 0.2", "gamma2 = 0.2"),
             "give a scene with x = omega and y = gamma2",
         ),
-        (SCENE.replace("from = 0.1, to = 0.3, points = 40", list), "give both axes by from, to and points"),
-        (SCENE.replace("sites = 6", "sites = 0"), "sites = 0 is out of range"),
+        (STRIPES_SCENE.replace("from = 0.1, to = 0.3, points = 40", list), "give both axes by from, to and points"),
+        (STRIPES_SCENE.replace("sites = 6", "sites = 0"), "sites = 0 is out of range"),
     ] {
         let scene = dir.scene(&scene);
         stripes(&dir, &scene, "x.csv").code(2).stdout("").stderr(contains(message));
         assert_eq!(dir.names("."), ["scene.toml"], "{message}");
     }
-    let scene = dir.scene(SCENE);
+    let scene = dir.scene(STRIPES_SCENE);
     stripes(&dir, &scene, "x.png").code(2).stderr(contains("end the name in .csv"));
     stripes(&dir, &dir.path("missing.toml"), "x.csv").code(2).stderr(contains("cannot read scene"));
     mapgen(&["stripes"]).arg(&scene).arg("--out").arg(&scene).assert().code(2).stderr(contains("are the same file"));
@@ -80,8 +58,8 @@ fn wrong_requests() {
 #[test]
 fn maps_that_would_take_hours_are_refused_with_the_limit() {
     let dir = TestDir::new();
-    let large = SCENE.replace("points = 150", "points = 1000000").replace("points = 40", "points = 1000000");
-    let long = SCENE.replace("sites = 6", "sites = 1000000");
+    let large = STRIPES_SCENE.replace("points = 150", "points = 1000000").replace("points = 40", "points = 1000000");
+    let long = STRIPES_SCENE.replace("sites = 6", "sites = 1000000");
     for (text, message) in [
         (
             large,
@@ -101,7 +79,7 @@ fn maps_that_would_take_hours_are_refused_with_the_limit() {
 #[test]
 fn a_map_names_the_modes_that_have_collided() {
     let dir = TestDir::new();
-    let scene = dir.scene(&SCENE.replace("stability = true", "stability = true\ncollisions = true"));
+    let scene = dir.scene(&STRIPES_SCENE.replace("stability = true", "stability = true\ncollisions = true"));
     let map = dir.path("map.csv");
     mapgen(&["sweep", "--quiet"]).arg(&scene).arg("--out").arg(&map).assert().success();
     let header = fs::read_to_string(&map).unwrap().lines().next().unwrap().to_owned();
@@ -124,14 +102,14 @@ fn a_map_names_the_modes_that_have_collided() {
     assert_eq!(manifest["compute"]["collisions"], true);
 
     let wrong = |from: &str, to: &str, message: &str| {
-        let scene = dir.scene(&SCENE.replacen(from, to, 1));
+        let scene = dir.scene(&STRIPES_SCENE.replacen(from, to, 1));
         let assert = mapgen(&["sweep"]).arg(&scene).arg("--out").arg(dir.path("no.csv")).assert();
         assert.code(2).stderr(contains(message).and(contains("scene.toml:")));
     };
     wrong("stability = true", "collisions = true", "collisions need stability = true");
     wrong("stability = true", "stability = true\ncollisions = 1", "integer `1` is not true or false");
     let forced = "[compute]\ncollisions = true";
-    let text = SCENE.replace("sites = 6", "sites = 6\nforcing = { amplitude = 0.1, restitution = 0.9 }");
+    let text = STRIPES_SCENE.replace("sites = 6", "sites = 6\nforcing = { amplitude = 0.1, restitution = 0.9 }");
     let scene = dir.scene(&text.replace("[compute]", forced));
     let assert = mapgen(&["sweep"]).arg(&scene).arg("--out").arg(dir.path("no.csv")).assert();
     assert.code(2).stderr(contains("collisions are told of conservative orbits only"));
@@ -142,7 +120,7 @@ fn a_map_names_the_modes_that_have_collided() {
 fn rows_and_layers_have_stripes_too() {
     for lattice in ["ends = \"free\"", "layers = 2\ngamma3 = 0.05"] {
         let dir = TestDir::new();
-        let text = SCENE.replace("sites = 6", &format!("sites = 6\n{lattice}"));
+        let text = STRIPES_SCENE.replace("sites = 6", &format!("sites = 6\n{lattice}"));
         let text = text.replace("points = 150", "points = 300").replace("points = 40", "points = 12");
         let scene = dir.scene(&text.replace("stability = true", "stability = true\ncollisions = true"));
         let map = dir.path("map.csv");
@@ -176,7 +154,7 @@ fn rows_and_layers_have_stripes_too() {
 #[test]
 fn the_table_of_widths_says_where_stripes_begin_and_end() {
     let dir = TestDir::new();
-    let scene = dir.scene(&SCENE.replace("points = 40", "points = 4"));
+    let scene = dir.scene(&STRIPES_SCENE.replace("points = 40", "points = 4"));
     let text = output(stripes(&dir, &scene, "widths.csv"));
     assert_eq!(dir.names("."), ["scene.toml", "widths.csv"]);
     let stripes = table(&dir.path("widths.csv"));
@@ -188,7 +166,7 @@ fn the_table_of_widths_says_where_stripes_begin_and_end() {
     whole.sort_by(f64::total_cmp);
     let growth = of.iter().map(|row| number(row, "growth")).fold(0.0, f64::max);
     let rows: BTreeSet<&str> = of.iter().map(|row| row["gamma2"].as_str()).collect();
-    let told = printed(&text, "stripes", "double-sided");
+    let told = printed_numbers(&text, "stripes", "double-sided");
     let cells = whole.iter().filter(|width| **width < 1.2 / 149.0).count();
     assert_eq!(told[..3], [rows.len(), of.len(), cells].map(|count| count as f64));
     for (told, value) in told[3..6].iter().zip([whole[0], whole[whole.len() - 1], growth]) {
@@ -228,8 +206,9 @@ fn the_table_of_widths_says_where_stripes_begin_and_end() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_table_of_widths_leaves_no_file() {
-    let dir =
-        TestDir::with_scene(&SCENE.replace("points = 40", "points = 4000").replace("points = 150", "points = 20"));
+    let dir = TestDir::with_scene(
+        &STRIPES_SCENE.replace("points = 40", "points = 4000").replace("points = 150", "points = 20"),
+    );
     let child = dir.start("stripes scene.toml --out widths.csv");
     // They take two minutes.
     std::thread::sleep(std::time::Duration::from_secs(3));

@@ -5,20 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use predicates::str::contains;
-use vibrochain_testkit::{TestDir, studies};
-
-const SCENE: &str = r#"
-[model]
-sites = 6
-gamma1 = 0.2
-asymmetry = 0.4
-[sweep]
-x = { parameter = "omega", from = 1.1, to = 2.3, points = 150 }
-y = { parameter = "gamma2", from = 0.1, to = 0.3, points = 40 }
-[compute]
-families = ["double-sided", "single-sided"]
-stability = true
-"#;
+use vibrochain_testkit::{STRIPES_SCENE, TestDir, output, printed_numbers, studies};
 
 /// Rows of a table, by column.
 fn table(path: &Path) -> Vec<BTreeMap<String, String>> {
@@ -29,18 +16,6 @@ fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
     row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
 }
 
-/// The numbers of a printed row: cells, four shares, cuts, two shares of cuts.
-fn printed(text: &str, family: &str, row: &str) -> Vec<f64> {
-    let lines = text.lines().skip_while(|line| !line.starts_with(family)).skip(1);
-    let line = lines.take_while(|line| !line.is_empty()).find(|line| line.trim_start().starts_with(row));
-    let words = line.unwrap_or_else(|| panic!("no {row} in\n{text}")).split_whitespace();
-    words.filter_map(|word| word.parse().ok()).collect()
-}
-
-fn output(assert: assert_cmd::assert::Assert) -> String {
-    String::from_utf8(assert.success().get_output().stdout.clone()).unwrap()
-}
-
 fn lines(scene: &Path, dir: &TestDir, picture: &str, out: &Path) -> assert_cmd::assert::Assert {
     studies(&["lines"]).arg(scene).arg("--plot").arg(dir.path(picture)).arg("--out").arg(out).assert()
 }
@@ -48,19 +23,19 @@ fn lines(scene: &Path, dir: &TestDir, picture: &str, out: &Path) -> assert_cmd::
 #[test]
 fn sums_of_two_modes_run_along_the_stripes_and_differences_do_not() {
     let dir = TestDir::new();
-    let scene = dir.scene(SCENE);
+    let scene = dir.scene(STRIPES_SCENE);
     let csv = dir.path("lines.csv");
     let text = output(lines(&scene, &dir, "stripes.svg", &csv));
     assert_eq!(dir.names("."), ["lines.csv", "scene.toml", "stripes.svg"]);
     assert!(text.starts_with("6 masses (N = 5): share of cells within one cell of a line"));
     for mechanism in ["neimark-sacker", "period-doubling"] {
-        let row = printed(&text, "double-sided", mechanism);
+        let row = printed_numbers(&text, "double-sided", mechanism);
         assert_eq!(row.len(), 8);
         assert!(row[0] > 50.0 && row[1] > 90.0 && row[2] == 0.0 && row[3] < 60.0 && row[6] > 95.0, "{text}");
         // Carried on, a cut has met at least what it met before.
         assert!(row[7] >= row[6], "{text}");
     }
-    assert!(printed(&text, "double-sided", "stable")[1] < 20.0, "{text}");
+    assert!(printed_numbers(&text, "double-sided", "stable")[1] < 20.0, "{text}");
 
     let rows = table(&csv);
     assert!(rows.len() > 150);
@@ -82,13 +57,13 @@ fn sums_of_two_modes_run_along_the_stripes_and_differences_do_not() {
 #[test]
 fn stripes_of_single_sided_breathers_on_a_short_ring_are_of_a_mode_and_the_internal_one() {
     let dir = TestDir::new();
-    let axes = SCENE.replace("from = 1.1, to = 2.3, points = 150", "from = 0.6, to = 0.8, points = 120");
+    let axes = STRIPES_SCENE.replace("from = 1.1, to = 2.3, points = 150", "from = 0.6, to = 0.8, points = 120");
     let scene = dir.scene(&axes.replace("from = 0.1, to = 0.3", "from = 0.2, to = 0.3"));
     let csv = dir.path("lines.csv");
     let text = output(lines(&scene, &dir, "stripes.svg", &csv));
-    let row = printed(&text, "single-sided", "neimark-sacker");
+    let row = printed_numbers(&text, "single-sided", "neimark-sacker");
     assert!(row[0] > 200.0 && row[6] > 80.0 && row[7] >= row[6], "{text}");
-    let stable = printed(&text, "single-sided", "stable");
+    let stable = printed_numbers(&text, "single-sided", "stable");
     assert!(stable[0] > 500.0 && stable[1] < 15.0, "{text}");
     let rows = table(&csv);
     let of = |k: &str, l: &str, j: &str| {
@@ -104,7 +79,7 @@ fn stripes_of_single_sided_breathers_on_a_short_ring_are_of_a_mode_and_the_inter
 #[test]
 fn a_symmetric_gap_has_no_stripes_of_double_sided_breathers_at_odd_harmonics() {
     let dir = TestDir::new();
-    let scene = dir.scene(&SCENE.replace("asymmetry = 0.4", "asymmetry = 0.0"));
+    let scene = dir.scene(&STRIPES_SCENE.replace("asymmetry = 0.4", "asymmetry = 0.0"));
     let csv = dir.path("lines.csv");
     let text = output(lines(&scene, &dir, "stripes.png", &csv));
     // ω is above the band: only j = 1 could be met.
@@ -130,7 +105,7 @@ fn a_map_that_begins_less_than_a_cell_above_zero_takes_no_more_memory() {
         let program = assert_cmd::cargo::cargo_bin("studies");
         command.args(["-c", limited]).arg(program).arg("lines").arg(scene).arg("--plot").arg(dir.path("x.svg"));
         let text = output(command.env("RAYON_NUM_THREADS", "2").assert());
-        let row = printed(&text, "double-sided", "stable");
+        let row = printed_numbers(&text, "double-sided", "stable");
         assert!(row[0] >= 2.0 && row[3] > 50.0, "{text}");
     }
 }
@@ -142,13 +117,15 @@ fn lines_of_rows_and_layers_run_along_the_stripes_too() {
         [("ends = \"free\"", "6 masses, free ends", 5), ("layers = 2\ngamma3 = 0.05", "6 masses × 2 layers", 7)]
     {
         let dir = TestDir::new();
-        let text = SCENE.replace("sites = 6", &format!("sites = 6\n{lattice}"));
+        let text = STRIPES_SCENE.replace("sites = 6", &format!("sites = 6\n{lattice}"));
         let scene = dir.scene(&text.replace("points = 150", "points = 300").replace("points = 40", "points = 12"));
         let csv = dir.path("lines.csv");
         let text = output(lines(&scene, &dir, "stripes.svg", &csv));
         assert!(text.starts_with(&format!("{name}: share of cells within one cell of a line")), "{text}");
-        let (unstable, stable) =
-            (printed(&text, "double-sided", "neimark-sacker"), printed(&text, "double-sided", "stable"));
+        let (unstable, stable) = (
+            printed_numbers(&text, "double-sided", "neimark-sacker"),
+            printed_numbers(&text, "double-sided", "stable"),
+        );
         // Nearly every cut through a stripe meets a sum, and few stable cells do.
         assert!(
             unstable[0] > 50.0
@@ -165,7 +142,7 @@ fn lines_of_rows_and_layers_run_along_the_stripes_too() {
 #[test]
 fn a_map_without_stability_is_refused() {
     let dir = TestDir::new();
-    let scene = dir.scene(&SCENE.replace("stability = true", ""));
+    let scene = dir.scene(&STRIPES_SCENE.replace("stability = true", ""));
     let told = contains("set stability = true in [compute]");
     lines(&scene, &dir, "x.png", &dir.path("x.csv")).code(2).stdout("").stderr(told);
     assert_eq!(dir.names("."), ["scene.toml"]);
