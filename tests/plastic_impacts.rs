@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use vibrochain_breather::{Obstruction, StructureModel};
-use vibrochain_floquet::{Event, StructureCourse, Tolerance, structure_diagram};
+use vibrochain_floquet::{BranchRequest, Event, Tolerance, branches};
 use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Stop};
 use vibrochain_maps::structure::along::family;
 use vibrochain_maps::structure::{Setting, StructureScene};
@@ -56,7 +56,7 @@ fn a_branch_tells_where_a_contact_begins_to_rest_and_no_grazing() {
     let scene = scene();
     let orbits = scene.model().unwrap().orbits(&"0+".parse().unwrap(), 1).unwrap().orbits;
     let orbit = orbits.iter().find(|orbit| orbit.admissibility().unwrap().is_physical()).unwrap();
-    let course = StructureCourse {
+    let course = BranchRequest {
         from: 1.5,
         to: 3.0,
         events: Event::ALL.to_vec(),
@@ -64,7 +64,7 @@ fn a_branch_tells_where_a_contact_begins_to_rest_and_no_grazing() {
         tolerance: Tolerance::Rounding,
     };
     let family = family(&scene, &[Setting::Omega]);
-    let branch = structure_diagram(orbit, &family, 2.325, &course, &Stop::default()).unwrap().branches.swap_remove(0);
+    let branch = branches(orbit, &family, 2.325, &course, &Stop::default()).unwrap().branches.swap_remove(0);
     let of = |event: Event| branch.events().filter(|one| one.event == event).collect::<Vec<_>>();
     let [sticking] = of(Event::Sticking)[..] else {
         panic!("{:?}", branch.events().map(|one| one.event).collect::<Vec<_>>())

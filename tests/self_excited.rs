@@ -8,8 +8,7 @@ use std::sync::Arc;
 use vibrochain_breather::{StructureFound, StructureModel, StructureOrbit, StructureOrbitError};
 use vibrochain_eventsim::{Limits, Outcome, Simulation};
 use vibrochain_floquet::{
-    End, Event, Located, StructureCourse, StructureWindow, Tolerance, structure_curve, structure_diagram,
-    structure_stability,
+    BranchRequest, End, Event, Located, Rectangle, Tolerance, branches, event_curve, structure_stability,
 };
 use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Stop};
 use vibrochain_maps::grid::Grid;
@@ -205,7 +204,7 @@ fn lists_of_one_impact_have_all_periods_and_runs_follow_what_is_physical() {
 fn a_branch_keeps_to_the_cycle_and_has_no_event_of_its_own_derivative() {
     let scene = scene("lower = -1", 0.5);
     let orbit = &orbits(&scene.model().unwrap(), "0-").orbits[0];
-    let course = |from, to| StructureCourse {
+    let course = |from, to| BranchRequest {
         from,
         to,
         events: Event::ALL.to_vec(),
@@ -214,7 +213,7 @@ fn a_branch_keeps_to_the_cycle_and_has_no_event_of_its_own_derivative() {
     };
     let family_of = |setting| family(&scene, &[setting]);
     let restitution = Setting::Restitution(0);
-    let diagram = structure_diagram(orbit, &family_of(restitution), 0.5, &course(0.2, 0.7), &Stop::default()).unwrap();
+    let diagram = branches(orbit, &family_of(restitution), 0.5, &course(0.2, 0.7), &Stop::default()).unwrap();
     let branch = &diagram.branches[0];
     assert_eq!(branch.events().count(), 0);
     let mut checked = 0;
@@ -229,7 +228,7 @@ fn a_branch_keeps_to_the_cycle_and_has_no_event_of_its_own_derivative() {
         checked += 1;
     }
     assert!(checked > 10, "{checked}");
-    let refused = structure_diagram(orbit, &family_of(Setting::Omega), 1.0, &course(0.5, 2.0), &Stop::default());
+    let refused = branches(orbit, &family_of(Setting::Omega), 1.0, &course(0.5, 2.0), &Stop::default());
     assert!(refused.is_err_and(|error| error.to_string().contains("changes nothing")));
 }
 
@@ -239,12 +238,11 @@ fn a_fold_is_told_where_it_is() {
     let scene = damped(-0.154, "lower = -1", 0.5, "");
     let found = orbits(&scene.model().unwrap(), "0-").orbits;
     assert_eq!(found.len(), 3);
-    let course =
-        |events| StructureCourse { from: 0.99, to: 1.5, events, generations: 0, tolerance: Tolerance::Rounding };
+    let course = |events| BranchRequest { from: 0.99, to: 1.5, events, generations: 0, tolerance: Tolerance::Rounding };
     let family = family(&scene, &[Setting::Damping]);
     for (solution, events) in [(1, Event::ALL.to_vec()), (2, Event::ALL.to_vec()), (1, vec![Event::Fold])] {
         let orbit = &found[solution];
-        let diagram = structure_diagram(orbit, &family, 1.0, &course(events), &Stop::default()).unwrap();
+        let diagram = branches(orbit, &family, 1.0, &course(events), &Stop::default()).unwrap();
         let branch = &diagram.branches[0];
         assert!(branch.unresolved.is_empty(), "{:?}", branch.unresolved);
         let folds: Vec<_> = branch.events().collect();
@@ -263,11 +261,11 @@ fn a_curve_of_folds_has_no_second_multiplier() {
     let orbit = &orbits(&scene.model().unwrap(), "0-").orbits[1];
     let settings = [Setting::Damping, Setting::Restitution(0)];
     let (free, values) = (family(&scene, &settings), [1.0, 0.5]);
-    let fold = structure_diagram(
+    let fold = branches(
         orbit,
         &family(&scene, &settings[..1]),
         1.0,
-        &StructureCourse {
+        &BranchRequest {
             from: 0.99,
             to: 1.5,
             events: vec![Event::Fold],
@@ -278,8 +276,8 @@ fn a_curve_of_folds_has_no_second_multiplier() {
     );
     let fold = fold.unwrap();
     let fold = fold.branches[0].events().next().unwrap();
-    let window = StructureWindow { from: [0.9, 0.45], to: [1.1, 0.55] };
-    let curve = structure_curve(fold, &free, [fold.value, values[1]], window, 1e-3, &Stop::default()).unwrap();
+    let window = Rectangle { from: [0.9, 0.45], to: [1.1, 0.55] };
+    let curve = event_curve(fold, &free, [fold.value, values[1]], window, 1e-3, &Stop::default()).unwrap();
     assert!(curve.special.is_empty(), "{:?}", curve.special);
     let mut checked = 0;
     for point in &curve.points {
@@ -305,7 +303,7 @@ fn doubled_orbits_leave_and_come_back_where_the_period_doubles() {
                 damping = [[-0.14, 0], [0, 0.015]]\n[[contact]]\nat = 0\nlower = -1\nrestitution = 0.64\n";
     let scene = StructureScene::of_text(text, Path::new(".")).unwrap();
     let free = family(&scene, &[Setting::Restitution(0)]);
-    let course = |from, to, generations| StructureCourse {
+    let course = |from, to, generations| BranchRequest {
         from,
         to,
         events: Event::ALL.to_vec(),
@@ -327,7 +325,7 @@ fn doubled_orbits_leave_and_come_back_where_the_period_doubles() {
     }
     assert_eq!((found.len(), followed), (3, 2));
     let simple = found.iter().find(|orbit| orbit.admissibility().unwrap().is_physical()).unwrap();
-    let diagram = structure_diagram(simple, &free, 0.64, &course(0.6, 0.66, 1), &Stop::default()).unwrap();
+    let diagram = branches(simple, &free, 0.64, &course(0.6, 0.66, 1), &Stop::default()).unwrap();
     let [own, doubled] = &diagram.branches[..] else { panic!("{}", diagram.branches.len()) };
     let events: Vec<_> = own.events().collect();
     let [event] = events[..] else { panic!("{}", events.len()) };
@@ -343,8 +341,7 @@ fn doubled_orbits_leave_and_come_back_where_the_period_doubles() {
     assert!(runs > 10, "{runs}");
     // From one of them back to where they began.
     let last = doubled.points().last().unwrap();
-    let back =
-        structure_diagram(&last.orbit, &free, last.value, &course(0.6, last.value, 0), &Stop::default()).unwrap();
+    let back = branches(&last.orbit, &free, last.value, &course(0.6, last.value, 0), &Stop::default()).unwrap();
     let events: Vec<_> = back.branches[0].events().collect();
     let [event] = events[..] else { panic!("{}", events.len()) };
     is_there(event, 1.0);

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::{Family, Finder, OrbitList, StructureFamily, StructureOrbit};
-use vibrochain_floquet::{Course, Event, Located, StructureCourse, Tolerance, diagram, structure_diagram};
+use vibrochain_breather::{Family, Finder, ModelFamily, OrbitList, StructureOrbit};
+use vibrochain_floquet::{BranchRequest, Course, Event, Located, Tolerance, branches, diagram};
 use vibrochain_lattice::{Chain, Model, Parameter, Stop};
 use vibrochain_testkit::{Random, Ranges, Values};
 
@@ -32,11 +32,11 @@ fn both(model: &Model, family: Family, free: Parameter, [from, to]: [f64; 2]) ->
     let course = Course { from, to, ..Course::new(orbit, free) };
     let one = diagram(orbit, &course).ok()?;
     let base = *model;
-    let of_value: StructureFamily =
+    let of_value: ModelFamily =
         Arc::new(move |values: &[f64]| Ok(structure(&base.with(free, values[0]).map_err(|error| error.to_string())?)));
     let course =
-        StructureCourse { from, to, events: Event::ALL.to_vec(), generations: 0, tolerance: Tolerance::Rounding };
-    let two = structure_diagram(other, &of_value, model.get(free), &course, &Stop::default()).unwrap();
+        BranchRequest { from, to, events: Event::ALL.to_vec(), generations: 0, tolerance: Tolerance::Rounding };
+    let two = branches(other, &of_value, model.get(free), &course, &Stop::default()).unwrap();
     Some([events(&one), events(&two)])
 }
 

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::{Finder, Hit, Orbit, OrbitList, Scope, StructureFamily, StructureOrbit};
-use vibrochain_floquet::{Course, Diagram, Event, StructureCourse, Tolerance, diagram, structure_diagram};
+use vibrochain_breather::{Finder, Hit, ModelFamily, Orbit, OrbitList, Scope, StructureOrbit};
+use vibrochain_floquet::{BranchRequest, Course, Diagram, Event, Tolerance, branches, diagram};
 use vibrochain_lattice::{Chain, Model, Parameter, Point, Stop};
 use vibrochain_testkit::Values::Log;
 use vibrochain_testkit::{Random, Ranges};
@@ -26,13 +26,13 @@ fn both(orbit: &Orbit, free: Parameter, [from, to]: [f64; 2], events: &[Event]) 
     let model = *orbit.model();
     let course = Course { from, to, events: events.to_vec(), ..Course::new(orbit, free) };
     let one = diagram(orbit, &course).unwrap();
-    let family: StructureFamily =
+    let family: ModelFamily =
         Arc::new(move |values: &[f64]| Ok(structure(&model.with(free, values[0]).map_err(|error| error.to_string())?)));
     let hits: Vec<Hit> = orbit.impacts().iter().map(Hit::from).collect();
     let start =
         StructureOrbit::near(&structure(&model), orbit.force_periods(), orbit.psi().unwrap_or(0.0), &hits).unwrap();
-    let course = StructureCourse { from, to, events: events.to_vec(), generations: 0, tolerance: Tolerance::Rounding };
-    let two = structure_diagram(&start, &family, model.get(free), &course, &Stop::default()).unwrap();
+    let course = BranchRequest { from, to, events: events.to_vec(), generations: 0, tolerance: Tolerance::Rounding };
+    let two = branches(&start, &family, model.get(free), &course, &Stop::default()).unwrap();
     [passed(&one), passed(&two)]
 }
 

@@ -5,7 +5,6 @@ use std::fmt;
 use thiserror::Error;
 use vibrochain_lattice::{ParameterError, Resonance, Short, Stopped};
 
-use crate::structures::error::StructureOrbitError;
 use crate::word::WordError;
 
 /// Why a request could not be computed. "There is no such breather" is not among these: it is an answer, see
@@ -176,35 +175,6 @@ impl fmt::Display for NoBreather {
             }
             Self::BranchesEnded => write!(f, "all branches from masses without coupling end before this point"),
             Self::NotSearched(why) => write!(f, "this word cannot be searched for: {why}"),
-        }
-    }
-}
-
-/// Why a branch cannot be followed.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum BranchError {
-    /// No orbit there: a parameter out of range, a resonance.
-    #[error(transparent)]
-    Breather(#[from] BreatherError),
-    /// No orbit of a structure there.
-    #[error(transparent)]
-    Structure(StructureOrbitError),
-    /// The structure has no such value.
-    #[error("{0}")]
-    Model(String),
-    /// Newton's method found no orbit near enough.
-    #[error("Newton's method found no orbit of the branch")]
-    NoConvergence,
-    /// No way is known by which orbits leave one of this family.
-    #[error("no orbit is known to branch off one of this family")]
-    Family,
-}
-
-impl From<StructureOrbitError> for BranchError {
-    fn from(error: StructureOrbitError) -> Self {
-        match error {
-            StructureOrbitError::Stopped(stopped) => Self::Breather(stopped.into()),
-            error => Self::Structure(error),
         }
     }
 }

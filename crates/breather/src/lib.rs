@@ -48,6 +48,7 @@
 
 mod admissible;
 mod branch;
+mod branch_error;
 mod equations;
 mod error;
 mod motion;
@@ -62,21 +63,19 @@ pub use admissible::answer::{Admissibility, Approach, Obstruction};
 pub use admissible::check::admissibility;
 pub use admissible::map_breather::{MapBreather, MapSearch};
 pub use branch::at_resonance::Limit;
-pub use branch::departure::Departure;
-pub use branch::{Branch, BranchPoint};
+pub use branch_error::BranchError;
 #[doc(hidden)]
 pub use equations::linear;
 pub use equations::{BlochEquations, LinearImpact, Shift};
-pub use error::{BranchError, BreatherError, NoBreather, Unsearched};
+pub use error::{BreatherError, NoBreather, Unsearched};
 pub use motion::{Kinematics, Motion};
 pub use orbit::{Family, Hit, Impact, Orbit, time_between};
 pub use roots::bracket;
 pub use search::completeness::{Completeness, Proof};
 pub use search::finder::{Finder, OrbitList, Prepared, Scope, breathers, condition};
 pub use search::words::ended::{End, Ended};
-pub use structures::branch::continuation::{
-    StructureBranch, StructureBranchPoint, StructureContinuation, StructureFamily,
-};
+pub use structures::branch::continuation::{Branch, BranchPoint, Continuation, ModelFamily};
+pub use structures::branch::departure::Departure;
 pub use structures::condition::Condition;
 pub use structures::error::StructureOrbitError;
 pub use structures::errors::{ImpactError, Together};
@@ -85,7 +84,6 @@ pub use structures::model::StructureModel;
 pub use structures::orbit::{StructureImpact, StructureOrbit};
 pub use structures::reversible::ReversibleOrbit;
 pub use structures::search::{StructureFound, StructureSearch};
-pub use tracer::corrector::Continuation;
 pub use tracer::line;
 pub use tracer::pace::Pace;
 pub use tracer::solution_curve::{SolutionCurve, SolutionPoint};

@@ -23,7 +23,7 @@ pub trait Followed: Clone {
 }
 
 macro_rules! followed {
-    ($orbit:ty, $place:ident, $conservative:expr, $centred:expr) => {
+    ($orbit:ty, $hits:expr, $conservative:expr, $centred:expr) => {
         impl Followed for $orbit {
             fn period(&self) -> f64 {
                 self.period()
@@ -46,8 +46,7 @@ macro_rules! followed {
             }
 
             fn hits(&self) -> Vec<Hit> {
-                let of = self.impacts().iter();
-                of.map(|impact| Hit::new(impact.$place, impact.barrier, impact.time, impact.impulse)).collect()
+                $hits(self)
             }
 
             fn is_conservative(&self) -> bool {
@@ -61,5 +60,10 @@ macro_rules! followed {
     };
 }
 
-followed!(Orbit, site, |orbit: &Self| orbit.model().is_conservative(), |orbit: &Self| orbit.model().asymmetry() == 0.0);
-followed!(StructureOrbit, contact, StructureOrbit::is_conservative, StructureOrbit::is_centred);
+followed!(
+    Orbit,
+    |orbit: &Self| orbit.impacts().iter().map(Hit::from).collect(),
+    |orbit: &Self| orbit.model().is_conservative(),
+    |orbit: &Self| orbit.model().asymmetry() == 0.0
+);
+followed!(StructureOrbit, StructureOrbit::hits, StructureOrbit::is_conservative, StructureOrbit::is_centred);

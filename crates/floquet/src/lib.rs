@@ -22,7 +22,7 @@
 //! | [`Multipliers`] | all multipliers in order, made as they are asked for |
 //! | [`odd_multipliers`], [`leading_modes`] | multipliers that feel no impact; perturbations that grow most |
 //! | [`locate()`] | bifurcations and grazing in one parameter |
-//! | [`structure_stability`], [`structure_diagram`], [`structure_curve`] | the same of any linear structure with stops |
+//! | [`structure_stability`], [`branches`], [`event_curve`] | the same of any linear structure with stops |
 //! | [`Verdict`], [`Mechanism`], [`Tolerance`], [`Method`] | stable or not, how stability is lost, from which excess on, where the answer comes from |
 //!
 //! With the feature `serde` values are written by the names of `mapgen`'s JSON; those that hold nothing derived are read, too.
@@ -73,15 +73,16 @@ mod zeros;
 pub use all_multipliers::Multipliers;
 pub use analyser::{Analyser, Stability, stability};
 pub use curve::{
-    CurveEnd, CurveError, CurvePoint, EventCurve, Special, SpecialPoint, Walk, Window, curve, curve_along,
+    CurveEnd, CurveError, CurvePoint, EventCurve, Rectangle, Special, SpecialPoint, Walk, Window, curve, curve_along,
+    event_curve,
 };
 pub use eigenvectors::{FloquetMode, leading_modes, leading_modes_until};
 pub use error::FloquetError;
 pub use followed::Followed;
 pub use locate::{
-    Answer, BranchedOrbit, Branching, Course, Diagram, DiagramPoint, End, Event, EventSide, Evidence, FollowedBranch,
-    LocateError, Located, Origin, Search, Station, Unresolved, diagram, diagram_until, is_physical_about, locate,
-    locate_until,
+    Answer, BranchRequest, BranchedOrbit, Branching, Course, Diagram, DiagramPoint, End, Event, EventSide, Evidence,
+    FollowedBranch, LocateError, Located, Origin, Search, Station, Unresolved, branch_events, branches, diagram,
+    diagram_until, is_physical_about, locate, locate_until,
 };
 pub use map_paths::{ModeLabels, Reason, Residues, Secular, SecularVerdict, Standing};
 pub use multipliers::{odd_multipliers, participating_modes, sort_multipliers};
@@ -95,9 +96,6 @@ pub use stripes::{
     Collision, DressedModes, InternalMode, NoStripe, OrderFinder, Passing, Signature, SignatureOrder, Stripe,
     StripeEnd, StripeFinder, StripeLine, StripeRow, bare_signature, passings, signature,
 };
-pub use structures::{
-    StructureCourse, StructureCurve, StructureMultipliers, StructureWindow, structure_curve, structure_diagram,
-    structure_stability, structure_verdict,
-};
+pub use structures::{StructureMultipliers, structure_stability, structure_verdict};
 pub use verdict::{Mechanism, Method, Tolerance, Verdict};
 pub use zeros::SecularError;

@@ -20,9 +20,16 @@ fn outside(orbit: &Orbit, (analyser, finder): (&mut Analyser, &mut Finder)) -> O
     (!open).then(|| excess.iter().filter(|excess| **excess > 1e-11).count())
 }
 
+/// A point of a branch.
+struct Passed {
+    value: f64,
+    heading: f64,
+    orbit: Orbit,
+}
+
 /// Points of the branch through an orbit both ways, steps of the same length apart.
-fn scan(orbit: &Orbit, (free, from, to): (Parameter, f64, f64), length: f64) -> Vec<BranchPoint> {
-    let mut branch = Branch::through(orbit, free, to - from).unwrap();
+fn scan(orbit: &Orbit, (free, from, to): (Parameter, f64, f64), length: f64) -> Vec<Passed> {
+    let mut branch = Branch::of_orbit(orbit, free, to - from).unwrap();
     let start = branch.start().unwrap();
     let mut way = |start: BranchPoint| {
         let mut points = vec![start];
@@ -37,28 +44,33 @@ fn scan(orbit: &Orbit, (free, from, to): (Parameter, f64, f64), length: f64) -> 
     let (mut points, ahead) = (way(start.reversed()), way(start));
     points.reverse();
     points.extend(ahead.into_iter().skip(1));
-    points
+    let of_lattice = |point: &BranchPoint| {
+        let model = orbit.model().with(free, point.value()).unwrap();
+        let orbit = point.orbit().to_orbit(&model, orbit.family()).unwrap();
+        Passed { value: point.value(), heading: point.heading(), orbit }
+    };
+    points.iter().map(of_lattice).collect()
 }
 
 /// Changes of the number outside the circle between neighbours of a scan: how many there are, and those that the branch has no event for, of pairs,
 /// and of single ones, which cross at ±1.
-fn held(branch: &FollowedBranch, points: &[BranchPoint]) -> (usize, [Vec<[f64; 2]>; 2]) {
+fn held(branch: &FollowedBranch, points: &[Passed]) -> (usize, [Vec<[f64; 2]>; 2]) {
     let (mut changes, mut missed) = (0, [Vec::new(), Vec::new()]);
-    let (mut analyser, mut finder) = (Analyser::dense(), Finder::new(points[0].orbit().model().chain().sites()));
-    let mut last: Option<(usize, &BranchPoint)> = None;
+    let (mut analyser, mut finder) = (Analyser::dense(), Finder::new(points[0].orbit.model().chain().sites()));
+    let mut last: Option<(usize, &Passed)> = None;
     for point in points {
-        let Some(count) = outside(point.orbit(), (&mut analyser, &mut finder)) else { continue };
+        let Some(count) = outside(&point.orbit, (&mut analyser, &mut finder)) else { continue };
         if let Some((before, from)) = last.filter(|(before, _)| *before != count) {
-            let [low, high] = [from.value().min(point.value()), from.value().max(point.value())];
+            let [low, high] = [from.value.min(point.value), from.value.max(point.value)];
             // At a fold the value goes beyond both.
-            let turn = if from.heading() * point.heading() < 0.0 { 1e-2 * (high - low) + 1e-7 } else { 0.0 };
+            let turn = if from.heading * point.heading < 0.0 { 1e-2 * (high - low) + 1e-7 } else { 0.0 };
             let room = 1e-9 * high.abs() + turn;
             // At one value there may be two orbits of the branch.
             let apart = |one: &Orbit| {
-                let pairs = one.impacts().iter().zip(point.orbit().impacts());
+                let pairs = one.impacts().iter().zip(point.orbit.impacts());
                 pairs.map(|(a, b)| (a.impulse - b.impulse).abs()).fold(0.0, f64::max)
             };
-            let reach = 3.0 * apart(from.orbit()).max(1e-6);
+            let reach = 3.0 * apart(&from.orbit).max(1e-6);
             let mut events = branch.events();
             changes += 1;
             if !events.any(|one| (low - room..=high + room).contains(&one.value) && apart(&one.orbit) <= reach) {

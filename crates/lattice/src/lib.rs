@@ -96,6 +96,7 @@ pub use structure::contact_modes::ContactMode;
 pub use structure::damped_chain::DampedChain;
 pub use structure::energy::{Block, EnergyForm};
 pub use structure::error::StructureError;
+pub use structure::felt_shapes::FeltShapes;
 pub use structure::linear_mode::{LinearMode, ModeErrors, ModeShape};
 #[cfg(feature = "matrices")]
 pub use structure::matrices::Structure;

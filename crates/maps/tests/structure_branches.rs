@@ -6,8 +6,8 @@ use std::collections::BTreeSet;
 
 use vibrochain_breather::{Family, StructureOrbit, Word, breathers};
 use vibrochain_floquet::{
-    Course, End, Event, Evidence, Followed, FollowedBranch, Located, Special, SpecialPoint, StructureCourse,
-    StructureWindow, Tolerance, Window, curve, diagram, structure_curve, structure_diagram,
+    BranchRequest, Course, End, Event, Evidence, Followed, FollowedBranch, Located, Rectangle, Special, SpecialPoint,
+    Tolerance, Window, branches, curve, diagram, event_curve,
 };
 use vibrochain_lattice::{Chain, Model, Parameter, Stop};
 use vibrochain_maps::structure::along::family;
@@ -24,9 +24,9 @@ fn branch(
     [from, to]: [f64; 2],
 ) -> FollowedBranch<StructureOrbit> {
     let course =
-        StructureCourse { from, to, events: Event::ALL.to_vec(), generations: 0, tolerance: Tolerance::Rounding };
+        BranchRequest { from, to, events: Event::ALL.to_vec(), generations: 0, tolerance: Tolerance::Rounding };
     let value = scene.get(setting).unwrap();
-    let diagram = structure_diagram(orbit, &family(scene, &[setting]), value, &course, &Stop::default());
+    let diagram = branches(orbit, &family(scene, &[setting]), value, &course, &Stop::default());
     diagram.unwrap().branches.swap_remove(0)
 }
 
@@ -134,11 +134,10 @@ fn the_grazing_curve_of_a_damped_oscillator_is_known_by_hand() {
             continue;
         };
         assert!((event.value - grazing(0.8)).abs() <= event.error + 1e-15, "{} ± {}", event.value, event.error);
-        let window = StructureWindow { from: [0.05, 0.45], to: [3.0, 1.9] };
+        let window = Rectangle { from: [0.05, 0.45], to: [3.0, 1.9] };
         let settings = [Setting::Load, Setting::Omega];
         let answer =
-            structure_curve(event, &family(&scene, &settings), [event.value, 0.8], window, 1e-4, &Stop::default())
-                .unwrap();
+            event_curve(event, &family(&scene, &settings), [event.value, 0.8], window, 1e-4, &Stop::default()).unwrap();
         assert!(answer.points.len() > 30);
         for point in &answer.points {
             let [load, omega] = point.values;
@@ -158,15 +157,14 @@ fn curves_of_a_chain_without_dashpots_are_those_of_its_own_engine() {
     let numbers = [0.2, 0.1, 1.07, 0.8, 0.165, 0.25];
     let scene = chain(5, numbers);
     let found = scene.model().unwrap().orbits(&"0-".parse().unwrap(), 1).unwrap();
-    let window = StructureWindow { from: [0.12, 1.03], to: [0.3, 1.12] };
+    let window = Rectangle { from: [0.12, 1.03], to: [0.3, 1.12] };
     let settings = [Setting::Load, Setting::Omega];
     let (mut seen, mut special) = (BTreeSet::new(), BTreeSet::new());
     for orbit in &found.orbits {
         let own = branch(&scene, orbit, Setting::Load, [window.from[0], window.to[0]]);
         for event in own.events().filter(|one| seen.insert(one.event.name())) {
             let start = [event.value, 1.07];
-            let mine =
-                structure_curve(event, &family(&scene, &settings), start, window, 1e-4, &Stop::default()).unwrap();
+            let mine = event_curve(event, &family(&scene, &settings), start, window, 1e-4, &Stop::default()).unwrap();
             let chains = breathers(&model(5, numbers), Family::SingleSided).unwrap().orbits;
             let mut asked = Course::new(&chains[0], Parameter::Amplitude);
             (asked.from, asked.to) = (window.from[0], window.to[0]);
@@ -223,7 +221,7 @@ fn places<O>(points: &[vibrochain_floquet::CurvePoint<O>]) -> Vec<[f64; 2]> {
 }
 
 /// How far a place is from a straight line between two others, as a part of the window's sides.
-fn distance(window: &StructureWindow, place: [f64; 2], ends: [[f64; 2]; 2]) -> f64 {
+fn distance(window: &Rectangle, place: [f64; 2], ends: [[f64; 2]; 2]) -> f64 {
     let place = window.parts(place);
     let [from, to] = ends.map(|end| window.parts(end));
     let (chord, away) = ([to[0] - from[0], to[1] - from[1]], [place[0] - from[0], place[1] - from[1]]);

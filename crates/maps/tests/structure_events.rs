@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use vibrochain_breather::StructureOrbit;
 use vibrochain_floquet::{
-    Complex, Diagram, End, Event, FollowedBranch, StructureCourse, StructureWindow, Tolerance, structure_curve,
-    structure_diagram, structure_stability,
+    BranchRequest, Complex, Diagram, End, Event, FollowedBranch, Rectangle, Tolerance, branches, event_curve,
+    structure_stability,
 };
 use vibrochain_lattice::Stop;
 use vibrochain_maps::structure::along::family;
@@ -27,8 +27,8 @@ fn orbits(scene: &StructureScene) -> Vec<StructureOrbit> {
     scene.model().unwrap().orbits(scene.word.as_ref().unwrap(), scene.force_periods).unwrap().orbits
 }
 
-fn course([from, to]: [f64; 2], generations: u32) -> StructureCourse {
-    StructureCourse { from, to, events: Event::ALL.to_vec(), generations, tolerance: Tolerance::Rounding }
+fn course([from, to]: [f64; 2], generations: u32) -> BranchRequest {
+    BranchRequest { from, to, events: Event::ALL.to_vec(), generations, tolerance: Tolerance::Rounding }
 }
 
 fn branch(
@@ -37,13 +37,13 @@ fn branch(
     setting: Setting,
     range: [f64; 2],
 ) -> FollowedBranch<StructureOrbit> {
-    let diagram = structure_diagram(orbit, &family(scene, &[setting]), value, &course(range, 0), &Stop::default());
+    let diagram = branches(orbit, &family(scene, &[setting]), value, &course(range, 0), &Stop::default());
     diagram.unwrap().branches.swap_remove(0)
 }
 
 fn diagram(scene: &StructureScene, number: usize, setting: Setting, range: [f64; 2]) -> Diagram<StructureOrbit> {
     let (value, family) = (scene.get(setting).unwrap(), family(scene, &[setting]));
-    structure_diagram(&orbits(scene)[number], &family, value, &course(range, 1), &Stop::default()).unwrap()
+    branches(&orbits(scene)[number], &family, value, &course(range, 1), &Stop::default()).unwrap()
 }
 
 /// A ball between walls at ±1 of a box that is shaken with acceleration A cos ωt loses the symmetry of its two impacts where a change of the first
@@ -87,13 +87,13 @@ fn symmetry_is_lost_where_it_is_lost_by_hand() {
 #[test]
 fn a_loss_of_symmetry_is_followed_as_a_curve() {
     let scene = scene("impact-pair.toml");
-    let window = StructureWindow { from: [0.3, 0.3], to: [3.0, 3.0] };
+    let window = Rectangle { from: [0.3, 0.3], to: [3.0, 3.0] };
     let settings = [Setting::Omega, Setting::Load];
     let orbit = &orbits(&scene)[0];
     let branch = branch(&scene, (orbit, 1.0), Setting::Omega, [0.7, 1.4]);
     let lost = branch.events().find(|one| one.event == Event::Pitchfork).unwrap();
     let start = [lost.value, 1.0];
-    let curve = structure_curve(lost, &family(&scene, &settings), start, window, 1e-3, &Stop::default()).unwrap();
+    let curve = event_curve(lost, &family(&scene, &settings), start, window, 1e-3, &Stop::default()).unwrap();
     assert!(curve.points.len() > 10, "{:?}", curve.ends);
     for point in &curve.points {
         let off = (point.values[0] - pitchfork_of_a_ball(point.values[1], 0.6)).abs();
@@ -110,9 +110,9 @@ fn a_loss_of_symmetry_is_followed_as_a_curve() {
         let branch = self::branch(&scene, (orbit, 1.0), Setting::Omega, [0.7, 1.6]);
         for lost in branch.events().filter(|one| one.event == Event::Pitchfork) {
             let settings = [Setting::Omega, "contact.0.upper".parse().unwrap()];
-            let window = StructureWindow { from: [0.7, 0.5], to: [1.6, 1.5] };
+            let window = Rectangle { from: [0.7, 0.5], to: [1.6, 1.5] };
             let start = [lost.value, 1.0];
-            match structure_curve(lost, &family(&scene, &settings), start, window, 1e-3, &Stop::default()) {
+            match event_curve(lost, &family(&scene, &settings), start, window, 1e-3, &Stop::default()) {
                 Err(error) => {
                     assert!(error.to_string().contains("orbits of this symmetry"), "{error}");
                     refused.push(lost.value);
@@ -260,8 +260,7 @@ fn losses_without_a_load_are_refused() {
     for (setting, range) in [("restitution", [0.5, 1.0]), ("damping", [-0.1, 0.1])] {
         let setting = setting.parse().unwrap();
         let value = scene.get(setting).unwrap();
-        let followed =
-            structure_diagram(orbit, &family(&scene, &[setting]), value, &course(range, 0), &Stop::default());
+        let followed = branches(orbit, &family(&scene, &[setting]), value, &course(range, 0), &Stop::default());
         assert!(followed.unwrap_err().to_string().contains("losses end the motion"), "{setting}");
     }
     assert!(branch(&scene, (orbit, 0.7), Setting::Omega, [0.65, 0.75]).points().count() > 10);

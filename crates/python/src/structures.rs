@@ -8,9 +8,7 @@ use serde_json::{Value, json};
 use vibrochain_breather::{
     StructureFound, StructureModel, StructureMotion, StructureOrbit, StructureOrbitError, StructureSearch, Word,
 };
-use vibrochain_floquet::{
-    Diagram, Event, FollowedBranch, Station, StructureCourse, StructureWindow, Tolerance, structure_diagram,
-};
+use vibrochain_floquet::{BranchRequest, Diagram, Event, FollowedBranch, Rectangle, Station, Tolerance, branches};
 use vibrochain_lattice::{Barrier, Stop, StructureError};
 use vibrochain_maps::followed::touch;
 use vibrochain_maps::scene::tolerance_from;
@@ -201,11 +199,11 @@ pub(crate) fn _structure_along(
         let excess = self::tolerance(threshold)?;
         let orbit = orbit_near(&model, force_periods, psi, &near)?;
         let (setting, value) = free[0];
-        let course = StructureCourse { from: start[0], to: stop_at[0], events: wanted, generations, tolerance: excess };
-        let found = structure_diagram(&orbit, &family(&scene, &[setting]), value, &course, stop)?;
+        let course = BranchRequest { from: start[0], to: stop_at[0], events: wanted, generations, tolerance: excess };
+        let found = branches(&orbit, &family(&scene, &[setting]), value, &course, stop)?;
         let followed = match free[..] {
             [(first, _), (second, value)] => {
-                let window = StructureWindow { from: [start[0], start[1]], to: [stop_at[0], stop_at[1]] };
+                let window = Rectangle { from: [start[0], start[1]], to: [stop_at[0], stop_at[1]] };
                 curves(&scene, ([first, second], value), found.branches[0].events(), (window, tolerance), stop)?
             }
             _ => Vec::new(),

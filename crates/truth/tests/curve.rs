@@ -72,11 +72,22 @@ fn encloses(curve: &EventCurve, i: usize, window: &Window) -> Option<bool> {
     let axis = usize::from(dx > dy);
     let reach = point.error * window.sides()[axis] * dx.hypot(dy) / dx.max(dy);
     let free = window.parameters[axis];
-    let mut branch = Branch::through(&point.orbit, free, window.sides()[axis]).unwrap();
+    let at = |value: f64| point.orbit.model().with(free, value).unwrap();
+    let beyond = |sign: f64| point.values[axis] + sign * reach;
+    if curve.event == Event::Pitchfork {
+        // Right there a branch has two directions. Among symmetric orbits the next one is as near as the error.
+        let hits: Vec<Hit> = point.orbit.impacts().iter().map(Hit::from).collect();
+        let beside = |sign: f64| {
+            let psi = point.orbit.psi().unwrap();
+            side(&Orbit::from_impulses(&at(beyond(sign)), 1, psi, &hits).unwrap(), curve.event, point)
+        };
+        return Some(beside(1.0) != beside(-1.0));
+    }
+    let mut branch = Branch::of_orbit(&point.orbit, free, window.sides()[axis]).unwrap();
     let start = branch.start().ok()?;
     let mut beside = |sign: f64| {
-        let there = branch.at(&start, point.values[axis] + sign * reach).ok()?;
-        Some(side(there.orbit(), curve.event, point))
+        let there = branch.at(&start, beyond(sign)).ok()?;
+        Some(side(&there.orbit().to_orbit(&at(there.value()), point.orbit.family()).unwrap(), curve.event, point))
     };
     Some(beside(1.0)? != beside(-1.0)?)
 }

@@ -4,8 +4,8 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::{StructureFamily, StructureModel, StructureOrbit};
-use vibrochain_floquet::{Event, StructureCourse, Tolerance, structure_diagram, structure_stability};
+use vibrochain_breather::{ModelFamily, StructureModel, StructureOrbit};
+use vibrochain_floquet::{BranchRequest, Event, Tolerance, branches, structure_stability};
 use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Stop};
 use vibrochain_testkit::Random;
 use vibrochain_truth::Real;
@@ -42,7 +42,7 @@ impl Given {
         StructureModel::new(Arc::new(structure), self.omega).map_err(|error| error.to_string())
     }
 
-    fn family(self) -> StructureFamily {
+    fn family(self) -> ModelFamily {
         Arc::new(move |values: &[f64]| self.model(values[0]))
     }
 }
@@ -189,14 +189,14 @@ fn grazings_and_doublings_to_the_last_digits() {
         let graze = (re * re + im * im).sqrt() * given.stop;
         let load = graze.to_f64() * random.between(1.2, 2.5);
         let Some(orbit) = own(given, load).into_iter().find(|orbit| orbit.impacts()[0].impulse < 0.0) else { continue };
-        let course = StructureCourse {
+        let course = BranchRequest {
             from: 0.3 * graze.to_f64(),
             to: 2.0 * load,
             events: Event::ALL.to_vec(),
             generations: 0,
             tolerance: Tolerance::Rounding,
         };
-        let found = structure_diagram(&orbit, &given.family(), load, &course, &Stop::default()).unwrap();
+        let found = branches(&orbit, &given.family(), load, &course, &Stop::default()).unwrap();
         for event in found.branches[0].events() {
             let room = |error: f64| 8.0 * error + 1e-13 * event.value;
             if event.event == Event::Grazing && event.orbit.impacts()[0].impulse.abs() < 1e-9 {

@@ -4,8 +4,8 @@
 mod support;
 
 use vibrochain_breather::{
-    Branch, BreatherError, End, Ended, Family, Finder, Hit, Impact, NoBreather, Orbit, OrbitList, Scope, Word,
-    breathers,
+    Branch, BranchPoint, BreatherError, End, Ended, Family, Finder, Hit, Impact, NoBreather, Orbit, OrbitList, Scope,
+    Word, breathers,
 };
 use vibrochain_floquet::{Method, Tolerance, full_monodromy, stability};
 use vibrochain_lattice::{Barrier, Chain, Model, Parameter, Point};
@@ -62,27 +62,32 @@ fn three_impacts_at_three_sites_from_a_guess_to_a_verdict() {
         assert!(orbit.residual() < 1e-14 && orbit.impacts().len() == 3);
         assert!(assert_own_claims_hold(&orbit, &mut finder) < 1e-13);
         // Followed in the coupling, to the value and back.
-        let mut branch = Branch::through(&orbit, Parameter::Gamma2, 0.05).unwrap();
+        let mut branch = Branch::of_orbit(&orbit, Parameter::Gamma2, 0.05).unwrap();
+        let of_lattice = |point: &BranchPoint| {
+            let model = model.with(Parameter::Gamma2, point.value()).unwrap();
+            point.orbit().to_orbit(&model, orbit.family()).unwrap()
+        };
         let mut point = branch.start().unwrap();
         while point.value() < 0.006 {
             point = branch.step(&point, 0.01).unwrap();
-            assert!(assert_own_claims_hold(point.orbit(), &mut finder) < 1e-12);
+            assert!(assert_own_claims_hold(&of_lattice(&point), &mut finder) < 1e-12);
         }
-        assert_monodromy(point.orbit());
-        let verdict = stability(point.orbit(), Tolerance::Rounding).unwrap().verdict;
-        let map = ReturnMap::new(point.orbit()).jacobian();
+        let there = of_lattice(&point);
+        assert_monodromy(&there);
+        let verdict = stability(&there, Tolerance::Rounding).unwrap().verdict;
+        let map = ReturnMap::new(&there).jacobian();
         let radius = map.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max);
         assert!((verdict.spectral_radius - radius).abs() < 1e-5 * radius, "{} {radius}", verdict.spectral_radius);
         // Physical or not: against a fine look at all masses.
-        let admissibility = finder.admissibility(point.orbit()).unwrap();
-        let (a, motion) = (model.asymmetry(), finder.motion(point.orbit()).unwrap());
+        let admissibility = finder.admissibility(&there).unwrap();
+        let (a, motion) = (model.asymmetry(), finder.motion(&there).unwrap());
         let period = model.period();
         let mut highest = f64::NEG_INFINITY;
         for i in 0..4000 {
             let values = motion.displacements(period * (f64::from(i) + 0.5) / 4000.0);
             highest = values.iter().map(|v| (v - a).abs()).fold(highest, f64::max);
         }
-        let right = point.orbit().impacts().iter().all(Impact::is_right_signed);
+        let right = there.impacts().iter().all(Impact::is_right_signed);
         assert_eq!(admissibility.is_physical(), right && highest < 1.0 + 1e-9, "{highest} {admissibility:?}");
         let mut back = point.reversed();
         while back.value() > model.chain().gamma2() {
@@ -90,7 +95,7 @@ fn three_impacts_at_three_sites_from_a_guess_to_a_verdict() {
         }
         let home = branch.at(&back, model.chain().gamma2()).unwrap();
         for (impact, first) in home.orbit().impacts().iter().zip(orbit.impacts()) {
-            assert!((impact.impulse - first.impulse).abs() < 1e-12 && impact.site == first.site);
+            assert!((impact.impulse - first.impulse).abs() < 1e-12 && impact.contact == first.site);
         }
         checked += 1;
     }

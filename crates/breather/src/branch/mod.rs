@@ -16,14 +16,13 @@
 //! through regularly, while the determinant of all equations tells of the pitchfork.
 
 pub(crate) mod at_resonance;
-pub(crate) mod departure;
 pub(crate) mod resonances;
 
 use vibrochain_lattice::{Parameter, Stop};
 
+use crate::branch_error::BranchError;
 use crate::equations::linear::unit;
 use crate::equations::unknowns::Unknowns;
-use crate::error::BranchError;
 use crate::orbit::Orbit;
 use crate::tracer::corrector::Continuation;
 use crate::tracer::reduction::Reduction;
@@ -31,50 +30,17 @@ use crate::tracer::solution_curve::{SolutionCurve, SolutionPoint, normed};
 use crate::tracer::system::System;
 
 /// A point of a branch.
-pub type BranchPoint = SolutionPoint<Orbit>;
+pub(crate) type BranchPoint = SolutionPoint<Orbit>;
 
 /// One branch, to be followed step by step.
-///
-/// ```
-/// use vibrochain_breather::{Branch, Family, breathers};
-/// use vibrochain_lattice::{Chain, Model, Parameter, Point};
-/// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
-/// let model = ring.omega(1.07).asymmetry(0.8).amplitude(0.165).restitution(0.25).model()?;
-/// let orbit = &breathers(&model, Family::SingleSided)?.orbits[0];
-/// let mut branch = Branch::through(orbit, Parameter::Amplitude, 0.1)?;
-/// // Downwards the branch turns back at a fold, 0.157927…
-/// let mut point = branch.start()?.reversed();
-/// let mut least = point.value();
-/// while point.heading() < 0.0 {
-///     point = branch.step(&point, 0.02)?;
-///     least = least.min(point.value());
-/// }
-/// assert!((least - 0.15793).abs() < 1e-4 && point.heading() > 0.0);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub type Branch = SolutionCurve<Continuation>;
+pub(crate) type Branch = SolutionCurve<Continuation>;
 
 impl Branch {
     /// The same, along which no step is made once `stop` is raised.
     #[must_use]
-    pub fn until(mut self, stop: &Stop) -> Self {
+    pub(crate) fn until(mut self, stop: &Stop) -> Self {
         self.equations.finder = self.equations.finder.until(stop);
         self
-    }
-
-    /// The branch of `free` through an orbit of any word. `unit` is the length along the parameter that counts like a change
-    /// of order 1 of the orbit.
-    ///
-    /// # Errors
-    /// [`BranchError::Breather`] at a resonance, which an orbit that exists has already passed.
-    pub fn through(orbit: &Orbit, free: Parameter, unit: f64) -> Result<Self, BranchError> {
-        let unknowns = Unknowns::of(orbit);
-        Self::with(orbit, (free, unit), unknowns, Reduction::of(orbit, &[free], &unknowns))
-    }
-
-    /// The free parameter.
-    pub fn free(&self) -> Parameter {
-        self.equations.free[0]
     }
 
     /// The branch of a word among orbits with all the symmetry that the impacts of `orbit` have: it passes the points where others
@@ -110,10 +76,5 @@ impl Branch {
         let fixed = unit(z.len(), z.len() - 1);
         let z = self.equations.newton(&z, Some(&fixed), reach, false)?;
         Ok(self.equations.evaluate(&z)?.orbit)
-    }
-
-    /// Number of masses.
-    pub fn sites(&self) -> usize {
-        self.equations.origin.model().chain().sites()
     }
 }

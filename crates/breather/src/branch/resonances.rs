@@ -29,7 +29,7 @@ pub(crate) fn pushes(orbit: &Orbit, shapes: &Shapes, mode: usize, harmonic: f64)
 impl Branch {
     /// The first resonance as the parameter goes from that of a point to another value, and the value where it is: a harmonic of
     /// the orbit's frequency on a mode that it pushes.
-    pub fn resonance_within(&self, point: &BranchPoint, to: f64) -> Option<(f64, Resonance)> {
+    pub(crate) fn resonance_within(&self, point: &BranchPoint, to: f64) -> Option<(f64, Resonance)> {
         // Of a lattice that is the same all along the branch but for its stiffness; most steps meet none.
         let shapes = OnceCell::new();
         self.equations.meeting(point.value(), to, |mode, harmonic| {

@@ -12,7 +12,7 @@ use super::error::StructureOrbitError;
 use super::model::StructureModel;
 use super::open_mode::OpenMode;
 use super::periodic_kernel::{PeriodicKernel, UNIT};
-use super::point::{Point, Strike};
+use super::point::Point;
 use super::response::Response;
 use crate::equations::linear::{Matrix, Vector, dot, zeros};
 use crate::equations::slopes::Slopes;
@@ -231,15 +231,20 @@ impl<'a> Equations<'a> {
     /// The equations of orbits that are mirror images of themselves in time, with the point, if it is one: without loads and losses, all impacts at
     /// 0 and half a period. They stay regular where other orbits branch off.
     pub(super) fn of_mirrored(&self, point: &Point) -> Option<(Self, Point)> {
-        let half = 0.5 * self.period();
-        let centred = |time: f64| (time - half).abs() <= HALF * half;
-        let fixed = |strike: &Strike| strike.time == 0.0 || centred(strike.time);
-        if self.has_time() || !self.model.structure().is_lossless() || !point.strikes.iter().all(fixed) {
-            return None;
-        }
-        let mut point = point.clone();
-        point.strikes.iter_mut().filter(|strike| centred(strike.time)).for_each(|strike| strike.time = half);
+        let halves = self.are_halves(point.strikes.iter().map(|strike| strike.time))?;
+        let (mut point, half) = (point.clone(), 0.5 * self.period());
+        point.strikes.iter_mut().zip(halves).filter(|(_, later)| *later).for_each(|(strike, _)| strike.time = half);
         Some((Self { is_mirrored: true, ..self.clone() }, point))
+    }
+
+    /// Of impacts without loads and losses that are all at 0 or half a period later, which are later; `None` of others.
+    pub(super) fn are_halves(&self, times: impl Iterator<Item = f64>) -> Option<Vec<bool>> {
+        let half = 0.5 * self.period();
+        let later = |time: f64| {
+            let centred = (time - half).abs() <= HALF * half;
+            (centred || time == 0.0).then_some(centred)
+        };
+        if self.has_time() || !self.model.structure().is_lossless() { None } else { times.map(later).collect() }
     }
 
     /// Numbers of unknowns: impulses, times but the first, ψ if there is a load, the period if nothing gives it, offsets.

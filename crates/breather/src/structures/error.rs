@@ -3,12 +3,17 @@
 use thiserror::Error;
 use vibrochain_lattice::{Short, Stopped, StructureError};
 
+use crate::error::BreatherError;
+
 /// Why a structure's orbits could not be worked out. That there are none is an answer, not one of these.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum StructureOrbitError {
     /// The structure does not answer.
     #[error(transparent)]
     Structure(#[from] StructureError),
+    /// The lattice of which the contacts are masses does not answer.
+    #[error(transparent)]
+    Lattice(#[from] BreatherError),
     /// ω is no frequency.
     #[error("omega = {} is out of range: give a positive number, 1e-100 to 1e100", Short(*omega))]
     Omega {

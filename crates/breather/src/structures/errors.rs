@@ -55,11 +55,16 @@ pub(super) struct OrbitErrors {
 }
 
 impl OrbitErrors {
-    /// Those of a point that solves the equations.
+    /// Those of a point that solves the equations; `on_the_way` those that first order bounds alone.
     ///
     /// # Errors
     /// As [`Equations::system`].
-    pub(super) fn of(equations: &Equations<'_>, point: &Point, system: &System) -> Result<Self, StructureOrbitError> {
+    pub(super) fn of(
+        equations: &Equations<'_>,
+        point: &Point,
+        system: &System,
+        on_the_way: bool,
+    ) -> Result<Self, StructureOrbitError> {
         let (n, size) = (point.strikes.len(), system.rows.len());
         let off: Vector = system.rows.iter().zip(&system.sizes).map(|(row, size)| row.abs() + UNIT * size).collect();
         let own: Vector = system.arrivals.iter().map(|arrival| 2.0 * UNIT * arrival.sizes[2]).collect();
@@ -99,6 +104,9 @@ impl OrbitErrors {
         }
         let mut unknowns = first;
         if equations.parts(point, &unknowns) > FIRST_ORDER {
+            if on_the_way {
+                return Ok(Self::unknown(estimates));
+            }
             let beyond = beyond_first_order(equations, point, system, (&factors, &unknowns))?;
             let Some((bent, more)) = beyond else { return Ok(Self::unknown(estimates)) };
             apart.iter_mut().zip(more).for_each(|(error, by)| *error += by);

@@ -10,6 +10,7 @@ use super::error::StructureOrbitError;
 use super::orbit::{StructureImpact, StructureOrbit};
 use super::periodic_kernel::{EITHER_WAY, PeriodicKernel, length, rigid_jet};
 use super::response::Response;
+use crate::motion::Motion;
 
 type C = Complex<f64>;
 
@@ -275,4 +276,44 @@ fn after_impact(orbit: &StructureOrbit, kernel: &PeriodicKernel, i: usize) -> Ve
         }
     }
     states
+}
+impl StructureOrbit {
+    /// Place and velocity of a contact at a time, of a lattice those of a mass.
+    ///
+    /// # Errors
+    /// [`StructureOrbitError`] at a resonance.
+    pub fn state(&self, site: usize, time: f64) -> Result<[f64; 2], StructureOrbitError> {
+        if let Some(orbit) = self.of_all_masses() {
+            let mass = Motion::of(&orbit?)?.at(site, time);
+            return Ok([mass.displacement, mass.velocity]);
+        }
+        let (motion, (last, since)) = (StructureMotion::new(self)?, self.flight_at(time));
+        let [place, velocity, _] = motion.contact(site, last, since);
+        Ok([place, velocity])
+    }
+
+    /// Those of all contacts, of a lattice of all its masses.
+    ///
+    /// # Errors
+    /// [`StructureOrbitError`] at a resonance.
+    pub fn states(&self, time: f64) -> Result<Vec<[f64; 2]>, StructureOrbitError> {
+        if let Some(orbit) = self.of_all_masses() {
+            let mut motion = Motion::of(&orbit?)?;
+            let _ = motion.at(0, time);
+            let of = (0..motion.sites()).map(|site| motion.site(site));
+            return Ok(of.map(|mass| [mass.displacement, mass.velocity]).collect());
+        }
+        let (motion, (last, since)) = (StructureMotion::new(self)?, self.flight_at(time));
+        let contacts = 0..self.model().structure().contacts().len();
+        let of = contacts.map(|contact| motion.contact(contact, last, since));
+        Ok(of.map(|[place, velocity, _]| [place, velocity]).collect())
+    }
+
+    /// The impact before a time, and how long ago it was.
+    fn flight_at(&self, time: f64) -> (usize, f64) {
+        let impacts = self.impacts();
+        let time = time.rem_euclid(self.period());
+        let last = impacts.iter().rposition(|impact| impact.time <= time).unwrap_or(impacts.len() - 1);
+        (last, (time - impacts[last].time).rem_euclid(self.period()))
+    }
 }

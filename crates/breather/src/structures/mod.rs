@@ -27,7 +27,7 @@
 //! | `view` | what contacts see of flights |
 //! | `windows` | one flight as polynomials |
 //! | `admissible` | physical or what is in the way |
-//! | `branch` | [`StructureBranch`]: orbits as a number of the structure varies |
+//! | `branch` | [`Branch`]: orbits as a number of the structure varies |
 
 pub(crate) mod admissible;
 mod between;
@@ -37,8 +37,10 @@ pub(crate) mod equations;
 pub(crate) mod error;
 pub(crate) mod errors;
 pub(crate) mod flight;
+mod masses;
 pub(crate) mod model;
 mod newton;
+mod of_orbit;
 mod open_mode;
 mod open_modes;
 pub(crate) mod orbit;

@@ -3,10 +3,15 @@
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use vibrochain_lattice::{Barrier, Complex, MAX_MAGNITUDE, ModalStructure, Model, Stop, Stopped, StructureError};
+use vibrochain_lattice::{
+    Barrier, Complex, Contact, MAX_MAGNITUDE, ModalStructure, Model, Stop, Stopped, StructureError,
+};
 
 use super::error::StructureOrbitError;
+use super::masses::Masses;
+use super::point::Strike;
 use super::response::{FixedPart, Response};
+use crate::orbit::Hit;
 
 /// A linear structure with stops under loads of frequency ω; of an orbit without them, ω is its own.
 #[derive(Debug, Clone)]
@@ -16,6 +21,8 @@ pub struct StructureModel {
     fixed: Arc<Mutex<KnownParts>>,
     responses: Arc<Mutex<Responses>>,
     stop: Stop,
+    /// The lattice around the contacts, if they are masses of one.
+    masses: Option<Arc<Masses>>,
 }
 
 /// What no frequency changes, of each list of contacts that has been asked for.
@@ -36,7 +43,8 @@ impl StructureModel {
     /// # Errors
     /// [`StructureOrbitError::Omega`].
     pub fn new(structure: Arc<ModalStructure>, omega: f64) -> Result<Self, StructureOrbitError> {
-        Self { structure, omega, fixed: Arc::default(), responses: Arc::default(), stop: Stop::default() }.at(omega)
+        let (fixed, responses, stop) = (Arc::default(), Arc::default(), Stop::default());
+        Self { structure, omega, fixed, responses, stop, masses: None }.at(omega)
     }
 
     /// A lattice with contacts at these lists of masses, as [`Model::felt_structure`] has them.
@@ -68,11 +76,53 @@ impl StructureModel {
     /// [`StructureOrbitError::Omega`].
     pub fn at(&self, omega: f64) -> Result<Self, StructureOrbitError> {
         if (1.0 / MAX_MAGNITUDE..=MAX_MAGNITUDE).contains(&omega) {
+            let masses = match &self.masses {
+                Some(masses) => Some(Arc::new(masses.at(omega).ok_or(StructureOrbitError::Omega { omega })?)),
+                None => None,
+            };
             let (structure, fixed, stop) = (self.structure.clone(), self.fixed.clone(), self.stop.clone());
-            Ok(Self { structure, omega, fixed, responses: Arc::default(), stop })
+            Ok(Self { structure, omega, fixed, responses: Arc::default(), stop, masses })
         } else {
             Err(StructureOrbitError::Omega { omega })
         }
+    }
+
+    /// The same structure with its periodic loads times a factor and all its contacts between these barriers: what impacts do is the same.
+    pub(super) fn with_loads_and_stops(&self, factor: f64, stop: Contact) -> Result<Self, StructureOrbitError> {
+        let contacts = vec![stop; self.structure.contacts().len()];
+        let structure = self.structure.with_loads_times(factor, 1.0).with_contacts(contacts)?;
+        Ok(Self { structure: Arc::new(structure), ..self.clone() })
+    }
+
+    /// The same as a part of a lattice.
+    pub(super) fn among(self, masses: Masses) -> Self {
+        Self { masses: Some(Arc::new(masses)), ..self }
+    }
+
+    /// The lattice around the contacts.
+    pub(super) fn masses(&self) -> Option<&Masses> {
+        self.masses.as_deref()
+    }
+
+    /// Which mass of its lattice a contact is; of any other structure its own number.
+    pub fn site(&self, contact: usize) -> usize {
+        self.masses().and_then(|masses| masses.sites.get(contact).copied()).unwrap_or(contact)
+    }
+
+    /// The contact at a mass of the lattice, if impacts there are felt; of any other structure the number itself.
+    pub(super) fn contact_at(&self, site: usize) -> Option<usize> {
+        match self.masses() {
+            Some(masses) => masses.sites.iter().position(|&own| own == site),
+            None => Some(site),
+        }
+    }
+
+    /// An impact as the equations know it.
+    pub(super) fn strike(&self, hit: &Hit) -> Result<Strike, StructureOrbitError> {
+        let Hit { site, barrier, time, impulse } = *hit;
+        let last = self.structure.contacts().len() - 1;
+        let contact = self.contact_at(site).ok_or(StructureOrbitError::NoSuchContact { contact: site, last })?;
+        Ok(Strike { contact, barrier, time, impulse })
     }
 
     /// What no frequency changes, of impacts at these contacts.
@@ -146,6 +196,19 @@ impl StructureModel {
         let last = contacts.len() - 1;
         let found = contacts.get(contact).ok_or(StructureOrbitError::NoSuchContact { contact, last })?;
         found.barrier(barrier).ok_or(StructureOrbitError::NoBarrier { contact, barrier })
+    }
+}
+
+impl StructureModel {
+    /// Where a mass of a lattice has a barrier, as all its masses have; or, of any other structure, a contact.
+    ///
+    /// # Errors
+    /// As [`StructureModel::barrier`].
+    pub fn barrier_at(&self, site: usize, barrier: Barrier) -> Result<f64, StructureOrbitError> {
+        match self.masses() {
+            Some(masses) if site < masses.lattice.chain().sites() => Ok(masses.lattice.barrier(barrier)),
+            _ => self.barrier(site, barrier),
+        }
     }
 }
 

@@ -72,22 +72,47 @@ impl StructureOrbit {
             && let Ok((opened, system)) = equations.solve(point.clone())
             && opened.is_near(&point)
         {
-            return Self::assembled_at(&equations, force_periods, (&opened, &system));
+            return Self::assembled_at(&equations, force_periods, (&opened, &system), false);
         }
-        Self::as_it_is(equations, force_periods, (&point, &system))
+        Self::at_own_period(equations, force_periods, (&point, &system), false)
+    }
+
+    /// The orbit at a point on the way to one of a branch: its errors have bounds where first order tells them.
+    pub(super) fn on_the_way(
+        equations: &Equations<'_>,
+        force_periods: u32,
+        at: (&Point, &System),
+    ) -> Result<Self, StructureOrbitError> {
+        Self::at_own_period(equations, force_periods, at, true)
+    }
+
+    /// The same with all bounds of errors that there are: of an orbit on the way of a branch those beyond first order are left out.
+    ///
+    /// # Errors
+    /// [`StructureOrbitError`] at a resonance.
+    pub fn with_bounds(self) -> Result<Self, StructureOrbitError> {
+        let finite = |error: &ImpactError| (error.time + error.impulse + error.acceleration).is_finite();
+        if self.origins.iter().flatten().all(finite) {
+            return Ok(self);
+        }
+        let (equations, point) = self.equations()?;
+        let system = equations.system(&point)?;
+        Self::at_own_period(&equations, self.force_periods, (&point, &system), false)
     }
 
     /// The orbit at a point of the equations, which next to a resonance may be off more than rounding.
-    pub(super) fn as_it_is(
+    fn at_own_period(
         equations: &Equations<'_>,
         force_periods: u32,
         (point, system): (&Point, &System),
+        on_the_way: bool,
     ) -> Result<Self, StructureOrbitError> {
         if equations.self_excited {
-            let all = |equations: &Equations<'_>| Self::assembled_at(equations, force_periods, (point, system));
+            let all =
+                |equations: &Equations<'_>| Self::assembled_at(equations, force_periods, (point, system), on_the_way);
             return equations.at_period(point.period, all);
         }
-        Self::assembled_at(equations, force_periods, (point, system))
+        Self::assembled_at(equations, force_periods, (point, system), on_the_way)
     }
 
     /// The orbit at a point of the equations of its own period.
@@ -95,15 +120,17 @@ impl StructureOrbit {
         equations: &Equations<'_>,
         force_periods: u32,
         (point, system): (&Point, &System),
+        on_the_way: bool,
     ) -> Result<Self, StructureOrbitError> {
         if !equations.is_mirrored
             && let Some((mirrored, point)) = equations.of_mirrored(point)
         {
             let system = mirrored.system(&point)?;
-            return Self::assembled_at(&mirrored, force_periods, (&point, &system));
+            return Self::assembled_at(&mirrored, force_periods, (&point, &system), on_the_way);
         }
         let n = point.strikes.len();
-        let OrbitErrors { unknowns, accelerations, origins, estimates } = OrbitErrors::of(equations, point, system)?;
+        let OrbitErrors { unknowns, accelerations, origins, estimates } =
+            OrbitErrors::of(equations, point, system, on_the_way)?;
         let impact = |i: usize| {
             let (strike, arrival) = (&point.strikes[i], &system.arrivals[i]);
             let error = equations.impact_error(n, i, &unknowns, accelerations[i]);
@@ -164,14 +191,8 @@ impl StructureOrbit {
     /// Its equations, and where it is in them.
     pub(super) fn equations(&self) -> Result<(Equations<'_>, Point), StructureOrbitError> {
         let equations = Equations::new(&self.model, self.force_periods, self.impacts.iter().map(|one| one.contact))?;
-        let strike = |one: &StructureImpact| Strike {
-            contact: one.contact,
-            barrier: one.barrier,
-            time: one.time,
-            impulse: one.impulse,
-        };
         let point = Point {
-            strikes: self.impacts.iter().map(strike).collect(),
+            strikes: self.strikes().collect(),
             psi: self.psi.unwrap_or(0.0),
             period: self.period(),
             offsets: equations.felt_offsets(&self.offsets),
@@ -198,14 +219,12 @@ impl StructureOrbit {
         if !in_order(impacts.iter().map(|impact| impact.time - first), period) {
             return Err(StructureOrbitError::OutOfOrder { found: false });
         }
-        let equations = Equations::new(model, force_periods, impacts.iter().map(|impact| impact.site))?;
-        let strikes = impacts.iter().map(|hit| Strike { time: hit.time - first, ..Strike::from(hit) });
-        let point = Point {
-            strikes: strikes.collect(),
-            psi: psi + first,
-            period,
-            offsets: smallvec::smallvec![0.0; equations.rigid.len()],
-        };
+        let strike = |hit: &Hit| Ok(Strike { time: hit.time - first, ..model.strike(hit)? });
+        let strikes = impacts.iter().map(strike).collect::<Result<SmallVec<[Strike; 4]>, StructureOrbitError>>()?;
+        let contacts: Vec<usize> = strikes.iter().map(|strike| strike.contact).collect();
+        let equations = Equations::new(model, force_periods, contacts.iter().copied())?;
+        let point =
+            Point { strikes, psi: psi + first, period, offsets: smallvec::smallvec![0.0; equations.rigid.len()] };
         let point = equations.with_offsets(point)?;
         let mut solved = equations.solve(point)?;
         let together = |by: f64| by < 0.0 && -by <= SAME_INSTANT * period;
@@ -220,7 +239,6 @@ impl StructureOrbit {
         if !in_order(solved.0.strikes.iter().map(|strike| strike.time), last) {
             return Err(StructureOrbitError::OutOfOrder { found: true });
         }
-        let contacts: Vec<usize> = impacts.iter().map(|impact| impact.site).collect();
         if !equations.self_excited {
             equations.off_resonance(&contacts)?;
         }
@@ -323,10 +341,28 @@ impl StructureOrbit {
         self.period_error
     }
 
+    /// The impacts as their equations know them.
+    pub(super) fn strikes(&self) -> impl Iterator<Item = Strike> + '_ {
+        let strike = |one: &StructureImpact| Strike {
+            contact: one.contact,
+            barrier: one.barrier,
+            time: one.time,
+            impulse: one.impulse,
+        };
+        self.impacts().iter().map(strike)
+    }
+
+    /// The impacts as they are given, in order of time: in a lattice by its masses, else with the contact as the site.
+    pub fn hits(&self) -> Vec<Hit> {
+        let site = |impact: &StructureImpact| self.model.site(impact.contact);
+        let of = |impact: &StructureImpact| Hit::new(site(impact), impact.barrier, impact.time, impact.impulse);
+        self.impacts.iter().map(of).collect()
+    }
+
     /// Its word: `0+,1-`.
     pub fn word(&self) -> String {
         let letter = |impact: &StructureImpact| {
-            format!("{}{}", impact.contact, if impact.barrier == Barrier::Upper { '+' } else { '-' })
+            format!("{}{}", self.model.site(impact.contact), if impact.barrier == Barrier::Upper { '+' } else { '-' })
         };
         self.impacts.iter().map(letter).collect::<Vec<_>>().join(",")
     }

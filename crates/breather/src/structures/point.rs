@@ -3,8 +3,6 @@
 use smallvec::SmallVec;
 use vibrochain_lattice::Barrier;
 
-use crate::orbit::Hit;
-
 /// Times that differ by no more than this part of the period are one: more than rounding of simultaneous impacts, less than flights.
 pub(super) const SAME_INSTANT: f64 = 1e-11;
 
@@ -15,12 +13,6 @@ pub(super) struct Strike {
     pub(super) barrier: Barrier,
     pub(super) time: f64,
     pub(super) impulse: f64,
-}
-
-impl From<&Hit> for Strike {
-    fn from(hit: &Hit) -> Self {
-        Self { contact: hit.site, barrier: hit.barrier, time: hit.time, impulse: hit.impulse }
-    }
 }
 
 /// What is solved for: the impacts, the phase of the loads or, where nothing gives it, the period, where rigid modes are, and states of open ones.

@@ -1,12 +1,12 @@
 //! The equations of a chain's orbits as a [`System`]: in the orbit's unknowns and the parameters that are free.
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Model, Parameter, Stop};
+use vibrochain_lattice::{Model, Parameter};
 
+use crate::branch_error::BranchError;
 use crate::equations::Equations;
 use crate::equations::linear::{Vector, zeros};
 use crate::equations::unknowns::{Template, Unknowns};
-use crate::error::BranchError;
 use crate::error::BreatherError;
 use crate::orbit::Orbit;
 use crate::search::finder::Finder;
@@ -15,7 +15,7 @@ use crate::tracer::system::{Evaluation, System};
 
 /// The equations of an orbit, in its unknowns and the parameters that are free.
 #[derive(Debug, Clone)]
-pub struct Continuation {
+pub(crate) struct Continuation {
     pub(crate) finder: Finder,
     pub(crate) origin: Orbit,
     /// One along a branch, two along a curve of an event.
@@ -42,18 +42,6 @@ fn impulse_unit(orbit: &Orbit) -> f64 {
 type Places = SmallVec<[usize; 2]>;
 
 impl Continuation {
-    /// The equations of an orbit of any word with `free` parameters, until `stop` is raised. With each stands its unit, the length along it that
-    /// counts like a change of order 1 of the orbit.
-    ///
-    /// # Errors
-    /// [`BranchError::Breather`] at a resonance, which an orbit that exists has already passed.
-    pub fn through(orbit: &Orbit, free: &[(Parameter, f64)], stop: &Stop) -> Result<Self, BranchError> {
-        let (unknowns, which) = (Unknowns::of(orbit), free.iter().map(|one| one.0).collect::<Vec<_>>());
-        let mut equations = Self::new(orbit, free, unknowns, Reduction::of(orbit, &which, &unknowns))?;
-        equations.finder = equations.finder.until(stop);
-        Ok(equations)
-    }
-
     /// The equations of `orbit` with `free` parameters, each with its unit: the length along it that counts like a change of order 1 of
     /// the orbit.
     pub(crate) fn new(

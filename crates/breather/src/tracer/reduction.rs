@@ -1,12 +1,11 @@
 //! Orbits with a symmetry, followed among themselves.
 
 use smallvec::{SmallVec, smallvec};
-use vibrochain_lattice::Parameter;
 
 use crate::equations::linear::{Matrix, USUAL, Vector};
 use crate::equations::unknowns::Unknowns;
+use crate::orbit::Orbit;
 use crate::orbit::symmetries::symmetries;
-use crate::orbit::{Family, Orbit};
 
 /// Closer to half the period than this a double-sided orbit is the symmetric one.
 pub(crate) const SYMMETRIC: f64 = 1e-10;
@@ -24,9 +23,6 @@ const PARTS: f64 = 120.0;
 /// P₀, P₁, s, t₁, ψ and as position 0, position 1, net impulse, Newton 0, Newton 1.
 ///
 /// - Without symmetry: all of them.
-/// - Mirror images in space half a period apart (a = 0, or γ₁ = 0 where the ring is not held): P₁ = −P₀, t₁ = T/2. The
-///   equations of the second impact repeat those of the first, but for the displacement s.
-/// - Mirror images in time (e = 1, a force of cosines): t₁ = T/2 and ψ = 0 or T/2. Newton's law holds by symmetry.
 /// - Words, as masses side by side have it: whatever symmetry of the lattice, perhaps later or in reversed time, the impacts have.
 #[derive(Debug, Clone)]
 pub(crate) struct Reduction {
@@ -39,27 +35,6 @@ pub(crate) struct Reduction {
 }
 
 impl Reduction {
-    pub(crate) fn of(orbit: &Orbit, free: &[Parameter], unknowns: &Unknowns) -> Self {
-        let model = orbit.model();
-        let half = 0.5 * orbit.period();
-        let centred = orbit.phi().is_some_and(|phi| (phi - half).abs() <= SYMMETRIC * half);
-        let one = |i: usize| -> Moves { smallvec![(i, 1.0)] };
-        if orbit.family() == Family::DoubleSided && unknowns.size() == 5 && centred {
-            let fixed = |parameter: Parameter, value: f64| model.get(parameter) == value && !free.contains(&parameter);
-            let phase = 2.0 * orbit.psi_or_zero() / model.period();
-            if fixed(Parameter::Asymmetry, 0.0) || fixed(Parameter::Gamma1, 0.0) {
-                let columns = smallvec![smallvec![(0, 1.0), (1, -1.0)], one(2), one(4)];
-                return Self { columns, rows: smallvec![0, 1, 3], turns: SmallVec::new(), psi: None };
-            }
-            let even = model.force().harmonics().iter().all(|harmonic| harmonic.phase == 0.0);
-            if even && fixed(Parameter::Restitution, 1.0) && (phase - phase.round()).abs() <= SYMMETRIC {
-                let (columns, psi) = ((0..3).map(one).collect(), Some(0.5 * phase.round().rem_euclid(2.0)));
-                return Self { columns, rows: smallvec![0, 1, 2], turns: SmallVec::new(), psi };
-            }
-        }
-        Self::none(unknowns)
-    }
-
     /// All unknowns free.
     pub(crate) fn none(unknowns: &Unknowns) -> Self {
         let all = 0..unknowns.size();

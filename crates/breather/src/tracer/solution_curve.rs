@@ -9,8 +9,8 @@
 //!
 //! which stays regular where the curve turns back in λ (a fold: ∂F/∂x is singular, the bordered matrix is not).
 
+use crate::branch_error::BranchError;
 use crate::equations::linear::{Matrix, Vector, dot, unit};
-use crate::error::BranchError;
 use crate::tracer::system::System;
 
 /// A chord may depart from the mean of the tangents at its ends by this part of its length: that of an arc of a fifth of a radian. One
@@ -89,7 +89,7 @@ impl<O: Clone> SolutionPoint<O> {
 }
 
 /// The solutions of one system over one parameter, to be followed step by step: a [`Branch`](crate::Branch)
-/// or a [`StructureBranch`](crate::StructureBranch).
+/// or a [`Branch`](crate::Branch).
 #[derive(Debug, Clone)]
 pub struct SolutionCurve<S> {
     pub(crate) equations: S,

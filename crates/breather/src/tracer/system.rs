@@ -1,7 +1,7 @@
 //! What is followed: equations F(x, λ) = 0 in unknowns x and free parameters λ, and Newton's method for them.
 
+use crate::branch_error::BranchError;
 pub use crate::equations::linear::{Matrix, Vector, dot, unit, zeros};
-use crate::error::BranchError;
 
 /// Step of difference quotients in the parameters, relative: error and rounding balance. Newton's method needs no more
 /// digits than that.

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 use vibrochain_breather::{Finder, Orbit};
 use vibrochain_floquet::{
-    Course, Diagram, Event, EventCurve, Located, Search, StructureCourse, StructureWindow, Tolerance, Walk, Window,
+    BranchRequest, Course, Diagram, Event, EventCurve, Located, Rectangle, Search, Tolerance, Walk, Window,
     curve_along, diagram_until, locate_until,
 };
 use vibrochain_lattice::{Model, Parameter, Stop};
@@ -159,8 +159,8 @@ impl Along for ChainAlong {
         orbit.to_string()
     }
 
-    fn diagram(&self, free: Parameter, course: &StructureCourse, stop: &Stop) -> Result<Diagram, CliError> {
-        let StructureCourse { from, to, events, generations, tolerance } = course.clone();
+    fn diagram(&self, free: Parameter, course: &BranchRequest, stop: &Stop) -> Result<Diagram, CliError> {
+        let BranchRequest { from, to, events, generations, tolerance } = course.clone();
         Ok(diagram_until(&self.start.orbit, &Course { free, from, to, events, generations, tolerance }, stop)?)
     }
 
@@ -180,7 +180,7 @@ impl Along for ChainAlong {
         &self,
         parameters: [Parameter; 2],
         located: &[Located],
-        (StructureWindow { from, to }, tolerance): (StructureWindow, f64),
+        (Rectangle { from, to }, tolerance): (Rectangle, f64),
         stop: &Stop,
     ) -> Result<Vec<EventCurve>, CliError> {
         let window = Window { parameters, from, to };

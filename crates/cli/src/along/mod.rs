@@ -6,8 +6,7 @@ mod structure;
 
 use serde_json::{Map, Value, json};
 use vibrochain_floquet::{
-    Diagram, End, Event, EventCurve, Evidence, Followed, Located, StructureCourse, StructureWindow, Tolerance,
-    Unresolved,
+    BranchRequest, Diagram, End, Event, EventCurve, Evidence, Followed, Located, Rectangle, Tolerance, Unresolved,
 };
 use vibrochain_lattice::{Short, Stop};
 use vibrochain_maps::numbers::Number;
@@ -83,12 +82,7 @@ pub(crate) trait Along: Sized {
     fn place(orbit: &Self::Orbit, number: usize) -> String;
     /// An orbit in words.
     fn told(orbit: &Self::Orbit) -> String;
-    fn diagram(
-        &self,
-        free: Self::Free,
-        course: &StructureCourse,
-        stop: &Stop,
-    ) -> Result<Diagram<Self::Orbit>, CliError>;
+    fn diagram(&self, free: Self::Free, course: &BranchRequest, stop: &Stop) -> Result<Diagram<Self::Orbit>, CliError>;
     fn located(
         &self,
         event: Event,
@@ -101,7 +95,7 @@ pub(crate) trait Along: Sized {
         &self,
         free: [Self::Free; 2],
         located: &[Located<Self::Orbit>],
-        how: (StructureWindow, f64),
+        how: (Rectangle, f64),
         stop: &Stop,
     ) -> Result<Vec<EventCurve<Self::Orbit>>, CliError>;
 

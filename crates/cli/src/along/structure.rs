@@ -2,9 +2,7 @@
 
 use serde_json::{Map, Value, json};
 use vibrochain_breather::StructureOrbit;
-use vibrochain_floquet::{
-    Diagram, Event, EventCurve, Located, StructureCourse, StructureWindow, Tolerance, structure_diagram,
-};
+use vibrochain_floquet::{BranchRequest, Diagram, Event, EventCurve, Located, Rectangle, Tolerance, branches};
 use vibrochain_lattice::{Short, Stop};
 use vibrochain_maps::caption::in_words;
 use vibrochain_maps::scene::tolerance_from;
@@ -133,13 +131,8 @@ impl Along for StructureAlong {
         format!("period {}{psi}, {lead} {}", Short(orbit.period()), impulses.join(", "))
     }
 
-    fn diagram(
-        &self,
-        free: Setting,
-        course: &StructureCourse,
-        stop: &Stop,
-    ) -> Result<Diagram<StructureOrbit>, CliError> {
-        Ok(structure_diagram(&self.start.orbit, &family(&self.scene, &[free]), self.value(free)?, course, stop)?)
+    fn diagram(&self, free: Setting, course: &BranchRequest, stop: &Stop) -> Result<Diagram<StructureOrbit>, CliError> {
+        Ok(branches(&self.start.orbit, &family(&self.scene, &[free]), self.value(free)?, course, stop)?)
     }
 
     fn located(
@@ -150,7 +143,7 @@ impl Along for StructureAlong {
         stop: &Stop,
     ) -> Result<Events<StructureOrbit>, CliError> {
         let (events, tolerance) = (vec![event], self.scene.tolerance);
-        let course = StructureCourse { from, to, events, generations: 0, tolerance };
+        let course = BranchRequest { from, to, events, generations: 0, tolerance };
         let mut found = self.diagram(free, &course, stop)?;
         let (branch, counts) = (found.branches.swap_remove(0), [found.evaluations, found.spectra]);
         let located = branch.events().cloned().collect();
@@ -161,7 +154,7 @@ impl Along for StructureAlong {
         &self,
         free: [Setting; 2],
         located: &[Located<StructureOrbit>],
-        how: (StructureWindow, f64),
+        how: (Rectangle, f64),
         stop: &Stop,
     ) -> Result<Vec<EventCurve<StructureOrbit>>, CliError> {
         Ok(curves(&self.scene, (free, self.value(free[1])?), located, how, stop)?)

@@ -5,7 +5,7 @@ pub(crate) mod table;
 use std::fmt::Write as _;
 
 use serde_json::{Map, Value, json};
-use vibrochain_floquet::{Diagram, Event, Followed, FollowedBranch, Origin, Station, StructureCourse};
+use vibrochain_floquet::{BranchRequest, Diagram, Event, Followed, FollowedBranch, Origin, Station};
 use vibrochain_maps::followed::{BranchName, BranchRow, branch_row};
 use vibrochain_plot::curves_picture;
 
@@ -49,7 +49,7 @@ fn follow<A: Along>(args: &BranchArgs, scene: A::Scene, console: &mut Console<'_
     let [from, to] = checked_range(&along, free, FIRST, [args.along.from, args.along.to])?;
     let events = Event::ALL.into_iter().filter(|one| args.events.is_empty() || args.events.contains(one)).collect();
     let generations = if args.switch { args.generations } else { 0 };
-    let course = StructureCourse { from, to, events, generations, tolerance: along.tolerance(args.threshold)? };
+    let course = BranchRequest { from, to, events, generations, tolerance: along.tolerance(args.threshold)? };
     let label = along.label(free);
     let nothing = drawn((String::new(), label.clone()), (&[], &[]), &args.show, args.all);
     pictures.fit(|page| curves_picture(&nothing, page))?;
@@ -129,7 +129,7 @@ fn json_of<A: Along>(
     along: &A,
     free: &str,
     switch: bool,
-    course: &StructureCourse,
+    course: &BranchRequest,
     diagram: &Diagram<A::Orbit>,
 ) -> Map<String, Value> {
     let schema = if A::OF_CHAINS { BRANCH } else { STRUCTURE_BRANCH };

@@ -1,13 +1,11 @@
 //! What else happens along a curve: monitors, which change their sign where it does.
 
 use nalgebra::Complex;
-use vibrochain_breather::system::System;
 
 use super::answer::Special;
 use super::tracer::{TracedPoint, Tracer, is_physical};
 use crate::events::half_sums::upper_half;
-use crate::events::{AtEvent, EventOrbit, TOUCHES, Test, Watcher, another_one, minus_one};
-use crate::followed::Followed;
+use crate::events::{AtEvent, EventOrbit, TOUCHES, Test, another_one, minus_one};
 use crate::locate::Event;
 use crate::verdict::Tolerance;
 
@@ -48,13 +46,9 @@ impl Seen {
     }
 }
 
-impl<S, W> Tracer<'_, S, W>
-where
-    S: System<Orbit = W::Orbit>,
-    W: Watcher,
-{
+impl Tracer<'_> {
     /// What is seen at a point; pairs that grow or fall by no more than `least` are taken to be on the circle.
-    pub(super) fn seen(&mut self, point: &TracedPoint<W::Orbit>, least: f64) -> Seen {
+    pub(super) fn seen(&mut self, point: &TracedPoint, least: f64) -> Seen {
         let AtEvent { orbit, mark, determinant, fold_determinant } = point.orbit();
         let mut monitors = Vec::new();
         let mut add = |special, which, value: f64| {

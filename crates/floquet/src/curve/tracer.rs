@@ -1,7 +1,8 @@
 //! From point to point of a curve.
 
+use vibrochain_breather::StructureOrbit;
 use vibrochain_breather::line::foreseen;
-use vibrochain_breather::system::{System, Vector, dot};
+use vibrochain_breather::system::{Vector, dot};
 use vibrochain_breather::{Admissibility, BranchError, Obstruction, SolutionCurve, SolutionPoint};
 
 use super::answer::CurvePoint;
@@ -26,14 +27,14 @@ const STRAIGHT: f64 = 0.9;
 const FAR_SHORTER: f64 = 0.1;
 
 /// A point of a curve.
-pub(super) type TracedPoint<O> = SolutionPoint<AtEvent<O>>;
+pub(super) type TracedPoint = SolutionPoint<AtEvent>;
 
 fn norm(vector: &[f64]) -> f64 {
     dot(vector, vector).sqrt()
 }
 
 /// Values of both numbers.
-pub(super) fn values<O>(point: &TracedPoint<O>) -> [f64; 2] {
+pub(super) fn values(point: &TracedPoint) -> [f64; 2] {
     let z = point.coordinates();
     [z[z.len() - 2], z[z.len() - 1]]
 }
@@ -66,7 +67,7 @@ impl CurveRequest<'_> {
 }
 
 /// Whether an orbit is physical, touches aside.
-pub(super) fn is_physical(told: &Admissibility, orbit: &impl EventOrbit) -> bool {
+pub(super) fn is_physical(told: &Admissibility, orbit: &StructureOrbit) -> bool {
     match told.obstruction {
         None => true,
         Some(Obstruction::Crossing { excess, .. }) => excess <= TOUCHES * orbit.speed() / orbit.omega(),
@@ -78,13 +79,9 @@ pub(super) fn is_physical(told: &Admissibility, orbit: &impl EventOrbit) -> bool
 }
 
 /// Who follows a curve.
-pub(super) struct Tracer<'a, S, W>
-where
-    S: System<Orbit = W::Orbit>,
-    W: Watcher,
-{
-    pub(super) manifold: SolutionCurve<EventSystem<S>>,
-    pub(super) watcher: W,
+pub(super) struct Tracer<'a> {
+    pub(super) manifold: SolutionCurve<EventSystem>,
+    pub(super) watcher: Watcher,
     pub(super) test: Test,
     pub(super) asked: &'a CurveRequest<'a>,
     /// Impulses of the first orbit.
@@ -95,17 +92,13 @@ where
     pub(super) grazing: Vec<usize>,
 }
 
-impl<S, W> Tracer<'_, S, W>
-where
-    S: System<Orbit = W::Orbit>,
-    W: Watcher,
-{
+impl Tracer<'_> {
     pub(super) fn has_angle(&self) -> bool {
         matches!(self.test, Test::Circle | Test::Collision)
     }
 
     /// Where the curve is expected, a length ahead of the last of some points: through several of them, as edges of stripes are near to each other.
-    pub(super) fn foreseen(&self, points: &[TracedPoint<W::Orbit>], length: f64) -> Option<Vector> {
+    pub(super) fn foreseen(&self, points: &[TracedPoint], length: f64) -> Option<Vector> {
         let last = points.last()?;
         let mut at = 0.0;
         let behind = points.windows(2).rev().map(|pair| {
@@ -118,11 +111,7 @@ where
 
     /// The point a length ahead of the last of some points, near where the points behind foresee it. Where none is found and the length is far
     /// shorter than the last step, it is looked for along the tangent, which tells the way on better there.
-    pub(super) fn advance(
-        &mut self,
-        points: &[TracedPoint<W::Orbit>],
-        length: f64,
-    ) -> Result<TracedPoint<W::Orbit>, BranchError> {
+    pub(super) fn advance(&mut self, points: &[TracedPoint], length: f64) -> Result<TracedPoint, BranchError> {
         let foreseen = self.foreseen(points, length).ok_or(BranchError::NoConvergence)?;
         self.advance_to(points, &foreseen).or_else(|why| match points.last_chunk() {
             Some([before, last]) if length <= FAR_SHORTER * self.manifold.distance(before, last) => {
@@ -133,11 +122,7 @@ where
     }
 
     /// The point near where it is foreseen, across the way there.
-    fn advance_to(
-        &mut self,
-        points: &[TracedPoint<W::Orbit>],
-        foreseen: &[f64],
-    ) -> Result<TracedPoint<W::Orbit>, BranchError> {
+    fn advance_to(&mut self, points: &[TracedPoint], foreseen: &[f64]) -> Result<TracedPoint, BranchError> {
         let last = points.last().ok_or(BranchError::NoConvergence)?;
         let way = self.manifold.chord_to(last, foreseen);
         let length = norm(&way);
@@ -154,11 +139,11 @@ where
     /// Where on a part of the step from the last of some points a function vanishes that has these values at the ends of that part.
     pub(super) fn located(
         &mut self,
-        points: &[TracedPoint<W::Orbit>],
+        points: &[TracedPoint],
         [from, to]: [f64; 2],
         ends: [f64; 2],
-        mut value: impl FnMut(&mut Self, &TracedPoint<W::Orbit>) -> Option<f64>,
-    ) -> Option<(TracedPoint<W::Orbit>, f64)> {
+        mut value: impl FnMut(&mut Self, &TracedPoint) -> Option<f64>,
+    ) -> Option<(TracedPoint, f64)> {
         let length = to - from;
         let (s, error) = crossing(ends, length, |s| {
             let point = self.advance(points, from + s).ok()?;
@@ -168,18 +153,13 @@ where
     }
 
     /// How the curve goes on in the plane of both numbers.
-    pub(super) fn heading(&self, point: &TracedPoint<W::Orbit>) -> [f64; 2] {
+    pub(super) fn heading(&self, point: &TracedPoint) -> [f64; 2] {
         let tangent = point.tangent();
         [tangent[tangent.len() - 2], tangent[tangent.len() - 1]]
     }
 
     /// Two folds meet where the curve turns back in both numbers.
-    pub(super) fn cusp(
-        &mut self,
-        points: &[TracedPoint<W::Orbit>],
-        to: &TracedPoint<W::Orbit>,
-        length: f64,
-    ) -> Option<(TracedPoint<W::Orbit>, f64)> {
+    pub(super) fn cusp(&mut self, points: &[TracedPoint], to: &TracedPoint, length: f64) -> Option<(TracedPoint, f64)> {
         let before = self.heading(points.last()?);
         let against = |[x, y]: [f64; 2]| x * before[0] + y * before[1];
         let ends = [against(before), against(self.heading(to))];
@@ -190,7 +170,7 @@ where
     }
 
     /// The error at each of the points, as a part of the window's sides.
-    pub(super) fn errors(&mut self, points: &[TracedPoint<W::Orbit>]) -> Vec<f64> {
+    pub(super) fn errors(&mut self, points: &[TracedPoint]) -> Vec<f64> {
         let last = points.len().saturating_sub(1);
         let places: Vec<usize> = (0..last).step_by(EVERY).chain([last]).collect();
         let told: Vec<f64> =
@@ -203,7 +183,7 @@ where
         errors
     }
 
-    pub(super) fn described(&mut self, point: &TracedPoint<W::Orbit>, error: f64) -> CurvePoint<W::Orbit> {
+    pub(super) fn described(&mut self, point: &TracedPoint, error: f64) -> CurvePoint<StructureOrbit> {
         let AtEvent { orbit, mark, .. } = point.orbit();
         let told = self.watcher.admissibility(orbit).ok();
         let physical = told.map(|told| is_physical(&told, orbit));

@@ -1,6 +1,9 @@
 //! One way along a curve: the orbit's equations with what vanishes at the event, over two numbers that are free, are followed by the one tracer.
 //! Where something else happens on the way a monitor changes its sign.
 
+use crate::events::FAINT;
+use vibrochain_breather::Continuation;
+use vibrochain_breather::StructureOrbit;
 use vibrochain_breather::line::{Line, Side, Step, chord_error, joined, side_ahead, trace};
 use vibrochain_breather::system::{System, Vector, unit};
 use vibrochain_breather::{BranchError, Pace, SolutionCurve};
@@ -27,7 +30,7 @@ const MOST_HALVED: usize = 6;
 const CLOSEST: f64 = 1e-14;
 
 /// What vanishes at an event, and its mark there.
-fn test_of(event: Event, evidence: Evidence, orbit: &impl EventOrbit) -> Option<(Test, Option<f64>)> {
+fn test_of(event: Event, evidence: Evidence, orbit: &StructureOrbit) -> Option<(Test, Option<f64>)> {
     Some(match (event, evidence) {
         (Event::Pitchfork, _) if orbit.is_conservative() => (Test::AnotherOne, None),
         (Event::Pitchfork, _) => (Test::One, None),
@@ -47,15 +50,11 @@ fn test_of(event: Event, evidence: Evidence, orbit: &impl EventOrbit) -> Option<
 }
 
 /// Follows an event at `orbit`, one of the orbits of `base` at its origin, both ways through a window.
-pub(crate) fn followed<S, W>(
-    (base, orbit): (S, &W::Orbit),
-    watcher: W,
+pub(crate) fn followed(
+    (base, orbit): (Continuation, &StructureOrbit),
+    watcher: Watcher,
     asked: &CurveRequest<'_>,
-) -> Result<EventCurve<W::Orbit>, CurveError>
-where
-    S: System<Orbit = W::Orbit>,
-    W: Watcher,
-{
+) -> Result<EventCurve<StructureOrbit>, CurveError> {
     let not_there = || CurveError::NotThere(asked.event);
     let (test, mark) = test_of(asked.event, asked.evidence, orbit).ok_or_else(not_there)?;
     let mut base = base;
@@ -74,7 +73,7 @@ where
         let message = "orbits of this symmetry, which they lose here, exist at no other value of one of the two numbers: no curve passes";
         return Err(BranchError::Model(message.to_owned()).into());
     }
-    let strength = watcher.strength(&first.orbit().orbit);
+    let strength = strongest(&first.orbit().orbit).max(f64::MIN_POSITIVE);
     // By symmetry several impacts may have no velocity all along.
     let still = |velocity: f64| velocity.abs() <= TOUCHES * first.orbit().orbit.speed();
     let arrivals = first.orbit().orbit.arrivals();
@@ -82,7 +81,7 @@ where
         Test::Velocity(own) => (0..arrivals.len()).filter(|&i| i == own || still(arrivals[i].velocity)).collect(),
         _ => Vec::new(),
     };
-    let vanish = grazing.len() == arrivals.len() || strongest(&first.orbit().orbit) < W::FAINT * strength;
+    let vanish = grazing.len() == arrivals.len() || strongest(&first.orbit().orbit) < FAINT * strength;
     let mut tracer = Tracer { manifold, watcher, test, asked, strength, vanish, grazing };
     let (behind, special_behind, end_behind) = tracer.way(first.reversed());
     let (ahead, special_ahead, end) = match end_behind {
@@ -129,14 +128,10 @@ struct Located<P> {
 }
 
 /// Points of a way, what happens at some of them, and how it ends.
-type Passed<O> = (Vec<TracedPoint<O>>, Vec<Noted>, CurveEnd);
+type Passed = (Vec<TracedPoint>, Vec<Noted>, CurveEnd);
 
-impl<S, W> Tracer<'_, S, W>
-where
-    S: System<Orbit = W::Orbit>,
-    W: Watcher,
-{
-    fn way(&mut self, start: TracedPoint<W::Orbit>) -> Passed<W::Orbit> {
+impl Tracer<'_> {
+    fn way(&mut self, start: TracedPoint) -> Passed {
         let seen = self.seen(&start, GROWTH);
         let tolerance = self.asked.tolerance;
         let mut way = Way { tracer: self, seen, special: Vec::new(), told: 0, why: BranchError::NoConvergence };
@@ -148,14 +143,10 @@ where
 /// What is seen at a length along a step.
 type SeenAt = (f64, Seen);
 
-impl<S, W> Tracer<'_, S, W>
-where
-    S: System<Orbit = W::Orbit>,
-    W: Watcher,
-{
+impl Tracer<'_> {
     /// Parts of a step, halved where pairs of multipliers become real or complex on the way: a pair that is seen at one end alone may have
     /// crossed the circle before.
-    fn alike(&mut self, passed: &[TracedPoint<W::Orbit>], ends: [SeenAt; 2]) -> Vec<[SeenAt; 2]> {
+    fn alike(&mut self, passed: &[TracedPoint], ends: [SeenAt; 2]) -> Vec<[SeenAt; 2]> {
         let (mut open, mut parts) = (vec![(ends, 0)], Vec::new());
         while let Some(([from, to], halved)) = open.pop() {
             let middle = 0.5 * (from.0 + to.0);
@@ -173,12 +164,8 @@ where
 }
 
 /// One way along the curve from its start.
-struct Way<'t, 'a, S, W>
-where
-    S: System<Orbit = W::Orbit>,
-    W: Watcher,
-{
-    tracer: &'t mut Tracer<'a, S, W>,
+struct Way<'t, 'a> {
+    tracer: &'t mut Tracer<'a>,
     /// At the last point.
     seen: Seen,
     special: Vec<Noted>,
@@ -188,12 +175,8 @@ where
     why: BranchError,
 }
 
-impl<S, W> Line for Way<'_, '_, S, W>
-where
-    S: System<Orbit = W::Orbit>,
-    W: Watcher,
-{
-    type Point = TracedPoint<W::Orbit>;
+impl Line for Way<'_, '_> {
+    type Point = TracedPoint;
     type End = CurveEnd;
 
     const CLOSED: CurveEnd = CurveEnd::Closed;
@@ -207,6 +190,11 @@ where
         let mut beyond = [foreseen[foreseen.len() - 2], foreseen[foreseen.len() - 1]];
         if asked.holds(beyond) {
             let next = told(self.tracer.advance(passed, length))?;
+            // Where rounding hides the way on, what is found may lie behind.
+            if self.tracer.manifold.length_between(last, &next) <= CLOSEST {
+                self.why = BranchError::NoConvergence;
+                return None;
+            }
             if asked.holds(values(&next)) {
                 return Some(Step::On(next));
             }
@@ -257,7 +245,7 @@ where
         let Some(last) = passed.last().cloned() else { return };
         let length = self.tracer.manifold.length_between(&last, &next);
         let mut found: Vec<Located<Self::Point>> = Vec::new();
-        let mut take = |tracer: &Tracer<'_, S, W>, located: Option<(Self::Point, f64)>, special| {
+        let mut take = |tracer: &Tracer<'_>, located: Option<(Self::Point, f64)>, special| {
             let along = |point: &Self::Point| tracer.manifold.length_between(&last, point);
             found.extend(located.map(|(point, error)| Located { along: along(&point), point, special, error }));
         };
@@ -318,7 +306,7 @@ where
         match strongest(orbit) / self.tracer.strength {
             _ if self.tracer.vanish => None,
             UNBOUNDED.. => Some(CurveEnd::Unbounded),
-            share if share < W::FAINT => Some(CurveEnd::ImpulsesVanish),
+            share if share < FAINT => Some(CurveEnd::ImpulsesVanish),
             _ => None,
         }
     }

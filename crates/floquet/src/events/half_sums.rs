@@ -42,15 +42,6 @@ pub(crate) fn half_sums(values: &[Complex<f64>], reversible: bool) -> Vec<Comple
     sums
 }
 
-/// Drops the ν of a mode that no impact feels: the nearest one on the circle.
-pub(crate) fn drop_nearest(half_sums: &mut Vec<Complex<f64>>, nu: f64) {
-    let off = |one: &Complex<f64>| (one - nu).norm();
-    let nearest = (0..half_sums.len()).min_by(|&i, &j| off(&half_sums[i]).total_cmp(&off(&half_sums[j])));
-    if let Some(place) = nearest.filter(|&i| off(&half_sums[i]) <= SPLIT) {
-        half_sums.swap_remove(place);
-    }
-}
-
 /// Number of complex ν.
 pub(crate) fn complex_count(half_sums: &[Complex<f64>]) -> usize {
     half_sums.iter().filter(|nu| nu.im.abs() > SPLIT).count()

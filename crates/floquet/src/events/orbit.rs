@@ -1,11 +1,9 @@
-//! What test functions ask of an orbit, be it a chain's or any structure's.
+//! What test functions ask of an orbit.
 
 use nalgebra::Complex;
 use smallvec::SmallVec;
-use vibrochain_breather::{
-    BlochEquations, BranchError, BreatherError, Family, Impact, Motion, Orbit, StructureMotion, StructureOrbit,
-};
-use vibrochain_lattice::{Barrier, ImpulseResponse, Resonance, Spectrum};
+use vibrochain_breather::{BlochEquations, BranchError, StructureOrbit};
+use vibrochain_lattice::{Barrier, Resonance};
 
 use crate::followed::Followed;
 
@@ -18,57 +16,25 @@ const BESIDE: f64 = 0.1;
 /// The state at an impact, just before it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Arrival {
-    pub(crate) impulse: f64,
     pub(crate) velocity: f64,
-    /// What rounding does to it; `None` where no bound is known but the velocities of the orbit.
-    pub(crate) velocity_error: Option<f64>,
     pub(crate) acceleration: f64,
 }
 
-/// An orbit of which events are told.
+/// What events ask of an orbit.
 pub(crate) trait EventOrbit: Followed {
-    /// ω of the force.
+    /// ω of the loads.
     fn omega(&self) -> f64;
     /// Whether neither impacts nor modes lose energy.
     fn is_lossless(&self) -> bool;
     /// The impacts, in order of time.
     fn arrivals(&self) -> SmallVec<[Arrival; 2]>;
-    /// The acceleration after a plastic impact, and its error; `None` of others.
-    fn acceleration_after(&self, _impact: usize) -> Result<Option<[f64; 2]>, BranchError> {
-        Ok(None)
-    }
     /// J(z).
-    fn linearised(&self) -> Result<BlochEquations, BranchError>;
+    fn linearised(&self) -> BlochEquations;
     /// Where a contact has a barrier.
     fn wall(&self, contact: usize, barrier: Barrier) -> Result<f64, BranchError>;
-    /// Place and velocity of a contact at a time within the period.
-    fn state(&self, contact: usize, time: f64) -> Result<[f64; 2], BranchError>;
-    /// Those of all contacts.
-    fn states(&self, time: f64) -> Result<Vec<[f64; 2]>, BranchError>;
-
-    /// What rounding does to that place; `None` where no bound of it is known but its size.
-    fn place_error(&self, contact: usize, time: f64) -> Option<f64>;
-
-    /// How far it is from repeating or mirroring itself half a period later; of none where its own equations keep that.
-    fn unevenness(&self) -> Vec<f64>;
-    /// Whether a more symmetric orbit lies between this one and another of its branch.
-    fn is_across(&self, other: &Self) -> bool;
     /// Whether its second half hits the same places as its first, in the same order. Where its branch ends on more symmetric orbits, these then
     /// repeat after half its period; where it does not, they are their own mirror images.
-    fn is_hit_again(&self) -> bool {
-        let hits = self.hits();
-        let (one, other) = hits.split_at(hits.len() / 2);
-        let mut pairs = one.iter().zip(other);
-        one.len() == other.len() && pairs.all(|(a, b)| (a.site, a.barrier) == (b.site, b.barrier))
-    }
-
-    /// Whether others of less symmetry may leave it at a multiplier +1.
-    fn may_lose_symmetry(&self) -> bool;
-
-    /// Of a family that has a name, whether the second impact is in the second half of the period: of the same orbit begun at either, that is
-    /// the one that is listed of doubled ones.
-    fn is_late(&self) -> Option<bool>;
-
+    fn is_hit_again(&self) -> bool;
     /// Of each mode the pole λ of its motion, the upper of two.
     fn rates(&self) -> Vec<Complex<f64>>;
 
@@ -113,87 +79,6 @@ pub(crate) trait EventOrbit: Followed {
     }
 }
 
-impl EventOrbit for Orbit {
-    fn omega(&self) -> f64 {
-        self.model().omega()
-    }
-
-    fn is_lossless(&self) -> bool {
-        self.model().loss() == 0.0
-    }
-
-    fn arrivals(&self) -> SmallVec<[Arrival; 2]> {
-        let of = self.impacts().iter().map(|one| Arrival {
-            impulse: one.impulse,
-            velocity: one.velocity_before,
-            // Impulses are unknowns, and 0 is 0.
-            velocity_error: Some(f64::EPSILON * one.velocity_before.abs()),
-            acceleration: one.acceleration,
-        });
-        of.collect()
-    }
-
-    fn linearised(&self) -> Result<BlochEquations, BranchError> {
-        Ok(BlochEquations::of(self, &response(self)?).0)
-    }
-
-    fn wall(&self, _contact: usize, barrier: Barrier) -> Result<f64, BranchError> {
-        Ok(self.model().barrier(barrier))
-    }
-
-    fn state(&self, contact: usize, time: f64) -> Result<[f64; 2], BranchError> {
-        let mass = Motion::of(self)?.at(contact, time);
-        Ok([mass.displacement, mass.velocity])
-    }
-
-    fn states(&self, time: f64) -> Result<Vec<[f64; 2]>, BranchError> {
-        let mut motion = Motion::of(self)?;
-        let _ = motion.at(0, time);
-        let of = (0..motion.sites()).map(|site| motion.site(site));
-        Ok(of.map(|mass| [mass.displacement, mass.velocity]).collect())
-    }
-
-    /// How large the terms are that the displacement is summed of: those of each impact, over all modes, and that of the force.
-    fn place_error(&self, contact: usize, time: f64) -> Option<f64> {
-        let response = response(self).ok()?;
-        let [place, _] = self.state(contact, time).ok()?;
-        let of = |impact: &Impact| {
-            let elapsed = (time - impact.time).rem_euclid(self.period());
-            impact.impulse.abs() * response.sensitivity_between(contact, impact.site, elapsed).value
-        };
-        let phase = self.omega() * (time + self.psi().unwrap_or(0.0));
-        let force = self.steady().bound(0) * (1.0 + phase);
-        Some(2.0 * f64::EPSILON * (self.impacts().iter().map(of).sum::<f64>() + force + place.abs()))
-    }
-
-    fn unevenness(&self) -> Vec<f64> {
-        Vec::new()
-    }
-
-    fn is_across(&self, other: &Self) -> bool {
-        let side = |orbit: &Self| orbit.phi().map_or(0.0, |phi| phi - 0.5 * orbit.period());
-        side(self) * side(other) < 0.0
-    }
-
-    fn may_lose_symmetry(&self) -> bool {
-        self.family() == Family::DoubleSided
-    }
-
-    fn is_late(&self) -> Option<bool> {
-        (self.family() != Family::Word).then(|| self.phi().is_some_and(|phi| phi > 0.5 * self.period()))
-    }
-
-    fn rates(&self) -> Vec<Complex<f64>> {
-        let spectrum = Spectrum::new(*self.model().chain());
-        spectrum.frequencies().iter().map(|&frequency| Complex::new(0.0, frequency)).collect()
-    }
-}
-
-fn response(orbit: &Orbit) -> Result<ImpulseResponse, BranchError> {
-    let spectrum = Spectrum::new(*orbit.model().chain());
-    Ok(ImpulseResponse::new(&spectrum, orbit.frequency()).map_err(BreatherError::from)?)
-}
-
 impl EventOrbit for StructureOrbit {
     fn omega(&self) -> f64 {
         self.model().omega()
@@ -204,68 +89,28 @@ impl EventOrbit for StructureOrbit {
     }
 
     fn arrivals(&self) -> SmallVec<[Arrival; 2]> {
-        let of = self.impacts().iter().map(|one| Arrival {
-            impulse: one.impulse,
-            velocity: one.velocity_before,
-            velocity_error: None,
-            acceleration: one.acceleration_before,
-        });
+        let of = self
+            .impacts()
+            .iter()
+            .map(|one| Arrival { velocity: one.velocity_before, acceleration: one.acceleration_before });
         of.collect()
     }
 
-    fn acceleration_after(&self, impact: usize) -> Result<Option<[f64; 2]>, BranchError> {
-        Ok(self.acceleration_after(impact)?)
-    }
-
-    fn linearised(&self) -> Result<BlochEquations, BranchError> {
-        Ok(self.bloch_equations().0)
+    fn linearised(&self) -> BlochEquations {
+        self.bloch_equations().0
     }
 
     fn wall(&self, contact: usize, barrier: Barrier) -> Result<f64, BranchError> {
-        Ok(self.model().barrier(contact, barrier)?)
+        Ok(self.model().barrier_at(contact, barrier)?)
     }
 
-    fn state(&self, contact: usize, time: f64) -> Result<[f64; 2], BranchError> {
-        let (motion, (last, since)) = (StructureMotion::new(self)?, flight(self, time));
-        let [place, velocity, _] = motion.contact(contact, last, since);
-        Ok([place, velocity])
-    }
-
-    fn states(&self, time: f64) -> Result<Vec<[f64; 2]>, BranchError> {
-        let (motion, (last, since)) = (StructureMotion::new(self)?, flight(self, time));
-        let contacts = 0..self.model().structure().contacts().len();
-        let of = contacts.map(|contact| motion.contact(contact, last, since));
-        Ok(of.map(|[place, velocity, _]| [place, velocity]).collect())
-    }
-
-    fn place_error(&self, _contact: usize, _time: f64) -> Option<f64> {
-        None
-    }
-
-    fn unevenness(&self) -> Vec<f64> {
-        self.unevenness()
-    }
-
-    fn is_across(&self, other: &Self) -> bool {
-        self.is_across(other)
-    }
-
-    fn may_lose_symmetry(&self) -> bool {
-        true
-    }
-
-    fn is_late(&self) -> Option<bool> {
-        None
+    fn is_hit_again(&self) -> bool {
+        let (one, other) = self.impacts().split_at(self.impacts().len() / 2);
+        let mut pairs = one.iter().zip(other);
+        one.len() == other.len() && pairs.all(|(a, b)| (a.contact, a.barrier) == (b.contact, b.barrier))
     }
 
     fn rates(&self) -> Vec<Complex<f64>> {
         self.model().structure().modes().iter().map(|mode| mode.rates()[0]).collect()
     }
-}
-
-/// The impact before a time within the period, and how long ago it was.
-fn flight(orbit: &StructureOrbit, time: f64) -> (usize, f64) {
-    let impacts = orbit.impacts();
-    let last = impacts.iter().rposition(|impact| impact.time <= time).unwrap_or(impacts.len() - 1);
-    (last, (time - impacts[last].time).rem_euclid(orbit.period()))
 }

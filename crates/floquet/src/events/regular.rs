@@ -7,8 +7,6 @@ use nalgebra::Complex;
 use vibrochain_breather::BlochEquations;
 use vibrochain_breather::linear::{cofactors, determinant};
 
-use super::orbit::EventOrbit;
-
 type C = Complex<f64>;
 
 /// A mode's poles farther from a multiplier than this leave its size alone.
@@ -30,13 +28,13 @@ pub(super) struct Regular<'a> {
 }
 
 impl<'a> Regular<'a> {
-    pub(super) fn of(orbit: &impl EventOrbit, equations: &'a BlochEquations, theta: f64) -> Self {
+    pub(super) fn of(equations: &'a BlochEquations, theta: f64) -> Self {
         let z = if theta == std::f64::consts::PI { C::new(-1.0, 0.0) } else { C::from_polar(1.0, theta) };
         let (size, modes) = (equations.size(), equations.kernel().modes());
         let (mut matrix, mut slopes) = (Vec::new(), Vec::new());
         equations.fill(z, &mut matrix, Some(&mut slopes));
         let mut terms: Vec<f64> = equations.constant(false).iter().map(|entry| entry.abs()).collect();
-        let mut factor = C::new(orbit.arrivals().iter().map(|arrival| arrival.impulse.signum()).product(), 0.0);
+        let mut factor = C::new(equations.impacts().iter().map(|impact| impact.impulse.signum()).product(), 0.0);
         for (k, mode) in modes.iter().enumerate() {
             let (rows, columns) = (equations.rows(k), equations.columns(k));
             for (row, line) in rows.iter().zip(terms.chunks_mut(size)) {
@@ -152,8 +150,8 @@ fn slide_errors(equations: &BlochEquations) -> Vec<f64> {
 mod tests {
     use std::f64::consts::PI;
 
-    use vibrochain_breather::{Family, LinearImpact, Orbit, breathers};
-    use vibrochain_lattice::{BlochKernel, Chain, Model};
+    use vibrochain_breather::LinearImpact;
+    use vibrochain_lattice::BlochKernel;
     use vibrochain_testkit::Random;
 
     use super::*;
@@ -228,8 +226,6 @@ mod tests {
     /// off or an acceleration; and its slope is that of a finite difference.
     #[test]
     fn a_determinant_that_vanishes_moves_by_less_than_its_rounding() {
-        let model = Model::conservative(Chain::new(3, 0.3, 0.1).unwrap(), 1.1, 0.2).unwrap();
-        let orbit: Orbit = breathers(&model, Family::DoubleSided).unwrap().orbits.remove(0);
         let (mut random, mut near, mut checked) = (Random(29), [0.0_f64; 2], 0);
         for round in 0..200 {
             let mut both = twice(&mut random);
@@ -247,8 +243,8 @@ mod tests {
             let [(kernel, impacts), (longer, later)] = both;
             let told = BlochEquations::new(kernel.of_uncertain_period(PART), impacts.clone());
             let moved = BlochEquations::new(longer, later);
-            let at = |equations: &BlochEquations, theta: f64| Regular::of(&orbit, equations, theta).values()[0];
-            let (here, rounding) = (at(&told, PI), Regular::of(&orbit, &told, PI).rounding(None));
+            let at = |equations: &BlochEquations, theta: f64| Regular::of(equations, theta).values()[0];
+            let (here, rounding) = (at(&told, PI), Regular::of(&told, PI).rounding(None));
             let off = (at(&moved, PI) - here).norm();
             assert!(here.norm() <= 1e-3 * rounding && off <= rounding, "{round}: {here} {off:e} {rounding:e}");
             near[0] = near[0].max(off / rounding);
@@ -259,13 +255,13 @@ mod tests {
                 assert!(off <= 1.001 * rounding, "{round} {i}: {off:e} {rounding:e}");
                 near[1] = near[1].max(off / rounding);
                 // Without its row the acceleration does not count.
-                let without = Regular::of(&orbit, &told, PI).rounding(Some(2 * i + 1));
+                let without = Regular::of(&told, PI).rounding(Some(2 * i + 1));
                 assert!(
                     (rounding - without - off).abs() <= 1e-3 * rounding,
                     "{round} {i}: {rounding:e} {without:e} {off:e}"
                 );
             }
-            let [_, slope] = Regular::of(&orbit, &told, PI).values();
+            let [_, slope] = Regular::of(&told, PI).values();
             let difference = (at(&told, PI + 1e-6) - at(&told, PI - 1e-6)) / 2e-6;
             assert!((slope - difference).norm() < 1e-4 * (slope.norm() + 1e-2), "{round}: {slope} {difference}");
             checked += 1;

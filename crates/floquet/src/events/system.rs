@@ -4,6 +4,8 @@
 //! tracer follows. Derivatives of the test function are differences.
 
 use smallvec::SmallVec;
+use vibrochain_breather::Continuation;
+use vibrochain_breather::StructureOrbit;
 use vibrochain_breather::system::{Evaluation, Matrix, System, Vector, unit};
 use vibrochain_breather::{BranchError, SolutionPoint};
 
@@ -25,8 +27,8 @@ const MARK: f64 = 0.1;
 
 /// The equations of an orbit with a test function. z holds the orbit's unknowns, the mark if there is one, then the numbers that are free.
 #[derive(Debug, Clone)]
-pub(crate) struct EventSystem<S> {
-    base: S,
+pub(crate) struct EventSystem {
+    base: Continuation,
     test: Test,
     /// Of symmetric orbits that lose their symmetry; the mark is μ.
     unfolding: Option<Unfolding>,
@@ -40,9 +42,9 @@ pub(crate) struct EventSystem<S> {
 
 /// An orbit where an event is.
 #[derive(Debug, Clone)]
-pub(crate) struct AtEvent<O> {
+pub(crate) struct AtEvent {
     /// The orbit.
-    pub orbit: O,
+    pub orbit: StructureOrbit,
     /// θ of its multiplier on the circle, or the part of the period at which a contact touches; μ where symmetry is lost.
     pub mark: Option<f64>,
     /// Of the orbit's own equations.
@@ -51,12 +53,9 @@ pub(crate) struct AtEvent<O> {
     pub fold_determinant: f64,
 }
 
-impl<S: System> EventSystem<S>
-where
-    S::Orbit: EventOrbit,
-{
+impl EventSystem {
     /// Of the orbits of `base`, from near `z`.
-    pub(crate) fn new(mut base: S, test: Test, z: &[f64], mark: Option<f64>) -> Self {
+    pub(crate) fn new(mut base: Continuation, test: Test, z: &[f64], mark: Option<f64>) -> Self {
         let size = base.size();
         let unfolding = (test == Test::One).then(|| Unfolding::of(&mut base, z)).flatten();
         let mark = if unfolding.is_some() { Some(0.0) } else { mark.filter(|_| test.is_marked()) };
@@ -70,7 +69,7 @@ where
 
     /// What holds orbits symmetric along a curve on which they lose their symmetry, in units of their equations: μ, 0 as long as both numbers
     /// keep the symmetry.
-    pub(crate) fn push(&self, at: &AtEvent<S::Orbit>) -> f64 {
+    pub(crate) fn push(&self, at: &AtEvent) -> f64 {
         self.unfolding.as_ref().and(at.mark).unwrap_or(0.0)
     }
 
@@ -98,7 +97,7 @@ where
         (z[..size].iter().chain(&z[size + marks..]).copied().collect(), z[size..size + marks].first().copied())
     }
 
-    fn tested(&self, here: &Evaluation<S::Orbit, S::Kept>, mark: Option<f64>) -> Result<Vector, BranchError> {
+    fn tested(&self, here: &Evaluation<StructureOrbit, Vector>, mark: Option<f64>) -> Result<Vector, BranchError> {
         let mut values = self.test.values(here, mark)?;
         values.extend(self.unfolding.iter().map(|unfolding| unfolding.value(&here.orbit)));
         if values.iter().all(|value| value.is_finite()) {
@@ -113,7 +112,7 @@ where
     fn differentiate(
         &mut self,
         own: &[f64],
-        (here, mark): (&Evaluation<S::Orbit, S::Kept>, Option<f64>),
+        (here, mark): (&Evaluation<StructureOrbit, Vector>, Option<f64>),
         rows: &[f64],
         matrix: &mut Matrix,
     ) -> Result<(), BranchError> {
@@ -163,7 +162,7 @@ where
         (z, at): (&[f64], usize),
         place: usize,
         here: &[f64],
-        mut rows: impl FnMut(&mut Self, &[f64]) -> Result<(Vector, S::Orbit), BranchError>,
+        mut rows: impl FnMut(&mut Self, &[f64]) -> Result<(Vector, StructureOrbit), BranchError>,
     ) -> Result<Vector, BranchError> {
         let unit = self.units[place];
         let (factor, modes) = self.poles.clone();
@@ -187,7 +186,7 @@ where
         Ok(slopes)
     }
 
-    fn all_rows(&mut self, own: &[f64], mark: Option<f64>) -> Result<(Vector, S::Orbit), BranchError> {
+    fn all_rows(&mut self, own: &[f64], mark: Option<f64>) -> Result<(Vector, StructureOrbit), BranchError> {
         let here = self.base.evaluate(own)?;
         let mut rows = self.own_rows(&here.rows, mark);
         rows.extend(self.tested(&here, mark)?);
@@ -195,7 +194,7 @@ where
     }
 
     /// The equations at `z`, where the event is, with rounding of the rows and what Newton's method has left of them.
-    fn known_at(&mut self, z: &[f64]) -> Result<Evaluation<AtEvent<S::Orbit>, Vector>, BranchError> {
+    fn known_at(&mut self, z: &[f64]) -> Result<Evaluation<AtEvent, Vector>, BranchError> {
         let (own, mark) = self.parts(z);
         let base = self.base.evaluate(&own)?;
         let values = rounding(self.test, &base, mark);
@@ -206,7 +205,7 @@ where
     }
 
     /// What rounding does to both numbers at a point of a curve, in their units.
-    pub(crate) fn error(&mut self, point: &SolutionPoint<AtEvent<S::Orbit>>) -> Option<f64> {
+    pub(crate) fn error(&mut self, point: &SolutionPoint<AtEvent>) -> Option<f64> {
         let z = point.coordinates();
         let here = self.known_at(z).ok()?;
         let bordered = self.bordered(z, &here, Some(point.tangent())).ok()?.transposed();
@@ -218,11 +217,8 @@ where
     }
 }
 
-impl<S: System> System for EventSystem<S>
-where
-    S::Orbit: EventOrbit,
-{
-    type Orbit = AtEvent<S::Orbit>;
+impl System for EventSystem {
+    type Orbit = AtEvent;
     type Kept = Vector;
 
     /// The first number that is free counts as an unknown: the test function is its equation.
@@ -243,7 +239,7 @@ where
         Ok(self.all_rows(&own, mark)?.0)
     }
 
-    fn evaluate(&mut self, z: &[f64]) -> Result<Evaluation<AtEvent<S::Orbit>, Vector>, BranchError> {
+    fn evaluate(&mut self, z: &[f64]) -> Result<Evaluation<AtEvent, Vector>, BranchError> {
         let (own, mark) = self.parts(z);
         let here = self.base.evaluate(&own)?;
         // Right after it was worked out.
@@ -275,7 +271,7 @@ where
         })
     }
 
-    fn row_errors(&self, here: &Evaluation<AtEvent<S::Orbit>, Vector>) -> Vector {
+    fn row_errors(&self, here: &Evaluation<AtEvent, Vector>) -> Vector {
         here.kept.clone()
     }
 
@@ -295,8 +291,8 @@ where
 }
 
 /// An event of a branch, to which Newton's method has led.
-pub(crate) struct Solved<O> {
-    pub(crate) at: AtEvent<O>,
+pub(crate) struct Solved {
+    pub(crate) at: AtEvent,
     /// The orbit's coordinates on its branch.
     pub(crate) coordinates: Vector,
     pub(crate) value: f64,
@@ -304,15 +300,12 @@ pub(crate) struct Solved<O> {
 }
 
 /// The event of a branch near `z`.
-pub(crate) fn solve<S: System + Clone>(
-    base: &S,
+pub(crate) fn solve(
+    base: &Continuation,
     test: Test,
     (z, mark): (&[f64], Option<f64>),
     reach: f64,
-) -> Result<Solved<S::Orbit>, BranchError>
-where
-    S::Orbit: EventOrbit,
-{
+) -> Result<Solved, BranchError> {
     let mut system = EventSystem::new(base.clone(), test, z, mark);
     let start = system.origin()?;
     let z = system.newton(&start, None, reach, false)?;

@@ -5,6 +5,7 @@
 
 use nalgebra::Complex;
 use smallvec::{SmallVec, smallvec};
+use vibrochain_breather::StructureOrbit;
 use vibrochain_breather::system::Evaluation;
 use vibrochain_breather::{Approach, BlochEquations, BranchError, Hit};
 use vibrochain_lattice::Barrier;
@@ -53,7 +54,7 @@ const TOGETHER: f64 = 1e-9;
 
 impl Test {
     /// What vanishes where a contact touches at the instant of another one's impact, if it does not stand still there.
-    pub(crate) fn corner(touch: &Approach, orbit: &impl EventOrbit) -> Option<Self> {
+    pub(crate) fn corner(touch: &Approach, orbit: &StructureOrbit) -> Option<Self> {
         let period = orbit.period();
         let is_there =
             |hit: &Hit| hit.site != touch.site && time_between(hit.time, touch.time, period) <= TOGETHER * period;
@@ -90,9 +91,9 @@ impl Test {
     }
 
     /// Its values at an orbit, each over a size of its own.
-    pub(crate) fn values<O: EventOrbit, K>(
+    pub(crate) fn values<K>(
         self,
-        here: &Evaluation<O, K>,
+        here: &Evaluation<StructureOrbit, K>,
         mark: Option<f64>,
     ) -> Result<Values, BranchError> {
         let (orbit, mark) = (&here.orbit, mark.unwrap_or(0.0));
@@ -102,13 +103,13 @@ impl Test {
             Self::AnotherOne => smallvec![another_one(orbit).ok_or(BranchError::NoConvergence)?],
             Self::MinusOne => smallvec![minus_one(orbit)?],
             Self::Circle => {
-                let [value, slope] = at(orbit, &orbit.linearised()?, mark);
+                let [value, slope] = at(&orbit.linearised(), mark);
                 // Where the pair turns real both are 0.
                 let odd = if mark.sin().abs() > REAL { value.im / mark.sin() } else { slope.im / mark.cos() };
                 smallvec![value.re, odd]
             }
             Self::Collision => {
-                let [value, slope] = at(orbit, &orbit.linearised()?, mark);
+                let [value, slope] = at(&orbit.linearised(), mark);
                 smallvec![value.re, slope.re / mark.sin()]
             }
             Self::Velocity(i) => {
@@ -135,20 +136,20 @@ impl Test {
 }
 
 /// det J(−1), which is real, made regular.
-pub(crate) fn minus_one(orbit: &impl EventOrbit) -> Result<f64, BranchError> {
-    Ok(at(orbit, &orbit.linearised()?, std::f64::consts::PI)[0].re)
+pub(crate) fn minus_one(orbit: &StructureOrbit) -> Result<f64, BranchError> {
+    Ok(at(&orbit.linearised(), std::f64::consts::PI)[0].re)
 }
 
 /// det J(1) without the orbit's own derivative; `None` of orbits that have a phase, and where a mode's pole is 1.
-pub(crate) fn another_one(orbit: &impl EventOrbit) -> Option<f64> {
+pub(crate) fn another_one(orbit: &StructureOrbit) -> Option<f64> {
     if !orbit.is_conservative() {
         return None;
     }
-    let (equations, _) = orbit.linearised().ok()?.without_shift()?;
-    Some(at(orbit, &equations, 0.0)[0].re)
+    let (equations, _) = orbit.linearised().without_shift()?;
+    Some(at(&equations, 0.0)[0].re)
 }
 
 /// det J(e^{iθ}) made regular, and its derivative by θ where it vanishes.
-fn at(orbit: &impl EventOrbit, equations: &BlochEquations, theta: f64) -> [C; 2] {
-    Regular::of(orbit, equations, theta).values()
+fn at(equations: &BlochEquations, theta: f64) -> [C; 2] {
+    Regular::of(equations, theta).values()
 }

@@ -5,9 +5,10 @@
 //! it was; μ stands in F + μψ = 0, ψ the left null vector of F, and is 0 as long as both numbers keep the symmetry.
 
 use nalgebra::{Complex, DMatrix};
+use vibrochain_breather::Continuation;
+use vibrochain_breather::StructureOrbit;
 use vibrochain_breather::system::{Matrix, System, Vector};
 
-use super::orbit::EventOrbit;
 use crate::singular::Singular;
 
 /// An orbit less uneven than this is symmetric but for rounding.
@@ -28,10 +29,7 @@ pub(super) struct Unfolding {
 
 impl Unfolding {
     /// `None` where the orbit at `z` is not symmetric, or its null vector is.
-    pub(super) fn of<S: System>(base: &mut S, z: &[f64]) -> Option<Self>
-    where
-        S::Orbit: EventOrbit,
-    {
+    pub(super) fn of(base: &mut Continuation, z: &[f64]) -> Option<Self> {
         let here = base.evaluate(z).ok()?;
         let even = here.orbit.unevenness();
         if even.is_empty() || even.iter().any(|part| part.abs() > EVEN) {
@@ -50,7 +48,7 @@ impl Unfolding {
     }
 
     /// How uneven an orbit is.
-    pub(super) fn value(&self, orbit: &impl EventOrbit) -> f64 {
+    pub(super) fn value(&self, orbit: &StructureOrbit) -> f64 {
         self.weights.iter().zip(orbit.unevenness()).map(|(weight, part)| weight * part).sum()
     }
 }

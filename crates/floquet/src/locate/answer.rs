@@ -214,9 +214,9 @@ impl End {
 /// The answer to a search.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
-pub struct Answer {
+pub struct Answer<O = Orbit> {
     /// All events on the branch between the ends, the one nearest to the start first.
-    pub located: Vec<Located>,
+    pub located: Vec<Located<O>>,
     /// Where there may be more, hidden by rounding.
     pub unresolved: Vec<Unresolved>,
     /// Where and how the ways down and up ended.

@@ -3,14 +3,15 @@
 //! They are reached along their own branch, which leaves the bifurcation across the one that was followed and bends in the
 //! parameter: no other orbit can be taken for them, and the bend tells the side.
 
+use crate::events::bounded;
+use vibrochain_breather::BranchPoint;
+use vibrochain_breather::StructureOrbit;
 use vibrochain_breather::system::System;
 use vibrochain_breather::{Pace, SolutionCurve, SolutionPoint};
 
 use super::answer::{BranchedOrbit, Branching, Event};
-use super::follower::{Ends, OrbitOf, Point};
+use super::ends::BranchEnds;
 use super::switch::{bifurcation, shrinking};
-use crate::events::{EventOrbit, Watcher};
-use crate::followed::Followed;
 use crate::verdict::Tolerance;
 
 /// Lengths tried for the first step along the new branch, from the longest of all down to 1e-6, where rounding of the equations, divided by
@@ -26,42 +27,44 @@ const TOGETHER: f64 = 1e-9;
 /// Bends at a step and at its half agree to this part where the curve is a parabola.
 const PARABOLA: f64 = 0.2;
 
-/// The orbits that branch off from one at a value, if it is known how they do: at `distance` in the parameter where they reach that far,
-/// otherwise as near as they do.
-pub(crate) fn branch_off<E: Ends>(
-    ends: &mut E,
-    event: Event,
-    (orbit, value): (&OrbitOf<E>, f64),
-    distance: f64,
-) -> Option<Branching<OrbitOf<E>>> {
-    let pair = event == Event::Pitchfork;
-    let (mut branch, start) = ends.leaving((orbit, value), &bifurcation(event, orbit)?).ok()?;
-    let (length, bend) =
-        shrinking(Pace::LONGEST, TRIES).find_map(|length| Some((length, bend(&mut branch, &start, length)?)))?;
-    // Of a word the two ways give one orbit, begun at other times.
-    let named = start.orbit().is_late().is_some();
-    let late = |point: &Point<E>| point.orbit().is_late() == Some(true);
-    let ways = [start.clone(), start.reversed()];
-    let mut points = [distance, bend.abs() * length * length].into_iter().find_map(|distance| {
-        let points: Option<Vec<_>> = ways.iter().map(|way| reach(&mut branch, way, bend, distance)).collect();
-        // Both of a pair at one value.
-        let together = |points: &[Point<E>]| (points[0].value() - points[1].value()).abs() <= TOGETHER * distance;
-        let apart = |points: &[Point<E>]| !named || late(&points[0]) != late(&points[1]);
-        points.filter(|points| apart(points) && (!pair || together(points)))
-    })?;
-    if !pair {
-        points.retain(|point| !named || late(point));
-        points.truncate(1);
+/// A small step away from an event, as a part of the parameter.
+const AWAY: f64 = 1e-4;
+
+impl BranchEnds {
+    /// The orbits that branch off from one at a value, if it is known how they do: a small step away in the parameter where they reach that far,
+    /// otherwise as near as they do.
+    pub(super) fn branch_off(
+        &mut self,
+        event: Event,
+        (orbit, value): (&StructureOrbit, f64),
+    ) -> Option<Branching<StructureOrbit>> {
+        let distance = AWAY * value.abs().max(1e-2 * self.range);
+        let pair = event == Event::Pitchfork;
+        let (mut branch, start) = self.leaving((orbit, value), &bifurcation(event, orbit)?).ok()?;
+        let (length, bend) =
+            shrinking(Pace::LONGEST, TRIES).find_map(|length| Some((length, bend(&mut branch, &start, length)?)))?;
+        let ways = [start.clone(), start.reversed()];
+        let mut points = [distance, bend.abs() * length * length].into_iter().find_map(|distance| {
+            let points: Option<Vec<_>> = ways.iter().map(|way| reach(&mut branch, way, bend, distance)).collect();
+            // Both of a pair at one value.
+            let together =
+                |points: &[BranchPoint]| (points[0].value() - points[1].value()).abs() <= TOGETHER * distance;
+            points.filter(|points| !pair || together(points))
+        })?;
+        if !pair {
+            // The two ways give one orbit, begun at other times.
+            points.truncate(1);
+        }
+        let value = points.first()?.value();
+        points.sort_by(|a, b| a.orbit().phi().unwrap_or(0.0).total_cmp(&b.orbit().phi().unwrap_or(0.0)));
+        let watcher = &mut self.others;
+        let orbits = points.into_iter().map(|point| {
+            let orbit = bounded(point.orbit());
+            let physical = watcher.admissibility(&orbit).ok().map(|answer| answer.is_physical());
+            BranchedOrbit { physical, verdict: watcher.verdict(&orbit, Tolerance::Rounding).ok(), orbit }
+        });
+        Some(Branching { value, above: bend > 0.0, orbits: orbits.collect() })
     }
-    let value = points.first()?.value();
-    points.sort_by(|a, b| a.orbit().phi().unwrap_or(0.0).total_cmp(&b.orbit().phi().unwrap_or(0.0)));
-    let watcher = ends.others();
-    let orbits = points.into_iter().map(|point| {
-        let orbit = point.orbit().clone();
-        let physical = watcher.admissibility(&orbit).ok().map(|answer| answer.is_physical());
-        BranchedOrbit { physical, verdict: watcher.verdict(&orbit, Tolerance::Rounding).ok(), orbit }
-    });
-    Some(Branching { value, above: bend > 0.0, orbits: orbits.collect() })
 }
 
 /// The point at `distance` in the parameter, on the side that the bend leads to.

@@ -1,58 +1,57 @@
-//! The bifurcation diagram of an orbit in one parameter: its branch through all folds, every event on it, and the branches that
-//! leave it.
+//! A branch of orbits, followed both ways as one number of its structure varies, with the events on it, and the branches that leave it.
 
-use vibrochain_breather::{Branch, BranchError, BranchPoint, Departure, Orbit};
+use vibrochain_breather::{Branch, BranchError, BranchPoint, Departure, ModelFamily, StructureOrbit};
 use vibrochain_lattice::Stop;
 
-use super::answer::{End, Event, LocateError, Located};
-use super::chain::{OfChain, check, following, has_moving_multipliers};
-use super::course::{Course, Diagram, FollowedBranch, Origin, Station};
+use super::answer::{Answer, End, Event, LocateError, Located};
+use super::course::{Diagram, FollowedBranch, Origin, Station};
+use super::ends::BranchEnds;
 use super::follower::follow::upwards;
-use super::follower::{Begun, Ends, Follower, OrbitOf, Point, Stretch, Track};
+use super::follower::{Follower, Stretch};
 use super::switch::{departure, first_step};
 use crate::events::Watcher;
-use crate::followed::Followed;
+use crate::verdict::Tolerance;
 
 /// Branches at most, however many generations are asked for.
 const MOST_BRANCHES: usize = 256;
 
-/// The bifurcation diagram through an orbit: its branch is followed both ways, through folds, to whatever ends it; all events that the
-/// course asks for are found in one pass; and so many generations of the branches that leave it are followed likewise.
-///
-/// # Errors
-/// [`LocateError`]. What stops a branch on its way is its end, not an error.
-///
-/// ```
-/// use vibrochain_breather::{Family, breathers};
-/// use vibrochain_floquet::{Course, Event, diagram};
-/// use vibrochain_lattice::{Parameter, Point};
-/// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
-/// let model = ring.omega(1.07).asymmetry(0.8).amplitude(0.165).restitution(0.25).model()?;
-/// let orbit = &breathers(&model, Family::SingleSided)?.orbits[0];
-/// let course = Course { from: 0.15, to: 0.17, ..Course::new(orbit, Parameter::Amplitude) };
-/// let diagram = diagram(orbit, &course)?;
-/// // Down through the period doubling to the fold, and back up on its other side.
-/// let events: Vec<Event> = diagram.branches[0].events().map(|located| located.event).collect();
-/// assert!(events.contains(&Event::Fold) && events.contains(&Event::PeriodDoubling));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn diagram(orbit: &Orbit, course: &Course) -> Result<Diagram, LocateError> {
-    diagram_until(orbit, course, &Stop::default())
+/// What is asked of a branch.
+#[derive(Debug, Clone, PartialEq)]
+#[must_use]
+pub struct BranchRequest {
+    /// Least value of the number that varies.
+    pub from: f64,
+    /// Largest value.
+    pub to: f64,
+    /// The events that are looked for.
+    pub events: Vec<Event>,
+    /// How often a branch may leave another: 0 for the orbit's own alone.
+    pub generations: u32,
+    /// What counts as stable.
+    pub tolerance: Tolerance,
 }
 
-/// The same, until `stop` is raised, which is looked at before every orbit and every eigenvalue problem.
+/// The bifurcation diagram of an orbit: its branch as a number of `family` goes on from `value` both ways, through folds, to the
+/// ends of the range or of the branch, with all events that are asked for; and so many generations of the branches that leave it at period
+/// doublings, where symmetry is lost, and at grazings.
 ///
 /// # Errors
-/// As [`diagram`]; [`LocateError::Stopped`].
-pub fn diagram_until(orbit: &Orbit, course: &Course, stop: &Stop) -> Result<Diagram, LocateError> {
-    check(orbit, course.free, (course.from, course.to))?;
-    let mut events = course.events.clone();
-    if !has_moving_multipliers(orbit) {
-        // Only multipliers show the other events.
-        events.retain(|event| *event == Event::Grazing);
+/// [`LocateError`]: no such range, no such model, stopped.
+pub fn branches(
+    orbit: &StructureOrbit,
+    family: &ModelFamily,
+    value: f64,
+    course: &BranchRequest,
+    stop: &Stop,
+) -> Result<Diagram<StructureOrbit>, LocateError> {
+    let BranchRequest { from, to, .. } = *course;
+    if !(from <= value && value <= to && from < to) {
+        let message =
+            format!("{value} is not in a range from {from} to {to}: give one with from < to around the start");
+        return Err(BranchError::Model(message).into());
     }
-    let tracing = ChainTracing { course, events, sites: orbit.model().chain().sites(), stop };
-    let mut branch = Branch::through(orbit, course.free, course.to - course.from)?.until(stop);
+    let tracing = Tracing { family, course, stop };
+    let mut branch = tracing.branch(orbit, value)?;
     let point = branch.start()?;
     let own = both_ways(tracing.follower(branch), point)?;
     let diagram = grown(&tracing, own, course.generations)?;
@@ -61,32 +60,92 @@ pub fn diagram_until(orbit: &Orbit, course: &Course, stop: &Stop) -> Result<Diag
     Ok(diagram)
 }
 
-/// A branch that was followed, and what that has cost.
-pub(crate) struct Traced<O> {
-    pub(crate) branch: FollowedBranch<O>,
-    pub(crate) evaluations: usize,
-    pub(crate) spectra: usize,
+/// The events of one kind on the branch of an orbit as a number of `family` goes on from `start` both ways, as far as the ends of the range or of
+/// the branch, a fold among them.
+///
+/// # Errors
+/// As [`branches`].
+pub fn branch_events(
+    orbit: &StructureOrbit,
+    family: &ModelFamily,
+    start: f64,
+    (event, [from, to]): (Event, [f64; 2]),
+    stop: &Stop,
+) -> Result<Answer<StructureOrbit>, LocateError> {
+    let course = BranchRequest { from, to, events: vec![event], generations: 0, tolerance: Tolerance::Rounding };
+    let tracing = Tracing { family, course: &course, stop };
+    let mut follower = tracing.follower(tracing.branch(orbit, start)?);
+    follower.stretch.whole = false;
+    let up = upwards(follower.branch.start()?);
+    let seen = follower.look(&up)?;
+    let ends = [follower.follow(&up.reversed(), seen.clone())?, follower.follow(&up, seen)?];
+    // On the way a failure may be an end.
+    stop.heard()?;
+    let (evaluations, spectra) = (follower.evaluations(), follower.spectra());
+    let event = |station: Station<StructureOrbit>| match station {
+        Station::Event(located) => Some(located),
+        Station::Point(_) => None,
+    };
+    let mut located: Vec<Located<StructureOrbit>> = follower.passed.into_iter().filter_map(event).collect();
+    located.sort_by(|a, b| (a.value - start).abs().total_cmp(&(b.value - start).abs()));
+    // A start right on the event is found from both sides.
+    located.dedup_by(|b, a| (a.value - b.value).abs() <= a.error + b.error);
+    Ok(Answer { located, unresolved: follower.unresolved, ends, evaluations, spectra })
 }
 
-/// Which branches a diagram has: those of a chain's orbits, or of a structure's.
-pub(crate) trait Tracing {
-    /// What stands at their ends.
-    type Ends: Ends;
+/// The branches of an orbit and of those that leave it.
+struct Tracing<'a> {
+    family: &'a ModelFamily,
+    course: &'a BranchRequest,
+    stop: &'a Stop,
+}
+
+impl Tracing<'_> {
+    fn range(&self) -> f64 {
+        self.course.to - self.course.from
+    }
+
+    fn branch(&self, orbit: &StructureOrbit, value: f64) -> Result<Branch, BranchError> {
+        Branch::through(orbit, self.family.clone(), value, self.range(), self.stop)
+    }
 
     /// Who follows a branch.
-    fn follower(&self, branch: Track<Self::Ends>) -> Follower<Self::Ends>;
-    /// The branch through the orbit of an event, and a point to begin at.
-    fn through(&self, located: &Located<OrbitOf<Self::Ends>>) -> Result<Begun<Self::Ends>, BranchError>;
-    /// What stands at the ends of branches of such orbits.
-    fn ends(&self) -> Self::Ends;
+    fn follower(&self, branch: Branch) -> Follower {
+        let BranchRequest { from, to, ref events, tolerance, .. } = *self.course;
+        let stretch = Stretch { from, to, events: events.clone(), tolerance, whole: true };
+        Follower::new(branch, Watcher::default(), self.ends(), stretch, self.stop)
+    }
+
+    /// Right where symmetry is lost there are two directions; beside it, amid the two orbits that branch off, the symmetric one has one.
+    fn through(&self, located: &Located<StructureOrbit>) -> Result<(Branch, BranchPoint), BranchError> {
+        let amid = located.branching.as_ref().and_then(|pair| {
+            let symmetric = pair.orbits.first()?.orbit.evened()?;
+            Some((symmetric.map_err(BranchError::from), pair.value))
+        });
+        let (symmetric, value) = amid.ok_or(BranchError::NoConvergence)?;
+        let mut branch = self.branch(&symmetric?, value)?;
+        let point = branch.start()?;
+        Ok((branch, point))
+    }
+
+    /// What stands at the ends of branches.
+    fn ends(&self) -> BranchEnds {
+        let (family, others) = (self.family.clone(), Watcher::default());
+        let (range, tolerance, stop) = (self.range(), self.course.tolerance, self.stop.clone());
+        BranchEnds { family, range, tolerance, stop, others }
+    }
+}
+
+/// A branch that was followed, and what that has cost.
+struct Traced {
+    branch: FollowedBranch<StructureOrbit>,
+    evaluations: usize,
+    spectra: usize,
 }
 
 /// A branch from a point of it to both sides.
-pub(crate) fn both_ways<E: Ends>(
-    mut follower: Follower<E>,
-    point: Point<E>,
-) -> Result<Traced<OrbitOf<E>>, LocateError> {
-    let up = upwards::<E>(point);
+fn both_ways(mut follower: Follower, point: BranchPoint) -> Result<Traced, LocateError> {
+    let up = upwards(point);
     let seen = follower.look(&up)?;
     let mut ends = vec![follower.follow(&up.reversed(), seen.clone())?];
     let mut stations: Vec<_> = follower.passed.drain(..).rev().collect();
@@ -99,11 +158,7 @@ pub(crate) fn both_ways<E: Ends>(
 }
 
 /// A branch that was followed.
-fn traced<E: Ends>(
-    follower: Follower<E>,
-    stations: Vec<Station<OrbitOf<E>>>,
-    ends: Vec<(f64, End)>,
-) -> Traced<OrbitOf<E>> {
+fn traced(follower: Follower, stations: Vec<Station<StructureOrbit>>, ends: Vec<(f64, End)>) -> Traced {
     let (evaluations, spectra) = (follower.evaluations(), follower.spectra());
     let (unresolved, untold) = (follower.unresolved, follower.untold);
     let branch = FollowedBranch { origin: None, generation: 0, stations, unresolved, untold, ends };
@@ -111,25 +166,25 @@ fn traced<E: Ends>(
 }
 
 /// A branch that leaves another, with its first step.
-struct Leaving<E: Ends> {
-    branch: Track<E>,
-    start: Point<E>,
-    first: Point<E>,
+struct Leaving {
+    branch: Branch,
+    start: BranchPoint,
+    first: BranchPoint,
 }
 
-impl<E: Ends> Leaving<E> {
-    fn of(tracing: &impl Tracing<Ends = E>, located: &Located<OrbitOf<E>>, departure: &Departure) -> Option<Self> {
+impl Leaving {
+    fn of(tracing: &Tracing<'_>, located: &Located<StructureOrbit>, departure: &Departure) -> Option<Self> {
         let place = (&located.orbit, located.value);
         let (branch, start) = tracing.ends().leaving(place, departure).ok()?;
         let mut follower = tracing.follower(branch);
         let watcher = &mut follower.watcher;
-        let is_physical = |orbit: &OrbitOf<E>| watcher.admissibility(orbit).is_ok_and(|told| told.is_physical());
+        let is_physical = |orbit: &StructureOrbit| watcher.admissibility(orbit).is_ok_and(|told| told.is_physical());
         let first = first_step(&mut follower.branch, &start, departure, is_physical)?;
         Some(Self { branch: follower.branch, start, first })
     }
 
     /// That branch, from where it leaves to its end.
-    fn followed(self, tracing: &impl Tracing<Ends = E>) -> Result<Traced<OrbitOf<E>>, LocateError> {
+    fn followed(self, tracing: &Tracing<'_>) -> Result<Traced, LocateError> {
         let Self { branch, start, first } = self;
         let mut follower = tracing.follower(branch);
         // Right at its beginning an orbit may have no multipliers.
@@ -144,11 +199,7 @@ impl<E: Ends> Leaving<E> {
 }
 
 /// The diagram of an orbit's own branch and so many generations of those that leave it.
-pub(crate) fn grown<T: Tracing>(
-    tracing: &T,
-    own: Traced<OrbitOf<T::Ends>>,
-    generations: u32,
-) -> Result<Diagram<OrbitOf<T::Ends>>, LocateError> {
+fn grown(tracing: &Tracing<'_>, own: Traced, generations: u32) -> Result<Diagram<StructureOrbit>, LocateError> {
     let mut diagram =
         Diagram { branches: Vec::new(), dead_ends: Vec::new(), complete: true, evaluations: 0, spectra: 0 };
     diagram.take(own, None, 0);
@@ -168,9 +219,9 @@ pub(crate) fn grown<T: Tracing>(
     Ok(diagram)
 }
 
-impl<O: Followed> Diagram<O> {
+impl Diagram<StructureOrbit> {
     /// Adds a branch that was followed.
-    fn take(&mut self, traced: Traced<O>, origin: Option<Origin>, generation: u32) {
+    fn take(&mut self, traced: Traced, origin: Option<Origin>, generation: u32) {
         self.evaluations += traced.evaluations;
         self.spectra += traced.spectra;
         self.branches.push(FollowedBranch { origin, generation, ..traced.branch });
@@ -178,7 +229,7 @@ impl<O: Followed> Diagram<O> {
 }
 
 /// Takes up the branch that leaves at an event, if one does.
-fn switch<T: Tracing>(diagram: &mut Diagram<OrbitOf<T::Ends>>, tracing: &T, origin: Origin) -> Result<(), LocateError> {
+fn switch(diagram: &mut Diagram<StructureOrbit>, tracing: &Tracing<'_>, origin: Origin) -> Result<(), LocateError> {
     let parent = &diagram.branches[origin.branch];
     let Station::Event(located) = &parent.stations[origin.station] else { return Ok(()) };
     let Some(departure) = departure(located).filter(|_| parent.is_physical_about(origin.station)) else {
@@ -186,7 +237,7 @@ fn switch<T: Tracing>(diagram: &mut Diagram<OrbitOf<T::Ends>>, tracing: &T, orig
     };
     let generation = parent.generation + 1;
     // What leaves a branch is not of that branch, however near it is at first.
-    let known = |value: f64, orbit: &OrbitOf<T::Ends>| {
+    let known = |value: f64, orbit: &StructureOrbit| {
         let others = diagram.branches.iter().enumerate().filter(|(i, _)| *i != origin.branch);
         others.into_iter().any(|(_, branch)| branch.holds(value, orbit))
     };
@@ -224,7 +275,7 @@ fn switch<T: Tracing>(diagram: &mut Diagram<OrbitOf<T::Ends>>, tracing: &T, orig
     let traced = leaving.followed(tracing)?;
     // At its far end one that comes back is the same branch from the other side, and too close to its end to be told by a step.
     let stations = &traced.branch.stations;
-    let point = |station: &Station<OrbitOf<T::Ends>>| match station {
+    let point = |station: &Station<StructureOrbit>| match station {
         Station::Point(point) => Some(known(point.value, &point.orbit)),
         Station::Event(_) => None,
     };
@@ -236,33 +287,4 @@ fn switch<T: Tracing>(diagram: &mut Diagram<OrbitOf<T::Ends>>, tracing: &T, orig
         diagram.take(traced, Some(origin), generation);
     }
     Ok(())
-}
-
-/// The branches of a chain's orbits.
-struct ChainTracing<'a> {
-    course: &'a Course,
-    events: Vec<Event>,
-    sites: usize,
-    stop: &'a Stop,
-}
-
-impl Tracing for ChainTracing<'_> {
-    type Ends = OfChain;
-
-    fn follower(&self, branch: Branch) -> Follower<OfChain> {
-        let Course { from, to, tolerance, .. } = *self.course;
-        following(branch, Stretch { from, to, events: self.events.clone(), tolerance, whole: true }, self.stop)
-    }
-
-    fn through(&self, located: &Located) -> Result<(Branch, BranchPoint), BranchError> {
-        let Course { free, from, to, .. } = *self.course;
-        let mut branch = Branch::through(&located.orbit, free, to - from)?.until(self.stop);
-        let point = branch.start()?;
-        Ok((branch, point))
-    }
-
-    fn ends(&self) -> OfChain {
-        let Course { free, from, to, .. } = *self.course;
-        OfChain::new(self.sites, free, [from, to], self.stop)
-    }
 }

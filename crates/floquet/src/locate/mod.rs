@@ -6,7 +6,8 @@
 //! | `answer`, `course` | what is asked, and what is answered |
 //! | `follower` | who follows a branch and finds what happens on it |
 //! | `diagram`, `switch`, `branch_off` | the branches that leave a branch |
-//! | `chain` | branches of a chain's orbits |
+//! | `ends`, `vanishing` | what stands at the ends of branches, and beside them |
+//! | `lattice` | branches of a lattice's orbits |
 //!
 //! The branch is followed both ways from the start by its length ([`vibrochain_breather::Branch`]); where a test function (`events`)
 //! changes its sign, the orbit's equations are solved together with it. The error of the parameter is what rounding of both does to it.
@@ -19,18 +20,19 @@
 
 mod answer;
 pub(crate) mod branch_off;
-mod chain;
 mod course;
 mod diagram;
+mod ends;
 pub(crate) mod follower;
+mod lattice;
 #[cfg(feature = "serde")]
 mod serde_impl;
 mod switch;
+mod vanishing;
 
 pub use answer::{
     Answer, BranchedOrbit, Branching, End, Event, EventSide, Evidence, LocateError, Located, Search, Unresolved,
 };
-pub use chain::{locate, locate_until};
 pub use course::{Course, Diagram, DiagramPoint, FollowedBranch, Origin, Station, is_physical_about};
-pub(crate) use diagram::{Tracing, both_ways, grown};
-pub use diagram::{diagram, diagram_until};
+pub use diagram::{BranchRequest, branch_events, branches};
+pub use lattice::{diagram, diagram_until, locate, locate_until};

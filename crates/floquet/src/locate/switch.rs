@@ -1,5 +1,6 @@
 //! At which events branches leave another, and the first step along one.
 
+use vibrochain_breather::StructureOrbit;
 use vibrochain_breather::system::System;
 use vibrochain_breather::{Approach, Departure, Hit, SolutionCurve, SolutionPoint};
 use vibrochain_lattice::Barrier;
@@ -26,16 +27,16 @@ pub(super) fn shrinking(longest: f64, tries: i32) -> impl Iterator<Item = f64> {
 }
 
 /// How orbits of less symmetry leave one at a bifurcation, if they do.
-pub(super) fn bifurcation(event: Event, orbit: &impl EventOrbit) -> Option<Departure> {
+pub(super) fn bifurcation(event: Event, orbit: &StructureOrbit) -> Option<Departure> {
     match event {
         Event::PeriodDoubling if !orbit.is_conservative() => Some(Departure::PeriodDoubling),
-        Event::Pitchfork if orbit.may_lose_symmetry() => Some(Departure::Pitchfork),
+        Event::Pitchfork => Some(Departure::Pitchfork),
         _ => None,
     }
 }
 
 /// How orbits of another kind leave a branch at an event, if they do.
-pub(super) fn departure(located: &Located<impl EventOrbit>) -> Option<Departure> {
+pub(super) fn departure(located: &Located<StructureOrbit>) -> Option<Departure> {
     let orbit = &located.orbit;
     match (located.event, located.evidence) {
         (Event::Grazing, Evidence::Touch(touch)) => Some(Departure::Touching(touching(orbit, &touch)?)),
@@ -51,7 +52,7 @@ pub(super) fn departure(located: &Located<impl EventOrbit>) -> Option<Departure>
 
 /// All contacts that touch a barrier where one does: symmetry may have several do it at once, half a period later, or at the mirror image of its
 /// time.
-fn touching(orbit: &impl EventOrbit, touch: &Approach) -> Option<Vec<Hit>> {
+fn touching(orbit: &StructureOrbit, touch: &Approach) -> Option<Vec<Hit>> {
     let (period, speed, own) = (orbit.period(), orbit.speed(), orbit.hits());
     let mut hits: Vec<Hit> = Vec::new();
     for time in [touch.time, period - touch.time, touch.time + 0.5 * period, 1.5 * period - touch.time] {

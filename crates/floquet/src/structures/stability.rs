@@ -88,7 +88,7 @@ fn heard<T: Send + 'static>(
 }
 
 /// The multipliers of the modes that the orbit's impacts feel, and the verdict on all; none where no bound of its error is known, as along folds.
-pub(super) fn participating_multipliers(
+pub(crate) fn participating_multipliers(
     orbit: &StructureOrbit,
     tolerance: Tolerance,
 ) -> Result<(Vec<Complex<f64>>, Option<Verdict>), FloquetError> {

@@ -7,6 +7,8 @@
 //! Ω² = γ₁ + γ₂κ + γ₃κ′,   2δ = c + c₂κ .
 //! ```
 
+use std::cmp::Ordering;
+
 use rustfft::num_complex::Complex;
 use smallvec::SmallVec;
 
@@ -78,10 +80,25 @@ pub struct DampedChain {
 }
 
 /// A mode with its κ and Ω².
-struct Frequency {
+pub(super) struct Frequency {
     mode: LayeredMode,
     coupling: Twofold,
-    square: Bounded,
+    pub(super) square: Bounded,
+}
+
+impl Frequency {
+    /// The slower one first.
+    pub(super) fn order(&self, other: &Self) -> Ordering {
+        let [a, b] = [self, other].map(|one| one.square.sum);
+        a.high.total_cmp(&b.high).then(a.low.total_cmp(&b.low))
+    }
+
+    /// # Errors
+    /// [`StructureError::Unstable`]
+    pub(super) fn check(&self) -> Result<(), StructureError> {
+        let square = self.square.sum;
+        if square.high < 0.0 { Err(StructureError::Unstable { square: square.value() }) } else { Ok(()) }
+    }
 }
 
 impl DampedChain {
@@ -117,36 +134,65 @@ impl DampedChain {
 
     /// The same of the modes that move a mass which a contact sees.
     pub(super) fn felt(&self) -> Result<ModalStructure, StructureError> {
-        let masses = || self.contacts.iter().flat_map(|(weights, _)| weights.iter().map(|(n, _)| *n));
-        self.modal_of(|row, mode| masses().any(|n| !row.is_node(mode, n)))
+        self.modal_of(|row, mode| self.is_felt(row, mode))
+    }
+
+    /// Whether a mode moves a mass that a contact sees.
+    pub(super) fn is_felt(&self, row: &LayerModes, mode: LayeredMode) -> bool {
+        let mut masses = self.contacts.iter().flat_map(|(weights, _)| weights.iter().map(|(n, _)| *n));
+        masses.any(|n| !row.is_node(mode, n))
     }
 
     fn modal_of(&self, is_wanted: impl Fn(&LayerModes, LayeredMode) -> bool) -> Result<ModalStructure, StructureError> {
         self.check()?;
-        let row = LayerModes::new((self.sites, self.ends), (self.layers, self.layer_ends));
-        let reach = |weights: &[(usize, f64)]| weights.iter().map(|(_, weight)| weight * weight).sum::<f64>().sqrt();
-        let is_uniform =
-            self.loads.iter().map(|(_, load)| load.windows(2).all(|pair| pair[0] == pair[1])).collect::<Vec<_>>();
-        let reaches: Vec<f64> = self.contacts.iter().map(|(weights, _)| reach(weights)).collect();
-        let of_mode = |(k, frequency): (usize, &Frequency)| {
-            let Frequency { mode, coupling, square } = *frequency;
-            let shape = self.seen(&row, mode, &is_uniform);
-            let (own, between) = (Twofold::from(self.damping), Twofold::from(self.coupling_damping) * coupling);
-            let half = Twofold::from(0.5);
-            let error = 0.5 * FAINT * (own.high.abs() + between.high.abs());
-            let decay = Bounded { sum: (own + between) * half, error: if coupling.high == 0.0 { 0.0 } else { error } };
-            Ok(without_rounding(shape.oscillator(k, square, decay)?, reaches.iter().copied()))
-        };
+        let row = self.row();
+        let (is_uniform, reaches) = (self.are_uniform(), self.reaches());
         let slowest = self.slowest(&row, is_wanted)?;
         // Room for exactly as many: of a large lattice they are most of what it takes.
         let mut modes = Vec::with_capacity(slowest.len());
-        for mode in slowest.iter().enumerate().map(of_mode) {
-            modes.push(mode?);
+        for (k, frequency) in slowest.iter().enumerate() {
+            modes.push(self.linear_mode(k, frequency, self.seen(&row, frequency.mode, &is_uniform), &reaches)?);
         }
         drop(slowest);
+        Ok(self.of_modes(modes)?.with_operator(self.operator()))
+    }
+
+    /// The shapes of its modes, whatever its springs are.
+    pub(super) fn row(&self) -> LayerModes {
+        LayerModes::new((self.sites, self.ends), (self.layers, self.layer_ends))
+    }
+
+    /// Whether each load is the same on all masses.
+    pub(super) fn are_uniform(&self) -> Vec<bool> {
+        self.loads.iter().map(|(_, load)| load.windows(2).all(|pair| pair[0] == pair[1])).collect()
+    }
+
+    /// What each contact may see of a mode at most.
+    pub(super) fn reaches(&self) -> Vec<f64> {
+        let reach = |weights: &[(usize, f64)]| weights.iter().map(|(_, weight)| weight * weight).sum::<f64>().sqrt();
+        self.contacts.iter().map(|(weights, _)| reach(weights)).collect()
+    }
+
+    /// Mode number `k` of what is seen of its shape.
+    pub(super) fn linear_mode(
+        &self,
+        k: usize,
+        &Frequency { coupling, square, .. }: &Frequency,
+        shape: SeenShape,
+        reaches: &[f64],
+    ) -> Result<LinearMode, StructureError> {
+        let (own, between) = (Twofold::from(self.damping), Twofold::from(self.coupling_damping) * coupling);
+        let half = Twofold::from(0.5);
+        let error = 0.5 * FAINT * (own.high.abs() + between.high.abs());
+        let decay = Bounded { sum: (own + between) * half, error: if coupling.high == 0.0 { 0.0 } else { error } };
+        Ok(without_rounding(shape.oscillator(k, square, decay)?, reaches.iter().copied()))
+    }
+
+    /// The structure of its modes.
+    pub(super) fn of_modes(&self, modes: Vec<LinearMode>) -> Result<ModalStructure, StructureError> {
         let contacts = self.contacts.iter().map(|(_, contact)| *contact).collect();
         let harmonics = self.loads.iter().map(|(number, _)| *number).collect();
-        Ok(ModalStructure::keeping(self.modes, contacts, harmonics, modes)?.with_operator(self.operator()))
+        ModalStructure::keeping(self.modes, contacts, harmonics, modes)
     }
 
     /// Of all masses and modes, if they are asked for.
@@ -182,7 +228,7 @@ impl DampedChain {
     ) -> Result<Vec<[f64; 2]>, StructureError> {
         StructureError::sized("the place", place.len(), self.masses())?;
         StructureError::sized("the velocity", velocity.len(), self.masses())?;
-        let row = LayerModes::new((self.sites, self.ends), (self.layers, self.layer_ends));
+        let row = self.row();
         let of_mode = |(frequency, mode): (Frequency, &LinearMode)| {
             let shape: Vec<f64> = (0..self.masses()).map(row.shape(frequency.mode)).map(Twofold::value).collect();
             let dot = |list: &[f64]| shape.iter().zip(list).map(|(shape, x)| shape * x).sum::<f64>();
@@ -197,30 +243,30 @@ impl DampedChain {
         row: &LayerModes,
         is_wanted: impl Fn(&LayerModes, LayeredMode) -> bool,
     ) -> Result<Vec<Frequency>, StructureError> {
-        let frequency = |mode: LayeredMode| {
-            let [coupling, across] = row.stiffnesses(mode);
-            let own = Twofold::from(self.gamma1);
-            let (between, beside) = (Twofold::from(self.gamma2) * coupling, Twofold::from(self.gamma3) * across);
-            let size = own.high.abs() + between.high.abs() + beside.high.abs();
-            let sum = own + between + beside;
-            let square = if sum.high.abs() <= ROUNDING * size {
-                Bounded::default()
-            } else {
-                Bounded { sum, error: if between.high == 0.0 && beside.high == 0.0 { 0.0 } else { FAINT * size } }
-            };
-            Frequency { mode, coupling, square }
-        };
+        let frequency = |mode: LayeredMode| self.frequency(mode, row.stiffnesses(mode));
         let wanted = || row.all().filter(|mode| is_wanted(row, *mode));
         let mut all = Vec::with_capacity(wanted().count());
         all.extend(wanted().map(frequency));
-        let parts = |frequency: &Frequency| (frequency.square.sum.high, frequency.square.sum.low);
-        let order = |a: (f64, f64), b: (f64, f64)| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1));
-        all.sort_by(|a, b| order(parts(a), parts(b)));
-        if let Some(lowest) = all.first().filter(|lowest| lowest.square.sum.high < 0.0) {
-            return Err(StructureError::Unstable { square: lowest.square.sum.value() });
+        all.sort_by(Frequency::order);
+        if let Some(lowest) = all.first() {
+            lowest.check()?;
         }
         all.truncate(self.modes.unwrap_or(all.len()));
         Ok(all)
+    }
+
+    /// Ω² of a mode, and its κ and κ′.
+    pub(super) fn frequency(&self, mode: LayeredMode, [coupling, across]: [Twofold; 2]) -> Frequency {
+        let own = Twofold::from(self.gamma1);
+        let (between, beside) = (Twofold::from(self.gamma2) * coupling, Twofold::from(self.gamma3) * across);
+        let size = own.high.abs() + between.high.abs() + beside.high.abs();
+        let sum = own + between + beside;
+        let square = if sum.high.abs() <= ROUNDING * size {
+            Bounded::default()
+        } else {
+            Bounded { sum, error: if between.high == 0.0 && beside.high == 0.0 { 0.0 } else { FAINT * size } }
+        };
+        Frequency { mode, coupling, square }
     }
 
     /// Number of masses of all rows.
@@ -229,7 +275,7 @@ impl DampedChain {
     }
 
     /// What contacts, loads and, if they are asked for, masses see of a mode; and whether each load is the same on all masses.
-    fn seen(&self, row: &LayerModes, mode: LayeredMode, are_uniform: &[bool]) -> SeenShape {
+    pub(super) fn seen(&self, row: &LayerModes, mode: LayeredMode, are_uniform: &[bool]) -> SeenShape {
         let shape = row.shape(mode);
         let all: Vec<Twofold> = if self.all_masses { (0..self.masses()).map(&shape).collect() } else { Vec::new() };
         let at = |n: usize| all.get(n).copied().unwrap_or_else(|| shape(n));
@@ -270,7 +316,7 @@ impl DampedChain {
         }
     }
 
-    fn check(&self) -> Result<(), StructureError> {
+    pub(super) fn check(&self) -> Result<(), StructureError> {
         let range =
             |what: &str, value: f64, requirement| StructureError::Range { what: what.to_owned(), value, requirement };
         if !(1..=MAX_SITES).contains(&self.sites) {

@@ -8,6 +8,7 @@
 //! | `modal` | [`ModalStructure`]: modes and contacts, from which kernels and steady motions are made |
 //! | `damped_chain` | [`DampedChain`]: a chain with its dashpots, or rows of one side by side, whose modes are known in closed form |
 //! | `of_model` | the lattice of a model, with contacts where they are asked for |
+//! | `felt_shapes` | [`FeltShapes`]: what contacts feel of them, whatever the springs |
 //! | `matrices` | [`Structure`]: mass, damping and stiffness with contacts and loads (feature `matrices`) |
 //! | `eigenmodes` | its modes, by `assembly` from a `basis` |
 //! | `state_matrix` | poles and shapes of modes that dashpots couple |
@@ -32,6 +33,7 @@ pub(crate) mod damped_chain;
 mod eigenmodes;
 pub(crate) mod energy;
 pub(crate) mod error;
+pub(crate) mod felt_shapes;
 pub(crate) mod linear_mode;
 #[cfg(feature = "matrices")]
 pub(crate) mod matrices;

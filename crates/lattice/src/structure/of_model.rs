@@ -44,14 +44,19 @@ impl Model {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn felt_structure(&self, contacts: &[Vec<usize>]) -> Result<ModalStructure, StructureError> {
+        self.at_first_mass(contacts).felt()
+    }
+
+    /// With contacts, of a ring those that many places on that the first one is mass 0.
+    pub(super) fn at_first_mass(&self, contacts: &[Vec<usize>]) -> DampedChain {
         let sites = self.chain().sites();
         let first = contacts.first().and_then(|masses| masses.first()).copied().unwrap_or_default();
         if !self.chain().is_ring() || contacts.iter().flatten().any(|&mass| mass >= sites) {
-            return self.with_contacts(contacts).felt();
+            return self.with_contacts(contacts);
         }
         let turned = |mass: &usize| (mass + sites - first) % sites;
         let contacts: Vec<Vec<usize>> = contacts.iter().map(|masses| masses.iter().map(turned).collect()).collect();
-        self.with_contacts(&contacts).felt()
+        self.with_contacts(&contacts)
     }
 
     fn with_contacts(&self, contacts: &[Vec<usize>]) -> DampedChain {

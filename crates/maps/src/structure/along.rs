@@ -3,10 +3,8 @@
 use std::sync::Arc;
 
 use serde_json::{Value, json};
-use vibrochain_breather::{StructureFamily, StructureOrbit};
-use vibrochain_floquet::{
-    BranchedOrbit, Branching, CurveError, Evidence, Located, StructureCurve, StructureWindow, structure_curve,
-};
+use vibrochain_breather::{ModelFamily, StructureOrbit};
+use vibrochain_floquet::{BranchedOrbit, Branching, CurveError, EventCurve, Evidence, Located, Rectangle, event_curve};
 use vibrochain_lattice::Stop;
 
 use super::scene::StructureScene;
@@ -25,7 +23,7 @@ pub fn value(scene: &StructureScene, free: Setting) -> Result<f64, String> {
 
 /// The models of a scene as these numbers vary.
 #[must_use]
-pub fn family(scene: &StructureScene, settings: &[Setting]) -> StructureFamily {
+pub fn family(scene: &StructureScene, settings: &[Setting]) -> ModelFamily {
     let (scene, settings) = (scene.clone(), settings.to_vec());
     Arc::new(move |values: &[f64]| {
         let mut scene = scene.clone();
@@ -77,15 +75,15 @@ pub fn curves<'a>(
     scene: &StructureScene,
     (settings, value): ([Setting; 2], f64),
     located: impl IntoIterator<Item = &'a Located<StructureOrbit>>,
-    (window, tolerance): (StructureWindow, f64),
+    (window, tolerance): (Rectangle, f64),
     stop: &Stop,
-) -> Result<Vec<StructureCurve>, CurveError> {
+) -> Result<Vec<EventCurve<StructureOrbit>>, CurveError> {
     let models = family(scene, &settings);
-    let mut curves: Vec<StructureCurve> = Vec::new();
+    let mut curves: Vec<EventCurve<StructureOrbit>> = Vec::new();
     for located in located {
         let place = [located.value, value];
         if !curves.iter().any(|curve| curve.passes((place, &located.orbit), tolerance, |values| window.parts(values))) {
-            curves.push(structure_curve(located, &models, place, window, tolerance, stop)?);
+            curves.push(event_curve(located, &models, place, window, tolerance, stop)?);
         }
     }
     Ok(curves)

@@ -163,8 +163,13 @@ fn distance(a: f64, displacement: f64) -> f64 {
 /// # Errors
 /// [`BreatherError::TooStiff`]; [`BreatherError::Resonance`], which an orbit that exists has already passed.
 pub fn admissibility(orbit: &Orbit) -> Result<Admissibility, BreatherError> {
+    check(orbit, Depth::Worst)
+}
+
+/// The same as far as it is asked for.
+pub(crate) fn check(orbit: &Orbit, depth: Depth) -> Result<Admissibility, BreatherError> {
     let mut motion = Motion::of(orbit)?;
-    Watch::default().check(orbit, &mut motion, Depth::Worst)
+    Watch::default().check(orbit, &mut motion, depth)
 }
 
 #[cfg(test)]

@@ -4,7 +4,8 @@
 use vibrochain_lattice::{Model, Parameter, Stop};
 
 use crate::branch::{Branch, BranchPoint};
-use crate::error::{BranchError, BreatherError};
+use crate::branch_error::BranchError;
+use crate::error::BreatherError;
 use crate::orbit::{Hit, Orbit};
 use crate::search::words::ended::{End, Ended};
 use crate::tracer::pace::Pace;

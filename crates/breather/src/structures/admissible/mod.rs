@@ -16,13 +16,13 @@ use super::flight::StructureMotion;
 use super::orbit::{StructureImpact, StructureOrbit};
 use super::windows::Windows;
 use crate::admissible::answer::{Admissibility, Approach, Obstruction};
-use crate::admissible::check::Depth;
+use crate::admissible::check::{Depth, check as check_masses};
 use crate::orbit::time_between;
 use release::{Release, TOGETHER};
 
 impl StructureOrbit {
-    /// Whether the orbit is physical, with the least distance at a turning point or what is in the way, where it is farthest out; contacts stand
-    /// in place of sites.
+    /// Whether the orbit is physical, with the least distance at a turning point or what is in the way, where it is farthest out: of a lattice among
+    /// all its masses; of any other structure contacts stand in place of sites.
     ///
     /// # Errors
     /// [`StructureOrbitError`] at a resonance.
@@ -40,6 +40,9 @@ impl StructureOrbit {
 }
 
 fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, StructureOrbitError> {
+    if let Some(orbit) = orbit.of_all_masses() {
+        return Ok(check_masses(&orbit?, depth)?);
+    }
     let impacts = orbit.impacts();
     for (number, impact) in impacts.iter().enumerate() {
         if impact.barrier.sign() * impact.velocity_before <= 0.0 {

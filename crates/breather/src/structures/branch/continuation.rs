@@ -5,14 +5,15 @@ use std::sync::Arc;
 
 use vibrochain_lattice::{Barrier, ModalStructure, Stop, Turn};
 
-use super::twins::{IMAGE, Twins};
-use crate::equations::linear::{Vector, dot};
-use crate::error::{BranchError, BreatherError};
-use crate::orbit::time_between;
+use super::images::is_own_image;
+use super::twins::Twins;
+use crate::branch_error::BranchError;
+use crate::equations::linear::Vector;
+use crate::error::BreatherError;
 use crate::structures::equations::{Equations, System as Rows};
 use crate::structures::error::StructureOrbitError;
 use crate::structures::model::StructureModel;
-use crate::structures::orbit::{StructureImpact, StructureOrbit};
+use crate::structures::orbit::StructureOrbit;
 use crate::structures::point::{Point, Strike};
 use crate::tracer::solution_curve::{SolutionCurve, SolutionPoint};
 use crate::tracer::system::{Evaluation, System};
@@ -30,18 +31,18 @@ const APART: f64 = 1e-24;
 const MOVED: f64 = 1e-3;
 
 /// Models by the values of the numbers that are free; what is wrong with values that have none.
-pub type StructureFamily = Arc<dyn Fn(&[f64]) -> Result<StructureModel, String> + Send + Sync>;
+pub type ModelFamily = Arc<dyn Fn(&[f64]) -> Result<StructureModel, String> + Send + Sync>;
 
 /// A point of a structure's branch.
-pub type StructureBranchPoint = SolutionPoint<StructureOrbit>;
+pub type BranchPoint = SolutionPoint<StructureOrbit>;
 
 /// The orbits of one word of a structure as one number of it varies.
-pub type StructureBranch = SolutionCurve<StructureContinuation>;
+pub type Branch = SolutionCurve<Continuation>;
 
 /// The equations of a word's orbits, with as many numbers of the structure free as units are given.
 #[derive(Clone)]
-pub struct StructureContinuation {
-    family: StructureFamily,
+pub struct Continuation {
+    family: ModelFamily,
     contacts: Vec<(usize, Barrier)>,
     /// Impacts that cannot overtake each other.
     in_order: Vec<(usize, usize)>,
@@ -65,20 +66,20 @@ pub struct StructureContinuation {
     evaluations: usize,
 }
 
-impl fmt::Debug for StructureContinuation {
+impl fmt::Debug for Continuation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("StructureContinuation").field("contacts", &self.contacts).field("origin", &self.origin).finish()
+        f.debug_struct("Continuation").field("contacts", &self.contacts).field("origin", &self.origin).finish()
     }
 }
 
-impl StructureContinuation {
+impl Continuation {
     /// Through an orbit of the model at `values`; `units` are lengths along the numbers that count like a change of order 1 of the orbit.
     ///
     /// # Errors
     /// [`BranchError::Model`] where there is no such model.
     pub fn through(
         orbit: &StructureOrbit,
-        family: StructureFamily,
+        family: ModelFamily,
         values: &[f64],
         units: &[f64],
         stop: &Stop,
@@ -87,42 +88,52 @@ impl StructureContinuation {
         let hit = || whole.contacts.iter().map(|one| one.0);
         let mut equations = Equations::new(orbit.model(), whole.force_periods, hit())?;
         equations.left_out = whole.strongest;
-        let Some(twins) = Twins::of(orbit, &equations) else { return Ok(whole) };
-        let reduced = |full: &[f64]| -> Vector {
-            twins.leading().map(|place| full[place]).chain(full[whole.size..].iter().copied()).collect()
-        };
-        let origin = reduced(&whole.origin);
-        // Also where a number moves they must stay what they are.
+        for twins in Twins::of(orbit, &equations) {
+            let reduced = |full: &[f64]| -> Vector {
+                twins.leading().map(|place| full[place]).chain(full[whole.size..].iter().copied()).collect()
+            };
+            let origin = reduced(&whole.origin);
+            if whole.keeps(&twins, &origin, values)? {
+                (whole.units, whole.origin) = (reduced(&whole.full_units), origin);
+                whole.size = twins.size();
+                whole.twins = Some(Arc::new(twins));
+                break;
+            }
+        }
+        Ok(whole)
+    }
+
+    /// Whether a symmetry stays what it is where a number moves.
+    fn keeps(&self, twins: &Twins, origin: &[f64], values: &[f64]) -> Result<bool, BranchError> {
         for k in 0..=values.len() {
             let mut moved = values.to_vec();
             if let Some(value) = moved.get_mut(k) {
                 *value += MOVED * value.abs().max(MOVED);
             }
-            let Ok(model) = (whole.family)(&moved) else { continue };
-            let there = Equations::new(&model, whole.force_periods, hit())?;
-            let point = whole.point(&twins.expand(&origin, there.period()), there.period())?;
+            let Ok(model) = (self.family)(&moved) else { continue };
+            let mut there = Equations::new(&model, self.force_periods, self.contacts.iter().map(|one| one.0))?;
+            there.left_out = self.strongest;
+            let point = self.point(&twins.expand(origin, there.period()), there.period())?;
             if !twins.are_kept_by(&there.system(&point)?) {
-                return Ok(whole);
+                return Ok(false);
             }
         }
-        (whole.units, whole.origin) = (reduced(&whole.full_units), origin);
-        whole.size = twins.size();
-        whole.twins = Some(Arc::new(twins));
-        Ok(whole)
+        Ok(true)
     }
 
     /// The same among orbits of any symmetry.
     ///
     /// # Errors
-    /// As [`StructureContinuation::through`].
+    /// As [`Continuation::through`].
     pub(super) fn among_all(
         orbit: &StructureOrbit,
-        family: StructureFamily,
+        family: ModelFamily,
         values: &[f64],
         units: &[f64],
         stop: &Stop,
     ) -> Result<Self, BranchError> {
         let model = orbit.model();
+        let family = model.like(&family, values);
         let hits = || orbit.impacts().iter().map(|impact| impact.contact);
         let equations = Equations::new(model, orbit.force_periods(), hits())?;
         let felt = equations.felt_offsets(orbit.offsets());
@@ -245,7 +256,7 @@ impl StructureContinuation {
     }
 }
 
-impl System for StructureContinuation {
+impl System for Continuation {
     type Orbit = StructureOrbit;
     /// Sizes of the rows' terms.
     type Kept = Vector;
@@ -276,7 +287,7 @@ impl System for StructureContinuation {
         let twins = self.twins.clone();
         self.assembled(z, |equations, point, here| {
             let Rows { rows, sizes: mut kept, jacobian: mut matrix, .. } = with_places(here.clone(), weight);
-            // Next to a resonance rows are off by what its distance is, all together.
+            // Next to a resonance rows are off by what its distance is, all of them together.
             for doubt in equations.resonant_doubts(&point) {
                 kept.iter_mut().zip(&doubt.rows).for_each(|(size, row)| *size += row.abs() / ROUNDING);
             }
@@ -284,8 +295,8 @@ impl System for StructureContinuation {
                 matrix.row_mut(i).iter_mut().zip(&units).for_each(|(entry, unit)| *entry *= unit);
             }
             let orbit = match point.in_time() {
-                None => StructureOrbit::as_it_is(equations, periods, (&point, &here))?,
-                Some(point) => StructureOrbit::as_it_is(equations, periods, (&point, &equations.system(&point)?))?,
+                None => StructureOrbit::on_the_way(equations, periods, (&point, &here))?,
+                Some(point) => StructureOrbit::on_the_way(equations, periods, (&point, &equations.system(&point)?))?,
             };
             Ok(match twins {
                 None => Evaluation { orbit, rows, matrix, full: None, kept },
@@ -333,51 +344,20 @@ impl System for StructureContinuation {
     }
 }
 
-impl StructureBranch {
+impl Branch {
     /// The branch through an orbit, as the one number of `family` goes on from `value`; a length of `unit` along it counts like a change of
     /// order 1 of the orbit.
     ///
     /// # Errors
     /// [`BranchError::Model`] where there is no such model.
-    pub fn of_structure(
+    pub fn through(
         orbit: &StructureOrbit,
-        family: StructureFamily,
+        family: ModelFamily,
         value: f64,
         unit: f64,
         stop: &Stop,
     ) -> Result<Self, BranchError> {
-        Ok(Self { equations: StructureContinuation::through(orbit, family, &[value], &[unit], stop)? })
-    }
-}
-
-impl StructureOrbit {
-    /// Whether what happens half a period later differs from what happens now the other way round than along `other`: between the two is an orbit
-    /// that repeats or mirrors itself, if they are neighbours on one branch.
-    pub fn is_across(&self, other: &Self) -> bool {
-        dot(&self.unevenness(), &other.unevenness()) < 0.0
-    }
-
-    /// Whether what an impact does at one barrier its image may do at the other: all of them are as far from 0.
-    pub fn is_centred(&self) -> bool {
-        self.model().structure().contacts().iter().all(|contact| contact.lower == contact.upper.map(|upper| -upper))
-    }
-
-    /// Impulses and flights half the impacts later, less those now, as parts of the strongest and of the period: 0 of an orbit that repeats or
-    /// mirrors itself. Where the second half hits the other barriers, and these are not as far away, time alone can mirror it: then of flights
-    /// alone. None of an odd number of impacts.
-    pub fn unevenness(&self) -> Vec<f64> {
-        let (impacts, half) = (self.impacts(), self.impacts().len() / 2);
-        if impacts.len() % 2 == 1 {
-            return Vec::new();
-        }
-        let strongest = impacts.iter().map(|impact| impact.impulse.abs()).fold(f64::MIN_POSITIVE, f64::max);
-        let end = |i: usize| impacts.get(i + 1).map_or(self.period(), |next| next.time);
-        let flight = |i: usize| (end(i) - impacts[i].time) / self.period();
-        let (one, other) = impacts.split_at(half);
-        let alike = self.is_centred() || one.iter().zip(other).all(|(a, b)| a.barrier == b.barrier);
-        let pairs = if alike { half } else { 0 };
-        let impulses = (0..pairs).map(|i| (impacts[i + half].impulse.abs() - impacts[i].impulse.abs()) / strongest);
-        impulses.chain((0..half).map(|i| flight(i + half) - flight(i))).collect()
+        Ok(Self { equations: Continuation::through(orbit, family, &[value], &[unit], stop)? })
     }
 }
 
@@ -415,7 +395,7 @@ fn load_period(equations: &Equations<'_>) -> f64 {
 }
 
 /// Whether one of the numbers brings losses where it moves.
-fn loses_energy(family: &StructureFamily, values: &[f64], which: usize) -> bool {
+fn loses_energy(family: &ModelFamily, values: &[f64], which: usize) -> bool {
     [1.0, -1.0].into_iter().any(|sign| {
         let mut moved = values.to_vec();
         moved[which] += sign * MOVED * values[which].abs().max(1.0);
@@ -424,27 +404,11 @@ fn loses_energy(family: &StructureFamily, values: &[f64], which: usize) -> bool 
 }
 
 /// Whether a self-excited structure is the same wherever one of the numbers moves: ω, which no load has.
-fn is_idle(family: &StructureFamily, values: &[f64], which: usize) -> bool {
+fn is_idle(family: &ModelFamily, values: &[f64], which: usize) -> bool {
     let moved = |sign: f64| {
         let mut moved = values.to_vec();
         moved[which] += sign * MOVED * values[which].abs().max(1.0);
         family(&moved)
     };
     matches!([moved(1.0), moved(-1.0)], [Ok(one), Ok(other)] if one.structure() == other.structure())
-}
-
-/// Whether half a period later an orbit does the same at the other barriers; or, where time may run backwards, the same.
-fn is_own_image(orbit: &StructureOrbit) -> bool {
-    let (impacts, period) = (orbit.impacts(), orbit.period());
-    let alike = |one: &StructureImpact, other: &StructureImpact, sign: f64, time: f64| {
-        one.contact == other.contact
-            && (one.barrier == other.barrier) == (sign > 0.0)
-            && time_between(other.time, time, period) <= IMAGE * period
-            && (one.impulse - sign * other.impulse).abs() <= IMAGE * one.impulse.abs()
-    };
-    let holds = |sign: f64, of: &dyn Fn(f64) -> f64| {
-        impacts.iter().all(|one| impacts.iter().any(|other| alike(one, other, sign, of(one.time))))
-    };
-    holds(-1.0, &|time| time + 0.5 * period)
-        || orbit.is_conservative() && impacts.iter().any(|about| holds(1.0, &|time| about.time - time))
 }

@@ -1,16 +1,31 @@
-//! Where a branch of other orbits of a structure begins: of twice the period, of less symmetry, or of another word at a grazing.
+//! Where a branch of other orbits begins: of lower symmetry at a pitchfork, of twice the period at a period doubling, of another
+//! word at a grazing.
+//!
+//! Written with the unknowns of the orbits that branch off (both times and impulses free, for a doubled orbit twice the
+//! period), ∂F/∂x of the orbit they leave is singular, ∂F/∂x n = 0, in a direction n that breaks its symmetry. Along n begins
+//!
+//! ```text
+//! F(z) = 0,     n·(z − z₀) = σ,     λ = λ₀ + κσ² + …
+//! ```
+//!
+//! while the orbit itself moves across n. So the curve of length along a tangent that every branch is followed by leads off
+//! it, and the sign of κ is the side on which the orbits exist: nothing has to be searched for or told apart.
+//!
+//! Where a mass touches a barrier, an impact without impulse may be added to the word: the orbit is one of the new word, too, and as
+//! such regular. So is one without its impact that has lost all velocity.
 
 use vibrochain_lattice::Stop;
 
-use super::continuation::{StructureBranch, StructureBranchPoint, StructureContinuation, StructureFamily};
-use crate::branch::departure::Departure;
-use crate::error::BranchError;
-use crate::orbit::SIMULTANEOUS;
+use super::continuation::{Branch, BranchPoint, Continuation, ModelFamily};
+use crate::branch_error::BranchError;
+use crate::equations::linear::{Vector, unit};
+use crate::orbit::{Hit, SIMULTANEOUS};
 use crate::structures::equations::Equations;
 use crate::structures::error::StructureOrbitError;
 use crate::structures::model::StructureModel;
 use crate::structures::orbit::{StructureImpact, StructureOrbit};
 use crate::structures::point::{Point, Strike};
+use crate::tracer::solution_curve::{SolutionCurve, SolutionPoint, normed};
 use crate::tracer::system::{Matrix, System};
 use crate::word::MAX_IMPACTS;
 
@@ -24,37 +39,76 @@ const NOTHING: f64 = 1e-9;
 /// An impact this slow, against velocities and accelerations over ω, is lost together with another one that is.
 const STILL: f64 = 1e-6;
 
-impl StructureBranch {
+/// A border that is not orthogonal to n in any symmetry: no two of its entries are alike, none is small.
+fn border(size: usize) -> Vector {
+    (0..size).map(|i| 0.5 + (0.618 * i as f64).fract()).collect()
+}
+
+/// The way in which other orbits leave one.
+#[derive(Debug, Clone, PartialEq)]
+#[must_use]
+pub enum Departure {
+    /// At a pitchfork: those without its symmetry.
+    Pitchfork,
+    /// At a period doubling, under a force: those of twice the period.
+    PeriodDoubling,
+    /// At a grazing: those that hit where masses touch. Impulses are not read.
+    Touching(Vec<Hit>),
+    /// At a grazing: those without this impact, which has lost its velocity.
+    Without(usize),
+}
+
+impl<S: System> SolutionCurve<S> {
+    /// The origin, where ∂F/∂x is singular, heading along the null vector.
+    pub(crate) fn along_null_vector(&mut self) -> Result<SolutionPoint<S::Orbit>, BranchError> {
+        let coordinates = self.equations.origin()?;
+        // (∂F/∂x b; cᵀ 0)(n; g) = (0; 1), regular where ∂F/∂x is singular.
+        let size = self.equations.size();
+        let border = border(size);
+        let mut last_row = border.clone();
+        last_row.push(0.0);
+        let here = self.equations.evaluate(&coordinates)?;
+        let bordered = here.matrix.bordered(&border, &last_row);
+        let mut direction = bordered.solve(&unit(size + 1, size)).ok_or(BranchError::NoConvergence)?;
+        direction[size] = 0.0;
+        Ok(SolutionPoint {
+            determinant: here.all().determinant(),
+            orbit: here.orbit,
+            coordinates,
+            tangent: normed(direction),
+            fold_determinant: 0.0,
+            // A branch point: its neighbours have either sign.
+            orientation: 0.0,
+        })
+    }
+}
+
+impl Branch {
     /// The branch that leaves `orbit`, which stands at `value` of the number of `family`, and the point where it does, heading along it. Steps the
     /// other way give the mirror image, or the same orbits begun later; at a grazing those that are pulled.
     ///
     /// # Errors
-    /// [`BranchError::Family`] where none is known to branch off, or the equations are regular; otherwise as [`StructureBranch::step`].
-    pub fn leaving_structure(
+    /// [`BranchError::Family`] where none is known to branch off, or the equations are regular; otherwise as [`Branch::step`].
+    pub fn leaving(
         orbit: &StructureOrbit,
         departure: &Departure,
-        family: StructureFamily,
+        family: ModelFamily,
         (value, unit): (f64, f64),
         stop: &Stop,
-    ) -> Result<(Self, StructureBranchPoint), BranchError> {
+    ) -> Result<(Self, BranchPoint), BranchError> {
         let through = |orbit: &StructureOrbit| -> Result<Self, BranchError> {
-            Ok(Self::of(StructureContinuation::through(orbit, family.clone(), &[value], &[unit], stop)?))
+            Ok(Self::of(Continuation::through(orbit, family.clone(), &[value], &[unit], stop)?))
         };
-        let exchanged = |lost, touching: &[_]| -> Result<(Self, StructureBranchPoint), BranchError> {
-            let mut branch = through(&orbit.exchanged(lost, touching)?)?;
+        let exchanged = |lost, touching: &[_]| -> Result<(Self, BranchPoint), BranchError> {
+            let mut branch = through(&orbit.with_contacts_at(touching)?.exchanged(lost, touching)?)?;
             let point = branch.start()?;
             Ok((branch, point))
         };
         let mut branch = match departure {
             Departure::PeriodDoubling if orbit.is_conservative() => return Err(BranchError::Family),
             Departure::PeriodDoubling => through(&orbit.twice()?)?,
-            Departure::Pitchfork => {
-                Self::of(StructureContinuation::among_all(orbit, family.clone(), &[value], &[unit], stop)?)
-            }
-            Departure::Touching(hits) => {
-                let hits: Vec<Strike> = hits.iter().map(|hit| Strike { impulse: 0.0, ..Strike::from(hit) }).collect();
-                return exchanged(None, &hits);
-            }
+            Departure::Pitchfork => Self::of(Continuation::among_all(orbit, family.clone(), &[value], &[unit], stop)?),
+            Departure::Touching(hits) => return exchanged(None, hits),
             Departure::Without(lost) => return exchanged(Some(*lost), &[]),
         };
         let point = branch.along_null_vector()?;
@@ -163,13 +217,15 @@ impl StructureOrbit {
     }
 
     /// The same motion as an orbit of another word: without an impact that has no impulse left, with others that have none yet.
-    fn exchanged(&self, lost: Option<usize>, touching: &[Strike]) -> Result<Self, BranchError> {
+    fn exchanged(&self, lost: Option<usize>, touching: &[Hit]) -> Result<Self, BranchError> {
         let speed = |one: &StructureImpact| one.velocity_before.abs();
         let scale = |one: &StructureImpact| speed(one).max(one.acceleration_before.abs() / self.model().omega());
         let fastest = self.impacts().iter().map(scale).fold(0.0, f64::max);
         // Symmetry may have several lose their velocity at once.
         let is_lost = |i: usize| lost.is_some() && (Some(i) == lost || speed(&self.impacts()[i]) <= STILL * fastest);
-        self.reassembled(is_lost, touching)
+        let strike = |hit: &Hit| Ok(Strike { impulse: 0.0, ..self.model().strike(hit)? });
+        let touching = touching.iter().map(strike).collect::<Result<Vec<Strike>, StructureOrbitError>>()?;
+        self.reassembled(is_lost, &touching)
     }
 
     fn reassembled(&self, is_lost: impl Fn(usize) -> bool, touching: &[Strike]) -> Result<Self, BranchError> {
@@ -187,16 +243,6 @@ impl StructureOrbit {
         strikes.sort_by(|one, other| one.time.total_cmp(&other.time));
         let psi = self.psi().unwrap_or(0.0) + first;
         Ok(Self::assembled(self.model(), self.force_periods(), psi, strikes)?)
-    }
-
-    fn strikes(&self) -> impl Iterator<Item = Strike> + '_ {
-        let strike = |one: &StructureImpact| Strike {
-            contact: one.contact,
-            barrier: one.barrier,
-            time: one.time,
-            impulse: one.impulse,
-        };
-        self.impacts().iter().map(strike)
     }
 }
 

@@ -2,14 +2,16 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `continuation` | [`StructureBranch`]: the equations with numbers of the structure free |
+//! | `continuation` | [`Branch`]: the equations with numbers of the structure free |
 //! | `departure` | where the branch of other orbits begins |
+//! | `images` | whether an orbit is its own mirror image |
 //! | `resonances` | where a branch meets a resonance |
-//! | `twins` | impacts that a mirror exchanges |
+//! | `twins` | orbits of a symmetry that needs fewer unknowns |
 //!
-//! [`StructureBranch`]: continuation::StructureBranch
+//! [`Branch`]: continuation::Branch
 
 pub(crate) mod continuation;
-mod departure;
+pub(crate) mod departure;
+mod images;
 mod resonances;
 mod twins;

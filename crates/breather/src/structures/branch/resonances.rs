@@ -2,7 +2,7 @@
 
 use vibrochain_lattice::{LinearMode, Resonance, Turn};
 
-use super::continuation::{StructureBranch, StructureBranchPoint};
+use super::continuation::{Branch, BranchPoint};
 use crate::branch::resonances::{STILL, nearest};
 use crate::structures::orbit::StructureOrbit;
 
@@ -28,15 +28,11 @@ impl StructureOrbit {
     }
 }
 
-impl StructureBranch {
+impl Branch {
     /// The first resonance between two points, and the value where it is: a harmonic of the orbit's frequency on a mode that nothing damps and that
     /// it pushes.
-    pub fn resonance_between(
-        &self,
-        from: &StructureBranchPoint,
-        to: &StructureBranchPoint,
-    ) -> Option<(f64, Resonance)> {
-        let end = |point: &StructureBranchPoint| (point.value(), std::f64::consts::TAU / point.orbit().period());
+    pub fn resonance_between(&self, from: &BranchPoint, to: &BranchPoint) -> Option<(f64, Resonance)> {
+        let end = |point: &BranchPoint| (point.value(), std::f64::consts::TAU / point.orbit().period());
         let (first, last) = (from.orbit().model().structure().modes(), to.orbit().model().structure().modes());
         let both = first.iter().zip(last).enumerate();
         let frequencies = both.filter_map(|(number, (mode, end))| Some((number, (frequency(mode)?, frequency(end)?))));

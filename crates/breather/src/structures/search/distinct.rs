@@ -58,7 +58,7 @@ impl StructureOrbit {
     }
 
     /// Whether every impact has an impulse: one that is no larger than its error is none, and the orbit one of fewer impacts.
-    pub(super) fn hits(&self) -> bool {
+    pub(super) fn has_impulses(&self) -> bool {
         self.impacts().iter().enumerate().all(|(i, impact)| impact.impulse.abs() > self.estimate(i).impulse)
     }
 

@@ -155,7 +155,7 @@ mod tests {
                     };
                     let apart = orbit.impacts()[1].time.min(orbit.period() - orbit.impacts()[1].time);
                     if !orbit.has_its_instants()
-                        || !orbit.hits()
+                        || !orbit.has_impulses()
                         || orbit.repeats_sooner()
                         || apart < 1e-4 * orbit.period()
                     {

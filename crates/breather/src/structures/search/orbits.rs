@@ -275,7 +275,8 @@ impl Impacts<'_> {
             let solved = if is_exact { equations.solve_exact(point) } else { equations.solve(point) };
             let orbit = solved.and_then(|solved| StructureOrbit::new(equations, force_periods, solved));
             // A zero whose orbit is not reached, or is none as far as its errors tell, is told, not dropped.
-            let sound = orbit.ok().filter(|orbit| (letters_at_once(word) || orbit.has_its_instants()) && orbit.hits());
+            let sound =
+                orbit.ok().filter(|orbit| (letters_at_once(word) || orbit.has_its_instants()) && orbit.has_impulses());
             let Some(orbit) = sound else {
                 lost += usize::from(is_zero);
                 continue;

@@ -2,9 +2,10 @@
 //! Newton's method in all unknowns stops too early. A second Newton's method, in the length along the branch, takes over: its one derivative has
 //! nothing to cancel.
 
+use vibrochain_breather::BranchPoint;
 use vibrochain_breather::system::{System, Vector};
 
-use super::{Ends, Follower, OrbitOf, Point};
+use super::Follower;
 use crate::events::{AtEvent, EventOrbit, Solved, Test};
 
 /// Steps at most; three are usual.
@@ -17,14 +18,9 @@ const LONGEST: f64 = 1e-4;
 /// The difference of a mark.
 const MARK: f64 = 1e-6;
 
-impl<E: Ends> Follower<E> {
+impl Follower {
     /// The same event, along the branch from `from`; as it is where no resonance is near.
-    pub(super) fn beside_resonance(
-        &mut self,
-        test: Test,
-        from: &Point<E>,
-        solved: Solved<OrbitOf<E>>,
-    ) -> Option<Solved<OrbitOf<E>>> {
+    pub(super) fn beside_resonance(&mut self, test: Test, from: &BranchPoint, solved: Solved) -> Option<Solved> {
         let AtEvent { orbit, mark, .. } = &solved.at;
         if matches!(test, Test::One | Test::Fold) || orbit.without_poles(None).1.is_empty() {
             return Some(solved);
@@ -64,7 +60,7 @@ impl<E: Ends> Follower<E> {
         Some(Solved { at, coordinates: point.coordinates().into(), value: point.value(), error })
     }
 
-    fn tested(&mut self, test: Test, from: &Point<E>, s: f64, mark: Option<f64>) -> Option<Vector> {
+    fn tested(&mut self, test: Test, from: &BranchPoint, s: f64, mark: Option<f64>) -> Option<Vector> {
         let point = self.branch.step(from, s).ok()?;
         let here = self.branch.system().evaluate(point.coordinates()).ok()?;
         Some(test.values(&here, mark).ok()?.into_iter().collect())

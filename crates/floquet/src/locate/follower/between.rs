@@ -4,11 +4,12 @@
 //! The parabola through the three values tells how far the function departs from its chords; where twice that could carry it to 0
 //! and back, the step is halved. Halves that are near a touching zero are halved again.
 
+use vibrochain_breather::BranchPoint;
 use vibrochain_lattice::Barrier;
 
 use super::confirm::Found;
 use super::seen::value;
-use super::{At, Ends, Follower, Point, Seen};
+use super::{At, Follower, Seen};
 use crate::events::{EventOrbit, Test};
 use crate::locate::answer::{Event, LocateError};
 use crate::locate::course::Station;
@@ -25,9 +26,9 @@ const SAFETY: f64 = 2.0;
 /// Next to the edge of a stripe its opening grows by this factor at most within what is looked at at once.
 const STEEPEST: f64 = 4.0;
 
-impl<E: Ends> Follower<E> {
+impl Follower {
     /// All events on the way to `next`, and what is seen there.
-    pub(super) fn watch(&mut self, from: At<'_, E>, next: &Point<E>) -> Result<Seen, LocateError> {
+    pub(super) fn watch(&mut self, from: At<'_>, next: &BranchPoint) -> Result<Seen, LocateError> {
         let length = self.branch.length_between(from.0, next);
         let seen = self.look_on(next, length)?;
         self.halved(from, (next, &seen), 0)?;
@@ -36,7 +37,7 @@ impl<E: Ends> Follower<E> {
     }
 
     /// Keeps a point, if points are kept.
-    pub(crate) fn pass(&mut self, point: &Point<E>, seen: &Seen) {
+    pub(crate) fn pass(&mut self, point: &BranchPoint, seen: &Seen) {
         if !self.stretch.whole {
             return;
         }
@@ -44,7 +45,7 @@ impl<E: Ends> Follower<E> {
         self.passed.push(Station::Point(point));
     }
 
-    fn halved(&mut self, from: At<'_, E>, to: At<'_, E>, depth: u32) -> Result<(), LocateError> {
+    fn halved(&mut self, from: At<'_>, to: At<'_>, depth: u32) -> Result<(), LocateError> {
         let length = self.branch.length_between(from.0, to.0);
         let middle = self.branch.step(from.0, 0.5 * length)?;
         let seen = self.look_on(&middle, length)?;
@@ -75,7 +76,7 @@ impl<E: Ends> Follower<E> {
     }
 
     /// Keeps events of a step. Between two of them there is something to see, however near to each other they are.
-    fn pass_events(&mut self, from: &Point<E>, found: Vec<Found<E>>) {
+    fn pass_events(&mut self, from: &BranchPoint, found: Vec<Found>) {
         let mut last = None;
         for (at, located) in found {
             let middle = last.filter(|_| self.stretch.whole).map(|last: f64| self.branch.step(from, 0.5 * (last + at)));
@@ -91,10 +92,10 @@ impl<E: Ends> Follower<E> {
     /// All events between two neighbouring points, crossings of the circle among them, in the order of the way.
     pub(super) fn all_between(
         &mut self,
-        from: At<'_, E>,
-        to: At<'_, E>,
-        crossings: Vec<Found<E>>,
-    ) -> Result<Vec<Found<E>>, LocateError> {
+        from: At<'_>,
+        to: At<'_>,
+        crossings: Vec<Found>,
+    ) -> Result<Vec<Found>, LocateError> {
         let mut found = Vec::new();
         self.zeros_between(from, to, &mut found)?;
         found.extend(crossings);
@@ -106,14 +107,14 @@ impl<E: Ends> Follower<E> {
     }
 
     /// No function that is watched can vanish twice within either half of a step.
-    fn is_clear(&self, [from, middle, to]: [At<'_, E>; 3]) -> bool {
+    fn is_clear(&self, [from, middle, to]: [At<'_>; 3]) -> bool {
         let (mut clear, mut clear_of_edges) = (true, true);
         let mut hold = |values: [f64; 3]| clear &= no_pair(values);
         let mut tests: Vec<Test> = (0..from.1.velocities.len()).map(Test::Velocity).collect();
         tests.extend((0..from.1.releases.len()).map(Test::Release));
         tests.extend([Test::Touch(0, Barrier::Lower), Test::One, Test::AnotherOne, Test::MinusOne]);
         for test in tests {
-            let [a, m, b] = [from, middle, to].map(|at| value::<E>(test, at));
+            let [a, m, b] = [from, middle, to].map(|at| value(test, at));
             if let (Some(a), Some(m), Some(b)) = (a, m, b) {
                 hold([a, m, b]);
             }

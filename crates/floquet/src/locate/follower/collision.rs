@@ -9,12 +9,13 @@
 //! those off the circle have. It does so without an event, too, where they drift past a pair that stays: so halving ends sooner.
 
 use nalgebra::Complex;
+use vibrochain_breather::BranchPoint;
 
 use super::confirm::{Found, Part};
 use super::order::Order;
-use super::{At, Ends, Follower, OrbitOf, Point, Seen};
+use super::{At, Follower, Seen};
 use crate::events::half_sums::{SPLIT, collided, complex_count};
-use crate::events::{Solved, Test, Watcher};
+use crate::events::{Solved, Test};
 use crate::locate::answer::{Event, Evidence, LocateError};
 
 /// Halvings of a step in search of a stripe: to the rounding of its length.
@@ -46,7 +47,7 @@ const SAME: f64 = 4.0;
 type Sums = Vec<Complex<f64>>;
 
 /// The end of a stripe, and how far along the step it is.
-type Edge<E> = (f64, Solved<OrbitOf<E>>, Evidence);
+type Edge = (f64, Solved, Evidence);
 
 /// A place on a step.
 #[derive(Debug, Clone)]
@@ -75,13 +76,13 @@ fn told(order: &Option<Order>) -> Option<&Order> {
     order.as_ref().filter(|order| order.is_told())
 }
 
-impl<E: Ends> Follower<E> {
+impl Follower {
     /// All collisions in a step.
     pub(super) fn collisions(
         &mut self,
-        (point, seen): At<'_, E>,
-        (next, next_seen): At<'_, E>,
-        found: &mut Vec<Found<E>>,
+        (point, seen): At<'_>,
+        (next, next_seen): At<'_>,
+        found: &mut Vec<Found>,
     ) -> Result<(), LocateError> {
         let length = self.branch.length_between(point, next);
         let first = Place::new(0.0, seen);
@@ -108,8 +109,8 @@ impl<E: Ends> Follower<E> {
                 }
                 2 if depth >= ALONE => {
                     let range = self.range();
-                    let is_new = |(at, solved, _): &Edge<E>| {
-                        edges.iter().all(|edge: &Edge<E>| (edge.0 - at).abs() * range > SAME * solved.error)
+                    let is_new = |(at, solved, _): &Edge| {
+                        edges.iter().all(|edge: &Edge| (edge.0 - at).abs() * range > SAME * solved.error)
                     };
                     let edge = self.edge((point, next), length, [&from, &to]).filter(is_new);
                     if let Some((at, solved, evidence)) = edge {
@@ -167,7 +168,7 @@ impl<E: Ends> Follower<E> {
     }
 
     /// A place on the side of `end` so near to an edge as the order can be told.
-    fn next_to(&mut self, point: &Point<E>, edge: f64, end: &Place) -> Result<Option<Place>, LocateError> {
+    fn next_to(&mut self, point: &BranchPoint, edge: f64, end: &Place) -> Result<Option<Place>, LocateError> {
         for share in NEXT_TO {
             let place = self.place_at(point, edge + share * (end.s - edge))?;
             if place.told().is_some() && place.off_circle() == end.off_circle() {
@@ -178,7 +179,7 @@ impl<E: Ends> Follower<E> {
     }
 
     /// Where the two meet that have changed places between two places: the least (ν₁ − ν₂)², by parabolas through three points.
-    fn meeting(&mut self, point: &Point<E>, [from, to]: [&Place; 2]) -> Result<Option<Place>, LocateError> {
+    fn meeting(&mut self, point: &BranchPoint, [from, to]: [&Place; 2]) -> Result<Option<Place>, LocateError> {
         let (Some(before), Some(after)) = (from.told(), to.told()) else { return Ok(None) };
         let Some(swapped) = before.swapped(after) else { return Ok(None) };
         let gap = |place: &Place| place.order.as_ref()?.gap(swapped);
@@ -213,7 +214,12 @@ impl<E: Ends> Follower<E> {
     }
 
     /// The end of a stripe between two places, of which one is inside.
-    fn edge(&mut self, (point, next): (&Point<E>, &Point<E>), length: f64, [from, to]: [&Place; 2]) -> Option<Edge<E>> {
+    fn edge(
+        &mut self,
+        (point, next): (&BranchPoint, &BranchPoint),
+        length: f64,
+        [from, to]: [&Place; 2],
+    ) -> Option<Edge> {
         let (fewer, more) = if from.off_circle() < to.off_circle() { (from, to) } else { (to, from) };
         let angle = collided(&fewer.sums, &more.sums)?.re.clamp(-1.0, 1.0).acos();
         let share = 0.5 * (from.s + to.s) / length;
@@ -225,14 +231,14 @@ impl<E: Ends> Follower<E> {
         (least..=most).contains(&at).then_some((at, solved, evidence))
     }
 
-    fn place_at(&mut self, point: &Point<E>, s: f64) -> Result<Place, LocateError> {
+    fn place_at(&mut self, point: &BranchPoint, s: f64) -> Result<Place, LocateError> {
         let there = self.branch.step(point, s)?;
         let (values, _) = self.watcher.spectrum(there.orbit(), self.stretch.tolerance)?;
         Ok(Place { s, order: Order::of_orbit(there.orbit(), &values), sums: values })
     }
 
     /// The middle, or where the order can be told beside it.
-    fn between_places(&mut self, point: &Point<E>, from: f64, to: f64) -> Result<Place, LocateError> {
+    fn between_places(&mut self, point: &BranchPoint, from: f64, to: f64) -> Result<Place, LocateError> {
         let mut place = self.place_at(point, 0.5 * (from + to))?;
         for share in BESIDE {
             if place.told().is_none() {

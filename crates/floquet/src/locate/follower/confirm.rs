@@ -2,22 +2,17 @@
 //! until the solution lies in it.
 
 use nalgebra::Complex;
+use vibrochain_breather::BranchPoint;
+use vibrochain_breather::StructureOrbit;
 use vibrochain_breather::{Approach, Pace};
 
 use super::seen::{changes, corners, marks, touch_between, value};
-use super::{At, Ends, Follower, OrbitOf, Point};
+use super::{At, Follower};
 use crate::bracket::crossing;
-use crate::events::{AtEvent, EventOrbit, Solved, TOUCHES, Test, Watcher, solve};
-use crate::followed::Followed;
+use crate::events::{AtEvent, EventOrbit, Solved, TOUCHES, Test, bounded, solve};
 use crate::locate::answer::{Event, EventSide, Evidence, LocateError, Located};
-use crate::locate::branch_off::branch_off;
-use crate::verdict::Tolerance;
-use crate::zeros::Nu;
 
 type C = Complex<f64>;
-
-/// A multiplier farther than this from where it should be is not the zero of the function.
-const POLE: f64 = 1e-4;
 
 /// How often a step is halved until Newton's method finds the event, or the fold, in it: down to 1/256 of the step.
 pub(super) const HALVINGS: usize = 8;
@@ -35,11 +30,8 @@ const CLAIMED: f64 = 1e-2;
 pub(super) const BESIDE: f64 = 1e-4;
 const MOST_IN_STEP: usize = 32;
 
-/// A small step away from an event, as a part of the parameter.
-pub(crate) const AWAY: f64 = 1e-4;
-
 /// An event, and its length along the step.
-pub(super) type Found<E> = (f64, Located<OrbitOf<E>>);
+pub(super) type Found = (f64, Located<StructureOrbit>);
 
 /// A part of a step that is still to be looked at.
 pub(super) struct Part<P> {
@@ -59,38 +51,22 @@ impl<P> Part<P> {
 }
 
 /// What the search for the event of a change of sign has found.
-pub(super) enum Confirmed<E: Ends> {
+pub(super) enum Confirmed {
     /// An event, and what shows it.
-    At(Solved<OrbitOf<E>>, Evidence),
+    At(Solved, Evidence),
     /// A jump, as where an equation has a pole.
     Nothing,
     /// Rounding hides it.
     Hidden,
 }
 
-/// The multiplier of an orbit that is at `goal`, if there is one.
-pub(crate) fn multiplier_at<W: Watcher>(
-    watcher: &mut W,
-    orbit: &W::Orbit,
-    goal: C,
-    tolerance: Tolerance,
-) -> Option<Evidence> {
-    // Two that meet are known to the root of rounding, and may not be told apart.
-    let Ok((values, _)) = watcher.spectrum(orbit, tolerance) else { return Some(Evidence::Multiplier(goal)) };
-    let lossless = orbit.is_lossless();
-    let both = |value: C| if lossless { Nu::of(value).multipliers() } else { [value; 2] };
-    let multipliers = values.into_iter().flat_map(both).flat_map(|mu| [mu, mu.conj()]);
-    let nearest = multipliers.min_by(|a, b| (a - goal).norm().total_cmp(&(b - goal).norm()))?;
-    ((nearest - goal).norm() <= POLE).then_some(Evidence::Multiplier(if lossless { goal } else { nearest }))
-}
-
-impl<E: Ends> Follower<E> {
+impl Follower {
     /// The events of all test functions of one value between two points.
     pub(super) fn zeros_between(
         &mut self,
-        from: At<'_, E>,
-        to: At<'_, E>,
-        found: &mut Vec<Found<E>>,
+        from: At<'_>,
+        to: At<'_>,
+        found: &mut Vec<Found>,
     ) -> Result<(), LocateError> {
         let turns = from.0.heading() * to.0.heading() <= 0.0;
         // An orbit that may begin at any time has another +1 where the rest of its equations says so.
@@ -102,8 +78,8 @@ impl<E: Ends> Follower<E> {
         let mut tests = vec![one, Test::MinusOne];
         tests.extend((0..from.1.velocities.len()).map(Test::Velocity));
         tests.extend((0..from.1.releases.len()).map(Test::Release));
-        tests.retain(|test| changes::<E>(*test, from, to));
-        tests.extend(touch_between::<E>(from, to));
+        tests.retain(|test| changes(*test, from, to));
+        tests.extend(touch_between(from, to));
         tests.retain(|test| self.watches(test.event(turns)));
         for test in tests {
             self.zeros_of(test, from, to, MOST_IN_STEP, found)?;
@@ -115,10 +91,10 @@ impl<E: Ends> Follower<E> {
     fn zeros_of(
         &mut self,
         test: Test,
-        from: At<'_, E>,
-        to: At<'_, E>,
+        from: At<'_>,
+        to: At<'_>,
         most: usize,
-        found: &mut Vec<Found<E>>,
+        found: &mut Vec<Found>,
     ) -> Result<(), LocateError> {
         let (length, turns) = (self.branch.length_between(from.0, to.0), test == Test::Fold);
         let (solved, evidence) = match self.confirm(test, from, to, HALVINGS)? {
@@ -147,7 +123,7 @@ impl<E: Ends> Follower<E> {
                 continue;
             }
             let Ok(beside) = self.branch.step(from.0, s) else { continue };
-            let (Some(here), Some(there)) = (self.read(test, &beside), value::<E>(test, end)) else { continue };
+            let (Some(here), Some(there)) = (self.read(test, &beside), value(test, end)) else { continue };
             if (here > 0.0) != (there > 0.0) {
                 let seen = self.look(&beside)?;
                 let beside = (&beside, &seen);
@@ -158,7 +134,7 @@ impl<E: Ends> Follower<E> {
         Ok(())
     }
 
-    pub(super) fn length_to(&mut self, from: &Point<E>, solved: &Solved<OrbitOf<E>>) -> f64 {
+    pub(super) fn length_to(&mut self, from: &BranchPoint, solved: &Solved) -> f64 {
         self.branch.length_to(from, &solved.coordinates)
     }
 
@@ -166,23 +142,23 @@ impl<E: Ends> Follower<E> {
     pub(super) fn confirm(
         &mut self,
         test: Test,
-        from: At<'_, E>,
-        to: At<'_, E>,
+        from: At<'_>,
+        to: At<'_>,
         halvings: usize,
-    ) -> Result<Confirmed<E>, LocateError> {
+    ) -> Result<Confirmed, LocateError> {
         // The contact that is nearest to its barrier at one end may not be the one that touches first.
-        let test = if matches!(test, Test::Touch(..)) { touch_between::<E>(from, to).unwrap_or(test) } else { test };
-        let share = match (value::<E>(test, from), value::<E>(test, to)) {
+        let test = if matches!(test, Test::Touch(..)) { touch_between(from, to).unwrap_or(test) } else { test };
+        let share = match (value(test, from), value(test, to)) {
             (Some(a), Some(b)) if a != b => (a / (a - b)).clamp(0.0, 1.0),
             _ => 0.5,
         };
-        for mark in marks::<E>(test, [from, to]) {
+        for mark in marks(test, [from, to]) {
             if let Some((solved, evidence)) = self.solved(test, (from.0, to.0), share, mark) {
                 return Ok(Confirmed::At(solved, evidence));
             }
         }
         if matches!(test, Test::Touch(..)) {
-            for corner in corners::<E>([from, to]) {
+            for corner in corners([from, to]) {
                 if let Some((solved, evidence)) = self.solved(corner, (from.0, to.0), share, None) {
                     return Ok(Confirmed::At(solved, evidence));
                 }
@@ -196,8 +172,8 @@ impl<E: Ends> Follower<E> {
         let Ok(middle) = self.branch.step(from.0, 0.5 * length) else { return Ok(Confirmed::Hidden) };
         let seen = self.look(&middle)?;
         let middle = (&middle, &seen);
-        let before = changes::<E>(test, from, middle)
-            || matches!(test, Test::Touch(..)) && touch_between::<E>(from, middle).is_some();
+        let before =
+            changes(test, from, middle) || matches!(test, Test::Touch(..)) && touch_between(from, middle).is_some();
         let (from, to) = if before { (from, middle) } else { (middle, to) };
         self.confirm(test, from, to, halvings - 1)
     }
@@ -206,10 +182,10 @@ impl<E: Ends> Follower<E> {
     pub(super) fn solved(
         &mut self,
         test: Test,
-        (from, to): (&Point<E>, &Point<E>),
+        (from, to): (&BranchPoint, &BranchPoint),
         share: f64,
         mark: Option<f64>,
-    ) -> Option<(Solved<OrbitOf<E>>, Evidence)> {
+    ) -> Option<(Solved, Evidence)> {
         let length = self.branch.length_between(from, to);
         let ends = from.coordinates().iter().zip(to.coordinates());
         let mut z: Vec<f64> = ends.map(|(a, b)| a + share * (b - a)).collect();
@@ -230,7 +206,7 @@ impl<E: Ends> Follower<E> {
     }
 
     /// Where Newton's method cannot lead, as to a point where symmetric orbits lose their symmetry: the zero along the branch.
-    fn bracketed(&mut self, test: Test, from: &Point<E>, length: f64) -> Confirmed<E> {
+    fn bracketed(&mut self, test: Test, from: &BranchPoint, length: f64) -> Confirmed {
         if !matches!(test, Test::One | Test::MinusOne | Test::AnotherOne) {
             return Confirmed::Hidden;
         }
@@ -251,7 +227,7 @@ impl<E: Ends> Follower<E> {
     }
 
     /// The multiplier of an event, if it is where it should be; of a grazing that which touches, if nothing else is beyond a barrier.
-    pub(super) fn evidence(&mut self, test: Test, solved: &Solved<OrbitOf<E>>) -> Option<Evidence> {
+    pub(super) fn evidence(&mut self, test: Test, solved: &Solved) -> Option<Evidence> {
         let orbit = &solved.at.orbit;
         let goal = match test {
             Test::Velocity(i) | Test::Release(i) => return Some(Evidence::Impact(i)),
@@ -268,17 +244,17 @@ impl<E: Ends> Follower<E> {
             Test::MinusOne => C::new(-1.0, 0.0),
             Test::Circle | Test::Collision => C::from_polar(1.0, solved.at.mark.unwrap_or(0.0)),
         };
-        multiplier_at(&mut self.watcher, orbit, goal, self.stretch.tolerance)
+        self.watcher.multiplier_at(orbit, goal, self.stretch.tolerance)
     }
 
     /// The event at a length along a step.
     pub(super) fn told(
         &mut self,
         event: Event,
-        (from, along): (&Point<E>, f64),
-        solved: Solved<OrbitOf<E>>,
+        (from, along): (&BranchPoint, f64),
+        solved: Solved,
         evidence: Evidence,
-    ) -> Located<OrbitOf<E>> {
+    ) -> Located<StructureOrbit> {
         let Solved { at: AtEvent { orbit, .. }, value, error, .. } = solved;
         let physical = self.watcher.admissibility(&orbit).ok().map(|told| told.is_physical());
         let mut sides: Vec<EventSide> = Vec::new();
@@ -291,9 +267,8 @@ impl<E: Ends> Follower<E> {
             }
         }
         sides.sort_by(|a, b| a.value.total_cmp(&b.value));
-        let distance = AWAY * value.abs().max(1e-2 * self.range());
-        let branching = branch_off(&mut self.ends, event, (&orbit, value), distance);
+        let branching = self.ends.branch_off(event, (&orbit, value));
         let evaluations = self.evaluations();
-        Located { event, value, error, orbit, evidence, physical, sides, branching, evaluations }
+        Located { event, value, error, orbit: bounded(&orbit), evidence, physical, sides, branching, evaluations }
     }
 }

@@ -5,16 +5,17 @@
 //! is to be trusted. Where it is not, the step is halved.
 
 use nalgebra::Complex;
+use vibrochain_breather::BranchPoint;
 use vibrochain_breather::system::{System, Vector, dot};
 use vibrochain_breather::{BranchError, BreatherError};
 
 use super::confirm::{BESIDE, Found};
 use super::paths::{Mover, Passing, Place, passings};
 use super::seen::velocities;
-use super::{At, Ends, Follower, Point, Seen};
+use super::{At, Follower, Seen};
 use crate::bracket::zero;
 use crate::events::half_sums::{ON_CIRCLE, upper_half};
-use crate::events::{EventOrbit, Test, Watcher};
+use crate::events::{EventOrbit, Test};
 use crate::locate::answer::{Event, LocateError};
 use crate::spectrum::SpectralFunction;
 
@@ -57,9 +58,9 @@ fn is_rounding([from, _, to]: &[Place; 3]) -> bool {
     (from.value - to.value).abs() <= ROUNDING * (from.value.abs() + to.value.abs())
 }
 
-impl<E: Ends> Follower<E> {
+impl Follower {
     /// As [`look`](Self::look), with the slopes of multipliers where crossings of the circle are watched; `length` is about that of the step.
-    pub(super) fn look_on(&mut self, point: &Point<E>, length: f64) -> Result<Seen, LocateError> {
+    pub(super) fn look_on(&mut self, point: &BranchPoint, length: f64) -> Result<Seen, LocateError> {
         let mut seen = self.look(point)?;
         if self.watches(Event::NeimarkSacker) && !point.orbit().is_lossless() {
             seen.moving = self.moving(point, &seen.values, length);
@@ -70,11 +71,11 @@ impl<E: Ends> Follower<E> {
     /// All crossings of two halves of a step, those of each by their length from its beginning.
     pub(super) fn crossings(
         &mut self,
-        [from, middle, to]: [At<'_, E>; 3],
+        [from, middle, to]: [At<'_>; 3],
         wanted: [bool; 2],
-    ) -> Result<[Vec<Found<E>>; 2], LocateError> {
+    ) -> Result<[Vec<Found>; 2], LocateError> {
         let mut found = [Vec::new(), Vec::new()];
-        let lossless = |at: At<'_, E>| at.0.orbit().is_lossless();
+        let lossless = |at: At<'_>| at.0.orbit().is_lossless();
         let unknown = [from, middle, to].into_iter().any(|at| !lossless(at) && at.1.values.is_empty());
         if !self.watches(Event::NeimarkSacker) || lossless(middle) || unknown {
             return Ok(found);
@@ -127,7 +128,7 @@ impl<E: Ends> Follower<E> {
     }
 
     /// A part of a step from its ends, if it has a length.
-    fn span(&mut self, from: &Point<E>, [low, high]: [f64; 2]) -> Result<Option<Span>, LocateError> {
+    fn span(&mut self, from: &BranchPoint, [low, high]: [f64; 2]) -> Result<Option<Span>, LocateError> {
         if low >= high {
             return Ok(None);
         }
@@ -140,10 +141,10 @@ impl<E: Ends> Follower<E> {
     /// The events of passings in a step from the first of two points, by their lengths from the second; `None` if one of them is not found.
     fn located(
         &mut self,
-        [from, base]: [&Point<E>; 2],
-        (to, length): (&Point<E>, f64),
+        [from, base]: [&BranchPoint; 2],
+        (to, length): (&BranchPoint, f64),
         told: &[Passing],
-    ) -> Option<Vec<Found<E>>> {
+    ) -> Option<Vec<Found>> {
         let mut solutions = Vec::with_capacity(told.len());
         for passing in told {
             let (solved, evidence) = self.solved(Test::Circle, (from, to), passing.s / length, Some(passing.angle))?;
@@ -166,7 +167,7 @@ impl<E: Ends> Follower<E> {
 
     /// Where in a step an impulse vanishes. It damps nothing there, so that all pairs which feel it meet the circle at once, and are on the other
     /// side of it where it pulls: that is the grazing, and no crossing of any of them.
-    fn vanishing(&mut self, (from, to): (&Point<E>, &Point<E>), length: f64) -> Result<Vec<f64>, LocateError> {
+    fn vanishing(&mut self, (from, to): (&BranchPoint, &BranchPoint), length: f64) -> Result<Vec<f64>, LocateError> {
         let ends = velocities(from.orbit()).into_iter().zip(velocities(to.orbit())).enumerate();
         let places = ends.filter(|(_, (low, high))| (*low > 0.0) != (*high > 0.0)).map(|(i, (low, high))| {
             let at = |s: f64| Ok::<_, BranchError>(velocities(self.branch.step(from, s)?.orbit())[i]);
@@ -178,7 +179,7 @@ impl<E: Ends> Follower<E> {
     }
 
     /// A point of a step that was looked at.
-    fn moved(&mut self, from: &Point<E>, (point, seen): At<'_, E>, s: f64, length: f64) -> Place {
+    fn moved(&mut self, from: &BranchPoint, (point, seen): At<'_>, s: f64, length: f64) -> Place {
         let own;
         let moving = if seen.moving.along.is_empty() {
             own = self.moving(point, &seen.values, length);
@@ -194,7 +195,7 @@ impl<E: Ends> Follower<E> {
     }
 
     /// `None` at the end of what a parameter may be: beyond it there is nothing to cross to.
-    fn moved_at(&mut self, from: &Point<E>, s: f64, length: f64) -> Result<Option<Place>, LocateError> {
+    fn moved_at(&mut self, from: &BranchPoint, s: f64, length: f64) -> Result<Option<Place>, LocateError> {
         let there = match self.branch.step(from, s) {
             Err(BranchError::Breather(BreatherError::Parameter(_))) => return Ok(None),
             there => there?,
@@ -205,7 +206,7 @@ impl<E: Ends> Follower<E> {
     }
 
     /// How multipliers that are near the circle move along the tangent of their point.
-    fn moving(&mut self, point: &Point<E>, values: &[Complex<f64>], length: f64) -> Moving {
+    fn moving(&mut self, point: &BranchPoint, values: &[Complex<f64>], length: f64) -> Moving {
         let aside = (ASIDE * length.abs()).clamp(NEAREST, FARTHEST);
         let at = upper_half(values).into_iter().map(|mu| Mover { at: mu.ln(), slope: None, error: 0.0 });
         let mut movers: Vec<Mover> = at.collect();
@@ -221,16 +222,16 @@ impl<E: Ends> Follower<E> {
     /// Slopes by central differences of J, which at the end of what a parameter may be are taken on one side.
     fn add_slopes<'m>(
         &mut self,
-        point: &Point<E>,
+        point: &BranchPoint,
         aside: f64,
         movers: impl Iterator<Item = &'m mut Mover>,
     ) -> Option<()> {
         let mut beside = |by: f64| {
             let z = self.branch.ahead(point, by);
-            self.branch.system().evaluate(&z).ok()?.orbit.linearised().ok()
+            self.branch.system().evaluate(&z).ok().map(|there| there.orbit.linearised())
         };
         let (low, high) = (beside(-aside), beside(aside));
-        let here = point.orbit().linearised().ok()?;
+        let here = point.orbit().linearised();
         let apart = f64::from(u8::from(low.is_some()) + u8::from(high.is_some())) * aside;
         let function = |equations| SpectralFunction::new(equations, false);
         let middle = function(&here);
@@ -245,7 +246,7 @@ impl<E: Ends> Follower<E> {
         Some(())
     }
 
-    pub(super) fn hidden_between(&mut self, from: &Point<E>, low: f64, high: f64) {
+    pub(super) fn hidden_between(&mut self, from: &BranchPoint, low: f64, high: f64) {
         let ends = [low, high].map(|s| self.branch.step(from, s).map_or(from.value(), |end| end.value()));
         self.hidden(ends[0], ends[1]);
     }

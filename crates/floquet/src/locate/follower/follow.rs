@@ -1,14 +1,16 @@
 //! Along a branch, one way: steps, folds, and what ends the way.
 
+use vibrochain_breather::BranchPoint;
 use vibrochain_breather::walk::{Stride, Walk, walk};
 use vibrochain_breather::{BranchError, Pace};
 
 use super::confirm::{Confirmed, HALVINGS, LEAST_LENGTH};
-use super::{At, Ended, Ends, Follower, Point, Seen};
+use super::{At, Follower, Seen};
 use crate::bracket::zero;
-use crate::events::{EventOrbit, Test, UNBOUNDED, strongest};
+use crate::events::{EventOrbit, FAINT, Test, UNBOUNDED, strongest};
 use crate::locate::answer::{End, Event, LocateError};
 use crate::locate::course::Station;
+use crate::locate::ends::Ended;
 
 /// Steps at most in one direction.
 const MOST_STEPS: usize = 20_000;
@@ -27,9 +29,9 @@ enum Passage {
     Ends(Way),
 }
 
-impl<E: Ends> Follower<E> {
+impl Follower {
     /// Follows one direction to the end of the way; what it passes is kept, but for the start.
-    pub(crate) fn follow(&mut self, start: &Point<E>, seen: Seen) -> Result<Way, LocateError> {
+    pub(crate) fn follow(&mut self, start: &BranchPoint, seen: Seen) -> Result<Way, LocateError> {
         if start.value() == self.limit(start) {
             return Ok((start.value(), End::Range));
         }
@@ -40,7 +42,7 @@ impl<E: Ends> Follower<E> {
     }
 
     /// The end of a way that leads no farther: `otherwise`, unless simpler orbits stand right ahead.
-    fn given_up(&mut self, point: &Point<E>, first: f64, otherwise: End) -> Way {
+    fn given_up(&mut self, point: &BranchPoint, first: f64, otherwise: End) -> Way {
         match self.ends.simpler_ahead(point, first) {
             Some(Ended { value, end, event }) => {
                 self.passed.extend(event.filter(|one| self.watches(one.event)).map(Station::Event));
@@ -51,12 +53,12 @@ impl<E: Ends> Follower<E> {
     }
 
     /// The end of the range that the branch is heading for.
-    fn limit(&self, point: &Point<E>) -> f64 {
+    fn limit(&self, point: &BranchPoint) -> f64 {
         if point.heading() > 0.0 { self.stretch.to } else { self.stretch.from }
     }
 
     /// The next point, at most at the limit; whether it is the last.
-    fn advance(&mut self, point: &Point<E>, length: f64) -> Result<(Point<E>, bool), BranchError> {
+    fn advance(&mut self, point: &BranchPoint, length: f64) -> Result<(BranchPoint, bool), BranchError> {
         let (from, to) = (self.stretch.from, self.stretch.to);
         // Round a fold the way leads to the other end of the range.
         let beyond = |heading: f64, value: f64| if heading > 0.0 { value >= to } else { value <= from };
@@ -70,7 +72,7 @@ impl<E: Ends> Follower<E> {
     }
 
     /// Whether the branch has come back to where it began: `start` lies on the way from `point` to `next`.
-    fn closes(&mut self, start: &Point<E>, point: &Point<E>, next: &Point<E>) -> bool {
+    fn closes(&mut self, start: &BranchPoint, point: &BranchPoint, next: &BranchPoint) -> bool {
         let (to_start, to_next) = (self.branch.length_between(point, start), self.branch.length_between(point, next));
         0.0 < to_start
             && to_start <= to_next
@@ -81,12 +83,12 @@ impl<E: Ends> Follower<E> {
 
     /// A step with all that happens in it. Where the branch turns back it may end: on more symmetric orbits, or at a fold round which it is not
     /// followed.
-    fn passage(&mut self, from: At<'_, E>, next: &Point<E>) -> Result<Passage, LocateError> {
+    fn passage(&mut self, from: At<'_>, next: &BranchPoint) -> Result<Passage, LocateError> {
         let turns = from.0.heading() * next.heading() <= 0.0;
         if turns {
             // A point that happens to be where it turns tells by rounding alone: its neighbour beyond tells better.
             let half = 0.5 * self.branch.length_between(from.0, next);
-            let still = |one: &Point<E>, other: &Point<E>| one.heading().abs() < STILL * other.heading().abs();
+            let still = |one: &BranchPoint, other: &BranchPoint| one.heading().abs() < STILL * other.heading().abs();
             let before = if still(from.0, next) { self.branch.step(from.0, -half).ok() } else { None };
             let behind = if still(next, from.0) { self.branch.step(next, half).ok() } else { None };
             if let Some(way) = self.mirrored(before.as_ref().unwrap_or(from.0), behind.as_ref().unwrap_or(next))? {
@@ -122,7 +124,7 @@ impl<E: Ends> Follower<E> {
 
     /// Where orbits come between two points to more symmetric ones and go on as their own images: there the equations are singular in two directions,
     /// so that the branch turns back without a change of their determinant's sign.
-    fn mirrored(&mut self, point: &Point<E>, next: &Point<E>) -> Result<Option<Way>, LocateError> {
+    fn mirrored(&mut self, point: &BranchPoint, next: &BranchPoint) -> Result<Option<Way>, LocateError> {
         if point.determinant() * next.determinant() <= 0.0 || !point.orbit().is_across(next.orbit()) {
             return Ok(None);
         }
@@ -139,10 +141,8 @@ impl<E: Ends> Follower<E> {
             Ok(there.heading())
         };
         let _ = zero((0.0, point.heading()), (length, next.heading()), length, heading);
-        let met = match self.ends.meeting([point, next], length, nearest.1) {
-            Err(LocateError::Stopped) => return Err(LocateError::Stopped),
-            met => met.ok().flatten(),
-        };
+        let met = self.ends.meeting([point, next], nearest.1);
+        self.stop.heard()?;
         let value = met.as_ref().map_or(nearest.1, |met| met.value);
         self.passed.extend(met.filter(|met| self.watches(met.event)).map(Station::Event));
         let end = if point.orbit().is_hit_again() { End::PeriodDoubling } else { End::Pitchfork };
@@ -151,11 +151,11 @@ impl<E: Ends> Follower<E> {
 }
 
 /// One direction of the way.
-struct Walker<'a, E: Ends> {
-    follower: &'a mut Follower<E>,
-    start: &'a Point<E>,
+struct Walker<'a> {
+    follower: &'a mut Follower,
+    start: &'a BranchPoint,
     /// The last point, and what is seen there.
-    point: Point<E>,
+    point: BranchPoint,
     seen: Seen,
     /// Of the strongest impact at the start.
     strength: f64,
@@ -165,7 +165,7 @@ struct Walker<'a, E: Ends> {
     why: End,
 }
 
-impl<E: Ends> Walker<'_, E> {
+impl Walker<'_> {
     fn failed(&mut self, why: End) -> Stride<Way> {
         self.why = why;
         Stride::Failed
@@ -173,12 +173,12 @@ impl<E: Ends> Walker<'_, E> {
 
     /// The end at a resonance right ahead.
     fn resonant(&self) -> Option<Way> {
-        let ahead = self.follower.ends.resonance_ahead(&self.follower.branch, &self.point);
+        let ahead = self.follower.ends.resonance_ahead(&self.point);
         ahead.map(|(value, resonance)| (value, End::Resonance(resonance)))
     }
 }
 
-impl<E: Ends> Walk for Walker<'_, E> {
+impl Walk for Walker<'_> {
     type End = Way;
     type Error = LocateError;
 
@@ -195,7 +195,7 @@ impl<E: Ends> Walk for Walker<'_, E> {
             }
         };
         let follower = &mut *self.follower;
-        if let Some((value, resonance)) = E::resonance_between(&follower.branch, &self.point, &next) {
+        if let Some((value, resonance)) = follower.branch.resonance_between(&self.point, &next) {
             return Ok(Stride::Ended((value, End::Resonance(resonance))));
         }
         let closed = follower.stretch.whole && self.steps > 0 && follower.closes(self.start, &self.point, &next);
@@ -222,7 +222,7 @@ impl<E: Ends> Walk for Walker<'_, E> {
             () if closed => End::Closed,
             () if last => End::Range,
             () if growth > UNBOUNDED => End::Unbounded,
-            () if growth < E::VANISHED => End::ImpulsesVanish,
+            () if growth < FAINT => End::ImpulsesVanish,
             () => {
                 self.steps += 1;
                 self.why = End::Lost(BranchError::NoConvergence);
@@ -231,7 +231,10 @@ impl<E: Ends> Walk for Walker<'_, E> {
                 return Ok(Stride::Made { wanted: f64::INFINITY, longest });
             }
         };
-        Ok(Stride::Ended((self.point.value(), end)))
+        let here = self.point.value();
+        let touch = || follower.ends.touch_beside(self.point.orbit(), here);
+        let value = if end == End::ImpulsesVanish { touch().unwrap_or(here) } else { here };
+        Ok(Stride::Ended((value, end)))
     }
 
     fn lost(&mut self) -> Result<Way, LocateError> {
@@ -241,6 +244,6 @@ impl<E: Ends> Walk for Walker<'_, E> {
 }
 
 /// The same point, heading to larger values.
-pub(crate) fn upwards<E: Ends>(point: Point<E>) -> Point<E> {
+pub(crate) fn upwards(point: BranchPoint) -> BranchPoint {
     if point.heading() < 0.0 { point.reversed() } else { point }
 }

@@ -1,4 +1,4 @@
-//! Who follows a branch, and what its orbits have of their own, a chain's or a structure's.
+//! Who follows a branch.
 //!
 //! | module | holds |
 //! |---|---|
@@ -20,24 +20,14 @@ mod paths;
 mod seen;
 
 use nalgebra::Complex;
-use vibrochain_breather::system::System;
-use vibrochain_breather::{Admissibility, BranchError, Departure, SolutionCurve, SolutionPoint};
-use vibrochain_lattice::{Resonance, Stop};
+use vibrochain_breather::{Admissibility, Branch, BranchPoint, StructureOrbit};
+use vibrochain_lattice::Stop;
 
-use crate::events::{EventOrbit, Watcher};
-use crate::locate::answer::{End, Event, LocateError, Located, Unresolved};
+use crate::events::{Watcher, bounded};
+use crate::locate::answer::{Event, Unresolved};
 use crate::locate::course::{DiagramPoint, Station};
+use crate::locate::ends::BranchEnds;
 use crate::verdict::{Tolerance, Verdict};
-
-/// The orbits of an [`Ends`].
-pub(crate) type OrbitOf<E> = <<E as Ends>::Watcher as Watcher>::Orbit;
-
-/// A branch of them, and a point of it.
-pub(crate) type Track<E> = SolutionCurve<<E as Ends>::System>;
-pub(crate) type Point<E> = SolutionPoint<OrbitOf<E>>;
-
-/// A branch, and the point of it to begin at.
-pub(crate) type Begun<E> = (Track<E>, Point<E>);
 
 /// What was seen at a point, as far as the events that are watched ask for it.
 #[derive(Debug, Clone, Default)]
@@ -62,50 +52,7 @@ pub(crate) struct Seen {
 }
 
 /// A point with what is seen there.
-pub(super) type At<'a, E> = (&'a Point<E>, &'a Seen);
-
-/// How a branch may end, by an event of other orbits there.
-pub(crate) struct Ended<O> {
-    pub(crate) value: f64,
-    pub(crate) end: End,
-    pub(crate) event: Option<Located<O>>,
-}
-
-/// What stands at the ends of branches, and beside them.
-pub(crate) trait Ends: Sized {
-    /// Who looks at orbits.
-    type Watcher: Watcher<Orbit: EventOrbit>;
-    /// Their equations.
-    type System: System<Orbit = OrbitOf<Self>> + Clone;
-    /// Impulses this small, against the first, are none.
-    const VANISHED: f64;
-
-    /// The resonance between two points, and where it is.
-    fn resonance_between(branch: &Track<Self>, from: &Point<Self>, to: &Point<Self>) -> Option<(f64, Resonance)>;
-    /// The resonance right ahead of a point, behind which there is none that could tell.
-    fn resonance_ahead(&self, branch: &Track<Self>, point: &Point<Self>) -> Option<(f64, Resonance)>;
-    /// Simpler orbits right ahead, of impulses that vanish, where the branch is lost; the `first` orbit was so strong.
-    fn simpler_ahead(&mut self, point: &Point<Self>, first: f64) -> Option<Ended<OrbitOf<Self>>>;
-    /// The event of more symmetric orbits that the branch comes to between two points, near `value`.
-    fn meeting(
-        &mut self,
-        between: [&Point<Self>; 2],
-        length: f64,
-        value: f64,
-    ) -> Result<Option<Located<OrbitOf<Self>>>, LocateError>;
-    /// The branch that leaves an orbit at a value, and the point where it does.
-    fn leaving(&self, at: (&OrbitOf<Self>, f64), departure: &Departure) -> Result<Begun<Self>, BranchError>;
-    /// Who looks at orbits beside the branch.
-    fn others(&mut self) -> &mut Self::Watcher;
-    /// Orbits worked out beside the branch.
-    fn evaluations(&self) -> usize {
-        0
-    }
-    /// Spectra of these.
-    fn spectra(&self) -> usize {
-        0
-    }
-}
+pub(super) type At<'a> = (&'a BranchPoint, &'a Seen);
 
 /// How far a branch is followed, and what for.
 #[derive(Debug, Clone)]
@@ -120,21 +67,21 @@ pub(crate) struct Stretch {
 }
 
 /// The branch, what is watched along it, and what has been passed.
-pub(crate) struct Follower<E: Ends> {
-    pub(crate) branch: Track<E>,
-    pub(crate) watcher: E::Watcher,
-    pub(crate) ends: E,
+pub(crate) struct Follower {
+    pub(crate) branch: Branch,
+    pub(crate) watcher: Watcher,
+    pub(crate) ends: BranchEnds,
     pub(crate) stretch: Stretch,
     pub(crate) stop: Stop,
-    pub(crate) passed: Vec<Station<OrbitOf<E>>>,
+    pub(crate) passed: Vec<Station<StructureOrbit>>,
     pub(crate) unresolved: Vec<Unresolved>,
     /// Steps without loss at an end of which Krein signatures could not be told; with losses parts of steps in which rounding leaves open what crosses
     /// the circle.
     pub(crate) untold: usize,
 }
 
-impl<E: Ends> Follower<E> {
-    pub(crate) fn new(branch: Track<E>, watcher: E::Watcher, ends: E, stretch: Stretch, stop: &Stop) -> Self {
+impl Follower {
+    pub(crate) fn new(branch: Branch, watcher: Watcher, ends: BranchEnds, stretch: Stretch, stop: &Stop) -> Self {
         let (passed, unresolved, stop) = (Vec::new(), Vec::new(), stop.clone());
         Self { branch, watcher, ends, stretch, stop, passed, unresolved, untold: 0 }
     }
@@ -149,11 +96,11 @@ impl<E: Ends> Follower<E> {
     }
 
     pub(crate) fn evaluations(&self) -> usize {
-        self.branch.evaluations() + self.ends.evaluations()
+        self.branch.evaluations()
     }
 
     pub(crate) fn spectra(&self) -> usize {
-        self.watcher.spectra() + self.ends.spectra()
+        self.watcher.spectra()
     }
 
     /// Tells a range in which rounding may hide an event. Ranges that touch become one.
@@ -170,12 +117,13 @@ impl<E: Ends> Follower<E> {
     }
 
     /// A point as a diagram has it.
-    pub(super) fn described(&mut self, point: &Point<E>, seen: &Seen) -> DiagramPoint<OrbitOf<E>> {
-        let orbit = point.orbit();
-        let own = seen.admissibility.is_none().then(|| self.watcher.admissibility(orbit).ok()).flatten();
+    pub(super) fn described(&mut self, point: &BranchPoint, seen: &Seen) -> DiagramPoint<StructureOrbit> {
+        let orbit = bounded(point.orbit());
+        let own = seen.admissibility.is_none().then(|| self.watcher.admissibility(&orbit).ok()).flatten();
         let told = seen.admissibility.as_ref().or(own.as_ref());
         let (margin, physical) = (told.and_then(|told| told.margin), told.map(|told| told.is_physical()));
-        let verdict = seen.verdict.or_else(|| self.watcher.verdict(orbit, self.stretch.tolerance).ok());
-        DiagramPoint { value: point.value(), orbit: orbit.clone(), margin, physical, verdict }
+        let known = seen.verdict.map(|verdict| self.watcher.named(&orbit, verdict, self.stretch.tolerance));
+        let verdict = known.or_else(|| self.watcher.verdict(&orbit, self.stretch.tolerance).ok());
+        DiagramPoint { value: point.value(), orbit, margin, physical, verdict }
     }
 }

@@ -2,6 +2,7 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::BlochEquations;
+use vibrochain_breather::StructureOrbit;
 
 use crate::events::EventOrbit;
 use crate::events::half_sums::SPLIT;
@@ -46,8 +47,8 @@ impl PartialEq for Order {
 
 impl Order {
     /// Of an orbit by the half-sums ν of its pairs.
-    pub(super) fn of_orbit(orbit: &impl EventOrbit, half_sums: &[Complex<f64>]) -> Option<Self> {
-        Self::of(&orbit.linearised().ok()?, half_sums)
+    pub(super) fn of_orbit(orbit: &StructureOrbit, half_sums: &[Complex<f64>]) -> Option<Self> {
+        Self::of(&orbit.linearised(), half_sums)
     }
 
     /// Of an orbit by its equations and the half-sums ν of its pairs; `None` where parts cannot be told.

@@ -1,17 +1,17 @@
 //! What is seen at a point of a branch, and what that tells of the step to the next one.
 
 use vibrochain_breather::{Admissibility, Hit};
+use vibrochain_breather::{BranchPoint, StructureOrbit};
 
 use super::order::Order;
-use super::{At, Ends, Follower, Point, Seen};
+use super::{At, Follower, Seen};
 use crate::events::half_sums::upper_half;
-use crate::events::{EventOrbit, Test, Watcher, another_one, minus_one};
-use crate::followed::Followed;
+use crate::events::{EventOrbit, Test, another_one, minus_one};
 use crate::locate::answer::{Event, LocateError};
 
-impl<E: Ends> Follower<E> {
+impl Follower {
     /// What is to be known of a point.
-    pub(crate) fn look(&mut self, point: &Point<E>) -> Result<Seen, LocateError> {
+    pub(crate) fn look(&mut self, point: &BranchPoint) -> Result<Seen, LocateError> {
         let orbit = point.orbit();
         let mut seen = Seen::default();
         if self.watches(Event::Grazing) {
@@ -44,26 +44,26 @@ impl<E: Ends> Follower<E> {
     }
 
     /// A test function of one value at a point.
-    pub(super) fn read(&mut self, test: Test, point: &Point<E>) -> Option<f64> {
+    pub(super) fn read(&mut self, test: Test, point: &BranchPoint) -> Option<f64> {
         match test {
             Test::Velocity(i) => velocities(point.orbit()).get(i).copied(),
             Test::Release(i) => releases(point.orbit()).get(i).copied().flatten(),
             Test::Touch(..) | Test::Corner(..) => Some(margin(&self.watcher.admissibility(point.orbit()).ok()?)),
             Test::MinusOne => minus_one(point.orbit()).ok(),
             Test::AnotherOne => another_one(point.orbit()),
-            _ => value::<E>(test, (point, &Seen::default())),
+            _ => value(test, (point, &Seen::default())),
         }
     }
 }
 
 /// The velocity before each impact, towards its barrier.
-pub(super) fn velocities(orbit: &impl EventOrbit) -> Vec<f64> {
+pub(super) fn velocities(orbit: &StructureOrbit) -> Vec<f64> {
     let arrivals = orbit.arrivals();
     orbit.hits().iter().zip(arrivals).map(|(hit, arrival)| hit.barrier.sign() * arrival.velocity).collect()
 }
 
 /// The acceleration after each plastic impact, away from its barrier; `None` of others.
-pub(super) fn releases(orbit: &impl EventOrbit) -> Vec<Option<f64>> {
+pub(super) fn releases(orbit: &StructureOrbit) -> Vec<Option<f64>> {
     let of = |(i, hit): (usize, Hit)| {
         let [acceleration, _] = orbit.acceleration_after(i).ok()??;
         Some(-hit.barrier.sign() * acceleration)
@@ -77,7 +77,7 @@ fn margin(told: &Admissibility) -> f64 {
 }
 
 /// The value of a test function at a point, where it is one number that changes its sign.
-pub(super) fn value<E: Ends>(test: Test, (point, seen): At<'_, E>) -> Option<f64> {
+pub(super) fn value(test: Test, (point, seen): At<'_>) -> Option<f64> {
     match test {
         Test::Fold => Some(point.fold_determinant()),
         Test::One => Some(point.determinant()),
@@ -91,14 +91,14 @@ pub(super) fn value<E: Ends>(test: Test, (point, seen): At<'_, E>) -> Option<f64
 }
 
 /// Whether a test function changes its sign between two points.
-pub(super) fn changes<E: Ends>(test: Test, from: At<'_, E>, to: At<'_, E>) -> bool {
-    let values = (value::<E>(test, from), value::<E>(test, to));
+pub(super) fn changes(test: Test, from: At<'_>, to: At<'_>) -> bool {
+    let values = (value(test, from), value(test, to));
     matches!(values, (Some(a), Some(b)) if (a > 0.0) != (b > 0.0))
 }
 
 /// What touches where the least distance changes its sign.
-pub(super) fn touch_between<E: Ends>(from: At<'_, E>, to: At<'_, E>) -> Option<Test> {
-    let margin = |at: At<'_, E>| at.1.admissibility.as_ref()?.margin;
+pub(super) fn touch_between(from: At<'_>, to: At<'_>) -> Option<Test> {
+    let margin = |at: At<'_>| at.1.admissibility.as_ref()?.margin;
     let (before, after) = (margin(from)?, margin(to)?);
     let beyond = if before <= 0.0 { from.1 } else { to.1 };
     let closest = beyond.admissibility.as_ref()?.closest;
@@ -107,15 +107,15 @@ pub(super) fn touch_between<E: Ends>(from: At<'_, E>, to: At<'_, E>) -> Option<T
 }
 
 /// Where the contact that is closest to its barrier between two points is turned round by another one's impact.
-pub(super) fn corners<E: Ends>(ends: [At<'_, E>; 2]) -> impl Iterator<Item = Test> {
-    let of = |(point, seen): At<'_, E>| Test::corner(&seen.admissibility.as_ref()?.closest?, point.orbit());
+pub(super) fn corners(ends: [At<'_>; 2]) -> impl Iterator<Item = Test> {
+    let of = |(point, seen): At<'_>| Test::corner(&seen.admissibility.as_ref()?.closest?, point.orbit());
     ends.into_iter().filter_map(of)
 }
 
 /// Marks by which a touch between two points may be found, the likeliest first.
-pub(super) fn marks<E: Ends>(test: Test, ends: [At<'_, E>; 2]) -> Vec<Option<f64>> {
+pub(super) fn marks(test: Test, ends: [At<'_>; 2]) -> Vec<Option<f64>> {
     let Test::Touch(site, barrier) = test else { return vec![None] };
-    let of = |(point, seen): At<'_, E>| {
+    let of = |(point, seen): At<'_>| {
         let closest = seen.admissibility.as_ref()?.closest;
         let closest = closest.filter(|one| (one.site, one.barrier) == (site, barrier))?;
         Some(Some(closest.time / point.orbit().period()))

@@ -179,7 +179,7 @@ fn the_matrix_of_a_period_has_the_multipliers_of_the_equations() {
             let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
             for orbit in &found.orbits {
                 let Ok((_, expected)) = StructureMultipliers::of(orbit).all(Tolerance::Rounding) else { continue };
-                let found = crate::structures::by_matrix::multipliers(&orbit.bloch_equations().0, true).unwrap();
+                let found = crate::events::by_matrix::multipliers(&orbit.bloch_equations().0, true).unwrap();
                 assert_eq!(found.len(), expected.len());
                 for mu in &expected {
                     let nearest = found.iter().map(|other| (other - mu).norm()).fold(f64::INFINITY, f64::min);

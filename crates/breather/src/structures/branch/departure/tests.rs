@@ -69,7 +69,7 @@ fn a_touch_leaves_the_motion_as_it_is() {
         let Ok(found) = model.orbits(&"0+".parse().unwrap(), 1) else { continue };
         for orbit in &found.orbits {
             let time = random.between(-0.9, 0.9) * orbit.period();
-            let touch = Strike { contact: 1, barrier: Barrier::Upper, time, impulse: 0.0 };
+            let touch = Hit::new(1, Barrier::Upper, time, 0.0);
             let richer = orbit.exchanged(None, &[touch]).unwrap();
             assert_eq!(richer.word(), "0+,1+");
             let place = time.rem_euclid(orbit.period());

@@ -65,7 +65,10 @@ fn lists_under_several_harmonics_and_next_to_resonances_are_complete() {
                     continue;
                 };
                 let apart = orbit.phi().map_or(orbit.period(), |phi| phi.min(orbit.period() - phi));
-                if !orbit.has_its_instants() || !orbit.hits() || orbit.repeats_sooner() || apart < 1e-4 * orbit.period()
+                if !orbit.has_its_instants()
+                    || !orbit.has_impulses()
+                    || orbit.repeats_sooner()
+                    || apart < 1e-4 * orbit.period()
                 {
                     continue;
                 }

@@ -1,25 +1,24 @@
-//! An event of a structure's orbits, followed through a window of two numbers of the structure.
+//! An event of orbits, followed through a window of two numbers of their structure.
 
-use vibrochain_breather::{BranchError, StructureContinuation, StructureFamily, StructureOrbit};
+use vibrochain_breather::{BranchError, Continuation, ModelFamily, StructureOrbit};
 use vibrochain_lattice::Stop;
 
-use super::watcher::OfStructures;
-use crate::curve::{CurveError, CurveRequest, EventCurve, followed};
+use super::answer::{CurveError, EventCurve};
+use super::tracer::CurveRequest;
+use super::way::followed;
+use crate::events::Watcher;
 use crate::locate::Located;
-
-/// A curve of an event of a structure's orbits.
-pub type StructureCurve = EventCurve<StructureOrbit>;
 
 /// A rectangle in the plane of two numbers of a structure.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StructureWindow {
+pub struct Rectangle {
     /// Least values.
     pub from: [f64; 2],
     /// Largest values.
     pub to: [f64; 2],
 }
 
-impl StructureWindow {
+impl Rectangle {
     /// A place as parts of both sides.
     #[must_use]
     pub fn parts(&self, values: [f64; 2]) -> [f64; 2] {
@@ -36,15 +35,15 @@ impl StructureWindow {
 ///
 /// # Errors
 /// [`CurveError`]. What stops the curve on its way is its end, not an error.
-pub fn structure_curve(
+pub fn event_curve(
     located: &Located<StructureOrbit>,
-    family: &StructureFamily,
+    family: &ModelFamily,
     start: [f64; 2],
-    window: StructureWindow,
+    window: Rectangle,
     tolerance: f64,
     stop: &Stop,
-) -> Result<StructureCurve, CurveError> {
-    let StructureWindow { from, to } = window;
+) -> Result<EventCurve<StructureOrbit>, CurveError> {
+    let Rectangle { from, to } = window;
     if !((0..2).all(|i| from[i] < to[i]) && window.holds(start)) {
         let message = format!("the start {start:?} is not in the window from {from:?} to {to:?}");
         return Err(BranchError::Model(message).into());
@@ -53,11 +52,11 @@ pub fn structure_curve(
         return Err(CurveError::Tolerance(tolerance));
     }
     let sides = [0, 1].map(|i| to[i] - from[i]);
-    let base = StructureContinuation::through(&located.orbit, family.clone(), &start, &sides, stop)?;
+    let base = Continuation::through(&located.orbit, family.clone(), &start, &sides, stop)?;
     let &Located { event, evidence, ref orbit, .. } = located;
     let until = &|_: [f64; 2], _: Option<bool>| false;
     let asked = CurveRequest { event, evidence, window: [from, to], tolerance, uncoupled: None, special: true, until };
-    let curve = followed((base, orbit), OfStructures::default(), &asked);
+    let curve = followed((base, orbit), Watcher::default(), &asked);
     // On the way a failure is an end.
     stop.heard()?;
     curve

@@ -8,35 +8,21 @@
 //! with a dashpot c:     k = [ ½ − t/T − e^{−ct}/(1−e^{−cT}) ]/c
 //! ```
 
+mod sum;
+mod turning_modes;
+
 use std::sync::Arc;
 
 use vibrochain_lattice::{LinearMode, ParticipatingModes, Turn, Turned};
 
+pub(super) use sum::{Jet, Sum, UNIT, length, one_less};
+use turning_modes::TurningModes;
+
 /// From here on 1 − R is rounding: the period is a whole number of the mode's own.
 const RESONANT: f64 = 1e14;
 
-/// From 1 − R = 1e-3 on the error of (1−R)⁻¹ is kept apart from that of terms: it is the same in all of them, as if the frequency of the mode
-/// were another one, and an orbit next to a resonance feels it far less than errors of its terms one by one.
-const NEAR: f64 = 1e-3;
-
 /// A part of a contact's mobility that is rounding: a contact at a node of the mode.
 const UNSEEN: f64 = 1e-12;
-
-/// The unit that errors of sums over modes are counted in: each term is a product of four rounded numbers.
-pub(super) const UNIT: f64 = 4.0 * f64::EPSILON;
-
-/// What a regular mode adds up to over all periods.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Sum {
-    /// (1−R)⁻¹
-    pub(super) sum: Turned,
-    /// How much its errors are larger than the unit of rounding: next to a resonance, and where the mode's own poles are known worse.
-    steep: f64,
-    /// How much errors of terms are larger than rounding: by this sum's own, or next to a resonance by those of the mode's flight alone.
-    pub(super) blur: f64,
-    /// The length of its generator, κ or more.
-    fast: f64,
-}
 
 /// The kernel and its derivatives, from contacts that are hit to all.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,6 +31,8 @@ pub(super) struct PeriodicKernel {
     /// The modes as the impacts feel them, and the sums of the regular ones.
     pub(super) felt: Arc<ParticipatingModes>,
     sums: Vec<Option<Sum>>,
+    /// Those of the modes that turn, between contacts that are hit.
+    turning: TurningModes,
     /// The rigid modes of the structure, as they are: each has an offset.
     rigid: Vec<LinearMode>,
     /// From each contact that is hit to itself, a period later; and where one alone is hit without losses, half a period later.
@@ -55,21 +43,19 @@ pub(super) struct PeriodicKernel {
 /// What changes a number in size, and what turns it.
 pub(super) const EITHER_WAY: [Turned; 2] = [Turned { even: 1.0, odd: 0.0 }, Turned { even: 0.0, odd: 1.0 }];
 
-/// K and its first three derivatives; and the sizes of their terms, with what next to a resonance, and by errors of the modes, is lost on them:
-/// [`UNIT`] of it bounds the error.
-pub(super) type Jet = ([f64; 4], [f64; 4]);
-
 impl PeriodicKernel {
     pub(super) fn new(modes: &[LinearMode], felt: Arc<ParticipatingModes>, hit: &[usize], period: f64) -> Self {
         let sums = felt.modes.iter().map(|mode| Sum::of(mode, period)).collect();
         let rigid = modes.iter().filter(|mode| mode.is_rigid()).cloned().collect();
-        let mut kernel = Self { period, felt, sums, rigid, own: Vec::new(), half: None };
+        let mut kernel =
+            Self { period, felt, sums, turning: TurningModes::default(), rigid, own: Vec::new(), half: None };
         kernel.know(hit);
         kernel
     }
 
     /// Works out what all orbits of impacts at these contacts ask for.
     fn know(&mut self, hit: &[usize]) {
+        self.turning = TurningModes::of(self.sums_of(), hit);
         self.own = hit.iter().map(|&contact| (contact, self.jet(contact, contact, self.period))).collect();
         if let [contact] = *hit
             && self.felt.of_one.is_some()
@@ -143,9 +129,12 @@ impl PeriodicKernel {
             return jet;
         }
         let t = if t > 0.0 { t } else { t + self.period };
-        let (mut jet, mut sizes) = ([0.0; 4], [0.0; 4]);
-        let flights = Turn::flights(self.sums_of().map(|(mode, _)| mode.flow()), t);
-        for ((mode, sum), flight) in self.sums_of().zip(flights) {
+        let turned = self.turning.jet((to, from), t);
+        // Those that turn are in it, if there is one.
+        let left = self.sums_of().filter(|(mode, _)| turned.is_none() || !TurningModes::holds(mode));
+        let (mut jet, mut sizes) = turned.unwrap_or_default();
+        let flights = Turn::flights(left.clone().map(|(mode, _)| mode.flow()), t);
+        for ((mode, sum), flight) in left.zip(flights) {
             let (row, column, turn) = (mode.rows[to], mode.columns[from], mode.turn);
             let (reach, doubt) = (length(row) * length(column), mode.errors_between(to, from));
             if reach == 0.0 && doubt == 0.0 {
@@ -233,39 +222,6 @@ impl PeriodicKernel {
     }
 }
 
-impl Sum {
-    /// `None` of a rigid mode.
-    fn of(mode: &LinearMode, period: f64) -> Option<Self> {
-        if mode.is_rigid() {
-            return None;
-        }
-        let one_less = one_less(mode, period);
-        let square = match mode.turn {
-            Turn::Circular => one_less.even * one_less.even + one_less.odd * one_less.odd,
-            // By the two poles.
-            Turn::Hyperbolic => (one_less.even + one_less.odd) * (one_less.even - one_less.odd),
-            Turn::Parabolic => one_less.even * one_less.even,
-        };
-        // 1 − R = a − bJ has the inverse (a + bJ)/(a² + σb²); `odd` holds −b.
-        let sum = Turned { even: one_less.even / square, odd: -one_less.odd / square };
-        let size = (mode.errors.poles / f64::EPSILON).max(mode.decay.abs() + mode.rate) * period;
-        let away = square.abs().sqrt();
-        let fast = length([mode.decay, mode.rate]);
-        if away >= NEAR {
-            return Some(Self { sum, steep: size / away, blur: size / away, fast });
-        }
-        // The poles are off, and beside them T = 2πn/ω and its product with them are rounded, four times in all.
-        let turned = (mode.errors.poles / f64::EPSILON + 2.0 * (mode.decay.abs() + mode.rate)) * period;
-        Some(Self { sum, steep: turned / away, blur: size, fast })
-    }
-}
-
-/// The length of two numbers: `hypot`, which takes ten times as long, only where squares leave the range.
-pub(super) fn length([x, y]: [f64; 2]) -> f64 {
-    let square = x * x + y * y;
-    if square > 1e-280 && square < 1e280 { square.sqrt() } else { x.hypot(y) }
-}
-
 /// k of a rigid mode and its first three derivatives at 0 ≤ t ≤ T. (Its rows are [φ, 0], its columns [0, φ/κ].)
 pub(super) fn rigid_jet(mode: &LinearMode, period: f64, t: f64) -> [f64; 4] {
     let (part, dashpot) = (t / period, 2.0 * mode.decay);
@@ -287,23 +243,4 @@ fn rigid_by_period(mode: &LinearMode, period: f64, t: f64) -> [f64; 3] {
     let dying = (-dashpot * (t + period)).exp() / (left * left);
     let pull = (dashpot * period).recip();
     [pull * part + dying, pull / period - dashpot * dying, dashpot * dashpot * dying]
-}
-
-/// 1 − e^{AT} as a + bJ, without cancellation next to a resonance.
-pub(super) fn one_less(mode: &LinearMode, period: f64) -> Turned {
-    let (decay, angle) = (-mode.decay * period, mode.rate * period);
-    match mode.turn {
-        Turn::Circular => {
-            let half = (0.5 * angle).sin();
-            if decay == 0.0 {
-                return Turned { even: 2.0 * half * half, odd: -angle.sin() };
-            }
-            Turned { even: 2.0 * half * half - decay.exp_m1() * angle.cos(), odd: -decay.exp() * angle.sin() }
-        }
-        Turn::Hyperbolic => {
-            let [slow, fast] = [decay + angle, decay - angle].map(|x| -x.exp_m1());
-            Turned { even: 0.5 * (slow + fast), odd: 0.5 * (slow - fast) }
-        }
-        Turn::Parabolic => Turned { even: -decay.exp_m1(), odd: -decay.exp() * angle },
-    }
 }

@@ -3,19 +3,12 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::system::System;
-use vibrochain_breather::{
-    BranchError, Departure, StructureBranch, StructureBranchPoint, StructureContinuation, StructureFamily,
-    StructureOrbit,
-};
+use vibrochain_breather::{Branch, BranchError, BranchPoint, Continuation, Departure, ModelFamily, StructureOrbit};
 use vibrochain_lattice::{Resonance, Stop};
 
-use super::watcher::OfStructures;
+use super::answer::{End, Event, EventSide, Evidence, Located};
 use crate::bracket::zero;
-use crate::events::{EventOrbit, Solved, Test, Watcher, solve};
-use crate::locate::branch_off::branch_off;
-use crate::locate::follower::confirm::{AWAY, multiplier_at};
-use crate::locate::follower::{Ended, Ends};
-use crate::locate::{End, Event, EventSide, Evidence, LocateError, Located};
+use crate::events::{EventOrbit, Solved, Test, Watcher, bounded, solve};
 use crate::verdict::Tolerance;
 use vibrochain_breather::time_between;
 
@@ -29,38 +22,38 @@ const REACH: f64 = 0.1;
 /// The orbit, or the resonance, at which a branch ends is no farther than this from where it turned back, as a part of the range.
 const NEAR: f64 = 1e-3;
 
-/// Branches of a structure's orbits.
-pub(super) struct OfStructure {
-    pub(super) family: StructureFamily,
+/// A branch, and the point of it to begin at.
+pub(crate) type Begun = (Branch, BranchPoint);
+
+/// How a branch may end, by an event of other orbits there.
+pub(crate) struct Ended {
+    pub(crate) value: f64,
+    pub(crate) end: End,
+    pub(crate) event: Option<Located<StructureOrbit>>,
+}
+
+/// What stands beside branches of a structure's orbits, and at their ends.
+pub(crate) struct BranchEnds {
+    pub(super) family: ModelFamily,
     /// The length of the range.
     pub(super) range: f64,
     pub(super) tolerance: Tolerance,
     pub(super) stop: Stop,
     /// Who looks at orbits beside the branch.
-    pub(super) others: OfStructures,
+    pub(super) others: Watcher,
 }
 
-impl Ends for OfStructure {
-    type Watcher = OfStructures;
-    type System = StructureContinuation;
-    const VANISHED: f64 = 1e-9;
-
-    fn resonance_between(
-        branch: &StructureBranch,
-        from: &StructureBranchPoint,
-        to: &StructureBranchPoint,
-    ) -> Option<(f64, Resonance)> {
-        branch.resonance_between(from, to)
-    }
-
-    fn resonance_ahead(&self, _: &StructureBranch, point: &StructureBranchPoint) -> Option<(f64, Resonance)> {
+impl BranchEnds {
+    /// The resonance right ahead of a point, behind which there is none that could tell.
+    pub(super) fn resonance_ahead(&self, point: &BranchPoint) -> Option<(f64, Resonance)> {
         let resonance = point.orbit().resonance()?;
         Some((self.resonant(point, &resonance).unwrap_or(point.value()), resonance))
     }
 
-    /// The grazing at which two impacts next to each other vanish together. On both sides of it, and of one of the two alone, there are orbits;
+    /// Simpler orbits right ahead, where the branch is lost; the `first` orbit was so strong. All impulses vanish there, or it is the grazing at
+    /// which two impacts next to each other vanish together. On both sides of it, and of one of the two alone, there are orbits;
     /// of both there are none beyond.
-    fn simpler_ahead(&mut self, point: &StructureBranchPoint, first: f64) -> Option<Ended<StructureOrbit>> {
+    pub(super) fn simpler_ahead(&mut self, point: &BranchPoint, first: f64) -> Option<Ended> {
         if let Some(ended) = self.vanishing_ahead(point, first) {
             return Some(ended);
         }
@@ -80,43 +73,39 @@ impl Ends for OfStructure {
         if (solved.value - point.value()) * point.heading() < 0.0 {
             return None;
         }
+        if impacts.len() == 2
+            && let Some(value) = self.touch_beside(orbit, solved.value)
+        {
+            return Some(Ended { value, end: End::ImpulsesVanish, event: None });
+        }
         let end = if impacts.len() == 2 { End::ImpulsesVanish } else { End::Grazing };
         let event = self.told(Event::Grazing, Evidence::Impact(kept), solved, point);
         Some(Ended { value: event.value, end, event: Some(event) })
     }
 
     /// The event of simpler orbits at which this branch, which turns back there, leaves them.
-    fn meeting(
-        &mut self,
-        [point, next]: [&StructureBranchPoint; 2],
-        _length: f64,
-        value: f64,
-    ) -> Result<Option<Located<StructureOrbit>>, LocateError> {
+    pub(super) fn meeting(&mut self, [point, next]: [&BranchPoint; 2], value: f64) -> Option<Located<StructureOrbit>> {
         let nearest = if point.heading().abs() < next.heading().abs() { point } else { next };
         let met = self.evened(nearest);
-        Ok(met.filter(|met| (met.value - value).abs() <= NEAR * self.range))
+        met.filter(|met| (met.value - value).abs() <= NEAR * self.range)
     }
 
-    fn leaving(
+    /// The branch that leaves an orbit at a value, and the point where it does.
+    pub(super) fn leaving(
         &self,
         (orbit, value): (&StructureOrbit, f64),
         departure: &Departure,
-    ) -> Result<(StructureBranch, StructureBranchPoint), BranchError> {
+    ) -> Result<Begun, BranchError> {
         let place = (value, value.abs().max(self.range));
-        StructureBranch::leaving_structure(orbit, departure, self.family.clone(), place, &self.stop)
+        Branch::leaving(orbit, departure, self.family.clone(), place, &self.stop)
     }
 
-    fn others(&mut self) -> &mut OfStructures {
-        &mut self.others
-    }
-}
-
-impl OfStructure {
     /// The value at which a mode is in resonance, next to a branch's point.
-    fn resonant(&self, point: &StructureBranchPoint, resonance: &Resonance) -> Option<f64> {
+    fn resonant(&self, point: &BranchPoint, resonance: &Resonance) -> Option<f64> {
         let periods = f64::from(point.orbit().force_periods());
+        let family = point.orbit().model().like(&self.family, &[point.value()]);
         let off = |value: f64| {
-            let model = (self.family)(&[value]).ok()?;
+            let model = family(&[value]).ok()?;
             let rate = model.structure().modes().get(resonance.mode)?.rates()[0];
             Some((-(resonance.harmonic as f64)).mul_add(model.omega() / periods, rate.im))
         };
@@ -127,21 +116,21 @@ impl OfStructure {
         differ.then(|| zero((ends[0], low), (ends[1], high), scale, |value| off(value).ok_or(())).ok())?
     }
 
-    fn evened(&mut self, point: &StructureBranchPoint) -> Option<Located<StructureOrbit>> {
+    fn evened(&mut self, point: &BranchPoint) -> Option<Located<StructureOrbit>> {
         let orbit = point.orbit();
         let simpler = orbit.evened()?.ok()?;
         let doubled = simpler.period() < 0.75 * orbit.period();
         let (test, event, goal) =
             if doubled { (Test::MinusOne, Event::PeriodDoubling, -1.0) } else { (Test::One, Event::Pitchfork, 1.0) };
         let solved = self.solved(&simpler, test, point.value())?;
-        let evidence = multiplier_at(&mut self.others, &solved.at.orbit, Complex::new(goal, 0.0), self.tolerance)?;
+        let evidence = self.others.multiplier_at(&solved.at.orbit, Complex::new(goal, 0.0), self.tolerance)?;
         Some(self.told(event, evidence, solved, point))
     }
 
-    fn solved(&self, simpler: &StructureOrbit, test: Test, value: f64) -> Option<Solved<StructureOrbit>> {
-        let through = || -> Result<Solved<StructureOrbit>, BranchError> {
+    fn solved(&self, simpler: &StructureOrbit, test: Test, value: f64) -> Option<Solved> {
+        let through = || -> Result<Solved, BranchError> {
             let family = self.family.clone();
-            let mut base = StructureContinuation::through(simpler, family, &[value], &[self.range], &self.stop)?;
+            let mut base = Continuation::through(simpler, family, &[value], &[self.range], &self.stop)?;
             let z = base.origin()?;
             solve(&base, test, (&z, None), REACH)
         };
@@ -152,20 +141,19 @@ impl OfStructure {
         &mut self,
         event: Event,
         evidence: Evidence,
-        solved: Solved<StructureOrbit>,
-        point: &StructureBranchPoint,
+        solved: Solved,
+        point: &BranchPoint,
     ) -> Located<StructureOrbit> {
         let physical = |orbit: &StructureOrbit| orbit.first_obstruction().ok().map(|told| told.is_physical());
         let beside = self.others.verdict(point.orbit(), self.tolerance).into_iter();
         let side = |stability| EventSide { value: point.value(), stability, physical: physical(point.orbit()) };
-        let distance = AWAY * solved.value.abs().max(1e-2 * self.range);
-        let branching = branch_off(self, event, (&solved.at.orbit, solved.value), distance);
+        let branching = self.branch_off(event, (&solved.at.orbit, solved.value));
         Located {
             event,
             value: solved.value,
             error: solved.error,
             physical: physical(&solved.at.orbit),
-            orbit: solved.at.orbit,
+            orbit: bounded(&solved.at.orbit),
             evidence,
             sides: beside.map(side).collect(),
             branching,

@@ -1,12 +1,12 @@
-//! Curves of events of a chain's orbits.
+//! Curves of events of a lattice's orbits over two of its parameters: those of the lattice as a structure with contacts at the masses that hit.
 
-use vibrochain_breather::{Continuation, Orbit};
-use vibrochain_lattice::Parameter;
+use vibrochain_breather::{BranchError, BreatherError, Continuation, Orbit, StructureModel, StructureOrbit};
+use vibrochain_lattice::{Model, Parameter};
 
-use super::answer::{CurveError, EventCurve, Walk, Window};
+use super::answer::{CurveError, CurvePoint, EventCurve, Walk, Window};
 use super::tracer::CurveRequest;
 use super::way::followed;
-use crate::events::OfChains;
+use crate::events::Watcher;
 use crate::locate::{Event, Evidence};
 
 /// Follows the event at `orbit` both ways through a window of two parameters. `evidence` is what shows it
@@ -46,16 +46,27 @@ pub fn curve(
 pub fn curve_along(orbit: &Orbit, event: Event, evidence: Evidence, walk: &Walk<'_>) -> Result<EventCurve, CurveError> {
     let &Walk { window, tolerance, special, until, ref stop } = walk;
     check(orbit, &window, tolerance)?;
-    let sides = window.sides();
-    let base = Continuation::through(orbit, &[0, 1].map(|i| (window.parameters[i], sides[i])), stop)?;
-    let watcher = OfChains::new(orbit.model().chain().sites(), stop);
-    let uncoupled = (0..2).find(|&i| window.parameters[i] == Parameter::Gamma2 && window.from[i] == 0.0);
-    let window = [window.from, window.to];
-    let asked = CurveRequest { event, evidence, window, tolerance, uncoupled, special, until };
-    let curve = followed((base, orbit), watcher, &asked);
+    let (parameters, sides) = (window.parameters, window.sides());
+    let uncoupled = (0..2).find(|&i| parameters[i] == Parameter::Gamma2 && window.from[i] == 0.0);
+    let asked =
+        CurveRequest { event, evidence, window: [window.from, window.to], tolerance, uncoupled, special, until };
+    let start = StructureOrbit::of_orbit(orbit, stop).map_err(BranchError::from)?;
+    let family = StructureModel::family(*orbit.model(), &parameters, &orbit.hit_sites(), stop);
+    let values = parameters.map(|parameter| orbit.model().get(parameter));
+    let base = Continuation::through(&start, family, &values, &sides, stop)?;
+    let found = followed((base, &start), Watcher::default(), &asked);
     // On the way a failure is an end.
     stop.heard()?;
-    curve
+    let EventCurve { event, evidence, points, special, ends, evaluations, spectra } = found?;
+    let point = |point: CurvePoint<StructureOrbit>| {
+        let CurvePoint { values, error, angle, physical, orbit: of } = point;
+        let set = |model: Model, (parameter, value): (&Parameter, &f64)| model.with(*parameter, *value);
+        let model = parameters.iter().zip(&values).try_fold(*orbit.model(), set)?;
+        let orbit = of.to_orbit(&model, orbit.family())?;
+        Ok::<_, BreatherError>(CurvePoint { values, error, angle, physical, orbit })
+    };
+    let points = points.into_iter().map(point).collect::<Result<_, _>>().map_err(BranchError::from)?;
+    Ok(EventCurve { event, evidence, points, special, ends, evaluations, spectra })
 }
 
 fn check(orbit: &Orbit, window: &Window, tolerance: f64) -> Result<(), CurveError> {

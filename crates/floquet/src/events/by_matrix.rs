@@ -7,17 +7,17 @@ use vibrochain_breather::{BlochEquations, LinearImpact};
 use crate::reference::eigen::eigenvalues;
 
 /// Both coordinates of all modes.
-type State = Vec<[f64; 2]>;
+pub(super) type State = Vec<[f64; 2]>;
 
 /// The state of modes a flight later.
-fn fly(equations: &BlochEquations, state: &mut State, t: f64) {
+pub(super) fn fly(equations: &BlochEquations, state: &mut State, t: f64) {
     for (mode, own) in equations.kernel().modes().iter().zip(state) {
         *own = mode.coordinates.given(mode.flight(t), *own);
     }
 }
 
 /// What an impact makes of a small change of the state before it, which moves its time by τ: column·δP − A column·Pτ is added.
-fn strike(equations: &BlochEquations, impact: &LinearImpact, state: &mut State) {
+pub(super) fn strike(equations: &BlochEquations, impact: &LinearImpact, state: &mut State) {
     let kernel = equations.kernel();
     let (contact, mobility) = (impact.contact, kernel.mobility(impact.contact, impact.contact));
     let velocity = -impact.impulse * mobility / (1.0 + impact.restitution);
@@ -39,7 +39,7 @@ fn strike(equations: &BlochEquations, impact: &LinearImpact, state: &mut State) 
 }
 
 /// All multipliers of the modes that the impacts feel but the two of the orbit's own shift in time, if it is conservative.
-pub(super) fn multipliers(equations: &BlochEquations, is_conservative: bool) -> Option<Vec<Complex<f64>>> {
+pub(crate) fn multipliers(equations: &BlochEquations, is_conservative: bool) -> Option<Vec<Complex<f64>>> {
     let (kernel, impacts) = (equations.kernel(), equations.impacts());
     let size = 2 * kernel.modes().len();
     let mut matrix = DMatrix::zeros(size, size);

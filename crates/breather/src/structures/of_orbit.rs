@@ -1,0 +1,224 @@
+//! An orbit of a lattice as one of the lattice as a structure, with contacts at the masses that hit, and back.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use vibrochain_lattice::{FeltShapes, Model, Parameter, ParameterError, Stop};
+
+use super::branch::continuation::{Branch, ModelFamily};
+use super::error::StructureOrbitError;
+use super::masses::Masses;
+use super::model::StructureModel;
+use super::orbit::StructureOrbit;
+use crate::branch_error::BranchError;
+use crate::error::BreatherError;
+use crate::orbit::{Family, Hit, Impact, Orbit};
+
+/// An impact is half a period after the first one where it misses that by no more than this part of it: rounding of what was solved for.
+const HALF: f64 = 1e-13;
+
+impl StructureModel {
+    /// A lattice with contacts at these masses, and all others about them, between the same barriers.
+    ///
+    /// # Errors
+    /// [`StructureOrbitError`]
+    pub fn of_masses(lattice: &Model, sites: &[usize], stop: &Stop) -> Result<Self, StructureOrbitError> {
+        let contacts: Vec<Vec<usize>> = sites.iter().map(|&site| vec![site]).collect();
+        let shapes = Arc::new(FeltShapes::of(lattice, &contacts)?);
+        Self::of_shapes(Masses { lattice: *lattice, sites: sites.to_vec(), shapes, shapes_of: *lattice }, stop)
+    }
+
+    fn of_shapes(masses: Masses, stop: &Stop) -> Result<Self, StructureOrbitError> {
+        let Masses { lattice, shapes_of: base, .. } = masses;
+        let (chain, omega) = (lattice.chain(), lattice.omega());
+        let structure = masses.shapes.structure([chain.gamma1(), chain.gamma2(), chain.gamma3()])?;
+        let model = Self::new(Arc::new(structure), omega)?.until(stop);
+        let same = base.amplitude() == lattice.amplitude() && base.stop() == lattice.stop();
+        let model = if same { model } else { model.loaded_as(&base, &lattice)? };
+        Ok(model.among(masses))
+    }
+
+    /// Loads and barriers of one lattice as those of another, under a force as this one if any.
+    fn loaded_as(&self, base: &Model, lattice: &Model) -> Result<Self, StructureOrbitError> {
+        let factor = if base.amplitude() == 0.0 { 1.0 } else { lattice.amplitude() / base.amplitude() };
+        self.with_loads_and_stops(factor, lattice.stop())
+    }
+
+    /// These of a lattice as some of its parameters vary. What a parameter does not change is worked out once for all its values.
+    pub fn family(lattice: Model, free: &[Parameter], sites: &[usize], stop: &Stop) -> ModelFamily {
+        let free = free.to_vec();
+        let set = |lattice: Model, (free, value): (&Parameter, &f64)| lattice.with(*free, *value);
+        let at = move |values: &[f64]| {
+            free.iter().zip(values).try_fold(lattice, set).map_err(|error: ParameterError| error.to_string())
+        };
+        remembering(at, sites.to_vec(), stop)
+    }
+
+    /// Models of `family` with contacts at the masses where this model has them, which those at `values` may not have; of any other structure the same.
+    #[must_use]
+    pub fn like(&self, family: &ModelFamily, values: &[f64]) -> ModelFamily {
+        let Some(Masses { sites, .. }) = self.masses() else { return family.clone() };
+        let is_like = |model: StructureModel| model.masses().is_some_and(|masses| masses.sites == *sites);
+        if family(values).is_ok_and(is_like) {
+            return family.clone();
+        }
+        let other = family.clone();
+        let lattice = move |values: &[f64]| {
+            let model = other(values)?;
+            model.masses().map(|masses| masses.lattice).ok_or_else(|| "the structure is no lattice here".to_owned())
+        };
+        remembering(lattice, sites.clone(), self.stop())
+    }
+
+    /// The structure of one lattice as that of another one of which only ω differs, or springs besides, or loads and stops besides; `None` of others.
+    fn moved_to(&self, at: &Model) -> Option<Result<Self, StructureOrbitError>> {
+        let masses = self.masses()?;
+        let base = masses.lattice;
+        let differs = |parameter: &Parameter| base.get(*parameter) != at.get(*parameter);
+        let moved = |parameters: &[Parameter]| {
+            let with = |model: Model, parameter: &Parameter| model.with(*parameter, at.get(*parameter)).ok();
+            let moved = parameters.iter().filter(|parameter| differs(parameter)).try_fold(base, with);
+            moved.is_some_and(|moved| moved == *at)
+        };
+        if moved(&[Parameter::Omega]) {
+            return Some(self.at(at.omega()));
+        }
+        let mut others = vec![Parameter::Omega];
+        if (base.amplitude() == 0.0) == (at.amplitude() == 0.0) {
+            others.extend([Parameter::Amplitude, Parameter::Asymmetry, Parameter::Restitution]);
+        }
+        if moved(&others) {
+            let structure = self.loaded_as(&base, at).and_then(|structure| structure.at(at.omega()));
+            return Some(structure.map(|structure| structure.among(masses.of(*at))));
+        }
+        others.extend([Parameter::Gamma1, Parameter::Gamma2, Parameter::Gamma3]);
+        moved(&others).then(|| Self::of_shapes(masses.of(*at), self.stop()))
+    }
+}
+
+/// Structures of lattices with contacts at these masses; from the last one, where that is quicker.
+fn remembering(
+    lattice: impl Fn(&[f64]) -> Result<Model, String> + Send + Sync + 'static,
+    sites: Vec<usize>,
+    stop: &Stop,
+) -> ModelFamily {
+    let (stop, last) = (stop.clone(), Mutex::new(None::<StructureModel>));
+    Arc::new(move |values: &[f64]| {
+        let told = |error: StructureOrbitError| error.to_string();
+        let at = lattice(values)?;
+        let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = last.as_ref().and_then(|known| known.moved_to(&at)) {
+            return known.map_err(told);
+        }
+        let new = StructureModel::of_masses(&at, &sites, &stop).map_err(told)?;
+        *last = Some(new.clone());
+        Ok(new)
+    })
+}
+
+impl Branch {
+    /// The branch of a lattice's orbit as one of its parameters varies; a length of `unit` along it counts like a change of order 1 of the orbit.
+    ///
+    /// # Errors
+    /// [`BranchError`] at a resonance, which an orbit that exists has already passed.
+    ///
+    /// ```
+    /// use vibrochain_breather::{Branch, Family, breathers};
+    /// use vibrochain_lattice::{Parameter, Point};
+    /// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+    /// let model = ring.omega(1.07).asymmetry(0.8).amplitude(0.165).restitution(0.25).model()?;
+    /// let orbit = &breathers(&model, Family::SingleSided)?.orbits[0];
+    /// let mut branch = Branch::of_orbit(orbit, Parameter::Amplitude, 0.1)?;
+    /// // Downwards the branch turns back at a fold, 0.157927…
+    /// let mut point = branch.start()?.reversed();
+    /// let mut least = point.value();
+    /// while point.heading() < 0.0 {
+    ///     point = branch.step(&point, 0.02)?;
+    ///     least = least.min(point.value());
+    /// }
+    /// assert!((least - 0.15793).abs() < 1e-4 && point.heading() > 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn of_orbit(orbit: &Orbit, free: Parameter, unit: f64) -> Result<Self, BranchError> {
+        let stop = Stop::default();
+        let family = StructureModel::family(*orbit.model(), &[free], &orbit.hit_sites(), &stop);
+        let start = StructureOrbit::of_orbit(orbit, &stop)?;
+        Self::through(&start, family, orbit.model().get(free), unit, &stop)
+    }
+}
+
+impl StructureOrbit {
+    /// A lattice's orbit as one of the lattice with contacts at the masses that hit.
+    ///
+    /// # Errors
+    /// [`StructureOrbitError`]
+    pub fn of_orbit(orbit: &Orbit, stop: &Stop) -> Result<Self, StructureOrbitError> {
+        let model = StructureModel::of_masses(orbit.model(), &orbit.hit_sites(), stop)?;
+        let first = orbit.impacts().first().map_or(0.0, |impact| impact.time);
+        let strike = |impact: &Impact| {
+            let hit = Hit::from(impact);
+            model.strike(&Hit { time: hit.time - first, ..hit })
+        };
+        let since = (orbit.force_periods(), orbit.psi_or_zero() + first);
+        let strikes = orbit.impacts().iter().map(strike).collect::<Result<_, _>>()?;
+        Self::given(&model, since, strikes)
+    }
+
+    /// The same among contacts at more masses of the lattice, each where one of these hits is; of any other structure as it is.
+    pub(super) fn with_contacts_at(&self, hits: &[Hit]) -> Result<Self, StructureOrbitError> {
+        let Some(Masses { lattice, sites, .. }) = self.model().masses() else { return Ok(self.clone()) };
+        let mut sites = sites.clone();
+        for hit in hits {
+            if !sites.contains(&hit.site) {
+                sites.push(hit.site);
+            }
+        }
+        let model = StructureModel::of_masses(lattice, &sites, self.model().stop())?;
+        // Contacts that were there keep their numbers.
+        Self::given(&model, (self.force_periods(), self.psi().unwrap_or(0.0)), self.strikes().collect())
+    }
+
+    /// The orbit of all masses of the lattice around the contacts; `None` of any other structure.
+    pub fn of_all_masses(&self) -> Option<Result<Orbit, BreatherError>> {
+        let Masses { lattice, .. } = self.model().masses()?;
+        let hits = self.hits_by_halves();
+        Some(Orbit::from_impulses(lattice, self.force_periods(), self.psi().unwrap_or(0.0), &hits))
+    }
+
+    /// The impacts, half a period after the first one where they are but for rounding.
+    fn hits_by_halves(&self) -> Vec<Hit> {
+        let (mut hits, half) = (self.hits(), 0.5 * self.period());
+        let near = |hit: &&mut Hit| (hit.time - half).abs() <= HALF * half;
+        hits.iter_mut().filter(near).for_each(|hit| hit.time = half);
+        hits
+    }
+
+    /// The same as an orbit of a lattice, of this family as long as its impacts are those of the family; a doubled one begins with the longer flight.
+    ///
+    /// # Errors
+    /// [`BreatherError`] at a resonance.
+    pub fn to_orbit(&self, model: &Model, family: Family) -> Result<Orbit, BreatherError> {
+        let mut hits = self.hits_by_halves();
+        let mut psi = self.psi().unwrap_or(0.0);
+        if matches!(family, Family::SingleSided | Family::PeriodDoubled)
+            && self.force_periods() == 2
+            && hits.len() == 2
+            && hits[1].time < 0.5 * self.period()
+        {
+            let first = hits[1].time;
+            psi = (psi + first).rem_euclid(self.model().period());
+            hits.rotate_left(1);
+            hits.iter_mut().for_each(|hit| hit.time = (hit.time - first).rem_euclid(self.period()));
+        }
+        let mut orbit = Orbit::from_impulses(model, self.force_periods(), psi, &hits)?;
+        let alone = hits.iter().all(|hit| hit.site == hits[0].site);
+        orbit.family = match (family, hits.len(), self.force_periods()) {
+            (Family::SingleSided, 2, 2) if alone => Family::PeriodDoubled,
+            (Family::PeriodDoubled, 1, 1) => Family::SingleSided,
+            (Family::SingleSided, 1, 1) | (Family::DoubleSided, 2, 1) | (Family::PeriodDoubled, 2, 2) if alone => {
+                family
+            }
+            _ => Family::Word,
+        };
+        Ok(orbit)
+    }
+}
