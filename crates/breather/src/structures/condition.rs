@@ -140,7 +140,7 @@ impl StructureOrbit {
         let strongest = self.impacts().iter().map(|one| one.impulse.abs()).fold(f64::MIN_POSITIVE, f64::max);
         Ok(Condition {
             resonance: self.distance_to_resonance(),
-            grazing: self.impacts().iter().map(|one| self.speed(one)).fold(f64::INFINITY, f64::min),
+            grazing: self.impacts().iter().map(|one| self.relative_speed(one)).fold(f64::INFINITY, f64::min),
             fold: self.reciprocal_condition(strongest)?,
             psi_error: self.psi_error(),
             impacts: self.impacts().iter().map(bound).collect(),
@@ -162,7 +162,7 @@ impl StructureOrbit {
     }
 
     /// The speed of an impact in units of ω times half its contact's gap.
-    fn speed(&self, impact: &StructureImpact) -> f64 {
+    fn relative_speed(&self, impact: &StructureImpact) -> f64 {
         let contact = self.model().structure().contacts()[impact.contact];
         let length = match (contact.lower, contact.upper) {
             (Some(lower), Some(upper)) => 0.5 * (upper - lower),

@@ -250,6 +250,19 @@ impl StructureOrbit {
         &self.model
     }
 
+    /// Whether neither impacts nor modes lose energy.
+    pub fn is_lossless(&self) -> bool {
+        self.model.structure().is_lossless()
+    }
+
+    /// The fastest velocity before an impact, or the fastest that its acceleration makes in 1/ω: what velocities are measured by
+    /// (dimensionless).
+    pub fn speed(&self) -> f64 {
+        let of =
+            |one: &StructureImpact| one.velocity_before.abs().max(one.acceleration_before.abs() / self.model.omega());
+        self.impacts.iter().map(of).fold(f64::MIN_POSITIVE, f64::max)
+    }
+
     /// What contacts do after impacts and under the loads.
     pub(super) fn response(&self) -> &Response {
         &self.response

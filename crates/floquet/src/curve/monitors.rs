@@ -5,7 +5,7 @@ use nalgebra::Complex;
 use super::answer::Special;
 use super::tracer::{TracedPoint, Tracer, is_physical};
 use crate::events::half_sums::upper_half;
-use crate::events::{AtEvent, EventOrbit, TOUCHES, Test, another_one, minus_one};
+use crate::events::{AtEvent, TOUCHES, Test, another_one, minus_one};
 use crate::locate::Event;
 use crate::verdict::Tolerance;
 
@@ -68,20 +68,24 @@ impl Tracer<'_> {
         if !self.asked.special {
             return Seen { monitors, physical, on_circle };
         }
-        for (i, (arrival, hit)) in orbit.arrivals().iter().zip(orbit.hits()).enumerate() {
+        for (i, impact) in orbit.impacts().iter().enumerate() {
             if !self.grazing.contains(&i) {
-                add(Special::With(Event::Grazing), 1 + i, hit.barrier.sign() * arrival.velocity / speed);
+                add(Special::With(Event::Grazing), 1 + i, impact.barrier.sign() * impact.velocity_before / speed);
             }
         }
         for (i, hit) in orbit.hits().iter().enumerate() {
             if let (false, Ok(Some([acceleration, _]))) = (self.test == Test::Release(i), orbit.acceleration_after(i)) {
-                add(Special::With(Event::Sticking), i, -hit.barrier.sign() * acceleration / (orbit.omega() * speed));
+                add(
+                    Special::With(Event::Sticking),
+                    i,
+                    -hit.barrier.sign() * acceleration / (orbit.model().omega() * speed),
+                );
             }
         }
         // Where one touches all along, be it with an impact, others are told once they are beyond.
         let own = if event == Event::Grazing { TOUCHES } else { 0.0 };
         if let Some(margin) = told.and_then(|told| told.margin) {
-            add(Special::With(Event::Grazing), 0, margin * orbit.omega() / speed + own);
+            add(Special::With(Event::Grazing), 0, margin * orbit.model().omega() / speed + own);
         }
         if let (true, Some(theta)) = (self.has_angle(), *mark) {
             add(Special::OneToThree, 0, theta.cos() + 0.5);

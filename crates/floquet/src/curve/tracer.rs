@@ -1,13 +1,12 @@
 //! From point to point of a curve.
 
-use vibrochain_breather::StructureOrbit;
 use vibrochain_breather::line::foreseen;
 use vibrochain_breather::system::{Vector, dot};
-use vibrochain_breather::{Admissibility, BranchError, Obstruction, SolutionCurve, SolutionPoint};
+use vibrochain_breather::{Admissibility, BranchError, Obstruction, SolutionCurve, SolutionPoint, StructureOrbit};
 
 use super::answer::CurvePoint;
 use crate::bracket::crossing;
-use crate::events::{AtEvent, EventOrbit, EventSystem, TOUCHES, Test, Watcher};
+use crate::events::{AtEvent, EventSystem, TOUCHES, Test, Watcher};
 use crate::locate::{Event, Evidence};
 
 /// The error is worked out at every so many points; between two it is no more than this times the larger of theirs.
@@ -70,10 +69,10 @@ impl CurveRequest<'_> {
 pub(super) fn is_physical(told: &Admissibility, orbit: &StructureOrbit) -> bool {
     match told.obstruction {
         None => true,
-        Some(Obstruction::Crossing { excess, .. }) => excess <= TOUCHES * orbit.speed() / orbit.omega(),
+        Some(Obstruction::Crossing { excess, .. }) => excess <= TOUCHES * orbit.speed() / orbit.model().omega(),
         Some(Obstruction::WrongSign { velocity_before, .. }) => velocity_before.abs() <= TOUCHES * orbit.speed(),
         Some(Obstruction::Sticking { acceleration_after, .. }) => {
-            acceleration_after.abs() <= TOUCHES * orbit.omega() * orbit.speed()
+            acceleration_after.abs() <= TOUCHES * orbit.model().omega() * orbit.speed()
         }
     }
 }

@@ -2,16 +2,14 @@
 //! Where something else happens on the way a monitor changes its sign.
 
 use crate::events::FAINT;
-use vibrochain_breather::Continuation;
-use vibrochain_breather::StructureOrbit;
 use vibrochain_breather::line::{Line, Side, Step, chord_error, joined, side_ahead, trace};
 use vibrochain_breather::system::{System, Vector, unit};
-use vibrochain_breather::{BranchError, Pace, SolutionCurve};
+use vibrochain_breather::{BranchError, Continuation, Pace, SolutionCurve, StructureOrbit};
 
 use super::answer::{CurveEnd, CurveError, EventCurve, Special, SpecialPoint};
 use super::monitors::{GROWTH, Seen};
 use super::tracer::{CurveRequest, PUSHED, TracedPoint, Tracer, values};
-use crate::events::{AtEvent, EventOrbit, EventSystem, TOUCHES, Test, UNBOUNDED, Watcher, strongest};
+use crate::events::{AtEvent, EventSystem, TOUCHES, Test, UNBOUNDED, Watcher, resonance_beside, strongest};
 use crate::locate::{Event, Evidence};
 
 /// From where an event was located the curve is no farther than this.
@@ -76,12 +74,12 @@ pub(crate) fn followed(
     let strength = strongest(&first.orbit().orbit).max(f64::MIN_POSITIVE);
     // By symmetry several impacts may have no velocity all along.
     let still = |velocity: f64| velocity.abs() <= TOUCHES * first.orbit().orbit.speed();
-    let arrivals = first.orbit().orbit.arrivals();
+    let impacts = first.orbit().orbit.impacts();
     let grazing = match test {
-        Test::Velocity(own) => (0..arrivals.len()).filter(|&i| i == own || still(arrivals[i].velocity)).collect(),
+        Test::Velocity(own) => (0..impacts.len()).filter(|&i| i == own || still(impacts[i].velocity_before)).collect(),
         _ => Vec::new(),
     };
-    let vanish = grazing.len() == arrivals.len() || strongest(&first.orbit().orbit) < FAINT * strength;
+    let vanish = grazing.len() == impacts.len() || strongest(&first.orbit().orbit) < FAINT * strength;
     let mut tracer = Tracer { manifold, watcher, test, asked, strength, vanish, grazing };
     let (behind, special_behind, end_behind) = tracer.way(first.reversed());
     let (ahead, special_ahead, end) = match end_behind {
@@ -313,7 +311,7 @@ impl Line for Way<'_, '_> {
 
     fn lost(&self, passed: &[Self::Point]) -> CurveEnd {
         let orbit = passed.last().map(|point| &point.orbit().orbit);
-        if let Some(resonance) = orbit.and_then(EventOrbit::resonance) {
+        if let Some(resonance) = orbit.and_then(resonance_beside) {
             return CurveEnd::Resonance(resonance);
         }
         // Modes that are alike without coupling have multipliers that no digits tell apart nearby.
@@ -324,7 +322,7 @@ impl Line for Way<'_, '_> {
         }
         let spectral = matches!(self.tracer.test, Test::Collision | Test::MinusOne | Test::AnotherOne);
         match self.why.clone() {
-            BranchError::NoConvergence if spectral && orbit.is_some_and(EventOrbit::is_lossless) => CurveEnd::Thin,
+            BranchError::NoConvergence if spectral && orbit.is_some_and(StructureOrbit::is_lossless) => CurveEnd::Thin,
             why => CurveEnd::Lost(why),
         }
     }

@@ -16,7 +16,7 @@
 pub(crate) mod by_matrix;
 pub(crate) mod half_sums;
 mod mirrored;
-mod orbit;
+mod poles;
 mod regular;
 mod rounding;
 mod system;
@@ -24,7 +24,7 @@ mod test_function;
 mod unfolding;
 mod watcher;
 
-pub(crate) use orbit::EventOrbit;
+pub(crate) use poles::{resonance_beside, room, without_poles};
 pub(crate) use system::{AtEvent, EventSystem, Solved, solve};
 pub(crate) use test_function::{Test, another_one, minus_one};
 pub(crate) use watcher::{FAINT, TOUCHES, UNBOUNDED, Watcher, bounded, strongest};

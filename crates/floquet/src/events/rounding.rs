@@ -8,7 +8,6 @@ use vibrochain_breather::StructureOrbit;
 use vibrochain_breather::linear::cofactors;
 use vibrochain_breather::system::{Evaluation, Matrix};
 
-use super::orbit::EventOrbit;
 use super::regular::Regular;
 use super::test_function::{REAL, Test, Values};
 
@@ -25,12 +24,12 @@ pub(super) fn rounding<K>(test: Test, here: &Evaluation<StructureOrbit, K>, mark
 
 fn told<K>(test: Test, here: &Evaluation<StructureOrbit, K>, mark: Option<f64>) -> Option<Values> {
     let orbit = &here.orbit;
-    let regular = |theta: f64| Some(Regular::of(&orbit.linearised(), theta).rounding(None));
+    let regular = |theta: f64| Some(Regular::of(&orbit.bloch_equations().0, theta).rounding(None));
     Some(match test {
         Test::Fold => smallvec![of_equations(&here.matrix)],
         Test::One => smallvec![of_equations(here.all())],
         Test::AnotherOne => {
-            let (equations, shift) = orbit.linearised().without_shift()?;
+            let (equations, shift) = orbit.bloch_equations().0.without_shift()?;
             smallvec![Regular::of(&equations, 0.0).rounding(Some(shift.place))]
         }
         Test::MinusOne => smallvec![regular(std::f64::consts::PI)?],
@@ -40,7 +39,7 @@ fn told<K>(test: Test, here: &Evaluation<StructureOrbit, K>, mark: Option<f64>) 
         }
         Test::Release(i) => {
             let [_, error] = orbit.acceleration_after(i).ok()??;
-            smallvec![error / (orbit.omega() * orbit.speed())]
+            smallvec![error / (orbit.model().omega() * orbit.speed())]
         }
         Test::Velocity(_) | Test::Touch(..) | Test::Corner(..) => return None,
     })

@@ -4,12 +4,10 @@
 //! tracer follows. Derivatives of the test function are differences.
 
 use smallvec::SmallVec;
-use vibrochain_breather::Continuation;
-use vibrochain_breather::StructureOrbit;
 use vibrochain_breather::system::{Evaluation, Matrix, System, Vector, unit};
-use vibrochain_breather::{BranchError, SolutionPoint};
+use vibrochain_breather::{BranchError, Continuation, SolutionPoint, StructureOrbit};
 
-use super::orbit::EventOrbit;
+use super::poles::{room, without_poles};
 use super::rounding::{ROUNDING, rounding};
 use super::test_function::Test;
 use super::unfolding::Unfolding;
@@ -176,7 +174,7 @@ impl EventSystem {
                 let mut moved = Vector::from(z);
                 moved[at] += h * unit;
                 let (rows, orbit) = rows(system, &moved)?;
-                Ok(regular(&rows, orbit.without_poles(Some(&modes)).0))
+                Ok(regular(&rows, without_poles(&orbit, Some(&modes)).0))
             })
         };
         let (near, far) = (over(step)?, over(2.0 * step)?);
@@ -245,9 +243,9 @@ impl System for EventSystem {
         // Right after it was worked out.
         let mut kept = self.base.row_errors(&here);
         let (size, marks) = (self.base.size(), self.marks());
-        let room = here.orbit.room(self.test.angle(mark));
+        let room = room(&here.orbit, self.test.angle(mark));
         self.step = LONGEST.min(SHARE * room);
-        let (poles, modes) = here.orbit.without_poles(None);
+        let (poles, modes) = without_poles(&here.orbit, None);
         self.poles = (poles, modes);
         let values = self.tested(&here, mark)?;
         let mut rows = self.own_rows(&here.rows, mark);

@@ -5,12 +5,10 @@
 
 use nalgebra::Complex;
 use smallvec::{SmallVec, smallvec};
-use vibrochain_breather::StructureOrbit;
 use vibrochain_breather::system::Evaluation;
-use vibrochain_breather::{Approach, BlochEquations, BranchError, Hit};
+use vibrochain_breather::{Approach, BlochEquations, BranchError, Hit, StructureOrbit};
 use vibrochain_lattice::Barrier;
 
-use super::orbit::EventOrbit;
 use super::regular::Regular;
 use super::watcher::TOUCHES;
 use crate::locate::Event;
@@ -103,33 +101,33 @@ impl Test {
             Self::AnotherOne => smallvec![another_one(orbit).ok_or(BranchError::NoConvergence)?],
             Self::MinusOne => smallvec![minus_one(orbit)?],
             Self::Circle => {
-                let [value, slope] = at(&orbit.linearised(), mark);
+                let [value, slope] = at(&orbit.bloch_equations().0, mark);
                 // Where the pair turns real both are 0.
                 let odd = if mark.sin().abs() > REAL { value.im / mark.sin() } else { slope.im / mark.cos() };
                 smallvec![value.re, odd]
             }
             Self::Collision => {
-                let [value, slope] = at(&orbit.linearised(), mark);
+                let [value, slope] = at(&orbit.bloch_equations().0, mark);
                 smallvec![value.re, slope.re / mark.sin()]
             }
             Self::Velocity(i) => {
-                let arrival = *orbit.arrivals().get(i).ok_or(BranchError::NoConvergence)?;
-                smallvec![arrival.velocity / orbit.speed()]
+                let impact = orbit.impacts().get(i).ok_or(BranchError::NoConvergence)?;
+                smallvec![impact.velocity_before / orbit.speed()]
             }
             Self::Release(i) => {
                 let [acceleration, _] = orbit.acceleration_after(i)?.ok_or(BranchError::NoConvergence)?;
-                smallvec![acceleration / (orbit.omega() * orbit.speed())]
+                smallvec![acceleration / (orbit.model().omega() * orbit.speed())]
             }
             Self::Touch(contact, barrier) => {
-                let wall = orbit.wall(contact, barrier)?;
+                let wall = orbit.model().barrier_at(contact, barrier)?;
                 let [place, velocity] = orbit.state(contact, mark.rem_euclid(1.0) * orbit.period())?;
                 let speed = orbit.speed();
-                smallvec![(wall - place) * orbit.omega() / speed, velocity / speed]
+                smallvec![(wall - place) * orbit.model().omega() / speed, velocity / speed]
             }
             Self::Corner(contact, barrier, impact) => {
                 let time = orbit.hits().get(impact).ok_or(BranchError::NoConvergence)?.time;
                 let [place, _] = orbit.state(contact, time)?;
-                smallvec![(orbit.wall(contact, barrier)? - place) * orbit.omega() / orbit.speed()]
+                smallvec![(orbit.model().barrier_at(contact, barrier)? - place) * orbit.model().omega() / orbit.speed()]
             }
         })
     }
@@ -137,7 +135,7 @@ impl Test {
 
 /// det J(−1), which is real, made regular.
 pub(crate) fn minus_one(orbit: &StructureOrbit) -> Result<f64, BranchError> {
-    Ok(at(&orbit.linearised(), std::f64::consts::PI)[0].re)
+    Ok(at(&orbit.bloch_equations().0, std::f64::consts::PI)[0].re)
 }
 
 /// det J(1) without the orbit's own derivative; `None` of orbits that have a phase, and where a mode's pole is 1.
@@ -145,7 +143,7 @@ pub(crate) fn another_one(orbit: &StructureOrbit) -> Option<f64> {
     if !orbit.is_conservative() {
         return None;
     }
-    let (equations, _) = orbit.linearised().without_shift()?;
+    let (equations, _) = orbit.bloch_equations().0.without_shift()?;
     Some(at(&equations, 0.0)[0].re)
 }
 

@@ -5,9 +5,8 @@
 //! it was; μ stands in F + μψ = 0, ψ the left null vector of F, and is 0 as long as both numbers keep the symmetry.
 
 use nalgebra::{Complex, DMatrix};
-use vibrochain_breather::Continuation;
-use vibrochain_breather::StructureOrbit;
 use vibrochain_breather::system::{Matrix, System, Vector};
+use vibrochain_breather::{Continuation, StructureOrbit};
 
 use crate::singular::Singular;
 

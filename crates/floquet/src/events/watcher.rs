@@ -6,7 +6,6 @@ use vibrochain_breather::{Admissibility, BranchError, BreatherError, Finder, Orb
 use super::by_matrix;
 use super::half_sums::half_sums;
 use super::mirrored;
-use super::orbit::EventOrbit;
 use crate::analyser::Analyser;
 use crate::error::FloquetError;
 use crate::locate::Evidence;

@@ -4,10 +4,8 @@
 //! parameter: no other orbit can be taken for them, and the bend tells the side.
 
 use crate::events::bounded;
-use vibrochain_breather::BranchPoint;
-use vibrochain_breather::StructureOrbit;
 use vibrochain_breather::system::System;
-use vibrochain_breather::{Pace, SolutionCurve, SolutionPoint};
+use vibrochain_breather::{BranchPoint, Pace, SolutionCurve, SolutionPoint, StructureOrbit};
 
 use super::answer::{BranchedOrbit, Branching, Event};
 use super::ends::BranchEnds;

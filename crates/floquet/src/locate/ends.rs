@@ -8,7 +8,7 @@ use vibrochain_lattice::{Resonance, Stop};
 
 use super::answer::{End, Event, EventSide, Evidence, Located};
 use crate::bracket::zero;
-use crate::events::{EventOrbit, Solved, Test, Watcher, bounded, solve};
+use crate::events::{Solved, Test, Watcher, bounded, resonance_beside, solve};
 use crate::verdict::Tolerance;
 use vibrochain_breather::time_between;
 
@@ -46,7 +46,7 @@ pub(crate) struct BranchEnds {
 impl BranchEnds {
     /// The resonance right ahead of a point, behind which there is none that could tell.
     pub(super) fn resonance_ahead(&self, point: &BranchPoint) -> Option<(f64, Resonance)> {
-        let resonance = point.orbit().resonance()?;
+        let resonance = resonance_beside(point.orbit())?;
         Some((self.resonant(point, &resonance).unwrap_or(point.value()), resonance))
     }
 

@@ -1,12 +1,10 @@
 //! At which events branches leave another, and the first step along one.
 
-use vibrochain_breather::StructureOrbit;
 use vibrochain_breather::system::System;
-use vibrochain_breather::{Approach, Departure, Hit, SolutionCurve, SolutionPoint};
+use vibrochain_breather::{Approach, Departure, Hit, SolutionCurve, SolutionPoint, StructureOrbit};
 use vibrochain_lattice::Barrier;
 
 use super::answer::{Event, Evidence, Located};
-use crate::events::EventOrbit;
 use vibrochain_breather::time_between;
 
 /// A contact touches a barrier where it is this near to it, over the fastest velocity and ω, and its own velocity this small: a located grazing is
@@ -43,7 +41,7 @@ pub(super) fn departure(located: &Located<StructureOrbit>) -> Option<Departure> 
         (Event::Grazing, Evidence::Impact(lost)) => {
             // Where all are lost nothing is left.
             let slow = STILL * orbit.speed();
-            let left = orbit.arrivals().iter().any(|arrival| arrival.velocity.abs() > slow);
+            let left = orbit.impacts().iter().any(|impact| impact.velocity_before.abs() > slow);
             left.then_some(Departure::Without(lost))
         }
         (event, _) => bifurcation(event, orbit),
@@ -59,8 +57,8 @@ fn touching(orbit: &StructureOrbit, touch: &Approach) -> Option<Vec<Hit>> {
         let time = time.rem_euclid(period);
         for (contact, [place, velocity]) in orbit.states(time).ok()?.into_iter().enumerate() {
             for barrier in [Barrier::Lower, Barrier::Upper] {
-                let near = orbit.wall(contact, barrier).is_ok_and(|wall| {
-                    (place - wall).abs() * orbit.omega() <= TOUCHING * speed && velocity.abs() <= STILL * speed
+                let near = orbit.model().barrier_at(contact, barrier).is_ok_and(|wall| {
+                    (place - wall).abs() * orbit.model().omega() <= TOUCHING * speed && velocity.abs() <= STILL * speed
                 });
                 let apart = |other: f64| time_between(other, time, period) > TOGETHER * period;
                 let known = || own.iter().chain(&hits).filter(|hit| hit.site == contact).map(|hit| hit.time);

@@ -7,7 +7,7 @@ use vibrochain_lattice::Barrier;
 use super::answer::End;
 use super::ends::{BranchEnds, Ended};
 use crate::bracket::zero;
-use crate::events::{EventOrbit, strongest};
+use crate::events::strongest;
 
 /// The touch is no farther than this from where the branch is lost, as a part of the range.
 const NEAR: f64 = 1e-3;

@@ -6,7 +6,7 @@ use vibrochain_breather::BranchPoint;
 use vibrochain_breather::system::{System, Vector};
 
 use super::Follower;
-use crate::events::{AtEvent, EventOrbit, Solved, Test};
+use crate::events::{AtEvent, Solved, Test, room, without_poles};
 
 /// Steps at most; three are usual.
 const STEPS: usize = 8;
@@ -22,10 +22,10 @@ impl Follower {
     /// The same event, along the branch from `from`; as it is where no resonance is near.
     pub(super) fn beside_resonance(&mut self, test: Test, from: &BranchPoint, solved: Solved) -> Option<Solved> {
         let AtEvent { orbit, mark, .. } = &solved.at;
-        if matches!(test, Test::One | Test::Fold) || orbit.without_poles(None).1.is_empty() {
+        if matches!(test, Test::One | Test::Fold) || without_poles(orbit, None).1.is_empty() {
             return Some(solved);
         }
-        let room = orbit.room(mark.filter(|_| test.is_marked() && !matches!(test, Test::Touch(..))).unwrap_or(0.0));
+        let room = room(orbit, mark.filter(|_| test.is_marked() && !matches!(test, Test::Touch(..))).unwrap_or(0.0));
         let (mut s, mut mark, mut last) = (self.length_to(from, &solved), *mark, f64::INFINITY);
         for _ in 0..STEPS {
             let heading = self.branch.step(from, s).ok()?.heading().abs().max(f64::EPSILON);

@@ -10,7 +10,7 @@ use vibrochain_lattice::Barrier;
 use super::confirm::Found;
 use super::seen::value;
 use super::{At, Follower, Seen};
-use crate::events::{EventOrbit, Test};
+use crate::events::Test;
 use crate::locate::answer::{Event, LocateError};
 use crate::locate::course::Station;
 

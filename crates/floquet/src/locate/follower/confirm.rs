@@ -2,14 +2,12 @@
 //! until the solution lies in it.
 
 use nalgebra::Complex;
-use vibrochain_breather::BranchPoint;
-use vibrochain_breather::StructureOrbit;
-use vibrochain_breather::{Approach, Pace};
+use vibrochain_breather::{Approach, BranchPoint, Pace, StructureOrbit};
 
 use super::seen::{changes, corners, marks, touch_between, value};
 use super::{At, Follower};
 use crate::bracket::crossing;
-use crate::events::{AtEvent, EventOrbit, Solved, TOUCHES, Test, bounded, solve};
+use crate::events::{AtEvent, Solved, TOUCHES, Test, bounded, solve};
 use crate::locate::answer::{Event, EventSide, Evidence, LocateError, Located};
 
 type C = Complex<f64>;
@@ -53,7 +51,7 @@ impl<P> Part<P> {
 /// What the search for the event of a change of sign has found.
 pub(super) enum Confirmed {
     /// An event, and what shows it.
-    At(Solved, Evidence),
+    At(Box<Solved>, Evidence),
     /// A jump, as where an equation has a pole.
     Nothing,
     /// Rounding hides it.
@@ -114,7 +112,7 @@ impl Follower {
         {
             return Ok(());
         }
-        let located = self.told(test.event(turns), (from.0, along), solved, evidence);
+        let located = self.told(test.event(turns), (from.0, along), *solved, evidence);
         found.push((along, located));
         // Of three that are near each other it may be any.
         for (end, s) in [(from, along - BESIDE * length), (to, along + BESIDE * length)] {
@@ -154,13 +152,13 @@ impl Follower {
         };
         for mark in marks(test, [from, to]) {
             if let Some((solved, evidence)) = self.solved(test, (from.0, to.0), share, mark) {
-                return Ok(Confirmed::At(solved, evidence));
+                return Ok(Confirmed::At(Box::new(solved), evidence));
             }
         }
         if matches!(test, Test::Touch(..)) {
             for corner in corners([from, to]) {
                 if let Some((solved, evidence)) = self.solved(corner, (from.0, to.0), share, None) {
-                    return Ok(Confirmed::At(solved, evidence));
+                    return Ok(Confirmed::At(Box::new(solved), evidence));
                 }
             }
         }
@@ -223,7 +221,7 @@ impl Follower {
         let error = along * point.heading().abs() * self.range() + f64::EPSILON * point.value().abs();
         let at = AtEvent { orbit: point.orbit().clone(), mark: None, determinant: 0.0, fold_determinant: 0.0 };
         let solved = Solved { at, coordinates: point.coordinates().into(), value: point.value(), error };
-        self.evidence(test, &solved).map_or(Confirmed::Nothing, |evidence| Confirmed::At(solved, evidence))
+        self.evidence(test, &solved).map_or(Confirmed::Nothing, |evidence| Confirmed::At(Box::new(solved), evidence))
     }
 
     /// The multiplier of an event, if it is where it should be; of a grazing that which touches, if nothing else is beyond a barrier.
@@ -236,7 +234,7 @@ impl Follower {
                     Test::Corner(.., impact) => orbit.hits().get(impact)?.time,
                     _ => solved.at.mark.unwrap_or(0.0).rem_euclid(1.0) * orbit.period(),
                 };
-                let room = TOUCHES * orbit.speed() / orbit.omega();
+                let room = TOUCHES * orbit.speed() / orbit.model().omega();
                 self.watcher.admissibility(orbit).ok()?.margin.filter(|margin| *margin >= -room)?;
                 return Some(Evidence::Touch(Approach { site, barrier, time }));
             }

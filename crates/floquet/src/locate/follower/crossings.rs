@@ -5,17 +5,16 @@
 //! is to be trusted. Where it is not, the step is halved.
 
 use nalgebra::Complex;
-use vibrochain_breather::BranchPoint;
 use vibrochain_breather::system::{System, Vector, dot};
-use vibrochain_breather::{BranchError, BreatherError};
+use vibrochain_breather::{BranchError, BranchPoint, BreatherError};
 
 use super::confirm::{BESIDE, Found};
 use super::paths::{Mover, Passing, Place, passings};
 use super::seen::velocities;
 use super::{At, Follower, Seen};
 use crate::bracket::zero;
+use crate::events::Test;
 use crate::events::half_sums::{ON_CIRCLE, upper_half};
-use crate::events::{EventOrbit, Test};
 use crate::locate::answer::{Event, LocateError};
 use crate::spectrum::SpectralFunction;
 
@@ -228,10 +227,10 @@ impl Follower {
     ) -> Option<()> {
         let mut beside = |by: f64| {
             let z = self.branch.ahead(point, by);
-            self.branch.system().evaluate(&z).ok().map(|there| there.orbit.linearised())
+            self.branch.system().evaluate(&z).ok().map(|there| there.orbit.bloch_equations().0)
         };
         let (low, high) = (beside(-aside), beside(aside));
-        let here = point.orbit().linearised();
+        let here = point.orbit().bloch_equations().0;
         let apart = f64::from(u8::from(low.is_some()) + u8::from(high.is_some())) * aside;
         let function = |equations| SpectralFunction::new(equations, false);
         let middle = function(&here);

@@ -1,13 +1,12 @@
 //! Along a branch, one way: steps, folds, and what ends the way.
 
-use vibrochain_breather::BranchPoint;
 use vibrochain_breather::walk::{Stride, Walk, walk};
-use vibrochain_breather::{BranchError, Pace};
+use vibrochain_breather::{BranchError, BranchPoint, Pace, StructureOrbit};
 
 use super::confirm::{Confirmed, HALVINGS, LEAST_LENGTH};
 use super::{At, Follower, Seen};
 use crate::bracket::zero;
-use crate::events::{EventOrbit, FAINT, Test, UNBOUNDED, strongest};
+use crate::events::{FAINT, Test, UNBOUNDED, strongest};
 use crate::locate::answer::{End, Event, LocateError};
 use crate::locate::course::Station;
 use crate::locate::ends::Ended;
@@ -116,7 +115,7 @@ impl Follower {
             .filter(|(at, one)| *at < along && one.event != Event::Fold);
         self.passed.extend(before.map(|(_, located)| Station::Event(located)));
         if self.watches(Event::Fold) {
-            let fold = self.told(Event::Fold, (from.0, along), fold, evidence);
+            let fold = self.told(Event::Fold, (from.0, along), *fold, evidence);
             self.passed.push(Station::Event(fold));
         }
         Ok(Passage::Ends(way))
@@ -145,7 +144,7 @@ impl Follower {
         self.stop.heard()?;
         let value = met.as_ref().map_or(nearest.1, |met| met.value);
         self.passed.extend(met.filter(|met| self.watches(met.event)).map(Station::Event));
-        let end = if point.orbit().is_hit_again() { End::PeriodDoubling } else { End::Pitchfork };
+        let end = if is_hit_again(point.orbit()) { End::PeriodDoubling } else { End::Pitchfork };
         Ok(Some((value, end)))
     }
 }
@@ -246,4 +245,12 @@ impl Walk for Walker<'_> {
 /// The same point, heading to larger values.
 pub(crate) fn upwards(point: BranchPoint) -> BranchPoint {
     if point.heading() < 0.0 { point.reversed() } else { point }
+}
+
+/// Whether the second half of an orbit hits the same places as its first, in the same order. Where its branch ends on more symmetric orbits, these then
+/// repeat after half its period; where it does not, they are their own mirror images.
+fn is_hit_again(orbit: &StructureOrbit) -> bool {
+    let (one, other) = orbit.impacts().split_at(orbit.impacts().len() / 2);
+    let mut pairs = one.iter().zip(other);
+    one.len() == other.len() && pairs.all(|(a, b)| (a.contact, a.barrier) == (b.contact, b.barrier))
 }

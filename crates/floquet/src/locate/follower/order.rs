@@ -1,10 +1,8 @@
 //! Without loss: pairs of multipliers along the circle, with their Krein signatures, each part of the orbit's symmetries by itself.
 
 use nalgebra::Complex;
-use vibrochain_breather::BlochEquations;
-use vibrochain_breather::StructureOrbit;
+use vibrochain_breather::{BlochEquations, StructureOrbit};
 
-use crate::events::EventOrbit;
 use crate::events::half_sums::SPLIT;
 use crate::spectrum::KreinForms;
 use crate::stripes::Signature;
@@ -48,7 +46,7 @@ impl PartialEq for Order {
 impl Order {
     /// Of an orbit by the half-sums ν of its pairs.
     pub(super) fn of_orbit(orbit: &StructureOrbit, half_sums: &[Complex<f64>]) -> Option<Self> {
-        Self::of(&orbit.linearised(), half_sums)
+        Self::of(&orbit.bloch_equations().0, half_sums)
     }
 
     /// Of an orbit by its equations and the half-sums ν of its pairs; `None` where parts cannot be told.

@@ -1,12 +1,11 @@
 //! What is seen at a point of a branch, and what that tells of the step to the next one.
 
-use vibrochain_breather::{Admissibility, Hit};
-use vibrochain_breather::{BranchPoint, StructureOrbit};
+use vibrochain_breather::{Admissibility, BranchPoint, Hit, StructureOrbit};
 
 use super::order::Order;
 use super::{At, Follower, Seen};
 use crate::events::half_sums::upper_half;
-use crate::events::{EventOrbit, Test, another_one, minus_one};
+use crate::events::{Test, another_one, minus_one};
 use crate::locate::answer::{Event, LocateError};
 
 impl Follower {
@@ -58,8 +57,7 @@ impl Follower {
 
 /// The velocity before each impact, towards its barrier.
 pub(super) fn velocities(orbit: &StructureOrbit) -> Vec<f64> {
-    let arrivals = orbit.arrivals();
-    orbit.hits().iter().zip(arrivals).map(|(hit, arrival)| hit.barrier.sign() * arrival.velocity).collect()
+    orbit.impacts().iter().map(|impact| impact.barrier.sign() * impact.velocity_before).collect()
 }
 
 /// The acceleration after each plastic impact, away from its barrier; `None` of others.
