@@ -80,6 +80,7 @@ pub use structures::condition::Condition;
 pub use structures::error::StructureOrbitError;
 pub use structures::errors::{ImpactError, Together};
 pub use structures::flight::StructureMotion;
+pub use structures::map_orbit::MapOrbit;
 pub use structures::model::StructureModel;
 pub use structures::orbit::{StructureImpact, StructureOrbit};
 pub use structures::reversible::ReversibleOrbit;

@@ -1,6 +1,6 @@
 //! What is in the way of a candidate that is not physical, as a map has it.
 
-use vibrochain_breather::{Obstruction, StructureOrbit};
+use vibrochain_breather::Obstruction;
 
 use crate::absence::{AT_ONCE, Absence};
 
@@ -19,18 +19,18 @@ impl FirstObstruction {
     /// To be filled in.
     pub(crate) const EMPTY: Self = Self { contact: 0, impact: 0, after: 0.0 };
 
-    /// What is in the way of an orbit, in a word and in numbers.
+    /// What is in the way of an orbit, in a word and in numbers, by its period and the times of its impacts.
     #[must_use]
-    pub fn of(orbit: &StructureOrbit, obstruction: &Obstruction) -> (Absence, Self) {
+    pub fn of(period: f64, times: impl Iterator<Item = f64>, obstruction: &Obstruction) -> (Absence, Self) {
         let at = |site: usize, impact: usize, after: f64| Self { contact: site as u32, impact: impact as u32, after };
         match *obstruction {
             Obstruction::WrongSign { site, impact, .. } => (Absence::WrongSign, at(site, impact, 0.0)),
             Obstruction::Sticking { site, impact, .. } => (Absence::Sticks, at(site, impact, 0.0)),
             Obstruction::Crossing { site, time, .. } => {
-                let since = orbit.impacts().iter().map(|impact| (time - impact.time).rem_euclid(orbit.period()));
+                let since = times.map(|impact| (time - impact).rem_euclid(period));
                 let (impact, since) =
-                    since.enumerate().min_by(|one, other| one.1.total_cmp(&other.1)).unwrap_or((0, orbit.period()));
-                let after = since / orbit.period();
+                    since.enumerate().min_by(|one, other| one.1.total_cmp(&other.1)).unwrap_or((0, period));
+                let after = since / period;
                 let reason = if after <= AT_ONCE { Absence::CrossesAtOnce } else { Absence::Crosses };
                 (reason, at(site, impact, after))
             }

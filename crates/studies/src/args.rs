@@ -45,6 +45,8 @@ pub enum Command {
 pub enum LoopName {
     /// Cells of the paper's conservative map, N = 20: existence and stability of both families.
     ConservativeCells,
+    /// The same of the ring as a structure: by matrices, contacts and words.
+    StructureCells,
     /// The same of its forced map, all solutions.
     ForcedCells,
     /// Rows of a table as text.

@@ -11,9 +11,11 @@ use vibrochain_breather::{Family, Motion, breathers};
 use vibrochain_cli::common::console::Console;
 use vibrochain_cli::common::error::CliError;
 use vibrochain_eventsim::{Limits, Simulation, Time};
-use vibrochain_lattice::{Chain, Model};
+use vibrochain_lattice::{Chain, Model, Stop};
 use vibrochain_maps::cell::{Cell, Worker};
+use vibrochain_maps::grid::{Files, Grid};
 use vibrochain_maps::scene::Scene;
+use vibrochain_maps::structure::StructureScene;
 use vibrochain_maps::table::RowWriter;
 
 use crate::args::{LoopArgs, LoopName};
@@ -38,6 +40,7 @@ pub fn run(args: &LoopArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let wrong = |error: &dyn std::fmt::Display| CliError::Computation(error.to_string());
     let units = match args.name {
         LoopName::ConservativeCells => cells("")?,
+        LoopName::StructureCells => structure_cells()?,
         LoopName::ForcedCells => cells("forcing = { amplitude = 0.1, restitution = 0.9 }")?,
         LoopName::TableRows => rows()?,
         LoopName::SimulatedBreather => {
@@ -68,14 +71,18 @@ fn twice(mut work: impl FnMut()) {
     measured(&mut work);
 }
 
-fn map(forcing: &str) -> Result<Scene, CliError> {
+fn text(forcing: &str, families: [&str; 2]) -> String {
     let [x, y] = POINTS;
-    let text = format!(
+    format!(
         "[model]\nsites = {SITES}\ngamma1 = {GAMMA1}\nasymmetry = {ASYMMETRY}\n{forcing}\n[sweep]\n\
          x = {{ parameter = \"omega\", from = 0.4, to = 3.0, points = {x} }}\n\
          y = {{ parameter = \"gamma2\", from = 0.0, to = 0.3, points = {y} }}\n\
-         [compute]\nfamilies = [\"double-sided\", \"single-sided\"]\nstability = true\n"
-    );
+         [compute]\nfamilies = {families:?}\nstability = true\n"
+    )
+}
+
+fn map(forcing: &str) -> Result<Scene, CliError> {
+    let text = text(forcing, ["double-sided", "single-sided"]);
     Scene::parse(Path::new("loop"), &text).map_err(|error| CliError::Computation(error.to_string()))
 }
 
@@ -93,6 +100,19 @@ fn cells(forcing: &str) -> Result<String, CliError> {
     let scene = map(forcing)?;
     let mut worker = Worker::new(SITES);
     twice(|| drop(black_box(all_cells(&scene, &mut worker))));
+    Ok(format!("{} cells", scene.cells()))
+}
+
+/// Cells of the conservative map's ring with dashpots of 0, which make it a structure.
+fn structure_cells() -> Result<String, CliError> {
+    let scene =
+        <StructureScene as Grid>::parse(Path::new("loop"), &text("damping = 0", ["0+,0-", "0-"]), &Files::new())
+            .map_err(|error| CliError::Computation(error.to_string()))?;
+    let stop = Stop::default();
+    let (mut worker, mut cells) = (scene.worker(&stop), Vec::new());
+    twice(|| {
+        let _ = black_box(scene.compute(&mut worker, 0..scene.cells(), &stop, &mut cells));
+    });
     Ok(format!("{} cells", scene.cells()))
 }
 

@@ -12,11 +12,11 @@
 //! as small as what moves: far masses are displaced, but hardly swing. That settles all but a few intervals of the masses
 //! next to the breather; those get their own Taylor polynomial from the modes.
 
-use vibrochain_lattice::simd::lanes::{LANES, Lane, dot, groups, total};
+use vibrochain_lattice::simd::lanes::{LANES, Lane, dot, groups};
 use vibrochain_lattice::{Chain, DistinctMasses};
 use wide::f64x4;
 
-use crate::motion::polynomial::{ORDER, Polynomial};
+use crate::motion::polynomial::Polynomial;
 
 /// Length of an interval in radians of the fastest motion: shorter ones cost time, longer ones leave more to polynomials.
 pub(crate) const INTERVAL: f64 = 0.5;
@@ -298,20 +298,7 @@ impl Grid {
             let shape = f64x4::from(*shape);
             [shape * f64x4::from(*u), shape * f64x4::from(*w) * step]
         }));
-        let mut coefficients = [0.0; ORDER];
-        for (pair, factors) in coefficients.as_chunks_mut::<2>().0.iter_mut().zip(FACTORS) {
-            let [mut even, mut odd] = [f64x4::ZERO; 2];
-            for (terms, frequency) in self.scratch.iter_mut().zip(&self.frequencies) {
-                even += terms[0];
-                odd += terms[1];
-                let x = f64x4::from(*frequency) * step;
-                let square = x * x;
-                terms[0] *= square * f64x4::splat(factors[0]);
-                terms[1] *= square * f64x4::splat(factors[1]);
-            }
-            *pair = [total(even), total(odd)];
-        }
-        Polynomial { coefficients }
+        Polynomial::of_swings(&mut self.scratch, &self.frequencies, step)
     }
 }
 
@@ -363,15 +350,3 @@ const SINC: [f64; 8] = [
     1.0 / 6_227_020_800.0,
     -1.0 / 1_307_674_368_000.0,
 ];
-
-/// −1/((i+1)(i+2)) and −1/((i+2)(i+3)) for i = 0, 2, 4, …: from one Taylor coefficient of a swing to the next.
-const FACTORS: [[f64; 2]; ORDER / 2] = {
-    let mut factors = [[0.0; 2]; ORDER / 2];
-    let mut i = 0;
-    while i < ORDER / 2 {
-        let k = (2 * i) as f64;
-        factors[i] = [-1.0 / ((k + 1.0) * (k + 2.0)), -1.0 / ((k + 2.0) * (k + 3.0))];
-        i += 1;
-    }
-    factors
-};

@@ -42,23 +42,23 @@ pub struct MapBreather<'a> {
 /// What lives at a point, of one family.
 #[derive(Debug, Clone, Copy)]
 #[must_use]
-pub enum MapSearch<'a> {
-    /// No physical breather.
+pub enum MapSearch<T> {
+    /// None that could be physical.
     None,
-    /// One.
-    One(MapBreather<'a>),
-    /// Only [`Finder::search`] can tell.
+    /// One, which is physical unless it tells what is in the way.
+    One(T),
+    /// Only a search for orbits can tell.
     Open,
 }
 
 impl Finder {
     /// What lives at a point of one family, double-sided with φ = T/2 or single-sided, of conservative breathers on a coupled ring, where
     /// that can be told without their orbits.
-    pub fn map_breather(&mut self, model: &Model, family: Family) -> MapSearch<'_> {
+    pub fn map_breather(&mut self, model: &Model, family: Family) -> MapSearch<MapBreather<'_>> {
         self.find_map_breather(model, family).unwrap_or(MapSearch::Open)
     }
 
-    fn find_map_breather(&mut self, model: &Model, family: Family) -> Option<MapSearch<'_>> {
+    fn find_map_breather(&mut self, model: &Model, family: Family) -> Option<MapSearch<MapBreather<'_>>> {
         let chain = model.chain();
         if !model.is_conservative() || !chain.is_ring() || chain.is_uncoupled() || self.stop.heard().is_err() {
             return None;

@@ -7,11 +7,27 @@
 //!
 //! and the interval is halved otherwise.
 
+use vibrochain_lattice::Barrier;
+use vibrochain_lattice::simd::lanes::{Lane, total};
+use wide::f64x4;
+
 /// Number of coefficients: over one radian of a motion the first one left out is below 1/20! = 4e-19 of it.
 pub(crate) const ORDER: usize = 20;
 
 /// Intervals this narrow, as a part of their window, are settled as they are: p changes by less than rounding on them.
 const NARROW: f64 = 1e-9;
+
+/// −1/((i+1)(i+2)) and −1/((i+2)(i+3)) for i = 0, 2, 4, …: from one Taylor coefficient of a swing to the next.
+const FACTORS: [[f64; 2]; ORDER / 2] = {
+    let mut factors = [[0.0; 2]; ORDER / 2];
+    let mut i = 0;
+    while i < ORDER / 2 {
+        let k = (2 * i) as f64;
+        factors[i] = [-1.0 / ((k + 1.0) * (k + 2.0)), -1.0 / ((k + 2.0) * (k + 3.0))];
+        i += 1;
+    }
+    factors
+};
 
 /// A Taylor polynomial.
 #[derive(Debug, Clone, Copy)]
@@ -20,6 +36,36 @@ pub(crate) struct Polynomial {
 }
 
 impl Polynomial {
+    /// The motion that modes have together which nothing damps, by displacements and velocities at its start, four of each at a time, in units of
+    /// `step`. What is left of these is of no use.
+    pub(crate) fn of_swings(terms: &mut [[f64x4; 2]], frequencies: &[Lane], step: f64x4) -> Self {
+        let mut coefficients = [0.0; ORDER];
+        for (pair, factors) in coefficients.as_chunks_mut::<2>().0.iter_mut().zip(FACTORS) {
+            let [mut even, mut odd] = [f64x4::ZERO; 2];
+            for (term, frequency) in terms.iter_mut().zip(frequencies) {
+                even += term[0];
+                odd += term[1];
+                let x = f64x4::from(*frequency) * step;
+                let square = x * x;
+                term[0] *= square * f64x4::splat(factors[0]);
+                term[1] *= square * f64x4::splat(factors[1]);
+            }
+            *pair = [total(even), total(odd)];
+        }
+        Self { coefficients }
+    }
+
+    /// The same in the form that turning points are sought in: the distance from a barrier, over the scale that is told too, is 1 − |p|, and p beyond
+    /// −1 is far away, on −`length` … `length`.
+    pub(crate) fn before(&self, barrier: Barrier, stop: f64, length: f64) -> (Self, f64) {
+        let far = self.coefficients.iter().rev().fold(0.0, |sum: f64, c| sum * length + c.abs());
+        let scale = 2.0 * (far + stop.abs()).max(f64::MIN_POSITIVE);
+        let mut own = *self;
+        own.coefficients.iter_mut().for_each(|c| *c *= barrier.sign() / scale);
+        own.coefficients[0] += 1.0 - barrier.sign() * stop / scale;
+        (own, scale)
+    }
+
     /// Value and first derivative.
     pub(crate) fn evaluate(&self, s: f64) -> (f64, f64) {
         let (mut value, mut slope) = (0.0, 0.0);

@@ -27,6 +27,7 @@
 //! | `view` | what contacts see of flights |
 //! | `windows` | one flight as polynomials |
 //! | `admissible` | physical or what is in the way |
+//! | `map_orbit` | what a map asks of orbits in closed form |
 //! | `branch` | [`Branch`]: orbits as a number of the structure varies |
 
 pub(crate) mod admissible;
@@ -37,6 +38,7 @@ pub(crate) mod equations;
 pub(crate) mod error;
 pub(crate) mod errors;
 pub(crate) mod flight;
+pub(crate) mod map_orbit;
 mod masses;
 pub(crate) mod model;
 mod newton;

@@ -126,7 +126,7 @@ impl StructureModel {
     }
 
     /// What no frequency changes, of impacts at these contacts.
-    fn fixed(&self, hit: &[usize]) -> Arc<FixedPart> {
+    pub(super) fn fixed(&self, hit: &[usize]) -> Arc<FixedPart> {
         let mut known = self.fixed.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, fixed)) = known.iter().find(|(contacts, _)| contacts == hit) {
             return fixed.clone();

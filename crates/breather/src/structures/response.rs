@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Complex, ModalStructure, ParticipatingModes, StructureError};
+use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ParticipatingModes, StructureError};
 
 use super::periodic_kernel::{PeriodicKernel, UNIT};
 use super::view::View;
@@ -36,6 +36,8 @@ pub(super) struct FixedPart {
     /// Whether loads change, and whether the period is the motion's own.
     pub(super) forced: bool,
     pub(super) self_excited: bool,
+    /// Whether something holds every mode.
+    pub(super) is_held: bool,
     /// What contacts see of flights without loads, and these contacts, once they are asked for.
     view: OnceLock<Arc<(Vec<usize>, Option<View>)>>,
 }
@@ -59,7 +61,56 @@ impl FixedPart {
         let felt = Arc::new(structure.participating_modes(hit));
         let (forced, self_excited) = (structure.is_forced(), structure.has_own_period());
         let (still_errors, view) = (structure.still_errors(), OnceLock::new());
-        Self { felt, still, still_errors, mobilities, forced, self_excited, view }
+        let is_held = !structure.modes().iter().any(LinearMode::is_rigid);
+        Self { felt, still, still_errors, mobilities, forced, self_excited, is_held, view }
+    }
+
+    /// g⁰ of a contact.
+    pub(super) fn still(&self, contact: usize) -> f64 {
+        self.still[contact]
+    }
+
+    /// [`Response::view`] without loads where all modes are held.
+    pub(super) fn view(&self, contacts: &[Contact]) -> Arc<(Vec<usize>, Option<View>)> {
+        let made = || {
+            let order = self.watched(contacts, &[]);
+            let view = self.view_of(&order, self.felt.modes.iter(), &[]);
+            Arc::new((order, view))
+        };
+        self.view.get_or_init(made).clone()
+    }
+
+    /// What contacts see of some modes and of motions under loads.
+    fn view_of<'a>(
+        &'a self,
+        order: &[usize],
+        modes: impl Iterator<Item = &'a LinearMode>,
+        swings: &[(f64, Vec<C>)],
+    ) -> Option<View> {
+        let modes: SmallVec<[_; 16]> = modes.collect();
+        View::new(&modes, swings, (order, |contact| self.still(contact)))
+    }
+
+    /// Contacts with a barrier, those that are hit first: the others are seldom nearer. Of those that do the same, as mirror images of each
+    /// other have it, between barriers at the same places one.
+    fn watched(&self, contacts: &[Contact], swings: &[(f64, Vec<C>)]) -> Vec<usize> {
+        let is_hit = |contact: usize| self.mobilities.iter().any(|(hit, _)| *hit == contact);
+        let stops = |contact: usize| (contacts[contact].lower, contacts[contact].upper);
+        let near = |a: C, b: C| (a - b).norm_sqr() <= ALIKE * ALIKE * a.norm_sqr();
+        let real = |contact: usize| C::new(self.still[contact], 0.0);
+        let are_alike = |one: usize, other: usize| {
+            stops(one) == stops(other)
+                && near(real(one), real(other))
+                && swings.iter().all(|(_, swing)| near(swing[one], swing[other]))
+        };
+        let is_first = |contact: &usize| {
+            let first = self.felt.twins[*contact];
+            first == *contact || is_hit(first) || is_hit(*contact) || !are_alike(first, *contact)
+        };
+        let mut order: Vec<usize> =
+            (0..contacts.len()).filter(|&c| stops(c) != (None, None)).filter(is_first).collect();
+        order.sort_by_key(|&contact| !is_hit(contact));
+        order
     }
 }
 
@@ -129,25 +180,20 @@ impl Response {
         }
     }
 
-    /// Whether two contacts do the same, to rounding, as long as both or neither of them are hit.
-    pub(super) fn are_twins(&self, one: usize, other: usize) -> bool {
-        let near = |a: C, b: C| (a - b).norm_sqr() <= ALIKE * ALIKE * a.norm_sqr();
-        let real = |x: f64| C::new(x, 0.0);
-        self.kernel.felt.twins[one] == self.kernel.felt.twins[other]
-            && near(real(self.fixed.still[one]), real(self.fixed.still[other]))
-            && self.swings.iter().all(|(_, swing)| near(swing[one], swing[other]))
-    }
-
-    /// What those contacts see of flights that `order` lists; without loads the list and what it sees are the same at all frequencies.
-    pub(super) fn view(&self, order: impl FnOnce() -> Vec<usize>) -> Arc<(Vec<usize>, Option<View>)> {
+    /// The contacts that may come to a barrier, and what they see of flights; without loads both are the same at all frequencies.
+    pub(super) fn view(&self, contacts: &[Contact]) -> Arc<(Vec<usize>, Option<View>)> {
         let made = || {
-            let contacts = order();
-            let regular = self.kernel.regular().map(|(mode, _)| mode);
-            let modes: SmallVec<[_; 16]> = regular.chain(self.kernel.rigid()).collect();
-            let view = View::new(&modes, &self.swings, (&contacts, |contact| self.still(contact)));
-            Arc::new((contacts, view))
+            let order = self.fixed.watched(contacts, &self.swings);
+            let view = self.view_of(&order);
+            Arc::new((order, view))
         };
         if self.fixed.forced || self.fixed.self_excited { made() } else { self.fixed.view.get_or_init(made).clone() }
+    }
+
+    /// What these contacts see of flights.
+    pub(super) fn view_of(&self, order: &[usize]) -> Option<View> {
+        let modes = self.kernel.regular().map(|(mode, _)| mode).chain(self.kernel.rigid());
+        self.fixed.view_of(order, modes, &self.swings)
     }
 
     /// 1/m of a contact that is hit.
@@ -162,7 +208,7 @@ impl Response {
 
     /// g⁰ of a contact.
     pub(super) fn still(&self, contact: usize) -> f64 {
-        self.fixed.still[contact]
+        self.fixed.still(contact)
     }
 
     /// Frequencies and ĝ of a contact.

@@ -147,6 +147,9 @@ impl ModalStructure {
     /// All periodic loads times `factor`, the static one times `still`.
     pub fn with_loads_times(&self, factor: f64, still: f64) -> Self {
         let mut structure = self.clone();
+        if (factor, still) == (1.0, 1.0) {
+            return structure;
+        }
         for mode in Arc::make_mut(&mut structure.modes) {
             mode.loads.iter_mut().flatten().for_each(|load| *load *= factor);
             mode.still.iter_mut().for_each(|load| *load *= still);

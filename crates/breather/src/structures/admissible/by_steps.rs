@@ -106,11 +106,11 @@ impl Watch<'_> {
 
 impl Search<'_> {
     /// By bounds alone, step by step.
-    pub(super) fn by_steps(&mut self, i: usize) -> Result<(), StructureOrbitError> {
+    pub(super) fn by_steps(&mut self, order: &[usize], i: usize) -> Result<(), StructureOrbitError> {
         let begins = self.orbit.impacts()[i].time;
         let structure = self.orbit.model().structure().clone();
         let length = self.motion.until_next(i);
-        for contact in self.order() {
+        for &contact in order {
             let stops = &structure.contacts()[contact];
             for barrier in [Barrier::Lower, Barrier::Upper] {
                 let Some(stop) = stops.barrier(barrier) else { continue };

@@ -1,11 +1,11 @@
 //! Contacts as polynomials on windows of a radian, whose turning points are isolated.
 
 use smallvec::smallvec;
-use vibrochain_lattice::simd::lanes::{LANES, Lane, Number, all, four};
+use vibrochain_lattice::simd::lanes::{LANES, Lane, all, four};
 use vibrochain_lattice::{Barrier, Stopped};
-use wide::f64x4;
 
 use super::Search;
+use super::passage::Passage;
 use crate::admissible::check::Depth;
 use crate::motion::polynomial::{Polynomial, turning_points, with_overlap};
 use crate::structures::view::Lanes;
@@ -20,10 +20,6 @@ struct Watched {
     stops: [Option<(Barrier, f64)>; 2],
 }
 
-/// Of a velocity at the end of a flight below this part of those nearby the contact turns so close to the end that it is as near a barrier there,
-/// to rounding.
-const STILL: f64 = 1e-9;
-
 /// A barrier of a contact, and where it is.
 #[derive(Debug, Clone, Copy)]
 struct Wall {
@@ -32,55 +28,6 @@ struct Wall {
     stop: f64,
     /// The contact is surely off it until then, since the flight's beginning.
     clear: f64,
-}
-
-/// The cubic that has a contact's place and velocity at both ends of a window, by Bézier's four points, between which it stays, and how far
-/// the contact can be from it: h⁴/384 times a bound of |g⁗|, and √3h³/216 times that in its velocity. Of one contact, or of four.
-struct Passage<T> {
-    points: [T; 4],
-    off: T,
-    length: f64,
-}
-
-impl<T: Number> Passage<T> {
-    fn new([place, velocity]: [T; 2], [end, last]: [T; 2], length: f64, fourth: T) -> Self {
-        let third = length / 3.0;
-        // What rounding adds is as small against the terms as this.
-        let off = (fourth * length.powi(4) / T::of(384.0)) * (1.0 + 1e-9) + (place.modulus() + end.modulus()) * 1e-14;
-        Self { points: [place, place + velocity * third, end - last * third, end], off, length }
-    }
-
-    /// How much room it surely leaves before a barrier.
-    fn room(&self, barrier: Barrier, stop: T) -> T {
-        let [a, b, c, d] = self.points.map(|place| (place - stop) * barrier.sign());
-        -(a.at_least(b).at_least(c.at_least(d))) - self.off
-    }
-}
-
-impl Passage<f64x4> {
-    /// That of one of the four.
-    fn of(&self, lane: usize) -> Passage<f64> {
-        let own = |four: f64x4| four.to_array()[lane];
-        Passage { points: self.points.map(own), off: own(self.off), length: self.length }
-    }
-}
-
-impl Passage<f64> {
-    /// Whether the velocity may vanish; at the ends that are `known`, where the flight ends, too, it may be 0 all the same.
-    fn may_turn(&self, known: [bool; 2]) -> bool {
-        let [a, b, c, d] = self.points;
-        let slopes = [b - a, c - b, d - c].map(|way| way * 3.0 / self.length);
-        let one_way = |list: &[f64], off: f64| list.iter().all(|x| *x > off) || list.iter().all(|x| *x < -off);
-        // √3/216 of what is 1/384 in place.
-        if one_way(&slopes, self.off * 3.08 / self.length) {
-            return false;
-        }
-        let [first, middle, last] = slopes;
-        let most = slopes.iter().fold(0.0, |most: f64, slope| most.max(slope.abs()));
-        let is_still = known[0] && first.abs() <= STILL * most || known[1] && last.abs() <= STILL * most;
-        // 1/12 in the acceleration, which is twice these over the length.
-        !(is_still && one_way(&[middle - first, last - middle], 16.0 * self.off / self.length))
-    }
 }
 
 impl Search<'_> {
@@ -158,7 +105,7 @@ impl Search<'_> {
                 let passages = Passage::new(begin, end, windows.length, four(fourths[group]));
                 let rooms = [(Barrier::Lower, &stops[0]), (Barrier::Upper, &stops[1])]
                     .map(|(barrier, stops)| passages.room(barrier, four(stops[group])));
-                let room = (-(-rooms[0]).at_least(-rooms[1])).to_array();
+                let room = rooms[0].fast_min(rooms[1]).to_array();
                 for (lane, own) in four_watched.iter().enumerate() {
                     if room[lane] <= self.limit(nearest) {
                         self.pass((&mut *windows, number), own, (passages.of(lane), nearest), begins, &mut pending);
@@ -216,13 +163,7 @@ impl Search<'_> {
         if from >= to {
             return;
         }
-        // In the form that turning points are sought in: the distance is 1 − |p|, and p beyond −1 is far away.
-        let terms = polynomial.coefficients.iter().enumerate();
-        let far = terms.fold(0.0, |sum: f64, (k, c)| sum + c.abs() * windows.length.powi(k as i32));
-        let scale = 2.0 * (far + stop.abs()).max(f64::MIN_POSITIVE);
-        let mut own = *polynomial;
-        own.coefficients.iter_mut().for_each(|c| *c *= barrier.sign() / scale);
-        own.coefficients[0] += 1.0 - barrier.sign() * stop / scale;
+        let (own, scale) = polynomial.before(barrier, stop, windows.length);
         let start = begins + windows.start(number);
         let least = self.closest.as_ref().map_or(f64::INFINITY, |(least, _)| *least / scale);
         let mut note = |s: f64, value: f64| {
@@ -232,6 +173,3 @@ impl Search<'_> {
         turning_points(&own, [from, to], pending, least, &mut note, 0.0);
     }
 }
-
-#[cfg(test)]
-mod tests;

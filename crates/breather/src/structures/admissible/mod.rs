@@ -5,6 +5,7 @@
 
 mod by_steps;
 mod by_windows;
+pub(super) mod passage;
 mod release;
 
 use smallvec::SmallVec;
@@ -69,7 +70,7 @@ fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, Structur
     }
     let (pending, nodes) = (Vec::new(), Vec::new());
     let mut search = Search { orbit, motion: &motion, clear, closest: None, pending, nodes, depth };
-    let (order, view) = &*motion.response().view(|| search.order());
+    let (order, view) = &*motion.response().view(orbit.model().structure().contacts());
     // What contacts do in one half of the period they do in the other, backwards.
     let is_mirrored = orbit.is_reversible();
     for i in 0..impacts.len() {
@@ -83,7 +84,7 @@ fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, Structur
         let whole = half * motion.until_next(i);
         match view.as_ref().and_then(|view| Windows::new(view, &motion, i, whole)) {
             Some(mut windows) => search.by_windows(&mut windows, order, i)?,
-            None => search.by_steps(i)?,
+            None => search.by_steps(order, i)?,
         }
     }
     let closest = search.closest;
@@ -120,23 +121,6 @@ impl Search<'_> {
             let time = time.rem_euclid(self.orbit.period());
             self.closest = Some((least, Approach { site: contact, barrier, time }));
         }
-    }
-
-    /// Contacts with a barrier, those that are hit first: the others are seldom nearer. Of those that do the same, as mirror images of each
-    /// other have it, between barriers at the same places one.
-    fn order(&self) -> Vec<usize> {
-        let (contacts, response) = (self.orbit.model().structure().contacts(), self.motion.response());
-        let is_hit = |contact: usize| self.orbit.impacts().iter().any(|impact| impact.contact == contact);
-        let stopped = |contact: &usize| contacts[*contact].lower.is_some() || contacts[*contact].upper.is_some();
-        let stops = |contact: usize| (contacts[contact].lower, contacts[contact].upper);
-        let is_first = |contact: &usize| {
-            let first = response.kernel.felt.twins[*contact];
-            let same = || stops(first) == stops(*contact) && response.are_twins(first, *contact);
-            first == *contact || is_hit(first) || is_hit(*contact) || !same()
-        };
-        let mut order: Vec<usize> = (0..contacts.len()).filter(stopped).filter(is_first).collect();
-        order.sort_by_key(|&contact| !is_hit(contact));
-        order
     }
 
     /// The impact of a contact on a barrier at an instant, if there is one.
@@ -199,7 +183,8 @@ mod tests {
                 let clear = smallvec::smallvec![0.0; orbit.impacts().len()];
                 let (pending, nodes, depth) = (Vec::new(), Vec::new(), Depth::Worst);
                 let mut search = Search { orbit, motion: &motion, clear, closest: None, pending, nodes, depth };
-                (0..orbit.impacts().len()).for_each(|i| search.by_steps(i).unwrap());
+                let order = &motion.response().view(model.structure().contacts()).0;
+                (0..orbit.impacts().len()).for_each(|i| search.by_steps(order, i).unwrap());
                 let Some((stepped, _)) = search.closest else {
                     assert!(margin > 0.0);
                     continue;

@@ -9,7 +9,7 @@
 
 use smallvec::SmallVec;
 use vibrochain_lattice::simd::lanes::{LANES, Lane, ZERO, all, four};
-use vibrochain_lattice::{ContactMode, Turn};
+use vibrochain_lattice::{ContactMode, Stop, Turn};
 use wide::f64x4;
 
 use super::at_times::{Impacts, Start};
@@ -99,6 +99,22 @@ impl Enclosed for HalfPeriod {
     }
 }
 
+/// Zeros s > 0 of G; `None` next to a resonance, and where a search would take too long.
+fn zeros(modes: &[ContactMode], period: f64, stop: &Stop) -> Option<Zeros> {
+    let function = HalfPeriod::new(modes, period)?;
+    let fastest = function.modes.iter().fold(0.0, |most: f64, [frequency, _]| most.max(*frequency));
+    let mut zeros = Zeros::default();
+    zeros.stop = stop.clone();
+    let pieces = ((0.5 * fastest * period) as usize).clamp(4, MOST_PIECES);
+    zeros.find(&function, 0.0, 0.5 * period, pieces, |_| FINEST * period);
+    (zeros.exhausted == 0).then_some(zeros)
+}
+
+/// Times by which the second impact may be earlier or later than half a period after the first; `None` where not all are known.
+pub(in crate::structures) fn other_lapses(modes: &[ContactMode], period: f64, stop: &Stop) -> Option<Vec<f64>> {
+    zeros(modes, period, stop).filter(|zeros| zeros.unresolved.is_empty()).map(|zeros| zeros.simple)
+}
+
 impl Impacts<'_> {
     /// Both impacts of one contact on its two barriers, without loads and losses; `None` of others, next to a resonance, and where a search would
     /// take too long.
@@ -112,13 +128,7 @@ impl Impacts<'_> {
         self.places().filter(|places| places.iter().any(|place| *place != 0.0))?;
         let modes = equations.kernel().felt.of_one.as_deref()?;
         let period = equations.period();
-        let function = HalfPeriod::new(modes, period)?;
-        let fastest = function.modes.iter().fold(0.0, |most: f64, [frequency, _]| most.max(*frequency));
-        let mut zeros = Zeros::default();
-        zeros.stop = equations.model.stop().clone();
-        let pieces = ((0.5 * fastest * period) as usize).clamp(4, MOST_PIECES);
-        zeros.find(&function, 0.0, 0.5 * period, pieces, |_| FINEST * period);
-        (zeros.exhausted == 0).then(|| self.at_half_and(&zeros))
+        Some(self.at_half_and(&zeros(modes, period, equations.model.stop())?))
     }
 
     /// The impulses half a period apart, by their mean and their difference; `None` where something is held by nothing.

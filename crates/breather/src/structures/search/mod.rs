@@ -18,7 +18,7 @@
 mod at_times;
 mod distinct;
 mod elimination;
-mod half_period;
+pub(super) mod half_period;
 mod merged;
 mod open_pieces;
 mod orbits;

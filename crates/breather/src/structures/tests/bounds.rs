@@ -71,8 +71,7 @@ fn windows_hold_the_motion_and_bound_it() {
     orbits(&mut random, 150, |orbit, random| {
         let motion = StructureMotion::new(orbit).unwrap();
         let order = if random.chance(0.5) { vec![0, 1] } else { vec![1, 0] };
-        let view = motion.response().view(|| order.clone());
-        let Some(view) = &view.1 else { return };
+        let Some(view) = &motion.response().view_of(&order) else { return };
         for i in 0..orbit.impacts().len() {
             let whole = motion.until_next(i);
             let Some(mut windows) = Windows::new(view, &motion, i, whole) else { continue };
@@ -130,8 +129,7 @@ fn contacts_that_are_kept_are_seen_as_before() {
         let motion = StructureMotion::new(orbit).unwrap();
         // Eight places in the lists: two groups of four.
         let order = [0, 1, 0, 0, 0, 0, 1, 0];
-        let view = motion.response().view(|| order.to_vec());
-        let Some(view) = &view.1 else { return };
+        let Some(view) = &motion.response().view_of(&order) else { return };
         let Some(mut windows) = Windows::new(view, &motion, 0, motion.until_next(0)) else { return };
         let mut places = [1, 6];
         windows.keep(&mut places.iter_mut());
