@@ -140,11 +140,8 @@ impl OfLattice<'_> {
     /// Modes of a lattice are numbered by their wave.
     fn end(&self, (value, end): (f64, End)) -> (f64, End) {
         let End::Resonance(resonance) = end else { return (value, end) };
-        let wave = self.start.model().with(self.free, value).ok().and_then(|model| {
-            let spectrum = Spectrum::new(*model.chain());
-            let off = |&k: &usize| (spectrum.frequencies()[k] - resonance.frequency).abs();
-            (0..spectrum.frequencies().len()).min_by(|one, other| off(one).total_cmp(&off(other)))
-        });
+        let model = self.start.model().with(self.free, value).ok();
+        let wave = model.map(|model| Spectrum::new(*model.chain()).nearest(resonance.frequency));
         (value, End::Resonance(Resonance { mode: wave.unwrap_or(resonance.mode), ..resonance }))
     }
 

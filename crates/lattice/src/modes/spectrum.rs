@@ -72,6 +72,19 @@ impl Spectrum {
         &self.frequencies
     }
 
+    /// Which of these is nearest to a frequency.
+    ///
+    /// ```
+    /// use vibrochain_lattice::{Chain, Spectrum};
+    /// let spectrum = Spectrum::new(Chain::new(4, 0.2, 0.1)?);
+    /// assert_eq!(spectrum.nearest(0.6_f64.sqrt() - 1e-3), 2);
+    /// # Ok::<(), vibrochain_lattice::ParameterError>(())
+    /// ```
+    pub fn nearest(&self, frequency: f64) -> usize {
+        let off = |&k: &usize| (self.frequencies[k] - frequency).abs();
+        (0..self.frequencies.len()).min_by(|one, other| off(one).total_cmp(&off(other))).unwrap_or(0)
+    }
+
     /// What [`crate::Shapes::even`] is to be multiplied by in a kernel. On a ring b_k², the squared amplitude of the even modes
     /// at any site; they sum to 1.
     pub fn weights(&self) -> &[f64] {
