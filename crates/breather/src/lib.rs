@@ -47,7 +47,6 @@
 //! ```
 
 mod admissible;
-mod branch;
 mod branch_error;
 mod equations;
 mod error;
@@ -62,7 +61,6 @@ mod word;
 pub use admissible::answer::{Admissibility, Approach, Obstruction};
 pub use admissible::check::admissibility;
 pub use admissible::map_breather::{MapBreather, MapSearch};
-pub use branch::at_resonance::Limit;
 pub use branch_error::BranchError;
 #[doc(hidden)]
 pub use equations::linear;
@@ -71,11 +69,13 @@ pub use error::{BreatherError, NoBreather, Unsearched};
 pub use motion::{Kinematics, Motion};
 pub use orbit::{Family, Hit, Impact, Orbit, time_between};
 pub use roots::bracket;
+pub use search::at_resonance::Limit;
 pub use search::completeness::{Completeness, Proof};
 pub use search::finder::{Finder, OrbitList, Prepared, Scope, breathers, condition};
 pub use search::words::ended::{End, Ended};
-pub use structures::branch::continuation::{Branch, BranchPoint, Continuation, ModelFamily};
+pub use structures::branch::continuation::{Branch, BranchPoint, Continuation};
 pub use structures::branch::departure::Departure;
+pub use structures::branch::family::ModelFamily;
 pub use structures::condition::Condition;
 pub use structures::error::StructureOrbitError;
 pub use structures::errors::{ImpactError, Together};

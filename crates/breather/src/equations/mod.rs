@@ -9,8 +9,7 @@
 //! Newton    Σ_{j≠i} P_j K′(t_i−t_j) + Ġ(t_i+ψ) + qP_i/2 = 0
 //! ```
 //!
-//! Their Jacobian J is singular at a fold or pitchfork of the family. It serves three times: errors of the terms pass through
-//! its inverse, so does what is left of a residual (`polish`), and branches follow its kernel (`branch`).
+//! Their Jacobian J is singular at a fold or pitchfork of the family; what is left of a residual passes through its inverse (`polish`).
 
 use smallvec::SmallVec;
 use vibrochain_lattice::{ImpulseResponse, KernelJet};
@@ -33,31 +32,16 @@ pub(crate) mod unknowns;
 pub use bloch::{BlochEquations, LinearImpact, Shift};
 pub(crate) use system::System;
 
-/// Rounding of one operation, with room for the few that a term takes.
-pub(crate) const UNIT: f64 = 2.0 * f64::EPSILON;
-
 /// An orbit and what the rows of its equations are made of.
 pub(crate) struct Equations<'a> {
     pub(crate) orbit: &'a Orbit,
     pub(crate) response: &'a ImpulseResponse,
     pub(crate) unknowns: Unknowns,
-    /// Which impact of the orbit each of the word's is, if its order is not that of time.
-    places: Option<SmallVec<[usize; 2]>>,
 }
 
 impl<'a> Equations<'a> {
     pub(crate) fn new(orbit: &'a Orbit, response: &'a ImpulseResponse) -> Self {
-        Self { orbit, response, unknowns: Unknowns::of(orbit), places: None }
-    }
-
-    /// Of these unknowns, for impacts in another order than that of time: `places` tells which is which.
-    pub(crate) fn ordered(
-        orbit: &'a Orbit,
-        response: &'a ImpulseResponse,
-        unknowns: Unknowns,
-        places: SmallVec<[usize; 2]>,
-    ) -> Self {
-        Self { orbit, response, unknowns, places: Some(places) }
+        Self { orbit, response, unknowns: Unknowns::of(orbit) }
     }
 
     fn count(&self) -> usize {
@@ -65,8 +49,7 @@ impl<'a> Equations<'a> {
     }
 
     fn impact(&self, i: usize) -> &Impact {
-        let place = self.places.as_ref().map_or(i, |places| places[i]);
-        &self.orbit.impacts()[place]
+        &self.orbit.impacts()[i]
     }
 
     pub(crate) fn impulse(&self, i: usize) -> f64 {
@@ -186,41 +169,6 @@ impl<'a> Equations<'a> {
         let largest = (0..self.count()).map(|j| self.impulse(j).abs()).fold(f64::MIN_POSITIVE, f64::max);
         System::new(self.jacobian(), &self.unknowns.units(self.orbit, self.response, largest))
     }
-
-    /// Error of G's derivative of some order at impact `i`.
-    pub(crate) fn force_rounding(&self, i: usize, order: usize) -> f64 {
-        let impact = self.impact(i);
-        let t = impact.time + self.orbit.psi_or_zero();
-        let moduli = self.orbit.steady().sensitivity(impact.site).moduli(t);
-        UNIT * (moduli[order] + t.abs() * moduli[order + 1])
-    }
-
-    /// Rounding of the equations, with the worst signs.
-    pub(crate) fn row_errors(&self) -> Vector {
-        let (n, model) = (self.count(), self.orbit.model());
-        let displacement = static_displacement(self.orbit, self.response);
-        let mut errors = zeros(self.unknowns.size());
-        for i in 0..n {
-            let impact = self.impact(i);
-            let mut position = UNIT * (displacement.abs() + model.barrier(impact.barrier).abs());
-            let mut newton = UNIT * (0.5 * model.loss() * impact.impulse).abs() + self.force_rounding(i, 1);
-            for j in 0..n {
-                let (to, from, t) = (impact.site, self.impact(j).site, self.elapsed(i, j));
-                let bound = self.response.sensitivity_between(to, from, t);
-                position += UNIT * self.impulse(j).abs() * bound.value;
-                if j != i {
-                    newton += UNIT * self.impulse(j).abs() * bound.slope;
-                }
-            }
-            errors[i] = position + self.force_rounding(i, 0);
-            if let Some(row) = self.unknowns.newton(i) {
-                errors[row] = newton;
-            }
-        }
-        let net = (0..n).map(|j| self.impulse(j).abs()).sum::<f64>();
-        errors[n] = UNIT * (net + 2.0 * (self.response.static_stiffness() * displacement).abs());
-        errors
-    }
 }
 
 #[cfg(test)]
@@ -261,10 +209,10 @@ mod tests {
             let (unknowns, jacobian) = (equations.unknowns, equations.jacobian());
             let (x, word) = (unknowns.read(&orbit, &response), crate::equations::unknowns::Template::of(&orbit));
             let residuals = |x: &[f64]| {
-                let (draft, places) = word.draft(&unknowns, x, &model, &response).unwrap();
+                let draft = word.draft(&unknowns, x, &model, &response).unwrap();
                 let mut motion = crate::motion::Motion::vacant(&chain, response.shapes().clone());
                 let moved = Orbit::assemble(&model, &response, &mut motion, draft).unwrap();
-                Equations::ordered(&moved, &response, unknowns, places).residuals()
+                Equations { unknowns, ..Equations::new(&moved, &response) }.residuals()
             };
             let h = 1e-6;
             let size = 1.0 + response.derivative_bounds()[2];

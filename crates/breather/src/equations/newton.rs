@@ -54,6 +54,6 @@ fn improved(orbit: &Orbit, response: &ImpulseResponse, motion: &mut Motion) -> O
     rows[unknowns.impacts] = 0.0;
     let change = system.solve(&rows);
     x.iter_mut().zip(change).for_each(|(x, change)| *x -= change);
-    let (draft, _) = Template::of(orbit).draft(&unknowns, &x, orbit.model(), response)?;
+    let draft = Template::of(orbit).draft(&unknowns, &x, orbit.model(), response)?;
     Orbit::assemble(orbit.model(), response, motion, draft).ok()
 }

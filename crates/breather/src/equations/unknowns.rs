@@ -126,25 +126,14 @@ impl Template {
         }
     }
 
-    pub(crate) fn force_periods(&self) -> u32 {
-        self.force_periods
-    }
-
-    /// Takes these times and this phase where they are not among the unknowns.
-    pub(crate) fn hold(&mut self, time: impl Fn(usize) -> f64, psi: f64) {
-        self.hits.iter_mut().enumerate().for_each(|(i, hit)| hit.time = time(i));
-        self.psi = psi;
-    }
-
-    /// The orbit that the unknowns make, and which of its impacts, in order of time, is each of the word's. `None` where an
-    /// impact of one mass would overtake another.
+    /// The orbit that the unknowns make. `None` where an impact of one mass would overtake another.
     pub(crate) fn draft(
         &self,
         unknowns: &Unknowns,
         x: &[f64],
         model: &Model,
         response: &ImpulseResponse,
-    ) -> Option<(Draft, SmallVec<[usize; 2]>)> {
+    ) -> Option<Draft> {
         let period = response.period();
         let mut hits = self.hits.clone();
         for (i, hit) in hits.iter_mut().enumerate() {
@@ -166,19 +155,14 @@ impl Template {
             // Just before 0, by rounding, is the first instant.
             hit.time = if period - hit.time > SAME_INSTANT * period { hit.time } else { 0.0 };
         });
-        let mut order: SmallVec<[usize; 2]> = (0..hits.len()).collect();
-        order.sort_by(|&i, &j| hits[i].time.total_cmp(&hits[j].time));
-        let mut places: SmallVec<[usize; 2]> = order.clone();
-        order.iter().enumerate().for_each(|(place, &i)| places[i] = place);
-        let mut impacts: SmallVec<[Hit; 2]> = order.iter().map(|&i| hits[i]).collect();
+        hits.sort_by(|one, other| one.time.total_cmp(&other.time));
         // Of one instant but for rounding: what lies between would be no flight.
-        for i in 1..impacts.len() {
-            if impacts[i].time - impacts[i - 1].time <= SAME_INSTANT * period {
-                impacts[i].time = impacts[i - 1].time;
+        for i in 1..hits.len() {
+            if hits[i].time - hits[i - 1].time <= SAME_INSTANT * period {
+                hits[i].time = hits[i - 1].time;
             }
         }
         let psi = unknowns.psi().map_or(self.psi, |place| x[place]).rem_euclid(model.period());
-        let draft = Draft::new(response, (self.family, self.force_periods), psi, impacts, x[unknowns.impacts]);
-        Some((draft, places))
+        Some(Draft::new(response, (self.family, self.force_periods), psi, hits, x[unknowns.impacts]))
     }
 }

@@ -2,6 +2,7 @@
 
 pub(crate) mod as_structure;
 pub(crate) mod at_point;
+pub(crate) mod at_resonance;
 pub(crate) mod completeness;
 pub(crate) mod families;
 pub(crate) mod finder;

@@ -233,7 +233,8 @@ impl<'a> Equations<'a> {
     pub(super) fn of_mirrored(&self, point: &Point) -> Option<(Self, Point)> {
         let halves = self.are_halves(point.strikes.iter().map(|strike| strike.time))?;
         let (mut point, half) = (point.clone(), 0.5 * self.period());
-        point.strikes.iter_mut().zip(halves).filter(|(_, later)| *later).for_each(|(strike, _)| strike.time = half);
+        let times = halves.into_iter().map(|later| if later { half } else { 0.0 });
+        point.strikes.iter_mut().zip(times).for_each(|(strike, time)| strike.time = time);
         Some((Self { is_mirrored: true, ..self.clone() }, point))
     }
 
@@ -242,7 +243,7 @@ impl<'a> Equations<'a> {
         let half = 0.5 * self.period();
         let later = |time: f64| {
             let centred = (time - half).abs() <= HALF * half;
-            (centred || time == 0.0).then_some(centred)
+            (centred || time.abs() <= HALF * half).then_some(centred)
         };
         if self.has_time() || !self.model.structure().is_lossless() { None } else { times.map(later).collect() }
     }

@@ -42,7 +42,7 @@ pub(crate) mod map_orbit;
 mod masses;
 pub(crate) mod model;
 mod newton;
-mod of_orbit;
+pub(crate) mod of_orbit;
 mod open_mode;
 mod open_modes;
 pub(crate) mod orbit;

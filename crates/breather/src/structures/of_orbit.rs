@@ -4,7 +4,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use vibrochain_lattice::{FeltShapes, Model, Parameter, ParameterError, Stop};
 
-use super::branch::continuation::{Branch, ModelFamily};
+use super::branch::continuation::Branch;
+use super::branch::family::ModelFamily;
 use super::error::StructureOrbitError;
 use super::masses::Masses;
 use super::model::StructureModel;
@@ -96,7 +97,7 @@ impl StructureModel {
 }
 
 /// Structures of lattices with contacts at these masses; from the last one, where that is quicker.
-fn remembering(
+pub(crate) fn remembering(
     lattice: impl Fn(&[f64]) -> Result<Model, String> + Send + Sync + 'static,
     sites: Vec<usize>,
     stop: &Stop,

@@ -1,14 +1,21 @@
 //! A branch of a word, followed in the coupling from where it is weak or none to the model's: in γ₂ and, where there are layers, in γ₃,
 //! until there or the event that ends it.
 
-use vibrochain_lattice::{Model, Parameter, Stop};
+use std::convert::Infallible;
 
-use crate::branch::{Branch, BranchPoint};
+use vibrochain_lattice::{Model, Parameter, ParameterError, Resonance, Spectrum, Stop};
+
 use crate::branch_error::BranchError;
 use crate::error::BreatherError;
-use crate::orbit::{Hit, Orbit};
+use crate::orbit::Orbit;
+use crate::orbit::symmetries::symmetries;
+use crate::roots::bracket::zero;
 use crate::search::words::ended::{End, Ended};
+use crate::structures::branch::continuation::{Branch, BranchPoint};
+use crate::structures::of_orbit::remembering;
+use crate::structures::orbit::{StructureImpact, StructureOrbit};
 use crate::tracer::pace::Pace;
+use crate::tracer::solution_curve::SolutionPoint;
 use crate::tracer::walk::{Stride, Walk, walk};
 
 /// What couples masses, in the order in which it is raised.
@@ -26,7 +33,7 @@ const ASIDE: f64 = 0.3;
 /// through such a place up to e = 1 − 1e-6.
 const UNBOUNDED: f64 = 1e7;
 
-/// Impulses are measured anew once they have changed by this factor.
+/// Impulses are measured anew once they have changed by this factor; by no less than those at the start, as they vanish where impacts graze.
 const RESCALED: f64 = 2.0;
 
 /// Terms of kernels that one search may sum up, of each pair of impacts and each mass for every orbit that is assembled: some ten seconds. A
@@ -62,36 +69,36 @@ pub(crate) fn with_part(model: &Model, part: f64) -> Result<Model, BreatherError
     Ok(COUPLINGS.iter().try_fold(*model, weaker)?)
 }
 
-/// Follows masses put side by side, coupled by this part of the model's, to the model. Two couplings are raised in proportion: without a
+/// Follows masses put side by side, coupled by a part of the model's couplings, to the model. Two couplings are raised in proportion: without a
 /// force there are orbits that need their ratio.
 pub(crate) fn follow_from(
     rough: &Orbit,
-    part: f64,
     model: &Model,
     effort: &mut Effort,
 ) -> Result<Result<Orbit, Ended>, BreatherError> {
     effort.stop.heard()?;
-    let hits: Vec<Hit> = rough.impacts().iter().map(Hit::from).collect();
-    let weak = with_part(model, part)?;
     let mut raised = COUPLINGS.into_iter().filter(|&coupling| model.get(coupling) > 0.0);
     let (coupling, other) = (raised.next().unwrap_or(Parameter::Gamma2), raised.next());
     let target = model.get(coupling);
-    let branch = Orbit::from_impulses(&weak, 1, 0.0, &hits).ok();
-    let mut branch = branch.and_then(|rough| Branch::of_symmetric(&rough, coupling, target).ok());
-    let orbit = branch.as_mut().and_then(|branch| branch.nearby(ASIDE).ok());
-    effort.pay(branch.map_or(0, |branch| branch.evaluations()), rough);
     let tied = other.map(|other| (other, model.get(other) / target));
-    match orbit {
-        Some(orbit) => follow_in(&orbit, (coupling, tied), target, effort),
-        None => Ok(Err(Ended { coupling, value: part * target, by: End::Lost })),
-    }
+    let way = Way { coupling, tied, target };
+    let settled = way.through(rough, &effort.stop).and_then(|mut branch| {
+        let settled = branch.system().settle(ASIDE);
+        effort.pay(branch.evaluations(), rough);
+        settled.map(|()| branch)
+    });
+    way.raised(rough, settled, effort)
 }
 
 /// Follows an orbit of weaker coupling to the model's.
 pub(crate) fn follow(start: &Orbit, model: &Model, effort: &mut Effort) -> Result<Result<Orbit, Ended>, BreatherError> {
     let mut orbit = start.clone();
     for coupling in COUPLINGS {
-        match follow_in(&orbit, (coupling, None), model.get(coupling), effort)? {
+        let way = Way { coupling, tied: None, target: model.get(coupling) };
+        if way.target == orbit.model().get(coupling) {
+            continue;
+        }
+        match way.raised(&orbit, way.through(&orbit, &effort.stop), effort)? {
             Ok(there) => orbit = there,
             ended => return Ok(ended),
         }
@@ -99,38 +106,56 @@ pub(crate) fn follow(start: &Orbit, model: &Model, effort: &mut Effort) -> Resul
     Ok(Ok(orbit))
 }
 
-/// Follows an orbit in one coupling, from its own to `target`; another one may be tied to it by their ratio.
-fn follow_in(
-    start: &Orbit,
-    (coupling, tied): (Parameter, Option<(Parameter, f64)>),
+/// One coupling, as it is raised to a value.
+#[derive(Debug, Clone, Copy)]
+struct Way {
+    coupling: Parameter,
+    /// Another one, and its ratio to this, which it keeps.
+    tied: Option<(Parameter, f64)>,
     target: f64,
-    effort: &mut Effort,
-) -> Result<Result<Orbit, Ended>, BreatherError> {
-    if target == start.model().get(coupling) {
-        return Ok(Ok(start.clone()));
+}
+
+impl Way {
+    /// The model at a value.
+    fn model(self, of: &Model, value: f64) -> Result<Model, ParameterError> {
+        let tied = self.tied.map(|(other, ratio)| (other, ratio * value));
+        let set = |model: Model, (coupling, value)| model.with(coupling, value);
+        std::iter::once((self.coupling, value)).chain(tied).try_fold(*of, set)
     }
-    let lost = |error: BranchError| match error {
-        BranchError::Breather(error) => Err(error),
-        _ => Ok(Err(Ended { coupling, value: 0.0, by: End::Lost })),
-    };
-    let mut along = match Branch::of_symmetric(start, coupling, target) {
-        Ok(along) => along.until(&effort.stop),
-        Err(error) => return lost(error),
-    };
-    along.equations.tied = tied;
-    let point = match along.start() {
-        Ok(point) => point,
-        Err(error) => return lost(error),
-    };
-    let unit = start.strength();
-    let mut raising = Raising { coupling, target, effort, start, along, point, unit, paid: 0 };
-    walk(&mut raising, Pace::LONGEST_TO_AN_END)
+
+    /// The branch through an orbit, among those that have all the symmetry of its impacts.
+    fn through(self, orbit: &Orbit, stop: &Stop) -> Result<Branch, BranchError> {
+        let of = *orbit.model();
+        let lattice = move |values: &[f64]| self.model(&of, values[0]).map_err(|error| error.to_string());
+        let family = remembering(lattice, orbit.hit_sites(), stop);
+        let start = StructureOrbit::of_orbit(orbit, stop)?;
+        Branch::among_symmetric(&start, &symmetries(orbit), family, (of.get(self.coupling), self.target), stop)
+    }
+
+    /// Where a branch comes to that begins with an orbit.
+    fn raised(
+        self,
+        start: &Orbit,
+        branch: Result<Branch, BranchError>,
+        effort: &mut Effort,
+    ) -> Result<Result<Orbit, Ended>, BreatherError> {
+        let begun = branch.and_then(|mut along| Ok((along.evaluations(), along.start()?, along)));
+        let (paid, point, along) = match begun {
+            Ok(begun) => begun,
+            Err(BranchError::Breather(error)) => return Err(error),
+            Err(_) => {
+                let value = start.model().get(self.coupling);
+                return Ok(Err(Ended { coupling: self.coupling, value, by: End::Lost }));
+            }
+        };
+        let unit = start.strength();
+        walk(&mut Raising { way: self, effort, start, along, point, unit, paid }, Pace::LONGEST_TO_AN_END)
+    }
 }
 
 /// One coupling on its way to the model's.
 struct Raising<'a> {
-    coupling: Parameter,
-    target: f64,
+    way: Way,
     effort: &'a mut Effort,
     start: &'a Orbit,
     along: Branch,
@@ -146,37 +171,50 @@ type Raised = Result<Stride<Result<Orbit, Ended>>, BreatherError>;
 
 impl Raising<'_> {
     fn ended(&self, value: f64, by: End) -> Stride<Result<Orbit, Ended>> {
-        Stride::Ended(Err(Ended { coupling: self.coupling, value, by }))
+        Stride::Ended(Err(Ended { coupling: self.way.coupling, value, by }))
+    }
+
+    /// The first resonance on the way from here to a value, and where it is, its mode by the wave of the lattice.
+    fn resonance_within(&self, to: f64) -> Option<(f64, Resonance)> {
+        let (value, resonance) = self.along.resonance_within(&self.point, to)?;
+        let model = self.way.model(self.start.model(), value).ok()?;
+        let mode = Spectrum::new(*model.chain()).nearest(resonance.frequency);
+        Some((value, Resonance { mode, ..resonance }))
     }
 
     /// Goes on to the next point, unless something has ended the branch before.
     fn reach(&mut self, next: BranchPoint) -> Stride<Result<Orbit, Ended>> {
         let (along, point, first) = (&mut self.along, &self.point, self.start.strength());
         if next.heading() <= 0.0 {
-            let there = last_value(along, point, &next, |there| there.heading() > 0.0);
+            let there = last_value(along, point, &next, SolutionPoint::heading);
             return self.ended(there, End::Fold);
         }
-        if let Some(site) = grazing(&next) {
-            let there = last_value(along, point, &next, |there| grazing(there).is_none());
+        if let (..=0.0, site) = slowest(&next) {
+            let there = last_value(along, point, &next, |there| slowest(there).0);
             // Where a harmonic meets a mode all impulses vanish.
             let reach = NEAR * there;
-            let resonance = along.resonance_within(point, there + reach);
+            let resonance = self.resonance_within(there + reach);
             let resonance = resonance.filter(|(value, _)| (value - there).abs() <= reach);
             let by = resonance.map_or(End::Grazing { site }, |(_, resonance)| End::Resonance(resonance));
             return self.ended(there, by);
         }
-        let strength = next.orbit().strength();
+        let strength = strength(&next);
         if strength > UNBOUNDED * first {
             // With losses they are bounded, and the branch goes on where rounding hides it.
             let elastic = self.start.model().loss() == 0.0;
             return self.ended(pole(point, &next), if elastic { End::Unbounded } else { End::Lost });
         }
-        if next.value() == self.target {
-            return Stride::Ended(Ok(next.orbit().clone()));
+        if next.value() == self.way.target {
+            return match next.orbit().of_all_masses() {
+                Some(Ok(orbit)) => Stride::Ended(Ok(orbit)),
+                _ => self.ended(next.value(), End::Lost),
+            };
         }
         self.point = next;
+        let strength = strength.max(first);
         if !(self.unit / RESCALED..=self.unit * RESCALED).contains(&strength) {
-            (self.point, self.unit) = (self.along.rescaled(self.point.clone()), strength);
+            self.point = self.along.rescaled(self.point.clone(), strength / self.unit);
+            self.unit = strength;
         }
         Stride::Made { wanted: f64::INFINITY, longest: Pace::LONGEST_TO_AN_END }
     }
@@ -192,9 +230,9 @@ impl Walk for Raising<'_> {
         if self.effort.is_spent() {
             return Ok(self.ended(self.point.value(), End::Unfinished));
         }
-        let left = (self.target - self.point.value()) / self.target;
+        let left = (self.way.target - self.point.value()) / self.way.target;
         let next = if left <= length * self.point.heading() {
-            self.along.at(&self.point, self.target)
+            self.along.at(&self.point, self.way.target)
         } else {
             self.along.step(&self.point, length)
         };
@@ -205,42 +243,54 @@ impl Walk for Raising<'_> {
     /// Orbits of a symmetric word pass points at which orbits without that symmetry branch off: such a point is stepped over.
     fn leap(&mut self) -> Result<(f64, Stride<Self::End>), BreatherError> {
         let over = OVER.iter().find_map(|&length| self.along.leap(&self.point, length).ok());
-        let over = over.filter(|next| next.value() < self.target);
+        let over = over.filter(|next| next.value() < self.way.target);
         Ok((OVER[0], over.map_or(Stride::Failed, |next| self.reach(next))))
     }
 
     fn lost(&mut self) -> Result<Self::End, BreatherError> {
         let here = self.point.value();
-        let near = self.along.resonance_within(&self.point, here + NEAR * self.target);
+        let near = self.resonance_within(here + NEAR * self.way.target);
         let by = near.map_or(End::Lost, |(_, resonance)| End::Resonance(resonance));
-        Ok(Err(Ended { coupling: self.coupling, value: here, by }))
+        Ok(Err(Ended { coupling: self.way.coupling, value: here, by }))
     }
 }
 
 /// Where impulses are infinite that grow between the two points as near a simple pole.
 fn pole(from: &BranchPoint, to: &BranchPoint) -> f64 {
-    let (before, now) = (from.orbit().strength(), to.orbit().strength());
+    let (before, now) = (strength(from), strength(to));
     to.value() + (to.value() - from.value()) * before / (now - before)
 }
 
-/// The mass whose impact has lost its velocity.
-fn grazing(point: &BranchPoint) -> Option<usize> {
-    point.orbit().impacts().iter().find(|impact| !impact.is_right_signed()).map(|impact| impact.site)
+/// The velocity of the slowest impact, towards its barrier, and the mass that has it.
+fn slowest(point: &BranchPoint) -> (f64, usize) {
+    let own = |impact: &StructureImpact| (impact.velocity_before * impact.barrier.sign(), impact.contact);
+    let all = point.orbit().impacts().iter().map(own);
+    let (velocity, contact) = all.min_by(|one, other| one.0.total_cmp(&other.0)).unwrap_or((f64::INFINITY, 0));
+    (velocity, point.orbit().model().site(contact))
 }
 
-/// The coupling between two points up to which something holds that does at the first.
-fn last_value(along: &mut Branch, from: &BranchPoint, to: &BranchPoint, holds: impl Fn(&BranchPoint) -> bool) -> f64 {
-    let (mut low, mut high) = (0.0, along.length_between(from, to));
-    let mut value = from.value();
-    // Bisection: each halves what is left of a step of a tenth.
-    for _ in 0..44 {
-        let middle = 0.5 * (low + high);
-        match along.step(from, middle) {
-            Ok(point) if holds(&point) => (low, value) = (middle, point.value()),
-            _ => high = middle,
+/// The size of the largest impulse.
+fn strength(point: &BranchPoint) -> f64 {
+    point.orbit().impacts().iter().map(|impact| impact.impulse.abs()).fold(0.0, f64::max)
+}
+
+/// The coupling between two points up to which a number is positive that is so at the first and not at the second.
+fn last_value(along: &mut Branch, from: &BranchPoint, to: &BranchPoint, number: impl Fn(&BranchPoint) -> f64) -> f64 {
+    let ends = [(0.0, number(from)), (along.length_between(from, to), number(to))];
+    let mut last = (0.0, from.value());
+    let at = |length: f64| {
+        let there = along.step(from, length).ok();
+        // Where Newton's method finds no orbit, the branch has come to its end, too.
+        let number = there.as_ref().map_or(ends[1].1, &number);
+        if number >= 0.0 && length > last.0 {
+            last = (length, there.map_or(last.1, |there| there.value()));
         }
+        Ok::<f64, Infallible>(number)
+    };
+    if ends[0].1 > 0.0 {
+        let Ok(_) = zero(ends[0], ends[1], 1.0, at);
     }
-    value
+    last.1
 }
 
 #[cfg(test)]

@@ -75,7 +75,7 @@ pub(crate) fn find(
         left -= 1;
         let masses: Vec<(usize, &Alone)> =
             choice.iter().zip(&solutions).zip(&parts).map(|((&i, list), (site, _))| (*site, &list[i])).collect();
-        let Some(AtRest { weak, part, phases, untried }) = at_rest(finder, model, &masses)? else { continue };
+        let Some(AtRest { weak, phases, untried }) = at_rest(finder, model, &masses)? else { continue };
         felt = true;
         left += untried;
         let mut seen: Vec<Vec<Hit>> = Vec::new();
@@ -97,7 +97,7 @@ pub(crate) fn find(
                 continue;
             }
             starts += 1;
-            let ended = follow_from(&start, part, model, &mut effort)?;
+            let ended = follow_from(&start, model, &mut effort)?;
             list(ended, found);
         }
     }
@@ -107,8 +107,6 @@ pub(crate) fn find(
 /// Phases of the masses, in periods, the first one's 0, that weak coupling leaves at rest.
 struct AtRest {
     weak: Model,
-    /// Its couplings in those of the model.
-    part: f64,
     phases: Vec<Vec<f64>>,
     /// Beginnings that were not tried, because there are too many.
     untried: usize,
@@ -125,7 +123,7 @@ fn at_rest(finder: &mut Finder, model: &Model, masses: &[(usize, &Alone)]) -> Re
         let tails = Tails { response: &finder.response, masses, scale: strength(masses) };
         if tails.are_felt() {
             let (phases, untried) = tails.zeros(&finder.stop)?;
-            return Ok(Some(AtRest { weak, part, phases, untried }));
+            return Ok(Some(AtRest { weak, phases, untried }));
         }
     }
     Ok(None)

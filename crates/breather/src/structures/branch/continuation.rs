@@ -3,19 +3,22 @@
 use std::fmt;
 use std::sync::Arc;
 
+use smallvec::SmallVec;
 use vibrochain_lattice::{Barrier, ModalStructure, Stop, Turn};
 
+use super::family::{MOVED, ModelFamily, is_idle, loses_energy};
 use super::images::is_own_image;
-use super::twins::Twins;
+use super::reduction::Reduction;
 use crate::branch_error::BranchError;
-use crate::equations::linear::Vector;
+use crate::equations::linear::{USUAL, Vector, unit};
 use crate::error::BreatherError;
+use crate::orbit::symmetries::Symmetry;
 use crate::structures::equations::{Equations, System as Rows};
 use crate::structures::error::StructureOrbitError;
 use crate::structures::model::StructureModel;
 use crate::structures::orbit::StructureOrbit;
 use crate::structures::point::{Point, Strike};
-use crate::tracer::solution_curve::{SolutionCurve, SolutionPoint};
+use crate::tracer::solution_curve::{SolutionCurve, SolutionPoint, normed};
 use crate::tracer::system::{Evaluation, System};
 
 /// Impulses are measured by the strongest, and by this part of what a barrier as far as the contact's own would take.
@@ -26,12 +29,6 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// What two contacts feel of each other at once, squared and relative, is rounding of the modes below this.
 const APART: f64 = 1e-24;
-
-/// How far a number is moved, relative, to see whether it brings losses.
-const MOVED: f64 = 1e-3;
-
-/// Models by the values of the numbers that are free; what is wrong with values that have none.
-pub type ModelFamily = Arc<dyn Fn(&[f64]) -> Result<StructureModel, String> + Send + Sync>;
 
 /// A point of a structure's branch.
 pub type BranchPoint = SolutionPoint<StructureOrbit>;
@@ -54,8 +51,8 @@ pub struct Continuation {
     self_excited: bool,
     /// The strongest impact where this begins.
     strongest: usize,
-    /// Mirror images of impacts, which are followed with them.
-    twins: Option<Arc<Twins>>,
+    /// A symmetry that is kept to.
+    reduction: Option<Arc<Reduction>>,
     /// Of all unknowns, and of the coordinates with the numbers that are free.
     full_units: Vector,
     units: Vector,
@@ -84,27 +81,35 @@ impl Continuation {
         units: &[f64],
         stop: &Stop,
     ) -> Result<Self, BranchError> {
-        let mut whole = Self::among_all(orbit, family, values, units, stop)?;
-        let hit = || whole.contacts.iter().map(|one| one.0);
-        let mut equations = Equations::new(orbit.model(), whole.force_periods, hit())?;
-        equations.left_out = whole.strongest;
-        for twins in Twins::of(orbit, &equations) {
+        Self::among_all(orbit, family, values, units, stop)?.kept_to(orbit, values, Reduction::of)
+    }
+
+    /// The same, kept to the first of these symmetries of the orbit that are those of the structure, too.
+    fn kept_to(
+        mut self,
+        orbit: &StructureOrbit,
+        values: &[f64],
+        symmetries: impl Fn(&StructureOrbit, &Equations<'_>) -> Vec<Reduction>,
+    ) -> Result<Self, BranchError> {
+        let mut equations = Equations::new(orbit.model(), self.force_periods, self.contacts.iter().map(|one| one.0))?;
+        equations.left_out = self.strongest;
+        for reduction in symmetries(orbit, &equations) {
             let reduced = |full: &[f64]| -> Vector {
-                twins.leading().map(|place| full[place]).chain(full[whole.size..].iter().copied()).collect()
+                reduction.leading().map(|place| full[place]).chain(full[self.size..].iter().copied()).collect()
             };
-            let origin = reduced(&whole.origin);
-            if whole.keeps(&twins, &origin, values)? {
-                (whole.units, whole.origin) = (reduced(&whole.full_units), origin);
-                whole.size = twins.size();
-                whole.twins = Some(Arc::new(twins));
+            let origin = reduced(&self.origin);
+            if self.keeps(&reduction, &origin, values)? {
+                (self.units, self.origin) = (reduced(&self.full_units), origin);
+                self.size = reduction.size();
+                self.reduction = Some(Arc::new(reduction));
                 break;
             }
         }
-        Ok(whole)
+        Ok(self)
     }
 
     /// Whether a symmetry stays what it is where a number moves.
-    fn keeps(&self, twins: &Twins, origin: &[f64], values: &[f64]) -> Result<bool, BranchError> {
+    fn keeps(&self, reduction: &Reduction, origin: &[f64], values: &[f64]) -> Result<bool, BranchError> {
         for k in 0..=values.len() {
             let mut moved = values.to_vec();
             if let Some(value) = moved.get_mut(k) {
@@ -113,8 +118,8 @@ impl Continuation {
             let Ok(model) = (self.family)(&moved) else { continue };
             let mut there = Equations::new(&model, self.force_periods, self.contacts.iter().map(|one| one.0))?;
             there.left_out = self.strongest;
-            let point = self.point(&twins.expand(origin, there.period()), there.period())?;
-            if !twins.are_kept_by(&there.system(&point)?) {
+            let point = self.point(&reduction.expand(origin, there.period()), there.period())?;
+            if !reduction.are_kept_by(&there.system(&point)?) {
                 return Ok(false);
             }
         }
@@ -178,7 +183,7 @@ impl Continuation {
             rigid,
             self_excited,
             strongest,
-            twins: None,
+            reduction: None,
             full_units: own.clone(),
             units: own,
             origin,
@@ -186,6 +191,25 @@ impl Continuation {
             stop: stop.clone(),
             evaluations: 0,
         })
+    }
+
+    /// Takes the orbit at the origin's values that Newton's method leads to from there, no farther away than `reach`.
+    pub(crate) fn settle(&mut self, reach: f64) -> Result<(), BranchError> {
+        let last = self.origin.len() - 1;
+        let (z, fixed) = (self.origin.clone(), unit(last + 1, last));
+        self.origin = self.newton(&z, Some(&fixed), reach, false)?;
+        Ok(())
+    }
+
+    /// Measures impulses by so many times what they were measured by.
+    fn rescale(&mut self, by: f64) {
+        let impacts = self.contacts.len();
+        self.full_units[..impacts].iter_mut().for_each(|unit| *unit *= by);
+        let places: SmallVec<[usize; USUAL]> = match &self.reduction {
+            Some(reduction) => reduction.leading().collect(),
+            None => (0..self.size).collect(),
+        };
+        self.units.iter_mut().zip(places).for_each(|(unit, place)| *unit = self.full_units[place]);
     }
 
     /// What part of its place an impact adds to its law, if any.
@@ -243,8 +267,8 @@ impl Continuation {
         }
         equations.left_out = self.strongest;
         self.load_period = load_period(&equations);
-        let point = match &self.twins {
-            Some(twins) => self.point(&twins.expand(z, equations.period()), equations.period())?,
+        let point = match &self.reduction {
+            Some(reduction) => self.point(&reduction.expand(z, equations.period()), equations.period())?,
             None => self.point(z, equations.period())?,
         };
         let rows = equations.system(&point)?;
@@ -276,15 +300,15 @@ impl System for Continuation {
     fn rows(&mut self, z: &[f64]) -> Result<Vector, BranchError> {
         let weight = self.weight_of_places();
         let rows = self.assembled(z, |_, _, rows| Ok(with_places(rows, weight).rows))?;
-        Ok(match &self.twins {
-            Some(twins) => twins.rows(&rows),
+        Ok(match &self.reduction {
+            Some(reduction) => reduction.rows(&rows),
             None => rows,
         })
     }
 
     fn evaluate(&mut self, z: &[f64]) -> Result<Evaluation<StructureOrbit, Vector>, BranchError> {
         let (units, periods, weight) = (self.full_units.clone(), self.force_periods, self.weight_of_places());
-        let twins = self.twins.clone();
+        let reduction = self.reduction.clone();
         self.assembled(z, |equations, point, here| {
             let Rows { rows, sizes: mut kept, jacobian: mut matrix, .. } = with_places(here.clone(), weight);
             // Next to a resonance rows are off by what its distance is, all of them together.
@@ -298,13 +322,13 @@ impl System for Continuation {
                 None => StructureOrbit::on_the_way(equations, periods, (&point, &here))?,
                 Some(point) => StructureOrbit::on_the_way(equations, periods, (&point, &equations.system(&point)?))?,
             };
-            Ok(match twins {
+            Ok(match reduction {
                 None => Evaluation { orbit, rows, matrix, full: None, kept },
-                Some(twins) => Evaluation {
+                Some(reduction) => Evaluation {
                     orbit,
-                    rows: twins.rows(&rows),
-                    kept: twins.rows(&kept),
-                    matrix: twins.matrix(&matrix),
+                    rows: reduction.rows(&rows),
+                    kept: reduction.rows(&kept),
+                    matrix: reduction.matrix(&matrix),
                     full: Some(matrix),
                 },
             })
@@ -324,7 +348,7 @@ impl System for Continuation {
         let apart = to.iter().zip(from).zip(&self.units);
         let mut chord: Vector = apart.map(|((to, from), unit)| (to - from) / unit).collect();
         if self.forced {
-            let place = 2 * self.contacts.len() - 1;
+            let place = self.size - self.rigid - 1;
             let turn = self.load_period / self.units[place];
             chord[place] -= turn * (chord[place] / turn).round();
         }
@@ -359,6 +383,31 @@ impl Branch {
     ) -> Result<Self, BranchError> {
         Ok(Self { equations: Continuation::through(orbit, family, &[value], &[unit], stop)? })
     }
+
+    /// The same among orbits with these symmetries of the orbit: it passes the points where others branch off that lack one.
+    pub(crate) fn among_symmetric(
+        orbit: &StructureOrbit,
+        symmetries: &[Symmetry],
+        family: ModelFamily,
+        (value, unit): (f64, f64),
+        stop: &Stop,
+    ) -> Result<Self, BranchError> {
+        let among = |orbit: &StructureOrbit, equations: &Equations<'_>| {
+            Reduction::among(orbit, equations, symmetries.iter().cloned()).into_iter().collect()
+        };
+        let whole = Continuation::among_all(orbit, family, &[value], &[unit], stop)?;
+        Ok(Self { equations: whole.kept_to(orbit, &[value], among)? })
+    }
+
+    /// The same point, with impulses measured by so many times what they were from here on: of a branch along which they grow without bound,
+    /// equal steps are then equal factors, where they would be equal differences for ever.
+    pub(crate) fn rescaled(&mut self, point: BranchPoint, by: f64) -> BranchPoint {
+        let before = self.equations.units.clone();
+        self.equations.rescale(by);
+        let own = before.iter().zip(&self.equations.units);
+        let tangent = point.tangent.iter().zip(own).map(|(x, (before, now))| x * before / now);
+        BranchPoint { tangent: normed(tangent.collect()), ..point }
+    }
 }
 
 /// The same equations, each law with a part of its impact's place. Of one impact that nothing drives the law is the impulse times a function of the
@@ -392,23 +441,4 @@ fn bound_pairs(contacts: &[(usize, Barrier)], structure: &ModalStructure) -> Vec
 /// After how long the load repeats itself.
 fn load_period(equations: &Equations<'_>) -> f64 {
     std::f64::consts::TAU / equations.single().map_or(equations.model.omega(), |(frequency, _)| frequency)
-}
-
-/// Whether one of the numbers brings losses where it moves.
-fn loses_energy(family: &ModelFamily, values: &[f64], which: usize) -> bool {
-    [1.0, -1.0].into_iter().any(|sign| {
-        let mut moved = values.to_vec();
-        moved[which] += sign * MOVED * values[which].abs().max(1.0);
-        family(&moved).is_ok_and(|model| !model.structure().is_lossless())
-    })
-}
-
-/// Whether a self-excited structure is the same wherever one of the numbers moves: ω, which no load has.
-fn is_idle(family: &ModelFamily, values: &[f64], which: usize) -> bool {
-    let moved = |sign: f64| {
-        let mut moved = values.to_vec();
-        moved[which] += sign * MOVED * values[which].abs().max(1.0);
-        family(&moved)
-    };
-    matches!([moved(1.0), moved(-1.0)], [Ok(one), Ok(other)] if one.structure() == other.structure())
 }

@@ -16,7 +16,8 @@
 
 use vibrochain_lattice::Stop;
 
-use super::continuation::{Branch, BranchPoint, Continuation, ModelFamily};
+use super::continuation::{Branch, BranchPoint, Continuation};
+use super::family::ModelFamily;
 use crate::branch_error::BranchError;
 use crate::equations::linear::{Vector, unit};
 use crate::orbit::{Hit, SIMULTANEOUS};

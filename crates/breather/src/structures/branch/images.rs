@@ -1,6 +1,6 @@
 //! Whether an orbit is its own mirror image, and how far it is from that.
 
-use super::twins::IMAGE;
+use super::reduction::IMAGE;
 use crate::equations::linear::dot;
 use crate::orbit::time_between;
 use crate::structures::orbit::{StructureImpact, StructureOrbit};

@@ -4,14 +4,16 @@
 //! |---|---|
 //! | `continuation` | [`Branch`]: the equations with numbers of the structure free |
 //! | `departure` | where the branch of other orbits begins |
+//! | `family` | models by numbers that are free |
 //! | `images` | whether an orbit is its own mirror image |
+//! | `reduction` | orbits of a symmetry among themselves |
 //! | `resonances` | where a branch meets a resonance |
-//! | `twins` | orbits of a symmetry that needs fewer unknowns |
 //!
 //! [`Branch`]: continuation::Branch
 
 pub(crate) mod continuation;
 pub(crate) mod departure;
+pub(crate) mod family;
 mod images;
-mod resonances;
-mod twins;
+mod reduction;
+pub(crate) mod resonances;

@@ -8,8 +8,8 @@ use std::fmt;
 
 use vibrochain_lattice::{Model, Parameter, Resonance, Shapes, Short};
 
-use crate::branch::resonances::pushes;
-use crate::orbit::{Hit, Orbit};
+use crate::orbit::{Hit, Impact, Orbit};
+use crate::structures::branch::resonances::STILL;
 
 /// How far beside a resonance orbits are looked at, relative: what the mean of both sides is wrong by goes with the square, and rounding
 /// with the inverse. Impulses that are balanced in the limit only push by the square, too, which is still beyond rounding.
@@ -17,6 +17,19 @@ const ASIDE: f64 = 1e-6;
 
 /// Impulses on both sides that differ by less, relative to the largest, have one limit.
 const ALIKE: f64 = 1e-2;
+
+/// Whether a harmonic of the impulses pushes a mode.
+pub(crate) fn pushes(orbit: &Orbit, shapes: &Shapes, mode: usize, harmonic: f64) -> bool {
+    let rate = harmonic * orbit.frequency();
+    let share = |one: &Impact, other: &Impact| {
+        let turned = (rate * (one.time - other.time)).cos();
+        one.impulse * other.impulse * shapes.even(mode, one.site, other.site) * turned
+    };
+    let impacts = orbit.impacts();
+    let size: f64 = impacts.iter().map(|impact| share(impact, impact)).sum();
+    let all = impacts.iter().flat_map(|one| impacts.iter().map(move |other| share(one, other)));
+    all.sum::<f64>() > STILL * size
+}
 
 /// What becomes of an orbit at a resonance.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,7 +71,7 @@ impl Limit {
                     && one.barrier == other.barrier
                     && (one.impulse - other.impulse).abs() <= ALIKE * largest
             });
-        let mean = |(one, other): (&crate::Impact, &crate::Impact)| Hit {
+        let mean = |(one, other): (&Impact, &Impact)| Hit {
             time: 0.5 * (one.time + other.time),
             impulse: 0.5 * (one.impulse + other.impulse),
             ..one.into()
