@@ -94,8 +94,8 @@ fn three_impacts_at_three_sites_from_a_guess_to_a_verdict() {
             back = branch.step(&back, 0.01).unwrap();
         }
         let home = branch.at(&back, model.chain().gamma2()).unwrap();
-        for (impact, first) in home.orbit().impacts().iter().zip(orbit.impacts()) {
-            assert!((impact.impulse - first.impulse).abs() < 1e-12 && impact.contact == first.site);
+        for (hit, first) in home.orbit().hits().iter().zip(orbit.impacts()) {
+            assert!((hit.impulse - first.impulse).abs() < 1e-12 && hit.site == first.site);
         }
         checked += 1;
     }
