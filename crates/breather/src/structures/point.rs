@@ -46,12 +46,16 @@ impl Point {
         }
         let mut point = self.clone();
         point.strikes.iter_mut().filter(|strike| is_first(strike)).for_each(|strike| strike.time = 0.0);
-        point.strikes.sort_by(|one, other| one.time.total_cmp(&other.time));
-        for i in 1..point.strikes.len() {
-            let before = point.strikes[i - 1].time;
-            let own = &mut point.strikes[i].time;
+        let mut strikes: SmallVec<[(usize, Strike); 4]> = point.strikes.drain(..).enumerate().collect();
+        strikes.sort_by(|(_, one), (_, other)| one.time.total_cmp(&other.time));
+        for i in 1..strikes.len() {
+            let before = strikes[i - 1].1.time;
+            let own = &mut strikes[i].1.time;
             *own = if *own - before <= same { before } else { *own };
         }
+        // Those of one instant keep their order, which rounding would change between neighbours on a branch.
+        strikes.sort_by(|(i, one), (j, other)| one.time.total_cmp(&other.time).then(i.cmp(j)));
+        point.strikes.extend(strikes.into_iter().map(|(_, strike)| strike));
         Some(point)
     }
 
@@ -64,5 +68,31 @@ impl Point {
                 (one.time - other.time).abs() <= SAME_ORBIT * self.period
                     && (one.impulse - other.impulse).abs() <= SAME_ORBIT * strongest
             })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two masses that hit together and two that do so at the end of the period, by rounding one way or the other.
+    #[test]
+    fn impacts_of_one_instant_keep_their_order_whatever_rounding_says() {
+        let point = |times: [f64; 5]| {
+            let strike = |(contact, time)| Strike { contact, barrier: Barrier::Upper, time, impulse: -1.0 };
+            Point {
+                strikes: times.into_iter().enumerate().map(strike).collect(),
+                psi: 0.0,
+                period: 2.0,
+                offsets: SmallVec::new(),
+            }
+        };
+        for [first, second, last] in [[1e-13, -1e-13, -1e-13], [-1e-13, 1e-13, 1e-13], [0.0, 1e-13, 0.0]] {
+            let told = point([0.0, 1.0 + first, 1.0 + second, 0.5, 2.0 - 1e-13 + last]).in_time().unwrap();
+            let order: Vec<usize> = told.strikes.iter().map(|strike| strike.contact).collect();
+            assert_eq!(order, [0, 4, 3, 1, 2], "{first:e} {second:e} {last:e}");
+            let times: Vec<f64> = told.strikes.iter().map(|strike| strike.time).collect();
+            assert!(times[0] == times[1] && times[3] == times[4], "{times:?}");
+        }
     }
 }
