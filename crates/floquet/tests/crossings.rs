@@ -2,8 +2,8 @@
 //! many that next to none hides between two of them.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{Branch, BranchPoint, Family, Finder, Orbit, breathers};
-use vibrochain_floquet::{Analyser, Course, End, FollowedBranch, Tolerance, diagram};
+use vibrochain_breather::{Branch, BranchPoint, Family, Finder, Orbit, OrbitList, Scope, breathers};
+use vibrochain_floquet::{Analyser, Course, End, Event, FollowedBranch, Tolerance, diagram};
 use vibrochain_lattice::{Parameter, Point};
 use vibrochain_testkit::Values::{Even, Log};
 use vibrochain_testkit::{Random, Ranges};
@@ -106,6 +106,44 @@ const RANGES: Ranges = Ranges {
     amplitude: Log(0.05, 0.5),
     restitution: Even(0.7, 0.99),
 };
+
+/// Two neighbours that hit together under a force: where they begin to hit apart the branch goes on with both together, and one multiplier, as a
+/// dense matrix has it, crosses +1.
+#[test]
+fn a_pair_goes_on_together_where_it_parts() {
+    let ring = Point::ring(10).gamma1(0.7098234875118328).gamma2(0.13329510600162323).omega(1.0846358015620017);
+    let ring = ring.asymmetry(0.08491087757357713).amplitude(0.2981479009458731).restitution(0.5894820808347125);
+    let (mut finder, mut found) = (Finder::new(10), OrbitList::default());
+    finder.find_word(&ring.model().unwrap(), &"0-1-".parse().unwrap(), Scope::All, &mut found).unwrap();
+    let orbit = &found.orbits[0];
+    let (from, to) = (0.64, 0.78);
+    let course = Course { from, to, events: vec![Event::Pitchfork], ..Course::new(orbit, Parameter::Gamma1) };
+    let whole = diagram(orbit, &Course { generations: 0, ..course }).unwrap();
+    let branch = &whole.branches[0];
+    assert!(branch.ends.iter().all(|(_, end)| *end == End::Range), "{:?}", branch.ends);
+    let parted: Vec<f64> = branch.events().map(|event| event.value).collect();
+    assert_eq!(parted.len(), 2, "{parted:?}");
+    let mut analyser = Analyser::dense();
+    let mut beyond_one = |orbit: &Orbit| {
+        let stability = analyser.stability(orbit, &mut finder, Tolerance::Rounding).unwrap();
+        stability.multipliers.iter().filter(|mu| mu.im == 0.0 && mu.re > 1.0).count()
+    };
+    let points: Vec<_> = branch.points().collect();
+    let mut crossed = 0;
+    for pair in points.windows(2) {
+        let [one, other] = [pair[0], pair[1]].map(|point| {
+            let [a, b] = point.orbit.impacts() else { panic!("{:?}", point.orbit) };
+            assert!(a.time == b.time && (a.impulse - b.impulse).abs() < 1e-12 * a.impulse.abs(), "{a:?} {b:?}");
+            beyond_one(&point.orbit)
+        });
+        let (low, high) = (pair[0].value.min(pair[1].value), pair[0].value.max(pair[1].value));
+        // At folds another one crosses.
+        if parted.iter().any(|value| (low..=high).contains(value)) && one.abs_diff(other) == 1 {
+            crossed += 1;
+        }
+    }
+    assert_eq!(crossed, 2);
+}
 
 /// Of 40 random lattices with a few events each, scanned at 20 000 points. Of 24 of them three pairs of 1 500 changes were missed, all on one branch
 /// (20 masses, single-sided, ω from 0.6286 to 0.6384).

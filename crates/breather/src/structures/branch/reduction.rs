@@ -45,16 +45,14 @@ pub(super) struct Reduction {
 }
 
 impl Reduction {
-    /// Those of an orbit without loads and losses, as far as its impacts show, the fewest unknowns first: none where no mirror, of space or time,
-    /// spares one.
+    /// Those of an orbit, as far as its impacts show, the fewest unknowns first: none where no mirror, of space or time, spares one.
     pub(super) fn of(orbit: &StructureOrbit, equations: &Equations<'_>) -> Vec<Self> {
         let n = orbit.impacts().len();
-        if equations.has_time() {
-            return Vec::new();
-        }
         let halves = equations.are_halves(orbit.impacts().iter().map(|impact| impact.time));
         let reversal = halves.map(|_| Symmetry { images: (0..n).collect(), reversed: true });
-        let exchange = [false, true].into_iter().find_map(|later| images(orbit, later));
+        // Half a period later loads are others.
+        let lapses = if equations.forced { &[false][..] } else { &[false, true] };
+        let exchange = lapses.iter().find_map(|later| images(orbit, *later));
         let exchange = exchange.map(|images| Symmetry { images, reversed: false });
         let both = exchange.clone().filter(|_| reversal.is_some()).map(|one| Symmetry { reversed: true, ..one });
         let all = [[&exchange, &reversal, &both].map(Option::as_ref), [None, reversal.as_ref(), None]];
@@ -205,7 +203,7 @@ fn is_held_in(group: &[Symmetry], i: usize) -> bool {
     group.iter().any(|symmetry| symmetry.reversed && symmetry.images[i] == i)
 }
 
-/// The impact of another contact that is the image of each one; `None` where one has none.
+/// The impact of another contact that is the image of each one, or at once the impact itself; `None` where one has none, or each is its own.
 fn images(orbit: &StructureOrbit, later: bool) -> Option<Vec<usize>> {
     let (impacts, period) = (orbit.impacts(), orbit.period());
     let lapse = if later { 0.5 * period } else { 0.0 };
@@ -215,15 +213,15 @@ fn images(orbit: &StructureOrbit, later: bool) -> Option<Vec<usize>> {
             && time_between(one.time + lapse, other.time, period) <= IMAGE * period
             && (one.impulse - other.impulse).abs() <= IMAGE * one.impulse.abs()
     };
-    let all: Option<Vec<usize>> =
-        impacts.iter().map(|one| (0..impacts.len()).find(|&j| alike(one, &impacts[j]))).collect();
-    let all = all?;
+    let image = |i: usize| (0..impacts.len()).find(|&j| alike(&impacts[i], &impacts[j])).or((!later).then_some(i));
+    let all: Vec<usize> = (0..impacts.len()).map(image).collect::<Option<_>>()?;
     // In pairs, and contacts as they do.
     let contact = |i: usize| impacts[i].contact;
     let pairs = (0..all.len()).all(|i| {
         all[all[i]] == i && (0..all.len()).all(|j| contact(i) != contact(j) || contact(all[i]) == contact(all[j]))
     });
-    pairs.then_some(all)
+    let exchanges = all.iter().enumerate().any(|(i, image)| *image != i);
+    (exchanges && pairs).then_some(all)
 }
 
 #[cfg(test)]
