@@ -103,6 +103,7 @@ def large(found):
 def instructions():
     units = {
         "conservative-cells": (960, "a cell of the conservative map, both families, with stability"),
+        "structure-cells": (960, "a cell of the conservative map of the same ring as a structure"),
         "forced-cells": (960, "a cell of the forced map, all solutions"),
         "table-rows": (960, "a row of the table as text"),
         "simulated-breather": (200, "a period of a simulated breather, all masses watched"),

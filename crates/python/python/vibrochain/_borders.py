@@ -55,7 +55,7 @@ def curves(
     >>> import vibrochain as vc
     >>> found = vc.curves("scenes/conservative-n5.toml", places=2000)
     >>> found
-    <Borders: 39 over omega and gamma2, 8 stripes among them>
+    <Borders: 40 over omega and gamma2, 8 stripes among them>
     >>> share, error = found.areas["none"]
     >>> bool(abs(sum(share for share, _ in found.areas.values()) - 1) < 1e-9)
     True
