@@ -3,9 +3,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use vibrochain_breather::{Family, Orbit, breathers};
+use vibrochain_breather::{Family, Finder, Orbit, breathers};
 use vibrochain_floquet::{
-    CurveEnd, CurveError, Event, EventCurve, Search, Special, Tolerance, Window, curve, locate, stability,
+    Analyser, CurveEnd, CurveError, Event, EventCurve, Search, Special, Tolerance, Walk, Window, curve, curve_along,
+    locate, stability,
 };
 use vibrochain_lattice::{Chain, Model, Parameter, Point};
 use vibrochain_testkit::Random;
@@ -374,4 +375,37 @@ fn folds_meet_in_a_cusp_where_three_breathers_merge() {
         }
     }
     assert!(met >= 2 && folds >= met, "{met} of {folds}");
+}
+
+/// An edge of a stripe of the paper's map runs into the corner where masses are not coupled and the orbit's frequency is that of a mass alone, where
+/// no orbit of all masses can be told: it is told up to there. In between one side of it is stable, the other not, as a dense matrix says.
+#[test]
+fn an_edge_that_comes_to_a_resonance_is_told_up_to_there() {
+    let ring = Point::ring(21).gamma1(0.2).asymmetry(0.4);
+    let at = |omega: f64, gamma2: f64| {
+        let model = ring.gamma2(gamma2).omega(omega).model().unwrap();
+        breathers(&model, Family::SingleSided).unwrap().orbits.remove(0)
+    };
+    let orbit = at(0.4836, 0.017938470077622917);
+    let (event, free) = (Event::NeimarkSacker, Parameter::Omega);
+    let found = locate(&orbit, &Search { event, free, from: 0.4836, to: 0.4837 }).unwrap();
+    let located = found.located.iter().find(|one| (one.value - 0.48365595).abs() < 1e-8).unwrap();
+    let window = Window { parameters: [Parameter::Omega, Parameter::Gamma2], from: [0.4, 0.0], to: [3.0, 0.3] };
+    let walk = Walk { special: false, ..Walk::new(window, 1e-6) };
+    let edge = curve_along(&located.orbit, event, located.evidence, &walk).unwrap();
+    let [first, last] = [0, edge.points.len() - 1].map(|i| edge.points[i].values);
+    let corner = first[1].min(last[1]);
+    assert!(edge.points.len() > 20 && corner < 1e-4, "{} {first:?} {last:?}", edge.points.len());
+    let mut sides = 0;
+    for point in edge.points.iter().filter(|point| (0.01..0.03).contains(&point.values[1])) {
+        let [omega, gamma2] = point.values;
+        let stable = [-1e-7, 1e-7].map(|by| {
+            let orbit = at(omega + by, gamma2);
+            let mut finder = Finder::new(21);
+            let verdict = Analyser::dense().verdict(&orbit, &mut finder, Tolerance::Rounding).unwrap();
+            verdict.spectral_radius < 1.0 + 1e-9
+        });
+        sides += usize::from(stable[0] != stable[1]);
+    }
+    assert!(sides > 3, "{sides}");
 }
