@@ -94,9 +94,9 @@ pub use stop::{Stop, Stopped};
 pub use structure::contact::Contact;
 pub use structure::contact_modes::ContactMode;
 pub use structure::damped_chain::DampedChain;
+pub use structure::damped_chain::felt_shapes::FeltShapes;
 pub use structure::energy::{Block, EnergyForm};
 pub use structure::error::StructureError;
-pub use structure::felt_shapes::FeltShapes;
 pub use structure::linear_mode::{LinearMode, ModeErrors, ModeShape};
 #[cfg(feature = "matrices")]
 pub use structure::matrices::Structure;

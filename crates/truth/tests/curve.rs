@@ -75,7 +75,7 @@ fn encloses(curve: &EventCurve, i: usize, window: &Window) -> Option<bool> {
     let at = |value: f64| point.orbit.model().with(free, value).unwrap();
     let beyond = |sign: f64| point.values[axis] + sign * reach;
     if curve.event == Event::Pitchfork {
-        // Right there a branch has two directions. Among symmetric orbits the next one is as near as the error.
+        // At a pitchfork a branch has two directions. The point's own impacts stand for the symmetric orbit beside it, which is as near as the error.
         let hits: Vec<Hit> = point.orbit.impacts().iter().map(Hit::from).collect();
         let beside = |sign: f64| {
             let psi = point.orbit.psi().unwrap();

@@ -277,6 +277,7 @@ fn after_impact(orbit: &StructureOrbit, kernel: &PeriodicKernel, i: usize) -> Ve
     }
     states
 }
+
 impl StructureOrbit {
     /// Place and velocity of a contact at a time, of a lattice those of a mass.
     ///

@@ -104,7 +104,7 @@ impl StructureModel {
         self.masses.as_deref()
     }
 
-    /// Which mass of its lattice a contact is; of any other structure its own number.
+    /// The number of the mass that a contact of a lattice is; in any other structure, the contact's own number.
     pub fn site(&self, contact: usize) -> usize {
         self.masses().and_then(|masses| masses.sites.get(contact).copied()).unwrap_or(contact)
     }
@@ -197,9 +197,7 @@ impl StructureModel {
         let found = contacts.get(contact).ok_or(StructureOrbitError::NoSuchContact { contact, last })?;
         found.barrier(barrier).ok_or(StructureOrbitError::NoBarrier { contact, barrier })
     }
-}
 
-impl StructureModel {
     /// Where a mass of a lattice has a barrier, as all its masses have; or, of any other structure, a contact.
     ///
     /// # Errors

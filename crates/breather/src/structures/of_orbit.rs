@@ -141,9 +141,8 @@ impl Branch {
     /// ```
     pub fn of_orbit(orbit: &Orbit, free: Parameter, unit: f64) -> Result<Self, BranchError> {
         let stop = Stop::default();
-        let family = StructureModel::family(*orbit.model(), &[free], &orbit.hit_sites(), &stop);
-        let start = StructureOrbit::of_orbit(orbit, &stop)?;
-        Self::through(&start, family, orbit.model().get(free), unit, &stop)
+        let (start, family, values) = StructureOrbit::along(orbit, &[free], &stop)?;
+        Self::through(&start, family, values[0], unit, &stop)
     }
 }
 
@@ -164,6 +163,20 @@ impl StructureOrbit {
         Self::given(&model, since, strikes)
     }
 
+    /// The same, its models as these parameters of the lattice vary, and their values here: where a branch or a curve begins.
+    ///
+    /// # Errors
+    /// As [`StructureOrbit::of_orbit`].
+    pub fn along(
+        orbit: &Orbit,
+        free: &[Parameter],
+        stop: &Stop,
+    ) -> Result<(Self, ModelFamily, Vec<f64>), StructureOrbitError> {
+        let family = StructureModel::family(*orbit.model(), free, &orbit.hit_sites(), stop);
+        let values = free.iter().map(|parameter| orbit.model().get(*parameter)).collect();
+        Ok((Self::of_orbit(orbit, stop)?, family, values))
+    }
+
     /// The same among contacts at more masses of the lattice, each where one of these hits is; of any other structure as it is.
     pub(super) fn with_contacts_at(&self, hits: &[Hit]) -> Result<Self, StructureOrbitError> {
         let Some(Masses { lattice, sites, .. }) = self.model().masses() else { return Ok(self.clone()) };
@@ -178,7 +191,7 @@ impl StructureOrbit {
         Self::given(&model, (self.force_periods(), self.psi().unwrap_or(0.0)), self.strikes().collect())
     }
 
-    /// The orbit of all masses of the lattice around the contacts; `None` of any other structure.
+    /// The same orbit with all masses of the lattice, those too that hit nothing; `None` where the structure is no lattice.
     pub fn of_all_masses(&self) -> Option<Result<Orbit, BreatherError>> {
         let Masses { lattice, .. } = self.model().masses()?;
         let hits = self.hits_by_halves();

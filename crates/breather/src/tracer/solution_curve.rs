@@ -88,8 +88,8 @@ impl<O: Clone> SolutionPoint<O> {
     }
 }
 
-/// The solutions of one system over one parameter, to be followed step by step: a [`Branch`](crate::Branch)
-/// or a [`Branch`](crate::Branch).
+/// The solutions of one system over one parameter, to be followed step by step: a [`Branch`](crate::Branch),
+/// or the curve of an event.
 #[derive(Debug, Clone)]
 pub struct SolutionCurve<S> {
     pub(crate) equations: S,

@@ -1,6 +1,6 @@
 //! Curves of events of a lattice's orbits over two of its parameters: those of the lattice as a structure with contacts at the masses that hit.
 
-use vibrochain_breather::{BranchError, BreatherError, Continuation, Orbit, StructureModel, StructureOrbit};
+use vibrochain_breather::{BranchError, BreatherError, Continuation, Orbit, StructureOrbit};
 use vibrochain_lattice::{Model, Parameter};
 
 use super::answer::{CurveError, CurvePoint, EventCurve, Walk, Window};
@@ -50,9 +50,7 @@ pub fn curve_along(orbit: &Orbit, event: Event, evidence: Evidence, walk: &Walk<
     let uncoupled = (0..2).find(|&i| parameters[i] == Parameter::Gamma2 && window.from[i] == 0.0);
     let asked =
         CurveRequest { event, evidence, window: [window.from, window.to], tolerance, uncoupled, special, until };
-    let start = StructureOrbit::of_orbit(orbit, stop).map_err(BranchError::from)?;
-    let family = StructureModel::family(*orbit.model(), &parameters, &orbit.hit_sites(), stop);
-    let values = parameters.map(|parameter| orbit.model().get(parameter));
+    let (start, family, values) = StructureOrbit::along(orbit, &parameters, stop).map_err(BranchError::from)?;
     let base = Continuation::through(&start, family, &values, &sides, stop)?;
     let found = followed((base, &start), Watcher::default(), &asked);
     // On the way a failure is an end.

@@ -1,6 +1,6 @@
 //! Branches of a lattice's orbits as one of its parameters varies: those of the lattice as a structure with contacts at the masses that hit.
 
-use vibrochain_breather::{BranchError, BreatherError, ModelFamily, Orbit, StructureModel, StructureOrbit};
+use vibrochain_breather::{BranchError, BreatherError, ModelFamily, Orbit, StructureOrbit};
 use vibrochain_lattice::{Parameter, Resonance, Spectrum, Stop};
 
 use super::answer::{Answer, BranchedOrbit, Branching, End, Event, LocateError, Located, Search};
@@ -127,9 +127,9 @@ struct OfLattice<'a> {
 impl OfLattice<'_> {
     /// The orbit to start from as one of the structure, its models as the parameter varies, and where that is.
     fn begun(&self, stop: &Stop) -> Result<(StructureOrbit, ModelFamily, f64), LocateError> {
-        let &Self { start, free } = self;
-        let family = StructureModel::family(*start.model(), &[free], &start.hit_sites(), stop);
-        Ok((StructureOrbit::of_orbit(start, stop).map_err(BranchError::from)?, family, start.model().get(free)))
+        let (start, family, values) =
+            StructureOrbit::along(self.start, &[self.free], stop).map_err(BranchError::from)?;
+        Ok((start, family, values[0]))
     }
 
     fn orbit(&self, orbit: &StructureOrbit, value: f64) -> Result<Orbit, LocateError> {

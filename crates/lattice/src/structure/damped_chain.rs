@@ -7,6 +7,8 @@
 //! Ω² = γ₁ + γ₂κ + γ₃κ′,   2δ = c + c₂κ .
 //! ```
 
+pub(crate) mod felt_shapes;
+
 use std::cmp::Ordering;
 
 use rustfft::num_complex::Complex;
@@ -95,7 +97,7 @@ impl Frequency {
 
     /// # Errors
     /// [`StructureError::Unstable`]
-    pub(super) fn check(&self) -> Result<(), StructureError> {
+    fn check(&self) -> Result<(), StructureError> {
         let square = self.square.sum;
         if square.high < 0.0 { Err(StructureError::Unstable { square: square.value() }) } else { Ok(()) }
     }
@@ -138,7 +140,7 @@ impl DampedChain {
     }
 
     /// Whether a mode moves a mass that a contact sees.
-    pub(super) fn is_felt(&self, row: &LayerModes, mode: LayeredMode) -> bool {
+    fn is_felt(&self, row: &LayerModes, mode: LayeredMode) -> bool {
         let mut masses = self.contacts.iter().flat_map(|(weights, _)| weights.iter().map(|(n, _)| *n));
         masses.any(|n| !row.is_node(mode, n))
     }
@@ -158,23 +160,23 @@ impl DampedChain {
     }
 
     /// The shapes of its modes, whatever its springs are.
-    pub(super) fn row(&self) -> LayerModes {
+    fn row(&self) -> LayerModes {
         LayerModes::new((self.sites, self.ends), (self.layers, self.layer_ends))
     }
 
     /// Whether each load is the same on all masses.
-    pub(super) fn are_uniform(&self) -> Vec<bool> {
+    fn are_uniform(&self) -> Vec<bool> {
         self.loads.iter().map(|(_, load)| load.windows(2).all(|pair| pair[0] == pair[1])).collect()
     }
 
     /// What each contact may see of a mode at most.
-    pub(super) fn reaches(&self) -> Vec<f64> {
+    fn reaches(&self) -> Vec<f64> {
         let reach = |weights: &[(usize, f64)]| weights.iter().map(|(_, weight)| weight * weight).sum::<f64>().sqrt();
         self.contacts.iter().map(|(weights, _)| reach(weights)).collect()
     }
 
     /// Mode number `k` of what is seen of its shape.
-    pub(super) fn linear_mode(
+    fn linear_mode(
         &self,
         k: usize,
         &Frequency { coupling, square, .. }: &Frequency,
@@ -189,7 +191,7 @@ impl DampedChain {
     }
 
     /// The structure of its modes.
-    pub(super) fn of_modes(&self, modes: Vec<LinearMode>) -> Result<ModalStructure, StructureError> {
+    fn of_modes(&self, modes: Vec<LinearMode>) -> Result<ModalStructure, StructureError> {
         let contacts = self.contacts.iter().map(|(_, contact)| *contact).collect();
         let harmonics = self.loads.iter().map(|(number, _)| *number).collect();
         ModalStructure::keeping(self.modes, contacts, harmonics, modes)
@@ -256,7 +258,7 @@ impl DampedChain {
     }
 
     /// Ω² of a mode, and its κ and κ′.
-    pub(super) fn frequency(&self, mode: LayeredMode, [coupling, across]: [Twofold; 2]) -> Frequency {
+    fn frequency(&self, mode: LayeredMode, [coupling, across]: [Twofold; 2]) -> Frequency {
         let own = Twofold::from(self.gamma1);
         let (between, beside) = (Twofold::from(self.gamma2) * coupling, Twofold::from(self.gamma3) * across);
         let size = own.high.abs() + between.high.abs() + beside.high.abs();
@@ -275,7 +277,7 @@ impl DampedChain {
     }
 
     /// What contacts, loads and, if they are asked for, masses see of a mode; and whether each load is the same on all masses.
-    pub(super) fn seen(&self, row: &LayerModes, mode: LayeredMode, are_uniform: &[bool]) -> SeenShape {
+    fn seen(&self, row: &LayerModes, mode: LayeredMode, are_uniform: &[bool]) -> SeenShape {
         let shape = row.shape(mode);
         let all: Vec<Twofold> = if self.all_masses { (0..self.masses()).map(&shape).collect() } else { Vec::new() };
         let at = |n: usize| all.get(n).copied().unwrap_or_else(|| shape(n));
@@ -316,7 +318,7 @@ impl DampedChain {
         }
     }
 
-    pub(super) fn check(&self) -> Result<(), StructureError> {
+    fn check(&self) -> Result<(), StructureError> {
         let range =
             |what: &str, value: f64, requirement| StructureError::Range { what: what.to_owned(), value, requirement };
         if !(1..=MAX_SITES).contains(&self.sites) {

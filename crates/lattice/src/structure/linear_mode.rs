@@ -244,6 +244,11 @@ impl LinearMode {
             && near(self.rate, other.rate)
     }
 
+    /// The frequency at which a harmonic drives the mode without bound; `None` where something damps it, or it does not swing.
+    pub fn resonant_frequency(&self) -> Option<f64> {
+        (self.decay == 0.0 && self.turn == Turn::Circular).then_some(self.rate)
+    }
+
     /// Whether a pole is 0: nothing holds the mode in its place.
     pub fn is_rigid(&self) -> bool {
         match self.turn {

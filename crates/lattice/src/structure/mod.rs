@@ -6,9 +6,8 @@
 //! | `linear_mode` | [`LinearMode`]: two coordinates that move together, what contacts see of them, what impulses and loads give to them |
 //! | `contact_modes` | [`ContactMode`]: a mode without losses as impacts at one contact feel it |
 //! | `modal` | [`ModalStructure`]: modes and contacts, from which kernels and steady motions are made |
-//! | `damped_chain` | [`DampedChain`]: a chain with its dashpots, or rows of one side by side, whose modes are known in closed form |
+//! | `damped_chain` | [`DampedChain`]: a chain with its dashpots, or rows of one side by side, whose modes are known in closed form; [`FeltShapes`]: what contacts feel of them, whatever the springs |
 //! | `of_model` | the lattice of a model, with contacts where they are asked for |
-//! | `felt_shapes` | [`FeltShapes`]: what contacts feel of them, whatever the springs |
 //! | `matrices` | [`Structure`]: mass, damping and stiffness with contacts and loads (feature `matrices`) |
 //! | `eigenmodes` | its modes, by `assembly` from a `basis` |
 //! | `state_matrix` | poles and shapes of modes that dashpots couple |
@@ -33,7 +32,6 @@ pub(crate) mod damped_chain;
 mod eigenmodes;
 pub(crate) mod energy;
 pub(crate) mod error;
-pub(crate) mod felt_shapes;
 pub(crate) mod linear_mode;
 #[cfg(feature = "matrices")]
 pub(crate) mod matrices;

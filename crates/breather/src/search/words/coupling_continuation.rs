@@ -123,7 +123,7 @@ impl Way {
         std::iter::once((self.coupling, value)).chain(tied).try_fold(*of, set)
     }
 
-    /// The branch through an orbit, among those that have all the symmetry of its impacts.
+    /// The branch through an orbit. Its orbits keep every symmetry that the impacts of this one have.
     fn through(self, orbit: &Orbit, stop: &Stop) -> Result<Branch, BranchError> {
         let of = *orbit.model();
         let lattice = move |values: &[f64]| self.model(&of, values[0]).map_err(|error| error.to_string());

@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Barrier, ModalStructure, Stop, Turn};
+use vibrochain_lattice::{Barrier, LinearMode, ModalStructure, Stop};
 
 use super::family::{MOVED, ModelFamily, is_idle, loses_energy};
 use super::images::is_own_image;
@@ -360,9 +360,8 @@ impl System for Continuation {
     fn may_turn(&self, (from, _): (&StructureOrbit, f64), (to, _): (&StructureOrbit, f64)) -> bool {
         let turns = |orbit: &StructureOrbit| -> Vec<f64> {
             let period = orbit.period() / std::f64::consts::TAU;
-            let free = orbit.model().structure().modes().iter();
-            let free = free.filter(|mode| mode.decay == 0.0 && mode.turn == Turn::Circular);
-            free.map(|mode| (mode.rate * period).floor()).collect()
+            let undamped = orbit.model().structure().modes().iter().filter_map(LinearMode::resonant_frequency);
+            undamped.map(|frequency| (frequency * period).floor()).collect()
         };
         turns(from) != turns(to) || is_own_image(from) && is_own_image(to) || from.is_across(to)
     }

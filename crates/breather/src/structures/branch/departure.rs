@@ -21,11 +21,10 @@ use super::family::ModelFamily;
 use crate::branch_error::BranchError;
 use crate::equations::linear::{Vector, unit};
 use crate::orbit::{Hit, SIMULTANEOUS};
-use crate::structures::equations::Equations;
 use crate::structures::error::StructureOrbitError;
 use crate::structures::model::StructureModel;
 use crate::structures::orbit::{StructureImpact, StructureOrbit};
-use crate::structures::point::{Point, Strike};
+use crate::structures::point::Strike;
 use crate::tracer::solution_curve::{SolutionCurve, SolutionPoint, normed};
 use crate::tracer::system::{Matrix, System};
 use crate::word::MAX_IMPACTS;
@@ -139,12 +138,7 @@ impl StructureOrbit {
         if strikes.len() > MAX_IMPACTS {
             return Err(StructureOrbitError::TooManyImpacts { impacts: strikes.len() });
         }
-        let equations = Equations::new(model, force_periods, strikes.iter().map(|strike| strike.contact))?;
-        let offsets = smallvec::smallvec![0.0; equations.rigid.len()];
-        let period = equations.period();
-        let point = equations.with_offsets(Point { strikes: strikes.into(), psi, period, offsets })?;
-        let system = equations.system(&point)?;
-        Self::new(&equations, force_periods, (point, system))
+        Self::given(model, (force_periods, psi), strikes.into())
     }
 
     /// The same as one of twice as many impacts in twice its period.
@@ -220,10 +214,9 @@ impl StructureOrbit {
     /// The same motion as an orbit of another word: without an impact that has no impulse left, with others that have none yet.
     fn exchanged(&self, lost: Option<usize>, touching: &[Hit]) -> Result<Self, BranchError> {
         let speed = |one: &StructureImpact| one.velocity_before.abs();
-        let scale = |one: &StructureImpact| speed(one).max(one.acceleration_before.abs() / self.model().omega());
-        let fastest = self.impacts().iter().map(scale).fold(0.0, f64::max);
         // Symmetry may have several lose their velocity at once.
-        let is_lost = |i: usize| lost.is_some() && (Some(i) == lost || speed(&self.impacts()[i]) <= STILL * fastest);
+        let is_lost =
+            |i: usize| lost.is_some() && (Some(i) == lost || speed(&self.impacts()[i]) <= STILL * self.speed());
         let strike = |hit: &Hit| Ok(Strike { impulse: 0.0, ..self.model().strike(hit)? });
         let touching = touching.iter().map(strike).collect::<Result<Vec<Strike>, StructureOrbitError>>()?;
         self.reassembled(is_lost, &touching)

@@ -36,7 +36,8 @@ impl StructureOrbit {
     }
 }
 
-/// Whether half a period later an orbit does the same at the other barriers; or, where time may run backwards, the same.
+/// Whether an orbit is its own mirror image: half a period later it hits the opposite barriers with opposite impulses, or, without loads and losses,
+/// it is the same backwards in time.
 pub(super) fn is_own_image(orbit: &StructureOrbit) -> bool {
     let (impacts, period) = (orbit.impacts(), orbit.period());
     let alike = |one: &StructureImpact, other: &StructureImpact, sign: f64, time: f64| {
@@ -48,7 +49,6 @@ pub(super) fn is_own_image(orbit: &StructureOrbit) -> bool {
     let holds = |sign: f64, of: &dyn Fn(f64) -> f64| {
         impacts.iter().all(|one| impacts.iter().any(|other| alike(one, other, sign, of(one.time))))
     };
-    let reversible = orbit.is_conservative() && orbit.model().structure().is_lossless();
     holds(-1.0, &|time| time + 0.5 * period)
-        || reversible && impacts.iter().any(|about| holds(1.0, &|time| about.time - time))
+        || orbit.is_conservative() && impacts.iter().any(|about| holds(1.0, &|time| about.time - time))
 }

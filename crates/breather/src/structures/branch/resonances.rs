@@ -1,6 +1,6 @@
 //! Where a branch meets a resonance.
 
-use vibrochain_lattice::{LinearMode, Resonance, Turn};
+use vibrochain_lattice::{LinearMode, Resonance};
 
 use super::continuation::{Branch, BranchPoint};
 use crate::roots::bracket::zero;
@@ -10,11 +10,6 @@ use crate::structures::orbit::StructureOrbit;
 /// A harmonic of which symmetry leaves no more than this part moves no mode: some roundings of its terms. Next to a resonance that
 /// does move its mode the impulses, too, conspire against it, but by the square of the distance.
 pub(crate) const STILL: f64 = 64.0 * f64::EPSILON;
-
-/// The frequency of a mode that nothing damps.
-fn frequency(mode: &LinearMode) -> Option<f64> {
-    (mode.decay == 0.0 && mode.turn == Turn::Circular).then_some(mode.rate)
-}
 
 impl StructureOrbit {
     /// Whether a harmonic of the impulses pushes a mode.
@@ -52,12 +47,14 @@ impl Branch {
     fn first_resonance(&self, from: &BranchPoint, to: (f64, f64), model: &StructureModel) -> Option<(f64, Resonance)> {
         let (first, last) = (from.orbit().model().structure().modes(), model.structure().modes());
         let both = first.iter().zip(last).enumerate();
-        let frequencies = both.filter_map(|(number, (mode, end))| Some((number, (frequency(mode)?, frequency(end)?))));
+        let frequencies = both.filter_map(|(number, (mode, end))| {
+            Some((number, (mode.resonant_frequency()?, end.resonant_frequency()?)))
+        });
         // All orbits of a branch last the same number of periods of the loads.
         let periods = from.orbit().period() / from.orbit().model().period();
         let at = |number: usize, value: f64| {
             let model = self.equations.model_at(value)?;
-            Some((frequency(model.structure().modes().get(number)?)?, model.omega() / periods))
+            Some((model.structure().modes().get(number)?.resonant_frequency()?, model.omega() / periods))
         };
         let counts = |number: usize, harmonic: f64| from.orbit().pushes(&first[number], harmonic);
         let start = (from.value(), std::f64::consts::TAU / from.orbit().period());

@@ -143,8 +143,9 @@ impl Flight<'_> {
         true
     }
 
-    /// Where contacts come nearest to their barriers at turning points; or, where they go beyond, where the first window with such a place has them
-    /// farthest out. `None` where none turns. The first contact is the one that is hit, on these barriers at both ends.
+    /// The turning point at which a contact is nearest to a barrier. Where contacts go beyond, the first window in which one does tells the farthest
+    /// place of that window. `None` where no contact turns. The first contact of the list is the one that is hit: it is on these barriers at both
+    /// ends.
     pub(super) fn closest(&self, view: &View, contacts: &[Contact], hit: [Option<Barrier>; 2]) -> Option<Closest> {
         let groups = view.sights.still.len();
         let stops = stops(view, contacts);

@@ -58,7 +58,7 @@ impl Modes {
         };
         let (mut kernels, mut sizes, mut errors, mut doubt) = ([ZERO; 2], [ZERO; 2], [ZERO; 2], ZERO);
         for g in 0..groups {
-            // The last group is filled up with modes that nothing moves.
+            // Modes that no impact moves fill up the last group of four.
             let of = |number: &dyn Fn(usize) -> f64, pad: f64| -> Lane {
                 std::array::from_fn(|i| if g * LANES + i < own.len() { number(g * LANES + i) } else { pad })
             };

@@ -165,7 +165,7 @@ impl<'a> PeriodLaw<'a> {
     fn bend(&self, from: f64, to: f64) -> f64 {
         let of = |mode: &LinearMode| {
             // Of a mode that nothing damps, K′ is −½ of what it does in a moment, at any period.
-            if mode.is_rigid() || mode.decay == 0.0 && mode.turn == Turn::Circular && mode.is_real {
+            if mode.is_rigid() || mode.resonant_frequency().is_some() && mode.is_real {
                 return 0.0;
             }
             let reach = length(mode.rows[self.contact]) * length(mode.columns[self.contact]);

@@ -1,12 +1,12 @@
 //! What contacts feel of the shapes of a lattice's modes, which no spring changes: modes of other springs are made of them.
 
-use super::damped_chain::DampedChain;
-use super::error::StructureError;
-use super::modal::ModalStructure;
-use super::oscillator::SeenShape;
+use super::DampedChain;
 use crate::model::params::Model;
 use crate::modes::row_modes::LayeredMode;
 use crate::simd::twofold::Twofold;
+use crate::structure::error::StructureError;
+use crate::structure::modal::ModalStructure;
+use crate::structure::oscillator::SeenShape;
 
 /// A mode without its frequency.
 #[derive(Debug, Clone)]
