@@ -55,23 +55,15 @@ pub fn curve_along(orbit: &Orbit, event: Event, evidence: Evidence, walk: &Walk<
     let found = followed((base, &start), Watcher::default(), &asked);
     // On the way a failure is an end.
     stop.heard()?;
-    let EventCurve { event, evidence, points, mut special, ends, evaluations, spectra } = found?;
+    let EventCurve { event, evidence, points, special, ends, evaluations, spectra } = found?;
     let point = |point: CurvePoint<StructureOrbit>| {
         let CurvePoint { values, error, angle, physical, orbit: of } = point;
         let set = |model: Model, (parameter, value): (&Parameter, &f64)| model.with(*parameter, *value);
         let model = parameters.iter().zip(&values).try_fold(*orbit.model(), set)?;
-        match of.to_orbit(&model, orbit.family()) {
-            Ok(orbit) => Ok(Some(CurvePoint { values, error, angle, physical, orbit })),
-            // Where a curve ends at a resonance its last point may be nearer to it than what tells an orbit of all masses.
-            Err(BreatherError::Resonance(_)) => Ok(None),
-            Err(error) => Err(error),
-        }
+        let orbit = of.to_orbit(&model, orbit.family())?;
+        Ok::<_, BreatherError>(CurvePoint { values, error, angle, physical, orbit })
     };
-    let told: Vec<Option<CurvePoint>> =
-        points.into_iter().map(point).collect::<Result<_, BreatherError>>().map_err(BranchError::from)?;
-    special.retain(|one| told[one.point].is_some());
-    special.iter_mut().for_each(|one| one.point -= told[..one.point].iter().filter(|point| point.is_none()).count());
-    let points = told.into_iter().flatten().collect();
+    let points = points.into_iter().map(point).collect::<Result<_, _>>().map_err(BranchError::from)?;
     Ok(EventCurve { event, evidence, points, special, ends, evaluations, spectra })
 }
 

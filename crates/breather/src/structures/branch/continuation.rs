@@ -265,6 +265,10 @@ impl Continuation {
         if kind != (self.forced, self.self_excited, self.rigid) {
             return Err(StructureOrbitError::OtherUnknowns.into());
         }
+        // What is nearer to a resonance than rounding is no orbit that could be told.
+        if !self.self_excited && equations.off_resonance(&equations.hit).is_err() {
+            return Err(BranchError::NoConvergence);
+        }
         equations.left_out = self.strongest;
         self.load_period = load_period(&equations);
         let point = match &self.reduction {
