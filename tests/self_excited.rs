@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
 
-use vibrochain_breather::{StructureFound, StructureModel, StructureOrbit, StructureOrbitError};
+use vibrochain_breather::{OrbitList, StructureModel, StructureOrbit, StructureOrbitError};
 use vibrochain_eventsim::{Limits, Outcome, Simulation};
 use vibrochain_floquet::{
     BranchRequest, End, Event, Located, Rectangle, Tolerance, branches, event_curve, structure_stability,
@@ -31,7 +31,7 @@ fn damped(c: f64, stops: &str, restitution: f64, map: &str) -> StructureScene {
     StructureScene::of_text(&text, Path::new(".")).unwrap()
 }
 
-fn orbits(model: &StructureModel, word: &str) -> StructureFound {
+fn orbits(model: &StructureModel, word: &str) -> OrbitList<StructureOrbit> {
     model.orbits(&word.parse().unwrap(), 1).unwrap()
 }
 
@@ -70,7 +70,7 @@ fn one_mass_has_the_cycle_of_many_digits() {
     let model = scene("lower = -1", 0.5).model().unwrap();
     let found = orbits(&model, "0-");
     assert!(
-        found.search.is_complete() && found.periods.is_some_and(|[from, to]| from < 0.01 && to > 25.0),
+        found.completeness.is_established() && found.periods.is_some_and(|[from, to]| from < 0.01 && to > 25.0),
         "{found:?}"
     );
     let [orbit] = &found.orbits[..] else { panic!("{}", found.orbits.len()) };
@@ -126,7 +126,7 @@ fn runs_settle_on_it() {
 fn two_stops_have_the_cycle_that_is_its_own_mirror_image() {
     let model = scene("lower = -1\nupper = 1", 0.5).model().unwrap();
     let found = orbits(&model, "0+,0-");
-    assert!(!found.search.is_complete());
+    assert!(!found.completeness.is_established());
     let physical: Vec<_> = found.orbits.iter().filter(|orbit| orbit.admissibility().unwrap().is_physical()).collect();
     let [orbit] = physical[..] else { panic!("{}", physical.len()) };
     let next = |v: f64| {
@@ -180,7 +180,7 @@ fn lists_of_one_impact_have_all_periods_and_runs_follow_what_is_physical() {
         let model = StructureModel::new(Arc::new(structure.clone()), 1.0).unwrap();
         let found = orbits(&model, "0+");
         let [from, to] = found.periods.unwrap();
-        assert!(found.search.is_complete(), "{:?}", found.search);
+        assert!(found.completeness.is_established(), "{:?}", found.completeness);
         let at = |i: u32| law(&structure, from + (to - from) * f64::from(i) / 10_000.0);
         let crossings = (0..10_000).filter(|&i| at(i) * at(i + 1) < 0.0).count();
         // Between two places there may be two more.

@@ -252,7 +252,7 @@ impl Tally {
             orbit.impacts().iter().map(|impact| format!("{}{}", impact.contact, name(impact.barrier))).collect();
         let word: Word = word.join(",").parse().unwrap();
         let found = model.orbits(&word, periods).unwrap();
-        if !found.search.is_complete() {
+        if !found.completeness.is_established() {
             return;
         }
         let apart = |orbit: &StructureOrbit, i: usize| {

@@ -4,8 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 use vibrochain_breather::{
-    Completeness, Condition, Family, Finder, Orbit, OrbitList, Scope, StructureFound, StructureModel, StructureOrbit,
-    Word,
+    Completeness, Condition, Family, Finder, Orbit, OrbitList, Scope, StructureModel, StructureOrbit, Word,
 };
 use vibrochain_floquet::{Analyser, Tolerance, structure_verdict};
 use vibrochain_lattice::{Force, Harmonic, Point, Structure};
@@ -83,7 +82,7 @@ impl Tally {
     }
 
     /// Each orbit of one list is one of the other; all of them where both lists are said to be complete.
-    fn compare(&mut self, what: &str, (found, finder): (&OrbitList, &mut Finder), other: &StructureFound) {
+    fn compare(&mut self, what: &str, (found, finder): (&OrbitList, &mut Finder), other: &OrbitList<StructureOrbit>) {
         self.lists += 1;
         let (mut taken, mut places) = (vec![false; other.orbits.len()], Vec::new());
         for orbit in &found.orbits {
@@ -92,8 +91,8 @@ impl Tally {
                 // Impacts on one barrier closer than this are left out of what a structure's list is said to hold.
                 let is_crowded = orbit.impacts().iter().all(|impact| impact.barrier == orbit.impacts()[0].barrier)
                     && orbit.phi().is_some_and(|phi| apart(phi, 0.0, orbit.period()) < 1e-4 * orbit.period());
-                let search = other.search;
-                assert!(!search.is_complete() || is_crowded, "{what}: {search:?} but {:?}", orbit.impacts());
+                let known = other.completeness;
+                assert!(!known.is_established() || is_crowded, "{what}: {known:?} but {:?}", orbit.impacts());
                 self.missed += 1;
                 continue;
             };
@@ -106,7 +105,7 @@ impl Tally {
         self.ordered += usize::from(is_turned || places.is_sorted());
         let is_complete = matches!(found.completeness, Completeness::All(_) | Completeness::None { by: Some(_), .. });
         if is_complete {
-            self.complete += usize::from(other.search.is_complete());
+            self.complete += usize::from(other.completeness.is_established());
             let pushes = |orbit: &StructureOrbit| {
                 orbit.impacts().iter().all(|impact| impact.barrier.sign() * impact.impulse < 0.0)
             };
@@ -274,7 +273,7 @@ fn lists_stay_as_a_resonance_comes_close_whatever_the_dashpots() {
             for family in [Family::DoubleSided, Family::SingleSided] {
                 let what = format!("{off:e} {family} {model}");
                 let (word, periods) = word(family, 0);
-                let times = |list: &StructureFound| -> Vec<f64> {
+                let times = |list: &OrbitList<StructureOrbit>| -> Vec<f64> {
                     let phi = |orbit: &StructureOrbit| orbit.phi().unwrap_or(orbit.psi().unwrap()) / orbit.period();
                     list.orbits.iter().map(phi).collect()
                 };
@@ -284,7 +283,10 @@ fn lists_stay_as_a_resonance_comes_close_whatever_the_dashpots() {
                 let damped = StructureModel::new(Arc::new(damped), model.omega()).unwrap();
                 let damped = damped.orbits(&word, periods).unwrap();
                 let [own, other] = [&list, &damped].map(times);
-                assert!(list.search.is_complete() && damped.search.is_complete(), "{what}: {list:?} {damped:?}");
+                assert!(
+                    list.completeness.is_established() && damped.completeness.is_established(),
+                    "{what}: {list:?} {damped:?}"
+                );
                 // One impact alone moves with the dashpot, as its impulse goes to 0 with 1 − R.
                 let stays = family == Family::SingleSided || have_common_times([&own, &other]);
                 assert!(own.len() == other.len() && stays, "{what}: {own:?} {other:?}");

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use std::fs;
 use std::path::PathBuf;
 
-use vibrochain_breather::{StructureFound, StructureOrbit, Word};
+use vibrochain_breather::{OrbitList, StructureOrbit, Word};
 use vibrochain_floquet::{Tolerance, structure_stability};
 use vibrochain_lattice::{Complex, Stop};
 use vibrochain_maps::structure::{Setting, StructureScene};
@@ -21,7 +21,7 @@ fn scene(name: &str) -> StructureScene {
     StructureScene::read(&root().join("scenes/structures").join(name)).unwrap().unwrap()
 }
 
-pub(crate) fn orbits(scene: &StructureScene, word: Option<&str>) -> StructureFound {
+pub(crate) fn orbits(scene: &StructureScene, word: Option<&str>) -> OrbitList<StructureOrbit> {
     let word: Word = word.map_or_else(|| scene.word.clone().unwrap(), |word| word.parse().unwrap());
     scene.model().unwrap().orbits(&word, scene.force_periods).unwrap()
 }
@@ -34,7 +34,7 @@ fn is_physical(orbit: &StructureOrbit) -> bool {
     orbit.admissibility().unwrap().is_physical()
 }
 
-pub(crate) fn physical(found: &StructureFound) -> Vec<&StructureOrbit> {
+pub(crate) fn physical(found: &OrbitList<StructureOrbit>) -> Vec<&StructureOrbit> {
     found.orbits.iter().filter(|orbit| is_physical(orbit)).collect()
 }
 
@@ -137,7 +137,7 @@ fn modulus_by_hand(one: Oscillator, omega: f64, e: f64, stop: f64, (impulse, psi
 }
 
 #[track_caller]
-pub(crate) fn same_orbits(found: &StructureFound, told: [(f64, f64); 2]) {
+pub(crate) fn same_orbits(found: &OrbitList<StructureOrbit>, told: [(f64, f64); 2]) {
     assert_eq!(found.orbits.len(), 2);
     let period = found.orbits[0].model().period();
     for (impulse, psi) in told {
@@ -303,7 +303,7 @@ fn impacts_begin_at_the_grazing_amplitude() {
             orbits(&own, None)
         };
         let (below, above) = (at(-1e-5), at(1e-5));
-        let slowest = |found: &StructureFound| {
+        let slowest = |found: &OrbitList<StructureOrbit>| {
             let speed = |orbit: &StructureOrbit| orbit.impacts()[0].velocity_before;
             let least = found.orbits.iter().min_by(|a, b| speed(a).abs().total_cmp(&speed(b).abs()));
             (speed(least.unwrap()), radius(least.unwrap()))
@@ -335,7 +335,7 @@ fn free_balls_obey_the_balance_of_momentum() {
     };
     assert!(physical(&at(&mut ball, begins * (1.0 - 1e-9))).is_empty());
     assert_eq!(physical(&at(&mut ball, begins * (1.0 + 1e-9))).len(), 2);
-    let radii = |found: &StructureFound| {
+    let radii = |found: &OrbitList<StructureOrbit>| {
         found.orbits.iter().for_each(|orbit| near(orbit.impacts()[0].impulse, TAU, 1e-12));
         let radii = physical(found).into_iter().map(radius);
         radii.fold(f64::INFINITY, f64::min)

@@ -122,6 +122,8 @@ pub enum NoBreather {
     },
     /// No phase of the force meets the conditions at the impacts.
     NoPhase,
+    /// No times of the impacts meet their conditions.
+    NoTimes,
     /// No times of the impacts, and under a force no phase, meet the conditions with barriers that push.
     NothingPushes,
     /// The conditions at the impacts are singular: the two impacts do not determine their impulses.
@@ -160,6 +162,7 @@ impl fmt::Display for NoBreather {
                 write!(f, "the force is too weak: this family needs an amplitude of at least {}", Short(*threshold))
             }
             Self::NoPhase => write!(f, "no phase of the force meets the conditions at the impacts"),
+            Self::NoTimes => write!(f, "no times of the impacts meet their conditions"),
             Self::NothingPushes => {
                 write!(
                     f,

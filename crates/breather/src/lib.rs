@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Model ── breathers, Finder ──> OrbitList: Completeness, Orbit… ──> Motion, Admissibility, Condition, Branch
-//! StructureModel ── orbits ──> StructureFound: StructureOrbit… ──> StructureMotion, Admissibility
+//! StructureModel ── orbits ──> OrbitList: Completeness, StructureOrbit… ──> StructureMotion, Admissibility
 //! ```
 //!
 //! Between impacts the chain is linear, so that a periodic orbit is a superposition of periodic impulse responses.
@@ -71,7 +71,8 @@ pub use orbit::{Family, Hit, Impact, Orbit, time_between};
 pub use roots::bracket;
 pub use search::at_resonance::Limit;
 pub use search::completeness::{Completeness, Proof};
-pub use search::finder::{Finder, OrbitList, Prepared, Scope, breathers, condition};
+pub use search::finder::{Finder, Prepared, Scope, breathers, condition};
+pub use search::orbit_list::OrbitList;
 pub use search::words::ended::{End, Ended};
 pub use structures::branch::continuation::{Branch, BranchPoint, Continuation};
 pub use structures::branch::departure::Departure;
@@ -84,7 +85,6 @@ pub use structures::map_orbit::MapOrbit;
 pub use structures::model::StructureModel;
 pub use structures::orbit::{StructureImpact, StructureOrbit};
 pub use structures::reversible::ReversibleOrbit;
-pub use structures::search::{StructureFound, StructureSearch};
 pub use tracer::line;
 pub use tracer::pace::Pace;
 pub use tracer::solution_curve::{SolutionCurve, SolutionPoint};

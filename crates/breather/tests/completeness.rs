@@ -254,7 +254,10 @@ fn an_empty_list_says_why_or_is_open_and_others_do_not() {
                 blank += usize::from(found.orbits.is_empty());
                 &mut open
             }
-            Completeness::Asked { .. } | Completeness::Followed { .. } => panic!("all were asked for"),
+            Completeness::Asked { .. }
+            | Completeness::Followed { .. }
+            | Completeness::HalfPeriod
+            | Completeness::Scanned { .. } => panic!("all were asked for"),
         };
         *count += 1;
         let words = breathers(&model, Family::Word).map(|found| found.completeness);

@@ -6,8 +6,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use vibrochain_breather::{
-    Completeness, Family, Finder, OrbitList, Scope, StructureFound, StructureImpact, StructureModel, StructureOrbit,
-    breathers,
+    Completeness, Family, Finder, OrbitList, Scope, StructureImpact, StructureModel, StructureOrbit, breathers,
 };
 use vibrochain_lattice::{Complex, Contact, DMatrix, DVector, Ends, Point, Structure};
 use vibrochain_testkit::Random;
@@ -43,7 +42,7 @@ fn between(lower: f64, upper: f64, restitution: f64) -> Contact {
     Contact { lower: Some(lower), upper: Some(upper), restitution }
 }
 
-fn list(model: &StructureModel, word: &str, periods: u32) -> StructureFound {
+fn list(model: &StructureModel, word: &str, periods: u32) -> OrbitList<StructureOrbit> {
     model.orbits(&word.parse().unwrap(), periods).unwrap()
 }
 
@@ -113,8 +112,8 @@ fn next_to_a_resonance_each_orbit_is_listed_once() {
     ];
     for (name, model, count, known) in cases {
         let found = list(&model, "0+,0-", 1);
-        println!("{name}: {:?}", found.search);
-        assert_eq!(found.orbits.len(), count, "{name}: {:?}", found.search);
+        println!("{name}: {:?}", found.completeness);
+        assert_eq!(found.orbits.len(), count, "{name}: {:?}", found.completeness);
         assert_distinct(&found.orbits);
         if let Some([impulse, time]) = known {
             let is_it = |orbit: &&StructureOrbit| {
@@ -155,11 +154,11 @@ fn compare_with_flights(rounds: usize, seed: u64) -> [usize; 3] {
         }
         compared += 1;
         orbits += chain.orbits.len();
-        if found.search.is_complete() {
-            assert_eq!(found.orbits.len(), chain.orbits.len(), "{away:e} {omega} {:?}", found.search);
+        if found.completeness.is_established() {
+            assert_eq!(found.orbits.len(), chain.orbits.len(), "{away:e} {omega} {:?}", found.completeness);
             complete += 1;
         }
-        println!("{away:e} {omega}: {} of {}, {:?}", found.orbits.len(), chain.orbits.len(), found.search);
+        println!("{away:e} {omega}: {} of {}, {:?}", found.orbits.len(), chain.orbits.len(), found.completeness);
     }
     [compared, complete, orbits]
 }
@@ -197,13 +196,13 @@ fn next_to_grazing_both_solutions_are_found() {
         // What rounding of the load makes of it, and x².
         let error = 2e-15 * stop / kernel.abs() + 1e-3 * impulse.abs();
         if impulse.abs() < 4.0 * error {
-            assert!(found.orbits.len() == 2 || !found.search.is_complete(), "{below:e}: {found:?}");
+            assert!(found.orbits.len() == 2 || !found.completeness.is_established(), "{below:e}: {found:?}");
             continue;
         }
         let list: Vec<_> = found.orbits.iter().map(told).collect();
-        println!("{below:e} {omega} {impulse:e} ± {error:e}: {list:?} {:?}", found.search);
+        println!("{below:e} {omega} {impulse:e} ± {error:e}: {list:?} {:?}", found.completeness);
         assert_eq!(found.orbits.len(), 2, "{below:e} {omega}: {found:?}");
-        assert!(found.search.is_complete());
+        assert!(found.completeness.is_established());
         assert!(
             found.orbits.iter().any(|orbit| (told(orbit)[0] - impulse).abs() <= error),
             "{below:e} {impulse:e}: {found:?}"
@@ -249,7 +248,7 @@ fn a_load_of_one_harmonic_is_one_of_as_many_periods() {
             );
             orbits += 1;
         }
-        if found.search.is_complete() && again.search.is_complete() {
+        if found.completeness.is_established() && again.completeness.is_established() {
             assert_eq!(found.orbits.len(), again.orbits.len(), "{harmonic} {word}: {found:?} {again:?}");
             assert!(
                 found.orbits.iter().all(|one| again.orbits.iter().any(|other| is_it(one, other))),
@@ -353,9 +352,9 @@ fn between_far_masses_no_orbit_is_rounding() {
             found.orbits.len(),
             found.completeness,
             twin.orbits.len(),
-            twin.search
+            twin.completeness
         );
-        if found.completeness.is_established() && twin.search.is_complete() {
+        if found.completeness.is_established() && twin.completeness.is_established() {
             let told: Vec<_> = twin.orbits.iter().map(told).collect();
             assert_eq!(found.orbits.len(), twin.orbits.len(), "{word} {model:?} {told:?} {:?}", found.orbits);
             both += 1;

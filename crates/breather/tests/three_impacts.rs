@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::{Hit, StructureModel, StructureOrbit, StructureSearch, Word};
+use vibrochain_breather::{Completeness, Hit, Proof, StructureModel, StructureOrbit, Word};
 use vibrochain_lattice::{Barrier, Complex, Contact, LinearMode, ModalStructure, ModeShape};
 use vibrochain_testkit::Random;
 
@@ -104,13 +104,12 @@ impl Tally {
         let word = word(letters);
         let Ok(found) = model.orbits(&word, periods) else { return };
         self.lists += 1;
-        println!("{name} {word}/{periods}: {} {:?}", found.orbits.len(), found.search);
-        let StructureSearch::BranchAndPrune { boxes, unresolved } = found.search else { return };
-        self.boxes += boxes;
-        if unresolved > 0 {
+        println!("{name} {word}/{periods}: {} {:?}", found.orbits.len(), found.completeness);
+        if let Completeness::Open { .. } = found.completeness {
             self.open += 1;
-            return;
         }
+        let Some(Proof::BranchAndPrune { boxes }) = found.completeness.proof() else { return };
+        self.boxes += boxes;
         self.complete += 1;
         self.orbits += found.orbits.len();
         let led = led_to(model, letters, periods, 1000, &mut Random(random.below(1 << 20) as u64));

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::{Completeness, Family, Hit, StructureModel, StructureOrbit, StructureSearch, breathers};
+use vibrochain_breather::{Completeness, Family, Hit, Proof, StructureModel, StructureOrbit, breathers};
 use vibrochain_lattice::{Barrier, Contact, DMatrix, DVector, LinearMode, ModalStructure, ModeShape, Point, Structure};
 use vibrochain_testkit::Random;
 
@@ -45,7 +45,9 @@ fn a_ring_has_the_orbits_of_its_family() {
         }
         let structure = StructureModel::new(Arc::new(ring(sites, [gamma1, gamma2, asymmetry])), omega).unwrap();
         let Ok(found) = structure.orbits(&"0+,0-".parse().unwrap(), 1) else { continue };
-        let StructureSearch::Enclosures { unresolved: 0, .. } = found.search else { continue };
+        if !found.completeness.is_established() {
+            continue;
+        }
         let by_structure: Vec<Told> = (found.orbits.iter())
             .map(|orbit| [0, 1].map(|i| orbit.impacts()[i]))
             .map(|impacts| [impacts[1].time, impacts[0].impulse, impacts[1].impulse])
@@ -94,11 +96,12 @@ fn any_structure_has_all_orbits_that_starts_lead_to() {
             "0+,1-"
         };
         let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
-        let StructureSearch::Enclosures { unresolved, .. } = found.search else { panic!("{:?}", found.search) };
-        complete += usize::from(unresolved == 0);
-        if unresolved > 0 {
+        if let Completeness::Open { .. } = found.completeness {
             continue;
         }
+        let proof = found.completeness.proof();
+        assert!(matches!(proof, Some(Proof::Enclosures { .. })), "{:?}", found.completeness);
+        complete += 1;
         let told = |orbit: &StructureOrbit| {
             let impacts = orbit.impacts();
             [impacts[1].time, impacts[0].impulse, impacts[1].impulse]

@@ -27,7 +27,7 @@ fn departures(scene: &StructureScene, model: &StructureModel, stop: &Stop) -> Op
             status = Status::IllConditioned;
             continue;
         };
-        status = status.max(Status::of_search(found.search));
+        status = status.max(Status::of_list(found.completeness));
         for orbit in &found.orbits {
             stop.heard().ok()?;
             let physical = orbit.first_obstruction().map(|answer| answer.is_physical());

@@ -1,9 +1,7 @@
 //! One cell of a map: a parameter point and what lives there.
 
 use serde::Serialize;
-use vibrochain_breather::{
-    BreatherError, Completeness, Family, Finder, MapSearch, Orbit, OrbitList, Scope, StructureSearch, Word,
-};
+use vibrochain_breather::{BreatherError, Completeness, Family, Finder, MapSearch, Orbit, OrbitList, Scope, Word};
 use vibrochain_floquet::{Analyser, Collision, DressedModes, FloquetError, Mechanism, Tolerance, Verdict};
 use vibrochain_lattice::{Model, Stop};
 
@@ -132,22 +130,12 @@ vibrochain_lattice::names!(Status {
 });
 
 impl Status {
-    fn of_list(completeness: Completeness) -> Self {
+    /// What is known of a list of orbits says so much of their cell.
+    #[must_use]
+    pub fn of_list(completeness: Completeness) -> Self {
         match completeness {
             completeness if completeness.is_established() => Self::Ok,
             Completeness::Open { .. } => Self::Unresolved,
-            _ => Self::Incomplete,
-        }
-    }
-
-    /// What a list of a structure's orbits says of its cell.
-    #[must_use]
-    pub fn of_search(search: StructureSearch) -> Self {
-        match search {
-            search if search.is_complete() => Self::Ok,
-            StructureSearch::ClosedForm { .. }
-            | StructureSearch::Enclosures { .. }
-            | StructureSearch::BranchAndPrune { .. } => Self::Unresolved,
             _ => Self::Incomplete,
         }
     }

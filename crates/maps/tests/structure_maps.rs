@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use vibrochain_breather::{StructureMotion, StructureSearch};
+use vibrochain_breather::{Proof, StructureMotion};
 use vibrochain_lattice::Stop;
 use vibrochain_maps::absence::{AT_ONCE, Absence};
 use vibrochain_maps::grid::Grid;
@@ -50,8 +50,8 @@ fn proofs_take_few_intervals() {
         for omega in [1.0, 1.5, 2.0, 2.8] {
             let model = ring(gamma2, omega).model().unwrap();
             let found = model.orbits(&"0+,0-".parse().unwrap(), 1).unwrap();
-            let StructureSearch::Enclosures { intervals: own, unresolved: 0 } = found.search else {
-                panic!("{:?}", found.search);
+            let Some(Proof::Enclosures { intervals: own }) = found.completeness.proof() else {
+                panic!("{:?}", found.completeness);
             };
             intervals += own;
             cells += 1;

@@ -147,9 +147,9 @@ impl PyBreathers {
 /// >>> known = model.breathers("single-sided").completeness
 /// >>> known.established, known.by
 /// (True, 'closed-form')
-#[pyclass(frozen, name = "Completeness", module = "vibrochain")]
-#[derive(Serialize, Deserialize)]
-pub(crate) struct PyCompleteness(Completeness);
+#[pyclass(frozen, eq, name = "Completeness", module = "vibrochain")]
+#[derive(PartialEq, Serialize, Deserialize)]
+pub(crate) struct PyCompleteness(pub(crate) Completeness);
 
 #[pymethods]
 impl PyCompleteness {
@@ -159,20 +159,17 @@ impl PyCompleteness {
         self.0.is_established()
     }
 
-    /// str or None : "closed-form", "enclosures", "branch-and-prune" or "followed".
+    /// str or None : "closed-form", "enclosures", "branch-and-prune"; "followed", "scan" or "half-period", which need not have all.
     #[getter]
     fn by(&self) -> Option<&'static str> {
-        match self.0 {
-            Completeness::Followed { .. } => Some("followed"),
-            completeness => completeness.proof().map(Proof::name),
-        }
+        self.0.means()
     }
 
-    /// int or None : intervals or boxes enclosed, or branches followed.
+    /// int or None : intervals or boxes enclosed, starts or branches followed, places looked at.
     #[getter]
     fn effort(&self) -> Option<usize> {
         match (self.0, self.0.proof()) {
-            (Completeness::Followed { starts, .. }, _) => Some(starts),
+            (Completeness::Followed { starts: count, .. } | Completeness::Scanned { places: count }, _) => Some(count),
             (_, Some(Proof::Enclosures { intervals: count } | Proof::BranchAndPrune { boxes: count })) => Some(count),
             _ => None,
         }

@@ -5,9 +5,7 @@ use std::path::Path;
 use numpy::{IntoPyArray, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
-use vibrochain_breather::{
-    StructureFound, StructureModel, StructureMotion, StructureOrbit, StructureOrbitError, StructureSearch, Word,
-};
+use vibrochain_breather::{OrbitList, StructureModel, StructureMotion, StructureOrbit, StructureOrbitError, Word};
 use vibrochain_floquet::{BranchRequest, Diagram, Event, FollowedBranch, Rectangle, Station, Tolerance, branches};
 use vibrochain_lattice::{Barrier, Stop, StructureError};
 use vibrochain_maps::followed::touch;
@@ -16,6 +14,7 @@ use vibrochain_maps::structure::along::{curves, event, family, value};
 use vibrochain_maps::structure::answer::json as answer_of;
 use vibrochain_maps::structure::{Answered, Setting, StructureScene};
 
+use crate::breathers::PyCompleteness;
 use crate::call::long;
 use crate::failure::Failure;
 use crate::lengths::Items;
@@ -51,7 +50,7 @@ pub(crate) fn _structure(
     threshold: f64,
     near: Items<Hit>,
     psi: f64,
-) -> PyResult<String> {
+) -> PyResult<(String, PyCompleteness)> {
     let work = move |stop: &Stop| {
         let scene = StructureScene::of_text(&scene, Path::new("."))?.until(stop);
         let model = scene.model()?;
@@ -63,14 +62,13 @@ pub(crate) fn _structure(
             }
             None => {
                 let orbit = orbit_near(&model, force_periods, psi, &near.0)?;
-                StructureFound { orbits: vec![orbit], search: StructureSearch::Starts { starts: 1 }, periods: None }
+                OrbitList::near(orbit)
             }
         };
         let answered = found.orbits.iter().map(|orbit| Answered::new(orbit, tolerance));
         let answered = answered.collect::<Result<Vec<_>, StructureOrbitError>>()?;
-        Ok::<String, Failure>(
-            answer_of(&scene, &model, word.as_deref().unwrap_or("near"), &found, &answered).to_string(),
-        )
+        let answer = answer_of(&scene, &model, word.as_deref().unwrap_or("near"), &found, &answered).to_string();
+        Ok::<_, Failure>((answer, PyCompleteness(found.completeness)))
     };
     long(py, |_| Ok(()), work)
 }

@@ -133,7 +133,7 @@ def test_multipliers_and_copies():
         assert again == orbit
     assert pickle.loads(pickle.dumps(both())).orbits("0+", omega=0.6)[1] == orbit
     assert repr(orbit).startswith("<StructureOrbit 0+: period 10.47") and repr(orbit).count("unstable (period-doubling), spectral radius 1.44") == 1
-    assert repr(both().orbits("0+", omega=0.6)) == "<2 orbits, 1 physical, by closed-form>"
+    assert repr(both().orbits("0+", omega=0.6)) == "<2 orbits, 1 physical, complete, by closed form>"
     assert repr(both()) == "Structure(2 coordinates, 1 contact)"
 
 
@@ -197,7 +197,7 @@ def test_where_nothing_has_a_frequency_none_is_asked_for():
     one = self_excited()
     found = one.orbits("0-")
     orbit, = found
-    assert found.search["by"] == "enclosures" and found.periods[0] < orbit.period < found.periods[1]
+    assert found.completeness.by == "enclosures" and found.periods[0] < orbit.period < found.periods[1]
     assert orbit.physical and orbit.psi is None and 0 < orbit.period_error < 1e-12
     hit = orbit.impacts[0]
     place, velocity = after_a_flight(-0.2, hit["velocity_after"], orbit.period)

@@ -144,7 +144,8 @@ impl<'a> MapBreather<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::search::finder::{OrbitList, Scope};
+    use crate::search::finder::Scope;
+    use crate::search::orbit_list::OrbitList;
     use vibrochain_lattice::Chain;
 
     /// Soft and stiff chains, next to resonance, with and without coupling, symmetric or not, small and large.

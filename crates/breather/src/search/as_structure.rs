@@ -10,23 +10,8 @@ use crate::search::finder::Scope;
 use crate::structures::error::StructureOrbitError;
 use crate::structures::model::StructureModel;
 use crate::structures::orbit::StructureOrbit;
-use crate::structures::search::{StructureFound, StructureSearch};
+use crate::structures::search::{ListScope, Listed};
 use crate::word::{Letter, Word};
-
-impl Searched {
-    /// What the search for a structure's orbits has done; or how many starts it took, where others may exist.
-    pub(crate) fn by(search: StructureSearch) -> Result<Self, usize> {
-        match search {
-            StructureSearch::ClosedForm { unresolved } => Ok(Self { unresolved, ..Self::default() }),
-            StructureSearch::Enclosures { intervals, unresolved } => {
-                Ok(Self { intervals, unresolved, ..Self::default() })
-            }
-            StructureSearch::BranchAndPrune { boxes, unresolved } => Ok(Self { boxes, unresolved, ..Self::default() }),
-            StructureSearch::HalfPeriod => Ok(Self { unresolved: 1, ..Self::default() }),
-            StructureSearch::Scan { places: starts } | StructureSearch::Starts { starts } => Err(starts),
-        }
-    }
-}
 
 /// The orbits of a word, of contacts, of the lattice with contacts at these lists of masses. `None` where it cannot be asked for.
 pub(crate) fn among(
@@ -35,9 +20,10 @@ pub(crate) fn among(
     (word, periods): (&Word, u32),
     wanted: Scope,
     stop: &Stop,
-) -> Result<Option<StructureFound>, BreatherError> {
-    let all = if wanted.candidates() { StructureModel::candidates } else { StructureModel::orbits };
-    match StructureModel::of_lattice(model, contacts, stop).and_then(|structure| all(&structure, word, periods)) {
+) -> Result<Option<Listed>, BreatherError> {
+    let scope = if wanted.candidates() { ListScope::Candidates } else { ListScope::All };
+    let listed = |structure: StructureModel| structure.listed(word, periods, scope);
+    match StructureModel::of_lattice(model, contacts, stop).and_then(listed) {
         Ok(searched) => Ok(Some(searched)),
         Err(StructureOrbitError::Stopped(stopped)) => Err(stopped.into()),
         Err(_) => Ok(None),
@@ -53,11 +39,11 @@ pub(crate) fn of_one_mass(
     stop: &Stop,
 ) -> Result<(Vec<Draft>, Searched), BreatherError> {
     let word = Word::new(barriers.iter().map(|barrier| vec![Letter::new(0, *barrier)]).collect())?;
-    let Some(StructureFound { orbits, search, .. }) = among(model, &[vec![home]], (&word, periods), wanted, stop)?
-    else {
-        return Ok((Vec::new(), Searched { exhausted: 1, ..Searched::default() }));
+    let cut_short = Searched { exhausted: 1, ..Searched::default() };
+    let Some(Listed { orbits, searched, .. }) = among(model, &[vec![home]], (&word, periods), wanted, stop)? else {
+        return Ok((Vec::new(), cut_short));
     };
-    let searched = Searched::by(search).unwrap_or(Searched { exhausted: 1, ..Searched::default() });
+    let searched = if searched.partial.is_some() { cut_short } else { searched };
     let steady = model.steady()?.at(home);
     let half = 0.5 * response.period();
     let draft = |orbit: &StructureOrbit| {

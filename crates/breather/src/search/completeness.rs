@@ -98,6 +98,13 @@ pub enum Completeness {
         /// that were not followed to an event that ends them.
         left: usize,
     },
+    /// Orbits without a force whose instants are half a period apart, by closed form: others were not sought.
+    HalfPeriod,
+    /// A function of one variable has been looked at in so many places: two orbits between neighbours may be missed.
+    Scanned {
+        /// How many.
+        places: usize,
+    },
     /// There may be more orbits than the list holds: at the places told, or one is beyond the range of numbers.
     Open {
         /// Places where two orbits may have merged (a fold) closer than rounding can tell.
@@ -127,6 +134,31 @@ pub(crate) struct Searched {
     pub(crate) left_out: usize,
     /// Why there is none.
     pub(crate) reason: Option<NoBreather>,
+    /// What has been looked at, where others may exist.
+    pub(crate) partial: Option<Partial>,
+}
+
+/// What a search has looked at that does not cover all orbits of its kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Partial {
+    /// Instants half a period apart.
+    HalfPeriod,
+    /// A function of one variable in so many places.
+    Places(usize),
+    /// What so many starts lead to.
+    Starts(usize),
+}
+
+impl Searched {
+    /// A search that covers a part of the orbits.
+    pub(crate) fn partial(partial: Partial) -> Self {
+        Self { partial: Some(partial), ..Self::default() }
+    }
+
+    /// Places left open; `None` where they are not known.
+    pub(crate) fn left_open(&self) -> Option<usize> {
+        self.partial.is_none().then_some(self.unresolved + self.exhausted)
+    }
 }
 
 impl NoBreather {
@@ -138,6 +170,7 @@ impl NoBreather {
             | Self::NetImpulse
             | Self::ForceTooWeak { .. }
             | Self::NoPhase
+            | Self::NoTimes
             | Self::NothingPushes
             | Self::RepeatsSooner => true,
             Self::Singular | Self::NoStart | Self::BranchesEnded | Self::NotSearched(_) => false,
@@ -146,9 +179,16 @@ impl NoBreather {
 }
 
 impl Completeness {
-    /// What is known of the list of a search that covers all orbits of its kind.
+    /// What is known of the list of a search.
     pub(crate) fn of(searched: &Searched) -> Self {
-        let &Searched { listed, refused, lost, intervals, boxes, unresolved, exhausted, left_out, reason } = searched;
+        let &Searched { listed, refused, lost, intervals, boxes, unresolved, exhausted, left_out, reason, partial } =
+            searched;
+        match partial {
+            Some(Partial::HalfPeriod) => return Self::HalfPeriod,
+            Some(Partial::Places(places)) => return Self::Scanned { places },
+            Some(Partial::Starts(starts)) => return Self::Followed { starts, left: 0 },
+            None => {}
+        }
         let proof = match (intervals, boxes) {
             (0, 0) => Proof::ClosedForm,
             (intervals, 0) => Proof::Enclosures { intervals },
@@ -201,7 +241,21 @@ impl Completeness {
         match self {
             Self::All(proof) => Some(proof),
             Self::None { by, .. } => by,
-            Self::Asked { .. } | Self::Followed { .. } | Self::Open { .. } => None,
+            Self::Asked { .. }
+            | Self::Followed { .. }
+            | Self::HalfPeriod
+            | Self::Scanned { .. }
+            | Self::Open { .. } => None,
+        }
+    }
+
+    /// The name in files of what the list rests on; `None` where that is nothing, or not all of it.
+    pub fn means(self) -> Option<&'static str> {
+        match self {
+            Self::Followed { .. } => Some("followed"),
+            Self::HalfPeriod => Some("half-period"),
+            Self::Scanned { .. } => Some("scan"),
+            _ => self.proof().map(Proof::name),
         }
     }
 
@@ -234,7 +288,11 @@ impl fmt::Display for Completeness {
             (_, Some(proof)) => write!(f, "complete, by {proof}"),
             (Self::Followed { starts, .. }, _) => {
                 let (what, lead) = if *starts == 1 { ("start", "leads") } else { ("starts", "lead") };
-                write!(f, "what {starts} {what} {lead} to, here and from masses without coupling: others may exist")
+                write!(f, "what {starts} {what} {lead} to: others may exist")
+            }
+            (Self::HalfPeriod, _) => write!(f, "of instants half a period apart alone: others may exist"),
+            (Self::Scanned { places }, _) => {
+                write!(f, "what a function of one variable shows in {places} places: others may exist between them")
             }
             (Self::Asked { .. }, _) => write!(f, "complete but for orbits that were not asked for"),
             _ => write!(f, "not shown to be complete"),

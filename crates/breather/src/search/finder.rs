@@ -10,32 +10,12 @@ use crate::equations::delicate::is_delicate;
 use crate::equations::newton::{CONVERGED, STEPS_FROM_AFAR, polish};
 use crate::error::BreatherError;
 use crate::motion::Motion;
-use crate::orbit::{Family, Orbit, order};
+use crate::orbit::{Family, Orbit};
 use crate::roots::interval::Zeros;
-use crate::search::completeness::Completeness;
+use crate::search::orbit_list::OrbitList;
 use crate::search::screens::kernel_grid::KernelGrid;
 use crate::search::screens::radiation::Radiation;
-use crate::search::words::ended::Ended;
 use crate::structures::condition::Condition;
-
-/// All orbits of a family at a point.
-#[derive(Debug, Clone, Default, PartialEq)]
-#[must_use]
-pub struct OrbitList {
-    /// The orbits, physical or not, in order of φ, those of one φ by ψ.
-    pub orbits: Vec<Orbit>,
-    /// Whether these are all, why there are none, or what may be missing.
-    pub completeness: Completeness,
-    /// Where branches of a word ended that were followed from γ₂ = 0 and did not come as far as this point.
-    pub ended: Vec<Ended>,
-}
-
-impl OrbitList {
-    /// Puts them in the order of lists.
-    pub(crate) fn sort(&mut self) {
-        order::sort(&mut self.orbits, |orbit| (orbit.period(), orbit.psi()), Orbit::impacts, |impact| impact.time);
-    }
-}
 
 /// Which orbits are asked for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]

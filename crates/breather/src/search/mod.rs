@@ -6,5 +6,6 @@ pub(crate) mod at_resonance;
 pub(crate) mod completeness;
 pub(crate) mod families;
 pub(crate) mod finder;
+pub(crate) mod orbit_list;
 pub(crate) mod screens;
 pub(crate) mod words;

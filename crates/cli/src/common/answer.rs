@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 use serde_json::Value;
+use vibrochain_breather::Completeness;
 use vibrochain_floquet::Verdict;
+use vibrochain_lattice::Short;
 
 use crate::common::error::CliError;
 
@@ -44,4 +46,34 @@ pub(crate) fn told_verdict(verdict: &Verdict) -> String {
         resolution => format!(" ± {}", estimate(resolution)),
     };
     format!("{how}: spectral radius {}{error}", verdict.spectral_radius)
+}
+
+/// What is known of a list of orbits, for people: how many there are, or why there is none; whether these are all; and what was left open.
+pub(crate) fn told_list(known: Completeness, periods: Option<[f64; 2]>, [count, physical]: [usize; 2]) -> String {
+    let plural = |count: usize| if count == 1 { "" } else { "s" };
+    // Where nothing shows that there is none, none was found.
+    let none = if known.is_established() { "none" } else { "none was found" };
+    let of_periods = periods.map_or_else(String::new, |[from, to]| {
+        format!("; periods are unknown here, and searched from {} to {}", Short(from), Short(to))
+    });
+    let mut lines = vec![
+        match known.reason() {
+            Some(reason) => format!("{none}: {reason}"),
+            None => format!("{count} solution{}, {physical} physical", plural(count)),
+        },
+        format!("the list is {known}{of_periods}"),
+    ];
+    let (unresolved, exhausted) = known.open();
+    if unresolved > 0 {
+        lines.push(format!("{unresolved} place{} where two more may have merged: next to a fold", plural(unresolved)));
+    }
+    if exhausted > 0 {
+        lines.push(match known {
+            Completeness::Followed { .. } => {
+                format!("{exhausted} combinations of the masses' orbits and phases were not tried, or not followed to an end")
+            }
+            _ => format!("the search for solutions was cut short ({exhausted} intervals left): the list may be incomplete"),
+        });
+    }
+    lines.iter().map(|line| format!("{line}\n")).collect()
 }

@@ -101,8 +101,7 @@ pub(crate) fn find(
         polished(&read(path, &text, model)?)?
     };
     let word = Word::of(&orbit).to_string();
-    found.orbits.push(orbit);
-    Ok((word, found))
+    Ok((word, OrbitList::near(orbit)))
 }
 
 /// The orbits that were found, of which there is one.

@@ -1,7 +1,7 @@
 //! The answer as JSON.
 
 use serde_json::{Map, Value, json};
-use vibrochain_breather::{Completeness, Obstruction, OrbitList};
+use vibrochain_breather::{Obstruction, OrbitList};
 use vibrochain_floquet::Multipliers;
 use vibrochain_lattice::Model;
 
@@ -10,37 +10,23 @@ use crate::common::schemas::ORBIT;
 use crate::common::solution::Solution;
 use crate::orbit::modes::OrbitModes;
 use vibrochain_maps::manifest::object;
-use vibrochain_maps::structure::answer::{MOST_LISTED, stability as verdict_of};
+use vibrochain_maps::structure::answer::{MOST_LISTED, completeness, stability as verdict_of};
 
 /// All breathers at a point.
 pub(super) fn answer(model: &Model, solutions: &[Solution], found: &OrbitList) -> Map<String, Value> {
-    let (completeness, layout) = (found.completeness, model.chain().layout());
-    let (unresolved, exhausted) = completeness.open();
+    let layout = model.chain().layout();
     let mut told = object([
         ("schema", json!(ORBIT)),
         ("parameters", json!(model)),
         ("solutions", solutions.iter().map(solution).collect()),
-        ("reason", json!(completeness.reason().map(|reason| reason.to_string()))),
-        ("completeness", proof(completeness)),
-        ("unresolved", json!(unresolved)),
-        ("exhausted", json!(exhausted)),
     ]);
+    told.extend(completeness(found.completeness));
     // Where a branch from masses without coupling ended: the coupling, and why.
     let ended = found.ended.iter();
     let ended: Vec<Value> =
         ended.map(|one| json!({ one.coupling.name(): one.value, "message": one.told(&layout) })).collect();
     told.extend((!ended.is_empty()).then(|| ("ended".to_owned(), json!(ended))));
     told
-}
-
-/// By which means the list is known to be complete, and how much work that took.
-fn proof(completeness: Completeness) -> Value {
-    let how = match (completeness, completeness.proof()) {
-        (Completeness::Followed { starts, .. }, _) => json!({ "by": "followed", "starts": starts }),
-        (_, Some(proof)) => json!(proof),
-        (_, None) => json!({ "by": null }),
-    };
-    joined(json!({ "established": completeness.is_established() }), how)
 }
 
 /// A breather with all that is said about it.

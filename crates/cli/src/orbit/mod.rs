@@ -9,12 +9,12 @@ pub(crate) mod trajectory;
 
 use std::fmt::Write as _;
 
-use vibrochain_breather::{BreatherError, Completeness, Finder, Motion, NoBreather, Orbit, OrbitList};
+use vibrochain_breather::{BreatherError, Finder, Motion, NoBreather, Orbit, OrbitList};
 use vibrochain_floquet::{Analyser, Complex, Mechanism, Multipliers, Verdict, leading_modes, phases};
 use vibrochain_lattice::Model;
 
 use crate::args::OrbitArgs;
-use crate::common::answer::{estimate, printed, told_verdict};
+use crate::common::answer::{estimate, printed, told_list, told_verdict};
 use crate::common::console::Console;
 use crate::common::error::CliError;
 use crate::common::model::chosen;
@@ -116,42 +116,15 @@ fn complex(z: Complex<f64>) -> String {
 
 /// The answer for people.
 fn text(model: &Model, name: &str, solutions: &[Solution], found: &OrbitList) -> String {
-    let (mut out, completeness, layout) = (String::new(), found.completeness, model.chain().layout());
+    let (mut out, layout) = (String::new(), model.chain().layout());
     // Writing to a String cannot fail.
     let _ = writeln!(out, "{name} breathers, {model}");
-    match completeness.reason() {
-        Some(NoBreather::NotSearched(why)) => {
-            let _ = writeln!(out, "not searched: {why}");
-            return out;
-        }
-        // Where nothing shows that there is none, none was found.
-        Some(reason) => {
-            let none = if completeness.is_established() { "none" } else { "none was found" };
-            let _ = writeln!(out, "{none}: {reason}");
-        }
-        None => {
-            let physical = solutions.iter().filter(|solution| solution.admissibility.is_physical()).count();
-            let plural = if solutions.len() == 1 { "" } else { "s" };
-            let _ = writeln!(out, "{} solution{plural}, {physical} physical", solutions.len());
-        }
+    if let Some(NoBreather::NotSearched(why)) = found.completeness.reason() {
+        let _ = writeln!(out, "not searched: {why}");
+        return out;
     }
-    let _ = writeln!(out, "the list is {completeness}");
-    let (unresolved, exhausted) = completeness.open();
-    if unresolved > 0 {
-        let places = if unresolved == 1 { "place" } else { "places" };
-        let _ = writeln!(out, "{unresolved} {places} where two more may have merged: next to a fold");
-    }
-    if exhausted > 0 && matches!(completeness, Completeness::Followed { .. }) {
-        let _ = writeln!(
-            out,
-            "{exhausted} combinations of the masses' orbits and phases were not tried, or not followed to an end"
-        );
-    } else if exhausted > 0 {
-        let _ = writeln!(
-            out,
-            "the search for solutions was cut short ({exhausted} intervals left): the list may be incomplete"
-        );
-    }
+    let physical = solutions.iter().filter(|solution| solution.admissibility.is_physical()).count();
+    out += &told_list(found.completeness, None, [solutions.len(), physical]);
     for ended in &found.ended {
         let _ = writeln!(out, "a branch from masses without coupling ends: {}", ended.told(&layout));
     }

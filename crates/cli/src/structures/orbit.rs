@@ -4,8 +4,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 use vibrochain_breather::{
-    Family, Hit, StructureFound, StructureModel, StructureMotion, StructureOrbit, StructureOrbitError, StructureSearch,
-    Word,
+    Family, Hit, OrbitList, StructureModel, StructureMotion, StructureOrbit, StructureOrbitError, Word,
 };
 use vibrochain_lattice::Barrier;
 use vibrochain_maps::scene::tolerance_from;
@@ -56,7 +55,7 @@ pub(crate) fn run(args: &OrbitArgs, scene: &StructureScene, console: &mut Consol
         let value = json(scene, &model, &heading, &found, &answered);
         format!("{value:#}\n")
     } else {
-        text(scene, &model, &heading, &found, &answered)
+        text(scene, &heading, &found, &answered)
     };
     console.answer(&told, args.json, taken)?;
     if let Some(mut file) = file {
@@ -106,7 +105,7 @@ fn state(motion: &StructureMotion<'_>, orbit: &StructureOrbit, time: f64) -> Res
 
 /// Orbits of a word.
 pub(crate) struct OfWord {
-    pub(crate) found: StructureFound,
+    pub(crate) found: OrbitList<StructureOrbit>,
     pub(crate) word: String,
     /// Periods of the load.
     pub(crate) periods: u32,
@@ -117,9 +116,7 @@ pub(crate) fn found(which: &WhichArgs, scene: &StructureScene, model: &Structure
     if let Some(path) = &which.near {
         let orbit = near(path, model)?;
         let (word, periods) = (orbit.word(), orbit.force_periods());
-        let found =
-            StructureFound { orbits: vec![orbit], search: StructureSearch::Starts { starts: 1 }, periods: None };
-        return Ok(OfWord { found, word, periods });
+        return Ok(OfWord { found: OrbitList::near(orbit), word, periods });
     }
     let of_family = which
         .family

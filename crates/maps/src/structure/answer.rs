@@ -2,7 +2,8 @@
 
 use serde_json::{Map, Value, json as value};
 use vibrochain_breather::{
-    Admissibility, Obstruction, StructureFound, StructureImpact, StructureModel, StructureOrbit, StructureOrbitError,
+    Admissibility, Completeness, Obstruction, OrbitList, StructureImpact, StructureModel, StructureOrbit,
+    StructureOrbitError,
 };
 use vibrochain_floquet::{FloquetError, Stability, Tolerance, Verdict, structure_stability};
 
@@ -63,17 +64,39 @@ pub fn json(
     scene: &StructureScene,
     model: &StructureModel,
     heading: &str,
-    found: &StructureFound,
+    found: &OrbitList<StructureOrbit>,
     answered: &[Answered<'_>],
 ) -> Value {
-    value!({
-        "schema": SCHEMA,
-        "structure": structure(scene, model),
-        "word": heading,
-        "solutions": answered.iter().map(Answered::json).collect::<Vec<_>>(),
-        "search": found.search,
-        "periods": found.periods,
-    })
+    let mut told = object([
+        ("schema", value!(SCHEMA)),
+        ("structure", structure(scene, model)),
+        ("word", value!(heading)),
+        ("solutions", answered.iter().map(Answered::json).collect()),
+    ]);
+    told.extend(completeness(found.completeness));
+    told.insert("periods".to_owned(), value!(found.periods));
+    told.into()
+}
+
+/// What is known of a list, as answers about chains and structures have it: why there is none, by which means all are known and after how much
+/// work, and how many places are open.
+#[must_use]
+pub fn completeness(known: Completeness) -> Map<String, Value> {
+    let how = match (known, known.proof()) {
+        (_, Some(proof)) => value!(proof),
+        (Completeness::Followed { starts, .. }, _) => value!({ "by": known.means(), "starts": starts }),
+        (Completeness::Scanned { places }, _) => value!({ "by": known.means(), "intervals": places }),
+        _ => value!({ "by": known.means() }),
+    };
+    let mut keys = object([("established", value!(known.is_established()))]);
+    keys.extend(if let Value::Object(how) = how { how } else { Map::new() });
+    let (unresolved, exhausted) = known.open();
+    object([
+        ("reason", value!(known.reason().map(|reason| reason.to_string()))),
+        ("completeness", value!(keys)),
+        ("unresolved", value!(unresolved)),
+        ("exhausted", value!(exhausted)),
+    ])
 }
 
 /// What each contact feels where only some modes are kept, a line a contact.

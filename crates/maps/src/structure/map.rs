@@ -174,7 +174,7 @@ fn by_search(scene: &StructureScene, model: &StructureModel, analyser: &mut Anal
                 continue;
             }
         };
-        cell.found.status = cell.found.status.max(Status::of_search(found.search));
+        cell.found.status = cell.found.status.max(Status::of_list(found.completeness));
         for orbit in &found.orbits {
             let physical = match orbit.first_obstruction() {
                 Ok(Admissibility { obstruction: Some(obstruction), .. }) => {

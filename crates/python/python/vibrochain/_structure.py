@@ -246,15 +246,16 @@ class Structure:
     def _answer(
         self, omega: float | None, word: str | None, force_periods: int, threshold: float, near: list[Any], psi: float
     ) -> StructureOrbits:
-        answer = json.loads(_vibrochain._structure(self._scene(omega), word, force_periods, threshold, near, psi))
+        text, completeness = _vibrochain._structure(self._scene(omega), word, force_periods, threshold, near, psi)
+        answer = json.loads(text)
         # A period of its own is where Newton's method begins again.
         own = [2 * np.pi / parts["period"] if "period_error" in parts else float(omega or 0.0) for parts in answer["solutions"]]
         orbits = tuple(StructureOrbit._of(parts, self._scene(at), at) for parts, at in zip(answer["solutions"], own))
         periods = answer["periods"]
-        return StructureOrbits(orbits, answer["search"], periods if periods is None else tuple(periods))
+        return StructureOrbits(orbits, completeness, periods if periods is None else tuple(periods))
 
     def orbits(self, word: str, omega: float | None = None, *, force_periods: int = 1, threshold: float = 0.0) -> StructureOrbits:
-        """Orbits of a word: of one impact all, of two all where `search` says so, of more what starts lead to.
+        """Orbits of a word: of one impact all, of two all where `completeness` says so, of more what starts lead to.
 
         Parameters
         ----------

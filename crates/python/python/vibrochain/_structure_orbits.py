@@ -15,6 +15,8 @@ from ._pictures import curve_pane, curves_there, draw, drawing
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from ._vibrochain import Completeness
+
 
 @dataclass(frozen=True, repr=False)
 class StructureOrbit:
@@ -158,9 +160,8 @@ class StructureOrbits:
     ----------
     orbits : tuple of StructureOrbit
         The orbits, physical or not.
-    search : dict
-        by: "closed-form", "enclosures" and "branch-and-prune" are complete where unresolved is 0, "half-period", "scan" and "starts"
-        need not be.
+    completeness : Completeness
+        Whether these are all, and how that is known.
     periods : tuple (float, float) or None
         The least and the largest period that was searched, where orbits have periods of their own: of others nothing is known.
 
@@ -169,17 +170,17 @@ class StructureOrbits:
     >>> import vibrochain as vc
     >>> stop = vc.Contact(at=0, lower=-0.5, upper=0.5, restitution=0.8)
     >>> one = vc.Structure([1.0], [1.0], damping=[0.05], contacts=[stop], load=[1.0])
-    >>> one.orbits("0+,0-", omega=1.5).search["by"]
+    >>> one.orbits("0+,0-", omega=1.5).completeness.by
     'enclosures'
     """
 
     orbits: tuple[StructureOrbit, ...]
-    search: dict[str, Any]
+    completeness: Completeness
     periods: tuple[float, float] | None = None
 
     def __repr__(self) -> str:
         physical = sum(orbit.physical for orbit in self.orbits)
-        return f"<{len(self)} orbit{'' if len(self) == 1 else 's'}, {physical} physical, by {self.search['by']}>"
+        return f"<{len(self)} orbit{'' if len(self) == 1 else 's'}, {physical} physical, {self.completeness}>"
 
     def __len__(self) -> int:
         return len(self.orbits)

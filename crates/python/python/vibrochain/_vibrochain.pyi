@@ -170,6 +170,7 @@ class Chain:
 
 @final
 class Completeness:
+    def __eq__(self, other: object, /) -> bool: ...
     @property
     def by(self) -> str | None: ...
     @property
@@ -505,7 +506,7 @@ def _structure(
     threshold: float,
     near: list[tuple[int, str, float, float]],
     psi: float,
-) -> str: ...
+) -> tuple[str, Completeness]: ...
 def _structure_along(
     scene: str,
     near: list[tuple[int, str, float, float]],

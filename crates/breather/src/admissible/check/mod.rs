@@ -178,7 +178,8 @@ mod tests {
 
     use super::*;
     use crate::orbit::Family;
-    use crate::search::finder::{Finder, OrbitList};
+    use crate::search::finder::Finder;
+    use crate::search::orbit_list::OrbitList;
 
     /// Random conservative orbits of all kinds: soft and stiff, next to resonance, with and without coupling, physical or not.
     fn orbits(mut visit: impl FnMut(&Orbit, &mut Motion)) {

@@ -175,7 +175,8 @@ mod tests {
     use super::*;
     use crate::equations::Equations;
     use crate::orbit::{Hit, Orbit};
-    use crate::search::finder::{Finder, OrbitList, Scope};
+    use crate::search::finder::{Finder, Scope};
+    use crate::search::orbit_list::OrbitList;
 
     type C = Complex<f64>;
 

@@ -11,11 +11,12 @@ use crate::equations::newton::{STEPS, polish};
 use crate::error::{BreatherError, NoBreather};
 use crate::orbit::{Hit, Orbit};
 use crate::search::as_structure::among;
-use crate::search::completeness::Searched;
-use crate::search::finder::{Finder, OrbitList, Scope};
+use crate::search::completeness::{Partial, Searched};
+use crate::search::finder::{Finder, Scope};
+use crate::search::orbit_list::OrbitList;
 use crate::search::words::superpose::list;
 use crate::structures::orbit::{StructureImpact, StructureOrbit};
-use crate::structures::search::StructureFound;
+use crate::structures::search::Listed;
 use crate::word::{Letter, Word};
 
 /// Equations whose reciprocal condition is below this are singular to rounding.
@@ -39,11 +40,9 @@ pub(crate) fn find(
 ) -> Result<Outcome, BreatherError> {
     let Some(together) = Together::of(model, word, row) else { return Ok(Outcome::Started(0)) };
     let asked = (&together.word()?, periods);
-    let Some(StructureFound { orbits, search, .. }) = among(model, &together.contacts, asked, wanted, &finder.stop)?
-    else {
+    let Some(Listed { orbits, searched, .. }) = among(model, &together.contacts, asked, wanted, &finder.stop)? else {
         return Ok(Outcome::Started(0));
     };
-    let searched = Searched::by(search);
     let (mut lost, mut unresolved) = (0, 0);
     for orbit in &orbits {
         let orbit = together.orbit(finder, model, periods, orbit)?;
@@ -54,13 +53,15 @@ pub(crate) fn find(
         unresolved += usize::from(!(together.is_in_sequence() || is_alone(&orbit, &finder.response)));
         list(Ok(orbit), found);
     }
-    Ok(match searched {
-        Ok(searched) => {
-            let reason = found.orbits.is_empty().then_some(NoBreather::NothingPushes);
-            let unresolved = searched.unresolved + unresolved;
-            Outcome::Proved(Searched { listed: found.orbits.len(), lost, unresolved, reason, ..searched })
+    Ok(match searched.partial {
+        None => {
+            let (listed, unresolved) = (found.orbits.len(), searched.unresolved + unresolved);
+            // What pulls is no orbit of the word: that none pushes is why there is none.
+            let reason = (listed == 0).then_some(NoBreather::NothingPushes);
+            Outcome::Proved(Searched { listed, refused: 0, lost, unresolved, reason, ..searched })
         }
-        Err(starts) => Outcome::Started(starts),
+        Some(Partial::Places(starts) | Partial::Starts(starts)) => Outcome::Started(starts),
+        Some(Partial::HalfPeriod) => Outcome::Started(1),
     })
 }
 

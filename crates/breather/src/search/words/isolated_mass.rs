@@ -11,7 +11,8 @@ use crate::orbit::{Family, Hit, Impact, Orbit};
 use crate::search::at_point::Sought;
 use crate::search::families::forced_single;
 use crate::search::families::pattern::Pattern;
-use crate::search::finder::{Finder, OrbitList, Scope};
+use crate::search::finder::{Finder, Scope};
+use crate::search::orbit_list::OrbitList;
 use crate::word::{Letter, Word};
 
 /// A hit of a mass.

@@ -4,7 +4,7 @@ use vibrochain_lattice::Model;
 
 use crate::error::BreatherError;
 use crate::orbit::{Hit, Impact, Orbit, SIMULTANEOUS, time_between};
-use crate::search::finder::OrbitList;
+use crate::search::orbit_list::OrbitList;
 use crate::search::words::ended::Ended;
 use crate::search::words::isolated_mass::Beat;
 use crate::word::{Letter, Word};

@@ -6,7 +6,8 @@
 use vibrochain_lattice::{Barrier, Model};
 
 use crate::error::{BreatherError, NoBreather, Unsearched};
-use crate::search::finder::{Finder, OrbitList};
+use crate::search::finder::Finder;
+use crate::search::orbit_list::OrbitList;
 use crate::search::words::coupling_continuation::{Effort, follow, with_part};
 use crate::search::words::isolated_mass::{self, Alone, Beat};
 use crate::search::words::superpose::{list, orbit_of, superpose};

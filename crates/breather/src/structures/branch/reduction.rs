@@ -233,7 +233,8 @@ mod tests {
     use super::*;
     use crate::orbit::symmetries::symmetries;
     use crate::orbit::{Hit, Orbit};
-    use crate::search::finder::{Finder, OrbitList, Scope};
+    use crate::search::finder::{Finder, Scope};
+    use crate::search::orbit_list::OrbitList;
     use crate::structures::branch::continuation::{Branch, Continuation};
     use crate::structures::branch::family::ModelFamily;
     use crate::structures::model::StructureModel;

@@ -53,7 +53,7 @@ fn closed_forms_say_what_orbits_say() {
                 continue;
             }
             let list = model.candidates(&word, 1).unwrap();
-            assert!(list.search.is_complete(), "{:?}", list.search);
+            assert!(list.completeness.is_established(), "{:?}", list.completeness);
             let margin = |orbit: &StructureOrbit| orbit.first_obstruction().unwrap();
             let physical: Vec<_> = list.orbits.iter().filter(|orbit| margin(orbit).is_physical()).collect();
             let MapSearch::One(found) = searched else {

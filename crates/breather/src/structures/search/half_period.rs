@@ -13,10 +13,11 @@ use vibrochain_lattice::{ContactMode, Stop, Turn};
 use wide::f64x4;
 
 use super::at_times::{Impacts, Start};
-use super::orbits::{Starts, StructureSearch};
+use super::orbits::Starts;
 use super::two_impacts::{FINEST, MOST_PIECES};
 use crate::roots::dual::Dual;
 use crate::roots::interval::{Clearance, Enclosed, Zeros};
+use crate::search::completeness::Searched;
 use crate::structures::error::StructureOrbitError;
 use crate::structures::point::Point;
 
@@ -161,6 +162,6 @@ impl Impacts<'_> {
         for s in zeros.unresolved.iter().flat_map(|s| [half - s, half + s]) {
             starts.extend(there(s)?.map(Start::from));
         }
-        Ok((starts, StructureSearch::Enclosures { intervals: zeros.intervals, unresolved }))
+        Ok((starts, Searched { intervals: zeros.intervals, unresolved, ..Searched::default() }))
     }
 }

@@ -118,8 +118,8 @@ mod tests {
             let model = StructureModel::new(structure, 0.42).unwrap();
             for word in ["0-", "0+,0-"] {
                 let found = model.orbits(&word.parse().unwrap(), 1).unwrap();
-                assert!(force > 1e-10 || !found.search.is_complete(), "{force} {word} {found:?}");
-                open += usize::from(!found.search.is_complete());
+                assert!(force > 1e-10 || !found.completeness.is_established(), "{force} {word} {found:?}");
+                open += usize::from(!found.completeness.is_established());
                 listed += found.orbits.len();
             }
         }
@@ -140,7 +140,7 @@ mod tests {
                 let one = |pair: &&[f64]| pair[1] - pair[0] < 1e-8 * model.period();
                 (lists, orbits) = (lists + 1, orbits + phis.len());
                 pairs += phis.windows(2).filter(one).count();
-                if !found.search.is_complete() {
+                if !found.completeness.is_established() {
                     continue;
                 }
                 complete += 1;
@@ -162,7 +162,7 @@ mod tests {
                         continue;
                     }
                     let is_listed = found.orbits.iter().any(|listed| listed.begun_at(&orbit).is_some());
-                    assert!(is_listed, "{round} {word} {:?}: {orbit:?}", found.search);
+                    assert!(is_listed, "{round} {word} {:?}: {orbit:?}", found.completeness);
                     sought += 1;
                 }
             }

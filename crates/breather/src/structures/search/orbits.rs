@@ -17,7 +17,10 @@ use super::at_times::{Impacts, Start, all_places};
 use super::elimination::MOST;
 use super::three_impacts::ThreeImpacts;
 use super::two_impacts::Function;
+use crate::error::NoBreather;
 use crate::orbit::order;
+use crate::search::completeness::{Completeness, Partial, Searched};
+use crate::search::orbit_list::OrbitList;
 use crate::structures::equations::Equations;
 use crate::structures::error::StructureOrbitError;
 use crate::structures::model::StructureModel;
@@ -32,82 +35,28 @@ const HALF: f64 = 1e-7;
 /// without the resonance; each mode more makes rectangles twice as dear.
 const OPEN: f64 = 0.01;
 
-/// What is known of a list.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(tag = "by", rename_all = "kebab-case"))]
-pub enum StructureSearch {
-    /// Closed form: the list is complete but for so many solutions that could not be told from none.
-    ClosedForm {
-        /// Solutions left open.
-        unresolved: usize,
-    },
-    /// Closed form of instants half a period apart, without loads: others are not looked for.
-    HalfPeriod,
-    /// Enclosures of a function of one variable show on intervals where it has no zero and that each one found is alone: the list is complete
-    /// but for impacts on one barrier under a load, or without loads of two contacts, closer than 1e-4 of the period, and for so many places
-    /// where two may have merged.
-    Enclosures {
-        /// Intervals enclosed.
-        intervals: usize,
-        /// Places left open.
-        unresolved: usize,
-    },
-    /// Enclosures of two functions of two times show on rectangles where they have no common zero and that each one found is alone: the list is
-    /// complete but for impacts of one contact that are as close, and for so many places.
-    BranchAndPrune {
-        /// Rectangles enclosed.
-        boxes: usize,
-        /// Places left open.
-        unresolved: usize,
-    },
-    /// A function of one variable has been looked at in so many places: what lies between two of them may be missed.
-    Scan {
-        /// How many.
-        places: usize,
-    },
-    /// Newton's method from so many starts: the list is not complete.
-    Starts {
-        /// How many.
-        starts: usize,
-    },
+/// Orbits of a word as a search has them.
+pub(crate) struct Listed {
+    /// In order of φ, those of one φ by ψ.
+    pub(crate) orbits: Vec<StructureOrbit>,
+    pub(crate) searched: Searched,
+    periods: Option<[f64; 2]>,
 }
 
-impl StructureSearch {
-    /// Whether the list holds all that there are: where it is empty there is none.
-    pub fn is_complete(self) -> bool {
+impl Listed {
+    fn left_open(&self) -> Option<usize> {
+        self.searched.left_open()
+    }
+
+    fn is_complete(&self) -> bool {
         self.left_open() == Some(0)
     }
 
-    /// Places left open; `None` where they are not known.
-    fn left_open(self) -> Option<usize> {
-        match self {
-            Self::ClosedForm { unresolved }
-            | Self::Enclosures { unresolved, .. }
-            | Self::BranchAndPrune { unresolved, .. } => Some(unresolved),
-            Self::HalfPeriod | Self::Scan { .. } | Self::Starts { .. } => None,
-        }
+    fn told(self) -> OrbitList<StructureOrbit> {
+        let Self { orbits, searched, periods } = self;
+        let completeness = Completeness::of(&Searched { listed: orbits.len(), ..searched });
+        OrbitList { orbits, completeness, periods, ..OrbitList::default() }
     }
-
-    /// So many more places are left open.
-    fn leave_open(&mut self, places: usize) {
-        match self {
-            Self::ClosedForm { unresolved }
-            | Self::Enclosures { unresolved, .. }
-            | Self::BranchAndPrune { unresolved, .. } => *unresolved += places,
-            Self::HalfPeriod | Self::Scan { .. } | Self::Starts { .. } => {}
-        }
-    }
-}
-
-/// Orbits of a word.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StructureFound {
-    /// The orbits, physical or not, in order of φ, those of one φ by ψ.
-    pub orbits: Vec<StructureOrbit>,
-    /// How they were sought.
-    pub search: StructureSearch,
-    /// Of self-excited motion, whose period is an unknown, the least and the largest that were searched: of others nothing is known.
-    pub periods: Option<[f64; 2]>,
 }
 
 impl StructureModel {
@@ -117,22 +66,35 @@ impl StructureModel {
     ///
     /// # Errors
     /// [`StructureOrbitError`].
-    pub fn orbits(&self, word: &Word, force_periods: u32) -> Result<StructureFound, StructureOrbitError> {
-        found(self, word, force_periods, ListScope::All)
+    pub fn orbits(&self, word: &Word, force_periods: u32) -> Result<OrbitList<StructureOrbit>, StructureOrbitError> {
+        Ok(self.listed(word, force_periods, ListScope::All)?.told())
     }
 
     /// The same without those whose barriers pull: what a map asks for.
     ///
     /// # Errors
     /// As [`StructureModel::orbits`].
-    pub fn candidates(&self, word: &Word, force_periods: u32) -> Result<StructureFound, StructureOrbitError> {
-        found(self, word, force_periods, ListScope::Candidates)
+    pub fn candidates(
+        &self,
+        word: &Word,
+        force_periods: u32,
+    ) -> Result<OrbitList<StructureOrbit>, StructureOrbitError> {
+        Ok(self.listed(word, force_periods, ListScope::Candidates)?.told())
+    }
+
+    pub(crate) fn listed(
+        &self,
+        word: &Word,
+        force_periods: u32,
+        scope: ListScope,
+    ) -> Result<Listed, StructureOrbitError> {
+        found(self, word, force_periods, scope)
     }
 }
 
 /// Which orbits a list is to hold.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum ListScope {
+pub(crate) enum ListScope {
     /// Whether barriers push or pull.
     All,
     /// Those whose barriers push: others are not physical.
@@ -154,7 +116,7 @@ fn found(
     word: &Word,
     force_periods: u32,
     scope: ListScope,
-) -> Result<StructureFound, StructureOrbitError> {
+) -> Result<Listed, StructureOrbitError> {
     let mut letters: SmallVec<[(usize, Barrier); 4]> = SmallVec::new();
     for letter in word.letters() {
         model.barrier(letter.site, letter.barrier)?;
@@ -178,7 +140,7 @@ fn found(
     if let Some(periods) = periods {
         let list = impacts.list(request, impacts.of_own_period(periods)?)?;
         let searched = |orbit: &StructureOrbit| (periods[0]..=periods[1]).contains(&orbit.period());
-        return Ok(StructureFound {
+        return Ok(Listed {
             orbits: list.orbits.into_iter().filter(searched).collect(),
             periods: Some(periods),
             ..list
@@ -220,12 +182,12 @@ struct Request<'a> {
 impl Impacts<'_> {
     /// Two impacts under a load: by F where there is one and it leaves no place open, else in the plane of φ and ψ. Next to a resonance the states of
     /// modes are among the unknowns there, and what is proved is proved however close the resonance is.
-    fn of_two(&self, request: Request<'_>) -> Result<StructureFound, StructureOrbitError> {
+    fn of_two(&self, request: Request<'_>) -> Result<Listed, StructureOrbitError> {
         let single = self.equations.single().is_some();
         let by_time = if single { self.proved().transpose()? } else { None };
         let by_time = by_time.map(|starts| self.list(request, starts)).transpose()?;
         let by_time = match by_time {
-            Some(list) if list.search.is_complete() => return Ok(list),
+            Some(list) if list.is_complete() => return Ok(list),
             by_time => by_time,
         };
         let room = (MOST - 4).saturating_sub(self.equations.rigid.len()) / 2;
@@ -238,11 +200,11 @@ impl Impacts<'_> {
             (Some(list), None) | (None, Some(list)) => return Ok(list),
             // Open modes tell orbits apart that are one by the errors of the others.
             (Some(in_plane), Some(by_time)) => {
-                let plane_first = opened.is_some() || in_plane.search.left_open() < by_time.search.left_open();
+                let plane_first = opened.is_some() || in_plane.left_open() < by_time.left_open();
                 if plane_first { (in_plane, by_time) } else { (by_time, in_plane) }
             }
         };
-        if !best.search.is_complete() {
+        if !best.is_complete() {
             // What one search leaves open the other one may have found.
             for orbit in other.orbits {
                 if best.orbits.iter().all(|known| known.begun_at(&orbit).is_none()) {
@@ -258,18 +220,17 @@ impl Impacts<'_> {
     fn list(
         &self,
         Request { word, force_periods, scope }: Request<'_>,
-        (starts, mut search): (Vec<Start>, StructureSearch),
-    ) -> Result<StructureFound, StructureOrbitError> {
+        (starts, mut searched): (Vec<Start>, Searched),
+    ) -> Result<Listed, StructureOrbitError> {
         let (equations, model) = (self.equations, self.equations.model);
         let pushing = self.letters.len() > 2;
-        let listed = |orbit: &StructureOrbit| {
-            let pulls = orbit.impacts().iter().any(|impact| impact.barrier.sign() * impact.impulse >= 0.0);
-            !(orbit.repeats_sooner() || pulls && pushing)
-        };
+        let pulls =
+            |orbit: &StructureOrbit| orbit.impacts().iter().any(|impact| impact.barrier.sign() * impact.impulse >= 0.0);
         let (mut solutions, mut lost): (Vec<Solution>, usize) = (Vec::new(), 0);
         for Start { point, is_zero, is_exact } in starts {
             model.heard()?;
             if scope == ListScope::Candidates && point.pulls() {
+                searched.refused += 1;
                 continue;
             }
             let solved = if is_exact { equations.solve_exact(point) } else { equations.solve(point) };
@@ -295,10 +256,18 @@ impl Impacts<'_> {
         }
         // Where Newton's method was stopped, too.
         model.heard()?;
-        search.leave_open(lost);
-        let mut orbits: Vec<_> = solutions.into_iter().map(|solution| solution.orbit).filter(listed).collect();
+        searched.unresolved += lost;
+        let (repeating, orbits): (Vec<_>, Vec<_>) =
+            solutions.into_iter().map(|solution| solution.orbit).partition(StructureOrbit::repeats_sooner);
+        let (pulled, mut orbits): (Vec<_>, Vec<_>) = orbits.into_iter().partition(|orbit| pushing && pulls(orbit));
+        searched.refused += pulled.len();
+        searched.reason = Some(match (repeating.is_empty(), equations.forced) {
+            (false, _) => NoBreather::RepeatsSooner,
+            (true, true) => NoBreather::NoPhase,
+            (true, false) => NoBreather::NoTimes,
+        });
         sort(&mut orbits);
-        Ok(StructureFound { orbits, search, periods: None })
+        Ok(Listed { orbits, searched, periods: None })
     }
 }
 
@@ -324,10 +293,8 @@ impl Point {
     }
 }
 
-const CLOSED_FORM: StructureSearch = StructureSearch::ClosedForm { unresolved: 0 };
-
 /// Where Newton's method begins, and what is known of the list that it leads to.
-pub(super) type Starts = Result<(Vec<Start>, StructureSearch), StructureOrbitError>;
+pub(super) type Starts = Result<(Vec<Start>, Searched), StructureOrbitError>;
 
 impl Impacts<'_> {
     fn begin(&self, scope: ListScope) -> Starts {
@@ -337,11 +304,11 @@ impl Impacts<'_> {
                 let line = self.line(&[0.0])?;
                 let unresolved = usize::from(line.as_ref().is_some_and(|line| !line.is_sharp()));
                 let points = line.map_or_else(Vec::new, |line| self.starts_on(&line, &[0.0]));
-                Ok((points, StructureSearch::ClosedForm { unresolved }))
+                Ok((points, Searched { unresolved, ..Searched::default() }))
             }
             (1, false) => {
                 let x = self.linear(&[0.0])?.solve().ok_or(StructureOrbitError::Singular)?;
-                Ok((vec![Start::exact(self.point(&[0.0], &x))], CLOSED_FORM))
+                Ok((vec![Start::exact(self.point(&[0.0], &x))], Searched::default()))
             }
             (1, true) => self.proved_of_one().unwrap_or_else(|| self.starts()),
             (2, false) => self.proved_of_both_sides().or_else(|| self.proved()).unwrap_or_else(|| self.scan()),
@@ -357,8 +324,8 @@ impl Impacts<'_> {
             .flat_map(|(number, instant)| instant.iter().map(move |_| 0.5 * period * number as f64))
             .collect();
         let x = self.linear(&times)?.solve().ok_or(StructureOrbitError::Singular)?;
-        let search = if word.instants().len() == 1 { CLOSED_FORM } else { StructureSearch::HalfPeriod };
-        Ok((vec![Start::zero(self.point(&times, &x))], search))
+        let partial = (word.instants().len() > 1).then_some(Partial::HalfPeriod);
+        Ok((vec![Start::zero(self.point(&times, &x))], Searched { partial, ..Searched::default() }))
     }
 
     /// Zeros of the function of the time between two impacts, all of them; `None` where it cannot be enclosed, or takes too long.
@@ -415,8 +382,8 @@ impl Impacts<'_> {
             Ok(())
         };
         let found = add();
-        let search = StructureSearch::Enclosures { intervals: zeros.intervals, unresolved };
-        Some(found.map(|()| (starts, search)))
+        let searched = Searched { intervals: zeros.intervals, unresolved, ..Searched::default() };
+        Some(found.map(|()| (starts, searched)))
     }
 
     /// Zeros of the two functions of the times between three impacts; `None` where they cannot be enclosed, or that takes too long.
@@ -440,6 +407,6 @@ impl Impacts<'_> {
                 None => open += usize::from(is_zero),
             }
         }
-        Some(Ok((starts, StructureSearch::BranchAndPrune { boxes: zeros.boxes, unresolved: open })))
+        Some(Ok((starts, Searched { boxes: zeros.boxes, unresolved: open, ..Searched::default() })))
     }
 }

@@ -13,12 +13,13 @@ use vibrochain_lattice::{Complex, Stop};
 use super::at_times::{Impacts, Start, all_places};
 use super::elimination::{Elimination, MOST, Table};
 use super::open_pieces::{OpenRows, OpenStrip, at_phase};
-use super::orbits::{ListScope, Starts, StructureSearch};
+use super::orbits::{ListScope, Starts};
 use super::two_impacts::{RESOLUTION, told_apart};
 use crate::roots::dual::{Algebra, Dual};
 use crate::roots::interval::{Clearance, Enclosed, Zeros, one_by_one};
 use crate::roots::patch::{Patch, Piece};
 use crate::roots::planar::{Planar, PlanarZeros};
+use crate::search::completeness::Searched;
 use crate::structures::between::{Between, Pair};
 use crate::structures::point::{Point, Strike};
 
@@ -290,7 +291,7 @@ impl Impacts<'_> {
         let balance = drift.map(|drift| -drift.push * equations.period() / drift.shapes[contact]);
         if balance == Some(0.0) {
             // All that could balance the impulse is the static load.
-            return Some(Ok((Vec::new(), StructureSearch::ClosedForm { unresolved: 0 })));
+            return Some(Ok((Vec::new(), Searched::default())));
         }
         // Places and velocities on one footing.
         let size = (fastest * of_place).hypot(of_law);
@@ -330,7 +331,7 @@ impl Impacts<'_> {
         let start = |(psi, is_zero): (f64, bool)| Start::new(self.at_phase(&[0.0], &numbers(psi), psi), is_zero);
         let starts = all_places(&zeros.simple, &zeros.unresolved).map(start).collect();
         let (intervals, unresolved) = (zeros.intervals, zeros.unresolved.len());
-        Some(Ok((starts, StructureSearch::Enclosures { intervals, unresolved })))
+        Some(Ok((starts, Searched { intervals, unresolved, ..Searched::default() })))
     }
 
     /// All orbits of two impacts under any loads, or of those only that push; `None` where they cannot be enclosed, or that takes too long.
@@ -347,7 +348,7 @@ impl Impacts<'_> {
                 None => unresolved += usize::from(is_zero),
             }
         }
-        Some(Ok((starts, StructureSearch::BranchAndPrune { boxes: zeros.boxes, unresolved })))
+        Some(Ok((starts, Searched { boxes: zeros.boxes, unresolved, ..Searched::default() })))
     }
 
     /// The point of impulses and offsets at given times and phase.

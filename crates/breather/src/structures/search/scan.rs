@@ -3,9 +3,10 @@
 use std::f64::consts::TAU;
 
 use super::at_times::Impacts;
-use super::orbits::{Starts, StructureSearch};
+use super::orbits::Starts;
 use crate::equations::linear::Factors;
 use crate::roots::bracket::zero;
+use crate::search::completeness::{Partial, Searched};
 use crate::structures::error::StructureOrbitError;
 
 /// Places at which a function of one variable is looked at, for each turn of the fastest mode that counts, and at least and at most.
@@ -81,7 +82,7 @@ impl Impacts<'_> {
                 starts.push(self.point(&[0.0, phi], &x).into());
             }
         }
-        Ok((starts, StructureSearch::Scan { places }))
+        Ok((starts, Searched::partial(Partial::Places(places))))
     }
 
     /// F(φ), or the law that is left times the determinant; and the determinant Δ.

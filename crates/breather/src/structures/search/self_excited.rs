@@ -20,10 +20,11 @@ use vibrochain_lattice::simd::lanes::{LANES, Lane};
 use vibrochain_lattice::{Complex, LinearMode, Turn};
 
 use super::at_times::{Impacts, Start};
-use super::orbits::{Starts, StructureSearch};
+use super::orbits::Starts;
 use super::starts::{STARTS, golden};
 use super::two_impacts::RESOLUTION;
 use crate::roots::interval::{Clearance, Enclosed, Zeros};
+use crate::search::completeness::{Partial, Searched};
 use crate::structures::error::StructureOrbitError;
 use crate::structures::periodic_kernel::{PeriodicKernel, length};
 use crate::structures::point::Point;
@@ -84,7 +85,7 @@ impl Impacts<'_> {
                 Err(error) => return Some(Err(error)),
             }
         }
-        Some(Ok((starts, StructureSearch::Enclosures { intervals: zeros.intervals, unresolved })))
+        Some(Ok((starts, Searched { intervals: zeros.intervals, unresolved, ..Searched::default() })))
     }
 
     /// Starts spread over periods and times.
@@ -101,7 +102,7 @@ impl Impacts<'_> {
             // A start that pulls leads to orbits that do.
             starts.extend(point.filter(|point| !point.pulls()).map(Start::from));
         }
-        Ok((starts, StructureSearch::Starts { starts: STARTS }))
+        Ok((starts, Searched::partial(Partial::Starts(STARTS))))
     }
 
     /// Impulses and offsets by the positions at given times; `None` where these leave them open.

@@ -1,8 +1,9 @@
 //! Orbits of longer words: Newton's method from starts spread over times and phase.
 
 use super::at_times::{Impacts, Start};
-use super::orbits::{Starts, StructureSearch};
+use super::orbits::Starts;
 use crate::equations::linear::{Matrix, zeros};
+use crate::search::completeness::{Partial, Searched};
 use crate::structures::error::StructureOrbitError;
 use crate::structures::point::{Point, Strike};
 
@@ -23,7 +24,7 @@ impl Impacts<'_> {
             let psi = self.equations.model.period() * spread(0);
             points.extend(self.start(&times, psi)?.map(Start::from));
         }
-        Ok((points, StructureSearch::Starts { starts: STARTS }))
+        Ok((points, Searched::partial(Partial::Starts(STARTS))))
     }
 
     /// Impulses by Newton's laws at given times and phase, offsets by the positions.

@@ -6,10 +6,10 @@ use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape
 use vibrochain_testkit::Random;
 
 use super::{model, orbits};
+use crate::search::orbit_list::OrbitList;
 use crate::structures::flight::StructureMotion;
 use crate::structures::model::StructureModel;
 use crate::structures::orbit::StructureOrbit;
-use crate::structures::search::StructureFound;
 
 /// Times of a period at which motions are compared.
 const TIMES: usize = 24;
@@ -98,7 +98,7 @@ fn what_is_listed_are_orbits() {
             let pushes = |orbit: &&StructureOrbit| {
                 orbit.impacts().iter().all(|impact| impact.barrier.sign() * impact.impulse < 0.0)
             };
-            let StructureFound { orbits, .. } = model.candidates(&word, 1).unwrap();
+            let OrbitList { orbits, .. } = model.candidates(&word, 1).unwrap();
             let pushing: Vec<_> = found.orbits.iter().filter(pushes).collect();
             assert_eq!(orbits.iter().filter(pushes).collect::<Vec<_>>(), pushing);
             pulled += found.orbits.len() - pushing.len();
@@ -199,7 +199,7 @@ fn between_two_stops_without_losses_every_zero_of_the_kernel_has_an_orbit() {
         let structure = Arc::new(ModalStructure::new(vec![stop], Vec::new(), modes).unwrap());
         let model = StructureModel::new(structure.clone(), random.log(0.3, 3.0)).unwrap();
         let Ok(found) = model.orbits(&"0+,0-".parse().unwrap(), 1) else { continue };
-        if !found.search.is_complete() {
+        if !found.completeness.is_established() {
             continue;
         }
         let period = model.period();

@@ -6,7 +6,8 @@ use vibrochain_testkit::Random;
 use super::*;
 use crate::motion::Motion;
 use crate::orbit::Family;
-use crate::search::finder::{Finder, OrbitList};
+use crate::search::finder::Finder;
+use crate::search::orbit_list::OrbitList;
 
 /// Times of a period at which a motion is looked at.
 const TIMES: usize = 2048;

@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use vibrochain_lattice::{Chain, Point};
 
 use super::*;
-use crate::search::finder::{Finder, OrbitList, Scope};
+use crate::search::finder::{Finder, Scope};
+use crate::search::orbit_list::OrbitList;
 
 /// Where the branches of a word's orbits end that begin at a coupling of 1e-3, and the work that each took.
 fn ends(model: &Model, word: &str) -> Vec<(Ended, u64)> {

@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape};
 
+use crate::search::orbit_list::OrbitList;
 use crate::structures::model::StructureModel;
-use crate::structures::search::StructureFound;
+use crate::structures::orbit::StructureOrbit;
 
 /// A mass on a spring of stiffness 1 between two stops.
 fn mass(omega: f64, load: f64) -> StructureModel {
@@ -16,7 +17,7 @@ fn mass(omega: f64, load: f64) -> StructureModel {
 }
 
 /// Parts of the period of φ and ψ.
-fn places(found: &StructureFound) -> Vec<[f64; 2]> {
+fn places(found: &OrbitList<StructureOrbit>) -> Vec<[f64; 2]> {
     let part = |time: Option<f64>, period: f64| time.unwrap() / period;
     found.orbits.iter().map(|orbit| [part(orbit.phi(), orbit.period()), part(orbit.psi(), orbit.period())]).collect()
 }
@@ -28,7 +29,7 @@ fn the_orbits_of_a_mass_next_to_the_frequency_of_its_load() {
     let known = [-1.118194507670, 1.305054853839, 4.505499769813];
     for off in [1e-3, 1e-5, 1e-8, 1e-10, 1e-12, 1e-13, -1e-13, -1e-12, -1e-8, -1e-6, -1e-3] {
         let found = mass(1.0 + off, 0.6).orbits(&"0+,0-".parse().unwrap(), 1).unwrap();
-        assert!(found.search.is_complete() && found.orbits.len() == 2, "{off} {found:?}");
+        assert!(found.completeness.is_established() && found.orbits.len() == 2, "{off} {found:?}");
         let orbit = &found.orbits[1];
         let numbers = [orbit.impulses()[0], orbit.impulses()[1], orbit.phi().unwrap()];
         let room = if off == 1e-8 { 2e-12 } else { 12.0 * (off - 1e-8f64).abs() };
@@ -74,7 +75,7 @@ fn pairs_that_the_time_between_the_impacts_hardly_tells_apart() {
     for (omega, known) in known {
         let found = mass(omega, 1.0).orbits(&"0+,0-".parse().unwrap(), 1).unwrap();
         let places = places(&found);
-        assert!(found.search.is_complete() && places.len() == 8, "{omega} {found:?}");
+        assert!(found.completeness.is_established() && places.len() == 8, "{omega} {found:?}");
         for (place, known) in places.iter().zip(known) {
             assert!(
                 (place[0] - known[0]).abs() < 6e-8 && (place[1] - known[1]).abs() < 6e-5,
@@ -87,7 +88,7 @@ fn pairs_that_the_time_between_the_impacts_hardly_tells_apart() {
     for off in [1e-7, 1e-9, 1e-11, 1e-13, -1e-6, -1e-10] {
         let found = mass(0.5 * (1.0 + off), 1.0).orbits(&"0+,0-".parse().unwrap(), 1).unwrap();
         let places = places(&found);
-        assert!(found.search.is_complete() && places.len() == 8, "{off} {found:?}");
+        assert!(found.completeness.is_established() && places.len() == 8, "{off} {found:?}");
         for known in rest {
             let near = |place: &&[f64; 2]| (place[0] - known[0]).abs() < 1e-4 && (place[1] - known[1]).abs() < 1e-3;
             assert_eq!(places.iter().filter(near).count(), 1, "{off} {places:?} {known:?}");

@@ -50,7 +50,7 @@ fn lists_under_several_harmonics_and_next_to_resonances_are_complete() {
             let word: crate::word::Word = word.parse().unwrap();
             let Ok(found) = model.orbits(&word, periods) else { continue };
             (lists, orbits) = (lists + 1, orbits + found.orbits.len());
-            if !found.search.is_complete() {
+            if !found.completeness.is_established() {
                 continue;
             }
             complete += 1;
@@ -73,7 +73,7 @@ fn lists_under_several_harmonics_and_next_to_resonances_are_complete() {
                     continue;
                 }
                 let is_listed = found.orbits.iter().any(|listed| listed.begun_at(&orbit).is_some());
-                assert!(is_listed, "{round} {word} {:?}: {orbit:?}", found.search);
+                assert!(is_listed, "{round} {word} {:?}: {orbit:?}", found.completeness);
                 (sought, rigid) = (sought + 1, rigid + usize::from(!equations.rigid.is_empty()));
             }
         }
