@@ -114,6 +114,23 @@ fn memory(sites: usize) {
     }
 }
 
+/// Where residues leave the verdict open, and the impacts' equations refine the multipliers that may lead, all of them are told, too; these
+/// equations take more room than all else.
+#[test]
+fn a_leading_multiplier_that_is_refined_is_one_of_all() {
+    let sites = 100_000;
+    let info = allocation_counter::measure(|| {
+        let (mut finder, found) = conservative(sites, 0.1, 1.5, Family::DoubleSided);
+        let all = Analyser::default().multipliers(&found.orbits[0], &mut finder, Tolerance::Rounding).unwrap();
+        let leading = all.verdict.leading;
+        assert!(leading.norm() > 1.0 && all.verdict.excess() > 0.0);
+        let nearest = all.sorted().map(|z| (z - leading).norm()).fold(f64::INFINITY, f64::min);
+        assert!(nearest < 1e-6, "{nearest:e}");
+        assert_eq!(all.sorted().count(), 2 * sites);
+    });
+    assert!(info.bytes_max < 420 * sites as u64, "{} bytes", info.bytes_max);
+}
+
 /// The condition of an orbit takes one list of the modes that the masses which are hit feel, each with its errors.
 #[test]
 fn memory_of_a_condition_grows_like_the_ring() {

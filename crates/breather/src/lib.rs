@@ -64,7 +64,7 @@ pub use admissible::map_breather::{MapBreather, MapSearch};
 pub use branch_error::BranchError;
 #[doc(hidden)]
 pub use equations::linear;
-pub use equations::{BlochEquations, LinearImpact, Shift};
+pub use equations::{BlochEquations, LinearImpact, ShapeErrors, Shift};
 pub use error::{BreatherError, NoBreather, Unsearched};
 pub use motion::{Kinematics, Motion};
 pub use orbit::{Family, Hit, Impact, Orbit, time_between};

@@ -2,7 +2,7 @@
 //! by as much, one of which a contact does not see at all.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{BlochEquations, LinearImpact};
+use vibrochain_breather::{BlochEquations, LinearImpact, ShapeErrors};
 use vibrochain_lattice::{Contact, LinearMode, ModalStructure, ModeShape};
 use vibrochain_testkit::Random;
 
@@ -63,13 +63,14 @@ fn errors_of_shapes_bound_what_shapes_that_are_off_make_of_the_equations() {
             BlochEquations::new(structure.participating_modes(&[0, 1]).kernel(period, &[0, 1]), impacts.clone())
         });
         let [own, other] = &equations;
-        let (size, [row_errors, column_errors]) = (own.size(), own.shape_errors());
+        let (size, mut errors) = (own.size(), ShapeErrors::default());
         for (k, mode) in own.kernel().modes().iter().enumerate() {
-            let tables =
-                [(own.rows(k), other.rows(k), &row_errors), (own.columns(k), other.columns(k), &column_errors)];
+            own.shape_errors(k, &mut errors);
+            let [row_errors, column_errors] = &errors;
+            let tables = [(own.rows(k), other.rows(k), row_errors), (own.columns(k), other.columns(k), column_errors)];
             for (own, other, errors) in tables {
                 for (r, (a, b)) in own.iter().zip(other).enumerate() {
-                    let (way, error) = ([a[0] - b[0], a[1] - b[1]], errors[k * size + r]);
+                    let (way, error) = ([a[0] - b[0], a[1] - b[1]], errors[r]);
                     let rounding = 1e-14 * (1.0 + length(*a));
                     if mode.coordinates == vibrochain_lattice::Coordinates::Apart {
                         (0..2).for_each(|i| assert!(way[i].abs() <= error[i] + rounding, "{a:?} {b:?} {error:?}"));

@@ -29,7 +29,7 @@ pub(crate) mod slopes;
 mod system;
 pub(crate) mod unknowns;
 
-pub use bloch::{BlochEquations, LinearImpact, Shift};
+pub use bloch::{BlochEquations, LinearImpact, ShapeErrors, Shift};
 pub(crate) use system::System;
 
 /// An orbit and what the rows of its equations are made of.

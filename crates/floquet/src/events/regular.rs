@@ -4,8 +4,8 @@
 //! where z is far from them; and columns are measured by impulses, whose signs are taken away.
 
 use nalgebra::Complex;
-use vibrochain_breather::BlochEquations;
 use vibrochain_breather::linear::{cofactors, determinant};
+use vibrochain_breather::{BlochEquations, ShapeErrors};
 
 type C = Complex<f64>;
 
@@ -105,7 +105,7 @@ impl<'a> Regular<'a> {
 /// asked for.
 fn entry_errors(equations: &BlochEquations, z: C, simple: bool) -> Vec<f64> {
     let mut errors: Vec<f64> = equations.constant(false).iter().map(|entry| ENTRY * entry.abs()).collect();
-    let (doubts, size) = (equations.shape_errors(), equations.size());
+    let (mut doubts, size) = (ShapeErrors::default(), equations.size());
     for (k, mode) in equations.kernel().modes().iter().enumerate() {
         // Sums of the past have 1/(z−p), and its error is that of the pole.
         let near = mode.poles().map(|pole| (z - pole).norm().recip());
@@ -118,7 +118,8 @@ fn entry_errors(equations: &BlochEquations, z: C, simple: bool) -> Vec<f64> {
         let flights = ENTRY * (1.0 + (mode.rate + mode.decay.abs()) * period) + mode.rate_error * period;
         let of_pole = if simple || mode.coordinates.are_parabolic() { mode.pole_error * near } else { 0.0 };
         let (rows, columns) = (equations.rows(k), equations.columns(k));
-        let [row_errors, column_errors] = doubts.each_ref().map(|table| &table[k * size..(k + 1) * size]);
+        equations.shape_errors(k, &mut doubts);
+        let [row_errors, column_errors] = &doubts;
         let reach = |row: [f64; 2], column: [f64; 2]| mode.coordinates.reach(row, column);
         for (i, line) in errors.chunks_mut(size).enumerate() {
             for (j, error) in line.iter_mut().enumerate() {

@@ -82,6 +82,8 @@ impl Analyser {
             .collect();
         open.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
         let Posed { equations, data, .. } = posed(question, finder)?;
+        // What these came from takes as much room again.
+        finder.give_back();
         let function = SpectralFunction::new(&equations, true);
         let refined_at_most = most_refined(orbit.model().chain().even_modes());
         let mut leading: Option<(Complex<f64>, f64)> = None;

@@ -40,9 +40,9 @@ impl SpectralFunction<'_> {
 
     /// The poles here of the same modes as some of a neighbour's.
     fn alike(&self, other: &SpectralFunction<'_>, poles: &[Pole]) -> Option<Vec<Pole>> {
-        let alike = self.poles.len() == other.poles.len() && self.simple.len() == other.simple.len();
-        let own = |pole: &Pole| self.pole(pole.mode, pole.which);
-        if alike { poles.iter().map(own).collect() } else { None }
+        let alike = self.poles.len() == other.poles.len() && self.simple() == other.simple();
+        let own = |pole: &Pole| self.poles_of(pole.mode)[pole.which];
+        alike.then(|| poles.iter().map(own).collect())
     }
 }
 

@@ -13,7 +13,7 @@ use std::borrow::Cow;
 
 use nalgebra::{Complex, DMatrix};
 use smallvec::SmallVec;
-use vibrochain_breather::{BlochEquations, Shift};
+use vibrochain_breather::{BlochEquations, ShapeErrors, Shift};
 
 use crate::zeros::{Meromorphic, Value, modulus};
 
@@ -56,11 +56,10 @@ pub(crate) struct SpectralFunction<'a> {
     /// Those that are solved: of an orbit that may begin at any time without its own derivative, if that can be left out.
     pub(super) equations: Cow<'a, BlochEquations>,
     pub(super) shift: Option<Shift>,
-    /// All poles, and the simple ones with their modes.
+    /// All poles, two for each mode.
     pub(super) poles: Vec<C>,
-    pub(super) simple: Vec<Pole>,
-    /// Both coordinates of each double one.
-    double: Vec<[Pole; 2]>,
+    /// The modes whose poles are double.
+    double: Vec<usize>,
     /// Errors of A_k and C_k, [mode][row], as [`vibrochain_lattice::Coordinates::carried`] has them.
     pub(super) row_errors: Vec<[f64; 2]>,
     pub(super) column_errors: Vec<[f64; 2]>,
@@ -82,36 +81,23 @@ impl<'a> SpectralFunction<'a> {
         let since = whole.since_cut();
         let longest = since.iter().copied().fold(0.0, f64::max);
         let (count, all) = (modes.len(), size * modes.len());
-        let (mut poles, mut simple) = (Vec::with_capacity(2 * count), Vec::with_capacity(2 * count));
+        let mut poles = Vec::with_capacity(2 * count);
         let (mut row_errors, mut column_errors) = (Vec::with_capacity(all), Vec::with_capacity(all));
-        let (mut double, doubts) = (Vec::new(), whole.shape_errors());
+        let (mut double, mut doubts) = (Vec::new(), ShapeErrors::default());
         let mut constants =
             [(); 2].map(|()| Constant { errors: vec![0.0; size * size], slides: vec![0.0; size * size] });
         for (k, mode) in modes.iter().enumerate() {
-            let values = mode.poles();
-            poles.extend(values);
-            let (rates, errors) = (mode.rates(), mode.pole_errors());
-            let both = [0, 1].map(|which| Pole {
-                mode: k,
-                value: values[which],
-                rate: rates[which],
-                which,
-                error: errors[which],
-            });
-            if mode.coordinates.are_parabolic() {
-                double.push(both);
-            } else {
-                simple.extend(both);
-            }
+            poles.extend(mode.poles());
+            double.extend(mode.coordinates.are_parabolic().then_some(k));
             let (rows, columns) = (equations.rows(k), equations.columns(k));
             let (from, coordinates) = (row_errors.len(), mode.coordinates);
             let part =
                 f64::EPSILON * (6.0 + 3.0 * (mode.rate + mode.decay.abs()) * longest) + mode.rate_error * longest;
-            let own = from..from + size;
+            whole.shape_errors(k, &mut doubts);
             for (table, doubts, errors) in
                 [(rows, &doubts[0], &mut row_errors), (columns, &doubts[1], &mut column_errors)]
             {
-                let pairs = table.iter().zip(&doubts[own.clone()]);
+                let pairs = table.iter().zip(doubts);
                 errors.extend(pairs.map(|(entries, error)| coordinates.with_part(*error, part, *entries)));
             }
             if let Some(shift) = &shift {
@@ -119,7 +105,7 @@ impl<'a> SpectralFunction<'a> {
                 let near = (mode.poles()[0] - 1.0).norm().recip();
                 let part = part + 2.0 * near * mode.pole_error;
                 let sum = |table: &[[f64; 2]], doubts: &[[f64; 2]]| {
-                    let error = |r: usize| coordinates.with_part(doubts[from + r], part, table[r])[0];
+                    let error = |r: usize| coordinates.with_part(doubts[r], part, table[r])[0];
                     let terms = shift.weights.iter().enumerate().map(|(i, weight)| weight.abs() * error(2 * i + 1));
                     [near * terms.sum::<f64>(), 0.0]
                 };
@@ -162,37 +148,41 @@ impl<'a> SpectralFunction<'a> {
             kept.for_each(|(i, error)| errors[(2 * i + 1) * (size + 1)] += error);
         }
         let (matrix, derivative) = (Vec::new(), Vec::new());
-        Self {
-            whole,
-            equations,
-            shift,
-            poles,
-            simple,
-            double,
-            row_errors,
-            column_errors,
-            constants,
-            matrix,
-            derivative,
-        }
+        Self { whole, equations, shift, poles, double, row_errors, column_errors, constants, matrix, derivative }
+    }
+
+    /// Both poles of a mode, or both coordinates of its double one.
+    pub(super) fn poles_of(&self, k: usize) -> [Pole; 2] {
+        let mode = &self.equations.kernel().modes()[k];
+        let (rates, errors) = (mode.rates(), mode.pole_errors());
+        let value = |which: usize| self.poles[2 * k + which];
+        [0, 1].map(|which| Pole { mode: k, value: value(which), rate: rates[which], which, error: errors[which] })
+    }
+
+    /// The modes whose poles are simple.
+    pub(super) fn of_simple_poles(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.poles.len() / 2).filter(|k| self.double.binary_search(k).is_err())
+    }
+
+    /// How many poles are simple.
+    pub(super) fn simple(&self) -> usize {
+        self.poles.len() - 2 * self.double.len()
     }
 
     /// The poles next to z: double ones, both coordinates of each, and the simple ones, the nearest first.
     pub(super) fn near(&self, z: C) -> Vec<Pole> {
         let reach = NEAR * NEAR * z.norm_sqr();
-        let distance = |pole: &Pole| (z - pole.value).norm_sqr();
-        let mut near: Vec<Pole> = self.simple.iter().filter(|pole| distance(pole) < reach).copied().collect();
-        near.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let distance = |pole: &C| (z - pole).norm_sqr();
+        let both = |k: usize| &self.poles[2 * k..2 * k + 2];
+        let mut near = Vec::new();
+        for k in self.of_simple_poles().filter(|k| both(*k).iter().any(|pole| distance(pole) < reach)) {
+            near.extend(self.poles_of(k).into_iter().filter(|pole| distance(&pole.value) < reach));
+        }
+        near.sort_by(|a, b| distance(&a.value).total_cmp(&distance(&b.value)));
         near.truncate(MOST_NEAR);
-        let double = self.double.iter().filter(|pair| distance(&pair[0]) < reach).take(MOST_NEAR / 2);
-        near.splice(0..0, double.flatten().copied());
+        let double = self.double.iter().filter(|k| distance(&both(**k)[0]) < reach).take(MOST_NEAR / 2);
+        near.splice(0..0, double.flat_map(|k| self.poles_of(*k)));
         near
-    }
-
-    /// The first or the second pole of a mode.
-    pub(super) fn pole(&self, mode: usize, which: usize) -> Option<Pole> {
-        let is_it = |pole: &&Pole| pole.mode == mode && pole.which == which;
-        self.simple.iter().find(is_it).or_else(|| self.double.iter().flatten().find(is_it)).copied()
     }
 
     /// Error of A_k and of C_k, each against its largest row.
@@ -224,8 +214,12 @@ impl<'a> SpectralFunction<'a> {
         self.equations.fill_without(z, &apart, &mut entries, None);
         let is_near = |pole: &Pole| near.iter().any(|other| other.mode == pole.mode && other.which == pole.which);
         // The other pole of a mode whose one pole is near.
-        for pole in self.simple.iter().filter(|pole| apart.contains(&pole.mode) && !is_near(pole)) {
-            let [a, c] = self.dyad(pole);
+        let mut simple: SmallVec<[usize; MOST_NEAR]> =
+            apart.iter().copied().filter(|k| self.double.binary_search(k).is_err()).collect();
+        simple.sort_unstable();
+        simple.dedup();
+        for pole in simple.into_iter().flat_map(|k| self.poles_of(k)).filter(|pole| !is_near(pole)) {
+            let [a, c] = self.dyad(&pole);
             let factor = pole.value * (z - pole.value).inv();
             for (i, a) in a.iter().enumerate() {
                 for (j, c) in c.iter().enumerate() {

@@ -11,11 +11,12 @@
 //! the leading ones are on cannot lead. These are refined by null vectors, unless the sum itself knows them well enough.
 
 use nalgebra::Complex;
+use smallvec::SmallVec;
 use vibrochain_breather::linear::{determinant, determinant_and_condition};
 use vibrochain_lattice::simd::lanes::{LANES, Lane, ZERO, all, fill, four};
 use wide::f64x4;
 
-use super::function::SpectralFunction;
+use super::function::{Pole, SpectralFunction};
 use super::refine::Origin;
 use super::solve::{LAST, refined};
 use super::starts::{DEAD, NEGLIGIBLE, WAY};
@@ -122,7 +123,8 @@ impl SpectralFunction<'_> {
         let (mut poles, mut residues) = (Vec::with_capacity(modes.len()), Vec::with_capacity(modes.len()));
         let (mut residue_errors, mut pole_errors) = (Vec::with_capacity(modes.len()), Vec::with_capacity(modes.len()));
         let (mut real, mut imaginary) = (vec![ZERO; groups], vec![ZERO; groups]);
-        for own in self.simple.iter().step_by(2) {
+        let firsts: SmallVec<[Pole; 16]> = self.of_simple_poles().map(|k| self.poles_of(k)[0]).collect();
+        for own in &firsts {
             let z = own.value;
             // What has died when the next period begins leads nowhere; of what is about to, the residue counts all the same.
             if self.equations.rows(own.mode).iter().flatten().all(|entry| *entry == 0.0) {
@@ -134,7 +136,7 @@ impl SpectralFunction<'_> {
             real.iter_mut().zip(&constant).for_each(|(entry, own)| *entry = four(*own));
             imaginary.fill(ZERO);
             let mut nearest = f64::INFINITY;
-            for (other, table) in self.simple.iter().step_by(2).zip(tables.chunks_exact(2 * groups)) {
+            for (other, table) in firsts.iter().zip(tables.chunks_exact(2 * groups)) {
                 // p/(z−p) of both poles, of which the own one is left out.
                 let mut share = |pole: C| {
                     let way = z - pole;

@@ -231,7 +231,7 @@ impl SpectralFunction<'_> {
                 }
                 continue;
             }
-            for pole in self.simple.iter().skip(self.simple_of(k)).take(2) {
+            for pole in self.poles_of(k) {
                 let a = mode.coordinates.seen_of_pole(pole.which, xi);
                 let c = mode.coordinates.given_to_pole(pole.which, eta);
                 let (a_error, c_error) = match mode.coordinates {
@@ -319,11 +319,6 @@ impl SpectralFunction<'_> {
             })
             .sum();
         Some(out)
-    }
-
-    /// Where the simple poles of a mode begin.
-    fn simple_of(&self, mode: usize) -> usize {
-        self.simple.partition_point(|pole| pole.mode < mode)
     }
 
     /// What a mode with a double pole adds that is bordered: with xs and ys of its coordinates ξys + xs(z−R)ys − xsRη; the size of the terms.

@@ -117,11 +117,11 @@ impl SpectralFunction<'_> {
 
     /// The starts beside the first or second pole of `count` modes that are alike.
     fn beside(&self, from: usize, count: usize, which: usize) -> Vec<Beside> {
-        let at = self.simple.partition_point(|pole| pole.mode < from) + which;
-        let own: Vec<_> = (0..count).map(|k| self.simple[at + 2 * k]).collect();
+        let own: Vec<_> = (from..from + count).map(|k| self.poles_of(k)[which]).collect();
         let pole = own[0].value;
-        let others = self.simple.iter().filter(|other| !(from..from + count).contains(&other.mode));
-        let gap = others.map(|other| modulus(other.value - pole)).fold(modulus(pole), f64::min);
+        let others = self.of_simple_poles().filter(|k| !(from..from + count).contains(k));
+        let others = others.flat_map(|k| &self.poles[2 * k..2 * k + 2]);
+        let gap = others.map(|other| modulus(other - pole)).fold(modulus(pole), f64::min);
         let size = self.equations.size();
         let all = size + count;
         let bordered = DMatrix::from_row_slice(all, all, &self.bordered(pole, &own));

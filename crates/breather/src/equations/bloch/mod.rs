@@ -29,6 +29,8 @@ mod setup;
 
 pub use linear_impact::LinearImpact;
 
+use std::sync::Arc;
+
 use smallvec::SmallVec;
 use vibrochain_lattice::BlochKernel;
 
@@ -40,6 +42,9 @@ pub struct Shift {
     /// s: what each impact's ωPδt is in it.
     pub weights: Vec<f64>,
 }
+
+/// Errors of a mode's A_k and C_k, a pair for each row and column, see [`BlochEquations::shape_errors`].
+pub type ShapeErrors = [SmallVec<[[f64; 2]; 8]>; 2];
 
 /// J(z) of one orbit.
 ///
@@ -64,7 +69,7 @@ pub struct Shift {
 /// ```
 #[derive(Debug, Clone)]
 pub struct BlochEquations {
-    kernel: BlochKernel,
+    kernel: Arc<BlochKernel>,
     impacts: Vec<LinearImpact>,
     /// ω = 2π/T
     omega: f64,

@@ -1,9 +1,11 @@
 //! The equations of impacts, of an orbit, and of an orbit that may begin at any time.
 
+use std::sync::Arc;
+
 use vibrochain_lattice::{BlochKernel, Complex, ImpulseResponse, SparedModes, Turned};
 
 use super::dying::{Cut, Sent, died, largest, only, send_on, since_cut};
-use super::{BlochEquations, LinearImpact, Shift};
+use super::{BlochEquations, LinearImpact, ShapeErrors, Shift};
 use crate::orbit::Orbit;
 
 type C = Complex<f64>;
@@ -88,7 +90,7 @@ impl BlochEquations {
         let poles = kernel.modes().iter().flat_map(|mode| mode.poles()).map(|pole| pole.norm_sqr());
         let innermost = poles.fold(f64::INFINITY, f64::min);
         Self {
-            kernel,
+            kernel: Arc::new(kernel),
             impacts,
             omega,
             since,
@@ -104,26 +106,24 @@ impl BlochEquations {
         }
     }
 
-    /// Errors of A_k and C_k that come from the shapes of modes, mode by mode, in the form of [`vibrochain_lattice::Coordinates::carried`].
-    pub fn shape_errors(&self) -> [Vec<[f64; 2]>; 2] {
-        let all = self.size() * self.kernel.modes().len();
-        let [mut rows, mut columns] = [(); 2].map(|()| Vec::with_capacity(all));
-        let spread = self.since.iter().copied().fold(0.0, f64::max);
-        for (k, mode) in self.kernel.modes().iter().enumerate() {
-            let (coordinates, generator) = (mode.coordinates, mode.generator());
-            let alive = died(mode, spread, self.kernel.period()).map(|died| !died);
-            // The rates of both coordinates, or of both together.
-            let [first, second] = coordinates.carried([1.0; 2], generator);
-            let faster = |[x, y]: [f64; 2]| [first * x, second * y];
-            for (impact, t) in self.impacts.iter().zip(&self.since) {
-                let [forth, back] = mode.flight_sizes(*t).map(|flight| only(alive, flight));
-                let [seen, given] = self.kernel.shape_errors(k, impact.contact);
-                let [seen, given] = [coordinates.carried(seen, forth), coordinates.carried(given, back)];
-                rows.extend([seen.map(|x| self.omega * x), faster(seen)]);
-                columns.extend([given, faster(given).map(|x| x / self.omega)]);
-            }
+    /// Puts the errors of A_k and C_k that come from the shape of mode `k`, in the form of [`vibrochain_lattice::Coordinates::carried`], in place of
+    /// what these lists hold.
+    pub fn shape_errors(&self, k: usize, [rows, columns]: &mut ShapeErrors) {
+        rows.clear();
+        columns.clear();
+        let (mode, spread) = (&self.kernel.modes()[k], self.since.iter().copied().fold(0.0, f64::max));
+        let (coordinates, generator) = (mode.coordinates, mode.generator());
+        let alive = died(mode, spread, self.kernel.period()).map(|died| !died);
+        // The rates of both coordinates, or of both together.
+        let [first, second] = coordinates.carried([1.0; 2], generator);
+        let faster = |[x, y]: [f64; 2]| [first * x, second * y];
+        for (impact, t) in self.impacts.iter().zip(&self.since) {
+            let [forth, back] = mode.flight_sizes(*t).map(|flight| only(alive, flight));
+            let [seen, given] = self.kernel.shape_errors(k, impact.contact);
+            let [seen, given] = [coordinates.carried(seen, forth), coordinates.carried(given, back)];
+            rows.extend([seen.map(|x| self.omega * x), faster(seen)]);
+            columns.extend([given, faster(given).map(|x| x / self.omega)]);
         }
-        [rows, columns]
     }
 
     /// The same of an orbit without force or losses, which may begin at any time: J(1) has its own derivative as a null vector. So the
@@ -137,27 +137,28 @@ impl BlochEquations {
         let size = equations.size();
         let sums = equations.matrix(one);
         let impulse = |j: usize| equations.impacts[j].impulse;
-        let (mut slides, mut errors) = (Vec::new(), Vec::new());
-        let doubts = equations.shape_errors();
-        for i in 0..equations.impacts.len() {
-            let row = &sums[(2 * i + 1) * size..(2 * i + 2) * size];
-            let left: f64 = (0..equations.impacts.len()).map(|j| row[2 * j + 1].re * impulse(j)).sum();
-            slides.push(left / impulse(i));
-            let mut error = 0.0;
-            for (k, mode) in equations.kernel.modes().iter().enumerate() {
-                let (rows, columns) = (equations.rows(k), equations.columns(k));
-                let [near, _] = mode.poles().map(|pole| (one - pole).norm().recip());
-                let [row_errors, column_errors] = doubts.each_ref().map(|table| &table[k * size..(k + 1) * size]);
+        let count = equations.impacts.len();
+        let (mut errors, mut doubts) = (vec![0.0; count], ShapeErrors::default());
+        for (k, mode) in equations.kernel.modes().iter().enumerate() {
+            equations.shape_errors(k, &mut doubts);
+            let (rows, columns, [row_errors, column_errors]) = (equations.rows(k), equations.columns(k), &doubts);
+            let [near, _] = mode.poles().map(|pole| (one - pole).norm().recip());
+            for (i, error) in errors.iter_mut().enumerate() {
                 let reach = |j: usize| {
                     let (row, column) = (rows[2 * i + 1], columns[2 * j + 1]);
                     let shapes = [[row, row_errors[2 * i + 1]], [column, column_errors[2 * j + 1]]];
                     let shapes = mode.coordinates.reach_error(shapes[0], shapes[1]);
                     (mode.coordinates.reach(row, column) * mode.pole_error * near + shapes) * impulse(j).abs()
                 };
-                error += near * (0..equations.impacts.len()).map(reach).sum::<f64>();
+                *error += near * (0..count).map(reach).sum::<f64>();
             }
-            errors.push(error / impulse(i).abs());
         }
+        let slide = |i: usize| {
+            let row = &sums[(2 * i + 1) * size..(2 * i + 2) * size];
+            (0..count).map(|j| row[2 * j + 1].re * impulse(j)).sum::<f64>() / impulse(i)
+        };
+        let slides: Vec<f64> = (0..count).map(slide).collect();
+        errors.iter_mut().enumerate().for_each(|(i, error)| *error /= impulse(i).abs());
         for (i, slide) in slides.into_iter().enumerate() {
             let at = (2 * i + 1) * (size + 1);
             equations.outside[at] -= slide;
