@@ -55,7 +55,7 @@ impl Kind {
 
 #[test]
 fn existence_allocates_nothing_and_stability_only_for_matrices() {
-    // Measured: 0, 2.350, 0 and 22.922. The eigenvalue solver, and J(z) of every orbit under a force, take their work space anew for each: two
+    // Measured: 0, 2.188, 0 and 23.350. The eigenvalue solver, and J(z) of every orbit under a force, take their work space anew for each: two
     // percent of a forced map's instructions.
     for (kind, most) in KINDS.into_iter().zip([0.0, 2.5, 0.0, 24.0]) {
         let allocations = kind.allocations();
