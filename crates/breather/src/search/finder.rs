@@ -29,7 +29,7 @@ pub enum Scope {
     /// Those that could be physical, for less work where none is: not those one of whose impacts has the wrong sign, nor
     /// those that would make masses of the ring swing beyond their barriers.
     Candidates,
-    /// Candidates without conservative ones of two instants with φ ≠ T/2; [`Completeness::Asked`] tells where there could be any.
+    /// Candidates without conservative ones of two instants with φ ≠ T/2; [`Asked`](crate::Completeness::Asked) tells where there could be any.
     SymmetricCandidates,
 }
 
