@@ -114,8 +114,8 @@ fn memory(sites: usize) {
     }
 }
 
-/// Where residues leave the verdict open, and the impacts' equations refine the multipliers that may lead, all of them are told, too; these
-/// equations take more room than all else.
+/// The residues of this orbit do not decide its stability, so that the impacts' equations refine the multipliers that may lead. The list holds all
+/// multipliers all the same, the refined one among them, and memory stays within what these equations take.
 #[test]
 fn a_leading_multiplier_that_is_refined_is_one_of_all() {
     let sites = 100_000;

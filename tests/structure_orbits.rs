@@ -170,17 +170,11 @@ fn words_of_the_table_are_found_without_a_start() {
             continue;
         };
         let is_found = found.orbits.iter().any(|orbit| case.is_it(orbit));
-        println!(
-            "{} {}: {} orbits, {:?}, {}",
-            case.dense.name,
-            case.word,
-            found.orbits.len(),
-            found.completeness,
-            is_found
-        );
+        let (name, word, known) = (&case.dense.name, &case.word, found.completeness);
+        println!("{name} {word}: {} orbits, {known:?}, {is_found}", found.orbits.len());
         if case.word.instants().len() <= 2 {
             short += 1;
-            assert!(is_found, "{}: {:?}", case.dense.name, found.completeness);
+            assert!(is_found, "{name}: {known:?}");
         } else if !is_found {
             missed.push(format!("{} {}", case.dense.name, case.word));
         }

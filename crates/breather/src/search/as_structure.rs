@@ -10,7 +10,7 @@ use crate::search::finder::Scope;
 use crate::structures::error::StructureOrbitError;
 use crate::structures::model::StructureModel;
 use crate::structures::orbit::StructureOrbit;
-use crate::structures::search::{ListScope, Listed};
+use crate::structures::search::Listed;
 use crate::word::{Letter, Word};
 
 /// The orbits of a word, of contacts, of the lattice with contacts at these lists of masses. `None` where it cannot be asked for.
@@ -21,8 +21,7 @@ pub(crate) fn among(
     wanted: Scope,
     stop: &Stop,
 ) -> Result<Option<Listed>, BreatherError> {
-    let scope = if wanted.candidates() { ListScope::Candidates } else { ListScope::All };
-    let listed = |structure: StructureModel| structure.listed(word, periods, scope);
+    let listed = |structure: StructureModel| structure.listed(word, periods, wanted);
     match StructureModel::of_lattice(model, contacts, stop).and_then(listed) {
         Ok(searched) => Ok(Some(searched)),
         Err(StructureOrbitError::Stopped(stopped)) => Err(stopped.into()),

@@ -98,9 +98,9 @@ pub enum Completeness {
         /// that were not followed to an event that ends them.
         left: usize,
     },
-    /// Orbits without a force whose instants are half a period apart, by closed form: others were not sought.
+    /// The list holds the orbits without a force whose instants are half a period apart, by closed form. Others were not sought.
     HalfPeriod,
-    /// A function of one variable has been looked at in so many places: two orbits between neighbours may be missed.
+    /// The search has looked for zeros of a function of one variable in so many places. It may have missed two orbits between neighbouring places.
     Scanned {
         /// How many.
         places: usize,
@@ -158,6 +158,11 @@ impl Searched {
     /// Places left open; `None` where they are not known.
     pub(crate) fn left_open(&self) -> Option<usize> {
         self.partial.is_none().then_some(self.unresolved + self.exhausted)
+    }
+
+    /// No orbit can be missing.
+    pub(crate) fn is_complete(&self) -> bool {
+        self.left_open() == Some(0)
     }
 }
 

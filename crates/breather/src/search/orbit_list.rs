@@ -1,4 +1,4 @@
-//! Orbits of a family or a word at a point, and what is known of their list.
+//! The list of a family's or a word's orbits at a point, with what is known of it.
 
 use crate::orbit::{Orbit, order};
 use crate::search::completeness::Completeness;
@@ -10,11 +10,11 @@ use crate::search::words::ended::Ended;
 pub struct OrbitList<O = Orbit> {
     /// The orbits, physical or not, in order of φ, those of one φ by ψ.
     pub orbits: Vec<O>,
-    /// Whether these are all, why there are none, or what may be missing.
+    /// Whether the list holds all orbits, why it holds none, or which it may lack.
     pub completeness: Completeness,
-    /// Where branches of a word ended that were followed from γ₂ = 0 and did not come as far as this point.
+    /// A word's branches are followed from γ₂ = 0: where those ended that did not reach this point.
     pub ended: Vec<Ended>,
-    /// Of self-excited motion, whose period is an unknown, the least and the largest that were searched: of others nothing is known.
+    /// The period of self-excited motion is an unknown: the least and the largest period that were searched. Of others nothing is known.
     pub periods: Option<[f64; 2]>,
 }
 
@@ -26,7 +26,7 @@ impl<O> Default for OrbitList<O> {
 }
 
 impl<O> OrbitList<O> {
-    /// The orbit that one start leads to: others may exist.
+    /// The list of the one orbit that a start has led to. Others may exist.
     pub fn near(orbit: O) -> Self {
         Self { orbits: vec![orbit], completeness: Completeness::followed(1, 1, 0), ..Self::default() }
     }

@@ -48,7 +48,8 @@ pub(crate) fn told_verdict(verdict: &Verdict) -> String {
     format!("{how}: spectral radius {}{error}", verdict.spectral_radius)
 }
 
-/// What is known of a list of orbits, for people: how many there are, or why there is none; whether these are all; and what was left open.
+/// Writes for people what is known of a list of orbits: how many it holds, or why it holds none; whether these are all; which places the search
+/// has left open.
 pub(crate) fn told_list(known: Completeness, periods: Option<[f64; 2]>, [count, physical]: [usize; 2]) -> String {
     let plural = |count: usize| if count == 1 { "" } else { "s" };
     // Where nothing shows that there is none, none was found.

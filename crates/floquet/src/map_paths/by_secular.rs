@@ -82,7 +82,7 @@ impl Analyser {
             .collect();
         open.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
         let Posed { equations, data, .. } = posed(question, finder)?;
-        // What these came from takes as much room again.
+        // The finder's modes have done their part: their memory is free for what follows.
         finder.give_back();
         let function = SpectralFunction::new(&equations, true);
         let refined_at_most = most_refined(orbit.model().chain().even_modes());

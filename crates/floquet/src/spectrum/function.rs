@@ -151,7 +151,7 @@ impl<'a> SpectralFunction<'a> {
         Self { whole, equations, shift, poles, double, row_errors, column_errors, constants, matrix, derivative }
     }
 
-    /// Both poles of a mode, or both coordinates of its double one.
+    /// Both poles of mode `k`. A double pole is there twice, once for each of the mode's two coordinates.
     pub(super) fn poles_of(&self, k: usize) -> [Pole; 2] {
         let mode = &self.equations.kernel().modes()[k];
         let (rates, errors) = (mode.rates(), mode.pole_errors());

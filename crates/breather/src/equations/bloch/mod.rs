@@ -43,7 +43,7 @@ pub struct Shift {
     pub weights: Vec<f64>,
 }
 
-/// Errors of a mode's A_k and C_k, a pair for each row and column, see [`BlochEquations::shape_errors`].
+/// Errors of one mode's A_k and C_k, a pair of numbers for each row and for each column of J: what [`BlochEquations::shape_errors`] works out.
 pub type ShapeErrors = [SmallVec<[[f64; 2]; 8]>; 2];
 
 /// J(z) of one orbit.

@@ -106,8 +106,8 @@ impl BlochEquations {
         }
     }
 
-    /// Puts the errors of A_k and C_k that come from the shape of mode `k`, in the form of [`vibrochain_lattice::Coordinates::carried`], in place of
-    /// what these lists hold.
+    /// Replaces both lists by the errors of A_k and of C_k that come from the shape of mode `k`. Each pair is in the form of
+    /// [`vibrochain_lattice::Coordinates::carried`].
     pub fn shape_errors(&self, k: usize, [rows, columns]: &mut ShapeErrors) {
         rows.clear();
         columns.clear();
@@ -126,7 +126,7 @@ impl BlochEquations {
         }
     }
 
-    /// The same of an orbit without force or losses, which may begin at any time: J(1) has its own derivative as a null vector. So the
+    /// The equations of an orbit without force or losses, which may begin at any time: J(1) has its own derivative as a null vector. So the
     /// accelerations are not asked for, but what the past impacts make of them; of a rigid mode these say nothing, and it stays as given.
     pub fn conservative(kernel: BlochKernel, impacts: Vec<LinearImpact>) -> Self {
         let mut equations = Self::new(kernel, impacts);

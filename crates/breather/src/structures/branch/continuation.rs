@@ -265,7 +265,7 @@ impl Continuation {
         if kind != (self.forced, self.self_excited, self.rigid) {
             return Err(StructureOrbitError::OtherUnknowns.into());
         }
-        // What is nearer to a resonance than rounding is no orbit that could be told.
+        // Rounding hides the orbits this near to a resonance: the step fails, and a shorter one is tried.
         if !self.self_excited && equations.off_resonance(&equations.hit).is_err() {
             return Err(BranchError::NoConvergence);
         }

@@ -29,4 +29,4 @@ mod starts;
 mod three_impacts;
 mod two_impacts;
 
-pub(crate) use orbits::{ListScope, Listed};
+pub(crate) use orbits::Listed;

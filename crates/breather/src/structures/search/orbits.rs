@@ -20,6 +20,7 @@ use super::two_impacts::Function;
 use crate::error::NoBreather;
 use crate::orbit::order;
 use crate::search::completeness::{Completeness, Partial, Searched};
+use crate::search::finder::Scope;
 use crate::search::orbit_list::OrbitList;
 use crate::structures::equations::Equations;
 use crate::structures::error::StructureOrbitError;
@@ -44,14 +45,6 @@ pub(crate) struct Listed {
 }
 
 impl Listed {
-    fn left_open(&self) -> Option<usize> {
-        self.searched.left_open()
-    }
-
-    fn is_complete(&self) -> bool {
-        self.left_open() == Some(0)
-    }
-
     fn told(self) -> OrbitList<StructureOrbit> {
         let Self { orbits, searched, periods } = self;
         let completeness = Completeness::of(&Searched { listed: orbits.len(), ..searched });
@@ -64,10 +57,13 @@ impl StructureModel {
     /// pulled or not; of longer words only those whose barriers push. An orbit is listed once, whichever impact it begins with, and not where it
     /// repeats itself sooner. Of three impacts a list takes some hundredths of a second, and up to two seconds.
     ///
+    /// What is proved of two impacts does not cover those closer than 1e-4 of the period, on one barrier under a load or of two contacts without
+    /// loads; of three, those of one contact that are as close.
+    ///
     /// # Errors
     /// [`StructureOrbitError`].
     pub fn orbits(&self, word: &Word, force_periods: u32) -> Result<OrbitList<StructureOrbit>, StructureOrbitError> {
-        Ok(self.listed(word, force_periods, ListScope::All)?.told())
+        Ok(self.listed(word, force_periods, Scope::All)?.told())
     }
 
     /// The same without those whose barriers pull: what a map asks for.
@@ -79,91 +75,64 @@ impl StructureModel {
         word: &Word,
         force_periods: u32,
     ) -> Result<OrbitList<StructureOrbit>, StructureOrbitError> {
-        Ok(self.listed(word, force_periods, ListScope::Candidates)?.told())
+        Ok(self.listed(word, force_periods, Scope::Candidates)?.told())
     }
 
-    pub(crate) fn listed(
-        &self,
-        word: &Word,
-        force_periods: u32,
-        scope: ListScope,
-    ) -> Result<Listed, StructureOrbitError> {
-        found(self, word, force_periods, scope)
-    }
-}
-
-/// Which orbits a list is to hold.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum ListScope {
-    /// Whether barriers push or pull.
-    All,
-    /// Those whose barriers push: others are not physical.
-    Candidates,
-}
-
-impl ListScope {
-    /// Rectangles on which three impacts may be sought, a few microseconds each: as long as starts take for a map, and a second or two for one list.
-    pub(super) fn boxes(self) -> usize {
-        match self {
-            Self::All => 400_000,
-            Self::Candidates => 40_000,
+    /// As [`StructureModel::orbits`] or [`StructureModel::candidates`], with what the search has done.
+    pub(crate) fn listed(&self, word: &Word, force_periods: u32, scope: Scope) -> Result<Listed, StructureOrbitError> {
+        let mut letters: SmallVec<[(usize, Barrier); 4]> = SmallVec::new();
+        for letter in word.letters() {
+            self.barrier(letter.site, letter.barrier)?;
+            letters.push((letter.site, letter.barrier));
         }
-    }
-}
-
-fn found(
-    model: &StructureModel,
-    word: &Word,
-    force_periods: u32,
-    scope: ListScope,
-) -> Result<Listed, StructureOrbitError> {
-    let mut letters: SmallVec<[(usize, Barrier); 4]> = SmallVec::new();
-    for letter in word.letters() {
-        model.barrier(letter.site, letter.barrier)?;
-        letters.push((letter.site, letter.barrier));
-    }
-    let equations = Equations::new(model, force_periods, letters.iter().map(|(contact, _)| *contact))?;
-    if equations.forced
-        && letters.iter().all(|&(contact, _)| equations.swings(contact).all(|(_, swing)| swing.norm() == 0.0))
-    {
-        return Err(StructureOrbitError::Unfelt);
-    }
-    if letters.len() > word.instants().len() && (equations.has_time() || word.instants().len() > 2) {
-        return Err(StructureOrbitError::AtOnce);
-    }
-    let impacts = Impacts { equations: &equations, letters };
-    let request = Request { word, force_periods, scope };
-    if equations.self_excited && !impacts.are_excited() {
-        return Err(StructureOrbitError::LossWithoutLoad);
-    }
-    let periods = equations.self_excited.then(|| impacts.periods());
-    if let Some(periods) = periods {
-        let list = impacts.list(request, impacts.of_own_period(periods)?)?;
-        let searched = |orbit: &StructureOrbit| (periods[0]..=periods[1]).contains(&orbit.period());
-        return Ok(Listed {
-            orbits: list.orbits.into_iter().filter(searched).collect(),
-            periods: Some(periods),
-            ..list
-        });
-    }
-    let contacts: SmallVec<[usize; 4]> = impacts.letters.iter().map(|(contact, _)| *contact).collect();
-    equations.off_resonance(&contacts)?;
-    if letters_at_once(word) {
-        return impacts.list(request, impacts.reversible(word)?);
-    }
-    match (impacts.letters.len(), equations.forced) {
-        (2, true) => return impacts.of_two(request),
-        (3, true) => {
-            if let Some(opened) = equations.opened_within(OPEN, (MOST - 6) / 2) {
-                let impacts = Impacts { equations: &opened, letters: impacts.letters.clone() };
-                if let Some(starts) = impacts.proved_in_the_plane(scope.boxes()) {
-                    return impacts.list(request, starts?);
+        let equations = Equations::new(self, force_periods, letters.iter().map(|(contact, _)| *contact))?;
+        if equations.forced
+            && letters.iter().all(|&(contact, _)| equations.swings(contact).all(|(_, swing)| swing.norm() == 0.0))
+        {
+            return Err(StructureOrbitError::Unfelt);
+        }
+        if letters.len() > word.instants().len() && (equations.has_time() || word.instants().len() > 2) {
+            return Err(StructureOrbitError::AtOnce);
+        }
+        let impacts = Impacts { equations: &equations, letters };
+        let request = Request { word, force_periods, scope };
+        if equations.self_excited && !impacts.are_excited() {
+            return Err(StructureOrbitError::LossWithoutLoad);
+        }
+        let periods = equations.self_excited.then(|| impacts.periods());
+        if let Some(periods) = periods {
+            let list = impacts.list(request, impacts.of_own_period(periods)?)?;
+            let searched = |orbit: &StructureOrbit| (periods[0]..=periods[1]).contains(&orbit.period());
+            return Ok(Listed {
+                orbits: list.orbits.into_iter().filter(searched).collect(),
+                periods: Some(periods),
+                ..list
+            });
+        }
+        let contacts: SmallVec<[usize; 4]> = impacts.letters.iter().map(|(contact, _)| *contact).collect();
+        equations.off_resonance(&contacts)?;
+        if letters_at_once(word) {
+            return impacts.list(request, impacts.reversible(word)?);
+        }
+        match (impacts.letters.len(), equations.forced) {
+            (2, true) => return impacts.of_two(request),
+            (3, true) => {
+                if let Some(opened) = equations.opened_within(OPEN, (MOST - 6) / 2) {
+                    let impacts = Impacts { equations: &opened, letters: impacts.letters.clone() };
+                    if let Some(starts) = impacts.proved_in_the_plane(boxes(scope)) {
+                        return impacts.list(request, starts?);
+                    }
                 }
             }
+            _ => {}
         }
-        _ => {}
+        impacts.list(request, impacts.begin(scope)?)
     }
-    impacts.list(request, impacts.begin(scope)?)
+}
+
+/// Rectangles on which three impacts may be sought, a few microseconds each: as long as starts take for a map, and a second or two for one list.
+pub(super) fn boxes(scope: Scope) -> usize {
+    if scope.candidates() { 40_000 } else { 400_000 }
 }
 
 /// Puts a list in order of φ, orbits of one φ by ψ.
@@ -176,7 +145,7 @@ fn sort(orbits: &mut [StructureOrbit]) {
 struct Request<'a> {
     word: &'a Word,
     force_periods: u32,
-    scope: ListScope,
+    scope: Scope,
 }
 
 impl Impacts<'_> {
@@ -187,7 +156,7 @@ impl Impacts<'_> {
         let by_time = if single { self.proved().transpose()? } else { None };
         let by_time = by_time.map(|starts| self.list(request, starts)).transpose()?;
         let by_time = match by_time {
-            Some(list) if list.is_complete() => return Ok(list),
+            Some(list) if list.searched.is_complete() => return Ok(list),
             by_time => by_time,
         };
         let room = (MOST - 4).saturating_sub(self.equations.rigid.len()) / 2;
@@ -200,11 +169,11 @@ impl Impacts<'_> {
             (Some(list), None) | (None, Some(list)) => return Ok(list),
             // Open modes tell orbits apart that are one by the errors of the others.
             (Some(in_plane), Some(by_time)) => {
-                let plane_first = opened.is_some() || in_plane.left_open() < by_time.left_open();
+                let plane_first = opened.is_some() || in_plane.searched.left_open() < by_time.searched.left_open();
                 if plane_first { (in_plane, by_time) } else { (by_time, in_plane) }
             }
         };
-        if !best.is_complete() {
+        if !best.searched.is_complete() {
             // What one search leaves open the other one may have found.
             for orbit in other.orbits {
                 if best.orbits.iter().all(|known| known.begun_at(&orbit).is_none()) {
@@ -229,7 +198,7 @@ impl Impacts<'_> {
         let (mut solutions, mut lost): (Vec<Solution>, usize) = (Vec::new(), 0);
         for Start { point, is_zero, is_exact } in starts {
             model.heard()?;
-            if scope == ListScope::Candidates && point.pulls() {
+            if scope.candidates() && point.pulls() {
                 searched.refused += 1;
                 continue;
             }
@@ -297,7 +266,7 @@ impl Point {
 pub(super) type Starts = Result<(Vec<Start>, Searched), StructureOrbitError>;
 
 impl Impacts<'_> {
-    fn begin(&self, scope: ListScope) -> Starts {
+    fn begin(&self, scope: Scope) -> Starts {
         let single = self.equations.single().is_some();
         match (self.letters.len(), self.equations.forced) {
             (1, true) if single => {
@@ -312,7 +281,7 @@ impl Impacts<'_> {
             }
             (1, true) => self.proved_of_one().unwrap_or_else(|| self.starts()),
             (2, false) => self.proved_of_both_sides().or_else(|| self.proved()).unwrap_or_else(|| self.scan()),
-            (3, _) => self.proved_in_the_plane(scope.boxes()).unwrap_or_else(|| self.starts()),
+            (3, _) => self.proved_in_the_plane(boxes(scope)).unwrap_or_else(|| self.starts()),
             _ => self.starts(),
         }
     }

@@ -13,13 +13,14 @@ use vibrochain_lattice::{Complex, Stop};
 use super::at_times::{Impacts, Start, all_places};
 use super::elimination::{Elimination, MOST, Table};
 use super::open_pieces::{OpenRows, OpenStrip, at_phase};
-use super::orbits::{ListScope, Starts};
+use super::orbits::{Starts, boxes};
 use super::two_impacts::{RESOLUTION, told_apart};
 use crate::roots::dual::{Algebra, Dual};
 use crate::roots::interval::{Clearance, Enclosed, Zeros, one_by_one};
 use crate::roots::patch::{Patch, Piece};
 use crate::roots::planar::{Planar, PlanarZeros};
 use crate::search::completeness::Searched;
+use crate::search::finder::Scope;
 use crate::structures::between::{Between, Pair};
 use crate::structures::point::{Point, Strike};
 
@@ -335,8 +336,8 @@ impl Impacts<'_> {
     }
 
     /// All orbits of two impacts under any loads, or of those only that push; `None` where they cannot be enclosed, or that takes too long.
-    pub(super) fn proved_in_the_phase_plane(&self, scope: ListScope) -> Option<Starts> {
-        let functions = PhasePlane::new(self, scope == ListScope::Candidates, scope.boxes())?;
+    pub(super) fn proved_in_the_phase_plane(&self, scope: Scope) -> Option<Starts> {
+        let functions = PhasePlane::new(self, scope.candidates(), boxes(scope))?;
         let zeros = functions.zeros();
         if zeros.exhausted > 0 {
             return None;

@@ -6,6 +6,8 @@ use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape
 use vibrochain_testkit::Random;
 
 use super::{model, orbits};
+use crate::error::NoBreather;
+use crate::search::completeness::{Completeness, Proof};
 use crate::search::orbit_list::OrbitList;
 use crate::structures::flight::StructureMotion;
 use crate::structures::model::StructureModel;
@@ -65,6 +67,35 @@ fn no_orbit_is_listed_twice_nor_one_that_repeats_sooner() {
         }
     }
     assert!(lists > 100 && pairs > 300 && doubled > 40, "{lists} {pairs} {doubled}");
+}
+
+/// One mass between stops at −1 and .7, of frequency 1, by what is known by hand. Above twice its frequency the only impact a period that meets the
+/// stop pulls; two impacts alike are the one of twice the frequency; a load far below what an impact loses has no phase.
+#[test]
+fn an_empty_list_says_why() {
+    let model = |omega: f64, restitution: f64, load: f64| {
+        let shape = ModeShape { contacts: vec![1.0], coordinates: Vec::new(), still: 0.0 };
+        let (loads, harmonics) = if load > 0.0 { (vec![Complex::new(load, 0.0)], vec![1]) } else { Default::default() };
+        let mode = LinearMode::oscillator(0.0, 1.0, &shape, &loads);
+        let stop = Contact { lower: Some(-1.0), upper: Some(0.7), restitution };
+        let structure = ModalStructure::new(vec![stop], harmonics, vec![mode]).unwrap();
+        StructureModel::new(Arc::new(structure), omega).unwrap()
+    };
+    let (word, twice) = ("0+".parse().unwrap(), "0+,0+".parse().unwrap());
+    let proved = Completeness::All(Proof::ClosedForm);
+    for (omega, pushes) in [(1.5, true), (2.5, false)] {
+        let model = model(omega, 1.0, 0.0);
+        let [all, candidates] = [model.orbits(&word, 1).unwrap(), model.candidates(&word, 1).unwrap()];
+        assert_eq!((all.orbits.len(), all.completeness), (1, proved), "{omega}");
+        // What pulls has been found, and is left out.
+        assert_eq!((candidates.orbits.len(), candidates.completeness), (usize::from(pushes), proved), "{omega}");
+    }
+    let repeated = model(1.5, 1.0, 0.0).orbits(&twice, 1).unwrap();
+    assert!(repeated.orbits.is_empty() && repeated.completeness.is_established(), "{repeated:?}");
+    assert_eq!(repeated.completeness.reason(), Some(NoBreather::RepeatsSooner), "{repeated:?}");
+    let weak = model(1.5, 0.8, 1e-6).orbits(&word, 1).unwrap();
+    let none = Completeness::None { reason: NoBreather::NoPhase, by: Some(Proof::ClosedForm) };
+    assert_eq!((weak.orbits.len(), weak.completeness), (0, none));
 }
 
 /// Contacts are on their barriers at impacts, where Newton's law holds from one flight to the next, and the motion repeats: by the flights, which
