@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
 
-use vibrochain_breather::{OrbitList, StructureModel, StructureOrbit, StructureOrbitError};
+use vibrochain_breather::{BreatherError, OrbitList, StructureModel, StructureOrbit};
 use vibrochain_eventsim::{Limits, Outcome, Simulation};
 use vibrochain_floquet::{
     BranchRequest, End, Event, Located, Rectangle, Tolerance, branches, event_curve, structure_stability,
@@ -383,13 +383,13 @@ fn scene_at(restitution: f64) -> Vec<StructureOrbit> {
 fn what_feeds_on_nothing_is_refused() {
     let word = "0-".parse().unwrap();
     let model = scene("lower = -1", 0.5).model().unwrap();
-    assert!(matches!(model.orbits(&word, 2), Err(StructureOrbitError::OwnPeriod { force_periods: 2 })));
+    assert!(matches!(model.orbits(&word, 2), Err(BreatherError::OwnPeriod { force_periods: 2 })));
     let shape = ModeShape { contacts: vec![1.0], coordinates: Vec::new(), still: 0.0 };
     let stop = Contact { lower: Some(-1.0), upper: None, restitution: 0.5 };
     for decay in [0.0, 0.1] {
         let mode = LinearMode::oscillator(decay, 1.0 - decay * decay, &shape, &[]);
         let structure = ModalStructure::new(vec![stop], Vec::new(), vec![mode]).unwrap();
         let model = StructureModel::new(Arc::new(structure), TAU / 3.0).unwrap();
-        assert_eq!(model.orbits(&word, 1), Err(StructureOrbitError::LossWithoutLoad), "{decay}");
+        assert_eq!(model.orbits(&word, 1), Err(BreatherError::LossWithoutLoad), "{decay}");
     }
 }

@@ -3,7 +3,6 @@
 use thiserror::Error;
 
 use crate::error::BreatherError;
-use crate::structures::error::StructureOrbitError;
 
 /// Why a branch cannot be followed.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -11,9 +10,6 @@ pub enum BranchError {
     /// No orbit there: a parameter out of range, a resonance.
     #[error(transparent)]
     Breather(#[from] BreatherError),
-    /// No orbit of a structure there.
-    #[error(transparent)]
-    Structure(StructureOrbitError),
     /// The structure has no such value.
     #[error("{0}")]
     Model(String),
@@ -23,13 +19,4 @@ pub enum BranchError {
     /// No way is known by which orbits leave one of this family.
     #[error("no orbit is known to branch off one of this family")]
     Family,
-}
-
-impl From<StructureOrbitError> for BranchError {
-    fn from(error: StructureOrbitError) -> Self {
-        match error {
-            StructureOrbitError::Stopped(stopped) => Self::Breather(stopped.into()),
-            error => Self::Structure(error),
-        }
-    }
 }

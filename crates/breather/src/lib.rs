@@ -78,7 +78,6 @@ pub use structures::branch::continuation::{Branch, BranchPoint, Continuation};
 pub use structures::branch::departure::Departure;
 pub use structures::branch::family::ModelFamily;
 pub use structures::condition::Condition;
-pub use structures::error::StructureOrbitError;
 pub use structures::errors::{ImpactError, Together};
 pub use structures::flight::StructureMotion;
 pub use structures::map_orbit::MapOrbit;

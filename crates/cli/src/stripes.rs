@@ -245,7 +245,7 @@ impl StripeRows {
             let line = StripeLine { model, family, free: Parameter::Omega };
             match finder.along(&line, range, points) {
                 Ok(stripes) => found.push((family, stripes)),
-                Err(NoStripe::Breather(BreatherError::Stopped)) => return Err(CliError::Interrupted),
+                Err(NoStripe::Breather(BreatherError::Stopped(_))) => return Err(CliError::Interrupted),
                 Err(error @ (NoStripe::Parameter(_) | NoStripe::NotConservative)) => {
                     return Err(CliError::Request(error.to_string()));
                 }

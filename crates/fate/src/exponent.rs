@@ -10,7 +10,7 @@
 //! reasonable time. Then all directions ride along at once, and the multipliers are those of what a period makes of them.
 
 use thiserror::Error;
-use vibrochain_breather::{BreatherError, Orbit, StructureOrbit, StructureOrbitError};
+use vibrochain_breather::{BreatherError, Orbit, StructureOrbit};
 use vibrochain_eventsim::{Outcome, Report, Simulation, Tangents};
 use vibrochain_floquet::{DMatrix, eigenvalues};
 use vibrochain_lattice::Stop;
@@ -49,12 +49,9 @@ pub struct Measured {
 /// Why there is none.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum Unmeasured {
-    /// The motion of the breather is not defined.
+    /// The motion of the orbit is not defined.
     #[error(transparent)]
     Breather(#[from] BreatherError),
-    /// The motion of a structure's orbit is not defined.
-    #[error(transparent)]
-    Structure(#[from] StructureOrbitError),
     /// It cannot be a state of the simulation: a mass is behind its barrier.
     #[error("no simulation can start on this orbit: it is not physical")]
     NoStart,

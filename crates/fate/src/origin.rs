@@ -1,8 +1,6 @@
 //! What runs start from: a breather of a chain, or an orbit of a structure, or its rest.
 
-use vibrochain_breather::{
-    BreatherError, Orbit, StructureModel, StructureMotion, StructureOrbit, StructureOrbitError, Word,
-};
+use vibrochain_breather::{BreatherError, Orbit, StructureModel, StructureMotion, StructureOrbit, Word};
 use vibrochain_eventsim::{Simulation, Tangents};
 use vibrochain_lattice::{Barrier, ModalStructure, Model, Stop};
 
@@ -59,7 +57,7 @@ impl Origin {
     }
 
     /// On an orbit of a structure, in the middle of the flight before the first impact.
-    pub(crate) fn on_structure(orbit: &StructureOrbit) -> Result<Self, StructureOrbitError> {
+    pub(crate) fn on_structure(orbit: &StructureOrbit) -> Result<Self, BreatherError> {
         let motion = StructureMotion::new(orbit)?;
         let last = orbit.impacts().len().saturating_sub(1);
         let lapse = 0.5 * motion.until_next(last);

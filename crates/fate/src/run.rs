@@ -1,6 +1,6 @@
 //! One run from a perturbed breather: how it ends, and when it leaves.
 
-use vibrochain_breather::{BreatherError, Orbit, StructureModel, StructureOrbit, StructureOrbitError};
+use vibrochain_breather::{BreatherError, Orbit, StructureModel, StructureOrbit};
 use vibrochain_eventsim::{Event, Exponent, Growth, Limits, Outcome, Report, Simulation, Tangents, Time};
 use vibrochain_lattice::Stop;
 
@@ -57,8 +57,8 @@ impl Home {
     /// Prepares runs from an orbit of a structure.
     ///
     /// # Errors
-    /// [`StructureOrbitError`] if its motion is not defined.
-    pub fn of_structure(orbit: &StructureOrbit) -> Result<Self, StructureOrbitError> {
+    /// [`BreatherError`] if its motion is not defined.
+    pub fn of_structure(orbit: &StructureOrbit) -> Result<Self, BreatherError> {
         Ok(Self::with(Origin::on_structure(orbit)?))
     }
 

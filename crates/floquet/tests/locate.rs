@@ -432,7 +432,7 @@ fn who_does_not_wait_any_longer_is_heard_at_every_step() {
             } else {
                 locate_until(&orbit, &search, &stop).map(drop)
             };
-            let stopped = [LocateError::Stopped, LocateError::from(BreatherError::Stopped)];
+            let stopped = [LocateError::Stopped, LocateError::from(BreatherError::from(vibrochain_lattice::Stopped))];
             assert!(ended.as_ref().is_err_and(|error| stopped.contains(error)), "{ended:?}");
             let looks = looks.load(Ordering::Relaxed);
             // What fails at once is tried again in other ways, without an orbit.

@@ -143,13 +143,10 @@ impl Status {
     fn of_orbit(error: &BreatherError) -> Self {
         match error {
             BreatherError::Resonance(_) => Self::Resonance,
-            BreatherError::TooStiff { .. } => Self::TooStiff,
+            BreatherError::TooStiff { .. } | BreatherError::LongFlight { .. } => Self::TooStiff,
             BreatherError::NotConverged { .. } => Self::NotConverged,
             // None can happen to a validated model and word, without a flag; the cell is marked, not dropped.
-            BreatherError::Parameter(_)
-            | BreatherError::Impact { .. }
-            | BreatherError::Word(_)
-            | BreatherError::Stopped => Self::IllConditioned,
+            _ => Self::IllConditioned,
         }
     }
 

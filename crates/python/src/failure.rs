@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use vibrochain_breather::{BranchError, BreatherError, WordError};
 use vibrochain_eventsim::StateError;
 use vibrochain_floquet::{CurveError, FloquetError, LocateError};
-use vibrochain_lattice::{ParameterError, Resonance};
+use vibrochain_lattice::{ParameterError, Resonance, StructureError};
 use vibrochain_maps::error::MapError;
 use vibrochain_plot::PlotError;
 
@@ -110,12 +110,18 @@ impl From<BreatherError> for Failure {
         let message = error.to_string();
         match error {
             BreatherError::Resonance(resonance) => resonance.into(),
-            BreatherError::Parameter(_) | BreatherError::Word(_) | BreatherError::Impact { .. } => {
-                Self::Request(message)
-            }
-            BreatherError::TooStiff { .. } => Self::TooLarge(message),
-            BreatherError::NotConverged { .. } => Self::NotConverged(message),
-            BreatherError::Stopped => Self::Other(message),
+            BreatherError::Structure(StructureError::Resonance { .. }) => Self::IllConditioned(message),
+            BreatherError::LossWithoutLoad
+            | BreatherError::Unbalanced
+            | BreatherError::Unfelt
+            | BreatherError::Singular => Self::NoBreather(message),
+            BreatherError::TooStiff { .. } | BreatherError::LongFlight { .. } => Self::TooLarge(message),
+            BreatherError::Undecided { .. }
+            | BreatherError::NotConverged { .. }
+            | BreatherError::OtherUnknowns
+            | BreatherError::Structure(StructureError::NotConverged) => Self::NotConverged(message),
+            BreatherError::Stopped(_) => Self::Other(message),
+            _ => Self::Request(message),
         }
     }
 }
@@ -136,9 +142,7 @@ impl From<BranchError> for Failure {
     fn from(error: BranchError) -> Self {
         match error {
             BranchError::Breather(breather) => breather.into(),
-            BranchError::NoConvergence | BranchError::Family | BranchError::Structure(_) => {
-                Self::NotConverged(error.to_string())
-            }
+            BranchError::NoConvergence | BranchError::Family => Self::NotConverged(error.to_string()),
             BranchError::Model(message) => Self::Request(message),
         }
     }

@@ -5,9 +5,9 @@ use std::path::Path;
 use numpy::{IntoPyArray, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
-use vibrochain_breather::{OrbitList, StructureModel, StructureMotion, StructureOrbit, StructureOrbitError, Word};
+use vibrochain_breather::{BreatherError, OrbitList, StructureModel, StructureMotion, StructureOrbit, Word};
 use vibrochain_floquet::{BranchRequest, Diagram, Event, FollowedBranch, Rectangle, Station, Tolerance, branches};
-use vibrochain_lattice::{Barrier, Stop, StructureError};
+use vibrochain_lattice::{Barrier, Stop};
 use vibrochain_maps::followed::touch;
 use vibrochain_maps::scene::tolerance_from;
 use vibrochain_maps::structure::along::{curves, event, family, value};
@@ -21,23 +21,6 @@ use crate::lengths::Items;
 
 /// Contact, barrier, time and impulse.
 pub(crate) type Hit = (usize, String, f64, f64);
-
-impl From<StructureOrbitError> for Failure {
-    fn from(error: StructureOrbitError) -> Self {
-        let message = error.to_string();
-        match error {
-            StructureOrbitError::Structure(StructureError::Resonance { .. }) => Self::IllConditioned(message),
-            StructureOrbitError::LossWithoutLoad
-            | StructureOrbitError::Unbalanced
-            | StructureOrbitError::Unfelt
-            | StructureOrbitError::Singular => Self::NoBreather(message),
-            StructureOrbitError::Undecided { .. }
-            | StructureOrbitError::NotConverged { .. }
-            | StructureOrbitError::Structure(StructureError::NotConverged) => Self::NotConverged(message),
-            _ => Self::Request(message),
-        }
-    }
-}
 
 /// Orbits of a word, or the one near given impacts (contact, barrier, time, impulse), of the structure in `scene`.
 #[pyfunction]
@@ -66,7 +49,7 @@ pub(crate) fn _structure(
             }
         };
         let answered = found.orbits.iter().map(|orbit| Answered::new(orbit, tolerance));
-        let answered = answered.collect::<Result<Vec<_>, StructureOrbitError>>()?;
+        let answered = answered.collect::<Result<Vec<_>, BreatherError>>()?;
         let answer = answer_of(&scene, &model, word.as_deref().unwrap_or("near"), &found, &answered).to_string();
         Ok::<_, Failure>((answer, PyCompleteness(found.completeness)))
     };

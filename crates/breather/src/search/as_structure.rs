@@ -7,7 +7,6 @@ use crate::error::BreatherError;
 use crate::orbit::{Draft, Family, Hit};
 use crate::search::completeness::Searched;
 use crate::search::finder::Scope;
-use crate::structures::error::StructureOrbitError;
 use crate::structures::model::StructureModel;
 use crate::structures::orbit::StructureOrbit;
 use crate::structures::search::Listed;
@@ -24,7 +23,7 @@ pub(crate) fn among(
     let listed = |structure: StructureModel| structure.listed(word, periods, wanted);
     match StructureModel::of_lattice(model, contacts, stop).and_then(listed) {
         Ok(searched) => Ok(Some(searched)),
-        Err(StructureOrbitError::Stopped(stopped)) => Err(stopped.into()),
+        Err(stopped @ BreatherError::Stopped(_)) => Err(stopped),
         Err(_) => Ok(None),
     }
 }

@@ -3,7 +3,6 @@
 use smallvec::SmallVec;
 use vibrochain_lattice::{LinearMode, Stop, Turn};
 
-use super::error::StructureOrbitError;
 use super::errors::{ImpactError, Together};
 use super::model::StructureModel;
 use super::orbit::{StructureImpact, StructureOrbit};
@@ -84,9 +83,9 @@ impl Condition {
             let refined = StructureOrbit::given(&model, since, impacts.iter().map(strike).collect())?;
             Ok(refined.condition()?.from(&refined, orbit))
         };
-        let condition: Result<Self, StructureOrbitError> = asked();
+        let condition: Result<Self, BreatherError> = asked();
         match condition {
-            Err(StructureOrbitError::Stopped(stopped)) => Err(stopped.into()),
+            Err(stopped @ BreatherError::Stopped(_)) => Err(stopped),
             // Exactly at a resonance the lattice has no kernel.
             Err(_) => Ok(Self::lost(impacts.len())),
             Ok(condition) => Ok(condition),
@@ -130,8 +129,8 @@ impl StructureOrbit {
     /// How far it can be trusted.
     ///
     /// # Errors
-    /// [`StructureOrbitError::Stopped`].
-    pub fn condition(&self) -> Result<Condition, StructureOrbitError> {
+    /// [`BreatherError::Stopped`].
+    pub fn condition(&self) -> Result<Condition, BreatherError> {
         let bound = |one: &StructureImpact| ImpactError {
             time: one.time_error,
             impulse: one.impulse_error,
@@ -171,7 +170,7 @@ impl StructureOrbit {
         impact.velocity_before.abs() / (self.model().omega() * length.max(f64::MIN_POSITIVE))
     }
 
-    fn reciprocal_condition(&self, strongest: f64) -> Result<f64, StructureOrbitError> {
+    fn reciprocal_condition(&self, strongest: f64) -> Result<f64, BreatherError> {
         let (equations, point) = self.equations()?;
         let (equations, point) = equations.opened(&point).unwrap_or((equations, point));
         let (n, system) = (point.strikes.len(), equations.system(&point)?);

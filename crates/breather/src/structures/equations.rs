@@ -8,7 +8,6 @@ use std::sync::Arc;
 use smallvec::SmallVec;
 use vibrochain_lattice::{Complex, LinearMode, ModalStructure, StructureError};
 
-use super::error::StructureOrbitError;
 use super::model::StructureModel;
 use super::open_mode::OpenMode;
 use super::periodic_kernel::{PeriodicKernel, UNIT};
@@ -16,6 +15,7 @@ use super::point::Point;
 use super::response::Response;
 use crate::equations::linear::{Matrix, Vector, dot, zeros};
 use crate::equations::slopes::Slopes;
+use crate::error::BreatherError;
 
 type C = Complex<f64>;
 
@@ -53,8 +53,8 @@ impl Drift {
     /// Those that `contacts` tell apart.
     ///
     /// # Errors
-    /// [`StructureOrbitError::Unbalanced`] where a static load pushes what none of them feels.
-    fn felt(structure: &ModalStructure, contacts: &[usize]) -> Result<Vec<Self>, StructureOrbitError> {
+    /// [`BreatherError::Unbalanced`] where a static load pushes what none of them feels.
+    fn felt(structure: &ModalStructure, contacts: &[usize]) -> Result<Vec<Self>, BreatherError> {
         let modes: Vec<&LinearMode> = structure.modes().iter().filter(|mode| mode.is_rigid()).collect();
         let without = |mut vector: Vector, basis: &[Vector]| {
             for own in basis {
@@ -83,7 +83,7 @@ impl Drift {
         let push: Vector = modes.iter().map(|mode| Equations::push(mode)).collect();
         let most = push.iter().fold(0.0, |most: f64, push| most.max(push.abs()));
         if without(push.clone(), &basis).iter().any(|left| left.abs() > SAME * most) {
-            return Err(StructureOrbitError::Unbalanced);
+            return Err(BreatherError::Unbalanced);
         }
         let of = |parts: Vector| {
             let whole =
@@ -137,9 +137,9 @@ impl<'a> Equations<'a> {
         model: &'a StructureModel,
         force_periods: u32,
         hit: impl Iterator<Item = usize>,
-    ) -> Result<Self, StructureOrbitError> {
+    ) -> Result<Self, BreatherError> {
         if force_periods == 0 {
-            return Err(StructureOrbitError::Periods);
+            return Err(BreatherError::Periods);
         }
         let structure = model.structure();
         let mut contacts: SmallVec<[usize; 4]> = hit.collect();
@@ -149,7 +149,7 @@ impl<'a> Equations<'a> {
         let rigid = Drift::felt(structure, &contacts)?;
         let (forced, self_excited) = (response.fixed.forced, response.fixed.self_excited);
         if self_excited && force_periods > 1 {
-            return Err(StructureOrbitError::OwnPeriod { force_periods });
+            return Err(BreatherError::OwnPeriod { force_periods });
         }
         Ok(Self {
             model,
@@ -169,8 +169,8 @@ impl<'a> Equations<'a> {
     pub(super) fn at_period<T>(
         &self,
         period: f64,
-        ask: impl FnOnce(&Equations<'_>) -> Result<T, StructureOrbitError>,
-    ) -> Result<T, StructureOrbitError> {
+        ask: impl FnOnce(&Equations<'_>) -> Result<T, BreatherError>,
+    ) -> Result<T, BreatherError> {
         let model = self.model.at(TAU / period)?;
         let (response, rigid, hit) = (model.response(&self.hit, 1)?, self.rigid.clone(), self.hit.clone());
         ask(&Equations { model: &model, response, rigid, hit, ..self.clone() })
@@ -182,7 +182,7 @@ impl<'a> Equations<'a> {
     }
 
     /// Refuses impacts of `contacts` where the period is a whole number of that of a mode which they drive and nothing damps.
-    pub(super) fn off_resonance(&self, contacts: &[usize]) -> Result<(), StructureOrbitError> {
+    pub(super) fn off_resonance(&self, contacts: &[usize]) -> Result<(), BreatherError> {
         let Some(mode) = self.kernel().resonant(contacts) else { return Ok(()) };
         let (frequency, omega) = (self.model.structure().modes()[mode].rate, TAU / self.period());
         let harmonic = (frequency / omega).round() as u32;
@@ -309,7 +309,7 @@ impl<'a> Equations<'a> {
     }
 
     /// All of it at a point.
-    pub(super) fn system(&self, point: &Point) -> Result<System, StructureOrbitError> {
+    pub(super) fn system(&self, point: &Point) -> Result<System, BreatherError> {
         if self.self_excited {
             self.at_period(point.period, |equations| equations.assembled(point))
         } else {
@@ -318,7 +318,7 @@ impl<'a> Equations<'a> {
     }
 
     /// The same where the period is that of the equations.
-    fn assembled(&self, point: &Point) -> Result<System, StructureOrbitError> {
+    fn assembled(&self, point: &Point) -> Result<System, BreatherError> {
         let (n, offsets) = (point.strikes.len(), self.rigid.len() + 2 * self.open.len());
         let size = self.unknowns(n);
         let mut system = System {

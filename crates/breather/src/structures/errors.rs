@@ -8,10 +8,10 @@
 use smallvec::SmallVec;
 
 use super::equations::{Equations, System};
-use super::error::StructureOrbitError;
 use super::periodic_kernel::UNIT;
 use super::point::{Point, Strike};
 use crate::equations::linear::{Factors, Matrix, Vector, dot, zeros};
+use crate::error::BreatherError;
 
 /// Unknowns that are off by less, as parts of what they can be, have no square that counts: next to a fold at the distance of the root of
 /// rounding they are off by about that root.
@@ -64,7 +64,7 @@ impl OrbitErrors {
         point: &Point,
         system: &System,
         on_the_way: bool,
-    ) -> Result<Self, StructureOrbitError> {
+    ) -> Result<Self, BreatherError> {
         let (n, size) = (point.strikes.len(), system.rows.len());
         let off: Vector = system.rows.iter().zip(&system.sizes).map(|(row, size)| row.abs() + UNIT * size).collect();
         let own: Vector = system.arrivals.iter().map(|arrival| 2.0 * UNIT * arrival.sizes[2]).collect();
@@ -158,7 +158,7 @@ fn beyond_first_order(
     point: &Point,
     system: &System,
     (factors, first): (&Factors, &Vector),
-) -> Result<Option<(Vector, Vector)>, StructureOrbitError> {
+) -> Result<Option<(Vector, Vector)>, BreatherError> {
     // A little more than nothing for what is not off at all.
     let least: Vector = equations.scales(point).iter().map(|scale| f64::EPSILON * scale).collect();
     let first: Vector = first.iter().zip(&least).map(|(first, least)| first + least).collect();
@@ -181,7 +181,7 @@ fn bent(
     point: &Point,
     system: &System,
     (factors, reach): (&Factors, &Vector),
-) -> Result<Option<(Vector, Vector)>, StructureOrbitError> {
+) -> Result<Option<(Vector, Vector)>, BreatherError> {
     let (n, size) = (point.strikes.len(), reach.len());
     let times = &reach[equations.times(n)];
     if times.iter().any(|time| *time > MOST * equations.period()) {

@@ -6,10 +6,10 @@ use smallvec::SmallVec;
 use vibrochain_lattice::{Complex, LinearMode, ModalStructure, ModeFlow, ParticipatingModes, Stopped, Turn, Turned};
 
 use super::equations::Equations;
-use super::error::StructureOrbitError;
 use super::orbit::{StructureImpact, StructureOrbit};
 use super::periodic_kernel::{EITHER_WAY, PeriodicKernel, length, rigid_jet};
 use super::response::Response;
+use crate::error::BreatherError;
 use crate::motion::Motion;
 
 type C = Complex<f64>;
@@ -26,8 +26,8 @@ impl<'a> StructureMotion<'a> {
     /// The motion of an orbit.
     ///
     /// # Errors
-    /// [`StructureOrbitError::Structure`] at a resonance.
-    pub fn new(orbit: &'a StructureOrbit) -> Result<Self, StructureOrbitError> {
+    /// [`BreatherError::Structure`] at a resonance.
+    pub fn new(orbit: &'a StructureOrbit) -> Result<Self, BreatherError> {
         Ok(Self { orbit, states: orbit.impacts().iter().map(|_| OnceLock::new()).collect() })
     }
 
@@ -116,8 +116,8 @@ impl<'a> StructureMotion<'a> {
     /// Displacements and velocities of all coordinates there, where the structure has them.
     ///
     /// # Errors
-    /// [`StructureOrbitError::Structure`] at a resonance.
-    pub fn coordinates(&self, i: usize, s: f64) -> Result<Vec<[f64; 2]>, StructureOrbitError> {
+    /// [`BreatherError::Structure`] at a resonance.
+    pub fn coordinates(&self, i: usize, s: f64) -> Result<Vec<[f64; 2]>, BreatherError> {
         let (structure, omega) = (self.structure(), self.orbit.model().omega());
         let all = self.modes(i, s)?;
         let mut rates: Vec<[f64; 2]> =
@@ -144,8 +144,8 @@ impl<'a> StructureMotion<'a> {
     /// Coordinates ξ of all modes there, loads and rigid modes included: where a simulation may begin.
     ///
     /// # Errors
-    /// [`StructureOrbitError::Structure`] at a resonance.
-    pub fn modes(&self, i: usize, s: f64) -> Result<Vec<[f64; 2]>, StructureOrbitError> {
+    /// [`BreatherError::Structure`] at a resonance.
+    pub fn modes(&self, i: usize, s: f64) -> Result<Vec<[f64; 2]>, BreatherError> {
         let structure = self.structure();
         let omega = self.orbit.model().omega();
         let mut all = structure.still();
@@ -282,8 +282,8 @@ impl StructureOrbit {
     /// Place and velocity of a contact at a time, of a lattice those of a mass.
     ///
     /// # Errors
-    /// [`StructureOrbitError`] at a resonance.
-    pub fn state(&self, site: usize, time: f64) -> Result<[f64; 2], StructureOrbitError> {
+    /// [`BreatherError`] at a resonance.
+    pub fn state(&self, site: usize, time: f64) -> Result<[f64; 2], BreatherError> {
         if let Some(orbit) = self.of_all_masses() {
             let mass = Motion::of(&orbit?)?.at(site, time);
             return Ok([mass.displacement, mass.velocity]);
@@ -296,8 +296,8 @@ impl StructureOrbit {
     /// Those of all contacts, of a lattice of all its masses.
     ///
     /// # Errors
-    /// [`StructureOrbitError`] at a resonance.
-    pub fn states(&self, time: f64) -> Result<Vec<[f64; 2]>, StructureOrbitError> {
+    /// [`BreatherError`] at a resonance.
+    pub fn states(&self, time: f64) -> Result<Vec<[f64; 2]>, BreatherError> {
         if let Some(orbit) = self.of_all_masses() {
             let mut motion = Motion::of(&orbit?)?;
             let _ = motion.at(0, time);

@@ -35,7 +35,6 @@ mod between;
 pub(crate) mod branch;
 pub(crate) mod condition;
 pub(crate) mod equations;
-pub(crate) mod error;
 pub(crate) mod errors;
 pub(crate) mod flight;
 pub(crate) mod map_orbit;

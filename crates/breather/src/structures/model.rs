@@ -7,10 +7,10 @@ use vibrochain_lattice::{
     Barrier, Complex, Contact, MAX_MAGNITUDE, ModalStructure, Model, Stop, Stopped, StructureError,
 };
 
-use super::error::StructureOrbitError;
 use super::masses::Masses;
 use super::point::Strike;
 use super::response::{FixedPart, Response};
+use crate::error::BreatherError;
 use crate::orbit::Hit;
 
 /// A linear structure with stops under loads of frequency ω; of an orbit without them, ω is its own.
@@ -41,8 +41,8 @@ impl StructureModel {
     /// The structure at a frequency, in units of the user's.
     ///
     /// # Errors
-    /// [`StructureOrbitError::Omega`].
-    pub fn new(structure: Arc<ModalStructure>, omega: f64) -> Result<Self, StructureOrbitError> {
+    /// [`BreatherError::Omega`].
+    pub fn new(structure: Arc<ModalStructure>, omega: f64) -> Result<Self, BreatherError> {
         let (fixed, responses, stop) = (Arc::default(), Arc::default(), Stop::default());
         Self { structure, omega, fixed, responses, stop, masses: None }.at(omega)
     }
@@ -50,8 +50,8 @@ impl StructureModel {
     /// A lattice with contacts at these lists of masses, as [`Model::felt_structure`] has them.
     ///
     /// # Errors
-    /// [`StructureOrbitError`]: no such mass, or a frequency out of range.
-    pub(crate) fn of_lattice(model: &Model, contacts: &[Vec<usize>], stop: &Stop) -> Result<Self, StructureOrbitError> {
+    /// [`BreatherError`]: no such mass, or a frequency out of range.
+    pub(crate) fn of_lattice(model: &Model, contacts: &[Vec<usize>], stop: &Stop) -> Result<Self, BreatherError> {
         Ok(Self::new(Arc::new(model.felt_structure(contacts)?), model.omega())?.until(stop))
     }
 
@@ -73,22 +73,22 @@ impl StructureModel {
     /// The same structure at another frequency. What does not depend on it is worked out once for all of them.
     ///
     /// # Errors
-    /// [`StructureOrbitError::Omega`].
-    pub fn at(&self, omega: f64) -> Result<Self, StructureOrbitError> {
+    /// [`BreatherError::Omega`].
+    pub fn at(&self, omega: f64) -> Result<Self, BreatherError> {
         if (1.0 / MAX_MAGNITUDE..=MAX_MAGNITUDE).contains(&omega) {
             let masses = match &self.masses {
-                Some(masses) => Some(Arc::new(masses.at(omega).ok_or(StructureOrbitError::Omega { omega })?)),
+                Some(masses) => Some(Arc::new(masses.at(omega).ok_or(BreatherError::Omega { omega })?)),
                 None => None,
             };
             let (structure, fixed, stop) = (self.structure.clone(), self.fixed.clone(), self.stop.clone());
             Ok(Self { structure, omega, fixed, responses: Arc::default(), stop, masses })
         } else {
-            Err(StructureOrbitError::Omega { omega })
+            Err(BreatherError::Omega { omega })
         }
     }
 
     /// The same structure with its periodic loads times a factor and all its contacts between these barriers: what impacts do is the same.
-    pub(super) fn with_loads_and_stops(&self, factor: f64, stop: Contact) -> Result<Self, StructureOrbitError> {
+    pub(super) fn with_loads_and_stops(&self, factor: f64, stop: Contact) -> Result<Self, BreatherError> {
         let contacts = vec![stop; self.structure.contacts().len()];
         let structure = self.structure.with_loads_times(factor, 1.0).with_contacts(contacts)?;
         Ok(Self { structure: Arc::new(structure), ..self.clone() })
@@ -118,10 +118,10 @@ impl StructureModel {
     }
 
     /// An impact as the equations know it.
-    pub(super) fn strike(&self, hit: &Hit) -> Result<Strike, StructureOrbitError> {
+    pub(super) fn strike(&self, hit: &Hit) -> Result<Strike, BreatherError> {
         let Hit { site, barrier, time, impulse } = *hit;
         let last = self.structure.contacts().len() - 1;
-        let contact = self.contact_at(site).ok_or(StructureOrbitError::NoSuchContact { contact: site, last })?;
+        let contact = self.contact_at(site).ok_or(BreatherError::NoSuchContact { contact: site, last })?;
         Ok(Strike { contact, barrier, time, impulse })
     }
 
@@ -151,11 +151,11 @@ impl StructureModel {
     /// Place, velocity, acceleration and jerk of a contact in the motion that its loads drive alone, at a time t + ψ of these.
     ///
     /// # Errors
-    /// [`StructureOrbitError`] at a resonance, or where there is no such contact.
-    pub fn driven(&self, contact: usize, t: f64) -> Result<[f64; 4], StructureOrbitError> {
+    /// [`BreatherError`] at a resonance, or where there is no such contact.
+    pub fn driven(&self, contact: usize, t: f64) -> Result<[f64; 4], BreatherError> {
         let last = self.structure.contacts().len() - 1;
         if contact > last {
-            return Err(StructureOrbitError::NoSuchContact { contact, last });
+            return Err(BreatherError::NoSuchContact { contact, last });
         }
         let response = self.response(&[contact], 1)?;
         let mut jet = response.load(contact, t);
@@ -190,19 +190,19 @@ impl StructureModel {
     /// Where a barrier of a contact is.
     ///
     /// # Errors
-    /// [`StructureOrbitError`]: there is no such contact, or it has no such barrier.
-    pub fn barrier(&self, contact: usize, barrier: Barrier) -> Result<f64, StructureOrbitError> {
+    /// [`BreatherError`]: there is no such contact, or it has no such barrier.
+    pub fn barrier(&self, contact: usize, barrier: Barrier) -> Result<f64, BreatherError> {
         let contacts = self.structure.contacts();
         let last = contacts.len() - 1;
-        let found = contacts.get(contact).ok_or(StructureOrbitError::NoSuchContact { contact, last })?;
-        found.barrier(barrier).ok_or(StructureOrbitError::NoBarrier { contact, barrier })
+        let found = contacts.get(contact).ok_or(BreatherError::NoSuchContact { contact, last })?;
+        found.barrier(barrier).ok_or(BreatherError::NoBarrier { contact, barrier })
     }
 
     /// Where a mass of a lattice has a barrier, as all its masses have; or, of any other structure, a contact.
     ///
     /// # Errors
     /// As [`StructureModel::barrier`].
-    pub fn barrier_at(&self, site: usize, barrier: Barrier) -> Result<f64, StructureOrbitError> {
+    pub fn barrier_at(&self, site: usize, barrier: Barrier) -> Result<f64, BreatherError> {
         match self.masses() {
             Some(masses) if site < masses.lattice.chain().sites() => Ok(masses.lattice.barrier(barrier)),
             _ => self.barrier(site, barrier),

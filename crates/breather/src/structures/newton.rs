@@ -1,9 +1,9 @@
 //! From impacts nearby to an orbit.
 
 use super::equations::{Equations, System};
-use super::error::StructureOrbitError;
 use super::point::Point;
 use crate::equations::linear::{Factors, Matrix, Vector};
+use crate::error::BreatherError;
 
 /// Steps at most: a start that leads anywhere takes a handful.
 const STEPS: usize = 60;
@@ -19,16 +19,16 @@ const IMPROVED: f64 = 0.5;
 
 impl Equations<'_> {
     /// The orbit that Newton's method leads to, with the system there.
-    pub(super) fn solve(&self, point: Point) -> Result<(Point, System), StructureOrbitError> {
+    pub(super) fn solve(&self, point: Point) -> Result<(Point, System), BreatherError> {
         self.solve_to(point, 0.0)
     }
 
     /// The same from a closed form: where rounding alone is left of its rows, it is the orbit.
-    pub(super) fn solve_exact(&self, point: Point) -> Result<(Point, System), StructureOrbitError> {
+    pub(super) fn solve_exact(&self, point: Point) -> Result<(Point, System), BreatherError> {
         self.solve_to(point, EXACT)
     }
 
-    fn solve_to(&self, mut point: Point, enough: f64) -> Result<(Point, System), StructureOrbitError> {
+    fn solve_to(&self, mut point: Point, enough: f64) -> Result<(Point, System), BreatherError> {
         let mut best: Option<(f64, Point, System)> = None;
         for _ in 0..STEPS {
             let system = self.system(&point)?;
@@ -52,12 +52,12 @@ impl Equations<'_> {
             }
             self.take(&mut point, &step);
         }
-        let (violation, point, system) = best.ok_or(StructureOrbitError::NotConverged { violation: f64::NAN })?;
-        if violation < ROUNDING { Ok((point, system)) } else { Err(StructureOrbitError::NotConverged { violation }) }
+        let (violation, point, system) = best.ok_or(BreatherError::NotConverged { violation: f64::NAN })?;
+        if violation < ROUNDING { Ok((point, system)) } else { Err(BreatherError::NotConverged { violation }) }
     }
 
     /// The same point with offsets that bring the impacts to their barriers as well as they can.
-    pub(super) fn with_offsets(&self, mut point: Point) -> Result<Point, StructureOrbitError> {
+    pub(super) fn with_offsets(&self, mut point: Point) -> Result<Point, BreatherError> {
         if self.rigid.is_empty() {
             return Ok(point);
         }
@@ -67,7 +67,7 @@ impl Equations<'_> {
         let matrix = Matrix::from_fn(count, |k, l| (0..point.strikes.len()).map(|i| shape(k, i) * shape(l, i)).sum());
         let right: Vector =
             (0..count).map(|k| (0..point.strikes.len()).map(|i| -shape(k, i) * system.rows[i]).sum()).collect();
-        let moves = matrix.solve(&right).ok_or(StructureOrbitError::Unbalanced)?;
+        let moves = matrix.solve(&right).ok_or(BreatherError::Unbalanced)?;
         point.offsets.iter_mut().zip(&moves).for_each(|(offset, by)| *offset += by);
         Ok(point)
     }

@@ -6,7 +6,6 @@ use vibrochain_lattice::{FeltShapes, Model, Parameter, ParameterError, Stop};
 
 use super::branch::continuation::Branch;
 use super::branch::family::ModelFamily;
-use super::error::StructureOrbitError;
 use super::masses::Masses;
 use super::model::StructureModel;
 use super::orbit::StructureOrbit;
@@ -21,14 +20,14 @@ impl StructureModel {
     /// A lattice with contacts at these masses, and all others about them, between the same barriers.
     ///
     /// # Errors
-    /// [`StructureOrbitError`]
-    pub fn of_masses(lattice: &Model, sites: &[usize], stop: &Stop) -> Result<Self, StructureOrbitError> {
+    /// [`BreatherError`]
+    pub fn of_masses(lattice: &Model, sites: &[usize], stop: &Stop) -> Result<Self, BreatherError> {
         let contacts: Vec<Vec<usize>> = sites.iter().map(|&site| vec![site]).collect();
         let shapes = Arc::new(FeltShapes::of(lattice, &contacts)?);
         Self::of_shapes(Masses { lattice: *lattice, sites: sites.to_vec(), shapes, shapes_of: *lattice }, stop)
     }
 
-    fn of_shapes(masses: Masses, stop: &Stop) -> Result<Self, StructureOrbitError> {
+    fn of_shapes(masses: Masses, stop: &Stop) -> Result<Self, BreatherError> {
         let Masses { lattice, shapes_of: base, .. } = masses;
         let (chain, omega) = (lattice.chain(), lattice.omega());
         let structure = masses.shapes.structure([chain.gamma1(), chain.gamma2(), chain.gamma3()])?;
@@ -39,7 +38,7 @@ impl StructureModel {
     }
 
     /// Loads and barriers of one lattice as those of another, under a force as this one if any.
-    fn loaded_as(&self, base: &Model, lattice: &Model) -> Result<Self, StructureOrbitError> {
+    fn loaded_as(&self, base: &Model, lattice: &Model) -> Result<Self, BreatherError> {
         let factor = if base.amplitude() == 0.0 { 1.0 } else { lattice.amplitude() / base.amplitude() };
         self.with_loads_and_stops(factor, lattice.stop())
     }
@@ -71,7 +70,7 @@ impl StructureModel {
     }
 
     /// The structure of one lattice as that of another one of which only ω differs, or springs besides, or loads and stops besides; `None` of others.
-    fn moved_to(&self, at: &Model) -> Option<Result<Self, StructureOrbitError>> {
+    fn moved_to(&self, at: &Model) -> Option<Result<Self, BreatherError>> {
         let masses = self.masses()?;
         let base = masses.lattice;
         let differs = |parameter: &Parameter| base.get(*parameter) != at.get(*parameter);
@@ -104,7 +103,7 @@ pub(crate) fn remembering(
 ) -> ModelFamily {
     let (stop, last) = (stop.clone(), Mutex::new(None::<StructureModel>));
     Arc::new(move |values: &[f64]| {
-        let told = |error: StructureOrbitError| error.to_string();
+        let told = |error: BreatherError| error.to_string();
         let at = lattice(values)?;
         let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = last.as_ref().and_then(|known| known.moved_to(&at)) {
@@ -150,8 +149,8 @@ impl StructureOrbit {
     /// A lattice's orbit as one of the lattice with contacts at the masses that hit.
     ///
     /// # Errors
-    /// [`StructureOrbitError`]
-    pub fn of_orbit(orbit: &Orbit, stop: &Stop) -> Result<Self, StructureOrbitError> {
+    /// [`BreatherError`]
+    pub fn of_orbit(orbit: &Orbit, stop: &Stop) -> Result<Self, BreatherError> {
         let model = StructureModel::of_masses(orbit.model(), &orbit.hit_sites(), stop)?;
         let first = orbit.impacts().first().map_or(0.0, |impact| impact.time);
         let strike = |impact: &Impact| {
@@ -171,14 +170,14 @@ impl StructureOrbit {
         orbit: &Orbit,
         free: &[Parameter],
         stop: &Stop,
-    ) -> Result<(Self, ModelFamily, Vec<f64>), StructureOrbitError> {
+    ) -> Result<(Self, ModelFamily, Vec<f64>), BreatherError> {
         let family = StructureModel::family(*orbit.model(), free, &orbit.hit_sites(), stop);
         let values = free.iter().map(|parameter| orbit.model().get(*parameter)).collect();
         Ok((Self::of_orbit(orbit, stop)?, family, values))
     }
 
     /// The same among contacts at more masses of the lattice, each where one of these hits is; of any other structure as it is.
-    pub(super) fn with_contacts_at(&self, hits: &[Hit]) -> Result<Self, StructureOrbitError> {
+    pub(super) fn with_contacts_at(&self, hits: &[Hit]) -> Result<Self, BreatherError> {
         let Some(Masses { lattice, sites, .. }) = self.model().masses() else { return Ok(self.clone()) };
         let mut sites = sites.clone();
         for hit in hits {

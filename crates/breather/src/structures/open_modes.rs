@@ -14,13 +14,13 @@ use smallvec::SmallVec;
 use vibrochain_lattice::{LinearMode, Turn, Turned};
 
 use super::equations::{Equations, System};
-use super::error::StructureOrbitError;
 use super::open_mode::{OpenMode, State};
 use super::periodic_kernel::{UNIT, length, one_less};
 use super::point::Point;
 use super::resonant_doubts::ResonantDoubt;
 use super::response::NEAR;
 use crate::equations::linear::{Matrix, Vector};
+use crate::error::BreatherError;
 
 /// Modes at most that are taken as unknowns, the closest first: each costs two rows.
 const MOST: usize = 4;
@@ -218,7 +218,7 @@ impl Equations<'_> {
 
     /// How errors of the poles of open modes move the rows: a vector for the decay of each mode and one for its rate. The error of a pole is one
     /// number in all rows, so its signs are kept.
-    pub(super) fn doubts_of_open(&self, point: &Point) -> Result<Vec<ResonantDoubt>, StructureOrbitError> {
+    pub(super) fn doubts_of_open(&self, point: &Point) -> Result<Vec<ResonantDoubt>, BreatherError> {
         let mut doubts = Vec::with_capacity(2 * self.open.len());
         for (k, own) in self.open.iter().enumerate() {
             let part = own.mode.errors.poles / length([own.mode.decay, own.mode.rate]);

@@ -6,12 +6,12 @@ use smallvec::SmallVec;
 use vibrochain_lattice::Barrier;
 
 use super::equations::{Equations, System};
-use super::error::StructureOrbitError;
 use super::errors::{ImpactError, OrbitErrors, Together};
 use super::model::StructureModel;
 use super::point::{Point, SAME_INSTANT, Strike};
 use super::response::Response;
 use crate::equations::{BlochEquations, LinearImpact};
+use crate::error::BreatherError;
 use crate::orbit::Hit;
 use crate::word::MAX_IMPACTS;
 
@@ -67,7 +67,7 @@ impl StructureOrbit {
         equations: &Equations<'_>,
         force_periods: u32,
         (point, system): (Point, System),
-    ) -> Result<Self, StructureOrbitError> {
+    ) -> Result<Self, BreatherError> {
         if let Some((equations, point)) = equations.opened(&point)
             && let Ok((opened, system)) = equations.solve(point.clone())
             && opened.is_near(&point)
@@ -82,15 +82,15 @@ impl StructureOrbit {
         equations: &Equations<'_>,
         force_periods: u32,
         at: (&Point, &System),
-    ) -> Result<Self, StructureOrbitError> {
+    ) -> Result<Self, BreatherError> {
         Self::at_own_period(equations, force_periods, at, true)
     }
 
     /// The same with all bounds of errors that there are: of an orbit on the way of a branch those beyond first order are left out.
     ///
     /// # Errors
-    /// [`StructureOrbitError`] at a resonance.
-    pub fn with_bounds(self) -> Result<Self, StructureOrbitError> {
+    /// [`BreatherError`] at a resonance.
+    pub fn with_bounds(self) -> Result<Self, BreatherError> {
         let finite = |error: &ImpactError| (error.time + error.impulse + error.acceleration).is_finite();
         if self.origins.iter().flatten().all(finite) {
             return Ok(self);
@@ -106,7 +106,7 @@ impl StructureOrbit {
         force_periods: u32,
         (point, system): (&Point, &System),
         on_the_way: bool,
-    ) -> Result<Self, StructureOrbitError> {
+    ) -> Result<Self, BreatherError> {
         if equations.self_excited {
             let all =
                 |equations: &Equations<'_>| Self::assembled_at(equations, force_periods, (point, system), on_the_way);
@@ -121,7 +121,7 @@ impl StructureOrbit {
         force_periods: u32,
         (point, system): (&Point, &System),
         on_the_way: bool,
-    ) -> Result<Self, StructureOrbitError> {
+    ) -> Result<Self, BreatherError> {
         if !equations.is_mirrored
             && let Some((mirrored, point)) = equations.of_mirrored(point)
         {
@@ -180,7 +180,7 @@ impl StructureOrbit {
         model: &StructureModel,
         (force_periods, psi): (u32, f64),
         strikes: SmallVec<[Strike; 4]>,
-    ) -> Result<Self, StructureOrbitError> {
+    ) -> Result<Self, BreatherError> {
         let equations = Equations::new(model, force_periods, strikes.iter().map(|strike| strike.contact))?;
         let offsets = smallvec::smallvec![0.0; equations.rigid.len()];
         let point = equations.with_offsets(Point { strikes, psi, period: equations.period(), offsets })?;
@@ -189,7 +189,7 @@ impl StructureOrbit {
     }
 
     /// Its equations, and where it is in them.
-    pub(super) fn equations(&self) -> Result<(Equations<'_>, Point), StructureOrbitError> {
+    pub(super) fn equations(&self) -> Result<(Equations<'_>, Point), BreatherError> {
         let equations = Equations::new(&self.model, self.force_periods, self.impacts.iter().map(|one| one.contact))?;
         let point = Point {
             strikes: self.strikes().collect(),
@@ -204,23 +204,18 @@ impl StructureOrbit {
     /// begins as the model's.
     ///
     /// # Errors
-    /// [`StructureOrbitError`]: a contact or barrier that is not there, a resonance, or no orbit near enough.
-    pub fn near(
-        model: &StructureModel,
-        force_periods: u32,
-        psi: f64,
-        impacts: &[Hit],
-    ) -> Result<Self, StructureOrbitError> {
+    /// [`BreatherError`]: a contact or barrier that is not there, a resonance, or no orbit near enough.
+    pub fn near(model: &StructureModel, force_periods: u32, psi: f64, impacts: &[Hit]) -> Result<Self, BreatherError> {
         if impacts.len() > MAX_IMPACTS {
-            return Err(StructureOrbitError::TooManyImpacts { impacts: impacts.len() });
+            return Err(BreatherError::TooManyImpacts { impacts: impacts.len() });
         }
         let (first, period) =
             (impacts.first().map_or(0.0, |impact| impact.time), model.period() * f64::from(force_periods));
         if !in_order(impacts.iter().map(|impact| impact.time - first), period) {
-            return Err(StructureOrbitError::OutOfOrder { found: false });
+            return Err(BreatherError::OutOfOrder { found: false });
         }
         let strike = |hit: &Hit| Ok(Strike { time: hit.time - first, ..model.strike(hit)? });
-        let strikes = impacts.iter().map(strike).collect::<Result<SmallVec<[Strike; 4]>, StructureOrbitError>>()?;
+        let strikes = impacts.iter().map(strike).collect::<Result<SmallVec<[Strike; 4]>, BreatherError>>()?;
         let contacts: Vec<usize> = strikes.iter().map(|strike| strike.contact).collect();
         let equations = Equations::new(model, force_periods, contacts.iter().copied())?;
         let point =
@@ -237,7 +232,7 @@ impl StructureOrbit {
         }
         let last = if equations.self_excited { solved.0.period } else { period };
         if !in_order(solved.0.strikes.iter().map(|strike| strike.time), last) {
-            return Err(StructureOrbitError::OutOfOrder { found: true });
+            return Err(BreatherError::OutOfOrder { found: true });
         }
         if !equations.self_excited {
             equations.off_resonance(&contacts)?;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
-use vibrochain_breather::{BranchError, BreatherError, StructureOrbitError};
+use vibrochain_breather::{BranchError, BreatherError};
 use vibrochain_floquet::{CurveError, FloquetError, LocateError};
 use vibrochain_lattice::{ParameterError, Resonance, StructureError};
 use vibrochain_maps::error::MapError;
@@ -99,13 +99,22 @@ impl From<Resonance> for CliError {
 impl From<BreatherError> for CliError {
     fn from(error: BreatherError) -> Self {
         match error {
-            BreatherError::Resonance(resonance) => resonance.into(),
-            BreatherError::Parameter(parameter) => parameter.into(),
-            BreatherError::Word(word) => Self::Request(word.to_string()),
-            BreatherError::Stopped => Self::Interrupted,
-            BreatherError::TooStiff { .. } | BreatherError::Impact { .. } | BreatherError::NotConverged { .. } => {
-                Self::Computation(error.to_string())
-            }
+            BreatherError::Stopped(_) => Self::Interrupted,
+            BreatherError::Resonance(_)
+            | BreatherError::Structure(StructureError::Resonance { .. })
+            | BreatherError::LossWithoutLoad
+            | BreatherError::Unfelt
+            | BreatherError::Singular
+            | BreatherError::Unbalanced => Self::IllPosed(error.to_string()),
+            BreatherError::TooStiff { .. }
+            | BreatherError::LongFlight { .. }
+            | BreatherError::Impact { .. }
+            | BreatherError::NotConverged { .. }
+            | BreatherError::OutOfOrder { found: true }
+            | BreatherError::OtherUnknowns
+            | BreatherError::Undecided { .. }
+            | BreatherError::Structure(StructureError::NotConverged) => Self::Computation(error.to_string()),
+            _ => Self::Request(error.to_string()),
         }
     }
 }
@@ -119,25 +128,6 @@ impl From<FloquetError> for CliError {
             | FloquetError::Uncounted(_)
             | FloquetError::TooManyModes { .. }
             | FloquetError::TooLarge { .. } => Self::Computation(error.to_string()),
-        }
-    }
-}
-
-impl From<StructureOrbitError> for CliError {
-    fn from(error: StructureOrbitError) -> Self {
-        match error {
-            StructureOrbitError::Stopped(_) => Self::Interrupted,
-            StructureOrbitError::Structure(StructureError::Resonance { .. })
-            | StructureOrbitError::LossWithoutLoad
-            | StructureOrbitError::Unfelt
-            | StructureOrbitError::Singular
-            | StructureOrbitError::Unbalanced => Self::IllPosed(error.to_string()),
-            StructureOrbitError::NotConverged { .. }
-            | StructureOrbitError::OutOfOrder { found: true }
-            | StructureOrbitError::TooStiff { .. }
-            | StructureOrbitError::Undecided { .. }
-            | StructureOrbitError::Structure(StructureError::NotConverged) => Self::Computation(error.to_string()),
-            _ => Self::Request(error.to_string()),
         }
     }
 }

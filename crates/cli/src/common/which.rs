@@ -133,7 +133,7 @@ fn search(
         let mut beside = OrbitList::default();
         match find(model, &mut beside) {
             Ok(()) => Ok(beside.orbits),
-            Err(BreatherError::Stopped) => Err(BreatherError::Stopped),
+            Err(stopped @ BreatherError::Stopped(_)) => Err(stopped),
             Err(_) => Ok(Vec::new()),
         }
     })?;

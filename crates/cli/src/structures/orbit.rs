@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 use vibrochain_breather::{
-    Family, Hit, OrbitList, StructureModel, StructureMotion, StructureOrbit, StructureOrbitError, Word,
+    BreatherError, Family, Hit, OrbitList, StructureModel, StructureMotion, StructureOrbit, Word,
 };
 use vibrochain_lattice::Barrier;
 use vibrochain_maps::scene::tolerance_from;
@@ -44,11 +44,8 @@ pub(crate) fn run(args: &OrbitArgs, scene: &StructureScene, console: &mut Consol
     let trajectory = OrbitTrajectory::open(args, columns(&model))?;
     let pictures = OrbitPictures::open(args)?;
     let OfWord { found, word, periods } = found(&args.which, scene, &model)?;
-    let answered = found
-        .orbits
-        .iter()
-        .map(|orbit| Answered::new(orbit, tolerance))
-        .collect::<Result<Vec<_>, StructureOrbitError>>()?;
+    let answered =
+        found.orbits.iter().map(|orbit| Answered::new(orbit, tolerance)).collect::<Result<Vec<_>, BreatherError>>()?;
     let heading =
         format!("{word}{}", if periods > 1 { format!(" over {periods} periods of the load") } else { String::new() });
     let told = if args.json {

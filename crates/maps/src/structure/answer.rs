@@ -2,8 +2,7 @@
 
 use serde_json::{Map, Value, json as value};
 use vibrochain_breather::{
-    Admissibility, Completeness, Obstruction, OrbitList, StructureImpact, StructureModel, StructureOrbit,
-    StructureOrbitError,
+    Admissibility, BreatherError, Completeness, Obstruction, OrbitList, StructureImpact, StructureModel, StructureOrbit,
 };
 use vibrochain_floquet::{FloquetError, Stability, Tolerance, Verdict, structure_stability};
 
@@ -32,8 +31,8 @@ impl<'a> Answered<'a> {
     /// All of it.
     ///
     /// # Errors
-    /// [`StructureOrbitError`] at a resonance.
-    pub fn new(orbit: &'a StructureOrbit, tolerance: Tolerance) -> Result<Self, StructureOrbitError> {
+    /// [`BreatherError`] at a resonance.
+    pub fn new(orbit: &'a StructureOrbit, tolerance: Tolerance) -> Result<Self, BreatherError> {
         Ok(Self { orbit, admissibility: orbit.admissibility()?, stability: structure_stability(orbit, tolerance) })
     }
 }

@@ -1,6 +1,6 @@
 //! Panels of a structure's orbit: contacts over a period between their barriers, and phase portraits.
 
-use vibrochain_breather::{Obstruction, StructureMotion, StructureOrbit, StructureOrbitError};
+use vibrochain_breather::{BreatherError, Obstruction, StructureMotion, StructureOrbit};
 use vibrochain_lattice::{Barrier, Contact};
 
 use crate::panels::curves::Pane;
@@ -46,16 +46,16 @@ impl Group {
 /// A trace and a phase portrait for all contacts between the same barriers that are hit or in the way.
 ///
 /// # Errors
-/// [`StructureOrbitError`] at a resonance.
+/// [`BreatherError`] at a resonance.
 pub fn contact_panes(
     orbit: &StructureOrbit,
     obstruction: Option<&Obstruction>,
-) -> Result<Vec<[Pane; 2]>, StructureOrbitError> {
+) -> Result<Vec<[Pane; 2]>, BreatherError> {
     Ok(groups(orbit, obstruction)?.iter().map(|group| [group.trace(), group.portrait()]).collect())
 }
 
 /// Those that are hit, and the one that is in the way.
-fn groups(orbit: &StructureOrbit, obstruction: Option<&Obstruction>) -> Result<Vec<Group>, StructureOrbitError> {
+fn groups(orbit: &StructureOrbit, obstruction: Option<&Obstruction>) -> Result<Vec<Group>, BreatherError> {
     let mut shown: Vec<usize> = orbit.impacts().iter().map(|impact| impact.contact).collect();
     shown.extend(obstruction.map(Obstruction::site));
     let mut seen = Vec::new();

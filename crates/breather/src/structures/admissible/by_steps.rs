@@ -6,8 +6,8 @@ use std::convert::Infallible;
 use vibrochain_lattice::Barrier;
 
 use super::Search;
+use crate::error::BreatherError;
 use crate::roots::bracket::zero;
-use crate::structures::error::StructureOrbitError;
 use crate::structures::flight::StructureMotion;
 
 /// Distances below this part of a contact's reach are a touch.
@@ -37,7 +37,7 @@ impl Watch<'_> {
 
     /// The least distance at a turning point or end of the flight, and where; `None` if it only goes. `leaves`, `arrives`: it is on the
     /// barrier at the ends, and surely off it for so long after the first.
-    fn least(&self, leaves: Option<f64>, arrives: bool) -> Result<Option<(f64, f64)>, StructureOrbitError> {
+    fn least(&self, leaves: Option<f64>, arrives: bool) -> Result<Option<(f64, f64)>, BreatherError> {
         let bend = |s: f64| self.motion.bound(self.contact, 2, self.i, [s, self.length]) * (1.0 + 1e-12);
         let whole = bend(0.0);
         let (first, last) = (self.distance(0.0), self.distance(self.length));
@@ -76,7 +76,7 @@ impl Watch<'_> {
             before = Some((s, slope));
             s = (s + step.max(1e-9 * self.length)).min(end);
         }
-        Err(StructureOrbitError::TooStiff { contact: self.contact, steps: MOST_STEPS })
+        Err(BreatherError::LongFlight { contact: self.contact, steps: MOST_STEPS })
     }
 
     /// Where the distance turns between two places.
@@ -106,7 +106,7 @@ impl Watch<'_> {
 
 impl Search<'_> {
     /// By bounds alone, step by step.
-    pub(super) fn by_steps(&mut self, order: &[usize], i: usize) -> Result<(), StructureOrbitError> {
+    pub(super) fn by_steps(&mut self, order: &[usize], i: usize) -> Result<(), BreatherError> {
         let begins = self.orbit.impacts()[i].time;
         let structure = self.orbit.model().structure().clone();
         let length = self.motion.until_next(i);

@@ -12,12 +12,12 @@ use smallvec::SmallVec;
 use vibrochain_lattice::Barrier;
 use vibrochain_lattice::simd::lanes::Lane;
 
-use super::error::StructureOrbitError;
 use super::flight::StructureMotion;
 use super::orbit::{StructureImpact, StructureOrbit};
 use super::windows::Windows;
 use crate::admissible::answer::{Admissibility, Approach, Obstruction};
 use crate::admissible::check::{Depth, check as check_masses};
+use crate::error::BreatherError;
 use crate::orbit::time_between;
 use release::{Release, TOGETHER};
 
@@ -26,8 +26,8 @@ impl StructureOrbit {
     /// all its masses; of any other structure contacts stand in place of sites.
     ///
     /// # Errors
-    /// [`StructureOrbitError`] at a resonance.
-    pub fn admissibility(&self) -> Result<Admissibility, StructureOrbitError> {
+    /// [`BreatherError`] at a resonance.
+    pub fn admissibility(&self) -> Result<Admissibility, BreatherError> {
         check(self, Depth::Worst)
     }
 
@@ -35,12 +35,12 @@ impl StructureOrbit {
     ///
     /// # Errors
     /// As [`StructureOrbit::admissibility`].
-    pub fn first_obstruction(&self) -> Result<Admissibility, StructureOrbitError> {
+    pub fn first_obstruction(&self) -> Result<Admissibility, BreatherError> {
         check(self, Depth::First)
     }
 }
 
-fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, StructureOrbitError> {
+fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, BreatherError> {
     if let Some(orbit) = orbit.of_all_masses() {
         return Ok(check_masses(&orbit?, depth)?);
     }

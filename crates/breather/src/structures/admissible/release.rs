@@ -1,7 +1,7 @@
 //! What a contact does right after its impact. It is on its barrier there: the first of velocity, acceleration and jerk that is larger than its
 //! error decides whether it leaves or begins to rest. After a plastic impact the velocity is 0, and the sign of a distance nearby is rounding.
 
-use crate::structures::error::StructureOrbitError;
+use crate::error::BreatherError;
 use crate::structures::flight::StructureMotion;
 use crate::structures::orbit::StructureOrbit;
 
@@ -38,12 +38,12 @@ impl Release {
     /// After impact `number`.
     ///
     /// # Errors
-    /// [`StructureOrbitError::Undecided`] where all three are below their errors.
+    /// [`BreatherError::Undecided`] where all three are below their errors.
     pub(super) fn after(
         orbit: &StructureOrbit,
         motion: &StructureMotion<'_>,
         number: usize,
-    ) -> Result<Self, StructureOrbitError> {
+    ) -> Result<Self, BreatherError> {
         let impact = &orbit.impacts()[number];
         let last = last_at_once(orbit, motion, number);
         let velocity = velocity(orbit, number, last);
@@ -58,7 +58,7 @@ impl Release {
         // Away from the barrier is positive.
         let away = -impact.barrier.sign();
         match away * decided {
-            0.0 => Err(StructureOrbitError::Undecided { contact, impact: number }),
+            0.0 => Err(BreatherError::Undecided { contact, impact: number }),
             decided if decided < 0.0 => Ok(Self::Rests(acceleration.value)),
             _ => {
                 let flight = motion.until_next(last);
@@ -118,8 +118,8 @@ impl StructureOrbit {
     /// The acceleration after an impact that takes all velocity, where it turns the contact begins to rest; with its error. `None` of others.
     ///
     /// # Errors
-    /// [`StructureOrbitError`] at a resonance.
-    pub fn acceleration_after(&self, number: usize) -> Result<Option<[f64; 2]>, StructureOrbitError> {
+    /// [`BreatherError`] at a resonance.
+    pub fn acceleration_after(&self, number: usize) -> Result<Option<[f64; 2]>, BreatherError> {
         let Some(impact) = self.impacts().get(number) else { return Ok(None) };
         if self.model().structure().contacts()[impact.contact].restitution != 0.0 {
             return Ok(None);

@@ -14,7 +14,6 @@ use crate::equations::linear::{USUAL, Vector, unit};
 use crate::error::BreatherError;
 use crate::orbit::symmetries::Symmetry;
 use crate::structures::equations::{Equations, System as Rows};
-use crate::structures::error::StructureOrbitError;
 use crate::structures::model::StructureModel;
 use crate::structures::orbit::StructureOrbit;
 use crate::structures::point::{Point, Strike};
@@ -160,10 +159,10 @@ impl Continuation {
         let size = own.len();
         own.extend(units.iter().map(|unit| unit.abs().max(f64::MIN_POSITIVE)));
         if !equations.has_time() && (0..values.len()).any(|k| loses_energy(&family, values, k)) {
-            return Err(StructureOrbitError::LossWithoutLoad.into());
+            return Err(BreatherError::LossWithoutLoad.into());
         }
         if equations.self_excited && (0..values.len()).any(|k| is_idle(&family, values, k)) {
-            return Err(StructureOrbitError::NoEffect.into());
+            return Err(BreatherError::NoEffect.into());
         }
         let mut origin: Vector = orbit.impacts().iter().map(|impact| impact.impulse).collect();
         origin.extend(orbit.impacts().iter().skip(1).map(|impact| impact.time));
@@ -225,7 +224,7 @@ impl Continuation {
 
     /// The model at `z`.
     fn model(&mut self, z: &[f64]) -> Result<StructureModel, BranchError> {
-        self.stop.heard().map_err(|stopped| BranchError::Breather(BreatherError::from(stopped)))?;
+        self.stop.heard().map_err(BreatherError::from)?;
         self.evaluations += 1;
         Ok((self.family)(&z[self.size..]).map_err(BranchError::Model)?.until(&self.stop))
     }
@@ -256,14 +255,14 @@ impl Continuation {
     fn assembled<T>(
         &mut self,
         z: &[f64],
-        make: impl FnOnce(&Equations<'_>, Point, Rows) -> Result<T, StructureOrbitError>,
+        make: impl FnOnce(&Equations<'_>, Point, Rows) -> Result<T, BreatherError>,
     ) -> Result<T, BranchError> {
         let model = self.model(z)?;
         let mut equations = Equations::new(&model, self.force_periods, self.contacts.iter().map(|one| one.0))?;
         // Where a stiffness vanishes, or a load does, there is no such point.
         let kind = (equations.forced, equations.self_excited, equations.rigid.len());
         if kind != (self.forced, self.self_excited, self.rigid) {
-            return Err(StructureOrbitError::OtherUnknowns.into());
+            return Err(BreatherError::OtherUnknowns.into());
         }
         // Rounding hides the orbits this near to a resonance: the step fails, and a shorter one is tried.
         if !self.self_excited && equations.off_resonance(&equations.hit).is_err() {

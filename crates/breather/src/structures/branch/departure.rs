@@ -20,8 +20,8 @@ use super::continuation::{Branch, BranchPoint, Continuation};
 use super::family::ModelFamily;
 use crate::branch_error::BranchError;
 use crate::equations::linear::{Vector, unit};
+use crate::error::BreatherError;
 use crate::orbit::{Hit, SIMULTANEOUS};
-use crate::structures::error::StructureOrbitError;
 use crate::structures::model::StructureModel;
 use crate::structures::orbit::{StructureImpact, StructureOrbit};
 use crate::structures::point::Strike;
@@ -134,15 +134,15 @@ impl StructureOrbit {
         force_periods: u32,
         psi: f64,
         strikes: Vec<Strike>,
-    ) -> Result<Self, StructureOrbitError> {
+    ) -> Result<Self, BreatherError> {
         if strikes.len() > MAX_IMPACTS {
-            return Err(StructureOrbitError::TooManyImpacts { impacts: strikes.len() });
+            return Err(BreatherError::TooManyImpacts { impacts: strikes.len() });
         }
         Self::given(model, (force_periods, psi), strikes.into())
     }
 
     /// The same as one of twice as many impacts in twice its period.
-    fn twice(&self) -> Result<Self, StructureOrbitError> {
+    fn twice(&self) -> Result<Self, BreatherError> {
         let period = self.period();
         let later = |by: f64| self.strikes().map(move |strike| Strike { time: strike.time + by, ..strike });
         let strikes = later(0.0).chain(later(period)).collect();
@@ -158,8 +158,8 @@ impl StructureOrbit {
     /// impacts the means. `None` where the impacts of its second half are neither.
     ///
     /// # Errors
-    /// [`StructureOrbitError`].
-    pub fn evened(&self) -> Option<Result<Self, StructureOrbitError>> {
+    /// [`BreatherError`].
+    pub fn evened(&self) -> Option<Result<Self, BreatherError>> {
         let (impacts, half) = (self.impacts(), self.impacts().len() / 2);
         let (one, other) = impacts.split_at(half);
         let pairs = || one.iter().zip(other);
@@ -218,7 +218,7 @@ impl StructureOrbit {
         let is_lost =
             |i: usize| lost.is_some() && (Some(i) == lost || speed(&self.impacts()[i]) <= STILL * self.speed());
         let strike = |hit: &Hit| Ok(Strike { impulse: 0.0, ..self.model().strike(hit)? });
-        let touching = touching.iter().map(strike).collect::<Result<Vec<Strike>, StructureOrbitError>>()?;
+        let touching = touching.iter().map(strike).collect::<Result<Vec<Strike>, BreatherError>>()?;
         self.reassembled(is_lost, &touching)
     }
 

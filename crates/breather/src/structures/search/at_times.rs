@@ -4,8 +4,8 @@ use smallvec::SmallVec;
 use vibrochain_lattice::{Barrier, Complex};
 
 use crate::equations::linear::{Factors, Matrix, Vector, zeros};
+use crate::error::BreatherError;
 use crate::structures::equations::Equations;
-use crate::structures::error::StructureOrbitError;
 use crate::structures::periodic_kernel::UNIT;
 use crate::structures::point::{Point, Strike};
 
@@ -66,7 +66,7 @@ impl Impacts<'_> {
     }
 
     /// The linear equations of impulses, offsets and, under a load, (c, s), at given times.
-    pub(super) fn linear(&self, times: &[f64]) -> Result<Linear, StructureOrbitError> {
+    pub(super) fn linear(&self, times: &[f64]) -> Result<Linear, BreatherError> {
         let equations = self.equations;
         let (n, rigid) = (times.len(), equations.rigid.len());
         let load = equations.single();
@@ -140,7 +140,7 @@ impl Impacts<'_> {
 
     /// The line of (c, s) that the equations leave: of one impact; and of two half a period apart where what the second one asks is what the
     /// first one does. `None` where they leave more.
-    pub(super) fn line(&self, times: &[f64]) -> Result<Option<Line>, StructureOrbitError> {
+    pub(super) fn line(&self, times: &[f64]) -> Result<Option<Line>, BreatherError> {
         let linear = self.linear(times)?;
         let size = linear.columns;
         // (c, s) along a direction in which the equations determine the rest best.
@@ -175,7 +175,7 @@ impl Impacts<'_> {
     }
 
     /// Both phases where that line meets the circle.
-    pub(super) fn on_a_line(&self, times: &[f64]) -> Result<Vec<Start>, StructureOrbitError> {
+    pub(super) fn on_a_line(&self, times: &[f64]) -> Result<Vec<Start>, BreatherError> {
         Ok(self.line(times)?.map_or_else(Vec::new, |line| self.starts_on(&line, times)))
     }
 

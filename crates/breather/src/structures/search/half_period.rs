@@ -15,10 +15,10 @@ use wide::f64x4;
 use super::at_times::{Impacts, Start};
 use super::orbits::Starts;
 use super::two_impacts::{FINEST, MOST_PIECES};
+use crate::error::BreatherError;
 use crate::roots::dual::Dual;
 use crate::roots::interval::{Clearance, Enclosed, Zeros};
 use crate::search::completeness::Searched;
-use crate::structures::error::StructureOrbitError;
 use crate::structures::point::Point;
 
 /// Where |sin ΩT/2| is below this, next to a resonance, errors of frequencies blur all amplitudes: the search of several contacts takes over.
@@ -146,7 +146,7 @@ impl Impacts<'_> {
         let half = 0.5 * self.equations.period();
         let mut starts = Vec::with_capacity(1 + 2 * zeros.simple.len());
         let mut unresolved = 2 * zeros.unresolved.len();
-        let there = |phi: f64| -> Result<_, StructureOrbitError> {
+        let there = |phi: f64| -> Result<_, BreatherError> {
             Ok(self.linear(&[0.0, phi])?.solve().map(|x| self.point(&[0.0, phi], &x)))
         };
         match self.closed_form(half).map_or_else(|| there(half), |point| Ok(Some(point)))? {

@@ -9,9 +9,9 @@ use vibrochain_lattice::simd::lanes::LANES;
 
 use super::at_times::{Impacts, Start};
 use super::two_impacts::Function;
+use crate::error::BreatherError;
 use crate::roots::bracket;
 use crate::roots::interval::Zeros;
-use crate::structures::error::StructureOrbitError;
 
 /// Radii of the intervals on which F″ is enclosed, as parts of the period: larger than the error of a double zero.
 const WIDTHS: [f64; LANES] = [1e-2, 2e-3, 4e-4, 4e-5];
@@ -43,7 +43,7 @@ impl Impacts<'_> {
         function: &Function,
         zeros: &mut Zeros,
         starts: &mut Vec<Start>,
-    ) -> Result<(), StructureOrbitError> {
+    ) -> Result<(), BreatherError> {
         let near = |phi: &f64, [at, radius]: [f64; 2]| (phi - at).abs() < radius;
         let mut taken: Vec<[f64; 2]> = Vec::new();
         for place in std::mem::take(&mut zeros.unresolved) {

@@ -17,13 +17,13 @@ use super::at_times::{Impacts, Start, all_places};
 use super::elimination::MOST;
 use super::three_impacts::ThreeImpacts;
 use super::two_impacts::Function;
+use crate::error::BreatherError;
 use crate::error::NoBreather;
 use crate::orbit::order;
 use crate::search::completeness::{Completeness, Partial, Searched};
 use crate::search::finder::Scope;
 use crate::search::orbit_list::OrbitList;
 use crate::structures::equations::Equations;
-use crate::structures::error::StructureOrbitError;
 use crate::structures::model::StructureModel;
 use crate::structures::orbit::StructureOrbit;
 use crate::structures::point::Point;
@@ -61,8 +61,8 @@ impl StructureModel {
     /// loads; of three, those of one contact that are as close.
     ///
     /// # Errors
-    /// [`StructureOrbitError`].
-    pub fn orbits(&self, word: &Word, force_periods: u32) -> Result<OrbitList<StructureOrbit>, StructureOrbitError> {
+    /// [`BreatherError`].
+    pub fn orbits(&self, word: &Word, force_periods: u32) -> Result<OrbitList<StructureOrbit>, BreatherError> {
         Ok(self.listed(word, force_periods, Scope::All)?.told())
     }
 
@@ -70,16 +70,12 @@ impl StructureModel {
     ///
     /// # Errors
     /// As [`StructureModel::orbits`].
-    pub fn candidates(
-        &self,
-        word: &Word,
-        force_periods: u32,
-    ) -> Result<OrbitList<StructureOrbit>, StructureOrbitError> {
+    pub fn candidates(&self, word: &Word, force_periods: u32) -> Result<OrbitList<StructureOrbit>, BreatherError> {
         Ok(self.listed(word, force_periods, Scope::Candidates)?.told())
     }
 
     /// As [`StructureModel::orbits`] or [`StructureModel::candidates`], with what the search has done.
-    pub(crate) fn listed(&self, word: &Word, force_periods: u32, scope: Scope) -> Result<Listed, StructureOrbitError> {
+    pub(crate) fn listed(&self, word: &Word, force_periods: u32, scope: Scope) -> Result<Listed, BreatherError> {
         let mut letters: SmallVec<[(usize, Barrier); 4]> = SmallVec::new();
         for letter in word.letters() {
             self.barrier(letter.site, letter.barrier)?;
@@ -89,15 +85,15 @@ impl StructureModel {
         if equations.forced
             && letters.iter().all(|&(contact, _)| equations.swings(contact).all(|(_, swing)| swing.norm() == 0.0))
         {
-            return Err(StructureOrbitError::Unfelt);
+            return Err(BreatherError::Unfelt);
         }
         if letters.len() > word.instants().len() && (equations.has_time() || word.instants().len() > 2) {
-            return Err(StructureOrbitError::AtOnce);
+            return Err(BreatherError::AtOnce);
         }
         let impacts = Impacts { equations: &equations, letters };
         let request = Request { word, force_periods, scope };
         if equations.self_excited && !impacts.are_excited() {
-            return Err(StructureOrbitError::LossWithoutLoad);
+            return Err(BreatherError::LossWithoutLoad);
         }
         let periods = equations.self_excited.then(|| impacts.periods());
         if let Some(periods) = periods {
@@ -151,7 +147,7 @@ struct Request<'a> {
 impl Impacts<'_> {
     /// Two impacts under a load: by F where there is one and it leaves no place open, else in the plane of φ and ψ. Next to a resonance the states of
     /// modes are among the unknowns there, and what is proved is proved however close the resonance is.
-    fn of_two(&self, request: Request<'_>) -> Result<Listed, StructureOrbitError> {
+    fn of_two(&self, request: Request<'_>) -> Result<Listed, BreatherError> {
         let single = self.equations.single().is_some();
         let by_time = if single { self.proved().transpose()? } else { None };
         let by_time = by_time.map(|starts| self.list(request, starts)).transpose()?;
@@ -190,7 +186,7 @@ impl Impacts<'_> {
         &self,
         Request { word, force_periods, scope }: Request<'_>,
         (starts, mut searched): (Vec<Start>, Searched),
-    ) -> Result<Listed, StructureOrbitError> {
+    ) -> Result<Listed, BreatherError> {
         let (equations, model) = (self.equations, self.equations.model);
         let pushing = self.letters.len() > 2;
         let pulls =
@@ -263,7 +259,7 @@ impl Point {
 }
 
 /// Where Newton's method begins, and what is known of the list that it leads to.
-pub(super) type Starts = Result<(Vec<Start>, Searched), StructureOrbitError>;
+pub(super) type Starts = Result<(Vec<Start>, Searched), BreatherError>;
 
 impl Impacts<'_> {
     fn begin(&self, scope: Scope) -> Starts {
@@ -276,7 +272,7 @@ impl Impacts<'_> {
                 Ok((points, Searched { unresolved, ..Searched::default() }))
             }
             (1, false) => {
-                let x = self.linear(&[0.0])?.solve().ok_or(StructureOrbitError::Singular)?;
+                let x = self.linear(&[0.0])?.solve().ok_or(BreatherError::Singular)?;
                 Ok((vec![Start::exact(self.point(&[0.0], &x))], Searched::default()))
             }
             (1, true) => self.proved_of_one().unwrap_or_else(|| self.starts()),
@@ -292,7 +288,7 @@ impl Impacts<'_> {
         let times: Vec<f64> = (word.instants().iter().enumerate())
             .flat_map(|(number, instant)| instant.iter().map(move |_| 0.5 * period * number as f64))
             .collect();
-        let x = self.linear(&times)?.solve().ok_or(StructureOrbitError::Singular)?;
+        let x = self.linear(&times)?.solve().ok_or(BreatherError::Singular)?;
         let partial = (word.instants().len() > 1).then_some(Partial::HalfPeriod);
         Ok((vec![Start::zero(self.point(&times, &x))], Searched { partial, ..Searched::default() }))
     }
@@ -323,7 +319,7 @@ impl Impacts<'_> {
             return Some(Err(error));
         }
         let mut unresolved = function.apart(zeros.unresolved.iter().filter(|phi| !(mirrored && is_half(phi))).copied());
-        let mut add = || -> Result<(), StructureOrbitError> {
+        let mut add = || -> Result<(), BreatherError> {
             if forced && zeros.simple.iter().chain(&zeros.unresolved).any(|phi| is_half(&phi)) {
                 starts.extend(self.on_a_line(&[0.0, half])?);
             }

@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use super::at_times::Impacts;
 use super::orbits::Starts;
 use crate::equations::linear::Factors;
+use crate::error::BreatherError;
 use crate::roots::bracket::zero;
 use crate::search::completeness::{Partial, Searched};
-use crate::structures::error::StructureOrbitError;
 
 /// Places at which a function of one variable is looked at, for each turn of the fastest mode that counts, and at least and at most.
 const PLACES: f64 = 24.0;
@@ -34,7 +34,7 @@ impl Impacts<'_> {
         let both: Vec<(f64, [f64; 2])> = (1..places)
             .map(|i| period * i as f64 / places as f64)
             .map(|phi| Ok((phi, self.value(phi)?)))
-            .collect::<Result<_, StructureOrbitError>>()?;
+            .collect::<Result<_, BreatherError>>()?;
         let grid: Vec<(f64, f64)> = both.iter().map(|&(phi, [value, _])| (phi, value)).collect();
         let mut zeros_found = Vec::new();
         for pair in grid.windows(2) {
@@ -86,7 +86,7 @@ impl Impacts<'_> {
     }
 
     /// F(φ), or the law that is left times the determinant; and the determinant Δ.
-    pub(super) fn value(&self, phi: f64) -> Result<[f64; 2], StructureOrbitError> {
+    pub(super) fn value(&self, phi: f64) -> Result<[f64; 2], BreatherError> {
         let linear = self.linear(&[0.0, phi])?;
         let Some(factors) = Factors::new(linear.matrix()) else { return Ok([0.0; 2]) };
         let (x, scale) = (factors.solve(&linear.right), factors.determinant);

@@ -23,9 +23,9 @@ use super::at_times::{Impacts, Start};
 use super::orbits::Starts;
 use super::starts::{STARTS, golden};
 use super::two_impacts::RESOLUTION;
+use crate::error::BreatherError;
 use crate::roots::interval::{Clearance, Enclosed, Zeros};
 use crate::search::completeness::{Partial, Searched};
-use crate::structures::error::StructureOrbitError;
 use crate::structures::periodic_kernel::{PeriodicKernel, length};
 use crate::structures::point::Point;
 
@@ -106,7 +106,7 @@ impl Impacts<'_> {
     }
 
     /// Impulses and offsets by the positions at given times; `None` where these leave them open.
-    fn of_period(&self, period: f64, times: &[f64]) -> Result<Option<Point>, StructureOrbitError> {
+    fn of_period(&self, period: f64, times: &[f64]) -> Result<Option<Point>, BreatherError> {
         self.equations.model.heard()?;
         self.equations.at_period(period, |equations| {
             let impacts = Impacts { equations, letters: self.letters.clone() };

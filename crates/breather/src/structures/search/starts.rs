@@ -3,8 +3,8 @@
 use super::at_times::{Impacts, Start};
 use super::orbits::Starts;
 use crate::equations::linear::{Matrix, zeros};
+use crate::error::BreatherError;
 use crate::search::completeness::{Partial, Searched};
-use crate::structures::error::StructureOrbitError;
 use crate::structures::point::{Point, Strike};
 
 /// Starts of a word of three impacts or more.
@@ -28,7 +28,7 @@ impl Impacts<'_> {
     }
 
     /// Impulses by Newton's laws at given times and phase, offsets by the positions.
-    fn start(&self, times: &[f64], psi: f64) -> Result<Option<Point>, StructureOrbitError> {
+    fn start(&self, times: &[f64], psi: f64) -> Result<Option<Point>, BreatherError> {
         let n = times.len();
         let strikes = self.letters.iter().zip(times).map(|(&(contact, barrier), &time)| Strike {
             contact,
