@@ -128,7 +128,7 @@ fn a_leading_multiplier_that_is_refined_is_one_of_all() {
         assert!(nearest < 1e-6, "{nearest:e}");
         assert_eq!(all.sorted().count(), 2 * sites);
     });
-    assert!(info.bytes_max < 420 * sites as u64, "{} bytes", info.bytes_max);
+    assert!(info.bytes_max < 300 * sites as u64, "{} bytes", info.bytes_max);
 }
 
 /// The condition of an orbit takes one list of the modes that the masses which are hit feel, each with its errors.

@@ -29,7 +29,8 @@ fn told<K>(test: Test, here: &Evaluation<StructureOrbit, K>, mark: Option<f64>) 
         Test::Fold => smallvec![of_equations(&here.matrix)],
         Test::One => smallvec![of_equations(here.all())],
         Test::AnotherOne => {
-            let (equations, shift) = orbit.bloch_equations().0.without_shift()?;
+            let (mut equations, _) = orbit.bloch_equations();
+            let shift = equations.leave_out_shift()?;
             smallvec![Regular::of(&equations, 0.0).rounding(Some(shift.place))]
         }
         Test::MinusOne => smallvec![regular(std::f64::consts::PI)?],

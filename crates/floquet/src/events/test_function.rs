@@ -143,7 +143,8 @@ pub(crate) fn another_one(orbit: &StructureOrbit) -> Option<f64> {
     if !orbit.is_conservative() {
         return None;
     }
-    let (equations, _) = orbit.bloch_equations().0.without_shift()?;
+    let (mut equations, _) = orbit.bloch_equations();
+    equations.leave_out_shift()?;
     Some(at(&equations, 0.0)[0].re)
 }
 

@@ -76,16 +76,18 @@ impl Analyser {
     ) -> Result<Option<Verdict>, FloquetError> {
         let orbit = question.orbit;
         let Ok(all) = self.secular.all_nu() else { return Ok(None) };
+        let refined_at_most = most_refined(orbit.model().chain().even_modes());
         let mut open: Vec<(f64, Complex<f64>)> = all
             .map(|(nu, error)| (nu.excess() + nu.excess_error(nu.excess(), error), nu.multipliers()[0]))
             .filter(|(most, value)| *most > 0.0 && value.im >= 0.0)
             .collect();
         open.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+        open.truncate(refined_at_most + 1);
+        open.shrink_to_fit();
         let Posed { equations, data, .. } = posed(question, finder)?;
         // The finder's modes have done their part: their memory is free for what follows.
         finder.give_back();
-        let function = SpectralFunction::new(&equations, true);
-        let refined_at_most = most_refined(orbit.model().chain().even_modes());
+        let function = SpectralFunction::taking(equations, true);
         let mut leading: Option<(Complex<f64>, f64)> = None;
         // How far outside one may be that could not be refined.
         let mut unrefined: f64 = 0.0;

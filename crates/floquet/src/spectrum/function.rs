@@ -48,21 +48,49 @@ pub(super) struct Constant {
     pub(super) slides: Vec<f64>,
 }
 
+/// Errors of pairs as [`vibrochain_lattice::Coordinates::carried`] has them: where no mode has coordinates of their own, all second numbers are 0
+/// and take no room.
+#[derive(Debug, Default)]
+pub(super) struct PairErrors([Vec<f64>; 2]);
+
+impl PairErrors {
+    fn with_room(count: usize) -> Self {
+        Self([Vec::with_capacity(count), Vec::new()])
+    }
+
+    fn push(&mut self, [first, second]: [f64; 2]) {
+        let Self([firsts, seconds]) = self;
+        if second != 0.0 || !seconds.is_empty() {
+            seconds.resize(firsts.len(), 0.0);
+            seconds.push(second);
+        }
+        firsts.push(first);
+    }
+
+    fn get(&self, place: usize) -> [f64; 2] {
+        let Self([firsts, seconds]) = self;
+        [firsts[place], seconds.get(place).copied().unwrap_or(0.0)]
+    }
+
+    /// The first or the second numbers of these places; none where all are 0.
+    pub(super) fn numbers(&self, which: usize, places: std::ops::Range<usize>) -> &[f64] {
+        self.0[which].get(places).unwrap_or_default()
+    }
+}
+
 /// The function, with what its evaluation needs.
 #[derive(Debug)]
 pub(crate) struct SpectralFunction<'a> {
-    /// The orbit's equations.
-    pub(super) whole: &'a BlochEquations,
-    /// Those that are solved: of an orbit that may begin at any time without its own derivative, if that can be left out.
+    /// Those of the orbit; of one that may begin at any time without its own derivative, if that can be left out.
     pub(super) equations: Cow<'a, BlochEquations>,
     pub(super) shift: Option<Shift>,
     /// All poles, two for each mode.
     pub(super) poles: Vec<C>,
     /// The modes whose poles are double.
     double: Vec<usize>,
-    /// Errors of A_k and C_k, [mode][row], as [`vibrochain_lattice::Coordinates::carried`] has them.
-    pub(super) row_errors: Vec<[f64; 2]>,
-    pub(super) column_errors: Vec<[f64; 2]>,
+    /// Errors of A_k and C_k, [mode][row].
+    pub(super) row_errors: PairErrors,
+    pub(super) column_errors: PairErrors,
     /// Of J₀ outside and inside.
     pub(super) constants: [Constant; 2],
     matrix: Vec<C>,
@@ -71,18 +99,23 @@ pub(crate) struct SpectralFunction<'a> {
 
 impl<'a> SpectralFunction<'a> {
     /// The function of the equations, of an orbit that may begin at any time without the two zeros at 1.
-    pub(crate) fn new(whole: &'a BlochEquations, conservative: bool) -> Self {
-        let deflated = if conservative { whole.without_shift() } else { None };
-        let (equations, shift) = match deflated {
-            Some((equations, shift)) => (Cow::Owned(equations), Some(shift)),
-            None => (Cow::Borrowed(whole), None),
-        };
+    pub(crate) fn new(equations: &'a BlochEquations, conservative: bool) -> Self {
+        Self::of(Cow::Borrowed(equations), conservative)
+    }
+
+    /// The same of equations that are not needed any more: of a large ring there is no room for two of them.
+    pub(crate) fn taking(equations: BlochEquations, conservative: bool) -> Self {
+        Self::of(Cow::Owned(equations), conservative)
+    }
+
+    fn of(mut equations: Cow<'a, BlochEquations>, conservative: bool) -> Self {
+        let shift = if conservative { equations.to_mut().leave_out_shift() } else { None };
         let (modes, size) = (equations.kernel().modes(), equations.size());
-        let since = whole.since_cut();
+        let since = equations.since_cut();
         let longest = since.iter().copied().fold(0.0, f64::max);
         let (count, all) = (modes.len(), size * modes.len());
         let mut poles = Vec::with_capacity(2 * count);
-        let (mut row_errors, mut column_errors) = (Vec::with_capacity(all), Vec::with_capacity(all));
+        let [mut row_errors, mut column_errors] = [(); 2].map(|()| PairErrors::with_room(all));
         let (mut double, mut doubts) = (Vec::new(), ShapeErrors::default());
         let mut constants =
             [(); 2].map(|()| Constant { errors: vec![0.0; size * size], slides: vec![0.0; size * size] });
@@ -90,27 +123,27 @@ impl<'a> SpectralFunction<'a> {
             poles.extend(mode.poles());
             double.extend(mode.coordinates.are_parabolic().then_some(k));
             let (rows, columns) = (equations.rows(k), equations.columns(k));
-            let (from, coordinates) = (row_errors.len(), mode.coordinates);
+            let (from, coordinates) = (k * size, mode.coordinates);
             let part =
                 f64::EPSILON * (6.0 + 3.0 * (mode.rate + mode.decay.abs()) * longest) + mode.rate_error * longest;
-            whole.shape_errors(k, &mut doubts);
+            equations.shape_errors(k, &mut doubts);
             for (table, doubts, errors) in
                 [(rows, &doubts[0], &mut row_errors), (columns, &doubts[1], &mut column_errors)]
             {
                 let pairs = table.iter().zip(doubts);
-                errors.extend(pairs.map(|(entries, error)| coordinates.with_part(*error, part, *entries)));
+                pairs.for_each(|(entries, error)| errors.push(coordinates.with_part(*error, part, *entries)));
             }
             if let Some(shift) = &shift {
                 // Sums over the impacts, times (1−R)⁻¹, of which each term is turned, and the pole is moved.
                 let near = (mode.poles()[0] - 1.0).norm().recip();
                 let part = part + 2.0 * near * mode.pole_error;
-                let sum = |table: &[[f64; 2]], doubts: &[[f64; 2]]| {
-                    let error = |r: usize| coordinates.with_part(doubts[r], part, table[r])[0];
+                let sum = |before: &dyn Fn(usize) -> [f64; 2], doubts: &[[f64; 2]]| {
+                    let error = |r: usize| coordinates.with_part(doubts[r], part, before(r))[0];
                     let terms = shift.weights.iter().enumerate().map(|(i, weight)| weight.abs() * error(2 * i + 1));
-                    [near * terms.sum::<f64>(), 0.0]
+                    near * terms.sum::<f64>()
                 };
-                row_errors[from + shift.place] = sum(whole.rows(k), &doubts[0]);
-                column_errors[from + shift.place] = sum(whole.columns(k), &doubts[1]);
+                row_errors.0[0][from + shift.place] = sum(&|r| shift.row_before(rows, k, r), &doubts[0]);
+                column_errors.0[0][from + shift.place] = sum(&|r| shift.column_before(columns, k, r), &doubts[1]);
             }
             for (i, row) in rows.iter().enumerate() {
                 let moved = mode.coordinates.seen(*row, mode.generator());
@@ -121,8 +154,8 @@ impl<'a> SpectralFunction<'a> {
                     let earlier = since[i / 2] > since[j / 2];
                     let (form, sign) = if earlier { (0, 1.0) } else { (1, -1.0) };
                     let Constant { errors, slides } = &mut constants[form];
-                    errors[i * size + j] +=
-                        coordinates.reach_error([*row, row_errors[from + i]], [*column, column_errors[from + j]]);
+                    errors[i * size + j] += coordinates
+                        .reach_error([*row, row_errors.get(from + i)], [*column, column_errors.get(from + j)]);
                     if i / 2 != j / 2 {
                         slides[i * size + j] += sign * (moved[0] * column[0] + moved[1] * column[1]);
                     }
@@ -148,7 +181,7 @@ impl<'a> SpectralFunction<'a> {
             kept.for_each(|(i, error)| errors[(2 * i + 1) * (size + 1)] += error);
         }
         let (matrix, derivative) = (Vec::new(), Vec::new());
-        Self { whole, equations, shift, poles, double, row_errors, column_errors, constants, matrix, derivative }
+        Self { equations, shift, poles, double, row_errors, column_errors, constants, matrix, derivative }
     }
 
     /// Both poles of mode `k`. A double pole is there twice, once for each of the mode's two coordinates.
@@ -188,9 +221,10 @@ impl<'a> SpectralFunction<'a> {
     /// Error of A_k and of C_k, each against its largest row.
     pub(super) fn relative(&self, mode: usize) -> f64 {
         let own = mode * self.equations.size()..(mode + 1) * self.equations.size();
-        let part = |table: &[[f64; 2]], errors: &[[f64; 2]]| {
-            let largest = |list: &[[f64; 2]]| list.iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max);
-            let (size, error) = (largest(table), largest(&errors[own.clone()]));
+        let part = |table: &[[f64; 2]], errors: &PairErrors| {
+            let length = |[x, y]: [f64; 2]| x.hypot(y);
+            let size = table.iter().map(|entries| length(*entries)).fold(0.0, f64::max);
+            let error = own.clone().map(|place| length(errors.get(place))).fold(0.0, f64::max);
             if size == 0.0 { 0.0 } else { error / size }
         };
         part(self.equations.rows(mode), &self.row_errors) + part(self.equations.columns(mode), &self.column_errors)
@@ -283,17 +317,22 @@ impl Meromorphic for SpectralFunction<'_> {
 impl SpectralFunction<'_> {
     /// The sum of all zeros, tr M, from f far out: Σq − tr J₀⁻¹ΣA_kR_kC_k; with its error by rounding.
     pub(super) fn trace(&self) -> Option<(C, f64)> {
-        let size = self.whole.size();
+        let (equations, size) = (&*self.equations, self.equations.size());
+        let shift = self.shift.as_ref();
         let mut first = DMatrix::<f64>::zeros(size, size);
-        for (k, mode) in self.whole.kernel().modes().iter().enumerate() {
-            for (i, row) in self.whole.rows(k).iter().enumerate() {
-                let seen = mode.coordinates.seen(*row, mode.period);
-                for (j, column) in self.whole.columns(k).iter().enumerate() {
+        for (k, mode) in equations.kernel().modes().iter().enumerate() {
+            let (rows, columns) = (equations.rows(k), equations.columns(k));
+            for i in 0..size {
+                let row = shift.map_or(rows[i], |shift| shift.row_before(rows, k, i));
+                let seen = mode.coordinates.seen(row, mode.period);
+                for j in 0..size {
+                    let column = shift.map_or(columns[j], |shift| shift.column_before(columns, k, j));
                     first[(i, j)] += seen[0] * column[0] + seen[1] * column[1];
                 }
             }
         }
-        let constant = DMatrix::from_row_slice(size, size, self.whole.constant(false));
+        let constant = shift.map_or(equations.constant(false), Shift::constant_before);
+        let constant = DMatrix::from_row_slice(size, size, constant);
         let inverse = constant.try_inverse()?;
         let reach = inverse.norm() * first.norm();
         let error = 8.0 * f64::EPSILON * size as f64 * reach;

@@ -8,7 +8,7 @@ use nalgebra::{Complex, DMatrix, Schur};
 use smallvec::{SmallVec, smallvec};
 use vibrochain_lattice::{Coordinates, Turned};
 
-use super::function::{Pole, SpectralFunction};
+use super::function::{PairErrors, Pole, SpectralFunction};
 use super::null::Null;
 use crate::singular::Singular;
 use crate::zeros::modulus;
@@ -207,17 +207,16 @@ impl SpectralFunction<'_> {
         }
         for (k, mode) in equations.kernel().modes().iter().enumerate() {
             let (rows, columns) = (equations.rows(k), equations.columns(k));
-            let (whole_rows, whole_columns) = (self.whole.rows(k), self.whole.columns(k));
             let sum = |v: &[C], table: &[[f64; 2]]| {
                 let add = |[p, q]: [C; 2], (v, [s, t]): (&C, &[f64; 2])| [p + v * *s, q + v * *t];
                 v.iter().zip(table).fold([C::default(); 2], add)
             };
             let (xi, eta) = (sum(&x[..size], rows), sum(&y[..size], columns));
-            let (row_errors, column_errors) =
-                (&self.row_errors[k * size..(k + 1) * size], &self.column_errors[k * size..(k + 1) * size]);
-            let errors_of = |v: &[f64], table: &[[f64; 2]], which: usize| {
-                v.iter().zip(table).map(|(v, error)| v * error[which]).sum::<f64>()
+            let errors_of = |v: &[f64], table: &PairErrors, which: usize| {
+                let own = table.numbers(which, k * size..(k + 1) * size);
+                v.iter().zip(own).map(|(v, error)| v * error).sum::<f64>()
             };
+            let (row_errors, column_errors) = (&self.row_errors, &self.column_errors);
             // Of real poles the sum of both coordinates is longer than their length.
             let widest = if mode.coordinates.are_circular() { 1.0 } else { std::f64::consts::SQRT_2 };
             let (a_error, c_error) =
@@ -282,20 +281,20 @@ impl SpectralFunction<'_> {
                     for i in 0..n {
                         let (coordinates, which) = (mode.coordinates, pole.which);
                         let complex = |v: [f64; 2]| v.map(|x| C::new(x, 0.0));
-                        let seen = |table: &[[f64; 2]], r: usize| coordinates.seen_of_pole(which, complex(table[r]));
-                        let given = |table: &[[f64; 2]], r: usize| coordinates.given_to_pole(which, complex(table[r]));
+                        let seen = |row: [f64; 2]| coordinates.seen_of_pole(which, complex(row));
+                        let given = |column: [f64; 2]| coordinates.given_to_pole(which, complex(column));
                         let (mut own_a, mut own_c) = (C::default(), C::default());
                         for r in [2 * i, 2 * i + 1] {
                             if self.shift.as_ref().is_none_or(|shift| shift.place != r) {
-                                own_a += x[r] * seen(rows, r);
-                                own_c += y[r] * given(columns, r);
+                                own_a += x[r] * seen(rows[r]);
+                                own_c += y[r] * given(columns[r]);
                             }
                         }
                         if let Some(shift) = &self.shift {
                             let by = (pole.value - 1.0).inv();
                             let r = 2 * i + 1;
-                            let part_a = x[shift.place] * seen(whole_rows, r) * by;
-                            let part_c = y[shift.place] * given(whole_columns, r) * by;
+                            let part_a = x[shift.place] * seen(shift.row_before(rows, k, r)) * by;
+                            let part_c = y[shift.place] * given(shift.column_before(columns, k, r)) * by;
                             own_a += part_a * shift.weights[i];
                             own_c += part_c * shift.weights[i];
                             shares[i] += (part_a * sent + received * part_c) * shift.weights[i];

@@ -182,7 +182,7 @@ impl Search<'_> {
         let least = (0..roots.len()).min_by(|&a, &b| modulus(roots[a]).total_cmp(&modulus(roots[b])))?;
         let next = (0..roots.len()).filter(|&k| k != least).map(|k| modulus(roots[k])).fold(f64::INFINITY, f64::min);
         let is_next_to_zero = modulus(roots[least]) < CREEPING.min(CREEPING.sqrt() * next);
-        (is_plastic(self.function.whole) && is_next_to_zero).then(|| {
+        (is_plastic(&self.function.equations) && is_next_to_zero).then(|| {
             roots.remove(least);
             C::default()
         })

@@ -19,6 +19,7 @@
 //! |---|---|
 //! | `linear_impact` | [`LinearImpact`]: an impact as the equations know it |
 //! | `setup` | the equations of impacts, of an orbit, of one that may begin at any time |
+//! | `shift` | the equations of such an orbit without its own derivative |
 //! | `dying` | modes that die within a period |
 //! | `matrix` | J(z) itself |
 
@@ -26,22 +27,15 @@ mod dying;
 mod linear_impact;
 mod matrix;
 mod setup;
+mod shift;
 
 pub use linear_impact::LinearImpact;
+pub use shift::Shift;
 
 use std::sync::Arc;
 
 use smallvec::SmallVec;
 use vibrochain_lattice::BlochKernel;
-
-/// An orbit's own derivative, as [`BlochEquations::without_shift`] has put it in place of one unknown.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Shift {
-    /// The row and column in whose place it is.
-    pub place: usize,
-    /// s: what each impact's ωPδt is in it.
-    pub weights: Vec<f64>,
-}
 
 /// Errors of one mode's A_k and C_k, a pair of numbers for each row and for each column of J: what [`BlochEquations::shape_errors`] works out.
 pub type ShapeErrors = [SmallVec<[[f64; 2]; 8]>; 2];
@@ -389,10 +383,17 @@ mod tests {
         let mut checked = 0;
         orbits(120, |orbit, random| {
             let (equations, _) = BlochEquations::of(orbit, &response(orbit));
-            let Some((without, shift)) = equations.without_shift().filter(|_| orbit.model().is_conservative()) else {
+            let mut without = equations.clone();
+            let Some(shift) = without.leave_out_shift().filter(|_| orbit.model().is_conservative()) else {
                 return;
             };
             let (size, at) = (equations.size(), shift.place);
+            for k in 0..equations.kernel().modes().len() {
+                let (rows, columns) = (without.rows(k), without.columns(k));
+                let before = (0..size).map(|r| (shift.row_before(rows, k, r), shift.column_before(columns, k, r)));
+                assert!(shift.constant_before() == equations.constant(false));
+                assert!(before.eq(equations.rows(k).iter().copied().zip(equations.columns(k).iter().copied())));
+            }
             let own = |r: usize| if r % 2 == 1 { shift.weights[r / 2] } else { 0.0 };
             for radius in [0.2, 0.45, 0.9, 3.0] {
                 let z = C::from_polar(radius, random.between(0.0, 6.3));

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use vibrochain_lattice::{BlochKernel, Complex, ImpulseResponse, SparedModes, Turned};
+use vibrochain_lattice::{BlochKernel, Complex, ImpulseResponse, SparedModes};
 
 use super::dying::{Cut, Sent, died, largest, only, send_on, since_cut};
-use super::{BlochEquations, LinearImpact, ShapeErrors, Shift};
+use super::{BlochEquations, LinearImpact, ShapeErrors};
 use crate::orbit::Orbit;
 
 type C = Complex<f64>;
@@ -166,46 +166,5 @@ impl BlochEquations {
         }
         equations.slide_errors = Some(errors);
         equations
-    }
-
-    /// Of an orbit that may begin at any time, the equations without its own derivative s, δt alike for all impacts, for which J(1)s = 0 and
-    /// sᵀJ(1) = 0: with s in place of one δt, and its row and column divided by z−1,
-    ///
-    /// ```text
-    /// (J(z)s)/(z−1) = −Σ A_k R_k(z−R_k)⁻¹ (1−R_k)⁻¹C_k s,     the row alike, the corner with (1−R_k)⁻².
-    /// ```
-    ///
-    /// So they have the form of J, nothing cancels next to z = 1, and their determinant is det J(z)/(z−1)² but for a factor. `None` where a
-    /// mode's pole is 1, and where modes lose energy.
-    pub fn without_shift(&self) -> Option<(Self, Shift)> {
-        let one = C::new(1.0, 0.0);
-        let size = self.size();
-        let largest = (0..self.impacts.len())
-            .max_by(|&i, &j| self.impacts[i].impulse.abs().total_cmp(&self.impacts[j].impulse.abs()))?;
-        let scale = self.impacts[largest].impulse;
-        let weights: Vec<f64> = self.impacts.iter().map(|impact| impact.impulse / scale).collect();
-        let place = 2 * largest + 1;
-        let mut equations = Self { innermost: 0.0, ..self.clone() };
-        for (k, mode) in self.kernel.modes().iter().enumerate() {
-            if mode.poles().contains(&one) || mode.decay != 0.0 || !mode.coordinates.are_circular() {
-                return None;
-            }
-            let coordinates = mode.coordinates;
-            // (1−R)⁻¹ is ½(1 + cot(ΩT/2)·J); 1−cos ΩT would lose its digits next to a resonance.
-            let Turned { even: cos, odd: sin } = mode.period;
-            let cot = if cos > 0.0 { (1.0 + cos) / sin } else { sin / (1.0 - cos) };
-            let by = Turned { even: -0.5, odd: -0.5 * cot };
-            let sum = |table: &[[f64; 2]]| {
-                let terms = weights.iter().enumerate().map(|(i, weight)| table[2 * i + 1].map(|x| weight * x));
-                terms.fold([0.0; 2], |[x, y], [u, v]| [x + u, y + v])
-            };
-            equations.rows[k * size + place] = coordinates.seen(sum(self.rows(k)), by);
-            equations.columns[k * size + place] = coordinates.given(by, sum(self.columns(k)));
-        }
-        for j in 0..size {
-            equations.outside[place * size + j] = 0.0;
-            equations.outside[j * size + place] = 0.0;
-        }
-        Some((equations, Shift { place, weights }))
     }
 }
