@@ -42,7 +42,7 @@ impl StructureOrbit {
 
 fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, BreatherError> {
     if let Some(orbit) = orbit.of_all_masses() {
-        return Ok(check_masses(&orbit?, depth)?);
+        return check_masses(&orbit?, depth);
     }
     let impacts = orbit.impacts();
     for (number, impact) in impacts.iter().enumerate() {

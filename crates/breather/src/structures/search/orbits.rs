@@ -306,18 +306,18 @@ impl Impacts<'_> {
         let half = 0.5 * self.equations.period();
         let is_half = |phi: &&f64| (*phi - half).abs() <= HALF * half;
         let forced = self.equations.forced;
-        // A structure that is its own mirror image has a double zero there, one of the places that may be one.
-        let line = if forced { self.line(&[0.0, half]) } else { Ok(None) };
-        let mirrored = match line {
-            Ok(line) => line.is_some_and(|line| line.holds()),
-            Err(error) => return Some(Err(error)),
-        };
         if forced
             && !function.is_homogeneous()
             && let Err(error) = self.take_merged(&function, &mut zeros, &mut starts)
         {
             return Some(Err(error));
         }
+        // A structure that is its own mirror image has a double zero there, one of the places that may be one.
+        let open_half = forced && zeros.unresolved.iter().any(|phi| is_half(&phi));
+        let mirrored = match if open_half { self.line(&[0.0, half]) } else { Ok(None) } {
+            Ok(line) => line.is_some_and(|line| line.holds()),
+            Err(error) => return Some(Err(error)),
+        };
         let mut unresolved = function.apart(zeros.unresolved.iter().filter(|phi| !(mirrored && is_half(phi))).copied());
         let mut add = || -> Result<(), BreatherError> {
             if forced && zeros.simple.iter().chain(&zeros.unresolved).any(|phi| is_half(&phi)) {
