@@ -186,11 +186,11 @@ impl Tally {
         let limits = &structure.contacts;
         dense.impacts = (orbit.impacts().iter())
             .map(|impact| StructureImpact {
-                contact: impact.contact,
+                contact: impact.site,
                 time: impact.time,
                 impulse: impact.impulse,
-                restitution: limits[impact.contact].1.restitution,
-                stop: limits[impact.contact].1.barrier(impact.barrier).unwrap(),
+                restitution: limits[impact.site].1.restitution,
+                stop: limits[impact.site].1.barrier(impact.barrier).unwrap(),
             })
             .collect();
         let mut worst: f64 = 0.0;
@@ -249,7 +249,7 @@ impl Tally {
         }
         let name = |barrier: Barrier| if barrier == Barrier::Upper { '+' } else { '-' };
         let word: Vec<_> =
-            orbit.impacts().iter().map(|impact| format!("{}{}", impact.contact, name(impact.barrier))).collect();
+            orbit.impacts().iter().map(|impact| format!("{}{}", impact.site, name(impact.barrier))).collect();
         let word: Word = word.join(",").parse().unwrap();
         let found = model.orbits(&word, periods).unwrap();
         if !found.completeness.is_established() {
@@ -262,7 +262,7 @@ impl Tally {
             (0..n).all(|i| {
                 let (a, b) = (&orbit.impacts()[i], &other.impacts()[(i + turn) % n]);
                 let off = (apart(orbit, i) - apart(other, (i + turn) % n)).abs() / period;
-                a.contact == b.contact && off + (a.impulse - b.impulse).abs() / a.impulse.abs() < 1e-6
+                a.site == b.site && off + (a.impulse - b.impulse).abs() / a.impulse.abs() < 1e-6
             })
         };
         // Next to a doubling, a run that still settles has led to the orbit of half the period.

@@ -54,11 +54,14 @@ impl Tally {
         let Ok(condition) = finder.condition(chain) else { return false };
         let count = own.len();
         let share = |turn: usize| {
-            let since = |i: usize| (own[i].time - own[turn].time, impacts[(i + count - turn) % count]);
+            let since = |i: usize| {
+                let place = (i + count - turn) % count;
+                (own[i].time - own[turn].time, impacts[place], other.impact_errors()[place])
+            };
             let mut share = 0.0f64;
             for i in 0..count {
-                let (time, impact) = since(i);
-                if impact.contact != own[i].site || impact.barrier != own[i].barrier {
+                let (time, impact, off) = since(i);
+                if impact.site != own[i].site || impact.barrier != own[i].barrier {
                     return f64::INFINITY;
                 }
                 let told = &condition.impacts[i];
@@ -68,9 +71,9 @@ impl Tally {
                     error + bound + rounding_of_matrices(&condition) * size
                 };
                 let impulse = (impact.impulse - own[i].impulse).abs();
-                share = share.max(impulse / room(told.impulse, impact.impulse_error, impact.impulse.abs()));
+                share = share.max(impulse / room(told.impulse, off.impulse, impact.impulse.abs()));
                 let time = apart(impact.time - impacts[0].time, time, period);
-                share = share.max(time / room(told.time + condition.impacts[turn].time, impact.time_error, period));
+                share = share.max(time / room(told.time + condition.impacts[turn].time, off.time, period));
             }
             share
         };

@@ -82,7 +82,7 @@ pub use structures::errors::{ImpactError, Together};
 pub use structures::flight::StructureMotion;
 pub use structures::map_orbit::MapOrbit;
 pub use structures::model::StructureModel;
-pub use structures::orbit::{StructureImpact, StructureOrbit};
+pub use structures::orbit::StructureOrbit;
 pub use structures::reversible::ReversibleOrbit;
 pub use tracer::line;
 pub use tracer::pace::Pace;

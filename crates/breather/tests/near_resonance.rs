@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use vibrochain_breather::{
-    Completeness, Family, Finder, OrbitList, Scope, StructureImpact, StructureModel, StructureOrbit, breathers,
+    Completeness, Family, Finder, Impact, ImpactError, OrbitList, Scope, StructureModel, StructureOrbit, breathers,
 };
 use vibrochain_lattice::{Complex, Contact, DMatrix, DVector, Ends, Point, Structure};
 use vibrochain_testkit::Random;
@@ -59,18 +59,21 @@ fn off(value: f64, error: f64) -> f64 {
 
 /// Whether both are known to be two orbits, by their impulses or times, however one begins.
 fn are_two(one: &StructureOrbit, other: &StructureOrbit) -> bool {
-    let pairs = || one.impacts().iter().zip(other.impacts());
-    pairs().any(|(a, b)| {
-        (a.impulse - b.impulse).abs() > off(a.impulse, a.impulse_error) + off(b.impulse, b.impulse_error)
-            || (a.time - b.time).abs() > off(a.time, a.time_error) + off(b.time, b.time_error)
+    fn with_errors(orbit: &StructureOrbit) -> impl Iterator<Item = (&Impact, &ImpactError)> {
+        orbit.impacts().iter().zip(orbit.impact_errors())
+    }
+    with_errors(one).zip(with_errors(other)).any(|((a, of_a), (b, of_b))| {
+        (a.impulse - b.impulse).abs() > off(a.impulse, of_a.impulse) + off(b.impulse, of_b.impulse)
+            || (a.time - b.time).abs() > off(a.time, of_a.time) + off(b.time, of_b.time)
     }) || (told(one)[2] - told(other)[2]).abs() > 1e-7 * one.period()
 }
 
 fn assert_distinct(orbits: &[StructureOrbit]) {
     for (i, one) in orbits.iter().enumerate() {
         assert!(orbits[..i].iter().all(|other| are_two(one, other)), "{one:?}");
-        let hits = |impact: &StructureImpact| impact.impulse.abs() > off(impact.impulse, impact.impulse_error);
-        assert!(one.impacts().iter().all(hits), "{one:?}");
+        let mut pairs = one.impacts().iter().zip(one.impact_errors());
+        let hits = |(impact, error): (&Impact, &ImpactError)| impact.impulse.abs() > off(impact.impulse, error.impulse);
+        assert!(pairs.all(hits), "{one:?}");
     }
 }
 
@@ -118,8 +121,9 @@ fn next_to_a_resonance_each_orbit_is_listed_once() {
         if let Some([impulse, time]) = known {
             let is_it = |orbit: &&StructureOrbit| {
                 let [first, second] = [orbit.impacts()[0], orbit.impacts()[1]];
-                (first.impulse - impulse).abs() <= off(impulse, first.impulse_error)
-                    && (second.time - time).abs() <= off(time, second.time_error)
+                let errors = orbit.impact_errors();
+                (first.impulse - impulse).abs() <= off(impulse, errors[0].impulse)
+                    && (second.time - time).abs() <= off(time, errors[1].time)
             };
             assert_eq!(found.orbits.iter().filter(is_it).count(), 1, "{name}: {:?}", found.orbits);
         }
@@ -147,8 +151,8 @@ fn compare_with_flights(rounds: usize, seed: u64) -> [usize; 3] {
         for orbit in &found.orbits {
             let is_it = |other: &&vibrochain_breather::Orbit| {
                 let near = |a: f64, b: f64, error: f64| (a - b).abs() <= error + 1e-6 * (1.0 + b.abs());
-                let pairs = || orbit.impacts().iter().zip(other.impacts());
-                pairs().all(|(a, b)| near(a.impulse, b.impulse, a.impulse_error) && near(a.time, b.time, a.time_error))
+                let mut pairs = orbit.impacts().iter().zip(orbit.impact_errors()).zip(other.impacts());
+                pairs.all(|((a, off), b)| near(a.impulse, b.impulse, off.impulse) && near(a.time, b.time, off.time))
             };
             assert!(chain.orbits.iter().any(|other| is_it(&other)), "{away:e} {omega}: {orbit:?}");
         }

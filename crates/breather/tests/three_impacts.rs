@@ -76,12 +76,12 @@ fn same(a: &StructureOrbit, b: &StructureOrbit) -> bool {
         later - orbit.impacts()[i].time
     };
     // Newton's method may end where conditions are met but times are known poorly.
-    let errors = a.impacts().iter().chain(b.impacts()).map(|impact| 2.0 * impact.time_error);
+    let errors = a.impact_errors().iter().chain(b.impact_errors()).map(|error| 2.0 * error.time);
     let room = errors.fold(1e-6 * a.period(), f64::max);
     (0..3).any(|turn| {
         (0..3).all(|i| {
             let (own, other) = (&a.impacts()[i], &b.impacts()[(i + turn) % 3]);
-            (own.contact, own.barrier) == (other.contact, other.barrier)
+            (own.site, own.barrier) == (other.site, other.barrier)
                 && (own.impulse - other.impulse).abs() < 1e-6 * (1.0 + own.impulse.abs())
                 && (apart(a, i) - apart(b, (i + turn) % 3)).abs() < room
         })

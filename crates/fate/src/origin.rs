@@ -211,7 +211,7 @@ impl Track {
         let mut instants: Vec<Vec<Expected>> = Vec::new();
         for impact in orbit.impacts() {
             let (time, velocity, barrier): (f64, f64, Barrier) = (impact.time, impact.velocity_before, impact.barrier);
-            let expected = Expected { site: impact.contact, barrier, time, velocity };
+            let expected = Expected { site: impact.site, barrier, time, velocity };
             match instants.last_mut().filter(|instant| instant.iter().all(|other| other.time == time)) {
                 Some(instant) => instant.push(expected),
                 None => instants.push(vec![expected]),

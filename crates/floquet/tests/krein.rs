@@ -143,8 +143,8 @@ fn signatures_of_matrices_are_those_of_the_form() {
         let word = random.of(&["0+,0-", "0-", "0+1+,0-1-", "0+1-,0-1+"]);
         let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
         for orbit in &found.orbits {
-            let impact = |impact: &vibrochain_breather::StructureImpact| StructureImpact {
-                contact: impact.contact,
+            let impact = |impact: &vibrochain_breather::Impact| StructureImpact {
+                contact: impact.site,
                 time: impact.time,
                 impulse: impact.impulse,
                 restitution: 1.0,

@@ -219,7 +219,7 @@ fn multipliers_next_to_folds_and_rigid_modes_are_those_by_hand() {
                 for (i, impact) in impacts.iter().enumerate() {
                     let e = scene.get("contact.0.restitution".parse().unwrap()).unwrap();
                     let after = impacts.get(i + 1).map_or(period, |next| next.time) - impact.time;
-                    let pull = (1.0 + e) * impact.acceleration_before / impact.velocity_before;
+                    let pull = (1.0 + e) * impact.acceleration / impact.velocity_before;
                     for column in 0..2 {
                         let [place, velocity] = [matrix[0][column], matrix[1][column]];
                         let [place, velocity] = [-e * place, -e * velocity + pull * place];

@@ -19,7 +19,7 @@ pub fn run_follows(orbit: &StructureOrbit) -> bool {
         let impact = &impacts[(i + 1) % impacts.len()];
         let time = impact.time - s + if i + 1 >= impacts.len() { orbit.period() } else { 0.0 };
         event.kind == EventKind::Impact
-            && event.contact == impact.contact
+            && event.contact == impact.site
             && (event.time.to_f64() - time).abs() < 1e-8 * orbit.period()
             && (event.impulse - impact.impulse).abs() < 1e-7 * impact.impulse.abs()
     };

@@ -157,7 +157,7 @@ impl Tally {
 
     fn take(&mut self, name: &str, structure: &Structure, orbit: &StructureOrbit) {
         self.orbits += 1;
-        let known = orbit.impacts().iter().all(|impact| impact.impulse_error.is_finite());
+        let known = orbit.impact_errors().iter().all(|told| told.impulse.is_finite());
         let Ok(truth) = TrueStructureOrbit::refine(structure, orbit, BITS) else {
             if known {
                 self.broken.push(format!("{name}: no orbit there"));
@@ -166,10 +166,10 @@ impl Tally {
         };
         self.open += usize::from(!known);
         let errors = truth.errors_of(orbit).unwrap();
-        for (i, impact) in orbit.impacts().iter().enumerate() {
-            self.hold(&format!("{name} P{i}"), 0, errors.impulses[i], impact.impulse_error);
-            self.hold(&format!("{name} t{i}"), 0, errors.times[i], impact.time_error);
-            self.hold(&format!("{name} a{i}"), 0, errors.accelerations[i], impact.acceleration_error);
+        for (i, told) in orbit.impact_errors().iter().enumerate() {
+            self.hold(&format!("{name} P{i}"), 0, errors.impulses[i], told.impulse);
+            self.hold(&format!("{name} t{i}"), 0, errors.times[i], told.time);
+            self.hold(&format!("{name} a{i}"), 0, errors.accelerations[i], told.acceleration);
         }
         let Ok(stability) = structure_stability(orbit, Tolerance::Rounding) else {
             self.open_radii += 1;
@@ -325,7 +325,7 @@ fn structures_whose_errors_were_told_too_small() {
         };
         found.sort_by(|a, b| away(a).total_cmp(&away(b)));
         let orbit = found.first().unwrap();
-        let told = orbit.impacts().iter().map(|impact| impact.impulse_error).fold(0.0, f64::max);
+        let told = orbit.impact_errors().iter().map(|error| error.impulse).fold(0.0, f64::max);
         assert!(away(orbit) <= told + 1e-14 && away(orbit) < 1e-8, "{word}: {:e} {told:e}", away(orbit));
         // Of the third one a multiplier is 0, from which refinement once led to another one.
         let verdict = structure_stability(orbit, Tolerance::Rounding).unwrap().verdict;

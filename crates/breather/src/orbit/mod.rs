@@ -51,11 +51,11 @@ vibrochain_lattice::names!(Family {
     DoubleSided "double-sided", SingleSided "single-sided", PeriodDoubled "period-doubled", Word "word",
 });
 
-/// One impact of an orbit. Dimensionless; momentum and velocity agree because the masses are 1.
+/// One impact of an orbit: of a lattice dimensionless, of any other structure in units of its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Impact {
-    /// The mass that hits.
+    /// The mass that hits; of a structure the number of the contact.
     pub site: usize,
     /// The barrier it hits.
     pub barrier: Barrier,
@@ -63,11 +63,11 @@ pub struct Impact {
     pub time: f64,
     /// Momentum P the barrier gives to the mass, signed (the paper's 2p₁, −2p₂).
     pub impulse: f64,
-    /// Velocity just before, −P/(1+e).
+    /// Velocity just before, −P/(m(1+e)), with m = 1 of a mass of a lattice.
     pub velocity_before: f64,
-    /// Velocity just after, eP/(1+e).
+    /// Velocity just after, eP/(m(1+e)).
     pub velocity_after: f64,
-    /// Acceleration v̈ of the mass at the impact, force included; the impact does not change it.
+    /// Acceleration just before, force included. Where nothing damps the motion, the impact does not change it.
     pub acceleration: f64,
 }
 

@@ -5,7 +5,7 @@ use vibrochain_lattice::{LinearMode, Stop, Turn};
 
 use super::errors::{ImpactError, Together};
 use super::model::StructureModel;
-use super::orbit::{StructureImpact, StructureOrbit};
+use super::orbit::StructureOrbit;
 use super::point::Strike;
 use crate::equations::System;
 use crate::equations::linear::{Vector, zeros};
@@ -108,10 +108,10 @@ impl Condition {
     /// The condition of a lattice's orbit from that of the structure's: the distance between the two adds to the bounds.
     fn from(mut self, refined: &StructureOrbit, orbit: &Orbit) -> Self {
         let since = |i: usize| orbit.impacts()[i].time - orbit.impacts()[0].time;
-        let apart = |(i, (own, other)): (usize, (&Impact, &StructureImpact))| ImpactError {
+        let apart = |(i, (own, other)): (usize, (&Impact, &Impact))| ImpactError {
             time: other.time - since(i),
             impulse: other.impulse - own.impulse,
-            acceleration: other.acceleration_before - own.acceleration,
+            acceleration: other.acceleration - own.acceleration,
         };
         self.correction = orbit.impacts().iter().zip(refined.impacts()).enumerate().map(apart).collect();
         for (bound, apart) in self.impacts.iter_mut().zip(&self.correction) {
@@ -131,18 +131,13 @@ impl StructureOrbit {
     /// # Errors
     /// [`BreatherError::Stopped`].
     pub fn condition(&self) -> Result<Condition, BreatherError> {
-        let bound = |one: &StructureImpact| ImpactError {
-            time: one.time_error,
-            impulse: one.impulse_error,
-            acceleration: one.acceleration_error,
-        };
         let strongest = self.impacts().iter().map(|one| one.impulse.abs()).fold(f64::MIN_POSITIVE, f64::max);
         Ok(Condition {
             resonance: self.distance_to_resonance(),
             grazing: self.impacts().iter().map(|one| self.relative_speed(one)).fold(f64::INFINITY, f64::min),
             fold: self.reciprocal_condition(strongest)?,
             psi_error: self.psi_error(),
-            impacts: self.impacts().iter().map(bound).collect(),
+            impacts: self.impact_errors().into(),
             origins: self.error_origins().to_vec(),
             correction: self.impacts().iter().map(|_| ImpactError::default()).collect(),
             scales: [strongest, self.period(), self.model().period()],
@@ -161,8 +156,8 @@ impl StructureOrbit {
     }
 
     /// The speed of an impact in units of ω times half its contact's gap.
-    fn relative_speed(&self, impact: &StructureImpact) -> f64 {
-        let contact = self.model().structure().contacts()[impact.contact];
+    fn relative_speed(&self, impact: &Impact) -> f64 {
+        let contact = self.model().structure().contacts()[impact.site];
         let length = match (contact.lower, contact.upper) {
             (Some(lower), Some(upper)) => 0.5 * (upper - lower),
             (one, other) => one.or(other).unwrap_or(0.0).abs(),

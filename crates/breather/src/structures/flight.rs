@@ -6,11 +6,12 @@ use smallvec::SmallVec;
 use vibrochain_lattice::{Complex, LinearMode, ModalStructure, ModeFlow, ParticipatingModes, Stopped, Turn, Turned};
 
 use super::equations::Equations;
-use super::orbit::{StructureImpact, StructureOrbit};
+use super::orbit::StructureOrbit;
 use super::periodic_kernel::{EITHER_WAY, PeriodicKernel, length, rigid_jet};
 use super::response::Response;
 use crate::error::BreatherError;
 use crate::motion::Motion;
+use crate::orbit::Impact;
 
 type C = Complex<f64>;
 
@@ -178,7 +179,7 @@ impl<'a> StructureMotion<'a> {
         for (j, other) in impacts.iter().enumerate() {
             let lapse = impacts[i].time - other.time + if j > i { self.orbit.period() } else { 0.0 } + s;
             let jet = rigid_jet(mode, self.orbit.period(), lapse);
-            (0..4).for_each(|order| sums[order] += Equations::shape(mode, other.contact) * other.impulse * jet[order]);
+            (0..4).for_each(|order| sums[order] += Equations::shape(mode, other.site) * other.impulse * jet[order]);
         }
         sums
     }
@@ -189,12 +190,12 @@ impl<'a> StructureMotion<'a> {
         let (orbit, response, kernel) = (self.orbit, self.response(), &self.response().kernel);
         let (impacts, rounding) = (orbit.impacts(), 8.0 * f64::EPSILON);
         let fastest = self.felt(i).map(|(mode, _)| length([mode.decay, mode.rate])).fold(0.0, f64::max);
-        let of = |(place, other): (usize, &StructureImpact)| {
+        let of = |(place, other): (usize, &Impact)| {
             let lapse = impacts[i].time - other.time;
-            let (_, sizes) = kernel.jet(contact, other.contact, lapse);
+            let (_, sizes) = kernel.jet(contact, other.site, lapse);
             // What it has given at this instant itself, beside earlier periods.
             let now = if lapse == 0.0 {
-                self.structure().mobility(contact, other.contact).abs() * fastest.powi(order as i32 - 1)
+                self.structure().mobility(contact, other.site).abs() * fastest.powi(order as i32 - 1)
             } else {
                 0.0
             };
@@ -210,9 +211,9 @@ impl<'a> StructureMotion<'a> {
         // Next to a resonance, what the error of the frequency makes of all terms at once.
         let both = kernel.nearly_resonant().flat_map(|of| EITHER_WAY.map(|by| (of, by)));
         let of_sums = both.map(|((place, doubt), by)| {
-            let term = |other: &StructureImpact| {
+            let term = |other: &Impact| {
                 let lapse = impacts[i].time - other.time;
-                other.impulse * kernel.jet_of_mode(place, by, (contact, other.contact), lapse)[order]
+                other.impulse * kernel.jet_of_mode(place, by, (contact, other.site), lapse)[order]
             };
             doubt * impacts.iter().map(term).sum::<f64>().abs()
         });
@@ -271,7 +272,7 @@ fn after_impact(orbit: &StructureOrbit, kernel: &PeriodicKernel, i: usize) -> Ve
         let flights = Turn::flights(modes.iter().map(|(mode, _)| mode.flow()), past);
         for ((state, (mode, sum)), flight) in states.iter_mut().zip(&modes).zip(flights) {
             let by = if past == 0.0 { *sum } else { mode.turn.product(flight, *sum) };
-            let given = mode.turn.act(by, mode.columns[other.contact].map(|x| x * other.impulse));
+            let given = mode.turn.act(by, mode.columns[other.site].map(|x| x * other.impulse));
             *state = [state[0] + given[0], state[1] + given[1]];
         }
     }

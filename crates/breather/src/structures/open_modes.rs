@@ -354,7 +354,7 @@ mod tests {
                     for word in WORDS {
                         for orbit in model.orbits(&word.parse().unwrap(), 1).unwrap().orbits {
                             let strongest = orbit.impulses().iter().fold(0.0, |most: f64, one| most.max(one.abs()));
-                            let worst = orbit.impacts().iter().map(|one| one.impulse_error).fold(0.0, f64::max);
+                            let worst = orbit.impact_errors().iter().map(|one| one.impulse).fold(0.0, f64::max);
                             // Of slower impacts less is known: the mode swings as far as their impulses' digits let it.
                             if strongest < 1e-3 {
                                 continue;

@@ -12,34 +12,8 @@ use super::point::{Point, SAME_INSTANT, Strike};
 use super::response::Response;
 use crate::equations::{BlochEquations, LinearImpact};
 use crate::error::BreatherError;
-use crate::orbit::Hit;
+use crate::orbit::{Hit, Impact};
 use crate::word::MAX_IMPACTS;
-
-/// One impact of a structure's orbit, in units of the user's, with bounds of the errors of what has been solved for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct StructureImpact {
-    /// Number of the contact.
-    pub contact: usize,
-    /// The barrier it meets.
-    pub barrier: Barrier,
-    /// Time within the period, from the first impact on.
-    pub time: f64,
-    /// The momentum P that the barrier gives, signed.
-    pub impulse: f64,
-    /// g′⁻
-    pub velocity_before: f64,
-    /// g′⁺ = −e g′⁻
-    pub velocity_after: f64,
-    /// g″⁻, loads and dashpots included.
-    pub acceleration_before: f64,
-    /// A bound of the error of the time, for the matrices or modes as they are given; not finite where none is known, as next to a fold.
-    pub time_error: f64,
-    /// The same of the impulse.
-    pub impulse_error: f64,
-    /// The same of the acceleration.
-    pub acceleration_error: f64,
-}
 
 /// A periodic orbit of a structure.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,7 +29,9 @@ pub struct StructureOrbit {
     psi_error: f64,
     period_error: f64,
     offsets: SmallVec<[f64; 1]>,
-    impacts: Vec<StructureImpact>,
+    impacts: Vec<Impact>,
+    /// Bounds of their errors.
+    errors: Together,
     /// The largest violation of the conditions at the impacts, against their terms.
     violation: f64,
     /// Bounds of the impacts' errors by origin.
@@ -133,22 +109,22 @@ impl StructureOrbit {
             OrbitErrors::of(equations, point, system, on_the_way)?;
         let impact = |i: usize| {
             let (strike, arrival) = (&point.strikes[i], &system.arrivals[i]);
-            let error = equations.impact_error(n, i, &unknowns, accelerations[i]);
-            StructureImpact {
-                contact: strike.contact,
+            Impact {
+                site: strike.contact,
                 barrier: strike.barrier,
                 time: strike.time,
                 impulse: strike.impulse,
                 velocity_before: arrival.velocity,
                 // From 0, so that none is left as 0 and not as −0.
                 velocity_after: 0.0 - equations.restitution(strike.contact) * arrival.velocity,
-                acceleration_before: arrival.acceleration,
-                time_error: error.time + equations.fixed_time_error(strike),
-                impulse_error: error.impulse,
-                acceleration_error: error.acceleration,
+                acceleration: arrival.acceleration,
             }
         };
-        let impacts: Vec<StructureImpact> = (0..n).map(impact).collect();
+        let impacts: Vec<Impact> = (0..n).map(impact).collect();
+        let bound = |i: usize| {
+            let error = equations.impact_error(n, i, &unknowns, accelerations[i]);
+            ImpactError { time: error.time + equations.fixed_time_error(&point.strikes[i]), ..error }
+        };
         let violation = system
             .rows
             .iter()
@@ -170,6 +146,7 @@ impl StructureOrbit {
             period_error: if equations.self_excited { unknowns[2 * n - 1] } else { 0.0 },
             offsets: equations.all_offsets(&point.offsets),
             impacts,
+            errors: (0..n).map(bound).collect(),
             violation,
             origins,
         })
@@ -190,7 +167,7 @@ impl StructureOrbit {
 
     /// Its equations, and where it is in them.
     pub(super) fn equations(&self) -> Result<(Equations<'_>, Point), BreatherError> {
-        let equations = Equations::new(&self.model, self.force_periods, self.impacts.iter().map(|one| one.contact))?;
+        let equations = Equations::new(&self.model, self.force_periods, self.impacts.iter().map(|one| one.site))?;
         let point = Point {
             strikes: self.strikes().collect(),
             psi: self.psi.unwrap_or(0.0),
@@ -253,8 +230,7 @@ impl StructureOrbit {
     /// The fastest velocity before an impact, or the fastest that its acceleration makes in 1/ω: what velocities are measured by
     /// (dimensionless).
     pub fn speed(&self) -> f64 {
-        let of =
-            |one: &StructureImpact| one.velocity_before.abs().max(one.acceleration_before.abs() / self.model.omega());
+        let of = |one: &Impact| one.velocity_before.abs().max(one.acceleration.abs() / self.model.omega());
         self.impacts.iter().map(of).fold(f64::MIN_POSITIVE, f64::max)
     }
 
@@ -305,9 +281,14 @@ impl StructureOrbit {
         &self.offsets
     }
 
-    /// The impacts, in order of time; the first one at 0.
-    pub fn impacts(&self) -> &[StructureImpact] {
+    /// The impacts, in order of time; the first one at 0. Contacts stand in place of sites.
+    pub fn impacts(&self) -> &[Impact] {
         &self.impacts
+    }
+
+    /// Bounds of the errors of the impacts, for the matrices or modes as they are given; not finite where none is known, as next to a fold.
+    pub fn impact_errors(&self) -> &[ImpactError] {
+        &self.errors
     }
 
     /// The impulses, in the order of the impacts.
@@ -351,26 +332,22 @@ impl StructureOrbit {
 
     /// The impacts as their equations know them.
     pub(super) fn strikes(&self) -> impl Iterator<Item = Strike> + '_ {
-        let strike = |one: &StructureImpact| Strike {
-            contact: one.contact,
-            barrier: one.barrier,
-            time: one.time,
-            impulse: one.impulse,
-        };
+        let strike =
+            |one: &Impact| Strike { contact: one.site, barrier: one.barrier, time: one.time, impulse: one.impulse };
         self.impacts().iter().map(strike)
     }
 
     /// The impacts as they are given, in order of time: in a lattice by its masses, else with the contact as the site.
     pub fn hits(&self) -> Vec<Hit> {
-        let site = |impact: &StructureImpact| self.model.site(impact.contact);
-        let of = |impact: &StructureImpact| Hit::new(site(impact), impact.barrier, impact.time, impact.impulse);
+        let site = |impact: &Impact| self.model.site(impact.site);
+        let of = |impact: &Impact| Hit::new(site(impact), impact.barrier, impact.time, impact.impulse);
         self.impacts.iter().map(of).collect()
     }
 
     /// Its word: `0+,1-`.
     pub fn word(&self) -> String {
-        let letter = |impact: &StructureImpact| {
-            format!("{}{}", self.model.site(impact.contact), if impact.barrier == Barrier::Upper { '+' } else { '-' })
+        let letter = |impact: &Impact| {
+            format!("{}{}", self.model.site(impact.site), if impact.barrier == Barrier::Upper { '+' } else { '-' })
         };
         self.impacts.iter().map(letter).collect::<Vec<_>>().join(",")
     }
@@ -392,26 +369,26 @@ impl StructureOrbit {
         for (impact, error) in impacts.iter_mut().zip(origin) {
             impact.time += error.time;
             impact.impulse += error.impulse;
-            impact.acceleration_before += error.acceleration;
+            impact.acceleration += error.acceleration;
         }
         let kept = impacts.iter().zip(&self.impacts).all(|(aside, own)| aside.impulse * own.impulse > 0.0);
         let ordered = in_order(impacts.iter().map(|impact| impact.time), self.period());
         (kept && ordered).then(|| self.bloch_equations_of(&impacts))
     }
 
-    fn bloch_equations_of(&self, impacts: &[StructureImpact]) -> BlochEquations {
-        let mut hit: Vec<usize> = self.impacts.iter().map(|impact| impact.contact).collect();
+    fn bloch_equations_of(&self, impacts: &[Impact]) -> BlochEquations {
+        let mut hit: Vec<usize> = self.impacts.iter().map(|impact| impact.site).collect();
         hit.sort_unstable();
         hit.dedup();
         let (structure, felt) = (self.model.structure(), &self.response.kernel.felt);
         let part = self.period_error / self.period();
         let kernel = felt.kernel(self.period(), &hit).of_uncertain_period(if part.is_finite() { part } else { 0.0 });
-        let impact = |impact: &StructureImpact| LinearImpact {
-            contact: hit.partition_point(|&contact| contact < impact.contact),
+        let impact = |impact: &Impact| LinearImpact {
+            contact: hit.partition_point(|&contact| contact < impact.site),
             time: impact.time,
             impulse: impact.impulse,
-            restitution: structure.contacts()[impact.contact].restitution,
-            acceleration_before: impact.acceleration_before,
+            restitution: structure.contacts()[impact.site].restitution,
+            acceleration_before: impact.acceleration,
         };
         let impacts = impacts.iter().map(impact).collect();
         if self.is_conservative() {

@@ -62,7 +62,7 @@ impl StructureOrbit {
             [_] => true,
             [_, second] => {
                 let off = (second.time - 0.5 * period).abs();
-                off <= 4.0 * f64::EPSILON * period || off <= second.time_error && off <= HALF * period
+                off <= 4.0 * f64::EPSILON * period || off <= self.impact_errors()[1].time && off <= HALF * period
             }
             _ => false,
         };

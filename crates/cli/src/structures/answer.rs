@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use vibrochain_breather::{OrbitList, StructureOrbit};
+use vibrochain_breather::{ImpactError, OrbitList, StructureOrbit};
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::structure::answer::{kept, told};
 use vibrochain_maps::structure::{Answered, StructureScene};
@@ -33,7 +33,7 @@ pub(crate) fn text(
             let _ = writeln!(
                 out,
                 "  impact of contact {} on the {} barrier at t = {}: impulse {}, velocity {} -> {}",
-                impact.contact,
+                impact.site,
                 impact.barrier,
                 Number(impact.time),
                 Number(impact.impulse),
@@ -52,14 +52,13 @@ pub(crate) fn text(
         };
         // In the user's units no number is large.
         let bound = |error: f64| if error.is_finite() { format!("{error:.0e}") } else { "unknown".to_owned() };
-        let worst =
-            |of: fn(&vibrochain_breather::StructureImpact) -> f64| orbit.impacts().iter().map(of).fold(0.0, f64::max);
+        let worst = |of: fn(&ImpactError) -> f64| orbit.impact_errors().iter().map(of).fold(0.0, f64::max);
         let _ = writeln!(
             out,
             "  residual {:.1e}; errors: impulses {}, times {}",
             orbit.violation(),
-            bound(worst(|impact| impact.impulse_error)),
-            bound(worst(|impact| impact.time_error))
+            bound(worst(|error| error.impulse)),
+            bound(worst(|error| error.time))
         );
         if orbit.is_self_excited() {
             let _ = writeln!(out, "  the period is its own, to {:.0e}", orbit.period_error());

@@ -56,7 +56,7 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
     let trajectory = args.trajectory.as_deref().map(|path| Trajectory::of_structure(path, columns(&model)));
     let mut trajectory = trajectory.transpose()?;
     let hit = orbit.as_ref().map_or(vec![0], |(orbit, _)| {
-        let mut hit: Vec<usize> = orbit.impacts().iter().map(|impact| impact.contact).collect();
+        let mut hit: Vec<usize> = orbit.impacts().iter().map(|impact| impact.site).collect();
         hit.sort_unstable();
         hit.dedup();
         hit

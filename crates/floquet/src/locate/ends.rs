@@ -61,7 +61,7 @@ impl BranchEnds {
         let (period, slow, last) = (orbit.period(), MERGING * orbit.speed(), impacts.len() - 1);
         let merge = |i: usize, j: usize| {
             let (one, other) = (&impacts[i], &impacts[j]);
-            (one.contact, one.barrier) == (other.contact, other.barrier)
+            (one.site, one.barrier) == (other.site, other.barrier)
                 && time_between(one.time, other.time, period) <= MERGING * period
                 && one.velocity_before.abs().max(other.velocity_before.abs()) <= slow
         };

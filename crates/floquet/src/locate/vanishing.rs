@@ -46,7 +46,7 @@ impl BranchEnds {
         let touch = |value: f64| {
             let model = family(&[value]).ok()?;
             let t = (impact.time + psi) * model.period() / orbit.model().period();
-            beyond(&model, (impact.contact, impact.barrier), t)
+            beyond(&model, (impact.site, impact.barrier), t)
         };
         // Impulses that have turned round by rounding may have led a little beyond it.
         let [from, to] = [-NEAR, NEAR].map(|by| value + by * self.range);

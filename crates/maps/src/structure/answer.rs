@@ -2,7 +2,8 @@
 
 use serde_json::{Map, Value, json as value};
 use vibrochain_breather::{
-    Admissibility, BreatherError, Completeness, Obstruction, OrbitList, StructureImpact, StructureModel, StructureOrbit,
+    Admissibility, BreatherError, Completeness, Impact, ImpactError, Obstruction, OrbitList, StructureModel,
+    StructureOrbit,
 };
 use vibrochain_floquet::{FloquetError, Stability, Tolerance, Verdict, structure_stability};
 
@@ -157,16 +158,24 @@ fn obstruction(found: &Obstruction) -> Map<String, Value> {
 impl Answered<'_> {
     fn json(&self) -> Value {
         let orbit = self.orbit;
-        let impact = |impact: &StructureImpact| {
-            let mut told = value!(impact);
-            told.as_object_mut().and_then(|told| told.shift_remove("acceleration_error"));
-            told
+        let impact = |(impact, error): (&Impact, &ImpactError)| {
+            value!({
+                "contact": impact.site,
+                "barrier": impact.barrier,
+                "time": impact.time,
+                "impulse": impact.impulse,
+                "velocity_before": impact.velocity_before,
+                "velocity_after": impact.velocity_after,
+                "acceleration_before": impact.acceleration,
+                "time_error": error.time,
+                "impulse_error": error.impulse,
+            })
         };
         let mut answer = value!({
             "word": orbit.word(),
             "period": orbit.period(),
             "psi": orbit.psi(),
-            "impacts": orbit.impacts().iter().map(impact).collect::<Vec<_>>(),
+            "impacts": orbit.impacts().iter().zip(orbit.impact_errors()).map(impact).collect::<Vec<_>>(),
             "residual": orbit.violation(),
             "physical": self.admissibility.is_physical(),
             "margin": self.admissibility.margin,

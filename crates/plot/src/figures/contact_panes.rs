@@ -56,7 +56,7 @@ pub fn contact_panes(
 
 /// Those that are hit, and the one that is in the way.
 fn groups(orbit: &StructureOrbit, obstruction: Option<&Obstruction>) -> Result<Vec<Group>, BreatherError> {
-    let mut shown: Vec<usize> = orbit.impacts().iter().map(|impact| impact.contact).collect();
+    let mut shown: Vec<usize> = orbit.impacts().iter().map(|impact| impact.site).collect();
     shown.extend(obstruction.map(Obstruction::site));
     let mut seen = Vec::new();
     shown.retain(|contact| {
@@ -92,7 +92,7 @@ fn trace(orbit: &StructureOrbit, motion: &StructureMotion<'_>, number: usize, co
     };
     // The one at t = 0 ends the period, too.
     let ends = |time: f64| [Some(time), (time == 0.0).then_some(1.0)].into_iter().flatten();
-    let own = impacts.iter().filter(|impact| impact.contact == number);
+    let own = impacts.iter().filter(|impact| impact.site == number);
     let place = |barrier: Barrier| contact.barrier(barrier).unwrap_or(f64::NAN);
     Trace {
         name: format!("contact {number}"),

@@ -57,14 +57,10 @@ struct Answer {
 
 impl Answer {
     fn of(orbit: &StructureOrbit) -> Self {
-        let hit = |impact: &vibrochain_breather::StructureImpact| {
-            Hit::new(impact.contact, impact.barrier, impact.time, impact.impulse)
-        };
+        let hit = |impact: &vibrochain_breather::Impact| Hit::from(impact);
         let largest = orbit.impulses().into_iter().map(f64::abs).fold(0.0, f64::max);
-        let bounds = orbit
-            .impacts()
-            .iter()
-            .flat_map(|impact| [impact.impulse_error / largest, impact.time_error / orbit.period()]);
+        let bounds =
+            orbit.impact_errors().iter().flat_map(|error| [error.impulse / largest, error.time / orbit.period()]);
         Self {
             psi: orbit.psi().unwrap_or_default(),
             impacts: orbit.impacts().iter().map(hit).collect(),

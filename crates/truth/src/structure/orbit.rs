@@ -84,9 +84,8 @@ impl TrueStructureOrbit {
     /// # Errors
     /// As [`TrueStructureOrbit::near`].
     pub fn refine(structure: &Structure, orbit: &StructureOrbit, bits: usize) -> Result<Self, TruthError> {
-        let hit = |impact: &vibrochain_breather::StructureImpact| {
-            Hit::new(impact.contact, impact.barrier, impact.time, impact.impulse)
-        };
+        let hit =
+            |impact: &vibrochain_breather::Impact| Hit::new(impact.site, impact.barrier, impact.time, impact.impulse);
         let impacts: Vec<Hit> = orbit.impacts().iter().map(hit).collect();
         let (omega, psi) = (orbit.model().omega(), orbit.psi().unwrap_or(0.0));
         let start = StructureStart { structure, omega, force_periods: orbit.force_periods(), psi, impacts: &impacts };
@@ -170,8 +169,8 @@ impl TrueStructureOrbit {
     /// [`TruthError::Mismatch`] for other impacts.
     pub fn errors_of(&self, orbit: &StructureOrbit) -> Result<StructureErrors, TruthError> {
         let pairs: Vec<_> = self.impacts.iter().zip(orbit.impacts()).collect();
-        let same = |(truth, impact): &(&TrueStructureImpact, &vibrochain_breather::StructureImpact)| {
-            (truth.contact, truth.barrier) == (impact.contact, impact.barrier)
+        let same = |(truth, impact): &(&TrueStructureImpact, &vibrochain_breather::Impact)| {
+            (truth.contact, truth.barrier) == (impact.site, impact.barrier)
         };
         let fits = orbit.impacts().len() == self.impacts.len() && orbit.force_periods() == self.force_periods;
         if !fits || !pairs.iter().all(same) {
@@ -188,7 +187,7 @@ impl TrueStructureOrbit {
             impulses: pairs.iter().map(|(truth, told)| off(&truth.impulse, told.impulse)).collect(),
             times: pairs.iter().map(|(truth, told)| around(&truth.time, told.time, &self.period)).collect(),
             accelerations: (pairs.iter())
-                .map(|(truth, told)| off(&truth.acceleration_before, told.acceleration_before))
+                .map(|(truth, told)| off(&truth.acceleration_before, told.acceleration))
                 .collect(),
             psi: match (&self.psi, orbit.psi()) {
                 (Some(truth), Some(told)) => around(truth, told, &force_period),

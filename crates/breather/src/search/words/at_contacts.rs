@@ -9,13 +9,13 @@ use vibrochain_lattice::{ImpulseResponse, Model};
 use crate::equations::Equations;
 use crate::equations::newton::{STEPS, polish};
 use crate::error::{BreatherError, NoBreather};
-use crate::orbit::{Hit, Orbit};
+use crate::orbit::{Hit, Impact, Orbit};
 use crate::search::as_structure::among;
 use crate::search::completeness::{Partial, Searched};
 use crate::search::finder::{Finder, Scope};
 use crate::search::orbit_list::OrbitList;
 use crate::search::words::superpose::list;
-use crate::structures::orbit::{StructureImpact, StructureOrbit};
+use crate::structures::orbit::StructureOrbit;
 use crate::structures::search::Listed;
 use crate::word::{Letter, Word};
 
@@ -118,8 +118,8 @@ impl<'a> Together<'a> {
         periods: u32,
         orbit: &StructureOrbit,
     ) -> Result<Option<Orbit>, BreatherError> {
-        let hits = |one: &StructureImpact| {
-            let (masses, StructureImpact { barrier, time, impulse, .. }) = (&self.contacts[one.contact], *one);
+        let hits = |one: &Impact| {
+            let (masses, Impact { barrier, time, impulse, .. }) = (&self.contacts[one.site], *one);
             let each = impulse / (masses.len() as f64).sqrt();
             masses.iter().map(move |&mass| Hit::new(mass, barrier, time, each)).collect::<Vec<_>>()
         };

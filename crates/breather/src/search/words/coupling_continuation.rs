@@ -7,13 +7,13 @@ use vibrochain_lattice::{Model, Parameter, ParameterError, Resonance, Spectrum, 
 
 use crate::branch_error::BranchError;
 use crate::error::BreatherError;
-use crate::orbit::Orbit;
 use crate::orbit::symmetries::symmetries;
+use crate::orbit::{Impact, Orbit};
 use crate::roots::bracket::zero;
 use crate::search::words::ended::{End, Ended};
 use crate::structures::branch::continuation::{Branch, BranchPoint};
 use crate::structures::of_orbit::remembering;
-use crate::structures::orbit::{StructureImpact, StructureOrbit};
+use crate::structures::orbit::StructureOrbit;
 use crate::tracer::pace::Pace;
 use crate::tracer::solution_curve::SolutionPoint;
 use crate::tracer::walk::{Stride, Walk, walk};
@@ -263,7 +263,7 @@ fn pole(from: &BranchPoint, to: &BranchPoint) -> f64 {
 
 /// The velocity of the slowest impact, towards its barrier, and the mass that has it.
 fn slowest(point: &BranchPoint) -> (f64, usize) {
-    let own = |impact: &StructureImpact| (impact.velocity_before * impact.barrier.sign(), impact.contact);
+    let own = |impact: &Impact| (impact.velocity_before * impact.barrier.sign(), impact.site);
     let all = point.orbit().impacts().iter().map(own);
     let (velocity, contact) = all.min_by(|one, other| one.0.total_cmp(&other.0)).unwrap_or((f64::INFINITY, 0));
     (velocity, point.orbit().model().site(contact))

@@ -13,12 +13,12 @@ use vibrochain_lattice::Barrier;
 use vibrochain_lattice::simd::lanes::Lane;
 
 use super::flight::StructureMotion;
-use super::orbit::{StructureImpact, StructureOrbit};
+use super::orbit::StructureOrbit;
 use super::windows::Windows;
 use crate::admissible::answer::{Admissibility, Approach, Obstruction};
 use crate::admissible::check::{Depth, check as check_masses};
 use crate::error::BreatherError;
-use crate::orbit::time_between;
+use crate::orbit::{Impact, time_between};
 use release::{Release, TOGETHER};
 
 impl StructureOrbit {
@@ -49,7 +49,7 @@ fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, Breather
         if impact.barrier.sign() * impact.velocity_before <= 0.0 {
             let obstruction = Obstruction::WrongSign {
                 impact: number,
-                site: impact.contact,
+                site: impact.site,
                 time: impact.time,
                 velocity_before: impact.velocity_before,
             };
@@ -62,7 +62,7 @@ fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, Breather
         match Release::after(orbit, &motion, number)? {
             Release::Leaves(time) => clear.push(time),
             Release::Rests(acceleration_after) => {
-                let (site, time) = (impact.contact, impact.time);
+                let (site, time) = (impact.site, impact.time);
                 let obstruction = Obstruction::Sticking { impact: number, site, time, acceleration_after };
                 return Ok(Admissibility { margin: None, obstruction: Some(obstruction), closest: None });
             }
@@ -126,8 +126,8 @@ impl Search<'_> {
     /// The impact of a contact on a barrier at an instant, if there is one.
     fn impact_at(&self, contact: usize, barrier: Barrier, time: f64) -> Option<usize> {
         let (period, impacts) = (self.orbit.period(), self.orbit.impacts());
-        let is_there = |impact: &StructureImpact| {
-            (impact.contact, impact.barrier) == (contact, barrier)
+        let is_there = |impact: &Impact| {
+            (impact.site, impact.barrier) == (contact, barrier)
                 && time_between(impact.time, time, period) <= TOGETHER * period
         };
         impacts.iter().position(is_there)

@@ -50,7 +50,7 @@ impl Release {
         if velocity.sign() != 0.0 {
             return Ok(Self::Leaves(0.0));
         }
-        let contact = impact.contact;
+        let contact = impact.site;
         let [_, _, acceleration, jerk] = motion.jet(contact, last, 0.0);
         let acceleration = Estimate { value: acceleration, error: acceleration_error(orbit, number, acceleration) };
         let jerk = Estimate { value: jerk, error: motion.error(contact, 3, last) };
@@ -90,16 +90,16 @@ fn last_at_once(orbit: &StructureOrbit, motion: &StructureMotion<'_>, number: us
 fn velocity(orbit: &StructureOrbit, number: usize, last: usize) -> Estimate {
     let (impacts, structure) = (orbit.impacts(), orbit.model().structure());
     let impact = &impacts[number];
-    let restitution = structure.contacts()[impact.contact].restitution;
-    let own = || structure.mobility(impact.contact, impact.contact);
-    let mobility = orbit.response().mobility(impact.contact).unwrap_or_else(own);
+    let restitution = structure.contacts()[impact.site].restitution;
+    let own = || structure.mobility(impact.site, impact.site);
+    let mobility = orbit.response().mobility(impact.site).unwrap_or_else(own);
     let of_impulse = restitution / (1.0 + restitution) * mobility * orbit.estimate(number).impulse;
     let own = Estimate { value: impact.velocity_after, error: of_impulse + ROUNDING * impact.velocity_after.abs() };
     let count = impacts.len();
     let others = (1..=(last + count - number) % count).map(|more| (number + more) % count);
     others.fold(own, |sum, place| {
         let other = &impacts[place];
-        let by = structure.mobility(impact.contact, other.contact);
+        let by = structure.mobility(impact.site, other.site);
         let given = by * other.impulse;
         let error = by.abs() * orbit.estimate(place).impulse + ROUNDING * given.abs();
         Estimate { value: sum.value + given, error: sum.error + error }
@@ -109,7 +109,7 @@ fn velocity(orbit: &StructureOrbit, number: usize, last: usize) -> Estimate {
 /// That of g″⁺: the one before, and of what dashpots make the impact change.
 fn acceleration_error(orbit: &StructureOrbit, number: usize, after: f64) -> f64 {
     let impact = &orbit.impacts()[number];
-    let jump = (after - impact.acceleration_before).abs();
+    let jump = (after - impact.acceleration).abs();
     let part = orbit.estimate(number).impulse / impact.impulse.abs().max(f64::MIN_POSITIVE);
     orbit.estimate(number).acceleration + jump * (part + ROUNDING) + ROUNDING * after.abs()
 }
@@ -121,12 +121,12 @@ impl StructureOrbit {
     /// [`BreatherError`] at a resonance.
     pub fn acceleration_after(&self, number: usize) -> Result<Option<[f64; 2]>, BreatherError> {
         let Some(impact) = self.impacts().get(number) else { return Ok(None) };
-        if self.model().structure().contacts()[impact.contact].restitution != 0.0 {
+        if self.model().structure().contacts()[impact.site].restitution != 0.0 {
             return Ok(None);
         }
         let motion = StructureMotion::new(self)?;
         let last = last_at_once(self, &motion, number);
-        let [_, _, acceleration, _] = motion.jet(impact.contact, last, 0.0);
+        let [_, _, acceleration, _] = motion.jet(impact.site, last, 0.0);
         Ok(Some([acceleration, acceleration_error(self, number, acceleration)]))
     }
 }

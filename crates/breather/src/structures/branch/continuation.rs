@@ -138,11 +138,11 @@ impl Continuation {
     ) -> Result<Self, BranchError> {
         let model = orbit.model();
         let family = model.like(&family, values);
-        let hits = || orbit.impacts().iter().map(|impact| impact.contact);
+        let hits = || orbit.impacts().iter().map(|impact| impact.site);
         let equations = Equations::new(model, orbit.force_periods(), hits())?;
         let felt = equations.felt_offsets(orbit.offsets());
         let contacts: Vec<(usize, Barrier)> =
-            orbit.impacts().iter().map(|impact| (impact.contact, impact.barrier)).collect();
+            orbit.impacts().iter().map(|impact| (impact.site, impact.barrier)).collect();
         let in_order = bound_pairs(&contacts, model.structure());
         let size = |i: &usize| orbit.impacts()[*i].impulse.abs();
         let strongest = (0..orbit.impacts().len()).max_by(|i, j| size(i).total_cmp(&size(j))).unwrap_or(0);
@@ -151,10 +151,10 @@ impl Continuation {
             let place = model.barrier(contact, barrier).unwrap_or(0.0);
             most.max(FAINT * model.omega() * place.abs() / equations.mobility(contact)).max(f64::MIN_POSITIVE)
         };
-        let mut own: Vector = orbit.impacts().iter().map(|one| impulse_unit(one.contact, one.barrier)).collect();
+        let mut own: Vector = orbit.impacts().iter().map(|one| impulse_unit(one.site, one.barrier)).collect();
         let times = orbit.impacts().len() - 1 + usize::from(equations.has_time());
         own.extend(std::iter::repeat_n(1.0 / model.omega(), times));
-        let reach = own[0] * equations.mobility(orbit.impacts()[0].contact) / model.omega();
+        let reach = own[0] * equations.mobility(orbit.impacts()[0].site) / model.omega();
         own.extend(std::iter::repeat_n(reach, felt.len()));
         let size = own.len();
         own.extend(units.iter().map(|unit| unit.abs().max(f64::MIN_POSITIVE)));

@@ -21,9 +21,9 @@ use super::family::ModelFamily;
 use crate::branch_error::BranchError;
 use crate::equations::linear::{Vector, unit};
 use crate::error::BreatherError;
-use crate::orbit::{Hit, SIMULTANEOUS};
+use crate::orbit::{Hit, Impact, SIMULTANEOUS};
 use crate::structures::model::StructureModel;
-use crate::structures::orbit::{StructureImpact, StructureOrbit};
+use crate::structures::orbit::StructureOrbit;
 use crate::structures::point::Strike;
 use crate::tracer::solution_curve::{SolutionCurve, SolutionPoint, normed};
 use crate::tracer::system::{Matrix, System};
@@ -163,7 +163,7 @@ impl StructureOrbit {
         let (impacts, half) = (self.impacts(), self.impacts().len() / 2);
         let (one, other) = impacts.split_at(half);
         let pairs = || one.iter().zip(other);
-        if half == 0 || other.len() != half || pairs().any(|(a, b)| a.contact != b.contact) {
+        if half == 0 || other.len() != half || pairs().any(|(a, b)| a.site != b.site) {
             return None;
         }
         let again = pairs().all(|(a, b)| a.barrier == b.barrier);
@@ -176,15 +176,15 @@ impl StructureOrbit {
         let shift = other[0].time;
         // Time alone mirrors an orbit between barriers that are not as far away.
         let alike = again || self.is_centred();
-        let mean = |(a, b): (&StructureImpact, &StructureImpact)| {
+        let mean = |(a, b): (&Impact, &Impact)| {
             let mean = 0.5 * (a.impulse.abs() + b.impulse.abs()) * a.impulse.signum();
             let impulse = if alike { mean } else { a.impulse };
             let time = 0.5 * (a.time + b.time - shift);
-            Strike { contact: a.contact, barrier: a.barrier, time, impulse }
+            Strike { contact: a.site, barrier: a.barrier, time, impulse }
         };
         let mut strikes: Vec<Strike> = pairs().map(mean).collect();
         if mirrored {
-            let image = |(a, b): (&Strike, &StructureImpact)| Strike {
+            let image = |(a, b): (&Strike, &Impact)| Strike {
                 barrier: b.barrier,
                 time: a.time + lapse,
                 impulse: if alike { -a.impulse } else { b.impulse },
@@ -213,7 +213,7 @@ impl StructureOrbit {
 
     /// The same motion as an orbit of another word: without an impact that has no impulse left, with others that have none yet.
     fn exchanged(&self, lost: Option<usize>, touching: &[Hit]) -> Result<Self, BranchError> {
-        let speed = |one: &StructureImpact| one.velocity_before.abs();
+        let speed = |one: &Impact| one.velocity_before.abs();
         // Symmetry may have several lose their velocity at once.
         let is_lost =
             |i: usize| lost.is_some() && (Some(i) == lost || speed(&self.impacts()[i]) <= STILL * self.speed());

@@ -2,8 +2,8 @@
 
 use super::reduction::IMAGE;
 use crate::equations::linear::dot;
-use crate::orbit::time_between;
-use crate::structures::orbit::{StructureImpact, StructureOrbit};
+use crate::orbit::{Impact, time_between};
+use crate::structures::orbit::StructureOrbit;
 
 impl StructureOrbit {
     /// Whether what happens half a period later differs from what happens now the other way round than along `other`: between the two is an orbit
@@ -40,8 +40,8 @@ impl StructureOrbit {
 /// it is the same backwards in time.
 pub(super) fn is_own_image(orbit: &StructureOrbit) -> bool {
     let (impacts, period) = (orbit.impacts(), orbit.period());
-    let alike = |one: &StructureImpact, other: &StructureImpact, sign: f64, time: f64| {
-        one.contact == other.contact
+    let alike = |one: &Impact, other: &Impact, sign: f64, time: f64| {
+        one.site == other.site
             && (one.barrier == other.barrier) == (sign > 0.0)
             && time_between(other.time, time, period) <= IMAGE * period
             && (one.impulse - sign * other.impulse).abs() <= IMAGE * one.impulse.abs()

@@ -8,9 +8,9 @@ use smallvec::{SmallVec, smallvec};
 
 use crate::equations::linear::{Matrix, USUAL, Vector, zeros};
 use crate::orbit::symmetries::Symmetry;
-use crate::orbit::time_between;
+use crate::orbit::{Impact, time_between};
 use crate::structures::equations::{Equations, System};
-use crate::structures::orbit::{StructureImpact, StructureOrbit};
+use crate::structures::orbit::StructureOrbit;
 
 /// Times and impulses that agree to this part are images of each other.
 pub(super) const IMAGE: f64 = 1e-8;
@@ -207,8 +207,8 @@ fn is_held_in(group: &[Symmetry], i: usize) -> bool {
 fn images(orbit: &StructureOrbit, later: bool) -> Option<Vec<usize>> {
     let (impacts, period) = (orbit.impacts(), orbit.period());
     let lapse = if later { 0.5 * period } else { 0.0 };
-    let alike = |one: &StructureImpact, other: &StructureImpact| {
-        one.contact != other.contact
+    let alike = |one: &Impact, other: &Impact| {
+        one.site != other.site
             && one.barrier == other.barrier
             && time_between(one.time + lapse, other.time, period) <= IMAGE * period
             && (one.impulse - other.impulse).abs() <= IMAGE * one.impulse.abs()
@@ -216,7 +216,7 @@ fn images(orbit: &StructureOrbit, later: bool) -> Option<Vec<usize>> {
     let image = |i: usize| (0..impacts.len()).find(|&j| alike(&impacts[i], &impacts[j])).or((!later).then_some(i));
     let all: Vec<usize> = (0..impacts.len()).map(image).collect::<Option<_>>()?;
     // In pairs, and contacts as they do.
-    let contact = |i: usize| impacts[i].contact;
+    let contact = |i: usize| impacts[i].site;
     let pairs = (0..all.len()).all(|i| {
         all[all[i]] == i && (0..all.len()).all(|j| contact(i) != contact(j) || contact(all[i]) == contact(all[j]))
     });
@@ -299,7 +299,7 @@ mod tests {
             assert_eq!((branch.system().size(), there.matrix.size()), (left, left), "{hits:?}");
             for (own, hit) in there.orbit.impacts().iter().zip(&hits) {
                 let apart = (own.time - hit.time).abs() + (own.impulse - hit.impulse).abs();
-                assert!(apart < 1e-14 && there.orbit.model().site(own.contact) == hit.site, "{hits:?} {own:?}");
+                assert!(apart < 1e-14 && there.orbit.model().site(own.site) == hit.site, "{hits:?} {own:?}");
             }
         }
     }

@@ -18,7 +18,7 @@ impl StructureOrbit {
         let (mut sums, mut size) = ([[0.0; 2]; 2], 0.0);
         for impact in self.impacts() {
             let (sin, cos) = (rate * impact.time).sin_cos();
-            for (sum, entry) in sums.iter_mut().zip(mode.columns[impact.contact]) {
+            for (sum, entry) in sums.iter_mut().zip(mode.columns[impact.site]) {
                 let given = impact.impulse * entry;
                 *sum = [sum[0] + given * cos, sum[1] + given * sin];
                 size += given * given;

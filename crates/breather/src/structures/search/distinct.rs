@@ -1,8 +1,8 @@
 //! Which orbits of a list are one, and which are orbits of its word at all: all by their errors to first order,
 //! which are there where no bound is known, too.
 
-use crate::orbit::time_between;
-use crate::structures::orbit::{StructureImpact, StructureOrbit};
+use crate::orbit::{Impact, time_between};
+use crate::structures::orbit::StructureOrbit;
 
 /// Rounding of a number that is not solved for, as the time from an impact to itself: sums and differences of a few times.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
@@ -72,7 +72,7 @@ impl StructureOrbit {
 }
 
 /// Whether two impacts are of one contact on one barrier and their impulses differ by no more than their errors.
-fn are_alike(one: &StructureImpact, other: &StructureImpact, errors: f64) -> bool {
+fn are_alike(one: &Impact, other: &Impact, errors: f64) -> bool {
     let errors = errors + ROUNDING * one.impulse.abs();
-    (one.contact, one.barrier) == (other.contact, other.barrier) && (one.impulse - other.impulse).abs() <= errors
+    (one.site, one.barrier) == (other.site, other.barrier) && (one.impulse - other.impulse).abs() <= errors
 }

@@ -109,7 +109,7 @@ fn what_is_listed_are_orbits() {
         let n = orbit.impacts().len();
         for i in 0..n {
             let (before, impact) = ((i + n - 1) % n, orbit.impacts()[i]);
-            let contact = impact.contact;
+            let contact = impact.site;
             let ([from, arrives, _], [to, leaves, _]) =
                 (motion.contact(contact, before, motion.until_next(before)), motion.contact(contact, i, 0.0));
             let stop = orbit.model().barrier(contact, impact.barrier).unwrap();

@@ -252,5 +252,5 @@ pub(crate) fn upwards(point: BranchPoint) -> BranchPoint {
 fn is_hit_again(orbit: &StructureOrbit) -> bool {
     let (one, other) = orbit.impacts().split_at(orbit.impacts().len() / 2);
     let mut pairs = one.iter().zip(other);
-    one.len() == other.len() && pairs.all(|(a, b)| (a.contact, a.barrier) == (b.contact, b.barrier))
+    one.len() == other.len() && pairs.all(|(a, b)| (a.site, a.barrier) == (b.site, b.barrier))
 }

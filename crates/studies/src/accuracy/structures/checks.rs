@@ -59,17 +59,19 @@ fn check_orbit(case: &str, draw: &StructureDraw, orbit: &StructureOrbit) -> Vec<
     let (truth, errors) = match both {
         Ok(both) => both,
         Err(error) => {
-            let known = impacts.iter().all(|impact| impact.impulse_error <= KNOWN * impact.impulse.abs());
+            let mut pairs = impacts.iter().zip(orbit.impact_errors());
+            let known = pairs.all(|(impact, error)| error.impulse <= KNOWN * impact.impulse.abs());
             let wrong = known && matches!(error, TruthError::NotConverged { .. });
             let row = Row::new(case, "orbits").told(format!("no truth to compare with: {error}"));
             return vec![Row { wrong, ..row }];
         }
     };
-    let told = |of: fn(&vibrochain_breather::StructureImpact) -> f64| impacts.iter().map(of).collect::<Vec<f64>>();
+    let told =
+        |of: fn(&vibrochain_breather::ImpactError) -> f64| orbit.impact_errors().iter().map(of).collect::<Vec<f64>>();
     vec![
-        bounds(case, "impulses", &told(|impact| impact.impulse_error), &errors.impulses),
-        bounds(case, "times", &told(|impact| impact.time_error), &errors.times),
-        bounds(case, "accelerations", &told(|impact| impact.acceleration_error), &errors.accelerations),
+        bounds(case, "impulses", &told(|error| error.impulse), &errors.impulses),
+        bounds(case, "times", &told(|error| error.time), &errors.times),
+        bounds(case, "accelerations", &told(|error| error.acceleration), &errors.accelerations),
         match structure_verdict(orbit, Tolerance::Rounding) {
             Ok(verdict) => radius(case, &verdict, &truth),
             Err(error) => Row::new(case, "spectral radius").told(error.to_string()),

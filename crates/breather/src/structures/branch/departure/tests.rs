@@ -43,11 +43,11 @@ fn an_orbit_that_loses_an_impact_keeps_its_phase() {
                 let kept = orbit.impacts()[1 - lost];
                 for simpler in [orbit.without_impact(lost).unwrap(), orbit.exchanged(Some(lost), &[]).unwrap()] {
                     let [only] = simpler.impacts() else { panic!("{simpler:?}") };
-                    assert!(only.time == 0.0 && only.contact == kept.contact);
+                    assert!(only.time == 0.0 && only.site == kept.site);
                     assert!((only.impulse - kept.impulse).abs() < 1e-12);
                     for part in [0.1, 0.37, 0.8] {
                         let time = part * orbit.period();
-                        let [now, then] = [at(&simpler, kept.contact, time), at(orbit, kept.contact, begins + time)];
+                        let [now, then] = [at(&simpler, kept.site, time), at(orbit, kept.site, begins + time)];
                         let off = now.iter().zip(then).map(|(now, then)| (now - then).abs()).fold(0.0, f64::max);
                         assert!(off < 1e-9, "{lost} {part}: {now:?} {then:?}");
                     }

@@ -63,7 +63,7 @@ fn no_orbit_is_excluded() {
         let Some(functions) = ThreeImpacts::new(&impacts, 1000) else { continue };
         for orbit in &found.orbits {
             let (impacts, period) = (orbit.impacts(), orbit.period());
-            let of = |i: usize| (impacts[i % 3].contact, impacts[i % 3].barrier);
+            let of = |i: usize| (impacts[i % 3].site, impacts[i % 3].barrier);
             let pushes = impacts.iter().all(|impact| impact.barrier.sign() * impact.impulse < 0.0);
             let first = (0..3).find(|first| (0..3).all(|i| of(first + i) == letters[i]));
             let Some(first) = first.filter(|_| pushes) else { continue };
