@@ -178,7 +178,7 @@ impl SpectralFunction<'_> {
     pub(super) fn product(&self, z: C, near: &[Pole], (x, y): (&[C], &[C]), data: &[Origin]) -> Option<Product> {
         const EPSILON: f64 = f64::EPSILON;
         let (equations, size) = (&self.equations, self.equations.size());
-        let (n, inside) = (size / 2, equations.is_inside(z));
+        let (n, inside, z_size) = (size / 2, equations.is_inside(z), modulus(z));
         let of_time = data.iter().flatten().any(|error| error.time != 0.0);
         let mut slides: SmallVec<[C; 8]> = smallvec![C::default(); n];
         // What a change of each impact's share in the orbit's own derivative does.
@@ -259,20 +259,20 @@ impl SpectralFunction<'_> {
                     (ys, -(xs * pole.value))
                 } else {
                     let inverse = (z - pole.value).inv();
-                    let near = modulus(inverse);
+                    let [near, q, a_size, c_size] = [inverse, pole.value, a, c].map(modulus);
                     if pole.error * near >= TOO_NEAR || near.is_nan() {
                         return None;
                     }
-                    let factor = if inside { z } else { pole.value } * inverse;
-                    let dyad = a * c;
-                    let size = modulus(dyad);
-                    let dyad_error = a_error * modulus(c) + c_error * modulus(a) + a_error * c_error;
-                    let steep = near * near * modulus(pole.value);
+                    let (factor, factor_size) =
+                        if inside { (z * inverse, z_size * near) } else { (pole.value * inverse, q * near) };
+                    let (dyad, size) = (a * c, a_size * c_size);
+                    let dyad_error = a_error * c_size + c_error * a_size + a_error * c_error;
+                    let steep = near * near * q;
                     out.value += factor * dyad;
                     out.slope -= pole.value * inverse * inverse * dyad;
-                    sizes += modulus(factor) * size;
-                    out.value_error += modulus(factor) * (dyad_error + 6.0 * EPSILON * size)
-                        + near * near * modulus(z).max(modulus(pole.value)) * pole.error * size;
+                    sizes += factor_size * size;
+                    out.value_error += factor_size * (dyad_error + 6.0 * EPSILON * size)
+                        + near * near * z_size.max(q) * pole.error * size;
                     out.slope_error += steep * (dyad_error + (8.0 * EPSILON + 3.0 * pole.error * near) * size);
                     (factor * c, factor * a)
                 };
