@@ -5,7 +5,7 @@ use vibrochain_lattice::simd::lanes::{LANES, Lane, all, four, groups, total};
 use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Shapes};
 use wide::f64x4;
 
-use crate::admissible::grid::{Flight, MOST_MODES, stiffnesses};
+use crate::admissible::grid::{Flight, MOST_MODES};
 use crate::worse;
 
 /// Modes of one breather after the other, in the same memory.
@@ -95,13 +95,8 @@ impl ConservativeModes {
         }
     }
 
-    pub(crate) fn flight<'a>(&'a self, model: &Model, response: &'a ImpulseResponse) -> Flight<'a> {
+    pub(crate) fn flight<'a>(&'a self, response: &'a ImpulseResponse) -> Flight<'a> {
         let [displacements, velocities] = &self.start;
-        Flight {
-            frequencies: response.frequencies(),
-            shapes: &self.shapes,
-            start: [displacements, velocities],
-            stiffnesses: stiffnesses(model.chain()),
-        }
+        Flight::of_ring(response.frequencies(), &self.shapes, [displacements, velocities])
     }
 }

@@ -8,7 +8,6 @@
 
 use vibrochain_lattice::{ImpulseResponse, Model};
 
-use crate::admissible::check::Impacts;
 use crate::admissible::conservative_modes::TwoImpulses;
 use crate::equations::delicate::delicate;
 use crate::error::NoBreather;
@@ -97,9 +96,8 @@ impl Finder {
             return Some(MapSearch::None);
         }
         let residual = self.conservative_modes.take(model, response, &two).filter(|off| *off <= MOST_RESIDUAL)?;
-        let flight = self.conservative_modes.flight(model, response);
-        let impacts = Impacts { asymmetry: model.asymmetry(), one: two.one };
-        let margin = self.watch.margin(chain, flight, half, impacts)?;
+        let flight = self.conservative_modes.flight(response);
+        let margin = self.watch.margin(model, flight, half, two.one)?;
         let TwoImpulses { impulses, one, .. } = two;
         let found = MapBreather { response, impulses, one, margin, residual };
         Some(if margin > 0.0 { MapSearch::One(found) } else { MapSearch::None })

@@ -3,5 +3,6 @@
 pub(crate) mod answer;
 pub(crate) mod check;
 pub(crate) mod conservative_modes;
+pub(crate) mod gap;
 pub(crate) mod grid;
 pub(crate) mod map_breather;

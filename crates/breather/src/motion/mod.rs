@@ -13,7 +13,7 @@ use smallvec::SmallVec;
 use vibrochain_lattice::simd::lanes::{LANES, Lane, combine, fill, groups};
 use vibrochain_lattice::{Chain, Complex, ImpulseResponse, Shapes, Spectrum, Steady, Wave};
 
-use crate::admissible::grid::{Flight, stiffnesses};
+use crate::admissible::grid::Flight;
 use crate::error::BreatherError;
 use crate::orbit::{Hit, Orbit};
 
@@ -324,12 +324,8 @@ impl Motion {
         let [displacements, velocities] = start;
         fill(displacements, states.iter().map(|(q, _)| *q), 0.0);
         fill(velocities, states.iter().map(|(_, p)| *p), 0.0);
-        Flight {
-            frequencies: &self.frequencies,
-            shapes: if self.is_centred() { &self.table } else { &[] },
-            start: [displacements, velocities],
-            stiffnesses: stiffnesses(&self.chain),
-        }
+        let shapes: &[Lane] = if self.is_centred() { &self.table } else { &[] };
+        Flight::of_ring(&self.frequencies, shapes, [displacements, velocities])
     }
 
     /// Modal displacement, velocity and acceleration at the time last sought, for the first impacted site; weights

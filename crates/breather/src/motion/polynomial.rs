@@ -55,6 +55,12 @@ impl Polynomial {
         Self { coefficients }
     }
 
+    /// The polynomial in units of `size`.
+    pub(crate) fn over(mut self, size: f64) -> Self {
+        self.coefficients.iter_mut().for_each(|c| *c /= size);
+        self
+    }
+
     /// The same in the form that turning points are sought in: the distance from a barrier, over the scale that is told too, is 1 − |p|, and p beyond
     /// −1 is far away, on −`length` … `length`.
     pub(crate) fn before(&self, barrier: Barrier, stop: f64, length: f64) -> (Self, f64) {

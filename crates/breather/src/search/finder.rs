@@ -1,11 +1,14 @@
 //! From a model to its orbits. A [`Finder`] keeps what a sweep can reuse: the spectrum as long as the chain stays the
 //! same, the impulse response as long as chain and frequency do, and all scratch space.
 
+use std::sync::Arc;
+
 use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum, Stop};
 
 use crate::admissible::answer::Admissibility;
-use crate::admissible::check::{Depth, Watch};
+use crate::admissible::check::Watch;
 use crate::admissible::conservative_modes::ConservativeModes;
+use crate::admissible::gap::Depth;
 use crate::equations::delicate::is_delicate;
 use crate::equations::newton::{CONVERGED, STEPS_FROM_AFAR, polish};
 use crate::error::BreatherError;
@@ -16,6 +19,8 @@ use crate::search::orbit_list::OrbitList;
 use crate::search::screens::kernel_grid::KernelGrid;
 use crate::search::screens::radiation::Radiation;
 use crate::structures::condition::Condition;
+use crate::structures::map_orbit::modes::Modes;
+use crate::structures::response::FixedPart;
 
 /// Which orbits are asked for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
@@ -70,7 +75,16 @@ pub struct Finder {
     pub(crate) conservative_modes: ConservativeModes,
     /// That of the orbit last asked for it: verdicts and answers both want it.
     condition: Option<Box<(Orbit, Condition)>>,
+    /// Modes of a structure half a period after an impact, of the contact and the period last asked for.
+    pub(crate) half_period: Option<Box<(Arc<FixedPart>, f64, Modes)>>,
     pub(crate) stop: Stop,
+}
+
+impl Default for Finder {
+    /// For rings of one mass, and structures.
+    fn default() -> Self {
+        Self::new(1)
+    }
 }
 
 impl Finder {
@@ -91,6 +105,7 @@ impl Finder {
             watch: Watch::default(),
             conservative_modes: ConservativeModes::default(),
             condition: None,
+            half_period: None,
             stop: Stop::default(),
         }
     }

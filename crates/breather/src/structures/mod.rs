@@ -48,7 +48,7 @@ pub(crate) mod orbit;
 mod periodic_kernel;
 mod point;
 mod resonant_doubts;
-mod response;
+pub(crate) mod response;
 pub(crate) mod reversible;
 pub(crate) mod search;
 #[cfg(test)]

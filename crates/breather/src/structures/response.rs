@@ -3,10 +3,14 @@
 use std::sync::{Arc, OnceLock};
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ParticipatingModes, StructureError};
+use vibrochain_lattice::simd::lanes::LANES;
+use vibrochain_lattice::{
+    Complex, Contact, LinearMode, ModalStructure, ParticipatingModes, SparseOperator, StructureError,
+};
 
 use super::periodic_kernel::{PeriodicKernel, UNIT};
 use super::view::View;
+use crate::admissible::grid::diagonals::Diagonals;
 
 type C = Complex<f64>;
 
@@ -25,7 +29,7 @@ pub(super) struct Response {
 
 /// What of it no frequency changes.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct FixedPart {
+pub(crate) struct FixedPart {
     /// The modes as the contacts that are hit feel them.
     pub(super) felt: Arc<ParticipatingModes>,
     /// g⁰; bounds of the errors.
@@ -40,6 +44,8 @@ pub(super) struct FixedPart {
     pub(super) is_held: bool,
     /// What contacts see of flights without loads, and these contacts, once they are asked for.
     view: OnceLock<Arc<(Vec<usize>, Option<View>)>>,
+    /// How these contacts pull at each other, if that is all that pulls at them.
+    pulls: OnceLock<Option<Diagonals>>,
 }
 
 impl FixedPart {
@@ -60,9 +66,9 @@ impl FixedPart {
         let mobilities = hit.iter().map(|&contact| (contact, mobility(contact))).collect();
         let felt = Arc::new(structure.participating_modes(hit));
         let (forced, self_excited) = (structure.is_forced(), structure.has_own_period());
-        let (still_errors, view) = (structure.still_errors(), OnceLock::new());
+        let (still_errors, view, pulls) = (structure.still_errors(), OnceLock::new(), OnceLock::new());
         let is_held = !structure.modes().iter().any(LinearMode::is_rigid);
-        Self { felt, still, still_errors, mobilities, forced, self_excited, is_held, view }
+        Self { felt, still, still_errors, mobilities, forced, self_excited, is_held, view, pulls }
     }
 
     /// g⁰ of a contact.
@@ -78,6 +84,39 @@ impl FixedPart {
             Arc::new((order, view))
         };
         self.view.get_or_init(made).clone()
+    }
+
+    /// M⁻¹K of the contacts that are looked at, where no spring leads elsewhere.
+    pub(super) fn pulls(&self, structure: &ModalStructure) -> Option<&Diagonals> {
+        let made = || {
+            let order = &self.view(structure.contacts()).0;
+            Diagonals::new(order.len().div_ceil(LANES), self.entries(structure.operator()?, order)?.into_iter())
+        };
+        self.pulls.get_or_init(made).as_ref()
+    }
+
+    /// Its entries, by places in the list of contacts.
+    fn entries(&self, operator: &SparseOperator, order: &[usize]) -> Option<Vec<(usize, usize, f64)>> {
+        let coordinate = |contact: usize| match operator.contacts[contact][..] {
+            [(coordinate, 1.0)] => Some(coordinate),
+            _ => None,
+        };
+        let mut places = vec![None; operator.contacts.len()];
+        order.iter().enumerate().for_each(|(place, contact)| places[*contact] = Some(place));
+        // Of each coordinate the place of its contact, or of the one that does the same.
+        let mut at = vec![None; operator.masses.len()];
+        for contact in 0..places.len() {
+            if let Some(coordinate) = coordinate(contact) {
+                at[coordinate] = places[contact].or(places[self.felt.twins[contact]]);
+            }
+        }
+        let mut entries = Vec::new();
+        for (place, contact) in order.iter().enumerate() {
+            for (_, column, entry) in &operator.entries(Some(coordinate(*contact)?))[0] {
+                entries.push((place, at[*column]?, *entry));
+            }
+        }
+        Some(entries)
     }
 
     /// What contacts see of some modes and of motions under loads.

@@ -80,6 +80,11 @@ impl LinearMode {
     /// q″ + 2δq′ + (δ² + ν²)q of real shape with φᵀMφ = 1, `square` being ν²; `loads` are φᵀf of each harmonic. A rigid mode has δ = 0 and
     /// ν² = 0, one with a dashpot c of its own δ = c/2 and ν² = −c²/4.
     pub fn oscillator(decay: f64, square: f64, shape: &ModeShape<f64>, loads: &[C]) -> Self {
+        Self::exact_oscillator(decay, square, shape, loads).with_rounding()
+    }
+
+    /// The same without bounds of errors.
+    pub(super) fn exact_oscillator(decay: f64, square: f64, shape: &ModeShape<f64>, loads: &[C]) -> Self {
         let (turn, rate) = if square > 0.0 {
             (Turn::Circular, square.sqrt())
         } else if square < 0.0 {
@@ -89,7 +94,7 @@ impl LinearMode {
             (Turn::Parabolic, if decay == 0.0 { 1.0 } else { decay.abs() })
         };
         let seen = |shape: &f64| [*shape, 0.0];
-        let mode = Self {
+        Self {
             turn,
             decay,
             rate,
@@ -100,8 +105,7 @@ impl LinearMode {
             loads: loads.iter().map(|load| [C::default(), load / rate]).collect(),
             is_real: true,
             errors: ModeErrors::default(),
-        };
-        mode.with_rounding()
+        }
     }
 
     /// A complex pole λ and its conjugate, φᵀ(2λM + C)φ = 1: φφᵀ is the residue there. `loads` are (Re φ)ᵀf and (Im φ)ᵀf.

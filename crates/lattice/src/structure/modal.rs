@@ -134,6 +134,15 @@ impl ModalStructure {
     /// # Errors
     /// As [`ModalStructure::new`].
     pub fn with_contacts(self, contacts: Vec<Contact>) -> Result<Self, StructureError> {
+        self.check_contacts(&contacts)?;
+        Ok(Self { contacts, ..self })
+    }
+
+    /// Whether it can have these contacts instead of its own.
+    ///
+    /// # Errors
+    /// As [`ModalStructure::with_contacts`].
+    pub fn check_contacts(&self, contacts: &[Contact]) -> Result<(), StructureError> {
         let (given, wanted) = (contacts.len(), self.contacts.len());
         if given != wanted {
             return Err(StructureError::Size { what: "the list of contacts".to_owned(), given, wanted });
@@ -141,7 +150,7 @@ impl ModalStructure {
         for (number, contact) in contacts.iter().enumerate() {
             contact.check(number)?;
         }
-        Ok(Self { contacts, ..self })
+        Ok(())
     }
 
     /// All periodic loads times `factor`, the static one times `still`.

@@ -63,7 +63,7 @@ impl SeenShape {
             turned if turned.abs() <= turned_error => 0.0,
             turned => turned,
         };
-        let mut mode = LinearMode::oscillator(delta, turned, &shape, &loads);
+        let mut mode = LinearMode::exact_oscillator(delta, turned, &shape, &loads);
         let rate = mode.rate;
         let of_rate = f64::EPSILON * rate + (turned_error / rate).min(turned_error.sqrt());
         let (part, given) = (of_rate / rate, |error: f64, value: f64| error + 0.5 * f64::EPSILON * value.abs());

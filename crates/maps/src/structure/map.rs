@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use serde_json::{Map, Value as Json};
-use vibrochain_breather::{Admissibility, MapSearch, StructureModel, StructureOrbit, Word};
+use vibrochain_breather::{Admissibility, Finder, MapSearch, StructureModel, StructureOrbit, Word};
 use vibrochain_floquet::{Analyser, StructureMultipliers, Tolerance};
 use vibrochain_lattice::Stop;
 
@@ -42,6 +42,7 @@ pub struct RowOfModels {
     scene: Option<Result<StructureScene, String>>,
     /// Along a row of frequencies the structure is the same: its model at one of them.
     base: Option<StructureModel>,
+    finder: Finder,
     analyser: Analyser,
     stop: Stop,
 }
@@ -120,18 +121,28 @@ fn best_of<'a>(
 }
 
 /// One point.
-fn cell_of(scene: &StructureScene, model: &StructureModel, analyser: &mut Analyser) -> StructureCell {
-    in_closed_form(scene, model, analyser).unwrap_or_else(|| by_search(scene, model, analyser))
+fn cell_of(
+    scene: &StructureScene,
+    model: &StructureModel,
+    finder: &mut Finder,
+    analyser: &mut Analyser,
+) -> StructureCell {
+    in_closed_form(scene, model, finder, analyser).unwrap_or_else(|| by_search(scene, model, analyser))
 }
 
 /// The cell from [`vibrochain_breather::MapOrbit`]s, which take a tenth of the time of a search; `None` where they cannot tell all of it.
 /// [`by_search`], which this is held against, always can.
-fn in_closed_form(scene: &StructureScene, model: &StructureModel, analyser: &mut Analyser) -> Option<StructureCell> {
+fn in_closed_form(
+    scene: &StructureScene,
+    model: &StructureModel,
+    finder: &mut Finder,
+    analyser: &mut Analyser,
+) -> Option<StructureCell> {
     let mut cell = StructureCell::EMPTY;
-    let mut best: Option<(Option<f64>, Standing)> = None;
+    let mut best: Option<(f64, Standing)> = None;
     let mut way = None;
     for (number, (word, periods)) in scene.words.iter().enumerate() {
-        let orbit = match model.map_orbit(word, *periods) {
+        let orbit = match finder.map_orbit(model, word, *periods) {
             MapSearch::Open => return None,
             MapSearch::None => continue,
             MapSearch::One(orbit) => orbit,
@@ -156,7 +167,7 @@ fn in_closed_form(scene: &StructureScene, model: &StructureModel, analyser: &mut
         }
     }
     Some(match best {
-        Some(best) => told(scene, cell, best),
+        Some((margin, standing)) => told(scene, cell, (Some(margin), standing)),
         None => absent(cell, way),
     })
 }
@@ -379,8 +390,9 @@ impl Grid for StructureScene {
                 return None;
             }
             let model = row.model(self, number);
-            let analyser = &mut row.analyser;
-            cells.push(model.map_or_else(StructureCell::troubled, |model| cell_of(self, &model, analyser)).judged());
+            let RowOfModels { finder, analyser, .. } = row;
+            let cell = |model| cell_of(self, &model, finder, analyser);
+            cells.push(model.map_or_else(StructureCell::troubled, cell).judged());
         }
         // What was stopped has no answer.
         if stop.is_raised() {

@@ -1,6 +1,7 @@
 //! By windows of one radian of the fastest motion, in which the motion of every mass is a polynomial.
 
-use super::{Closest, Depth, RESOLUTION, Watch};
+use super::Watch;
+use crate::admissible::gap::{Closest, Depth, Gap, RESOLUTION};
 use crate::error::BreatherError;
 use crate::motion::Motion;
 use crate::motion::polynomial::{turning_points, with_overlap};
@@ -30,6 +31,7 @@ impl Watch {
     ) -> Result<(), BreatherError> {
         let model = orbit.model();
         let a = model.asymmetry();
+        let gap = Gap::around(a);
         let is_hit = |site: usize| orbit.impacts().iter().any(|impact| impact.site == site);
         let hit_at = |site: usize, t: f64| {
             let then = |time: f64| (time - t).abs() <= SIMULTANEOUS * orbit.period();
@@ -64,7 +66,7 @@ impl Watch {
                 for (i, &site) in self.watched.sites().iter().enumerate() {
                     let still = || self.window.velocity(i).abs() < STILL;
                     if !is_hit(site) || w == 0 && !hit_at(site, start) && still() {
-                        closest.note(a, site, start + elapsed, self.window.displacement(i));
+                        closest.note(gap, site, start + elapsed, self.window.displacement(i));
                     }
                 }
                 let pushes = self.window.pushes(&force, motion.force_time(interval, elapsed));
@@ -81,7 +83,7 @@ impl Watch {
                                 &mut self.pending,
                                 closest.distance,
                                 &mut |s, displacement| {
-                                    closest.note(a, site, start + elapsed + s * unit, displacement);
+                                    closest.note(gap, site, start + elapsed + s * unit, displacement);
                                     closest.distance
                                 },
                                 a,
@@ -99,7 +101,7 @@ impl Watch {
             let late = |site: usize| orbit.impacts().iter().any(|impact| impact.site == site && impact.time > 0.0);
             for (i, &site) in self.watched.sites().iter().enumerate() {
                 if !is_hit(site) || turns && !late(site) {
-                    closest.note(a, site, start + length, self.window.final_displacement(i));
+                    closest.note(gap, site, start + length, self.window.final_displacement(i));
                 }
             }
         }

@@ -13,82 +13,31 @@
 //! have a turning point, and isolates the turning points of what is left (`polynomial`).
 
 mod by_windows;
-mod on_grid;
+pub(crate) mod on_grid;
 
 use vibrochain_lattice::simd::lanes::Lane;
-use vibrochain_lattice::{Barrier, Chain, DistinctMasses, Stop};
+use vibrochain_lattice::{DistinctMasses, Model, Stop};
 
 use crate::admissible::answer::{Admissibility, Approach, Obstruction};
-use crate::admissible::grid::{Flight, Grid, MOST_MODES};
+use crate::admissible::gap::{Closest, Depth, Gap};
+use crate::admissible::grid::{Flight, Forces, MOST_MODES};
 use crate::error::BreatherError;
 use crate::motion::Motion;
 use crate::motion::window::Window;
 use crate::orbit::{Orbit, Reflection};
-
-/// How far to look.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Depth {
-    /// To the worst obstruction.
-    Worst,
-    /// To the first one.
-    First,
-}
+use on_grid::{Ends, OnGrid, Watched};
 
 /// Work space of the check.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Watch {
     watched: DistinctMasses,
     window: Window,
-    grid: Grid,
+    pub(crate) on_grid: OnGrid,
     /// Displacements and velocities of the modes at the start of the flight that the grid takes over.
     start: [Vec<Lane>; 2],
     pending: Vec<(f64, f64)>,
-    near: Vec<usize>,
     pub(crate) stop: Stop,
 }
-
-/// The closest approach so far.
-struct Closest {
-    distance: f64,
-    site: usize,
-    barrier: Barrier,
-    time: f64,
-}
-
-impl Closest {
-    /// Takes note of a mass at one place; its distances to both barriers count.
-    fn note(&mut self, asymmetry: f64, site: usize, time: f64, displacement: f64) {
-        for barrier in [Barrier::Lower, Barrier::Upper] {
-            let distance = 1.0 - (displacement - asymmetry) * barrier.sign();
-            if distance < self.distance - ALIKE * distance.abs().max(1.0) || self.distance == f64::INFINITY {
-                *self = Self { distance, site, barrier, time };
-            } else {
-                // Of approaches that only rounding tells apart, as symmetry has them, the first one.
-                self.distance = self.distance.min(distance);
-            }
-        }
-    }
-}
-
-/// What a flight of half a period must know of the impacts at its ends.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Impacts {
-    pub(crate) asymmetry: f64,
-    /// There is one alone, at its start.
-    pub(crate) one: bool,
-}
-
-impl Impacts {
-    fn of(orbit: &Orbit) -> Self {
-        Self { asymmetry: orbit.model().asymmetry(), one: orbit.impacts().len() == 1 }
-    }
-}
-
-/// Closer approaches than this are not told apart: it is the rounding of a displacement of order 1.
-const RESOLUTION: f64 = 8.0 * f64::EPSILON;
-
-/// Closest approaches that differ by less than this, relative to them beyond 1, are alike but for rounding of the orbit itself.
-const ALIKE: f64 = 64.0 * f64::EPSILON;
 
 impl Watch {
     /// Decides for `orbit`, whose motion `motion` holds.
@@ -114,13 +63,19 @@ impl Watch {
         };
         let mirror = reflection.filter(|_| !delayed).map(|reflection| reflection.mirror);
         self.watched.reset(orbit.model().chain(), mirror);
-        let mut closest = Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
+        let mut closest = Closest::NONE;
         let mut start = std::mem::take(&mut self.start);
         let few = orbit.model().chain().even_modes() <= MOST_MODES;
         let gridded = few && orbit.is_reversible() && orbit.centre().is_some();
         let flight = gridded.then(|| motion.flight(&mut start));
-        match flight.filter(|flight| self.grid.set(*flight, &self.watched, horizon)) {
-            Some(flight) => self.on_grid(flight, Impacts::of(orbit), depth, &mut closest),
+        let asymmetry = orbit.model().asymmetry();
+        let forces = Forces::of_ring(orbit.model().chain(), &self.watched);
+        match flight.filter(|flight| self.on_grid.grid.set(*flight, forces, horizon)) {
+            Some(flight) => {
+                let ends = Ends { one: orbit.impacts().len() == 1, turning: true };
+                let watched = Watched { flight, forces, sites: self.watched.sites(), ends };
+                self.on_grid.closest(watched, |_| Gap::around(asymmetry), depth, &mut closest);
+            }
             None => self.by_windows(orbit, motion, depth, horizon, &mut closest)?,
         }
         self.start = start;
@@ -141,21 +96,18 @@ impl Watch {
     }
 
     /// The smallest distance that masses keep from their barriers, or 0 or less where one of them does not, on the flight from the first
-    /// impact of a conservative breather at site 0 to half a period later; `None` if that needs windows.
-    pub(crate) fn margin(&mut self, chain: &Chain, flight: Flight<'_>, horizon: f64, impacts: Impacts) -> Option<f64> {
-        self.watched.reset(chain, Some(0));
-        let mut closest = Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
-        if !self.grid.set(flight, &self.watched, horizon) {
+    /// impact, of `one` or two, of a conservative breather at site 0 to half a period later; `None` if that needs windows.
+    pub(crate) fn margin(&mut self, model: &Model, flight: Flight<'_>, horizon: f64, one: bool) -> Option<f64> {
+        self.watched.reset(model.chain(), Some(0));
+        let forces = Forces::of_ring(model.chain(), &self.watched);
+        if !self.on_grid.grid.set(flight, forces, horizon) {
             return None;
         }
-        self.on_grid(flight, impacts, Depth::First, &mut closest);
+        let mut closest = Closest::NONE;
+        let watched = Watched { flight, forces, sites: self.watched.sites(), ends: Ends { one, turning: true } };
+        self.on_grid.closest(watched, |_| Gap::around(model.asymmetry()), Depth::First, &mut closest);
         Some(closest.distance).filter(|distance| distance.is_finite())
     }
-}
-
-/// From the nearer barrier.
-fn distance(a: f64, displacement: f64) -> f64 {
-    1.0 - (displacement - a).abs()
 }
 
 /// Checks an orbit: the one-shot form of [`crate::Finder::admissibility`].
@@ -174,7 +126,7 @@ pub(crate) fn check(orbit: &Orbit, depth: Depth) -> Result<Admissibility, Breath
 
 #[cfg(test)]
 mod tests {
-    use vibrochain_lattice::Model;
+    use vibrochain_lattice::Chain;
 
     use super::*;
     use crate::orbit::Family;
@@ -212,20 +164,23 @@ mod tests {
             watch.watched.reset(orbit.model().chain(), orbit.centre().map(|centre| 2 * centre));
             let mut start = Default::default();
             let flight = motion.flight(&mut start);
-            if !watch.grid.set(flight, &watch.watched, horizon) {
+            let forces = Forces::of_ring(orbit.model().chain(), &watch.watched);
+            if !watch.on_grid.grid.set(flight, forces, horizon) {
                 return;
             }
-            let fresh = || Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
-            let (mut grid, mut first, mut windows) = (fresh(), fresh(), fresh());
-            watch.on_grid(flight, Impacts::of(orbit), Depth::Worst, &mut grid);
-            watch.on_grid(flight, Impacts::of(orbit), Depth::First, &mut first);
+            let gap = Gap::around(orbit.model().asymmetry());
+            let ends = Ends { one: orbit.impacts().len() == 1, turning: true };
+            let watched = Watched { flight, forces, sites: watch.watched.sites(), ends };
+            let [mut grid, mut first, mut windows] = [Closest::NONE; 3];
+            watch.on_grid.closest(watched, |_| gap, Depth::Worst, &mut grid);
+            watch.on_grid.closest(watched, |_| gap, Depth::First, &mut first);
             watch.by_windows(orbit, motion, Depth::Worst, horizon, &mut windows).unwrap();
             let size = motion.states_bound().max(1.0);
             let same = (grid.distance - windows.distance).abs() < 1e-13 * size || grid.distance == windows.distance;
             assert!(same, "{} {} {orbit:?}", grid.distance, windows.distance);
             for told in [&grid, &windows].into_iter().filter(|told| told.distance.is_finite()) {
                 let there = motion.at(told.site, told.time).displacement;
-                let off = (distance(orbit.model().asymmetry(), there) - told.distance).abs();
+                let off = (gap.distance(there) - told.distance).abs();
                 assert!(off < 1e-13 * size, "{off:e} at {} of {orbit:?}", told.time);
             }
             if windows.distance.abs() > 1e-13 * size {
@@ -270,7 +225,7 @@ mod tests {
                 let kind = orbit.reflection().map_or(0, |reflection| 1 + usize::from(reflection.delayed));
                 let told = finder.admissibility(orbit).unwrap();
                 let mut motion = Motion::of(orbit).unwrap();
-                let mut all = Closest { distance: f64::INFINITY, site: 0, barrier: Barrier::Lower, time: 0.0 };
+                let mut all = Closest::NONE;
                 watch.watched.reset(orbit.model().chain(), None);
                 let horizon = orbit.period() * if orbit.is_reversible() { 0.5 } else { 1.0 };
                 watch.by_windows(orbit, &mut motion, Depth::Worst, horizon, &mut all).unwrap();
@@ -278,7 +233,7 @@ mod tests {
                 assert!((margin - all.distance).abs() < 1e-13 * size, "{word} {margin} {} {orbit:?}", all.distance);
                 let closest = told.closest.unwrap();
                 let there = motion.at(closest.site, closest.time).displacement;
-                assert!((distance(a, there) - margin).abs() < 1e-13 * size, "{word} {closest:?}");
+                assert!((Gap::around(a).distance(there) - margin).abs() < 1e-13 * size, "{word} {closest:?}");
                 seen[kind][usize::from(told.is_physical())] += 1;
             }
         }
@@ -293,7 +248,7 @@ mod tests {
         let model = Model::conservative(chain, 0.701_835_800_484_123_1, 0.104_565_698_832_268_67).unwrap();
         let orbit = crate::breathers(&model, Family::SingleSided).unwrap().orbits.remove(0);
         let mut motion = Motion::of(&orbit).unwrap();
-        let middle = distance(model.asymmetry(), motion.at(31, 0.25 * orbit.period()).displacement);
+        let middle = Gap::around(model.asymmetry()).distance(motion.at(31, 0.25 * orbit.period()).displacement);
         let found = crate::admissibility(&orbit).unwrap();
         assert!(
             (found.margin.unwrap() - middle).abs() < 1e-14 && found.closest.unwrap().site == 31,
@@ -309,16 +264,18 @@ mod tests {
             watch.watched.reset(orbit.model().chain(), orbit.centre().map(|centre| 2 * centre));
             let (mut start, copy) = (Default::default(), motion.clone());
             let flight = copy.flight(&mut start);
-            if checked > 60_000 || !watch.grid.set(flight, &watch.watched, horizon) {
+            let forces = Forces::of_ring(orbit.model().chain(), &watch.watched);
+            let grid = &mut watch.on_grid.grid;
+            if checked > 60_000 || !grid.set(flight, forces, horizon) {
                 return;
             }
             let size = motion.states_bound().max(1.0) * motion.top_frequency().powi(2).max(1.0);
-            let a = orbit.model().asymmetry();
+            let gap = Gap::around(orbit.model().asymmetry());
             for (i, &site) in watch.watched.sites().iter().enumerate().take(8) {
                 for part in 0..40 {
                     motion.seek(0, horizon * (f64::from(part) + 0.5) / 40.0);
                     let now = motion.site(site);
-                    let second = watch.grid.second(i);
+                    let second = grid.second(i);
                     assert!(now.acceleration.abs() <= second + 1e-12 * size, "{site} {second} {now:?}");
                     // v⃜ is to v̈ what v̈ is to v; from the modes.
                     let ring = motion.sites();
@@ -327,11 +284,8 @@ mod tests {
                     let modes = motion.modes().iter().zip(flight.frequencies).enumerate();
                     let fourth: f64 = modes.map(|(k, (mode, rate))| -shape(k) * rate * rate * mode[2]).sum();
                     let rate = motion.top_frequency().powi(2).max(1.0);
-                    assert!(
-                        fourth.abs() <= watch.grid.fourth(flight, &watch.watched, i) + 1e-12 * size * rate,
-                        "{site} {fourth} {now:?}"
-                    );
-                    let (reach, left) = (watch.grid.reaches(a)[i], distance(a, now.displacement));
+                    assert!(fourth.abs() <= grid.fourth(forces, i) + 1e-12 * size * rate, "{site} {fourth} {now:?}");
+                    let (reach, left) = (grid.reaches(|_| gap)[i], gap.distance(now.displacement));
                     assert!(reach <= left + 1e-13 * size, "{site} {reach} {now:?}");
                     checked += 1;
                 }

@@ -6,7 +6,7 @@ use vibrochain_lattice::{Barrier, Stopped};
 
 use super::Search;
 use super::passage::Passage;
-use crate::admissible::check::Depth;
+use crate::admissible::gap::Depth;
 use crate::motion::polynomial::{Polynomial, turning_points, with_overlap};
 use crate::structures::view::Lanes;
 use crate::structures::windows::Windows;

@@ -1,16 +1,19 @@
-//! What a map asks of an orbit without loads and losses, all of whose impacts are of one contact: one a period, or two half a period apart on both
-//! barriers. Is it physical, by what margin, with which impulses?
+//! What a map asks of an orbit without loads and losses, all of whose impacts are of one contact: one a period, or two on both barriers. Is it
+//! physical, by what margin, with which impulses?
 //!
-//! A fast path: a cell of a map of such orbits takes a quarter of the time. The general one is [`StructureModel::candidates`] and
+//! A fast path: a cell of a map of such orbits takes a tenth of the time. The general one is [`StructureModel::candidates`] and
 //! [`StructureOrbit::first_obstruction`](super::orbit::StructureOrbit::first_obstruction); what needs more than closed forms is left to it
-//! ([`MapSearch::Open`]). With frequencies Ω and shapes φ of the modes, φ₀ at the contact that is hit, contact c does after impulses P, Q at 0, T/2
+//! ([`MapSearch::Open`]). With frequencies Ω and shapes φ of the modes, φ₀ at the contact that is hit, contact c does after impulses P, Q at 0, T/2 + s
 //!
 //! ```text
-//! Σ φ_c φ₀ [P cos Ω(t−T/2) + Q cos Ωt] / (2Ω sin ΩT/2),      0 ≤ t ≤ T/2.
+//! Σ φ_c φ₀ [P cos Ω(t−T/2) + Q cos Ω(t−s)] / (2Ω sin ΩT/2),      0 ≤ t ≤ T/2 + s.
 //! ```
+//!
+//! Impacts with s ≠ 0, where K′ vanishes, come in pairs ±s that are each other's mirror images in time: both are physical, or neither. A cell of which
+//! one is physical is left to the search.
 
-mod flight;
-mod modes;
+mod alone;
+pub(crate) mod modes;
 
 use std::sync::Arc;
 
@@ -21,13 +24,15 @@ use super::model::StructureModel;
 use super::response::FixedPart;
 use super::reversible::ReversibleOrbit;
 use super::search::half_period::other_lapses;
+use super::view::View;
 use crate::admissible::answer::Obstruction;
+use crate::admissible::check::on_grid::{Ends, OnGrid, Watched};
+use crate::admissible::gap::{Closest, Depth, Gap};
+use crate::admissible::grid::{Flight, Forces, MOST_RADIANS};
 use crate::admissible::map_breather::MapSearch;
+use crate::search::finder::Finder;
 use crate::word::Word;
-use modes::{Impulses, Modes};
-
-/// Of impulses that errors move by more than this part of them signs may be rounding.
-const DELICATE: f64 = 1e-6;
+use modes::{DELICATE, Impulses, Modes};
 
 /// An impulse below this part of the other one is next to grazing.
 const GRAZING: f64 = 1e-5;
@@ -35,19 +40,31 @@ const GRAZING: f64 = 1e-5;
 /// Positions miss their barriers by no more than this part of their terms: rounding.
 const ROUNDED: f64 = 64.0 * f64::EPSILON;
 
+/// Two impacts nearer to each other, or to half a period, than this part of the period are left to the search.
+const CLOSE: f64 = 1e-3;
+
 /// Whether a barrier pulls by more than this part of the larger impulse: no such orbit is a candidate.
 fn surely_pulls(barriers: [Option<Barrier>; 2], impulses: [f64; 2]) -> bool {
-    let most = impulses[0].abs().max(impulses[1].abs());
-    let pull =
-        |(barrier, impulse): (Option<Barrier>, f64)| barrier.is_some_and(|own| own.sign() * impulse > GRAZING * most);
-    barriers.into_iter().zip(impulses).any(pull)
+    pulls(barriers, impulses).any(|pull| pull > GRAZING)
 }
 
-/// An orbit whose impacts, of one contact, are half a period apart, or the only one.
+/// Whether both push by more than that.
+fn surely_push(barriers: [Option<Barrier>; 2], impulses: [f64; 2]) -> bool {
+    pulls(barriers, impulses).all(|pull| pull < -GRAZING)
+}
+
+/// How barriers pull, as parts of the larger impulse.
+fn pulls(barriers: [Option<Barrier>; 2], impulses: [f64; 2]) -> impl Iterator<Item = f64> {
+    let most = impulses[0].abs().max(impulses[1].abs());
+    let of = move |(barrier, impulse): (Option<Barrier>, f64)| Some(barrier?.sign() * impulse / most);
+    barriers.into_iter().zip(impulses).filter_map(of)
+}
+
+/// An orbit whose impacts, of one contact, are half a period apart, or the only one; or another one that is not physical.
 ///
 /// ```
 /// use std::sync::Arc;
-/// use vibrochain_breather::{MapSearch, StructureModel};
+/// use vibrochain_breather::{Finder, MapSearch, StructureModel};
 /// use vibrochain_lattice::{Contact, LinearMode, ModalStructure, ModeShape};
 /// let shape = ModeShape { contacts: vec![1.0], coordinates: vec![1.0], still: 0.0 };
 /// let mode = LinearMode::oscillator(0.0, 1.0, &shape, &[]);
@@ -55,7 +72,7 @@ fn surely_pulls(barriers: [Option<Barrier>; 2], impulses: [f64; 2]) -> bool {
 /// let structure = Arc::new(ModalStructure::new(vec![stop], vec![], vec![mode])?);
 /// let model = StructureModel::new(structure, 1.5)?;
 /// let word = "0+,0-".parse()?;
-/// let MapSearch::One(orbit) = model.map_orbit(&word, 1) else { panic!() };
+/// let MapSearch::One(orbit) = Finder::default().map_orbit(&model, &word, 1) else { panic!() };
 /// let impulse = model.orbits(&word, 1)?.orbits[0].impacts()[0].impulse;
 /// assert!((orbit.impulses()[0] - impulse).abs() < 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -66,22 +83,24 @@ pub struct MapOrbit {
     fixed: Arc<FixedPart>,
     period: f64,
     impulses: [f64; 2],
-    /// Of two impulses the bound of the relative error of their ratio.
+    /// When the second impact is, if there is one.
+    phi: Option<f64>,
+    /// Of two impulses half a period apart the bound of the relative error of their ratio.
     ratio_error: Option<f64>,
-    margin: Option<f64>,
+    margin: f64,
     crossing: Option<Obstruction>,
     residual: f64,
 }
 
 impl MapOrbit {
-    /// Momenta that the barriers give, signed: at 0 and T/2, or the one.
+    /// Momenta that the barriers give, signed.
     pub fn impulses(&self) -> &[f64] {
-        &self.impulses[..if self.ratio_error.is_some() { 2 } else { 1 }]
+        &self.impulses[..1 + usize::from(self.phi.is_some())]
     }
 
-    /// Times of the impacts: 0, and T/2 if they are two.
+    /// Times of the impacts: 0, and T/2 if they are two of a physical orbit.
     pub fn times(&self) -> impl Iterator<Item = f64> + Clone {
-        [0.0, 0.5 * self.period].into_iter().take(self.impulses().len())
+        [Some(0.0), self.phi].into_iter().flatten()
     }
 
     /// The orbit's period.
@@ -94,8 +113,8 @@ impl MapOrbit {
         self.crossing
     }
 
-    /// The least distance at a turning point; `None` where no contact turns before a barrier.
-    pub fn margin(&self) -> Option<f64> {
+    /// The least distance at a turning point, or at an impact to the other barrier.
+    pub fn margin(&self) -> f64 {
         self.margin
     }
 
@@ -104,42 +123,69 @@ impl MapOrbit {
         self.residual
     }
 
-    /// What its multipliers depend on.
-    pub fn reversible(&self) -> ReversibleOrbit<'_> {
+    /// What its multipliers depend on; `None` of impacts that are not half a period apart.
+    pub fn reversible(&self) -> Option<ReversibleOrbit<'_>> {
         let [first, second] = self.impulses;
-        ReversibleOrbit {
-            modes: self.fixed.felt.of_one.as_deref().unwrap_or_default(),
-            period: self.period,
-            ratio: self.ratio_error.map(|error| (second / first, error)),
-        }
+        let ratio = self.ratio_error.map(|error| (second / first, error));
+        let modes = self.fixed.felt.of_one.as_deref()?;
+        (ratio.is_some() || self.phi.is_none()).then_some(ReversibleOrbit { modes, period: self.period, ratio })
     }
 }
 
-impl StructureModel {
-    /// What lives here of a word of one impact, or of two of one contact on both barriers, where closed forms tell it: without loads and losses, away
-    /// from resonances, and where no other orbit of the word may be.
-    pub fn map_orbit(&self, word: &Word, force_periods: u32) -> MapSearch<MapOrbit> {
-        self.found_in_closed_form(word, force_periods).unwrap_or(MapSearch::Open)
+/// Contacts that are looked at, the one that is hit first, and what they see of the modes.
+#[derive(Clone, Copy)]
+struct Sights<'a> {
+    modes: &'a Modes,
+    view: &'a View,
+    order: &'a [usize],
+    contacts: &'a [Contact],
+    forces: Forces<'a>,
+}
+
+impl Finder {
+    /// What lives at a point of a word of one impact, or of two of one contact on both barriers, where closed forms tell it: without loads and losses,
+    /// away from resonances, and where no orbit is physical whose two impacts are not half a period apart. Where none is physical, the first candidate
+    /// of the word tells what is in its way.
+    pub fn map_orbit(&mut self, model: &StructureModel, word: &Word, force_periods: u32) -> MapSearch<MapOrbit> {
+        self.find_map_orbit(model, word, force_periods).unwrap_or(MapSearch::Open)
     }
 
-    fn found_in_closed_form(&self, word: &Word, force_periods: u32) -> Option<MapSearch<MapOrbit>> {
+    fn find_map_orbit(
+        &mut self,
+        model: &StructureModel,
+        word: &Word,
+        force_periods: u32,
+    ) -> Option<MapSearch<MapOrbit>> {
         let mut letters = word.letters();
         let (first, second) = (letters.next()?, letters.next());
         let is_opposite = second.is_none_or(|other| other.site == first.site && other.barrier != first.barrier);
         let is_simple = word.instants().len() == 1 + usize::from(second.is_some()) && letters.next().is_none();
-        if !is_opposite || !is_simple || force_periods != 1 || self.heard().is_err() {
+        if !is_opposite || !is_simple || force_periods != 1 || model.heard().is_err() {
             return None;
         }
-        let contacts = self.structure().contacts();
+        let contacts = model.structure().contacts();
         let stops = contacts.get(first.site)?;
-        let fixed = self.fixed(&[first.site]);
-        if fixed.forced || fixed.self_excited || !fixed.is_held || self.masses().is_some() {
+        let fixed = model.fixed(&[first.site]);
+        if fixed.forced || fixed.self_excited || !fixed.is_held || model.masses().is_some() {
             return None;
         }
         let watched = fixed.view(contacts);
         let (order, view) = (&watched.0, watched.1.as_ref()?);
-        let half = 0.5 * self.period();
-        let modes = Modes::at_half(&fixed, first.site, half)?;
+        let (period, half) = (model.period(), 0.5 * model.period());
+        if half * view.fastest > MOST_RADIANS {
+            return None;
+        }
+        let Self { watch, half_period, .. } = self;
+        // Words of one contact share them.
+        let is_known = |(known, of, _): &(Arc<FixedPart>, f64, Modes)| Arc::ptr_eq(known, &fixed) && *of == half;
+        if !half_period.as_deref().is_some_and(is_known) {
+            let fresh = (fixed.clone(), half, Modes::at_half(&fixed, first.site, half)?);
+            match half_period.as_deref_mut() {
+                Some(known) => *known = fresh,
+                None => *half_period = Some(Box::new(fresh)),
+            }
+        }
+        let (.., modes) = half_period.as_deref()?;
         // Barriers from where the contact is still.
         let still = fixed.still(first.site);
         let place = |barrier: Barrier| Some(stops.barrier(barrier)? - still);
@@ -153,27 +199,124 @@ impl StructureModel {
         if !is_sharp || least < GRAZING * most {
             return None;
         }
-        let flight = modes.flight(impulses, (half, view.fastest))?;
-        if second.is_some() && !flight.is_alone() {
-            let others = other_lapses(fixed.felt.of_one.as_deref()?, self.period(), self.stop())?;
-            let pull = |s: f64| modes.aside(s, places).is_some_and(|impulses| surely_pulls(barriers, impulses));
-            if !others.into_iter().all(pull) {
-                return None;
+        let forces = Forces::Any(fixed.pulls(model.structure()));
+        let sights = Sights { modes, view, order, contacts, forces };
+        let on_grid = &mut watch.on_grid;
+        let mut blocked = None;
+        if second.is_some() && !modes.is_alone(half, view.fastest) {
+            // The second impact is the earlier, the larger s.
+            for s in other_lapses(fixed.felt.of_one.as_deref()?, period, model.stop())?.into_iter().rev() {
+                let impulses = modes.aside(s, places)?;
+                if surely_pulls(barriers, impulses) {
+                    continue;
+                }
+                if !surely_push(barriers, impulses) || s.min(half - s) < CLOSE * period {
+                    return None;
+                }
+                let crossing = sights.surely_crosses(on_grid, impulses, half, s)?;
+                let (fixed, phi) = (fixed.clone(), Some(half - s));
+                let margin = crossing.distance;
+                blocked.get_or_insert(MapOrbit {
+                    fixed,
+                    period,
+                    impulses,
+                    phi,
+                    ratio_error: None,
+                    margin,
+                    crossing: Some(obstruction(crossing)),
+                    residual,
+                });
             }
         }
+        let blocked = blocked.map_or(MapSearch::None, MapSearch::One);
         if surely_pulls(barriers, impulses) {
-            return Some(MapSearch::None);
+            return Some(blocked);
         }
-        let list: SmallVec<[Contact; 16]> = order.iter().map(|&contact| contacts[contact]).collect();
-        let closest = flight.closest(view, &list, barriers);
-        let crossing = closest.filter(|closest| closest.distance <= 0.0).map(|closest| {
-            let (site, barrier, time) = (order[closest.place], closest.barrier, closest.time);
-            Obstruction::Crossing { site, barrier, time, excess: -closest.distance }
-        });
-        let margin = closest.map(|closest| closest.distance);
+        let closest = sights.closest(on_grid, impulses, half, second.is_none())?;
+        // An impact leaves the contact as far from its other barrier as that is.
+        let width = stops.lower.zip(stops.upper).map_or(f64::INFINITY, |(lower, upper)| upper - lower);
+        let margin = closest.distance.min(width);
+        let crossing = (margin <= 0.0).then(|| obstruction(closest));
+        if let (Some(_), MapSearch::One(first)) = (crossing, &blocked) {
+            return Some(MapSearch::One(first.clone()));
+        }
         let ratio_error = second.map(|_| errors.iter().sum::<f64>() + 4.0 * f64::EPSILON);
-        let period = self.period();
-        Some(MapSearch::One(MapOrbit { fixed, period, impulses, ratio_error, margin, crossing, residual }))
+        let phi = second.map(|_| half);
+        Some(MapSearch::One(MapOrbit { fixed, period, impulses, phi, ratio_error, margin, crossing, residual }))
+    }
+}
+
+/// What is in the way there.
+fn obstruction(Closest { distance, site, barrier, time }: Closest) -> Obstruction {
+    Obstruction::Crossing { site, barrier, time, excess: -distance }
+}
+
+impl Sights<'_> {
+    /// Where contacts come nearest to a barrier, or what is first in the way, in half a period after the first of these impulses, of one or two half a
+    /// period apart. `None` where that takes too many nodes.
+    fn closest(self, on_grid: &mut OnGrid, impulses: [f64; 2], half: f64, one: bool) -> Option<Closest> {
+        let (mut closest, mut first) = (Closest::NONE, Closest::NONE);
+        self.on_grid(on_grid, (impulses, 0.0), half, Ends { one, turning: true }, |on_grid, watched, gaps| {
+            on_grid.closest(watched, |mass| gaps[mass], Depth::First, &mut closest);
+            if closest.distance <= 0.0 {
+                first = on_grid.first_beyond(watched, |mass| gaps[mass]);
+            }
+        })?;
+        Some(if first.distance <= 0.0 { first } else { closest })
+    }
+
+    /// What is first in the way of two impacts of which the second is by s less than half a period after the first; `None` unless something surely
+    /// is.
+    fn surely_crosses(self, on_grid: &mut OnGrid, impulses: [f64; 2], half: f64, s: f64) -> Option<Closest> {
+        let [first, second] = impulses;
+        let flights = [((impulses, -s), half - s), (([second, first], s), half + s)];
+        let mut before = 0.0;
+        for (start, whole) in flights {
+            let mut found = None;
+            self.on_grid(on_grid, start, whole, Ends { one: false, turning: false }, |on_grid, watched, gaps| {
+                let beyond = on_grid.first_beyond(watched, |mass| gaps[mass]);
+                let place = self.order.iter().position(|contact| *contact == beyond.site);
+                let size = place.map_or(0.0, |place| gaps[place].half);
+                found = (beyond.distance <= 0.0).then_some((beyond, beyond.distance < -DELICATE * size));
+            })?;
+            if let Some((beyond, is_sure)) = found {
+                return is_sure.then_some(Closest { time: before + beyond.time, ..beyond });
+            }
+            before = whole;
+        }
+        None
+    }
+
+    /// Looks at the flight that begins with the first of two impulses and lasts for `whole`; the other one is s later than half a period.
+    fn on_grid(
+        self,
+        on_grid: &mut OnGrid,
+        (impulses, s): ([f64; 2], f64),
+        whole: f64,
+        ends: Ends,
+        look: impl FnOnce(&mut OnGrid, Watched<'_>, &[Gap]),
+    ) -> Option<()> {
+        let Self { modes, view, order, contacts, forces } = self;
+        let start = modes.start(impulses, s);
+        let flight = Flight {
+            frequencies: &modes.frequency.as_flattened()[..view.flows.len()],
+            fastest: view.fastest,
+            shapes: &view.sights.shapes,
+            start: [&start[0], &start[1]],
+        };
+        if !on_grid.grid.set(flight, forces, whole) {
+            return None;
+        }
+        let still = view.sights.still.as_flattened();
+        let mut gaps: SmallVec<[Gap; 16]> = SmallVec::new();
+        let gap = |(place, &contact): (usize, &usize)| {
+            Gap::of(&contacts[contact], still[place], on_grid.grid.excursion(place))
+        };
+        gaps.extend(order.iter().enumerate().map(gap));
+        // Where there is no contact there is room enough.
+        gaps.resize(still.len(), Gap { centre: 0.0, half: f64::INFINITY });
+        look(on_grid, Watched { flight, forces, sites: order, ends }, &gaps);
+        Some(())
     }
 }
 

@@ -14,8 +14,15 @@ const NEAR: f64 = 1e-3;
 const SHARE: f64 = 8.0 * f64::EPSILON;
 const TURNED_ON: f64 = 256.0 * f64::EPSILON;
 
+/// Errors of a kernel where its derivative vanishes, as a part of its terms.
+const STATIONARY: f64 = 1e-13;
+
+/// Of impulses that errors move by more than this part of them signs may be rounding.
+pub(super) const DELICATE: f64 = 1e-6;
+
 /// Modes as the contact that is hit feels them, four at a time, and half a period.
-pub(super) struct Modes {
+#[derive(Debug, Clone)]
+pub(crate) struct Modes {
     pub(super) frequency: Lanes,
     /// What an impulse gives to the mode's own velocity; what the contact that is hit sees of it, a part of its mobility.
     pub(super) gain: Lanes,
@@ -27,7 +34,7 @@ pub(super) struct Modes {
     kernels: [f64; 2],
     sizes: [f64; 2],
     errors: [f64; 2],
-    /// Bound of the error of −K′ between, as [`Flight::is_alone`] takes it.
+    /// Bound of the error of −K′ between, as [`Modes::is_alone`] takes it.
     pub(super) doubt: f64,
 }
 
@@ -126,15 +133,40 @@ impl Modes {
         Some(Impulses { impulses, errors, residual: left(0).max(left(1)) })
     }
 
-    /// Impulses where the second impact is by s earlier or later than half a period after the first.
+    /// Impulses where the second impact is by s earlier or later than half a period after the first, where K′ vanishes. `None` where their signs may
+    /// be rounding.
     pub(super) fn aside(&self, s: f64, places: [f64; 2]) -> Option<[f64; 2]> {
         let mut sum = ZERO;
         for (g, frequency) in self.frequency.iter().enumerate() {
             let [cos, _] = Turn::Circular.turns(s, *frequency)?;
             sum += four(self.seen[g]) * four(self.inverse[g]) * four(cos);
         }
-        let [mean, difference] = mean_and_difference(places, [self.kernels[0], total(sum)]);
+        let kernels @ [own, other] = [self.kernels[0], total(sum)];
+        // K is stationary there: the error of s is small to second order.
+        let off = self.errors.iter().sum::<f64>() + self.sizes.iter().sum::<f64>() * STATIONARY;
+        if off > DELICATE * (own + other).abs().min((own - other).abs()) {
+            return None;
+        }
+        let [mean, difference] = mean_and_difference(places, kernels);
         Some([0.5 * (mean + difference), 0.5 * (mean - difference)])
+    }
+
+    /// Displacements and velocities of the modes just after an impact, half of whose jump is above the mean velocity; the other impact is by s more
+    /// than half a period later.
+    pub(super) fn start(&self, [own, other]: [f64; 2], s: f64) -> [Lanes; 2] {
+        let (mut place, mut speed) = (self.gain.clone(), self.gain.clone());
+        for g in 0..self.gain.len() {
+            let (gain, cos, inverse) = (four(self.gain[g]), four(self.cos[g]), four(self.inverse[g]));
+            let [turned, sin] = if s == 0.0 {
+                [ONE, ZERO]
+            } else {
+                Turn::Circular.turns(s, self.frequency[g]).unwrap_or_default().map(four)
+            };
+            place[g] = (gain * inverse * (all(own) * cos + all(other) * turned)).to_array();
+            let by_other = all(other) * sin * inverse * four(self.frequency[g]);
+            speed[g] = (gain * (all(0.5 * own) + by_other)).to_array();
+        }
+        [place, speed]
     }
 }
 

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use vibrochain_lattice::{Chain, Contact, LinearMode, ModalStructure, ModeShape, Model};
+use vibrochain_lattice::{Chain, Contact, DampedChain, Ends, LinearMode, ModalStructure, ModeShape, Model, RowEnds};
 use vibrochain_testkit::Random;
 
 use super::*;
+use crate::admissible::answer::Admissibility;
 use crate::structures::orbit::StructureOrbit;
 
-/// Some modes of a structure of up to three contacts, with and without a static load, or a ring with a contact at each mass.
+/// Some modes of a structure of up to three contacts, with and without a static load, or a ring with a contact at each mass, or a row.
 fn structure(random: &mut Random) -> ModalStructure {
     let stops = |random: &mut Random| {
         let (lower, upper) = (-random.log(0.05, 2.0), random.log(0.05, 2.0));
@@ -16,6 +17,16 @@ fn structure(random: &mut Random) -> ModalStructure {
         let (lower, upper) = sides[[0, 0, 0, 1, 2][random.below(5)]];
         Contact { lower, upper, restitution: 1.0 }
     };
+    if random.below(3) == 0 {
+        // A ring or a row of which all springs are known.
+        let count = 1 + random.below(12);
+        let a = random.between(0.0, 0.9);
+        let stop = Contact { lower: Some(a - 1.0), upper: Some(a + 1.0), restitution: 1.0 };
+        let contacts = (0..count).map(|n| (vec![(n, 1.0)], stop)).collect();
+        let ends = [RowEnds::Alike(Ends::Closed), RowEnds::FixedFree][random.below(2)];
+        let (gamma1, gamma2) = (0.2, random.between(0.0, 0.3));
+        return DampedChain { gamma1, gamma2, contacts, ..DampedChain::new(count, ends) }.modal().unwrap();
+    }
     if random.below(3) == 0 {
         let sites = [1, 2, 3, 5, 8, 11, 21][random.below(7)];
         let chain = Chain::new(sites, 0.2, random.between(0.0, 0.3)).unwrap();
@@ -42,12 +53,13 @@ fn structure(random: &mut Random) -> ModalStructure {
 #[test]
 fn closed_forms_say_what_orbits_say() {
     let mut random = Random(41);
-    let (mut seen, mut crossing, mut alike) = ([[0; 3]; 2], 0, 0);
+    let mut finder = Finder::default();
+    let (mut seen, mut crossing, mut alike, mut aside) = ([[0; 3]; 2], 0, 0, 0);
     for _ in 0..1500 {
         let model = StructureModel::new(Arc::new(structure(&mut random)), random.log(0.2, 4.0)).unwrap();
         for (two, word) in ["0-", "0+,0-"].into_iter().enumerate() {
             let word = word.parse().unwrap();
-            let searched = model.map_orbit(&word, 1);
+            let searched = finder.map_orbit(&model, &word, 1);
             if matches!(searched, MapSearch::Open) {
                 seen[two][2] += 1;
                 continue;
@@ -62,16 +74,21 @@ fn closed_forms_say_what_orbits_say() {
                 continue;
             };
             if let Some(obstruction) = found.obstruction() {
-                let told: Vec<_> = list.orbits.iter().map(|orbit| margin(orbit).obstruction).collect();
-                let [Some(Obstruction::Crossing { site, barrier, time, excess })] = told[..] else {
-                    panic!("{told:?}")
-                };
+                assert!(physical.is_empty(), "{word} {physical:?}");
+                let Admissibility { obstruction: told, .. } = margin(&list.orbits[0]);
+                let Some(Obstruction::Crossing { site, barrier, time, excess }) = told else { panic!("{told:?}") };
+                let phi = found.times().last().unwrap_or_default() / found.period();
+                // The search refines the time of an impact that is not half a period later.
+                let is_aside = phi > 0.0 && phi < 0.499;
+                let close = if is_aside { 1e-9 } else { 1e-12 };
+                aside += usize::from(is_aside);
+                assert!((phi - list.orbits[0].impacts().last().unwrap().time / found.period()).abs() < close, "{phi}");
                 let Obstruction::Crossing { site: own, barrier: own_barrier, time: own_time, excess: own_excess } =
                     obstruction
                 else {
                     panic!("{obstruction:?}")
                 };
-                assert!((excess - own_excess).abs() < 1e-12 * (1.0 + excess.abs()), "{word} {obstruction:?} {told:?}");
+                assert!((excess - own_excess).abs() < close * (1.0 + excess.abs()), "{word} {obstruction:?} {told:?}");
                 // Of places that only rounding tells apart, as symmetry has them, either may be told.
                 let same = (site, barrier) == (own, own_barrier);
                 let together = crate::orbit::time_between(time, own_time, found.period()) < 1e-6 * found.period();
@@ -81,7 +98,7 @@ fn closed_forms_say_what_orbits_say() {
             }
             seen[two][1] += 1;
             let [orbit] = physical[..] else { panic!("{word} {}", physical.len()) };
-            let (own, told) = (found.reversible(), orbit.reversible().unwrap());
+            let [own, told] = [found.reversible(), orbit.reversible()].map(Option::unwrap);
             let strongest = orbit.impulses().into_iter().fold(0.0, |most: f64, impulse| most.max(impulse.abs()));
             for (one, other) in found.impulses().iter().zip(orbit.impulses()) {
                 assert!((one - other).abs() < 1e-12 * strongest, "{one} {other}");
@@ -95,16 +112,13 @@ fn closed_forms_say_what_orbits_say() {
             }
             let size =
                 model.structure().contacts().iter().flat_map(|c| [c.lower, c.upper]).flatten().fold(1.0, f64::max);
-            match (found.margin(), margin(orbit).margin) {
-                (Some(one), Some(other)) => {
-                    assert!((one - other).abs() < 1e-12 * size, "{word} {one} {other}")
-                }
-                (one, other) => assert_eq!(one, other, "{word}"),
-            }
+            let (one, other) = (found.margin(), margin(orbit).margin.unwrap());
+            assert!((one - other).abs() < 1e-12 * size, "{word} {one} {other}");
         }
     }
     assert!(seen.as_flattened().iter().all(|&count| count > 30), "{seen:?}");
     assert!(crossing > 300 && alike > crossing * 49 / 50, "{alike} {crossing}");
+    assert!(aside > 30, "{aside}");
 }
 
 /// Losses, loads, several contacts, several instants and doubled words are left to the search.
@@ -118,7 +132,9 @@ fn what_is_no_closed_form_is_left_open() {
         let structure = ModalStructure::new(contacts, Vec::new(), vec![mode]).unwrap();
         StructureModel::new(Arc::new(structure), 1.5).unwrap()
     };
-    let found = |model: &StructureModel, word: &str, periods: u32| model.map_orbit(&word.parse().unwrap(), periods);
+    let found = |model: &StructureModel, word: &str, periods: u32| {
+        Finder::default().map_orbit(model, &word.parse().unwrap(), periods)
+    };
     let plain = model(0.0, 1.0, 1.0);
     assert!(matches!(found(&plain, "0+,0-", 1), MapSearch::One(_)));
     for word in ["0+,1-", "0+,0+", "0+,0-,0+", "0+1+", "5+"] {

@@ -89,7 +89,7 @@ impl StructureScene {
             Setting::Upper(number) => contact(number, |contact, value| contact.upper = Some(value))?,
             Setting::Restitution(number) => contact(number, |contact, value| contact.restitution = value)?,
         }
-        self.structure().map(|_| ())
+        self.modal.check_contacts(&self.contacts).map_err(|error| error.to_string())
     }
 
     /// The structure with its values as they are now.

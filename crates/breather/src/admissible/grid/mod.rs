@@ -1,4 +1,5 @@
-//! The quick look at a reversible orbit: all masses on a grid of times, and bounds on what they can do in between.
+//! The quick look at a flight without loads and losses between impacts of one contact: all masses, or contacts of a structure, on a grid of times,
+//! and bounds on what they can do in between.
 //!
 //! Half a period of one site's breather is one stretch of linear flight, in which every derivative obeys the equation of
 //! motion, too. If |v̈_n| ≤ B₂ and |v⃛_n| ≤ B₃ on an interval of length h, the mass comes no closer to a barrier than at its
@@ -9,14 +10,20 @@
 //! |v⃜_n| ≤ (γ₁+2γ₂)|v̈_n| + γ₂(|v̈_(n−1)| + |v̈_(n+1)|) ,
 //! ```
 //!
-//! as small as what moves: far masses are displaced, but hardly swing. That settles all but a few intervals of the masses
+//! as small as what moves: far masses are displaced, but hardly swing. Of a structure M⁻¹K tells the same; where there are none, modes with shapes φ that reach as
+//! far as r, |v⃜| ≤ Σ |φ|Ω⁴r. That settles all but a few intervals of the masses
 //! next to the breather; those get their own Taylor polynomial from the modes.
 
-use vibrochain_lattice::simd::lanes::{LANES, Lane, dot, groups};
+mod any;
+pub(crate) mod diagonals;
+
+use vibrochain_lattice::simd::lanes::{LANES, Lane, dot, fill, groups};
 use vibrochain_lattice::{Chain, DistinctMasses};
 use wide::f64x4;
 
+use crate::admissible::gap::Gap;
 use crate::motion::polynomial::Polynomial;
+use diagonals::Diagonals;
 
 /// Length of an interval in radians of the fastest motion: shorter ones cost time, longer ones leave more to polynomials.
 pub(crate) const INTERVAL: f64 = 0.5;
@@ -24,35 +31,64 @@ pub(crate) const INTERVAL: f64 = 0.5;
 /// Intervals at least: the ends are looked at in a way of their own.
 const FEWEST: usize = 4;
 
-/// Intervals at most: from one to the next the modes are turned on, and rounding adds up. Longer flights go by windows.
+/// Intervals at most: from one to the next the modes are turned on, and rounding adds up. Longer flights go by windows, which of a structure
+/// without loads cost ten times as much.
 const MOST: usize = 24;
+const MOST_OF_ANY: usize = 64;
+
+/// Radians of the fastest mode at most of any structure.
+pub(crate) const MOST_RADIANS: f64 = INTERVAL * MOST_OF_ANY as f64;
+
+/// Of a velocity at an end of the flight below this part of that at the next node a mass turns so close to the end that it is as near a barrier
+/// there, to rounding.
+const STILL: f64 = 1e-9;
+
+/// Intervals in what windows are elsewhere: what is in the way is told of the first of these.
+pub(crate) const IN_WINDOW: usize = 2;
 
 /// Modes at most: a node takes the square of their number in steps, a window only twenty times their number.
 pub(crate) const MOST_MODES: usize = 48;
 
-/// The modes of a ring in the flight that begins with the first impact of an orbit of one site.
+/// The modes in the flight that begins with an impact.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Flight<'a> {
-    /// Ω_k, rising.
+    /// Ω_k, and the highest one.
     pub(crate) frequencies: &'a [f64],
-    /// cos(2πkn/M) of half the ring, [mode][mass from the one that is hit on] in whole groups; empty of a large ring.
+    pub(crate) fastest: f64,
+    /// [mode][mass from the one that is hit on] in groups; of a ring, cos(2πkn/M) of its half in whole groups, and empty of a large one.
     pub(crate) shapes: &'a [Lane],
     /// Displacements and velocities at its start, weights included, in groups of four.
     pub(crate) start: [&'a [Lane]; 2],
-    /// γ₁ and γ₂, the latter 0 of a ring of one.
-    pub(crate) stiffnesses: (f64, f64),
 }
 
-impl Flight<'_> {
-    fn top_frequency(&self) -> f64 {
-        self.frequencies.last().copied().unwrap_or_default()
+impl<'a> Flight<'a> {
+    /// Of half a ring that is hit at its first mass.
+    pub(crate) fn of_ring(frequencies: &'a [f64], shapes: &'a [Lane], start: [&'a [Lane]; 2]) -> Self {
+        Self { frequencies, fastest: frequencies.last().copied().unwrap_or_default(), shapes, start }
+    }
+}
+
+/// What accelerates masses, and bounds that.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Forces<'a> {
+    /// γ₁ and γ₂ of a ring, the latter 0 of a ring of one, and who is next to whom.
+    Ring { stiffnesses: (f64, f64), watched: &'a DistinctMasses },
+    /// Any structure's: M⁻¹K of its contacts, where nothing else pulls at them; without it the modes alone tell.
+    Any(Option<&'a Diagonals>),
+}
+
+impl<'a> Forces<'a> {
+    pub(crate) fn of_ring(chain: &Chain, watched: &'a DistinctMasses) -> Self {
+        Self::Ring { stiffnesses: stiffnesses(chain), watched }
     }
 }
 
 /// Values of all masses at the nodes, and the modes they come from.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Grid {
+    /// Groups of masses, and of modes.
     groups: usize,
+    mode_groups: usize,
     intervals: usize,
     step: f64,
     frequencies: Vec<Lane>,
@@ -65,57 +101,80 @@ pub(crate) struct Grid {
     extremes: Vec<[Lane; 3]>,
     /// Their accelerations, [node][mass].
     accelerations: Vec<Lane>,
-    /// For each mass a bound on |v̈| in the whole flight; and, from the far end, what lies beyond it in that sum.
+    /// For each mass a bound on |v̈| in the whole flight; of a structure, on |v⃜|; and, from the far end, what lies beyond it in that sum.
     seconds: Vec<f64>,
+    fourths: Vec<f64>,
     beyond: Vec<f64>,
     tops: Vec<Lane>,
     reaches: Vec<f64>,
     scratch: Vec<[f64x4; 2]>,
+    /// Numbers of all contacts between as many zeros.
+    between: Vec<f64>,
 }
 
 impl Grid {
-    /// Takes over the flight that begins with the first impact of an orbit of one site and lasts for `horizon`. `false` if
-    /// another way is better.
-    pub(crate) fn set(&mut self, flight: Flight<'_>, watched: &DistinctMasses, horizon: f64) -> bool {
-        let Flight { frequencies, .. } = flight;
-        let (modes, radians) = (frequencies.len(), horizon * flight.top_frequency());
-        let is_short = radians <= INTERVAL * MOST as f64;
-        if modes > MOST_MODES || flight.shapes.is_empty() || !is_short {
+    /// Takes over a flight that lasts for `horizon`. `false` if another way is better.
+    pub(crate) fn set(&mut self, flight: Flight<'_>, forces: Forces<'_>, horizon: f64) -> bool {
+        let Flight { frequencies, shapes, .. } = flight;
+        let (modes, intervals) = (frequencies.len(), horizon * flight.fastest / INTERVAL);
+        let most = if matches!(forces, Forces::Ring { .. }) { MOST } else { MOST_OF_ANY };
+        let is_short = intervals <= most as f64;
+        if shapes.is_empty() || !is_short {
             return false;
         }
-        self.intervals = FEWEST.max((radians / INTERVAL).ceil() as usize);
-        self.groups = groups(modes);
+        match forces {
+            Forces::Ring { .. } if modes > MOST_MODES => return false,
+            Forces::Ring { .. } => {
+                self.intervals = FEWEST.max(intervals.ceil() as usize);
+                self.groups = groups(modes);
+                self.mode_groups = self.groups;
+            }
+            Forces::Any(_) => {
+                self.intervals = IN_WINDOW * ((intervals / IN_WINDOW as f64).ceil() as usize).max(1);
+                (self.groups, self.mode_groups) = (shapes.len() / modes, modes.div_ceil(LANES));
+            }
+        }
         self.step = horizon / self.intervals as f64;
-        let size = (self.intervals + 1) * self.groups;
-        for list in [&mut self.displacements, &mut self.velocities, &mut self.values, &mut self.accelerations] {
-            list.resize(size, [0.0; LANES]);
+        let nodes = self.intervals + 1;
+        for list in [&mut self.displacements, &mut self.velocities] {
+            list.resize(nodes * self.mode_groups, [0.0; LANES]);
+        }
+        for list in [&mut self.values, &mut self.accelerations] {
+            list.resize(nodes * self.groups, [0.0; LANES]);
         }
         self.extremes.resize(self.groups, [[0.0; LANES]; 3]);
         self.frequencies.clear();
-        self.frequencies.resize(self.groups, [0.0; LANES]);
+        self.frequencies.resize(self.mode_groups, [0.0; LANES]);
         self.frequencies.as_flattened_mut().iter_mut().zip(frequencies).for_each(|(slot, value)| *slot = *value);
+        let (stiffnesses, watched) = match forces {
+            Forces::Ring { stiffnesses, watched } => (stiffnesses, watched),
+            Forces::Any(pulls) => {
+                self.sample_any(flight, pulls);
+                self.bound_any(flight, pulls);
+                return true;
+            }
+        };
         // With the number of groups known to the compiler, rows stay in registers.
         match self.groups {
-            1 => self.sample::<1>(flight, watched),
-            2 => self.sample::<2>(flight, watched),
-            3 => self.sample::<3>(flight, watched),
-            4 => self.sample::<4>(flight, watched),
-            6 => self.sample::<6>(flight, watched),
-            8 => self.sample::<8>(flight, watched),
-            12 => self.sample::<12>(flight, watched),
+            1 => self.sample::<1>(flight, stiffnesses, watched),
+            2 => self.sample::<2>(flight, stiffnesses, watched),
+            3 => self.sample::<3>(flight, stiffnesses, watched),
+            4 => self.sample::<4>(flight, stiffnesses, watched),
+            6 => self.sample::<6>(flight, stiffnesses, watched),
+            8 => self.sample::<8>(flight, stiffnesses, watched),
+            12 => self.sample::<12>(flight, stiffnesses, watched),
             _ => return false,
         }
-        self.bound(flight, watched)
+        self.bound(stiffnesses, watched)
     }
 
     /// Modes and masses at all nodes, and the extremes of the latter.
-    fn sample<const G: usize>(&mut self, flight: Flight<'_>, watched: &DistinctMasses) {
+    fn sample<const G: usize>(&mut self, flight: Flight<'_>, (gamma1, gamma2): (f64, f64), watched: &DistinctMasses) {
         let turns = self.turns::<G>();
         let [mut u, mut w] = flight.start.map(row::<G>);
         let last = watched.sites().len() - 1;
         // Two masses may have neighbours that are not next to them in a row.
         let ends = [0, last].map(|mass| (mass, watched.left()[mass], watched.right()[mass]));
-        let (gamma1, gamma2) = flight.stiffnesses;
         let (own, side) = (-(gamma1 + 2.0 * gamma2), gamma2);
         let shapes = flight.shapes.as_chunks::<G>().0;
         let states = rows_mut::<G>(&mut self.displacements).zip(rows_mut::<G>(&mut self.velocities));
@@ -170,8 +229,7 @@ impl Grid {
     /// negative entry, so that R ≤ r for every r with (I − C)r ≥ A: r = Σ_m θ^|n−m| A_m/(1 − c₁ − 5c₂),
     /// θ = c₂/(1 − c₁ − 4c₂), is one, if the sum takes the mirror images beyond both ends of the half ring. `false` where
     /// these could matter.
-    fn bound(&mut self, flight: Flight<'_>, watched: &DistinctMasses) -> bool {
-        let (gamma1, gamma2) = flight.stiffnesses;
+    fn bound(&mut self, (gamma1, gamma2): (f64, f64), watched: &DistinctMasses) -> bool {
         let eighth = 0.125 * self.step * self.step;
         let (c1, c2) = (eighth * gamma1, eighth * gamma2);
         let theta = c2 / (1.0 - c1 - 4.0 * c2);
@@ -231,16 +289,25 @@ impl Grid {
         self.values.as_flattened()[place]
     }
 
-    /// How close to a barrier each mass could come in the whole flight, at asymmetry `a`.
-    pub(crate) fn reaches(&mut self, a: f64) -> &[f64] {
+    /// How close to a barrier each mass could come in the whole flight.
+    pub(crate) fn reaches(&mut self, gap: impl Fn(usize) -> Gap) -> &[f64] {
         let slack = 0.125 * self.step * self.step;
-        let extremes = self.extremes.iter().flat_map(|[low, high, _]| low.iter().zip(high));
         self.reaches.clear();
-        self.reaches.extend(extremes.zip(&self.seconds).map(|((low, high), second)| {
-            let out = if a - low > high - a { a - low } else { high - a };
-            1.0 - out - slack * second
-        }));
+        let seconds = self.seconds.chunks(LANES).zip(&self.extremes).enumerate();
+        for (group, (seconds, [low, high, _])) in seconds {
+            for (lane, second) in seconds.iter().enumerate() {
+                let (Gap { centre, half }, low, high) = (gap(group * LANES + lane), low[lane], high[lane]);
+                let out = if centre - low > high - centre { centre - low } else { high - centre };
+                self.reaches.push(half - out - slack * second);
+            }
+        }
         &self.reaches
+    }
+
+    /// How far from rest a mass could be in the whole flight.
+    pub(crate) fn excursion(&self, mass: usize) -> f64 {
+        let [low, high, _] = &self.extremes[mass / LANES];
+        low[mass % LANES].abs().max(high[mass % LANES].abs()) + self.slack(mass)
     }
 
     /// How far between two nodes a mass can leave the range of its values there.
@@ -255,42 +322,56 @@ impl Grid {
     }
 
     /// A bound on |v⃜| of a mass in the whole flight.
-    pub(crate) fn fourth(&self, flight: Flight<'_>, watched: &DistinctMasses, mass: usize) -> f64 {
-        let (gamma1, gamma2) = flight.stiffnesses;
+    pub(crate) fn fourth(&self, forces: Forces<'_>, mass: usize) -> f64 {
+        let Forces::Ring { stiffnesses: (gamma1, gamma2), watched } = forces else { return self.fourths[mass] };
         let sides = self.seconds[watched.left()[mass]] + self.seconds[watched.right()[mass]];
         (gamma1 + 2.0 * gamma2) * self.seconds[mass] + gamma2 * sides
     }
 
-    /// The shapes of a mass, as cos(2πkn/M) is symmetric in k and n.
-    fn shapes<'a>(&self, flight: Flight<'a>, mass: usize) -> &'a [Lane] {
-        flight.shapes.get(mass * self.groups..(mass + 1) * self.groups).unwrap_or_default()
+    /// The shapes of a mass, into `column` where they have to be gathered: of a ring cos(2πkn/M) is symmetric in k and n.
+    pub(crate) fn shapes<'a>(
+        &self,
+        flight: Flight<'a>,
+        forces: Forces<'_>,
+        mass: usize,
+        column: &'a mut Vec<Lane>,
+    ) -> &'a [Lane] {
+        if let Forces::Ring { .. } = forces {
+            return flight.shapes.get(mass * self.groups..(mass + 1) * self.groups).unwrap_or_default();
+        }
+        let rows = flight.shapes.chunks_exact(self.groups);
+        fill(column, rows.map(|row| row[mass / LANES][mass % LANES]), 0.0);
+        column
     }
 
-    /// A mass has no turning point in an interval, other than the ends of the flight that are `known` to be one; `fourth` is the
-    /// bound on its |v⃜|.
+    /// A mass of these shapes has no turning point in an interval, other than the ends of the flight that are `known` to be one; `fourth` is the
+    /// bound on its |v⃜|, and closer places than `resolution` are not told apart.
     pub(crate) fn is_monotone(
         &self,
-        (flight, mass): (Flight<'_>, usize),
+        (shapes, mass): (&[Lane], usize),
         interval: usize,
-        fourth: f64,
+        (fourth, resolution): (f64, f64),
         known: [bool; 2],
     ) -> bool {
-        let shapes = self.shapes(flight, mass);
-        let [first, last] = [interval, interval + 1].map(|node| dot(shapes, &self.velocities[node * self.groups..]));
+        let [first, last] =
+            [interval, interval + 1].map(|node| dot(shapes, &self.velocities[node * self.mode_groups..]));
         let (place, accelerations) = (interval * self.stride() + mass, self.accelerations.as_flattened());
         let (before, after) = (accelerations[place], accelerations[place + self.stride()]);
         // The third derivative is within B₄h of its mean.
         let bend = (after - before).abs() + fourth * self.step * self.step;
         let straight = (first > 0.0) == (last > 0.0) && first.abs().min(last.abs()) > 0.125 * bend * self.step;
+        // A contact of a structure may feel an impact of another one: it has a corner there.
+        let is_still = |velocity: f64, other: f64| {
+            velocity.abs() <= STILL * other.abs() || velocity.abs() * self.step <= resolution
+        };
         straight
-            || (interval == 0 && known[0] && before.abs() > 0.5 * bend)
-            || (interval + 1 == self.intervals && known[1] && after.abs() > 0.5 * bend)
+            || (interval == 0 && known[0] && before.abs() > 0.5 * bend && is_still(first, last))
+            || (interval + 1 == self.intervals && known[1] && after.abs() > 0.5 * bend && is_still(last, first))
     }
 
-    /// The motion of a mass from a node on, in units of an interval.
-    pub(crate) fn polynomial(&mut self, flight: Flight<'_>, mass: usize, node: usize) -> Polynomial {
-        let shapes = self.shapes(flight, mass);
-        let from = node * self.groups;
+    /// The motion of a mass of these shapes from a node on, in units of an interval.
+    pub(crate) fn polynomial(&mut self, shapes: &[Lane], node: usize) -> Polynomial {
+        let from = node * self.mode_groups;
         let states = self.displacements.iter().zip(&self.velocities).skip(from);
         let step = f64x4::splat(self.step);
         self.scratch.clear();
@@ -314,7 +395,7 @@ pub(crate) fn turn(frequency: f64x4, step: f64x4) -> [f64x4; 3] {
 }
 
 /// γ₁ and γ₂ of a ring, the latter without effect on a single mass.
-pub(crate) fn stiffnesses(chain: &Chain) -> (f64, f64) {
+fn stiffnesses(chain: &Chain) -> (f64, f64) {
     (chain.gamma1(), if chain.sites() > 1 { chain.gamma2() } else { 0.0 })
 }
 
