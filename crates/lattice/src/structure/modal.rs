@@ -155,7 +155,13 @@ impl ModalStructure {
 
     /// All periodic loads times `factor`, the static one times `still`.
     pub fn with_loads_times(&self, factor: f64, still: f64) -> Self {
-        let mut structure = self.clone();
+        self.clone().into_loads_times(factor, still)
+    }
+
+    /// The same of a structure that is not needed otherwise: its modes are not copied.
+    #[must_use]
+    pub fn into_loads_times(self, factor: f64, still: f64) -> Self {
+        let mut structure = self;
         if (factor, still) == (1.0, 1.0) {
             return structure;
         }

@@ -64,8 +64,14 @@ impl RowOfModels {
                 Ok(scene)
             });
             let omega_alone = fast.is_some_and(|axis| axis.parameter == Setting::Omega);
-            self.base = scene.as_ref().ok().filter(|_| omega_alone).and_then(|scene| scene.model().ok());
-            (self.row, self.scene) = (Some(row), Some(scene));
+            (self.row, self.base, self.scene) = (Some(row), None, None);
+            match scene {
+                Ok(scene) if omega_alone && scene.omega().is_some() => match scene.into_model() {
+                    Ok(base) => self.base = Some(base),
+                    Err(error) => self.scene = Some(Err(error)),
+                },
+                scene => self.scene = Some(scene),
+            }
         }
         if let (Some(base), Some(fast)) = (&self.base, fast) {
             return base.at(fast.value(column)).map_err(|error| error.to_string());

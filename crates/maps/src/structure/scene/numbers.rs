@@ -104,6 +104,16 @@ impl StructureScene {
         structure.map(Arc::new).map_err(|error| error.to_string())
     }
 
+    /// The model of a scene of which nothing else is asked: its modes are not copied.
+    ///
+    /// # Errors
+    /// As [`StructureScene::model`].
+    pub(crate) fn into_model(mut self) -> Result<StructureModel, String> {
+        self.modal = Arc::new(Arc::unwrap_or_clone(self.modal).into_loads_times(self.load, self.still));
+        (self.load, self.still) = (1.0, 1.0);
+        self.model()
+    }
+
     /// The model with its values as they are now.
     ///
     /// # Errors
