@@ -77,21 +77,6 @@ impl Steady {
         }
     }
 
-    /// What an error of one unit in the last place of all data changes of [`Steady::at`], at most, over that unit.
-    pub fn sensitivity(&self, site: usize) -> Wave {
-        let Some(chain) = &self.walls else { return self.wave };
-        let n = site % chain.length();
-        self.wave.scaled(|term| {
-            let own = held(chain, term.rate, n);
-            let step = (NUDGE * term.rate).min(NEARER * resonance_distance(chain, term.rate));
-            let [below, above] = [-step, step].map(|step| held(chain, term.rate + step, n));
-            // γ₁, γ₂ and w enter as Ω² and w², which a mode below w outweighs less and one above it more.
-            let stiffness = chain.gamma1() + 4.0 * chain.gamma2();
-            let slope = term.rate * (above - below).abs() / (2.0 * step);
-            FEW * (own.abs() + slope * (1.0 + stiffness / (term.rate * term.rate)))
-        })
-    }
-
     /// A bound of a derivative of the motion at all sites and times.
     #[inline]
     pub fn bound(&self, order: i32) -> f64 {
@@ -114,21 +99,6 @@ impl Steady {
     pub fn uniform(&self) -> Option<&Wave> {
         self.walls.is_none().then_some(&self.wave)
     }
-}
-
-/// How far frequencies are moved to see what that changes: the root of rounding leaves half of all digits.
-const NUDGE: f64 = 1e-7;
-
-/// A step that does not come near a resonance.
-const NEARER: f64 = 1.0 / 64.0;
-
-/// Roundings of g.
-const FEW: f64 = 8.0;
-
-fn resonance_distance(chain: &Chain, w: f64) -> f64 {
-    let spectrum = Spectrum::new(Chain::alone_with(chain));
-    let nearest = |least: f64, frequency: &f64| least.min((frequency - w).abs());
-    spectrum.frequencies().iter().step_by(2).fold(f64::INFINITY, nearest)
 }
 
 /// γ₁ − w², with one rounding of the square.
@@ -222,28 +192,5 @@ mod tests {
         assert!(
             chain.point().omega(0.5).asymmetry(0.1).amplitude(0.3).restitution(0.9).model().unwrap().steady().is_ok()
         );
-    }
-
-    #[test]
-    fn sensitivity_is_what_changes_of_the_data_do() {
-        let at = |gamma1: f64, gamma2: f64, omega: f64, n: usize| {
-            let chain = Chain::new(6, gamma1, gamma2).unwrap().with_ends(Ends::Fixed);
-            let point = chain.point().omega(omega).asymmetry(0.1);
-            point.amplitude(0.3).restitution(0.9).model().unwrap().steady().unwrap().at(n).terms()[0].amplitude
-        };
-        let h = 1e-7;
-        for omega in [0.2, 0.55, 0.61, 0.7, 2.0] {
-            let chain = Chain::new(6, 0.25, 0.1).unwrap().with_ends(Ends::Fixed);
-            let point = chain.point().omega(omega).asymmetry(0.1);
-            let steady = point.amplitude(0.3).restitution(0.9).model().unwrap().steady().unwrap();
-            for n in 0..6 {
-                let bound = steady.sensitivity(n).terms()[0].amplitude;
-                let own = at(0.25, 0.1, omega, n);
-                let moved = [(1.0 + h, 1.0, 1.0), (1.0, 1.0 + h, 1.0), (1.0, 1.0, 1.0 + h)]
-                    .map(|(a, b, c)| (at(0.25 * a, 0.1 * b, omega * c, n) - own).abs() / h);
-                assert!(moved.iter().all(|moved| *moved <= bound), "{omega} {n}: {moved:?} {bound}");
-                assert!(moved.iter().fold(own.abs(), |most, moved| most.max(*moved)) * 300.0 > bound, "{omega} {n}");
-            }
-        }
     }
 }

@@ -25,21 +25,6 @@ impl ImpulseResponse {
         self.sensitivity_at(0, t)
     }
 
-    /// As [`ImpulseResponse::sensitivity`], for K_n and its derivatives at the site `site`.
-    pub fn sensitivity_at(&self, site: usize, t: f64) -> KernelJet {
-        self.response_to(site, 0, t)
-    }
-
-    /// As [`ImpulseResponse::sensitivity`], for [`ImpulseResponse::jet_between`].
-    pub fn sensitivity_between(&self, to: usize, from: usize, t: f64) -> KernelJet {
-        let mut sum = self.response_to(to, from, t);
-        if !self.is_home(to, from) {
-            // The frequency twice, the period once, a few operations.
-            sum.value += 6.0 * (0..self.modes()).map(|k| self.static_drop(k, to, from).abs()).sum::<f64>();
-        }
-        sum
-    }
-
     /// 2|y cot y|: relative change of the amplitude of mode `k` when frequency and period change by a relative unit each;
     /// Ω/|Ω−jω| and more next to a resonance. 0 for soft modes, y < 1, whose terms are regular.
     fn mode_detuning(&self, k: usize) -> f64 {
@@ -47,12 +32,13 @@ impl ImpulseResponse {
         if y < 1.0 { 0.0 } else { 2.0 * y * (self.cos_half()[k] / self.sin_half()[k]).abs() }
     }
 
-    fn response_to(&self, to: usize, from: usize, t: f64) -> KernelJet {
+    /// As [`ImpulseResponse::sensitivity`], for K_n and its derivatives at the site `site`.
+    pub fn sensitivity_at(&self, site: usize, t: f64) -> KernelJet {
         let t = self.fold(t);
         let offset = t - 0.5 * self.period();
         let mut sum = KernelJet::default();
         for (k, (&frequency, &weight)) in self.frequencies().iter().zip(self.weights()).enumerate() {
-            let weight = weight * self.shapes().even(k, to, from).abs();
+            let weight = weight * self.shapes().even(k, site, 0).abs();
             let y = 0.5 * frequency * self.period();
             if y < 1.0 {
                 // All terms are of one sign or regular in y: a few units each, and what a change of t and T does.
