@@ -10,9 +10,9 @@
 //! |v⃜_n| ≤ (γ₁+2γ₂)|v̈_n| + γ₂(|v̈_(n−1)| + |v̈_(n+1)|) ,
 //! ```
 //!
-//! as small as what moves: far masses are displaced, but hardly swing. Of a structure M⁻¹K tells the same; where there are none, modes with shapes φ that reach as
-//! far as r, |v⃜| ≤ Σ |φ|Ω⁴r. That settles all but a few intervals of the masses
-//! next to the breather; those get their own Taylor polynomial from the modes.
+//! as small as what moves: far masses are displaced, but hardly swing. Of a structure M⁻¹K tells the same; where that is not known, modes do, by
+//! their shapes φ and reaches r: |v⃜| ≤ Σ |φ|Ω⁴r. That settles all but a few intervals of the masses next to the breather; those get their own Taylor
+//! polynomial from the modes.
 
 mod any;
 pub(crate) mod diagonals;
@@ -31,9 +31,10 @@ pub(crate) const INTERVAL: f64 = 0.5;
 /// Intervals at least: the ends are looked at in a way of their own.
 const FEWEST: usize = 4;
 
-/// Intervals at most: from one to the next the modes are turned on, and rounding adds up. Longer flights go by windows, which of a structure
-/// without loads cost ten times as much.
+/// Intervals at most: from one to the next the modes are turned on, and rounding adds up. Longer flights go by windows.
 const MOST: usize = 24;
+
+/// The same of any structure, of which windows cost ten times as much.
 const MOST_OF_ANY: usize = 64;
 
 /// Radians of the fastest mode at most of any structure.
