@@ -70,7 +70,7 @@ impl Closest {
             if distance < self.distance - ALIKE * distance.abs().max(gap.half) || self.distance == f64::INFINITY {
                 *self = Self { distance, site, barrier, time };
             } else {
-                // Of approaches that only rounding tells apart, as symmetry has them, the first one.
+                // Approaches that a symmetry makes alike differ by rounding: the first one is told.
                 self.distance = self.distance.min(distance);
             }
         }

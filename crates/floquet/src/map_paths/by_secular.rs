@@ -82,6 +82,7 @@ impl Analyser {
             .filter(|(most, value)| *most > 0.0 && value.im >= 0.0)
             .collect();
         open.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+        // Of those that are left with the errors they have the first one tells how far outside they may be.
         open.truncate(refined_at_most + 1);
         open.shrink_to_fit();
         let Posed { equations, data, .. } = posed(question, finder)?;

@@ -83,7 +83,7 @@ mod tests {
     use super::*;
     use crate::admissible::grid::{Forces, Grid};
 
-    /// Values and accelerations at the nodes, and bounds between them, against sums of cosines and sines.
+    /// At the nodes values and accelerations are sums of cosines and sines of the modes, and between them these stay within the bounds.
     #[test]
     fn nodes_and_bounds_of_any_structure_hold() {
         let mut random = fastrand::Rng::with_seed(3);

@@ -345,8 +345,8 @@ impl Grid {
         column
     }
 
-    /// A mass of these shapes has no turning point in an interval, other than the ends of the flight that are `known` to be one; `fourth` is the
-    /// bound on its |v⃜|, and closer places than `resolution` are not told apart.
+    /// Whether a mass of these shapes surely does not turn in an interval, but at those ends of the flight where it is `known` to; `fourth` is the
+    /// bound on its |v⃜|, and places closer than `resolution` are not told apart.
     pub(crate) fn is_monotone(
         &self,
         (shapes, mass): (&[Lane], usize),

@@ -37,8 +37,8 @@ impl Shift {
 }
 
 impl BlochEquations {
-    /// Of an orbit that may begin at any time, leaves out of the equations its own derivative s, δt alike for all impacts, for which J(1)s = 0 and
-    /// sᵀJ(1) = 0: with s in place of one δt, and its row and column divided by z−1,
+    /// Leaves its own derivative s out of the equations of an orbit that may begin at any time: s is the same δt for all impacts, J(1)s = 0 and
+    /// sᵀJ(1) = 0. It takes the place of one δt, and its row and column are divided by z−1,
     ///
     /// ```text
     /// (J(z)s)/(z−1) = −Σ A_k R_k(z−R_k)⁻¹ (1−R_k)⁻¹C_k s,     the row alike, the corner with (1−R_k)⁻².

@@ -60,7 +60,7 @@ impl Modes {
     }
 }
 
-/// Two numbers of all modes a window later, the second one over Ω.
+/// Turns the modes on by a window: what they are, and their rates over Ω.
 fn turn_on([place, speed]: &mut [Lanes; 2], turn: &[Lanes; 2]) {
     for g in 0..place.len() {
         let ([x, y], [cos, sin]) = ([four(place[g]), four(speed[g])], [0, 1].map(|i| four(turn[i][g])));

@@ -98,7 +98,7 @@ impl MapOrbit {
         &self.impulses[..1 + usize::from(self.phi.is_some())]
     }
 
-    /// Times of the impacts: 0, and T/2 if they are two of a physical orbit.
+    /// Times of the impacts. The second one of a physical orbit is at T/2.
     pub fn times(&self) -> impl Iterator<Item = f64> + Clone {
         [Some(0.0), self.phi].into_iter().flatten()
     }
@@ -132,7 +132,7 @@ impl MapOrbit {
     }
 }
 
-/// Contacts that are looked at, the one that is hit first, and what they see of the modes.
+/// The contacts that are looked at, first the one that is hit, and what they see of the modes.
 #[derive(Clone, Copy)]
 struct Sights<'a> {
     modes: &'a Modes,
@@ -237,8 +237,8 @@ impl Finder {
         let width = stops.lower.zip(stops.upper).map_or(f64::INFINITY, |(lower, upper)| upper - lower);
         let margin = closest.distance.min(width);
         let crossing = (margin <= 0.0).then(|| obstruction(closest));
-        if let (Some(_), MapSearch::One(first)) = (crossing, &blocked) {
-            return Some(MapSearch::One(first.clone()));
+        if crossing.is_some() && matches!(blocked, MapSearch::One(_)) {
+            return Some(blocked);
         }
         let ratio_error = second.map(|_| errors.iter().sum::<f64>() + 4.0 * f64::EPSILON);
         let phi = second.map(|_| half);
@@ -255,14 +255,13 @@ impl Sights<'_> {
     /// Where contacts come nearest to a barrier, or what is first in the way, in half a period after the first of these impulses, of one or two half a
     /// period apart. `None` where that takes too many nodes.
     fn closest(self, on_grid: &mut OnGrid, impulses: [f64; 2], half: f64, one: bool) -> Option<Closest> {
-        let (mut closest, mut first) = (Closest::NONE, Closest::NONE);
         self.on_grid(on_grid, (impulses, 0.0), half, Ends { one, turning: true }, |on_grid, watched, gaps| {
+            let mut closest = Closest::NONE;
             on_grid.closest(watched, |mass| gaps[mass], Depth::First, &mut closest);
-            if closest.distance <= 0.0 {
-                first = on_grid.first_beyond(watched, |mass| gaps[mass]);
-            }
-        })?;
-        Some(if first.distance <= 0.0 { first } else { closest })
+            let is_beyond = closest.distance <= 0.0;
+            let first = is_beyond.then(|| on_grid.first_beyond(watched, |mass| gaps[mass]));
+            first.filter(|first| first.distance <= 0.0).unwrap_or(closest)
+        })
     }
 
     /// What is first in the way of two impacts of which the second is by s less than half a period after the first; `None` unless something surely
@@ -272,14 +271,14 @@ impl Sights<'_> {
         let flights = [((impulses, -s), half - s), (([second, first], s), half + s)];
         let mut before = 0.0;
         for (start, whole) in flights {
-            let mut found = None;
-            self.on_grid(on_grid, start, whole, Ends { one: false, turning: false }, |on_grid, watched, gaps| {
+            let ends = Ends { one: false, turning: false };
+            let (beyond, is_sure) = self.on_grid(on_grid, start, whole, ends, |on_grid, watched, gaps| {
                 let beyond = on_grid.first_beyond(watched, |mass| gaps[mass]);
                 let place = self.order.iter().position(|contact| *contact == beyond.site);
                 let size = place.map_or(0.0, |place| gaps[place].half);
-                found = (beyond.distance <= 0.0).then_some((beyond, beyond.distance < -DELICATE * size));
+                (beyond, beyond.distance < -DELICATE * size)
             })?;
-            if let Some((beyond, is_sure)) = found {
+            if beyond.distance <= 0.0 {
                 return is_sure.then_some(Closest { time: before + beyond.time, ..beyond });
             }
             before = whole;
@@ -287,15 +286,16 @@ impl Sights<'_> {
         None
     }
 
-    /// Looks at the flight that begins with the first of two impulses and lasts for `whole`; the other one is s later than half a period.
-    fn on_grid(
+    /// What `look` tells of the flight that begins with the first of two impulses and lasts for `whole`; the other one is s later than half a
+    /// period. `None` where that takes too many nodes.
+    fn on_grid<T>(
         self,
         on_grid: &mut OnGrid,
         (impulses, s): ([f64; 2], f64),
         whole: f64,
         ends: Ends,
-        look: impl FnOnce(&mut OnGrid, Watched<'_>, &[Gap]),
-    ) -> Option<()> {
+        look: impl FnOnce(&mut OnGrid, Watched<'_>, &[Gap]) -> T,
+    ) -> Option<T> {
         let Self { modes, view, order, contacts, forces } = self;
         let start = modes.start(impulses, s);
         let flight = Flight {
@@ -315,8 +315,7 @@ impl Sights<'_> {
         gaps.extend(order.iter().enumerate().map(gap));
         // Where there is no contact there is room enough.
         gaps.resize(still.len(), Gap { centre: 0.0, half: f64::INFINITY });
-        look(on_grid, Watched { flight, forces, sites: order, ends }, &gaps);
-        Some(())
+        Some(look(on_grid, Watched { flight, forces, sites: order, ends }, &gaps))
     }
 }
 

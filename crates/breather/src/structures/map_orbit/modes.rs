@@ -17,7 +17,7 @@ const TURNED_ON: f64 = 256.0 * f64::EPSILON;
 /// Errors of a kernel where its derivative vanishes, as a part of its terms.
 const STATIONARY: f64 = 1e-13;
 
-/// Of impulses that errors move by more than this part of them signs may be rounding.
+/// Where errors may move impulses by more than this part of them, their signs may be rounding.
 pub(super) const DELICATE: f64 = 1e-6;
 
 /// Modes as the contact that is hit feels them, four at a time, and half a period.
