@@ -244,8 +244,13 @@ impl<'a> StructureMotion<'a> {
 /// A bound of the length of a mode's state, or of its derivative of some order, in a flight of length `left`.
 pub(super) fn reach(flow: ModeFlow, state: [f64; 2], left: f64, order: u32) -> f64 {
     let ModeFlow { turn, decay, rate } = flow;
-    let generator = Turned { even: -decay, odd: rate };
-    let size = length((0..order).fold(state, |xi, _| turn.act(generator, xi)));
+    let size = if turn == Turn::Circular {
+        // There the generator turns and stretches.
+        (0..order).fold(length(state), |size, _| size * length([decay, rate]))
+    } else {
+        let generator = Turned { even: -decay, odd: rate };
+        length((0..order).fold(state, |xi, _| turn.act(generator, xi)))
+    };
     let dying = if decay < 0.0 { (-decay * left).exp() } else { 1.0 };
     match turn {
         Turn::Circular => size * dying,
@@ -269,11 +274,17 @@ fn after_impact(orbit: &StructureOrbit, kernel: &PeriodicKernel, i: usize) -> Ve
         } else {
             impacts[i].time - other.time + period
         };
-        let flights = Turn::flights(modes.iter().map(|(mode, _)| mode.flow()), past);
-        for ((state, (mode, sum)), flight) in states.iter_mut().zip(&modes).zip(flights) {
-            let by = if past == 0.0 { *sum } else { mode.turn.product(flight, *sum) };
+        let give = |state: &mut [f64; 2], mode: &LinearMode, by: Turned| {
             let given = mode.turn.act(by, mode.columns[other.site].map(|x| x * other.impulse));
             *state = [state[0] + given[0], state[1] + given[1]];
+        };
+        if past == 0.0 {
+            states.iter_mut().zip(&modes).for_each(|(state, (mode, sum))| give(state, mode, *sum));
+            continue;
+        }
+        let flights = Turn::flights(modes.iter().map(|(mode, _)| mode.flow()), past);
+        for ((state, (mode, sum)), flight) in states.iter_mut().zip(&modes).zip(flights) {
+            give(state, mode, mode.turn.product(flight, *sum));
         }
     }
     states

@@ -17,6 +17,10 @@ type C = Complex<f64>;
 /// Motions of two contacts that differ by no more than this part of them are one.
 const ALIKE: f64 = 1e-13;
 
+fn are_near(a: C, b: C) -> bool {
+    (a - b).norm_sqr() <= ALIKE * ALIKE * a.norm_sqr()
+}
+
 /// What contacts do after impacts at some of them, under the loads, and under the static one.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Response {
@@ -130,17 +134,22 @@ impl FixedPart {
         View::new(&modes, swings, (order, |contact| self.still(contact)))
     }
 
+    /// Whether loads move contacts alike that are mirror images of each other.
+    fn are_twins_alike(&self, swings: &[(f64, Vec<C>)]) -> bool {
+        let twins = || self.felt.twins.iter().enumerate().filter(|(contact, first)| contact != *first);
+        swings.iter().all(|(_, swing)| twins().all(|(contact, &first)| are_near(swing[first], swing[contact])))
+    }
+
     /// Contacts with a barrier, those that are hit first: the others are seldom nearer. Of those that do the same, as mirror images of each
     /// other have it, between barriers at the same places one.
     fn watched(&self, contacts: &[Contact], swings: &[(f64, Vec<C>)]) -> Vec<usize> {
         let is_hit = |contact: usize| self.mobilities.iter().any(|(hit, _)| *hit == contact);
         let stops = |contact: usize| (contacts[contact].lower, contacts[contact].upper);
-        let near = |a: C, b: C| (a - b).norm_sqr() <= ALIKE * ALIKE * a.norm_sqr();
         let real = |contact: usize| C::new(self.still[contact], 0.0);
         let are_alike = |one: usize, other: usize| {
             stops(one) == stops(other)
-                && near(real(one), real(other))
-                && swings.iter().all(|(_, swing)| near(swing[one], swing[other]))
+                && are_near(real(one), real(other))
+                && swings.iter().all(|(_, swing)| are_near(swing[one], swing[other]))
         };
         let is_first = |contact: &usize| {
             let first = self.felt.twins[*contact];
@@ -221,12 +230,25 @@ impl Response {
 
     /// The contacts that may come to a barrier, and what they see of flights; without loads both are the same at all frequencies.
     pub(super) fn view(&self, contacts: &[Contact]) -> Arc<(Vec<usize>, Option<View>)> {
+        let fixed = &self.fixed;
         let made = || {
-            let order = self.fixed.watched(contacts, &self.swings);
+            let order = fixed.watched(contacts, &self.swings);
             let view = self.view_of(&order);
             Arc::new((order, view))
         };
-        if self.fixed.forced || self.fixed.self_excited { made() } else { self.fixed.view.get_or_init(made).clone() }
+        if !self.kernel.is_whole() {
+            return made();
+        }
+        if !fixed.is_held || !fixed.are_twins_alike(&self.swings) {
+            let is_fixed = !fixed.forced && !fixed.self_excited;
+            return if is_fixed { fixed.view.get_or_init(made).clone() } else { made() };
+        }
+        let unforced = fixed.view(contacts);
+        if self.swings.is_empty() {
+            return unforced;
+        }
+        let (order, view) = &*unforced;
+        Arc::new((order.clone(), view.as_ref().map(|view| view.under(&self.swings, order))))
     }
 
     /// What these contacts see of flights.

@@ -1,13 +1,16 @@
 //! What contacts see of an orbit's flights, four modes at a time.
 
 use smallvec::{SmallVec, smallvec};
-use vibrochain_lattice::simd::lanes::{LANES, Lane, four};
+use vibrochain_lattice::simd::lanes::{LANES, Lane, all, four};
 use vibrochain_lattice::{Complex, LinearMode, ModeFlow, Turn, Turned};
 
 use super::periodic_kernel::length;
 
 /// As many groups as a structure of sixteen modes has without asking for memory.
 pub(super) type Lanes = SmallVec<[Lane; 4]>;
+
+/// First coordinates of all parts, and second ones behind, four at a time.
+pub(super) type Node = SmallVec<[Lane; 8]>;
 
 /// What contacts see of an orbit's flights: the modes and the motion under a load, which is one mode more, that nothing damps.
 #[derive(Debug, PartialEq)]
@@ -33,9 +36,10 @@ pub(super) struct Sights {
 #[derive(Debug, PartialEq)]
 pub(super) struct Flow([Lanes; 3]);
 
-/// The two coordinates of all parts.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Node(pub(super) [Lanes; 2]);
+/// How a motion under a load moves.
+fn swing_flow(rate: f64) -> ModeFlow {
+    ModeFlow { turn: Turn::Circular, decay: 0.0, rate }
+}
 
 impl Flow {
     pub(super) fn of(flows: &[ModeFlow], by: impl Fn(usize) -> Turned) -> Self {
@@ -49,24 +53,22 @@ impl Flow {
         Self(lanes)
     }
 
-    /// All coordinates turned, times a number.
-    pub(super) fn act(&self, Node([x, y]): &Node, by: f64, Node([next_x, next_y]): &mut Node) {
-        let [keeps, gets, gives] = &self.0;
-        for g in 0..x.len() {
-            let (a, b, by) = (four(x[g]), four(y[g]), four([by; LANES]));
+    /// How coordinates change.
+    fn generator(flows: &[ModeFlow]) -> Self {
+        Self::of(flows, |k| Turned { even: -flows[k].decay, odd: flows[k].rate })
+    }
+
+    /// All coordinates turned, times a number: from one node into another.
+    pub(super) fn act(&self, node: &[Lane], by: f64, next: &mut [Lane]) {
+        let groups = self.0[0].len();
+        let [keeps, gets, gives] = self.0.each_ref().map(|lanes| &lanes[..groups]);
+        let ((x, y), (next_x, next_y)) = (node.split_at(groups), next.split_at_mut(groups));
+        let (y, next_y, by) = (&y[..groups], &mut next_y[..groups], all(by));
+        for g in 0..groups {
+            let (a, b) = (four(x[g]), four(y[g]));
             next_x[g] = ((four(keeps[g]) * a + four(gets[g]) * b) * by).to_array();
             next_y[g] = ((four(keeps[g]) * b + four(gives[g]) * a) * by).to_array();
         }
-    }
-}
-
-impl Node {
-    pub(super) fn zeros(groups: usize) -> Self {
-        Self([(); 2].map(|()| smallvec![[0.0; LANES]; groups]))
-    }
-
-    pub(super) fn put(&mut self, k: usize, state: [f64; 2]) {
-        self.0.iter_mut().zip(state).for_each(|(lanes, value)| lanes.as_flattened_mut()[k] = value);
     }
 }
 
@@ -86,7 +88,7 @@ impl View {
         let both = numbers.len();
         numbers.extend((0..modes.len()).filter(|&k| !modes[k].is_real));
         let mut flows: SmallVec<[_; 16]> = numbers.iter().map(|&k| modes[k].flow()).collect();
-        flows.extend(swings.iter().map(|&(rate, _)| ModeFlow { turn: Turn::Circular, decay: 0.0, rate }));
+        flows.extend(swings.iter().map(|&(rate, _)| swing_flow(rate)));
         let (count, fours) = (flows.len(), contacts.len().div_ceil(LANES));
         let mut shapes = vec![[0.0; LANES]; (2 * count - both) * fours];
         let mut put =
@@ -116,13 +118,49 @@ impl View {
             .map(|mode| length([mode.rate, mode.decay]))
             .chain(swings.iter().map(|(rate, _)| *rate))
             .fold(0.0, f64::max);
-        let generator = Flow::of(&flows, |k| Turned { even: -flows[k].decay, odd: flows[k].rate });
+        let generator = Flow::generator(&flows);
         Some(Self { flows, numbers, both, sights: Sights { shapes, still }, generator, fastest })
     }
 
-    /// The numbers that contacts see at a node.
-    pub(super) fn seen<'n>(&self, Node([x, y]): &'n Node) -> impl Iterator<Item = f64> + Clone + use<'n> {
+    /// The same modes, with motions under loads.
+    pub(super) fn under(&self, swings: &[(f64, Vec<Complex<f64>>)], contacts: &[usize]) -> Self {
+        let Self { numbers, both, sights: Sights { shapes, still }, .. } = self;
+        let mut flows = self.flows.clone();
+        flows.extend(swings.iter().map(|&(rate, _)| swing_flow(rate)));
+        let fours = still.len();
+        let (first, second) = shapes.split_at(numbers.len() * fours);
+        let mut all = Vec::with_capacity(shapes.len() + 2 * swings.len() * fours);
+        for (modes, part) in [(first, 0), (second, 1)] {
+            all.extend_from_slice(modes);
+            for (_, swings) in swings {
+                let from = all.len();
+                all.resize(from + fours, [0.0; LANES]);
+                let slots = all[from..].as_flattened_mut().iter_mut().zip(contacts);
+                slots.for_each(|(slot, &contact)| *slot = [swings[contact].re, swings[contact].im][part]);
+            }
+        }
+        Self {
+            numbers: numbers.clone(),
+            both: *both,
+            sights: Sights { shapes: all, still: still.clone() },
+            generator: Flow::generator(&flows),
+            fastest: swings.iter().map(|(rate, _)| *rate).fold(self.fastest, f64::max),
+            flows,
+        }
+    }
+
+    /// The numbers that contacts see at a node, with those of its derivative.
+    pub(super) fn seen<'n>(
+        &self,
+        node: &'n [Lane],
+        rates: &'n [Lane],
+    ) -> impl Iterator<Item = [f64; 2]> + Clone + use<'n> {
         let (both, count) = (self.both, self.flows.len());
-        x.as_flattened()[..count].iter().chain(&y.as_flattened()[both..count]).copied()
+        let second = node.len() / 2 * LANES;
+        let part = move |from: usize, to: usize| {
+            let [values, rates] = [node, rates].map(|lanes| &lanes.as_flattened()[from..to]);
+            values.iter().zip(rates).map(|(value, rate)| [*value, *rate])
+        };
+        part(0, count).chain(part(second + both, second + count))
     }
 }

@@ -2,7 +2,8 @@
 
 use smallvec::{SmallVec, smallvec};
 use vibrochain_lattice::Turn;
-use vibrochain_lattice::simd::lanes::{LANES, Lane, all, combine, dot, four};
+use vibrochain_lattice::simd::lanes::{LANES, Lane, all, combine, combine_each, four};
+use wide::f64x4;
 
 use super::flight::{StructureMotion, reach};
 use super::periodic_kernel::length;
@@ -18,6 +19,9 @@ const MOST_WINDOWS: f64 = 600.0;
 /// Windows after which states are set anew, so that rounding cannot add up.
 const REFRESH: usize = 32;
 
+/// Groups of orders of a polynomial.
+const FOURS: usize = ORDER / LANES;
+
 /// One flight in windows, on which contacts are polynomials to rounding, some of a structure's, known by their places in a list.
 pub(super) struct Windows<'v> {
     view: &'v View,
@@ -28,36 +32,13 @@ pub(super) struct Windows<'v> {
     pub(super) whole: f64,
     /// What the contacts see that are still looked at, where these are not all.
     kept: Option<Sights>,
-    /// The parts at the beginning.
-    first: Node,
-    /// What a window does to them.
-    step: Flow,
-    /// Where each window starts.
-    starts: Vec<Node>,
-    sighted: Sighted,
-    /// Derivatives over factorials at the start of one of them as contacts see them, once they are asked for.
+    /// The parts where each window starts and where the last one ends, a node after the other.
+    nodes: Vec<Lane>,
+    /// The contacts at both ends of the flight.
+    ends: SmallVec<[Lane; 16]>,
+    /// Derivatives over factorials of what contacts see at the start of a window, [coordinate][order], and the window's number.
     derivatives: Vec<Lane>,
     derived: Option<usize>,
-}
-
-/// Places and velocities of all contacts where they were last looked at, four at a time; and velocities of the parts.
-pub(super) struct Sighted {
-    pub(super) places: Lanes,
-    pub(super) velocities: Lanes,
-    rates: Node,
-}
-
-impl Sighted {
-    /// Looks at all contacts at a node.
-    fn look(&mut self, view: &View, kept: &Option<Sights>, at: &Node) {
-        let Sights { shapes, still } = kept.as_ref().unwrap_or(&view.sights);
-        view.generator.act(at, 1.0, &mut self.rates);
-        combine(shapes, view.seen(at), &mut self.places);
-        combine(shapes, view.seen(&self.rates), &mut self.velocities);
-        for (place, still) in self.places.iter_mut().zip(still) {
-            *place = (four(*place) + four(*still)).to_array();
-        }
-    }
 }
 
 impl<'v> Windows<'v> {
@@ -67,32 +48,65 @@ impl<'v> Windows<'v> {
         if windows > MOST_WINDOWS {
             return None;
         }
-        let length = whole / windows;
-        let (groups, fours) = (view.flows.len().div_ceil(LANES), view.sights.still.len());
-        let mut first = Node::zeros(groups);
-        view.numbers.iter().enumerate().for_each(|(k, &number)| first.put(k, motion.state(i, number)));
+        let (length, count) = (whole / windows, windows as usize);
+        let groups = view.flows.len().div_ceil(LANES);
+        let mut nodes = vec![[0.0; LANES]; (count + 1) * 2 * groups];
+        let (x, y) = nodes.as_flattened_mut().split_at_mut(groups * LANES);
+        for (k, &number) in view.numbers.iter().enumerate() {
+            [x[k], y[k]] = motion.state(i, number);
+        }
         for (k, flow) in view.flows.iter().enumerate().skip(view.numbers.len()) {
             let (sin, cos) = (flow.rate * motion.load_time(i, 0.0)).sin_cos();
-            first.put(k, [cos, -sin]);
+            [x[k], y[k]] = [cos, -sin];
         }
-        let flights = Turn::flights(view.flows.iter().copied(), length);
-        Some(Self {
-            view,
-            length,
-            count: windows as usize,
-            whole,
-            kept: None,
-            step: Flow::of(&view.flows, |k| flights[k]),
-            first,
-            starts: Vec::new(),
-            sighted: Sighted {
-                places: smallvec![[0.0; LANES]; fours],
-                velocities: smallvec![[0.0; LANES]; fours],
-                rates: Node::zeros(groups),
-            },
-            derivatives: Vec::new(),
-            derived: None,
-        })
+        let flow = |t: f64| {
+            let flights = Turn::flights(view.flows.iter().copied(), t);
+            Flow::of(&view.flows, |k| flights[k])
+        };
+        let step = flow(length);
+        for number in 1..=count {
+            let (before, next) = nodes.split_at_mut(number * 2 * groups);
+            if number.is_multiple_of(REFRESH) {
+                flow(number as f64 * length).act(&before[..2 * groups], 1.0, &mut next[..2 * groups]);
+            } else {
+                step.act(&before[(number - 1) * 2 * groups..], 1.0, &mut next[..2 * groups]);
+            }
+        }
+        let (ends, derivatives) = (SmallVec::new(), Vec::new());
+        let mut own = Self { view, length, count, whole, kept: None, nodes, ends, derivatives, derived: None };
+        own.look_at_ends();
+        Some(own)
+    }
+
+    fn sights(&self) -> &Sights {
+        self.kept.as_ref().unwrap_or(&self.view.sights)
+    }
+
+    /// The parts where a window starts, or where the last one ends.
+    fn node(&self, number: usize) -> &[Lane] {
+        let width = 2 * self.view.flows.len().div_ceil(LANES);
+        &self.nodes[number * width..][..width]
+    }
+
+    /// Places and velocities of all contacts at a node.
+    fn look(&self, number: usize, row: &mut [Lane]) {
+        let (node, Sights { shapes, still }) = (self.node(number), self.sights());
+        let mut rates: Node = smallvec![[0.0; LANES]; node.len()];
+        self.view.generator.act(node, 1.0, &mut rates);
+        let (places, velocities) = row.split_at_mut(still.len());
+        combine_each(shapes, self.view.seen(node, &rates), [&mut *places, velocities]);
+        for (place, still) in places.iter_mut().zip(still) {
+            *place = (four(*place) + four(*still)).to_array();
+        }
+    }
+
+    fn look_at_ends(&mut self) {
+        let width = 2 * self.sights().still.len();
+        let mut ends = std::mem::take(&mut self.ends);
+        ends.resize(2 * width, [0.0; LANES]);
+        self.look(0, &mut ends[..width]);
+        self.look(self.count, &mut ends[width..]);
+        self.ends = ends;
     }
 
     /// Looks from here on at the contacts at these places alone, and tells their new ones.
@@ -115,8 +129,7 @@ impl<'v> Windows<'v> {
         };
         let Sights { shapes, still } = &self.view.sights;
         self.kept = Some(Sights { shapes: pick(shapes), still: pick(still).into() });
-        self.sighted.places.truncate(fours);
-        self.sighted.velocities.truncate(fours);
+        self.look_at_ends();
     }
 
     /// When a window starts, since the impact.
@@ -129,99 +142,93 @@ impl<'v> Windows<'v> {
         [number > 0, number + 1 < self.count]
     }
 
-    /// Places and velocities of all contacts at the start of each window and at the end of the last one, four at a time: a row for each.
-    pub(super) fn nodes(&mut self, nodes: &mut Vec<[Lane; 2]>) {
-        nodes.clear();
-        self.starts.clear();
-        let (mut here, mut next) = (self.first.clone(), self.first.clone());
-        for number in 0..=self.count {
-            self.sighted.look(self.view, &self.kept, &here);
-            nodes.extend(
-                self.sighted.places.iter().zip(&self.sighted.velocities).map(|(place, speed)| [*place, *speed]),
-            );
-            if number == self.count {
-                break;
-            }
-            if (number + 1).is_multiple_of(REFRESH) {
-                next = self.node_at(self.start(number + 1));
-            } else {
-                self.step.act(&here, 1.0, &mut next);
-            }
-            self.starts.push(here);
-            here = next.clone();
+    /// Places of all contacts where each window starts and where the last one ends, and behind them velocities, four at a time: a row for each.
+    pub(super) fn rows(&self, rows: &mut Vec<Lane>) {
+        let (first, last) = self.ends.split_at(self.ends.len() / 2);
+        rows.clear();
+        rows.reserve((self.count + 1) * first.len());
+        rows.extend_from_slice(first);
+        rows.resize(self.count * first.len(), [0.0; LANES]);
+        for (number, row) in rows.chunks_exact_mut(first.len()).enumerate().skip(1) {
+            self.look(number, row);
         }
+        rows.extend_from_slice(last);
     }
 
-    /// All parts at a time since the impact.
-    fn node_at(&self, t: f64) -> Node {
-        let flights = Turn::flights(self.view.flows.iter().copied(), t);
-        let mut node = self.first.clone();
-        Flow::of(&self.view.flows, |k| flights[k]).act(&self.first, 1.0, &mut node);
-        node
-    }
-
-    /// Place and velocity of a contact where all were last looked at.
-    fn there(&self, place: usize) -> [f64; 2] {
-        [&self.sighted.places, &self.sighted.velocities].map(|list| list.as_flattened()[place])
-    }
-
-    /// Places and velocities of so many contacts at both ends of the flight.
-    pub(super) fn ends(&mut self, count: usize) -> SmallVec<[[[f64; 2]; 2]; 16]> {
-        let last = self.node_at(self.whole);
-        self.sighted.look(self.view, &self.kept, &self.first);
-        let mut both: SmallVec<[_; 16]> = (0..count).map(|place| [self.there(place); 2]).collect();
-        self.sighted.look(self.view, &self.kept, &last);
-        both.iter_mut().enumerate().for_each(|(place, ends)| ends[1] = self.there(place));
-        both
+    /// Where a contact is at both ends of the flight.
+    pub(super) fn ends(&self, place: usize) -> [f64; 2] {
+        let (first, last) = self.ends.split_at(self.ends.len() / 2);
+        [first, last].map(|row| row.as_flattened()[place])
     }
 
     /// Bounds on the whole flight, of all contacts, four at a time: how far one may be from where it is still, and |g⁗|.
     pub(super) fn bounds(&self) -> [Lanes; 2] {
         let View { flows, both, sights: Sights { shapes, still }, .. } = self.view;
-        let (fours, Node([x, y])) = (still.len(), &self.first);
-        [0, 4].map(|order| {
-            let mut sums: Lanes = smallvec![[0.0; LANES]; fours];
-            for (k, flow) in flows.iter().enumerate() {
-                let state = [x, y].map(|lanes| lanes.as_flattened()[k]);
-                let reach = all(reach(*flow, state, self.whole, order));
-                for (g, sum) in sums.iter_mut().enumerate() {
-                    let mut size = four(shapes[k * fours + g]).abs();
-                    if k >= *both {
-                        let second = shapes[(flows.len() + k - both) * fours + g];
-                        size = four(std::array::from_fn(|i| length([shapes[k * fours + g][i], second[i]])));
-                    }
-                    *sum = (four(*sum) + reach * size).to_array();
-                }
+        let fours = still.len();
+        let (x, y) = self.node(0).split_at(flows.len().div_ceil(LANES));
+        let (x, y) = (x.as_flattened(), y.as_flattened());
+        let mut bounds: [Lanes; 2] = [smallvec![[0.0; LANES]; fours], smallvec![[0.0; LANES]; fours]];
+        let [excursions, fourths] = bounds.each_mut().map(|lanes| &mut lanes[..fours]);
+        for (k, flow) in flows.iter().enumerate() {
+            let [reach, fourth] = [0, 4].map(|order| all(reach(*flow, [x[k], y[k]], self.whole, order)));
+            let mut add = |g: usize, size: f64x4| {
+                excursions[g] = (four(excursions[g]) + reach * size).to_array();
+                fourths[g] = (four(fourths[g]) + fourth * size).to_array();
+            };
+            let first = &shapes[k * fours..][..fours];
+            if k < *both {
+                first.iter().enumerate().for_each(|(g, first)| add(g, four(*first).abs()));
+                continue;
             }
-            sums
-        })
+            let second = &shapes[(flows.len() + k - both) * fours..][..fours];
+            for (g, (first, second)) in first.iter().zip(second).enumerate() {
+                add(g, four(std::array::from_fn(|i| length([first[i], second[i]]))));
+            }
+        }
+        bounds
     }
 
     /// The contact on a window, from its start on.
     pub(super) fn polynomial(&mut self, number: usize, place: usize) -> Polynomial {
-        let width = (2 * self.view.flows.len() - self.view.both).div_ceil(LANES);
         if self.derived != Some(number) {
             self.derived = Some(number);
-            let mut derivatives = std::mem::take(&mut self.derivatives);
-            derivatives.resize(width * ORDER, [0.0; LANES]);
-            let start = &self.starts[number];
-            let [mut even, mut odd] = [start.clone(), start.clone()];
-            for (order, row) in derivatives.chunks_exact_mut(width.max(1)).enumerate() {
-                let (now, then) = if order % 2 == 0 { (&even, &mut odd) } else { (&odd, &mut even) };
-                row.as_flattened_mut().iter_mut().zip(self.view.seen(now)).for_each(|(slot, value)| *slot = value);
-                self.view.generator.act(now, 1.0 / (order + 1) as f64, then);
-            }
-            self.derivatives = derivatives;
+            self.derive(number);
         }
-        let mut row: Lanes = smallvec![[0.0; LANES]; width];
-        let Sights { shapes, still } = self.kept.as_ref().unwrap_or(&self.view.sights);
-        let shapes = shapes.chunks_exact(still.len()).map(|shape| shape.as_flattened()[place]);
-        row.as_flattened_mut().iter_mut().zip(shapes).for_each(|(slot, value)| *slot = value);
+        let Sights { shapes, still } = self.sights();
+        let shape = shapes.chunks_exact(still.len()).map(|row| row.as_flattened()[place]);
         let mut coefficients = [0.0; ORDER];
-        for (coefficient, derivatives) in coefficients.iter_mut().zip(self.derivatives.chunks_exact(width.max(1))) {
-            *coefficient = dot(&row, derivatives);
-        }
+        combine(&self.derivatives, shape, coefficients.as_chunks_mut().0);
         coefficients[0] += still.as_flattened()[place];
         Polynomial { coefficients }
+    }
+
+    /// Works out the derivatives of all coordinates that contacts see at the start of a window.
+    fn derive(&mut self, number: usize) {
+        let (both, count) = (self.view.both, self.view.flows.len());
+        let groups = count.div_ceil(LANES);
+        let width = 2 * groups;
+        // Four orders of all coordinates.
+        let mut orders: SmallVec<[Lane; 32]> = smallvec![[0.0; LANES]; LANES * width];
+        orders[..width].copy_from_slice(self.node(number));
+        let mut derivatives = std::mem::take(&mut self.derivatives);
+        derivatives.resize((2 * count - both) * FOURS, [0.0; LANES]);
+        let generator = &self.view.generator;
+        for block in 0..FOURS {
+            for order in 1..LANES {
+                let (before, next) = orders.split_at_mut(order * width);
+                let by = 1.0 / (LANES * block + order) as f64;
+                generator.act(&before[(order - 1) * width..], by, &mut next[..width]);
+            }
+            for g in (0..groups).chain(groups + both / LANES..width) {
+                let parts = f64x4::transpose(std::array::from_fn(|order| four(orders[order * width + g])));
+                let (from, first_seen, ahead) = if g < groups { (g, 0, 0) } else { (g - groups, both, count - both) };
+                for (k, part) in (LANES * from..count).zip(parts).filter(|(k, _)| *k >= first_seen) {
+                    derivatives[(k + ahead) * FOURS + block] = part.to_array();
+                }
+            }
+            let (first, last) = orders.split_at_mut((LANES - 1) * width);
+            generator.act(last, 1.0 / (LANES * (block + 1)) as f64, &mut first[..width]);
+        }
+        self.derivatives = derivatives;
     }
 }

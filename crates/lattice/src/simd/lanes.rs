@@ -33,34 +33,51 @@ pub fn total(sum: f64x4) -> f64 {
 
 /// Σ factor·row over the rows of `table`, each as long as `out`; rows are added in their order.
 pub fn combine(table: &[Lane], factors: impl Iterator<Item = f64> + Clone, out: &mut [Lane]) {
-    let width = out.len();
+    combine_each(table, factors.map(|factor| [factor]), [out]);
+}
+
+/// As many sums as there are factors of a row at a time, as [`combine`] has each.
+pub fn combine_each<const M: usize>(
+    table: &[Lane],
+    factors: impl Iterator<Item = [f64; M]> + Clone,
+    mut out: [&mut [Lane]; M],
+) {
+    let width = out.first().map_or(0, |out| out.len());
     let mut from = 0;
     while from < width {
         // As many groups at a time as processors have registers for.
         from += match width - from {
-            1 => combine_groups::<1>(table, factors.clone(), from, out),
-            2 => combine_groups::<2>(table, factors.clone(), from, out),
-            _ => combine_groups::<3>(table, factors.clone(), from, out),
+            1 => combine_groups::<M, 1>(table, factors.clone(), from, &mut out),
+            2 => combine_groups::<M, 2>(table, factors.clone(), from, &mut out),
+            _ => combine_groups::<M, 3>(table, factors.clone(), from, &mut out),
         };
     }
 }
 
-fn combine_groups<const N: usize>(
+fn combine_groups<const M: usize, const N: usize>(
     table: &[Lane],
-    factors: impl Iterator<Item = f64>,
+    factors: impl Iterator<Item = [f64; M]>,
     from: usize,
-    out: &mut [Lane],
+    out: &mut [&mut [Lane]; M],
 ) -> usize {
-    let mut sum = [f64x4::ZERO; N];
-    for (row, factor) in table.chunks_exact(out.len()).zip(factors) {
-        let Some(groups) = row.get(from..).and_then(|row| row.first_chunk::<N>()) else { return N };
-        let factor = f64x4::splat(factor);
-        for i in 0..N {
-            sum[i] += f64x4::from(groups[i]) * factor;
+    let mut sums = [[f64x4::ZERO; N]; M];
+    let mut rows = table.chunks_exact(out[0].len());
+    // Inside, so that factors of two lists that follow each other are two loops.
+    factors.for_each(|factors| {
+        let Some(groups) = rows.next().and_then(|row| row.get(from..)).and_then(|row| row.first_chunk::<N>()) else {
+            return;
+        };
+        for (sum, factor) in sums.iter_mut().zip(factors) {
+            let factor = f64x4::splat(factor);
+            for i in 0..N {
+                sum[i] += f64x4::from(groups[i]) * factor;
+            }
         }
-    }
-    for (out, sum) in out[from..from + N].iter_mut().zip(sum) {
-        *out = sum.to_array();
+    });
+    for (out, sum) in out.iter_mut().zip(sums) {
+        for (out, sum) in out[from..from + N].iter_mut().zip(sum) {
+            *out = sum.to_array();
+        }
     }
     N
 }

@@ -1,7 +1,7 @@
 //! Contacts as polynomials on windows of a radian, whose turning points are isolated.
 
 use smallvec::smallvec;
-use vibrochain_lattice::simd::lanes::{LANES, Lane, all, four};
+use vibrochain_lattice::simd::lanes::{LANES, all, four};
 use vibrochain_lattice::{Barrier, Stopped};
 
 use super::Search;
@@ -17,7 +17,9 @@ struct Watched {
     /// Its place among those that are looked at, and a bound of its |g⁗|.
     place: usize,
     fourth: f64,
+    /// Its barriers, and whether they hit it where the flight begins or the next impact is.
     stops: [Option<(Barrier, f64)>; 2],
+    is_hit: [bool; 2],
 }
 
 /// A barrier of a contact, and where it is.
@@ -33,61 +35,63 @@ struct Wall {
 impl Search<'_> {
     /// Turning points of the contacts' polynomials, window by window.
     pub(super) fn by_windows(&mut self, windows: &mut Windows<'_>, order: &[usize], i: usize) -> Result<(), Stopped> {
-        let begins = self.orbit.impacts()[i].time;
-        let whole = windows.whole;
+        let (begins, whole) = (self.orbit.impacts()[i].time, windows.whole);
+        let next = begins + self.motion.until_next(i);
         let bounds = windows.bounds();
         let [excursions, fourths] = bounds.each_ref().map(|lanes| lanes.as_flattened());
         let mut watched: Vec<Watched> = Vec::with_capacity(order.len());
-        for (place, [here, end]) in windows.ends(order.len()).into_iter().enumerate() {
-            let contact = order[place];
+        for (place, &contact) in order.iter().enumerate() {
+            let contact_stops = &self.orbit.model().structure().contacts()[contact];
+            let still = self.motion.response().still(contact);
             let stops = [Barrier::Lower, Barrier::Upper].map(|barrier| {
-                let stop = self.orbit.model().structure().contacts()[contact].barrier(barrier)?;
+                let stop = contact_stops.barrier(barrier)?;
                 // Most contacts are far from their barriers, and stay there.
-                let room = barrier.sign() * (stop - self.motion.response().still(contact)) - excursions[place];
+                let room = barrier.sign() * (stop - still) - excursions[place];
                 let is_far = self.closest.as_ref().is_some_and(|(least, _)| room > least.max(0.0));
                 (!is_far).then_some((barrier, stop))
             });
+            if stops == [None; 2] {
+                continue;
+            }
+            let [here, end] = windows.ends(place);
+            let is_ever_hit = self.orbit.impacts().iter().any(|impact| impact.site == contact);
+            let is_hit = |barrier, at| is_ever_hit && self.impact_at(contact, barrier, at).is_some();
+            let hits =
+                stops.map(|stop| stop.is_some_and(|(barrier, _)| is_hit(barrier, begins) || is_hit(barrier, next)));
             // A contact that feels an impact of another has a corner there.
             for (barrier, stop) in stops.into_iter().flatten() {
-                for (s, [at, _]) in [(0.0, here), (whole, end)] {
-                    if self.impact_at(contact, barrier, begins + s).is_none() {
+                for (s, at) in [(0.0, here), (whole, end)] {
+                    if !(is_ever_hit && self.impact_at(contact, barrier, begins + s).is_some()) {
                         self.note(barrier.sign() * (stop - at), (contact, barrier), begins + s);
                     }
                 }
             }
-            if stops.iter().any(Option::is_some) {
-                watched.push(Watched { contact, place, fourth: fourths[place], stops });
-            }
+            watched.push(Watched { contact, place, fourth: fourths[place], stops, is_hit: hits });
         }
         if watched.is_empty() {
             return Ok(());
         }
         windows.keep(&mut watched.iter_mut().map(|own| &mut own.place));
         // Of all of them, four at a time.
-        let lanes = |pad: f64, of: &dyn Fn(&Watched) -> f64| {
-            let mut lanes: Lanes = smallvec![[pad; LANES]; watched.len().div_ceil(LANES)];
-            lanes.as_flattened_mut().iter_mut().zip(&watched).for_each(|(slot, own)| *slot = of(own));
-            lanes
-        };
-        let far = [f64::NEG_INFINITY, f64::INFINITY];
-        let stop = |own: &Watched, side: usize| own.stops[side].map_or(far[side], |(_, stop)| stop);
-        let stops = [0, 1].map(|side| lanes(far[side], &|own| stop(own, side)));
-        let fourths = lanes(0.0, &|own| own.fourth);
-        let mut nodes = std::mem::take(&mut self.nodes);
-        windows.nodes(&mut nodes);
-        // A contact that a barrier does not hit before the flight or after it comes no less near than it is anywhere.
-        let is_hit = |contact, barrier| {
-            [begins, begins + self.motion.until_next(i)]
-                .iter()
-                .any(|at| self.impact_at(contact, barrier, *at).is_some())
-        };
-        let free = [0, 1].map(|side| {
-            let of = |own: &Watched| own.stops[side].filter(|(barrier, _)| !is_hit(own.contact, *barrier));
-            lanes(far[side], &|own| of(own).map_or(far[side], |(_, stop)| stop))
-        });
+        let fours = watched.len().div_ceil(LANES);
+        let lanes = |pad: f64| -> Lanes { smallvec![[pad; LANES]; fours] };
+        let far = || [lanes(f64::NEG_INFINITY), lanes(f64::INFINITY)];
+        let (mut stops, mut free, mut fourths) = (far(), far(), lanes(0.0));
+        for (place, own) in watched.iter().enumerate() {
+            fourths.as_flattened_mut()[place] = own.fourth;
+            for (side, (_, stop)) in own.stops.iter().enumerate().filter_map(|(side, stop)| Some((side, (*stop)?))) {
+                stops[side].as_flattened_mut()[place] = stop;
+                // A contact that a barrier does not hit before the flight or after it comes no less near than it is anywhere.
+                if !own.is_hit[side] {
+                    free[side].as_flattened_mut()[place] = stop;
+                }
+            }
+        }
+        let mut rows = std::mem::take(&mut self.rows);
+        windows.rows(&mut rows);
         let mut nearest = all(f64::INFINITY);
-        for row in nodes.chunks_exact(fourths.len()) {
-            for (g, [places, _]) in row.iter().enumerate() {
+        for row in rows.chunks_exact(2 * fours) {
+            for (g, places) in row[..fours].iter().enumerate() {
                 let rooms = [four(*places) - four(free[0][g]), four(free[1][g]) - four(*places)];
                 nearest = nearest.fast_min(rooms[0].fast_min(rooms[1]));
             }
@@ -96,12 +100,11 @@ impl Search<'_> {
         // Of several that are in the way the first one is told.
         let nearest = if self.depth == Depth::First { nearest.max(0.0) } else { nearest };
         let mut pending = std::mem::take(&mut self.pending);
-        let rows: &[[Lane; 2]] = &nodes;
-        let rows = rows.chunks_exact(fourths.len());
-        for (number, (begin, end)) in rows.clone().zip(rows.skip(1)).enumerate() {
+        let nodes = rows.chunks_exact(2 * fours);
+        for (number, (begin, end)) in nodes.clone().zip(nodes.skip(1)).enumerate() {
             self.motion.heard()?;
             for (group, four_watched) in watched.chunks(LANES).enumerate() {
-                let [begin, end] = [begin[group], end[group]].map(|both| both.map(four));
+                let [begin, end] = [begin, end].map(|row| [row[group], row[fours + group]].map(four));
                 let passages = Passage::new(begin, end, windows.length, four(fourths[group]));
                 let rooms = [(Barrier::Lower, &stops[0]), (Barrier::Upper, &stops[1])]
                     .map(|(barrier, stops)| passages.room(barrier, four(stops[group])));
@@ -116,7 +119,7 @@ impl Search<'_> {
                 break;
             }
         }
-        (self.pending, self.nodes) = (pending, nodes);
+        (self.pending, self.rows) = (pending, rows);
         Ok(())
     }
 

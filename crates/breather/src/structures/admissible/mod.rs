@@ -69,8 +69,8 @@ fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, Breather
             }
         }
     }
-    let (pending, nodes) = (Vec::new(), Vec::new());
-    let mut search = Search { orbit, motion: &motion, clear, closest: None, pending, nodes, depth };
+    let (pending, rows) = (Vec::new(), Vec::new());
+    let mut search = Search { orbit, motion: &motion, clear, closest: None, pending, rows, depth };
     let (order, view) = &*motion.response().view(orbit.model().structure().contacts());
     // What contacts do in one half of the period they do in the other, backwards.
     let is_mirrored = orbit.is_reversible();
@@ -88,7 +88,10 @@ fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, Breather
             None => search.by_steps(order, i)?,
         }
     }
-    let closest = search.closest;
+    let mut closest = search.closest;
+    if let Some((_, approach)) = &mut closest {
+        approach.time = approach.time.rem_euclid(orbit.period());
+    }
     let obstruction = closest.as_ref().filter(|(least, _)| *least <= 0.0).map(|(least, approach)| {
         Obstruction::Crossing { site: approach.site, barrier: approach.barrier, time: approach.time, excess: -least }
     });
@@ -107,7 +110,7 @@ struct Search<'a> {
     closest: Option<(f64, Approach)>,
     pending: Vec<(f64, f64)>,
     /// Contacts where windows begin and end: work space.
-    nodes: Vec<[Lane; 2]>,
+    rows: Vec<Lane>,
     depth: Depth,
 }
 
@@ -119,7 +122,6 @@ impl Search<'_> {
 
     fn note(&mut self, least: f64, (contact, barrier): (usize, Barrier), time: f64) {
         if self.closest.as_ref().is_none_or(|(other, _)| least < *other) {
-            let time = time.rem_euclid(self.orbit.period());
             self.closest = Some((least, Approach { site: contact, barrier, time }));
         }
     }
@@ -182,8 +184,8 @@ mod tests {
                 let Some(margin) = answer.margin else { continue };
                 let motion = StructureMotion::new(orbit).unwrap();
                 let clear = smallvec::smallvec![0.0; orbit.impacts().len()];
-                let (pending, nodes, depth) = (Vec::new(), Vec::new(), Depth::Worst);
-                let mut search = Search { orbit, motion: &motion, clear, closest: None, pending, nodes, depth };
+                let (pending, rows, depth) = (Vec::new(), Vec::new(), Depth::Worst);
+                let mut search = Search { orbit, motion: &motion, clear, closest: None, pending, rows, depth };
                 let order = &motion.response().view(model.structure().contacts()).0;
                 (0..orbit.impacts().len()).for_each(|i| search.by_steps(order, i).unwrap());
                 let Some((stepped, _)) = search.closest else {

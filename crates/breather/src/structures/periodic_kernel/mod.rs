@@ -75,6 +75,11 @@ impl PeriodicKernel {
         kernel
     }
 
+    /// Whether none of the modes that are felt is left out.
+    pub(super) fn is_whole(&self) -> bool {
+        self.felt.modes.iter().zip(&self.sums).all(|(mode, sum)| sum.is_some() || mode.is_rigid())
+    }
+
     /// Whether nothing holds the structure somewhere.
     pub(super) fn has_rigid(&self) -> bool {
         !self.rigid.is_empty()

@@ -67,7 +67,7 @@ fn accelerations_stay_within_their_bound() {
 #[test]
 fn windows_hold_the_motion_and_bound_it() {
     let mut random = Random(47);
-    let (mut flights, mut near, mut nodes) = (0, [0, 0], Vec::new());
+    let (mut flights, mut near, mut rows) = (0, [0, 0], Vec::new());
     orbits(&mut random, 150, |orbit, random| {
         let motion = StructureMotion::new(orbit).unwrap();
         let order = if random.chance(0.5) { vec![0, 1] } else { vec![1, 0] };
@@ -75,10 +75,10 @@ fn windows_hold_the_motion_and_bound_it() {
         for i in 0..orbit.impacts().len() {
             let whole = motion.until_next(i);
             let Some(mut windows) = Windows::new(view, &motion, i, whole) else { continue };
-            windows.nodes(&mut nodes);
+            windows.rows(&mut rows);
             let bounds = windows.bounds();
             let (mut excursions, mut fourths) = ([0.0_f64; 2], [0.0_f64; 2]);
-            for number in 0..nodes.len() - 1 {
+            for number in 0..rows.len() / 2 - 1 {
                 let start = windows.start(number);
                 for (place, &contact) in order.iter().enumerate() {
                     let polynomial = windows.polynomial(number, place);
@@ -98,7 +98,7 @@ fn windows_hold_the_motion_and_bound_it() {
                         fourths[place] = fourths[place].max(fourth.abs());
                     }
                 }
-                let [places, velocities] = nodes[number + 1];
+                let [places, velocities] = [rows[2 * number + 2], rows[2 * number + 3]];
                 for (place, &contact) in order.iter().enumerate() {
                     let there = motion.contact(contact, i, start + windows.length);
                     let size = 1.0 + bounds[0].as_flattened()[place];
@@ -106,7 +106,7 @@ fn windows_hold_the_motion_and_bound_it() {
                     assert!((velocities[place] - there[1]).abs() < 1e-11 * size / windows.length, "{there:?}");
                 }
             }
-            assert!((windows.start(nodes.len() - 1) - whole).abs() < 1e-12 * whole);
+            assert!((windows.start(rows.len() / 2 - 1) - whole).abs() < 1e-12 * whole);
             for place in 0..2 {
                 for (n, most) in [excursions[place], fourths[place]].into_iter().enumerate() {
                     let bound = bounds[n].as_flattened()[place];
@@ -134,9 +134,9 @@ fn contacts_that_are_kept_are_seen_as_before() {
         let mut places = [1, 6];
         windows.keep(&mut places.iter_mut());
         assert_eq!(places, [0, 1]);
-        let mut nodes = Vec::new();
-        windows.nodes(&mut nodes);
-        let [place, velocity] = nodes[1].map(|lanes| lanes[1]);
+        let mut rows = Vec::new();
+        windows.rows(&mut rows);
+        let [place, velocity] = [rows[2][1], rows[3][1]];
         let there = motion.contact(1, 0, windows.length);
         assert!((place - there[0]).abs() < 1e-12 * (1.0 + there[0].abs()), "{place} {there:?}");
         assert!((velocity - there[1]).abs() < 1e-11 * (1.0 + there[1].abs()), "{velocity} {there:?}");
