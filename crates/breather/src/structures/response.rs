@@ -8,7 +8,7 @@ use vibrochain_lattice::{
     Complex, Contact, LinearMode, ModalStructure, ParticipatingModes, SparseOperator, StructureError,
 };
 
-use super::periodic_kernel::{PeriodicKernel, UNIT};
+use super::periodic_kernel::{PeriodicKernel, UNIT, length};
 use super::view::View;
 use crate::admissible::grid::diagonals::Diagonals;
 
@@ -186,7 +186,7 @@ impl Response {
             .map(|(place, harmonic)| Ok((f64::from(*harmonic) * omega, structure.steady_at(place, omega)?)))
             .collect::<Result<_, StructureError>>()?;
         let size = |(rate, swing): &(f64, Vec<C>)| {
-            swing.iter().map(|swing| swing.norm()).fold(0.0, f64::max) * (1.0 + rate.powi(2))
+            swing.iter().map(|swing| length([swing.re, swing.im])).fold(0.0, f64::max) * (1.0 + rate.powi(2))
         };
         let largest = all.iter().map(size).fold(0.0, f64::max);
         for (place, one) in all.into_iter().enumerate() {

@@ -20,18 +20,21 @@ pub(crate) const BEYOND: f64 = 1.05;
 /// A real multiplier is surely beyond `reach` or −`reach`, and all poles are not. No says nothing.
 pub(crate) fn is_surely_beyond(equations: &BlochEquations, reach: f64) -> bool {
     let modes = equations.kernel().modes();
-    let poles = || modes.iter().flat_map(|mode| mode.poles().into_iter().zip(mode.pole_errors()));
-    if equations.left_out() > NEGLIGIBLE || poles().any(|(pole, _)| modulus(pole) >= reach) {
+    if equations.left_out() > NEGLIGIBLE
+        || modes.iter().flat_map(|mode| mode.poles()).any(|pole| modulus(pole) >= reach)
+    {
         return false;
     }
     let of_shapes = || (0..modes.len()).map(|k| equations.kernel().shape_error(k)).fold(0.0, f64::max);
+    let of_poles = |z: f64| {
+        let poles = modes.iter().flat_map(|mode| mode.poles().into_iter().zip(mode.pole_errors()));
+        poles.map(|(pole, error)| error / modulus(pole - z)).fold(0.0, f64::max)
+    };
     let (mut matrix, mut sizes) = (Vec::new(), Vec::new());
     [reach, -reach].into_iter().any(|z| {
-        let of_poles = poles().map(|(pole, error)| error / modulus(pole - z)).fold(0.0, f64::max);
         equations.fill_real(z, &mut matrix);
         let (value, condition) = determinant_and_condition(&mut matrix, &mut sizes, equations.size());
-        let known = 16.0 * f64::EPSILON + of_poles;
-        value < 0.0 && condition * known < SURE && condition * (known + of_shapes()) < SURE
+        value < 0.0 && condition * (16.0 * f64::EPSILON + of_poles(z) + of_shapes()) < SURE
     })
 }
 

@@ -222,7 +222,7 @@ impl<'a> SpectralFunction<'a> {
     pub(super) fn relative(&self, mode: usize) -> f64 {
         let own = mode * self.equations.size()..(mode + 1) * self.equations.size();
         let part = |table: &[[f64; 2]], errors: &PairErrors| {
-            let length = |[x, y]: [f64; 2]| x.hypot(y);
+            let length = |[x, y]: [f64; 2]| modulus(C::new(x, y));
             let size = table.iter().map(|entries| length(*entries)).fold(0.0, f64::max);
             let error = own.clone().map(|place| length(errors.get(place))).fold(0.0, f64::max);
             if size == 0.0 { 0.0 } else { error / size }

@@ -83,8 +83,11 @@ impl SpectralFunction<'_> {
                 list.push(Zero { z: before.z.conj(), ..before });
                 continue;
             }
-            let by_sum = if data.is_empty() { settled(&form, *z) } else { None };
-            let zero = by_sum.or_else(|| refined(self, *z, data))?;
+            // The sum is cheap, and what it knows spares the equations a step.
+            let Value { f, slope, .. } = form.evaluate(*z);
+            let near = z - f / slope;
+            let by_sum = if data.is_empty() { settled(&form, near) } else { None };
+            let zero = by_sum.or_else(|| refined(self, near, data))?;
             if modulus(zero.z - z) > reach + zero.error || zero.error > WELL_KNOWN * (1.0 + modulus(*z)) {
                 return None;
             }
@@ -213,11 +216,8 @@ fn starts(form: &Rational, poles: &[C]) -> Vec<C> {
     poles.iter().enumerate().flat_map(beside).collect()
 }
 
-/// The zero next to an approximation by a step of Newton's method, if the sum knows it, and its side of the circle, as well as anybody would
-/// want to.
-fn settled(form: &Rational, near: C) -> Option<Zero> {
-    let Value { f, slope, .. } = form.evaluate(near);
-    let z = near - f / slope;
+/// A zero, if the sum knows it, and its side of the circle, as well as anybody would want to.
+fn settled(form: &Rational, z: C) -> Option<Zero> {
     let Value { f, slope, noise, .. } = form.evaluate(z);
     let left = form.doubt(z) + modulus(f) + f64::EPSILON * noise;
     let error = left / modulus(slope) + 2.0 * f64::EPSILON * modulus(z);

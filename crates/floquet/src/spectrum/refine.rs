@@ -180,6 +180,8 @@ impl SpectralFunction<'_> {
         let (equations, size) = (&self.equations, self.equations.size());
         let (n, inside, z_size) = (size / 2, equations.is_inside(z), modulus(z));
         let of_time = data.iter().flatten().any(|error| error.time != 0.0);
+        // Only times and an orbit's own derivative are felt by way of the modes.
+        let is_felt = of_time || !data.is_empty() && self.shift.is_some();
         let mut slides: SmallVec<[C; 8]> = smallvec![C::default(); n];
         // What a change of each impact's share in the orbit's own derivative does.
         let mut shares: SmallVec<[C; 8]> = smallvec![C::default(); n];
@@ -230,6 +232,21 @@ impl SpectralFunction<'_> {
                 }
                 continue;
             }
+            // What each impact's own rows and columns have of these; and what its time has in the orbit's own derivative, where that is left out.
+            let of_impact = |i: usize| {
+                let kept = |r: &usize| self.shift.as_ref().is_none_or(|shift| shift.place != *r);
+                let own = |v: &[C], table: &[[f64; 2]]| {
+                    let add = |[p, q]: [C; 2], r: usize| [p + v[r] * table[r][0], q + v[r] * table[r][1]];
+                    [2 * i, 2 * i + 1].into_iter().filter(kept).fold([C::default(); 2], add)
+                };
+                let shifted = self.shift.as_ref().map(|shift| {
+                    let (r, weight) = (2 * i + 1, shift.weights[i]);
+                    let part = |v: &[C], pair: [f64; 2]| pair.map(|entry| v[shift.place] * (weight * entry));
+                    [part(x, shift.row_before(rows, k, r)), part(y, shift.column_before(columns, k, r))]
+                });
+                ([own(x, rows), own(y, columns)], shifted)
+            };
+            let impacts: SmallVec<[_; 2]> = (0..if is_felt { n } else { 0 }).map(of_impact).collect();
             for pole in self.poles_of(k) {
                 let a = mode.coordinates.seen_of_pole(pole.which, xi);
                 let c = mode.coordinates.given_to_pole(pole.which, eta);
@@ -276,31 +293,19 @@ impl SpectralFunction<'_> {
                     out.slope_error += steep * (dyad_error + (8.0 * EPSILON + 3.0 * pole.error * near) * size);
                     (factor * c, factor * a)
                 };
-                // Only times and an orbit's own derivative are felt by way of the modes.
-                if of_time || !data.is_empty() && self.shift.is_some() {
-                    for i in 0..n {
-                        let (coordinates, which) = (mode.coordinates, pole.which);
-                        let complex = |v: [f64; 2]| v.map(|x| C::new(x, 0.0));
-                        let seen = |row: [f64; 2]| coordinates.seen_of_pole(which, complex(row));
-                        let given = |column: [f64; 2]| coordinates.given_to_pole(which, complex(column));
-                        let (mut own_a, mut own_c) = (C::default(), C::default());
-                        for r in [2 * i, 2 * i + 1] {
-                            if self.shift.as_ref().is_none_or(|shift| shift.place != r) {
-                                own_a += x[r] * seen(rows[r]);
-                                own_c += y[r] * given(columns[r]);
-                            }
-                        }
-                        if let Some(shift) = &self.shift {
-                            let by = (pole.value - 1.0).inv();
-                            let r = 2 * i + 1;
-                            let part_a = x[shift.place] * seen(shift.row_before(rows, k, r)) * by;
-                            let part_c = y[shift.place] * given(shift.column_before(columns, k, r)) * by;
-                            own_a += part_a * shift.weights[i];
-                            own_c += part_c * shift.weights[i];
-                            shares[i] += (part_a * sent + received * part_c) * shift.weights[i];
-                        }
-                        slides[i] += pole.rate * (own_a * sent - received * own_c);
+                let components = |[xi, eta]: [[C; 2]; 2]| {
+                    [mode.coordinates.seen_of_pole(pole.which, xi), mode.coordinates.given_to_pole(pole.which, eta)]
+                };
+                for (i, (own, shifted)) in impacts.iter().enumerate() {
+                    let [mut own_a, mut own_c] = components(*own);
+                    if let Some(shifted) = shifted {
+                        let by = (pole.value - 1.0).inv();
+                        let [part_a, part_c] = components(*shifted).map(|part| part * by);
+                        own_a += part_a;
+                        own_c += part_c;
+                        shares[i] += part_a * sent + received * part_c;
                     }
+                    slides[i] += pole.rate * (own_a * sent - received * own_c);
                 }
             }
         }

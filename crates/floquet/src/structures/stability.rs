@@ -53,7 +53,7 @@ pub fn structure_stability(orbit: &StructureOrbit, tolerance: Tolerance) -> Resu
 fn stability(orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Stability, FloquetError> {
     let known = StructureMultipliers::of(orbit);
     let (verdict, mut multipliers) = known.all(tolerance)?;
-    multipliers.extend(known.spared().iter().flat_map(|pair| known.multipliers_of(pair)));
+    multipliers.extend(known.spared().iter().flatten().map(|rate| known.multiplier(*rate)));
     let own = if orbit.is_conservative() { 2 } else { usize::from(orbit.is_self_excited()) };
     multipliers.extend(std::iter::repeat_n(Complex::new(1.0, 0.0), own));
     multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
@@ -226,16 +226,15 @@ impl<'a> StructureMultipliers<'a> {
         sum <= STRAIGHT * verdict.resolution
     }
 
-    fn multipliers_of(&self, pair: &[Complex<f64>; 2]) -> [Complex<f64>; 2] {
-        pair.map(|rate| (rate * self.orbit.period()).exp())
+    fn multiplier(&self, rate: Complex<f64>) -> Complex<f64> {
+        (rate * self.orbit.period()).exp()
     }
 
     /// Of a mode without a dashpot that is spared, the multipliers are on the circle, and decide nothing; nor does the 1 of a motion of the whole
     /// that nothing brings back, which is neutral by symmetry: of its pair the other decides.
     fn with_spared(&self, verdict: Verdict, tolerance: Tolerance) -> Verdict {
         self.spared().iter().fold(verdict, |verdict, pair| {
-            let both = pair.iter().zip(self.multipliers_of(pair));
-            let deciding = both.filter(|(rate, _)| rate.re != 0.0).map(|(_, multiplier)| multiplier);
+            let deciding = pair.iter().filter(|rate| rate.re != 0.0).map(|rate| self.multiplier(*rate));
             let Some(leading) = deciding.max_by(|a, b| a.norm().total_cmp(&b.norm())) else { return verdict };
             let error = 8.0 * f64::EPSILON * leading.norm();
             verdict.or_worse(Verdict::of_excess(leading, excess(leading), error, tolerance))

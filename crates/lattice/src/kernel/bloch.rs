@@ -31,16 +31,19 @@ pub struct BlochMode {
 
 impl BlochMode {
     /// The poles λ of the impulse response.
+    #[inline]
     pub fn rates(&self) -> [C; 2] {
         self.coordinates.eigenvalues(self.generator())
     }
 
     /// The poles e^{λT} of the kernel in z.
+    #[inline]
     pub fn poles(&self) -> [C; 2] {
         self.coordinates.eigenvalues(self.period)
     }
 
     /// Errors of the poles e^{λT}.
+    #[inline]
     pub fn pole_errors(&self) -> [f64; 2] {
         match self.coordinates {
             Coordinates::Shared(_) => [self.pole_error; 2],
@@ -78,7 +81,11 @@ impl BlochMode {
 
     /// Takes the error of its rates beyond what a root rounds.
     fn know(&mut self, rate_error: f64, period: f64) {
-        let size = self.poles().map(|pole| pole.norm()).into_iter().fold(0.0, f64::max);
+        // Most modes are known as well as that, and moduli take their time.
+        if rate_error == 0.0 {
+            return;
+        }
+        let size = self.poles().map(|pole| pole.norm_sqr()).into_iter().fold(0.0, f64::max).sqrt();
         self.rate_error += rate_error;
         self.pole_error += size * (rate_error * period).exp_m1();
     }
@@ -171,6 +178,7 @@ impl BlochKernel {
     /// The kernel of modes of a structure between some of its contacts.
     pub(crate) fn of_modes(modes: &[LinearMode], period: f64, contacts: &[usize]) -> Self {
         let mut kernel = Self::with_room(period, contacts.len(), modes.len());
+        kernel.doubts.reserve_exact(contacts.len() * modes.len());
         for mode in modes {
             let sights = contacts.iter().map(|&contact| [mode.rows[contact], mode.columns[contact]]);
             kernel.push(mode.turn, (mode.decay, mode.rate), sights);

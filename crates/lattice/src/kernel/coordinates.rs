@@ -49,6 +49,7 @@ impl Coordinates {
 
     /// What is left of the error of a row or a column when a number has acted on it: of coordinates that turn into one another the length of
     /// what it may be, and nothing in the second place; of two that do not, either's own.
+    #[inline]
     pub fn carried(self, error: [f64; 2], by: Turned) -> [f64; 2] {
         match self {
             Self::Shared(Turn::Circular) => [error[0] * (by.even * by.even + by.odd * by.odd).sqrt(), 0.0],
@@ -58,6 +59,7 @@ impl Coordinates {
     }
 
     /// An error with that part of the entries themselves.
+    #[inline]
     pub fn with_part(self, error: [f64; 2], part: f64, entries: [f64; 2]) -> [f64; 2] {
         let [x, y] = entries;
         match self {
@@ -67,16 +69,19 @@ impl Coordinates {
     }
 
     /// Whether the poles are two complex ones.
+    #[inline]
     pub fn are_circular(self) -> bool {
         self == Self::Shared(Turn::Circular)
     }
 
     /// Whether both poles are one.
+    #[inline]
     pub fn are_parabolic(self) -> bool {
         self == Self::Shared(Turn::Parabolic)
     }
 
     /// A, of a mode that dies at the rate `decay`.
+    #[inline]
     pub fn generator(self, decay: f64, rate: f64) -> Turned {
         match self {
             Self::Shared(_) => Turned { even: -decay, odd: rate },
@@ -126,6 +131,7 @@ impl Coordinates {
     }
 
     /// number·column
+    #[inline]
     pub fn given<T>(self, by: Turned<T>, column: [f64; 2]) -> [T; 2]
     where
         T: Copy + Mul<f64, Output = T> + Add<Output = T> + Sub<Output = T>,
@@ -161,11 +167,13 @@ impl Coordinates {
     }
 
     /// What the errors of a row and a column make of their product, per size of the number between them.
+    #[inline]
     pub fn reach_error(self, [row, row_error]: [[f64; 2]; 2], [column, column_error]: [[f64; 2]; 2]) -> f64 {
         self.reach(row_error, column) + self.reach(row, column_error) + self.reach(row_error, column_error)
     }
 
     /// The eigenvalues of a number: of a flight the two factors e^{λt}.
+    #[inline]
     pub fn eigenvalues(self, number: Turned) -> [C; 2] {
         match self {
             Self::Shared(turn) => number.eigenvalues(turn),
@@ -200,6 +208,7 @@ impl Coordinates {
     }
 
     /// The component of a row along the eigenvector of the first or second pole. The two poles must differ.
+    #[inline]
     pub fn seen_of_pole(self, which: usize, row: [C; 2]) -> C {
         match self {
             Self::Shared(turn) => row[0] + eigenvector(turn, which) * row[1],
@@ -208,14 +217,17 @@ impl Coordinates {
     }
 
     /// The component of a column along the eigenvector of the first or second pole. The two poles must differ.
+    #[inline]
     pub fn given_to_pole(self, which: usize, column: [C; 2]) -> C {
         match self {
-            Self::Shared(turn) => (column[0] + column[1] / eigenvector(turn, which)) * 0.5,
+            Self::Shared(turn) => (column[0] + column[1] * eigenvector(turn, which).conj()) * 0.5,
             Self::Apart => column[which],
         }
     }
 }
 
+/// Of modulus 1 where the poles differ.
+#[inline]
 fn eigenvector(turn: Turn, which: usize) -> C {
     if which == 0 { turn.root() } else { -turn.root() }
 }

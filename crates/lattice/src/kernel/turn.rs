@@ -38,6 +38,7 @@ pub struct ModeFlow {
 
 impl Turn {
     /// σ = −J²
+    #[inline]
     pub fn sign(self) -> f64 {
         match self {
             Self::Circular => 1.0,
@@ -47,6 +48,7 @@ impl Turn {
     }
 
     /// √(−σ), the eigenvalue of J that belongs to the first pole.
+    #[inline]
     pub fn root(self) -> C {
         match self {
             Self::Circular => C::new(0.0, 1.0),
@@ -171,6 +173,7 @@ pub struct Turned<T = f64> {
 
 impl Turned {
     /// The eigenvalues a ± b√(−σ): of a flight the two factors e^{λt}.
+    #[inline]
     pub fn eigenvalues(self, turn: Turn) -> [C; 2] {
         let along = turn.root() * self.odd;
         [along + self.even, -along + self.even]

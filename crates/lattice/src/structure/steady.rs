@@ -124,7 +124,8 @@ impl ModalStructure {
             for (contact, sum) in sums.iter_mut().enumerate() {
                 let row = mode.rows[contact].map(f64::abs);
                 let seen = row[0] * xi[0] + row[1] * xi[1];
-                *sum += row[0].hypot(row[1]) * moved + ROUNDING * seen + mode.errors.rows[contact] * (size + moved);
+                let length = (row[0] * row[0] + row[1] * row[1]).sqrt();
+                *sum += length * moved + ROUNDING * seen + mode.errors.rows[contact] * (size + moved);
             }
         }
         sums

@@ -89,11 +89,13 @@ pub struct BlochEquations {
 
 impl BlochEquations {
     /// Rows and columns of J: two for each impact.
+    #[inline]
     pub fn size(&self) -> usize {
         2 * self.impacts.len()
     }
 
     /// The impacts.
+    #[inline]
     pub fn impacts(&self) -> &[LinearImpact] {
         &self.impacts
     }
@@ -130,11 +132,13 @@ impl BlochEquations {
     }
 
     /// A_k: what the equations see of the two coordinates of mode `k`.
+    #[inline]
     pub fn rows(&self, k: usize) -> &[[f64; 2]] {
         &self.rows[k * self.size()..(k + 1) * self.size()]
     }
 
     /// C_k: what the unknowns give to them.
+    #[inline]
     pub fn columns(&self, k: usize) -> &[[f64; 2]] {
         &self.columns[k * self.size()..(k + 1) * self.size()]
     }
