@@ -59,7 +59,7 @@ fn an_orbit_whose_equations_are_singular_has_no_bound_on_its_errors() {
     let mut singular = 0;
     for orbit in orbits(&model, Family::DoubleSided) {
         let condition = condition(&orbit).unwrap();
-        if condition.fold == 0.0 {
+        if condition.fold < 1e-10 {
             singular += 1;
             assert!(condition.impulse_error().is_infinite() && condition.time_error().is_infinite());
             // An impact without speed is an error of its own.

@@ -37,8 +37,16 @@ fn both(orbit: &Orbit, free: Parameter, [from, to]: [f64; 2], events: &[Event]) 
 }
 
 fn assert_alike([one, two]: &[Passed; 2], room: f64, about: &str) {
+    // Where all impulses of a doubled orbit vanish they become alike, too: rounding decides which of the two is told.
+    let is_both = |a: &(String, f64), b: &(String, f64)| {
+        let ends = ["impulses-vanish", "period-doubling"];
+        [a, b].iter().all(|end| ends.contains(&end.0.as_str())) && (a.1 - b.1).abs() < 1e-8
+    };
     let alike = one.len() == two.len()
-        && one.iter().zip(two).all(|(a, b)| a.0 == b.0 && (a.1 - b.1).abs() <= room * (1.0 + a.1.abs()));
+        && one
+            .iter()
+            .zip(two)
+            .all(|(a, b)| (a.0 == b.0 || is_both(a, b)) && (a.1 - b.1).abs() <= room * (1.0 + a.1.abs()));
     assert!(alike, "{about}\n{one:?}\n{two:?}");
 }
 

@@ -169,8 +169,6 @@ pub enum Unsearched {
     ManyImpacts,
     /// A mass that γ₁ = 0 leaves without any spring once it is not coupled: there is nothing to follow.
     Unheld,
-    /// One mass hits the upper barrier alone, under a force of several harmonics.
-    UpperHarmonics,
 }
 
 impl fmt::Display for Unsearched {
@@ -188,9 +186,6 @@ impl fmt::Display for Unsearched {
             }
             Self::Unheld => {
                 "with gamma1 = 0 masses without coupling have no springs to begin from; give an orbit nearby"
-            }
-            Self::UpperHarmonics => {
-                "impacts on the upper barrier alone are searched for under a plain cosine; give an orbit nearby"
             }
         })
     }

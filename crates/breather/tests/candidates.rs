@@ -88,7 +88,6 @@ fn no_physical_forced_orbit_is_missed() {
             }
             let mut orbits = found.orbits.clone();
             orbits.retain(|orbit| orbit.impacts().iter().all(vibrochain_breather::Impact::is_right_signed));
-            orbits.sort_by(|a, b| a.phi().unwrap_or(0.0).total_cmp(&b.phi().unwrap_or(0.0)));
             physical += orbits.iter().filter(|orbit| finder.admissibility(orbit).unwrap().is_physical()).count();
             let intervals = match found.completeness.proof() {
                 Some(Proof::Enclosures { intervals }) => intervals,

@@ -97,19 +97,31 @@ impl Zeros {
         pieces: usize,
         resolution: impl Fn(f64) -> f64,
     ) {
+        let ranges = if from < 0.0 && to > 0.0 { &[[from, 0.0], [0.0, to]][..] } else { &[[from, to]] };
+        self.find_in(f, ranges, |_| pieces.div_ceil(ranges.len()), resolution);
+    }
+
+    /// The same in several ranges, which rise, each begun with so many equal intervals for its length.
+    pub(crate) fn find_in(
+        &mut self,
+        f: &impl Enclosed,
+        ranges: &[[f64; 2]],
+        pieces: impl Fn(f64) -> usize,
+        resolution: impl Fn(f64) -> f64,
+    ) {
+        let whole = match ranges {
+            [[from, _], ..] => ranges[ranges.len() - 1][1] - from,
+            [] => return,
+        };
         self.stack.clear();
-        let mut share = |from: f64, to: f64, pieces: usize| {
+        for &[from, to] in ranges.iter().rev() {
             // Intervals are kept by their ends, which neighbours share: no gap opens by rounding. Later ones go on the
             // stack first, so that zeros come out in order.
+            let pieces = pieces(to - from);
             let end = |i: usize| if i == pieces { to } else { from + (to - from) * (i as f64 / pieces as f64) };
             self.stack.extend((0..pieces).rev().map(|i| (end(i), end(i + 1))));
-        };
-        if from < 0.0 && to > 0.0 {
-            share(0.0, to, pieces.div_ceil(2));
-            share(from, 0.0, pieces.div_ceil(2));
-        } else {
-            share(from, to, pieces);
         }
+        let pieces = self.stack.len();
         let budget = self.evaluations + LEAST_BUDGET.max(MOST_PER_PIECE * pieces);
         self.places.clear();
         let known = f.known_zeros();
@@ -144,7 +156,7 @@ impl Zeros {
                         self.places.push(Place { zero, width, simple: proved.is_some() });
                     }
                 } else if radius <= resolution(centre)
-                    || radius <= FINE * (to - from) && self.is_lost_in_rounding(f, [low, centre, high])
+                    || radius <= FINE * whole && self.is_lost_in_rounding(f, [low, centre, high])
                 {
                     self.places.push(Place { zero: centre, width: 8.0 * radius, simple: false });
                 } else {

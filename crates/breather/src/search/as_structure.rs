@@ -1,16 +1,16 @@
 //! Words of a lattice asked of it as a structure, whose contacts are the masses that are hit.
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Stop};
+use vibrochain_lattice::{ImpulseResponse, Model, Stop, Wave};
 
-use crate::error::BreatherError;
+use crate::error::{BreatherError, NoBreather};
 use crate::orbit::{Draft, Family, Hit};
 use crate::search::completeness::Searched;
 use crate::search::finder::Scope;
 use crate::structures::model::StructureModel;
 use crate::structures::orbit::StructureOrbit;
-use crate::structures::search::Listed;
-use crate::word::{Letter, Word};
+use crate::structures::search::{Listed, Request};
+use crate::word::Word;
 
 /// The orbits of a word, of contacts, of the lattice with contacts at these lists of masses. `None` where it cannot be asked for.
 pub(crate) fn among(
@@ -20,7 +20,7 @@ pub(crate) fn among(
     wanted: Scope,
     stop: &Stop,
 ) -> Result<Option<Listed>, BreatherError> {
-    let listed = |structure: StructureModel| structure.listed(word, periods, wanted);
+    let listed = |structure: StructureModel| structure.listed(Request::new(word, periods, wanted));
     match StructureModel::of_lattice(model, contacts, stop).and_then(listed) {
         Ok(searched) => Ok(Some(searched)),
         Err(stopped @ BreatherError::Stopped(_)) => Err(stopped),
@@ -28,22 +28,28 @@ pub(crate) fn among(
     }
 }
 
-/// The orbits of one mass, number `home`, that hits these barriers in turn in so many periods of the force, and what is known of their list.
-/// `response` is that of the orbits' period; drafts are of mass 0.
+/// The orbits of one mass, number `home`, that are requested of mass 0, and what is known of their list. `known` is the lattice as a structure with a
+/// contact at that mass, here or elsewhere. `response` is that of the orbits' period; drafts are of mass 0.
 pub(crate) fn of_one_mass(
     (model, response, home): (&Model, &ImpulseResponse, usize),
-    (family, barriers, periods): (Family, &[Barrier], u32),
-    wanted: Scope,
-    stop: &Stop,
+    family: Family,
+    request: Request<'_>,
+    (known, stop): (&mut Option<Box<StructureModel>>, &Stop),
 ) -> Result<(Vec<Draft>, Searched), BreatherError> {
-    let word = Word::new(barriers.iter().map(|barrier| vec![Letter::new(0, *barrier)]).collect())?;
-    let cut_short = Searched { exhausted: 1, ..Searched::default() };
-    let Some(Listed { orbits, searched, .. }) = among(model, &[vec![home]], (&word, periods), wanted, stop)? else {
-        return Ok((Vec::new(), cut_short));
+    let structure = StructureModel::of_masses_from(known.as_deref(), model, &[home], stop)?;
+    let structure = &**known.insert(Box::new(structure));
+    let cut_short = || Searched { exhausted: 1, ..Searched::default() };
+    let Listed { orbits, searched, .. } = match structure.listed(request) {
+        Ok(listed) => listed,
+        Err(stopped @ BreatherError::Stopped(_)) => return Err(stopped),
+        Err(_) => return Ok((Vec::new(), cut_short())),
     };
-    let searched = if searched.partial.is_some() { cut_short } else { searched };
+    let mut searched = if searched.partial.is_some() { cut_short() } else { searched };
+    if let Some(times) = searched.too_weak {
+        searched.reason = Some(NoBreather::ForceTooWeak { threshold: times * model.amplitude() });
+    }
     let steady = model.steady()?.at(home);
-    let half = 0.5 * response.period();
+    let (half, periods) = (0.5 * response.period(), request.force_periods);
     let draft = |orbit: &StructureOrbit| {
         let impacts = orbit.impacts();
         // A doubled orbit begins with the longer flight.
@@ -64,4 +70,32 @@ pub(crate) fn of_one_mass(
         Draft::new(response, (family, periods), psi, hits, held)
     };
     Ok((orbits.iter().map(draft).collect(), searched))
+}
+
+/// The impulses with which one impact of mass 0, or two, are at their barriers at their times, in kernels that keep the static part aside: of soft lattices,
+/// and next to a resonance, more digits are left so. `None` of more impacts.
+pub(crate) fn at_places(draft: &Draft, (model, response): (&Model, &ImpulseResponse), steady: &Wave) -> Option<Draft> {
+    let (own, stiffness) = (response.dynamic_at_impulse(), response.static_stiffness());
+    let left = |hit: &Hit| model.barrier(hit.barrier) - steady.jet(draft.psi + hit.time)[0];
+    let mut hits = draft.impacts.clone();
+    let held = match &mut hits[..] {
+        [hit] => {
+            let held = left(hit) / (1.0 + stiffness * own);
+            hit.impulse = stiffness * held;
+            held
+        }
+        [first, second] => {
+            let other = response.jet_from_half(second.time - 0.5 * response.period()).value;
+            let (one, two) = (left(first), left(second));
+            let held = (one + two) / (2.0 + stiffness * (own + other));
+            let apart = (one - two) / (own - other);
+            first.impulse = 0.5 * (stiffness * held + apart);
+            second.impulse = 0.5 * (stiffness * held - apart);
+            held
+        }
+        _ => return None,
+    };
+    hits.iter()
+        .all(|hit| hit.impulse.is_finite())
+        .then(|| Draft::new(response, (draft.family, draft.force_periods), draft.psi, hits, held))
 }

@@ -1,44 +1,52 @@
 //! All orbits of a family at a point: which closed form or enclosure finds them, and what is told of them.
 
-use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Stop, Wave};
+use vibrochain_lattice::{Barrier, Model, Wave};
 
 use crate::equations::newton::{STEPS, polish};
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::orbit::{Draft, Family, Orbit};
-use crate::roots::interval::Zeros;
 use crate::search::as_structure;
 use crate::search::completeness::{Completeness, Searched};
-use crate::search::families::forced_double::{self, Forced};
-use crate::search::families::pattern::Pattern;
-use crate::search::families::{conservative, forced_single, two_instants};
+use crate::search::families::{conservative, two_instants};
 use crate::search::finder::{Finder, Scope};
 use crate::search::orbit_list::OrbitList;
 use crate::search::screens::forced_places;
 use crate::search::screens::radiation::Radiation;
-use crate::word::Word;
+use crate::structures::search::Request;
+use crate::word::{Letter, Word};
 
-/// Orbits of one mass: of a family, or of two impacts that are none's.
-#[derive(Debug, Clone, Copy)]
+/// From this condition of the kernel on steps of Newton's method lead to the orbit of another frequency, a rounding away.
+const RESONANT: f64 = 1e8;
+
+/// A residual above this is more than rounding.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// Orbits of one mass: of a family, or of a word of mass 0 that is none's, in so many periods of the force.
+#[derive(Debug, Clone)]
 pub(crate) struct Sought {
     family: Family,
-    /// Of two impacts.
-    pattern: Option<Pattern>,
+    word: Option<Word>,
+    periods: u32,
 }
 
 impl From<Family> for Sought {
     fn from(family: Family) -> Self {
-        let pattern = match family {
-            Family::DoubleSided => Some(Pattern::DOUBLE_SIDED),
-            Family::PeriodDoubled => Some(Pattern::DOUBLED),
-            Family::SingleSided | Family::Word => None,
-        };
-        Self { family, pattern }
+        let periods = if family == Family::PeriodDoubled { 2 } else { 1 };
+        Self { family, word: None, periods }
     }
 }
 
-impl From<Pattern> for Sought {
-    fn from(pattern: Pattern) -> Self {
-        Self { family: pattern.family(), pattern: Some(pattern) }
+impl Sought {
+    /// Under a force: one impact in any number of its periods, two on both barriers in one of them, two on one barrier in up to two.
+    pub(crate) fn of(barriers: &[Barrier], periods: u32) -> Option<Self> {
+        let word = Word::new(barriers.iter().map(|barrier| vec![Letter::new(0, *barrier)]).collect()).ok()?;
+        let named = word.family().map(Self::from);
+        match (barriers, named) {
+            (_, Some(named)) if named.periods == periods => Some(named),
+            ([one, other], _) if one != other || periods > 2 => None,
+            ([_] | [_, _], _) => Some(Self { family: Family::Word, word: Some(word), periods }),
+            _ => None,
+        }
     }
 }
 
@@ -47,7 +55,7 @@ impl Finder {
     pub(crate) fn search_at(
         &mut self,
         model: &Model,
-        Sought { family, pattern }: Sought,
+        Sought { family, word, periods }: Sought,
         home: usize,
         wanted: Scope,
         found: &mut OrbitList,
@@ -83,9 +91,9 @@ impl Finder {
         };
         // A plain cosine lets the phase be eliminated.
         let cosine = steady.as_ref().filter(|_| model.force().cosine_amplitude().is_some()).map(Wave::reach);
-        self.prepare_at(model, model.omega() / f64::from(pattern.map_or(1, Pattern::periods)), home)?;
+        self.prepare_at(model, model.omega() / f64::from(periods), home)?;
         let (response, motion, earlier) = (&self.response, &mut self.motion, &mut self.earlier);
-        let (zeros, kernel_grid, stop) = (&mut self.zeros, &mut self.kernel_grid, &self.stop);
+        let (zeros, kernel_grid, contact) = (&mut self.zeros, &mut self.kernel_grid, &mut self.contact);
         let judged = wanted.candidates() && conservative;
         let radiation = if judged { *self.radiation.get_or_insert_with(|| Radiation::of(response)) } else { None };
         let (mut failure, mut lost, mut refused) = (None, 0, 0);
@@ -105,23 +113,35 @@ impl Finder {
                 return;
             }
             std::mem::swap(motion, earlier);
-            match Orbit::assemble(model, response, motion, draft) {
-                Ok(orbit) => {
-                    found.orbits.push(orbit);
-                    // Mirror-symmetric orbits come from closed forms that leave nothing to improve.
-                    if let Some(orbit) = found.orbits.last_mut().filter(|orbit| !orbit.is_reversible()) {
-                        polish(orbit, STEPS, response, motion);
+            let mut assembled = Orbit::assemble(model, response, motion, draft.clone());
+            if let (Ok(orbit), Some(steady)) = (&mut assembled, &steady)
+                && orbit.residual() > ROUNDING
+                && let Some(draft) = as_structure::at_places(&draft, (model, response), steady)
+                && let Ok(other) = Orbit::assemble(model, response, motion, draft)
+                && other.residual() < orbit.residual()
+            {
+                *orbit = other;
+            }
+            match assembled {
+                Ok(mut orbit) => {
+                    // Next to a resonance the structure's orbit is the better one.
+                    if orbit.residual() > ROUNDING && !orbit.is_reversible() && response.condition() < RESONANT {
+                        polish(&mut orbit, STEPS, response, motion);
                     }
                     // Subnormal parameters, or a resonance nearby, can leave a solution that violates its own equations.
-                    if found.orbits.pop_if(|orbit| !orbit.is_sound()).is_some() {
+                    if orbit.is_sound() {
+                        found.orbits.push(orbit);
+                    } else {
                         lost += 1;
                     }
                 }
                 Err(error) => failure = Some(error),
             }
         };
-        let outcome = match (family, pattern, &steady, cosine) {
-            (Family::DoubleSided, _, None, _) => Some(conservative::double_sided(model, response).map(|draft| {
+        let mut searched = Searched::default();
+        let word = if conservative { None } else { word.or_else(|| Word::of_family(family)) };
+        let outcome = match (conservative, family, &word) {
+            (true, Family::DoubleSided, _) => conservative::double_sided(model, response).map(|draft| {
                 add(draft);
                 if let Some(radiation) = &radiation {
                     kernel_grid.set(model, response, radiation);
@@ -131,44 +151,27 @@ impl Finder {
                     Scope::Candidates => two_instants::candidates(model, response, kernel_grid, zeros, &mut add),
                     Scope::Symmetric | Scope::SymmetricCandidates => {}
                 }
-            })),
-            (Family::SingleSided, _, None, _) => Some(conservative::single_sided(model, response).map(&mut add)),
-            (Family::DoubleSided, _, Some(_), Some(force)) => {
-                let narrowed = wanted.candidates() && model.chain().is_ring();
-                let places =
-                    if narrowed { forced_places::places(kernel_grid, response, (force, model.loss())) } else { None };
-                zeros.intervals += places.map_or(0, |(_, intervals)| intervals);
-                let places = places.map(|(places, _)| places);
-                forced_double::double_sided(&Forced { model, response, force, is_last: false }, zeros, places, &mut add)
-            }
-            (Family::SingleSided, _, Some(_), Some(force)) => Some(
-                forced_single::single_sided(model, response, force, Barrier::Lower)
-                    .map(|drafts| drafts.into_iter().for_each(&mut add)),
-            ),
-            (_, Some(pattern), Some(_), Some(force)) => {
-                forced_double::alike(pattern, &Forced { model, response, force, is_last: false }, zeros, &mut add)
-            }
-            (Family::SingleSided, ..) | (_, Some(_), ..) => None,
-            _ => Some(Err(NoBreather::NotSearched(Unsearched::Unnamed))),
-        };
-        let (mut searched, lower) = (Searched::default(), [Barrier::Lower]);
-        let barriers = pattern.as_ref().map_or(&lower[..], |pattern| pattern.barriers());
-        let outcome = match outcome {
-            Some(outcome) => outcome,
-            None if response.static_stiffness() == 0.0 && barriers.iter().all(|barrier| *barrier == barriers[0]) => {
+            }),
+            (true, Family::SingleSided, _) => conservative::single_sided(model, response).map(&mut add),
+            (false, _, Some(word)) if response.static_stiffness() == 0.0 && word.is_one_sided() => {
                 Err(NoBreather::NetImpulse)
             }
-            // Several harmonics, and places that E leaves open.
-            None => {
-                zeros.forget();
-                let asked = (family, pattern, barriers);
-                let (drafts, how) = among_contacts((model, response, home), asked, cosine, wanted, (zeros, stop))?;
-                searched = how;
-                let open = how.unresolved + how.exhausted + zeros.unresolved.len() + zeros.exhausted;
-                let outcome = forced_double::outcome(drafts.len(), open);
+            (false, _, Some(word)) => {
+                let narrowed = wanted.candidates() && family == Family::DoubleSided && model.chain().is_ring();
+                let cosine = cosine.filter(|_| narrowed);
+                let places =
+                    cosine.and_then(|force| forced_places::places(kernel_grid, response, (force, model.loss())));
+                zeros.intervals += places.as_ref().map_or(0, |(_, intervals)| *intervals);
+                let within = places.as_ref().map(|(places, _)| &places[..]);
+                let request = Request::new(word, periods, wanted).within(within);
+                let at_home = (model, response, home);
+                let drafts;
+                (drafts, searched) = as_structure::of_one_mass(at_home, family, request, (contact, &self.stop))?;
+                let none = drafts.is_empty() && searched.is_complete();
                 drafts.into_iter().for_each(&mut add);
-                outcome
+                if none { Err(searched.reason.unwrap_or(NoBreather::NoPhase)) } else { Ok(()) }
             }
+            _ => Err(NoBreather::NotSearched(Unsearched::Unnamed)),
         };
         if let Some(error) = failure {
             return Err(error);
@@ -181,7 +184,7 @@ impl Finder {
         let zeros = self.zeros.simple.len();
         found.completeness = Completeness::of(&Searched {
             listed,
-            refused,
+            refused: refused + searched.refused,
             lost: lost.max(zeros.saturating_sub(listed + refused)),
             intervals: self.zeros.intervals + searched.intervals,
             unresolved: self.zeros.unresolved.len() + searched.unresolved,
@@ -193,40 +196,4 @@ impl Finder {
         found.sort();
         Ok(())
     }
-}
-
-/// The orbits of one mass, number `home`, among those of the lattice as a structure, and what is known of their list. Where that leaves places open
-/// under a cosine, E's list is taken if it is as long: next to a pitchfork its orbits are better, and next to a resonance of a mass without coupling
-/// the flights' equations know more; what is open of theirs stays in `zeros`.
-#[cold]
-fn among_contacts(
-    at_home: (&Model, &ImpulseResponse, usize),
-    (family, pattern, barriers): (Family, Option<Pattern>, &[Barrier]),
-    cosine: Option<f64>,
-    wanted: Scope,
-    (zeros, stop): (&mut Zeros, &Stop),
-) -> Result<(Vec<Draft>, Searched), BreatherError> {
-    let (model, response, _) = at_home;
-    let periods = pattern.map_or(1, Pattern::periods);
-    let (drafts, how) = as_structure::of_one_mass(at_home, (family, barriers, periods), wanted, stop)?;
-    let (Some(force), Some(pattern)) = (cosine, pattern) else { return Ok((drafts, how)) };
-    let forced = Forced { model, response, force, is_last: true };
-    if how.unresolved + how.exhausted > 0 {
-        let mut own = Vec::new();
-        let found = |draft| own.push(draft);
-        let _ = if pattern.is_alike() {
-            forced_double::alike(pattern, &forced, zeros, found)
-        } else {
-            forced_double::double_sided(&forced, zeros, None, found)
-        };
-        let knows_more = how.exhausted > 0 && zeros.exhausted == 0;
-        if !knows_more {
-            zeros.forget();
-        }
-        if knows_more || own.len() >= drafts.len() {
-            return Ok((own, if knows_more { Searched::default() } else { how }));
-        }
-    }
-    // With impulses of the chain's own kernels.
-    Ok((drafts.into_iter().map(|draft| forced_double::with_times_of(draft, pattern, &forced)).collect(), how))
 }

@@ -134,6 +134,8 @@ pub(crate) struct Searched {
     pub(crate) left_out: usize,
     /// Why there is none.
     pub(crate) reason: Option<NoBreather>,
+    /// How many times as large loads have to be for a phase to exist.
+    pub(crate) too_weak: Option<f64>,
     /// What has been looked at, where others may exist.
     pub(crate) partial: Option<Partial>,
 }
@@ -186,8 +188,9 @@ impl NoBreather {
 impl Completeness {
     /// What is known of the list of a search.
     pub(crate) fn of(searched: &Searched) -> Self {
-        let &Searched { listed, refused, lost, intervals, boxes, unresolved, exhausted, left_out, reason, partial } =
-            searched;
+        let &Searched {
+            listed, refused, lost, intervals, boxes, unresolved, exhausted, left_out, reason, partial, ..
+        } = searched;
         match partial {
             Some(Partial::HalfPeriod) => return Self::HalfPeriod,
             Some(Partial::Places(places)) => return Self::Scanned { places },

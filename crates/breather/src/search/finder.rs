@@ -20,6 +20,7 @@ use crate::search::screens::kernel_grid::KernelGrid;
 use crate::search::screens::radiation::Radiation;
 use crate::structures::condition::Condition;
 use crate::structures::map_orbit::modes::Modes;
+use crate::structures::model::StructureModel;
 use crate::structures::response::FixedPart;
 
 /// Which orbits are asked for.
@@ -75,6 +76,8 @@ pub struct Finder {
     pub(crate) conservative_modes: ConservativeModes,
     /// That of the orbit last asked for it: verdicts and answers both want it.
     condition: Option<Box<(Orbit, Condition)>>,
+    /// The lattice as a structure with a contact at one mass, that of the forced orbits last asked for.
+    pub(crate) contact: Option<Box<StructureModel>>,
     /// Modes of a structure half a period after an impact, of the contact and the period last asked for.
     pub(crate) half_period: Option<Box<(Arc<FixedPart>, f64, Modes)>>,
     pub(crate) stop: Stop,
@@ -105,6 +108,7 @@ impl Finder {
             watch: Watch::default(),
             conservative_modes: ConservativeModes::default(),
             condition: None,
+            contact: None,
             half_period: None,
             stop: Stop::default(),
         }
@@ -114,6 +118,7 @@ impl Finder {
     #[must_use]
     pub fn until(mut self, stop: &Stop) -> Self {
         self.stop = stop.clone();
+        self.contact = None;
         for copy in [&mut self.zeros.stop, &mut self.watch.stop] {
             *copy = stop.clone();
         }

@@ -23,8 +23,6 @@ pub(super) struct Between {
     pub(super) fastest: f64,
     /// Of rigid modes what their parabola t/2 − t²/2T is multiplied by in either kernel.
     rigid: [f64; 2],
-    /// From a contact to itself, without losses, the kernel is the same both ways.
-    is_even: bool,
 }
 
 /// One mode, and what its two coordinates are multiplied by in either kernel and its first three derivatives.
@@ -58,10 +56,7 @@ impl Between {
             return None;
         }
         let period = kernel.period;
-        let is_free = |mode: &LinearMode| mode.turn == Turn::Circular && mode.decay == 0.0;
-        let is_even = first == second && kernel.regular().all(|(mode, _)| is_free(mode));
-        let modes = Vec::with_capacity(kernel.felt.modes.len());
-        let mut between = Self { period, modes, doubts: [[0.0; 3]; 2], fastest: 0.0, rigid: [0.0; 2], is_even };
+        let mut between = Self { period, modes: Vec::new(), doubts: [[0.0; 3]; 2], fastest: 0.0, rigid: [0.0; 2] };
         for mode in kernel.rigid() {
             for (way, (to, from)) in [(second, first), (first, second)].into_iter().enumerate() {
                 let shapes = mode.rows[to][0] * mode.columns[from][1] * mode.rate;
@@ -75,9 +70,7 @@ impl Between {
             let (mut parts, mut fourth) = ([[[0.0; 2]; 4]; 2], [0.0; 2]);
             let turn = mode.turn;
             // Back: at T − t the mode has turned by its period and back again, and odd derivatives change their sign.
-            let whole = if is_even {
-                Turned { even: 1.0, odd: 0.0 }
-            } else if turn == Turn::Circular {
+            let whole = if turn == Turn::Circular {
                 let (sin, cos) = (mode.rate * kernel.period).sin_cos();
                 Turned { even: cos, odd: sin }
             } else {
@@ -90,7 +83,7 @@ impl Between {
                 Turn::Hyperbolic => std::f64::consts::SQRT_2,
                 Turn::Parabolic => 1.0 + mode.rate / mode.decay,
             };
-            for (way, (to, from, mut motion, sign)) in ways.into_iter().enumerate().take(between.ways()) {
+            for (way, (to, from, mut motion, sign)) in ways.into_iter().enumerate() {
                 let (row, column) = (mode.rows[to], mode.columns[from]);
                 let reach = flight * length(row) * length(column);
                 // row·column and row·J·column
@@ -124,15 +117,7 @@ impl Between {
             let left = (-mode.decay * kernel.period).exp();
             between.modes.push(Both { turn, decay: mode.decay, rate: mode.rate, left, parts, slowest, fourth });
         }
-        if is_even {
-            between.doubts[1] = between.doubts[0];
-        }
         Some(between)
-    }
-
-    /// How many of the two kernels have to be summed.
-    fn ways(&self) -> usize {
-        if self.is_even { 1 } else { 2 }
     }
 
     /// Both kernels with three derivatives at four φ, and bounds of the fourth ones within radii of these.
@@ -167,17 +152,14 @@ impl Between {
                     [four(flights.map(|flight| flight.even)), four(flights.map(|flight| flight.odd))]
                 }),
             };
-            for ((jet, parts), [even, odd]) in jets.iter_mut().zip(parts).zip(moved).take(self.ways()) {
+            for ((jet, parts), [even, odd]) in jets.iter_mut().zip(parts).zip(moved) {
                 for (entry, part) in jet.iter_mut().zip(parts) {
                     *entry += even * all(part[0]) + odd * all(part[1]);
                 }
             }
-            for way in 0..self.ways() {
+            for way in 0..2 {
                 fourths[way] += losses[way][1] * all(fourth[way]);
             }
-        }
-        if self.is_even {
-            (jets[1], fourths[1]) = (jets[0], fourths[0]);
         }
         (jets, fourths)
     }
@@ -256,13 +238,10 @@ impl Between {
                 } else {
                     ways.map(|t| turn.flight(*decay, *rate, t)).map(|flight| [flight.even, flight.odd])
                 };
-                for ((jet, parts), [even, odd]) in jets.iter_mut().zip(parts).zip(moved).take(self.ways()) {
+                for ((jet, parts), [even, odd]) in jets.iter_mut().zip(parts).zip(moved) {
                     jet.iter_mut().zip(parts).for_each(|(entry, part)| *entry += even * part[0] + odd * part[1]);
                 }
             }
-        }
-        if self.is_even {
-            jets[1] = jets[0];
         }
         jets
     }

@@ -27,6 +27,18 @@ impl StructureModel {
         Self::of_shapes(Masses { lattice: *lattice, sites: sites.to_vec(), shapes, shapes_of: *lattice }, stop)
     }
 
+    /// The same, from another one that is known where that is quicker.
+    pub(crate) fn of_masses_from(
+        known: Option<&Self>,
+        lattice: &Model,
+        sites: &[usize],
+        stop: &Stop,
+    ) -> Result<Self, BreatherError> {
+        let has_these = |known: &&Self| known.masses().is_some_and(|masses| masses.sites == sites);
+        let moved = known.filter(has_these).and_then(|known| known.moved_to(lattice));
+        moved.unwrap_or_else(|| Self::of_masses(lattice, sites, stop))
+    }
+
     fn of_shapes(masses: Masses, stop: &Stop) -> Result<Self, BreatherError> {
         let Masses { lattice, shapes_of: base, .. } = masses;
         let (chain, omega) = (lattice.chain(), lattice.omega());
@@ -73,6 +85,9 @@ impl StructureModel {
     fn moved_to(&self, at: &Model) -> Option<Result<Self, BreatherError>> {
         let masses = self.masses()?;
         let base = masses.lattice;
+        if base == *at {
+            return Some(Ok(self.clone()));
+        }
         let differs = |parameter: &Parameter| base.get(*parameter) != at.get(*parameter);
         let moved = |parameters: &[Parameter]| {
             let with = |model: Model, parameter: &Parameter| model.with(*parameter, at.get(*parameter)).ok();
@@ -103,14 +118,12 @@ pub(crate) fn remembering(
 ) -> ModelFamily {
     let (stop, last) = (stop.clone(), Mutex::new(None::<StructureModel>));
     Arc::new(move |values: &[f64]| {
-        let told = |error: BreatherError| error.to_string();
         let at = lattice(values)?;
         let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = last.as_ref().and_then(|known| known.moved_to(&at)) {
-            return known.map_err(told);
-        }
-        let new = StructureModel::of_masses(&at, &sites, &stop).map_err(told)?;
-        *last = Some(new.clone());
+        let new =
+            StructureModel::of_masses_from(last.as_ref(), &at, &sites, &stop).map_err(|error| error.to_string())?;
+        // The first one stays: what is known of it serves all others.
+        last.get_or_insert_with(|| new.clone());
         Ok(new)
     })
 }

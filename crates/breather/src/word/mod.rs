@@ -234,6 +234,12 @@ impl Word {
         Cow::Owned(Self { instants })
     }
 
+    /// All impacts are on one side.
+    pub(crate) fn is_one_sided(&self) -> bool {
+        let first = self.letters().next();
+        self.letters().all(|letter| first.is_some_and(|first| first.barrier == letter.barrier))
+    }
+
     /// The family of which it is the name, at whatever site: `0+,0-`, `0-`, and `0-,0-` of two periods of the force.
     pub fn family(&self) -> Option<Family> {
         let mut letters = self.letters();

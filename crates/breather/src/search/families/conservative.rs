@@ -9,28 +9,16 @@ use vibrochain_lattice::{Barrier, ImpulseResponse, Model};
 
 use crate::error::NoBreather;
 use crate::orbit::{Draft, Family, Hit};
-use crate::search::families::pattern::Pattern;
 
-/// An orbit of two impacts of site 0, at 0 and φ, from its half impulses p₂ and p₁ and its static displacement there: P = −2p₂ and 2p₁
-/// on opposite barriers, 2p₂ and 2p₁ on one.
-pub(crate) fn two_impact_draft(
+/// A double-sided orbit of site 0, with impacts at 0 and φ, from its half impulses p₂ and p₁ and its static displacement there: P = −2p₂ and 2p₁.
+pub(crate) fn double_sided_draft(
     response: &ImpulseResponse,
-    pattern: Pattern,
-    psi: f64,
     phi: f64,
     (p1, p2): (f64, f64),
     static_displacement: f64,
 ) -> Draft {
-    let &[first, second] = pattern.barriers();
-    let sign = if pattern.is_alike() { 2.0 } else { -2.0 };
-    let impacts = smallvec![Hit::new(0, first, 0.0, sign * p2), Hit::new(0, second, phi, 2.0 * p1)];
-    Draft::new(response, (pattern.family(), pattern.periods()), psi, impacts, static_displacement)
-}
-
-/// An orbit of one impact on the lower barrier.
-pub(crate) fn single_sided_draft(response: &ImpulseResponse, psi: f64, p: f64, static_displacement: f64) -> Draft {
-    let impacts = smallvec![Hit::new(0, Barrier::Lower, 0.0, 2.0 * p)];
-    Draft::new(response, (Family::SingleSided, 1), psi, impacts, static_displacement)
+    let impacts = smallvec![Hit::new(0, Barrier::Upper, 0.0, -2.0 * p2), Hit::new(0, Barrier::Lower, phi, 2.0 * p1)];
+    Draft::new(response, (Family::DoubleSided, 1), 0.0, impacts, static_displacement)
 }
 
 /// Half impulses and static displacement for impacts at 0 and φ without force, given K₀(φ)'s dynamic part.
@@ -48,13 +36,14 @@ pub(crate) fn impulses(model: &Model, response: &ImpulseResponse, kernel: f64) -
 /// The double-sided breather with φ = T/2.
 pub(crate) fn double_sided(model: &Model, response: &ImpulseResponse) -> Result<Draft, NoBreather> {
     let (impulses, displacement) = impulses(model, response, response.dynamic_at_half()).ok_or(NoBreather::Singular)?;
-    Ok(two_impact_draft(response, Pattern::DOUBLE_SIDED, 0.0, 0.5 * response.period(), impulses, displacement))
+    Ok(double_sided_draft(response, 0.5 * response.period(), impulses, displacement))
 }
 
 /// The single-sided breather.
 pub(crate) fn single_sided(model: &Model, response: &ImpulseResponse) -> Result<Draft, NoBreather> {
     let (p, static_displacement) = impulse(model, response)?;
-    Ok(single_sided_draft(response, 0.0, p, static_displacement))
+    let impacts = smallvec![Hit::new(0, Barrier::Lower, 0.0, 2.0 * p)];
+    Ok(Draft::new(response, (Family::SingleSided, 1), 0.0, impacts, static_displacement))
 }
 
 /// Its half impulse and static displacement.

@@ -3,7 +3,7 @@
 //! Impulses P and static displacement s of impacts at 0 and φ = T/2 + δ follow from Σ_j P_j K̂_ij + s = a ± 1 and Σ P = g s.
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Barrier, ImpulseResponse, Model};
+use vibrochain_lattice::{ImpulseResponse, Model};
 
 use crate::equations::System;
 use crate::equations::linear::{Matrix, USUAL, Vector, dot};
@@ -39,8 +39,7 @@ impl<'a> Positions<'a> {
             .flat_map(|(letters, late)| letters.iter().map(move |letter| (letter, late)))
             .map(|(letter, late)| (Hit::new(letter.site, letter.barrier, 0.0, 0.0), late))
             .collect();
-        let one_side = |&barrier: &Barrier| hits.iter().all(|(hit, _)| hit.barrier == barrier);
-        if response.static_stiffness() == 0.0 && [Barrier::Lower, Barrier::Upper].iter().any(one_side) {
+        if response.static_stiffness() == 0.0 && word.is_one_sided() {
             return Err(NoBreather::NetImpulse);
         }
         let mut sites: SmallVec<[usize; USUAL]> = hits.iter().map(|(hit, _)| hit.site).collect();

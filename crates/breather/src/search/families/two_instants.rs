@@ -31,8 +31,7 @@ use crate::orbit::Draft;
 use crate::roots::dual::Dual;
 use crate::roots::interval::{Clearance, Enclosed, Zeros};
 use crate::roots::taylor::SUMS;
-use crate::search::families::conservative::{impulses, two_impact_draft};
-use crate::search::families::pattern::Pattern;
+use crate::search::families::conservative::{double_sided_draft, impulses};
 use crate::search::screens::kernel_grid::{KernelGrid, MOST, top};
 
 /// Orbits closer than this part of half a period to the symmetric one, which they branch from, are not told from it; nor are two instants
@@ -149,7 +148,7 @@ fn drafts(model: &Model, response: &ImpulseResponse, zeros: &Zeros, mut found: i
     for delta in zeros.simple.iter().flat_map(|&zero| [-zero, zero]) {
         let kernel = response.jet_from_half(delta).value;
         if let Some((impulses, displacement)) = impulses(model, response, kernel) {
-            found(two_impact_draft(response, Pattern::DOUBLE_SIDED, 0.0, half + delta, impulses, displacement));
+            found(double_sided_draft(response, half + delta, impulses, displacement));
         }
     }
 }

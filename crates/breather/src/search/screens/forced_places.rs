@@ -12,6 +12,7 @@
 //! D and χ₃ = −2s are those of the grid in `kernel_grid`, as cubics with bounds. That leaves little more than the places where the mass that
 //! is hit could bounce without force, in which alone the zeros of E are searched for.
 
+use smallvec::SmallVec;
 use vibrochain_lattice::ImpulseResponse;
 
 use crate::orbit::WRONG_SIGN;
@@ -64,14 +65,14 @@ impl Bounds {
     }
 }
 
-/// The intervals of δ > 0, rising, outside of which, and of their mirror images, no right-signed double-sided orbit under a cosine of
-/// response `force` can be, and the number of intervals of the grid they come from. `None` where that cannot be told, or is not worth it:
-/// the force alone may carry the masses to their barriers.
-pub(crate) fn places<'a>(
-    grid: &'a mut KernelGrid,
+/// The intervals of φ, rising, outside of which no right-signed double-sided orbit under a cosine of response `force` can be, and the number of
+/// intervals of the grid they come from. `None` where that cannot be told, or is not worth it: the force alone may carry the masses to their
+/// barriers.
+pub(crate) fn places(
+    grid: &mut KernelGrid,
     response: &ImpulseResponse,
     (force, loss): (f64, f64),
-) -> Option<(&'a [(f64, f64)], usize)> {
+) -> Option<(SmallVec<[[f64; 2]; 8]>, usize)> {
     let force = force.abs();
     if force >= 1.0 {
         return None;
@@ -86,5 +87,15 @@ pub(crate) fn places<'a>(
         let piece = samples.piece(i);
         bounds.narrow(&piece, FINEST * (piece.to - piece.from), &mut places);
     }
-    Some((grid.put_places(places), intervals))
+    let flights = both_ways(grid.put_places(places), 0.5 * response.period());
+    Some((flights, intervals))
+}
+
+/// Intervals of δ ≥ 0 and their mirror images, as intervals of φ = T/2 + δ.
+fn both_ways(places: &[(f64, f64)], half: f64) -> SmallVec<[[f64; 2]; 8]> {
+    let is_middle = |place: &&(f64, f64)| place.0 == 0.0;
+    let before = places.iter().rev().filter(|place| !is_middle(place)).map(|(from, to)| [half - to, half - from]);
+    let middle = places.iter().find(is_middle).map(|(_, to)| [half - to, half + to]);
+    let after = places.iter().filter(|place| !is_middle(place)).map(|(from, to)| [half + from, half + to]);
+    before.chain(middle).chain(after).collect()
 }

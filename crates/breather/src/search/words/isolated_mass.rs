@@ -7,10 +7,8 @@
 use vibrochain_lattice::{Barrier, Chain, Model, Stop};
 
 use crate::error::{BreatherError, NoBreather, Unsearched};
-use crate::orbit::{Family, Hit, Impact, Orbit};
+use crate::orbit::{Impact, Orbit};
 use crate::search::at_point::Sought;
-use crate::search::families::forced_single;
-use crate::search::families::pattern::Pattern;
 use crate::search::finder::{Finder, Scope};
 use crate::search::orbit_list::OrbitList;
 use crate::word::{Letter, Word};
@@ -112,44 +110,24 @@ pub(crate) fn under_force(
 /// Those of a mass alone that do not repeat sooner than after `own` periods of the force: their hits by its clock, in its periods; and
 /// at how many places others may be missing.
 fn in_periods(model: &Model, barriers: &[Barrier], own: u32, stop: &Stop) -> Orbits<(Vec<Vec<Beat>>, usize)> {
-    let sought = match (barriers, own) {
-        ([Barrier::Lower], 1) => Some(Sought::from(Family::SingleSided)),
-        ([_], _) => None,
-        _ => match Pattern::of(barriers, own) {
-            Some(pattern) => Some(Sought::from(pattern)),
-            None => return Ok(Err(NoBreather::NotSearched(Unsearched::ManyImpacts))),
-        },
+    let Some(sought) = Sought::of(barriers, own) else {
+        return Ok(Err(NoBreather::NotSearched(Unsearched::ManyImpacts)));
     };
     let mut finder = Finder::new(1).until(stop);
     let clock = |time: f64| (time / model.period()).rem_euclid(f64::from(own));
-    if let Some(sought) = sought {
-        let mut found = OrbitList::default();
-        finder.search_at(model, sought, 0, Scope::All, &mut found)?;
-        if let Some(none) = found.completeness.reason() {
-            return Ok(Err(none));
-        }
-        let of = |orbit: &Orbit| -> Vec<Beat> {
-            let beat = |impact: &Impact| Beat {
-                barrier: impact.barrier,
-                turn: clock(impact.time + orbit.psi_or_zero()),
-                impulse: impact.impulse,
-            };
-            orbit.impacts().iter().map(beat).collect()
-        };
-        let (unresolved, exhausted) = found.completeness.open();
-        return Ok(Ok((found.orbits.iter().map(of).collect(), unresolved + exhausted)));
+    let mut found = OrbitList::default();
+    finder.search_at(model, sought, 0, Scope::All, &mut found)?;
+    if let Some(none) = found.completeness.reason() {
+        return Ok(Err(none));
     }
-    if model.force().cosine_amplitude().is_none() {
-        return Ok(Err(NoBreather::NotSearched(Unsearched::UpperHarmonics)));
-    }
-    // One impact, on whichever barrier: the closed form of the family, with a kernel of so many periods.
-    finder.prepare(model, model.omega() / f64::from(own))?;
-    let force = model.force_response()?;
-    Ok(forced_single::single_sided(model, &finder.response, force, barriers[0]).map(|drafts| {
-        let of = |draft: &crate::orbit::Draft| -> Vec<Beat> {
-            let beat = |hit: &Hit| Beat { barrier: hit.barrier, turn: clock(draft.psi), impulse: hit.impulse };
-            draft.impacts.iter().map(beat).collect()
+    let of = |orbit: &Orbit| -> Vec<Beat> {
+        let beat = |impact: &Impact| Beat {
+            barrier: impact.barrier,
+            turn: clock(impact.time + orbit.psi_or_zero()),
+            impulse: impact.impulse,
         };
-        (drafts.iter().map(of).collect(), 0)
-    }))
+        orbit.impacts().iter().map(beat).collect()
+    };
+    let (unresolved, exhausted) = found.completeness.open();
+    Ok(Ok((found.orbits.iter().map(of).collect(), unresolved + exhausted)))
 }

@@ -14,7 +14,6 @@ use crate::orbit::{Draft, Family, Orbit};
 use crate::search::at_point::Sought;
 use crate::search::completeness::{Completeness, Searched};
 use crate::search::families::overdetermined;
-use crate::search::families::pattern::Pattern;
 use crate::search::families::positions::Positions;
 use crate::search::families::two_instants;
 use crate::search::finder::{Finder, Scope};
@@ -266,14 +265,10 @@ impl Finder {
     }
 }
 
-/// One mass under a force, whose orbits are those of a family or the zeros of E.
+/// One mass under a force that hits once or twice.
 fn sought(row: &Word, force_periods: u32) -> Option<Sought> {
     let barriers: Vec<Barrier> = row.letters().map(|letter| letter.barrier).collect();
-    match barriers.as_slice() {
-        _ if row.places().len() > 1 => None,
-        [Barrier::Lower] if force_periods == 1 => Some(Family::SingleSided.into()),
-        barriers => Pattern::of(barriers, force_periods).map(Sought::from),
-    }
+    if row.places().len() > 1 { None } else { Sought::of(&barriers, force_periods) }
 }
 
 /// The impacts of each instant of a word are at one time, in its order.

@@ -211,6 +211,11 @@ impl Line {
         (!distance.is_nan()).then_some([distance, -(c.0 * c.1 + s.0 * s.1) / length / length, length])
     }
 
+    /// How many times as large loads have to be for the line to meet the circle; `None` where it does.
+    pub(super) fn too_weak(&self) -> Option<f64> {
+        self.foot().map(|[distance, ..]| distance).filter(|distance| *distance > 1.0)
+    }
+
     /// Whether the line meets the circle twice or does not meet it, whatever rounding has done to it.
     pub(super) fn is_decided(&self) -> bool {
         self.foot().is_some_and(|[distance, ..]| (distance - 1.0).abs() > GRAZES) && self.is_sharp()

@@ -57,6 +57,11 @@ impl StructureOrbit {
         })
     }
 
+    /// Whether nothing is known of how large its errors are, to first order neither: its equations are singular.
+    pub(super) fn is_singular(&self) -> bool {
+        (0..self.impacts().len()).any(|i| !(self.estimate(i).impulse + self.estimate(i).time).is_finite())
+    }
+
     /// Whether every impact has an impulse: one that is no larger than its error is none, and the orbit one of fewer impacts.
     pub(super) fn has_impulses(&self) -> bool {
         self.impacts().iter().enumerate().all(|(i, impact)| impact.impulse.abs() > self.estimate(i).impulse)

@@ -6,6 +6,7 @@
 //! | `at_times` | impulses, offsets and phase at given times |
 //! | `distinct` | which orbits of a list are one, and which are orbits of its word |
 //! | `half_period` | the same of one contact between two barriers, without loads and losses |
+//! | `one_contact` | the same of one contact that no dashpot damps |
 //! | `two_impacts` | the proof that no two impacts are missing |
 //! | `merged` | the number of orbits where two zeros may have merged |
 //! | `open_pieces` | what modes next to a resonance put into the tables of `phase_plane` |
@@ -20,6 +21,7 @@ mod distinct;
 mod elimination;
 pub(super) mod half_period;
 mod merged;
+mod one_contact;
 mod open_pieces;
 mod orbits;
 mod phase_plane;
@@ -29,4 +31,4 @@ mod starts;
 mod three_impacts;
 mod two_impacts;
 
-pub(crate) use orbits::Listed;
+pub(crate) use orbits::{Listed, Request};

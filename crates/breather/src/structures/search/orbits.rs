@@ -13,7 +13,7 @@
 use smallvec::SmallVec;
 use vibrochain_lattice::Barrier;
 
-use super::at_times::{Impacts, Start, all_places};
+use super::at_times::{Impacts, Line, Start, all_places};
 use super::elimination::MOST;
 use super::three_impacts::ThreeImpacts;
 use super::two_impacts::Function;
@@ -62,7 +62,7 @@ impl StructureModel {
     /// # Errors
     /// [`BreatherError`].
     pub fn orbits(&self, word: &Word, force_periods: u32) -> Result<OrbitList<StructureOrbit>, BreatherError> {
-        Ok(self.listed(word, force_periods, Scope::All)?.told())
+        Ok(self.listed(Request::new(word, force_periods, Scope::All))?.told())
     }
 
     /// The same without those whose barriers pull: what a map asks for.
@@ -70,11 +70,12 @@ impl StructureModel {
     /// # Errors
     /// As [`StructureModel::orbits`].
     pub fn candidates(&self, word: &Word, force_periods: u32) -> Result<OrbitList<StructureOrbit>, BreatherError> {
-        Ok(self.listed(word, force_periods, Scope::Candidates)?.told())
+        Ok(self.listed(Request::new(word, force_periods, Scope::Candidates))?.told())
     }
 
     /// As [`StructureModel::orbits`] or [`StructureModel::candidates`], with what the search has done.
-    pub(crate) fn listed(&self, word: &Word, force_periods: u32, scope: Scope) -> Result<Listed, BreatherError> {
+    pub(crate) fn listed(&self, request: Request<'_>) -> Result<Listed, BreatherError> {
+        let Request { word, force_periods, scope, .. } = request;
         let mut letters: SmallVec<[(usize, Barrier); 4]> = SmallVec::new();
         for letter in word.letters() {
             self.barrier(letter.site, letter.barrier)?;
@@ -90,7 +91,6 @@ impl StructureModel {
             return Err(BreatherError::AtOnce);
         }
         let impacts = Impacts { equations: &equations, letters };
-        let request = Request { word, force_periods, scope };
         if equations.self_excited && !impacts.are_excited() {
             return Err(BreatherError::LossWithoutLoad);
         }
@@ -137,10 +137,22 @@ fn sort(orbits: &mut [StructureOrbit]) {
 
 /// What is asked of a list.
 #[derive(Clone, Copy)]
-struct Request<'a> {
+pub(crate) struct Request<'a> {
     word: &'a Word,
-    force_periods: u32,
+    pub(crate) force_periods: u32,
     scope: Scope,
+    /// Where the time between two impacts may be: everywhere, or in these intervals of it, which rise.
+    within: Option<&'a [[f64; 2]]>,
+}
+
+impl<'a> Request<'a> {
+    pub(crate) fn new(word: &'a Word, force_periods: u32, scope: Scope) -> Self {
+        Self { word, force_periods, scope, within: None }
+    }
+
+    pub(crate) fn within(self, within: Option<&'a [[f64; 2]]>) -> Self {
+        Self { within, ..self }
+    }
 }
 
 impl Impacts<'_> {
@@ -148,7 +160,7 @@ impl Impacts<'_> {
     /// modes are among the unknowns there, and what is proved is proved however close the resonance is.
     fn of_two(&self, request: Request<'_>) -> Result<Listed, BreatherError> {
         let single = self.equations.single().is_some();
-        let by_time = if single { self.proved().transpose()? } else { None };
+        let by_time = if single { self.proved(request.within).transpose()? } else { None };
         let by_time = by_time.map(|starts| self.list(request, starts)).transpose()?;
         let by_time = match by_time {
             Some(list) if list.searched.is_complete() => return Ok(list),
@@ -183,7 +195,7 @@ impl Impacts<'_> {
     /// The orbits that starts lead to.
     fn list(
         &self,
-        Request { word, force_periods, scope }: Request<'_>,
+        Request { word, force_periods, scope, .. }: Request<'_>,
         (starts, mut searched): (Vec<Start>, Searched),
     ) -> Result<Listed, BreatherError> {
         let (equations, model) = (self.equations, self.equations.model);
@@ -193,28 +205,39 @@ impl Impacts<'_> {
         let (mut solutions, mut lost): (Vec<Solution>, usize) = (Vec::new(), 0);
         for Start { point, is_zero, is_exact } in starts {
             model.heard()?;
+            let begin = point.times();
             if scope.candidates() && point.pulls() {
                 searched.refused += 1;
                 continue;
             }
-            let solved = if is_exact { equations.solve_exact(point) } else { equations.solve(point) };
+            let solved = if is_exact || is_zero { equations.solve_exact(point) } else { equations.solve(point) };
             let orbit = solved.and_then(|solved| StructureOrbit::new(equations, force_periods, solved));
             // A zero whose orbit is not reached, or is none as far as its errors tell, is told, not dropped.
-            let sound =
-                orbit.ok().filter(|orbit| (letters_at_once(word) || orbit.has_its_instants()) && orbit.has_impulses());
+            let is_whole =
+                |orbit: &StructureOrbit| (letters_at_once(word) || orbit.has_its_instants()) && orbit.has_impulses();
+            let sound = orbit.ok().filter(|orbit| is_whole(orbit) || is_zero && orbit.is_singular());
             let Some(orbit) = sound else {
                 lost += usize::from(is_zero);
                 continue;
             };
-            let known = solutions.iter_mut().find_map(|known| Some((known.orbit.begun_at(&orbit)?, known)));
+            let moved = farthest(&begin, &orbit);
+            let known = solutions.iter_mut().find_map(|known| {
+                let turn = known.orbit.begun_at(&orbit)?;
+                // Two zeros that are proved to be apart, and have stayed where they were, are two orbits however large their errors.
+                let apart = farthest(&begin, &known.orbit);
+                let is_other =
+                    is_zero && turn == 0 && known.zeros.contains(&0) && apart > STAYED * moved.max(known.moved);
+                (!is_other).then_some((turn, known))
+            });
             let Some((turn, known)) = known else {
-                solutions.push(Solution { zeros: if is_zero { vec![0] } else { vec![] }, orbit });
+                solutions.push(Solution { zeros: if is_zero { vec![0] } else { vec![] }, orbit, moved });
                 continue;
             };
             // Two zeros have led to the same orbit, begun at the same impact: the orbit of one of them is missing.
             lost += usize::from(is_zero && known.zeros.contains(&turn));
+            let is_as_sure = is_zero || known.zeros.is_empty();
             known.zeros.extend(is_zero.then_some(turn));
-            if turn == 0 && orbit.error() < known.orbit.error() {
+            if turn == 0 && is_as_sure && orbit.error() < known.orbit.error() {
                 known.orbit = orbit;
             }
         }
@@ -225,11 +248,11 @@ impl Impacts<'_> {
             solutions.into_iter().map(|solution| solution.orbit).partition(StructureOrbit::repeats_sooner);
         let (pulled, mut orbits): (Vec<_>, Vec<_>) = orbits.into_iter().partition(|orbit| pushing && pulls(orbit));
         searched.refused += pulled.len();
-        searched.reason = Some(match (repeating.is_empty(), equations.forced) {
+        searched.reason = searched.reason.or(Some(match (repeating.is_empty(), equations.forced) {
             (false, _) => NoBreather::RepeatsSooner,
             (true, true) => NoBreather::NoPhase,
             (true, false) => NoBreather::NoTimes,
-        });
+        }));
         sort(&mut orbits);
         Ok(Listed { orbits, searched, periods: None })
     }
@@ -239,6 +262,17 @@ impl Impacts<'_> {
 struct Solution {
     orbit: StructureOrbit,
     zeros: Vec<usize>,
+    /// How far the times of its impacts are from those of its start.
+    moved: f64,
+}
+
+/// A start that is so many times farther from another orbit than from its own belongs to its own alone.
+const STAYED: f64 = 1e3;
+
+/// How far times are from those of an orbit's impacts at most; 8 roundings of the period at least.
+fn farthest(times: &[f64], orbit: &StructureOrbit) -> f64 {
+    let apart = times.iter().zip(orbit.impacts()).map(|(time, impact)| (time - impact.time).abs());
+    apart.fold(8.0 * f64::EPSILON * orbit.period(), f64::max)
 }
 
 /// Whether several contacts are hit at one instant.
@@ -250,6 +284,11 @@ fn letters_at_once(word: &Word) -> bool {
 const PULLS: f64 = 1e-6;
 
 impl Point {
+    /// The times of the impacts.
+    fn times(&self) -> SmallVec<[f64; 4]> {
+        self.strikes.iter().map(|strike| strike.time).collect()
+    }
+
     /// Whether a barrier surely pulls: no such orbit is physical.
     pub(super) fn pulls(&self) -> bool {
         let largest = self.strikes.iter().map(|strike| strike.impulse.abs()).fold(0.0, f64::max);
@@ -267,15 +306,16 @@ impl Impacts<'_> {
             (1, true) if single => {
                 let line = self.line(&[0.0])?;
                 let unresolved = usize::from(line.as_ref().is_some_and(|line| !line.is_sharp()));
+                let too_weak = line.as_ref().and_then(Line::too_weak);
                 let points = line.map_or_else(Vec::new, |line| self.starts_on(&line, &[0.0]));
-                Ok((points, Searched { unresolved, ..Searched::default() }))
+                Ok((points, Searched { unresolved, too_weak, ..Searched::default() }))
             }
             (1, false) => {
                 let x = self.linear(&[0.0])?.solve().ok_or(BreatherError::Singular)?;
                 Ok((vec![Start::exact(self.point(&[0.0], &x))], Searched::default()))
             }
             (1, true) => self.proved_of_one().unwrap_or_else(|| self.starts()),
-            (2, false) => self.proved_of_both_sides().or_else(|| self.proved()).unwrap_or_else(|| self.scan()),
+            (2, false) => self.proved_of_both_sides().or_else(|| self.proved(None)).unwrap_or_else(|| self.scan()),
             (3, _) => self.proved_in_the_plane(boxes(scope)).unwrap_or_else(|| self.starts()),
             _ => self.starts(),
         }
@@ -292,12 +332,18 @@ impl Impacts<'_> {
         Ok((vec![Start::zero(self.point(&times, &x))], Searched { partial, ..Searched::default() }))
     }
 
-    /// Zeros of the function of the time between two impacts, all of them; `None` where it cannot be enclosed, or takes too long.
-    fn proved(&self) -> Option<Starts> {
+    /// Zeros of the function of the time between two impacts, all of them, or all in some intervals; `None` where it cannot be enclosed, or takes too
+    /// long.
+    fn proved(&self, within: Option<&[[f64; 2]]>) -> Option<Starts> {
+        let symmetric = match self.one_contact(within) {
+            Some((_, Some(starts))) => return Some(starts),
+            Some((symmetric, None)) => symmetric,
+            None => false,
+        };
         let contacts = [self.letters[0].0, self.letters[1].0];
         let places = self.places()?;
         let function = Function::new(self.equations, contacts, [places[0], places[1]])?;
-        let mut zeros = function.zeros();
+        let mut zeros = function.zeros(within);
         if zeros.exhausted > 0 {
             return None;
         }
@@ -312,14 +358,15 @@ impl Impacts<'_> {
             return Some(Err(error));
         }
         // A structure that is its own mirror image has a double zero there, one of the places that may be one.
-        let open_half = forced && zeros.unresolved.iter().any(|phi| is_half(&phi));
-        let mirrored = match if open_half { self.line(&[0.0, half]) } else { Ok(None) } {
-            Ok(line) => line.is_some_and(|line| line.holds()),
+        let open_half = symmetric || forced && zeros.unresolved.iter().any(|phi| is_half(&phi));
+        let line = match if open_half { self.line(&[0.0, half]) } else { Ok(None) } {
+            Ok(line) => line.filter(Line::holds),
             Err(error) => return Some(Err(error)),
         };
+        let mirrored = line.is_some();
         let mut unresolved = function.apart(zeros.unresolved.iter().filter(|phi| !(mirrored && is_half(phi))).copied());
         let mut add = || -> Result<(), BreatherError> {
-            if forced && zeros.simple.iter().chain(&zeros.unresolved).any(|phi| is_half(&phi)) {
+            if symmetric || forced && zeros.simple.iter().chain(&zeros.unresolved).any(|phi| is_half(&phi)) {
                 starts.extend(self.on_a_line(&[0.0, half])?);
             }
             // Those next to half a period apart come first.
@@ -346,7 +393,8 @@ impl Impacts<'_> {
             Ok(())
         };
         let found = add();
-        let searched = Searched { intervals: zeros.intervals, unresolved, ..Searched::default() };
+        let too_weak = line.as_ref().and_then(Line::too_weak).filter(|_| starts.is_empty());
+        let searched = Searched { intervals: zeros.intervals, unresolved, too_weak, ..Searched::default() };
         Some(found.map(|()| (starts, searched)))
     }
 

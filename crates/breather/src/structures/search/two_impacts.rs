@@ -48,6 +48,9 @@ const PAIR: f64 = 1e-6;
 /// Intervals to begin with: where modes are far faster than the load, they have died out in nearly all of them.
 pub(super) const MOST_PIECES: usize = 512;
 
+/// And no fewer, where the whole period is searched.
+const LEAST_PIECES: usize = 16;
+
 /// The part of the period from which on two impacts can be told from one, which are `alike` at one instant.
 pub(super) fn told_apart(alike: bool) -> f64 {
     if alike { COINCIDENT } else { RESOLUTION }
@@ -131,15 +134,20 @@ impl Function {
         self.places == [0.0; 2]
     }
 
-    /// All zeros between the coincident ends; the second list is where two may have merged, the last number says whether all places were looked at.
-    pub(super) fn zeros(&self) -> Zeros {
+    /// All zeros between the coincident ends, or those in some intervals of φ, which rise.
+    pub(super) fn zeros(&self, within: Option<&[[f64; 2]]>) -> Zeros {
         let mut zeros = Zeros::default();
         zeros.stop = self.stop.clone();
-        let pieces = ((self.between.fastest.max(self.rate) * self.period) as usize).clamp(16, MOST_PIECES);
+        let rate = self.between.fastest.max(self.rate);
         // Where it is known to vanish at one instant it is followed up to there.
         let least = if self.vanishes { 0.0 } else { self.least };
         let longest = if self.alike { 0.5 * self.period * (1.0 + PAIR) } else { self.period - least };
-        zeros.find(self, least, longest, pieces, |_| FINEST * self.period);
+        let inside = |[from, to]: &[f64; 2]| [from.max(least), to.min(longest)];
+        let ranges: SmallVec<[[f64; 2]; 8]> = within.unwrap_or(&[[least, longest]]).iter().map(inside).collect();
+        let ranges: SmallVec<[[f64; 2]; 8]> = ranges.into_iter().filter(|[from, to]| from < to).collect();
+        let fewest = if within.is_some() { 1 } else { LEAST_PIECES };
+        let pieces = |length: f64| ((rate * length) as usize).clamp(fewest, MOST_PIECES);
+        zeros.find_in(self, &ranges, pieces, |_| FINEST * self.period);
         zeros.unresolved.retain(|phi| (self.least..=self.period - self.least).contains(phi));
         zeros
     }
