@@ -1,6 +1,6 @@
 //! The paper's closed forms of forced orbits for a given time φ of the second impact, as printed and as they hold.
 //!
-//! The program itself solves for φ in another form (`vibrochain-breather`, `two_impacts`); this one draws a(φ), serves as
+//! The program itself solves for φ in another form (`vibrochain-breather`, `one_contact`); this one draws a(φ), serves as
 //! a check that shares no code with it, and shows what the misprints do.
 //!
 //! ```text

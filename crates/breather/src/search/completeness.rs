@@ -55,7 +55,8 @@ impl fmt::Display for Proof {
 ///
 /// It is the list of what was asked for ([`Finder::find_symmetric`](crate::Finder::find_symmetric) leaves a part out), and
 /// of orbits that can be told apart: a doubled orbit, or an asymmetric double-sided one, from the simple or symmetric one that
-/// it branches from as soon as its φ is 1e-7 of half the period away (conservative: 1e-6, and as far from two instants that are one).
+/// it branches from as soon as its φ is 1e-7 of half the period away (conservative: 1e-6, and as far from two instants that are one), and two impacts on
+/// one barrier from one as soon as they are 1e-7 of half the period apart, with a dashpot 1e-4 of the period.
 ///
 /// ```
 /// use vibrochain_breather::{Completeness, Family, NoBreather, Proof, breathers};

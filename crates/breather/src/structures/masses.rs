@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vibrochain_lattice::{FeltShapes, Model, Parameter};
+use vibrochain_lattice::{FeltShapes, ModalStructure, Model, Parameter};
 
 /// A lattice, and of each contact of a structure which of its masses it is. The structure holds what impacts of these feel; the lattice, what all
 /// others do between the same barriers.
@@ -10,9 +10,9 @@ use vibrochain_lattice::{FeltShapes, Model, Parameter};
 pub(super) struct Masses {
     pub(super) lattice: Model,
     pub(super) sites: Vec<usize>,
-    /// What the contacts feel of its modes; and the lattice whose loads and barriers these have, under a force as this one if any.
+    /// What the contacts feel of its modes, and the structure of these under a force of amplitude 1, if any.
     pub(super) shapes: Arc<FeltShapes>,
-    pub(super) shapes_of: Model,
+    pub(super) unit: Arc<ModalStructure>,
 }
 
 impl Masses {

@@ -87,10 +87,16 @@ impl StructureModel {
         }
     }
 
-    /// The same structure with its periodic loads times a factor and all its contacts between these barriers: what impacts do is the same.
-    pub(super) fn with_loads_and_stops(&self, factor: f64, stop: Contact) -> Result<Self, BreatherError> {
-        let contacts = vec![stop; self.structure.contacts().len()];
-        let structure = self.structure.with_loads_times(factor, 1.0).with_contacts(contacts)?;
+    /// The same structure under the periodic loads of another one, whose modes are the same, times a factor, and all its contacts between these
+    /// barriers: what impacts do is the same.
+    pub(super) fn with_loads_and_stops(
+        &self,
+        unit: &ModalStructure,
+        factor: f64,
+        stop: Contact,
+    ) -> Result<Self, BreatherError> {
+        let contacts = vec![stop; unit.contacts().len()];
+        let structure = unit.with_loads_times(factor, 1.0).with_contacts(contacts)?;
         Ok(Self { structure: Arc::new(structure), ..self.clone() })
     }
 

@@ -23,8 +23,10 @@ impl StructureModel {
     /// [`BreatherError`]
     pub fn of_masses(lattice: &Model, sites: &[usize], stop: &Stop) -> Result<Self, BreatherError> {
         let contacts: Vec<Vec<usize>> = sites.iter().map(|&site| vec![site]).collect();
-        let shapes = Arc::new(FeltShapes::of(lattice, &contacts)?);
-        Self::of_shapes(Masses { lattice: *lattice, sites: sites.to_vec(), shapes, shapes_of: *lattice }, stop)
+        // Loads are those of amplitude 1, times the amplitude: to the bit the same whichever lattice came before.
+        let unit = if lattice.amplitude() == 0.0 { *lattice } else { lattice.with(Parameter::Amplitude, 1.0)? };
+        let shapes = Arc::new(FeltShapes::of(&unit, &contacts)?);
+        Self::of_shapes(&shapes, (lattice, sites), stop)
     }
 
     /// The same, from another one that is known where that is quicker.
@@ -39,20 +41,22 @@ impl StructureModel {
         moved.unwrap_or_else(|| Self::of_masses(lattice, sites, stop))
     }
 
-    fn of_shapes(masses: Masses, stop: &Stop) -> Result<Self, BreatherError> {
-        let Masses { lattice, shapes_of: base, .. } = masses;
-        let (chain, omega) = (lattice.chain(), lattice.omega());
-        let structure = masses.shapes.structure([chain.gamma1(), chain.gamma2(), chain.gamma3()])?;
-        let model = Self::new(Arc::new(structure), omega)?.until(stop);
-        let same = base.amplitude() == lattice.amplitude() && base.stop() == lattice.stop();
-        let model = if same { model } else { model.loaded_as(&base, &lattice)? };
-        Ok(model.among(masses))
+    fn of_shapes(
+        shapes: &Arc<FeltShapes>,
+        (lattice, sites): (&Model, &[usize]),
+        stop: &Stop,
+    ) -> Result<Self, BreatherError> {
+        let chain = lattice.chain();
+        let unit = Arc::new(shapes.structure([chain.gamma1(), chain.gamma2(), chain.gamma3()])?);
+        let model = Self::new(unit.clone(), lattice.omega())?.until(stop);
+        let masses = Masses { lattice: *lattice, sites: sites.to_vec(), shapes: shapes.clone(), unit };
+        Ok(model.loaded_as(&masses, lattice)?.among(masses))
     }
 
-    /// Loads and barriers of one lattice as those of another, under a force as this one if any.
-    fn loaded_as(&self, base: &Model, lattice: &Model) -> Result<Self, BreatherError> {
-        let factor = if base.amplitude() == 0.0 { 1.0 } else { lattice.amplitude() / base.amplitude() };
-        self.with_loads_and_stops(factor, lattice.stop())
+    /// Under the loads and between the barriers of a lattice.
+    fn loaded_as(&self, masses: &Masses, lattice: &Model) -> Result<Self, BreatherError> {
+        let factor = if lattice.amplitude() == 0.0 { 1.0 } else { lattice.amplitude() };
+        self.with_loads_and_stops(&masses.unit, factor, lattice.stop())
     }
 
     /// These of a lattice as some of its parameters vary. What a parameter does not change is worked out once for all its values.
@@ -102,11 +106,11 @@ impl StructureModel {
             others.extend([Parameter::Amplitude, Parameter::Asymmetry, Parameter::Restitution]);
         }
         if moved(&others) {
-            let structure = self.loaded_as(&base, at).and_then(|structure| structure.at(at.omega()));
+            let structure = self.loaded_as(masses, at).and_then(|structure| structure.at(at.omega()));
             return Some(structure.map(|structure| structure.among(masses.of(*at))));
         }
         others.extend([Parameter::Gamma1, Parameter::Gamma2, Parameter::Gamma3]);
-        moved(&others).then(|| Self::of_shapes(masses.of(*at), self.stop()))
+        moved(&others).then(|| Self::of_shapes(&masses.shapes, (at, &masses.sites), self.stop()))
     }
 }
 

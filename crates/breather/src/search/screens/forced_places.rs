@@ -1,6 +1,7 @@
 //! Where a forced double-sided breather could be physical, from samples of the kernel alone.
 //!
-//! In the letters of `two_impacts`, an orbit both of whose impulses point into the gap has m > 0 and |d| ≤ m. Its conditions
+//! With impulses P = −2(m + d) and 2(m − d), a gap of 2, θ the phase of the force at the middle of the two impacts, X + iY = Ã e^{iθ}, h = ωφ/2,
+//! D = 2(K₀(φ) − K₀(0)) and χ₃ = 2K₀′(φ), an orbit both of whose impulses point into the gap has m > 0 and |d| ≤ m. Its conditions
 //! D m = 1 − Y sin h, χ₃m + qd = −ωY cos h and χ₃d − qm = −ωX sin h, with X² + Y² = Ã² and |Ã| < 1, then ask for
 //!
 //! ```text
@@ -10,7 +11,7 @@
 //! ```
 //!
 //! D and χ₃ = −2s are those of the grid in `kernel_grid`, as cubics with bounds. That leaves little more than the places where the mass that
-//! is hit could bounce without force, in which alone the zeros of E are searched for.
+//! is hit could bounce without force, in which alone zeros of F are searched for.
 
 use smallvec::SmallVec;
 use vibrochain_lattice::ImpulseResponse;
