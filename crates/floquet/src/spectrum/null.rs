@@ -95,8 +95,8 @@ fn balance(matrix: &mut [C], size: usize) -> [SmallVec<[f64; 8]>; 2] {
 #[cfg(test)]
 mod tests {
     use nalgebra::{Complex, DMatrix};
-    use vibrochain_breather::{BlochEquations, Family, breathers};
-    use vibrochain_lattice::{Chain, ImpulseResponse, Spectrum};
+    use vibrochain_breather::{BlochEquations, Hit, Orbit};
+    use vibrochain_lattice::{Barrier, Chain, ImpulseResponse, Spectrum};
 
     use super::*;
 
@@ -106,7 +106,8 @@ mod tests {
         let chain = Chain::new(2, 0.073_966_543_980_647_89, 0.011_884_233_414_967_131).unwrap();
         let point = chain.point().omega(0.348_589_406_946_606_84);
         let model = point.amplitude(0.093_400_631_787_602_25).restitution(0.563_004_254_549_515_2).model().unwrap();
-        let orbit = &breathers(&model, Family::SingleSided).unwrap().orbits[0];
+        let hit = Hit::new(0, Barrier::Lower, 0.0, -0.000_192_839_487_016_877_96);
+        let orbit = &Orbit::from_impulses(&model, 1, 0.000_112_937_291_896_440_4, &[hit]).unwrap();
         let response = ImpulseResponse::new(&Spectrum::new(chain), orbit.frequency()).unwrap();
         let (equations, _) = BlochEquations::of(orbit, &response);
         let function = SpectralFunction::new(&equations, false);

@@ -18,7 +18,7 @@ use super::elimination::MOST;
 use super::three_impacts::ThreeImpacts;
 use super::two_impacts::Function;
 use crate::error::{BreatherError, NoBreather};
-use crate::orbit::order;
+use crate::orbit::{order, time_between};
 use crate::search::completeness::{Completeness, Partial, Searched};
 use crate::search::finder::Scope;
 use crate::search::orbit_list::OrbitList;
@@ -205,7 +205,7 @@ impl Impacts<'_> {
         let (mut solutions, mut lost): (Vec<Solution>, usize) = (Vec::new(), 0);
         for Start { point, is_zero, is_exact } in starts {
             model.heard()?;
-            let begin = point.times();
+            let begin = point.clone();
             if scope.candidates() && point.pulls() {
                 searched.refused += 1;
                 continue;
@@ -262,17 +262,19 @@ impl Impacts<'_> {
 struct Solution {
     orbit: StructureOrbit,
     zeros: Vec<usize>,
-    /// How far the times of its impacts are from those of its start.
+    /// How far it is from its start.
     moved: f64,
 }
 
 /// A start that is so many times farther from another orbit than from its own belongs to its own alone.
 const STAYED: f64 = 1e3;
 
-/// How far times are from those of an orbit's impacts at most; 8 roundings of the period at least.
-fn farthest(times: &[f64], orbit: &StructureOrbit) -> f64 {
-    let apart = times.iter().zip(orbit.impacts()).map(|(time, impact)| (time - impact.time).abs());
-    apart.fold(8.0 * f64::EPSILON * orbit.period(), f64::max)
+/// How far times of impacts and the phase of the load are from those of an orbit at most; 8 roundings of the period at least.
+fn farthest(point: &Point, orbit: &StructureOrbit) -> f64 {
+    let repeat = orbit.model().loads_repeat();
+    let of_phase = orbit.psi().map_or(0.0, |psi| time_between(point.psi, psi, repeat));
+    let apart = point.strikes.iter().zip(orbit.impacts()).map(|(strike, impact)| (strike.time - impact.time).abs());
+    apart.fold(of_phase.max(8.0 * f64::EPSILON * orbit.period()), f64::max)
 }
 
 /// Whether several contacts are hit at one instant.
@@ -284,11 +286,6 @@ fn letters_at_once(word: &Word) -> bool {
 const PULLS: f64 = 1e-6;
 
 impl Point {
-    /// The times of the impacts.
-    fn times(&self) -> SmallVec<[f64; 4]> {
-        self.strikes.iter().map(|strike| strike.time).collect()
-    }
-
     /// Whether a barrier surely pulls: no such orbit is physical.
     pub(super) fn pulls(&self) -> bool {
         let largest = self.strikes.iter().map(|strike| strike.impulse.abs()).fold(0.0, f64::max);
@@ -305,7 +302,7 @@ impl Impacts<'_> {
         match (self.letters.len(), self.equations.forced) {
             (1, true) if single => {
                 let line = self.line(&[0.0])?;
-                let unresolved = usize::from(line.as_ref().is_some_and(|line| !line.is_sharp()));
+                let unresolved = usize::from(line.as_ref().is_none_or(|line| !line.is_sharp()));
                 let too_weak = line.as_ref().and_then(Line::too_weak);
                 let points = line.map_or_else(Vec::new, |line| self.starts_on(&line, &[0.0]));
                 Ok((points, Searched { unresolved, too_weak, ..Searched::default() }))
