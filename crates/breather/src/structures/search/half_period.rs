@@ -22,7 +22,7 @@ use crate::search::completeness::Searched;
 use crate::structures::point::Point;
 
 /// Where |sin ΩT/2| is below this, next to a resonance, errors of frequencies blur all amplitudes: the search of several contacts takes over.
-pub(super) const NEAR: f64 = 1e-3;
+const NEAR: f64 = 1e-3;
 
 /// Rounding of an amplitude and of a sine, in units of ε.
 pub(super) const ROUNDED: f64 = 8.0;

@@ -32,7 +32,7 @@ use vibrochain_lattice::{ContactMode, Turn};
 use wide::f64x4;
 
 use super::at_times::{Impacts, Start};
-use super::half_period::{NEAR, ROUNDED};
+use super::half_period::ROUNDED;
 use super::orbits::Starts;
 use super::two_impacts::{MOST_PIECES, RESOLUTION};
 use crate::roots::dual::{Algebra, Dual};
@@ -47,6 +47,12 @@ const GUARD: f64 = 1e-7;
 
 /// What breaks the symmetry puts two orbits next to δ = 0 at a part of the period of its order: below this they are at δ = 0 to rounding.
 const SYMMETRIC: f64 = 1e-18;
+
+/// From this |sin ΩT/2| on a mode is next to a resonance.
+const LOST: f64 = 1e-8;
+
+/// Places closer than this part of the period are one.
+const PAIR: f64 = 1e-6;
 
 /// Intervals that a search of the whole period begins with at least.
 const LEAST: usize = 8;
@@ -80,7 +86,7 @@ struct OneContact {
 }
 
 impl OneContact {
-    /// `None` next to a resonance, where errors of frequencies blur all terms.
+    /// `None` so close to a resonance that zeros as close as the square of the distance are lost in rounding.
     fn modes(&mut self, modes: &[ContactMode], mobility: f64) -> Option<()> {
         let period = 2.0 * self.half;
         let mut at_half = 0.0;
@@ -91,13 +97,14 @@ impl OneContact {
                 self.drift -= given / period;
                 continue;
             }
-            let (sin, cos) = (frequency * self.half).sin_cos();
-            if sin.abs() < NEAR {
+            let sin = (frequency * self.half).sin();
+            if sin.abs() < LOST {
                 return None;
             }
             let amplitude = 0.5 * given / (frequency * sin);
+            // Next to a resonance without the error of 1/sin ΩT/2, which is one number in all terms: of a mode nearby.
             let turned = frequency * self.half * (frequency_error + 2.0 * f64::EPSILON);
-            let error = weight_error + ROUNDED * f64::EPSILON + turned * (1.0 + (cos / sin).abs());
+            let error = weight_error + ROUNDED * f64::EPSILON + turned;
             let size = amplitude.abs();
             for (power, doubt) in self.doubts.iter_mut().enumerate() {
                 *doubt += size * error * frequency.powi(power as i32);
@@ -324,35 +331,28 @@ impl Impacts<'_> {
         Some(function)
     }
 
-    /// Of two impacts of one contact that no dashpot damps, whether half a period apart they solve by themselves, and all orbits, where no place is left
-    /// open; `None` of others.
-    pub(super) fn one_contact(&self, within: Option<&[[f64; 2]]>) -> Option<(bool, Option<Starts>)> {
+    /// Where to find all orbits of two impacts of one contact that no dashpot damps, or all but those at places that are left open; `None` of others, and
+    /// where the search takes too long.
+    pub(super) fn proved_of_one_contact(&self, within: Option<&[[f64; 2]]>) -> Option<Starts> {
         let function = self.function_of_one_contact()?;
-        // Of impacts on one barrier what repeats after half the time is none.
-        let symmetric = function.is_symmetric() && !(function.is_alike() && function.quarters.is_multiple_of(2));
-        Some((symmetric, self.proved_of_one_contact(&function, symmetric, within)))
-    }
-
-    fn proved_of_one_contact(
-        &self,
-        function: &OneContact,
-        symmetric: bool,
-        within: Option<&[[f64; 2]]>,
-    ) -> Option<Starts> {
         let mut zeros = Zeros::default();
         zeros.stop = self.equations.model.stop().clone();
         function.zeros(within, &mut zeros);
-        if zeros.exhausted + zeros.unresolved.len() > 0 {
+        if zeros.exhausted > 0 {
             return None;
         }
         let mut starts: Vec<Start> = Vec::with_capacity(zeros.simple.len() + 2);
-        let mut searched = Searched { intervals: zeros.intervals, ..Searched::default() };
-        if symmetric {
+        let mut last = f64::NEG_INFINITY;
+        let is_apart = |place: &&f64| **place - std::mem::replace(&mut last, **place) > PAIR * function.half;
+        let unresolved = zeros.unresolved.iter().filter(is_apart).count();
+        let mut searched = Searched { intervals: zeros.intervals, unresolved, ..Searched::default() };
+        // Of impacts on one barrier what repeats after half the time is none.
+        if function.is_symmetric() && !(function.is_alike() && function.quarters.is_multiple_of(2)) {
             let times = [0.0, function.half];
             match self.line(&times) {
                 Ok(Some(line)) => {
                     searched.too_weak = line.too_weak().filter(|_| zeros.simple.is_empty());
-                    starts = self.starts_on(&line, &times);
+                    starts.extend(line.on_the_circle().iter().map(|x| Start::zero(self.point(&times, x))));
                 }
                 Ok(None) => searched.unresolved += 1,
                 Err(error) => return Some(Err(error)),

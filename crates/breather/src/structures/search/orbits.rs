@@ -332,11 +332,22 @@ impl Impacts<'_> {
     /// Zeros of the function of the time between two impacts, all of them, or all in some intervals; `None` where it cannot be enclosed, or takes too
     /// long.
     fn proved(&self, within: Option<&[[f64; 2]]>) -> Option<Starts> {
-        let symmetric = match self.one_contact(within) {
-            Some((_, Some(starts))) => return Some(starts),
-            Some((symmetric, None)) => symmetric,
-            None => false,
+        let own = match self.proved_of_one_contact(within) {
+            Some(Ok((starts, searched))) if !searched.is_complete() => Some((starts, searched)),
+            Some(known) => return Some(known),
+            None => None,
         };
+        let any = self.proved_of_any(within);
+        match (own, any) {
+            // Next to a pitchfork relative accuracy about half a period tells more.
+            (Some(own), None) => Some(Ok(own)),
+            (Some(own), Some(Ok((_, searched)))) if !searched.is_complete() => Some(Ok(own)),
+            (_, any) => any,
+        }
+    }
+
+    /// The same of any two contacts.
+    fn proved_of_any(&self, within: Option<&[[f64; 2]]>) -> Option<Starts> {
         let contacts = [self.letters[0].0, self.letters[1].0];
         let places = self.places()?;
         let function = Function::new(self.equations, contacts, [places[0], places[1]])?;
@@ -355,7 +366,7 @@ impl Impacts<'_> {
             return Some(Err(error));
         }
         // A structure that is its own mirror image has a double zero there, one of the places that may be one.
-        let open_half = symmetric || forced && zeros.unresolved.iter().any(|phi| is_half(&phi));
+        let open_half = forced && zeros.unresolved.iter().any(|phi| is_half(&phi));
         let line = match if open_half { self.line(&[0.0, half]) } else { Ok(None) } {
             Ok(line) => line.filter(Line::holds),
             Err(error) => return Some(Err(error)),
@@ -363,7 +374,7 @@ impl Impacts<'_> {
         let mirrored = line.is_some();
         let mut unresolved = function.apart(zeros.unresolved.iter().filter(|phi| !(mirrored && is_half(phi))).copied());
         let mut add = || -> Result<(), BreatherError> {
-            if symmetric || forced && zeros.simple.iter().chain(&zeros.unresolved).any(|phi| is_half(&phi)) {
+            if forced && zeros.simple.iter().chain(&zeros.unresolved).any(|phi| is_half(&phi)) {
                 starts.extend(self.on_a_line(&[0.0, half])?);
             }
             // Those next to half a period apart come first.
