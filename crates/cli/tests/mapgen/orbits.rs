@@ -128,10 +128,9 @@ fn a_frequency_of_1e50_does_not_hang_the_check_of_an_orbit() {
     let margins = |omega: &'static str| {
         let mut point = POINT;
         point[7] = omega;
-        let flags = [&point[..], &["--amplitude", ".05", "--restitution", "1"]].concat();
-        let value = orbit_json("double-sided", &flags);
+        let value = orbit_json("double-sided", &point);
         let solutions = value["solutions"].as_array().unwrap().clone();
-        assert!(solutions.len() == 2 && solutions.iter().all(|solution| solution["physical"] == true), "{omega}");
+        assert!(solutions.len() == 1 && solutions.iter().all(|solution| solution["physical"] == true), "{omega}");
         solutions.iter().map(|solution| solution["margin"].as_f64().unwrap()).collect::<Vec<_>>()
     };
     // Between its barriers the mass flies straight: only the clock tells one frequency from the other.
@@ -140,20 +139,20 @@ fn a_frequency_of_1e50_does_not_hang_the_check_of_an_orbit() {
     }
 }
 
-/// Squares of the matrix overflowed, and the answer said `"resolution": null`.
+/// Multipliers of so many masses are not worked out under a force: the orbits are told, and why their stability is not.
 #[test]
-fn a_monodromy_matrix_next_to_grazing_is_refused_not_half_answered() {
+fn a_stability_that_cannot_be_told_is_refused_not_half_answered() {
     let mut point = POINT;
-    (point[3], point[7], point[9]) = ("2.3e-308", "0.92", "0.7");
+    (point[1], point[7], point[9]) = ("20001", "1.07", "0.8");
     let run = mapgen(&[])
-        .args(["orbit", "--json", "--family", "single-sided", "--amplitude", ".05", "--restitution", ".9"])
+        .args(["orbit", "--json", "--family", "single-sided", "--amplitude", ".165", "--restitution", ".25"])
         .args(point)
         .assert()
         .code(1)
-        .stderr(contains("beyond the range of numbers"));
+        .stderr(contains("use fewer masses"));
     let value = written(&run.get_output().stdout);
     let first = &value["solutions"][0];
-    assert!(first["stability"].is_null() && first["stability_error"].as_str().unwrap().contains("grazing"));
+    assert!(first["stability"].is_null() && first["stability_error"].as_str().unwrap().contains("20001"));
 }
 
 /// Masses without coupling: pairs that meet on the real axis were read as complex, with the root of a negative number.

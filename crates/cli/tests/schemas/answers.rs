@@ -22,7 +22,7 @@ const ORBITS: [&str; 11] = [
     "--word 0-1-3- --sites 9 --gamma1 .3 --gamma2 .25 --omega 1 --asymmetry .3 --amplitude .3 --restitution .8",
     "--word 0:0+0:1-,0:0-0:1+ --sites 4 --ends free --layers 2 --gamma3 .3 --gamma1 .2 --gamma2 .1 --omega .8 --asymmetry .2",
     "--family single-sided --sites 5001 --gamma1 .2 --gamma2 .1 --omega 1.5 --asymmetry .4",
-    "--family single-sided --sites 21 --gamma1 2.3e-308 --gamma2 .1 --omega .92 --asymmetry .7 --amplitude .05 --restitution .9",
+    "--family single-sided --sites 20001 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .165 --restitution .25",
 ];
 
 const DOUBLING: &str = "--family single-sided --sites 21 --gamma1 .2 --gamma2 .1 --omega 1.07 --asymmetry .8 --amplitude .165 --restitution .25";

@@ -97,13 +97,15 @@ impl OneContact {
                 self.drift -= given / period;
                 continue;
             }
-            let sin = (frequency * self.half).sin();
-            if sin.abs() < LOST {
+            let angle = frequency * self.half;
+            let sin = angle.sin();
+            // A mode far slower than the orbit is not next to a resonance.
+            if sin.abs() < LOST * angle.min(1.0) {
                 return None;
             }
             let amplitude = 0.5 * given / (frequency * sin);
             // Next to a resonance without the error of 1/sin ΩT/2, which is one number in all terms: of a mode nearby.
-            let turned = frequency * self.half * (frequency_error + 2.0 * f64::EPSILON);
+            let turned = angle * (frequency_error + 2.0 * f64::EPSILON);
             let error = weight_error + ROUNDED * f64::EPSILON + turned;
             let size = amplitude.abs();
             for (power, doubt) in self.doubts.iter_mut().enumerate() {
@@ -238,14 +240,38 @@ impl OneContact {
     /// P₁, P₂ and the phase of the load at the first impact, at a zero δ; `None` where the conditions do not determine them.
     fn solution(&self, delta: f64) -> Option<[f64; 3]> {
         let pieces = self.pieces_at(delta).map(|point| point.function);
-        let ([d, _, sum, sin, cos], [x, y, determinant]) = (pieces, self.cramer(pieces));
-        let theta = (y / determinant).atan2(x / determinant);
+        let [x, y, determinant] = self.cramer(pieces);
+        self.numbers(delta, (y / determinant).atan2(x / determinant))
+    }
+
+    /// The same for given δ and θ.
+    fn numbers(&self, delta: f64, theta: f64) -> Option<[f64; 3]> {
+        let [d, _, sum, sin, cos] = self.pieces_at(delta).map(|point| point.function);
         let ([gap, mean], (across, along)) = (self.stops, theta.sin_cos());
         let u = (gap - self.load * across * sin) / d;
         let v = self.stiffness * (mean - self.load * along * cos) / sum;
         let h = std::f64::consts::FRAC_PI_2 * f64::from(self.quarters) + 0.5 * self.rate * delta;
         let all = [-2.0 * (u + v), 2.0 * (u - v), theta - h];
         all.iter().all(|number| number.is_finite()).then_some(all)
+    }
+
+    /// θ of both solutions at δ = 0 where that solves by itself: there χ and one of sin h, cos h vanish, and one condition is left, a line that meets the
+    /// circle X² + Y² = ĝ². Where it does not, how many times as large loads have to be.
+    fn symmetric_phases(&self) -> Result<[f64; 2], f64> {
+        let ([d, _, sum, sin, cos], [gap, mean]) = (self.pieces_at(0.0).map(|point| point.function), self.stops);
+        let (l, g, w) = (self.loss, self.stiffness, self.rate);
+        // ωDX sin h + lY sin h = lG, or ωΣY cos h − lX cos h = −la.
+        let ([along, across], right) = if self.quarters.is_multiple_of(2) {
+            ([-l * g * cos, w * sum * cos], -l * g * mean)
+        } else {
+            ([w * d * sin, l * sin], l * gap)
+        };
+        let distance = right / along.hypot(across) / self.load;
+        if distance.is_nan() || distance.abs() > 1.0 {
+            return Err(distance.abs());
+        }
+        let (direction, opening) = (across.atan2(along), distance.acos());
+        Ok([direction + opening, direction - opening])
     }
 
     /// Whether both impacts are on one barrier.
@@ -348,14 +374,17 @@ impl Impacts<'_> {
         let mut searched = Searched { intervals: zeros.intervals, unresolved, ..Searched::default() };
         // Of impacts on one barrier what repeats after half the time is none.
         if function.is_symmetric() && !(function.is_alike() && function.quarters.is_multiple_of(2)) {
-            let times = [0.0, function.half];
-            match self.line(&times) {
-                Ok(Some(line)) => {
-                    searched.too_weak = line.too_weak().filter(|_| zeros.simple.is_empty());
-                    starts.extend(line.on_the_circle().iter().map(|x| Start::zero(self.point(&times, x))));
+            match function.symmetric_phases() {
+                Ok(phases) => {
+                    for numbers in phases.map(|theta| function.numbers(0.0, theta)) {
+                        match numbers {
+                            Some(numbers) => starts.push(Start::zero(self.point_of(function.half, numbers))),
+                            None => searched.unresolved += 1,
+                        }
+                    }
                 }
-                Ok(None) => searched.unresolved += 1,
-                Err(error) => return Some(Err(error)),
+                Err(times) if times.is_nan() => searched.unresolved += 1,
+                Err(times) => searched.too_weak = Some(times).filter(|_| zeros.simple.is_empty()),
             }
         }
         for &delta in &zeros.simple {
