@@ -309,7 +309,7 @@ fn where_an_impulse_vanishes_no_pair_is_told_to_cross() {
                 let beside = all.into_iter().min_by(|a, b| strength(a).total_cmp(&strength(b))).unwrap();
                 let mut values = Vec::new();
                 eigenvalues(&full_monodromy(&beside).unwrap(), &mut values).unwrap();
-                values.iter().filter(|mu| mu.im > 1e-7 && mu.norm() > 1.0).count()
+                values.iter().filter(|mu| mu.im > 1e-7 && mu.norm() > 1.0 + 1e-10).count()
             });
             println!("{sites} {asymmetry} {} {outside:?}", grazing.value);
             most = most.max(outside[0].abs_diff(outside[1]));
