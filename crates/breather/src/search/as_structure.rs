@@ -1,7 +1,7 @@
 //! Words of a lattice asked of it as a structure, whose contacts are the masses that are hit.
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{ImpulseResponse, Model, Stop, Wave};
+use vibrochain_lattice::{ImpulseResponse, Model, Parameter, Stop, Wave};
 
 use crate::error::{BreatherError, NoBreather};
 use crate::orbit::{Draft, Family, Hit};
@@ -36,7 +36,7 @@ pub(crate) fn of_one_mass(
     request: Request<'_>,
     (known, stop): (&mut Option<Box<StructureModel>>, &Stop),
 ) -> Result<(Vec<Draft>, Searched), BreatherError> {
-    let structure = StructureModel::of_masses_from(known.as_deref(), model, &[home], stop)?;
+    let structure = StructureModel::of_masses_from(known.as_deref(), &felt(model, request), &[home], stop)?;
     let structure = &**known.insert(Box::new(structure));
     let cut_short = || Searched { exhausted: 1, ..Searched::default() };
     let Listed { orbits, searched, .. } = match structure.listed(request) {
@@ -70,6 +70,19 @@ pub(crate) fn of_one_mass(
         Draft::new(response, (family, periods), psi, hits, held)
     };
     Ok((orbits.iter().map(draft).collect(), searched))
+}
+
+/// A stiffness below this part of ω² moves impulses, times and phases by less than rounding, as long as impulses balance.
+const UNFELT: f64 = 1e-20;
+
+/// The model without springs that are not felt: a mode that hardly turns in a period would take all digits of the equations.
+fn felt(model: &Model, request: Request<'_>) -> Model {
+    let square = model.omega() * model.omega();
+    let is_unfelt =
+        |spring: &&Parameter| (0.0..UNFELT * square).contains(&model.get(**spring)) && model.get(**spring) > 0.0;
+    let springs = [Parameter::Gamma1, Parameter::Gamma2, Parameter::Gamma3];
+    let unfelt = springs.iter().filter(|_| !request.word.is_one_sided()).filter(is_unfelt);
+    unfelt.fold(*model, |model, spring| model.with(*spring, 0.0).unwrap_or(model))
 }
 
 /// The impulses with which one impact of mass 0, or two, are at their barriers at their times, in kernels that keep the static part aside: of soft lattices,

@@ -138,7 +138,7 @@ fn sort(orbits: &mut [StructureOrbit]) {
 /// What is asked of a list.
 #[derive(Clone, Copy)]
 pub(crate) struct Request<'a> {
-    word: &'a Word,
+    pub(crate) word: &'a Word,
     pub(crate) force_periods: u32,
     scope: Scope,
     /// Where the time between two impacts may be: everywhere, or in these intervals of it, which rise.
