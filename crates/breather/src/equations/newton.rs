@@ -1,7 +1,7 @@
 //! Newton steps on the equations themselves, for orbits whose reduced equation left digits behind and for words given by
 //! hand.
 //!
-//! The zero of E fixes φ to its own rounding; where X, Y and Δ of Cramer's rule nearly vanish together the phase that
+//! The zero of F fixes φ to its own rounding; where the numbers of Cramer's rule nearly vanish together the phase that
 //! follows from it is worse than the equations allow. What is left of the equations shows it.
 
 use vibrochain_lattice::ImpulseResponse;
