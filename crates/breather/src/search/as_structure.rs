@@ -21,8 +21,13 @@ pub(crate) fn among(
     stop: &Stop,
 ) -> Result<Option<Listed>, BreatherError> {
     let listed = |structure: StructureModel| structure.listed(Request::new(word, periods, wanted));
-    match StructureModel::of_lattice(model, contacts, stop).and_then(listed) {
-        Ok(searched) => Ok(Some(searched)),
+    unless_stopped(StructureModel::of_lattice(model, contacts, stop).and_then(listed))
+}
+
+/// `None` of a list that cannot be asked for.
+fn unless_stopped(listed: Result<Listed, BreatherError>) -> Result<Option<Listed>, BreatherError> {
+    match listed {
+        Ok(listed) => Ok(Some(listed)),
         Err(stopped @ BreatherError::Stopped(_)) => Err(stopped),
         Err(_) => Ok(None),
     }
@@ -39,10 +44,8 @@ pub(crate) fn of_one_mass(
     let structure = StructureModel::of_masses_from(known.as_deref(), &felt(model, request), &[home], stop)?;
     let structure = &**known.insert(Box::new(structure));
     let cut_short = || Searched { exhausted: 1, ..Searched::default() };
-    let Listed { orbits, searched, .. } = match structure.listed(request) {
-        Ok(listed) => listed,
-        Err(stopped @ BreatherError::Stopped(_)) => return Err(stopped),
-        Err(_) => return Ok((Vec::new(), cut_short())),
+    let Some(Listed { orbits, searched, .. }) = unless_stopped(structure.listed(request))? else {
+        return Ok((Vec::new(), cut_short()));
     };
     let mut searched = if searched.partial.is_some() { cut_short() } else { searched };
     if let Some(times) = searched.too_weak {
@@ -77,12 +80,13 @@ const UNFELT: f64 = 1e-20;
 
 /// The model without springs that are not felt: a mode that hardly turns in a period would take all digits of the equations.
 fn felt(model: &Model, request: Request<'_>) -> Model {
-    let square = model.omega() * model.omega();
-    let is_unfelt =
-        |spring: &&Parameter| (0.0..UNFELT * square).contains(&model.get(**spring)) && model.get(**spring) > 0.0;
-    let springs = [Parameter::Gamma1, Parameter::Gamma2, Parameter::Gamma3];
-    let unfelt = springs.iter().filter(|_| !request.word.is_one_sided()).filter(is_unfelt);
-    unfelt.fold(*model, |model, spring| model.with(*spring, 0.0).unwrap_or(model))
+    if request.word.is_one_sided() {
+        return *model;
+    }
+    let most = UNFELT * model.omega() * model.omega();
+    let is_unfelt = |spring: &Parameter| model.get(*spring) > 0.0 && model.get(*spring) < most;
+    let unfelt = [Parameter::Gamma1, Parameter::Gamma2, Parameter::Gamma3].into_iter().filter(is_unfelt);
+    unfelt.fold(*model, |model, spring| model.with(spring, 0.0).unwrap_or(model))
 }
 
 /// The impulses with which one impact of mass 0, or two, are at their barriers at their times, in kernels that keep the static part aside: of soft lattices,

@@ -21,7 +21,7 @@ const RESONANT: f64 = 1e8;
 /// A residual above this is more than rounding.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// Orbits of one mass: of a family, or of a word of mass 0 that is none's, in so many periods of the force.
+/// What is sought of one mass: orbits of a family, or of a word of mass 0 that no family names, in so many periods of the force.
 #[derive(Debug, Clone)]
 pub(crate) struct Sought {
     family: Family,
@@ -89,7 +89,7 @@ impl Finder {
             true => Some(model.steady()?.at(home)),
             false => Some(model.steady_response()?),
         };
-        // A plain cosine lets the phase be eliminated.
+        // A plain cosine tells in which places a map need look.
         let cosine = steady.as_ref().filter(|_| model.force().cosine_amplitude().is_some()).map(Wave::reach);
         self.prepare_at(model, model.omega() / f64::from(periods), home)?;
         let (response, motion, earlier) = (&self.response, &mut self.motion, &mut self.earlier);
@@ -124,7 +124,7 @@ impl Finder {
             }
             match assembled {
                 Ok(mut orbit) => {
-                    // Next to a resonance the structure's orbit is the better one.
+                    // Next to a resonance the structure's equations know the orbit better than these, and are left alone.
                     if orbit.residual() > ROUNDING && !orbit.is_reversible() && response.condition() < RESONANT {
                         polish(&mut orbit, STEPS, response, motion);
                     }

@@ -23,7 +23,7 @@ impl Equations<'_> {
         self.solve_to(point, 0.0)
     }
 
-    /// The same from a closed form: where rounding alone is left of its rows, it is the orbit.
+    /// The same from a closed form or a zero: where rounding alone is left of its rows, it is the orbit.
     pub(super) fn solve_exact(&self, point: Point) -> Result<(Point, System), BreatherError> {
         self.solve_to(point, EXACT)
     }

@@ -14,8 +14,6 @@ pub(super) struct Start {
     pub(super) point: Point,
     /// It belongs to a zero that is known to be there.
     pub(super) is_zero: bool,
-    /// It is a closed form, which nothing but rounding leaves to be improved.
-    pub(super) is_exact: bool,
 }
 
 impl From<Point> for Start {
@@ -26,15 +24,11 @@ impl From<Point> for Start {
 
 impl Start {
     pub(super) fn new(point: Point, is_zero: bool) -> Self {
-        Self { point, is_zero, is_exact: false }
+        Self { point, is_zero }
     }
 
     pub(super) fn zero(point: Point) -> Self {
         Self::new(point, true)
-    }
-
-    pub(super) fn exact(point: Point) -> Self {
-        Self { point, is_zero: true, is_exact: true }
     }
 }
 

@@ -150,7 +150,7 @@ impl Impacts<'_> {
             Ok(self.linear(&[0.0, phi])?.solve().map(|x| self.point(&[0.0, phi], &x)))
         };
         match self.closed_form(half).map_or_else(|| there(half), |point| Ok(Some(point)))? {
-            Some(point) => starts.push(Start::exact(point)),
+            Some(point) => starts.push(Start::zero(point)),
             None => unresolved += 1,
         }
         for s in zeros.simple.iter().flat_map(|s| [half - s, half + s]) {

@@ -1,6 +1,6 @@
 //! Two impacts of one contact that no dashpot damps, under a load of one harmonic: F in the time from half the orbit's period.
 //!
-//! The kernel of such a contact is even about half the period. About the middle of the two impacts their four conditions are symmetric:
+//! The kernel of such a contact is even about half the period. Written about the middle between the two impacts, their four conditions are symmetric:
 //!
 //! | letter | meaning |
 //! |---|---|
@@ -34,7 +34,7 @@ use wide::f64x4;
 use super::at_times::{Impacts, Start};
 use super::half_period::ROUNDED;
 use super::orbits::Starts;
-use super::two_impacts::{MOST_PIECES, RESOLUTION};
+use super::two_impacts::{MOST_PIECES, PAIR, RESOLUTION, apart};
 use crate::roots::dual::{Algebra, Dual};
 use crate::roots::interval::{Clearance, Enclosed, Zeros};
 use crate::roots::taylor::Taylor;
@@ -50,9 +50,6 @@ const SYMMETRIC: f64 = 1e-18;
 
 /// From this |sin ΩT/2| on a mode is next to a resonance.
 const LOST: f64 = 1e-8;
-
-/// Places closer than this part of the period are one.
-const PAIR: f64 = 1e-6;
 
 /// Intervals that a search of the whole period begins with at least.
 const LEAST: usize = 8;
@@ -86,7 +83,7 @@ struct OneContact {
 }
 
 impl OneContact {
-    /// `None` so close to a resonance that zeros as close as the square of the distance are lost in rounding.
+    /// `None` next to a resonance: zeros come in pairs there, as close as the square of the distance, and rounding loses them.
     fn modes(&mut self, modes: &[ContactMode], mobility: f64) -> Option<()> {
         let period = 2.0 * self.half;
         let mut at_half = 0.0;
@@ -150,7 +147,7 @@ impl OneContact {
     fn pieces(&self, deltas: Lane, radii: Lane) -> [Dual<Taylor<1, f64x4>>; 5] {
         let ([value, slope, curvature, third], radius) = (self.jets(deltas), four(radii));
         let fourth = all(self.fourth);
-        // Errors of terms vanish with the terms themselves at δ = 0.
+        // The error of a term is a part of the term, which vanishes at δ = 0.
         let reach = four(deltas).abs() + radius;
         let [size, fast, faster] = self.doubts.map(all);
         let of_value = (size * all(2.0)).fast_min(faster * reach * reach * all(0.5));
@@ -241,12 +238,11 @@ impl OneContact {
     fn solution(&self, delta: f64) -> Option<[f64; 3]> {
         let pieces = self.pieces_at(delta).map(|point| point.function);
         let [x, y, determinant] = self.cramer(pieces);
-        self.numbers(delta, (y / determinant).atan2(x / determinant))
+        self.numbers(delta, pieces, (y / determinant).atan2(x / determinant))
     }
 
-    /// The same for given δ and θ.
-    fn numbers(&self, delta: f64, theta: f64) -> Option<[f64; 3]> {
-        let [d, _, sum, sin, cos] = self.pieces_at(delta).map(|point| point.function);
+    /// The same for given θ, with the pieces at δ.
+    fn numbers(&self, delta: f64, [d, _, sum, sin, cos]: [f64; 5], theta: f64) -> Option<[f64; 3]> {
         let ([gap, mean], (across, along)) = (self.stops, theta.sin_cos());
         let u = (gap - self.load * across * sin) / d;
         let v = self.stiffness * (mean - self.load * along * cos) / sum;
@@ -255,10 +251,11 @@ impl OneContact {
         all.iter().all(|number| number.is_finite()).then_some(all)
     }
 
-    /// θ of both solutions at δ = 0 where that solves by itself: there χ and one of sin h, cos h vanish, and one condition is left, a line that meets the
+    /// Both solutions at δ = 0 where that solves by itself: there χ and one of sin h, cos h vanish, and one condition is left, a line that meets the
     /// circle X² + Y² = ĝ². Where it does not, how many times as large loads have to be.
-    fn symmetric_phases(&self) -> Result<[f64; 2], f64> {
-        let ([d, _, sum, sin, cos], [gap, mean]) = (self.pieces_at(0.0).map(|point| point.function), self.stops);
+    fn symmetric_solutions(&self) -> Result<[Option<[f64; 3]>; 2], f64> {
+        let pieces = self.pieces_at(0.0).map(|point| point.function);
+        let ([d, _, sum, sin, cos], [gap, mean]) = (pieces, self.stops);
         let (l, g, w) = (self.loss, self.stiffness, self.rate);
         // ωDX sin h + lY sin h = lG, or ωΣY cos h − lX cos h = −la.
         let ([along, across], right) = if self.quarters.is_multiple_of(2) {
@@ -271,7 +268,7 @@ impl OneContact {
             return Err(distance.abs());
         }
         let (direction, opening) = (across.atan2(along), distance.acos());
-        Ok([direction + opening, direction - opening])
+        Ok([direction + opening, direction - opening].map(|theta| self.numbers(0.0, pieces, theta)))
     }
 
     /// Whether both impacts are on one barrier.
@@ -367,32 +364,23 @@ impl Impacts<'_> {
         if zeros.exhausted > 0 {
             return None;
         }
-        let mut starts: Vec<Start> = Vec::with_capacity(zeros.simple.len() + 2);
-        let mut last = f64::NEG_INFINITY;
-        let is_apart = |place: &&f64| **place - std::mem::replace(&mut last, **place) > PAIR * function.half;
-        let unresolved = zeros.unresolved.iter().filter(is_apart).count();
+        let unresolved = apart(zeros.unresolved.iter().copied(), PAIR * function.half);
         let mut searched = Searched { intervals: zeros.intervals, unresolved, ..Searched::default() };
+        let mut solutions: SmallVec<[(f64, Option<[f64; 3]>); 4]> = SmallVec::new();
         // Of impacts on one barrier what repeats after half the time is none.
         if function.is_symmetric() && !(function.is_alike() && function.quarters.is_multiple_of(2)) {
-            match function.symmetric_phases() {
-                Ok(phases) => {
-                    for numbers in phases.map(|theta| function.numbers(0.0, theta)) {
-                        match numbers {
-                            Some(numbers) => starts.push(Start::zero(self.point_of(function.half, numbers))),
-                            None => searched.unresolved += 1,
-                        }
-                    }
-                }
+            match function.symmetric_solutions() {
+                Ok(both) => solutions.extend(both.map(|numbers| (0.0, numbers))),
                 Err(times) if times.is_nan() => searched.unresolved += 1,
                 Err(times) => searched.too_weak = Some(times).filter(|_| zeros.simple.is_empty()),
             }
         }
-        for &delta in &zeros.simple {
-            match function.solution(delta) {
-                Some(numbers) => starts.push(Start::zero(self.point_of(function.half + delta, numbers))),
-                None => searched.unresolved += 1,
-            }
-        }
+        solutions.extend(zeros.simple.iter().map(|&delta| (delta, function.solution(delta))));
+        let known = |(delta, numbers): &(f64, Option<[f64; 3]>)| {
+            numbers.map(|numbers| Start::zero(self.point_of(function.half + delta, numbers)))
+        };
+        let starts: Vec<Start> = solutions.iter().filter_map(known).collect();
+        searched.unresolved += solutions.len() - starts.len();
         Some(Ok((starts, searched)))
     }
 
@@ -409,79 +397,4 @@ impl Impacts<'_> {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::sync::Arc;
-
-    use smallvec::smallvec;
-    use vibrochain_lattice::{Barrier, Complex, Contact, LinearMode, ModalStructure, ModeShape};
-    use vibrochain_testkit::Random;
-
-    use super::*;
-    use crate::structures::equations::Equations;
-    use crate::structures::model::StructureModel;
-
-    /// F has the sign that elimination gives, its slope is that of its values, enclosures hold what they enclose, and numbers at its zeros solve the
-    /// linear equations; of both barriers and of one, any harmonic and number of periods, with what nothing holds and without.
-    #[test]
-    fn the_symmetric_form_is_that_of_elimination() {
-        let mut random = Random(29);
-        let (mut checked, mut away, mut solved, mut rounds) = (0, 0, 0, 0);
-        while rounds < 60 {
-            let held = random.chance(0.8);
-            let restitution = random.between(0.3, 1.0);
-            let contact = Contact { lower: Some(-0.7), upper: Some(0.4), restitution };
-            let mut mode = |number: usize| {
-                let square = if number == 0 && !held { 0.0 } else { random.log(0.1, 9.0) };
-                let still = if square == 0.0 { 0.0 } else { random.between(-0.1, 0.1) };
-                let shape = ModeShape { contacts: vec![random.between(0.2, 1.0)], coordinates: Vec::new(), still };
-                LinearMode::oscillator(0.0, square, &shape, &[Complex::new(random.between(0.1, 1.0), 0.0)])
-            };
-            let modes = (0..1 + rounds % 5).map(&mut mode).collect();
-            let structure = ModalStructure::new(vec![contact], vec![1 + random.below(2) as u32], modes).unwrap();
-            let model = StructureModel::new(Arc::new(structure), random.between(0.5, 3.0)).unwrap();
-            let periods = 1 + random.below(3) as u32;
-            let second = random.of(&[Barrier::Lower, Barrier::Upper]);
-            let equations = Equations::new(&model, periods, [0, 0].into_iter()).unwrap();
-            let impacts = Impacts { equations: &equations, letters: smallvec![(0, Barrier::Upper), (0, second)] };
-            let Some(function) = impacts.function_of_one_contact() else { continue };
-            rounds += 1;
-            let half = function.half;
-            let place = |i: i32| half * f64::from(i) / 20.5;
-            let scale = (-20..=20).map(|i| function.at(place(i)).0.abs()).fold(0.0, f64::max);
-            for i in -20..=20 {
-                let delta = place(i);
-                let (value, slope) = function.at(delta);
-                if i != 0 && value.abs() > 1e-9 * scale {
-                    let told = impacts.value(half + delta).unwrap()[0];
-                    assert_eq!(value > 0.0, told > 0.0, "{delta} {value} {told}");
-                }
-                let h = 1e-5 * half;
-                let quotient = (function.at(delta + h).0 - function.at(delta - h).0) / (2.0 * h);
-                assert!((slope - quotient).abs() < 1e-5 * (slope.abs() + scale / half), "{slope} {quotient}");
-                let radius = half * random.log(1e-4, 0.02);
-                let clearance = function.clearances([delta; LANES], [radius; LANES])[1];
-                for k in -20..=20 {
-                    let (near, rise) = function.at(delta + radius * f64::from(k) / 20.0);
-                    if clearance.function > 0.0 {
-                        assert!(near.abs() >= clearance.function * (1.0 - 1e-9) && near * value > 0.0);
-                        away += 1;
-                    } else if clearance.derivative > 0.0 {
-                        assert!(rise * slope > 0.0);
-                    }
-                }
-                checked += 1;
-            }
-            let mut zeros = Zeros::default();
-            function.zeros(None, &mut zeros);
-            for &delta in zeros.simple.iter().filter(|delta| delta.abs() > 1e-3 * half) {
-                let point = impacts.point_of(half + delta, function.solution(delta).unwrap());
-                let system = equations.system(&point).unwrap();
-                let worst =
-                    system.rows.iter().zip(&system.sizes).map(|(row, size)| row.abs() / size).fold(0.0, f64::max);
-                assert!(worst < 1e-10, "{delta} {worst:e}");
-                solved += 1;
-            }
-        }
-        assert!(checked == 60 * 41 && away > 10_000 && solved > 60, "{checked} {away} {solved}");
-    }
-}
+mod tests;

@@ -203,14 +203,14 @@ impl Impacts<'_> {
         let pulls =
             |orbit: &StructureOrbit| orbit.impacts().iter().any(|impact| impact.barrier.sign() * impact.impulse >= 0.0);
         let (mut solutions, mut lost): (Vec<Solution>, usize) = (Vec::new(), 0);
-        for Start { point, is_zero, is_exact } in starts {
+        for Start { point, is_zero } in starts {
             model.heard()?;
-            let begin = point.clone();
             if scope.candidates() && point.pulls() {
                 searched.refused += 1;
                 continue;
             }
-            let solved = if is_exact || is_zero { equations.solve_exact(point) } else { equations.solve(point) };
+            let begin = point.clone();
+            let solved = if is_zero { equations.solve_exact(point) } else { equations.solve(point) };
             let orbit = solved.and_then(|solved| StructureOrbit::new(equations, force_periods, solved));
             // A zero whose orbit is not reached, or is none as far as its errors tell, is told, not dropped.
             let is_whole =
@@ -309,7 +309,7 @@ impl Impacts<'_> {
             }
             (1, false) => {
                 let x = self.linear(&[0.0])?.solve().ok_or(BreatherError::Singular)?;
-                Ok((vec![Start::exact(self.point(&[0.0], &x))], Searched::default()))
+                Ok((vec![Start::zero(self.point(&[0.0], &x))], Searched::default()))
             }
             (1, true) => self.proved_of_one().unwrap_or_else(|| self.starts()),
             (2, false) => self.proved_of_both_sides().or_else(|| self.proved(None)).unwrap_or_else(|| self.scan()),
@@ -339,7 +339,7 @@ impl Impacts<'_> {
         };
         let any = self.proved_of_any(within);
         match (own, any) {
-            // Next to a pitchfork relative accuracy about half a period tells more.
+            // Where both leave places open, as next to a pitchfork, the one that is accurate about half a period finds more of the orbits.
             (Some(own), None) => Some(Ok(own)),
             (Some(own), Some(Ok((_, searched)))) if !searched.is_complete() => Some(Ok(own)),
             (_, any) => any,

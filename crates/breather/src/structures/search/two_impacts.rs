@@ -43,7 +43,7 @@ pub(super) const RESOLUTION: f64 = 1e-11;
 pub(super) const FINEST: f64 = 1e-14;
 
 /// Places closer than this part of the period are one: next to a fold rounding blurs each zero of a pair alone.
-const PAIR: f64 = 1e-6;
+pub(super) const PAIR: f64 = 1e-6;
 
 /// Intervals to begin with: where modes are far faster than the load, they have died out in nearly all of them.
 pub(super) const MOST_PIECES: usize = 512;
@@ -154,9 +154,7 @@ impl Function {
 
     /// How many of these places, which rise, are apart.
     pub(super) fn apart(&self, places: impl Iterator<Item = f64>) -> usize {
-        let mut last = f64::NEG_INFINITY;
-        let is_apart = move |place: &f64| *place - std::mem::replace(&mut last, *place) > PAIR * self.period;
-        places.filter(is_apart).count()
+        apart(places, PAIR * self.period)
     }
 
     /// Minors of the columns of P₁ and P₂ in the rows that change, and Δ.
@@ -267,6 +265,12 @@ impl Function {
     }
 }
 
+/// How many of these places, which rise, are farther apart than so much.
+pub(super) fn apart(places: impl Iterator<Item = f64>, width: f64) -> usize {
+    let mut last = f64::NEG_INFINITY;
+    places.filter(move |place| *place - std::mem::replace(&mut last, *place) > width).count()
+}
+
 /// Whether an impulse at one contact does not move the other at once, but for rounding of the modes' shapes.
 fn are_apart(equations: &Equations<'_>, [one, other]: [usize; 2]) -> bool {
     let size = (equations.mobility(one) * equations.mobility(other)).sqrt();
@@ -316,6 +320,7 @@ mod tests {
     use vibrochain_testkit::Random;
 
     use super::*;
+    use crate::roots::clearance::assert_enclosed;
     use crate::structures::model::StructureModel;
     use crate::structures::search::at_times::Impacts;
 
@@ -363,16 +368,7 @@ mod tests {
                 let quotient = (function.at(phi + h).0 - function.at(phi - h).0) / (2.0 * h);
                 assert!((slope - quotient).abs() < 1e-5 * (slope.abs() + scale / period), "{slope} {quotient}");
                 let radius = period * random.log(1e-4, 0.02);
-                let clearance = function.clearances([phi; LANES], [radius; LANES])[1];
-                let around = (-20..=20).map(|k| function.at((phi + radius * f64::from(k) / 20.0).clamp(h, period - h)));
-                for (near, rise) in around {
-                    if clearance.function > 0.0 {
-                        assert!(near.abs() >= clearance.function * (1.0 - 1e-9) && near * value > 0.0);
-                        away += 1;
-                    } else if clearance.derivative > 0.0 {
-                        assert!(rise * slope > 0.0);
-                    }
-                }
+                away += assert_enclosed(&function, phi, radius, [h, period - h]);
                 checked += 1;
             }
         }
