@@ -320,7 +320,7 @@ mod tests {
     use vibrochain_testkit::Random;
 
     use super::*;
-    use crate::roots::clearance::assert_enclosed;
+    use crate::roots::assert_enclosed::assert_enclosed;
     use crate::structures::model::StructureModel;
     use crate::structures::search::at_times::Impacts;
 

@@ -7,7 +7,7 @@ use vibrochain_lattice::{Barrier, Complex, Contact, LinearMode, ModalStructure, 
 use vibrochain_testkit::Random;
 
 use super::*;
-use crate::roots::clearance::assert_enclosed;
+use crate::roots::assert_enclosed::assert_enclosed;
 use crate::structures::equations::Equations;
 use crate::structures::model::StructureModel;
 
