@@ -10,15 +10,17 @@
 //! Every answer names its path, see [`Method`].
 
 use nalgebra::Complex;
-use vibrochain_breather::{BlochEquations, BreatherError, Finder, Orbit};
+use vibrochain_breather::{BreatherError, Finder, Orbit};
 use vibrochain_lattice::aside;
 
 use crate::all_multipliers::{Multipliers, Spared};
 use crate::error::FloquetError;
 use crate::map_paths::Secular;
+use crate::multipliers::unfelt_frequencies;
 use crate::reference::dense::{Dense, uncoupled};
+use crate::saltation::saltations;
 use crate::sizes::{LARGE, MOST_DENSE, is_affordable, most_modes};
-use crate::spectrum::{BEYOND, is_surely_beyond, spectrum};
+use crate::structures::StructureMultipliers;
 use crate::symmetry::{breaks_symmetry, is_symmetric};
 use crate::verdict::{Mechanism, Method, Question, Tolerance, Verdict};
 
@@ -98,8 +100,7 @@ impl Analyser {
         if self.dense_only || orbit.model().is_conservative() || !is_affordable(orbit) {
             return Ok(false);
         }
-        let (equations, _) = BlochEquations::of(orbit, finder.prepared(orbit)?.response());
-        Ok(is_surely_beyond(&equations, BEYOND * reach) && !finder.is_delicate(orbit)?)
+        Ok(StructureMultipliers::of(&*orbit.at_contacts(finder.stop())?).surely_exceeds(reach))
     }
 
     /// The verdict, with its error, and all multipliers.
@@ -212,7 +213,7 @@ impl Analyser {
             let felt = if orbit.centre().is_some() { 2 * most_modes(impacts) - 1 } else { most_modes(impacts) };
             return Err(FloquetError::TooManyModes { masses: chain.sites(), impacts, limit: felt.max(by_matrix) });
         }
-        let answer = match spectrum(question, finder) {
+        let (mut verdict, multipliers) = match by_zeros(question, finder) {
             Err(FloquetError::Uncounted(doubt)) => {
                 // Next to grazing multipliers of 10⁵ and more have no digits as zeros of a determinant.
                 let answer = self.by_matrix(question, finder);
@@ -221,7 +222,6 @@ impl Analyser {
             }
             answer => answer?,
         };
-        let mut verdict = answer.verdict;
         if verdict.undecided && chain.sites() <= LARGE {
             // Neither is asked twice.
             let asks = !screened && has_residues(orbit);
@@ -232,7 +232,7 @@ impl Analyser {
             };
             verdict = other.filter(|other| !other.undecided).unwrap_or(verdict);
         }
-        Ok((verdict, if thorough { answer.listed(orbit) } else { Vec::new() }))
+        Ok((verdict, multipliers))
     }
 
     /// Verdict and multipliers from a dense matrix.
@@ -254,6 +254,26 @@ impl Analyser {
         let leading = multipliers.first().filter(|_| verdict.excess() == 0.0).copied();
         Ok(Some((Verdict { leading: leading.unwrap_or(verdict.leading), ..verdict }, multipliers)))
     }
+}
+
+/// Verdict and, if they are asked for, multipliers from all zeros of the determinant of the impacts' equations; of impacts at several sites with those
+/// of the modes that none of these feels.
+fn by_zeros(
+    Question { orbit, tolerance, thorough }: Question<'_>,
+    finder: &mut Finder,
+) -> Result<Answer, FloquetError> {
+    let _ = saltations(orbit)?;
+    let known = orbit.at_contacts(finder.stop())?;
+    let known = StructureMultipliers::of(&known);
+    if !thorough {
+        return Ok((known.worked_out(tolerance)?, Vec::new()));
+    }
+    let (verdict, mut multipliers) = known.all_worked_out(tolerance)?;
+    if orbit.impact_site().is_none() {
+        let both = |frequency: f64| [1.0, -1.0].map(|sign| Complex::from_polar(1.0, sign * frequency * orbit.period()));
+        multipliers.extend(unfelt_frequencies(orbit.model().chain(), known.frequencies()).into_iter().flat_map(both));
+    }
+    Ok((verdict, multipliers))
 }
 
 /// Maps and large rings take residues: of orbits without force and losses that are their own mirror images in time, at one site.

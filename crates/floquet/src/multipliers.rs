@@ -48,6 +48,21 @@ pub(crate) fn spared_modes(orbit: &Orbit) -> Option<Vec<(usize, f64)>> {
     Some(all.flat_map(|((k, number), f)| std::iter::repeat_n((k, *f), number)).collect())
 }
 
+/// Frequencies of a lattice's modes, each as often as there are such modes, but for those that are felt.
+pub(crate) fn unfelt_frequencies(chain: &Chain, felt: impl Iterator<Item = f64>) -> Vec<f64> {
+    let spectrum = Spectrum::new(*chain);
+    let own = spectrum.frequencies().iter().enumerate();
+    let mut left: Vec<f64> = own.flat_map(|(k, f)| std::iter::repeat_n(*f, chain.multiplicity(k))).collect();
+    left.sort_unstable_by(f64::total_cmp);
+    for frequency in felt {
+        let above = left.partition_point(|other| *other < frequency);
+        let near = above.saturating_sub(1)..(above + 1).min(left.len());
+        let nearest = near.min_by(|&a, &b| (left[a] - frequency).abs().total_cmp(&(left[b] - frequency).abs()));
+        nearest.map(|place| left.remove(place));
+    }
+    left
+}
+
 /// Sorts by falling modulus, then by argument from −π to π. Moduli that differ from 1 by rounding count as 1, so that the
 /// order on the circle is that of the angle.
 pub fn sort_multipliers(values: &mut [Complex<f64>]) {

@@ -40,6 +40,14 @@ impl Stop {
         Self::when(move || stop.is_raised() || begun.elapsed() >= time)
     }
 
+    /// Whether both are clones of one request.
+    pub fn is_same(&self, other: &Self) -> bool {
+        match (&self.0, &other.0) {
+            (Some(one), Some(two)) => Arc::ptr_eq(one, two),
+            (one, two) => one.is_none() && two.is_none(),
+        }
+    }
+
     /// Whether the work is to end.
     pub fn is_raised(&self) -> bool {
         self.0.as_ref().is_some_and(|raised| raised())

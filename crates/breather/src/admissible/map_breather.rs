@@ -9,8 +9,8 @@
 use vibrochain_lattice::{ImpulseResponse, Model};
 
 use crate::admissible::conservative_modes::TwoImpulses;
-use crate::equations::delicate::delicate;
 use crate::error::NoBreather;
+use crate::orbit::delicate::delicate;
 use crate::orbit::{Family, MOST_RESIDUAL};
 use crate::search::families::conservative::{crosses, impulse, impulses};
 use crate::search::finder::Finder;

@@ -38,6 +38,7 @@ impl Orbit {
             uniform_offset: draft.uniform_offset,
             fixed_times: model.is_conservative() && draft.impacts.iter().all(fixed),
             residual: 0.0,
+            at_contacts: draft.at_contacts.into(),
         };
         motion.load(&orbit, response);
         let (length, velocity, loss) = (orbit.length_scale(), orbit.velocity_scale(), model.loss());
@@ -108,8 +109,15 @@ impl Orbit {
                 0.0
             }
         };
-        let mut draft =
-            Draft { family: Family::Word, force_periods, psi, impacts: impacts.into(), sources, uniform_offset };
+        let mut draft = Draft {
+            family: Family::Word,
+            force_periods,
+            psi,
+            impacts: impacts.into(),
+            sources,
+            uniform_offset,
+            at_contacts: None,
+        };
         let mut motion = Motion::vacant(chain, response.shapes().clone());
         if chain.is_adrift() {
             // A lattice that nothing holds may stand anywhere: where its first impact meets the barrier.

@@ -7,104 +7,33 @@
 //! ```
 
 pub(crate) mod assembly;
+pub(crate) mod delicate;
 pub(crate) mod display;
+mod draft;
+mod family;
+mod impact;
+mod named;
 pub(crate) mod order;
 #[cfg(feature = "serde")]
 pub(crate) mod serde_impl;
 pub(crate) mod symmetries;
 
-use smallvec::{SmallVec, smallvec};
-use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Steady};
+use std::fmt;
+use std::sync::{Arc, OnceLock};
 
-/// Impacts closer than this part of the period are at one instant: farther apart than rounding of their times, nearer than anything
-/// that happens between two of them.
-pub(crate) const SIMULTANEOUS: f64 = 1e-9;
+use smallvec::SmallVec;
+use vibrochain_lattice::{Model, Steady};
+
+pub(crate) use draft::{Draft, Source, WRONG_SIGN, sources};
+pub use family::Family;
+pub(crate) use impact::SIMULTANEOUS;
+pub use impact::{Hit, Impact, time_between};
+
+use crate::error::BreatherError;
+use crate::structures::orbit::StructureOrbit;
 
 /// A solution that violates its equations by more than this is not listed: rounding has left nothing of it.
 pub(crate) const MOST_RESIDUAL: f64 = 0.1;
-
-/// The time between two instants of an orbit that repeats itself: half a period at most, in the unit of the arguments.
-///
-/// ```
-/// assert!((vibrochain_breather::time_between(0.5, 5.75, 6.0) - 0.75).abs() < 1e-15);
-/// ```
-pub fn time_between(one: f64, other: f64, period: f64) -> f64 {
-    let ahead = (one - other).rem_euclid(period);
-    ahead.min(period - ahead)
-}
-
-/// The families of the paper.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
-pub enum Family {
-    /// One impact on each barrier a period.
-    DoubleSided,
-    /// One impact a period, on the nearer (lower) barrier.
-    SingleSided,
-    /// Two different impacts on the nearer barrier in two periods of the force.
-    PeriodDoubled,
-    /// An orbit given by its impacts, see [`Orbit::from_impulses`].
-    Word,
-}
-
-vibrochain_lattice::names!(Family {
-    DoubleSided "double-sided", SingleSided "single-sided", PeriodDoubled "period-doubled", Word "word",
-});
-
-/// One impact of an orbit: of a lattice dimensionless, of any other structure in units of its own.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Impact {
-    /// The mass that hits; of a structure the number of the contact.
-    pub site: usize,
-    /// The barrier it hits.
-    pub barrier: Barrier,
-    /// Time within the orbit's period, 0 ≤ t < period.
-    pub time: f64,
-    /// Momentum P the barrier gives to the mass, signed (the paper's 2p₁, −2p₂).
-    pub impulse: f64,
-    /// Velocity just before, −P/(m(1+e)), with m = 1 of a mass of a lattice.
-    pub velocity_before: f64,
-    /// Velocity just after, eP/(m(1+e)).
-    pub velocity_after: f64,
-    /// Acceleration just before, force included. Where nothing damps the motion, the impact does not change it.
-    pub acceleration: f64,
-}
-
-impl Impact {
-    /// An impact is right-signed if the mass moves outward, towards its barrier, before it.
-    pub fn is_right_signed(&self) -> bool {
-        self.velocity_before * self.barrier.sign() > 0.0
-    }
-}
-
-/// An impact as it is given: the rest of [`Impact`] follows.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[must_use]
-pub struct Hit {
-    /// The mass that hits.
-    pub site: usize,
-    /// The barrier it hits.
-    pub barrier: Barrier,
-    /// Time within the orbit's period.
-    pub time: f64,
-    /// Momentum that the barrier gives to the mass, signed.
-    pub impulse: f64,
-}
-
-impl Hit {
-    /// An impact of mass `site` on `barrier`.
-    pub fn new(site: usize, barrier: Barrier, time: f64, impulse: f64) -> Self {
-        Self { site, barrier, time, impulse }
-    }
-}
-
-impl From<&Impact> for Hit {
-    fn from(impact: &Impact) -> Self {
-        Self::new(impact.site, impact.barrier, impact.time, impact.impulse)
-    }
-}
 
 /// A periodic orbit with impacts.
 #[derive(Debug, Clone, PartialEq)]
@@ -119,13 +48,32 @@ pub struct Orbit {
     pub(crate) uniform_offset: f64,
     pub(crate) fixed_times: bool,
     pub(crate) residual: f64,
+    /// The same orbit as contacts at the masses that hit know it.
+    pub(crate) at_contacts: AtContacts,
 }
 
-/// A site that receives impulses, and their sum over a period.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Source {
-    pub(crate) site: usize,
-    pub(crate) net_impulse: f64,
+/// Worked out when it is first asked for; an error where the lattice has no kernel, exactly at a resonance.
+#[derive(Clone, Default)]
+pub(crate) struct AtContacts(pub(crate) OnceLock<Result<Arc<StructureOrbit>, BreatherError>>);
+
+impl From<Option<Arc<StructureOrbit>>> for AtContacts {
+    fn from(known: Option<Arc<StructureOrbit>>) -> Self {
+        Self(known.map_or_else(OnceLock::new, |known| OnceLock::from(Ok(known))))
+    }
+}
+
+/// Pages of modes would tell nobody more.
+impl fmt::Debug for AtContacts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("AtContacts").finish_non_exhaustive()
+    }
+}
+
+/// What follows from all else of an orbit makes no difference.
+impl PartialEq for AtContacts {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 /// Impulses and times of an orbit that differ by this part of the largest one, or of the period, are the same but for rounding.
@@ -143,60 +91,6 @@ impl Reflection {
     pub(crate) fn image(self, site: usize, sites: usize) -> usize {
         (self.mirror + sites - site) % sites
     }
-}
-
-/// An impulse that points out of the gap by no more than this part of the largest one could be turned round by polishing the orbit.
-pub(crate) const WRONG_SIGN: f64 = 1e-3;
-
-/// What a family knows of an orbit before velocities, accelerations and residual are worked out.
-#[derive(Debug, Clone)]
-pub(crate) struct Draft {
-    pub(crate) family: Family,
-    pub(crate) force_periods: u32,
-    pub(crate) psi: f64,
-    pub(crate) impacts: SmallVec<[Hit; 2]>,
-    /// Net impulse of each site that is hit. Given, not summed: it may be far smaller than its terms.
-    pub(crate) sources: SmallVec<[Source; 1]>,
-    /// Mean displacement of the ring, Σ net impulse/(γ₁MT); for γ₁ = 0 its limit.
-    pub(crate) uniform_offset: f64,
-}
-
-impl Draft {
-    /// From impacts in order of time and what their net impulse holds up at a site that is hit.
-    pub(crate) fn new(
-        response: &ImpulseResponse,
-        (family, force_periods): (Family, u32),
-        psi: f64,
-        impacts: SmallVec<[Hit; 2]>,
-        static_displacement: f64,
-    ) -> Self {
-        let sources = match impacts.first() {
-            Some(&Hit { site, .. }) if impacts.iter().all(|hit| hit.site == site) => {
-                smallvec![Source { site, net_impulse: static_displacement * response.static_stiffness() }]
-            }
-            _ => sources(&impacts),
-        };
-        let uniform_offset = static_displacement * response.uniform_share();
-        Self { family, force_periods, psi, impacts, sources, uniform_offset }
-    }
-
-    /// No impulse points out of the gap by more than polishing an orbit could turn round.
-    pub(crate) fn is_right_signed(&self) -> bool {
-        let largest = self.impacts.iter().map(|impact| impact.impulse.abs()).fold(0.0, f64::max);
-        self.impacts.iter().all(|hit| -hit.impulse * hit.barrier.sign() > -WRONG_SIGN * largest)
-    }
-}
-
-/// The sites that are hit, each with the sum of its impulses.
-pub(crate) fn sources(impacts: &[Hit]) -> SmallVec<[Source; 1]> {
-    let mut sources: SmallVec<[Source; 1]> = SmallVec::new();
-    for &Hit { site, impulse, .. } in impacts {
-        match sources.iter_mut().find(|source| source.site == site) {
-            Some(source) => source.net_impulse += impulse,
-            None => sources.push(Source { site, net_impulse: impulse }),
-        }
-    }
-    sources
 }
 
 impl Orbit {

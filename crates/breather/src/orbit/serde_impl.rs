@@ -4,7 +4,7 @@ use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use vibrochain_lattice::{Barrier, Model};
 
-use crate::orbit::{Family, Impact, Orbit, Source};
+use crate::orbit::{AtContacts, Family, Impact, Orbit, Source};
 
 /// What `mapgen --json` tells of an orbit; its parameters stand beside it. It is written only: an orbit that is read from text is made
 /// from parameters and impacts, see [`Orbit::from_impulses`].
@@ -115,6 +115,7 @@ impl<'de> Deserialize<'de> for Orbit {
             uniform_offset: whole.uniform_offset,
             fixed_times: whole.fixed_times,
             residual: whole.residual,
+            at_contacts: AtContacts::default(),
         })
     }
 }

@@ -1,10 +1,12 @@
 //! Words of a lattice asked of it as a structure, whose contacts are the masses that are hit.
 
+use std::sync::Arc;
+
 use smallvec::SmallVec;
 use vibrochain_lattice::{ImpulseResponse, Model, Parameter, Stop, Wave};
 
 use crate::error::{BreatherError, NoBreather};
-use crate::orbit::{Draft, Family, Hit};
+use crate::orbit::{Draft, Family, Hit, Impact};
 use crate::search::completeness::Searched;
 use crate::search::finder::Scope;
 use crate::structures::model::StructureModel;
@@ -53,26 +55,21 @@ pub(crate) fn of_one_mass(
     }
     let steady = model.steady()?.at(home);
     let (half, periods) = (0.5 * response.period(), request.force_periods);
-    let draft = |orbit: &StructureOrbit| {
-        let impacts = orbit.impacts();
+    let draft = |orbit: StructureOrbit| {
         // A doubled orbit begins with the longer flight.
         let turned = periods == 2 && orbit.phi().is_some_and(|phi| phi < half);
-        let (start, count) = (usize::from(turned), impacts.len());
-        let since = |time: f64| (time - impacts[start].time).rem_euclid(orbit.period());
-        let hit = |i: usize| {
-            let one = &impacts[(start + i) % count];
-            Hit::new(0, one.barrier, since(one.time), one.impulse)
-        };
-        let hits: SmallVec<[Hit; 2]> = (0..count).map(hit).collect();
+        let orbit = if turned { orbit.begun_with(1) } else { orbit };
+        let hit = |one: &Impact| Hit::new(0, one.barrier, one.time, one.impulse);
+        let hits: SmallVec<[Hit; 2]> = orbit.impacts().iter().map(hit).collect();
         let repeat = model.period() / f64::from(model.force().repetitions());
-        let psi = (orbit.psi().unwrap_or(0.0) + impacts[start].time).rem_euclid(repeat);
+        let psi = orbit.psi().unwrap_or(0.0).rem_euclid(repeat);
         let felt = |hit: &Hit| hit.impulse * response.jet_from_half(hit.time - half).value;
         // Where the first impact is, less what moves there.
         let moved = steady.jet(psi)[0] + hits.iter().map(felt).sum::<f64>();
         let held = model.barrier(hits[0].barrier) - moved;
-        Draft::new(response, (family, periods), psi, hits, held)
+        Draft { at_contacts: Some(Arc::new(orbit)), ..Draft::new(response, (family, periods), psi, hits, held) }
     };
-    Ok((orbits.iter().map(draft).collect(), searched))
+    Ok((orbits.into_iter().map(draft).collect(), searched))
 }
 
 /// A stiffness below this part of ω² moves impulses, times and phases by less than rounding, as long as impulses balance.

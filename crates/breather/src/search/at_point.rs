@@ -2,7 +2,6 @@
 
 use vibrochain_lattice::{Barrier, Model, Wave};
 
-use crate::equations::newton::{STEPS, polish};
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::orbit::{Draft, Family, Orbit};
 use crate::search::as_structure;
@@ -14,9 +13,6 @@ use crate::search::screens::forced_places;
 use crate::search::screens::radiation::Radiation;
 use crate::structures::search::Request;
 use crate::word::{Letter, Word};
-
-/// From this condition of the kernel on steps of Newton's method lead to the orbit of another frequency, a rounding away.
-const RESONANT: f64 = 1e8;
 
 /// A residual above this is more than rounding.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
@@ -93,7 +89,8 @@ impl Finder {
         let cosine = steady.as_ref().filter(|_| model.force().cosine_amplitude().is_some()).map(Wave::reach);
         self.prepare_at(model, model.omega() / f64::from(periods), home)?;
         let (response, motion, earlier) = (&self.response, &mut self.motion, &mut self.earlier);
-        let (zeros, kernel_grid, contact) = (&mut self.zeros, &mut self.kernel_grid, &mut self.contact);
+        let (zeros, kernel_grid, contact, stop) =
+            (&mut self.zeros, &mut self.kernel_grid, &mut self.contact, &self.stop);
         let judged = wanted.candidates() && conservative;
         let radiation = if judged { *self.radiation.get_or_insert_with(|| Radiation::of(response)) } else { None };
         let (mut failure, mut lost, mut refused) = (None, 0, 0);
@@ -124,9 +121,9 @@ impl Finder {
             }
             match assembled {
                 Ok(mut orbit) => {
-                    // Next to a resonance the structure's equations know the orbit better than these, and are left alone.
-                    if orbit.residual() > ROUNDING && !orbit.is_reversible() && response.condition() < RESONANT {
-                        polish(&mut orbit, STEPS, response, motion);
+                    // Forced ones are refined already.
+                    if conservative && orbit.residual() > ROUNDING && !orbit.is_reversible() {
+                        orbit = orbit.refined_if_better(stop);
                     }
                     // Subnormal parameters, or a resonance nearby, can leave a solution that violates its own equations.
                     if orbit.is_sound() {

@@ -9,10 +9,9 @@ use crate::admissible::answer::Admissibility;
 use crate::admissible::check::Watch;
 use crate::admissible::conservative_modes::ConservativeModes;
 use crate::admissible::gap::Depth;
-use crate::equations::delicate::is_delicate;
-use crate::equations::newton::{CONVERGED, STEPS_FROM_AFAR, polish};
 use crate::error::BreatherError;
 use crate::motion::Motion;
+use crate::orbit::delicate::delicate;
 use crate::orbit::{Family, Orbit};
 use crate::roots::interval::Zeros;
 use crate::search::orbit_list::OrbitList;
@@ -277,10 +276,7 @@ impl Finder {
     /// # Ok::<(), vibrochain_breather::BreatherError>(())
     /// ```
     pub fn polish(&mut self, orbit: &Orbit) -> Result<Orbit, BreatherError> {
-        self.prepare(orbit.model(), orbit.frequency())?;
-        let mut polished = orbit.clone();
-        let violation = polish(&mut polished, STEPS_FROM_AFAR, &self.response, &mut self.motion);
-        if violation <= CONVERGED { Ok(polished) } else { Err(BreatherError::NotConverged { violation }) }
+        orbit.refined(&self.stop)
     }
 
     /// How far an orbit can be trusted. Not part of a sweep's inner loop: it makes the modes of the masses that are hit.
@@ -317,7 +313,17 @@ impl Finder {
     /// As [`Finder::admissibility`].
     pub fn is_delicate(&mut self, orbit: &Orbit) -> Result<bool, BreatherError> {
         self.prepare(orbit.model(), orbit.frequency())?;
-        Ok(is_delicate(orbit, &self.response))
+        let slowest = orbit.impacts().iter().map(|impact| impact.velocity_before.abs()).fold(f64::INFINITY, f64::min);
+        if delicate(&self.response, orbit.model().omega(), (slowest, orbit.velocity_scale())) {
+            return Ok(true);
+        }
+        if orbit.is_reversible() {
+            return Ok(false);
+        }
+        match orbit.at_contacts(&self.stop) {
+            Err(stopped @ BreatherError::Stopped(_)) => Err(stopped),
+            known => Ok(known.is_ok_and(|known| known.is_delicate())),
+        }
     }
 
     /// An orbit with the impulse response of its chain and frequency, which this finder keeps.

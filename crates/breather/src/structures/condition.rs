@@ -4,9 +4,7 @@ use smallvec::SmallVec;
 use vibrochain_lattice::{LinearMode, Stop, Turn};
 
 use super::errors::{ImpactError, Together};
-use super::model::StructureModel;
 use super::orbit::StructureOrbit;
-use super::point::Strike;
 use crate::equations::System;
 use crate::equations::linear::{Vector, zeros};
 use crate::error::BreatherError;
@@ -68,26 +66,14 @@ impl Condition {
 
     /// That of a lattice's orbit: of the same orbit of the structure with a contact at each mass that is hit.
     pub(crate) fn of_lattice(orbit: &Orbit, stop: &Stop) -> Result<Self, BreatherError> {
-        let (sites, impacts) = (orbit.hit_sites(), orbit.impacts());
-        let contacts: Vec<Vec<usize>> = sites.iter().map(|site| vec![*site]).collect();
-        let first = impacts.first().map_or(0.0, |impact| impact.time);
-        let strike = |impact: &Impact| Strike {
-            contact: sites.partition_point(|site| *site < impact.site),
-            barrier: impact.barrier,
-            time: impact.time - first,
-            impulse: impact.impulse,
-        };
         let asked = || {
-            let model = StructureModel::of_lattice(orbit.model(), &contacts, stop)?;
-            let since = (orbit.force_periods(), orbit.psi_or_zero() + first);
-            let refined = StructureOrbit::given(&model, since, impacts.iter().map(strike).collect())?;
+            let refined = orbit.at_contacts(stop)?;
             Ok(refined.condition()?.from(&refined, orbit))
         };
-        let condition: Result<Self, BreatherError> = asked();
-        match condition {
+        match asked() {
             Err(stopped @ BreatherError::Stopped(_)) => Err(stopped),
             // Exactly at a resonance the lattice has no kernel.
-            Err(_) => Ok(Self::lost(impacts.len())),
+            Err(_) => Ok(Self::lost(orbit.impacts().len())),
             Ok(condition) => Ok(condition),
         }
     }

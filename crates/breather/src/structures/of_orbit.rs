@@ -162,6 +162,41 @@ impl Branch {
     }
 }
 
+impl Orbit {
+    /// The same orbit as contacts at the masses that hit know it, with its errors; what is asked of it is worked out until `stop` is raised.
+    ///
+    /// # Errors
+    /// [`BreatherError`], where the lattice has no kernel: exactly at a resonance.
+    pub fn at_contacts(&self, stop: &Stop) -> Result<Arc<StructureOrbit>, BreatherError> {
+        let memo = &self.at_contacts.0;
+        let worked_out = || StructureOrbit::of_orbit(self, stop).map(Arc::new);
+        match memo.get() {
+            Some(Ok(known)) if !known.model().stop().is_same(stop) => Ok(Arc::new(known.as_ref().clone().until(stop))),
+            Some(known) => known.clone(),
+            // All modes of a large lattice are held no longer than they are asked for.
+            None if !self.model().chain().is_kept() => worked_out(),
+            None => match worked_out() {
+                Err(stopped @ BreatherError::Stopped(_)) => Err(stopped),
+                known => memo.get_or_init(|| known).clone(),
+            },
+        }
+    }
+
+    /// The orbit that Newton's method leads to from here. Times that symmetry fixes stay where they are.
+    pub(crate) fn refined(&self, stop: &Stop) -> Result<Self, BreatherError> {
+        let model = StructureModel::of_masses(self.model(), &self.hit_sites(), stop)?;
+        let hits: Vec<Hit> = self.impacts().iter().map(Hit::from).collect();
+        let near = StructureOrbit::near(&model, self.force_periods(), self.psi_or_zero(), &hits)?;
+        near.to_orbit(self.model(), self.family())
+    }
+
+    /// That one, where less is left of its equations.
+    pub(crate) fn refined_if_better(self, stop: &Stop) -> Self {
+        let better = self.refined(stop).ok().filter(|refined| refined.residual() < self.residual());
+        better.unwrap_or(self)
+    }
+}
+
 impl StructureOrbit {
     /// A lattice's orbit as one of the lattice with contacts at the masses that hit.
     ///
@@ -211,7 +246,8 @@ impl StructureOrbit {
     pub fn of_all_masses(&self) -> Option<Result<Orbit, BreatherError>> {
         let Masses { lattice, .. } = self.model().masses()?;
         let hits = self.hits_by_halves();
-        Some(Orbit::from_impulses(lattice, self.force_periods(), self.psi().unwrap_or(0.0), &hits))
+        let orbit = Orbit::from_impulses(lattice, self.force_periods(), self.psi().unwrap_or(0.0), &hits);
+        Some(orbit.map(|orbit| Orbit { at_contacts: Some(Arc::new(self.clone())).into(), ..orbit }))
     }
 
     /// The impacts, half a period after the first one where they are but for rounding.
@@ -227,18 +263,11 @@ impl StructureOrbit {
     /// # Errors
     /// [`BreatherError`] at a resonance.
     pub fn to_orbit(&self, model: &Model, family: Family) -> Result<Orbit, BreatherError> {
-        let mut hits = self.hits_by_halves();
-        let mut psi = self.psi().unwrap_or(0.0);
-        if matches!(family, Family::SingleSided | Family::PeriodDoubled)
+        let turned = matches!(family, Family::SingleSided | Family::PeriodDoubled)
             && self.force_periods() == 2
-            && hits.len() == 2
-            && hits[1].time < 0.5 * self.period()
-        {
-            let first = hits[1].time;
-            psi = (psi + first).rem_euclid(self.model().period());
-            hits.rotate_left(1);
-            hits.iter_mut().for_each(|hit| hit.time = (hit.time - first).rem_euclid(self.period()));
-        }
+            && self.phi().is_some_and(|phi| phi < 0.5 * self.period());
+        let begun = if turned { &self.clone().begun_with(1) } else { self };
+        let (hits, psi) = (begun.hits_by_halves(), begun.psi().unwrap_or(0.0));
         let mut orbit = Orbit::from_impulses(model, self.force_periods(), psi, &hits)?;
         let alone = hits.iter().all(|hit| hit.site == hits[0].site);
         orbit.family = match (family, hits.len(), self.force_periods()) {

@@ -3,17 +3,19 @@
 use std::sync::Arc;
 
 use smallvec::SmallVec;
-use vibrochain_lattice::Barrier;
+use vibrochain_lattice::{Barrier, Stop};
 
 use super::equations::{Equations, System};
 use super::errors::{ImpactError, OrbitErrors, Together};
 use super::model::StructureModel;
-use super::point::{Point, SAME_INSTANT, Strike};
+use super::point::{Point, Strike};
 use super::response::Response;
 use crate::equations::{BlochEquations, LinearImpact};
 use crate::error::BreatherError;
+use crate::orbit::delicate::UNSEEN;
 use crate::orbit::{Hit, Impact};
 use crate::word::MAX_IMPACTS;
+use crate::worse;
 
 /// A periodic orbit of a structure.
 #[derive(Debug, Clone, PartialEq)]
@@ -198,23 +200,47 @@ impl StructureOrbit {
         let point =
             Point { strikes, psi: psi + first, period, offsets: smallvec::smallvec![0.0; equations.rigid.len()] };
         let point = equations.with_offsets(point)?;
-        let mut solved = equations.solve(point)?;
-        let together = |by: f64| by < 0.0 && -by <= SAME_INSTANT * period;
-        if solved.0.strikes.windows(2).any(|pair| together(pair[1].time - pair[0].time))
-            && let Some(point) = solved.0.in_time()
-        {
-            // Which of simultaneous impacts comes first is rounding.
-            let system = equations.system(&point)?;
-            solved = (point, system);
-        }
-        let last = if equations.self_excited { solved.0.period } else { period };
-        if !in_order(solved.0.strikes.iter().map(|strike| strike.time), last) {
-            return Err(BreatherError::OutOfOrder { found: true });
+        let (equations, point) = equations.of_mirrored(&point).unwrap_or((equations, point));
+        let mut solved = equations.solve(point.clone())?;
+        let turned = solved.0.in_turn(&point).ok_or(BreatherError::OutOfOrder { found: true })?;
+        if turned != solved.0 {
+            let system = equations.system(&turned)?;
+            solved = (turned, system);
         }
         if !equations.self_excited {
             equations.off_resonance(&contacts)?;
         }
         Self::new(&equations, force_periods, solved)
+    }
+
+    /// The same orbit begun with another impact.
+    pub(crate) fn begun_with(mut self, first: usize) -> Self {
+        let (period, start) = (self.period(), self.impacts[first].time);
+        let late = [self.estimates[first].time, self.errors[first].time];
+        self.psi = self.psi.map(|psi| (psi + start).rem_euclid(self.model.period()));
+        if self.psi.is_some() {
+            self.psi_estimate += late[0];
+            self.psi_error += late[1];
+        }
+        self.impacts.rotate_left(first);
+        self.impacts.iter_mut().for_each(|impact| impact.time = (impact.time - start).rem_euclid(period));
+        for (errors, late) in [(&mut self.estimates, late[0]), (&mut self.errors, late[1])] {
+            errors.rotate_left(first);
+            errors.iter_mut().skip(1).for_each(|error| error.time += late);
+            errors[0].time = 0.0;
+        }
+        for origin in &mut self.origins {
+            origin.rotate_left(first);
+            // Times are since the first impact.
+            let late = origin[0].time;
+            origin.iter_mut().for_each(|error| error.time -= late);
+        }
+        self
+    }
+
+    /// The same, of which all is worked out no longer than until the request to stop is raised.
+    pub(super) fn until(self, stop: &Stop) -> Self {
+        Self { model: self.model.until(stop), ..self }
     }
 
     /// The model.
@@ -259,6 +285,18 @@ impl StructureOrbit {
         let strongest = self.impacts.iter().map(|impact| impact.impulse.abs()).fold(f64::MIN_POSITIVE, f64::max);
         let off = |one: &ImpactError| (one.time / self.period()).max(one.impulse / strongest);
         self.estimates.iter().map(off).fold(self.psi_estimate / self.period(), f64::max)
+    }
+
+    /// Whether its errors could show in a verdict: to first order a time, an impulse or an acceleration is off by more than a small part of what
+    /// it counts by.
+    pub fn is_delicate(&self) -> bool {
+        let omega = std::f64::consts::TAU / self.period();
+        let off = |(one, error): (&Impact, &ImpactError)| {
+            let impulse = one.impulse.abs();
+            (error.time * omega).max(error.impulse / impulse).max(error.acceleration / (omega * impulse))
+        };
+        let most = self.impacts.iter().zip(&self.estimates).map(off).fold(self.psi_estimate * omega, worse);
+        most > UNSEEN
     }
 
     /// Errors of an impact to first order, which are there where no bound is known, too.

@@ -59,6 +59,31 @@ impl Point {
         Some(point)
     }
 
+    /// The same impacts within a period, in order of time: that in which they have `begun`, but that those begun at one instant may part. `None` where
+    /// others have overtaken each other, or two of one contact are one.
+    pub(super) fn in_turn(&self, begun: &Self) -> Option<Self> {
+        let same = SAME_INSTANT * self.period;
+        let mut point = self.clone();
+        let mut turns: SmallVec<[(f64, f64); 4]> = SmallVec::new();
+        for (strike, begun) in point.strikes.iter_mut().zip(&begun.strikes) {
+            let is_away = strike.time < -same || strike.time >= self.period;
+            let time = if is_away { strike.time.rem_euclid(self.period) } else { strike.time };
+            turns.push((time, begun.time + time - strike.time));
+            strike.time = time;
+        }
+        turns.sort_by(|one, other| one.0.total_cmp(&other.0));
+        // The first impact comes again.
+        turns.push((self.period, self.period));
+        let in_order = turns.windows(2).all(|pair| pair[1].1 - pair[0].1 >= -same);
+        let flights = self.strikes.iter().enumerate().flat_map(|(j, other)| {
+            self.strikes[..j].iter().filter(|one| one.contact == other.contact).map(|one| other.time - one.time)
+        });
+        let are_apart = flights
+            .map(|flight| flight.rem_euclid(self.period))
+            .all(|flight| flight > same && self.period - flight > same);
+        (in_order && are_apart).then(|| point.in_time().unwrap_or(point))
+    }
+
     /// Whether a point is of the same orbit, but for rounding.
     pub(super) fn is_near(&self, other: &Self) -> bool {
         let strongest = other.strikes.iter().map(|strike| strike.impulse.abs()).fold(0.0, f64::max);

@@ -16,7 +16,7 @@ use std::borrow::Cow;
 use thiserror::Error;
 use vibrochain_lattice::{Barrier, Layout};
 
-use crate::orbit::{Family, Impact, Orbit, SIMULTANEOUS};
+use crate::orbit::Family;
 
 /// The most impacts of a word: their equations are solved densely.
 pub const MAX_IMPACTS: usize = 64;
@@ -126,7 +126,7 @@ impl Ord for Letter {
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Word {
-    instants: Vec<Vec<Letter>>,
+    pub(crate) instants: Vec<Vec<Letter>>,
 }
 
 impl Word {
@@ -169,25 +169,6 @@ impl Word {
             Family::Word => return None,
         };
         Some(Self { instants })
-    }
-
-    /// The word of an orbit.
-    pub fn of(orbit: &Orbit) -> Self {
-        let layout = orbit.model().chain().layout();
-        let letter = |impact: &Impact| {
-            let (site, layer) = layout.place(impact.site);
-            Letter { site, layer, barrier: impact.barrier }
-        };
-        let mut instants: Vec<Vec<Letter>> =
-            orbit.instants().map(|impacts| impacts.iter().map(letter).collect()).collect();
-        // Just before the period is at its beginning.
-        let left = orbit.impacts().last().map_or(orbit.period(), |impact| orbit.period() - impact.time);
-        if instants.len() > 1 && left <= SIMULTANEOUS * orbit.period() {
-            let end = instants.pop().unwrap_or_default();
-            instants[0].extend(end);
-        }
-        instants.iter_mut().for_each(|letters| letters.sort_unstable());
-        Self { instants }
     }
 
     /// The instants, each with its impacts in order of site.
@@ -253,20 +234,6 @@ impl Word {
             (first, Some(second)) if first != second => Some(Family::DoubleSided),
             _ => None,
         }
-    }
-}
-
-impl Orbit {
-    /// What it is called: the name of its family, or its word.
-    #[must_use]
-    pub fn name(&self) -> String {
-        self.word().unwrap_or_else(|| self.family().name().to_owned())
-    }
-
-    /// Its word, if it is of no family.
-    #[must_use]
-    pub fn word(&self) -> Option<String> {
-        (self.family() == Family::Word).then(|| Word::of(self).to_string())
     }
 }
 

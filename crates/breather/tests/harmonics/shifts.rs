@@ -34,7 +34,8 @@ fn assert_same(a: &OrbitList, b: &OrbitList, shift: f64, name: &str) {
     let unresolved = a.completeness.open().0 > 0;
     assert!(a.orbits.len() == b.orbits.len() || (unresolved && a.orbits.len() < b.orbits.len()), "{name}");
     for orbit in &b.orbits {
-        assert!(orbit.residual() < 1e-12, "{name}: {}", orbit.residual());
+        // One of these periods is 6e-4 from a resonance, which takes three digits from the kernel.
+        assert!(orbit.residual() < 5e-12, "{name}: {}", orbit.residual());
     }
     for expected in &a.orbits {
         let period = expected.model().period();

@@ -11,7 +11,7 @@ use crate::map_paths::reversible::verdict::stable;
 use crate::map_paths::{Reason, Secular, SecularVerdict, Standing};
 use crate::saltation::saltations;
 use crate::sizes::{MOST_DENSE, is_affordable, most_refined};
-use crate::spectrum::{Posed, SpectralFunction, posed};
+use crate::spectrum::{SpectralFunction, origins};
 use crate::verdict::{Mechanism, Question, Tolerance, Verdict};
 use crate::zeros::{Nu, excess};
 
@@ -85,7 +85,10 @@ impl Analyser {
         // Of those that are left with the errors they have the first one tells how far outside they may be.
         open.truncate(refined_at_most + 1);
         open.shrink_to_fit();
-        let Posed { equations, data, .. } = posed(question, finder)?;
+        let known = orbit.at_contacts(finder.stop())?;
+        let (equations, _) = known.bloch_equations();
+        let data = origins(&equations, known.error_origins());
+        drop(known);
         // The finder's modes have done their part: their memory is free for what follows.
         finder.give_back();
         let function = SpectralFunction::taking(equations, true);

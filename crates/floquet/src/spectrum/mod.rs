@@ -45,7 +45,7 @@ pub(crate) use krein::KreinForms;
 pub use multipliers::ImpactSpectrum;
 pub(crate) use refine::Origin;
 pub use shape::ModalShape;
-pub(crate) use verdict::{Posed, judged, origins, posed, spectrum, told, told_of_cycle, verdict};
+pub(crate) use verdict::{judged, origins, told, told_of_cycle, verdict};
 pub(crate) use zero::Zero;
 
 /// Equations of one impact to three at one contact or two, over modes damped up to `most` times critically; some die within a period.

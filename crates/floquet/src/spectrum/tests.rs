@@ -7,10 +7,10 @@ use vibrochain_testkit::Random;
 use super::clusters::zeros;
 use super::function::SpectralFunction;
 use super::refine::{DataError, Origin};
-use super::verdict::{posed, told};
+use super::verdict::{origins, told};
 use super::zero::Zero;
 use crate::analyser::Analyser;
-use crate::verdict::{Question, Tolerance};
+use crate::verdict::Tolerance;
 use crate::zeros::modulus;
 
 /// One to nine modes that die, one impact to three at one contact or two, in units of time so many times shorter, modes from the first or the last.
@@ -224,8 +224,10 @@ fn next_to_resonances_no_verdict_of_the_equations_is_false() {
         for family in [Family::SingleSided, Family::DoubleSided] {
             let Ok(found) = breathers(&model, family) else { continue };
             for orbit in &found.orbits {
-                let Ok(posed) = posed(Question { orbit, tolerance, thorough: true }, &mut finder) else { continue };
-                let Ok((verdict, multipliers)) = told(&posed.equations, !is_forced, &posed.data, tolerance) else {
+                let Ok(known) = orbit.at_contacts(finder.stop()) else { continue };
+                let (equations, _) = known.bloch_equations();
+                let data = origins(&equations, known.error_origins());
+                let Ok((verdict, multipliers)) = told(&equations, !is_forced, &data, tolerance) else {
                     uncounted += 1;
                     continue;
                 };

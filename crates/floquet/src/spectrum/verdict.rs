@@ -5,17 +5,14 @@
 //! their space. What is left open is one next to ±1, or others that may have met.
 
 use nalgebra::Complex;
-use vibrochain_breather::{BlochEquations, Finder, ImpactError, Orbit, Together};
-use vibrochain_lattice::SparedModes;
+use vibrochain_breather::{BlochEquations, ImpactError, Together};
 
 use super::clusters::zeros;
 use super::function::SpectralFunction;
 use super::refine::{DataError, Origin};
 use super::solve::{Zeros, is_reciprocal};
 use super::zero::Zero;
-use crate::error::FloquetError;
-use crate::saltation::saltations;
-use crate::verdict::{Question, Tolerance, Verdict};
+use crate::verdict::{Tolerance, Verdict};
 use crate::zeros::{SecularError, excess};
 
 /// Room for what estimates of errors leave out where an answer hangs on them.
@@ -23,61 +20,6 @@ const ROOM: f64 = 4.0;
 
 /// How far the multiplier of an orbit's own derivative may be off where the orbit's errors are left out: the root of rounding, with room.
 const AS_IT_STANDS: f64 = 1e-6;
-
-/// Verdict and multipliers of one orbit.
-#[derive(Debug, Clone)]
-pub(crate) struct Spectrum {
-    pub(crate) verdict: Verdict,
-    /// Of the modes that feel the impacts, without a conservative orbit's trivial pair.
-    pub(crate) multipliers: Vec<Complex<f64>>,
-    /// The modes that do not.
-    pub(crate) spared: Vec<SparedModes>,
-}
-
-impl Spectrum {
-    /// All multipliers; of impacts at one site those of the modes that feel them, as the others are known.
-    pub(crate) fn listed(self, orbit: &Orbit) -> Vec<Complex<f64>> {
-        let mut all = self.multipliers;
-        let spared = self.spared.iter().filter(|_| orbit.impact_site().is_none());
-        for SparedModes { frequency, count, .. } in spared {
-            let pair = [1.0, -1.0].map(|sign| Complex::from_polar(1.0, sign * frequency * orbit.period()));
-            all.extend(pair.repeat(*count));
-        }
-        all
-    }
-}
-
-/// An orbit's equations, the modes that do not feel its impacts, and what errors of its own data do, where these count.
-pub(crate) struct Posed {
-    pub(crate) equations: BlochEquations,
-    pub(crate) spared: Vec<SparedModes>,
-    pub(crate) data: Vec<Origin>,
-}
-
-pub(crate) fn posed(question: Question<'_>, finder: &mut Finder) -> Result<Posed, FloquetError> {
-    let orbit = question.orbit;
-    let _ = saltations(orbit)?;
-    let careful = question.thorough || finder.is_delicate(orbit)?;
-    let condition = if careful { Some(finder.condition(orbit)?) } else { None };
-    let corrected = condition.as_ref().map(|condition| condition.corrected(orbit));
-    let orbit = corrected.as_ref().unwrap_or(orbit);
-    let (equations, spared) = BlochEquations::of(orbit, finder.prepared(orbit)?.response());
-    let data = condition.map_or(Vec::new(), |condition| origins(&equations, &condition.origins));
-    Ok(Posed { equations, spared, data })
-}
-
-/// What the multipliers of an orbit say, and, if the question is thorough, all of them.
-pub(crate) fn spectrum(question: Question<'_>, finder: &mut Finder) -> Result<Spectrum, FloquetError> {
-    let Question { orbit, tolerance, thorough } = question;
-    let Posed { equations, spared, data } = posed(question, finder)?;
-    let conservative = orbit.model().is_conservative();
-    let (verdict, multipliers) = if thorough {
-        told(&equations, conservative, &data, tolerance)?
-    } else {
-        (verdict(&equations, conservative, &data, tolerance)?, Vec::new())
-    };
-    Ok(Spectrum { verdict, multipliers, spared })
-}
 
 /// Verdict and multipliers of equations; `data` are the errors of what the orbit brings along.
 pub(crate) fn told(

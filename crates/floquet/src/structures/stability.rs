@@ -125,11 +125,12 @@ impl<'a> StructureMultipliers<'a> {
         &self.all_equations().1
     }
 
-    /// Whether the spectral radius is surely beyond `reach`: a real multiplier is, by 5 %. No says nothing. A map asks so: of two orbits that are
+    /// Whether the spectral radius is surely beyond `reach`: a real multiplier is, by 5 %. No says nothing; an orbit whose own errors could matter
+    /// is not asked. A map asks so: of two orbits that are
     /// born in a fold one has such a multiplier, and a sign takes a small part of what a verdict takes.
     #[must_use]
     pub fn surely_exceeds(&self, reach: f64) -> bool {
-        !self.orbit.is_conservative() && is_surely_beyond(self.equations(), BEYOND * reach)
+        !self.orbit.is_conservative() && is_surely_beyond(self.equations(), BEYOND * reach) && !self.orbit.is_delicate()
     }
 
     /// The verdict of [`structure_stability`], in the work space of an analyser.
@@ -147,7 +148,8 @@ impl<'a> StructureMultipliers<'a> {
         self.worked_out(tolerance)
     }
 
-    fn worked_out(&self, tolerance: Tolerance) -> Result<Verdict, FloquetError> {
+    /// The verdict from the zeros of the determinant. Errors of the orbit's data are asked for where they could show.
+    pub(crate) fn worked_out(&self, tolerance: Tolerance) -> Result<Verdict, FloquetError> {
         let ask = |equations: &BlochEquations, data: &[Origin]| {
             if self.orbit.is_self_excited() {
                 self.told(equations, data, tolerance).map(|(verdict, _)| (verdict, ()))
@@ -155,6 +157,13 @@ impl<'a> StructureMultipliers<'a> {
                 verdict(equations, self.orbit.is_conservative(), data, tolerance).map(|verdict| (verdict, ()))
             }
         };
+        if !self.orbit.is_self_excited()
+            && !self.orbit.is_delicate()
+            && let Ok((felt, ())) = ask(self.equations(), &[])
+            && !felt.hangs_on_rounding(self.orbit.is_lossless(), tolerance)
+        {
+            return Ok(self.with_spared(felt, tolerance));
+        }
         self.as_well_as_known(ask, tolerance).map(|(felt, ())| self.with_spared(felt, tolerance))
     }
 
@@ -180,7 +189,8 @@ impl<'a> StructureMultipliers<'a> {
         known.map_or_else(|| self.all_worked_out(tolerance), Ok)
     }
 
-    fn all_worked_out(&self, tolerance: Tolerance) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
+    /// The same with the multipliers.
+    pub(crate) fn all_worked_out(&self, tolerance: Tolerance) -> Result<(Verdict, Vec<Complex<f64>>), FloquetError> {
         let ask = |equations: &BlochEquations, data: &[Origin]| self.told(equations, data, tolerance);
         let (felt, multipliers) = self.as_well_as_known(ask, tolerance)?;
         Ok((self.with_spared(felt, tolerance), multipliers))
@@ -224,6 +234,11 @@ impl<'a> StructureMultipliers<'a> {
             sum += (there.excess() - verdict.excess()).abs();
         }
         sum <= STRAIGHT * verdict.resolution
+    }
+
+    /// Frequencies of the modes that the impacts feel.
+    pub(crate) fn frequencies(&self) -> impl Iterator<Item = f64> + '_ {
+        self.equations().kernel().modes().iter().map(|mode| mode.rate)
     }
 
     fn multiplier(&self, rate: Complex<f64>) -> Complex<f64> {

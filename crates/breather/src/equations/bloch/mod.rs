@@ -176,7 +176,7 @@ mod tests {
     use vibrochain_testkit::{Random, Ranges, Values};
 
     use super::*;
-    use crate::equations::Equations;
+    use crate::motion::Motion;
     use crate::orbit::{Hit, Orbit};
     use crate::search::finder::{Finder, Scope};
     use crate::search::orbit_list::OrbitList;
@@ -242,9 +242,13 @@ mod tests {
     /// Position and Newton's law at all impacts.
     fn residuals(model: &Model, orbit: &Orbit, hits: &[Hit]) -> Vec<f64> {
         let moved = Orbit::from_impulses(model, orbit.force_periods(), orbit.psi_or_zero(), hits).unwrap();
-        let response = response(&moved);
-        let equations = Equations::new(&moved, &response);
-        (0..hits.len()).flat_map(|i| equations.balance(i).map(|(left, _)| left)).collect()
+        let mut motion = Motion::of(&moved).unwrap();
+        let left = |(i, hit): (usize, &Hit)| {
+            let (after, _) = motion.just_after(i, hit.site);
+            let mean = after.velocity - 0.5 * hit.impulse;
+            [after.displacement - model.barrier(hit.barrier), mean + 0.5 * model.loss() * hit.impulse]
+        };
+        hits.iter().enumerate().flat_map(left).collect()
     }
 
     #[test]

@@ -4,10 +4,8 @@
 //! lattice and the word has hit at one instant are one contact. Where their impulses follow from the times nothing but symmetric orbits has these
 //! instants; impacts at one instant that no symmetry makes alike have more conditions than unknowns.
 
-use vibrochain_lattice::{ImpulseResponse, Model};
+use vibrochain_lattice::{Model, Stop};
 
-use crate::equations::Equations;
-use crate::equations::newton::{STEPS, polish};
 use crate::error::{BreatherError, NoBreather};
 use crate::orbit::{Hit, Impact, Orbit};
 use crate::search::as_structure::among;
@@ -45,12 +43,12 @@ pub(crate) fn find(
     };
     let (mut lost, mut unresolved) = (0, 0);
     for orbit in &orbits {
-        let orbit = together.orbit(finder, model, periods, orbit)?;
+        let orbit = together.orbit(model, periods, orbit)?;
         let Some(orbit) = orbit else {
             lost += 1;
             continue;
         };
-        unresolved += usize::from(!(together.is_in_sequence() || is_alone(&orbit, &finder.response)));
+        unresolved += usize::from(!(together.is_in_sequence() || is_alone(&orbit, &finder.stop)?));
         list(Ok(orbit), found);
     }
     Ok(match searched.partial {
@@ -66,8 +64,8 @@ pub(crate) fn find(
 }
 
 /// Whether its impulses follow from its times: another orbit of these would have others, and need not be symmetric.
-fn is_alone(orbit: &Orbit, response: &ImpulseResponse) -> bool {
-    Equations::new(orbit, response).system().reciprocal_condition > SINGULAR
+fn is_alone(orbit: &Orbit, stop: &Stop) -> Result<bool, BreatherError> {
+    Ok(orbit.at_contacts(stop)?.condition()?.fold > SINGULAR)
 }
 
 /// The masses of an instant, in the order of its letters.
@@ -111,24 +109,14 @@ impl<'a> Together<'a> {
     }
 
     /// The chain's orbit of these impacts, if rounding has left one.
-    fn orbit(
-        &self,
-        finder: &mut Finder,
-        model: &Model,
-        periods: u32,
-        orbit: &StructureOrbit,
-    ) -> Result<Option<Orbit>, BreatherError> {
+    fn orbit(&self, model: &Model, periods: u32, orbit: &StructureOrbit) -> Result<Option<Orbit>, BreatherError> {
         let hits = |one: &Impact| {
             let (masses, Impact { barrier, time, impulse, .. }) = (&self.contacts[one.site], *one);
             let each = impulse / (masses.len() as f64).sqrt();
             masses.iter().map(move |&mass| Hit::new(mass, barrier, time, each)).collect::<Vec<_>>()
         };
         let hits: Vec<Hit> = orbit.impacts().iter().flat_map(hits).collect();
-        let mut orbit = Orbit::from_impulses(model, periods, orbit.psi().unwrap_or(0.0), &hits)?;
-        // Steps might part what is at one instant.
-        if self.is_in_sequence() {
-            polish(&mut orbit, STEPS, &finder.response, &mut finder.motion);
-        }
+        let orbit = Orbit::from_impulses(model, periods, orbit.psi().unwrap_or(0.0), &hits)?;
         Ok(Some(orbit).filter(Orbit::is_sound))
     }
 }

@@ -8,7 +8,6 @@
 
 use vibrochain_lattice::{Barrier, ImpulseResponse, Model};
 
-use crate::equations::newton::{CONVERGED, STEPS, STEPS_FROM_AFAR, polish};
 use crate::error::{BreatherError, NoBreather, Unsearched};
 use crate::orbit::{Draft, Family, Orbit};
 use crate::search::at_point::Sought;
@@ -27,6 +26,9 @@ use crate::word::Word;
 
 /// Residuals beyond this are improved: a sound orbit stays below.
 const IMPROVED: f64 = 1e-14;
+
+/// Violations up to this are those of an orbit whose terms lose a few digits, as next to a fold.
+const CONVERGED: f64 = 1e-12;
 
 impl Finder {
     /// All orbits of a word at a point, into `found`; under a force or with losses those that [`Completeness`] speaks of. Times
@@ -191,23 +193,20 @@ impl Finder {
             Ok(positions) => positions,
             Err(reason) => return Ok(Searched { reason: Some(reason), ..searched }),
         };
-        let mut assemble = |draft: Draft, steps: usize| -> Result<Orbit, BreatherError> {
-            let mut orbit = Orbit::assemble(model, response, motion, draft)?;
-            if orbit.residual() > IMPROVED {
-                let mut polished = orbit.clone();
-                polish(&mut polished, steps, response, motion);
-                // Where a fold or a singular matrix is near, rounding may split an instant.
-                if is_in_step(&polished, row) {
-                    orbit = polished;
-                }
+        let mut assemble = |draft: Draft| -> Result<Orbit, BreatherError> {
+            let orbit = Orbit::assemble(model, response, motion, draft)?;
+            if orbit.residual() <= IMPROVED {
+                return Ok(orbit);
             }
-            Ok(orbit)
+            let refined = orbit.clone().refined_if_better(stop);
+            // Where a fold or a singular matrix is near, rounding may split an instant.
+            Ok(if is_in_step(&refined, row) { refined } else { orbit })
         };
         let repeats = matches!(row.instants(), [first, second] if first == second);
         match positions.draft(0.0) {
             _ if repeats => searched.reason = Some(NoBreather::RepeatsSooner),
             Ok(draft) if wanted.candidates() && !draft.is_right_signed() => searched.refused += 1,
-            Ok(draft) => match assemble(draft, STEPS)? {
+            Ok(draft) => match assemble(draft)? {
                 orbit if orbit.is_sound() => found.orbits.push(orbit),
                 _ => searched.reason = Some(NoBreather::Singular),
             },
@@ -251,7 +250,7 @@ impl Finder {
             } else if wanted == Scope::SymmetricCandidates {
                 searched.left_out += 1;
             } else {
-                match (assemble(draft, if simple { STEPS } else { STEPS_FROM_AFAR })?, simple) {
+                match (assemble(draft)?, simple) {
                     (orbit, true) if orbit.is_sound() => found.orbits.push(orbit),
                     (orbit, false) if orbit.residual() <= CONVERGED => found.orbits.push(orbit),
                     (_, true) => searched.lost += 1,

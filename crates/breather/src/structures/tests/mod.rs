@@ -2,6 +2,7 @@
 
 mod bounds;
 mod enclosures;
+mod jacobian;
 mod lists;
 
 use std::sync::Arc;
