@@ -100,7 +100,7 @@ impl Analyser {
         if self.dense_only || orbit.model().is_conservative() || !is_affordable(orbit) {
             return Ok(false);
         }
-        Ok(StructureMultipliers::of(&*orbit.at_contacts(finder.stop())?).surely_exceeds(reach))
+        Ok(StructureMultipliers::of(&*finder.at_contacts(orbit)?).surely_exceeds(reach))
     }
 
     /// The verdict, with its error, and all multipliers.
@@ -263,7 +263,7 @@ fn by_zeros(
     finder: &mut Finder,
 ) -> Result<Answer, FloquetError> {
     let _ = saltations(orbit)?;
-    let known = orbit.at_contacts(finder.stop())?;
+    let known = finder.at_contacts(orbit)?;
     let known = StructureMultipliers::of(&known);
     if !thorough {
         return Ok((known.worked_out(tolerance)?, Vec::new()));

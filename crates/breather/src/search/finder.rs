@@ -20,6 +20,7 @@ use crate::search::screens::radiation::Radiation;
 use crate::structures::condition::Condition;
 use crate::structures::map_orbit::modes::Modes;
 use crate::structures::model::StructureModel;
+use crate::structures::orbit::StructureOrbit;
 use crate::structures::response::FixedPart;
 
 /// Which orbits are asked for.
@@ -75,7 +76,7 @@ pub struct Finder {
     pub(crate) conservative_modes: ConservativeModes,
     /// That of the orbit last asked for it: verdicts and answers both want it.
     condition: Option<Box<(Orbit, Condition)>>,
-    /// The lattice as a structure with a contact at one mass, that of the forced orbits last asked for.
+    /// The lattice as a structure with contacts at the masses that hit in the orbits last asked for.
     pub(crate) contact: Option<Box<StructureModel>>,
     /// Modes of a structure half a period after an impact, of the contact and the period last asked for.
     pub(crate) half_period: Option<Box<(Arc<FixedPart>, f64, Modes)>>,
@@ -301,7 +302,7 @@ impl Finder {
         {
             return Ok(condition.clone());
         }
-        let condition = Condition::of_lattice(orbit, &self.stop)?;
+        let condition = Condition::of_lattice(orbit, self.at_contacts(orbit))?;
         self.condition = Some(Box::new((orbit.clone(), condition.clone())));
         Ok(condition)
     }
@@ -320,10 +321,18 @@ impl Finder {
         if orbit.is_reversible() {
             return Ok(false);
         }
-        match orbit.at_contacts(&self.stop) {
+        match self.at_contacts(orbit) {
             Err(stopped @ BreatherError::Stopped(_)) => Err(stopped),
             known => Ok(known.is_ok_and(|known| known.is_delicate())),
         }
+    }
+
+    /// An orbit as contacts at the masses that hit know it.
+    ///
+    /// # Errors
+    /// As [`Orbit::at_contacts`].
+    pub fn at_contacts(&mut self, orbit: &Orbit) -> Result<Arc<StructureOrbit>, BreatherError> {
+        orbit.at_contacts_from(&mut self.contact, &self.stop)
     }
 
     /// An orbit with the impulse response of its chain and frequency, which this finder keeps.

@@ -1,7 +1,9 @@
 //! How far an orbit can be trusted: its distance to the places where its equations lose their grip, and the errors of its impacts.
 
+use std::sync::Arc;
+
 use smallvec::SmallVec;
-use vibrochain_lattice::{LinearMode, Stop, Turn};
+use vibrochain_lattice::{LinearMode, Turn};
 
 use super::errors::{ImpactError, Together};
 use super::orbit::StructureOrbit;
@@ -36,9 +38,6 @@ pub struct Condition {
     /// where the errors of one origin cancel.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub origins: Vec<Together>,
-    /// What is to be added to the impacts of a lattice's orbit: those of the same orbit refined, whose errors the origins are.
-    #[cfg_attr(feature = "serde", serde(skip))]
-    pub correction: Together,
     /// The largest impulse, the period, and that of the loads.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) scales: [f64; 3],
@@ -59,36 +58,21 @@ impl Condition {
     /// Where nothing is known of an orbit's impacts.
     pub(crate) fn lost(impacts: usize) -> Self {
         let impacts: Together = SmallVec::from_elem(ImpactError::LOST, impacts);
-        let correction = SmallVec::from_elem(ImpactError::default(), impacts.len());
         let origins = vec![impacts.clone()];
-        Self { psi_error: f64::INFINITY, origins, impacts, correction, scales: [1.0; 3], ..Self::default() }
+        Self { psi_error: f64::INFINITY, origins, impacts, scales: [1.0; 3], ..Self::default() }
     }
 
     /// That of a lattice's orbit: of the same orbit of the structure with a contact at each mass that is hit.
-    pub(crate) fn of_lattice(orbit: &Orbit, stop: &Stop) -> Result<Self, BreatherError> {
-        let asked = || {
-            let refined = orbit.at_contacts(stop)?;
-            Ok(refined.condition()?.from(&refined, orbit))
-        };
-        match asked() {
+    pub(crate) fn of_lattice(
+        orbit: &Orbit,
+        at_contacts: Result<Arc<StructureOrbit>, BreatherError>,
+    ) -> Result<Self, BreatherError> {
+        match at_contacts.and_then(|refined| Ok(refined.condition()?.from(&refined, orbit))) {
             Err(stopped @ BreatherError::Stopped(_)) => Err(stopped),
             // Exactly at a resonance the lattice has no kernel.
             Err(_) => Ok(Self::lost(orbit.impacts().len())),
             Ok(condition) => Ok(condition),
         }
-    }
-
-    /// The lattice's orbit with refined impacts. Next to a resonance its own residual moves the multipliers.
-    pub fn corrected(&self, orbit: &Orbit) -> Orbit {
-        let (mut corrected, e) = (orbit.clone(), orbit.model().restitution());
-        for (impact, by) in corrected.impacts.iter_mut().zip(&self.correction) {
-            impact.time += by.time;
-            impact.impulse += by.impulse;
-            impact.acceleration += by.acceleration;
-            impact.velocity_before = -impact.impulse / (1.0 + e);
-            impact.velocity_after = e * impact.impulse / (1.0 + e);
-        }
-        corrected
     }
 
     /// The condition of a lattice's orbit from that of the structure's: the distance between the two adds to the bounds.
@@ -99,8 +83,8 @@ impl Condition {
             impulse: other.impulse - own.impulse,
             acceleration: other.acceleration - own.acceleration,
         };
-        self.correction = orbit.impacts().iter().zip(refined.impacts()).enumerate().map(apart).collect();
-        for (bound, apart) in self.impacts.iter_mut().zip(&self.correction) {
+        let all_apart = orbit.impacts().iter().zip(refined.impacts()).enumerate().map(apart);
+        for (bound, apart) in self.impacts.iter_mut().zip(all_apart) {
             bound.time += apart.time.abs();
             bound.impulse += apart.impulse.abs();
             bound.acceleration += apart.acceleration.abs();
@@ -125,7 +109,6 @@ impl StructureOrbit {
             psi_error: self.psi_error(),
             impacts: self.impact_errors().into(),
             origins: self.error_origins().to_vec(),
-            correction: self.impacts().iter().map(|_| ImpactError::default()).collect(),
             scales: [strongest, self.period(), self.model().period()],
         })
     }

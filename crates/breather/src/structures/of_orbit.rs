@@ -168,13 +168,25 @@ impl Orbit {
     /// # Errors
     /// [`BreatherError`], where the lattice has no kernel: exactly at a resonance.
     pub fn at_contacts(&self, stop: &Stop) -> Result<Arc<StructureOrbit>, BreatherError> {
+        self.at_contacts_from(&mut None, stop)
+    }
+
+    /// The same from a structure with contacts at the masses of another lattice's orbit, which it replaces.
+    pub(crate) fn at_contacts_from(
+        &self,
+        known: &mut Option<Box<StructureModel>>,
+        stop: &Stop,
+    ) -> Result<Arc<StructureOrbit>, BreatherError> {
         let memo = &self.at_contacts.0;
-        let worked_out = || StructureOrbit::of_orbit(self, stop).map(Arc::new);
+        let mut worked_out = || {
+            let model = StructureModel::of_masses_from(known.as_deref(), self.model(), &self.hit_sites(), stop)?;
+            StructureOrbit::of_orbit_in(known.insert(Box::new(model)), self).map(Arc::new)
+        };
         match memo.get() {
             Some(Ok(known)) if !known.model().stop().is_same(stop) => Ok(Arc::new(known.as_ref().clone().until(stop))),
             Some(known) => known.clone(),
             // All modes of a large lattice are held no longer than they are asked for.
-            None if !self.model().chain().is_kept() => worked_out(),
+            None if !self.model().chain().is_kept() => StructureOrbit::of_orbit(self, stop).map(Arc::new),
             None => match worked_out() {
                 Err(stopped @ BreatherError::Stopped(_)) => Err(stopped),
                 known => memo.get_or_init(|| known).clone(),
@@ -203,7 +215,11 @@ impl StructureOrbit {
     /// # Errors
     /// [`BreatherError`]
     pub fn of_orbit(orbit: &Orbit, stop: &Stop) -> Result<Self, BreatherError> {
-        let model = StructureModel::of_masses(orbit.model(), &orbit.hit_sites(), stop)?;
+        Self::of_orbit_in(&StructureModel::of_masses(orbit.model(), &orbit.hit_sites(), stop)?, orbit)
+    }
+
+    /// The same, of the lattice as this structure.
+    fn of_orbit_in(model: &StructureModel, orbit: &Orbit) -> Result<Self, BreatherError> {
         let first = orbit.impacts().first().map_or(0.0, |impact| impact.time);
         let strike = |impact: &Impact| {
             let hit = Hit::from(impact);
@@ -211,7 +227,7 @@ impl StructureOrbit {
         };
         let since = (orbit.force_periods(), orbit.psi_or_zero() + first);
         let strikes = orbit.impacts().iter().map(strike).collect::<Result<_, _>>()?;
-        Self::given(&model, since, strikes)
+        Self::given(model, since, strikes)
     }
 
     /// The same, its models as these parameters of the lattice vary, and their values here: where a branch or a curve begins.

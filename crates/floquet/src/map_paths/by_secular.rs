@@ -85,7 +85,7 @@ impl Analyser {
         // Of those that are left with the errors they have the first one tells how far outside they may be.
         open.truncate(refined_at_most + 1);
         open.shrink_to_fit();
-        let known = orbit.at_contacts(finder.stop())?;
+        let known = finder.at_contacts(orbit)?;
         let (equations, _) = known.bloch_equations();
         let data = origins(&equations, known.error_origins());
         drop(known);
