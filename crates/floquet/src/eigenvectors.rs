@@ -37,7 +37,7 @@ impl FloquetMode {
             .centre()
             .filter(|_| orbit.model().chain().sites() == 1 || !uncoupled(orbit))
             .ok_or(SecularError::NotReversible)?;
-        let shape = ModalShape::new(finder.prepared(orbit)?, multiplier)?;
+        let shape = ModalShape::new(&*finder.at_contacts(orbit)?, multiplier)?;
         let (displacement, velocity) = shape.at_sites(orbit.model().chain().sites(), home);
         let mut mode = Self { multiplier, displacement, velocity };
         mode.normalise();

@@ -7,7 +7,7 @@ use faer::MatRef;
 use nalgebra::{DMatrix, DVector};
 use vibrochain_breather::{BlochEquations, Finder, OrbitList, Scope, StructureModel};
 use vibrochain_floquet::{Analyser, Complex, Course, Event, Signature, Tolerance, diagram, full_monodromy, signature};
-use vibrochain_lattice::{Barrier, ImpulseResponse, Model, Parameter, Point, Spectrum};
+use vibrochain_lattice::{Barrier, Model, Parameter, Point};
 use vibrochain_testkit::{Random, Ranges, Structure, StructureImpact, Values};
 
 /// Multipliers nearer than this to others, or to the real axis, have eigenvectors with too few digits.
@@ -90,12 +90,11 @@ fn signatures_of_lattices_are_those_of_the_form() {
             if condition.resonance < 1e-3 || condition.grazing < 1e-3 || matrix.norm() > 1e4 {
                 continue;
             }
-            let response = ImpulseResponse::new(&Spectrum::new(chain), orbit.frequency()).unwrap();
             let sites = chain.sites();
             let unit = |&site: &usize| DVector::from_fn(sites, |n, _| f64::from(u8::from(n == site)));
             let contacts: Vec<DVector<f64>> = orbit.hit_sites().iter().map(unit).collect();
             let before = held.signed[0] + held.signed[1];
-            let (equations, _) = BlochEquations::of(orbit, &response);
+            let (equations, _) = finder.at_contacts(orbit).unwrap().bloch_equations();
             held.check(&equations, (&matrix, &DMatrix::identity(sites, sites), &contacts), &format!("{model} {word}"));
             let count = held.signed[0] + held.signed[1] - before;
             several += if contacts.len() > 1 { count } else { 0 };
@@ -175,8 +174,7 @@ fn losses_leave_no_signature() {
     let model = Point::ring(4).gamma1(0.3).gamma2(0.1).omega(1.4).asymmetry(0.2).amplitude(0.3).restitution(0.8);
     let (mut finder, mut found) = (Finder::new(4), OrbitList::default());
     finder.find(&model.model().unwrap(), vibrochain_breather::Family::DoubleSided, &mut found).unwrap();
-    let prepared = finder.prepared(&found.orbits[0]).unwrap();
-    let (equations, _) = BlochEquations::of(prepared.orbit(), prepared.response());
+    let (equations, _) = finder.at_contacts(&found.orbits[0]).unwrap().bloch_equations();
     let multipliers = vibrochain_floquet::ImpactSpectrum::new(&equations).multipliers;
     assert!(!multipliers.is_empty() && multipliers.iter().all(|mu| signature(&equations, *mu).is_none()));
 }

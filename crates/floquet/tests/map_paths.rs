@@ -2,7 +2,7 @@
 //! losses, words of several sites by a matrix, and rings whose sums go over poles far apart at once.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{BlochEquations, Family, Finder, OrbitList, Scope, Word};
+use vibrochain_breather::{Family, Finder, OrbitList, Scope, Word};
 use vibrochain_floquet::{Analyser, FloquetError, ImpactSpectrum, Method, Tolerance};
 use vibrochain_lattice::{Chain, Model};
 use vibrochain_testkit::{Meeting, Random, Ranges, Values};
@@ -121,7 +121,7 @@ fn large_rings_have_the_multipliers_of_the_spectrum() {
             let Some(orbit) = found.orbits.first() else { continue };
             let own = analyser.stability(orbit, &mut finder, Tolerance::Rounding).unwrap();
             assert_eq!(own.verdict.method, Method::Secular);
-            let (equations, _) = BlochEquations::of(orbit, finder.prepared(orbit).unwrap().response());
+            let (equations, _) = finder.at_contacts(orbit).unwrap().bloch_equations();
             let spectrum = if amplitude > 0.0 {
                 ImpactSpectrum::new(&equations)
             } else {

@@ -36,11 +36,11 @@ impl Tally {
             Err(FloquetError::Grazing { .. }) => return,
             dense => dense.unwrap(),
         };
-        let (equations, spared) = BlochEquations::of(orbit, finder.prepared(orbit).unwrap().response());
+        let (equations, _) = finder.at_contacts(orbit).unwrap().bloch_equations();
         let spectrum =
             if conservative { ImpactSpectrum::conservative(&equations) } else { ImpactSpectrum::new(&equations) };
         let told = format!("{} {}", Word::of(orbit), orbit.model());
-        let free: usize = spared.iter().map(|spared| 2 * spared.count).sum();
+        let free = 2 * (orbit.model().chain().sites() - equations.kernel().modes().len());
         let trivial = if conservative { 2 } else { 0 };
         assert_eq!(spectrum.multipliers.len() + free + trivial, dense.multipliers.len(), "{told}");
         self.orbits += 1;

@@ -1,7 +1,7 @@
 //! Errors that are claimed for all multipliers of impacts at one site under a force, held against many digits.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{BlochEquations, Family, Finder, Orbit, OrbitList};
+use vibrochain_breather::{Family, Finder, Orbit, OrbitList};
 use vibrochain_floquet::{Analyser, Complex, ImpactSpectrum, Method, Tolerance};
 use vibrochain_lattice::{Chain, Model, Parameter};
 use vibrochain_testkit::Values::Log;
@@ -72,7 +72,7 @@ impl Ratios {
 
 /// The leading multiplier and a few others.
 fn compare(orbit: &Orbit, finder: &mut Finder, ratios: &mut Ratios, every: usize) {
-    let (equations, _) = BlochEquations::of(orbit, finder.prepared(orbit).unwrap().response());
+    let (equations, _) = finder.at_contacts(orbit).unwrap().bloch_equations();
     let ImpactSpectrum { multipliers: values, errors, is_certified: true } = ImpactSpectrum::new(&equations) else {
         return;
     };

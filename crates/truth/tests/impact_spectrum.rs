@@ -1,14 +1,14 @@
 //! All multipliers from the impacts' equations against many digits: for the orbit's data as they are given no error is above its claim.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{BlochEquations, Finder, Orbit, OrbitList, Scope, Word};
+use vibrochain_breather::{Finder, Orbit, OrbitList, Scope, Word};
 use vibrochain_floquet::{Complex, ImpactSpectrum};
 use vibrochain_lattice::{Chain, Model};
 use vibrochain_testkit::{Meeting, Random, Ranges, Values};
 use vibrochain_truth::{DEFAULT_BITS, TrueOrbit, TrueSpectrum};
 
 fn spectrum(orbit: &Orbit, finder: &mut Finder) -> ImpactSpectrum {
-    let (equations, _) = BlochEquations::of(orbit, finder.prepared(orbit).unwrap().response());
+    let (equations, _) = finder.at_contacts(orbit).unwrap().bloch_equations();
     match orbit.model().is_conservative() {
         true => ImpactSpectrum::conservative(&equations),
         false => ImpactSpectrum::new(&equations),

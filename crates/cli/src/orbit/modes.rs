@@ -47,6 +47,7 @@ impl OrbitModes {
     pub(crate) fn of(orbit: &Orbit, finder: &mut Finder, leading: Option<Complex<f64>>, listed: bool) -> Option<Self> {
         let site = orbit.impact_site().filter(|_| orbit.is_reversible())?;
         let felt = participating_modes(orbit.model().chain(), site);
+        let stop = finder.stop().clone();
         let prepared = finder.prepared(orbit).ok()?;
         let response = prepared.response();
         let mut dressed = DressedModes::default();
@@ -66,7 +67,7 @@ impl OrbitModes {
             && signed
             && let Ok((roots, _)) = secular.roots()
         {
-            signatures = dressed.signatures(prepared, roots);
+            signatures = dressed.signatures(&*orbit.at_contacts(&stop).ok()?, roots);
         }
         let signature = |k: usize| signatures.get(k).copied().flatten();
         let internal = dressed.internal_mode().copied();

@@ -94,7 +94,7 @@ mod tests {
                 }
                 for orbit in found.orbits.iter().take(2) {
                     let conservative = orbit.model().is_conservative();
-                    let (equations, _) = BlochEquations::of(orbit, finder.prepared(orbit).unwrap().response());
+                    let (equations, _) = finder.at_contacts(orbit).unwrap().bloch_equations();
                     let all = zeros_apart(&equations, conservative, &[]);
                     let merged = if all.certified { None } else { of_clusters(&equations, conservative, &[]) };
                     let name = format!("{word} {model}");

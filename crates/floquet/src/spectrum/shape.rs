@@ -5,8 +5,8 @@
 //! border's own unknown.
 
 use nalgebra::Complex;
-use vibrochain_breather::{BlochEquations, Prepared};
-use vibrochain_lattice::{Chain, Shapes};
+use vibrochain_breather::StructureOrbit;
+use vibrochain_lattice::{BlochMode, Chain, Shapes};
 
 use super::function::SpectralFunction;
 use super::null::Null;
@@ -30,10 +30,10 @@ pub struct ModalShape {
 
 impl ModalShape {
     /// The shape of multiplier `multiplier` (an eigenvalue on the even subspace, to rounding) of an orbit whose impacts are
-    /// all at one site. `response` is that of the orbit's chain and frequency.
+    /// all of one contact, where nothing damps the modes.
     ///
     /// # Errors
-    /// [`SecularError::NotReversible`] for impacts at several sites; [`SecularError::Certificate`] if the number is no multiplier: what
+    /// [`SecularError::NotReversible`] for impacts of several contacts; [`SecularError::Certificate`] if the number is no multiplier: what
     /// it leaves of the impacts' equations is told.
     ///
     /// ```
@@ -45,18 +45,18 @@ impl ModalShape {
     /// finder.find(&model, Family::SingleSided, &mut found)?;
     /// secular.replace(finder.prepared(&found.orbits[0])?)?;
     /// let leading = secular.verdict()?.leading.unwrap();
-    /// let shape = ModalShape::new(finder.prepared(&found.orbits[0])?, leading)?;
+    /// let shape = ModalShape::new(&*finder.at_contacts(&found.orbits[0])?, leading)?;
     /// // The instability sits on the breather.
     /// let (displacement, _) = shape.at_sites(21, 0);
     /// assert!(displacement[0].norm() > 2.0 * displacement[10].norm());
-    /// assert!(ModalShape::new(finder.prepared(&found.orbits[0])?, Complex::new(2.0, 0.0)).is_err());
+    /// assert!(ModalShape::new(&*finder.at_contacts(&found.orbits[0])?, Complex::new(2.0, 0.0)).is_err());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn new(prepared: Prepared<'_>, multiplier: C) -> Result<Self, SecularError> {
-        if prepared.orbit().impact_site().is_none() {
+    pub fn new(orbit: &StructureOrbit, multiplier: C) -> Result<Self, SecularError> {
+        let (equations, _) = orbit.bloch_equations();
+        if equations.kernel().contacts() > 1 {
             return Err(SecularError::NotReversible);
         }
-        let (equations, _) = BlochEquations::of(prepared.orbit(), prepared.response());
         let function = SpectralFunction::new(&equations, false);
         let null = function.null(multiplier, 1).ok_or(SecularError::Incomplete { found: 0, wanted: 1 })?;
         // Not a number is no multiplier, either.
@@ -64,8 +64,13 @@ impl ModalShape {
             return Err(SecularError::Certificate { defect: null.defect, allowed: MOST_DEFECT });
         }
         let modes = equations.kernel().modes();
-        let states = modes.iter().enumerate().map(|(k, mode)| (function.state(multiplier, &null, 0, k), mode.rate));
-        let (mut displacement, mut velocity): (Vec<C>, Vec<C>) = states.map(|([x, y], rate)| (x, y * rate)).unzip();
+        // The contact moves with its modes, whatever the sign of their shapes.
+        let state = |(k, mode): (usize, &BlochMode)| {
+            let [x, y] = function.state(multiplier, &null, 0, k);
+            let sign = 1f64.copysign(equations.kernel().row(k, 0)[0]);
+            (x * sign, y * sign * mode.rate)
+        };
+        let (mut displacement, mut velocity): (Vec<C>, Vec<C>) = modes.iter().enumerate().map(state).unzip();
         let omega = equations.omega();
         let squares = |list: &[C]| list.iter().map(|z| z.norm_sqr()).sum::<f64>();
         let norm = squares(&displacement) + squares(&velocity) / (omega * omega);

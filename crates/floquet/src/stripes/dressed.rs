@@ -26,7 +26,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::OnceLock;
 
 use nalgebra::Complex;
-use vibrochain_breather::{BlochEquations, Prepared};
+use vibrochain_breather::{Prepared, StructureOrbit};
 
 use super::form::{C, Form};
 use super::internal::{InternalMode, internal_mode};
@@ -184,9 +184,9 @@ impl DressedModes {
     /// the mode's own has left the circle, or is too far from the place where it would be without meetings to be told apart.
     ///
     /// `roots` are those of the orbit taken over, ν = ½(μ + 1/μ), as [`crate::Secular::roots`] has them. O(M) for each.
-    pub fn signatures(&self, prepared: Prepared<'_>, roots: &[Complex<f64>]) -> Vec<Option<Signature>> {
+    pub fn signatures(&self, orbit: &StructureOrbit, roots: &[Complex<f64>]) -> Vec<Option<Signature>> {
         // In turns of the circle, from −½ to ½: where the form is positive. It is negative at the mirror images.
-        let (equations, _) = BlochEquations::of(prepared.orbit(), prepared.response());
+        let (equations, _) = orbit.bloch_equations();
         let forms = KreinForms::without_parts(&equations);
         let on_the_circle = roots.iter().filter(|nu| nu.im == 0.0 && nu.re.abs() < 1.0);
         let positive: Vec<f64> = on_the_circle

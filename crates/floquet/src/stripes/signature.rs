@@ -57,15 +57,14 @@ impl From<Signature> for i8 {
 /// or not on the circle, for one of a pair that has met, and where energy is lost. O(n r²) for n modes and r impacts.
 ///
 /// ```
-/// use vibrochain_breather::{BlochEquations, Family, Finder, OrbitList};
+/// use vibrochain_breather::{Family, Finder, OrbitList};
 /// use vibrochain_floquet::{Complex, Secular, Signature, signature};
 /// use vibrochain_lattice::{Chain, Model};
 /// let model = Model::conservative(Chain::new(6, 0.2, 0.15)?, 1.2, 0.4)?;
 /// let (mut finder, mut found, mut secular) = (Finder::new(6), OrbitList::default(), Secular::default());
 /// finder.find(&model, Family::DoubleSided, &mut found)?;
-/// let prepared = finder.prepared(&found.orbits[0])?;
-/// secular.replace(prepared)?;
-/// let (equations, _) = BlochEquations::of(prepared.orbit(), prepared.response());
+/// secular.replace(finder.prepared(&found.orbits[0])?)?;
+/// let (equations, _) = finder.at_contacts(&found.orbits[0])?.bloch_equations();
 /// let told = |nu: &Complex<f64>| {
 ///     let multiplier = Complex::new(nu.re, (1.0 - nu.re * nu.re).sqrt());
 ///     (multiplier.arg(), signature(&equations, multiplier))

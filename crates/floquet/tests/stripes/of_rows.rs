@@ -119,7 +119,7 @@ fn dressed_modes_of_stable_breathers_have_their_multipliers_with_their_signature
             continue;
         }
         let Ok((roots, _)) = secular.roots() else { continue };
-        let signatures = bench.modes.signatures(prepared, roots);
+        let signatures = bench.modes.signatures(&bench.finder.at_contacts(&orbit).unwrap(), roots);
         for (k, dressed) in bench.modes.frequencies().enumerate() {
             let Some(dressed) = dressed else {
                 assert_eq!(signatures[k], None);

@@ -190,7 +190,7 @@ fn every_signature_told_is_that_of_the_form_on_the_multiplier_next_to_the_dresse
             continue;
         }
         let Ok((roots, _)) = secular.roots() else { continue };
-        let signatures = bench.modes.signatures(bench.finder.prepared(&orbit).unwrap(), roots);
+        let signatures = bench.modes.signatures(&bench.finder.at_contacts(&orbit).unwrap(), roots);
         assert_eq!(signatures.len(), bench.modes.count());
         let values = dense(&orbit);
         let other = usize::from(excess(&values) > 1e-5 || !bench.physical(&orbit));

@@ -91,16 +91,6 @@ impl BlochMode {
     }
 }
 
-/// What is known of an undamped mode beside its frequency.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Known {
-    /// Its flight over the period.
-    pub(super) period: Turned,
-    /// Error of its poles, and error of its shape at any contact.
-    pub(super) pole_error: f64,
-    pub(super) shape_error: f64,
-}
-
 /// What rounding alone makes of a shape, relative.
 const ROUNDED: f64 = 2.0 * f64::EPSILON;
 
@@ -201,15 +191,6 @@ impl BlochKernel {
             f64::EPSILON * (2.0 + 2.0 * (decay.abs() + rate) * self.period) * (slowest * self.period).exp();
         let mode = BlochMode { coordinates, decay, rate, period, pole_error, rate_error: 0.0, shape_error: 0.0 };
         self.add(mode, sights);
-    }
-
-    /// Adds a mode without damping whose flight over the period, and whose errors, are known better than from its frequency.
-    pub(super) fn push_known(&mut self, frequency: f64, known: Known, shapes: &[f64]) {
-        let coordinates = Coordinates::of(Turn::Circular, frequency, self.period);
-        let Known { period, pole_error, shape_error } = known;
-        let (decay, rate, rate_error) = (0.0, frequency, 0.0);
-        let mode = BlochMode { coordinates, decay, rate, period, pole_error, rate_error, shape_error };
-        self.add(mode, shapes.iter().map(|shape| [[*shape, 0.0], [0.0, shape / frequency]]));
     }
 
     fn add(&mut self, mode: BlochMode, sights: impl Iterator<Item = Sight>) {

@@ -15,21 +15,18 @@
 //! | `coordinates` | [`Coordinates`]: those of two poles together, or of each of two real ones |
 //! | `bloch` | [`BlochKernel`]: modes, their shapes at the contacts, sums over them |
 //! | `clusters` | [`ModeCluster`]: modes whose poles nearly coincide, as one |
-//! | `lattice_modes` | the modes of a [`crate::Chain`], those of equal frequency merged |
 
 pub(crate) mod bloch;
 pub(crate) mod clusters;
 pub(crate) mod coordinates;
 pub(crate) mod decay;
 pub(crate) mod impulse;
-pub(crate) mod lattice_modes;
 pub(crate) mod steady;
 pub(crate) mod turn;
 
 pub use bloch::{BlochJet, BlochKernel, BlochMode};
 pub use clusters::ModeCluster;
 pub use coordinates::Coordinates;
-pub use lattice_modes::SparedModes;
 pub use turn::{ModeFlow, Turn, Turned};
 
 #[cfg(test)]

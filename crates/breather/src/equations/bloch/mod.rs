@@ -43,13 +43,12 @@ pub type ShapeErrors = [SmallVec<[[f64; 2]; 8]>; 2];
 /// J(z) of one orbit.
 ///
 /// ```
-/// use vibrochain_breather::{BlochEquations, Finder, OrbitList, Scope};
+/// use vibrochain_breather::{Finder, OrbitList, Scope};
 /// use vibrochain_lattice::{Chain, Complex, Model};
 /// let model = Model::conservative(Chain::new(9, 0.2, 0.05)?, 1.5, 0.2)?;
 /// let (mut finder, mut found) = (Finder::new(9), OrbitList::default());
 /// finder.find_word(&model, &"0+2+4+,0-2-4-".parse()?, Scope::All, &mut found)?;
-/// let response = finder.prepared(&found.orbits[0])?.response();
-/// let (equations, spared) = BlochEquations::of(&found.orbits[0], response);
+/// let (equations, spared) = finder.at_contacts(&found.orbits[0])?.bloch_equations();
 /// assert_eq!((equations.size(), spared.len()), (12, 0));
 /// // A conservative orbit may begin at any time: its own derivative is a null vector of J(1).
 /// let z = Complex::new(1.0, 0.0);
@@ -172,7 +171,7 @@ impl BlochEquations {
 
 #[cfg(test)]
 mod tests {
-    use vibrochain_lattice::{Complex, ImpulseResponse, Model, Spectrum};
+    use vibrochain_lattice::{Complex, ImpulseResponse, Model, Spectrum, Stop};
     use vibrochain_testkit::{Random, Ranges, Values};
 
     use super::*;
@@ -235,6 +234,10 @@ mod tests {
         Orbit::from_impulses(orbit.model(), times as u32 * orbit.force_periods(), psi, &hits)
     }
 
+    fn equations_of(orbit: &Orbit) -> (BlochEquations, Vec<[C; 2]>) {
+        orbit.at_contacts(&Stop::default()).unwrap().bloch_equations()
+    }
+
     fn response(orbit: &Orbit) -> ImpulseResponse {
         ImpulseResponse::new(&Spectrum::new(*orbit.model().chain()), orbit.frequency()).unwrap()
     }
@@ -255,7 +258,7 @@ mod tests {
     fn at_one_it_is_the_jacobian_of_the_orbits_own_equations() {
         let (mut checked, mut crowded) = (0, 0);
         let count = orbits(160, |orbit, _| {
-            let (equations, _) = BlochEquations::of(orbit, &response(orbit));
+            let (equations, _) = equations_of(orbit);
             let (matrix, size) = (equations.matrix(C::new(1.0, 0.0)), equations.size());
             let [rows, columns] = equations.units();
             let hits: Vec<Hit> = orbit.impacts().iter().map(Hit::from).collect();
@@ -300,12 +303,11 @@ mod tests {
         let mut checked = 0;
         let count = orbits(60, |orbit, random| {
             let Ok(threefold) = repeated(orbit, 3, 0.0) else { return };
-            let (one, three) = (response(orbit), response(&threefold));
-            if three.condition() > 1e3 {
+            if response(&threefold).condition() > 1e3 {
                 return;
             }
             let z = C::from_polar(1.0, std::f64::consts::TAU / 3.0);
-            let [(one, _), (three, _)] = [(orbit, &one), (&threefold, &three)].map(|(a, b)| BlochEquations::of(a, b));
+            let [(one, _), (three, _)] = [orbit, &threefold].map(equations_of);
             let (small, large) = (one.matrix(z), three.matrix(C::new(1.0, 0.0)));
             let n = one.size();
             let y: Vec<C> = (0..n).map(|_| C::new(random.unit(), random.unit())).collect();
@@ -332,7 +334,7 @@ mod tests {
     fn both_sums_agree_and_the_derivative_is_one() {
         let mut checked = 0;
         orbits(60, |orbit, random| {
-            let (mut equations, _) = BlochEquations::of(orbit, &response(orbit));
+            let (mut equations, _) = equations_of(orbit);
             let z = C::from_polar(random.between(0.3, 1.5), random.between(0.0, 6.3));
             let (mut here, mut slope, mut plus, mut minus) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
             equations.fill(z, &mut here, Some(&mut slope));
@@ -390,7 +392,7 @@ mod tests {
     fn an_orbits_own_derivative_is_divided_out() {
         let mut checked = 0;
         orbits(120, |orbit, random| {
-            let (equations, _) = BlochEquations::of(orbit, &response(orbit));
+            let (equations, _) = equations_of(orbit);
             let mut without = equations.clone();
             let Some(shift) = without.leave_out_shift().filter(|_| orbit.model().is_conservative()) else {
                 return;

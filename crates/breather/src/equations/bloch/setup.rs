@@ -1,32 +1,15 @@
-//! The equations of impacts, of an orbit, and of an orbit that may begin at any time.
+//! The equations of impacts, and of an orbit that may begin at any time.
 
 use std::sync::Arc;
 
-use vibrochain_lattice::{BlochKernel, Complex, ImpulseResponse, SparedModes};
+use vibrochain_lattice::{BlochKernel, Complex};
 
 use super::dying::{Cut, Sent, died, largest, only, send_on, since_cut};
 use super::{BlochEquations, LinearImpact, ShapeErrors};
-use crate::orbit::Orbit;
 
 type C = Complex<f64>;
 
 impl BlochEquations {
-    /// The equations of an orbit, one contact for each mass that is hit, and the modes that none of them feels.
-    pub fn of(orbit: &Orbit, response: &ImpulseResponse) -> (Self, Vec<SparedModes>) {
-        let sites = orbit.hit_sites();
-        let (kernel, spared) = BlochKernel::of_lattice(response, &sites);
-        let impacts = orbit.impacts().iter().map(|impact| LinearImpact {
-            contact: sites.partition_point(|&site| site < impact.site),
-            time: impact.time,
-            impulse: impact.impulse,
-            restitution: orbit.model().restitution(),
-            acceleration_before: impact.acceleration,
-        });
-        let impacts = impacts.collect();
-        let conservative = orbit.model().is_conservative();
-        (if conservative { Self::conservative(kernel, impacts) } else { Self::new(kernel, impacts) }, spared)
-    }
-
     /// The equations of impacts in order of time between contacts of any kernel.
     pub fn new(kernel: BlochKernel, impacts: Vec<LinearImpact>) -> Self {
         let omega = std::f64::consts::TAU / kernel.period();

@@ -3,7 +3,7 @@
 use nalgebra::{Complex, DMatrix};
 use vibrochain_breather::linear::determinant;
 use vibrochain_breather::{BlochEquations, Finder, Hit, Orbit, OrbitList, Prepared};
-use vibrochain_lattice::{Barrier, Chain, Spectrum};
+use vibrochain_lattice::{Barrier, Chain, Spectrum, Stop};
 use vibrochain_testkit::{Ranges, Values};
 
 use super::*;
@@ -11,7 +11,7 @@ use crate::map_paths::Residues;
 
 /// J(z) of an orbit.
 fn equations(prepared: Prepared<'_>) -> BlochEquations {
-    BlochEquations::of(prepared.orbit(), prepared.response()).0
+    prepared.orbit().at_contacts(&Stop::default()).unwrap().bloch_equations().0
 }
 
 /// det(z−M)/det(z−R).

@@ -1,7 +1,7 @@
 //! Orbits with forces and losses, and shapes.
 
 use nalgebra::Complex;
-use vibrochain_breather::{BlochEquations, Family, Finder, Orbit, OrbitList};
+use vibrochain_breather::{Family, Finder, Orbit, OrbitList};
 use vibrochain_lattice::{Chain, Point};
 
 use super::*;
@@ -41,7 +41,7 @@ pub(crate) fn forced_cases(
 
 /// The multipliers of the impacts' equations.
 fn spectrum(orbit: &Orbit, finder: &mut Finder) -> ImpactSpectrum {
-    ImpactSpectrum::new(&BlochEquations::of(orbit, finder.prepared(orbit).unwrap().response()).0)
+    ImpactSpectrum::new(&finder.at_contacts(orbit).unwrap().bloch_equations().0)
 }
 
 #[test]
@@ -99,7 +99,7 @@ fn shapes_are_eigenvectors_of_the_monodromy_matrix() {
     let mut checked = 0;
     let mut check = |orbit: &Orbit, finder: &mut Finder, multiplier: Complex<f64>| {
         finder.motion(orbit).unwrap();
-        let Ok(shape) = ModalShape::new(finder.prepared(orbit).unwrap(), multiplier) else { return };
+        let Ok(shape) = ModalShape::new(&finder.at_contacts(orbit).unwrap(), multiplier) else { return };
         let matrix = crate::full_monodromy(orbit).unwrap();
         let sites = orbit.model().chain().sites();
         let (mut state, velocity) = shape.at_sites(sites, orbit.centre().unwrap());
