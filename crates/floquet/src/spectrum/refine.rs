@@ -65,12 +65,20 @@ pub(super) struct Product {
 impl SpectralFunction<'_> {
     /// The multiplier next to `start`; `None` where first order is not enough.
     pub(crate) fn refine(&self, start: C, data: &[Origin]) -> Option<Refined> {
+        self.refine_to(0.0, start, data)
+    }
+
+    /// The same of an orbit without losses, for a caller that a last step of length `enough` serves: its length counts as an error, and errors of
+    /// the data are bounded alone, which takes half of the time of a step.
+    pub(crate) fn refine_to(&self, enough: f64, start: C, data: &[Origin]) -> Option<Refined> {
+        let worked_out = if enough > 0.0 { &[] } else { data };
         let mut z = start;
         for _ in 0..STEPS {
             let null = self.null(z, 1)?;
             let (x, y) = (null.left.column(0), null.right.column(0));
-            let Product { value, slope, value_error, slope_error, data } =
-                self.product(z, &null.near, (x.as_slice(), y.as_slice()), data)?;
+            let vectors = (x.as_slice(), y.as_slice());
+            let Product { value, slope, value_error, slope_error, data: of_data } =
+                self.product(z, &null.near, vectors, worked_out)?;
             // Errors of x and y, of both at once.
             let off = 16.0 * f64::EPSILON * null.norm;
             let error = value_error + off * off / null.second;
@@ -82,9 +90,10 @@ impl SpectralFunction<'_> {
             }
             let step = value / slope;
             // What the step is too long or too short by is of second order in it.
-            if modulus(step) * slope_size <= error {
+            if modulus(step) * slope_size <= error.max(enough * slope_size) {
+                let of_data = if enough > 0.0 { self.data_bound(vectors, value_error, data) } else { of_data };
                 let rounding = error / slope_size + modulus(step) + 2.0 * f64::EPSILON * modulus(z);
-                let error = rounding + data / slope_size;
+                let error = rounding + of_data / slope_size;
                 // Errors are bounds: most steps this small are still in the right direction.
                 z -= step;
                 return error.is_finite().then_some(Refined { z, error, rounding });
@@ -323,6 +332,24 @@ impl SpectralFunction<'_> {
             })
             .sum();
         Some(out)
+    }
+
+    /// The most that errors of the data make of a product of null vectors with this rounding error, of an orbit without losses. Rows and columns
+    /// count as rounded by 6ε and by 3ε of their phase, and no share or time moves them otherwise. What all shares have in common scales the
+    /// orbit's own derivative, which null vectors do not feel.
+    fn data_bound(&self, (x, y): (&[C], &[C]), value_error: f64, data: &[Origin]) -> f64 {
+        let longest = self.equations.since_cut().iter().copied().fold(0.0, f64::max);
+        let of_impact = |(i, error): (usize, &DataError), common: f64| {
+            let kept = self.shift.as_ref().is_none_or(|shift| shift.place != 2 * i + 1);
+            let slide = if kept { modulus(x[2 * i + 1] * y[2 * i + 1]) * error.slide.abs() } else { 0.0 };
+            let turned = if error.time == 0.0 { 0.0 } else { error.time.abs() / (3.0 * longest) };
+            slide + (turned + (error.share - common).abs() / 6.0) * value_error / f64::EPSILON
+        };
+        let of_origin = |origin: &Origin| {
+            let common = origin.first().map_or(0.0, |error| error.share);
+            origin.iter().enumerate().map(|one| of_impact(one, common)).sum::<f64>()
+        };
+        data.iter().map(of_origin).sum()
     }
 
     /// What a mode with a double pole adds that is bordered: with xs and ys of its coordinates ξys + xs(z−R)ys − xsRη; the size of the terms.

@@ -152,6 +152,40 @@ fn each_datum_moves_each_multiplier_as_far_as_is_told() {
     assert!(lossy[0].min(lossy[2]) > 200 && lossless[0].min(lossless[1]) > 200, "{checked:?}");
 }
 
+/// A step that is enough is within its error of the multiplier, and what bounds the data's errors is no less than they are.
+#[test]
+fn a_step_that_is_enough_is_within_its_error() {
+    let mut random = Random(79);
+    let (mut checked, mut felt) = (0, 0);
+    for round in 0..200 {
+        let equations = lossless(&mut random);
+        let function = SpectralFunction::new(&equations, true);
+        if function.shift.is_none() {
+            continue;
+        }
+        let size = random.log(1e-14, 1e-10);
+        let mut datum = || DataError {
+            slide: size * random.between(-1.0, 1.0),
+            time: size * random.between(-1.0, 1.0),
+            share: size * random.between(-1.0, 1.0),
+        };
+        let data: [Origin; 2] = [(); 2].map(|()| equations.impacts().iter().map(|_| datum()).collect());
+        for zero in zeros(&equations, true, &[]).list.iter().filter(|zero| zero.settled) {
+            let Some(exact) = function.refine(zero.z, &data) else { continue };
+            for off in [0.0, 1e-9, 1e-7] {
+                let Some(step) = function.refine_to(1e-6, exact.z + off, &data) else { continue };
+                let name = format!("{round} {off} {exact:?} {step:?}");
+                assert!(modulus(step.z - exact.z) <= step.rounding + exact.rounding, "{name}");
+                // The length of the step is in both errors.
+                assert!(step.error - step.rounding >= 0.999 * (exact.error - exact.rounding), "{name}");
+                checked += 1;
+                felt += usize::from(exact.error > 10.0 * exact.rounding && off == 0.0);
+            }
+        }
+    }
+    assert!(checked > 600 && felt > 100, "{checked} {felt}");
+}
+
 /// A period that is off by a part moves the multipliers no farther than is told of it, whether modes swing, creep or do both, next to their
 /// poles and away from them; and what is told is no idle number.
 #[test]
