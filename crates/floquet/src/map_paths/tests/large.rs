@@ -7,7 +7,9 @@ use crate::Analyser;
 use crate::map_paths::fast_sums::large_reversible as large;
 use crate::map_paths::reversible::{double_sided, single_sided};
 use crate::map_paths::{Secular, Standing, modes};
-use crate::verdict::{Method, Tolerance};
+use crate::spectrum::{Posed, SpectralFunction, posed};
+use crate::verdict::{Method, Question, Tolerance};
+use crate::zeros::{Nu, excess as outside_circle};
 
 #[test]
 fn residues_of_large_rings_are_those_of_the_pair_formulas() {
@@ -67,6 +69,28 @@ fn large_rings_have_all_their_roots() {
             let distance = farthest(roots, &values).max(farthest(&values, roots));
             assert!(distance < allowed, "{name}: {distance:e} {allowed:e}");
         }
+    }
+}
+
+/// Where errors of residues leave a large ring open, the multiplier that leads is the one that does when each that may is refined in full.
+#[test]
+fn one_step_passes_over_multipliers_that_do_not_lead() {
+    for sites in [40_001, 100_000] {
+        let (mut finder, mut found, mut analyser) = (Finder::new(sites), OrbitList::default(), Analyser::default());
+        finder.find_symmetric(&model(sites, 0.2, 0.1, 1.5, 0.4).unwrap(), Family::DoubleSided, &mut found).unwrap();
+        let (orbit, tolerance) = (&found.orbits[0], Tolerance::Rounding);
+        analyser.secular.replace(finder.prepared(orbit).unwrap()).unwrap();
+        assert_eq!(analyser.secular.verdict().unwrap().outcome, Standing::Undecided);
+        let told = analyser.stability(orbit, &mut finder, tolerance).unwrap().verdict;
+        let Posed { equations, data, .. } = posed(Question { orbit, tolerance, thorough: true }, &mut finder).unwrap();
+        let function = SpectralFunction::taking(equations, true);
+        let may_lead = |(nu, error): &(Nu, f64)| nu.excess() + nu.excess_error(nu.excess(), *error) > told.excess();
+        let open: Vec<Nu> = analyser.secular.all_nu().unwrap().filter(may_lead).map(|(nu, _)| nu).collect();
+        let refined = open.iter().filter_map(|nu| function.refine(nu.multipliers()[0], &data));
+        let excesses: Vec<f64> = refined.map(|refined| outside_circle(refined.z)).collect();
+        let leading = excesses.iter().copied().fold(0.0, f64::max);
+        assert!((leading - told.excess()).abs() < 1e-14 && told.resolution < 0.03 * leading, "{leading:e} {told:?}");
+        assert!(excesses.iter().filter(|excess| **excess < 0.999 * leading).count() >= 40, "{}", excesses.len());
     }
 }
 
