@@ -136,7 +136,7 @@ fn the_shape_of_the_unstable_perturbation_is_an_eigenvector_of_the_dense_matrix(
     for orbit in &found.orbits {
         let leading = stability(orbit, Tolerance::Rounding).unwrap().multipliers[0];
         let (displacement, velocity) =
-            ModalShape::new(finder.prepared(orbit).unwrap(), leading).unwrap().at_sites(21, 0);
+            ModalShape::new(&finder.at_contacts(orbit).unwrap(), leading).unwrap().at_sites(21, 0);
         // M (u, v) = μ (u, v) for the matrix of the whole ring.
         let matrix = full_monodromy(orbit).unwrap();
         let state: Vec<_> = displacement.iter().chain(&velocity).copied().collect();

@@ -20,7 +20,7 @@ use crate::multipliers::unfelt_frequencies;
 use crate::reference::dense::{Dense, uncoupled};
 use crate::saltation::saltations;
 use crate::sizes::{LARGE, MOST_DENSE, is_affordable, most_modes};
-use crate::structures::StructureMultipliers;
+use crate::structures::multipliers::StructureMultipliers;
 use crate::symmetry::{breaks_symmetry, is_symmetric};
 use crate::verdict::{Mechanism, Method, Question, Tolerance, Verdict};
 
@@ -266,7 +266,7 @@ fn by_zeros(
     let known = finder.at_contacts(orbit)?;
     let known = StructureMultipliers::of(&known);
     if !thorough {
-        return Ok((known.worked_out(tolerance)?, Vec::new()));
+        return Ok((known.worked_out(tolerance, true)?, Vec::new()));
     }
     let (verdict, mut multipliers) = known.all_worked_out(tolerance)?;
     if orbit.impact_site().is_none() {

@@ -11,7 +11,7 @@ pub(crate) mod delicate;
 pub(crate) mod display;
 mod draft;
 mod family;
-mod impact;
+pub(crate) mod impact;
 mod named;
 pub(crate) mod order;
 #[cfg(feature = "serde")]

@@ -9,6 +9,7 @@ use super::branch::family::ModelFamily;
 use super::masses::Masses;
 use super::model::StructureModel;
 use super::orbit::StructureOrbit;
+use super::point::Strike;
 use crate::branch_error::BranchError;
 use crate::error::BreatherError;
 use crate::orbit::{Family, Hit, Impact, Orbit};
@@ -185,8 +186,12 @@ impl Orbit {
         match memo.get() {
             Some(Ok(known)) if !known.model().stop().is_same(stop) => Ok(Arc::new(known.as_ref().clone().until(stop))),
             Some(known) => known.clone(),
-            // All modes of a large lattice are held no longer than they are asked for.
-            None if !self.model().chain().is_kept() => StructureOrbit::of_orbit(self, stop).map(Arc::new),
+            // All modes of a large lattice are held no longer than they are asked for, and not for other springs.
+            None if !self.model().chain().is_kept() => {
+                let contacts: Vec<Vec<usize>> = self.hit_sites().into_iter().map(|site| vec![site]).collect();
+                let model = StructureModel::of_lattice(self.model(), &contacts, stop)?;
+                StructureOrbit::of_orbit_in(&model, self).map(Arc::new)
+            }
             None => match worked_out() {
                 Err(stopped @ BreatherError::Stopped(_)) => Err(stopped),
                 known => memo.get_or_init(|| known).clone(),
@@ -218,16 +223,18 @@ impl StructureOrbit {
         Self::of_orbit_in(&StructureModel::of_masses(orbit.model(), &orbit.hit_sites(), stop)?, orbit)
     }
 
-    /// The same, of the lattice as this structure.
+    /// The same, of the lattice as a structure whose contacts are the masses that hit, rising.
     fn of_orbit_in(model: &StructureModel, orbit: &Orbit) -> Result<Self, BreatherError> {
-        let first = orbit.impacts().first().map_or(0.0, |impact| impact.time);
-        let strike = |impact: &Impact| {
-            let hit = Hit::from(impact);
-            model.strike(&Hit { time: hit.time - first, ..hit })
+        let (sites, impacts) = (orbit.hit_sites(), orbit.impacts());
+        let first = impacts.first().map_or(0.0, |impact| impact.time);
+        let strike = |impact: &Impact| Strike {
+            contact: sites.partition_point(|site| *site < impact.site),
+            barrier: impact.barrier,
+            time: impact.time - first,
+            impulse: impact.impulse,
         };
         let since = (orbit.force_periods(), orbit.psi_or_zero() + first);
-        let strikes = orbit.impacts().iter().map(strike).collect::<Result<_, _>>()?;
-        Self::given(model, since, strikes)
+        Self::given(model, since, impacts.iter().map(strike).collect())
     }
 
     /// The same, its models as these parameters of the lattice vary, and their values here: where a branch or a curve begins.

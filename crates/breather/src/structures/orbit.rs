@@ -13,7 +13,7 @@ use super::response::Response;
 use crate::equations::{BlochEquations, LinearImpact};
 use crate::error::BreatherError;
 use crate::orbit::delicate::UNSEEN;
-use crate::orbit::{Hit, Impact};
+use crate::orbit::impact::{Hit, Impact};
 use crate::word::MAX_IMPACTS;
 use crate::worse;
 

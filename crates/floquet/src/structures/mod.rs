@@ -1,6 +1,8 @@
 //! Multipliers of orbits of any linear structure with stops, by J(z), and what they say.
 
+pub(crate) mod multipliers;
 mod stability;
 
+pub use multipliers::StructureMultipliers;
 pub(crate) use stability::participating_multipliers;
-pub use stability::{StructureMultipliers, structure_stability, structure_verdict};
+pub use stability::{structure_stability, structure_verdict};

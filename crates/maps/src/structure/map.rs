@@ -117,7 +117,7 @@ fn best_of<'a>(
             continue;
         }
         let verdict =
-            multipliers.verdict(analyser, scene.tolerance).map_err(|error| *trouble = Some(error.to_string()));
+            multipliers.quick_verdict(analyser, scene.tolerance).map_err(|error| *trouble = Some(error.to_string()));
         let standing = Standing { verdict: verdict.ok(), ..unknown(candidate) };
         if best.as_ref().is_none_or(|(_, best)| standing.beats(best)) {
             best = Some((candidate, standing));
