@@ -8,7 +8,6 @@ use std::hint::black_box;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use faer::MatRef;
 use nalgebra::Schur;
-use vibrochain::breather::BlochEquations;
 use vibrochain::breather::{Family, Finder, OrbitList, breathers};
 use vibrochain::floquet::{Analyser, ImpactSpectrum, Secular, Tolerance, even_monodromy};
 use vibrochain::lattice::{Chain, Model, Point};
@@ -93,8 +92,8 @@ fn forced(criterion: &mut Criterion) {
             let orbit = &found.orbits[0];
             group.bench_function(format!("all multipliers/{name}/N={}", sites - 1), |bencher| {
                 bencher.iter(|| {
-                    let response = finder.prepared(black_box(orbit)).unwrap().response();
-                    ImpactSpectrum::new(&BlochEquations::of(orbit, response).0).multipliers.len()
+                    let known = finder.at_contacts(black_box(orbit)).unwrap();
+                    ImpactSpectrum::new(&known.bloch_equations().0).multipliers.len()
                 });
             });
             let (mut analyser, mut other) = (Analyser::default(), Finder::new(sites));
@@ -143,8 +142,8 @@ fn large_rings(criterion: &mut Criterion) {
             finder.find(&model, family, &mut found).unwrap();
             group.bench_function(format!("all multipliers/{name}/{sites} sites"), |bencher| {
                 bencher.iter(|| {
-                    let response = finder.prepared(black_box(&found.orbits[0])).unwrap().response();
-                    ImpactSpectrum::new(&BlochEquations::of(&found.orbits[0], response).0).multipliers.len()
+                    let known = finder.at_contacts(black_box(&found.orbits[0])).unwrap();
+                    ImpactSpectrum::new(&known.bloch_equations().0).multipliers.len()
                 });
             });
         }

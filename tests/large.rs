@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use vibrochain::breather::linear::determinant;
-use vibrochain::breather::{BlochEquations, Family, Finder, OrbitList};
+use vibrochain::breather::{Family, Finder, OrbitList};
 use vibrochain::floquet::{Analyser, Complex, FloquetError, ImpactSpectrum, ModeLabels, Residues, Secular, Tolerance};
 use vibrochain::lattice::{Chain, Model, Point};
 
@@ -181,7 +181,7 @@ fn forced_spectra_are_complete() {
         let (mut finder, mut found) = (Finder::new(sites), OrbitList::default());
         finder.find(&model, family, &mut found).unwrap();
         for orbit in &found.orbits {
-            let (equations, _) = BlochEquations::of(orbit, finder.prepared(orbit).unwrap().response());
+            let (equations, _) = finder.at_contacts(orbit).unwrap().bloch_equations();
             let ImpactSpectrum { multipliers: values, is_certified, .. } = ImpactSpectrum::new(&equations);
             let name = format!("{family:?} {sites}");
             assert!(is_certified && values.len() == 2 * (sites / 2 + 1), "{name}");

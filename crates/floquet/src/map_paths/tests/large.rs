@@ -7,8 +7,8 @@ use crate::Analyser;
 use crate::map_paths::fast_sums::large_reversible as large;
 use crate::map_paths::reversible::{double_sided, single_sided};
 use crate::map_paths::{Secular, Standing, modes};
-use crate::spectrum::{Posed, SpectralFunction, posed};
-use crate::verdict::{Method, Question, Tolerance};
+use crate::spectrum::{SpectralFunction, origins};
+use crate::verdict::{Method, Tolerance};
 use crate::zeros::{Nu, excess as outside_circle};
 
 #[test]
@@ -82,7 +82,9 @@ fn one_step_passes_over_multipliers_that_do_not_lead() {
         analyser.secular.replace(finder.prepared(orbit).unwrap()).unwrap();
         assert_eq!(analyser.secular.verdict().unwrap().outcome, Standing::Undecided);
         let told = analyser.stability(orbit, &mut finder, tolerance).unwrap().verdict;
-        let Posed { equations, data, .. } = posed(Question { orbit, tolerance, thorough: true }, &mut finder).unwrap();
+        let known = finder.at_contacts(orbit).unwrap();
+        let (equations, _) = known.bloch_equations();
+        let data = origins(&equations, known.error_origins());
         let function = SpectralFunction::taking(equations, true);
         let may_lead = |(nu, error): &(Nu, f64)| nu.excess() + nu.excess_error(nu.excess(), *error) > told.excess();
         let open: Vec<Nu> = analyser.secular.all_nu().unwrap().filter(may_lead).map(|(nu, _)| nu).collect();
