@@ -16,6 +16,7 @@
 //! | `point` | what they are solved for: impacts, phase, offsets |
 //! | `equations` | rows and Jacobian of an orbit's impacts |
 //! | `orbit` | [`StructureOrbit`], and how far it can be trusted |
+//! | `linearised` | its linearised equations J(z) |
 //! | `reversible` | [`ReversibleOrbit`]: what multipliers of an orbit that is its own mirror image in time depend on |
 //! | `open_mode`, `open_modes` | modes next to a resonance, whose states are unknowns |
 //! | `resonant_doubts` | what the error of a frequency does to them next to a resonance |
@@ -37,6 +38,7 @@ pub(crate) mod condition;
 pub(crate) mod equations;
 pub(crate) mod errors;
 pub(crate) mod flight;
+mod linearised;
 pub(crate) mod map_orbit;
 mod masses;
 pub(crate) mod model;

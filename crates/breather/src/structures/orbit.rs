@@ -10,7 +10,6 @@ use super::errors::{ImpactError, OrbitErrors, Together};
 use super::model::StructureModel;
 use super::point::{Point, Strike};
 use super::response::Response;
-use crate::equations::{BlochEquations, LinearImpact};
 use crate::error::BreatherError;
 use crate::orbit::delicate::UNSEEN;
 use crate::orbit::impact::{Hit, Impact};
@@ -395,50 +394,10 @@ impl StructureOrbit {
         let word = self.word();
         if self.force_periods == 1 { word } else { format!("{word}/{}", self.force_periods) }
     }
-
-    /// Its linearised equations J(z), and the poles of modes that none of its contacts feels.
-    pub fn bloch_equations(&self) -> (BlochEquations, Vec<[vibrochain_lattice::Complex<f64>; 2]>) {
-        (self.bloch_equations_of(&self.impacts), self.response.kernel.felt.spared.clone())
-    }
-
-    /// J(z) with the impacts as far away as one origin of errors may have them; `None` where they are no impacts of a period in order.
-    pub fn bloch_equations_aside(&self, origin: &[ImpactError]) -> Option<BlochEquations> {
-        let mut impacts = self.impacts.clone();
-        for (impact, error) in impacts.iter_mut().zip(origin) {
-            impact.time += error.time;
-            impact.impulse += error.impulse;
-            impact.acceleration += error.acceleration;
-        }
-        let kept = impacts.iter().zip(&self.impacts).all(|(aside, own)| aside.impulse * own.impulse > 0.0);
-        let ordered = in_order(impacts.iter().map(|impact| impact.time), self.period());
-        (kept && ordered).then(|| self.bloch_equations_of(&impacts))
-    }
-
-    fn bloch_equations_of(&self, impacts: &[Impact]) -> BlochEquations {
-        let mut hit: Vec<usize> = self.impacts.iter().map(|impact| impact.site).collect();
-        hit.sort_unstable();
-        hit.dedup();
-        let (structure, felt) = (self.model.structure(), &self.response.kernel.felt);
-        let part = self.period_error / self.period();
-        let kernel = felt.kernel(self.period(), &hit).of_uncertain_period(if part.is_finite() { part } else { 0.0 });
-        let impact = |impact: &Impact| LinearImpact {
-            contact: hit.partition_point(|&contact| contact < impact.site),
-            time: impact.time,
-            impulse: impact.impulse,
-            restitution: structure.contacts()[impact.site].restitution,
-            acceleration_before: impact.acceleration,
-        };
-        let impacts = impacts.iter().map(impact).collect();
-        if self.is_conservative() {
-            BlochEquations::conservative(kernel, impacts)
-        } else {
-            BlochEquations::new(kernel, impacts)
-        }
-    }
 }
 
 /// Whether times rise, or stay, within a period from 0 on.
-fn in_order(times: impl Iterator<Item = f64>, period: f64) -> bool {
+pub(super) fn in_order(times: impl Iterator<Item = f64>, period: f64) -> bool {
     let mut last = 0.0;
     for time in times {
         if !(last..period).contains(&time) {

@@ -88,12 +88,12 @@ impl Analyser {
         // Of those that are left with the errors they have the first one tells how far outside they may be.
         open.truncate(refined_at_most + 1);
         open.shrink_to_fit();
-        let known = finder.at_contacts(orbit)?;
-        let (equations, _) = known.bloch_equations();
-        let data = origins(&equations, known.error_origins());
-        drop(known);
         // The finder's modes have done their part: their memory is free for what follows.
         finder.give_back();
+        let known = finder.at_contacts(orbit)?;
+        let errors = known.error_origins().to_vec();
+        let equations = known.into_bloch_equations();
+        let data = origins(&equations, &errors);
         let function = SpectralFunction::taking(equations, true);
         let settled = |start: Complex<f64>| function.refine(start, &data).map(|refined| (refined.z, refined.error));
         // The one that seems to lead comes first: of most others a step says then that they do not.

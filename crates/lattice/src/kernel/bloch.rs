@@ -166,7 +166,7 @@ impl BlochKernel {
     }
 
     /// The kernel of modes of a structure between some of its contacts.
-    pub(crate) fn of_modes(modes: &[LinearMode], period: f64, contacts: &[usize]) -> Self {
+    pub fn of_modes(modes: &[LinearMode], period: f64, contacts: &[usize]) -> Self {
         let mut kernel = Self::with_room(period, contacts.len(), modes.len());
         kernel.doubts.reserve_exact(contacts.len() * modes.len());
         for mode in modes {
