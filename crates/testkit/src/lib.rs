@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, clippy::missing_panics_doc, reason = "a test stops at the first surprise")]
 
 mod digest;
+mod given;
 mod models;
 mod net;
 mod picture;
@@ -19,6 +20,7 @@ mod test_dir;
 mod words;
 
 pub use digest::Digest;
+pub use given::equations_as_given;
 pub use models::{Meeting, Ranges, Values, paper_map};
 pub use net::Net;
 pub use picture::{Cells, Picture};

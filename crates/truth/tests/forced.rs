@@ -5,7 +5,7 @@ use vibrochain_breather::{Family, Finder, Orbit, OrbitList};
 use vibrochain_floquet::{Analyser, Complex, ImpactSpectrum, Method, Tolerance};
 use vibrochain_lattice::{Chain, Model, Parameter};
 use vibrochain_testkit::Values::Log;
-use vibrochain_testkit::{Meeting, Random, Ranges};
+use vibrochain_testkit::{Meeting, Random, Ranges, equations_as_given};
 use vibrochain_truth::{DEFAULT_BITS, Real, TrueOrbit, TrueSpectrum};
 
 /// Where random orbits are looked for.
@@ -71,8 +71,8 @@ impl Ratios {
 }
 
 /// The leading multiplier and a few others.
-fn compare(orbit: &Orbit, finder: &mut Finder, ratios: &mut Ratios, every: usize) {
-    let (equations, _) = finder.at_contacts(orbit).unwrap().bloch_equations();
+fn compare(orbit: &Orbit, ratios: &mut Ratios, every: usize) {
+    let equations = equations_as_given(orbit);
     let ImpactSpectrum { multipliers: values, errors, is_certified: true } = ImpactSpectrum::new(&equations) else {
         return;
     };
@@ -112,7 +112,7 @@ fn claims_hold(draws: usize) {
             }
             for orbit in found.orbits.iter().take(2) {
                 orbits += 1;
-                compare(orbit, &mut finder, &mut ratios, 7);
+                compare(orbit, &mut ratios, 7);
             }
         }
         ratios.print(&format!("{place:?}, {orbits} orbits"));
@@ -164,7 +164,7 @@ fn slow_the_map_of_the_paper_needs_no_dense_matrix() {
                             dense_single += by_matrix(answer.verdict.method);
                         }
                         if count % 53 == 0 {
-                            compare(orbit, &mut finder, &mut ratios, 7);
+                            compare(orbit, &mut ratios, 7);
                         }
                     }
                 }

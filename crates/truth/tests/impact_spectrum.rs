@@ -4,11 +4,11 @@
 use vibrochain_breather::{Finder, Orbit, OrbitList, Scope, Word};
 use vibrochain_floquet::{Complex, ImpactSpectrum};
 use vibrochain_lattice::{Chain, Model};
-use vibrochain_testkit::{Meeting, Random, Ranges, Values};
+use vibrochain_testkit::{Meeting, Random, Ranges, Values, equations_as_given};
 use vibrochain_truth::{DEFAULT_BITS, TrueOrbit, TrueSpectrum};
 
-fn spectrum(orbit: &Orbit, finder: &mut Finder) -> ImpactSpectrum {
-    let (equations, _) = finder.at_contacts(orbit).unwrap().bloch_equations();
+fn spectrum(orbit: &Orbit) -> ImpactSpectrum {
+    let equations = equations_as_given(orbit);
     match orbit.model().is_conservative() {
         true => ImpactSpectrum::conservative(&equations),
         false => ImpactSpectrum::new(&equations),
@@ -48,7 +48,7 @@ fn claims_hold(seed: u64, draws: usize) {
         }
         for orbit in found.orbits.iter().take(2) {
             let Ok(truth) = TrueSpectrum::as_given(orbit, DEFAULT_BITS) else { continue };
-            let spectrum = spectrum(orbit, &mut finder);
+            let spectrum = spectrum(orbit);
             orbits += 1;
             certified += usize::from(spectrum.is_certified);
             // The given data of a conservative orbit have no trivial pair but to rounding: others next to 1 feel that.
@@ -104,7 +104,7 @@ fn multipliers_of_pairs_are_those_of_their_blocks() {
             }
             let truth = TrueOrbit::refine(orbit, DEFAULT_BITS).unwrap();
             let blocks = [1.0, -1.0].map(|sign| TrueSpectrum::of_partners(&truth, sign).unwrap());
-            let spectrum = spectrum(orbit, &mut finder);
+            let spectrum = spectrum(orbit);
             assert!(spectrum.is_certified, "{word} {model}");
             for z in &spectrum.multipliers {
                 let nearest = blocks.iter().filter_map(|block| off(block, *z)).fold(f64::INFINITY, f64::min);
@@ -128,7 +128,7 @@ fn a_multiplier_next_to_the_trivial_pair_is_told() {
     let model = Model::conservative(chain, 0.4342821082835794, 0.5521520638012143).unwrap();
     let (mut finder, mut found) = (Finder::new(14), OrbitList::default());
     finder.find_word(&model, &"0-".parse().unwrap(), Scope::Symmetric, &mut found).unwrap();
-    let found = spectrum(&found.orbits[0], &mut finder);
+    let found = spectrum(&found.orbits[0]);
     assert!(found.is_certified);
     let largest = found.multipliers.iter().zip(&found.errors).max_by(|a, b| a.0.norm().total_cmp(&b.0.norm())).unwrap();
     let off = (largest.0.norm() - 1.000_671_885_175_248_8).abs();

@@ -259,7 +259,7 @@ impl Finder {
 
     /// The orbit near one that was given by its impacts roughly ([`Orbit::from_impulses`]), by Newton's method; it must be so near
     /// that every step improves it. Impulses and, where symmetry in time does not hold them, all times but the first and the phase are
-    /// free. [`Orbit::residual`] tells how well the conditions at the impacts are met.
+    /// free; times count from the first one. [`Orbit::residual`] tells how well the conditions at the impacts are met.
     ///
     /// # Errors
     /// [`BreatherError::NotConverged`]; as [`Finder::admissibility`].
@@ -323,7 +323,8 @@ impl Finder {
         }
         match self.at_contacts(orbit) {
             Err(stopped @ BreatherError::Stopped(_)) => Err(stopped),
-            known => Ok(known.is_ok_and(|known| known.is_delicate())),
+            // Where nothing is known of them they could.
+            known => Ok(known.map_or(true, |known| known.is_delicate())),
         }
     }
 

@@ -270,7 +270,8 @@ impl StructureOrbit {
         let Masses { lattice, .. } = self.model().masses()?;
         let hits = self.hits_by_halves();
         let orbit = Orbit::from_impulses(lattice, self.force_periods(), self.psi().unwrap_or(0.0), &hits);
-        Some(orbit.map(|orbit| Orbit { at_contacts: Some(Arc::new(self.clone())).into(), ..orbit }))
+        let known = self.has_bounds().then(|| Arc::new(self.clone()));
+        Some(orbit.map(|orbit| Orbit { at_contacts: known.into(), ..orbit }))
     }
 
     /// The impacts, half a period after the first one where they are but for rounding.

@@ -63,13 +63,18 @@ impl StructureOrbit {
         Self::at_own_period(equations, force_periods, at, true)
     }
 
+    /// Whether all its errors have bounds.
+    pub(super) fn has_bounds(&self) -> bool {
+        let finite = |error: &ImpactError| (error.time + error.impulse + error.acceleration).is_finite();
+        self.origins.iter().flatten().all(finite)
+    }
+
     /// The same with all bounds of errors that there are: of an orbit on the way of a branch those beyond first order are left out.
     ///
     /// # Errors
     /// [`BreatherError`] at a resonance.
     pub fn with_bounds(self) -> Result<Self, BreatherError> {
-        let finite = |error: &ImpactError| (error.time + error.impulse + error.acceleration).is_finite();
-        if self.origins.iter().flatten().all(finite) {
+        if self.has_bounds() {
             return Ok(self);
         }
         let (equations, point) = self.equations()?;

@@ -95,7 +95,7 @@ fn balance(matrix: &mut [C], size: usize) -> [SmallVec<[f64; 8]>; 2] {
 #[cfg(test)]
 mod tests {
     use nalgebra::{Complex, DMatrix};
-    use vibrochain_breather::{BlochEquations, Hit, LinearImpact, Orbit};
+    use vibrochain_breather::{Hit, Orbit};
     use vibrochain_lattice::{Barrier, Chain};
 
     use super::*;
@@ -108,16 +108,7 @@ mod tests {
         let model = point.amplitude(0.093_400_631_787_602_25).restitution(0.563_004_254_549_515_2).model().unwrap();
         let hit = Hit::new(0, Barrier::Lower, 0.0, -0.000_192_839_487_016_877_96);
         let orbit = &Orbit::from_impulses(&model, 1, 0.000_112_937_291_896_440_4, &[hit]).unwrap();
-        let kernel = model.felt_structure(&[vec![0]]).unwrap().participating_modes(&[0]).kernel(orbit.period(), &[0]);
-        let own = orbit.impacts()[0];
-        let impact = LinearImpact {
-            contact: 0,
-            time: own.time,
-            impulse: own.impulse,
-            restitution: model.restitution(),
-            acceleration_before: own.acceleration,
-        };
-        let equations = BlochEquations::new(kernel, vec![impact]);
+        let equations = vibrochain_testkit::equations_as_given(orbit);
         let function = SpectralFunction::new(&equations, false);
         let mut checked = 0;
         for off in [0.0, 1e-12, 1e-9, 1e-6] {

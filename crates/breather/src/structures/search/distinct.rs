@@ -9,7 +9,7 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 impl StructureOrbit {
     /// The impact of another orbit from which on it is this one: nothing of them differs by more than their errors. `None` of two orbits.
-    pub(super) fn begun_at(&self, other: &Self) -> Option<usize> {
+    pub(in crate::structures) fn begun_at(&self, other: &Self) -> Option<usize> {
         (0..other.impacts().len()).find(|turn| self.is_same_from(other, *turn))
     }
 

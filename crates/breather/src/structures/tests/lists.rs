@@ -36,6 +36,34 @@ fn apart(one: &[f64], other: &[f64], later: usize, periods: usize) -> f64 {
     pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) / size
 }
 
+/// It is the same motion, meets its equations, and is known to be the other one by its errors.
+#[test]
+fn an_orbit_begun_with_its_other_impact_is_the_same() {
+    let mut checked = 0;
+    orbits(&mut Random(12), 200, |orbit, _| {
+        let [_, second] = orbit.impacts() else { return };
+        if second.time == 0.0 || orbit.impact_errors().iter().any(|error| !(error.time + error.impulse < 1e-9)) {
+            return;
+        }
+        let turned = orbit.clone().begun_with(1);
+        let (equations, point) = turned.equations().unwrap();
+        let system = equations.system(&point).unwrap();
+        let left = system.rows.iter().zip(&system.sizes).map(|(row, size)| row.abs() / size).fold(0.0, f64::max);
+        assert!(left < 1e-13, "{left:e}");
+        assert!(apart(&track(orbit), &track(&turned), 0, 1) < 1e-10);
+        assert!(turned.begun_at(orbit) == Some(1) && turned.impacts()[0].time == 0.0);
+        let back = turned.begun_with(1);
+        for (own, again) in orbit.impacts().iter().zip(back.impacts()) {
+            assert!((own.time - again.time).abs() < 1e-14 * orbit.period() && own.impulse == again.impulse);
+        }
+        for (own, again) in orbit.impact_errors().iter().zip(back.impact_errors()) {
+            assert!(again.time >= own.time && again.time <= 3.0 * own.time && again.impulse == own.impulse);
+        }
+        checked += 1;
+    });
+    assert!(checked > 60, "{checked}");
+}
+
 #[test]
 fn no_orbit_is_listed_twice_nor_one_that_repeats_sooner() {
     let mut random = Random(83);
