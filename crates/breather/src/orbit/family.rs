@@ -10,7 +10,7 @@ pub enum Family {
     SingleSided,
     /// Two different impacts on the nearer barrier in two periods of the force.
     PeriodDoubled,
-    /// An orbit given by its impacts, see [`Orbit::from_impulses`].
+    /// An orbit given by its impacts, see [`crate::Orbit::from_impulses`].
     Word,
 }
 
