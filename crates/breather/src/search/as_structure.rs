@@ -55,10 +55,10 @@ pub(crate) fn of_one_mass(
     }
     let steady = model.steady()?.at(home);
     let (half, periods) = (0.5 * response.period(), request.force_periods);
-    let draft = |orbit: StructureOrbit| {
+    let draft = |orbit: StructureOrbit| -> Result<Draft, BreatherError> {
         // A doubled orbit begins with the longer flight.
         let turned = periods == 2 && orbit.phi().is_some_and(|phi| phi < half);
-        let orbit = if turned { orbit.begun_with(1) } else { orbit };
+        let orbit = if turned { orbit.begun_with(1)? } else { orbit };
         let hit = |one: &Impact| Hit::new(0, one.barrier, one.time, one.impulse);
         let hits: SmallVec<[Hit; 2]> = orbit.impacts().iter().map(hit).collect();
         let repeat = model.period() / f64::from(model.force().repetitions());
@@ -67,9 +67,9 @@ pub(crate) fn of_one_mass(
         // Where the first impact is, less what moves there.
         let moved = steady.jet(psi)[0] + hits.iter().map(felt).sum::<f64>();
         let held = model.barrier(hits[0].barrier) - moved;
-        Draft { at_contacts: Some(Arc::new(orbit)), ..Draft::new(response, (family, periods), psi, hits, held) }
+        Ok(Draft { at_contacts: Some(Arc::new(orbit)), ..Draft::new(response, (family, periods), psi, hits, held) })
     };
-    Ok((orbits.into_iter().map(draft).collect(), searched))
+    Ok((orbits.into_iter().map(draft).collect::<Result<_, _>>()?, searched))
 }
 
 /// A stiffness below this part of ω² moves impulses, times and phases by less than rounding, as long as impulses balance.

@@ -193,6 +193,14 @@ impl StructureModel {
         self.period() / f64::from(common.max(1))
     }
 
+    /// A phase of the loads from 0 on, before they are the same again.
+    pub(super) fn phase(&self, psi: f64) -> f64 {
+        let repeat = self.loads_repeat();
+        let psi = psi.rem_euclid(repeat);
+        // Of a little less than 0 rounding makes all of it.
+        if psi < repeat { psi } else { 0.0 }
+    }
+
     /// Where a barrier of a contact is.
     ///
     /// # Errors

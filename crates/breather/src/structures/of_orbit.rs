@@ -290,7 +290,7 @@ impl StructureOrbit {
         let turned = matches!(family, Family::SingleSided | Family::PeriodDoubled)
             && self.force_periods() == 2
             && self.phi().is_some_and(|phi| phi < 0.5 * self.period());
-        let begun = if turned { &self.clone().begun_with(1) } else { self };
+        let begun = if turned { &self.begun_with(1)? } else { self };
         let (hits, psi) = (begun.hits_by_halves(), begun.psi().unwrap_or(0.0));
         let mut orbit = Orbit::from_impulses(model, self.force_periods(), psi, &hits)?;
         let alone = hits.iter().all(|hit| hit.site == hits[0].site);

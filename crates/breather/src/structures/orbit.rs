@@ -218,28 +218,16 @@ impl StructureOrbit {
     }
 
     /// The same orbit begun with another impact.
-    pub(crate) fn begun_with(mut self, first: usize) -> Self {
+    ///
+    /// # Errors
+    /// [`BreatherError`]
+    pub(crate) fn begun_with(&self, first: usize) -> Result<Self, BreatherError> {
         let (period, start) = (self.period(), self.impacts[first].time);
-        let late = [self.estimates[first].time, self.errors[first].time];
-        self.psi = self.psi.map(|psi| (psi + start).rem_euclid(self.model.period()));
-        if self.psi.is_some() {
-            self.psi_estimate += late[0];
-            self.psi_error += late[1];
-        }
-        self.impacts.rotate_left(first);
-        self.impacts.iter_mut().for_each(|impact| impact.time = (impact.time - start).rem_euclid(period));
-        for (errors, late) in [(&mut self.estimates, late[0]), (&mut self.errors, late[1])] {
-            errors.rotate_left(first);
-            errors.iter_mut().skip(1).for_each(|error| error.time += late);
-            errors[0].time = 0.0;
-        }
-        for origin in &mut self.origins {
-            origin.rotate_left(first);
-            // Times are since the first impact.
-            let late = origin[0].time;
-            origin.iter_mut().for_each(|error| error.time -= late);
-        }
-        self
+        let psi = self.model.phase(self.psi.unwrap_or(0.0) + start);
+        let mut strikes: SmallVec<[Strike; 4]> = self.strikes().collect();
+        strikes.rotate_left(first);
+        strikes.iter_mut().for_each(|strike| strike.time = (strike.time - start).rem_euclid(period));
+        Self::given(&self.model, (self.force_periods, psi), strikes)
     }
 
     /// The same, of which all is worked out no longer than until the request to stop is raised.

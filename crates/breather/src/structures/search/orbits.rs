@@ -209,6 +209,8 @@ impl Impacts<'_> {
                 searched.refused += 1;
                 continue;
             }
+            // The phase as the orbit will tell it: whoever makes the orbit again from its data finds the same to the last bit.
+            let point = Point { psi: model.phase(point.psi), ..point };
             let begin = point.clone();
             let solved = if is_zero { equations.solve_exact(point) } else { equations.solve(point) };
             let orbit = solved.and_then(|solved| StructureOrbit::new(equations, force_periods, solved));
