@@ -1,7 +1,6 @@
 //! The linearised equations of an orbit as its data are given, however it would be refined.
 
 use vibrochain_breather::{BlochEquations, LinearImpact, Orbit};
-use vibrochain_lattice::BlochKernel;
 
 /// J(z) of the impacts of an orbit as it has them.
 pub fn equations_as_given(orbit: &Orbit) -> BlochEquations {
@@ -9,7 +8,7 @@ pub fn equations_as_given(orbit: &Orbit) -> BlochEquations {
     let contacts: Vec<Vec<usize>> = sites.iter().map(|site| vec![*site]).collect();
     let hit: Vec<usize> = (0..sites.len()).collect();
     let felt = model.felt_structure(&contacts).unwrap().participating_modes(&hit);
-    let kernel: BlochKernel = felt.kernel(orbit.period(), &hit);
+    let kernel = felt.kernel(orbit.period(), &hit);
     let impacts = orbit.impacts().iter().map(|impact| LinearImpact {
         contact: sites.iter().position(|site| *site == impact.site).unwrap(),
         time: impact.time,

@@ -5,7 +5,7 @@ use vibrochain_lattice::ImpulseResponse;
 /// Digits beyond which a lost one could show in a verdict.
 const DELICATE: f64 = 1e-6;
 
-/// Errors of an orbit's data below this part of what they count by do not show in a verdict.
+/// Errors of an orbit's data that are smaller, relative to the scale of each, do not show in a verdict.
 pub(crate) const UNSEEN: f64 = 1e-10;
 
 /// Next to a resonance or to grazing, by the slowest velocity before an impact and the scale of velocities.

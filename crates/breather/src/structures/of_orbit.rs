@@ -186,7 +186,7 @@ impl Orbit {
         match memo.get() {
             Some(Ok(known)) if !known.model().stop().is_same(stop) => Ok(Arc::new(known.as_ref().clone().until(stop))),
             Some(known) => known.clone(),
-            // All modes of a large lattice are held no longer than they are asked for, and not for other springs.
+            // The modes of a large lattice are not kept, and its structure is made for these springs alone.
             None if !self.model().chain().is_kept() => {
                 let contacts: Vec<Vec<usize>> = self.hit_sites().into_iter().map(|site| vec![site]).collect();
                 let model = StructureModel::of_lattice(self.model(), &contacts, stop)?;

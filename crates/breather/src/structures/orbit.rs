@@ -64,7 +64,7 @@ impl StructureOrbit {
     }
 
     /// Whether all its errors have bounds.
-    pub(super) fn has_bounds(&self) -> bool {
+    pub fn has_bounds(&self) -> bool {
         let finite = |error: &ImpactError| (error.time + error.impulse + error.acceleration).is_finite();
         self.origins.iter().flatten().all(finite)
     }

@@ -22,7 +22,7 @@ const WORST: f64 = 1e-10;
 /// As [`WORST`], for a sweep, whose cells are not worth as much.
 const WORST_OF_SWEEP: f64 = 1e-9;
 
-/// The part of the leading excess to which others are worked out first: one step. With ten times as much more of them would take two.
+/// Other multipliers are first worked out to this part of the leading excess, which takes most of them one step.
 const CLOSE: f64 = 1e-3;
 
 /// Room for what estimated errors leave out where an answer hangs on them.

@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 
 use nalgebra::Complex;
-use vibrochain_breather::{BlochEquations, ImpactError, StructureOrbit};
+use vibrochain_breather::{BlochEquations, StructureOrbit};
 
 use crate::error::FloquetError;
 use crate::spectrum::{BEYOND, Origin, is_surely_beyond, origins, told, told_of_cycle, verdict};
@@ -14,7 +14,7 @@ use crate::zeros::{SecularError, excess};
 /// rounding on.
 const FIRST_ORDER: f64 = 1e-9;
 
-/// How many times more than to first order the spectral radius may move with the orbit's data, or less, for the bound to be one.
+/// The spectral radius may move with the orbit's data up to this many times as far as first order says; beyond that its error is no bound.
 const STRAIGHT: f64 = 1.5;
 
 /// An orbit with its equations J(z), which are set up once they are asked for.
@@ -45,8 +45,8 @@ impl<'a> StructureMultipliers<'a> {
     }
 
     /// Whether the spectral radius is surely beyond `reach`: a real multiplier is, by 5 %. No says nothing; an orbit whose own errors could matter
-    /// is not asked. A map asks so: of two orbits that are
-    /// born in a fold one has such a multiplier, and a sign takes a small part of what a verdict takes.
+    /// is not asked. A map asks so: of two orbits that are born in a fold one has such a multiplier, and a sign takes a small part of what a verdict
+    /// takes.
     #[must_use]
     pub fn surely_exceeds(&self, reach: f64) -> bool {
         !self.orbit.is_conservative() && is_surely_beyond(self.equations(), BEYOND * reach) && !self.orbit.is_delicate()
@@ -94,17 +94,15 @@ impl<'a> StructureMultipliers<'a> {
         Ok((self.with_spared(felt, tolerance), multipliers))
     }
 
-    /// What the equations answer, given the errors of the orbit's data; as the orbit stands, and undecided, where these have no bound or are so
-    /// large that multipliers do not move in a straight line with them.
+    /// The answer of the equations, with the errors of the orbit's data. Where these have no bound, or are so large that multipliers do not move in a
+    /// straight line with them, it is that of the orbit as it stands, and undecided.
     fn as_well_as_known<T>(
         &self,
         ask: impl Fn(&BlochEquations, &[Origin]) -> Result<(Verdict, T), SecularError>,
         tolerance: Tolerance,
     ) -> Result<(Verdict, T), FloquetError> {
-        let errors = self.orbit.error_origins();
-        let finite = |error: &ImpactError| (error.time + error.impulse + error.acceleration).is_finite();
-        if errors.iter().flatten().all(finite) {
-            let answer = ask(self.equations(), &origins(self.equations(), errors));
+        if self.orbit.has_bounds() {
+            let answer = ask(self.equations(), &origins(self.equations(), self.orbit.error_origins()));
             if let Ok((verdict, rest)) = answer
                 && self.moves_straight(&verdict, &ask)
             {
