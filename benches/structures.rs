@@ -10,7 +10,7 @@ use std::sync::Arc;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rayon::ThreadPool;
 use vibrochain::breather::StructureModel;
-use vibrochain::floquet::{Tolerance, structure_stability};
+use vibrochain::floquet::{Tolerance, stability};
 use vibrochain::lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Stop};
 use vibrochain_maps::grid::Grid;
 use vibrochain_maps::scene::Scene;
@@ -83,7 +83,7 @@ fn orbit(criterion: &mut Criterion) {
             let model = StructureModel::new(structure.clone(), 0.7).unwrap();
             let found = model.orbits(&word, 1).unwrap();
             let orbit = found.orbits.first().unwrap();
-            black_box(structure_stability(orbit, Tolerance::Rounding).unwrap())
+            black_box(stability(orbit, Tolerance::Rounding).unwrap())
         });
     });
     group.finish();

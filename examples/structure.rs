@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vibrochain::{Complex, Contact, DMatrix, DVector, Structure, StructureModel, Tolerance, structure_stability};
+use vibrochain::{Complex, Contact, DMatrix, DVector, Structure, StructureModel, Tolerance, admissibility, stability};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let stop = Contact { lower: None, upper: Some(0.7), restitution: 0.8 };
@@ -17,8 +17,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let model = StructureModel::new(Arc::new(structure.modal()?), 0.8)?;
     let found = model.orbits(&"0+".parse()?, 1)?;
     for orbit in &found.orbits {
-        let verdict = structure_stability(orbit, Tolerance::Rounding)?.verdict;
-        println!("P = {:?}: |μ| = {}, {}", orbit.impulses(), verdict.spectral_radius, orbit.admissibility()?);
+        let verdict = stability(orbit, Tolerance::Rounding)?.verdict;
+        println!("P = {:?}: |μ| = {}, {}", orbit.impulses(), verdict.spectral_radius, admissibility(orbit)?);
     }
     assert_eq!(found.orbits.len(), 2);
     Ok(())

@@ -8,10 +8,10 @@ pub use vibrochain_lattice as lattice;
 pub use vibrochain_maps as maps;
 
 // What twenty lines need, by one name each; all else by its layer.
+pub use breather::StructureModel;
 pub use breather::{Admissibility, Family, Impact, Orbit, OrbitList, Word, admissibility, breathers};
-pub use breather::{StructureModel, StructureOrbit};
 pub use eventsim::{Event, EventKind, Limits, Outcome, Simulation, Time};
-pub use floquet::{Mechanism, Stability, Tolerance, Verdict, stability, structure_stability};
+pub use floquet::{Mechanism, Stability, Tolerance, Verdict, stability};
 pub use lattice::{Barrier, Chain, Complex, Contact, DMatrix, DVector, Model, Point, Structure};
 #[cfg(feature = "maps")]
 pub use maps::cell::{Cell, Class, Worker};

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
 
-use vibrochain_breather::{Obstruction, StructureModel};
+use vibrochain_breather::{Obstruction, StructureModel, admissibility};
 use vibrochain_floquet::{BranchRequest, Event, Tolerance, branches};
 use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Stop};
 use vibrochain_maps::structure::along::family;
@@ -55,7 +55,7 @@ fn onset() -> f64 {
 fn a_branch_tells_where_a_contact_begins_to_rest_and_no_grazing() {
     let scene = scene();
     let orbits = scene.model().unwrap().orbits(&"0+".parse().unwrap(), 1).unwrap().orbits;
-    let orbit = orbits.iter().find(|orbit| orbit.admissibility().unwrap().is_physical()).unwrap();
+    let orbit = orbits.iter().find(|orbit| admissibility(orbit).unwrap().is_physical()).unwrap();
     let course = BranchRequest {
         from: 1.5,
         to: 3.0,
@@ -88,7 +88,7 @@ fn no_cell_of_a_map_is_lost_to_rounding() {
         let omega = 1.5 + 0.01 * f64::from(i);
         let model = scene().model().unwrap().at(omega).unwrap();
         let found = model.orbits(&"0+".parse().unwrap(), 1).unwrap();
-        let physical = found.orbits.iter().filter(|orbit| orbit.admissibility().unwrap().is_physical()).count();
+        let physical = found.orbits.iter().filter(|orbit| admissibility(orbit).unwrap().is_physical()).count();
         assert_eq!(physical, usize::from(omega > 1.8206320992027214), "{omega}");
         alive += physical;
     }
@@ -124,7 +124,7 @@ fn orbits_of_plastic_impacts_are_physical_where_runs_have_them() {
         for word in ["0+", "0+,0+", "0+,1-"] {
             let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
             for orbit in &found.orbits {
-                let told = orbit.admissibility().unwrap();
+                let told = admissibility(orbit).unwrap();
                 match told.obstruction {
                     Some(Obstruction::WrongSign { .. }) => continue,
                     Some(Obstruction::Sticking { .. }) => sticking += 1,

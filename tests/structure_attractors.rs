@@ -6,9 +6,9 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
-use vibrochain_breather::{Hit, StructureModel, StructureOrbit, Word};
+use vibrochain_breather::{Hit, Orbit, StructureModel, Word, admissibility};
 use vibrochain_eventsim::{Event, EventKind, Limits, Outcome, Simulation};
-use vibrochain_floquet::{Complex, Tolerance, structure_stability};
+use vibrochain_floquet::{Complex, Tolerance, stability};
 use vibrochain_lattice::{Barrier, Contact, Structure};
 use vibrochain_testkit::{Random, Structure as Dense, StructureImpact};
 
@@ -173,14 +173,14 @@ impl Tally {
         let first = events[0].time.to_f64();
         let impact = |event: &Event| Hit::new(event.contact, event.barrier, event.time.to_f64() - first, event.impulse);
         let impacts: Vec<_> = events.iter().map(impact).collect();
-        let orbit = StructureOrbit::near(&model, periods, first.rem_euclid(force), &impacts).unwrap();
+        let orbit = model.orbit_near(periods, first.rem_euclid(force), &impacts).unwrap();
         let case = format!("{} {dense:?}", self.checked);
         for (own, event) in orbit.impacts().iter().zip(&impacts) {
             let off = (own.time - event.time).abs() / force + (own.impulse - event.impulse).abs() / event.impulse.abs();
             assert!(off < 1e-4, "{off:e} {case}");
         }
-        assert!(orbit.violation() < 1e-11, "{:e} {case}", orbit.violation());
-        assert!(orbit.admissibility().unwrap().is_physical(), "{case}");
+        assert!(orbit.residual() < 1e-11, "{:e} {case}", orbit.residual());
+        assert!(admissibility(&orbit).unwrap().is_physical(), "{case}");
         // Places, Newton's law and multipliers by dense matrices.
         (dense.psi, dense.period) = (orbit.psi().unwrap(), orbit.period());
         let limits = &structure.contacts;
@@ -200,7 +200,7 @@ impl Tally {
             (self.residual, worst) = (self.residual.max(off), worst.max(off));
             assert!(off < 1e-6, "{off:e} {case}");
         }
-        let stability = structure_stability(&orbit, Tolerance::Rounding).unwrap();
+        let stability = stability(&orbit, Tolerance::Rounding).unwrap();
         let mut open: Vec<_> = dense.monodromy().complex_eigenvalues().iter().copied().collect();
         assert_eq!(stability.multipliers.len(), open.len(), "{case}");
         for z in &stability.multipliers {
@@ -242,7 +242,7 @@ impl Tally {
     }
 
     /// A complete list of its word has it.
-    fn is_listed(&mut self, model: &StructureModel, orbit: &StructureOrbit, periods: u32, case: &str) {
+    fn is_listed(&mut self, model: &StructureModel, orbit: &Orbit, periods: u32, case: &str) {
         let (n, period) = (orbit.impacts().len(), orbit.period());
         if n > 3 {
             return;
@@ -255,10 +255,10 @@ impl Tally {
         if !found.completeness.is_established() {
             return;
         }
-        let apart = |orbit: &StructureOrbit, i: usize| {
+        let apart = |orbit: &Orbit, i: usize| {
             orbit.impacts().get(i + 1).map_or(period, |next| next.time) - orbit.impacts()[i].time
         };
-        let is_it = |other: &StructureOrbit, turn: usize| {
+        let is_it = |other: &Orbit, turn: usize| {
             (0..n).all(|i| {
                 let (a, b) = (&orbit.impacts()[i], &other.impacts()[(i + turn) % n]);
                 let off = (apart(orbit, i) - apart(other, (i + turn) % n)).abs() / period;
@@ -270,7 +270,7 @@ impl Tally {
             return;
         }
         let is_there = found.orbits.iter().any(|other| (0..n).any(|turn| is_it(other, turn)));
-        let list: Vec<_> = found.orbits.iter().map(StructureOrbit::impacts).collect();
+        let list: Vec<_> = found.orbits.iter().map(Orbit::impacts).collect();
         assert!(is_there, "{word} over {periods}: {:?} not in {list:?}: {case}", orbit.impacts());
         self.listed[n] += 1;
     }

@@ -5,10 +5,8 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use serde_json::Value;
-use vibrochain_breather::{Completeness, Hit, StructureModel, StructureMotion, StructureOrbit, Word};
-use vibrochain_floquet::{
-    Analyser, Complex, StructureMultipliers, Tolerance, Verdict, structure_stability, structure_verdict,
-};
+use vibrochain_breather::{Completeness, Hit, Orbit, StructureModel, StructureMotion, Word, admissibility};
+use vibrochain_floquet::{Analyser, Complex, StructureMultipliers, Tolerance, Verdict, stability};
 use vibrochain_lattice::{Barrier, Contact, LinearMode, ModalStructure, ModeShape, Structure};
 use vibrochain_testkit::{Random, Structure as Dense, structures};
 
@@ -78,15 +76,15 @@ impl Case {
         StructureModel::new(self.modal.clone(), self.dense.omega).unwrap()
     }
 
-    fn refined(&self) -> StructureOrbit {
+    fn refined(&self) -> Orbit {
         let impacts = self.dense.impacts.iter().zip(&self.sides);
         let impacts: Vec<_> =
             impacts.map(|(impact, side)| Hit::new(impact.contact, *side, impact.time, impact.impulse)).collect();
-        StructureOrbit::near(&self.model(), self.force_periods, self.dense.psi, &impacts).unwrap()
+        self.model().orbit_near(self.force_periods, self.dense.psi, &impacts).unwrap()
     }
 
     /// Whether it is the orbit of the table, whichever impact it begins with.
-    fn is_it(&self, orbit: &StructureOrbit) -> bool {
+    fn is_it(&self, orbit: &Orbit) -> bool {
         let (n, period) = (orbit.impacts().len(), orbit.period());
         n == self.dense.impacts.len()
             && (0..n).any(|turn| {
@@ -108,7 +106,7 @@ fn orbits_of_the_table_are_orbits() {
     let mut worst: f64 = 0.0;
     for case in &cases {
         let orbit = case.refined();
-        assert!(orbit.violation() < 1e-11, "{}: {:e}", case.dense.name, orbit.violation());
+        assert!(orbit.residual() < 1e-11, "{}: {:e}", case.dense.name, orbit.residual());
         for (found, told) in orbit.impacts().iter().zip(&case.dense.impacts) {
             let off =
                 (found.time - told.time).abs().max((found.impulse - told.impulse).abs() / (1.0 + told.impulse.abs()));
@@ -122,7 +120,7 @@ fn orbits_of_the_table_are_orbits() {
             let off = (found.acceleration - told.acceleration).abs();
             assert!(off < 1e-8 * scale, "{}: {off:e} {found:?} {told:?}", case.dense.name);
         }
-        let physical = orbit.admissibility().unwrap();
+        let physical = admissibility(&orbit).unwrap();
         assert_eq!(physical.is_physical(), case.physical, "{}: {physical:?}", case.dense.name);
     }
     println!("{worst:e}");
@@ -134,8 +132,8 @@ fn multipliers_of_the_table_are_those_of_the_monodromy_matrix() {
     let mut compared = 0;
     for case in cases() {
         let orbit = case.refined();
-        let stability = structure_stability(&orbit, Tolerance::Rounding).unwrap();
-        let alone = structure_verdict(&orbit, Tolerance::Rounding).unwrap();
+        let stability = stability(&orbit, Tolerance::Rounding).unwrap();
+        let alone = vibrochain_floquet::stability(&orbit, Tolerance::Rounding).map(|known| known.verdict).unwrap();
         let off = (alone.spectral_radius - stability.verdict.spectral_radius).abs();
         assert!(off <= 2.0 * (alone.resolution + stability.verdict.resolution), "{}: {alone:?}", case.dense.name);
         assert_eq!(alone.stable, stability.verdict.stable, "{}", case.dense.name);
@@ -190,7 +188,7 @@ fn motion_between_impacts_is_that_of_the_state_matrix() {
     let mut checked = 0;
     for case in cases().iter().filter(|case| case.dense.size() <= 5) {
         let orbit = case.refined();
-        let motion = StructureMotion::new(&orbit).unwrap();
+        let motion = StructureMotion::new(orbit.contacts().unwrap()).unwrap();
         for i in 0..orbit.impacts().len() {
             for part in [0.2, 0.5, 0.9] {
                 let s = part * motion.until_next(i);
@@ -258,12 +256,12 @@ fn random_structures_have_the_multipliers_of_their_matrices() {
         let model = StructureModel::new(modal, dense.omega).unwrap();
         let impacts: Vec<_> =
             dense.impacts.iter().zip(&sides).map(|(i, side)| Hit::new(i.contact, *side, i.time, i.impulse)).collect();
-        let orbit = StructureOrbit::near(&model, 1, dense.psi, &impacts).unwrap();
-        let stability = structure_stability(&orbit, Tolerance::Rounding).unwrap();
+        let orbit = model.orbit_near(1, dense.psi, &impacts).unwrap();
+        let stability = stability(&orbit, Tolerance::Rounding).unwrap();
         let mut open: Vec<_> = dense.monodromy().complex_eigenvalues().iter().copied().collect();
         let radius = stability.multipliers[0].norm();
         for reach in [1.0, 0.9 * radius, 1.1 * radius] {
-            let known = StructureMultipliers::of(&orbit);
+            let known = StructureMultipliers::of(orbit.contacts().unwrap());
             let (is_beyond, verdict) =
                 (known.surely_exceeds(reach), known.verdict(&mut Analyser::default(), Tolerance::Rounding).unwrap());
             let real = |sign: f64| open.iter().filter(|mu| mu.im == 0.0 && sign * mu.re > reach).count();
@@ -323,21 +321,23 @@ fn complete_lists_of_two_and_three_impacts_lack_nothing_that_starts_lead_to() {
                     letters.iter().zip(&times).map(|(&(c, side), time)| Hit::new(c, side, *time, -side.sign() * size));
                 let start: Vec<_> = start.collect();
                 let psi = if is_forced { random.between(0.0, model.period()) } else { 0.0 };
-                let Ok(orbit) = StructureOrbit::near(&model, periods, psi, &start) else { continue };
+                let Ok(orbit) = model.orbit_near(periods, psi, &start) else { continue };
                 let impacts = orbit.impacts();
-                let apart = |orbit: &StructureOrbit, i: usize| {
+                let apart = |orbit: &Orbit, i: usize| {
                     orbit.impacts().get(i + 1).map_or(period, |next| next.time) - orbit.impacts()[i].time
                 };
                 let pulls = impacts.iter().any(|impact| impact.barrier.sign() * impact.impulse > -1e-7);
                 // Without a load an impact of no impulse obeys its law wherever it is.
-                let lacks_one =
-                    impacts.iter().zip(orbit.impact_errors()).any(|(one, off)| one.impulse.abs() <= off.impulse);
+                let lacks_one = impacts
+                    .iter()
+                    .zip(orbit.contacts().unwrap().impact_errors())
+                    .any(|(one, off)| one.impulse.abs() <= off.impulse);
                 if (0..n).any(|i| apart(&orbit, i) < 1e-3 * period) || n == 3 && pulls || lacks_one {
                     continue;
                 }
                 led[n - 2] += 1;
                 let near = |a: f64, b: f64| (a - b).abs() < 1e-6 * (1.0 + a.abs());
-                let alike = |other: &StructureOrbit, turn: usize| {
+                let alike = |other: &Orbit, turn: usize| {
                     (0..n).all(|i| {
                         let j = (i + turn) % n;
                         letters[i] == letters[j]
@@ -379,14 +379,14 @@ fn many_modes_and_contacts() {
     let mut checked = 0;
     for text in ["0+", "3+", "7-"] {
         for orbit in model.orbits(&text.parse().unwrap(), 1).unwrap().orbits.iter().take(2) {
-            assert!(orbit.violation() < 1e-11, "{text}: {:e}", orbit.violation());
-            let stability = structure_stability(orbit, Tolerance::Rounding).unwrap();
+            assert!(orbit.residual() < 1e-11, "{text}: {:e}", orbit.residual());
+            let stability = stability(orbit, Tolerance::Rounding).unwrap();
             assert_eq!(stability.multipliers.len(), 600, "{text}");
             assert!(stability.multipliers.iter().all(|z| z.re.is_finite() && z.im.is_finite()), "{text}");
             let dead = stability.multipliers.iter().filter(|z| z.norm() < 1e-12).count();
             // e^{−0.02·f·T} is below 1e-13 from f = 262 on.
             assert!((300..600).contains(&dead), "{text}: {dead}");
-            let alone = structure_verdict(orbit, Tolerance::Rounding).unwrap();
+            let alone = vibrochain_floquet::stability(orbit, Tolerance::Rounding).map(|known| known.verdict).unwrap();
             let off = (alone.spectral_radius - stability.multipliers[0].norm()).abs();
             assert!(off <= 2.0 * alone.resolution + 1e-15, "{text}: {off:e}");
             checked += 1;
@@ -425,10 +425,10 @@ fn two_free_bodies_have_the_orbits_of_their_distance() {
                     let far = (a.impulse - b.impulse).abs() / reduced + (a.time - b.time).abs();
                     assert!(far < 1e-10, "{masses:?} {damping} {word}: {a:?} {b:?}");
                 }
-                let is_physical = |orbit: &StructureOrbit| orbit.admissibility().unwrap().is_physical();
+                let is_physical = |orbit: &Orbit| admissibility(orbit).unwrap().is_physical();
                 assert_eq!(is_physical(one), is_physical(other), "{masses:?} {damping} {word}");
                 physical += u32::from(is_physical(one));
-                let [all, own] = [one, other].map(|orbit| structure_stability(orbit, Tolerance::Rounding).unwrap());
+                let [all, own] = [one, other].map(|orbit| stability(orbit, Tolerance::Rounding).unwrap());
                 for multiplier in &own.multipliers {
                     let near = all.multipliers.iter().map(|z| (z - multiplier).norm()).fold(f64::INFINITY, f64::min);
                     assert!(

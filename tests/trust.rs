@@ -17,7 +17,7 @@ fn orbits(model: &Model, family: Family) -> Vec<Orbit> {
 
 /// The verdict of a sweep and that of a single orbit.
 fn verdicts(orbit: &Orbit, tolerance: Tolerance) -> [Verdict; 2] {
-    let mut finder = Finder::new(orbit.model().chain().sites());
+    let mut finder = Finder::new(orbit.model().unwrap().chain().sites());
     let quick = Analyser::default().verdict(orbit, &mut finder, tolerance).unwrap();
     [quick, stability(orbit, tolerance).unwrap().verdict]
 }

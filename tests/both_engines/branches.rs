@@ -2,15 +2,15 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::{Family, Finder, ModelFamily, OrbitList, StructureOrbit};
-use vibrochain_floquet::{BranchRequest, Course, Event, Located, Tolerance, branches, diagram};
+use vibrochain_breather::{Family, Finder, ModelFamily, Orbit, OrbitList};
+use vibrochain_floquet::{BranchRequest, Course, Diagram, Event, Located, Tolerance, branches, diagram};
 use vibrochain_lattice::{Chain, Model, Parameter, Stop};
 use vibrochain_testkit::{Random, Ranges, Values};
 
 use crate::{structure, word};
 
-fn events<O>(diagram: &vibrochain_floquet::Diagram<O>) -> Vec<(Event, f64, f64)> {
-    let place = |located: &Located<O>| (located.event, located.value, located.error);
+fn events(diagram: &Diagram) -> Vec<(Event, f64, f64)> {
+    let place = |located: &Located| (located.event, located.value, located.error);
     let mut events: Vec<_> = diagram.branches[0].events().map(place).collect();
     events.sort_by(|a, b| a.1.total_cmp(&b.1));
     events
@@ -24,7 +24,7 @@ fn both(model: &Model, family: Family, free: Parameter, [from, to]: [f64; 2]) ->
     let list = structure(model).orbits(&word, periods).ok()?;
     let is_physical = |finder: &mut Finder, orbit| finder.admissibility(orbit).unwrap().is_physical();
     let orbit = found.orbits.iter().find(|orbit| is_physical(&mut finder, orbit))?;
-    let alike = |other: &&StructureOrbit| {
+    let alike = |other: &&Orbit| {
         (other.psi().unwrap_or(0.0) - orbit.psi().unwrap_or(0.0)).abs() < 1e-9
             && (other.impulses()[0] - orbit.impulses()[0]).abs() < 1e-8
     };

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::{Finder, Hit, ModelFamily, Orbit, OrbitList, Scope, StructureOrbit};
+use vibrochain_breather::{Finder, Hit, ModelFamily, Orbit, OrbitList, Scope};
 use vibrochain_floquet::{BranchRequest, Course, Diagram, Event, Tolerance, branches, diagram};
 use vibrochain_lattice::{Chain, Model, Parameter, Point, Stop};
 use vibrochain_testkit::Values::Log;
@@ -13,7 +13,7 @@ use crate::structure;
 /// What happens on a branch of both engines: events, then ends, each with its place, from below.
 type Passed = Vec<(String, f64)>;
 
-fn passed<O>(diagram: &Diagram<O>) -> Passed {
+fn passed(diagram: &Diagram) -> Passed {
     let branch = &diagram.branches[0];
     let mut all: Passed = branch.events().map(|one| (one.event.to_string(), one.value)).collect();
     all.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -23,14 +23,13 @@ fn passed<O>(diagram: &Diagram<O>) -> Passed {
 
 /// The branch of an orbit of the chain, and that of the same orbit of the structure with a contact at each mass.
 fn both(orbit: &Orbit, free: Parameter, [from, to]: [f64; 2], events: &[Event]) -> [Passed; 2] {
-    let model = *orbit.model();
+    let model = *orbit.model().unwrap();
     let course = Course { from, to, events: events.to_vec(), ..Course::new(orbit, free) };
     let one = diagram(orbit, &course).unwrap();
     let family: ModelFamily =
         Arc::new(move |values: &[f64]| Ok(structure(&model.with(free, values[0]).map_err(|error| error.to_string())?)));
     let hits: Vec<Hit> = orbit.impacts().iter().map(Hit::from).collect();
-    let start =
-        StructureOrbit::near(&structure(&model), orbit.force_periods(), orbit.psi().unwrap_or(0.0), &hits).unwrap();
+    let start = structure(&model).orbit_near(orbit.force_periods(), orbit.psi().unwrap_or(0.0), &hits).unwrap();
     let course = BranchRequest { from, to, events: events.to_vec(), generations: 0, tolerance: Tolerance::Rounding };
     let two = branches(&start, &family, model.get(free), &course, &Stop::default()).unwrap();
     [passed(&one), passed(&two)]

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 use vibrochain_breather::{
-    Completeness, Condition, Family, Finder, Orbit, OrbitList, Scope, StructureModel, StructureOrbit, Word,
+    Completeness, Condition, Family, Finder, Orbit, OrbitList, Scope, StructureModel, Word, admissibility,
 };
-use vibrochain_floquet::{Analyser, Tolerance, structure_stability};
+use vibrochain_floquet::{Analyser, Tolerance, stability};
 use vibrochain_lattice::{Force, Harmonic, Point, Structure};
 use vibrochain_testkit::{Meeting, Random, Ranges, Values};
 
@@ -46,7 +46,7 @@ struct Tally {
 
 impl Tally {
     /// Whether it is the same orbit, begun at whichever impact, to within what both tell of their errors.
-    fn is_same(&mut self, chain: &Orbit, finder: &mut Finder, other: &StructureOrbit) -> bool {
+    fn is_same(&mut self, chain: &Orbit, finder: &mut Finder, other: &Orbit) -> bool {
         let (own, impacts, period) = (chain.impacts(), other.impacts(), chain.period());
         if own.len() != impacts.len() || chain.force_periods() != other.force_periods() {
             return false;
@@ -56,7 +56,7 @@ impl Tally {
         let share = |turn: usize| {
             let since = |i: usize| {
                 let place = (i + count - turn) % count;
-                (own[i].time - own[turn].time, impacts[place], other.impact_errors()[place])
+                (own[i].time - own[turn].time, impacts[place], other.contacts().unwrap().impact_errors()[place])
             };
             let mut share = 0.0f64;
             for i in 0..count {
@@ -85,7 +85,7 @@ impl Tally {
     }
 
     /// Each orbit of one list is one of the other; all of them where both lists are said to be complete.
-    fn compare(&mut self, what: &str, (found, finder): (&OrbitList, &mut Finder), other: &OrbitList<StructureOrbit>) {
+    fn compare(&mut self, what: &str, (found, finder): (&OrbitList, &mut Finder), other: &OrbitList) {
         self.lists += 1;
         let (mut taken, mut places) = (vec![false; other.orbits.len()], Vec::new());
         for orbit in &found.orbits {
@@ -109,9 +109,8 @@ impl Tally {
         let is_complete = matches!(found.completeness, Completeness::All(_) | Completeness::None { by: Some(_), .. });
         if is_complete {
             self.complete += usize::from(other.completeness.is_established());
-            let pushes = |orbit: &StructureOrbit| {
-                orbit.impacts().iter().all(|impact| impact.barrier.sign() * impact.impulse < 0.0)
-            };
+            let pushes =
+                |orbit: &Orbit| orbit.impacts().iter().all(|impact| impact.barrier.sign() * impact.impulse < 0.0);
             let lacking = || other.orbits.iter().zip(&taken).filter(|(_, taken)| !**taken).map(|(orbit, _)| orbit);
             assert!(!lacking().any(pushes), "{what}: {:?} but {:?}", found.completeness, other.orbits);
             self.pulled += lacking().count();
@@ -120,9 +119,9 @@ impl Tally {
         }
     }
 
-    fn compare_orbits(&mut self, what: &str, (chain, finder): (&Orbit, &mut Finder), other: &StructureOrbit) {
+    fn compare_orbits(&mut self, what: &str, (chain, finder): (&Orbit, &mut Finder), other: &Orbit) {
         self.orbits += 1;
-        let (one, two) = (finder.admissibility(chain).unwrap(), other.admissibility().unwrap());
+        let (one, two) = (finder.admissibility(chain).unwrap(), admissibility(other).unwrap());
         let rounded = rounding_of_matrices(&finder.condition(chain).unwrap());
         let grazes = |margin: Option<f64>| margin.is_some_and(|margin| margin.abs() < 1e-9);
         if !grazes(one.margin) && !grazes(two.margin) {
@@ -133,7 +132,7 @@ impl Tally {
         }
         self.physical += usize::from(one.is_physical());
         let told = Analyser::default().stability(chain, finder, Tolerance::Rounding);
-        let (Ok(one), Ok(two)) = (told, structure_stability(other, Tolerance::Rounding)) else { return };
+        let (Ok(one), Ok(two)) = (told, stability(other, Tolerance::Rounding)) else { return };
         let (one, two) = (one.verdict, two.verdict);
         // What a chain tells of a forced orbit is an estimate: of 3 masses at γ₃ = 1.4e-5 it is off by six times as much (many digits: 259.86246534848782).
         let room = 16.0 * one.resolution + 2.0 * two.resolution + rounded * one.spectral_radius;
@@ -277,8 +276,8 @@ fn lists_stay_as_a_resonance_comes_close_whatever_the_dashpots() {
             for family in [Family::DoubleSided, Family::SingleSided] {
                 let what = format!("{off:e} {family} {model}");
                 let (word, periods) = word(family, 0);
-                let times = |list: &OrbitList<StructureOrbit>| -> Vec<f64> {
-                    let phi = |orbit: &StructureOrbit| orbit.phi().unwrap_or(orbit.psi().unwrap()) / orbit.period();
+                let times = |list: &OrbitList| -> Vec<f64> {
+                    let phi = |orbit: &Orbit| orbit.phi().unwrap_or(orbit.psi().unwrap()) / orbit.period();
                     list.orbits.iter().map(phi).collect()
                 };
                 let list = structure(&model).orbits(&word, periods).unwrap();

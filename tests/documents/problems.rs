@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 use std::fs;
 use std::path::PathBuf;
 
-use vibrochain_breather::{OrbitList, StructureOrbit, Word};
-use vibrochain_floquet::{Tolerance, structure_stability};
+use vibrochain_breather::{Orbit, OrbitList, Word, admissibility};
+use vibrochain_floquet::{Tolerance, stability};
 use vibrochain_lattice::{Complex, Stop};
 use vibrochain_maps::structure::{Setting, StructureScene};
 use vibrochain_maps::sweep::{Ended, sweep};
@@ -21,20 +21,20 @@ fn scene(name: &str) -> StructureScene {
     StructureScene::read(&root().join("scenes/structures").join(name)).unwrap().unwrap()
 }
 
-pub(crate) fn orbits(scene: &StructureScene, word: Option<&str>) -> OrbitList<StructureOrbit> {
+pub(crate) fn orbits(scene: &StructureScene, word: Option<&str>) -> OrbitList {
     let word: Word = word.map_or_else(|| scene.word.clone().unwrap(), |word| word.parse().unwrap());
     scene.model().unwrap().orbits(&word, scene.force_periods).unwrap()
 }
 
-fn radius(orbit: &StructureOrbit) -> f64 {
-    structure_stability(orbit, Tolerance::Rounding).unwrap().verdict.spectral_radius
+fn radius(orbit: &Orbit) -> f64 {
+    stability(orbit, Tolerance::Rounding).unwrap().verdict.spectral_radius
 }
 
-fn is_physical(orbit: &StructureOrbit) -> bool {
-    orbit.admissibility().unwrap().is_physical()
+fn is_physical(orbit: &Orbit) -> bool {
+    admissibility(orbit).unwrap().is_physical()
 }
 
-pub(crate) fn physical(found: &OrbitList<StructureOrbit>) -> Vec<&StructureOrbit> {
+pub(crate) fn physical(found: &OrbitList) -> Vec<&Orbit> {
     found.orbits.iter().filter(|orbit| is_physical(orbit)).collect()
 }
 
@@ -137,11 +137,11 @@ fn modulus_by_hand(one: Oscillator, omega: f64, e: f64, stop: f64, (impulse, psi
 }
 
 #[track_caller]
-pub(crate) fn same_orbits(found: &OrbitList<StructureOrbit>, told: [(f64, f64); 2]) {
+pub(crate) fn same_orbits(found: &OrbitList, told: [(f64, f64); 2]) {
     assert_eq!(found.orbits.len(), 2);
-    let period = found.orbits[0].model().period();
+    let period = found.orbits[0].force_period();
     for (impulse, psi) in told {
-        let is_it = |orbit: &&StructureOrbit| (orbit.impacts()[0].impulse - impulse).abs() < 1e-11;
+        let is_it = |orbit: &&Orbit| (orbit.impacts()[0].impulse - impulse).abs() < 1e-11;
         let orbit = found.orbits.iter().find(is_it).unwrap_or_else(|| panic!("{impulse}: {found:?}"));
         let apart = (orbit.psi().unwrap() - psi).rem_euclid(period);
         assert!(apart.min(period - apart) < 1e-11, "{apart}");
@@ -303,8 +303,8 @@ fn impacts_begin_at_the_grazing_amplitude() {
             orbits(&own, None)
         };
         let (below, above) = (at(-1e-5), at(1e-5));
-        let slowest = |found: &OrbitList<StructureOrbit>| {
-            let speed = |orbit: &StructureOrbit| orbit.impacts()[0].velocity_before;
+        let slowest = |found: &OrbitList| {
+            let speed = |orbit: &Orbit| orbit.impacts()[0].velocity_before;
             let least = found.orbits.iter().min_by(|a, b| speed(a).abs().total_cmp(&speed(b).abs()));
             (speed(least.unwrap()), radius(least.unwrap()))
         };
@@ -335,7 +335,7 @@ fn free_balls_obey_the_balance_of_momentum() {
     };
     assert!(physical(&at(&mut ball, begins * (1.0 - 1e-9))).is_empty());
     assert_eq!(physical(&at(&mut ball, begins * (1.0 + 1e-9))).len(), 2);
-    let radii = |found: &OrbitList<StructureOrbit>| {
+    let radii = |found: &OrbitList| {
         found.orbits.iter().for_each(|orbit| near(orbit.impacts()[0].impulse, TAU, 1e-12));
         let radii = physical(found).into_iter().map(radius);
         radii.fold(f64::INFINITY, f64::min)

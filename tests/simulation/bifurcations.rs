@@ -68,8 +68,8 @@ fn impacts(orbit: &Orbit) -> usize {
     let displacement: Vec<f64> = masses.iter().map(|mass| mass.displacement).collect();
     let velocity: Vec<f64> = masses.iter().map(|mass| mass.velocity).collect();
     let psi = orbit.psi().unwrap() + start;
-    let mut simulation = Simulation::new(orbit.model(), psi, &displacement, &velocity).unwrap();
-    simulation.collect(&Limits::until(Time::new(orbit.model(), 3, 0.0))).1.len()
+    let mut simulation = Simulation::new(orbit.model().unwrap(), psi, &displacement, &velocity).unwrap();
+    simulation.collect(&Limits::until(Time::new(orbit.model().unwrap(), 3, 0.0))).1.len()
 }
 
 #[test]

@@ -68,9 +68,9 @@ fn state(motion: &mut Motion, t: f64) -> DVector<f64> {
 fn simulate(orbit: &Orbit, point: &DVector<f64>, see: impl FnMut(f64, usize, f64)) -> DVector<f64> {
     let start = 0.5 * (orbit.impacts().last().unwrap().time - orbit.period());
     let (u, v) = point.as_slice().split_at(point.len() / 2);
-    let mut simulation = Simulation::new(orbit.model(), orbit.psi().unwrap() + start, u, v).unwrap();
+    let mut simulation = Simulation::new(orbit.model().unwrap(), orbit.psi().unwrap() + start, u, v).unwrap();
     let mut see = see;
-    let until = Time::new(orbit.model(), u64::from(orbit.force_periods()), 0.0);
+    let until = Time::new(orbit.model().unwrap(), u64::from(orbit.force_periods()), 0.0);
     let report = simulation.run(&Limits::until(until), |event| {
         assert_eq!(event.kind, EventKind::Impact);
         see(event.time.to_f64() + start, event.contact, event.velocity_before);
@@ -106,7 +106,7 @@ fn multipliers_are_those_of_the_simulated_return_map() {
     each_physical(|orbit, name| {
         let slowest = orbit.impacts().iter().map(|impact| impact.velocity_before.abs()).fold(1.0, f64::min);
         // Differences of a map next to grazing lose their digits before they see its slope.
-        if orbit.model().chain().sites() > 8 || slowest < 0.02 {
+        if orbit.model().unwrap().chain().sites() > 8 || slowest < 0.02 {
             return;
         }
         compared += 1;

@@ -6,7 +6,7 @@ use vibrochain::lattice::{Chain, Force, Harmonic, Model, Parameter, Point};
 use vibrochain_testkit::ReturnMap;
 
 fn verdicts(orbit: &Orbit) -> [Verdict; 3] {
-    let mut finder = Finder::new(orbit.model().chain().sites());
+    let mut finder = Finder::new(orbit.model().unwrap().chain().sites());
     [
         Analyser::default().verdict(orbit, &mut finder, Tolerance::Rounding).unwrap(),
         Analyser::default().stability(orbit, &mut finder, Tolerance::Rounding).unwrap().verdict,

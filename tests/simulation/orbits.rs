@@ -29,13 +29,14 @@ impl Return {
     fn simulation(&self, state: &DVector<f64>) -> Simulation {
         let m = state.len() / 2;
         let psi = self.orbit.psi().unwrap_or(0.0) + self.start;
-        Simulation::new(self.orbit.model(), psi, &state.as_slice()[..m], &state.as_slice()[m..]).unwrap()
+        Simulation::new(self.orbit.model().unwrap(), psi, &state.as_slice()[..m], &state.as_slice()[m..]).unwrap()
     }
 
     /// Runs to the end of `periods` periods of the orbit since the simulation began.
     fn run(&self, simulation: &mut Simulation, periods: u64) -> DVector<f64> {
         let force = u64::from(self.orbit.force_periods());
-        let report = simulation.run(&Limits::until(Time::new(self.orbit.model(), periods * force, 0.0)), |_| {});
+        let report =
+            simulation.run(&Limits::until(Time::new(self.orbit.model().unwrap(), periods * force, 0.0)), |_| {});
         assert_eq!(report.outcome, Outcome::TimeReached);
         let state = simulation.state();
         DVector::from_iterator(self.point.len(), state.displacement.iter().chain(&state.velocity).copied())
@@ -65,7 +66,7 @@ impl Return {
     /// Free flight (negative times too) of a perturbation.
     fn flow(&self, time: f64) -> DMatrix<f64> {
         let m = self.point.len() / 2;
-        let flow = Propagator::new(&Spectrum::new(*self.orbit.model().chain()), time);
+        let flow = Propagator::new(&Spectrum::new(*self.orbit.model().unwrap().chain()), time);
         DMatrix::from_fn(2 * m, 2 * m, |i, j| flow.block(i % m, j % m)[i / m][j / m])
     }
 }
@@ -92,7 +93,7 @@ fn every_physical_orbit_closes_after_one_period_with_its_own_impacts_and_no_othe
     for orbit in &orbits {
         let map = Return::new(orbit);
         let mut simulation = map.simulation(&map.point);
-        let time = Time::new(orbit.model(), u64::from(orbit.force_periods()), 0.0);
+        let time = Time::new(orbit.model().unwrap(), u64::from(orbit.force_periods()), 0.0);
         let (report, events) = simulation.collect(&Limits::until(time));
         assert_eq!(report.outcome, Outcome::TimeReached);
         assert_eq!(events.len(), orbit.impacts().len(), "{orbit:?}");
@@ -422,13 +423,13 @@ fn checked_words_repeat_ten_times_and_have_the_multipliers_of_their_simulation()
         let periods = (1e4_f64.ln() / case.spectral_radius.ln()).clamp(1.0, 10.0) as u64;
         let map = Return::new(&orbit);
         let mut simulation = map.simulation(&map.point);
-        let (report, events) = simulation.collect(&Limits::until(Time::new(orbit.model(), periods, 0.0)));
+        let (report, events) = simulation.collect(&Limits::until(Time::new(orbit.model().unwrap(), periods, 0.0)));
         let expected = periods as usize * orbit.impacts().len();
         assert_eq!((report.outcome, events.len()), (Outcome::TimeReached, expected), "{}", case.word);
         let state = simulation.state();
         let end = DVector::from_iterator(map.point.len(), state.displacement.into_iter().chain(state.velocity));
         let off = (end - &map.point).amax();
-        assert!(off <= 1e-10, "{} {}: {off:e}", case.word, orbit.model().chain());
+        assert!(off <= 1e-10, "{} {}: {off:e}", case.word, orbit.model().unwrap().chain());
         closed += usize::from(periods == 10);
         let map = ReturnMap::new(&orbit);
         let (lead, jacobian) = (map.ring.flow(-map.start), map.jacobian());

@@ -112,6 +112,9 @@ pub enum BreatherError {
         "the load moves none of the contacts of this word: nothing tells its phase; leave the load out, or give another word"
     )]
     Unfelt,
+    /// What only lattices have is asked of another structure's orbit.
+    #[error("this orbit is of a structure that is no lattice: ask its contacts, not its masses")]
+    NoLattice,
     /// Impacts that are not in the order of time within one period.
     #[error("the impacts are not in order of time within one period of the orbit{}", if *found { ", where Newton's method has led" } else { "" })]
     OutOfOrder {

@@ -13,7 +13,7 @@
 //!
 //! | name | what it is |
 //! |---|---|
-//! | [`Orbit`], [`Impact`], [`Family`] | a periodic orbit, by its impacts |
+//! | [`Orbit`], [`Impact`], [`Family`] | a periodic orbit, by its impacts; [`LatticeOrbit`] with what only a lattice's has |
 //! | [`breathers`], [`Finder`], [`OrbitList`] | from parameters to orbits |
 //! | [`MapBreather`] | what a map asks of a conservative breather, without its orbit |
 //! | [`Completeness`], [`Proof`] | whether a list of orbits is all, and how that is known |
@@ -67,7 +67,7 @@ pub use equations::linear;
 pub use equations::{BlochEquations, LinearImpact, ShapeErrors, Shift};
 pub use error::{BreatherError, NoBreather, Unsearched};
 pub use motion::{Kinematics, Motion};
-pub use orbit::{Family, Hit, Impact, Orbit, time_between};
+pub use orbit::{Family, Hit, Impact, LatticeOrbit, Orbit, time_between};
 pub use roots::bracket;
 pub use search::at_resonance::Limit;
 pub use search::completeness::{Completeness, Proof};

@@ -33,7 +33,7 @@ fn accelerations_at_impacts_are_those_of_the_motion() {
                     let size = largest * (1.0 + gamma1 + 4.0 * gamma2) * sites as f64;
                     let off = [
                         impact.acceleration - now.acceleration,
-                        orbit.model().barrier(impact.barrier) - now.displacement,
+                        orbit.model().unwrap().barrier(impact.barrier) - now.displacement,
                         impact.velocity_after - now.velocity,
                     ];
                     assert!(off.iter().all(|off| off.abs() < 1e-13 * size), "{off:?} {size} {impact:?} {model:?}");

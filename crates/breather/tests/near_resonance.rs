@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use vibrochain_breather::{
-    Completeness, Family, Finder, Impact, ImpactError, OrbitList, Scope, StructureModel, StructureOrbit, breathers,
+    Completeness, Family, Finder, Impact, ImpactError, Orbit, OrbitList, Scope, StructureModel, breathers,
 };
 use vibrochain_lattice::{Complex, Contact, DMatrix, DVector, Ends, Point, Structure};
 use vibrochain_testkit::Random;
@@ -42,12 +42,12 @@ fn between(lower: f64, upper: f64, restitution: f64) -> Contact {
     Contact { lower: Some(lower), upper: Some(upper), restitution }
 }
 
-fn list(model: &StructureModel, word: &str, periods: u32) -> OrbitList<StructureOrbit> {
+fn list(model: &StructureModel, word: &str, periods: u32) -> OrbitList {
     model.orbits(&word.parse().unwrap(), periods).unwrap()
 }
 
 /// First impulse, second time and ψ, which is 0 without a load.
-fn told(orbit: &StructureOrbit) -> [f64; 3] {
+fn told(orbit: &Orbit) -> [f64; 3] {
     let impacts = orbit.impacts();
     [impacts[0].impulse, impacts.get(1).map_or(0.0, |impact| impact.time), orbit.psi().unwrap_or(0.0)]
 }
@@ -58,9 +58,9 @@ fn off(value: f64, error: f64) -> f64 {
 }
 
 /// Whether both are known to be two orbits, by their impulses or times, however one begins.
-fn are_two(one: &StructureOrbit, other: &StructureOrbit) -> bool {
-    fn with_errors(orbit: &StructureOrbit) -> impl Iterator<Item = (&Impact, &ImpactError)> {
-        orbit.impacts().iter().zip(orbit.impact_errors())
+fn are_two(one: &Orbit, other: &Orbit) -> bool {
+    fn with_errors(orbit: &Orbit) -> impl Iterator<Item = (&Impact, &ImpactError)> {
+        orbit.impacts().iter().zip(orbit.contacts().unwrap().impact_errors())
     }
     with_errors(one).zip(with_errors(other)).any(|((a, of_a), (b, of_b))| {
         (a.impulse - b.impulse).abs() > off(a.impulse, of_a.impulse) + off(b.impulse, of_b.impulse)
@@ -68,10 +68,10 @@ fn are_two(one: &StructureOrbit, other: &StructureOrbit) -> bool {
     }) || (told(one)[2] - told(other)[2]).abs() > 1e-7 * one.period()
 }
 
-fn assert_distinct(orbits: &[StructureOrbit]) {
+fn assert_distinct(orbits: &[Orbit]) {
     for (i, one) in orbits.iter().enumerate() {
         assert!(orbits[..i].iter().all(|other| are_two(one, other)), "{one:?}");
-        let mut pairs = one.impacts().iter().zip(one.impact_errors());
+        let mut pairs = one.impacts().iter().zip(one.contacts().unwrap().impact_errors());
         let hits = |(impact, error): (&Impact, &ImpactError)| impact.impulse.abs() > off(impact.impulse, error.impulse);
         assert!(pairs.all(hits), "{one:?}");
     }
@@ -119,9 +119,9 @@ fn next_to_a_resonance_each_orbit_is_listed_once() {
         assert_eq!(found.orbits.len(), count, "{name}: {:?}", found.completeness);
         assert_distinct(&found.orbits);
         if let Some([impulse, time]) = known {
-            let is_it = |orbit: &&StructureOrbit| {
+            let is_it = |orbit: &&Orbit| {
                 let [first, second] = [orbit.impacts()[0], orbit.impacts()[1]];
-                let errors = orbit.impact_errors();
+                let errors = orbit.contacts().unwrap().impact_errors();
                 (first.impulse - impulse).abs() <= off(impulse, errors[0].impulse)
                     && (second.time - time).abs() <= off(time, errors[1].time)
             };
@@ -149,9 +149,10 @@ fn compare_with_flights(rounds: usize, seed: u64) -> [usize; 3] {
         let found = list(&model, "0+,0-", 1);
         assert_distinct(&found.orbits);
         for orbit in &found.orbits {
-            let is_it = |other: &&vibrochain_breather::Orbit| {
+            let is_it = |other: &&Orbit| {
                 let near = |a: f64, b: f64, error: f64| (a - b).abs() <= error + 1e-6 * (1.0 + b.abs());
-                let mut pairs = orbit.impacts().iter().zip(orbit.impact_errors()).zip(other.impacts());
+                let mut pairs =
+                    orbit.impacts().iter().zip(orbit.contacts().unwrap().impact_errors()).zip(other.impacts());
                 pairs.all(|((a, off), b)| near(a.impulse, b.impulse, off.impulse) && near(a.time, b.time, off.time))
             };
             assert!(chain.orbits.iter().any(|other| is_it(&other)), "{away:e} {omega}: {orbit:?}");
@@ -228,7 +229,7 @@ fn a_load_of_one_harmonic_is_one_of_as_many_periods() {
         let found = list(&one_mass(damping, contact, (harmonic, load), omega), word, 1);
         let again = list(&one_mass(damping, contact, (1, load), omega * f64::from(harmonic)), word, harmonic);
         let clock = TAU / omega / f64::from(harmonic);
-        let is_it = |one: &StructureOrbit, other: &StructureOrbit| {
+        let is_it = |one: &Orbit, other: &Orbit| {
             let (n, apart) = (one.impacts().len(), |x: f64, period: f64| (x - period * (x / period).round()).abs());
             (0..n).any(|turn| {
                 let begins = other.impacts()[turn].time;

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::{Completeness, Hit, Proof, StructureModel, StructureOrbit, Word};
+use vibrochain_breather::{Completeness, Hit, Orbit, Proof, StructureModel, Word};
 use vibrochain_lattice::{Barrier, Complex, Contact, LinearMode, ModalStructure, ModeShape};
 use vibrochain_testkit::Random;
 
@@ -32,15 +32,9 @@ fn random_structure(random: &mut Random) -> ModalStructure {
 }
 
 /// Orbits of three pushing impacts that starts lead to, each told once.
-fn led_to(
-    model: &StructureModel,
-    letters: &Letters,
-    periods: u32,
-    starts: usize,
-    random: &mut Random,
-) -> Vec<StructureOrbit> {
+fn led_to(model: &StructureModel, letters: &Letters, periods: u32, starts: usize, random: &mut Random) -> Vec<Orbit> {
     let period = model.period() * f64::from(periods);
-    let mut led: Vec<StructureOrbit> = Vec::new();
+    let mut led: Vec<Orbit> = Vec::new();
     for _ in 0..starts {
         let mut times = [0.0, random.between(0.0, period), random.between(0.0, period)];
         times.sort_by(f64::total_cmp);
@@ -48,7 +42,7 @@ fn led_to(
             |i: usize| Hit::new(letters[i].0, letters[i].1, times[i], -letters[i].1.sign() * random.log(0.01, 3.0));
         let start: Vec<_> = (0..3).map(impact).collect();
         let psi = random.between(0.0, model.period());
-        let Ok(orbit) = StructureOrbit::near(model, periods, psi, &start) else { continue };
+        let Ok(orbit) = model.orbit_near(periods, psi, &start) else { continue };
         let impacts = orbit.impacts();
         let (t, sizes) =
             ([0, 1, 2].map(|i| impacts[i].time), [0, 1, 2].map(|i| impacts[i].impulse * impacts[i].barrier.sign()));
@@ -70,13 +64,14 @@ fn led_to(
     led
 }
 
-fn same(a: &StructureOrbit, b: &StructureOrbit) -> bool {
-    let apart = |orbit: &StructureOrbit, i: usize| {
+fn same(a: &Orbit, b: &Orbit) -> bool {
+    let apart = |orbit: &Orbit, i: usize| {
         let later = if i == 2 { orbit.period() } else { orbit.impacts()[i + 1].time };
         later - orbit.impacts()[i].time
     };
     // Newton's method may end where conditions are met but times are known poorly.
-    let errors = a.impact_errors().iter().chain(b.impact_errors()).map(|error| 2.0 * error.time);
+    let errors =
+        [a, b].into_iter().flat_map(|orbit| orbit.contacts().unwrap().impact_errors()).map(|error| 2.0 * error.time);
     let room = errors.fold(1e-6 * a.period(), f64::max);
     (0..3).any(|turn| {
         (0..3).all(|i| {

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::{Completeness, Family, Hit, Proof, StructureModel, StructureOrbit, breathers};
+use vibrochain_breather::{Completeness, Family, Hit, Orbit, Proof, StructureModel, breathers};
 use vibrochain_lattice::{Barrier, Contact, DMatrix, DVector, LinearMode, ModalStructure, ModeShape, Point, Structure};
 use vibrochain_testkit::Random;
 
@@ -102,7 +102,7 @@ fn any_structure_has_all_orbits_that_starts_lead_to() {
         let proof = found.completeness.proof();
         assert!(matches!(proof, Some(Proof::Enclosures { .. })), "{:?}", found.completeness);
         complete += 1;
-        let told = |orbit: &StructureOrbit| {
+        let told = |orbit: &Orbit| {
             let impacts = orbit.impacts();
             [impacts[1].time, impacts[0].impulse, impacts[1].impulse]
         };
@@ -115,7 +115,7 @@ fn any_structure_has_all_orbits_that_starts_lead_to() {
                 impact(0, 0.0, random.log(0.01, 3.0)),
                 impact(1, model.period() * random.between(0.01, 0.99), random.log(0.01, 3.0)),
             ];
-            let Ok(orbit) = StructureOrbit::near(&model, 1, 0.0, &hits) else { continue };
+            let Ok(orbit) = model.orbit_near(1, 0.0, &hits) else { continue };
             let own = told(&orbit);
             let apart = own[0] / model.period();
             if !(2e-4..1.0 - 2e-4).contains(&apart) || own[1].abs().min(own[2].abs()) < 1e-6 {

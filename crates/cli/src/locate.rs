@@ -4,12 +4,13 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 use serde_json::{Map, Value, json};
-use vibrochain_floquet::{BranchedOrbit, Event, Evidence, Followed, Located, Verdict};
+use vibrochain_floquet::{BranchedOrbit, Event, Evidence, Located, Verdict};
 use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::numbers::Number;
 
 use crate::along::{
-    Along, ChainAlong, Events, FIRST, StructureAlong, answer, checked_range, ending, ends, evidence_text, value_text,
+    self, Along, ChainAlong, Events, FIRST, StructureAlong, answer, checked_range, ending, ends, evidence_text,
+    value_text,
 };
 use crate::args::LocateArgs;
 use crate::common::answer::printed;
@@ -58,7 +59,7 @@ fn header(free: &str) -> [&str; 9] {
 }
 
 /// A row of the table.
-fn fields<O: Followed>(found: &Located<O>) -> impl Serialize + use<O> {
+fn fields(found: &Located) -> impl Serialize + use<> {
     let (orbit, multiplier) = (
         &found.orbit,
         match found.evidence {
@@ -71,17 +72,11 @@ fn fields<O: Followed>(found: &Located<O>) -> impl Serialize + use<O> {
 }
 
 /// The answer as JSON.
-fn json_of<A: Along>(
-    along: &A,
-    event: Event,
-    free: &str,
-    range: [f64; 2],
-    found: &Events<A::Orbit>,
-) -> Map<String, Value> {
+fn json_of<A: Along>(along: &A, event: Event, free: &str, range: [f64; 2], found: &Events) -> Map<String, Value> {
     let mut told = answer(along, if A::OF_CHAINS { LOCATE } else { STRUCTURE_BRANCH }, json!(free));
     told.extend(object([
         ("range", json!(range)),
-        (if A::OF_CHAINS { "points" } else { "events" }, found.located.iter().map(A::event).collect()),
+        (if A::OF_CHAINS { "points" } else { "events" }, found.located.iter().map(along::event).collect()),
         ("unresolved", json!(found.unresolved)),
         ("ends", ends(free, &found.ends)),
     ]));
@@ -93,7 +88,7 @@ fn json_of<A: Along>(
 }
 
 /// The answer for people. Writing to a String cannot fail.
-fn as_text<A: Along>(along: &A, event: Event, free: A::Free, found: &Events<A::Orbit>) -> Result<String, CliError> {
+fn as_text<A: Along>(along: &A, event: Event, free: A::Free, found: &Events) -> Result<String, CliError> {
     let name = A::name(free);
     let mut out = format!("{event} of {}\n", along.heading(free)?);
     let count = found.located.len();
@@ -101,7 +96,7 @@ fn as_text<A: Along>(along: &A, event: Event, free: A::Free, found: &Events<A::O
         let _ = writeln!(out, "{}{}", counted(count, "event"), if count > 1 { ", along the parameter" } else { "" });
     }
     for one in &found.located {
-        located_text::<A>(&mut out, &name, one);
+        located_text(&mut out, &name, one);
     }
     for place in &found.unresolved {
         let (from, to) = (Number(place.from), Number(place.to));
@@ -120,10 +115,10 @@ fn as_text<A: Along>(along: &A, event: Event, free: A::Free, found: &Events<A::O
     Ok(out)
 }
 
-fn located_text<A: Along>(out: &mut String, name: &str, found: &Located<A::Orbit>) {
+fn located_text(out: &mut String, name: &str, found: &Located) {
     let _ = writeln!(out, "\n{}", value_text(name, found));
-    let _ = writeln!(out, "  {}", evidence_text::<A>(found));
-    let _ = writeln!(out, "  {}", A::told(&found.orbit));
+    let _ = writeln!(out, "  {}", evidence_text(found));
+    let _ = writeln!(out, "  {}", found.orbit);
     if found.physical == Some(false) && matches!(found.evidence, Evidence::Multiplier(_)) {
         let _ = writeln!(out, "  not physical there");
     }
@@ -134,12 +129,12 @@ fn located_text<A: Along>(out: &mut String, name: &str, found: &Located<A::Orbit
         let which = if branching.orbits.len() == 1 { "the doubled orbit" } else { "the asymmetric pair" };
         let side = if branching.above { "above" } else { "below" };
         let _ = writeln!(out, "  {which} exists {side} it; at {name} = {}:", Number(branching.value));
-        branching.orbits.iter().for_each(|branched| branched_text::<A>(out, branched));
+        branching.orbits.iter().for_each(|branched| branched_text(out, branched));
     }
 }
 
-fn branched_text<A: Along>(out: &mut String, branched: &BranchedOrbit<A::Orbit>) {
-    let _ = writeln!(out, "    {}", A::told(&branched.orbit));
+fn branched_text(out: &mut String, branched: &BranchedOrbit) {
+    let _ = writeln!(out, "    {}", branched.orbit);
     let physical = match branched.physical {
         Some(true) => "physical",
         Some(false) => "not physical",

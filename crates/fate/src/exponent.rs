@@ -10,7 +10,7 @@
 //! reasonable time. Then all directions ride along at once, and the multipliers are those of what a period makes of them.
 
 use thiserror::Error;
-use vibrochain_breather::{BreatherError, Orbit, StructureOrbit};
+use vibrochain_breather::{BreatherError, Orbit};
 use vibrochain_eventsim::{Outcome, Report, Simulation, Tangents};
 use vibrochain_floquet::{DMatrix, eigenvalues};
 use vibrochain_lattice::Stop;
@@ -81,14 +81,6 @@ pub enum Unmeasured {
 /// ```
 pub fn measure(orbit: &Orbit, periods: u64, stop: &Stop) -> Result<Measured, Unmeasured> {
     measure_from(&Origin::on(orbit)?, periods, stop)
-}
-
-/// The same of an orbit of a structure.
-///
-/// # Errors
-/// [`Unmeasured`].
-pub fn measure_structure(orbit: &StructureOrbit, periods: u64, stop: &Stop) -> Result<Measured, Unmeasured> {
-    measure_from(&Origin::on_structure(orbit)?, periods, stop)
 }
 
 pub(crate) fn measure_from(origin: &Origin, periods: u64, stop: &Stop) -> Result<Measured, Unmeasured> {

@@ -395,7 +395,7 @@ impl Ensembled for Scene {
 /// Whence runs start, and whether the breather is unstable, as the scene counts it.
 fn departure(number: u32, orbit: &Orbit, tolerance: Tolerance, stop: &Stop) -> Option<(Departure, bool)> {
     let home = Home::of(orbit).ok()?;
-    let mut finder = Finder::new(orbit.model().chain().sites()).until(stop);
+    let mut finder = Finder::default().until(stop);
     let known = Analyser::default().stability(orbit, &mut finder, tolerance).ok();
     let unstable = known.as_ref().is_some_and(|known| !known.verdict.stable && !known.verdict.undecided);
     Some((Departure::of(number, orbit.name(), known.as_ref(), orbit.period(), home), unstable))

@@ -41,10 +41,15 @@ impl Track {
             instants: orbit.instants().map(|impacts| impacts.iter().map(expected).collect()).collect(),
             fastest: orbit.impacts().iter().fold(0.0, |most: f64, impact| most.max(impact.velocity_before.abs())),
             period: orbit.period(),
-            unit: orbit.model().period(),
+            unit: orbit.force_period(),
             span: orbit.force_periods().into(),
-            forced: orbit.model().amplitude() > 0.0,
+            forced: orbit.is_forced(),
         }
+    }
+
+    /// Where no impact is expected.
+    pub(crate) fn none(period: f64, forced: bool) -> Self {
+        Self { instants: Vec::new(), fastest: 0.0, period, unit: period, span: 1, forced }
     }
 
     /// How long after the instant before it an instant comes; the only one of a period comes a period after itself.

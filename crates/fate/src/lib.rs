@@ -61,7 +61,7 @@ pub use content::Fates;
 pub use diagram::{Column, Diagram, MAX_POINTS, SectionPoint, Sectioned};
 pub use end::End;
 pub use ensemble::{Ensemble, OutOfRange};
-pub use exponent::{Measured, Unmeasured, measure, measure_structure};
+pub use exponent::{Measured, Unmeasured, measure};
 pub use fates::{BreatherFates, CellFates, Ensembled, From, fates};
 pub use reader::Reader;
 pub use run::{Fate, Home, LOOKED_AT};

@@ -1,10 +1,10 @@
 //! What runs start from: a breather of a chain, or an orbit of a structure, or its rest.
 
-use vibrochain_breather::{BreatherError, Orbit, StructureModel, StructureMotion, StructureOrbit, Word};
+use vibrochain_breather::{BreatherError, Orbit, StructureModel, StructureMotion, Word};
 use vibrochain_eventsim::{Simulation, Tangents};
 use vibrochain_lattice::{Barrier, ModalStructure, Model, Stop};
 
-use crate::follow::{Expected, Track};
+use crate::follow::Track;
 use crate::repeat::{Hit, word_of};
 use crate::section::Strobe;
 use crate::start::Start;
@@ -27,20 +27,30 @@ pub struct Origin {
 #[derive(Debug, Clone)]
 enum State {
     Masses { model: Box<Model>, orbit: Option<Box<Orbit>>, start: Start },
-    Modes { model: StructureModel, orbit: Option<Box<StructureOrbit>>, modes: Vec<[f64; 2]> },
+    Modes { model: StructureModel, orbit: Option<Box<Orbit>>, modes: Vec<[f64; 2]> },
 }
 
 impl Origin {
-    /// On a breather of a chain.
+    /// On an orbit, in the middle of the flight before the first impact.
     pub(crate) fn on(orbit: &Orbit) -> Result<Self, BreatherError> {
-        let start = Start::on(orbit)?;
-        let (psi, time) = (start.psi, start.time);
-        Ok(Self {
-            state: State::Masses { model: Box::new(*orbit.model()), orbit: Some(Box::new(orbit.clone())), start },
-            psi,
-            time,
-            in_sequence: false,
-        })
+        let known = Some(Box::new(orbit.clone()));
+        let (state, psi, time) = match orbit.contacts() {
+            None => {
+                let start = Start::on(orbit)?;
+                let (psi, time) = (start.psi, start.time);
+                let model = Box::new(*orbit.lattice()?.model());
+                (State::Masses { model, orbit: known, start }, psi, time)
+            }
+            Some(contacts) => {
+                let motion = StructureMotion::new(contacts)?;
+                let last = orbit.impacts().len().saturating_sub(1);
+                let lapse = 0.5 * motion.until_next(last);
+                let time = orbit.impacts().get(last).map_or(0.0, |impact| impact.time) + lapse;
+                let (psi, modes) = (orbit.psi().unwrap_or(0.0) + time, motion.modes(last, lapse)?);
+                (State::Modes { model: contacts.model().clone(), orbit: known, modes }, psi, time - orbit.period())
+            }
+        };
+        Ok(Self { state, psi, time, in_sequence: false })
     }
 
     /// A chain in any state, on no orbit, at phase 0 of the force; brought between the barriers.
@@ -54,17 +64,6 @@ impl Origin {
             time: 0.0,
             in_sequence: false,
         }
-    }
-
-    /// On an orbit of a structure, in the middle of the flight before the first impact.
-    pub(crate) fn on_structure(orbit: &StructureOrbit) -> Result<Self, BreatherError> {
-        let motion = StructureMotion::new(orbit)?;
-        let last = orbit.impacts().len().saturating_sub(1);
-        let lapse = 0.5 * motion.until_next(last);
-        let time = orbit.impacts().get(last).map_or(0.0, |impact| impact.time) + lapse;
-        let (psi, modes) = (orbit.psi().unwrap_or(0.0) + time, motion.modes(last, lapse)?);
-        let state = State::Modes { model: orbit.model().clone(), orbit: Some(Box::new(orbit.clone())), modes };
-        Ok(Self { state, psi, time: time - orbit.period(), in_sequence: false })
     }
 
     /// A structure at rest under its static load.
@@ -86,9 +85,8 @@ impl Origin {
     /// The impacts of the orbit; none where runs start on no orbit.
     pub(crate) fn track(&self) -> Track {
         match &self.state {
-            State::Masses { orbit: Some(orbit), .. } => Track::of(orbit),
+            State::Masses { orbit: Some(orbit), .. } | State::Modes { orbit: Some(orbit), .. } => Track::of(orbit),
             State::Masses { model, orbit: None, .. } => Track::none(model.period(), model.amplitude() > 0.0),
-            State::Modes { orbit: Some(orbit), .. } => Track::of_structure(orbit),
             State::Modes { model, orbit: None, .. } => Track::none(model.period(), model.structure().is_forced()),
         }
     }
@@ -202,30 +200,5 @@ fn move_inside(structure: &ModalStructure, modes: &mut [[f64; 2]]) {
         if is_inside {
             return;
         }
-    }
-}
-
-impl Track {
-    /// Of an orbit of a structure.
-    pub(crate) fn of_structure(orbit: &StructureOrbit) -> Self {
-        let mut instants: Vec<Vec<Expected>> = Vec::new();
-        for impact in orbit.impacts() {
-            let (time, velocity, barrier): (f64, f64, Barrier) = (impact.time, impact.velocity_before, impact.barrier);
-            let expected = Expected { site: impact.site, barrier, time, velocity };
-            match instants.last_mut().filter(|instant| instant.iter().all(|other| other.time == time)) {
-                Some(instant) => instant.push(expected),
-                None => instants.push(vec![expected]),
-            }
-        }
-        let fastest = instants.iter().flatten().fold(0.0, |most: f64, one| most.max(one.velocity.abs()));
-        let (unit, span) = (orbit.model().period(), orbit.force_periods());
-        let period = unit * f64::from(span);
-        let forced = orbit.model().structure().is_forced();
-        Self { instants, fastest, period, unit, span: span.into(), forced }
-    }
-
-    /// Where no impact is expected.
-    pub(crate) fn none(period: f64, forced: bool) -> Self {
-        Self { instants: Vec::new(), fastest: 0.0, period, unit: period, span: 1, forced }
     }
 }

@@ -1,6 +1,6 @@
 //! One run from a perturbed breather: how it ends, and when it leaves.
 
-use vibrochain_breather::{BreatherError, Orbit, StructureModel, StructureOrbit};
+use vibrochain_breather::{BreatherError, Orbit, StructureModel};
 use vibrochain_eventsim::{Event, Exponent, Growth, Limits, Outcome, Report, Simulation, Tangents, Time};
 use vibrochain_lattice::Stop;
 
@@ -46,20 +46,12 @@ pub struct Fate {
 }
 
 impl Home {
-    /// Prepares runs from a breather of a chain.
+    /// Prepares runs from an orbit.
     ///
     /// # Errors
     /// [`BreatherError`] if its motion is not defined.
     pub fn of(orbit: &Orbit) -> Result<Self, BreatherError> {
         Ok(Self::with(Origin::on(orbit)?))
-    }
-
-    /// Prepares runs from an orbit of a structure.
-    ///
-    /// # Errors
-    /// [`BreatherError`] if its motion is not defined.
-    pub fn of_structure(orbit: &StructureOrbit) -> Result<Self, BreatherError> {
-        Ok(Self::with(Origin::on_structure(orbit)?))
     }
 
     /// Prepares runs from a structure at rest under its static load: what it settles on by itself.

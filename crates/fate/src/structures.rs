@@ -1,8 +1,8 @@
 //! Ensembles over a structure's scene: many runs from the orbits of every point, or from rest.
 
-use vibrochain_breather::StructureModel;
+use vibrochain_breather::{Finder, StructureModel};
 use vibrochain_eventsim::State;
-use vibrochain_floquet::structure_stability;
+use vibrochain_floquet::stability;
 use vibrochain_lattice::Stop;
 use vibrochain_maps::cell::{Cell, Class, Status};
 use vibrochain_maps::grid::Grid;
@@ -21,7 +21,7 @@ type Judged = (Departure, Option<bool>);
 /// The physical orbits of all words that are asked for, and what a sweep says of their lists: where one is not complete, or something could not
 /// be worked out, more may live here. `None` if stopped.
 fn departures(scene: &StructureScene, model: &StructureModel, stop: &Stop) -> Option<(Vec<Judged>, Status)> {
-    let (mut all, mut status) = (Vec::new(), Status::Ok);
+    let (mut all, mut status, mut finder) = (Vec::new(), Status::Ok, Finder::default().until(stop));
     for (word, periods) in scene.asked() {
         let Ok(found) = model.candidates(&word, periods) else {
             status = Status::IllConditioned;
@@ -30,19 +30,20 @@ fn departures(scene: &StructureScene, model: &StructureModel, stop: &Stop) -> Op
         status = status.max(Status::of_list(found.completeness));
         for orbit in &found.orbits {
             stop.heard().ok()?;
-            let physical = orbit.first_obstruction().map(|answer| answer.is_physical());
+            let physical = finder.quick_admissibility(orbit).map(|answer| answer.is_physical());
             if matches!(physical, Ok(false)) {
                 continue;
             }
-            let known = structure_stability(orbit, scene.tolerance);
+            let known = stability(orbit, scene.tolerance);
             if physical.is_err() || known.is_err() {
                 status = Status::IllConditioned;
             }
-            let (Ok(_), Ok(home)) = (physical, Home::of_structure(orbit)) else { continue };
+            let (Ok(_), Ok(home)) = (physical, Home::of(orbit)) else { continue };
             let home = home.in_sequence(scene.in_sequence);
             let known = known.ok();
             let verdict = known.as_ref().map(|known| known.verdict);
-            let departure = Departure::of(all.len() as u32 + 1, orbit.name(), known.as_ref(), orbit.period(), home);
+            let departure =
+                Departure::of(all.len() as u32 + 1, orbit.full_name(), known.as_ref(), orbit.period(), home);
             all.push((departure, verdict.filter(|verdict| !verdict.undecided).map(|verdict| verdict.stable)));
         }
     }

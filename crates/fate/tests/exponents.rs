@@ -37,12 +37,12 @@ fn orbits() -> Vec<Orbit> {
 fn by_tangents(orbit: &Orbit) -> Vec<Vec<f64>> {
     let start = orbit.time_in_last_flight();
     let (u, v) = Motion::of(orbit).unwrap().state(start);
-    let mut simulation = Simulation::new(orbit.model(), orbit.psi().unwrap_or(0.0) + start, &u, &v).unwrap();
+    let mut simulation = Simulation::new(orbit.model().unwrap(), orbit.psi().unwrap_or(0.0) + start, &u, &v).unwrap();
     let sites = u.len();
     let unit = |i: usize| (0..sites).map(|n| f64::from(u8::from(n == i))).collect::<Vec<_>>();
     let units: Vec<_> = (0..2 * sites).map(|i| [unit(i), unit(i.wrapping_sub(sites))]).collect();
     let mut tangents = simulation.tangents_along(&units).unwrap();
-    let end = Time::new(orbit.model(), orbit.force_periods().into(), 0.0);
+    let end = Time::new(orbit.model().unwrap(), orbit.force_periods().into(), 0.0);
     let report = simulation.run_with(&mut tangents, &Limits::until(end), |_| {}).unwrap();
     assert_eq!((report.outcome, report.work.impacts), (Outcome::TimeReached, orbit.impacts().len() as u64));
     (0..2 * sites).map(|i| tangents.vector(i).unwrap().concat()).collect()
@@ -57,7 +57,7 @@ fn tangents_of_a_period_are_the_monodromy_matrix() {
         let monodromy = full_monodromy(orbit).unwrap();
         let sites = monodromy.nrows() / 2;
         // That begins just before the first impact: M = F(s) T F(−s) by the flight F to it.
-        let spectrum = Spectrum::new(*orbit.model().chain());
+        let spectrum = Spectrum::new(*orbit.model().unwrap().chain());
         let [to, back] = [-1.0, 1.0].map(|sign| Propagator::new(&spectrum, sign * orbit.time_in_last_flight()));
         let apply = |flow: &Propagator, x: &[f64]| {
             let (mut u, mut v) = (vec![0.0; sites], vec![0.0; sites]);
@@ -102,12 +102,12 @@ fn a_run_that_starts_on_a_breather_has_its_exponent_before_it_leaves() {
             continue;
         }
         let start = Start::on(&orbit).unwrap();
-        let mut simulation = start.simulation(orbit.model()).unwrap();
+        let mut simulation = start.simulation(orbit.model().unwrap()).unwrap();
         let mut tangents = simulation.tangents(1, 3).unwrap();
         let periods = (16.5 / growth).ceil() as u64;
         let mut logs = vec![0.0];
         for period in 1..=periods {
-            let until = Time::new(orbit.model(), period * u64::from(orbit.force_periods()), 0.0);
+            let until = Time::new(orbit.model().unwrap(), period * u64::from(orbit.force_periods()), 0.0);
             simulation.run_with(&mut tangents, &Limits::until(until), |_| {}).unwrap();
             logs.push(tangents.orthonormalise()[0]);
         }
@@ -115,7 +115,7 @@ fn a_run_that_starts_on_a_breather_has_its_exponent_before_it_leaves() {
         let measured = (last - before) / orbit.period();
         worst = worst.max((measured - expected).abs());
         compared += 1;
-        forced += usize::from(orbit.model().amplitude() > 0.0);
+        forced += usize::from(orbit.model().unwrap().amplitude() > 0.0);
     }
     println!("{compared} breathers, {forced} forced, {worst:e}");
     assert!(compared >= 13 && forced >= 12 && worst < 1e-6, "{compared} {forced} {worst:e}");

@@ -4,14 +4,14 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use vibrochain_breather::{Hit, StructureModel, StructureOrbit};
-use vibrochain_fate::{End, Ensemble, Home, measure_structure};
-use vibrochain_floquet::{Tolerance, structure_stability};
+use vibrochain_breather::{Hit, Orbit, StructureModel, admissibility};
+use vibrochain_fate::{End, Ensemble, Home, measure};
+use vibrochain_floquet::{Tolerance, stability};
 use vibrochain_lattice::{Barrier, Complex, Contact, Stop};
 use vibrochain_testkit::structures;
 
 /// Physical orbits of the table.
-fn orbits() -> Vec<(String, StructureOrbit)> {
+fn orbits() -> Vec<(String, Orbit)> {
     let mut all = Vec::new();
     for case in structures().into_iter().filter(|case| case.physical) {
         let structure = case.linear();
@@ -24,8 +24,8 @@ fn orbits() -> Vec<(String, StructureOrbit)> {
         let impacts: Vec<_> = case.impacts.iter().map(impact).collect();
         let periods = (case.period * case.omega / TAU).round() as u32;
         // Orbits without force are families, which Newton's method does not take.
-        let Ok(orbit) = StructureOrbit::near(&model, periods, case.psi, &impacts) else { continue };
-        if orbit.first_obstruction().unwrap().is_physical() {
+        let Ok(orbit) = model.orbit_near(periods, case.psi, &impacts) else { continue };
+        if admissibility(&orbit).unwrap().is_physical() {
             all.push((case.name.clone(), orbit));
         }
     }
@@ -33,8 +33,8 @@ fn orbits() -> Vec<(String, StructureOrbit)> {
 }
 
 /// ln of the largest multiplier, those included that feel no impact.
-fn predicted(orbit: &StructureOrbit) -> (f64, bool) {
-    let stability = structure_stability(orbit, Tolerance::Rounding).unwrap();
+fn predicted(orbit: &Orbit) -> (f64, bool) {
+    let stability = stability(orbit, Tolerance::Rounding).unwrap();
     let largest = stability.multipliers.iter().map(|z| z.norm()).fold(0.0, f64::max);
     (largest.ln() / orbit.period(), stability.verdict.stable)
 }
@@ -43,7 +43,7 @@ fn predicted(orbit: &StructureOrbit) -> (f64, bool) {
 fn exponents_by_tangents_are_those_of_the_multipliers() {
     let (mut compared, mut worst) = (0, 0.0_f64);
     for (name, orbit) in orbits() {
-        let Ok(measured) = measure_structure(&orbit, 1000, &Stop::default()) else { continue };
+        let Ok(measured) = measure(&orbit, 1000, &Stop::default()) else { continue };
         let (predicted, _) = predicted(&orbit);
         let off = (measured.value - predicted).abs();
         // Along the double multiplier 1 of an orbit that may begin at any time perturbations grow like time itself.
@@ -61,11 +61,11 @@ fn runs_stay_on_what_is_stable_and_leave_what_is_not() {
     let ensemble = Ensemble { starts: 1, size: 1e-6, periods: 400, ..Ensemble::default() };
     let (mut stayed, mut left) = (0, 0);
     for (name, orbit) in orbits() {
-        let home = Home::of_structure(&orbit).unwrap();
+        let home = Home::of(&orbit).unwrap();
         let (exponent, stable) = predicted(&orbit);
         let fate = home.run(&ensemble, 7, &Stop::default()).unwrap();
         // What is not decided in the time of a run tells nothing.
-        let grown = exponent * 400.0 * orbit.model().period();
+        let grown = exponent * 400.0 * orbit.force_period();
         if stable && grown < -5.0 {
             assert_eq!((&fate.end, fate.left), (&End::Breather, None), "{name}");
             stayed += 1;
@@ -108,11 +108,11 @@ fn self_excited_runs_settle_on_their_cycle() {
         let model = StructureModel::new(Arc::new(structure), 1.0).unwrap();
         let word = "0-".parse().unwrap();
         let found = model.orbits(&word, 1).unwrap().orbits;
-        let physical = found.iter().find(|orbit| orbit.first_obstruction().unwrap().is_physical()).unwrap();
-        let measured = measure_structure(physical, 1000, &Stop::default()).unwrap();
+        let physical = found.iter().find(|orbit| admissibility(orbit).unwrap().is_physical()).unwrap();
+        let measured = measure(physical, 1000, &Stop::default()).unwrap();
         assert!(measured.value.abs() < 1e-7 + measured.error, "{measured:?}");
         let ensemble = Ensemble { periods: 800, size: 1e-3, ..Ensemble::default() };
-        let home = Home::of_structure(physical).unwrap();
+        let home = Home::of(physical).unwrap();
         for seed in 1..=4 {
             let fate = home.run(&ensemble, seed, &Stop::default()).unwrap();
             assert_eq!((&fate.end, fate.left), (&End::Breather, None), "{decay} {seed}");

@@ -4,7 +4,7 @@
 //! needed. Of the others what the order asks for is worked out once. On the circle the two runs are merged.
 
 use nalgebra::Complex;
-use vibrochain_breather::Orbit;
+use vibrochain_breather::LatticeOrbit;
 
 use crate::multipliers::{modulus_in_order, spared_modes};
 use crate::verdict::Verdict;
@@ -111,7 +111,7 @@ impl SparedMode {
 
 impl Spared {
     /// Those of an orbit whose impacts are at one site.
-    pub(crate) fn of(orbit: &Orbit) -> Self {
+    pub(crate) fn of(orbit: LatticeOrbit<'_>) -> Self {
         Self::new(orbit.period(), spared_modes(orbit).unwrap_or_default().into_iter())
     }
 

@@ -10,7 +10,7 @@
 //! Every answer names its path, see [`Method`].
 
 use nalgebra::Complex;
-use vibrochain_breather::{BreatherError, Finder, Orbit};
+use vibrochain_breather::{BreatherError, Finder, LatticeOrbit, Orbit};
 use vibrochain_lattice::aside;
 
 use crate::all_multipliers::{Multipliers, Spared};
@@ -20,7 +20,7 @@ use crate::multipliers::unfelt_frequencies;
 use crate::reference::dense::{Dense, uncoupled};
 use crate::saltation::saltations;
 use crate::sizes::{LARGE, MOST_DENSE, is_affordable, most_modes};
-use crate::structures::multipliers::StructureMultipliers;
+use crate::structures::{self, StructureMultipliers};
 use crate::symmetry::{breaks_symmetry, is_symmetric};
 use crate::verdict::{Mechanism, Method, Question, Tolerance, Verdict};
 
@@ -73,7 +73,11 @@ impl Analyser {
         finder: &mut Finder,
         tolerance: Tolerance,
     ) -> Result<Verdict, FloquetError> {
-        self.decide(Question { orbit, tolerance, thorough: false }, finder).map(|(verdict, _)| verdict)
+        if let Some(contacts) = orbit.contacts() {
+            return StructureMultipliers::of(contacts).quick_verdict(self, tolerance);
+        }
+        let lattice = orbit.lattice()?;
+        self.decide(Question { orbit: lattice, tolerance, thorough: false }, finder).map(|(verdict, _)| verdict)
     }
 
     /// Whether the spectral radius is surely beyond `reach`, which is 1 at least, by a twentieth of it or more: a real multiplier is. An
@@ -97,7 +101,7 @@ impl Analyser {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn surely_exceeds(&mut self, orbit: &Orbit, finder: &mut Finder, reach: f64) -> Result<bool, FloquetError> {
-        if self.dense_only || orbit.model().is_conservative() || !is_affordable(orbit) {
+        if self.dense_only || orbit.is_conservative() || orbit.lattice().is_ok_and(|orbit| !is_affordable(orbit)) {
             return Ok(false);
         }
         Ok(StructureMultipliers::of(&*finder.at_contacts(orbit)?).surely_exceeds(reach))
@@ -127,8 +131,12 @@ impl Analyser {
         finder: &mut Finder,
         tolerance: Tolerance,
     ) -> Result<Multipliers, FloquetError> {
+        if let Some(contacts) = orbit.contacts() {
+            return structures::multipliers(contacts, tolerance);
+        }
+        let orbit = orbit.lattice()?;
         let (verdict, found) = self.decide(Question { orbit, tolerance, thorough: true }, finder)?;
-        let trivial = if orbit.model().is_conservative() { 2 } else { 0 };
+        let trivial = if orbit.is_conservative() { 2 } else { 0 };
         let spared = if uncoupled(orbit) {
             let chain = orbit.model().chain();
             Spared::new(orbit.period(), (1..chain.sites()).map(|mode| (mode, chain.gamma1().sqrt())))
@@ -146,11 +154,14 @@ impl Analyser {
             return self.decide_here(question, finder);
         }
         let Question { orbit, tolerance, thorough } = question;
-        let (stop, sites, orbit) = (finder.stop().clone(), orbit.model().chain().sites(), orbit.clone());
+        let (stop, sites) = (finder.stop().clone(), orbit.model().chain().sites());
+        let orbit = orbit.orbit().clone();
         let mut theirs = (std::mem::take(self), std::mem::replace(finder, Finder::new(sites)));
         let done = aside(&stop, move || {
             let (analyser, finder) = &mut theirs;
-            let answer = analyser.decide_here(Question { orbit: &orbit, tolerance, thorough }, finder);
+            let orbit = orbit.lattice().map_err(FloquetError::from);
+            let decide = |orbit| analyser.decide_here(Question { orbit, tolerance, thorough }, finder);
+            let answer = orbit.and_then(decide);
             (theirs, answer)
         });
         match done {
@@ -177,8 +188,8 @@ impl Analyser {
             (verdict, multipliers) = self.by_multipliers(Question { thorough: true, ..question }, finder)?;
         }
         if verdict.mechanism == Some(Mechanism::PlusOne)
-            && is_symmetric(orbit)
-            && breaks_symmetry(finder.prepared(orbit)?, &verdict)
+            && is_symmetric(&orbit)
+            && breaks_symmetry(finder.prepared(orbit.orbit())?, &verdict)
         {
             verdict.mechanism = Some(Mechanism::Pitchfork);
         }
@@ -238,7 +249,7 @@ impl Analyser {
     /// Verdict and multipliers from a dense matrix.
     fn by_matrix(&mut self, question: Question<'_>, finder: &mut Finder) -> Result<Answer, FloquetError> {
         let verdict = self.dense.judge(question, finder)?;
-        let multipliers = if question.thorough { self.dense.multipliers(question.orbit) } else { Vec::new() };
+        let multipliers = if question.thorough { self.dense.multipliers(&question.orbit) } else { Vec::new() };
         Ok((Verdict { method: Method::Dense, ..verdict }, multipliers))
     }
 
@@ -262,8 +273,8 @@ fn by_zeros(
     Question { orbit, tolerance, thorough }: Question<'_>,
     finder: &mut Finder,
 ) -> Result<Answer, FloquetError> {
-    let _ = saltations(orbit)?;
-    let known = finder.at_contacts(orbit)?;
+    let _ = saltations(&orbit)?;
+    let known = finder.at_contacts(&orbit)?;
     let known = StructureMultipliers::of(&known);
     if !thorough {
         return Ok((known.worked_out(tolerance, true)?, Vec::new()));
@@ -277,7 +288,7 @@ fn by_zeros(
 }
 
 /// Maps and large rings take residues: of orbits without force and losses that are their own mirror images in time, at one site.
-fn has_residues(orbit: &Orbit) -> bool {
+fn has_residues(orbit: LatticeOrbit<'_>) -> bool {
     orbit.is_reversible() && orbit.impact_site().is_some() && !orbit.model().chain().is_uncoupled()
 }
 
@@ -287,10 +298,27 @@ fn takes_long(Question { orbit, thorough, .. }: Question<'_>) -> bool {
     chain.sites() > LARGE && (thorough || orbit.impact_site().is_none() || !chain.is_kept())
 }
 
-/// Multipliers and verdict of an orbit: the one-shot form of [`Analyser::stability`].
+/// Multipliers and verdict of an orbit, of a lattice or of any other structure: the one-shot form of [`Analyser::stability`].
 ///
 /// # Errors
 /// [`FloquetError`].
+///
+/// ```
+/// use std::sync::Arc;
+/// use vibrochain_breather::StructureModel;
+/// use vibrochain_floquet::{Tolerance, stability};
+/// use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape};
+/// // q″ + 0.1 q′ + q = cos ωt, a stop at 0.1.
+/// let shape = ModeShape { contacts: vec![1.0], coordinates: vec![1.0], still: 0.0 };
+/// let mode = LinearMode::oscillator(0.05, 1.0 - 0.05 * 0.05, &shape, &[Complex::new(1.0, 0.0)]);
+/// let stop = Contact { lower: None, upper: Some(0.1), restitution: 0.8 };
+/// let structure = Arc::new(ModalStructure::new(vec![stop], vec![1], vec![mode])?);
+/// let found = StructureModel::new(structure, 2.325)?.orbits(&"0+".parse()?, 1)?;
+/// let radius = |orbit| Ok(stability(orbit, Tolerance::Rounding)?.verdict.spectral_radius);
+/// let radii = found.orbits.iter().map(radius).collect::<Result<Vec<f64>, Box<dyn std::error::Error>>>()?;
+/// assert!(radii.iter().any(|radius| (radius - 0.6988872749041013).abs() < 1e-12));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// ```
 /// use vibrochain_breather::{Family, breathers};
@@ -304,6 +332,5 @@ fn takes_long(Question { orbit, thorough, .. }: Question<'_>) -> bool {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn stability(orbit: &Orbit, tolerance: Tolerance) -> Result<Stability, FloquetError> {
-    let sites = orbit.model().chain().sites();
-    Analyser::default().stability(orbit, &mut Finder::new(sites), tolerance)
+    Analyser::default().stability(orbit, &mut Finder::default(), tolerance)
 }

@@ -3,7 +3,7 @@
 
 use faer::MatRef;
 use nalgebra::Complex;
-use vibrochain_breather::{BreatherError, Finder, Orbit};
+use vibrochain_breather::{BreatherError, Finder, LatticeOrbit, Orbit};
 use vibrochain_lattice::{Shapes, Spectrum, Stop, aside};
 
 use crate::analyser::Analyser;
@@ -33,11 +33,12 @@ impl FloquetMode {
     /// # Errors
     /// [`FloquetError`]; [`FloquetError::Uncounted`] for impacts at several sites, and for a number that is no multiplier of the orbit.
     pub fn of(orbit: &Orbit, finder: &mut Finder, multiplier: Complex<f64>) -> Result<Self, FloquetError> {
+        let orbit = orbit.lattice()?;
         let home = orbit
             .centre()
             .filter(|_| orbit.model().chain().sites() == 1 || !uncoupled(orbit))
             .ok_or(SecularError::NotReversible)?;
-        let shape = ModalShape::new(&*finder.at_contacts(orbit)?, multiplier)?;
+        let shape = ModalShape::new(&*finder.at_contacts(&orbit)?, multiplier)?;
         let (displacement, velocity) = shape.at_sites(orbit.model().chain().sites(), home);
         let mut mode = Self { multiplier, displacement, velocity };
         mode.normalise();
@@ -78,8 +79,8 @@ impl FloquetMode {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn leading_modes(orbit: &Orbit, count: usize) -> Result<Vec<FloquetMode>, FloquetError> {
-    let mut finder = Finder::new(orbit.model().chain().sites());
-    match by_determinant(orbit, &mut finder, count)? {
+    let mut finder = Finder::default();
+    match by_determinant(orbit.lattice()?, &mut finder, count)? {
         Some(modes) => Ok(modes),
         None => by_matrix(orbit, count),
     }
@@ -95,7 +96,11 @@ pub fn leading_modes_until(orbit: &Orbit, count: usize, stop: &Stop) -> Result<V
 }
 
 /// From the determinant of the impacts' equations; `None` where that does not tell so many.
-fn by_determinant(orbit: &Orbit, finder: &mut Finder, count: usize) -> Result<Option<Vec<FloquetMode>>, FloquetError> {
+fn by_determinant(
+    orbit: LatticeOrbit<'_>,
+    finder: &mut Finder,
+    count: usize,
+) -> Result<Option<Vec<FloquetMode>>, FloquetError> {
     // Of masses without coupling the equations know one alone.
     if orbit.centre().is_none() || uncoupled(orbit) && orbit.model().chain().sites() > 1 {
         return Ok(None);
@@ -106,14 +111,14 @@ fn by_determinant(orbit: &Orbit, finder: &mut Finder, count: usize) -> Result<Op
         return Ok(None);
     }
     sort_multipliers(&mut multipliers);
-    let modes = multipliers.into_iter().take(count).map(|multiplier| FloquetMode::of(orbit, finder, multiplier));
+    let modes = multipliers.into_iter().take(count).map(|multiplier| FloquetMode::of(&orbit, finder, multiplier));
     // A number that has no eigenvector of its own stands for two.
     Ok(modes.collect::<Result<_, _>>().ok())
 }
 
 fn by_matrix(orbit: &Orbit, count: usize) -> Result<Vec<FloquetMode>, FloquetError> {
-    let chain = orbit.model().chain();
-    let home = orbit.centre();
+    let lattice = orbit.lattice()?;
+    let (chain, home) = (lattice.model().chain(), lattice.centre());
     let matrix = if home.is_some() { even_monodromy(orbit)? } else { full_monodromy(orbit)? };
     let size = matrix.nrows();
     let failed = || FloquetError::NotConverged { dimension: size };
@@ -180,7 +185,7 @@ mod tests {
                 let mut finder = Finder::new(sites);
                 let matrix = full_monodromy(orbit).unwrap();
                 let dense = by_matrix(orbit, 3).unwrap();
-                for mode in by_determinant(orbit, &mut finder, 3).unwrap().unwrap() {
+                for mode in by_determinant(orbit.lattice().unwrap(), &mut finder, 3).unwrap().unwrap() {
                     let mut state = mode.displacement.clone();
                     state.extend(&mode.velocity);
                     let largest = state.iter().map(|z| z.norm()).fold(0.0, f64::max);

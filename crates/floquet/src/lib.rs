@@ -52,7 +52,6 @@ mod curve;
 mod eigenvectors;
 mod error;
 mod events;
-mod followed;
 mod locate;
 mod map_paths;
 mod multipliers;
@@ -78,7 +77,6 @@ pub use curve::{
 };
 pub use eigenvectors::{FloquetMode, leading_modes, leading_modes_until};
 pub use error::FloquetError;
-pub use followed::Followed;
 pub use locate::{
     Answer, BranchRequest, BranchedOrbit, Branching, Course, Diagram, DiagramPoint, End, Event, EventSide, Evidence,
     FollowedBranch, LocateError, Located, Origin, Search, Station, Unresolved, branch_events, branches, diagram,
@@ -96,6 +94,6 @@ pub use stripes::{
     Collision, DressedModes, InternalMode, NoStripe, OrderFinder, Passing, Signature, SignatureOrder, Stripe,
     StripeEnd, StripeFinder, StripeLine, StripeRow, bare_signature, passings, signature,
 };
-pub use structures::{StructureMultipliers, structure_stability, structure_verdict};
+pub use structures::StructureMultipliers;
 pub use verdict::{Mechanism, Method, Tolerance, Verdict};
 pub use zeros::SecularError;

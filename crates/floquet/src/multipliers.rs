@@ -1,15 +1,15 @@
 //! From matrices to multipliers.
 
 use nalgebra::Complex;
-use vibrochain_breather::Orbit;
+use vibrochain_breather::{LatticeOrbit, Orbit};
 use vibrochain_lattice::{Chain, Shapes, Spectrum};
 
 use crate::map_paths::{by_frequency, sort_felt};
 
 /// Multipliers of the modes that have a node at the one site that is hit, exactly e^{±iΩ_kT}: on a ring those odd about it, in
-/// pairs, k = 1 … ⌊(M−1)/2⌋. `None` for impacts at several sites.
+/// pairs, k = 1 … ⌊(M−1)/2⌋. `None` for impacts at several sites, and of other structures.
 pub fn odd_multipliers(orbit: &Orbit) -> Option<Vec<Complex<f64>>> {
-    let modes = spared_modes(orbit)?;
+    let modes = spared_modes(orbit.lattice().ok()?)?;
     let both = |f: f64| [1.0, -1.0].map(|sign| Complex::from_polar(1.0, sign * f * orbit.period()));
     Some(modes.into_iter().flat_map(|(_, frequency)| both(frequency)).collect())
 }
@@ -33,7 +33,7 @@ fn felt(chain: &Chain, site: usize, frequencies: &[f64]) -> Vec<u32> {
 
 /// Number and frequency of each mode that the impacts at the orbit's one site do not feel; of several modes with one frequency all but
 /// one combination.
-pub(crate) fn spared_modes(orbit: &Orbit) -> Option<Vec<(usize, f64)>> {
+pub(crate) fn spared_modes(orbit: LatticeOrbit<'_>) -> Option<Vec<(usize, f64)>> {
     let site = orbit.impact_site()?;
     let chain = orbit.model().chain();
     let spectrum = Spectrum::new(*chain);
@@ -116,7 +116,7 @@ mod tests {
                 }
                 let model = Model::conservative(chain, 1.234, 0.2).unwrap();
                 let orbit = Orbit::from_impulses(&model, 1, 0.0, &[Hit::new(site, Barrier::Lower, 0.0, 1.0)]).unwrap();
-                let mut spared = spared_modes(&orbit).unwrap();
+                let mut spared = spared_modes(orbit.lattice().unwrap()).unwrap();
                 let spectrum = Spectrum::new(chain);
                 assert!(spared.iter().all(|(k, frequency)| spectrum.frequencies()[*k] == *frequency), "{chain} {site}");
                 spared.sort_by(|a, b| a.1.total_cmp(&b.1));

@@ -63,9 +63,9 @@ impl Saltation {
 /// The saltations of an orbit's impacts, in order of time.
 ///
 /// # Errors
-/// [`FloquetError::Grazing`] where one is not finite.
+/// [`FloquetError::Grazing`] where one is not finite; [`FloquetError::Breather`] of other structures than lattices.
 pub fn saltations(orbit: &Orbit) -> Result<impl Iterator<Item = Saltation> + '_, FloquetError> {
-    let e = orbit.model().restitution();
+    let e = orbit.lattice()?.model().restitution();
     for (index, impact) in orbit.impacts().iter().enumerate() {
         if !Saltation::of(impact, e).kappa.is_finite() {
             return Err(FloquetError::Grazing { impact: index, velocity: impact.velocity_before });

@@ -4,8 +4,7 @@ use std::fmt::Display;
 
 use nalgebra::Complex;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-use crate::followed::Followed;
+use vibrochain_breather::Orbit;
 
 /// As `[re, im]`.
 pub(crate) fn complex<S: Serializer>(z: &Complex<f64>, serializer: S) -> Result<S::Ok, S::Error> {
@@ -30,7 +29,7 @@ pub(crate) fn side<S: Serializer>(above: &bool, serializer: S) -> Result<S::Ok, 
 }
 
 /// What a point of a branch tells of its orbit.
-pub(crate) fn of_branch<S: Serializer>(orbit: &impl Followed, serializer: S) -> Result<S::Ok, S::Error> {
+pub(crate) fn of_branch<S: Serializer>(orbit: &Orbit, serializer: S) -> Result<S::Ok, S::Error> {
     #[derive(Serialize)]
     struct OfBranch {
         period: f64,
@@ -43,7 +42,7 @@ pub(crate) fn of_branch<S: Serializer>(orbit: &impl Followed, serializer: S) -> 
 }
 
 /// What a point of a curve tells of its orbit.
-pub(crate) fn of_curve<S: Serializer>(orbit: &impl Followed, serializer: S) -> Result<S::Ok, S::Error> {
+pub(crate) fn of_curve<S: Serializer>(orbit: &Orbit, serializer: S) -> Result<S::Ok, S::Error> {
     #[derive(Serialize)]
     struct OfCurve {
         impulses: Vec<f64>,

@@ -7,7 +7,7 @@
 //!
 //! Two more bound what an answer may cost: [`MOST_WORK`] for all zeros of a determinant, [`most_refined`] for single ones of a large ring.
 
-use vibrochain_breather::Orbit;
+use vibrochain_breather::LatticeOrbit;
 
 /// Modes up to which what is dear for many is cheap. Sums over pairs take as long as Cauchy sums at 256 modes of an orbit that is its own
 /// mirror image in time (`cargo bench --bench spectrum`).
@@ -20,7 +20,7 @@ pub(crate) const MOST_DENSE: usize = 2000;
 const MOST_WORK: f64 = 1e8;
 
 /// Whether all zeros of an orbit's determinant are worked out.
-pub(crate) fn is_affordable(orbit: &Orbit) -> bool {
+pub(crate) fn is_affordable(orbit: LatticeOrbit<'_>) -> bool {
     let chain = orbit.model().chain();
     let modes = if orbit.centre().is_some() { chain.even_modes() } else { chain.sites() };
     modes <= most_modes(orbit.impacts().len())

@@ -33,7 +33,7 @@ const BELOW: f64 = 1e-8;
 pub(crate) fn is_symmetric(orbit: &Orbit) -> bool {
     let [first, second] = orbit.impacts() else { return false };
     let apart = second.time - first.time;
-    orbit.model().asymmetry() == 0.0
+    orbit.is_centred()
         && orbit.force_periods() == 1
         && first.site == second.site
         && first.barrier != second.barrier

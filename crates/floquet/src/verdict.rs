@@ -3,7 +3,7 @@
 use std::fmt;
 
 use nalgebra::Complex;
-use vibrochain_breather::Orbit;
+use vibrochain_breather::LatticeOrbit;
 
 use crate::zeros::modulus;
 
@@ -100,7 +100,7 @@ impl From<Tolerance> for Option<f64> {
 /// What is asked of an orbit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Question<'a> {
-    pub(crate) orbit: &'a Orbit,
+    pub(crate) orbit: LatticeOrbit<'a>,
     pub(crate) tolerance: Tolerance,
     /// All multipliers, and the error of the leading one even where the verdict does not hang on it.
     pub(crate) thorough: bool,

@@ -46,7 +46,7 @@ fn offset(orbit: &Orbit) -> f64 {
 
 /// The orbits of lower symmetry that a list has at this value, with their distances; `None` where it cannot say.
 fn listed(found: &Located, free: Parameter, family: Family, value: f64) -> Option<Vec<(f64, Orbit)>> {
-    let model = found.orbit.model().with(free, value).ok()?;
+    let model = found.orbit.model().unwrap().with(free, value).ok()?;
     let list = breathers(&model, family).ok().filter(|list| list.completeness.open() == (0, 0))?;
     let lower = list.orbits.into_iter().filter(|orbit| offset(orbit) > 1e-8);
     Some(lower.map(|orbit| (distance(&orbit, &found.orbit), orbit)).collect())
@@ -148,7 +148,7 @@ fn at_pitchforks() {
 
 /// How many orbits a list has; `None` where it may not be all.
 fn count(found: &Located, free: Parameter, value: f64) -> Option<usize> {
-    let model = found.orbit.model().with(free, value).ok()?;
+    let model = found.orbit.model().unwrap().with(free, value).ok()?;
     let list = breathers(&model, found.orbit.family()).ok()?;
     (list.completeness.open() == (0, 0)).then_some(list.orbits.len())
 }

@@ -45,8 +45,7 @@ fn scan(orbit: &Orbit, (free, from, to): (Parameter, f64, f64), length: f64) -> 
     points.reverse();
     points.extend(ahead.into_iter().skip(1));
     let of_lattice = |point: &BranchPoint| {
-        let model = orbit.model().with(free, point.value()).unwrap();
-        let orbit = point.orbit().to_orbit(&model, orbit.family()).unwrap();
+        let orbit = point.orbit().to_orbit(orbit.family()).unwrap();
         Passed { value: point.value(), heading: point.heading(), orbit }
     };
     points.iter().map(of_lattice).collect()
@@ -56,7 +55,7 @@ fn scan(orbit: &Orbit, (free, from, to): (Parameter, f64, f64), length: f64) -> 
 /// and of single ones, which cross at ±1.
 fn held(branch: &FollowedBranch, points: &[Passed]) -> (usize, [Vec<[f64; 2]>; 2]) {
     let (mut changes, mut missed) = (0, [Vec::new(), Vec::new()]);
-    let (mut analyser, mut finder) = (Analyser::dense(), Finder::new(points[0].orbit.model().chain().sites()));
+    let (mut analyser, mut finder) = (Analyser::dense(), Finder::new(points[0].orbit.model().unwrap().chain().sites()));
     let mut last: Option<(usize, &Passed)> = None;
     for point in points {
         let Some(count) = outside(&point.orbit, (&mut analyser, &mut finder)) else { continue };

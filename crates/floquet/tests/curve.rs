@@ -52,7 +52,7 @@ fn sagitta(curve: &EventCurve, i: usize, window: &Window) -> Option<f64> {
     [1.0, -1.0].into_iter().find_map(|side| {
         let start = middle[axis] + 0.5 * side * reach;
         let other = window.parameters[1 - axis];
-        let model = from.orbit.model().with(other, middle[1 - axis]).ok()?.with(free, start).ok()?;
+        let model = from.orbit.model().unwrap().with(other, middle[1 - axis]).ok()?.with(free, start).ok()?;
         let list = breathers(&model, from.orbit.family()).ok()?;
         // Other orbits may have the event, too, farther away.
         let nearest = list.orbits.iter().filter_map(|orbit| {
@@ -335,8 +335,10 @@ fn folds_meet_in_a_cusp_where_three_breathers_merge() {
     let window = Window { parameters: [Parameter::Asymmetry, Parameter::Amplitude], from: [0.3, 2.2], to: [0.95, 3.0] };
     let start = list(&at(0.64, 2.55));
     // The formula is that of the family: it gives the asymmetry back.
-    let own: Vec<&Orbit> =
-        start.iter().filter(|orbit| (asymmetry_at(orbit.model(), orbit.phi().unwrap()) - 0.64).abs() < 1e-12).collect();
+    let own: Vec<&Orbit> = start
+        .iter()
+        .filter(|orbit| (asymmetry_at(orbit.model().unwrap(), orbit.phi().unwrap()) - 0.64).abs() < 1e-12)
+        .collect();
     assert!(own.len() >= 3, "{}", own.len());
     let (mut met, mut folds) = (0, 0);
     for orbit in own {
@@ -348,7 +350,7 @@ fn folds_meet_in_a_cusp_where_three_breathers_merge() {
             let Some(special) = special else { continue };
             met += 1;
             let point = &curve.points[special.point];
-            let (model, phi) = (point.orbit.model(), point.orbit.phi().unwrap());
+            let (model, phi) = (point.orbit.model().unwrap(), point.orbit.phi().unwrap());
             assert!((asymmetry_at(model, phi) - point.values[0]).abs() < 1e-12);
             let h = 2e-3;
             let value = |i: i32| asymmetry_at(model, phi + f64::from(i) * h);

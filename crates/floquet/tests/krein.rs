@@ -157,7 +157,7 @@ fn signatures_of_matrices_are_those_of_the_form() {
             let before = held.signed[0] + held.signed[1];
             let hit = if word.contains('1') { 2 } else { 1 };
             let about = format!("{round} {word} {omega}");
-            held.check(&orbit.bloch_equations().0, (&matrix, &mass, &contacts[..hit]), &about);
+            held.check(&orbit.contacts().unwrap().bloch_equations().0, (&matrix, &mass, &contacts[..hit]), &about);
             let count = held.signed[0] + held.signed[1] - before;
             several += if hit > 1 { count } else { 0 };
             rigid += if is_rigid { count } else { 0 };

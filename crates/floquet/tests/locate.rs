@@ -229,7 +229,7 @@ fn fold_under_a_square_wave() {
         chain.point().omega(1.07).asymmetry(0.8).under(&Force::new(&terms).unwrap()).restitution(0.25).model().unwrap();
     let start = orbit(&model, Family::SingleSided, 0);
     let found = search(&start, Event::Fold, Parameter::Amplitude, None).located.swap_remove(0);
-    assert!(found.error < 1e-12 && found.orbit.model().force().harmonics().len() == 3, "{found:?}");
+    assert!(found.error < 1e-12 && found.orbit.model().unwrap().force().harmonics().len() == 3, "{found:?}");
     let count = |amplitude: f64| {
         let model = model.with(Parameter::Amplitude, amplitude).unwrap();
         breathers(&model, Family::SingleSided).unwrap().orbits.len()

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::{Complex as C, DMatrix, DVector};
 use vibrochain_breather::StructureModel;
-use vibrochain_floquet::{Tolerance, structure_stability};
+use vibrochain_floquet::{Tolerance, stability};
 use vibrochain_lattice::{Contact, Structure};
 use vibrochain_testkit::Random;
 
@@ -43,7 +43,7 @@ fn one_multiplier_is_zero_and_none_is_in_doubt() {
         let model = StructureModel::new(Arc::new(structure.modal().unwrap()), omega).unwrap();
         let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
         for orbit in found.orbits.iter().take(3) {
-            let told = structure_stability(orbit, Tolerance::Rounding);
+            let told = stability(orbit, Tolerance::Rounding);
             let told = told.unwrap_or_else(|error| panic!("{number} {word}: {error}"));
             let mut sizes: Vec<f64> = told.multipliers.iter().map(|multiplier| multiplier.norm()).collect();
             sizes.sort_by(f64::total_cmp);

@@ -31,7 +31,7 @@ fn half_sum(z: Complex<f64>) -> Complex<f64> {
 impl Tally {
     /// All multipliers against those of a matrix.
     fn compare(&mut self, orbit: &Orbit, finder: &mut Finder) {
-        let conservative = orbit.model().is_conservative();
+        let conservative = orbit.model().unwrap().is_conservative();
         let dense = match Analyser::dense().stability(orbit, finder, Tolerance::Rounding) {
             Err(FloquetError::Grazing { .. }) => return,
             dense => dense.unwrap(),
@@ -39,8 +39,8 @@ impl Tally {
         let (equations, _) = finder.at_contacts(orbit).unwrap().bloch_equations();
         let spectrum =
             if conservative { ImpactSpectrum::conservative(&equations) } else { ImpactSpectrum::new(&equations) };
-        let told = format!("{} {}", Word::of(orbit), orbit.model());
-        let free = 2 * (orbit.model().chain().sites() - equations.kernel().modes().len());
+        let told = format!("{} {}", Word::of(orbit), orbit.model().unwrap());
+        let free = 2 * (orbit.model().unwrap().chain().sites() - equations.kernel().modes().len());
         let trivial = if conservative { 2 } else { 0 };
         assert_eq!(spectrum.multipliers.len() + free + trivial, dense.multipliers.len(), "{told}");
         self.orbits += 1;
@@ -48,7 +48,7 @@ impl Tally {
         if !spectrum.is_certified {
             return;
         }
-        let elastic = orbit.model().loss() == 0.0;
+        let elastic = orbit.model().unwrap().loss() == 0.0;
         let mut open = dense.multipliers.clone();
         let mut farthest: f64 = 0.0;
         // A matrix knows none of its eigenvalues better than its norm and the next one allow.
@@ -69,7 +69,7 @@ impl Tally {
             farthest = farthest.max(off / scale);
         }
         self.off.push(farthest);
-        let chain = orbit.model().chain();
+        let chain = orbit.model().unwrap().chain();
         self.rings += usize::from(chain.is_ring());
         self.layered += usize::from(chain.layers() > 1);
         self.walls += usize::from(chain.has_walls());

@@ -109,7 +109,7 @@ fn the_phases_that_drift_apart_are_those_of_pendulums() {
 
 /// The verdict by all zeros of the determinant, if there is one, held against a matrix; `doubts` where there is none.
 fn by_zeros_as_by_matrix(orbit: &Orbit, finder: &mut Finder, doubts: &mut usize) -> Option<Verdict> {
-    let (model, sites) = (orbit.model(), orbit.model().chain().sites());
+    let (model, sites) = (orbit.model().unwrap(), orbit.model().unwrap().chain().sites());
     let answer = Analyser::default().stability(orbit, finder, Tolerance::Rounding);
     let reference = Analyser::dense().stability(orbit, finder, Tolerance::Rounding);
     let (answer, reference) = match (answer, reference) {

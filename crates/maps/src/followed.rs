@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use vibrochain_breather::{Family, Orbit, Word};
-use vibrochain_floquet::{CurvePoint, Event, EventCurve, Evidence, Followed, SpecialPoint, Station, is_physical_about};
+use vibrochain_floquet::{CurvePoint, Event, EventCurve, Evidence, SpecialPoint, Station, is_physical_about};
 
 /// What the rows do not say of a branch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -42,7 +42,7 @@ pub struct BranchRow {
 
 /// The row of a point, or of an event.
 #[must_use]
-pub fn branch_row<O: Followed>(station: &Station<O>) -> BranchRow {
+pub fn branch_row(station: &Station) -> BranchRow {
     let (event, value, orbit, point, physical) = match station {
         Station::Point(point) => (None, point.value, &point.orbit, Some(point), point.physical),
         Station::Event(found) => (Some(found.event), found.value, &found.orbit, None, found.physical),
@@ -81,14 +81,24 @@ pub struct CurveRow {
     pub special: Vec<String>,
 }
 
+/// Where an orbit's impacts are: a site or a contact.
+#[must_use]
+pub fn place(orbit: &Orbit, number: usize) -> String {
+    match orbit.model() {
+        Some(model) => format!("site {}", model.chain().layout().name(number)),
+        None => format!("contact {number}"),
+    }
+}
+
 /// What happens besides at a point of a curve.
-pub fn special<O>(curve: &EventCurve<O>, at: usize) -> impl Iterator<Item = &SpecialPoint> {
+pub fn special(curve: &EventCurve, at: usize) -> impl Iterator<Item = &SpecialPoint> {
     curve.special.iter().filter(move |one| one.point == at)
 }
 
-/// What the orbits of a curve of grazing have at its event, where it was taken up: which site or contact touches which barrier. `place` names it.
+/// What the orbits of a curve of grazing have at its event, where it was taken up: which site or contact touches which barrier.
 /// Empty of other events.
-pub fn touch<O: Followed>(curve: &EventCurve<O>, place: impl Fn(&O, usize) -> String) -> String {
+#[must_use]
+pub fn touch(curve: &EventCurve) -> String {
     let Some(orbit) = curve.points.first().map(|point| &point.orbit) else { return String::new() };
     match curve.evidence {
         Evidence::Touch(touch) => format!("{} touches the {} barrier", place(orbit, touch.site), touch.barrier),
@@ -101,8 +111,8 @@ pub fn touch<O: Followed>(curve: &EventCurve<O>, place: impl Fn(&O, usize) -> St
 
 /// The rows of curves.
 #[must_use]
-pub fn curve_rows<O>(curves: &[EventCurve<O>]) -> Vec<Vec<CurveRow>> {
-    let row = |curve: &EventCurve<O>, (k, point): (usize, &CurvePoint<O>)| CurveRow {
+pub fn curve_rows(curves: &[EventCurve]) -> Vec<Vec<CurveRow>> {
+    let row = |curve: &EventCurve, (k, point): (usize, &CurvePoint)| CurveRow {
         values: point.values,
         physical: point.physical == Some(true),
         special: special(curve, k).map(|one| one.special.to_string()).collect(),
@@ -114,6 +124,7 @@ pub fn curve_rows<O>(curves: &[EventCurve<O>]) -> Vec<Vec<CurveRow>> {
 #[must_use]
 pub fn title(orbit: &Orbit) -> String {
     match (orbit.family(), orbit.force_periods()) {
+        _ if orbit.contacts().is_some() => orbit.full_name(),
         // A word that has become that of a family.
         (Family::Word, 1) => Word::of(orbit)
             .family()

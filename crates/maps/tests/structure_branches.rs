@@ -4,10 +4,10 @@
 
 use std::collections::BTreeSet;
 
-use vibrochain_breather::{Family, StructureOrbit, Word, breathers};
+use vibrochain_breather::{Family, Orbit, Word, breathers};
 use vibrochain_floquet::{
-    BranchRequest, Course, End, Event, Evidence, Followed, FollowedBranch, Located, Rectangle, Special, SpecialPoint,
-    Tolerance, Window, branches, curve, diagram, event_curve,
+    BranchRequest, Course, End, Event, Evidence, FollowedBranch, Located, Rectangle, Special, SpecialPoint, Tolerance,
+    Window, branches, curve, diagram, event_curve,
 };
 use vibrochain_lattice::{Chain, Model, Parameter, Stop};
 use vibrochain_maps::structure::along::family;
@@ -17,12 +17,7 @@ fn scene(text: &str) -> StructureScene {
     StructureScene::of_text(text, std::path::Path::new(".")).unwrap()
 }
 
-fn branch(
-    scene: &StructureScene,
-    orbit: &StructureOrbit,
-    setting: Setting,
-    [from, to]: [f64; 2],
-) -> FollowedBranch<StructureOrbit> {
+fn branch(scene: &StructureScene, orbit: &Orbit, setting: Setting, [from, to]: [f64; 2]) -> FollowedBranch {
     let course =
         BranchRequest { from, to, events: Event::ALL.to_vec(), generations: 0, tolerance: Tolerance::Rounding };
     let value = scene.get(setting).unwrap();
@@ -51,7 +46,7 @@ fn model(sites: usize, [gamma1, gamma2, omega, asymmetry, amplitude, restitution
 
 /// On which side orbits branch off, whether each is stable, and by how much the impulses of the first differ: as a root does, so that this is told
 /// by its square over the way.
-fn branched<O: Followed>(found: &Located<O>) -> Option<(bool, Vec<Option<bool>>, f64)> {
+fn branched(found: &Located) -> Option<(bool, Vec<Option<bool>>, f64)> {
     let branching = found.branching.as_ref()?;
     let sizes: Vec<f64> = branching.orbits[0].orbit.impulses().into_iter().map(f64::abs).collect();
     let spread = sizes.iter().fold(0.0, |a: f64, b| a.max(*b)) - sizes.iter().fold(f64::INFINITY, |a, b| a.min(*b));
@@ -83,7 +78,7 @@ fn a_chain_without_dashpots_has_the_events_of_its_own_engine() {
             let mut asked = Course::new(&orbit, free);
             (asked.from, asked.to) = (range[0], range[1]);
             let expected = &diagram(&orbit, &asked).unwrap().branches[0];
-            let is_it = |one: &&StructureOrbit| {
+            let is_it = |one: &&Orbit| {
                 (one.impacts()[0].impulse - orbit.impacts()[0].impulse).abs() < 1e-9
                     && one.psi().is_none_or(|psi| (psi - orbit.psi().unwrap()).abs() < 1e-8)
             };
@@ -98,8 +93,7 @@ fn a_chain_without_dashpots_has_the_events_of_its_own_engine() {
                 assert_eq!(mine.iter().filter(same).count(), 1, "{name} at {value}: {about}");
             }
             for one in expected.events() {
-                let same =
-                    |mine: &&Located<StructureOrbit>| mine.event == one.event && (mine.value - one.value).abs() < 1e-9;
+                let same = |mine: &&Located| mine.event == one.event && (mine.value - one.value).abs() < 1e-9;
                 let mine = own.events().find(same).unwrap();
                 let [mine, theirs] = [branched(mine), branched(one)];
                 assert_eq!(mine.is_some(), theirs.is_some(), "{:?} at {}: {about}", one.event, one.value);
@@ -216,7 +210,7 @@ fn curves_of_a_chain_without_dashpots_are_those_of_its_own_engine() {
     assert!(special.contains("neimark-sacker"), "{special:?}");
 }
 
-fn places<O>(points: &[vibrochain_floquet::CurvePoint<O>]) -> Vec<[f64; 2]> {
+fn places(points: &[vibrochain_floquet::CurvePoint]) -> Vec<[f64; 2]> {
     points.iter().map(|point| point.values).collect()
 }
 
@@ -252,7 +246,7 @@ fn a_branch_closes_where_its_phase_has_gone_round() {
     assert_eq!(found.orbits.len(), 2);
     for orbit in &found.orbits {
         let branch = branch(&scene, orbit, Setting::Upper(0), [-3.0, 5.0]);
-        let values = |wanted: &dyn Fn(&Located<StructureOrbit>) -> bool| {
+        let values = |wanted: &dyn Fn(&Located) -> bool| {
             let mut values: Vec<f64> = branch.events().filter(|one| wanted(one)).map(|one| one.value).collect();
             values.sort_by(f64::total_cmp);
             values

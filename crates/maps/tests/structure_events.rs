@@ -5,10 +5,9 @@
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
-use vibrochain_breather::StructureOrbit;
+use vibrochain_breather::Orbit;
 use vibrochain_floquet::{
-    BranchRequest, Complex, Diagram, End, Event, FollowedBranch, Rectangle, Tolerance, branches, event_curve,
-    structure_stability,
+    BranchRequest, Complex, Diagram, End, Event, FollowedBranch, Rectangle, Tolerance, branches, event_curve, stability,
 };
 use vibrochain_lattice::Stop;
 use vibrochain_maps::structure::along::family;
@@ -23,7 +22,7 @@ fn of_text(text: &str) -> StructureScene {
     StructureScene::of_text(text, Path::new(".")).unwrap()
 }
 
-fn orbits(scene: &StructureScene) -> Vec<StructureOrbit> {
+fn orbits(scene: &StructureScene) -> Vec<Orbit> {
     scene.model().unwrap().orbits(scene.word.as_ref().unwrap(), scene.force_periods).unwrap().orbits
 }
 
@@ -31,17 +30,12 @@ fn course([from, to]: [f64; 2], generations: u32) -> BranchRequest {
     BranchRequest { from, to, events: Event::ALL.to_vec(), generations, tolerance: Tolerance::Rounding }
 }
 
-fn branch(
-    scene: &StructureScene,
-    (orbit, value): (&StructureOrbit, f64),
-    setting: Setting,
-    range: [f64; 2],
-) -> FollowedBranch<StructureOrbit> {
+fn branch(scene: &StructureScene, (orbit, value): (&Orbit, f64), setting: Setting, range: [f64; 2]) -> FollowedBranch {
     let diagram = branches(orbit, &family(scene, &[setting]), value, &course(range, 0), &Stop::default());
     diagram.unwrap().branches.swap_remove(0)
 }
 
-fn diagram(scene: &StructureScene, number: usize, setting: Setting, range: [f64; 2]) -> Diagram<StructureOrbit> {
+fn diagram(scene: &StructureScene, number: usize, setting: Setting, range: [f64; 2]) -> Diagram {
     let (value, family) = (scene.get(setting).unwrap(), family(scene, &[setting]));
     branches(&orbits(scene)[number], &family, value, &course(range, 1), &Stop::default()).unwrap()
 }
@@ -75,10 +69,10 @@ fn symmetry_is_lost_where_it_is_lost_by_hand() {
     for number in 0..3 {
         let diagram = diagram(&scene, number, Setting::Omega, [0.92, 1.4]);
         assert!(diagram.dead_ends.is_empty(), "{number}: {:?}", diagram.dead_ends);
-        let symmetric = |branch: &&FollowedBranch<StructureOrbit>| {
+        let symmetric = |branch: &&FollowedBranch| {
             branch.points().all(|point| (point.orbit.impacts()[1].time / point.orbit.period() - 0.5).abs() < 1e-9)
         };
-        let two = |branch: &&FollowedBranch<StructureOrbit>| branch.points().all(|one| one.orbit.impacts().len() == 2);
+        let two = |branch: &&FollowedBranch| branch.points().all(|one| one.orbit.impacts().len() == 2);
         assert_eq!(diagram.branches.iter().filter(symmetric).filter(two).count(), 1, "{number}");
         assert!(diagram.branches.iter().filter(two).count() >= 2, "{number}");
     }
@@ -155,8 +149,7 @@ fn told_errors_are_true_and_small() {
                     let again = branch(&scene, (&point.orbit, point.value), setting, wider);
                     for one in own.events() {
                         assert!(one.error <= 1e-9 * one.value.abs(), "{name} {setting} {}: {one:?}", one.event.name());
-                        let apart =
-                            |other: &vibrochain_floquet::Located<StructureOrbit>| (other.value - one.value).abs();
+                        let apart = |other: &vibrochain_floquet::Located| (other.value - one.value).abs();
                         let alike = again.events().filter(|other| other.event == one.event);
                         let Some(other) = alike.min_by(|a, b| apart(a).total_cmp(&apart(b))) else { continue };
                         // Others of one kind lie farther apart; a branch that ends before has none.
@@ -213,7 +206,7 @@ fn multipliers_next_to_folds_and_rigid_modes_are_those_by_hand() {
                 if impacts.iter().any(|one| one.velocity_before.abs() < 1e-3 * fastest) {
                     continue;
                 }
-                let told = structure_stability(&point.orbit, Tolerance::Rounding).unwrap();
+                let told = stability(&point.orbit, Tolerance::Rounding).unwrap();
                 // (δx, δv) from just before one impact to just before the next.
                 let mut matrix = [[1.0, 0.0], [0.0, 1.0]];
                 for (i, impact) in impacts.iter().enumerate() {

@@ -79,14 +79,14 @@ fn cells_say_why_nothing_is_physical() {
         counts[absence as usize] += 1;
         let model = scene.worker(&stop).model(&scene, number).unwrap();
         let found = model.orbits(&"0+".parse().unwrap(), 1).unwrap();
-        let pushing = |orbit: &&vibrochain_breather::StructureOrbit| orbit.impacts()[0].impulse < 0.0;
+        let pushing = |orbit: &&vibrochain_breather::Orbit| orbit.impacts()[0].impulse < 0.0;
         let candidates: Vec<_> = found.orbits.iter().filter(pushing).collect();
         let Some(first) = cell.found.obstruction else {
             assert!(absence == Absence::NoOrbit && candidates.is_empty(), "{cell:?}");
             continue;
         };
-        let within = |orbit: &&&vibrochain_breather::StructureOrbit| {
-            let motion = StructureMotion::new(orbit).unwrap();
+        let within = |orbit: &&&vibrochain_breather::Orbit| {
+            let motion = StructureMotion::new(orbit.contacts().unwrap()).unwrap();
             let stops = model.structure().contacts()[first.contact as usize];
             let room = |part: f64| {
                 stops.room(motion.contact(first.contact as usize, first.impact as usize, part * orbit.period())[0])

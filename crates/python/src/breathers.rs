@@ -106,7 +106,7 @@ impl PyBreathers {
         call(py, first.0.model(), move || {
             let count = orbits.len();
             for orbit in orbits {
-                let mut finder = Finder::new(orbit.0.model().chain().sites());
+                let mut finder = Finder::default();
                 if finder.quick_admissibility(&orbit.0)?.is_physical() {
                     return Ok(orbit);
                 }

@@ -73,16 +73,16 @@ where
 
 /// [`long`] with nothing to do while waiting and no use for the flag. What is a matter of milliseconds on a chain such as `model`'s
 /// is done at once: to wake a thread and be woken by it costs more than most orbits.
-pub(crate) fn call<T, E>(
+pub(crate) fn call<'m, T, E>(
     py: Python<'_>,
-    model: &Model,
+    model: impl Into<Option<&'m Model>>,
     work: impl FnOnce() -> Result<T, E> + Send + 'static,
 ) -> PyResult<T>
 where
     T: Send + 'static,
     E: Into<Failure>,
 {
-    if is_quick(model) {
+    if model.into().is_some_and(is_quick) {
         return Ok(py.detach(move || caught(work))?);
     }
     long(py, |_| Ok(()), move |_| work())

@@ -54,7 +54,7 @@ struct Point {
 
 impl PyEventCurve {
     fn new(curve: EventCurve, free: [Parameter; 2]) -> Self {
-        let touch = touch(&curve, |orbit, site| format!("site {}", orbit.model().chain().layout().name(site)));
+        let touch = touch(&curve);
         let EventCurve { event, points, special, ends: [first, last], .. } = curve;
         let point = |CurvePoint { values, error, orbit, angle, physical }: CurvePoint| {
             (Point { values, error, angle, physical }, PyOrbit::new(orbit))

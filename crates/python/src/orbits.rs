@@ -174,8 +174,8 @@ impl PyOrbit {
 
     /// Model : the parameters.
     #[getter]
-    fn model(&self) -> PyModel {
-        PyModel(*self.0.model())
+    fn model(&self) -> PyResult<PyModel> {
+        Ok(PyModel(*self.0.lattice().map_err(Failure::from)?.model()))
     }
 
     /// str : "double-sided", "single-sided", "period-doubled" or "word".
@@ -217,7 +217,7 @@ impl PyOrbit {
     /// list of Impact : the impacts in order of time.
     #[getter]
     fn impacts(&self) -> Vec<PyImpact> {
-        let layout = self.0.model().chain().layout();
+        let layout = self.layout();
         self.0.impacts().iter().map(|impact| PyImpact::new(impact, &layout)).collect()
     }
 
@@ -306,8 +306,7 @@ impl PyOrbit {
     /// >>> answer.physical, 0 < answer.margin < 1
     /// (True, True)
     fn admissibility(&self, py: Python<'_>) -> PyResult<PyAdmissibility> {
-        let orbit = self.0.clone();
-        let layout = orbit.model().chain().layout();
+        let (orbit, layout) = (self.0.clone(), self.layout());
         Ok(PyAdmissibility::new(&call(py, self.0.model(), move || admissibility(&orbit))?, layout))
     }
 
@@ -379,6 +378,10 @@ impl PyOrbit {
 }
 
 impl PyOrbit {
+    fn layout(&self) -> Layout {
+        self.0.model().map_or(Layout::ONE_ROW, |model| model.chain().layout())
+    }
+
     fn trajectory<'py>(
         &self,
         py: Python<'py>,
@@ -393,7 +396,7 @@ impl PyOrbit {
         if let Some(time) = times.iter().find(|time: &&f64| !time.is_finite()) {
             return Err(Failure::request(format!("t = {time} is out of range: give finite times")).into());
         }
-        let masses = self.0.model().chain().sites();
+        let masses = self.0.lattice().map_err(Failure::from)?.model().chain().sites();
         let sites = sites.map(|sites| self::sites(sites, masses, &mut shape)).transpose()?;
         if sites.is_none() {
             shape.push(masses);

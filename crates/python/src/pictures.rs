@@ -6,7 +6,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use vibrochain_breather::admissibility;
-use vibrochain_floquet::{Event, FloquetError, Mechanism, Stability, Tolerance, stability, structure_stability};
+use vibrochain_floquet::{Event, FloquetError, Mechanism, Stability, Tolerance, stability};
 use vibrochain_lattice::{Parameter, Spectrum, Stop};
 use vibrochain_maps::caption::{describe, in_common, in_words};
 use vibrochain_maps::cell::Class;
@@ -212,7 +212,10 @@ pub(crate) fn _orbit_pane(py: Python<'_>, orbit: PyRef<'_, PyOrbit>, what: &str)
         let [profile, motion] = orbit_panes(&orbit)?;
         let panes = [("motion", motion), ("profile", profile), ("portrait", orbit_flights(&orbit)?.1)];
         let (pane, state) = asked(&what, is_physical, stability, panes)?;
-        Ok::<_, Failure>((pane, format!("{} breather: {}{state}", title(&orbit), describe(orbit.model()))))
+        Ok::<_, Failure>((
+            pane,
+            format!("{} breather: {}{state}", title(&orbit), orbit.model().map_or(String::new(), describe)),
+        ))
     };
     long(py, |_| Ok(()), work)
 }
@@ -251,12 +254,12 @@ pub(crate) fn _structure_pane(
 ) -> PyResult<(PyPane, String)> {
     let work = move |_: &Stop| {
         let (scene, orbit) = structure_orbit(&scene, &near.0, psi, force_periods)?;
-        let admissibility = orbit.admissibility()?;
-        let stability = structure_stability(&orbit, Tolerance::Rounding);
-        let [motion, portrait] = contact_panes(&orbit, admissibility.obstruction.as_ref())?.swap_remove(0);
+        let (admissibility, stability) = (admissibility(&orbit)?, stability(&orbit, Tolerance::Rounding));
+        let contacts = orbit.at_contacts(&Stop::default())?;
+        let [motion, portrait] = contact_panes(&contacts, admissibility.obstruction.as_ref())?.swap_remove(0);
         let panes = [("motion", motion), ("portrait", portrait)];
         let (pane, state) = asked(&what, admissibility.is_physical(), stability, panes)?;
-        Ok::<_, Failure>((pane, format!("{}, {}: {}{state}", scene.heading(), orbit.word(), scene.here())))
+        Ok::<_, Failure>((pane, format!("{}, {}: {}{state}", scene.heading(), orbit.name(), scene.here())))
     };
     long(py, |_| Ok(()), work)
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use numpy::{IntoPyArray, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
-use vibrochain_breather::{BreatherError, OrbitList, StructureModel, StructureMotion, StructureOrbit, Word};
+use vibrochain_breather::{BreatherError, Orbit, OrbitList, StructureModel, StructureMotion, Word};
 use vibrochain_floquet::{BranchRequest, Diagram, Event, FollowedBranch, Rectangle, Station, Tolerance, branches};
 use vibrochain_lattice::{Barrier, Stop};
 use vibrochain_maps::followed::touch;
@@ -71,8 +71,9 @@ pub(crate) fn _structure_motion<'py>(
     let count = times.len();
     let work = move |_: &Stop| {
         let (_, orbit) = structure_orbit(&scene, &near, psi, force_periods)?;
-        let motion = StructureMotion::new(&orbit)?;
-        let (impacts, contacts) = (orbit.impacts(), orbit.model().structure().contacts().len());
+        let known = orbit.at_contacts(&Stop::default())?;
+        let motion = StructureMotion::new(&known)?;
+        let (impacts, contacts) = (orbit.impacts(), known.model().structure().contacts().len());
         let mut values = Vec::with_capacity(times.len() * contacts * 2);
         for time in times {
             let now = (time - impacts[0].time).rem_euclid(orbit.period()) + impacts[0].time;
@@ -100,14 +101,14 @@ pub(crate) fn structure_orbit(
     near: &[Hit],
     psi: f64,
     force_periods: u32,
-) -> Result<(StructureScene, StructureOrbit), Failure> {
+) -> Result<(StructureScene, Orbit), Failure> {
     let scene = StructureScene::of_text(scene, Path::new("."))?;
     let orbit = orbit_near(&scene.model()?, force_periods, psi, near)?;
     Ok((scene, orbit))
 }
 
 /// The orbit next to given impacts.
-fn orbit_near(model: &StructureModel, force_periods: u32, psi: f64, near: &[Hit]) -> Result<StructureOrbit, Failure> {
+fn orbit_near(model: &StructureModel, force_periods: u32, psi: f64, near: &[Hit]) -> Result<Orbit, Failure> {
     let impacts = near.iter().map(|(contact, barrier, time, impulse)| {
         let named = Barrier::from_name(barrier);
         let wrong = || Failure::Request(format!("barrier {barrier} is unknown: give lower or upper"));
@@ -115,11 +116,11 @@ fn orbit_near(model: &StructureModel, force_periods: u32, psi: f64, near: &[Hit]
     });
     let impacts = impacts.collect::<Result<Vec<_>, Failure>>()?;
     ensure!(!impacts.is_empty(), "there are no impacts to begin near: give a word, or an orbit");
-    Ok(StructureOrbit::near(model, force_periods, psi, &impacts)?)
+    Ok(model.orbit_near(force_periods, psi, &impacts)?)
 }
 
 /// How many points lie before each event.
-pub(crate) fn places<O>(stations: &[Station<O>]) -> Vec<usize> {
+pub(crate) fn places(stations: &[Station]) -> Vec<usize> {
     let before = stations.iter().scan(0, |points, station| {
         *points += usize::from(matches!(station, Station::Point(_)));
         Some((station, *points))
@@ -128,12 +129,12 @@ pub(crate) fn places<O>(stations: &[Station<O>]) -> Vec<usize> {
 }
 
 /// A branch of orbits: with the branch that it leaves, and where; and how many points lie before each event.
-fn told(found: &Diagram<StructureOrbit>, branch: &FollowedBranch<StructureOrbit>) -> Value {
+fn told(found: &Diagram, branch: &FollowedBranch) -> Value {
     let first = branch.points().next().map(|point| &point.orbit);
     json!({
-        "word": first.map_or(String::new(), StructureOrbit::word),
+        "word": first.map_or(String::new(), Orbit::name),
         "generation": branch.generation,
-        "force_periods": first.map_or(1, StructureOrbit::force_periods),
+        "force_periods": first.map_or(1, Orbit::force_periods),
         "origin": branch.origin.and_then(|origin| Some((origin.branch, found.event_at(origin)?.value))),
         "points": branch.points().collect::<Vec<_>>(),
         "events": branch.events().map(event).collect::<Value>(),
@@ -194,10 +195,10 @@ pub(crate) fn _structure_along(
         let answer = json!({
             "branches": found.branches.iter().map(|branch| told(&found, branch)).collect::<Value>(),
             "complete": found.complete,
-            "touches": followed.iter().map(|curve| touch(curve, |_, contact| format!("contact {contact}"))).collect::<Vec<_>>(),
+            "touches": followed.iter().map(touch).collect::<Vec<_>>(),
             "curves": followed,
             "labels": settings.iter().map(|setting| scene.label(*setting)).collect::<Vec<_>>(),
-            "heading": scene.fixed_but(&orbit.word(), &settings),
+            "heading": scene.fixed_but(&orbit.name(), &settings),
         });
         Ok::<_, Failure>(answer.to_string())
     };

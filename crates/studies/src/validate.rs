@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use vibrochain_breather::{Family, Finder, Orbit, OrbitList};
+use vibrochain_breather::{Family, Finder, LatticeOrbit, Orbit, OrbitList};
 use vibrochain_eventsim::{Limits, Outcome, Simulation, Time};
 use vibrochain_floquet::{Complex, DMatrix, Stability, Tolerance, eigenvalues, stability};
 use vibrochain_lattice::{Chain, Stop};
@@ -153,13 +153,13 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 
 /// The simulated return map of an orbit, from the middle of its last flight.
 pub(crate) struct ReturnMap<'a> {
-    orbit: &'a Orbit,
+    orbit: LatticeOrbit<'a>,
     start: Start,
 }
 
 impl<'a> ReturnMap<'a> {
     pub(crate) fn new(orbit: &'a Orbit) -> Result<Self, CliError> {
-        Ok(Self { orbit, start: Start::on(orbit)? })
+        Ok(Self { orbit: orbit.lattice()?, start: Start::on(orbit)? })
     }
 
     /// Displacements, then velocities.
@@ -230,7 +230,7 @@ impl<'a> ReturnMap<'a> {
 
     /// Growth per period of a small perturbation along the leading eigenvector.
     fn growth(&self, radius: f64) -> Result<f64, CliError> {
-        let mode = leading_mode_at(self.orbit, self.start.time, &Stop::default()).map_err(computation)?;
+        let mode = leading_mode_at(&self.orbit, self.start.time, &Stop::default()).map_err(computation)?;
         let size = 1e-8;
         // From 1e-8 to 1e-5, in as many periods as that takes.
         let periods = ((1e3_f64.ln() / radius.ln()) as u64).clamp(1, LONG);

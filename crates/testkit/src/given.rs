@@ -4,7 +4,7 @@ use vibrochain_breather::{BlochEquations, LinearImpact, Orbit};
 
 /// J(z) of the impacts of an orbit as it has them.
 pub fn equations_as_given(orbit: &Orbit) -> BlochEquations {
-    let (model, sites) = (orbit.model(), orbit.hit_sites());
+    let (model, sites) = (orbit.model().unwrap(), orbit.hit_sites());
     let contacts: Vec<Vec<usize>> = sites.iter().map(|site| vec![*site]).collect();
     let hit: Vec<usize> = (0..sites.len()).collect();
     let felt = model.felt_structure(&contacts).unwrap().participating_modes(&hit);

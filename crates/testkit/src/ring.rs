@@ -122,7 +122,7 @@ impl<'a> ReturnMap<'a> {
     #[must_use]
     pub fn new(orbit: &'a Orbit) -> Self {
         let last = orbit.impacts().last().unwrap().time;
-        Self { orbit, ring: Ring::new(orbit.model()), start: 0.5 * (last - orbit.period()) }
+        Self { orbit, ring: Ring::new(orbit.model().unwrap()), start: 0.5 * (last - orbit.period()) }
     }
 
     /// The orbit's own state at the start.
@@ -154,7 +154,7 @@ impl<'a> ReturnMap<'a> {
     fn run(&self, state: &DVector<f64>, impacts: &[Impact], end: f64) -> DVector<f64> {
         let m = state.len() / 2;
         let psi = self.orbit.psi().unwrap_or(0.0);
-        let e = self.orbit.model().restitution();
+        let e = self.orbit.model().unwrap().restitution();
         let (mut u, mut v): (DVector<f64>, DVector<f64>) = (state.rows(0, m).into(), state.rows(m, m).into());
         let mut now = self.start;
         let mut left = impacts.to_vec();
@@ -162,7 +162,7 @@ impl<'a> ReturnMap<'a> {
             let first = left[0].time;
             let simultaneous = left.iter().take_while(|impact| impact.time == first).count();
             let time_of = |impact: &Impact| {
-                let barrier = self.orbit.model().barrier(impact.barrier);
+                let barrier = self.orbit.model().unwrap().barrier(impact.barrier);
                 let mut t = impact.time;
                 for _ in 0..50 {
                     let (u, v) = self.ring.fly(&u, &v, now + psi, t - now);

@@ -25,6 +25,9 @@ pub enum TruthError {
         /// Frequency of the orbit.
         omega: f64,
     },
+    /// The orbit is of a structure that is no lattice.
+    #[error("this orbit is of a structure that is no lattice: ask TrueStructureOrbit")]
+    NoLattice,
     /// Impacts lose energy and no force restores it.
     #[error("restitution below 1 without a force: no periodic orbit exists; give an amplitude or restitution 1")]
     Dissipative,

@@ -79,7 +79,7 @@ impl TrueOrbit {
     /// [`TruthError::NotConverged`] where Newton's method does not settle, or settles on another orbit;
     /// [`TruthError::Singular`], [`TruthError::Resonance`]; [`TruthError::Dissipative`] for e < 1 without force.
     pub fn refine(orbit: &Orbit, bits: usize) -> Result<Self, TruthError> {
-        let model = orbit.model();
+        let model = orbit.model().ok_or(TruthError::NoLattice)?;
         let chain = model.chain();
         let forced = model.amplitude() > 0.0;
         if !forced && model.restitution() < 1.0 {
@@ -217,7 +217,7 @@ impl TrueOrbit {
     /// [`TruthError::Mismatch`] for an orbit of other parameters or with other impacts.
     pub fn error_of(&self, orbit: &Orbit) -> Result<OrbitError, TruthError> {
         let mismatch = |what| Err(TruthError::Mismatch { what });
-        if orbit.model() != &self.model || orbit.force_periods() != self.force_periods {
+        if orbit.model() != Some(&self.model) || orbit.force_periods() != self.force_periods {
             return mismatch("the parameters");
         }
         let pairs: Vec<_> = self.impacts.iter().zip(orbit.impacts()).collect();

@@ -22,7 +22,7 @@ fn find(model: &Model, family: Family, which: usize, search: (Event, Parameter, 
 
 /// The orbit of 50 digits next to `orbit`, at a parameter of f64.
 fn refined(orbit: &Orbit, free: Parameter, value: f64) -> TrueOrbit {
-    let model = orbit.model().with(free, value).unwrap();
+    let model = orbit.model().unwrap().with(free, value).unwrap();
     let found = breathers(&model, orbit.family()).unwrap().orbits;
     let unlike = |other: &Orbit| {
         let pairs = other.impacts().iter().zip(orbit.impacts());

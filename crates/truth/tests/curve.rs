@@ -27,7 +27,7 @@ fn symmetric(orbit: &Orbit) -> Orbit {
     let impulse = 0.5 * (first.impulse - second.impulse);
     let hits = [(first, 0.0, impulse), (second, 0.5 * orbit.period(), -impulse)]
         .map(|(impact, time, impulse)| Hit::new(impact.site, impact.barrier, time, impulse));
-    Orbit::from_impulses(orbit.model(), 1, orbit.psi().unwrap(), &hits).unwrap()
+    Orbit::from_impulses(orbit.model().unwrap(), 1, orbit.psi().unwrap(), &hits).unwrap()
 }
 
 /// Which side of the event an orbit is on: that of −1 for a period doubling, of 1 for a pitchfork, of the circle for a pair.
@@ -72,7 +72,7 @@ fn encloses(curve: &EventCurve, i: usize, window: &Window) -> Option<bool> {
     let axis = usize::from(dx > dy);
     let reach = point.error * window.sides()[axis] * dx.hypot(dy) / dx.max(dy);
     let free = window.parameters[axis];
-    let at = |value: f64| point.orbit.model().with(free, value).unwrap();
+    let at = |value: f64| point.orbit.model().unwrap().with(free, value).unwrap();
     let beyond = |sign: f64| point.values[axis] + sign * reach;
     if curve.event == Event::Pitchfork {
         // At a pitchfork a branch has two directions. The point's own impacts stand for the symmetric orbit beside it, which is as near as the error.
@@ -87,7 +87,7 @@ fn encloses(curve: &EventCurve, i: usize, window: &Window) -> Option<bool> {
     let start = branch.start().ok()?;
     let mut beside = |sign: f64| {
         let there = branch.at(&start, beyond(sign)).ok()?;
-        Some(side(&there.orbit().to_orbit(&at(there.value()), point.orbit.family()).unwrap(), curve.event, point))
+        Some(side(&there.orbit().to_orbit(point.orbit.family()).unwrap(), curve.event, point))
     };
     Some(beside(1.0)? != beside(-1.0)?)
 }
@@ -127,7 +127,7 @@ fn next_to_a_resonance_events_are_where_curves_say() {
     for located in &found.located {
         let curve = curve(&located.orbit, located.event, located.evidence, &window, 1e-4).unwrap();
         let near = |i: &usize| {
-            let chain = curve.points[*i].orbit.model().chain();
+            let chain = curve.points[*i].orbit.model().unwrap().chain();
             let ratios = Spectrum::new(*chain).frequencies().to_vec();
             let apart = |frequency: f64| (frequency / curve.points[*i].orbit.frequency()).fract();
             ratios.into_iter().map(apart).any(|part| part > 0.0 && part.min(1.0 - part) < 3e-3)

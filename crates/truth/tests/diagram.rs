@@ -40,7 +40,7 @@ fn draws(seed: u64, mut take: impl FnMut(&vibrochain_breather::Orbit, Parameter)
 }
 
 fn course(orbit: &vibrochain_breather::Orbit, free: Parameter) -> Course {
-    let start = orbit.model().get(free);
+    let start = orbit.model().unwrap().get(free);
     let narrow = Course::new(orbit, free);
     Course { from: (0.8 * start).max(narrow.from), to: (1.2 * start).min(narrow.to), ..narrow }
 }

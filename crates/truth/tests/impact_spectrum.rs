@@ -9,7 +9,7 @@ use vibrochain_truth::{DEFAULT_BITS, TrueOrbit, TrueSpectrum};
 
 fn spectrum(orbit: &Orbit) -> ImpactSpectrum {
     let equations = equations_as_given(orbit);
-    match orbit.model().is_conservative() {
+    match orbit.model().unwrap().is_conservative() {
         true => ImpactSpectrum::conservative(&equations),
         false => ImpactSpectrum::new(&equations),
     }

@@ -27,7 +27,7 @@ fn draw(random: &mut Random, families: &[Family]) -> (Model, Family) {
 /// The orbit in many digits at another value of the parameter, close by: from this one in steps over which it hardly moves,
 /// or, where its impulses vanish and none is short enough, the one of the list that is nearest.
 fn moved(orbit: &Orbit, free: Parameter, value: f64) -> Option<TrueOrbit> {
-    let start = orbit.model().get(free);
+    let start = orbit.model().unwrap().get(free);
     let (mut here, mut gone, mut step) = (orbit.clone(), 0.0, 1.0);
     while step > 1e-2 {
         let to: f64 = gone + step;
@@ -46,7 +46,7 @@ fn moved(orbit: &Orbit, free: Parameter, value: f64) -> Option<TrueOrbit> {
         here = Orbit::from_impulses(truth.model(), truth.force_periods(), truth.psi()?.to_f64(), &hits).ok()?;
         gone = to;
     }
-    let list = breathers(&orbit.model().with(free, value).ok()?, orbit.family()).ok()?.orbits;
+    let list = breathers(&orbit.model().unwrap().with(free, value).ok()?, orbit.family()).ok()?.orbits;
     let strengths = |orbit: &Orbit| -> Vec<f64> { orbit.impacts().iter().map(|hit| hit.impulse).collect() };
     let apart = |other: &Orbit| {
         let pairs = strengths(orbit).into_iter().zip(strengths(other));
@@ -58,8 +58,8 @@ fn moved(orbit: &Orbit, free: Parameter, value: f64) -> Option<TrueOrbit> {
 
 /// The orbit in many digits that stands next to this one scaled.
 fn refined(orbit: &Orbit, free: Parameter, value: f64) -> Option<TrueOrbit> {
-    let model = orbit.model().with(free, value).ok()?;
-    let part = model.period() / orbit.model().period();
+    let model = orbit.model().unwrap().with(free, value).ok()?;
+    let part = model.period() / orbit.model().unwrap().period();
     let hits: Vec<_> = orbit.impacts().iter().map(|hit| Hit { time: part * hit.time, ..Hit::from(hit) }).collect();
     let psi = part * orbit.psi()?;
     TrueOrbit::refine(&Orbit::from_impulses(&model, orbit.force_periods(), psi, &hits).ok()?, DEFAULT_BITS).ok()
@@ -304,7 +304,8 @@ fn pairs_that_cross_where_an_impact_has_no_speed_are_a_grazing() {
         assert!(found.error < 1e-9, "{found:?}");
         // At the grazing itself there is no impact to be refined.
         let [below, above] = [1.0 - 1e-6, 1.0 + 1e-6].map(|part| {
-            let list = breathers(&orbit.model().with(free, part * found.value).unwrap(), family).unwrap().orbits;
+            let list =
+                breathers(&orbit.model().unwrap().with(free, part * found.value).unwrap(), family).unwrap().orbits;
             let strength = |orbit: &&Orbit| orbit.impacts()[0].impulse.abs();
             let nearest = list.iter().min_by(|a, b| strength(a).total_cmp(&strength(b))).unwrap();
             TrueOrbit::refine(nearest, DEFAULT_BITS).unwrap().impacts()[0].impulse.is_negative()
@@ -322,7 +323,7 @@ fn period_doublings_of_a_conservative_orbit() {
     let answer = locate(orbit, &search).unwrap();
     let condition = |orbit: &Orbit, value: f64| {
         let there = model.with(Parameter::Omega, value).unwrap();
-        let part = there.period() / orbit.model().period();
+        let part = there.period() / orbit.model().unwrap().period();
         let hits: Vec<Hit> =
             orbit.impacts().iter().map(|hit| Hit { time: part * hit.time, ..Hit::from(hit) }).collect();
         let moved = Orbit::from_impulses(&there, 1, 0.0, &hits).unwrap();

@@ -4,8 +4,8 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::{ModelFamily, StructureModel, StructureOrbit};
-use vibrochain_floquet::{BranchRequest, Event, Tolerance, branches, structure_stability};
+use vibrochain_breather::{ModelFamily, Orbit, StructureModel};
+use vibrochain_floquet::{BranchRequest, Event, Tolerance, branches, stability};
 use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Stop};
 use vibrochain_testkit::Random;
 use vibrochain_truth::Real;
@@ -131,7 +131,7 @@ impl Truth {
     }
 }
 
-fn own(given: Given, load: f64) -> Vec<StructureOrbit> {
+fn own(given: Given, load: f64) -> Vec<Orbit> {
     given.model(load).unwrap().orbits(&"0+".parse().unwrap(), 1).unwrap().orbits
 }
 
@@ -153,7 +153,7 @@ fn one_impact_to_the_last_digits() {
         let truth = Truth::new(given);
         let all = truth.orbits(&Real::new(load, BITS));
         for orbit in own(given, load) {
-            let (impact, error) = (&orbit.impacts()[0], &orbit.impact_errors()[0]);
+            let (impact, error) = (&orbit.impacts()[0], &orbit.contacts().unwrap().impact_errors()[0]);
             let nearest = all.iter().map(|one| (&one.impulse - impact.impulse).abs().to_f64());
             let (at, off) = nearest.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
             let size = impact.impulse.abs();
@@ -164,7 +164,7 @@ fn one_impact_to_the_last_digits() {
             let turned = ((&sin - true_sin).abs() + (&cos - true_cos).abs()).to_f64();
             assert!(turned < 1e-9 * (1.0 + error.impulse / off.max(f64::MIN_POSITIVE)), "{turned:e} {given:?}");
             orbits += 1;
-            let Ok(stability) = structure_stability(&orbit, Tolerance::Rounding) else { continue };
+            let Ok(stability) = stability(&orbit, Tolerance::Rounding) else { continue };
             let sum: Complex<f64> = stability.multipliers.iter().sum();
             let product: Complex<f64> = stability.multipliers.iter().product();
             // At a graze multipliers are without bound, and lose digits in proportion.

@@ -164,7 +164,7 @@ fn words_rings_that_nothing_holds_and_elastic_forced_orbits() {
             forced.impacts().iter().map(move |i| Hit { time: i.time + f64::from(n) * forced.period(), ..Hit::from(i) })
         })
         .collect();
-    let word = Orbit::from_impulses(forced.model(), 2, forced.psi().unwrap(), &twice).unwrap();
+    let word = Orbit::from_impulses(forced.model().unwrap(), 2, forced.psi().unwrap(), &twice).unwrap();
     let (once, twice) = (spectrum(forced), spectrum(&word));
     assert!((twice.determinant() - once.determinant().powi(2)).log10_abs() < -57.0);
     for mu in dense_multipliers(forced) {

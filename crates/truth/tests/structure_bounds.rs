@@ -5,8 +5,8 @@
 use std::sync::Arc;
 
 use nalgebra::{Complex as C, DMatrix, DVector};
-use vibrochain_breather::{StructureModel, StructureOrbit};
-use vibrochain_floquet::{Tolerance, structure_stability};
+use vibrochain_breather::{Orbit, StructureModel};
+use vibrochain_floquet::{Tolerance, stability};
 use vibrochain_lattice::{Chain, Contact, Spectrum, Structure};
 use vibrochain_testkit::{Random, stiffness};
 use vibrochain_truth::TrueStructureOrbit;
@@ -155,9 +155,10 @@ impl Tally {
         }
     }
 
-    fn take(&mut self, name: &str, structure: &Structure, orbit: &StructureOrbit) {
+    fn take(&mut self, name: &str, structure: &Structure, orbit: &Orbit) {
         self.orbits += 1;
-        let known = orbit.impact_errors().iter().all(|told| told.impulse.is_finite());
+        let told = orbit.contacts().unwrap().impact_errors();
+        let known = told.iter().all(|told| told.impulse.is_finite());
         let Ok(truth) = TrueStructureOrbit::refine(structure, orbit, BITS) else {
             if known {
                 self.broken.push(format!("{name}: no orbit there"));
@@ -166,12 +167,12 @@ impl Tally {
         };
         self.open += usize::from(!known);
         let errors = truth.errors_of(orbit).unwrap();
-        for (i, told) in orbit.impact_errors().iter().enumerate() {
+        for (i, told) in told.iter().enumerate() {
             self.hold(&format!("{name} P{i}"), 0, errors.impulses[i], told.impulse);
             self.hold(&format!("{name} t{i}"), 0, errors.times[i], told.time);
             self.hold(&format!("{name} a{i}"), 0, errors.accelerations[i], told.acceleration);
         }
-        let Ok(stability) = structure_stability(orbit, Tolerance::Rounding) else {
+        let Ok(stability) = stability(orbit, Tolerance::Rounding) else {
             self.open_radii += 1;
             return;
         };
@@ -319,16 +320,16 @@ fn structures_whose_errors_were_told_too_small() {
         let model = StructureModel::new(Arc::new(structure.modal().unwrap()), omega).unwrap();
         let mut found = model.orbits(&word.parse().unwrap(), periods).unwrap().orbits;
         // A list may begin an orbit at either impact.
-        let away = |orbit: &StructureOrbit| {
+        let away = |orbit: &Orbit| {
             let off = orbit.impacts().iter().map(|impact| (impact.impulse - impulse).abs());
             off.fold(f64::INFINITY, f64::min)
         };
         found.sort_by(|a, b| away(a).total_cmp(&away(b)));
         let orbit = found.first().unwrap();
-        let told = orbit.impact_errors().iter().map(|error| error.impulse).fold(0.0, f64::max);
+        let told = orbit.contacts().unwrap().impact_errors().iter().map(|error| error.impulse).fold(0.0, f64::max);
         assert!(away(orbit) <= told + 1e-14 && away(orbit) < 1e-8, "{word}: {:e} {told:e}", away(orbit));
         // Of the third one a multiplier is 0, from which refinement once led to another one.
-        let verdict = structure_stability(orbit, Tolerance::Rounding).unwrap().verdict;
+        let verdict = stability(orbit, Tolerance::Rounding).unwrap().verdict;
         assert!((verdict.spectral_radius - radius).abs() <= verdict.resolution + 1e-14, "{word}: {verdict:?}");
         assert!((verdict.spectral_radius - radius).abs() < 1e-7, "{word}: {verdict:?}");
         assert!(verdict.undecided || verdict.stable == (radius < 1.0), "{word}: {verdict:?}");

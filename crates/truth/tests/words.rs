@@ -63,10 +63,7 @@ fn three_impacts_at_three_sites_from_a_guess_to_a_verdict() {
         assert!(assert_own_claims_hold(&orbit, &mut finder) < 1e-13);
         // Followed in the coupling, to the value and back.
         let mut branch = Branch::of_orbit(&orbit, Parameter::Gamma2, 0.05).unwrap();
-        let of_lattice = |point: &BranchPoint| {
-            let model = model.with(Parameter::Gamma2, point.value()).unwrap();
-            point.orbit().to_orbit(&model, orbit.family()).unwrap()
-        };
+        let of_lattice = |point: &BranchPoint| point.orbit().to_orbit(orbit.family()).unwrap();
         let mut point = branch.start().unwrap();
         while point.value() < 0.006 {
             point = branch.step(&point, 0.01).unwrap();

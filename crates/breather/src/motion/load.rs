@@ -4,18 +4,18 @@ use vibrochain_lattice::ImpulseResponse;
 use vibrochain_lattice::simd::lanes::{LANES, groups};
 
 use super::Motion;
-use crate::orbit::{Hit, Orbit};
+use crate::orbit::{Hit, LatticeOrbit};
 
 /// The most numbers of a table of shapes: those of 128 modes at as many places.
 const TABLE: usize = 128 * 128;
 
-fn net_impulses(orbit: &Orbit) -> impl Iterator<Item = f64> + '_ {
+fn net_impulses(orbit: LatticeOrbit<'_>) -> impl Iterator<Item = f64> {
     orbit.sources().iter().map(|source| source.net_impulse)
 }
 
 impl Motion {
     /// Takes over another orbit; `response` must be of its chain and frequency.
-    pub(crate) fn load(&mut self, orbit: &Orbit, response: &ImpulseResponse) {
+    pub(crate) fn load(&mut self, orbit: LatticeOrbit<'_>, response: &ImpulseResponse) {
         let model = orbit.model();
         if self.is_of(orbit, response) {
             // An orbit just found is there already.
@@ -78,7 +78,7 @@ impl Motion {
     }
 
     /// Holds this orbit already.
-    pub(crate) fn is_of(&self, orbit: &Orbit, response: &ImpulseResponse) -> bool {
+    pub(crate) fn is_of(&self, orbit: LatticeOrbit<'_>, response: &ImpulseResponse) -> bool {
         self.period == response.period()
             && self.psi == orbit.psi_or_zero()
             && self.origin.uniform_offset == orbit.uniform_offset()
@@ -88,7 +88,7 @@ impl Motion {
             && self.steady == *orbit.steady()
     }
 
-    fn set_table(&mut self, orbit: &Orbit, modes: usize) {
+    fn set_table(&mut self, orbit: LatticeOrbit<'_>, modes: usize) {
         let centred = orbit.centre().is_some();
         let sources = orbit.sources().iter().map(|source| if centred { 0 } else { source.site });
         let places = if centred { modes } else { self.shapes.sites() };
@@ -119,7 +119,7 @@ struct Part<'a> {
 }
 
 /// What the impacts of an orbit of one site have done at the time `start`, if each was then, or half a period before.
-fn at_instants<'a>(orbit: &Orbit, response: &'a ImpulseResponse, start: f64) -> Option<[Part<'a>; 2]> {
+fn at_instants<'a>(orbit: LatticeOrbit<'_>, response: &'a ImpulseResponse, start: f64) -> Option<[Part<'a>; 2]> {
     let part = |time: f64, impulse: f64| {
         let elapsed = if start < time { start - time + response.period() } else { start - time };
         if elapsed == 0.0 {

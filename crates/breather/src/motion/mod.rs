@@ -114,8 +114,9 @@ impl Motion {
     /// The motion of an orbit.
     ///
     /// # Errors
-    /// [`BreatherError::Resonance`], which an orbit that exists has already passed.
+    /// [`BreatherError::NoLattice`]; [`BreatherError::Resonance`], which an orbit that exists has already passed.
     pub fn of(orbit: &Orbit) -> Result<Self, BreatherError> {
+        let orbit = orbit.lattice()?;
         let response = ImpulseResponse::new(&Spectrum::new(*orbit.model().chain()), orbit.frequency())?;
         let mut motion = Self::vacant(orbit.model().chain(), response.shapes().clone());
         motion.load(orbit, &response);

@@ -4,7 +4,7 @@ use vibrochain_lattice::{ImpulseResponse, Model, Spectrum};
 
 use crate::error::BreatherError;
 use crate::motion::Motion;
-use crate::orbit::{Draft, Family, Hit, Impact, Orbit, sources};
+use crate::orbit::{Draft, Family, Hit, Impact, LatticePart, Of, Orbit, sources};
 use crate::worse;
 
 impl Orbit {
@@ -27,21 +27,25 @@ impl Orbit {
         };
         let half = 0.5 * response.period();
         let fixed = |hit: &Hit| hit.time == 0.0 || hit.time == half;
-        let mut orbit = Self {
+        let part = LatticePart {
             model: *model,
-            family: draft.family,
-            force_periods: draft.force_periods,
-            psi: draft.psi,
             steady: model.steady()?,
-            impacts: draft.impacts.iter().map(impact).collect(),
             sources: draft.sources,
             uniform_offset: draft.uniform_offset,
             fixed_times: model.is_conservative() && draft.impacts.iter().all(fixed),
-            residual: 0.0,
             at_contacts: draft.at_contacts.into(),
         };
-        motion.load(&orbit, response);
-        let (length, velocity, loss) = (orbit.length_scale(), orbit.velocity_scale(), model.loss());
+        let mut orbit = Self {
+            family: draft.family,
+            force_periods: draft.force_periods,
+            psi: draft.psi,
+            impacts: draft.impacts.iter().map(impact).collect(),
+            residual: 0.0,
+            of: Of::Lattice(part),
+        };
+        let known = orbit.lattice()?;
+        motion.load(known, response);
+        let (length, velocity, loss) = (known.length_scale(), known.velocity_scale(), model.loss());
         for (i, impact) in orbit.impacts.iter_mut().enumerate() {
             let after;
             (after, impact.acceleration) = motion.just_after(i, impact.site);

@@ -1,4 +1,4 @@
-//! The one type for all periodic orbits: a chain, a force, a period and a list of impacts.
+//! The one type for all periodic orbits: a lattice or any other structure, a force, a period and a list of impacts.
 //!
 //! ```text
 //! v_n(t) = Σ_i P_i K_{n−n_i}(t−t_i) + G(t+ψ),          G(t) = Ã cos ωt, or Σ Ã_j cos(jωt+θ_j)   (superposition)
@@ -12,102 +12,102 @@ pub(crate) mod display;
 mod draft;
 mod family;
 pub(crate) mod impact;
+mod in_lattice;
 mod named;
 pub(crate) mod order;
 #[cfg(feature = "serde")]
 pub(crate) mod serde_impl;
 pub(crate) mod symmetries;
 
-use std::fmt;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Model, Steady};
+use vibrochain_lattice::{Model, Stop};
 
 pub(crate) use draft::{Draft, Source, WRONG_SIGN, sources};
 pub use family::Family;
 pub(crate) use impact::SIMULTANEOUS;
 pub use impact::{Hit, Impact, time_between};
+#[cfg(feature = "serde")]
+pub(crate) use in_lattice::AtContacts;
+pub use in_lattice::LatticeOrbit;
+pub(crate) use in_lattice::{LatticePart, Reflection};
 
 use crate::error::BreatherError;
+use crate::structures::model::StructureModel;
 use crate::structures::orbit::StructureOrbit;
 
 /// A solution that violates its equations by more than this is not listed: rounding has left nothing of it.
 pub(crate) const MOST_RESIDUAL: f64 = 0.1;
 
-/// A periodic orbit with impacts.
+/// A periodic orbit with impacts, of a lattice or of any other structure with stops.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Orbit {
-    pub(crate) model: Model,
     pub(crate) family: Family,
     pub(crate) force_periods: u32,
     pub(crate) psi: f64,
-    pub(crate) steady: Steady,
     pub(crate) impacts: SmallVec<[Impact; 2]>,
-    pub(crate) sources: SmallVec<[Source; 1]>,
-    pub(crate) uniform_offset: f64,
-    pub(crate) fixed_times: bool,
     pub(crate) residual: f64,
-    /// The same orbit as contacts at the masses that hit know it.
-    pub(crate) at_contacts: AtContacts,
+    pub(crate) of: Of,
 }
 
-/// Worked out when it is first asked for; an error where the lattice has no kernel, exactly at a resonance.
-#[derive(Clone, Default)]
-pub(crate) struct AtContacts(pub(crate) OnceLock<Result<Arc<StructureOrbit>, BreatherError>>);
-
-impl From<Option<Arc<StructureOrbit>>> for AtContacts {
-    fn from(known: Option<Arc<StructureOrbit>>) -> Self {
-        Self(known.map_or_else(OnceLock::new, |known| OnceLock::from(Ok(known))))
-    }
-}
-
-/// Pages of modes would tell nobody more.
-impl fmt::Debug for AtContacts {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("AtContacts").finish_non_exhaustive()
-    }
-}
-
-/// What follows from all else of an orbit makes no difference.
-impl PartialEq for AtContacts {
-    fn eq(&self, _: &Self) -> bool {
-        true
-    }
-}
-
-/// Impulses and times of an orbit that differ by this part of the largest one, or of the period, are the same but for rounding.
-const ALIKE: f64 = 32.0 * f64::EPSILON;
-
-/// A reflection of a ring: site n comes to `mirror` − n, and what happens there half a period later if it is `delayed`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Reflection {
-    pub(crate) mirror: usize,
-    pub(crate) delayed: bool,
-}
-
-impl Reflection {
-    /// Where a site of a ring of `sites` masses comes to.
-    pub(crate) fn image(self, site: usize, sites: usize) -> usize {
-        (self.mirror + sites - site) % sites
-    }
+/// What moves.
+#[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "in a box each of a map's orbits would take an allocation more")]
+pub(crate) enum Of {
+    /// A lattice all masses of which have barriers.
+    Lattice(LatticePart),
+    /// Any other structure, by what its contacts know.
+    Structure(Arc<StructureOrbit>),
 }
 
 impl Orbit {
-    /// The largest length in the conditions of position: half the gap, or the swing of the force.
-    pub(crate) fn length_scale(&self) -> f64 {
-        self.steady.bound(0).max(1.0)
+    /// The lattice that moves; `None` of any other structure.
+    pub fn model(&self) -> Option<&Model> {
+        match &self.of {
+            Of::Lattice(part) => Some(&part.model),
+            Of::Structure(_) => None,
+        }
     }
 
-    /// The largest velocity in Newton's law at the impacts.
-    pub(crate) fn velocity_scale(&self) -> f64 {
-        let force = self.steady.bound(1);
-        self.impacts.iter().map(|impact| impact.impulse.abs()).fold(force.max(f64::MIN_POSITIVE), f64::max)
+    /// As contacts know it, if it is of a structure; `None` of a lattice, whose contacts [`Orbit::at_contacts`] has to work out.
+    pub fn contacts(&self) -> Option<&Arc<StructureOrbit>> {
+        match &self.of {
+            Of::Lattice(_) => None,
+            Of::Structure(at_contacts) => Some(at_contacts),
+        }
     }
 
-    /// The parameters.
-    pub fn model(&self) -> &Model {
-        &self.model
+    /// With what only orbits of lattices have.
+    ///
+    /// # Errors
+    /// [`BreatherError::NoLattice`].
+    pub fn lattice(&self) -> Result<LatticeOrbit<'_>, BreatherError> {
+        match &self.of {
+            Of::Lattice(part) => Ok(LatticeOrbit::new(self, part)),
+            Of::Structure(_) => Err(BreatherError::NoLattice),
+        }
+    }
+
+    /// The same orbit as contacts know it, with its errors: those of the structure, or of a lattice contacts at the masses that hit. What is
+    /// asked of it is worked out until `stop` is raised.
+    ///
+    /// # Errors
+    /// [`BreatherError`], where a lattice has no kernel: exactly at a resonance.
+    pub fn at_contacts(&self, stop: &Stop) -> Result<Arc<StructureOrbit>, BreatherError> {
+        self.at_contacts_from(&mut None, stop)
+    }
+
+    /// The same; of a lattice from a structure with contacts at the masses of another orbit, which it replaces.
+    pub(crate) fn at_contacts_from(
+        &self,
+        known: &mut Option<Box<StructureModel>>,
+        stop: &Stop,
+    ) -> Result<Arc<StructureOrbit>, BreatherError> {
+        match &self.of {
+            Of::Lattice(part) => LatticeOrbit::new(self, part).at_contacts_from(known, stop),
+            Of::Structure(known) => StructureOrbit::until(known, stop).bounded(),
+        }
     }
 
     /// The family.
@@ -122,12 +122,62 @@ impl Orbit {
 
     /// Period of the orbit.
     pub fn period(&self) -> f64 {
-        self.model.period() * f64::from(self.force_periods)
+        self.force_period() * f64::from(self.force_periods)
+    }
+
+    /// Period of the force; of an orbit without one, its own.
+    pub fn force_period(&self) -> f64 {
+        match &self.of {
+            Of::Lattice(part) => part.model.period(),
+            Of::Structure(at_contacts) => at_contacts.model().period(),
+        }
+    }
+
+    /// Frequency ω of the force; of an orbit without one, its own.
+    pub fn omega(&self) -> f64 {
+        match &self.of {
+            Of::Lattice(part) => part.model.omega(),
+            Of::Structure(at_contacts) => at_contacts.model().omega(),
+        }
     }
 
     /// Base frequency of the orbit, 2π/period.
     pub fn frequency(&self) -> f64 {
-        self.model.omega() / f64::from(self.force_periods)
+        self.omega() / f64::from(self.force_periods)
+    }
+
+    /// Whether it has a force, or loads that change.
+    pub fn is_forced(&self) -> bool {
+        match &self.of {
+            Of::Lattice(part) => part.model.amplitude() > 0.0,
+            Of::Structure(at_contacts) => at_contacts.psi().is_some(),
+        }
+    }
+
+    /// Whether it has neither a force nor losses: it may begin at any time.
+    pub fn is_conservative(&self) -> bool {
+        match &self.of {
+            Of::Lattice(part) => part.model.is_conservative(),
+            Of::Structure(at_contacts) => at_contacts.is_conservative(),
+        }
+    }
+
+    /// Whether no load acts on it, but losses that a dashpot of negative damping makes up for: it has a period of its own, and may begin at any time.
+    pub fn is_self_excited(&self) -> bool {
+        self.contacts().is_some_and(|contacts| contacts.is_self_excited())
+    }
+
+    /// The error of the period: 0 where a frequency gives it.
+    pub fn period_error(&self) -> f64 {
+        self.contacts().map_or(0.0, |contacts| contacts.period_error())
+    }
+
+    /// Whether barriers on either side are as far from 0, so that an orbit may have a mirror image that hits the others.
+    pub fn is_centred(&self) -> bool {
+        match &self.of {
+            Of::Lattice(part) => part.model.asymmetry() == 0.0,
+            Of::Structure(at_contacts) => at_contacts.is_centred(),
+        }
     }
 
     /// A time before 0 when every mass has room: the middle of the last flight.
@@ -139,25 +189,17 @@ impl Orbit {
     /// Phase ψ of the force at t = 0, as a time, 0 ≤ ψ < T. `None` without force.
     pub fn psi(&self) -> Option<f64> {
         // No −0.
-        (self.model.amplitude() > 0.0).then_some(self.psi + 0.0)
+        self.is_forced().then_some(self.psi + 0.0)
     }
 
-    /// Time φ of the second impact of a family with two. `None` for the others.
+    /// Time φ of the second impact of two, of a lattice's if their family has two. `None` for the others.
     pub fn phi(&self) -> Option<f64> {
-        match (self.family, self.impacts.as_slice()) {
-            (Family::DoubleSided | Family::PeriodDoubled, [_, second]) => Some(second.time),
+        match (&self.of, self.family, self.impacts.as_slice()) {
+            (Of::Structure(_), _, [_, second]) | (_, Family::DoubleSided | Family::PeriodDoubled, [_, second]) => {
+                Some(second.time)
+            }
             _ => None,
         }
-    }
-
-    /// Ã = A/(γ₁−ω²), 0 without force; of a force of several harmonics the bound Σ|A_j/(γ₁−j²ω²)|.
-    pub fn force_response(&self) -> f64 {
-        self.steady.reach()
-    }
-
-    /// G, the uniform motion driven by the force, as a function of t+ψ.
-    pub fn steady(&self) -> &Steady {
-        &self.steady
     }
 
     /// The impacts in order of time.
@@ -180,52 +222,23 @@ impl Orbit {
         self.strongest_impulse().map_or(0.0, f64::abs)
     }
 
-    /// The site that takes all impacts, if there is only one.
+    /// The impacts as they are given.
+    pub fn hits(&self) -> Vec<Hit> {
+        self.impacts.iter().map(Hit::from).collect()
+    }
+
+    /// The site that takes all impacts, if there is only one; of a structure the contact.
     pub fn impact_site(&self) -> Option<usize> {
-        match self.sources.as_slice() {
-            [source] => Some(source.site),
-            _ => None,
-        }
+        let (first, others) = self.impacts.split_first()?;
+        others.iter().all(|impact| impact.site == first.site).then_some(first.site)
     }
 
-    /// The sites that are hit, rising.
+    /// The sites that are hit, rising; of a structure the contacts.
     pub fn hit_sites(&self) -> Vec<usize> {
-        let mut sites: Vec<usize> = self.sources.iter().map(|source| source.site).collect();
+        let mut sites: Vec<usize> = self.impacts.iter().map(|impact| impact.site).collect();
         sites.sort_unstable();
+        sites.dedup();
         sites
-    }
-
-    /// The site about which the motion of a ring is symmetric, because it takes all impacts: modes odd about it stay at rest, and
-    /// half of the masses tell all. `None` where several sites are hit, and on other lattices.
-    pub fn centre(&self) -> Option<usize> {
-        self.impact_site().filter(|_| self.model.chain().is_ring())
-    }
-
-    /// The reflection of a ring that leaves the motion as it is, or is half a period away from doing so.
-    pub(crate) fn reflection(&self) -> Option<Reflection> {
-        let sources = self.sources.as_slice();
-        let first = sources.first().filter(|_| self.model.chain().is_ring())?;
-        if sources.len() == 1 {
-            return Some(Reflection { mirror: 2 * first.site, delayed: false });
-        }
-        let (sites, period) = (self.model.chain().sites(), self.period());
-        let strongest = self.impacts.iter().fold(0.0, |most: f64, impact| most.max(impact.impulse.abs()));
-        let is_image = |reflection: Reflection, impact: &Impact| {
-            let (site, delay) =
-                (reflection.image(impact.site, sites), if reflection.delayed { 0.5 * period } else { 0.0 });
-            self.impacts.iter().any(|other| {
-                let apart = (impact.time - other.time).abs() - delay;
-                let differ = (impact.impulse - other.impulse).abs();
-                other.site == site
-                    && other.barrier == impact.barrier
-                    && apart.abs() <= ALIKE * period
-                    && differ <= ALIKE * strongest
-            })
-        };
-        let candidates = sources
-            .iter()
-            .flat_map(|source| [false, true].map(|delayed| Reflection { mirror: first.site + source.site, delayed }));
-        candidates.into_iter().find(|&reflection| self.impacts.iter().all(|impact| is_image(reflection, impact)))
     }
 
     /// The impacts by instants, in order of time.
@@ -237,7 +250,7 @@ impl Orbit {
     /// The orbit is its own mirror image in time about t = 0 (conservative, all impacts at 0 and half a period,
     /// at any sites): half a period tells all.
     pub fn is_reversible(&self) -> bool {
-        self.fixed_times
+        matches!(&self.of, Of::Lattice(LatticePart { fixed_times: true, .. }))
     }
 
     /// Largest violation of the defining equations, evaluated by superposition from the impulses: |v(t_i) − (a±1)| over the
@@ -255,13 +268,5 @@ impl Orbit {
 
     pub(crate) fn psi_or_zero(&self) -> f64 {
         self.psi
-    }
-
-    pub(crate) fn sources(&self) -> &[Source] {
-        &self.sources
-    }
-
-    pub(crate) fn uniform_offset(&self) -> f64 {
-        self.uniform_offset
     }
 }

@@ -1,12 +1,15 @@
 //! What an orbit is called.
 
+use vibrochain_lattice::Layout;
+
 use crate::orbit::{Family, Impact, Orbit, SIMULTANEOUS};
 use crate::word::{Letter, Word};
 
 impl Word {
     /// The word of an orbit.
     pub fn of(orbit: &Orbit) -> Self {
-        let layout = orbit.model().chain().layout();
+        // Contacts of a structure stand in one row.
+        let layout = orbit.model().map_or(Layout::ONE_ROW, |model| model.chain().layout());
         let letter = |impact: &Impact| {
             let (site, layer) = layout.place(impact.site);
             Letter { site, layer, barrier: impact.barrier }
@@ -29,6 +32,13 @@ impl Orbit {
     #[must_use]
     pub fn name(&self) -> String {
         self.word().unwrap_or_else(|| self.family().name().to_owned())
+    }
+
+    /// The same, with the periods of the force where these are several: `0+,0+/2`, as scenes have it.
+    #[must_use]
+    pub fn full_name(&self) -> String {
+        let name = self.name();
+        if self.force_periods() == 1 { name } else { format!("{name}/{}", self.force_periods()) }
     }
 
     /// Its word, if it is of no family.

@@ -1,10 +1,11 @@
 //! Values as files have them, where a derive does not say it.
 
-use serde::de::Error;
+use serde::de::Error as _;
+use serde::ser::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use vibrochain_lattice::{Barrier, Model};
 
-use crate::orbit::{AtContacts, Family, Impact, Orbit, Source};
+use crate::orbit::{AtContacts, Family, Impact, LatticePart, Of, Orbit, Source};
 
 /// What `mapgen --json` tells of an orbit; its parameters stand beside it. It is written only: an orbit that is read from text is made
 /// from parameters and impacts, see [`Orbit::from_impulses`].
@@ -65,22 +66,28 @@ impl WholeOrbit {
 impl Serialize for Orbit {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         if !serializer.is_human_readable() {
+            let part = match &self.of {
+                Of::Lattice(part) => part,
+                Of::Structure(_) => {
+                    return Err(S::Error::custom("orbits of lattices alone are written to binary formats"));
+                }
+            };
             let whole = WholeOrbit {
-                model: self.model,
+                model: part.model,
                 family: self.family,
                 force_periods: self.force_periods,
                 psi: self.psi,
                 impacts: self.impacts.to_vec(),
-                sources: self.sources.iter().map(|source| (source.site, source.net_impulse)).collect(),
-                uniform_offset: self.uniform_offset,
-                fixed_times: self.fixed_times,
+                sources: part.sources.iter().map(|source| (source.site, source.net_impulse)).collect(),
+                uniform_offset: part.uniform_offset,
+                fixed_times: part.fixed_times,
                 residual: self.residual,
             };
             return whole.serialize(serializer);
         }
-        let layout = self.model.chain().layout();
+        let layout = self.model().map(|model| model.chain().layout());
         let plain = |&Impact { site, barrier, time, impulse, velocity_before, velocity_after, .. }: &Impact| {
-            let (site, layer) = layout.site_and_layer(site);
+            let (site, layer) = layout.map_or((site, None), |layout| layout.site_and_layer(site));
             PlainImpact { site, barrier, time, impulse, velocity_before, velocity_after, layer }
         };
         PlainOrbit {
@@ -104,18 +111,21 @@ impl<'de> Deserialize<'de> for Orbit {
         let whole = WholeOrbit::deserialize(deserializer)?;
         whole.check().map_err(D::Error::custom)?;
         let source = |(site, net_impulse)| Source { site, net_impulse };
-        Ok(Self {
+        let part = LatticePart {
             model: whole.model,
-            family: whole.family,
-            force_periods: whole.force_periods,
-            psi: whole.psi,
             steady: whole.model.steady().map_err(D::Error::custom)?,
-            impacts: whole.impacts.into(),
             sources: whole.sources.into_iter().map(source).collect(),
             uniform_offset: whole.uniform_offset,
             fixed_times: whole.fixed_times,
-            residual: whole.residual,
             at_contacts: AtContacts::default(),
+        };
+        Ok(Self {
+            family: whole.family,
+            force_periods: whole.force_periods,
+            psi: whole.psi,
+            impacts: whole.impacts.into(),
+            residual: whole.residual,
+            of: Of::Lattice(part),
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use vibrochain_lattice::{Ends, Layout};
 
-use crate::orbit::{Orbit, SIMULTANEOUS};
+use crate::orbit::{LatticeOrbit, SIMULTANEOUS};
 
 /// One of them: where each impact comes to, and whether time is reversed.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,11 +37,11 @@ fn moves(count: usize, ends: Ends, from: usize, to: usize) -> Vec<Move> {
 
 /// All symmetries of an orbit, the one that moves nothing among them. Impulses and times are compared as those of masses put side by
 /// side, which no rounding has driven apart yet.
-pub(crate) fn symmetries(orbit: &Orbit) -> Vec<Symmetry> {
+pub(crate) fn symmetries(orbit: LatticeOrbit<'_>) -> Vec<Symmetry> {
     let impacts = orbit.impacts();
     let layout: Layout = orbit.model().chain().layout();
-    let conservative = orbit.model().is_conservative();
-    let (period, clock) = (orbit.period(), orbit.model().period());
+    let conservative = orbit.is_conservative();
+    let (period, clock) = (orbit.period(), orbit.force_period());
     let largest = impacts.iter().fold(0.0, |most: f64, impact| most.max(impact.impulse.abs()));
     let close = |apart: f64, round: f64| (apart - (apart / round).round() * round).abs() <= SIMULTANEOUS * period;
     let mut all: Vec<Symmetry> = Vec::new();
@@ -85,7 +85,7 @@ mod tests {
     use vibrochain_lattice::{Barrier, Chain, Model};
 
     use super::*;
-    use crate::orbit::Hit;
+    use crate::orbit::{Hit, Orbit};
 
     #[test]
     fn symmetries_of_the_lattice_and_of_time_are_found() {
@@ -99,7 +99,7 @@ mod tests {
                 Hit::new(site, Barrier::Lower, turn * model.period(), impulse)
             };
             let hits: Vec<Hit> = hits.iter().map(hit).collect();
-            let all = symmetries(&Orbit::from_impulses(model, 1, 0.3, &hits).unwrap());
+            let all = symmetries(Orbit::from_impulses(model, 1, 0.3, &hits).unwrap().lattice().unwrap());
             [false, true].map(|reversed| all.iter().filter(|one| one.reversed == reversed).count())
         };
         // A pair: nothing moves, or both are exchanged; the same in reversed time.

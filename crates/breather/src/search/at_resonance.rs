@@ -80,7 +80,7 @@ impl Limit {
         alike.then(|| Self {
             impacts: pairs().map(mean).collect(),
             spared: still(below) && still(above),
-            omega: above.model().omega(),
+            omega: above.omega(),
         })
     }
 }

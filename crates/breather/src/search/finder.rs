@@ -12,7 +12,7 @@ use crate::admissible::gap::Depth;
 use crate::error::BreatherError;
 use crate::motion::Motion;
 use crate::orbit::delicate::delicate;
-use crate::orbit::{Family, Orbit};
+use crate::orbit::{Family, LatticeOrbit, Orbit};
 use crate::roots::interval::Zeros;
 use crate::search::orbit_list::OrbitList;
 use crate::search::screens::kernel_grid::KernelGrid;
@@ -210,6 +210,10 @@ impl Finder {
     }
 
     fn check(&mut self, orbit: &Orbit, depth: Depth) -> Result<Admissibility, BreatherError> {
+        if let Some(contacts) = orbit.contacts() {
+            return contacts.checked(depth);
+        }
+        let orbit = orbit.lattice()?;
         self.load(orbit)?;
         if orbit.model().chain().is_kept() {
             return self.watch.check(orbit, &mut self.motion, depth);
@@ -224,7 +228,7 @@ impl Finder {
     }
 
     /// The motion of an orbit, and the impulse response.
-    fn load(&mut self, orbit: &Orbit) -> Result<(), BreatherError> {
+    fn load(&mut self, orbit: LatticeOrbit<'_>) -> Result<(), BreatherError> {
         self.prepare(orbit.model(), orbit.frequency())?;
         if self.earlier.is_of(orbit, &self.response) {
             std::mem::swap(&mut self.motion, &mut self.earlier);
@@ -253,7 +257,7 @@ impl Finder {
     /// # Errors
     /// As [`Finder::admissibility`].
     pub fn motion(&mut self, orbit: &Orbit) -> Result<&mut Motion, BreatherError> {
-        self.load(orbit)?;
+        self.load(orbit.lattice()?)?;
         Ok(&mut self.motion)
     }
 
@@ -302,7 +306,7 @@ impl Finder {
         {
             return Ok(condition.clone());
         }
-        let condition = Condition::of_lattice(orbit, self.at_contacts(orbit))?;
+        let condition = Condition::of(orbit, self.at_contacts(orbit))?;
         self.condition = Some(Box::new((orbit.clone(), condition.clone())));
         Ok(condition)
     }
@@ -313,6 +317,10 @@ impl Finder {
     /// # Errors
     /// As [`Finder::admissibility`].
     pub fn is_delicate(&mut self, orbit: &Orbit) -> Result<bool, BreatherError> {
+        if let Some(contacts) = orbit.contacts() {
+            return Ok(contacts.is_delicate());
+        }
+        let orbit = orbit.lattice()?;
         self.prepare(orbit.model(), orbit.frequency())?;
         let slowest = orbit.impacts().iter().map(|impact| impact.velocity_before.abs()).fold(f64::INFINITY, f64::min);
         if delicate(&self.response, orbit.model().omega(), (slowest, orbit.velocity_scale())) {
@@ -321,7 +329,7 @@ impl Finder {
         if orbit.is_reversible() {
             return Ok(false);
         }
-        match self.at_contacts(orbit) {
+        match self.at_contacts(&orbit) {
             Err(stopped @ BreatherError::Stopped(_)) => Err(stopped),
             // Where nothing is known of them they could.
             known => Ok(known.map_or(true, |known| known.is_delicate())),
@@ -341,6 +349,7 @@ impl Finder {
     /// # Errors
     /// As [`Finder::admissibility`].
     pub fn prepared<'a>(&'a mut self, orbit: &'a Orbit) -> Result<Prepared<'a>, BreatherError> {
+        let orbit = orbit.lattice()?;
         self.prepare(orbit.model(), orbit.frequency())?;
         Ok(Prepared { orbit, response: &self.response })
     }
@@ -361,13 +370,13 @@ impl Finder {
 #[derive(Debug, Clone, Copy)]
 #[must_use]
 pub struct Prepared<'a> {
-    orbit: &'a Orbit,
+    orbit: LatticeOrbit<'a>,
     response: &'a ImpulseResponse,
 }
 
 impl<'a> Prepared<'a> {
     /// The orbit.
-    pub fn orbit(&self) -> &'a Orbit {
+    pub fn orbit(&self) -> LatticeOrbit<'a> {
         self.orbit
     }
 
@@ -402,5 +411,5 @@ pub fn breathers(model: &Model, family: Family) -> Result<OrbitList, BreatherErr
 /// # Errors
 /// As [`Finder::condition`].
 pub fn condition(orbit: &Orbit) -> Result<Condition, BreatherError> {
-    Finder::new(orbit.model().chain().sites()).condition(orbit)
+    Finder::default().condition(orbit)
 }

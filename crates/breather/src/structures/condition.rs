@@ -62,8 +62,8 @@ impl Condition {
         Self { psi_error: f64::INFINITY, origins, impacts, scales: [1.0; 3], ..Self::default() }
     }
 
-    /// That of a lattice's orbit: of the same orbit of the structure with a contact at each mass that is hit.
-    pub(crate) fn of_lattice(
+    /// That of an orbit as contacts know it; of a lattice's, those at the masses that are hit.
+    pub(crate) fn of(
         orbit: &Orbit,
         at_contacts: Result<Arc<StructureOrbit>, BreatherError>,
     ) -> Result<Self, BreatherError> {
@@ -89,7 +89,7 @@ impl Condition {
             bound.impulse += apart.impulse.abs();
             bound.acceleration += apart.acceleration.abs();
         }
-        let phase = |psi: f64| time_between(psi, orbit.psi_or_zero() + orbit.impacts()[0].time, orbit.model().period());
+        let phase = |psi: f64| time_between(psi, orbit.psi_or_zero() + orbit.impacts()[0].time, orbit.force_period());
         self.psi_error += refined.psi().map_or(0.0, phase);
         self
     }

@@ -264,7 +264,7 @@ mod tests {
     }
 
     fn orbits(model: &StructureModel, word: &str) -> Vec<StructureOrbit> {
-        model.orbits(&word.parse().unwrap(), 1).unwrap().orbits
+        model.orbits(&word.parse().unwrap(), 1).unwrap().contacts().cloned().collect()
     }
 
     /// The acceleration at an impact moves with the unknowns as much as by its own terms: a load that is known worse moves impulse, phase and

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use vibrochain_lattice::{
-    Barrier, Complex, Contact, MAX_MAGNITUDE, ModalStructure, Model, Stop, Stopped, StructureError,
+    Barrier, Complex, Contact, MAX_MAGNITUDE, ModalStructure, Model, Resonance, Spectrum, Stop, Stopped, StructureError,
 };
 
 use super::masses::Masses;
@@ -108,6 +108,12 @@ impl StructureModel {
     /// The lattice around the contacts.
     pub(super) fn masses(&self) -> Option<&Masses> {
         self.masses.as_deref()
+    }
+
+    /// A resonance, in a lattice its mode by its wave.
+    pub fn by_wave(&self, resonance: Resonance) -> Resonance {
+        let wave = self.masses().map(|masses| Spectrum::new(*masses.lattice.chain()).nearest(resonance.frequency));
+        Resonance { mode: wave.unwrap_or(resonance.mode), ..resonance }
     }
 
     /// The number of the mass that a contact of a lattice is; in any other structure, the contact's own number.

@@ -12,7 +12,7 @@ use super::orbit::StructureOrbit;
 use super::point::Strike;
 use crate::branch_error::BranchError;
 use crate::error::BreatherError;
-use crate::orbit::{Family, Hit, Impact, Orbit};
+use crate::orbit::{Family, Hit, Impact, LatticeOrbit, Of, Orbit};
 
 /// An impact is half a period after the first one where it misses that by no more than this part of it: rounding of what was solved for.
 const HALF: f64 = 1e-13;
@@ -58,16 +58,6 @@ impl StructureModel {
     fn loaded_as(&self, masses: &Masses, lattice: &Model) -> Result<Self, BreatherError> {
         let factor = if lattice.amplitude() == 0.0 { 1.0 } else { lattice.amplitude() };
         self.with_loads_and_stops(&masses.unit, factor, lattice.stop())
-    }
-
-    /// These of a lattice as some of its parameters vary. What a parameter does not change is worked out once for all its values.
-    pub fn family(lattice: Model, free: &[Parameter], sites: &[usize], stop: &Stop) -> ModelFamily {
-        let free = free.to_vec();
-        let set = |lattice: Model, (free, value): (&Parameter, &f64)| lattice.with(*free, *value);
-        let at = move |values: &[f64]| {
-            free.iter().zip(values).try_fold(lattice, set).map_err(|error: ParameterError| error.to_string())
-        };
-        remembering(at, sites.to_vec(), stop)
     }
 
     /// Models of `family` with contacts at the masses where this model has them, which those at `values` may not have; of any other structure the same.
@@ -157,54 +147,19 @@ impl Branch {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn of_orbit(orbit: &Orbit, free: Parameter, unit: f64) -> Result<Self, BranchError> {
-        let stop = Stop::default();
-        let (start, family, values) = StructureOrbit::along(orbit, &[free], &stop)?;
-        Self::through(&start, family, values[0], unit, &stop)
+        let (stop, lattice) = (Stop::default(), orbit.lattice()?);
+        let family = lattice.models(&[free], &stop);
+        Self::through(&*orbit.followed(&stop)?, family, lattice.model().get(free), unit, &stop)
     }
 }
 
 impl Orbit {
-    /// The same orbit as contacts at the masses that hit know it, with its errors; what is asked of it is worked out until `stop` is raised.
-    ///
-    /// # Errors
-    /// [`BreatherError`], where the lattice has no kernel: exactly at a resonance.
-    pub fn at_contacts(&self, stop: &Stop) -> Result<Arc<StructureOrbit>, BreatherError> {
-        self.at_contacts_from(&mut None, stop)
-    }
-
-    /// The same from a structure with contacts at the masses of another lattice's orbit, which it replaces.
-    pub(crate) fn at_contacts_from(
-        &self,
-        known: &mut Option<Box<StructureModel>>,
-        stop: &Stop,
-    ) -> Result<Arc<StructureOrbit>, BreatherError> {
-        let memo = &self.at_contacts.0;
-        let mut worked_out = || {
-            let model = StructureModel::of_masses_from(known.as_deref(), self.model(), &self.hit_sites(), stop)?;
-            StructureOrbit::of_orbit_in(known.insert(Box::new(model)), self).map(Arc::new)
-        };
-        match memo.get() {
-            Some(Ok(known)) if !known.model().stop().is_same(stop) => Ok(Arc::new(known.as_ref().clone().until(stop))),
-            Some(known) => known.clone(),
-            // The modes of a large lattice are not kept, and its structure is made for these springs alone.
-            None if !self.model().chain().is_kept() => {
-                let contacts: Vec<Vec<usize>> = self.hit_sites().into_iter().map(|site| vec![site]).collect();
-                let model = StructureModel::of_lattice(self.model(), &contacts, stop)?;
-                StructureOrbit::of_orbit_in(&model, self).map(Arc::new)
-            }
-            None => match worked_out() {
-                Err(stopped @ BreatherError::Stopped(_)) => Err(stopped),
-                known => memo.get_or_init(|| known).clone(),
-            },
-        }
-    }
-
     /// The orbit that Newton's method leads to from here. Times that symmetry fixes stay where they are.
     pub(crate) fn refined(&self, stop: &Stop) -> Result<Self, BreatherError> {
-        let model = StructureModel::of_masses(self.model(), &self.hit_sites(), stop)?;
-        let hits: Vec<Hit> = self.impacts().iter().map(Hit::from).collect();
+        let (lattice, hits) = (self.lattice()?.model(), self.hits());
+        let model = StructureModel::of_masses(lattice, &self.hit_sites(), stop)?;
         let near = StructureOrbit::near(&model, self.force_periods(), self.psi_or_zero(), &hits)?;
-        near.to_orbit(self.model(), self.family())
+        near.to_lattice_orbit(lattice, self.family())
     }
 
     /// That one, where less is left of its equations.
@@ -214,17 +169,30 @@ impl Orbit {
     }
 }
 
+impl LatticeOrbit<'_> {
+    /// Its lattice with contacts at the masses that hit as these parameters vary. What a parameter does not change is worked out once for all its values.
+    pub fn models(self, free: &[Parameter], stop: &Stop) -> ModelFamily {
+        let (free, lattice) = (free.to_vec(), *self.model());
+        let set = |lattice: Model, (free, value): (&Parameter, &f64)| lattice.with(*free, *value);
+        let at = move |values: &[f64]| {
+            free.iter().zip(values).try_fold(lattice, set).map_err(|error: ParameterError| error.to_string())
+        };
+        remembering(at, self.hit_sites(), stop)
+    }
+}
+
 impl StructureOrbit {
     /// A lattice's orbit as one of the lattice with contacts at the masses that hit.
     ///
     /// # Errors
     /// [`BreatherError`]
     pub fn of_orbit(orbit: &Orbit, stop: &Stop) -> Result<Self, BreatherError> {
+        let orbit = orbit.lattice()?;
         Self::of_orbit_in(&StructureModel::of_masses(orbit.model(), &orbit.hit_sites(), stop)?, orbit)
     }
 
     /// The same, of the lattice as a structure whose contacts are the masses that hit, rising.
-    fn of_orbit_in(model: &StructureModel, orbit: &Orbit) -> Result<Self, BreatherError> {
+    pub(crate) fn of_orbit_in(model: &StructureModel, orbit: LatticeOrbit<'_>) -> Result<Self, BreatherError> {
         let (sites, impacts) = (orbit.hit_sites(), orbit.impacts());
         let first = impacts.first().map_or(0.0, |impact| impact.time);
         let strike = |impact: &Impact| Strike {
@@ -235,20 +203,6 @@ impl StructureOrbit {
         };
         let since = (orbit.force_periods(), orbit.psi_or_zero() + first);
         Self::given(model, since, impacts.iter().map(strike).collect())
-    }
-
-    /// The same, its models as these parameters of the lattice vary, and their values here: where a branch or a curve begins.
-    ///
-    /// # Errors
-    /// As [`StructureOrbit::of_orbit`].
-    pub fn along(
-        orbit: &Orbit,
-        free: &[Parameter],
-        stop: &Stop,
-    ) -> Result<(Self, ModelFamily, Vec<f64>), BreatherError> {
-        let family = StructureModel::family(*orbit.model(), free, &orbit.hit_sites(), stop);
-        let values = free.iter().map(|parameter| orbit.model().get(*parameter)).collect();
-        Ok((Self::of_orbit(orbit, stop)?, family, values))
     }
 
     /// The same among contacts at more masses of the lattice, each where one of these hits is; of any other structure as it is.
@@ -268,40 +222,108 @@ impl StructureOrbit {
     /// The same orbit with all masses of the lattice, those too that hit nothing; `None` where the structure is no lattice.
     pub fn of_all_masses(&self) -> Option<Result<Orbit, BreatherError>> {
         let Masses { lattice, .. } = self.model().masses()?;
-        let hits = self.hits_by_halves();
-        let orbit = Orbit::from_impulses(lattice, self.force_periods(), self.psi().unwrap_or(0.0), &hits);
         let known = self.has_bounds().then(|| Arc::new(self.clone()));
-        Some(orbit.map(|orbit| Orbit { at_contacts: known.into(), ..orbit }))
+        Some(self.in_lattice(lattice).map(|orbit| orbit.known_as(known)))
     }
 
-    /// The impacts, half a period after the first one where they are but for rounding.
-    fn hits_by_halves(&self) -> Vec<Hit> {
+    /// As an orbit of a lattice, given by its impacts, half a period after the first one where they are but for rounding.
+    fn in_lattice(&self, lattice: &Model) -> Result<Orbit, BreatherError> {
         let (mut hits, half) = (self.hits(), 0.5 * self.period());
         let near = |hit: &&mut Hit| (hit.time - half).abs() <= HALF * half;
         hits.iter_mut().filter(near).for_each(|hit| hit.time = half);
-        hits
+        Orbit::from_impulses(lattice, self.force_periods(), self.psi().unwrap_or(0.0), &hits)
     }
 
-    /// The same as an orbit of a lattice, of this family as long as its impacts are those of the family; a doubled one begins with the longer flight.
+    /// Which of its impacts orbits of a family begin with: a doubled one of the paper with that before the longer flight.
+    ///
+    /// ```
+    /// use vibrochain_breather::{Family, StructureOrbit, breathers};
+    /// use vibrochain_lattice::{Point, Stop};
+    /// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
+    /// let model = ring.omega(1.07).asymmetry(0.8).amplitude(0.1582).restitution(0.25).model()?;
+    /// let found = breathers(&model, Family::PeriodDoubled)?;
+    /// let doubled = StructureOrbit::of_orbit(&found.orbits[0], &Stop::default())?;
+    /// assert_eq!(doubled.first_of(Family::PeriodDoubled), 0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn first_of(&self, family: Family) -> usize {
+        let is_shorter = self.phi().is_some_and(|phi| phi < 0.5 * self.period());
+        let is_doubled = matches!(family, Family::SingleSided | Family::PeriodDoubled) && self.force_periods() == 2;
+        usize::from(is_doubled && is_shorter)
+    }
+
+    /// What it is told as: of a lattice around the contacts with all its masses, of this family as long as its impacts are those of the family; of
+    /// any other structure as it is.
     ///
     /// # Errors
     /// [`BreatherError`] at a resonance.
-    pub fn to_orbit(&self, model: &Model, family: Family) -> Result<Orbit, BreatherError> {
-        let turned = matches!(family, Family::SingleSided | Family::PeriodDoubled)
-            && self.force_periods() == 2
-            && self.phi().is_some_and(|phi| phi < 0.5 * self.period());
-        let begun = if turned { &self.begun_with(1)? } else { self };
-        let (hits, psi) = (begun.hits_by_halves(), begun.psi().unwrap_or(0.0));
-        let mut orbit = Orbit::from_impulses(model, self.force_periods(), psi, &hits)?;
-        let alone = hits.iter().all(|hit| hit.site == hits[0].site);
-        orbit.family = match (family, hits.len(), self.force_periods()) {
-            (Family::SingleSided, 2, 2) if alone => Family::PeriodDoubled,
-            (Family::PeriodDoubled, 1, 1) => Family::SingleSided,
-            (Family::SingleSided, 1, 1) | (Family::DoubleSided, 2, 1) | (Family::PeriodDoubled, 2, 2) if alone => {
+    pub fn to_orbit(&self, family: Family) -> Result<Orbit, BreatherError> {
+        match self.model().masses() {
+            Some(Masses { lattice, .. }) => self.to_lattice_orbit(lattice, family),
+            None => Ok(Orbit::of_structure(Arc::new(self.clone()))),
+        }
+    }
+
+    /// The same, which keeps what contacts know of it.
+    ///
+    /// # Errors
+    /// As [`StructureOrbit::to_orbit`].
+    pub fn into_orbit(self, family: Family) -> Result<Orbit, BreatherError> {
+        match self.model().masses() {
+            Some(Masses { lattice, .. }) => {
+                let begun = self.begun_as(family)?;
+                Ok(begun.to_lattice_orbit(lattice, family)?.known_as(Some(Arc::new(begun))))
+            }
+            None => Ok(Orbit::of_structure(Arc::new(self))),
+        }
+    }
+
+    /// The same orbit begun as those of a family are.
+    fn begun_as(&self, family: Family) -> Result<Self, BreatherError> {
+        match self.first_of(family) {
+            0 => Ok(self.clone()),
+            first => self.begun_with(first),
+        }
+    }
+
+    /// The same as an orbit of a lattice, of this family as long as its impacts are those of the family.
+    pub(crate) fn to_lattice_orbit(&self, lattice: &Model, family: Family) -> Result<Orbit, BreatherError> {
+        let mut orbit = self.begun_as(family)?.in_lattice(lattice)?;
+        orbit.family = match (family, orbit.impacts().len(), self.force_periods(), orbit.impact_site()) {
+            (_, _, _, None) => Family::Word,
+            (Family::SingleSided, 2, 2, _) => Family::PeriodDoubled,
+            (Family::PeriodDoubled, 1, 1, _) => Family::SingleSided,
+            (Family::SingleSided, 1, 1, _) | (Family::DoubleSided, 2, 1, _) | (Family::PeriodDoubled, 2, 2, _) => {
                 family
             }
             _ => Family::Word,
         };
         Ok(orbit)
+    }
+}
+
+impl Orbit {
+    /// The orbit of a structure that contacts know.
+    pub(crate) fn of_structure(at_contacts: Arc<StructureOrbit>) -> Self {
+        Self {
+            family: Family::Word,
+            force_periods: at_contacts.force_periods(),
+            psi: at_contacts.psi().unwrap_or(0.0),
+            impacts: at_contacts.impacts().into(),
+            residual: at_contacts.violation(),
+            of: Of::Structure(at_contacts),
+        }
+    }
+
+    /// The orbit as one that a branch or a curve begins with.
+    ///
+    /// # Errors
+    /// [`BreatherError`] at a resonance.
+    pub fn followed(&self, stop: &Stop) -> Result<Arc<StructureOrbit>, BreatherError> {
+        match self.model() {
+            // Among contacts at masses, so that what is told of it is told of all masses.
+            Some(_) => Ok(Arc::new(StructureOrbit::of_orbit(self, stop)?)),
+            None => self.at_contacts(stop),
+        }
     }
 }

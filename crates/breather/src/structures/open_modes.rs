@@ -302,7 +302,7 @@ mod tests {
             for coupling in [0.0, 0.07] {
                 let model = near(distance, harmonic, coupling);
                 for word in WORDS {
-                    for orbit in model.orbits(&word.parse().unwrap(), 1).unwrap().orbits {
+                    for orbit in model.orbits(&word.parse().unwrap(), 1).unwrap().contacts() {
                         let (closed, point) = orbit.equations().unwrap();
                         let (opened, whole) = closed.opened(&point).unwrap();
                         let (rows, same) = (closed.system(&point).unwrap(), opened.system(&whole).unwrap());
@@ -352,7 +352,7 @@ mod tests {
                 for coupling in [0.0, 0.07] {
                     let model = near(distance, harmonic, coupling);
                     for word in WORDS {
-                        for orbit in model.orbits(&word.parse().unwrap(), 1).unwrap().orbits {
+                        for orbit in model.orbits(&word.parse().unwrap(), 1).unwrap().contacts() {
                             let strongest = orbit.impulses().iter().fold(0.0, |most: f64, one| most.max(one.abs()));
                             let worst = orbit.impact_errors().iter().map(|one| one.impulse).fold(0.0, f64::max);
                             // Of slower impacts less is known: the mode swings as far as their impulses' digits let it.

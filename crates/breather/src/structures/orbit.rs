@@ -82,6 +82,11 @@ impl StructureOrbit {
         Self::at_own_period(&equations, self.force_periods, (&point, &system), false)
     }
 
+    /// The same of one that several hold.
+    pub(crate) fn bounded(self: Arc<Self>) -> Result<Arc<Self>, BreatherError> {
+        if self.has_bounds() { Ok(self) } else { Ok(Arc::new(Self::clone(&self).with_bounds()?)) }
+    }
+
     /// The orbit at a point of the equations, which next to a resonance may be off more than rounding.
     fn at_own_period(
         equations: &Equations<'_>,
@@ -231,8 +236,11 @@ impl StructureOrbit {
     }
 
     /// The same, of which all is worked out no longer than until the request to stop is raised.
-    pub(super) fn until(self, stop: &Stop) -> Self {
-        Self { model: self.model.until(stop), ..self }
+    pub(crate) fn until(self: &Arc<Self>, stop: &Stop) -> Arc<Self> {
+        if self.model.stop().is_same(stop) {
+            return self.clone();
+        }
+        Arc::new(Self { model: self.model.clone().until(stop), ..Self::clone(self) })
     }
 
     /// The model.

@@ -33,7 +33,7 @@ impl StructureOrbit {
     /// let stop = Contact { lower: Some(-1.0), upper: Some(0.7), restitution: 1.0 };
     /// let structure = Arc::new(ModalStructure::new(vec![stop], vec![], vec![mode])?);
     /// let found = StructureModel::new(structure, 1.5)?.orbits(&"0+,0-".parse()?, 1)?;
-    /// let (ratio, error) = found.orbits[0].reversible().unwrap().ratio.unwrap();
+    /// let (ratio, error) = found.orbits[0].contacts().unwrap().reversible().unwrap().ratio.unwrap();
     /// assert!(ratio < 0.0 && error < 1e-13);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

@@ -38,7 +38,7 @@ fn assert_same(a: &OrbitList, b: &OrbitList, shift: f64, name: &str) {
         assert!(orbit.residual() < 5e-12, "{name}: {}", orbit.residual());
     }
     for expected in &a.orbits {
-        let period = expected.model().period();
+        let period = expected.force_period();
         let distance = |orbit: &Orbit| {
             let turn = (orbit.psi().unwrap() + shift - expected.psi().unwrap()) / period;
             let psi = (turn - turn.round()).abs();

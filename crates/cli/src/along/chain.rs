@@ -8,11 +8,10 @@ use vibrochain_floquet::{
 };
 use vibrochain_lattice::{Model, Parameter, Stop};
 use vibrochain_maps::caption::{describe_without, in_common, in_words};
-use vibrochain_maps::followed::title;
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::scene::criterion;
 
-use super::{Along, Events, FIRST, Start, around, begun};
+use super::{Along, Events, FIRST, Start, around, begun, kind};
 use crate::args::{AlongArgs, Free};
 use crate::common::console::Console;
 use crate::common::error::CliError;
@@ -22,7 +21,9 @@ use vibrochain_maps::manifest::object;
 
 /// A breather, and where its model comes from.
 pub(crate) struct ChainAlong {
-    start: Start<Orbit>,
+    start: Start,
+    /// Its model.
+    model: Model,
     chosen: Chosen,
 }
 
@@ -52,7 +53,6 @@ fn fixed(model: &Model, free: Parameter) -> String {
 }
 
 impl Along for ChainAlong {
-    type Orbit = Orbit;
     type Free = Parameter;
     type Scene = ();
     const OF_CHAINS: bool = true;
@@ -84,19 +84,19 @@ impl Along for ChainAlong {
         let orbits = which::some(found)?;
         let is_physical = |orbit: &Orbit| Ok(finder.quick_admissibility(orbit)?.is_physical());
         let start = begun((orbits, ""), args, is_physical)?;
-        Ok(Self { start, chosen })
+        Ok(Self { start, model: chosen.model, chosen })
     }
 
-    fn start(&self) -> &Start<Orbit> {
+    fn start(&self) -> &Start {
         &self.start
     }
 
     fn value(&self, free: Parameter) -> Result<f64, CliError> {
-        Ok(self.start.orbit.model().get(free))
+        Ok(self.model.get(free))
     }
 
     fn allows(&self, free: Parameter, value: f64) -> Result<(), String> {
-        self.start.orbit.model().with(free, value).map(drop).map_err(|error| error.to_string())
+        self.model.with(free, value).map(drop).map_err(|error| error.to_string())
     }
 
     fn range(&self, free: Parameter, flags: [Option<f64>; 2]) -> Result<[f64; 2], CliError> {
@@ -110,13 +110,12 @@ impl Along for ChainAlong {
     }
 
     fn fixed(&self, free: Parameter) -> String {
-        let orbit = &self.start.orbit;
-        let model = orbit.model();
-        format!("{} breathers, {}, {}", orbit.name(), model.chain().layout(), fixed(model, free))
+        let (name, layout) = (self.start.orbit.name(), self.model.chain().layout());
+        format!("{name} breathers, {layout}, {}", fixed(&self.model, free))
     }
 
     fn over_branches(&self, free: Parameter, tolerance: Tolerance) -> String {
-        let fixed = describe_without(self.start.orbit.model(), free);
+        let fixed = describe_without(&self.model, free);
         format!("branches of breathers, {fixed}, {}", criterion(tolerance))
     }
 
@@ -125,38 +124,16 @@ impl Along for ChainAlong {
             format!("{} of {} breathers, ", in_words(curve.event.name()), self.start.orbit.name())
         });
         let ends = curves.iter().flat_map(|curve| [curve.points.first(), curve.points.last()]).flatten();
-        let mut models: Vec<_> = ends.map(|point| point.orbit.model()).collect();
-        models.push(self.start.orbit.model());
+        let mut models: Vec<_> = ends.filter_map(|point| point.orbit.model()).collect();
+        models.push(&self.model);
         format!("{event}{}", in_common(&models))
     }
 
     fn head(&self) -> Map<String, Value> {
         let Start { orbit, number, .. } = &self.start;
-        let mut head = object([("parameters", json!(orbit.model())), ("solution", json!(number))]);
-        head.extend(Self::kind(orbit));
+        let mut head = object([("parameters", json!(self.model)), ("solution", json!(number))]);
+        head.extend(kind(orbit));
         head
-    }
-
-    fn kind(orbit: &Orbit) -> Map<String, Value> {
-        let mut kind = object([("family", json!(orbit.family()))]);
-        kind.extend(orbit.word().map(|word| ("word".to_owned(), json!(word))));
-        kind
-    }
-
-    fn event(found: &Located) -> Value {
-        json!(found)
-    }
-
-    fn title(orbit: &Orbit) -> String {
-        title(orbit)
-    }
-
-    fn place(orbit: &Orbit, number: usize) -> String {
-        format!("site {}", orbit.model().chain().layout().name(number))
-    }
-
-    fn told(orbit: &Orbit) -> String {
-        orbit.to_string()
     }
 
     fn diagram(&self, free: Parameter, course: &BranchRequest, stop: &Stop) -> Result<Diagram, CliError> {
@@ -164,13 +141,7 @@ impl Along for ChainAlong {
         Ok(diagram_until(&self.start.orbit, &Course { free, from, to, events, generations, tolerance }, stop)?)
     }
 
-    fn located(
-        &self,
-        event: Event,
-        free: Parameter,
-        [from, to]: [f64; 2],
-        stop: &Stop,
-    ) -> Result<Events<Orbit>, CliError> {
+    fn located(&self, event: Event, free: Parameter, [from, to]: [f64; 2], stop: &Stop) -> Result<Events, CliError> {
         let found = locate_until(&self.start.orbit, &Search { event, free, from, to }, stop)?;
         let counts = [found.evaluations, found.spectra];
         Ok(Events { located: found.located, unresolved: found.unresolved, ends: found.ends.into(), counts })
@@ -187,7 +158,8 @@ impl Along for ChainAlong {
         let walk = Walk { stop: stop.clone(), ..Walk::new(window, tolerance) };
         let mut curves: Vec<EventCurve> = Vec::new();
         for located in located {
-            let place = (window.place(located.orbit.model()), &located.orbit);
+            let Some(model) = located.orbit.model() else { continue };
+            let place = (window.place(model), &located.orbit);
             if !curves.iter().any(|curve| curve.passes(place, tolerance, |values| window.parts(values))) {
                 curves.push(curve_along(&located.orbit, located.event, located.evidence, &walk)?);
             }

@@ -5,11 +5,14 @@ mod outputs;
 mod structure;
 
 use serde_json::{Map, Value, json};
+use vibrochain_breather::Orbit;
 use vibrochain_floquet::{
-    BranchRequest, Diagram, End, Event, EventCurve, Evidence, Followed, Located, Rectangle, Tolerance, Unresolved,
+    BranchRequest, Diagram, End, Event, EventCurve, Evidence, Located, Rectangle, Tolerance, Unresolved,
 };
 use vibrochain_lattice::{Short, Stop};
+use vibrochain_maps::followed::place;
 use vibrochain_maps::numbers::Number;
+use vibrochain_maps::structure::along;
 
 use crate::args::{AlongArgs, Free};
 use crate::common::console::Console;
@@ -21,15 +24,15 @@ pub(crate) use outputs::{Outputs, Wanted};
 pub(crate) use structure::StructureAlong;
 
 /// The orbit to start from, its number among all solutions, and theirs.
-pub(crate) struct Start<O> {
-    pub(crate) orbit: O,
+pub(crate) struct Start {
+    pub(crate) orbit: Orbit,
     pub(crate) number: usize,
     pub(crate) count: usize,
 }
 
 /// Events between two ends.
-pub(crate) struct Events<O> {
-    pub(crate) located: Vec<Located<O>>,
+pub(crate) struct Events {
+    pub(crate) located: Vec<Located>,
     pub(crate) unresolved: Vec<Unresolved>,
     pub(crate) ends: Vec<(f64, End)>,
     /// Orbits assembled, and eigenvalue problems solved.
@@ -38,8 +41,6 @@ pub(crate) struct Events<O> {
 
 /// A chain or a structure, with an orbit of it to start from.
 pub(crate) trait Along: Sized {
-    /// One orbit.
-    type Orbit: Followed;
     /// What can vary.
     type Free: Copy + PartialEq;
     /// What it is read from, besides flags.
@@ -55,7 +56,7 @@ pub(crate) trait Along: Sized {
     fn label(&self, free: Self::Free) -> String;
     /// Finds where to start.
     fn begin(args: &AlongArgs, scene: Self::Scene, stop: &Stop, console: &mut Console<'_>) -> Result<Self, CliError>;
-    fn start(&self) -> &Start<Self::Orbit>;
+    fn start(&self) -> &Start;
     /// Where it starts.
     fn value(&self, free: Self::Free) -> Result<f64, CliError>;
     /// Whether it can be this, or why not.
@@ -69,35 +70,19 @@ pub(crate) trait Along: Sized {
     /// The same above a picture of branches.
     fn over_branches(&self, free: Self::Free, tolerance: Tolerance) -> String;
     /// The same above a picture of curves of an event, if there are any.
-    fn over_curves(&self, free: [Self::Free; 2], curves: &[EventCurve<Self::Orbit>]) -> String;
+    fn over_curves(&self, free: [Self::Free; 2], curves: &[EventCurve]) -> String;
     /// The start, as JSON has it.
     fn head(&self) -> Map<String, Value>;
-    /// What kind of orbit it is, as JSON has it.
-    fn kind(orbit: &Self::Orbit) -> Map<String, Value>;
-    /// An event, as JSON has it.
-    fn event(found: &Located<Self::Orbit>) -> Value;
-    /// What the orbits of a branch are called, of which this is one.
-    fn title(orbit: &Self::Orbit) -> String;
-    /// Where its impacts are: a site or a contact.
-    fn place(orbit: &Self::Orbit, number: usize) -> String;
-    /// An orbit in words.
-    fn told(orbit: &Self::Orbit) -> String;
-    fn diagram(&self, free: Self::Free, course: &BranchRequest, stop: &Stop) -> Result<Diagram<Self::Orbit>, CliError>;
-    fn located(
-        &self,
-        event: Event,
-        free: Self::Free,
-        range: [f64; 2],
-        stop: &Stop,
-    ) -> Result<Events<Self::Orbit>, CliError>;
+    fn diagram(&self, free: Self::Free, course: &BranchRequest, stop: &Stop) -> Result<Diagram, CliError>;
+    fn located(&self, event: Event, free: Self::Free, range: [f64; 2], stop: &Stop) -> Result<Events, CliError>;
     /// The curves of events along the first of two numbers, each followed once.
     fn curves(
         &self,
         free: [Self::Free; 2],
-        located: &[Located<Self::Orbit>],
+        located: &[Located],
         how: (Rectangle, f64),
         stop: &Stop,
-    ) -> Result<Vec<EventCurve<Self::Orbit>>, CliError>;
+    ) -> Result<Vec<EventCurve>, CliError>;
 
     /// Which orbits, what is fixed, and where the number that varies begins.
     fn heading(&self, free: Self::Free) -> Result<String, CliError> {
@@ -107,12 +92,23 @@ pub(crate) trait Along: Sized {
     }
 }
 
+/// What kind of orbit it is, as JSON has it.
+pub(crate) fn kind(orbit: &Orbit) -> Map<String, Value> {
+    let family = orbit.model().map(|_| ("family".to_owned(), json!(orbit.family())));
+    family.into_iter().chain(orbit.word().map(|word| ("word".to_owned(), json!(word)))).collect()
+}
+
+/// An event, as JSON has it.
+pub(crate) fn event(found: &Located) -> Value {
+    if found.orbit.model().is_some() { json!(found) } else { along::event(found) }
+}
+
 /// The solution asked for, physical or not; otherwise the first physical one.
-pub(crate) fn picked<O>(
-    (orbits, of): (Vec<O>, &str),
+pub(crate) fn picked(
+    (orbits, of): (Vec<Orbit>, &str),
     solution: Option<usize>,
-    mut is_physical: impl FnMut(&O) -> Result<bool, CliError>,
-) -> Result<Start<O>, CliError> {
+    mut is_physical: impl FnMut(&Orbit) -> Result<bool, CliError>,
+) -> Result<Start, CliError> {
     let count = orbits.len();
     if let Some(number) = solution.filter(|&number| number == 0 || number > count) {
         refuse!("--solution {number} is out of range: there are {count}, give 1 to {count}");
@@ -126,11 +122,11 @@ pub(crate) fn picked<O>(
 }
 
 /// [`picked`], with how to start from others.
-fn begun<O>(
-    orbits: (Vec<O>, &str),
+fn begun(
+    orbits: (Vec<Orbit>, &str),
     args: &AlongArgs,
-    is_physical: impl FnMut(&O) -> Result<bool, CliError>,
-) -> Result<Start<O>, CliError> {
+    is_physical: impl FnMut(&Orbit) -> Result<bool, CliError>,
+) -> Result<Start, CliError> {
     picked(orbits, args.solution, is_physical).map_err(|error| match error {
         CliError::IllPosed(none) => {
             CliError::IllPosed(format!("{none}; --solution K starts from one that is not, `mapgen orbit` lists them"))
@@ -212,18 +208,18 @@ pub(crate) fn ending(free: &str, value: f64, end: &End) -> String {
 }
 
 /// Where an event is, with its error.
-pub(crate) fn value_text<O>(free: &str, found: &Located<O>) -> String {
+pub(crate) fn value_text(free: &str, found: &Located) -> String {
     let error = if found.error.is_finite() { format!("± {:.0e}", found.error) } else { "(error unknown)".to_owned() };
     format!("{free} = {} {error}", Number(found.value))
 }
 
 /// What shows an event.
-pub(crate) fn evidence_text<A: Along>(found: &Located<A::Orbit>) -> String {
+pub(crate) fn evidence_text(found: &Located) -> String {
     match found.evidence {
         Evidence::Multiplier(mu) if mu.im == 0.0 => format!("multiplier {}", mu.re),
         Evidence::Multiplier(mu) => format!("multiplier {} ± {}i", mu.re, mu.im.abs()),
         Evidence::Touch(touch) => {
-            let place = A::place(&found.orbit, touch.site);
+            let place = place(&found.orbit, touch.site);
             format!("{place} touches the {} barrier at t = {}", touch.barrier, Number(touch.time))
         }
         Evidence::Impact(impact) if found.event == Event::Sticking => {

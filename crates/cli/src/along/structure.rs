@@ -1,12 +1,12 @@
 //! Orbits of a structure as its numbers vary.
 
 use serde_json::{Map, Value, json};
-use vibrochain_breather::StructureOrbit;
+use vibrochain_breather::{Finder, Orbit, StructureModel};
 use vibrochain_floquet::{BranchRequest, Diagram, Event, EventCurve, Located, Rectangle, Tolerance, branches};
-use vibrochain_lattice::{Short, Stop};
+use vibrochain_lattice::Stop;
 use vibrochain_maps::caption::in_words;
 use vibrochain_maps::scene::tolerance_from;
-use vibrochain_maps::structure::along::{curves, event, family, value};
+use vibrochain_maps::structure::along::{curves, family, value};
 use vibrochain_maps::structure::answer::structure;
 use vibrochain_maps::structure::{Setting, StructureScene};
 
@@ -20,12 +20,12 @@ use vibrochain_maps::manifest::object;
 /// An orbit of a scene's structure.
 pub(crate) struct StructureAlong {
     scene: StructureScene,
-    start: Start<StructureOrbit>,
+    model: StructureModel,
+    start: Start,
     word: String,
 }
 
 impl Along for StructureAlong {
-    type Orbit = StructureOrbit;
     type Free = Setting;
     type Scene = StructureScene;
     const OF_CHAINS: bool = false;
@@ -53,14 +53,15 @@ impl Along for StructureAlong {
         let model = scene.model()?;
         let OfWord { found, word, .. } = found(&args.which, &scene, &model)?;
         ensure!(!found.orbits.is_empty(), CliError::IllPosed(format!("no orbit of {word} was found to start from")));
-        let is_physical = |orbit: &StructureOrbit| Ok(orbit.first_obstruction()?.is_physical());
+        let mut finder = Finder::default();
+        let is_physical = |orbit: &Orbit| Ok(finder.quick_admissibility(orbit)?.is_physical());
         let start = begun((found.orbits, &format!(" of {word}")), args, is_physical)?;
-        let along = Self { scene, start, word };
+        let along = Self { scene, model, start, word };
         checked_range(&along, free, FIRST, [args.from, args.to])?;
         Ok(along)
     }
 
-    fn start(&self) -> &Start<StructureOrbit> {
+    fn start(&self) -> &Start {
         &self.start
     }
 
@@ -90,58 +91,29 @@ impl Along for StructureAlong {
     }
 
     fn fixed(&self, free: Setting) -> String {
-        self.scene.fixed_but(&self.start.orbit.name(), &[free])
+        self.scene.fixed_but(&self.start.orbit.full_name(), &[free])
     }
 
     fn over_branches(&self, free: Setting, _: Tolerance) -> String {
         self.fixed(free)
     }
 
-    fn over_curves(&self, free: [Setting; 2], found: &[EventCurve<StructureOrbit>]) -> String {
+    fn over_curves(&self, free: [Setting; 2], found: &[EventCurve]) -> String {
         let event = found.first().map_or(String::new(), |curve| format!("{}, ", in_words(curve.event.name())));
-        format!("{event}{}", self.scene.fixed_but(&self.start.orbit.name(), &free))
+        format!("{event}{}", self.scene.fixed_but(&self.start.orbit.full_name(), &free))
     }
 
     fn head(&self) -> Map<String, Value> {
-        let Start { orbit, number, .. } = &self.start;
-        let structure = structure(&self.scene, orbit.model());
+        let number = self.start.number;
+        let structure = structure(&self.scene, &self.model);
         object([("structure", structure), ("word", json!(self.word)), ("solution", json!(number))])
     }
 
-    fn kind(orbit: &StructureOrbit) -> Map<String, Value> {
-        object([("word", json!(orbit.word()))])
-    }
-
-    fn event(found: &Located<StructureOrbit>) -> Value {
-        event(found)
-    }
-
-    fn title(orbit: &StructureOrbit) -> String {
-        orbit.name()
-    }
-
-    fn place(_: &StructureOrbit, number: usize) -> String {
-        format!("contact {number}")
-    }
-
-    fn told(orbit: &StructureOrbit) -> String {
-        let psi = orbit.psi().map_or(String::new(), |psi| format!(", psi {}", Short(psi)));
-        let impulses: Vec<String> = orbit.impulses().into_iter().map(|impulse| Short(impulse).to_string()).collect();
-        let lead = if impulses.len() == 1 { "impulse" } else { "impulses" };
-        format!("period {}{psi}, {lead} {}", Short(orbit.period()), impulses.join(", "))
-    }
-
-    fn diagram(&self, free: Setting, course: &BranchRequest, stop: &Stop) -> Result<Diagram<StructureOrbit>, CliError> {
+    fn diagram(&self, free: Setting, course: &BranchRequest, stop: &Stop) -> Result<Diagram, CliError> {
         Ok(branches(&self.start.orbit, &family(&self.scene, &[free]), self.value(free)?, course, stop)?)
     }
 
-    fn located(
-        &self,
-        event: Event,
-        free: Setting,
-        [from, to]: [f64; 2],
-        stop: &Stop,
-    ) -> Result<Events<StructureOrbit>, CliError> {
+    fn located(&self, event: Event, free: Setting, [from, to]: [f64; 2], stop: &Stop) -> Result<Events, CliError> {
         let (events, tolerance) = (vec![event], self.scene.tolerance);
         let course = BranchRequest { from, to, events, generations: 0, tolerance };
         let mut found = self.diagram(free, &course, stop)?;
@@ -153,10 +125,10 @@ impl Along for StructureAlong {
     fn curves(
         &self,
         free: [Setting; 2],
-        located: &[Located<StructureOrbit>],
+        located: &[Located],
         how: (Rectangle, f64),
         stop: &Stop,
-    ) -> Result<Vec<EventCurve<StructureOrbit>>, CliError> {
+    ) -> Result<Vec<EventCurve>, CliError> {
         Ok(curves(&self.scene, (free, self.value(free[1])?), located, how, stop)?)
     }
 }

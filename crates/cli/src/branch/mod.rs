@@ -5,13 +5,14 @@ pub(crate) mod table;
 use std::fmt::Write as _;
 
 use serde_json::{Map, Value, json};
-use vibrochain_floquet::{BranchRequest, Diagram, Event, Followed, FollowedBranch, Origin, Station};
-use vibrochain_maps::followed::{BranchName, BranchRow, branch_row};
+use vibrochain_breather::Orbit;
+use vibrochain_floquet::{BranchRequest, Diagram, Event, FollowedBranch, Origin, Station};
+use vibrochain_maps::followed::{BranchName, BranchRow, branch_row, title};
 use vibrochain_plot::curves_picture;
 
 use crate::along::{
-    Along, ChainAlong, FIRST, Outputs, StructureAlong, Wanted, answer, checked_range, ending, ends, evidence_text,
-    value_text,
+    self, Along, ChainAlong, FIRST, Outputs, StructureAlong, Wanted, answer, checked_range, ending, ends,
+    evidence_text, value_text,
 };
 use crate::args::{BranchArgs, QuantityName, of_orbits};
 use crate::branch::table::{About, HEADER, write};
@@ -62,13 +63,13 @@ fn follow<A: Along>(args: &BranchArgs, scene: A::Scene, console: &mut Console<'_
     };
     console.answer(&text, args.json, taken)?;
     let heading = along.over_branches(free, course.tolerance);
-    let named = |branch: &FollowedBranch<A::Orbit>| BranchName {
-        name: head(branch).map_or_else(String::new, A::title),
+    let named = |branch: &FollowedBranch| BranchName {
+        name: head(branch).map_or_else(String::new, title),
         generation: branch.generation,
         force_periods: periods(branch),
     };
     let names: Vec<BranchName> = diagram.branches.iter().map(named).collect();
-    let rows = |branch: &FollowedBranch<A::Orbit>| branch.stations.iter().map(branch_row).collect();
+    let rows = |branch: &FollowedBranch| branch.stations.iter().map(branch_row).collect();
     let rows: Vec<Vec<BranchRow>> = diagram.branches.iter().map(rows).collect();
     if let Some(file) = file {
         write(file, &diagram.branches)?;
@@ -85,40 +86,40 @@ fn follow<A: Along>(args: &BranchArgs, scene: A::Scene, console: &mut Console<'_
 }
 
 /// The orbit with which a branch begins.
-fn head<O>(branch: &FollowedBranch<O>) -> Option<&O> {
+fn head(branch: &FollowedBranch) -> Option<&Orbit> {
     branch.points().next().map(|point| &point.orbit)
 }
 
 /// Periods of the force in one of its orbits'.
-fn periods<O: Followed>(branch: &FollowedBranch<O>) -> u32 {
-    head(branch).map_or(1, Followed::force_periods)
+fn periods(branch: &FollowedBranch) -> u32 {
+    head(branch).map_or(1, Orbit::force_periods)
 }
 
 /// The event at which a branch leaves another, numbered from 1, as JSON has it.
-fn origin<O>(diagram: &Diagram<O>, origin: Origin) -> Value {
+fn origin(diagram: &Diagram, origin: Origin) -> Value {
     let found = diagram.event_at(origin);
     let (event, value) = (found.map(|found| found.event), found.map(|found| found.value));
     json!({ "branch": origin.branch + 1, "event": event, "value": value })
 }
 
 /// What is on a branch, as JSON has it.
-fn on_branch<A: Along>(free: &str, branch: &FollowedBranch<A::Orbit>) -> Map<String, Value> {
+fn on_branch<A: Along>(free: &str, branch: &FollowedBranch) -> Map<String, Value> {
     object([
         ("points", json!(branch.points().collect::<Vec<_>>())),
-        ("events", branch.events().map(A::event).collect()),
+        ("events", branch.events().map(along::event).collect()),
         ("unresolved", json!(branch.unresolved)),
         ("ends", ends(free, &branch.ends)),
     ])
 }
 
 /// A branch, as JSON has it.
-fn entry<A: Along>(free: &str, diagram: &Diagram<A::Orbit>, branch: &FollowedBranch<A::Orbit>) -> Map<String, Value> {
+fn entry<A: Along>(free: &str, diagram: &Diagram, branch: &FollowedBranch) -> Map<String, Value> {
     let mut told = object([
         ("generation", json!(branch.generation)),
         ("origin", branch.origin.map_or(Value::Null, |from| origin(diagram, from))),
         ("force_periods", json!(periods(branch))),
     ]);
-    told.extend(head(branch).map(A::kind).into_iter().flatten());
+    told.extend(head(branch).map(along::kind).into_iter().flatten());
     told.extend(on_branch::<A>(free, branch));
     told.extend(A::OF_CHAINS.then(|| ("untold".to_owned(), json!(branch.untold))));
     told
@@ -130,7 +131,7 @@ fn json_of<A: Along>(
     free: &str,
     switch: bool,
     course: &BranchRequest,
-    diagram: &Diagram<A::Orbit>,
+    diagram: &Diagram,
 ) -> Map<String, Value> {
     let schema = if A::OF_CHAINS { BRANCH } else { STRUCTURE_BRANCH };
     let mut told = answer(along, schema, json!(free));
@@ -154,7 +155,7 @@ fn json_of<A: Along>(
 }
 
 /// The answer for people. Writing to a String cannot fail.
-fn as_text<A: Along>(heading: String, free: &str, diagram: &Diagram<A::Orbit>, all: bool) -> String {
+fn as_text<A: Along>(heading: String, free: &str, diagram: &Diagram, all: bool) -> String {
     let left = |from: Origin| {
         let found = diagram.event_at(from)?;
         Some(format!("branch {} at {free} = {} ({})", from.branch + 1, Number(found.value), found.event))
@@ -163,7 +164,7 @@ fn as_text<A: Along>(heading: String, free: &str, diagram: &Diagram<A::Orbit>, a
     for (branch, number) in diagram.branches.iter().zip(1..) {
         let _ = write!(out, "\nbranch {number}");
         if let Some(left) = branch.origin.and_then(left) {
-            let _ = write!(out, ", {}, leaves {left}", head(branch).map_or_else(String::new, A::title));
+            let _ = write!(out, ", {}, leaves {left}", head(branch).map_or_else(String::new, title));
         }
         let _ = writeln!(out, ": {}", counted(branch.points().count(), "point"));
         let mut hidden = 0;
@@ -175,7 +176,7 @@ fn as_text<A: Along>(heading: String, free: &str, diagram: &Diagram<A::Orbit>, a
                 continue;
             }
             let aside = if is_physical { "" } else { "; not physical" };
-            let (value, evidence) = (value_text(free, found), evidence_text::<A>(found));
+            let (value, evidence) = (value_text(free, found), evidence_text(found));
             let _ = writeln!(out, "  {value}  {}: {evidence}{aside}", found.event);
         }
         if hidden > 0 {

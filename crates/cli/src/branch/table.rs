@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use vibrochain_floquet::{Event, Followed, FollowedBranch, Station};
+use vibrochain_floquet::{Event, FollowedBranch, Station};
 use vibrochain_lattice::Parameter;
 use vibrochain_maps::fields::Fields;
 use vibrochain_maps::files::CsvFile;
@@ -61,7 +61,7 @@ impl Table {
 }
 
 /// Writes the rows of branches.
-pub(crate) fn write<O: Followed>(mut table: CsvFile, branches: &[FollowedBranch<O>]) -> Result<(), CliError> {
+pub(crate) fn write(mut table: CsvFile, branches: &[FollowedBranch]) -> Result<(), CliError> {
     for (i, branch) in branches.iter().enumerate() {
         for station in &branch.stations {
             let (error, mechanism) = match station {

@@ -1,6 +1,6 @@
 //! What captions say of models and orbits.
 
-use vibrochain_breather::{Impact, Orbit};
+use vibrochain_breather::{Impact, LatticeOrbit, Orbit};
 use vibrochain_lattice::Model;
 use vibrochain_lattice::{Short, Spectrum, far_motion};
 use vibrochain_maps::caption::describe;
@@ -29,7 +29,7 @@ const MAX_TERMS: u64 = 1_000_000;
 
 /// By how much a mass `n` ≥ 1 sites from the one that takes all impacts differs from the uniform motion, in full relative accuracy:
 /// by harmonics, of which every one falls from site to site by its own factor.
-pub fn beside(orbit: &Orbit, spectrum: &Spectrum, n: usize, time: f64) -> f64 {
+pub fn beside(orbit: LatticeOrbit<'_>, spectrum: &Spectrum, n: usize, time: f64) -> f64 {
     let since = |impact: &Impact| (time - impact.time).rem_euclid(orbit.period());
     let impulses: Vec<_> = orbit.impacts().iter().map(|impact| (since(impact), impact.impulse)).collect();
     far_motion(spectrum, orbit.frequency(), n, &impulses, MAX_TERMS).0

@@ -52,7 +52,7 @@ fn follow<A: Along>(args: &CurveArgs, scene: A::Scene, console: &mut Console<'_>
     pictures.fit(|page| curves_picture(&nothing, page))?;
     let found = along.located(args.event, free[0], range, &stop)?;
     let curves = along.curves(free, &found.located, (Rectangle { from, to }, args.tolerance), &stop)?;
-    let touches: Vec<String> = curves.iter().map(|curve| touch(curve, A::place)).collect();
+    let touches: Vec<String> = curves.iter().map(touch).collect();
     let text = if args.json {
         let mut told = answer(&along, if A::OF_CHAINS { CURVE } else { STRUCTURE_CURVE }, json!(names));
         told.extend(object([("from", json!(from)), ("to", json!(to)), ("curves", json!(curves))]));
@@ -86,8 +86,8 @@ fn as_text<A: Along>(
     event: Event,
     free: A::Free,
     [first, second]: [&str; 2],
-    found: &Events<A::Orbit>,
-    (curves, touches): (&[EventCurve<A::Orbit>], &[String]),
+    found: &Events,
+    (curves, touches): (&[EventCurve], &[String]),
 ) -> Result<String, CliError> {
     let mut out = format!("{event} of {}\n", along.heading(free)?);
     if curves.is_empty() {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use vibrochain_floquet::{CurvePoint, EventCurve, Followed, Window};
+use vibrochain_floquet::{CurvePoint, EventCurve, Window};
 use vibrochain_maps::fields::Fields;
 use vibrochain_maps::files::CsvFile;
 use vibrochain_maps::followed::{CurveRow as Row, special};
@@ -51,7 +51,7 @@ pub(crate) fn take(curves: &mut Rows, fields: &mut Fields<'_, &str>) -> Result<(
 }
 
 /// Writes the points of curves.
-pub(crate) fn write<O: Followed>(mut table: CsvFile, curves: &[EventCurve<O>]) -> Result<(), CliError> {
+pub(crate) fn write(mut table: CsvFile, curves: &[EventCurve]) -> Result<(), CliError> {
     for (i, curve) in curves.iter().enumerate() {
         for (k, point) in curve.points.iter().enumerate() {
             let CurvePoint { values: [x, y], error, angle, physical, orbit } = point;

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 use vibrochain_breather::{Obstruction, OrbitList};
 use vibrochain_floquet::Multipliers;
-use vibrochain_lattice::Model;
+use vibrochain_lattice::{Layout, Model};
 
 use crate::common::answer::joined;
 use crate::common::schemas::ORBIT;
@@ -18,7 +18,7 @@ pub(super) fn answer(model: &Model, solutions: &[Solution], found: &OrbitList) -
     let mut told = object([
         ("schema", json!(ORBIT)),
         ("parameters", json!(model)),
-        ("solutions", solutions.iter().map(solution).collect()),
+        ("solutions", solutions.iter().map(|one| solution(one, &layout)).collect()),
     ]);
     told.extend(completeness(found.completeness));
     // Where a branch from masses without coupling ended: the coupling, and why.
@@ -30,9 +30,8 @@ pub(super) fn answer(model: &Model, solutions: &[Solution], found: &OrbitList) -
 }
 
 /// A breather with all that is said about it.
-fn solution(solution: &Solution) -> Value {
+fn solution(solution: &Solution, layout: &Layout) -> Value {
     let Solution { orbit, admissibility, condition, multipliers, modes, phases } = solution;
-    let layout = orbit.model().chain().layout();
     // Masses by their sites, and by their layers where there are several.
     let placed = |mass: usize, mut told: Value| {
         let (site, layer) = layout.site_and_layer(mass);
@@ -40,7 +39,7 @@ fn solution(solution: &Solution) -> Value {
         joined(told, layer.map_or(Value::Null, |layer| json!({ "layer": layer })))
     };
     let obstruction = |obstruction: &Obstruction| {
-        placed(obstruction.site(), joined(json!(obstruction), json!({ "message": obstruction.told(&layout) })))
+        placed(obstruction.site(), joined(json!(obstruction), json!({ "message": obstruction.told(layout) })))
     };
     let errors = json!({ "impulse_error": condition.impulse_error(), "time_error": condition.time_error() });
     let mut told = json!({

@@ -100,8 +100,8 @@ fn drifting(
 ) -> Result<Option<Vec<(usize, f64)>>, CliError> {
     let asked = leading.is_some_and(|verdict| verdict.mechanism == Some(Mechanism::PlusOne))
         && orbit.impact_site().is_none()
-        && orbit.model().is_conservative()
-        && orbit.model().chain().sites() <= MOST_MASSES;
+        && orbit.is_conservative()
+        && orbit.model().is_some_and(|model| model.chain().sites() <= MOST_MASSES);
     let mode = if asked { leading_modes(orbit, 1)?.pop() } else { None };
     Ok(mode.map(|mode| phases(orbit, &mode, finder)).transpose()?)
 }

@@ -46,7 +46,7 @@ impl OrbitModes {
     /// one. Unless they are `listed` only the signatures of single modes are told, and nothing else of them is worked out.
     pub(crate) fn of(orbit: &Orbit, finder: &mut Finder, leading: Option<Complex<f64>>, listed: bool) -> Option<Self> {
         let site = orbit.impact_site().filter(|_| orbit.is_reversible())?;
-        let felt = participating_modes(orbit.model().chain(), site);
+        let felt = participating_modes(orbit.model()?.chain(), site);
         let stop = finder.stop().clone();
         let prepared = finder.prepared(orbit).ok()?;
         let response = prepared.response();

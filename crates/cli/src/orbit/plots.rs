@@ -12,7 +12,7 @@
 
 use std::path::Path;
 
-use vibrochain_breather::{BreatherError, Finder, Motion, Orbit};
+use vibrochain_breather::{BreatherError, Finder, LatticeOrbit, Motion};
 use vibrochain_floquet::{Complex, FloquetMode, leading_modes};
 use vibrochain_lattice::{Decay, Spectrum, decay};
 
@@ -36,20 +36,20 @@ impl Pictured for Solution {
     }
 
     fn panels(&self, number: usize) -> Result<OrbitPanels, CliError> {
-        let orbit = &self.orbit;
+        let orbit = self.orbit.lattice()?;
         let verdict = self.multipliers.as_ref().ok().map(|all| &all.verdict);
         let state = state(self.admissibility.is_physical(), verdict);
         let caption = format!("{} breather {number}: {}; {state}", orbit.name(), describe(orbit.model()));
-        Ok(OrbitPanels { caption, panes: orbit_panes(orbit)?.to_vec() })
+        Ok(OrbitPanels { caption, panes: orbit_panes(&orbit)?.to_vec() })
     }
 
     /// Without stability those of multipliers and eigenvector are left out.
     fn write(&self, folder: &Path, page: Page, number: usize) -> Result<(), CliError> {
-        let orbit = &self.orbit;
+        let orbit = self.orbit.lattice()?;
         let title = format!("{} breather {number}: {}", orbit.name(), describe(orbit.model()));
         let folder = Folder { path: folder, page, number, title };
-        folder.save("profile", (960, 480), vec![orbit_profile(orbit)?])?;
-        let (trace, phase) = orbit_flights(orbit)?;
+        folder.save("profile", (960, 480), vec![orbit_profile(&orbit)?])?;
+        let (trace, phase) = orbit_flights(&orbit)?;
         folder.save("trace", (960, 480), vec![trace])?;
         folder.save("phase", (960, 560), vec![phase])?;
         let picture = spacetime_picture(&spacetime(orbit, folder.title.clone())?, page);
@@ -72,8 +72,8 @@ impl Pictured for Solution {
 /// Samples of a period in space and time: a column for every other pixel.
 const COLUMNS: u64 = 450;
 
-fn spacetime(orbit: &Orbit, title: String) -> Result<Spacetime, BreatherError> {
-    let mut motion = Motion::of(orbit)?;
+fn spacetime(orbit: LatticeOrbit<'_>, title: String) -> Result<Spacetime, BreatherError> {
+    let mut motion = Motion::of(&orbit)?;
     let mut field = FieldWriter::new(orbit.model().chain(), 1.0, COLUMNS);
     for k in 0..=COLUMNS {
         let part = k as f64 / COLUMNS as f64;
@@ -84,12 +84,12 @@ fn spacetime(orbit: &Orbit, title: String) -> Result<Spacetime, BreatherError> {
     Ok(Spacetime { title, barriers: (a - 1.0, a + 1.0), field: field.finish(), impacts })
 }
 
-fn eigenvector(orbit: &Orbit, leading: Complex<f64>) -> Result<Vec<Pane>, CliError> {
-    let mut finder = Finder::new(orbit.model().chain().sites());
-    let mode = match FloquetMode::of(orbit, &mut finder, leading) {
+fn eigenvector(orbit: LatticeOrbit<'_>, leading: Complex<f64>) -> Result<Vec<Pane>, CliError> {
+    let mut finder = Finder::default();
+    let mode = match FloquetMode::of(&orbit, &mut finder, leading) {
         Ok(mode) => Some(mode),
         // The secular form does not know it: by a dense matrix.
-        Err(_) => leading_modes(orbit, 1)?.pop(),
+        Err(_) => leading_modes(&orbit, 1)?.pop(),
     };
     let Some(mode) = mode else { return Ok(Vec::new()) };
     let turning = mode.multiplier.im != 0.0;
@@ -119,11 +119,11 @@ fn eigenvector(orbit: &Orbit, leading: Complex<f64>) -> Result<Vec<Pane>, CliErr
 
 /// |v_n − G| at the impacts, each site in full relative accuracy: by harmonics, of which every one falls from site to site
 /// by its own factor. The modal sum, which keeps absolute accuracy, stands beside it.
-fn decay_pane(orbit: &Orbit) -> Result<Pane, BreatherError> {
+fn decay_pane(orbit: LatticeOrbit<'_>) -> Result<Pane, BreatherError> {
     let model = orbit.model();
     let chain = model.chain();
     let spectrum = Spectrum::new(*chain);
-    let mut motion = Motion::of(orbit)?;
+    let mut motion = Motion::of(&orbit)?;
     let home = orbit.impact_site().unwrap_or(0);
     let mut all = Vec::new();
     for (i, impact) in orbit.impacts().iter().enumerate() {
@@ -131,7 +131,7 @@ fn decay_pane(orbit: &Orbit) -> Result<Pane, BreatherError> {
         let v = motion.displacements(impact.time);
         let field = |n: usize| if n == 0 { v[home] - uniform } else { beside(orbit, &spectrum, n, impact.time) };
         let points = (0..chain.even_modes()).map(|n| (n as f64, field(n).abs()));
-        let name = format!("impact on the {}", impact_name(orbit, impact));
+        let name = format!("impact on the {}", impact_name(&orbit, impact));
         all.push(Series { mark: Mark::Filled(3 * i.min(1)), ..Series::line(name, i, Stroke::Solid(2), points) });
         if i == 0 {
             let modal = (0..chain.even_modes()).map(|n| (n as f64, (v[(home + n) % chain.sites()] - uniform).abs()));
@@ -148,7 +148,7 @@ fn decay_pane(orbit: &Orbit) -> Result<Pane, BreatherError> {
 }
 
 /// The harmonic present that decays the slowest, and its factor per site; `None` if one propagates.
-fn slowest(orbit: &Orbit) -> Option<(u64, f64)> {
+fn slowest(orbit: LatticeOrbit<'_>) -> Option<(u64, f64)> {
     let chain = orbit.model().chain();
     let mut slowest = (0, 0.0_f64);
     // Equal and opposite impulses half a period apart make odd harmonics alone.

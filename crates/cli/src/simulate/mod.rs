@@ -151,7 +151,7 @@ fn starting_point(
     chosen: &Chosen,
     stop: &Stop,
     console: &mut Console<'_>,
-) -> Result<(State, Option<Start<Orbit>>), CliError> {
+) -> Result<(State, Option<Start>), CliError> {
     if let Some(path) = &args.state {
         return Ok((start::read(path, SIMULATE, args.psi)?, None));
     }
@@ -215,7 +215,7 @@ struct Told<'a> {
     stopped: bool,
     /// Time of the start, on the clock of the orbit.
     start: f64,
-    home: Option<&'a Start<Orbit>>,
+    home: Option<&'a Start>,
     fate: vibrochain_fate::Outcome,
     /// From the orbit, at the end.
     distance: Option<f64>,

@@ -20,7 +20,7 @@ use crate::simulate::start::Start;
 /// The time on an orbit's own clock: whole periods are taken off before they cost digits.
 pub fn orbit_time(orbit: &Orbit, time: Time, start: f64) -> f64 {
     let periods = time.periods() % u64::from(orbit.force_periods());
-    periods as f64 * orbit.model().period() + time.offset() + start
+    periods as f64 * orbit.force_period() + time.offset() + start
 }
 
 /// One row an event. Of a chain `time,site,barrier,velocity_before,velocity_after,kind`, `layer` after `site` where there are several; of a
@@ -230,7 +230,7 @@ impl Plot {
         let (Some((orbit, _)), Some(first), Some(last)) = (&self.orbit, analytic.first(), analytic.last()) else {
             return Vec::new();
         };
-        let (period, every) = (orbit.model().period(), f64::from(orbit.force_periods()));
+        let (period, every) = (orbit.force_period(), f64::from(orbit.force_periods()));
         let own = orbit.impacts().iter().filter(|impact| impact.site == self.home);
         let of = |impact: &Impact| {
             let at = (impact.time - self.start) / period;

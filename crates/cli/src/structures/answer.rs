@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use vibrochain_breather::{ImpactError, OrbitList, StructureOrbit};
+use vibrochain_breather::{ImpactError, OrbitList};
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::structure::answer::{kept, told};
 use vibrochain_maps::structure::{Answered, StructureScene};
@@ -10,12 +10,7 @@ use vibrochain_maps::structure::{Answered, StructureScene};
 use crate::common::answer::{told_list, told_verdict};
 
 /// The answer for people.
-pub(crate) fn text(
-    scene: &StructureScene,
-    heading: &str,
-    found: &OrbitList<StructureOrbit>,
-    answered: &[Answered<'_>],
-) -> String {
+pub(crate) fn text(scene: &StructureScene, heading: &str, found: &OrbitList, answered: &[Answered<'_>]) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
     let _ = writeln!(out, "{heading}: {}, {}", scene.heading(), scene.here());
@@ -52,11 +47,12 @@ pub(crate) fn text(
         };
         // In the user's units no number is large.
         let bound = |error: f64| if error.is_finite() { format!("{error:.0e}") } else { "unknown".to_owned() };
-        let worst = |of: fn(&ImpactError) -> f64| orbit.impact_errors().iter().map(of).fold(0.0, f64::max);
+        let errors = orbit.contacts().map_or(&[][..], |contacts| contacts.impact_errors());
+        let worst = |of: fn(&ImpactError) -> f64| errors.iter().map(of).fold(0.0, f64::max);
         let _ = writeln!(
             out,
             "  residual {:.1e}; errors: impulses {}, times {}",
-            orbit.violation(),
+            orbit.residual(),
             bound(worst(|error| error.impulse)),
             bound(worst(|error| error.time))
         );

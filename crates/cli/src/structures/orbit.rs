@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 use vibrochain_breather::{
-    BreatherError, Family, Hit, OrbitList, StructureModel, StructureMotion, StructureOrbit, Word,
+    BreatherError, Family, Hit, Orbit, OrbitList, StructureModel, StructureMotion, StructureOrbit, Word,
 };
 use vibrochain_lattice::Barrier;
 use vibrochain_maps::scene::tolerance_from;
@@ -64,8 +64,9 @@ pub(crate) fn run(args: &OrbitArgs, scene: &StructureScene, console: &mut Consol
     }
     if let Some(mut table) = trajectory {
         for (one, number) in answered.iter().zip(1..) {
-            let motion = StructureMotion::new(one.orbit)?;
-            table.period(number, one.orbit.period(), |time| state(&motion, one.orbit, time))?;
+            let Some(contacts) = one.orbit.contacts() else { continue };
+            let motion = StructureMotion::new(contacts)?;
+            table.period(number, contacts.period(), |time| state(&motion, contacts, time))?;
         }
         table.finish()?;
     }
@@ -102,7 +103,7 @@ fn state(motion: &StructureMotion<'_>, orbit: &StructureOrbit, time: f64) -> Res
 
 /// Orbits of a word.
 pub(crate) struct OfWord {
-    pub(crate) found: OrbitList<StructureOrbit>,
+    pub(crate) found: OrbitList,
     pub(crate) word: String,
     /// Periods of the load.
     pub(crate) periods: u32,
@@ -112,7 +113,7 @@ pub(crate) struct OfWord {
 pub(crate) fn found(which: &WhichArgs, scene: &StructureScene, model: &StructureModel) -> Result<OfWord, CliError> {
     if let Some(path) = &which.near {
         let orbit = near(path, model)?;
-        let (word, periods) = (orbit.word(), orbit.force_periods());
+        let (word, periods) = (Word::of(&orbit).to_string(), orbit.force_periods());
         return Ok(OfWord { found: OrbitList::near(orbit), word, periods });
     }
     let of_family = which
@@ -151,14 +152,14 @@ struct NearImpact {
 }
 
 /// The orbit next to that of a file: what --json has printed, an object with `impacts`, or the table of a run that has settled on one.
-fn near(path: &Path, model: &StructureModel) -> Result<StructureOrbit, CliError> {
+fn near(path: &Path, model: &StructureModel) -> Result<Orbit, CliError> {
     let text = read_text("the orbit", path, MOST_BYTES)?;
     let wrong = |what: &dyn std::fmt::Display| CliError::Request(format!("{}: {what}", path.display()));
     if impact_table::is_one(&text) {
         let (periods, struck) = impact_table::settled(&text, model.period()).map_err(|why| wrong(&why))?;
         let impacts: Vec<_> = struck.iter().map(|one| Hit::new(one.site, one.barrier, one.time, one.impulse)).collect();
-        let lead = |psi: f64| StructureOrbit::near(model, periods, psi, &impacts);
-        return Ok(impact_table::nearest(&struck, model.period(), lead, StructureOrbit::impulses)?);
+        let lead = |psi: f64| model.orbit_near(periods, psi, &impacts);
+        return Ok(impact_table::nearest(&struck, model.period(), lead, Orbit::impulses)?);
     }
     let mut value: serde_json::Value = serde_json::from_str(&text).map_err(|error| wrong(&error))?;
     // What a run has settled on.
@@ -180,5 +181,5 @@ fn near(path: &Path, model: &StructureModel) -> Result<StructureOrbit, CliError>
         })
         .collect::<Result<_, CliError>>()?;
     let periods = near.period.map_or(1.0, |period| (period / model.period()).round()).clamp(1.0, 1e6) as u32;
-    Ok(StructureOrbit::near(model, periods, near.psi.unwrap_or(0.0), &impacts)?)
+    Ok(model.orbit_near(periods, near.psi.unwrap_or(0.0), &impacts)?)
 }

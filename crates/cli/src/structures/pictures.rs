@@ -21,7 +21,8 @@ impl Drawn<'_> {
     }
 
     fn panes(&self) -> Result<Vec<[Pane; 2]>, CliError> {
-        Ok(contact_panes(self.answered.orbit, self.answered.admissibility.obstruction.as_ref())?)
+        let Some(contacts) = self.answered.orbit.contacts() else { return Ok(Vec::new()) };
+        Ok(contact_panes(contacts, self.answered.admissibility.obstruction.as_ref())?)
     }
 }
 

@@ -6,9 +6,9 @@ use std::fmt::Write as _;
 use crate::common::schemas::STRUCTURE_RUN;
 use crate::simulate::name_of;
 use serde_json::{Value, json};
-use vibrochain_breather::{Hit, StructureModel, StructureOrbit};
+use vibrochain_breather::{Hit, StructureModel};
 use vibrochain_eventsim::{EnergyBalance, Event, EventKind, Outcome, Report, State, Time};
-use vibrochain_floquet::{Tolerance, Verdict, structure_verdict};
+use vibrochain_floquet::{Tolerance, Verdict, stability};
 use vibrochain_lattice::{Barrier, Short, Stop, Stopped};
 use vibrochain_maps::numbers::Number;
 use vibrochain_maps::structure::StructureScene;
@@ -98,7 +98,7 @@ impl Settled {
         let forced = self.force_periods > 0;
         let own = if forced { model.clone() } else { model.at(TAU / self.period).ok()? };
         let count = self.force_periods.max(1) as u32;
-        let orbit = StructureOrbit::near(&own, count, self.psi, &self.impacts).ok()?;
+        let orbit = own.orbit_near(count, self.psi, &self.impacts).ok()?;
         let period = own.period();
         let late = orbit.psi().map_or(0.0, |psi| (psi - self.psi + 0.5 * period).rem_euclid(period) - 0.5 * period);
         let off = self.impacts.iter().zip(orbit.impacts()).map(|(hit, own)| {
@@ -106,7 +106,7 @@ impl Settled {
             ((own.time - hit.time + late).abs() / period).max(impulse)
         });
         let is_near = off.fold(0.0, f64::max) <= ALIKE;
-        is_near.then(|| structure_verdict(&orbit, Tolerance::Rounding).ok()).flatten()
+        is_near.then(|| stability(&orbit, Tolerance::Rounding).ok()).flatten().map(|known| known.verdict)
     }
 }
 

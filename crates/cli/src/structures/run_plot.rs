@@ -1,6 +1,6 @@
 //! The picture of a structure's run: a contact at its end, over the orbit it began on, and the velocities of all impacts.
 
-use vibrochain_breather::{StructureModel, StructureMotion, StructureOrbit};
+use vibrochain_breather::{Orbit, StructureModel, StructureMotion};
 use vibrochain_eventsim::{Event, EventKind, Simulation};
 use vibrochain_lattice::Contact;
 use vibrochain_maps::structure::StructureScene;
@@ -28,7 +28,7 @@ pub(super) struct RunPlot {
     /// A period in units of time, where nothing has one that is worth a word.
     unit: Option<f64>,
     trace: Trace,
-    orbit: Option<(StructureOrbit, f64)>,
+    orbit: Option<(Orbit, f64)>,
     /// Of each contact that hits, in the order of their first impacts: how fast it is before each.
     velocities: Vec<(usize, Thinned)>,
 }
@@ -64,7 +64,7 @@ impl RunPlot {
         scene: &StructureScene,
         (model, has_period): (&StructureModel, bool),
         (from, home): (&str, usize),
-        orbit: Option<(StructureOrbit, f64)>,
+        orbit: Option<(Orbit, f64)>,
     ) -> Result<Option<Self>, CliError> {
         let files = PictureFiles::one("--plot", args.plot.as_deref(), &args.page)?;
         if files.is_empty() {
@@ -148,9 +148,10 @@ impl Recorder for RunPlot {
         }
         self.trace.simulated.extend(simulation.contact(self.home).map(|contact| (periods, contact.place)));
         let Some((orbit, start)) = &self.orbit else { return Ok(()) };
+        let Some(contacts) = orbit.contacts() else { return Ok(()) };
         let rounds = time.periods() % u64::from(orbit.force_periods());
-        let now = rounds as f64 * orbit.model().period() + time.offset() + start;
-        let (motion, now) = (StructureMotion::new(orbit)?, now.rem_euclid(orbit.period()));
+        let now = rounds as f64 * orbit.force_period() + time.offset() + start;
+        let (motion, now) = (StructureMotion::new(contacts)?, now.rem_euclid(orbit.period()));
         let i = orbit.impacts().partition_point(|impact| impact.time <= now).saturating_sub(1);
         let [place, ..] = motion.contact(self.home, i, now - orbit.impacts()[i].time);
         self.trace.analytic.push((periods, place));

@@ -1,6 +1,6 @@
 //! `mapgen simulate` of a structure: every impact from a state or an orbit on, and what the run settles on.
 
-use vibrochain_breather::{StructureModel, StructureMotion, StructureOrbit};
+use vibrochain_breather::{Orbit, StructureModel, StructureMotion, admissibility};
 use vibrochain_eventsim::{Event, Simulation};
 use vibrochain_maps::structure::{Setting, StructureScene};
 
@@ -136,7 +136,7 @@ struct Start {
     /// In words.
     from: String,
     /// The orbit, and the time on its clock.
-    orbit: Option<(StructureOrbit, f64)>,
+    orbit: Option<(Orbit, f64)>,
 }
 
 /// The phase of the loads, the modes' coordinates, and from where the run begins.
@@ -160,13 +160,14 @@ fn start(args: &SimulateArgs, scene: &StructureScene, model: &StructureModel) ->
             CliError::Request(format!("--solution {number} does not exist: {word} has {} here", found.orbits.len()))
         })?,
         None => {
-            let physical = |orbit: &&StructureOrbit| orbit.admissibility().is_ok_and(|answer| answer.is_physical());
+            let physical = |orbit: &&Orbit| admissibility(orbit).is_ok_and(|answer| answer.is_physical());
             let first = found.orbits.iter().find(physical);
             first.ok_or_else(|| CliError::IllPosed(format!("{word} has no physical orbit here to start on")))?
         }
     };
     // In the flight before the first impact.
-    let motion = StructureMotion::new(orbit)?;
+    let contacts = orbit.at_contacts(model.stop())?;
+    let motion = StructureMotion::new(&contacts)?;
     let last = orbit.impacts().len() - 1;
     let lapse = 0.5 * motion.until_next(last);
     let time = orbit.impacts()[last].time + lapse;

@@ -6,7 +6,6 @@ use thiserror::Error;
 use vibrochain_breather::{BranchError, BreatherError, Orbit};
 use vibrochain_lattice::{Model, Parameter, Resonance, Short, Stop, Stopped};
 
-use crate::followed::Followed;
 use crate::locate::{Event, Evidence};
 
 /// A point within this many tolerances of a curve, with impulses that agree to this part, is one of it.
@@ -81,8 +80,8 @@ impl fmt::Debug for Walk<'_> {
 
 /// A point of a curve.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "O: crate::followed::Followed"))]
-pub struct CurvePoint<O = Orbit> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct CurvePoint {
     /// Values of both parameters.
     pub values: [f64; 2],
     /// Estimated error: how far the curve may pass from it, as a part of the window's sides.
@@ -93,7 +92,7 @@ pub struct CurvePoint<O = Orbit> {
     pub physical: Option<bool>,
     /// The orbit there.
     #[cfg_attr(feature = "serde", serde(flatten, serialize_with = "crate::serde_impl::of_curve"))]
-    pub orbit: O,
+    pub orbit: Orbit,
 }
 
 /// What else happens at a point of a curve.
@@ -189,16 +188,16 @@ impl fmt::Display for CurveEnd {
 
 /// The curve of an event in a window.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "O: crate::followed::Followed"))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[must_use]
-pub struct EventCurve<O = Orbit> {
+pub struct EventCurve {
     /// Which event.
     pub event: Event,
     /// What showed it where the curve was taken up.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub evidence: Evidence,
     /// Points in their order; a closed curve has its first one once more at the end.
-    pub points: Vec<CurvePoint<O>>,
+    pub points: Vec<CurvePoint>,
     /// Points of codimension two among them, in their order.
     pub special: Vec<SpecialPoint>,
     /// How it ends before the first and behind the last point.
@@ -210,10 +209,15 @@ pub struct EventCurve<O = Orbit> {
     pub spectra: usize,
 }
 
-impl<O: Followed> EventCurve<O> {
+impl EventCurve {
     /// Whether an orbit at a place is one of it, as far as places and impulses tell: within a few tolerances. `parts` makes parts of the window's
     /// sides of values.
-    pub fn passes(&self, (place, orbit): ([f64; 2], &O), tolerance: f64, parts: impl Fn([f64; 2]) -> [f64; 2]) -> bool {
+    pub fn passes(
+        &self,
+        (place, orbit): ([f64; 2], &Orbit),
+        tolerance: f64,
+        parts: impl Fn([f64; 2]) -> [f64; 2],
+    ) -> bool {
         let (place, own) = (parts(place), orbit.impulses());
         let strongest = own.iter().fold(0.0_f64, |most, one| most.max(one.abs()));
         self.points.windows(2).any(|pair| {

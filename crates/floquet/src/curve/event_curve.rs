@@ -1,6 +1,6 @@
 //! An event of orbits, followed through a window of two numbers of their structure.
 
-use vibrochain_breather::{BranchError, Continuation, ModelFamily, StructureOrbit};
+use vibrochain_breather::{BranchError, Continuation, ModelFamily};
 use vibrochain_lattice::Stop;
 
 use super::answer::{CurveError, EventCurve};
@@ -36,13 +36,13 @@ impl Rectangle {
 /// # Errors
 /// [`CurveError`]. What stops the curve on its way is its end, not an error.
 pub fn event_curve(
-    located: &Located<StructureOrbit>,
+    located: &Located,
     family: &ModelFamily,
     start: [f64; 2],
     window: Rectangle,
     tolerance: f64,
     stop: &Stop,
-) -> Result<EventCurve<StructureOrbit>, CurveError> {
+) -> Result<EventCurve, CurveError> {
     let Rectangle { from, to } = window;
     if !((0..2).all(|i| from[i] < to[i]) && window.holds(start)) {
         let message = format!("the start {start:?} is not in the window from {from:?} to {to:?}");
@@ -52,11 +52,12 @@ pub fn event_curve(
         return Err(CurveError::Tolerance(tolerance));
     }
     let sides = [0, 1].map(|i| to[i] - from[i]);
-    let base = Continuation::through(&located.orbit, family.clone(), &start, &sides, stop)?;
     let &Located { event, evidence, ref orbit, .. } = located;
-    let until = &|_: [f64; 2], _: Option<bool>| false;
-    let asked = CurveRequest { event, evidence, window: [from, to], tolerance, uncoupled: None, special: true, until };
-    let curve = followed((base, orbit), Watcher::default(), &asked);
+    let (name, orbit) = (orbit.family(), orbit.followed(stop).map_err(BranchError::from)?);
+    let base = Continuation::through(&orbit, family.clone(), &start, &sides, stop)?;
+    let (until, window) = (&|_: [f64; 2], _: Option<bool>| false, [from, to]);
+    let asked = CurveRequest { event, evidence, name, window, tolerance, uncoupled: None, special: true, until };
+    let curve = followed((base, &orbit), Watcher::default(), &asked);
     // On the way a failure is an end.
     stop.heard()?;
     curve

@@ -1,9 +1,9 @@
 //! Curves of events of a lattice's orbits over two of its parameters: those of the lattice as a structure with contacts at the masses that hit.
 
-use vibrochain_breather::{BranchError, BreatherError, Continuation, Orbit, StructureOrbit};
-use vibrochain_lattice::{Model, Parameter};
+use vibrochain_breather::{BranchError, Continuation, Orbit};
+use vibrochain_lattice::Parameter;
 
-use super::answer::{CurveError, CurvePoint, EventCurve, Walk, Window};
+use super::answer::{CurveError, EventCurve, Walk, Window};
 use super::tracer::CurveRequest;
 use super::way::followed;
 use crate::events::Watcher;
@@ -46,25 +46,18 @@ pub fn curve(
 pub fn curve_along(orbit: &Orbit, event: Event, evidence: Evidence, walk: &Walk<'_>) -> Result<EventCurve, CurveError> {
     let &Walk { window, tolerance, special, until, ref stop } = walk;
     check(orbit, &window, tolerance)?;
+    let lattice = orbit.lattice().map_err(BranchError::from)?;
     let (parameters, sides) = (window.parameters, window.sides());
     let uncoupled = (0..2).find(|&i| parameters[i] == Parameter::Gamma2 && window.from[i] == 0.0);
-    let asked =
-        CurveRequest { event, evidence, window: [window.from, window.to], tolerance, uncoupled, special, until };
-    let (start, family, values) = StructureOrbit::along(orbit, &parameters, stop).map_err(BranchError::from)?;
-    let base = Continuation::through(&start, family, &values, &sides, stop)?;
+    let (name, window) = (orbit.family(), [window.from, window.to]);
+    let asked = CurveRequest { event, evidence, name, window, tolerance, uncoupled, special, until };
+    let start = orbit.followed(stop).map_err(BranchError::from)?;
+    let values = parameters.map(|parameter| lattice.model().get(parameter));
+    let base = Continuation::through(&start, lattice.models(&parameters, stop), &values, &sides, stop)?;
     let found = followed((base, &start), Watcher::default(), &asked);
     // On the way a failure is an end.
     stop.heard()?;
-    let EventCurve { event, evidence, points, special, ends, evaluations, spectra } = found?;
-    let point = |point: CurvePoint<StructureOrbit>| {
-        let CurvePoint { values, error, angle, physical, orbit: of } = point;
-        let set = |model: Model, (parameter, value): (&Parameter, &f64)| model.with(*parameter, *value);
-        let model = parameters.iter().zip(&values).try_fold(*orbit.model(), set)?;
-        let orbit = of.to_orbit(&model, orbit.family())?;
-        Ok::<_, BreatherError>(CurvePoint { values, error, angle, physical, orbit })
-    };
-    let points = points.into_iter().map(point).collect::<Result<_, _>>().map_err(BranchError::from)?;
-    Ok(EventCurve { event, evidence, points, special, ends, evaluations, spectra })
+    found
 }
 
 fn check(orbit: &Orbit, window: &Window, tolerance: f64) -> Result<(), CurveError> {
@@ -75,9 +68,10 @@ fn check(orbit: &Orbit, window: &Window, tolerance: f64) -> Result<(), CurveErro
     if !(1e-12..=1e-2).contains(&tolerance) {
         return Err(CurveError::Tolerance(tolerance));
     }
-    let conservative = orbit.model().is_conservative();
+    let model = orbit.lattice().map_err(BranchError::from)?.model();
+    let conservative = model.is_conservative();
     for (i, parameter) in window.parameters.into_iter().enumerate() {
-        let (value, from, to) = (orbit.model().get(parameter), window.from[i], window.to[i]);
+        let (value, from, to) = (model.get(parameter), window.from[i], window.to[i]);
         if !(from <= value && value <= to && from < to) {
             return Err(CurveError::Outside { parameter, value, from, to });
         }

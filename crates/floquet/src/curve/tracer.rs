@@ -2,7 +2,9 @@
 
 use vibrochain_breather::line::foreseen;
 use vibrochain_breather::system::{Vector, dot};
-use vibrochain_breather::{Admissibility, BranchError, Obstruction, SolutionCurve, SolutionPoint, StructureOrbit};
+use vibrochain_breather::{
+    Admissibility, BranchError, BreatherError, Family, Obstruction, SolutionCurve, SolutionPoint, StructureOrbit,
+};
 
 use super::answer::CurvePoint;
 use crate::bracket::crossing;
@@ -42,6 +44,8 @@ pub(super) fn values(point: &TracedPoint) -> [f64; 2] {
 pub(crate) struct CurveRequest<'a> {
     pub(crate) event: Event,
     pub(crate) evidence: Evidence,
+    /// What its orbits are called while their impacts are those of it.
+    pub(crate) name: Family,
     /// Least and largest values of both numbers.
     pub(crate) window: [[f64; 2]; 2],
     pub(crate) tolerance: f64,
@@ -182,12 +186,13 @@ impl Tracer<'_> {
         errors
     }
 
-    pub(super) fn described(&mut self, point: &TracedPoint, error: f64) -> CurvePoint<StructureOrbit> {
+    pub(super) fn described(&mut self, point: &TracedPoint, error: f64) -> Result<CurvePoint, BreatherError> {
         let AtEvent { orbit, mark, .. } = point.orbit();
         let told = self.watcher.admissibility(orbit).ok();
         let physical = told.map(|told| is_physical(&told, orbit));
         let angle = mark.filter(|_| self.has_angle()).map(|theta| theta.clamp(0.0, std::f64::consts::PI));
         let angle = angle.map(|theta| theta / std::f64::consts::PI);
-        CurvePoint { values: values(point), error, orbit: orbit.clone(), angle, physical }
+        let orbit = orbit.to_orbit(self.asked.name)?;
+        Ok(CurvePoint { values: values(point), error, orbit, angle, physical })
     }
 }

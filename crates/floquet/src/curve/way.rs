@@ -52,7 +52,7 @@ pub(crate) fn followed(
     (base, orbit): (Continuation, &StructureOrbit),
     watcher: Watcher,
     asked: &CurveRequest<'_>,
-) -> Result<EventCurve<StructureOrbit>, CurveError> {
+) -> Result<EventCurve, CurveError> {
     let not_there = || CurveError::NotThere(asked.event);
     let (test, mark) = test_of(asked.event, asked.evidence, orbit).ok_or_else(not_there)?;
     let mut base = base;
@@ -95,7 +95,8 @@ pub(crate) fn followed(
     let told = |Noted { at, special, error }| SpecialPoint { special, point: at, values: values(&points[at]), error };
     let special = special.into_iter().map(told).collect();
     let errors = tracer.errors(&points);
-    let points = points.iter().zip(errors).map(|(point, error)| tracer.described(point, error)).collect();
+    let points = points.iter().zip(errors).map(|(point, error)| tracer.described(point, error));
+    let points = points.collect::<Result<_, _>>().map_err(BranchError::from)?;
     Ok(EventCurve {
         event: asked.event,
         evidence: asked.evidence,
@@ -311,7 +312,8 @@ impl Line for Way<'_, '_> {
 
     fn lost(&self, passed: &[Self::Point]) -> CurveEnd {
         let orbit = passed.last().map(|point| &point.orbit().orbit);
-        if let Some(resonance) = orbit.and_then(resonance_beside) {
+        let resonance = orbit.and_then(|orbit| Some(orbit.model().by_wave(resonance_beside(orbit)?)));
+        if let Some(resonance) = resonance {
             return CurveEnd::Resonance(resonance);
         }
         // Modes that are alike without coupling have multipliers that no digits tell apart nearby.

@@ -201,7 +201,7 @@ mod tests {
             let model = StructureModel::new(Arc::new(modal), random.log(0.3, 3.0)).unwrap();
             for word in ["0+1+", "0+1-,0-1+", "0+,1+", "0+1+,0-", "0+,0-"] {
                 let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
-                for orbit in &found.orbits {
+                for orbit in found.orbits.iter().filter_map(vibrochain_breather::Orbit::contacts) {
                     let Some(values) = half_sums(orbit) else { continue };
                     let Ok((multipliers, _)) = participating_multipliers(orbit, Tolerance::Rounding) else { continue };
                     let mut right = of_multipliers(&multipliers, false);

@@ -116,8 +116,7 @@ impl Watcher {
     ) -> Option<Result<Verdict, LocateError>> {
         let told = |orbit: Result<Orbit, BreatherError>| {
             let orbit = orbit.map_err(BranchError::from)?;
-            let sites = orbit.model().chain().sites();
-            let finder = self.finder.get_or_insert_with(|| Finder::new(sites));
+            let finder = self.finder.get_or_insert_default();
             Ok(self.analyser.verdict(&orbit, finder, tolerance)?)
         };
         orbit.of_all_masses().map(told)

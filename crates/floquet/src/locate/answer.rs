@@ -4,7 +4,7 @@ use std::fmt;
 
 use nalgebra::Complex;
 use thiserror::Error;
-use vibrochain_breather::{Approach, BranchError, BreatherError, Orbit};
+use vibrochain_breather::{Approach, BranchError, BreatherError, Orbit, StructureOrbit};
 use vibrochain_lattice::{Parameter, Resonance, Short, Stopped};
 
 use crate::error::FloquetError;
@@ -53,7 +53,8 @@ impl Search {
     /// to 1 for one that starts at 0), 0 to 0.99 of the asymmetry, 0.05 to 1 of the restitution; in any case with the
     /// start inside.
     pub fn new(orbit: &Orbit, event: Event, free: Parameter) -> Self {
-        let start = orbit.model().get(free);
+        // An orbit of no lattice has no such parameter: it is refused when it is searched for.
+        let start = orbit.model().map_or(0.0, |model| model.get(free));
         let (from, to) = match free {
             Parameter::Asymmetry => (0.0, 0.99),
             Parameter::Restitution => (0.05, 1.0),
@@ -82,13 +83,28 @@ pub enum Evidence {
     Impact(usize),
 }
 
+impl Evidence {
+    /// The same of the orbit begun with another one of its impacts.
+    pub(super) fn begun_with(self, first: usize, orbit: &StructureOrbit) -> Self {
+        let impacts = orbit.impacts();
+        let since = impacts.get(first).map_or(0.0, |impact| impact.time);
+        match self {
+            Self::Impact(impact) => Self::Impact((impact + impacts.len() - first) % impacts.len()),
+            Self::Touch(touch) if since > 0.0 => {
+                Self::Touch(Approach { time: (touch.time - since).rem_euclid(orbit.period()), ..touch })
+            }
+            other => other,
+        }
+    }
+}
+
 /// An orbit that branches off.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct BranchedOrbit<O = Orbit> {
+pub struct BranchedOrbit {
     /// The orbit.
     #[cfg_attr(feature = "serde", serde(flatten))]
-    pub orbit: O,
+    pub orbit: Orbit,
     /// Whether it is physical there; `None` where that cannot be told.
     pub physical: Option<bool>,
     /// Its stability, where it can be judged.
@@ -99,14 +115,14 @@ pub struct BranchedOrbit<O = Orbit> {
 /// The orbits that branch off, at one value of the parameter.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct Branching<O = Orbit> {
+pub struct Branching {
     /// The value, a small step from the bifurcation.
     pub value: f64,
     /// They exist for larger values (otherwise for smaller ones).
     #[cfg_attr(feature = "serde", serde(rename = "side", serialize_with = "crate::serde_impl::side"))]
     pub above: bool,
     /// The doubled orbit, or the asymmetric pair.
-    pub orbits: Vec<BranchedOrbit<O>>,
+    pub orbits: Vec<BranchedOrbit>,
 }
 
 /// The orbit beside an event.
@@ -130,7 +146,7 @@ impl fmt::Display for EventSide {
 
 /// An event that was found.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Located<O = Orbit> {
+pub struct Located {
     /// Which event.
     pub event: Event,
     /// Value of the free parameter.
@@ -138,7 +154,7 @@ pub struct Located<O = Orbit> {
     /// Its estimated error.
     pub error: f64,
     /// The orbit there.
-    pub orbit: O,
+    pub orbit: Orbit,
     /// What shows the event.
     pub evidence: Evidence,
     /// Whether the orbit there is physical, where that can be told; at grazing a matter of rounding.
@@ -146,7 +162,7 @@ pub struct Located<O = Orbit> {
     /// The orbits a small step away on either side in the parameter, as far as they exist there.
     pub sides: Vec<EventSide>,
     /// The orbits that branch off, at a period doubling or pitchfork.
-    pub branching: Option<Branching<O>>,
+    pub branching: Option<Branching>,
     /// Orbits assembled between the start and this answer.
     pub evaluations: usize,
 }
@@ -214,9 +230,9 @@ impl End {
 /// The answer to a search.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
-pub struct Answer<O = Orbit> {
+pub struct Answer {
     /// All events on the branch between the ends, the one nearest to the start first.
-    pub located: Vec<Located<O>>,
+    pub located: Vec<Located>,
     /// Where there may be more, hidden by rounding.
     pub unresolved: Vec<Unresolved>,
     /// Where and how the ways down and up ended.

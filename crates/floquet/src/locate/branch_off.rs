@@ -31,11 +31,7 @@ const AWAY: f64 = 1e-4;
 impl BranchEnds {
     /// The orbits that branch off from one at a value, if it is known how they do: a small step away in the parameter where they reach that far,
     /// otherwise as near as they do.
-    pub(super) fn branch_off(
-        &mut self,
-        event: Event,
-        (orbit, value): (&StructureOrbit, f64),
-    ) -> Option<Branching<StructureOrbit>> {
+    pub(super) fn branch_off(&mut self, event: Event, (orbit, value): (&StructureOrbit, f64)) -> Option<Branching> {
         let distance = AWAY * value.abs().max(1e-2 * self.range);
         let pair = event == Event::Pitchfork;
         let (mut branch, start) = self.leaving((orbit, value), &bifurcation(event, orbit)?).ok()?;
@@ -55,13 +51,14 @@ impl BranchEnds {
         }
         let value = points.first()?.value();
         points.sort_by(|a, b| a.orbit().phi().unwrap_or(0.0).total_cmp(&b.orbit().phi().unwrap_or(0.0)));
-        let watcher = &mut self.others;
+        let (watcher, name) = (&mut self.others, self.name);
         let orbits = points.into_iter().map(|point| {
             let orbit = bounded(point.orbit());
             let physical = watcher.admissibility(&orbit).ok().map(|answer| answer.is_physical());
-            BranchedOrbit { physical, verdict: watcher.verdict(&orbit, Tolerance::Rounding).ok(), orbit }
+            let verdict = watcher.verdict(&orbit, Tolerance::Rounding).ok();
+            Some(BranchedOrbit { physical, verdict, orbit: orbit.into_orbit(name).ok()? })
         });
-        Some(Branching { value, above: bend > 0.0, orbits: orbits.collect() })
+        Some(Branching { value, above: bend > 0.0, orbits: orbits.collect::<Option<_>>()? })
     }
 }
 

@@ -4,7 +4,6 @@ use vibrochain_breather::{Hit, Orbit};
 use vibrochain_lattice::{Barrier, Parameter};
 
 use super::answer::{End, Event, Located, Search, Unresolved};
-use crate::followed::Followed;
 use crate::verdict::{Tolerance, Verdict};
 
 /// Impulses and flights that agree to this part of the largest, and of the period, are those of one orbit, as far as chords between
@@ -40,13 +39,13 @@ impl Course {
 
 /// A point of a diagram.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound = "O: crate::followed::Followed"))]
-pub struct DiagramPoint<O = Orbit> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct DiagramPoint {
     /// Value of the free parameter.
     pub value: f64,
     /// The orbit.
     #[cfg_attr(feature = "serde", serde(flatten, serialize_with = "crate::serde_impl::of_branch"))]
-    pub orbit: O,
+    pub orbit: Orbit,
     /// Smallest distance of any mass to a barrier, where all impacts are right-signed.
     pub margin: Option<f64>,
     /// Whether it is physical, where that can be told.
@@ -58,16 +57,16 @@ pub struct DiagramPoint<O = Orbit> {
 
 /// What a branch passes.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Station<O = Orbit> {
+pub enum Station {
     /// A point.
-    Point(DiagramPoint<O>),
+    Point(DiagramPoint),
     /// An event.
-    Event(Located<O>),
+    Event(Located),
 }
 
-impl<O> Station<O> {
+impl Station {
     /// The value of the parameter, and the orbit.
-    fn place(&self) -> (f64, &O) {
+    fn place(&self) -> (f64, &Orbit) {
         match self {
             Self::Point(point) => (point.value, &point.orbit),
             Self::Event(located) => (located.value, &located.orbit),
@@ -103,13 +102,13 @@ pub struct Origin {
 
 /// A branch of a diagram.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FollowedBranch<O = Orbit> {
+pub struct FollowedBranch {
     /// Where it leaves another; `None` for the orbit's own.
     pub origin: Option<Origin>,
     /// How many branches lie between it and the orbit's own.
     pub generation: u32,
     /// Points and events in the order of the way, from one end to the other.
-    pub stations: Vec<Station<O>>,
+    pub stations: Vec<Station>,
     /// Where there may be more events, hidden by rounding.
     pub unresolved: Vec<Unresolved>,
     /// Steps in which a thin stripe may hide. Without loss, those in which Krein signatures do not tell: some next to places where pairs meet. With
@@ -119,9 +118,9 @@ pub struct FollowedBranch<O = Orbit> {
     pub ends: Vec<(f64, End)>,
 }
 
-impl<O> FollowedBranch<O> {
+impl FollowedBranch {
     /// Its points.
-    pub fn points(&self) -> impl Iterator<Item = &DiagramPoint<O>> {
+    pub fn points(&self) -> impl Iterator<Item = &DiagramPoint> {
         self.stations.iter().filter_map(|station| match station {
             Station::Point(point) => Some(point),
             Station::Event(_) => None,
@@ -129,7 +128,7 @@ impl<O> FollowedBranch<O> {
     }
 
     /// Its events.
-    pub fn events(&self) -> impl Iterator<Item = &Located<O>> {
+    pub fn events(&self) -> impl Iterator<Item = &Located> {
         self.stations.iter().filter_map(|station| match station {
             Station::Event(located) => Some(located),
             Station::Point(_) => None,
@@ -146,10 +145,10 @@ impl<O> FollowedBranch<O> {
     }
 }
 
-impl<O: Followed> FollowedBranch<O> {
+impl FollowedBranch {
     /// Whether it ends at an event of orbits that repeat or mirror themselves sooner.
-    pub(super) fn ends_at(&self, located: &Located<O>) -> bool {
-        let same = |one: &Located<O>| {
+    pub(super) fn ends_at(&self, located: &Located) -> bool {
+        let same = |one: &Located| {
             one.event == located.event
                 && (one.value - located.value).abs() <= ALIKE * ALIKE * located.value.abs() + one.error + located.error
                 && are_alike(&one.orbit, &located.orbit)
@@ -163,7 +162,7 @@ impl<O: Followed> FollowedBranch<O> {
     }
 
     /// Whether an orbit is one of it, or the mirror image of one.
-    pub(super) fn holds(&self, value: f64, orbit: &O) -> bool {
+    pub(super) fn holds(&self, value: f64, orbit: &Orbit) -> bool {
         let passed: Vec<(f64, Vec<Trait>)> = self
             .stations
             .iter()
@@ -195,7 +194,7 @@ impl<O: Followed> FollowedBranch<O> {
 }
 
 /// Whether two orbits at one value are the same, or mirror images of each other.
-fn are_alike<O: Followed>(one: &O, other: &O) -> bool {
+fn are_alike(one: &Orbit, other: &Orbit) -> bool {
     let sought = traits(one, 1.0);
     let strongest = sought.iter().map(|one| one.impulse.abs()).fold(0.0, f64::max);
     let images = [1.0, -1.0].into_iter().filter(|sign| *sign > 0.0 || other.is_centred());
@@ -219,7 +218,7 @@ struct Trait {
 }
 
 /// Those of an orbit, or of its mirror image in space.
-fn traits(orbit: &impl Followed, sign: f64) -> Vec<Trait> {
+fn traits(orbit: &Orbit, sign: f64) -> Vec<Trait> {
     let (hits, period) = (orbit.hits(), orbit.period());
     let next = |i: usize| hits.get(i + 1).map_or_else(|| hits[0].time + period, |hit| hit.time);
     let of = |(i, hit): (usize, &Hit)| Trait {
@@ -235,9 +234,9 @@ fn traits(orbit: &impl Followed, sign: f64) -> Vec<Trait> {
 /// A bifurcation diagram.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
-pub struct Diagram<O = Orbit> {
+pub struct Diagram {
     /// The orbit's own branch first, then those that leave it, then those that leave these.
-    pub branches: Vec<FollowedBranch<O>>,
+    pub branches: Vec<FollowedBranch>,
     /// Events at which no branch could be taken up, though one was looked for.
     pub dead_ends: Vec<Origin>,
     /// All branches were followed: not more left than are ever looked at.
@@ -248,9 +247,9 @@ pub struct Diagram<O = Orbit> {
     pub spectra: usize,
 }
 
-impl<O> Diagram<O> {
+impl Diagram {
     /// The event at a station, if it is one.
-    pub fn event_at(&self, origin: Origin) -> Option<&Located<O>> {
+    pub fn event_at(&self, origin: Origin) -> Option<&Located> {
         match self.branches.get(origin.branch)?.stations.get(origin.station)? {
             Station::Event(located) => Some(located),
             Station::Point(_) => None,
@@ -275,7 +274,7 @@ mod tests {
             let orbits: Vec<_> = lists.iter().flat_map(|list| &list.orbits).collect();
             for (i, one) in orbits.iter().enumerate() {
                 for (j, other) in orbits.iter().enumerate() {
-                    assert_eq!(are_alike(*one, *other), i == j, "{omega}: {i} {j}");
+                    assert_eq!(are_alike(one, other), i == j, "{omega}: {i} {j}");
                     compared += 1;
                 }
             }

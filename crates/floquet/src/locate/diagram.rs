@@ -1,6 +1,6 @@
 //! A branch of orbits, followed both ways as one number of its structure varies, with the events on it, and the branches that leave it.
 
-use vibrochain_breather::{Branch, BranchError, BranchPoint, Departure, ModelFamily, StructureOrbit};
+use vibrochain_breather::{Branch, BranchError, BranchPoint, Departure, Family, ModelFamily, Orbit, StructureOrbit};
 use vibrochain_lattice::Stop;
 
 use super::answer::{Answer, End, Event, LocateError, Located};
@@ -38,20 +38,20 @@ pub struct BranchRequest {
 /// # Errors
 /// [`LocateError`]: no such range, no such model, stopped.
 pub fn branches(
-    orbit: &StructureOrbit,
+    orbit: &Orbit,
     family: &ModelFamily,
     value: f64,
     course: &BranchRequest,
     stop: &Stop,
-) -> Result<Diagram<StructureOrbit>, LocateError> {
+) -> Result<Diagram, LocateError> {
     let BranchRequest { from, to, .. } = *course;
     if !(from <= value && value <= to && from < to) {
         let message =
             format!("{value} is not in a range from {from} to {to}: give one with from < to around the start");
         return Err(BranchError::Model(message).into());
     }
-    let tracing = Tracing { family, course, stop };
-    let mut branch = tracing.branch(orbit, value)?;
+    let tracing = Tracing { family, name: orbit.family(), course, stop };
+    let mut branch = tracing.branch(&*orbit.followed(stop)?, value)?;
     let point = branch.start()?;
     let own = both_ways(tracing.follower(branch), point)?;
     let diagram = grown(&tracing, own, course.generations)?;
@@ -66,15 +66,15 @@ pub fn branches(
 /// # Errors
 /// As [`branches`].
 pub fn branch_events(
-    orbit: &StructureOrbit,
+    orbit: &Orbit,
     family: &ModelFamily,
     start: f64,
     (event, [from, to]): (Event, [f64; 2]),
     stop: &Stop,
-) -> Result<Answer<StructureOrbit>, LocateError> {
+) -> Result<Answer, LocateError> {
     let course = BranchRequest { from, to, events: vec![event], generations: 0, tolerance: Tolerance::Rounding };
-    let tracing = Tracing { family, course: &course, stop };
-    let mut follower = tracing.follower(tracing.branch(orbit, start)?);
+    let tracing = Tracing { family, name: orbit.family(), course: &course, stop };
+    let mut follower = tracing.follower(tracing.branch(&*orbit.followed(stop)?, start)?);
     follower.stretch.whole = false;
     let up = upwards(follower.branch.start()?);
     let seen = follower.look(&up)?;
@@ -82,11 +82,11 @@ pub fn branch_events(
     // On the way a failure may be an end.
     stop.heard()?;
     let (evaluations, spectra) = (follower.evaluations(), follower.spectra());
-    let event = |station: Station<StructureOrbit>| match station {
+    let event = |station: Station| match station {
         Station::Event(located) => Some(located),
         Station::Point(_) => None,
     };
-    let mut located: Vec<Located<StructureOrbit>> = follower.passed.into_iter().filter_map(event).collect();
+    let mut located: Vec<Located> = follower.passed.into_iter().filter_map(event).collect();
     located.sort_by(|a, b| (a.value - start).abs().total_cmp(&(b.value - start).abs()));
     // A start right on the event is found from both sides.
     located.dedup_by(|b, a| (a.value - b.value).abs() <= a.error + b.error);
@@ -96,6 +96,8 @@ pub fn branch_events(
 /// The branches of an orbit and of those that leave it.
 struct Tracing<'a> {
     family: &'a ModelFamily,
+    /// What its orbits are called.
+    name: Family,
     course: &'a BranchRequest,
     stop: &'a Stop,
 }
@@ -117,10 +119,10 @@ impl Tracing<'_> {
     }
 
     /// Right where symmetry is lost there are two directions; beside it, amid the two orbits that branch off, the symmetric one has one.
-    fn through(&self, located: &Located<StructureOrbit>) -> Result<(Branch, BranchPoint), BranchError> {
+    fn through(&self, located: &Located) -> Result<(Branch, BranchPoint), BranchError> {
         let amid = located.branching.as_ref().and_then(|pair| {
-            let symmetric = pair.orbits.first()?.orbit.evened()?;
-            Some((symmetric.map_err(BranchError::from), pair.value))
+            let one = pair.orbits.first()?.orbit.at_contacts(self.stop).ok()?;
+            Some((one.evened()?.map_err(BranchError::from), pair.value))
         });
         let (symmetric, value) = amid.ok_or(BranchError::NoConvergence)?;
         let mut branch = self.branch(&symmetric?, value)?;
@@ -132,13 +134,13 @@ impl Tracing<'_> {
     fn ends(&self) -> BranchEnds {
         let (family, others) = (self.family.clone(), Watcher::default());
         let (range, tolerance, stop) = (self.range(), self.course.tolerance, self.stop.clone());
-        BranchEnds { family, range, tolerance, stop, others }
+        BranchEnds { family, name: self.name, range, tolerance, stop, others }
     }
 }
 
 /// A branch that was followed, and what that has cost.
 struct Traced {
-    branch: FollowedBranch<StructureOrbit>,
+    branch: FollowedBranch,
     evaluations: usize,
     spectra: usize,
 }
@@ -149,7 +151,7 @@ fn both_ways(mut follower: Follower, point: BranchPoint) -> Result<Traced, Locat
     let seen = follower.look(&up)?;
     let mut ends = vec![follower.follow(&up.reversed(), seen.clone())?];
     let mut stations: Vec<_> = follower.passed.drain(..).rev().collect();
-    follower.pass(&up, &seen);
+    follower.pass(&up, &seen)?;
     if ends[0].1 != End::Closed {
         ends.push(follower.follow(&up, seen)?);
     }
@@ -158,7 +160,7 @@ fn both_ways(mut follower: Follower, point: BranchPoint) -> Result<Traced, Locat
 }
 
 /// A branch that was followed.
-fn traced(follower: Follower, stations: Vec<Station<StructureOrbit>>, ends: Vec<(f64, End)>) -> Traced {
+fn traced(follower: Follower, stations: Vec<Station>, ends: Vec<(f64, End)>) -> Traced {
     let (evaluations, spectra) = (follower.evaluations(), follower.spectra());
     let (unresolved, untold) = (follower.unresolved, follower.untold);
     let branch = FollowedBranch { origin: None, generation: 0, stations, unresolved, untold, ends };
@@ -173,8 +175,7 @@ struct Leaving {
 }
 
 impl Leaving {
-    fn of(tracing: &Tracing<'_>, located: &Located<StructureOrbit>, departure: &Departure) -> Option<Self> {
-        let place = (&located.orbit, located.value);
+    fn of(tracing: &Tracing<'_>, place: (&StructureOrbit, f64), departure: &Departure) -> Option<Self> {
         let (branch, start) = tracing.ends().leaving(place, departure).ok()?;
         let mut follower = tracing.follower(branch);
         let watcher = &mut follower.watcher;
@@ -189,9 +190,9 @@ impl Leaving {
         let mut follower = tracing.follower(branch);
         // Right at its beginning an orbit may have no multipliers.
         let at_start = follower.look(&start).unwrap_or_default();
-        follower.pass(&start, &at_start);
+        follower.pass(&start, &at_start)?;
         let seen = follower.look(&first)?;
-        follower.pass(&first, &seen);
+        follower.pass(&first, &seen)?;
         let end = follower.follow(&first, seen)?;
         let stations = std::mem::take(&mut follower.passed);
         Ok(traced(follower, stations, vec![end]))
@@ -199,7 +200,7 @@ impl Leaving {
 }
 
 /// The diagram of an orbit's own branch and so many generations of those that leave it.
-fn grown(tracing: &Tracing<'_>, own: Traced, generations: u32) -> Result<Diagram<StructureOrbit>, LocateError> {
+fn grown(tracing: &Tracing<'_>, own: Traced, generations: u32) -> Result<Diagram, LocateError> {
     let mut diagram =
         Diagram { branches: Vec::new(), dead_ends: Vec::new(), complete: true, evaluations: 0, spectra: 0 };
     diagram.take(own, None, 0);
@@ -219,7 +220,7 @@ fn grown(tracing: &Tracing<'_>, own: Traced, generations: u32) -> Result<Diagram
     Ok(diagram)
 }
 
-impl Diagram<StructureOrbit> {
+impl Diagram {
     /// Adds a branch that was followed.
     fn take(&mut self, traced: Traced, origin: Option<Origin>, generation: u32) {
         self.evaluations += traced.evaluations;
@@ -229,15 +230,15 @@ impl Diagram<StructureOrbit> {
 }
 
 /// Takes up the branch that leaves at an event, if one does.
-fn switch(diagram: &mut Diagram<StructureOrbit>, tracing: &Tracing<'_>, origin: Origin) -> Result<(), LocateError> {
+fn switch(diagram: &mut Diagram, tracing: &Tracing<'_>, origin: Origin) -> Result<(), LocateError> {
     let parent = &diagram.branches[origin.branch];
     let Station::Event(located) = &parent.stations[origin.station] else { return Ok(()) };
-    let Some(departure) = departure(located).filter(|_| parent.is_physical_about(origin.station)) else {
-        return Ok(());
-    };
+    let orbit = located.orbit.at_contacts(tracing.stop)?;
+    let departure = departure(located, &orbit).filter(|_| parent.is_physical_about(origin.station));
+    let Some(departure) = departure else { return Ok(()) };
     let generation = parent.generation + 1;
     // What leaves a branch is not of that branch, however near it is at first.
-    let known = |value: f64, orbit: &StructureOrbit| {
+    let known = |value: f64, orbit: &Orbit| {
         let others = diagram.branches.iter().enumerate().filter(|(i, _)| *i != origin.branch);
         others.into_iter().any(|(_, branch)| branch.holds(value, orbit))
     };
@@ -262,20 +263,20 @@ fn switch(diagram: &mut Diagram<StructureOrbit>, tracing: &Tracing<'_>, origin: 
     if diagram.branches.iter().any(|branch| branch.ends_at(located)) {
         return Ok(());
     }
-    let Some(leaving) = Leaving::of(tracing, located, &departure) else {
+    let Some(leaving) = Leaving::of(tracing, (&orbit, located.value), &departure) else {
         // Where the energy of a conservative orbit is extreme nothing branches off.
         if !(located.event == Event::Pitchfork && located.orbit.is_conservative()) {
             diagram.dead_ends.push(origin);
         }
         return Ok(());
     };
-    if known(leaving.first.value(), leaving.first.orbit()) {
+    if known(leaving.first.value(), &leaving.first.orbit().to_orbit(tracing.name)?) {
         return Ok(());
     }
     let traced = leaving.followed(tracing)?;
     // At its far end one that comes back is the same branch from the other side, and too close to its end to be told by a step.
     let stations = &traced.branch.stations;
-    let point = |station: &Station<StructureOrbit>| match station {
+    let point = |station: &Station| match station {
         Station::Point(point) => Some(known(point.value, &point.orbit)),
         Station::Event(_) => None,
     };

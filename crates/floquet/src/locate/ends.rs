@@ -3,12 +3,14 @@
 
 use nalgebra::Complex;
 use vibrochain_breather::system::System;
-use vibrochain_breather::{Branch, BranchError, BranchPoint, Continuation, Departure, ModelFamily, StructureOrbit};
+use vibrochain_breather::{
+    Branch, BranchError, BranchPoint, Continuation, Departure, Family, ModelFamily, StructureOrbit,
+};
 use vibrochain_lattice::{Resonance, Stop};
 
 use super::answer::{End, Event, EventSide, Evidence, Located};
 use crate::bracket::zero;
-use crate::events::{Solved, Test, Watcher, bounded, resonance_beside, solve};
+use crate::events::{AtEvent, Solved, Test, Watcher, bounded, resonance_beside, solve};
 use crate::verdict::Tolerance;
 use vibrochain_breather::time_between;
 
@@ -29,12 +31,14 @@ pub(crate) type Begun = (Branch, BranchPoint);
 pub(crate) struct Ended {
     pub(crate) value: f64,
     pub(crate) end: End,
-    pub(crate) event: Option<Located<StructureOrbit>>,
+    pub(crate) event: Option<Located>,
 }
 
 /// What stands beside branches of a structure's orbits, and at their ends.
 pub(crate) struct BranchEnds {
     pub(super) family: ModelFamily,
+    /// What its orbits are called while their impacts are those of it.
+    pub(super) name: Family,
     /// The length of the range.
     pub(super) range: f64,
     pub(super) tolerance: Tolerance,
@@ -79,12 +83,12 @@ impl BranchEnds {
             return Some(Ended { value, end: End::ImpulsesVanish, event: None });
         }
         let end = if impacts.len() == 2 { End::ImpulsesVanish } else { End::Grazing };
-        let event = self.told(Event::Grazing, Evidence::Impact(kept), solved, point);
+        let event = self.told(Event::Grazing, Evidence::Impact(kept), solved, point)?;
         Some(Ended { value: event.value, end, event: Some(event) })
     }
 
     /// The event of simpler orbits at which this branch, which turns back there, leaves them.
-    pub(super) fn meeting(&mut self, [point, next]: [&BranchPoint; 2], value: f64) -> Option<Located<StructureOrbit>> {
+    pub(super) fn meeting(&mut self, [point, next]: [&BranchPoint; 2], value: f64) -> Option<Located> {
         let nearest = if point.heading().abs() < next.heading().abs() { point } else { next };
         let met = self.evened(nearest);
         met.filter(|met| (met.value - value).abs() <= NEAR * self.range)
@@ -116,7 +120,7 @@ impl BranchEnds {
         differ.then(|| zero((ends[0], low), (ends[1], high), scale, |value| off(value).ok_or(())).ok())?
     }
 
-    fn evened(&mut self, point: &BranchPoint) -> Option<Located<StructureOrbit>> {
+    fn evened(&mut self, point: &BranchPoint) -> Option<Located> {
         let orbit = point.orbit();
         let simpler = orbit.evened()?.ok()?;
         let doubled = simpler.period() < 0.75 * orbit.period();
@@ -124,7 +128,7 @@ impl BranchEnds {
             if doubled { (Test::MinusOne, Event::PeriodDoubling, -1.0) } else { (Test::One, Event::Pitchfork, 1.0) };
         let solved = self.solved(&simpler, test, point.value())?;
         let evidence = self.others.multiplier_at(&solved.at.orbit, Complex::new(goal, 0.0), self.tolerance)?;
-        Some(self.told(event, evidence, solved, point))
+        self.told(event, evidence, solved, point)
     }
 
     fn solved(&self, simpler: &StructureOrbit, test: Test, value: f64) -> Option<Solved> {
@@ -137,27 +141,22 @@ impl BranchEnds {
         through().ok()
     }
 
-    fn told(
-        &mut self,
-        event: Event,
-        evidence: Evidence,
-        solved: Solved,
-        point: &BranchPoint,
-    ) -> Located<StructureOrbit> {
+    fn told(&mut self, event: Event, evidence: Evidence, solved: Solved, point: &BranchPoint) -> Option<Located> {
         let physical = |orbit: &StructureOrbit| orbit.first_obstruction().ok().map(|told| told.is_physical());
         let beside = self.others.verdict(point.orbit(), self.tolerance).into_iter();
         let side = |stability| EventSide { value: point.value(), stability, physical: physical(point.orbit()) };
-        let branching = self.branch_off(event, (&solved.at.orbit, solved.value));
-        Located {
+        let Solved { at: AtEvent { orbit, .. }, value, error, .. } = solved;
+        let branching = self.branch_off(event, (&orbit, value));
+        Some(Located {
             event,
-            value: solved.value,
-            error: solved.error,
-            physical: physical(&solved.at.orbit),
-            orbit: bounded(&solved.at.orbit),
-            evidence,
+            value,
+            error,
+            physical: physical(&orbit),
+            evidence: evidence.begun_with(orbit.first_of(self.name), &orbit),
+            orbit: bounded(&orbit).into_orbit(self.name).ok()?,
             sides: beside.map(side).collect(),
             branching,
             evaluations: 0,
-        }
+        })
     }
 }

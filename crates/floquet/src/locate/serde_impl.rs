@@ -44,7 +44,8 @@ impl Serialize for Located {
         let Self { event, value, error, ref orbit, evidence, physical, ref sides, ref branching, evaluations } = *self;
         let evidence = match evidence {
             Evidence::Touch(touch) => {
-                let (site, layer) = orbit.model().chain().layout().site_and_layer(touch.site);
+                let layout = orbit.model().map(|model| model.chain().layout());
+                let (site, layer) = layout.map_or((touch.site, None), |layout| layout.site_and_layer(touch.site));
                 PlainEvidence::Touch { touch: Approach { site, ..touch }, layer }
             }
             other => PlainEvidence::Other(other),

@@ -34,8 +34,7 @@ pub(super) fn bifurcation(event: Event, orbit: &StructureOrbit) -> Option<Depart
 }
 
 /// How orbits of another kind leave a branch at an event, if they do.
-pub(super) fn departure(located: &Located<StructureOrbit>) -> Option<Departure> {
-    let orbit = &located.orbit;
+pub(super) fn departure(located: &Located, orbit: &StructureOrbit) -> Option<Departure> {
     match (located.event, located.evidence) {
         (Event::Grazing, Evidence::Touch(touch)) => Some(Departure::Touching(touching(orbit, &touch)?)),
         (Event::Grazing, Evidence::Impact(lost)) => {

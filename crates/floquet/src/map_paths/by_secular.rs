@@ -36,9 +36,9 @@ impl Analyser {
         finder: &mut Finder,
     ) -> Result<Option<Verdict>, FloquetError> {
         let orbit = question.orbit;
-        let _ = saltations(orbit)?;
+        let _ = saltations(&orbit)?;
         let ratio_error = ratio_error(question, finder)?;
-        let Some(ratio) = self.secular.residues.take_over(finder.prepared(orbit)?, ratio_error) else {
+        let Some(ratio) = self.secular.residues.take_over(finder.prepared(orbit.orbit())?, ratio_error) else {
             return Ok(None);
         };
         if !question.thorough && self.secular.residues.all_positive(ratio) {
@@ -90,7 +90,7 @@ impl Analyser {
         open.shrink_to_fit();
         // The finder's modes have done their part: their memory is free for what follows.
         finder.give_back();
-        let known = finder.at_contacts(orbit)?;
+        let known = finder.at_contacts(&orbit)?;
         let errors = known.error_origins().to_vec();
         let equations = known.into_bloch_equations();
         let data = origins(&equations, &errors);
@@ -253,8 +253,8 @@ fn ratio_error(question: Question<'_>, finder: &mut Finder) -> Result<f64, Floqu
     let impacts = question.orbit.impacts();
     Ok(if question.orbit.instants().nth(1).is_none() {
         0.0
-    } else if question.thorough || finder.is_delicate(question.orbit)? {
-        let condition = finder.condition(question.orbit)?;
+    } else if question.thorough || finder.is_delicate(&question.orbit)? {
+        let condition = finder.condition(&question.orbit)?;
         let relative = impacts.iter().zip(&condition.impacts).map(|(i, error)| error.impulse / i.impulse);
         relative.map(f64::abs).sum()
     } else {

@@ -36,11 +36,12 @@ impl ModeLabels {
     /// # Errors
     /// [`FloquetError::Breather`] of an orbit next to a resonance; the search for it has passed the same check.
     pub fn new(orbit: &Orbit, finder: &mut Finder) -> Result<Self, FloquetError> {
-        let conservative = orbit.model().is_conservative();
+        let orbit = orbit.lattice()?;
+        let conservative = orbit.is_conservative();
         let Some(site) = orbit.impact_site() else {
             return Ok(Self { conservative, spared: Spared::default(), angles: Vec::new(), last: [0; 2] });
         };
-        let response = finder.prepared(orbit)?.response();
+        let response = finder.prepared(orbit.orbit())?.response();
         let (cos, sin) = (response.cos_half(), response.sin_half());
         let angle = |k: usize| 2.0 * sin[k].abs().atan2(cos[k].abs());
         let mut angles: Vec<(f64, usize)> =

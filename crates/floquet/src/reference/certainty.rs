@@ -4,7 +4,7 @@
 //! and left eigenvectors. Two that meet have κ → ∞; two that merely pass keep it.
 
 use nalgebra::{Complex, DMatrix, DVector};
-use vibrochain_breather::{Condition, Orbit};
+use vibrochain_breather::{Condition, LatticeOrbit};
 
 use crate::saltation::Saltation;
 
@@ -46,7 +46,7 @@ pub(crate) fn eigenvalue_condition(matrix: &DMatrix<f64>, value: Complex<f64>) -
 
 /// How far, relative to its norm, the monodromy matrix of an orbit may be off: rounding of the eigenvalue iteration, of
 /// the phases Ω_kT, and the orbit's own errors in κ = (1+e)v̈/v⁻ and in the times between impacts.
-pub(crate) fn relative_uncertainty(orbit: &Orbit, condition: &Condition, dimension: usize, top: f64) -> f64 {
+pub(crate) fn relative_uncertainty(orbit: LatticeOrbit<'_>, condition: &Condition, dimension: usize, top: f64) -> f64 {
     let e = orbit.model().restitution();
     let mut uncertainty = f64::EPSILON * (dimension as f64 + top * orbit.period());
     for (impact, error) in orbit.impacts().iter().zip(&condition.impacts) {

@@ -12,7 +12,7 @@
 //! taken out before the eigenvalues are computed, by reflecting the known right and left eigenvectors to the axes.
 
 use nalgebra::{Complex, DMatrix};
-use vibrochain_breather::{Finder, Orbit};
+use vibrochain_breather::{Finder, LatticeOrbit, Orbit};
 use vibrochain_lattice::Spectrum;
 
 use crate::error::FloquetError;
@@ -51,7 +51,7 @@ impl Dense {
 
     /// Fills `values` with the non-trivial multipliers of the space that feels impacts (for a reversible orbit with
     /// their ν) and returns the norm of the matrix.
-    pub(crate) fn solve(&mut self, orbit: &Orbit, finder: &mut Finder) -> Result<f64, FloquetError> {
+    pub(crate) fn solve(&mut self, orbit: LatticeOrbit<'_>, finder: &mut Finder) -> Result<f64, FloquetError> {
         self.values.clear();
         let chain = orbit.model().chain();
         let alone = uncoupled(orbit);
@@ -66,14 +66,14 @@ impl Dense {
             let mirrors = if centred { Mirrors::of(orbit) } else { Mirrors::default() };
             let half_sum = HalfSum::new(orbit, &mut self.spectrum)?;
             let basis = mirrors.basis(chain.sites(), 0);
-            HalfSum::set_flow(orbit, &basis, finder, &mut self.left)?;
+            HalfSum::set_flow(&orbit, &basis, finder, &mut self.left)?;
             self.matrix = Reflector::of(&self.left).deflated(half_sum.on(&basis).matrix);
             eigenvalues_until(&self.matrix, &mut self.values, finder.stop())?;
             return Ok(self.matrix.norm());
         }
         if is_reduced(orbit) || alone {
             check_dimension(2 * chain.even_modes())?;
-            self.modes.set_felt(finder.prepared(orbit)?);
+            self.modes.set_felt(finder.prepared(orbit.orbit())?);
             let felt = || self.modes.list().iter().map(|mode| (mode.frequency, mode.weight));
             match felt().next() {
                 Some((frequency, _)) if alone => {
@@ -81,9 +81,9 @@ impl Dense {
                 }
                 _ => self.coordinates.set(felt(), orbit.frequency()),
             }
-            self.matrix = self.coordinates.monodromy(orbit)?;
+            self.matrix = self.coordinates.monodromy(&orbit)?;
         } else {
-            self.matrix = full_monodromy_until(orbit, finder.stop())?;
+            self.matrix = full_monodromy_until(&orbit, finder.stop())?;
         }
         let norm = self.matrix.norm();
         if !norm.is_finite() {
@@ -97,17 +97,17 @@ impl Dense {
     }
 
     /// Removes the trivial pair: M f = f with the flow f, and ωᵀ(f, ·)M = ωᵀ(f, ·) because M keeps the canonical form ω.
-    fn deflate(&mut self, orbit: &Orbit, finder: &mut Finder) -> Result<(), FloquetError> {
+    fn deflate(&mut self, orbit: LatticeOrbit<'_>, finder: &mut Finder) -> Result<(), FloquetError> {
         let half = self.matrix.nrows() / 2;
         self.left.clear();
         if orbit.centre().is_some() {
-            flow_before_first_impact(orbit, finder, &self.coordinates, &mut self.flow)?;
+            flow_before_first_impact(&orbit, finder, &self.coordinates, &mut self.flow)?;
             // ω(f, z) = Σ (f_X z_Y − f_Y z_X)/Ω̃
             let scales = &self.coordinates.scales;
             self.left.extend((0..half).map(|k| -self.flow[k + half] / scales[k]));
             self.left.extend((0..half).map(|k| self.flow[k] / scales[k]));
         } else {
-            let motion = finder.motion(orbit)?;
+            let motion = finder.motion(&orbit)?;
             motion.seek(0, 0.0);
             self.flow.clear();
             self.flow.extend((0..half).map(|n| motion.site(n).velocity));
@@ -129,11 +129,11 @@ impl Dense {
 }
 
 /// Matrices are those of the modes that feel the impacts.
-pub(crate) fn is_reduced(orbit: &Orbit) -> bool {
+pub(crate) fn is_reduced(orbit: LatticeOrbit<'_>) -> bool {
     orbit.centre().is_some() || orbit.impact_site().is_some() && !orbit.model().is_conservative()
 }
 
 /// The masses that are not hit swing alone.
-pub(crate) fn uncoupled(orbit: &Orbit) -> bool {
+pub(crate) fn uncoupled(orbit: LatticeOrbit<'_>) -> bool {
     orbit.impact_site().is_some() && orbit.model().chain().is_uncoupled()
 }

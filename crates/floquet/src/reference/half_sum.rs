@@ -12,7 +12,7 @@
 //! Reflections of the lattice that keep the orbit split N and G into parts, each on its own basis.
 
 use nalgebra::DMatrix;
-use vibrochain_breather::{Finder, Orbit};
+use vibrochain_breather::{Finder, LatticeOrbit, Orbit};
 use vibrochain_lattice::{Propagator, Spectrum};
 
 use crate::error::FloquetError;
@@ -53,13 +53,13 @@ pub(crate) struct HalfSum {
 
 impl HalfSum {
     /// Takes over an orbit; `kept` is the spectrum of the last orbit's chain, in most sweeps that of this one.
-    pub(crate) fn new(orbit: &Orbit, kept: &mut Option<Spectrum>) -> Result<Self, FloquetError> {
+    pub(crate) fn new(orbit: LatticeOrbit<'_>, kept: &mut Option<Spectrum>) -> Result<Self, FloquetError> {
         let (chain, period) = (orbit.model().chain(), orbit.period());
         let kept_one = kept.take().filter(|spectrum| spectrum.chain() == chain);
         let spectrum = kept.insert(kept_one.unwrap_or_else(|| Spectrum::new(*chain)));
         let half = Propagator::new(spectrum, 0.5 * period);
         let (mut kappas, mut later) = (vec![None; chain.sites()], Vec::new());
-        for hit in saltations(orbit)? {
+        for hit in saltations(&orbit)? {
             if hit.time == 0.0 {
                 kappas[hit.site] = Some(hit.kappa);
             } else {

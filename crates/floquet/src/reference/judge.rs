@@ -25,10 +25,10 @@ impl Dense {
         let norm = self.solve(orbit, finder)?;
         let dimension = self.values.len();
         let mut error = dimension as f64 * f64::EPSILON * norm;
-        let careful = thorough || finder.is_delicate(orbit)?;
+        let careful = thorough || finder.is_delicate(&orbit)?;
         if careful {
-            let condition = finder.condition(orbit)?;
-            let response = finder.prepared(orbit)?.response();
+            let condition = finder.condition(&orbit)?;
+            let response = finder.prepared(orbit.orbit())?.response();
             let top = response.frequencies().last().copied().unwrap_or_default().max(orbit.model().omega());
             // Of a mass alone, 5e-9 from its resonance, an error was found to be 3 % larger than the sum that claims it.
             let margin = if uncoupled(orbit) { 2.0 } else { 1.0 };

@@ -1,7 +1,7 @@
 //! Reflections of a lattice that keep an orbit: they split perturbations into vectors that they leave as they are and vectors whose sign
 //! they change, and multipliers of different parts pass each other.
 
-use vibrochain_breather::{Impact, Orbit};
+use vibrochain_breather::{Impact, LatticeOrbit, Orbit};
 use vibrochain_lattice::Ends;
 
 /// Relative difference up to which two impulses are those of mirror images. Rounding stays far below it; orbits that lack the symmetry
@@ -20,7 +20,7 @@ pub(crate) struct Basis {
 
 impl Mirrors {
     /// Those of an orbit.
-    pub(crate) fn of(orbit: &Orbit) -> Self {
+    pub(crate) fn of(orbit: LatticeOrbit<'_>) -> Self {
         let (chain, impacts) = (orbit.model().chain(), orbit.impacts());
         let layout = chain.layout();
         let near = |a: f64, b: f64| (a - b).abs() <= ALIKE * a.abs().max(b.abs());

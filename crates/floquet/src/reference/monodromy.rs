@@ -111,11 +111,12 @@ impl EvenCoordinates {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn even_monodromy(orbit: &Orbit) -> Result<DMatrix<f64>, FloquetError> {
-    if orbit.centre().is_none() {
+    let lattice = orbit.lattice()?;
+    if lattice.centre().is_none() {
         let what = "the even subspace needs all impacts at one site";
         return Err(BreatherError::Impact { index: 1, what }.into());
     }
-    let chain = orbit.model().chain();
+    let chain = orbit.lattice()?.model().chain();
     check_dimension(2 * chain.even_modes())?;
     let spectrum = Spectrum::new(*chain);
     let mut coordinates = EvenCoordinates::default();
@@ -135,7 +136,7 @@ pub fn full_monodromy(orbit: &Orbit) -> Result<DMatrix<f64>, FloquetError> {
 
 /// The same, until `stop` is raised.
 pub(crate) fn full_monodromy_until(orbit: &Orbit, stop: &Stop) -> Result<DMatrix<f64>, FloquetError> {
-    let chain = orbit.model().chain();
+    let chain = orbit.lattice()?.model().chain();
     let sites = chain.sites();
     check_dimension(2 * sites)?;
     let spectrum = Spectrum::new(*chain);

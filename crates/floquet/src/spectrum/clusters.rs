@@ -93,7 +93,7 @@ mod tests {
                     continue;
                 }
                 for orbit in found.orbits.iter().take(2) {
-                    let conservative = orbit.model().is_conservative();
+                    let conservative = orbit.model().unwrap().is_conservative();
                     let (equations, _) = finder.at_contacts(orbit).unwrap().bloch_equations();
                     let all = zeros_apart(&equations, conservative, &[]);
                     let merged = if all.certified { None } else { of_clusters(&equations, conservative, &[]) };

@@ -85,7 +85,7 @@ impl DressedModes {
         self.zeros.clear();
         self.internal = OnceLock::from(None);
         let Some(site) = orbit.impact_site().filter(|_| orbit.is_reversible()) else { return Ok(()) };
-        let _ = saltations(orbit)?;
+        let _ = saltations(&orbit)?;
         let e = orbit.model().restitution();
         let kappas: smallvec::SmallVec<[f64; 2]> =
             orbit.impacts().iter().map(|impact| Saltation::reduced(impact, e)).collect();

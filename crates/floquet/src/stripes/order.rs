@@ -71,6 +71,7 @@ impl OrderFinder {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn of(&mut self, orbit: &Orbit) -> Result<Option<SignatureOrder>, FloquetError> {
+        let orbit = orbit.lattice()?;
         let chain = orbit.model().chain();
         if chain.sites() > Self::MOST_MASSES {
             return Err(FloquetError::TooLarge { dimension: chain.sites(), limit: Self::MOST_MASSES });
@@ -79,12 +80,12 @@ impl OrderFinder {
             return Ok(None);
         }
         if !orbit.is_reversible() {
-            return Ok(Some(SignatureOrder::of(&[by_monodromy(orbit)?])));
+            return Ok(Some(SignatureOrder::of(&[by_monodromy(&orbit)?])));
         }
         let half_sum = HalfSum::new(orbit, &mut self.spectrum)?;
         let mut parts = Vec::new();
         for (i, basis) in Mirrors::of(orbit).bases(chain.sites()).enumerate() {
-            let hit = basis.hit(orbit);
+            let hit = basis.hit(&orbit);
             if !hit.is_empty() {
                 // The orbit itself swings in the first part: the trivial pair is there.
                 parts.push(signs(half_sum.on(&basis), &hit, i == 0)?);
@@ -169,7 +170,7 @@ fn by_monodromy(orbit: &Orbit) -> Result<Vec<i8>, FloquetError> {
     let eigen = MatRef::from_column_major_slice(matrix.as_slice(), size, size).eigen().map_err(|_| failed())?;
     let (values, vectors) = (eigen.S().column_vector(), eigen.U());
     let mut order: Vec<usize> = (0..size).collect();
-    if orbit.model().is_conservative() {
+    if orbit.is_conservative() {
         // The trivial pair, which rounding splits.
         let from_one = |i: usize| (values[i].re - 1.0).hypot(values[i].im);
         order.sort_by(|&i, &j| from_one(i).total_cmp(&from_one(j)));

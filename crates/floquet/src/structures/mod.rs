@@ -4,5 +4,4 @@ pub(crate) mod multipliers;
 mod stability;
 
 pub use multipliers::StructureMultipliers;
-pub(crate) use stability::participating_multipliers;
-pub use stability::{structure_stability, structure_verdict};
+pub(crate) use stability::{multipliers, participating_multipliers};

@@ -19,7 +19,7 @@ pub(crate) fn dense(orbit: &Orbit) -> Vec<Krein> {
     let matrix = even_monodromy(orbit).unwrap();
     let size = matrix.nrows();
     let half = size / 2;
-    let spectrum = Spectrum::new(*orbit.model().chain());
+    let spectrum = Spectrum::new(*orbit.model().unwrap().chain());
     let eigen = MatRef::from_column_major_slice(matrix.as_slice(), size, size).eigen().unwrap();
     let (values, vectors) = (eigen.S().column_vector(), eigen.U());
     (0..size)

@@ -254,7 +254,8 @@ impl Search<'_> {
             }
         }
         for located in &met.events {
-            let place = self.window.part(self.plane.place(located.orbit.model()));
+            let Some(model) = located.orbit.model() else { continue };
+            let place = self.window.part(self.plane.place(model));
             if self.known.holds(place, reach) {
                 outcome.explained = true;
             } else if let Some(border) = self.follow(located) {

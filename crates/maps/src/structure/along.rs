@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use serde_json::{Value, json};
-use vibrochain_breather::{ModelFamily, StructureOrbit};
-use vibrochain_floquet::{BranchedOrbit, Branching, CurveError, EventCurve, Evidence, Located, Rectangle, event_curve};
+use vibrochain_breather::{ModelFamily, Orbit};
+use vibrochain_floquet::{BranchedOrbit, CurveError, EventCurve, Evidence, Located, Rectangle, event_curve};
 use vibrochain_lattice::Stop;
 
 use super::scene::StructureScene;
@@ -34,7 +34,7 @@ pub fn family(scene: &StructureScene, settings: &[Setting]) -> ModelFamily {
 
 /// An event as JSON has it.
 #[must_use]
-pub fn event(found: &Located<StructureOrbit>) -> Value {
+pub fn event(found: &Located) -> Value {
     let evidence = match found.evidence {
         Evidence::Multiplier(mu) => json!({ "multiplier": [mu.re, mu.im] }),
         Evidence::Touch(touch) => {
@@ -42,18 +42,19 @@ pub fn event(found: &Located<StructureOrbit>) -> Value {
         }
         Evidence::Impact(impact) => json!({ "impact": impact }),
     };
-    let orbit = |orbit: &StructureOrbit| {
+    let orbit = |orbit: &Orbit| {
         let times = orbit.impacts().iter().map(|impact| json!(impact.time)).collect();
         let (period, psi) = (json!(orbit.period()), json!(orbit.psi()));
         object([("period", period), ("psi", psi), ("times", times), ("impulses", json!(orbit.impulses()))])
     };
-    let branched = |of: &BranchedOrbit<StructureOrbit>| {
-        let BranchedOrbit { physical, verdict, .. } = *of;
-        BranchedOrbit { orbit: orbit(&of.orbit), physical, verdict }
+    let branched = |of: &BranchedOrbit| {
+        let mut told = orbit(&of.orbit);
+        told.extend(object([("physical", json!(of.physical)), ("stability", json!(of.verdict))]));
+        Value::from(told)
     };
     let branching = found.branching.as_ref().map(|of| {
-        let (value, above, orbits) = (of.value, of.above, of.orbits.iter().map(branched).collect());
-        json!(Branching { value, above, orbits })
+        let side = if of.above { "above" } else { "below" };
+        json!({ "value": of.value, "side": side, "orbits": of.orbits.iter().map(branched).collect::<Value>() })
     });
     let mut told = object([
         ("event", json!(found.event.name())),
@@ -63,7 +64,7 @@ pub fn event(found: &Located<StructureOrbit>) -> Value {
         ("physical", json!(found.physical)),
     ]);
     told.extend(orbit(&found.orbit));
-    told.extend(object([("sides", json!(found.sides)), ("branching", branching.into())]));
+    told.extend(object([("sides", json!(found.sides)), ("branching", json!(branching))]));
     told.into()
 }
 
@@ -74,12 +75,12 @@ pub fn event(found: &Located<StructureOrbit>) -> Value {
 pub fn curves<'a>(
     scene: &StructureScene,
     (settings, value): ([Setting; 2], f64),
-    located: impl IntoIterator<Item = &'a Located<StructureOrbit>>,
+    located: impl IntoIterator<Item = &'a Located>,
     (window, tolerance): (Rectangle, f64),
     stop: &Stop,
-) -> Result<Vec<EventCurve<StructureOrbit>>, CurveError> {
+) -> Result<Vec<EventCurve>, CurveError> {
     let models = family(scene, &settings);
-    let mut curves: Vec<EventCurve<StructureOrbit>> = Vec::new();
+    let mut curves: Vec<EventCurve> = Vec::new();
     for located in located {
         let place = [located.value, value];
         if !curves.iter().any(|curve| curve.passes((place, &located.orbit), tolerance, |values| window.parts(values))) {

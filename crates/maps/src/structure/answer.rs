@@ -2,10 +2,10 @@
 
 use serde_json::{Map, Value, json as value};
 use vibrochain_breather::{
-    Admissibility, BreatherError, Completeness, Impact, ImpactError, Obstruction, OrbitList, StructureModel,
-    StructureOrbit,
+    Admissibility, BreatherError, Completeness, Impact, ImpactError, Obstruction, Orbit, OrbitList, StructureModel,
+    admissibility,
 };
-use vibrochain_floquet::{FloquetError, Stability, Tolerance, Verdict, structure_stability};
+use vibrochain_floquet::{self as floquet, FloquetError, Stability, Tolerance, Verdict};
 
 use super::scene::StructureScene;
 use super::setting::Setting;
@@ -21,7 +21,7 @@ pub const MOST_LISTED: usize = 4096;
 /// An orbit with all that is said about it.
 pub struct Answered<'a> {
     /// The orbit.
-    pub orbit: &'a StructureOrbit,
+    pub orbit: &'a Orbit,
     /// Physical, or what is in the way.
     pub admissibility: Admissibility,
     /// Its multipliers, or why there are none.
@@ -33,8 +33,8 @@ impl<'a> Answered<'a> {
     ///
     /// # Errors
     /// [`BreatherError`] at a resonance.
-    pub fn new(orbit: &'a StructureOrbit, tolerance: Tolerance) -> Result<Self, BreatherError> {
-        Ok(Self { orbit, admissibility: orbit.admissibility()?, stability: structure_stability(orbit, tolerance) })
+    pub fn new(orbit: &'a Orbit, tolerance: Tolerance) -> Result<Self, BreatherError> {
+        Ok(Self { orbit, admissibility: admissibility(orbit)?, stability: floquet::stability(orbit, tolerance) })
     }
 }
 
@@ -64,7 +64,7 @@ pub fn json(
     scene: &StructureScene,
     model: &StructureModel,
     heading: &str,
-    found: &OrbitList<StructureOrbit>,
+    found: &OrbitList,
     answered: &[Answered<'_>],
 ) -> Value {
     let mut told = object([
@@ -158,6 +158,7 @@ fn obstruction(found: &Obstruction) -> Map<String, Value> {
 impl Answered<'_> {
     fn json(&self) -> Value {
         let orbit = self.orbit;
+        let errors = orbit.contacts().map_or(&[][..], |contacts| contacts.impact_errors());
         let impact = |(impact, error): (&Impact, &ImpactError)| {
             value!({
                 "contact": impact.site,
@@ -175,8 +176,8 @@ impl Answered<'_> {
             "word": orbit.word(),
             "period": orbit.period(),
             "psi": orbit.psi(),
-            "impacts": orbit.impacts().iter().zip(orbit.impact_errors()).map(impact).collect::<Vec<_>>(),
-            "residual": orbit.violation(),
+            "impacts": orbit.impacts().iter().zip(errors).map(impact).collect::<Vec<_>>(),
+            "residual": orbit.residual(),
             "physical": self.admissibility.is_physical(),
             "margin": self.admissibility.margin,
             "obstruction": self.admissibility.obstruction.as_ref().map(obstruction),
@@ -185,8 +186,8 @@ impl Answered<'_> {
         if orbit.is_self_excited() {
             answer["period_error"] = orbit.period_error().into();
         }
-        if !orbit.offsets().is_empty() {
-            answer["offsets"] = orbit.offsets().into();
+        if let Some(contacts) = orbit.contacts().filter(|contacts| !contacts.offsets().is_empty()) {
+            answer["offsets"] = contacts.offsets().into();
         }
         match &self.stability {
             Ok(found) => {

@@ -133,7 +133,7 @@ fn cell_of(
     finder: &mut Finder,
     analyser: &mut Analyser,
 ) -> StructureCell {
-    in_closed_form(scene, model, finder, analyser).unwrap_or_else(|| by_search(scene, model, analyser))
+    in_closed_form(scene, model, finder, analyser).unwrap_or_else(|| by_search(scene, model, finder, analyser))
 }
 
 /// The cell from [`vibrochain_breather::MapOrbit`]s, which take a tenth of the time of a search; `None` where they cannot tell all of it.
@@ -178,7 +178,12 @@ fn in_closed_form(
     })
 }
 
-fn by_search(scene: &StructureScene, model: &StructureModel, analyser: &mut Analyser) -> StructureCell {
+fn by_search(
+    scene: &StructureScene,
+    model: &StructureModel,
+    finder: &mut Finder,
+    analyser: &mut Analyser,
+) -> StructureCell {
     let mut cell = StructureCell::EMPTY;
     let lists: Vec<_> = scene.words.iter().map(|(word, periods)| model.candidates(word, *periods)).collect();
     let mut candidates = Vec::new();
@@ -193,7 +198,8 @@ fn by_search(scene: &StructureScene, model: &StructureModel, analyser: &mut Anal
         };
         cell.found.status = cell.found.status.max(Status::of_list(found.completeness));
         for orbit in &found.orbits {
-            let physical = match orbit.first_obstruction() {
+            let Some(contacts) = orbit.contacts() else { continue };
+            let physical = match finder.quick_admissibility(orbit) {
                 Ok(Admissibility { obstruction: Some(obstruction), .. }) => {
                     let times = orbit.impacts().iter().map(|impact| impact.time);
                     way.get_or_insert_with(|| FirstObstruction::of(orbit.period(), times, &obstruction));
@@ -206,8 +212,8 @@ fn by_search(scene: &StructureScene, model: &StructureModel, analyser: &mut Anal
                 }
             };
             cell.found.solutions += 1;
-            cell.found.residual = cell.found.residual.max(orbit.violation());
-            candidates.push(Candidate { word, margin: physical.margin, orbit });
+            cell.found.residual = cell.found.residual.max(orbit.residual());
+            candidates.push(Candidate { word, margin: physical.margin, orbit: contacts });
         }
     }
     let Some((best, standing)) = best_of(&candidates, scene, analyser, &mut cell.trouble) else {

@@ -1,6 +1,6 @@
 //! Panels of a chain's orbit: displacements along it, what is hit over a period, its phase portrait, its multipliers.
 
-use vibrochain_breather::{BreatherError, Impact, Motion, Orbit};
+use vibrochain_breather::{BreatherError, Impact, LatticeOrbit, Motion, Orbit};
 use vibrochain_floquet::{Complex, Verdict};
 use vibrochain_lattice::Ends;
 
@@ -22,9 +22,9 @@ const SAMPLES: usize = 160;
 /// # Errors
 /// [`BreatherError`] at a resonance.
 pub fn orbit_panes(orbit: &Orbit) -> Result<[Pane; 2], BreatherError> {
-    let mut motion = Motion::of(orbit)?;
+    let (lattice, mut motion) = (orbit.lattice()?, Motion::of(orbit)?);
     let at = |impacts: &[Impact]| format!("at t/T = {:.4}", part(orbit, impacts));
-    let profiles = profiles(orbit, &mut motion, at);
+    let profiles = profiles(lattice, &mut motion, at);
     // Between samples the tips of a trace, which are its impacts, would be cut off.
     let impacts = orbit.impacts().iter().map(|impact| (impact.time / orbit.period()).rem_euclid(1.0));
     let mut parts: Vec<f64> = (0..=SAMPLES).map(|k| k as f64 / SAMPLES as f64).chain(impacts).collect();
@@ -35,8 +35,8 @@ pub fn orbit_panes(orbit: &Orbit) -> Result<[Pane; 2], BreatherError> {
     };
     let traces: Vec<Trace> = orbit.hit_sites().into_iter().map(trace).collect();
     let y = if traces.len() == 1 { "impacting mass u₀" } else { "impacting masses uₙ" };
-    let panes = [profile_pane(along(orbit), profiles), trace_pane(y, &traces)];
-    Ok(panes.map(|pane| Pane { levels: barriers(orbit), ..pane }))
+    let panes = [profile_pane(along(lattice), profiles), trace_pane(y, &traces)];
+    Ok(panes.map(|pane| Pane { levels: barriers(lattice), ..pane }))
 }
 
 /// Physical or not, stable or how not, for captions.
@@ -55,13 +55,13 @@ pub fn state(is_physical: bool, verdict: Option<&Verdict>) -> String {
 
 /// What stands below profiles.
 #[must_use]
-pub fn along(orbit: &Orbit) -> &'static str {
+pub fn along(orbit: LatticeOrbit<'_>) -> &'static str {
     if orbit.model().chain().ends() == Ends::Closed { "site n, from the impacting mass" } else { "site n" }
 }
 
 /// The masses of each layer by their place below profiles: in a closed row by offset from the first impact, −⌊(M−1)/2⌋ … ⌊M/2⌋.
 #[must_use]
-pub fn rows(orbit: &Orbit) -> Vec<Vec<(f64, usize)>> {
+pub fn rows(orbit: LatticeOrbit<'_>) -> Vec<Vec<(f64, usize)>> {
     let chain = orbit.model().chain();
     let length = chain.length() as i64;
     let home = orbit.impacts().first().map_or(0, |impact| impact.site as i64 % length);
@@ -78,7 +78,7 @@ const MOST_LINES: usize = 8;
 
 /// Displacements below each other: a line for every instant of impacts and layer, named by `name` and the layer, with the number of
 /// the instant.
-fn profiles(orbit: &Orbit, motion: &mut Motion, name: impl Fn(&[Impact]) -> String) -> Vec<Profile> {
+fn profiles(orbit: LatticeOrbit<'_>, motion: &mut Motion, name: impl Fn(&[Impact]) -> String) -> Vec<Profile> {
     let (rows, mut lines) = (rows(orbit), Vec::new());
     let instants = if rows.len() == 1 { usize::MAX } else { (MOST_LINES / rows.len()).max(1) };
     for (i, impacts) in orbit.instants().take(instants).enumerate() {
@@ -93,7 +93,7 @@ fn profiles(orbit: &Orbit, motion: &mut Motion, name: impl Fn(&[Impact]) -> Stri
     lines
 }
 
-fn barriers(orbit: &Orbit) -> Vec<f64> {
+fn barriers(orbit: LatticeOrbit<'_>) -> Vec<f64> {
     let a = orbit.model().asymmetry();
     vec![a - 1.0, a + 1.0]
 }
@@ -118,8 +118,9 @@ pub fn orbit_profile(orbit: &Orbit) -> Result<Pane, BreatherError> {
         [impact] => format!("impact on the {}", impact_name(orbit, impact)),
         _ => format!("impacts at t/T = {:.4}", part(orbit, impacts)),
     };
-    let lines = profiles(orbit, &mut Motion::of(orbit)?, name);
-    Ok(Pane { levels: barriers(orbit), ..profile_pane(along(orbit), lines) })
+    let lattice = orbit.lattice()?;
+    let lines = profiles(lattice, &mut Motion::of(orbit)?, name);
+    Ok(Pane { levels: barriers(lattice), ..profile_pane(along(lattice), lines) })
 }
 
 /// The traces over a period of the impacting mass and its neighbour, and the phase portrait.
@@ -129,7 +130,8 @@ pub fn orbit_profile(orbit: &Orbit) -> Result<Pane, BreatherError> {
 pub fn orbit_flights(orbit: &Orbit) -> Result<(Pane, Pane), BreatherError> {
     let mut motion = Motion::of(orbit)?;
     let home = orbit.impacts().first().map_or(0, |impact| impact.site);
-    let [left, right, ..] = orbit.model().chain().neighbours(home);
+    let lattice = orbit.lattice()?;
+    let [left, right, ..] = lattice.model().chain().neighbours(home);
     let next = right.filter(|&n| n != home).or(left).unwrap_or(home);
     let intervals = motion.intervals();
     let mut trace = |site: usize, name: &str| {
@@ -147,12 +149,12 @@ pub fn orbit_flights(orbit: &Orbit) -> Result<(Pane, Pane), BreatherError> {
     };
     let mut traces = vec![trace(home, "impacting mass u₀")];
     let phase = portrait_pane("displacement u₀", "velocity of the impacting mass", &traces[0]);
-    let phase = Pane { uprights: barriers(orbit), ..phase };
+    let phase = Pane { uprights: barriers(lattice), ..phase };
     if next != home {
         traces.push(trace(next, "its neighbour u₁"));
     }
     let trace = trace_pane("displacement", &traces);
-    Ok((Pane { x: "time t/T".to_owned(), levels: barriers(orbit), ..trace }, phase))
+    Ok((Pane { x: "time t/T".to_owned(), levels: barriers(lattice), ..trace }, phase))
 }
 
 /// Multipliers, by falling modulus, in the plane.

@@ -6,7 +6,7 @@
 //! cancel ([`harmonic_response`]), and times that divide the period share their cosines.
 
 use nalgebra::{Complex, DMatrix, Schur};
-use vibrochain_breather::{Family, Orbit};
+use vibrochain_breather::{Family, LatticeOrbit};
 use vibrochain_lattice::{Chain, ImpulseResponse, Model, Spectrum, harmonic_response};
 
 /// Samples a period at which masses are watched.
@@ -167,7 +167,7 @@ pub fn general_monodromy(chain: &Chain, period: f64, restitution: f64, impacts: 
 }
 
 /// [`general_monodromy`] of an orbit whose impacts are at site 0, with the paper's saltations.
-pub fn general_monodromy_of(orbit: &Orbit) -> DMatrix<f64> {
+pub fn general_monodromy_of(orbit: LatticeOrbit<'_>) -> DMatrix<f64> {
     let e = orbit.model().restitution();
     let kappa = |acceleration: f64, velocity: f64| (1.0 + e) * acceleration / velocity;
     let impacts: Vec<(f64, f64)> = orbit
@@ -201,7 +201,7 @@ mod tests {
             let ring = Point::ring(sites).gamma1(0.2).gamma2(0.1);
             let model = ring.omega(1.5).asymmetry(0.4).amplitude(amplitude).restitution(e).model().unwrap();
             let orbit = &breathers(&model, Family::DoubleSided).unwrap().orbits[0];
-            let (general, exact) = (general_monodromy_of(orbit), full_monodromy(orbit).unwrap());
+            let (general, exact) = (general_monodromy_of(orbit.lattice().unwrap()), full_monodromy(orbit).unwrap());
             for i in 0..2 * sites {
                 for j in 0..2 * sites {
                     assert!((general[(i, j)] - exact[(i, j)]).abs() < 1e-12 * exact.norm(), "{sites} {i} {j}");

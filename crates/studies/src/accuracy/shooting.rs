@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use ode_solvers::System;
-use vibrochain_breather::{Hit, StructureModel, StructureOrbit, Word};
+use vibrochain_breather::{Hit, Orbit, StructureModel, Word, admissibility};
 use vibrochain_lattice::{Barrier, Complex, Contact, Structure};
 use vibrochain_truth::{DEFAULT_BITS, Real, StructureStart, TrueStructureImpact, TrueStructureOrbit};
 
@@ -56,16 +56,15 @@ struct Answer {
 }
 
 impl Answer {
-    fn of(orbit: &StructureOrbit) -> Self {
+    fn of(orbit: &Orbit) -> Self {
         let hit = |impact: &vibrochain_breather::Impact| Hit::from(impact);
         let largest = orbit.impulses().into_iter().map(f64::abs).fold(0.0, f64::max);
-        let bounds =
-            orbit.impact_errors().iter().flat_map(|error| [error.impulse / largest, error.time / orbit.period()]);
-        Self {
-            psi: orbit.psi().unwrap_or_default(),
-            impacts: orbit.impacts().iter().map(hit).collect(),
-            bound: Some(bounds.fold(orbit.psi_error() / orbit.period(), f64::max)),
-        }
+        let bound = orbit.contacts().map(|contacts| {
+            let errors = contacts.impact_errors().iter();
+            let parts = errors.flat_map(|error| [error.impulse / largest, error.time / orbit.period()]);
+            parts.fold(contacts.psi_error() / orbit.period(), f64::max)
+        });
+        Self { psi: orbit.psi().unwrap_or_default(), impacts: orbit.impacts().iter().map(hit).collect(), bound }
     }
 
     /// The nearest numbers.
@@ -261,7 +260,7 @@ fn model(structure: &Structure) -> Result<StructureModel, CliError> {
 /// The physical orbit of a word.
 fn physical(structure: &Structure, word: &Word) -> Result<Answer, CliError> {
     let orbits = model(structure)?.orbits(word, 1).map_err(computation)?.orbits;
-    let is_physical = |orbit: &&StructureOrbit| orbit.admissibility().is_ok_and(|answer| answer.is_physical());
+    let is_physical = |orbit: &&Orbit| admissibility(orbit).is_ok_and(|answer| answer.is_physical());
     let orbit = orbits.iter().find(is_physical).ok_or_else(|| computation("no physical orbit of two masses"))?;
     Ok(Answer::of(orbit))
 }
@@ -299,8 +298,7 @@ fn run(meter: &mut Meter<'_>) -> Result<Table, CliError> {
             })?;
         }
         measure("closed form", "no step".to_owned(), &mut || {
-            let orbit = StructureOrbit::near(&model(black_box(&structure))?, 1, start.psi, &start.impacts)
-                .map_err(computation)?;
+            let orbit = model(black_box(&structure))?.orbit_near(1, start.psi, &start.impacts).map_err(computation)?;
             Ok(vec![Answer::of(&orbit)])
         })?;
         measure("closed form, all orbits", "all orbits".to_owned(), &mut || {

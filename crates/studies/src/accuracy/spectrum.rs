@@ -48,7 +48,7 @@ type Method = fn(&Orbit, &mut Tools) -> Option<Result<Vec<Complex<f64>>, CliErro
 
 const METHODS: &[(&str, Method)] = &[
     ("general exponential", |orbit, _| {
-        let found = general_eigenvalues(general_monodromy_of(orbit));
+        let found = general_eigenvalues(general_monodromy_of(orbit.lattice().ok()?));
         Some(found.ok_or_else(|| computation("the eigenvalues of a general monodromy matrix did not come out")))
     }),
     ("exact propagator, whole ring", |orbit, _| Some(dense(full_monodromy(orbit)))),

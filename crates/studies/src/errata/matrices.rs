@@ -1,6 +1,6 @@
 //! The printed monodromy matrix against differences of the simulated return map, on a ring of five masses.
 
-use vibrochain_breather::{Family, Orbit, breathers};
+use vibrochain_breather::{Family, LatticeOrbit, breathers};
 use vibrochain_floquet::{DMatrix, eigenvalues, saltations};
 use vibrochain_lattice::{Chain, Propagator, Spectrum};
 
@@ -78,7 +78,7 @@ pub(super) fn corrections() -> Result<Vec<Correction>, CliError> {
     };
     let kappas = [at_upper, at_lower];
     let mended = matrix(kappas, [&first, &second]);
-    let reduced = reduced_kappas(orbit, kappas);
+    let reduced = reduced_kappas(orbit.lattice()?, kappas);
 
     // With +K the free flight has multipliers e^{±ΩT}.
     let (top, whole) = (spectrum.band().1, flight(model.period()));
@@ -119,7 +119,7 @@ fn modulus_error(matrix: &[f64]) -> Result<f64, CliError> {
 }
 
 /// κ with the acceleration of the system without force, u = v − G.
-fn reduced_kappas(orbit: &Orbit, mut kappas: [f64; 2]) -> [f64; 2] {
+fn reduced_kappas(orbit: LatticeOrbit<'_>, mut kappas: [f64; 2]) -> [f64; 2] {
     let (w, e, psi) = (orbit.model().omega(), orbit.model().restitution(), orbit.psi().unwrap_or(0.0));
     let uniform = |t: f64| -orbit.force_response() * w * w * (w * (t + psi)).cos();
     for (kappa, impact) in kappas.iter_mut().zip(orbit.impacts()) {

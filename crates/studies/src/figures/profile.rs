@@ -1,6 +1,6 @@
 //! Displacements of all masses at the impacts (figures 1, 2, 4, 5, 6, 8).
 
-use vibrochain_breather::{Motion, Orbit};
+use vibrochain_breather::{LatticeOrbit, Motion, Orbit};
 use vibrochain_lattice::Spectrum;
 
 use crate::figures::drawn::{Drawn, Picture, Sheet};
@@ -69,7 +69,7 @@ pub(super) fn draw(scene: &LineScene, reach: Option<i64>) -> Result<Drawn, CliEr
             pane.series.push(Series { name, colour: i, stroke, mark, points });
             of_curve.push(v);
         }
-        let far = farthest(&solved.orbit, of_curve.first().map_or(&[], Vec::as_slice));
+        let far = farthest(solved.orbit.lattice()?, of_curve.first().map_or(&[], Vec::as_slice));
         lines.push(format!("| {} | {} {far:.3e} |", if label.is_empty() { "" } else { label }, row(&solved)));
         profiles.push(of_curve);
     }
@@ -83,7 +83,7 @@ pub(super) fn draw(scene: &LineScene, reach: Option<i64>) -> Result<Drawn, CliEr
 
 /// Displacement at the first impact of the mass farthest from the breather, `v` those of all masses: next to nothing where no force
 /// moves it, of which only harmonics have digits.
-fn farthest(orbit: &Orbit, v: &[f64]) -> f64 {
+fn farthest(orbit: LatticeOrbit<'_>, v: &[f64]) -> f64 {
     let (n, chain) = (v.len() / 2, orbit.model().chain());
     match orbit.impacts().first() {
         // A ring that nothing holds has a place as well as a motion.

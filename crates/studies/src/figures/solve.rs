@@ -76,7 +76,7 @@ pub(super) fn row(solved: &Solved) -> String {
     format!(
         "{} | {} | {} | {} | {:.6} | {} |",
         part(orbit.phi(), orbit.period()),
-        part(orbit.psi(), orbit.model().period()),
+        part(orbit.psi(), orbit.force_period()),
         impulses.join(", "),
         solved.margin.map_or(String::new(), |margin| format!("{margin:.6}")),
         solved.stability.verdict.spectral_radius,

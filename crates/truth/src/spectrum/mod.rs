@@ -108,7 +108,7 @@ impl TrueSpectrum {
     /// As [`TrueSpectrum::new`]; [`TruthError::Resonance`].
     pub fn as_given(orbit: &Orbit, bits: usize) -> Result<Self, TruthError> {
         let site = orbit.impact_site().ok_or(TruthError::SeveralSites)?;
-        let model = orbit.model();
+        let model = orbit.model().ok_or(TruthError::NoLattice)?;
         let kernel = Kernel::new(model.chain(), model.omega(), orbit.force_periods(), 2 * bits + 64)?;
         let work = kernel.work_bits();
         let restitution = Real::new(model.restitution(), work);

@@ -1,6 +1,6 @@
 //! An orbit of a structure whose impulses, times and phase are good to all digits.
 
-use vibrochain_breather::{Hit, StructureOrbit};
+use vibrochain_breather::{Hit, Orbit};
 use vibrochain_lattice::{Barrier, Structure};
 
 use super::saltation::monodromy;
@@ -83,11 +83,11 @@ impl TrueStructureOrbit {
     ///
     /// # Errors
     /// As [`TrueStructureOrbit::near`].
-    pub fn refine(structure: &Structure, orbit: &StructureOrbit, bits: usize) -> Result<Self, TruthError> {
+    pub fn refine(structure: &Structure, orbit: &Orbit, bits: usize) -> Result<Self, TruthError> {
         let hit =
             |impact: &vibrochain_breather::Impact| Hit::new(impact.site, impact.barrier, impact.time, impact.impulse);
         let impacts: Vec<Hit> = orbit.impacts().iter().map(hit).collect();
-        let (omega, psi) = (orbit.model().omega(), orbit.psi().unwrap_or(0.0));
+        let (omega, psi) = (orbit.omega(), orbit.psi().unwrap_or(0.0));
         let start = StructureStart { structure, omega, force_periods: orbit.force_periods(), psi, impacts: &impacts };
         Self::near(&start, bits)
     }
@@ -167,7 +167,7 @@ impl TrueStructureOrbit {
     ///
     /// # Errors
     /// [`TruthError::Mismatch`] for other impacts.
-    pub fn errors_of(&self, orbit: &StructureOrbit) -> Result<StructureErrors, TruthError> {
+    pub fn errors_of(&self, orbit: &Orbit) -> Result<StructureErrors, TruthError> {
         let pairs: Vec<_> = self.impacts.iter().zip(orbit.impacts()).collect();
         let same = |(truth, impact): &(&TrueStructureImpact, &vibrochain_breather::Impact)| {
             (truth.contact, truth.barrier) == (impact.site, impact.barrier)

@@ -5,7 +5,7 @@ use crate::admissible::gap::{Closest, Depth, Gap, RESOLUTION};
 use crate::error::BreatherError;
 use crate::motion::Motion;
 use crate::motion::polynomial::{turning_points, with_overlap};
-use crate::orbit::Orbit;
+use crate::orbit::LatticeOrbit;
 
 /// A window's length in radians of the fastest motion; with it the polynomials' order is enough.
 const WINDOW: f64 = 1.0;
@@ -23,7 +23,7 @@ const MAX_WINDOWS: f64 = 5e6;
 impl Watch {
     pub(super) fn by_windows(
         &mut self,
-        orbit: &Orbit,
+        orbit: LatticeOrbit<'_>,
         motion: &mut Motion,
         depth: Depth,
         horizon: f64,

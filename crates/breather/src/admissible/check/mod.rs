@@ -24,7 +24,7 @@ use crate::admissible::grid::{Flight, Forces, MOST_MODES};
 use crate::error::BreatherError;
 use crate::motion::Motion;
 use crate::motion::window::Window;
-use crate::orbit::{Orbit, Reflection};
+use crate::orbit::{LatticeOrbit, Orbit, Reflection};
 use on_grid::{Ends, OnGrid, Watched};
 
 /// Work space of the check.
@@ -43,7 +43,7 @@ impl Watch {
     /// Decides for `orbit`, whose motion `motion` holds.
     pub(crate) fn check(
         &mut self,
-        orbit: &Orbit,
+        orbit: LatticeOrbit<'_>,
         motion: &mut Motion,
         depth: Depth,
     ) -> Result<Admissibility, BreatherError> {
@@ -120,8 +120,12 @@ pub fn admissibility(orbit: &Orbit) -> Result<Admissibility, BreatherError> {
 
 /// The same as far as it is asked for.
 pub(crate) fn check(orbit: &Orbit, depth: Depth) -> Result<Admissibility, BreatherError> {
+    if let Some(contacts) = orbit.contacts() {
+        return contacts.checked(depth);
+    }
+    let lattice = orbit.lattice()?;
     let mut motion = Motion::of(orbit)?;
-    Watch::default().check(orbit, &mut motion, depth)
+    Watch::default().check(lattice, &mut motion, depth)
 }
 
 #[cfg(test)]
@@ -134,7 +138,7 @@ mod tests {
     use crate::search::orbit_list::OrbitList;
 
     /// Random conservative orbits of all kinds: soft and stiff, next to resonance, with and without coupling, physical or not.
-    fn orbits(mut visit: impl FnMut(&Orbit, &mut Motion)) {
+    fn orbits(mut visit: impl FnMut(LatticeOrbit<'_>, &mut Motion)) {
         let mut random = fastrand::Rng::with_seed(11);
         let (mut finder, mut found) = (Finder::new(1), OrbitList::default());
         for _ in 0..3000 {
@@ -149,7 +153,7 @@ mod tests {
                 }
                 for orbit in found.orbits.iter().filter(|orbit| orbit.is_reversible()) {
                     if orbit.impacts().iter().all(|impact| impact.is_right_signed() && impact.impulse.abs() < 1e3) {
-                        visit(orbit, &mut Motion::of(orbit).unwrap());
+                        visit(orbit.lattice().unwrap(), &mut Motion::of(orbit).unwrap());
                     }
                 }
             }
@@ -218,13 +222,14 @@ mod tests {
                 continue;
             }
             for orbit in &found.orbits {
+                let orbit = orbit.lattice().unwrap();
                 let sane = |impact: &crate::Impact| impact.is_right_signed() && impact.impulse.abs() < 1e2;
                 if orbit.impact_site().is_some() || !orbit.impacts().iter().all(sane) {
                     continue;
                 }
                 let kind = orbit.reflection().map_or(0, |reflection| 1 + usize::from(reflection.delayed));
-                let told = finder.admissibility(orbit).unwrap();
-                let mut motion = Motion::of(orbit).unwrap();
+                let told = finder.admissibility(&orbit).unwrap();
+                let mut motion = Motion::of(&orbit).unwrap();
                 let mut all = Closest::NONE;
                 watch.watched.reset(orbit.model().chain(), None);
                 let horizon = orbit.period() * if orbit.is_reversible() { 0.5 } else { 1.0 };

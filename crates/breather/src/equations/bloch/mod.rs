@@ -230,8 +230,8 @@ mod tests {
             })
             .collect();
         hits.sort_by(|a, b| a.time.total_cmp(&b.time));
-        let psi = (orbit.psi_or_zero() - earlier).rem_euclid(orbit.model().period());
-        Orbit::from_impulses(orbit.model(), times as u32 * orbit.force_periods(), psi, &hits)
+        let psi = (orbit.psi_or_zero() - earlier).rem_euclid(orbit.model().unwrap().period());
+        Orbit::from_impulses(orbit.model().unwrap(), times as u32 * orbit.force_periods(), psi, &hits)
     }
 
     fn equations_of(orbit: &Orbit) -> (BlochEquations, Vec<[C; 2]>) {
@@ -239,7 +239,7 @@ mod tests {
     }
 
     fn response(orbit: &Orbit) -> ImpulseResponse {
-        ImpulseResponse::new(&Spectrum::new(*orbit.model().chain()), orbit.frequency()).unwrap()
+        ImpulseResponse::new(&Spectrum::new(*orbit.model().unwrap().chain()), orbit.frequency()).unwrap()
     }
 
     /// Position and Newton's law at all impacts.
@@ -272,7 +272,7 @@ mod tests {
                     let mut order: Vec<usize> = (0..hits.len()).collect();
                     order.sort_by(|&i, &j| hits[i].time.total_cmp(&hits[j].time));
                     let sorted: Vec<Hit> = order.iter().map(|&i| hits[i]).collect();
-                    let left = residuals(orbit.model(), orbit, &sorted);
+                    let left = residuals(orbit.model().unwrap(), orbit, &sorted);
                     let place = |i: usize| order.iter().position(|&k| k == i).unwrap();
                     (0..size).map(|row| left[2 * place(row / 2) + row % 2]).collect::<Vec<_>>()
                 };
@@ -394,7 +394,7 @@ mod tests {
         orbits(120, |orbit, random| {
             let (equations, _) = equations_of(orbit);
             let mut without = equations.clone();
-            let Some(shift) = without.leave_out_shift().filter(|_| orbit.model().is_conservative()) else {
+            let Some(shift) = without.leave_out_shift().filter(|_| orbit.model().unwrap().is_conservative()) else {
                 return;
             };
             let (size, at) = (equations.size(), shift.place);

@@ -3,12 +3,12 @@
 
 use std::convert::Infallible;
 
-use vibrochain_lattice::{Model, Parameter, ParameterError, Resonance, Spectrum, Stop};
+use vibrochain_lattice::{Model, Parameter, ParameterError, Stop};
 
 use crate::branch_error::BranchError;
 use crate::error::BreatherError;
 use crate::orbit::symmetries::symmetries;
-use crate::orbit::{Impact, Orbit};
+use crate::orbit::{Impact, LatticeOrbit, Orbit};
 use crate::roots::bracket::zero;
 use crate::search::words::ended::{End, Ended};
 use crate::structures::branch::continuation::{Branch, BranchPoint};
@@ -57,7 +57,7 @@ impl Effort {
     }
 
     /// Takes what orbits such as this one have cost.
-    fn pay(&mut self, evaluations: usize, orbit: &Orbit) {
+    fn pay(&mut self, evaluations: usize, orbit: LatticeOrbit<'_>) {
         let (impacts, sites) = (orbit.impacts().len() as u64, orbit.model().chain().sites() as u64);
         self.left = self.left.saturating_sub(evaluations as u64 * impacts * impacts * sites);
     }
@@ -77,6 +77,7 @@ pub(crate) fn follow_from(
     effort: &mut Effort,
 ) -> Result<Result<Orbit, Ended>, BreatherError> {
     effort.stop.heard()?;
+    let rough = rough.lattice()?;
     let mut raised = COUPLINGS.into_iter().filter(|&coupling| model.get(coupling) > 0.0);
     let (coupling, other) = (raised.next().unwrap_or(Parameter::Gamma2), raised.next());
     let target = model.get(coupling);
@@ -95,10 +96,11 @@ pub(crate) fn follow(start: &Orbit, model: &Model, effort: &mut Effort) -> Resul
     let mut orbit = start.clone();
     for coupling in COUPLINGS {
         let way = Way { coupling, tied: None, target: model.get(coupling) };
-        if way.target == orbit.model().get(coupling) {
+        let from = orbit.lattice()?;
+        if way.target == from.model().get(coupling) {
             continue;
         }
-        match way.raised(&orbit, way.through(&orbit, &effort.stop), effort)? {
+        match way.raised(from, way.through(from, &effort.stop), effort)? {
             Ok(there) => orbit = there,
             ended => return Ok(ended),
         }
@@ -124,18 +126,18 @@ impl Way {
     }
 
     /// The branch through an orbit. Its orbits keep every symmetry that the impacts of this one have.
-    fn through(self, orbit: &Orbit, stop: &Stop) -> Result<Branch, BranchError> {
+    fn through(self, orbit: LatticeOrbit<'_>, stop: &Stop) -> Result<Branch, BranchError> {
         let of = *orbit.model();
         let lattice = move |values: &[f64]| self.model(&of, values[0]).map_err(|error| error.to_string());
         let family = remembering(lattice, orbit.hit_sites(), stop);
-        let start = StructureOrbit::of_orbit(orbit, stop)?;
+        let start = StructureOrbit::of_orbit(&orbit, stop)?;
         Branch::among_symmetric(&start, &symmetries(orbit), family, (of.get(self.coupling), self.target), stop)
     }
 
     /// Where a branch comes to that begins with an orbit.
     fn raised(
         self,
-        start: &Orbit,
+        start: LatticeOrbit<'_>,
         branch: Result<Branch, BranchError>,
         effort: &mut Effort,
     ) -> Result<Result<Orbit, Ended>, BreatherError> {
@@ -157,7 +159,7 @@ impl Way {
 struct Raising<'a> {
     way: Way,
     effort: &'a mut Effort,
-    start: &'a Orbit,
+    start: LatticeOrbit<'a>,
     along: Branch,
     point: BranchPoint,
     /// The impulse by which impulses are measured.
@@ -174,14 +176,6 @@ impl Raising<'_> {
         Stride::Ended(Err(Ended { coupling: self.way.coupling, value, by }))
     }
 
-    /// The first resonance on the way from here to a value, and where it is, its mode by the wave of the lattice.
-    fn resonance_within(&self, to: f64) -> Option<(f64, Resonance)> {
-        let (value, resonance) = self.along.resonance_within(&self.point, to)?;
-        let model = self.way.model(self.start.model(), value).ok()?;
-        let mode = Spectrum::new(*model.chain()).nearest(resonance.frequency);
-        Some((value, Resonance { mode, ..resonance }))
-    }
-
     /// Goes on to the next point, unless something has ended the branch before.
     fn reach(&mut self, next: BranchPoint) -> Stride<Result<Orbit, Ended>> {
         let (along, point, first) = (&mut self.along, &self.point, self.start.strength());
@@ -193,7 +187,7 @@ impl Raising<'_> {
             let there = last_value(along, point, &next, |there| slowest(there).0);
             // Where a harmonic meets a mode all impulses vanish.
             let reach = NEAR * there;
-            let resonance = self.resonance_within(there + reach);
+            let resonance = along.resonance_within(point, there + reach);
             let resonance = resonance.filter(|(value, _)| (value - there).abs() <= reach);
             let by = resonance.map_or(End::Grazing { site }, |(_, resonance)| End::Resonance(resonance));
             return self.ended(there, by);
@@ -249,7 +243,7 @@ impl Walk for Raising<'_> {
 
     fn lost(&mut self) -> Result<Self::End, BreatherError> {
         let here = self.point.value();
-        let near = self.resonance_within(here + NEAR * self.way.target);
+        let near = self.along.resonance_within(&self.point, here + NEAR * self.way.target);
         let by = near.map_or(End::Lost, |(_, resonance)| End::Resonance(resonance));
         Ok(Err(Ended { coupling: self.way.coupling, value: here, by }))
     }

@@ -92,7 +92,7 @@ pub(crate) fn repeats_sooner(orbit: &Orbit) -> bool {
 
 /// The same with the other orbit begun at its impact number `turn`.
 fn is_same_from(one: &Orbit, other: &Orbit, turn: usize) -> bool {
-    let (period, clock) = (one.period(), one.model().period());
+    let (period, clock) = (one.period(), one.force_period());
     let close = |x: f64, y: f64| (x - y).abs() <= SAME;
     let (impacts, start) = (other.impacts(), other.impacts()[turn].time);
     let in_phase = one.psi().is_none_or(|psi| time_between(psi, other.psi_or_zero() + start, clock) <= SAME * clock);

@@ -29,7 +29,7 @@ impl StructureOrbit {
     /// # Errors
     /// [`BreatherError`] at a resonance.
     pub fn admissibility(&self) -> Result<Admissibility, BreatherError> {
-        check(self, Depth::Worst)
+        self.checked(Depth::Worst)
     }
 
     /// As [`StructureOrbit::admissibility`], to the first thing that is in the way: what a map asks.
@@ -37,7 +37,11 @@ impl StructureOrbit {
     /// # Errors
     /// As [`StructureOrbit::admissibility`].
     pub fn first_obstruction(&self) -> Result<Admissibility, BreatherError> {
-        check(self, Depth::First)
+        self.checked(Depth::First)
+    }
+
+    pub(crate) fn checked(&self, depth: Depth) -> Result<Admissibility, BreatherError> {
+        check(self, depth)
     }
 }
 
@@ -179,7 +183,7 @@ mod tests {
             let model = StructureModel::new(structure, random.between(0.5, 3.0)).unwrap();
             let word = random.of(&["0+", "0+,0+", "1-,1+", "0+,1-"]).parse().unwrap();
             let Ok(found) = model.orbits(&word, 1) else { continue };
-            for orbit in &found.orbits {
+            for orbit in found.contacts() {
                 let answer = orbit.admissibility().unwrap();
                 let Some(margin) = answer.margin else { continue };
                 let motion = StructureMotion::new(orbit).unwrap();

@@ -290,10 +290,11 @@ mod tests {
             let hit = |&(site, turn): &(usize, f64)| Hit::new(site, Barrier::Lower, turn * model.period(), 1.0);
             let hits: Vec<Hit> = hits.iter().map(hit).collect();
             let orbit = Orbit::from_impulses(&model, 1, 0.3, &hits).unwrap();
-            let (stop, sites) = (Stop::default(), orbit.hit_sites());
-            let family = StructureModel::family(model, &[Parameter::Gamma2], &sites, &stop);
+            let (stop, lattice) = (Stop::default(), orbit.lattice().unwrap());
+            let family = lattice.models(&[Parameter::Gamma2], &stop);
             let start = StructureOrbit::of_orbit(&orbit, &stop).unwrap();
-            let mut branch = Branch::among_symmetric(&start, &symmetries(&orbit), family, (0.05, 0.05), &stop).unwrap();
+            let mut branch =
+                Branch::among_symmetric(&start, &symmetries(lattice), family, (0.05, 0.05), &stop).unwrap();
             let origin = branch.system().origin().unwrap();
             let there = branch.system().evaluate(&origin).unwrap();
             assert_eq!((branch.system().size(), there.matrix.size()), (left, left), "{hits:?}");

@@ -30,7 +30,7 @@ impl StructureOrbit {
 
 impl Branch {
     /// The first resonance between two points, and the value where it is: a harmonic of the orbit's frequency on a mode that nothing damps and that
-    /// it pushes.
+    /// it pushes; in a lattice the mode by its wave.
     pub fn resonance_between(&self, from: &BranchPoint, to: &BranchPoint) -> Option<(f64, Resonance)> {
         let end = (to.value(), std::f64::consts::TAU / to.orbit().period());
         self.first_resonance(from, end, to.orbit().model())
@@ -58,7 +58,8 @@ impl Branch {
         };
         let counts = |number: usize, harmonic: f64| from.orbit().pushes(&first[number], harmonic);
         let start = (from.value(), std::f64::consts::TAU / from.orbit().period());
-        nearest([start, to], frequencies, at, counts)
+        let (value, resonance) = nearest([start, to], frequencies, at, counts)?;
+        Some((value, self.equations.model_at(value)?.by_wave(resonance)))
     }
 }
 

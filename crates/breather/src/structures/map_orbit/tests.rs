@@ -67,7 +67,7 @@ fn closed_forms_say_what_orbits_say() {
             let list = model.candidates(&word, 1).unwrap();
             assert!(list.completeness.is_established(), "{:?}", list.completeness);
             let margin = |orbit: &StructureOrbit| orbit.first_obstruction().unwrap();
-            let physical: Vec<_> = list.orbits.iter().filter(|orbit| margin(orbit).is_physical()).collect();
+            let physical: Vec<_> = list.contacts().filter(|orbit| margin(orbit).is_physical()).collect();
             let MapSearch::One(found) = searched else {
                 assert!(physical.is_empty(), "{word} {physical:?}");
                 seen[two][0] += 1;
@@ -75,7 +75,7 @@ fn closed_forms_say_what_orbits_say() {
             };
             if let Some(obstruction) = found.obstruction() {
                 assert!(physical.is_empty(), "{word} {physical:?}");
-                let Admissibility { obstruction: told, .. } = margin(&list.orbits[0]);
+                let Admissibility { obstruction: told, .. } = margin(list.contacts().next().unwrap());
                 let Some(Obstruction::Crossing { site, barrier, time, excess }) = told else { panic!("{told:?}") };
                 let phi = found.times().last().unwrap_or_default() / found.period();
                 // The search refines the time of an impact that is not half a period later.

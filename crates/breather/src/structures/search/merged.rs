@@ -161,7 +161,7 @@ mod tests {
                     {
                         continue;
                     }
-                    let is_listed = found.orbits.iter().any(|listed| listed.begun_at(&orbit).is_some());
+                    let is_listed = found.contacts().any(|listed| listed.begun_at(&orbit).is_some());
                     assert!(is_listed, "{round} {word} {:?}: {orbit:?}", found.completeness);
                     sought += 1;
                 }

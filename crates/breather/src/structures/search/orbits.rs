@@ -18,7 +18,7 @@ use super::elimination::MOST;
 use super::three_impacts::ThreeImpacts;
 use super::two_impacts::Function;
 use crate::error::{BreatherError, NoBreather};
-use crate::orbit::{order, time_between};
+use crate::orbit::{Family, Hit, Orbit, order, time_between};
 use crate::search::completeness::{Completeness, Partial, Searched};
 use crate::search::finder::Scope;
 use crate::search::orbit_list::OrbitList;
@@ -44,10 +44,11 @@ pub(crate) struct Listed {
 }
 
 impl Listed {
-    fn told(self) -> OrbitList<StructureOrbit> {
+    fn told(self) -> Result<OrbitList, BreatherError> {
         let Self { orbits, searched, periods } = self;
         let completeness = Completeness::of(&Searched { listed: orbits.len(), ..searched });
-        OrbitList { orbits, completeness, periods, ..OrbitList::default() }
+        let orbits = orbits.into_iter().map(|orbit| orbit.into_orbit(Family::Word)).collect::<Result<_, _>>()?;
+        Ok(OrbitList { orbits, completeness, periods, ..OrbitList::default() })
     }
 }
 
@@ -61,16 +62,24 @@ impl StructureModel {
     ///
     /// # Errors
     /// [`BreatherError`].
-    pub fn orbits(&self, word: &Word, force_periods: u32) -> Result<OrbitList<StructureOrbit>, BreatherError> {
-        Ok(self.listed(Request::new(word, force_periods, Scope::All))?.told())
+    pub fn orbits(&self, word: &Word, force_periods: u32) -> Result<OrbitList, BreatherError> {
+        self.listed(Request::new(word, force_periods, Scope::All))?.told()
     }
 
     /// The same without those whose barriers pull: what a map asks for.
     ///
     /// # Errors
     /// As [`StructureModel::orbits`].
-    pub fn candidates(&self, word: &Word, force_periods: u32) -> Result<OrbitList<StructureOrbit>, BreatherError> {
-        Ok(self.listed(Request::new(word, force_periods, Scope::Candidates))?.told())
+    pub fn candidates(&self, word: &Word, force_periods: u32) -> Result<OrbitList, BreatherError> {
+        self.listed(Request::new(word, force_periods, Scope::Candidates))?.told()
+    }
+
+    /// The orbit that Newton's method leads to from impacts nearby, as [`StructureOrbit::near`] has it.
+    ///
+    /// # Errors
+    /// As [`StructureOrbit::near`].
+    pub fn orbit_near(&self, force_periods: u32, psi: f64, impacts: &[Hit]) -> Result<Orbit, BreatherError> {
+        StructureOrbit::near(self, force_periods, psi, impacts)?.into_orbit(Family::Word)
     }
 
     /// As [`StructureModel::orbits`] or [`StructureModel::candidates`], with what the search has done.

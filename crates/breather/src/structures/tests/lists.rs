@@ -8,7 +8,6 @@ use vibrochain_testkit::Random;
 use super::{model, orbits};
 use crate::error::NoBreather;
 use crate::search::completeness::{Completeness, Proof};
-use crate::search::orbit_list::OrbitList;
 use crate::structures::flight::StructureMotion;
 use crate::structures::model::StructureModel;
 use crate::structures::orbit::StructureOrbit;
@@ -62,7 +61,7 @@ fn no_orbit_is_listed_twice_nor_one_that_repeats_sooner() {
         let model = model(&mut random);
         for (word, periods) in [("0+", 1), ("0+,0+", 1), ("0+,0+", 2), ("1-,1+", 1), ("0+,1-", 2), ("1-,1+,1+", 1)] {
             let Ok(found) = model.orbits(&word.parse().unwrap(), periods) else { continue };
-            let tracks: Vec<Vec<f64>> = found.orbits.iter().map(track).collect();
+            let tracks: Vec<Vec<f64>> = found.contacts().map(track).collect();
             for (n, own) in tracks.iter().enumerate() {
                 for (m, other) in tracks[..n].iter().enumerate() {
                     for later in 0..periods as usize {
@@ -143,13 +142,13 @@ fn what_is_listed_are_orbits() {
         for word in ["0+", "1-,1+", "0+,1-", "0+,0+"] {
             let word = word.parse().unwrap();
             let Ok(found) = model.orbits(&word, 1) else { continue };
-            impacts += found.orbits.iter().map(check).sum::<usize>();
+            impacts += found.contacts().map(check).sum::<usize>();
             let pushes = |orbit: &&StructureOrbit| {
                 orbit.impacts().iter().all(|impact| impact.barrier.sign() * impact.impulse < 0.0)
             };
-            let OrbitList { orbits, .. } = model.candidates(&word, 1).unwrap();
-            let pushing: Vec<_> = found.orbits.iter().filter(pushes).collect();
-            assert_eq!(orbits.iter().filter(pushes).collect::<Vec<_>>(), pushing);
+            let candidates = model.candidates(&word, 1).unwrap();
+            let pushing: Vec<_> = found.contacts().filter(pushes).collect();
+            assert_eq!(candidates.contacts().filter(pushes).collect::<Vec<_>>(), pushing);
             pulled += found.orbits.len() - pushing.len();
         }
     }
@@ -176,9 +175,9 @@ fn half_periods_are_listed_without_loads() {
             let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
             let half = 0.5 * model.period();
             let is_half = |orbit: &&StructureOrbit| (orbit.impacts()[1].time - half).abs() < 1e-9 * half;
-            assert_eq!(found.orbits.iter().filter(is_half).count(), 1, "{word} {found:?}");
+            assert_eq!(found.contacts().filter(is_half).count(), 1, "{word} {found:?}");
             halves += 1;
-            for orbit in &found.orbits {
+            for orbit in found.contacts() {
                 let motion = StructureMotion::new(orbit).unwrap();
                 // Reversed in time about its impacts it is the same motion.
                 let whole = motion.until_next(0);
@@ -261,14 +260,14 @@ fn between_two_stops_without_losses_every_zero_of_the_kernel_has_an_orbit() {
         for (i, pair) in values.windows(2).enumerate() {
             if pair[0] * pair[1] < 0.0 {
                 let here = |orbit: &&StructureOrbit| (at(i)..at(i + 1)).contains(&orbit.phi().unwrap());
-                assert_eq!(found.orbits.iter().filter(here).count(), 1, "{i} {found:?}");
+                assert_eq!(found.contacts().filter(here).count(), 1, "{i} {found:?}");
                 changes += 1;
             }
         }
         // Two zeros between two samples may be missed here.
         assert!(found.orbits.len() == changes || found.orbits.len() == changes + 2, "{changes} {found:?}");
         let is_half = |orbit: &&StructureOrbit| (orbit.phi().unwrap() - 0.5 * period).abs() < 1e-12 * period;
-        assert_eq!(found.orbits.iter().filter(is_half).count(), 1);
+        assert_eq!(found.contacts().filter(is_half).count(), 1);
         halves += 1;
         others += changes - 1;
         rigid += usize::from(is_rigid);

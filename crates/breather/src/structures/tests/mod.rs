@@ -90,6 +90,6 @@ fn orbits(random: &mut Random, structures: usize, mut visit: impl FnMut(&Structu
         let model = model(random);
         let word = random.of(&["0+", "0+,0+", "1-,1+", "0+,1-"]).parse().unwrap();
         let Ok(found) = model.orbits(&word, 1) else { continue };
-        found.orbits.iter().for_each(|orbit| visit(orbit, random));
+        found.contacts().for_each(|orbit| visit(orbit, random));
     }
 }

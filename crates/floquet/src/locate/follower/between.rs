@@ -32,17 +32,17 @@ impl Follower {
         let length = self.branch.length_between(from.0, next);
         let seen = self.look_on(next, length)?;
         self.halved(from, (next, &seen), 0)?;
-        self.pass(next, &seen);
+        self.pass(next, &seen)?;
         Ok(seen)
     }
 
     /// Keeps a point, if points are kept.
-    pub(crate) fn pass(&mut self, point: &BranchPoint, seen: &Seen) {
-        if !self.stretch.whole {
-            return;
+    pub(crate) fn pass(&mut self, point: &BranchPoint, seen: &Seen) -> Result<(), LocateError> {
+        if self.stretch.whole {
+            let point = self.described(point, seen)?;
+            self.passed.push(Station::Point(point));
         }
-        let point = self.described(point, seen);
-        self.passed.push(Station::Point(point));
+        Ok(())
     }
 
     fn halved(&mut self, from: At<'_>, to: At<'_>, depth: u32) -> Result<(), LocateError> {
@@ -63,11 +63,11 @@ impl Follower {
         let mut crossings = self.crossings([from, between, to], told)?;
         for (part, (from, to)) in [(from, between), (between, to)].into_iter().enumerate() {
             if part == 1 {
-                self.pass(&middle, &seen);
+                self.pass(&middle, &seen)?;
             }
             if told[part] {
                 let found = self.all_between(from, to, std::mem::take(&mut crossings[part]))?;
-                self.pass_events(from.0, found);
+                self.pass_events(from.0, found)?;
             } else {
                 self.halved(from, to, depth + 1)?;
             }
@@ -76,17 +76,18 @@ impl Follower {
     }
 
     /// Keeps events of a step. Between two of them there is something to see, however near to each other they are.
-    fn pass_events(&mut self, from: &BranchPoint, found: Vec<Found>) {
+    fn pass_events(&mut self, from: &BranchPoint, found: Vec<Found>) -> Result<(), LocateError> {
         let mut last = None;
         for (at, located) in found {
             let middle = last.filter(|_| self.stretch.whole).map(|last: f64| self.branch.step(from, 0.5 * (last + at)));
             if let Some(Ok(middle)) = middle {
                 let seen = self.look(&middle).unwrap_or_default();
-                self.pass(&middle, &seen);
+                self.pass(&middle, &seen)?;
             }
             self.passed.push(Station::Event(located));
             last = Some(at);
         }
+        Ok(())
     }
 
     /// All events between two neighbouring points, crossings of the circle among them, in the order of the way.

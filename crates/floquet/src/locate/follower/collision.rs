@@ -143,7 +143,7 @@ impl Follower {
             let neighbours = [i.checked_sub(1), Some(i + 1)].into_iter().flatten().filter_map(|i| places.get(i));
             let alone = neighbours.map(|other| (other - at).abs()).fold(length, f64::min);
             if solved.error <= alone * self.range() {
-                found.push((at, self.told(Event::NeimarkSacker, (point, at), solved, evidence)));
+                found.push((at, self.told(Event::NeimarkSacker, (point, at), solved, evidence)?));
             } else {
                 // It is there, but the stripe is too thin for its digits.
                 self.hidden_between(point, (at - alone).max(0.0), (at + alone).min(length));

@@ -2,7 +2,7 @@
 //! until the solution lies in it.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Approach, BranchPoint, Pace, StructureOrbit};
+use vibrochain_breather::{Approach, BranchPoint, Pace};
 
 use super::seen::{changes, corners, marks, touch_between, value};
 use super::{At, Follower};
@@ -29,7 +29,7 @@ pub(super) const BESIDE: f64 = 1e-4;
 const MOST_IN_STEP: usize = 32;
 
 /// An event, and its length along the step.
-pub(super) type Found = (f64, Located<StructureOrbit>);
+pub(super) type Found = (f64, Located);
 
 /// A part of a step that is still to be looked at.
 pub(super) struct Part<P> {
@@ -112,7 +112,7 @@ impl Follower {
         {
             return Ok(());
         }
-        let located = self.told(test.event(turns), (from.0, along), *solved, evidence);
+        let located = self.told(test.event(turns), (from.0, along), *solved, evidence)?;
         found.push((along, located));
         // Of three that are near each other it may be any.
         for (end, s) in [(from, along - BESIDE * length), (to, along + BESIDE * length)] {
@@ -252,7 +252,7 @@ impl Follower {
         (from, along): (&BranchPoint, f64),
         solved: Solved,
         evidence: Evidence,
-    ) -> Located<StructureOrbit> {
+    ) -> Result<Located, LocateError> {
         let Solved { at: AtEvent { orbit, .. }, value, error, .. } = solved;
         let physical = self.watcher.admissibility(&orbit).ok().map(|told| told.is_physical());
         let mut sides: Vec<EventSide> = Vec::new();
@@ -267,6 +267,9 @@ impl Follower {
         sides.sort_by(|a, b| a.value.total_cmp(&b.value));
         let branching = self.ends.branch_off(event, (&orbit, value));
         let evaluations = self.evaluations();
-        Located { event, value, error, orbit: bounded(&orbit), evidence, physical, sides, branching, evaluations }
+        let name = self.ends.name;
+        let evidence = evidence.begun_with(orbit.first_of(name), &orbit);
+        let orbit = bounded(&orbit).into_orbit(name)?;
+        Ok(Located { event, value, error, orbit, evidence, physical, sides, branching, evaluations })
     }
 }

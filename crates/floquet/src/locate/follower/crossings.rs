@@ -159,9 +159,9 @@ impl Follower {
         }
         let event = |(solved, evidence)| {
             let along = self.length_to(base, &solved);
-            (along, self.told(Event::NeimarkSacker, (base, along), solved, evidence))
+            Some((along, self.told(Event::NeimarkSacker, (base, along), solved, evidence).ok()?))
         };
-        Some(solutions.into_iter().map(event).collect())
+        solutions.into_iter().map(event).collect()
     }
 
     /// Where in a step an impulse vanishes. It damps nothing there, so that all pairs which feel it meet the circle at once, and are on the other

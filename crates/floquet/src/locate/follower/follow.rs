@@ -115,7 +115,7 @@ impl Follower {
             .filter(|(at, one)| *at < along && one.event != Event::Fold);
         self.passed.extend(before.map(|(_, located)| Station::Event(located)));
         if self.watches(Event::Fold) {
-            let fold = self.told(Event::Fold, (from.0, along), *fold, evidence);
+            let fold = self.told(Event::Fold, (from.0, along), *fold, evidence)?;
             self.passed.push(Station::Event(fold));
         }
         Ok(Passage::Ends(way))
@@ -173,7 +173,7 @@ impl Walker<'_> {
     /// The end at a resonance right ahead.
     fn resonant(&self) -> Option<Way> {
         let ahead = self.follower.ends.resonance_ahead(&self.point);
-        ahead.map(|(value, resonance)| (value, End::Resonance(resonance)))
+        ahead.map(|(value, resonance)| (value, End::Resonance(self.point.orbit().model().by_wave(resonance))))
     }
 }
 

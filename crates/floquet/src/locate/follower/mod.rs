@@ -20,7 +20,7 @@ mod paths;
 mod seen;
 
 use nalgebra::Complex;
-use vibrochain_breather::{Admissibility, Branch, BranchPoint, StructureOrbit};
+use vibrochain_breather::{Admissibility, Branch, BranchPoint, BreatherError};
 use vibrochain_lattice::Stop;
 
 use crate::events::{Watcher, bounded};
@@ -73,7 +73,7 @@ pub(crate) struct Follower {
     pub(crate) ends: BranchEnds,
     pub(crate) stretch: Stretch,
     pub(crate) stop: Stop,
-    pub(crate) passed: Vec<Station<StructureOrbit>>,
+    pub(crate) passed: Vec<Station>,
     pub(crate) unresolved: Vec<Unresolved>,
     /// Steps without loss at an end of which Krein signatures could not be told; with losses parts of steps in which rounding leaves open what crosses
     /// the circle.
@@ -117,13 +117,14 @@ impl Follower {
     }
 
     /// A point as a diagram has it.
-    pub(super) fn described(&mut self, point: &BranchPoint, seen: &Seen) -> DiagramPoint<StructureOrbit> {
+    pub(super) fn described(&mut self, point: &BranchPoint, seen: &Seen) -> Result<DiagramPoint, BreatherError> {
         let orbit = bounded(point.orbit());
         let own = seen.admissibility.is_none().then(|| self.watcher.admissibility(&orbit).ok()).flatten();
         let told = seen.admissibility.as_ref().or(own.as_ref());
         let (margin, physical) = (told.and_then(|told| told.margin), told.map(|told| told.is_physical()));
         let known = seen.verdict.map(|verdict| self.watcher.named(&orbit, verdict, self.stretch.tolerance));
         let verdict = known.or_else(|| self.watcher.verdict(&orbit, self.stretch.tolerance).ok());
-        DiagramPoint { value: point.value(), orbit, margin, physical, verdict }
+        let orbit = orbit.to_orbit(self.ends.name)?;
+        Ok(DiagramPoint { value: point.value(), orbit, margin, physical, verdict })
     }
 }

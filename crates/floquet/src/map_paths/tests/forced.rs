@@ -101,8 +101,8 @@ fn shapes_are_eigenvectors_of_the_monodromy_matrix() {
         finder.motion(orbit).unwrap();
         let Ok(shape) = ModalShape::new(&finder.at_contacts(orbit).unwrap(), multiplier) else { return };
         let matrix = crate::full_monodromy(orbit).unwrap();
-        let sites = orbit.model().chain().sites();
-        let (mut state, velocity) = shape.at_sites(sites, orbit.centre().unwrap());
+        let sites = orbit.model().unwrap().chain().sites();
+        let (mut state, velocity) = shape.at_sites(sites, orbit.lattice().unwrap().centre().unwrap());
         state.extend(velocity);
         let size = state.iter().map(|z| z.norm()).fold(0.0, f64::max);
         for row in 0..2 * sites {

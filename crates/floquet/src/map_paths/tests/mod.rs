@@ -17,7 +17,7 @@ use crate::zeros::Nu;
 /// ν of the dense block and its norm.
 pub(crate) fn dense(orbit: &Orbit, finder: &mut Finder) -> (Vec<Complex<f64>>, f64) {
     let mut dense = Dense::default();
-    let norm = dense.solve(orbit, finder).unwrap();
+    let norm = dense.solve(orbit.lattice().unwrap(), finder).unwrap();
     (dense.values, norm)
 }
 

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
-use vibrochain_breather::{Family, Finder, StructureModel, breathers};
+use vibrochain_breather::{Family, Finder, Orbit, StructureModel, breathers};
 use vibrochain_lattice::{Chain, Contact, LinearMode, ModalStructure, ModeShape, Model, Structure};
 use vibrochain_testkit::{Random, stiffness};
 
@@ -75,7 +75,7 @@ fn modes_of_one_contact_say_what_the_equations_say() {
         let model = StructureModel::new(structure, random.log(0.3, 3.0)).unwrap();
         for (instants, word) in ["0+", "0+,0-"].into_iter().enumerate() {
             let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
-            for orbit in &found.orbits {
+            for orbit in found.orbits.iter().filter_map(Orbit::contacts) {
                 let Some(reversible) = orbit.reversible() else { continue };
                 let Some(told) = analyser.structure_reversible(&reversible, Tolerance::Rounding) else {
                     open += 1;
@@ -153,7 +153,9 @@ fn matrices_of_a_chain_have_its_verdicts() {
             };
             let mut finder = Finder::new(sites);
             for orbit in own.orbits.iter().filter(|orbit| orbit.is_reversible()) {
-                let Some(other) = found.orbits.iter().find_map(StructureOrbit::reversible) else { continue };
+                let Some(other) = found.orbits.iter().find_map(|orbit| orbit.contacts()?.reversible()) else {
+                    continue;
+                };
                 let right = analyser.verdict(orbit, &mut finder, Tolerance::Rounding).unwrap();
                 let Some(told) = analyser.structure_reversible(&other, Tolerance::Rounding) else { continue };
                 if right.undecided {
@@ -179,7 +181,7 @@ fn the_matrix_of_a_period_has_the_multipliers_of_the_equations() {
         let model = StructureModel::new(structure, random.log(0.3, 3.0)).unwrap();
         for word in ["0+", "0+,0-"] {
             let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
-            for orbit in &found.orbits {
+            for orbit in found.orbits.iter().filter_map(Orbit::contacts) {
                 let Ok((_, expected)) = StructureMultipliers::of(orbit).all(Tolerance::Rounding) else { continue };
                 let found = crate::events::by_matrix::multipliers(&orbit.bloch_equations().0, true).unwrap();
                 assert_eq!(found.len(), expected.len());

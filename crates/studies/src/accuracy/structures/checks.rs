@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::{StructureModel, StructureOrbit};
-use vibrochain_floquet::{Tolerance, Verdict, structure_verdict};
+use vibrochain_breather::{Orbit, StructureModel};
+use vibrochain_floquet::{Tolerance, Verdict, stability};
 use vibrochain_truth::{TrueStructureOrbit, TruthError};
 
 use super::draws::StructureDraw;
@@ -52,27 +52,27 @@ pub fn check_structure(case: &str, draw: &StructureDraw) -> Vec<Row> {
     rows
 }
 
-fn check_orbit(case: &str, draw: &StructureDraw, orbit: &StructureOrbit) -> Vec<Row> {
+fn check_orbit(case: &str, draw: &StructureDraw, orbit: &Orbit) -> Vec<Row> {
     let impacts = orbit.impacts();
+    let known = orbit.contacts().map_or(&[][..], |contacts| contacts.impact_errors());
     let truth = TrueStructureOrbit::refine(&draw.structure, orbit, BITS);
     let both = truth.and_then(|truth| truth.errors_of(orbit).map(|errors| (truth, errors)));
     let (truth, errors) = match both {
         Ok(both) => both,
         Err(error) => {
-            let mut pairs = impacts.iter().zip(orbit.impact_errors());
-            let known = pairs.all(|(impact, error)| error.impulse <= KNOWN * impact.impulse.abs());
-            let wrong = known && matches!(error, TruthError::NotConverged { .. });
+            let mut pairs = impacts.iter().zip(known);
+            let sure = pairs.all(|(impact, error)| error.impulse <= KNOWN * impact.impulse.abs());
+            let wrong = sure && matches!(error, TruthError::NotConverged { .. });
             let row = Row::new(case, "orbits").told(format!("no truth to compare with: {error}"));
             return vec![Row { wrong, ..row }];
         }
     };
-    let told =
-        |of: fn(&vibrochain_breather::ImpactError) -> f64| orbit.impact_errors().iter().map(of).collect::<Vec<f64>>();
+    let told = |of: fn(&vibrochain_breather::ImpactError) -> f64| known.iter().map(of).collect::<Vec<f64>>();
     vec![
         bounds(case, "impulses", &told(|error| error.impulse), &errors.impulses),
         bounds(case, "times", &told(|error| error.time), &errors.times),
         bounds(case, "accelerations", &told(|error| error.acceleration), &errors.accelerations),
-        match structure_verdict(orbit, Tolerance::Rounding) {
+        match stability(orbit, Tolerance::Rounding).map(|known| known.verdict) {
             Ok(verdict) => radius(case, &verdict, &truth),
             Err(error) => Row::new(case, "spectral radius").told(error.to_string()),
         },

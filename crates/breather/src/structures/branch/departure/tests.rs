@@ -37,7 +37,7 @@ fn an_orbit_that_loses_an_impact_keeps_its_phase() {
     for _ in 0..40 {
         let model = apart(&mut random);
         let Ok(found) = model.orbits(&"0+,1+".parse().unwrap(), 1) else { continue };
-        for orbit in &found.orbits {
+        for orbit in found.contacts() {
             for lost in [0, 1] {
                 let begins = if lost == 0 { orbit.impacts()[1].time } else { 0.0 };
                 let kept = orbit.impacts()[1 - lost];
@@ -67,7 +67,7 @@ fn a_touch_leaves_the_motion_as_it_is() {
     for _ in 0..40 {
         let model = apart(&mut random);
         let Ok(found) = model.orbits(&"0+".parse().unwrap(), 1) else { continue };
-        for orbit in &found.orbits {
+        for orbit in found.contacts() {
             let time = random.between(-0.9, 0.9) * orbit.period();
             let touch = Hit::new(1, Barrier::Upper, time, 0.0);
             let richer = orbit.exchanged(None, &[touch]).unwrap();
@@ -93,7 +93,7 @@ fn the_means_of_two_halves_are_the_orbit_between_them() {
         let model = apart(&mut random);
         for word in ["0+", "0+,1+"] {
             let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
-            for orbit in &found.orbits {
+            for orbit in found.contacts() {
                 let twice = orbit.twice().unwrap();
                 assert!(twice.force_periods() == 2 && twice.violation() < 1e-9);
                 let (half, by) = (orbit.impacts().len(), 1e-3 * random.between(-1.0, 1.0));

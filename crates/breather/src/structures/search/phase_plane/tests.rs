@@ -72,7 +72,7 @@ fn lists_under_several_harmonics_and_next_to_resonances_are_complete() {
                 {
                     continue;
                 }
-                let is_listed = found.orbits.iter().any(|listed| listed.begun_at(&orbit).is_some());
+                let is_listed = found.contacts().any(|listed| listed.begun_at(&orbit).is_some());
                 assert!(is_listed, "{round} {word} {:?}: {orbit:?}", found.completeness);
                 (sought, rigid) = (sought + 1, rigid + usize::from(!equations.rigid.is_empty()));
             }
