@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rayon::ThreadPool;
-use vibrochain::breather::StructureModel;
+use vibrochain::breather::LoadedStructure;
 use vibrochain::floquet::{Tolerance, stability};
 use vibrochain::lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Stop};
 use vibrochain_maps::grid::Grid;
@@ -80,7 +80,7 @@ fn orbit(criterion: &mut Criterion) {
     let word = "0+,3-".parse().unwrap();
     group.bench_function("300 modes, 10 contacts: an orbit with its spectrum", |bencher| {
         bencher.iter(|| {
-            let model = StructureModel::new(structure.clone(), 0.7).unwrap();
+            let model = LoadedStructure::new(structure.clone(), 0.7).unwrap();
             let found = model.orbits(&word, 1).unwrap();
             let orbit = found.orbits.first().unwrap();
             black_box(stability(orbit, Tolerance::Rounding).unwrap())

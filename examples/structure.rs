@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vibrochain::{Complex, Contact, DMatrix, DVector, Structure, StructureModel, Tolerance, admissibility, stability};
+use vibrochain::{Complex, Contact, DMatrix, DVector, LoadedStructure, Structure, Tolerance, admissibility, stability};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let stop = Contact { lower: None, upper: Some(0.7), restitution: 0.8 };
@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         loads: vec![(1, DVector::from_vec(vec![Complex::new(0.3, 0.0); 2]))],
         ..Structure::default()
     };
-    let model = StructureModel::new(Arc::new(structure.modal()?), 0.8)?;
+    let model = LoadedStructure::new(Arc::new(structure.modal()?), 0.8)?;
     let found = model.orbits(&"0+".parse()?, 1)?;
     for orbit in &found.orbits {
         let verdict = stability(orbit, Tolerance::Rounding)?.verdict;

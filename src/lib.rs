@@ -8,7 +8,7 @@ pub use vibrochain_lattice as lattice;
 pub use vibrochain_maps as maps;
 
 // What twenty lines need, by one name each; all else by its layer.
-pub use breather::StructureModel;
+pub use breather::LoadedStructure;
 pub use breather::{Admissibility, Family, Impact, Orbit, OrbitList, Word, admissibility, breathers};
 pub use eventsim::{Event, EventKind, Limits, Outcome, Simulation, Time};
 pub use floquet::{Mechanism, Stability, Tolerance, Verdict, stability};

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
 
-use vibrochain_breather::{Obstruction, StructureModel, admissibility};
+use vibrochain_breather::{LoadedStructure, Obstruction, admissibility};
 use vibrochain_floquet::{BranchRequest, Event, Tolerance, branches};
 use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Stop};
 use vibrochain_maps::structure::along::family;
@@ -120,7 +120,7 @@ fn orbits_of_plastic_impacts_are_physical_where_runs_have_them() {
     let (mut physical, mut sticking, mut crossing) = (0, 0, 0);
     for _ in 0..400 {
         let structure = Arc::new(structure(&mut random));
-        let model = StructureModel::new(structure, random.log(0.4, 3.0)).unwrap();
+        let model = LoadedStructure::new(structure, random.log(0.4, 3.0)).unwrap();
         for word in ["0+", "0+,0+", "0+,1-"] {
             let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
             for orbit in &found.orbits {

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
 
-use vibrochain_breather::{BreatherError, Orbit, OrbitList, StructureModel, admissibility};
+use vibrochain_breather::{BreatherError, LoadedStructure, Orbit, OrbitList, admissibility};
 use vibrochain_eventsim::{Limits, Outcome, Simulation};
 use vibrochain_floquet::{BranchRequest, End, Event, Located, Rectangle, Tolerance, branches, event_curve, stability};
 use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Stop};
@@ -29,7 +29,7 @@ fn damped(c: f64, stops: &str, restitution: f64, map: &str) -> StructureScene {
     StructureScene::of_text(&text, Path::new(".")).unwrap()
 }
 
-fn orbits(model: &StructureModel, word: &str) -> OrbitList {
+fn orbits(model: &LoadedStructure, word: &str) -> OrbitList {
     model.orbits(&word.parse().unwrap(), 1).unwrap()
 }
 
@@ -176,7 +176,7 @@ fn lists_of_one_impact_have_all_periods_and_runs_follow_what_is_physical() {
     let (mut listed, mut physical, mut other, mut two) = (0, 0, 0, 0);
     for _ in 0..40 {
         let structure = structure(&mut random);
-        let model = StructureModel::new(Arc::new(structure.clone()), 1.0).unwrap();
+        let model = LoadedStructure::new(Arc::new(structure.clone()), 1.0).unwrap();
         let found = orbits(&model, "0+");
         let [from, to] = found.periods.unwrap();
         assert!(found.completeness.is_established(), "{:?}", found.completeness);
@@ -388,7 +388,7 @@ fn what_feeds_on_nothing_is_refused() {
     for decay in [0.0, 0.1] {
         let mode = LinearMode::oscillator(decay, 1.0 - decay * decay, &shape, &[]);
         let structure = ModalStructure::new(vec![stop], Vec::new(), vec![mode]).unwrap();
-        let model = StructureModel::new(Arc::new(structure), TAU / 3.0).unwrap();
+        let model = LoadedStructure::new(Arc::new(structure), TAU / 3.0).unwrap();
         assert_eq!(model.orbits(&word, 1), Err(BreatherError::LossWithoutLoad), "{decay}");
     }
 }

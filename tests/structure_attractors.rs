@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
-use vibrochain_breather::{Hit, Orbit, StructureModel, Word, admissibility};
+use vibrochain_breather::{Hit, LoadedStructure, Orbit, Word, admissibility};
 use vibrochain_eventsim::{Event, EventKind, Limits, Outcome, Simulation};
 use vibrochain_floquet::{Complex, Tolerance, stability};
 use vibrochain_lattice::{Barrier, Contact, Structure};
@@ -169,7 +169,7 @@ struct Tally {
 impl Tally {
     fn check(&mut self, mut dense: Dense, structure: &Structure, events: &[Event], periods: u32) {
         let force = TAU / dense.omega;
-        let model = StructureModel::new(Arc::new(structure.modal().unwrap()), dense.omega).unwrap();
+        let model = LoadedStructure::new(Arc::new(structure.modal().unwrap()), dense.omega).unwrap();
         let first = events[0].time.to_f64();
         let impact = |event: &Event| Hit::new(event.contact, event.barrier, event.time.to_f64() - first, event.impulse);
         let impacts: Vec<_> = events.iter().map(impact).collect();
@@ -242,7 +242,7 @@ impl Tally {
     }
 
     /// A complete list of its word has it.
-    fn is_listed(&mut self, model: &StructureModel, orbit: &Orbit, periods: u32, case: &str) {
+    fn is_listed(&mut self, model: &LoadedStructure, orbit: &Orbit, periods: u32, case: &str) {
         let (n, period) = (orbit.impacts().len(), orbit.period());
         if n > 3 {
             return;

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use serde_json::Value;
-use vibrochain_breather::{Completeness, Hit, Orbit, StructureModel, StructureMotion, Word, admissibility};
-use vibrochain_floquet::{Analyser, Complex, StructureMultipliers, Tolerance, Verdict, stability};
+use vibrochain_breather::{Completeness, ContactMotion, Hit, LoadedStructure, Orbit, Word, admissibility};
+use vibrochain_floquet::{Analyser, BlochProblem, Complex, Tolerance, Verdict, stability};
 use vibrochain_lattice::{Barrier, Contact, LinearMode, ModalStructure, ModeShape, Structure};
 use vibrochain_testkit::{Random, Structure as Dense, structures};
 
@@ -72,8 +72,8 @@ fn cases() -> Vec<Case> {
 }
 
 impl Case {
-    fn model(&self) -> StructureModel {
-        StructureModel::new(self.modal.clone(), self.dense.omega).unwrap()
+    fn model(&self) -> LoadedStructure {
+        LoadedStructure::new(self.modal.clone(), self.dense.omega).unwrap()
     }
 
     fn refined(&self) -> Orbit {
@@ -188,7 +188,7 @@ fn motion_between_impacts_is_that_of_the_state_matrix() {
     let mut checked = 0;
     for case in cases().iter().filter(|case| case.dense.size() <= 5) {
         let orbit = case.refined();
-        let motion = StructureMotion::new(orbit.contacts().unwrap()).unwrap();
+        let motion = ContactMotion::new(orbit.contacts().unwrap()).unwrap();
         for i in 0..orbit.impacts().len() {
             for part in [0.2, 0.5, 0.9] {
                 let s = part * motion.until_next(i);
@@ -253,7 +253,7 @@ fn random_structures_have_the_multipliers_of_their_matrices() {
         let contacts: Option<Vec<Contact>> = restitutions.enumerate().map(sound).collect();
         let Some(contacts) = contacts else { continue };
         let modal = Arc::new(modal(&dense, &contacts));
-        let model = StructureModel::new(modal, dense.omega).unwrap();
+        let model = LoadedStructure::new(modal, dense.omega).unwrap();
         let impacts: Vec<_> =
             dense.impacts.iter().zip(&sides).map(|(i, side)| Hit::new(i.contact, *side, i.time, i.impulse)).collect();
         let orbit = model.orbit_near(1, dense.psi, &impacts).unwrap();
@@ -261,7 +261,7 @@ fn random_structures_have_the_multipliers_of_their_matrices() {
         let mut open: Vec<_> = dense.monodromy().complex_eigenvalues().iter().copied().collect();
         let radius = stability.multipliers[0].norm();
         for reach in [1.0, 0.9 * radius, 1.1 * radius] {
-            let known = StructureMultipliers::of(orbit.contacts().unwrap());
+            let known = BlochProblem::of(orbit.contacts().unwrap());
             let (is_beyond, verdict) =
                 (known.surely_exceeds(reach), known.verdict(&mut Analyser::default(), Tolerance::Rounding).unwrap());
             let real = |sign: f64| open.iter().filter(|mu| mu.im == 0.0 && sign * mu.re > reach).count();
@@ -375,7 +375,7 @@ fn many_modes_and_contacts() {
     };
     let modes = (0..300).map(mode).collect();
     let contacts = (0..10).map(|_| Contact { lower: Some(-2.0), upper: Some(0.2), restitution: 0.7 }).collect();
-    let model = StructureModel::new(Arc::new(ModalStructure::new(contacts, vec![1], modes).unwrap()), 1.1).unwrap();
+    let model = LoadedStructure::new(Arc::new(ModalStructure::new(contacts, vec![1], modes).unwrap()), 1.1).unwrap();
     let mut checked = 0;
     for text in ["0+", "3+", "7-"] {
         for orbit in model.orbits(&text.parse().unwrap(), 1).unwrap().orbits.iter().take(2) {
@@ -399,7 +399,7 @@ fn many_modes_and_contacts() {
 #[test]
 fn two_free_bodies_have_the_orbits_of_their_distance() {
     let orbits = |structure: &Structure, word: &str| {
-        let model = StructureModel::new(Arc::new(structure.modal().unwrap()), 3.0).unwrap();
+        let model = LoadedStructure::new(Arc::new(structure.modal().unwrap()), 3.0).unwrap();
         model.orbits(&word.parse().unwrap(), 1).unwrap().orbits
     };
     let contact = Contact { lower: Some(-0.05), upper: Some(0.07), restitution: 0.7 };

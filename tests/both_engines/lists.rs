@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 use vibrochain_breather::{
-    Completeness, Condition, Family, Finder, Orbit, OrbitList, Scope, StructureModel, Word, admissibility,
+    Completeness, Condition, Family, Finder, LoadedStructure, Orbit, OrbitList, Scope, Word, admissibility,
 };
 use vibrochain_floquet::{Analyser, Tolerance, stability};
 use vibrochain_lattice::{Force, Harmonic, Point, Structure};
@@ -283,7 +283,7 @@ fn lists_stay_as_a_resonance_comes_close_whatever_the_dashpots() {
                 let list = structure(&model).orbits(&word, periods).unwrap();
                 let damping = 1e-9 * DMatrix::identity(sites, sites);
                 let damped = Structure { damping, ..matrices(&model) }.modal().unwrap();
-                let damped = StructureModel::new(Arc::new(damped), model.omega()).unwrap();
+                let damped = LoadedStructure::new(Arc::new(damped), model.omega()).unwrap();
                 let damped = damped.orbits(&word, periods).unwrap();
                 let [own, other] = [&list, &damped].map(times);
                 assert!(

@@ -12,7 +12,7 @@ mod runs;
 
 use nalgebra::{Complex, DMatrix, DVector};
 use std::sync::Arc;
-use vibrochain_breather::{Family, StructureModel, Word};
+use vibrochain_breather::{Family, LoadedStructure, Word};
 use vibrochain_lattice::{Barrier, Contact, Model, Structure};
 use vibrochain_testkit::stiffness;
 
@@ -34,8 +34,8 @@ fn matrices(model: &Model) -> Structure {
 }
 
 /// The chain of a model as a structure.
-fn structure(model: &Model) -> StructureModel {
-    StructureModel::new(Arc::new(matrices(model).modal().unwrap()), model.omega()).unwrap()
+fn structure(model: &Model) -> LoadedStructure {
+    LoadedStructure::new(Arc::new(matrices(model).modal().unwrap()), model.omega()).unwrap()
 }
 
 /// A family's word at one mass, with its periods of the force.

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
 use nalgebra::{Matrix4, Vector4};
-use vibrochain_breather::StructureMotion;
+use vibrochain_breather::ContactMotion;
 use vibrochain_maps::structure::StructureScene;
 
 use super::problems::{C, Oscillator, both, near, orbits, physical, same_orbits};
@@ -111,7 +111,7 @@ fn the_damped_breather_is_one_in_a_simulation() {
     let found = orbits(&own, None);
     assert_eq!(physical(&found).len(), 2);
     for orbit in &found.orbits {
-        let motion = StructureMotion::new(orbit.contacts().unwrap()).unwrap();
+        let motion = ContactMotion::new(orbit.contacts().unwrap()).unwrap();
         let start: Vec<f64> = motion.coordinates(0, 0.0).unwrap().iter().flatten().copied().collect();
         let rates = |t: f64, state: &[f64]| -> Vec<f64> {
             let x = |i: usize| state[2 * (i % 21)];

@@ -151,7 +151,7 @@ pub enum BreatherError {
         "a rigid motion is pushed by a static load that no impact of this word balances, or by impacts that no load balances"
     )]
     Unbalanced,
-    /// The [`Stop`](vibrochain_lattice::Stop) of [`Finder::until`](crate::Finder::until) or [`StructureModel::until`](crate::StructureModel::until)
+    /// The [`Stop`](vibrochain_lattice::Stop) of [`Finder::until`](crate::Finder::until) or [`LoadedStructure::until`](crate::LoadedStructure::until)
     /// was raised.
     #[error(transparent)]
     Stopped(#[from] Stopped),

@@ -1,8 +1,8 @@
-//! Exact periodic orbits (discrete breathers) of vibro-impact chains.
+//! Exact periodic orbits (discrete breathers) of vibro-impact chains, and of any linear structure with stops.
 //!
 //! ```text
 //! Model ── breathers, Finder ──> OrbitList: Completeness, Orbit… ──> Motion, Admissibility, Condition, Branch
-//! StructureModel ── orbits ──> OrbitList: Completeness, StructureOrbit… ──> StructureMotion, Admissibility
+//! LoadedStructure ── orbits ──────────┘
 //! ```
 //!
 //! Between impacts the chain is linear, so that a periodic orbit is a superposition of periodic impulse responses.
@@ -13,7 +13,8 @@
 //!
 //! | name | what it is |
 //! |---|---|
-//! | [`Orbit`], [`Impact`], [`Family`] | a periodic orbit, by its impacts; [`LatticeOrbit`] with what only a lattice's has |
+//! | [`Orbit`], [`Impact`], [`Family`] | a periodic orbit of a lattice or of any other structure, by its impacts |
+//! | [`LatticeOrbit`], [`ContactOrbit`] | with what only a lattice's has; as contacts know it, with the errors of its impacts |
 //! | [`breathers`], [`Finder`], [`OrbitList`] | from parameters to orbits |
 //! | [`MapBreather`] | what a map asks of a conservative breather, without its orbit |
 //! | [`Completeness`], [`Proof`] | whether a list of orbits is all, and how that is known |
@@ -79,10 +80,10 @@ pub use structures::branch::departure::Departure;
 pub use structures::branch::family::ModelFamily;
 pub use structures::condition::Condition;
 pub use structures::errors::{ImpactError, Together};
-pub use structures::flight::StructureMotion;
+pub use structures::flight::ContactMotion;
 pub use structures::map_orbit::MapOrbit;
-pub use structures::model::StructureModel;
-pub use structures::orbit::StructureOrbit;
+pub use structures::model::LoadedStructure;
+pub use structures::orbit::ContactOrbit;
 pub use structures::reversible::ReversibleOrbit;
 pub use tracer::line;
 pub use tracer::pace::Pace;

@@ -1,7 +1,7 @@
 //! What contacts know of a lattice's orbit follows from the orbit's data, whether it was found so or is worked out later.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use vibrochain_breather::{Family, StructureOrbit, breathers};
+use vibrochain_breather::{ContactOrbit, Family, breathers};
 use vibrochain_lattice::{Complex, Stop};
 use vibrochain_testkit::{Random, Ranges};
 
@@ -21,7 +21,7 @@ fn an_orbit_made_again_from_its_data_is_known_alike() {
                 continue;
             }
             let found = orbit.at_contacts(&stop).unwrap();
-            let again = StructureOrbit::of_orbit(orbit, &stop).unwrap();
+            let again = ContactOrbit::of_orbit(orbit, &stop).unwrap();
             assert_eq!(found.impacts(), again.impacts(), "{model}");
             assert_eq!(found.error_origins(), again.error_origins(), "{model}");
             let [one, other] = [found, again.into()].map(|known| known.bloch_equations().0.matrix(z));

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use vibrochain_breather::{
-    Completeness, Family, Finder, Impact, ImpactError, Orbit, OrbitList, Scope, StructureModel, breathers,
+    Completeness, Family, Finder, Impact, ImpactError, LoadedStructure, Orbit, OrbitList, Scope, breathers,
 };
 use vibrochain_lattice::{Complex, Contact, DMatrix, DVector, Ends, Point, Structure};
 use vibrochain_testkit::Random;
@@ -17,22 +17,22 @@ fn structure(
     contact: Contact,
     (harmonic, load): (u32, f64),
     omega: f64,
-) -> StructureModel {
+) -> LoadedStructure {
     let [mass, damping, stiffness] = matrices;
     let size = mass.nrows();
     let first = DVector::from_fn(size, |n, _| if n == 0 { 1.0 } else { 0.0 });
     let loads = vec![(harmonic, first.map(|x| Complex::new(load * x, 0.0)))];
     let contacts = vec![(first, contact)];
     let structure = Structure { mass, damping, stiffness, contacts, loads, ..Structure::default() };
-    StructureModel::new(Arc::new(structure.modal().unwrap()), omega).unwrap()
+    LoadedStructure::new(Arc::new(structure.modal().unwrap()), omega).unwrap()
 }
 
-fn one_mass(damping: f64, contact: Contact, load: (u32, f64), omega: f64) -> StructureModel {
+fn one_mass(damping: f64, contact: Contact, load: (u32, f64), omega: f64) -> LoadedStructure {
     let number = |x: f64| DMatrix::from_element(1, 1, x);
     structure([number(1.0), number(damping), number(1.0)], contact, load, omega)
 }
 
-fn two_masses(stiffness: [f64; 3], contact: Contact, load: f64, omega: f64) -> StructureModel {
+fn two_masses(stiffness: [f64; 3], contact: Contact, load: f64, omega: f64) -> LoadedStructure {
     let [a, b, c] = stiffness;
     let matrices = [DMatrix::identity(2, 2), DMatrix::zeros(2, 2), DMatrix::from_row_slice(2, 2, &[a, b, b, c])];
     structure(matrices, contact, (1, load), omega)
@@ -42,7 +42,7 @@ fn between(lower: f64, upper: f64, restitution: f64) -> Contact {
     Contact { lower: Some(lower), upper: Some(upper), restitution }
 }
 
-fn list(model: &StructureModel, word: &str, periods: u32) -> OrbitList {
+fn list(model: &LoadedStructure, word: &str, periods: u32) -> OrbitList {
     model.orbits(&word.parse().unwrap(), periods).unwrap()
 }
 
@@ -80,7 +80,7 @@ fn assert_distinct(orbits: &[Orbit]) {
 #[test]
 fn next_to_a_resonance_each_orbit_is_listed_once() {
     // Impulses and second times by Newton's method in 40 digits.
-    type Case = (&'static str, StructureModel, usize, Option<[f64; 2]>);
+    type Case = (&'static str, LoadedStructure, usize, Option<[f64; 2]>);
     let cases: [Case; 5] = [
         ("half", one_mass(0.0, between(-0.6, 0.5, 0.8), (1, 1.0), 0.500_005), 8, None),
         ("half, damped", one_mass(1e-9, between(-0.9, 1.1, 0.8), (1, 0.4), 0.500_000_05), 8, None),
@@ -285,7 +285,7 @@ fn long_words_have_no_orbit_of_fewer_instants() {
             loads: vec![(1, load)],
             ..Structure::default()
         };
-        let model = StructureModel::new(Arc::new(structure.modal().unwrap()), omega).unwrap();
+        let model = LoadedStructure::new(Arc::new(structure.modal().unwrap()), omega).unwrap();
         for word in ["0+,1+,0-,1-", "0+,1-,0-,1+"] {
             let found = list(&model, word, 1);
             assert_distinct(&found.orbits);
@@ -301,7 +301,7 @@ fn long_words_have_no_orbit_of_fewer_instants() {
 }
 
 /// A row with free ends, its first mass and another one between their barriers.
-fn row_of_masses(sites: usize, far: usize, [gamma1, gamma2, asymmetry]: [f64; 3], omega: f64) -> StructureModel {
+fn row_of_masses(sites: usize, far: usize, [gamma1, gamma2, asymmetry]: [f64; 3], omega: f64) -> LoadedStructure {
     let mut stiffness = DMatrix::identity(sites, sites) * gamma1;
     for n in 0..sites - 1 {
         for (i, j, sign) in [(n, n, 1.0), (n + 1, n + 1, 1.0), (n, n + 1, -1.0), (n + 1, n, -1.0)] {
@@ -314,7 +314,7 @@ fn row_of_masses(sites: usize, far: usize, [gamma1, gamma2, asymmetry]: [f64; 3]
     };
     let contacts = vec![contact(0), contact(far)];
     let structure = Structure { mass: DMatrix::identity(sites, sites), stiffness, contacts, ..Structure::default() };
-    StructureModel::new(Arc::new(structure.modal().unwrap()), omega).unwrap()
+    LoadedStructure::new(Arc::new(structure.modal().unwrap()), omega).unwrap()
 }
 
 #[test]

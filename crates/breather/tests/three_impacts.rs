@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::{Completeness, Hit, Orbit, Proof, StructureModel, Word};
+use vibrochain_breather::{Completeness, Hit, LoadedStructure, Orbit, Proof, Word};
 use vibrochain_lattice::{Barrier, Complex, Contact, LinearMode, ModalStructure, ModeShape};
 use vibrochain_testkit::Random;
 
@@ -32,7 +32,7 @@ fn random_structure(random: &mut Random) -> ModalStructure {
 }
 
 /// Orbits of three pushing impacts that starts lead to, each told once.
-fn led_to(model: &StructureModel, letters: &Letters, periods: u32, starts: usize, random: &mut Random) -> Vec<Orbit> {
+fn led_to(model: &LoadedStructure, letters: &Letters, periods: u32, starts: usize, random: &mut Random) -> Vec<Orbit> {
     let period = model.period() * f64::from(periods);
     let mut led: Vec<Orbit> = Vec::new();
     for _ in 0..starts {
@@ -95,7 +95,7 @@ struct Tally {
 }
 
 impl Tally {
-    fn compare(&mut self, name: &str, model: &StructureModel, letters: &Letters, periods: u32, random: &mut Random) {
+    fn compare(&mut self, name: &str, model: &LoadedStructure, letters: &Letters, periods: u32, random: &mut Random) {
         let word = word(letters);
         let Ok(found) = model.orbits(&word, periods) else { return };
         self.lists += 1;
@@ -135,7 +135,7 @@ fn complete_lists_of_random_structures_lack_nothing_that_starts_lead_to() {
     let mut tally = Tally::default();
     for round in 0..40 {
         let structure = Arc::new(random_structure(&mut random));
-        let model = StructureModel::new(structure, random.between(0.5, 3.0)).unwrap();
+        let model = LoadedStructure::new(structure, random.between(0.5, 3.0)).unwrap();
         let letters = letters(&mut random, model.structure().contacts());
         let periods = 1 + random.below(3) as u32;
         tally.compare(&format!("random {round}"), &model, &letters, periods, &mut random);
@@ -168,7 +168,7 @@ fn complete_lists_of_free_motions_lack_nothing_that_starts_lead_to() {
         let modes = (0..3).map(&mut mode).collect();
         let contact = || Contact { lower: Some(-0.3), upper: Some(0.2), restitution: 1.0 };
         let structure = ModalStructure::new(vec![contact(), contact()], vec![], modes).unwrap();
-        let model = StructureModel::new(Arc::new(structure), random.between(0.5, 3.0)).unwrap();
+        let model = LoadedStructure::new(Arc::new(structure), random.between(0.5, 3.0)).unwrap();
         let letters = letters(&mut random, model.structure().contacts());
         tally.compare(&format!("free {round}"), &model, &letters, 1, &mut random);
     }

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::{Completeness, Family, Hit, Orbit, Proof, StructureModel, breathers};
+use vibrochain_breather::{Completeness, Family, Hit, LoadedStructure, Orbit, Proof, breathers};
 use vibrochain_lattice::{Barrier, Contact, DMatrix, DVector, LinearMode, ModalStructure, ModeShape, Point, Structure};
 use vibrochain_testkit::Random;
 
@@ -43,7 +43,7 @@ fn a_ring_has_the_orbits_of_its_family() {
         if !matches!(family.completeness, Completeness::All(_)) {
             continue;
         }
-        let structure = StructureModel::new(Arc::new(ring(sites, [gamma1, gamma2, asymmetry])), omega).unwrap();
+        let structure = LoadedStructure::new(Arc::new(ring(sites, [gamma1, gamma2, asymmetry])), omega).unwrap();
         let Ok(found) = structure.orbits(&"0+,0-".parse().unwrap(), 1) else { continue };
         if !found.completeness.is_established() {
             continue;
@@ -85,7 +85,7 @@ fn any_structure_has_all_orbits_that_starts_lead_to() {
         let modes = (0..1 + round % 4).map(|_| mode()).collect();
         let contact = || Contact { lower: Some(-0.3), upper: Some(0.2), restitution: 1.0 };
         let structure = ModalStructure::new(vec![contact(), contact()], vec![], modes).unwrap();
-        let model = StructureModel::new(Arc::new(structure), random.between(0.5, 3.0)).unwrap();
+        let model = LoadedStructure::new(Arc::new(structure), random.between(0.5, 3.0)).unwrap();
         let letters =
             [(0, Barrier::Upper), random.of(&[(0, Barrier::Lower), (1, Barrier::Upper), (1, Barrier::Lower)])];
         let word = if letters[1].0 == 0 {

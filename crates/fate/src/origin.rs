@@ -1,6 +1,6 @@
 //! What runs start from: a breather of a chain, or an orbit of a structure, or its rest.
 
-use vibrochain_breather::{BreatherError, Orbit, StructureModel, StructureMotion, Word};
+use vibrochain_breather::{BreatherError, ContactMotion, LoadedStructure, Orbit, Word};
 use vibrochain_eventsim::{Simulation, Tangents};
 use vibrochain_lattice::{Barrier, ModalStructure, Model, Stop};
 
@@ -27,7 +27,7 @@ pub struct Origin {
 #[derive(Debug, Clone)]
 enum State {
     Masses { model: Box<Model>, orbit: Option<Box<Orbit>>, start: Start },
-    Modes { model: StructureModel, orbit: Option<Box<Orbit>>, modes: Vec<[f64; 2]> },
+    Modes { model: LoadedStructure, orbit: Option<Box<Orbit>>, modes: Vec<[f64; 2]> },
 }
 
 impl Origin {
@@ -42,7 +42,7 @@ impl Origin {
                 (State::Masses { model, orbit: known, start }, psi, time)
             }
             Some(contacts) => {
-                let motion = StructureMotion::new(contacts)?;
+                let motion = ContactMotion::new(contacts)?;
                 let last = orbit.impacts().len().saturating_sub(1);
                 let lapse = 0.5 * motion.until_next(last);
                 let time = orbit.impacts().get(last).map_or(0.0, |impact| impact.time) + lapse;
@@ -67,12 +67,12 @@ impl Origin {
     }
 
     /// A structure at rest under its static load.
-    pub(crate) fn at_rest(model: &StructureModel) -> Self {
+    pub(crate) fn at_rest(model: &LoadedStructure) -> Self {
         Self::at(model, model.structure().still())
     }
 
     /// A structure in any state, on no orbit, brought between the barriers.
-    pub(crate) fn at(model: &StructureModel, modes: Vec<[f64; 2]>) -> Self {
+    pub(crate) fn at(model: &LoadedStructure, modes: Vec<[f64; 2]>) -> Self {
         let state = State::Modes { model: model.clone(), orbit: None, modes };
         Self { state, psi: 0.0, time: 0.0, in_sequence: false }
     }

@@ -1,6 +1,6 @@
 //! One run from a perturbed breather: how it ends, and when it leaves.
 
-use vibrochain_breather::{BreatherError, Orbit, StructureModel};
+use vibrochain_breather::{BreatherError, LoadedStructure, Orbit};
 use vibrochain_eventsim::{Event, Exponent, Growth, Limits, Outcome, Report, Simulation, Tangents, Time};
 use vibrochain_lattice::Stop;
 
@@ -56,7 +56,7 @@ impl Home {
 
     /// Prepares runs from a structure at rest under its static load: what it settles on by itself.
     #[must_use]
-    pub fn at_rest(model: &StructureModel) -> Self {
+    pub fn at_rest(model: &LoadedStructure) -> Self {
         Self::with(Origin::at_rest(model))
     }
 

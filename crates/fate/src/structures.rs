@@ -1,6 +1,6 @@
 //! Ensembles over a structure's scene: many runs from the orbits of every point, or from rest.
 
-use vibrochain_breather::{Finder, StructureModel};
+use vibrochain_breather::{Finder, LoadedStructure};
 use vibrochain_eventsim::State;
 use vibrochain_floquet::stability;
 use vibrochain_lattice::Stop;
@@ -20,7 +20,7 @@ type Judged = (Departure, Option<bool>);
 
 /// The physical orbits of all words that are asked for, and what a sweep says of their lists: where one is not complete, or something could not
 /// be worked out, more may live here. `None` if stopped.
-fn departures(scene: &StructureScene, model: &StructureModel, stop: &Stop) -> Option<(Vec<Judged>, Status)> {
+fn departures(scene: &StructureScene, model: &LoadedStructure, stop: &Stop) -> Option<(Vec<Judged>, Status)> {
     let (mut all, mut status, mut finder) = (Vec::new(), Status::Ok, Finder::default().until(stop));
     for (word, periods) in scene.asked() {
         let Ok(found) = model.candidates(&word, periods) else {
@@ -157,7 +157,7 @@ mod tests {
                 LinearMode::oscillator(0.0, [1.0, 2.3][k], &shape, &[])
             };
             let structure = ModalStructure::new(vec![stop; 2], Vec::new(), vec![mode(0), mode(1)]).unwrap();
-            let origin = Origin::at_rest(&StructureModel::new(Arc::new(structure), omega).unwrap());
+            let origin = Origin::at_rest(&LoadedStructure::new(Arc::new(structure), omega).unwrap());
             for seed in 0..20 {
                 let size = 1e-3;
                 let run = origin.run(Some((size, seed)), &Stop::default()).unwrap();

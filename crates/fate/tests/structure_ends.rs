@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use vibrochain_breather::{Hit, Orbit, StructureModel, admissibility};
+use vibrochain_breather::{Hit, LoadedStructure, Orbit, admissibility};
 use vibrochain_fate::{End, Ensemble, Home, measure};
 use vibrochain_floquet::{Tolerance, stability};
 use vibrochain_lattice::{Barrier, Complex, Contact, Stop};
@@ -15,7 +15,7 @@ fn orbits() -> Vec<(String, Orbit)> {
     let mut all = Vec::new();
     for case in structures().into_iter().filter(|case| case.physical) {
         let structure = case.linear();
-        let model = StructureModel::new(Arc::new(structure.modal().unwrap()), case.omega).unwrap();
+        let model = LoadedStructure::new(Arc::new(structure.modal().unwrap()), case.omega).unwrap();
         let impact = |impact: &vibrochain_testkit::StructureImpact| {
             let (lower, ..) = case.limits[impact.contact];
             let barrier = if lower == Some(impact.stop) { Barrier::Lower } else { Barrier::Upper };
@@ -85,7 +85,7 @@ fn from_rest_it_settles_on_the_stable_orbit() {
         let mode = vibrochain_lattice::LinearMode::oscillator(0.05, 1.0 - 0.0025, &shape, &[Complex::new(1.0, 0.0)]);
         let contact = Contact { lower: None, upper: Some(stop), restitution: 0.8 };
         let structure = vibrochain_lattice::ModalStructure::new(vec![contact], vec![1], vec![mode]).unwrap();
-        let model = StructureModel::new(Arc::new(structure), 2.2).unwrap();
+        let model = LoadedStructure::new(Arc::new(structure), 2.2).unwrap();
         let ensemble = Ensemble { periods: 400, ..Ensemble::default() };
         for seed in 1..=4 {
             let fate = Home::at_rest(&model).run(&ensemble, seed, &Stop::default()).unwrap();
@@ -105,7 +105,7 @@ fn self_excited_runs_settle_on_their_cycle() {
     for decay in [-0.1, -0.05, -0.02] {
         let mode = vibrochain_lattice::LinearMode::oscillator(decay, 1.0 - decay * decay, &shape, &[]);
         let structure = vibrochain_lattice::ModalStructure::new(vec![contact], Vec::new(), vec![mode]).unwrap();
-        let model = StructureModel::new(Arc::new(structure), 1.0).unwrap();
+        let model = LoadedStructure::new(Arc::new(structure), 1.0).unwrap();
         let word = "0-".parse().unwrap();
         let found = model.orbits(&word, 1).unwrap().orbits;
         let physical = found.iter().find(|orbit| admissibility(orbit).unwrap().is_physical()).unwrap();

@@ -20,7 +20,7 @@ use crate::multipliers::unfelt_frequencies;
 use crate::reference::dense::{Dense, uncoupled};
 use crate::saltation::saltations;
 use crate::sizes::{LARGE, MOST_DENSE, is_affordable, most_modes};
-use crate::structures::{self, StructureMultipliers};
+use crate::structures::{self, BlochProblem};
 use crate::symmetry::{breaks_symmetry, is_symmetric};
 use crate::verdict::{Mechanism, Method, Question, Tolerance, Verdict};
 
@@ -74,7 +74,7 @@ impl Analyser {
         tolerance: Tolerance,
     ) -> Result<Verdict, FloquetError> {
         if let Some(contacts) = orbit.contacts() {
-            return StructureMultipliers::of(contacts).quick_verdict(self, tolerance);
+            return BlochProblem::of(contacts).quick_verdict(self, tolerance);
         }
         let lattice = orbit.lattice()?;
         self.decide(Question { orbit: lattice, tolerance, thorough: false }, finder).map(|(verdict, _)| verdict)
@@ -104,7 +104,7 @@ impl Analyser {
         if self.dense_only || orbit.is_conservative() || orbit.lattice().is_ok_and(|orbit| !is_affordable(orbit)) {
             return Ok(false);
         }
-        Ok(StructureMultipliers::of(&*finder.at_contacts(orbit)?).surely_exceeds(reach))
+        Ok(BlochProblem::of(&*finder.at_contacts(orbit)?).surely_exceeds(reach))
     }
 
     /// The verdict, with its error, and all multipliers.
@@ -275,7 +275,7 @@ fn by_zeros(
 ) -> Result<Answer, FloquetError> {
     let _ = saltations(&orbit)?;
     let known = finder.at_contacts(&orbit)?;
-    let known = StructureMultipliers::of(&known);
+    let known = BlochProblem::of(&known);
     if !thorough {
         return Ok((known.worked_out(tolerance, true)?, Vec::new()));
     }
@@ -305,7 +305,7 @@ fn takes_long(Question { orbit, thorough, .. }: Question<'_>) -> bool {
 ///
 /// ```
 /// use std::sync::Arc;
-/// use vibrochain_breather::StructureModel;
+/// use vibrochain_breather::LoadedStructure;
 /// use vibrochain_floquet::{Tolerance, stability};
 /// use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape};
 /// // q″ + 0.1 q′ + q = cos ωt, a stop at 0.1.
@@ -313,7 +313,7 @@ fn takes_long(Question { orbit, thorough, .. }: Question<'_>) -> bool {
 /// let mode = LinearMode::oscillator(0.05, 1.0 - 0.05 * 0.05, &shape, &[Complex::new(1.0, 0.0)]);
 /// let stop = Contact { lower: None, upper: Some(0.1), restitution: 0.8 };
 /// let structure = Arc::new(ModalStructure::new(vec![stop], vec![1], vec![mode])?);
-/// let found = StructureModel::new(structure, 2.325)?.orbits(&"0+".parse()?, 1)?;
+/// let found = LoadedStructure::new(structure, 2.325)?.orbits(&"0+".parse()?, 1)?;
 /// let radius = |orbit| Ok(stability(orbit, Tolerance::Rounding)?.verdict.spectral_radius);
 /// let radii = found.orbits.iter().map(radius).collect::<Result<Vec<f64>, Box<dyn std::error::Error>>>()?;
 /// assert!(radii.iter().any(|radius| (radius - 0.6988872749041013).abs() < 1e-12));

@@ -22,7 +22,7 @@
 //! | [`Multipliers`] | all multipliers in order, made as they are asked for |
 //! | [`odd_multipliers`], [`leading_modes`] | multipliers that feel no impact; perturbations that grow most |
 //! | [`locate()`] | bifurcations and grazing in one parameter |
-//! | [`structure_stability`], [`branches`], [`event_curve`] | the same of any linear structure with stops |
+//! | [`branches`], [`event_curve`] | events of any linear structure with stops, on branches and along curves |
 //! | [`Verdict`], [`Mechanism`], [`Tolerance`], [`Method`] | stable or not, how stability is lost, from which excess on, where the answer comes from |
 //!
 //! With the feature `serde` values are written by the names of `mapgen`'s JSON; those that hold nothing derived are read, too.
@@ -94,6 +94,6 @@ pub use stripes::{
     Collision, DressedModes, InternalMode, NoStripe, OrderFinder, Passing, Signature, SignatureOrder, Stripe,
     StripeEnd, StripeFinder, StripeLine, StripeRow, bare_signature, passings, signature,
 };
-pub use structures::StructureMultipliers;
+pub use structures::BlochProblem;
 pub use verdict::{Mechanism, Method, Tolerance, Verdict};
 pub use zeros::SecularError;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use faer::MatRef;
 use nalgebra::{DMatrix, DVector};
-use vibrochain_breather::{BlochEquations, Finder, OrbitList, Scope, StructureModel};
+use vibrochain_breather::{BlochEquations, Finder, LoadedStructure, OrbitList, Scope};
 use vibrochain_floquet::{Analyser, Complex, Course, Event, Signature, Tolerance, diagram, full_monodromy, signature};
 use vibrochain_lattice::{Barrier, Model, Parameter, Point};
 use vibrochain_testkit::{Random, Ranges, Structure, StructureImpact, Values};
@@ -138,7 +138,7 @@ fn signatures_of_matrices_are_those_of_the_form() {
         let mut dense = Structure::without_orbit([mass.clone(), none, stiffness], contacts.clone(), omega);
         let gap = random.between(-0.4, 0.4);
         dense.limits = vec![(Some(gap - 1.0), Some(gap + 1.0), 1.0); 2];
-        let model = StructureModel::new(Arc::new(dense.linear().modal().unwrap()), omega).unwrap();
+        let model = LoadedStructure::new(Arc::new(dense.linear().modal().unwrap()), omega).unwrap();
         let word = random.of(&["0+,0-", "0-", "0+1+,0-1-", "0+1-,0-1+"]);
         let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
         for orbit in &found.orbits {

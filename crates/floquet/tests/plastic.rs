@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use nalgebra::{Complex as C, DMatrix, DVector};
-use vibrochain_breather::StructureModel;
+use vibrochain_breather::LoadedStructure;
 use vibrochain_floquet::{Tolerance, stability};
 use vibrochain_lattice::{Contact, Structure};
 use vibrochain_testkit::Random;
@@ -40,7 +40,7 @@ fn one_multiplier_is_zero_and_none_is_in_doubt() {
     let (mut orbits, mut several) = (0, 0);
     for number in 0..1200 {
         let (structure, omega, word) = draw(&mut random);
-        let model = StructureModel::new(Arc::new(structure.modal().unwrap()), omega).unwrap();
+        let model = LoadedStructure::new(Arc::new(structure.modal().unwrap()), omega).unwrap();
         let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
         for orbit in found.orbits.iter().take(3) {
             let told = stability(orbit, Tolerance::Rounding);

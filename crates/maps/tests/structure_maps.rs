@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use vibrochain_breather::{Proof, StructureMotion};
+use vibrochain_breather::{ContactMotion, Proof};
 use vibrochain_lattice::Stop;
 use vibrochain_maps::absence::{AT_ONCE, Absence};
 use vibrochain_maps::grid::Grid;
@@ -86,7 +86,7 @@ fn cells_say_why_nothing_is_physical() {
             continue;
         };
         let within = |orbit: &&&vibrochain_breather::Orbit| {
-            let motion = StructureMotion::new(orbit.contacts().unwrap()).unwrap();
+            let motion = ContactMotion::new(orbit.contacts().unwrap()).unwrap();
             let stops = model.structure().contacts()[first.contact as usize];
             let room = |part: f64| {
                 stops.room(motion.contact(first.contact as usize, first.impact as usize, part * orbit.period())[0])

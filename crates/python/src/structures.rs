@@ -5,7 +5,7 @@ use std::path::Path;
 use numpy::{IntoPyArray, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
-use vibrochain_breather::{BreatherError, Orbit, OrbitList, StructureModel, StructureMotion, Word};
+use vibrochain_breather::{BreatherError, ContactMotion, LoadedStructure, Orbit, OrbitList, Word};
 use vibrochain_floquet::{BranchRequest, Diagram, Event, FollowedBranch, Rectangle, Station, Tolerance, branches};
 use vibrochain_lattice::{Barrier, Stop};
 use vibrochain_maps::followed::touch;
@@ -72,7 +72,7 @@ pub(crate) fn _structure_motion<'py>(
     let work = move |_: &Stop| {
         let (_, orbit) = structure_orbit(&scene, &near, psi, force_periods)?;
         let known = orbit.at_contacts(&Stop::default())?;
-        let motion = StructureMotion::new(&known)?;
+        let motion = ContactMotion::new(&known)?;
         let (impacts, contacts) = (orbit.impacts(), known.model().structure().contacts().len());
         let mut values = Vec::with_capacity(times.len() * contacts * 2);
         for time in times {
@@ -108,7 +108,7 @@ pub(crate) fn structure_orbit(
 }
 
 /// The orbit next to given impacts.
-fn orbit_near(model: &StructureModel, force_periods: u32, psi: f64, near: &[Hit]) -> Result<Orbit, Failure> {
+fn orbit_near(model: &LoadedStructure, force_periods: u32, psi: f64, near: &[Hit]) -> Result<Orbit, Failure> {
     let impacts = near.iter().map(|(contact, barrier, time, impulse)| {
         let named = Barrier::from_name(barrier);
         let wrong = || Failure::Request(format!("barrier {barrier} is unknown: give lower or upper"));

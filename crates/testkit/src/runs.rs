@@ -1,13 +1,13 @@
 //! Whether a simulated run goes along an orbit.
 
-use vibrochain_breather::{Orbit, StructureMotion};
+use vibrochain_breather::{ContactMotion, Orbit};
 use vibrochain_eventsim::{Event, EventKind, Limits, Outcome, Simulation};
 
 /// Whether a run from the middle of the first flight has the orbit's impacts for a period, and nothing else: times to 1e-8 of the period,
 /// impulses to 1e-7 of their size.
 pub fn run_follows(orbit: &Orbit) -> bool {
     let orbit = orbit.contacts().unwrap();
-    let (model, motion) = (orbit.model(), StructureMotion::new(orbit).unwrap());
+    let (model, motion) = (orbit.model(), ContactMotion::new(orbit).unwrap());
     let s = 0.5 * motion.until_next(0);
     let psi = orbit.psi().map_or(0.0, |psi| (psi + s).rem_euclid(model.period()));
     let xi = motion.modes(0, s).unwrap();

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::{ModelFamily, Orbit, StructureModel};
+use vibrochain_breather::{LoadedStructure, ModelFamily, Orbit};
 use vibrochain_floquet::{BranchRequest, Event, Tolerance, branches, stability};
 use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape, Stop};
 use vibrochain_testkit::Random;
@@ -33,13 +33,13 @@ struct Given {
 }
 
 impl Given {
-    fn model(self, load: f64) -> Result<StructureModel, String> {
+    fn model(self, load: f64) -> Result<LoadedStructure, String> {
         let decay = 0.5 * self.damping;
         let shape = ModeShape { contacts: vec![1.0], coordinates: vec![1.0], still: 0.0 };
         let mode = LinearMode::oscillator(decay, 1.0 - decay * decay, &shape, &[Complex::new(load, 0.0)]);
         let stop = Contact { lower: None, upper: Some(self.stop), restitution: self.restitution };
         let structure = ModalStructure::new(vec![stop], vec![1], vec![mode]).map_err(|error| error.to_string())?;
-        StructureModel::new(Arc::new(structure), self.omega).map_err(|error| error.to_string())
+        LoadedStructure::new(Arc::new(structure), self.omega).map_err(|error| error.to_string())
     }
 
     fn family(self) -> ModelFamily {

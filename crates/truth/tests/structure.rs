@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use nalgebra::{Complex as C, DMatrix, DVector};
-use vibrochain_breather::{Hit, StructureModel};
+use vibrochain_breather::{Hit, LoadedStructure};
 use vibrochain_lattice::{Barrier, Contact, Structure};
 use vibrochain_testkit::{Random, Structure as Dense, structures};
 use vibrochain_truth::{Complex, Real, StructureStart, TrueStructureOrbit, TruthError};
@@ -239,7 +239,7 @@ fn a_defective_multiplier_keeps_half_the_digits() {
 
 /// The orbits that the program finds, refined.
 fn refined(structure: &Structure, omega: f64, word: &str, force_periods: u32) -> Vec<TrueStructureOrbit> {
-    let model = StructureModel::new(Arc::new(structure.modal().unwrap()), omega).unwrap();
+    let model = LoadedStructure::new(Arc::new(structure.modal().unwrap()), omega).unwrap();
     let orbits = model.orbits(&word.parse().unwrap(), force_periods).unwrap().orbits;
     orbits.iter().filter_map(|orbit| TrueStructureOrbit::refine(structure, orbit, BITS).ok()).collect()
 }

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use nalgebra::{Complex as C, DMatrix, DVector};
-use vibrochain_breather::{Orbit, StructureModel};
+use vibrochain_breather::{LoadedStructure, Orbit};
 use vibrochain_floquet::{Tolerance, stability};
 use vibrochain_lattice::{Chain, Contact, Spectrum, Structure};
 use vibrochain_testkit::{Random, stiffness};
@@ -199,7 +199,7 @@ fn tally(trouble: Trouble, seed: u64, count: usize) -> Tally {
     for number in 0..count {
         let (structure, omega, word) = draw(&mut random, trouble);
         let Ok(modal) = structure.modal() else { continue };
-        let model = StructureModel::new(Arc::new(modal), omega).unwrap();
+        let model = LoadedStructure::new(Arc::new(modal), omega).unwrap();
         let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
         for (k, orbit) in found.orbits.iter().take(3).enumerate() {
             tally.take(&format!("{trouble:?} {number} {word} {k}"), &structure, orbit);
@@ -317,7 +317,7 @@ fn structures_whose_errors_were_told_too_small() {
         (&plastic, 3.3029490543811995, "0-,0+", 1, -1.056646728942418, 1.22241981490624),
     ];
     for (structure, omega, word, periods, impulse, radius) in cases {
-        let model = StructureModel::new(Arc::new(structure.modal().unwrap()), omega).unwrap();
+        let model = LoadedStructure::new(Arc::new(structure.modal().unwrap()), omega).unwrap();
         let mut found = model.orbits(&word.parse().unwrap(), periods).unwrap().orbits;
         // A list may begin an orbit at either impact.
         let away = |orbit: &Orbit| {

@@ -6,7 +6,7 @@ use smallvec::{SmallVec, smallvec};
 use vibrochain_lattice::ImpulseResponse;
 
 use crate::orbit::{Family, Hit};
-use crate::structures::orbit::StructureOrbit;
+use crate::structures::orbit::ContactOrbit;
 
 /// A site that receives impulses, and their sum over a period.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,7 +30,7 @@ pub(crate) struct Draft {
     /// Mean displacement of the ring, Σ net impulse/(γ₁MT); for γ₁ = 0 its limit.
     pub(crate) uniform_offset: f64,
     /// The orbit as contacts know it, where it was found so.
-    pub(crate) at_contacts: Option<Arc<StructureOrbit>>,
+    pub(crate) at_contacts: Option<Arc<ContactOrbit>>,
 }
 
 impl Draft {

@@ -10,8 +10,8 @@ use vibrochain_lattice::{Model, Steady, Stop};
 
 use crate::error::BreatherError;
 use crate::orbit::{Impact, Of, Orbit, Source};
-use crate::structures::model::StructureModel;
-use crate::structures::orbit::StructureOrbit;
+use crate::structures::model::LoadedStructure;
+use crate::structures::orbit::ContactOrbit;
 
 /// What only an orbit of a lattice has.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,10 +27,10 @@ pub(crate) struct LatticePart {
 
 /// Worked out when it is first asked for; an error where the lattice has no kernel, exactly at a resonance.
 #[derive(Clone, Default)]
-pub(crate) struct AtContacts(OnceLock<Result<Arc<StructureOrbit>, BreatherError>>);
+pub(crate) struct AtContacts(OnceLock<Result<Arc<ContactOrbit>, BreatherError>>);
 
-impl From<Option<Arc<StructureOrbit>>> for AtContacts {
-    fn from(known: Option<Arc<StructureOrbit>>) -> Self {
+impl From<Option<Arc<ContactOrbit>>> for AtContacts {
+    fn from(known: Option<Arc<ContactOrbit>>) -> Self {
         Self(known.map_or_else(OnceLock::new, |known| OnceLock::from(Ok(known))))
     }
 }
@@ -93,7 +93,7 @@ impl Deref for LatticeOrbit<'_> {
 
 impl Orbit {
     /// The same, of which contacts know this already.
-    pub(crate) fn known_as(mut self, known: Option<Arc<StructureOrbit>>) -> Self {
+    pub(crate) fn known_as(mut self, known: Option<Arc<ContactOrbit>>) -> Self {
         if let Of::Lattice(part) = &mut self.of {
             part.at_contacts = known.into();
         }
@@ -189,22 +189,22 @@ impl<'a> LatticeOrbit<'a> {
     /// As [`Orbit::at_contacts_from`].
     pub(crate) fn at_contacts_from(
         self,
-        known: &mut Option<Box<StructureModel>>,
+        known: &mut Option<Box<LoadedStructure>>,
         stop: &Stop,
-    ) -> Result<Arc<StructureOrbit>, BreatherError> {
+    ) -> Result<Arc<ContactOrbit>, BreatherError> {
         let memo = &self.part.at_contacts.0;
         let mut worked_out = || {
-            let model = StructureModel::of_masses_from(known.as_deref(), self.model(), &self.hit_sites(), stop)?;
-            StructureOrbit::of_orbit_in(known.insert(Box::new(model)), self).map(Arc::new)
+            let model = LoadedStructure::of_masses_from(known.as_deref(), self.model(), &self.hit_sites(), stop)?;
+            ContactOrbit::of_orbit_in(known.insert(Box::new(model)), self).map(Arc::new)
         };
         match memo.get() {
-            Some(Ok(known)) => StructureOrbit::until(known, stop).bounded(),
+            Some(Ok(known)) => ContactOrbit::until(known, stop).bounded(),
             Some(failed) => failed.clone(),
             // The modes of a large lattice are not kept, and its structure is made for these springs alone.
             None if !self.model().chain().is_kept() => {
                 let contacts: Vec<Vec<usize>> = self.hit_sites().into_iter().map(|site| vec![site]).collect();
-                let model = StructureModel::of_lattice(self.model(), &contacts, stop)?;
-                StructureOrbit::of_orbit_in(&model, self).map(Arc::new)
+                let model = LoadedStructure::of_lattice(self.model(), &contacts, stop)?;
+                ContactOrbit::of_orbit_in(&model, self).map(Arc::new)
             }
             None => match worked_out() {
                 Err(stopped @ BreatherError::Stopped(_)) => Err(stopped),

@@ -34,8 +34,8 @@ pub use in_lattice::LatticeOrbit;
 pub(crate) use in_lattice::{LatticePart, Reflection};
 
 use crate::error::BreatherError;
-use crate::structures::model::StructureModel;
-use crate::structures::orbit::StructureOrbit;
+use crate::structures::model::LoadedStructure;
+use crate::structures::orbit::ContactOrbit;
 
 /// A solution that violates its equations by more than this is not listed: rounding has left nothing of it.
 pub(crate) const MOST_RESIDUAL: f64 = 0.1;
@@ -58,7 +58,7 @@ pub(crate) enum Of {
     /// A lattice all masses of which have barriers.
     Lattice(LatticePart),
     /// Any other structure, by what its contacts know.
-    Structure(Arc<StructureOrbit>),
+    Structure(Arc<ContactOrbit>),
 }
 
 impl Orbit {
@@ -71,7 +71,7 @@ impl Orbit {
     }
 
     /// As contacts know it, if it is of a structure; `None` of a lattice, whose contacts [`Orbit::at_contacts`] has to work out.
-    pub fn contacts(&self) -> Option<&Arc<StructureOrbit>> {
+    pub fn contacts(&self) -> Option<&Arc<ContactOrbit>> {
         match &self.of {
             Of::Lattice(_) => None,
             Of::Structure(at_contacts) => Some(at_contacts),
@@ -94,19 +94,19 @@ impl Orbit {
     ///
     /// # Errors
     /// [`BreatherError`], where a lattice has no kernel: exactly at a resonance.
-    pub fn at_contacts(&self, stop: &Stop) -> Result<Arc<StructureOrbit>, BreatherError> {
+    pub fn at_contacts(&self, stop: &Stop) -> Result<Arc<ContactOrbit>, BreatherError> {
         self.at_contacts_from(&mut None, stop)
     }
 
     /// The same; of a lattice from a structure with contacts at the masses of another orbit, which it replaces.
     pub(crate) fn at_contacts_from(
         &self,
-        known: &mut Option<Box<StructureModel>>,
+        known: &mut Option<Box<LoadedStructure>>,
         stop: &Stop,
-    ) -> Result<Arc<StructureOrbit>, BreatherError> {
+    ) -> Result<Arc<ContactOrbit>, BreatherError> {
         match &self.of {
             Of::Lattice(part) => LatticeOrbit::new(self, part).at_contacts_from(known, stop),
-            Of::Structure(known) => StructureOrbit::until(known, stop).bounded(),
+            Of::Structure(known) => ContactOrbit::until(known, stop).bounded(),
         }
     }
 

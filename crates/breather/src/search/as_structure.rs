@@ -9,8 +9,8 @@ use crate::error::{BreatherError, NoBreather};
 use crate::orbit::{Draft, Family, Hit, Impact};
 use crate::search::completeness::Searched;
 use crate::search::finder::Scope;
-use crate::structures::model::StructureModel;
-use crate::structures::orbit::StructureOrbit;
+use crate::structures::model::LoadedStructure;
+use crate::structures::orbit::ContactOrbit;
 use crate::structures::search::{Listed, Request};
 use crate::word::Word;
 
@@ -22,8 +22,8 @@ pub(crate) fn among(
     wanted: Scope,
     stop: &Stop,
 ) -> Result<Option<Listed>, BreatherError> {
-    let listed = |structure: StructureModel| structure.listed(Request::new(word, periods, wanted));
-    unless_stopped(StructureModel::of_lattice(model, contacts, stop).and_then(listed))
+    let listed = |structure: LoadedStructure| structure.listed(Request::new(word, periods, wanted));
+    unless_stopped(LoadedStructure::of_lattice(model, contacts, stop).and_then(listed))
 }
 
 /// `None` of a list that cannot be asked for.
@@ -41,9 +41,9 @@ pub(crate) fn of_one_mass(
     (model, response, home): (&Model, &ImpulseResponse, usize),
     family: Family,
     request: Request<'_>,
-    (known, stop): (&mut Option<Box<StructureModel>>, &Stop),
+    (known, stop): (&mut Option<Box<LoadedStructure>>, &Stop),
 ) -> Result<(Vec<Draft>, Searched), BreatherError> {
-    let structure = StructureModel::of_masses_from(known.as_deref(), &felt(model, request), &[home], stop)?;
+    let structure = LoadedStructure::of_masses_from(known.as_deref(), &felt(model, request), &[home], stop)?;
     let structure = &**known.insert(Box::new(structure));
     let cut_short = || Searched { exhausted: 1, ..Searched::default() };
     let Some(Listed { orbits, searched, .. }) = unless_stopped(structure.listed(request))? else {
@@ -55,7 +55,7 @@ pub(crate) fn of_one_mass(
     }
     let steady = model.steady()?.at(home);
     let (half, periods) = (0.5 * response.period(), request.force_periods);
-    let draft = |orbit: StructureOrbit| -> Result<Draft, BreatherError> {
+    let draft = |orbit: ContactOrbit| -> Result<Draft, BreatherError> {
         // A doubled orbit begins with the longer flight.
         let turned = periods == 2 && orbit.phi().is_some_and(|phi| phi < half);
         let orbit = if turned { orbit.begun_with(1)? } else { orbit };

@@ -19,8 +19,8 @@ use crate::search::screens::kernel_grid::KernelGrid;
 use crate::search::screens::radiation::Radiation;
 use crate::structures::condition::Condition;
 use crate::structures::map_orbit::modes::Modes;
-use crate::structures::model::StructureModel;
-use crate::structures::orbit::StructureOrbit;
+use crate::structures::model::LoadedStructure;
+use crate::structures::orbit::ContactOrbit;
 use crate::structures::response::FixedPart;
 
 /// Which orbits are asked for.
@@ -77,7 +77,7 @@ pub struct Finder {
     /// That of the orbit last asked for it: verdicts and answers both want it.
     condition: Option<Box<(Orbit, Condition)>>,
     /// The lattice as a structure with contacts at the masses that hit in the orbits last asked for.
-    pub(crate) contact: Option<Box<StructureModel>>,
+    pub(crate) contact: Option<Box<LoadedStructure>>,
     /// Modes of a structure half a period after an impact, of the contact and the period last asked for.
     pub(crate) half_period: Option<Box<(Arc<FixedPart>, f64, Modes)>>,
     pub(crate) stop: Stop,
@@ -340,7 +340,7 @@ impl Finder {
     ///
     /// # Errors
     /// As [`Orbit::at_contacts`].
-    pub fn at_contacts(&mut self, orbit: &Orbit) -> Result<Arc<StructureOrbit>, BreatherError> {
+    pub fn at_contacts(&mut self, orbit: &Orbit) -> Result<Arc<ContactOrbit>, BreatherError> {
         orbit.at_contacts_from(&mut self.contact, &self.stop)
     }
 

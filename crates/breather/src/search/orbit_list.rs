@@ -33,7 +33,7 @@ impl OrbitList {
 
     /// Those of a structure, as its contacts know them.
     #[cfg(test)]
-    pub(crate) fn contacts(&self) -> impl Iterator<Item = &crate::structures::orbit::StructureOrbit> + Clone {
+    pub(crate) fn contacts(&self) -> impl Iterator<Item = &crate::structures::orbit::ContactOrbit> + Clone {
         self.orbits.iter().map(|orbit| &**orbit.contacts().unwrap())
     }
 

@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 use vibrochain_lattice::{LinearMode, Turn};
 
 use super::errors::{ImpactError, Together};
-use super::orbit::StructureOrbit;
+use super::orbit::ContactOrbit;
 use crate::equations::System;
 use crate::equations::linear::{Vector, zeros};
 use crate::error::BreatherError;
@@ -65,7 +65,7 @@ impl Condition {
     /// That of an orbit as contacts know it; of a lattice's, those at the masses that are hit.
     pub(crate) fn of(
         orbit: &Orbit,
-        at_contacts: Result<Arc<StructureOrbit>, BreatherError>,
+        at_contacts: Result<Arc<ContactOrbit>, BreatherError>,
     ) -> Result<Self, BreatherError> {
         match at_contacts.and_then(|refined| Ok(refined.condition()?.from(&refined, orbit))) {
             Err(stopped @ BreatherError::Stopped(_)) => Err(stopped),
@@ -76,7 +76,7 @@ impl Condition {
     }
 
     /// The condition of a lattice's orbit from that of the structure's: the distance between the two adds to the bounds.
-    fn from(mut self, refined: &StructureOrbit, orbit: &Orbit) -> Self {
+    fn from(mut self, refined: &ContactOrbit, orbit: &Orbit) -> Self {
         let since = |i: usize| orbit.impacts()[i].time - orbit.impacts()[0].time;
         let apart = |(i, (own, other)): (usize, (&Impact, &Impact))| ImpactError {
             time: other.time - since(i),
@@ -95,7 +95,7 @@ impl Condition {
     }
 }
 
-impl StructureOrbit {
+impl ContactOrbit {
     /// How far it can be trusted.
     ///
     /// # Errors

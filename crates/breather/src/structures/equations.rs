@@ -8,7 +8,7 @@ use std::sync::Arc;
 use smallvec::SmallVec;
 use vibrochain_lattice::{Complex, LinearMode, ModalStructure, StructureError};
 
-use super::model::StructureModel;
+use super::model::LoadedStructure;
 use super::open_mode::OpenMode;
 use super::periodic_kernel::{PeriodicKernel, UNIT};
 use super::point::Point;
@@ -100,7 +100,7 @@ impl Drift {
 /// The equations of a model's orbits of one period.
 #[derive(Debug, Clone)]
 pub(super) struct Equations<'a> {
-    pub(super) model: &'a StructureModel,
+    pub(super) model: &'a LoadedStructure,
     pub(super) response: Arc<Response>,
     pub(super) rigid: Vec<Drift>,
     pub(super) forced: bool,
@@ -134,7 +134,7 @@ pub(super) struct System {
 impl<'a> Equations<'a> {
     /// Those of impacts at the contacts `hit`.
     pub(super) fn new(
-        model: &'a StructureModel,
+        model: &'a LoadedStructure,
         force_periods: u32,
         hit: impl Iterator<Item = usize>,
     ) -> Result<Self, BreatherError> {

@@ -249,21 +249,21 @@ mod tests {
 
     use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape};
 
-    use crate::structures::flight::StructureMotion;
-    use crate::structures::model::StructureModel;
-    use crate::structures::orbit::StructureOrbit;
+    use crate::structures::flight::ContactMotion;
+    use crate::structures::model::LoadedStructure;
+    use crate::structures::orbit::ContactOrbit;
 
     /// One mass under a load, with stops at ±`stop`.
-    fn model(stop: f64, omega: f64, decay: f64, loads: f64) -> StructureModel {
+    fn model(stop: f64, omega: f64, decay: f64, loads: f64) -> LoadedStructure {
         let shape = ModeShape { contacts: vec![1.0], coordinates: Vec::new(), still: 0.0 };
         let mut mode = LinearMode::oscillator(decay, 1.0 - decay * decay, &shape, &[Complex::new(1.0, 0.0)]);
         mode.errors.loads[0] += loads;
         let stop = Contact { lower: Some(-stop), upper: Some(stop), restitution: 0.8 };
         let structure = ModalStructure::new(vec![stop], vec![1], vec![mode]).unwrap();
-        StructureModel::new(Arc::new(structure), omega).unwrap()
+        LoadedStructure::new(Arc::new(structure), omega).unwrap()
     }
 
-    fn orbits(model: &StructureModel, word: &str) -> Vec<StructureOrbit> {
+    fn orbits(model: &LoadedStructure, word: &str) -> Vec<ContactOrbit> {
         model.orbits(&word.parse().unwrap(), 1).unwrap().contacts().cloned().collect()
     }
 
@@ -277,7 +277,7 @@ mod tests {
             let (rough, exact) = (model(0.1, omega, 0.05, off), model(0.1, omega, 0.05, 0.0));
             let moved = model(0.1, omega, 0.05, 0.0);
             let moved = Arc::new(moved.structure().with_loads_times(1.0 + off, 1.0));
-            let moved = StructureModel::new(moved, omega).unwrap();
+            let moved = LoadedStructure::new(moved, omega).unwrap();
             for word in ["0+", "0+,0-"] {
                 let lists = [&rough, &exact, &moved].map(|model| orbits(model, word));
                 for (rough, (exact, moved)) in lists[0].iter().zip(lists[1].iter().zip(&lists[2])) {
@@ -296,7 +296,7 @@ mod tests {
                         assert!(off.abs() > 1e-9 && error < 1e3 * off.abs(), "{word} {omega}: {off:e} {error:e}");
                         checked += 1;
                     }
-                    let [told, right] = [rough, moved].map(|orbit| StructureMotion::new(orbit).unwrap());
+                    let [told, right] = [rough, moved].map(|orbit| ContactMotion::new(orbit).unwrap());
                     for i in 0..rough.impacts().len() {
                         let jets = [&told, &right].map(|motion| motion.jet(0, i, 0.0));
                         for order in 0..4 {
@@ -332,7 +332,7 @@ mod tests {
             let (rough, other) =
                 (model(there - distance, 2.325, 0.05, 1e-9), model(there - distance, 2.325, 0.05, 0.0));
             let moved =
-                StructureModel::new(Arc::new(other.structure().with_loads_times(1.0 + 1e-9, 1.0)), 2.325).unwrap();
+                LoadedStructure::new(Arc::new(other.structure().with_loads_times(1.0 + 1e-9, 1.0)), 2.325).unwrap();
             for (told, exact) in orbits(&rough, "0+").iter().zip(orbits(&moved, "0+")) {
                 let off = (told.impacts()[0].impulse - exact.impacts()[0].impulse).abs();
                 let told = told.impact_errors()[0].impulse;
@@ -359,7 +359,7 @@ mod tests {
                 let modes = vec![LinearMode::oscillator(0.05, 0.9975, &shape(1.0), &load(1.0)), free];
                 let stop = Contact { lower: None, upper: Some(0.1), restitution: 0.8 };
                 let structure = ModalStructure::new(vec![stop], vec![1], modes).unwrap();
-                StructureModel::new(Arc::new(structure), omega).unwrap()
+                LoadedStructure::new(Arc::new(structure), omega).unwrap()
             };
             let lists = [model(0.0, off), model(off, 0.0)].map(|model| orbits(&model, "0+"));
             for (told, moved) in lists[0].iter().zip(&lists[1]) {

@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 use vibrochain_lattice::{Complex, LinearMode, ModalStructure, ModeFlow, ParticipatingModes, Stopped, Turn, Turned};
 
 use super::equations::Equations;
-use super::orbit::StructureOrbit;
+use super::orbit::ContactOrbit;
 use super::periodic_kernel::{EITHER_WAY, PeriodicKernel, length, rigid_jet};
 use super::response::Response;
 use crate::error::BreatherError;
@@ -17,18 +17,18 @@ type C = Complex<f64>;
 
 /// The motion of an orbit. Times are since an impact, given by its number.
 #[derive(Debug, Clone)]
-pub struct StructureMotion<'a> {
-    orbit: &'a StructureOrbit,
+pub struct ContactMotion<'a> {
+    orbit: &'a ContactOrbit,
     /// ξ of each regular mode that is felt just after each impact, without loads, once it is asked for: [impact][mode].
     states: SmallVec<[OnceLock<Vec<[f64; 2]>>; 2]>,
 }
 
-impl<'a> StructureMotion<'a> {
+impl<'a> ContactMotion<'a> {
     /// The motion of an orbit.
     ///
     /// # Errors
     /// [`BreatherError::Structure`] at a resonance.
-    pub fn new(orbit: &'a StructureOrbit) -> Result<Self, BreatherError> {
+    pub fn new(orbit: &'a ContactOrbit) -> Result<Self, BreatherError> {
         Ok(Self { orbit, states: orbit.impacts().iter().map(|_| OnceLock::new()).collect() })
     }
 
@@ -261,7 +261,7 @@ pub(super) fn reach(flow: ModeFlow, state: [f64; 2], left: f64, order: u32) -> f
 }
 
 /// ξ of each regular mode of a kernel just after an impact: its own impulse, and all others since, over all periods.
-fn after_impact(orbit: &StructureOrbit, kernel: &PeriodicKernel, i: usize) -> Vec<[f64; 2]> {
+fn after_impact(orbit: &ContactOrbit, kernel: &PeriodicKernel, i: usize) -> Vec<[f64; 2]> {
     let (impacts, period) = (orbit.impacts(), orbit.period());
     let modes: SmallVec<[(&LinearMode, Turned); 16]> = kernel.regular().collect();
     let mut states = vec![[0.0; 2]; modes.len()];
@@ -290,7 +290,7 @@ fn after_impact(orbit: &StructureOrbit, kernel: &PeriodicKernel, i: usize) -> Ve
     states
 }
 
-impl StructureOrbit {
+impl ContactOrbit {
     /// Place and velocity of a contact at a time, of a lattice those of a mass.
     ///
     /// # Errors
@@ -300,7 +300,7 @@ impl StructureOrbit {
             let mass = Motion::of(&orbit?)?.at(site, time);
             return Ok([mass.displacement, mass.velocity]);
         }
-        let (motion, (last, since)) = (StructureMotion::new(self)?, self.flight_at(time));
+        let (motion, (last, since)) = (ContactMotion::new(self)?, self.flight_at(time));
         let [place, velocity, _] = motion.contact(site, last, since);
         Ok([place, velocity])
     }
@@ -316,7 +316,7 @@ impl StructureOrbit {
             let of = (0..motion.sites()).map(|site| motion.site(site));
             return Ok(of.map(|mass| [mass.displacement, mass.velocity]).collect());
         }
-        let (motion, (last, since)) = (StructureMotion::new(self)?, self.flight_at(time));
+        let (motion, (last, since)) = (ContactMotion::new(self)?, self.flight_at(time));
         let contacts = 0..self.model().structure().contacts().len();
         let of = contacts.map(|contact| motion.contact(contact, last, since));
         Ok(of.map(|[place, velocity, _]| [place, velocity]).collect())

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use vibrochain_lattice::{BlochKernel, Complex, LinearMode};
 
 use super::errors::ImpactError;
-use super::orbit::{StructureOrbit, in_order};
+use super::orbit::{ContactOrbit, in_order};
 use crate::equations::{BlochEquations, LinearImpact};
 use crate::orbit::impact::Impact;
 
@@ -32,7 +32,7 @@ impl Linearised {
     }
 }
 
-impl StructureOrbit {
+impl ContactOrbit {
     /// Its linearised equations J(z), and the poles of modes that none of its contacts feels.
     pub fn bloch_equations(&self) -> (BlochEquations, Vec<[Complex<f64>; 2]>) {
         (self.linearised(self.impacts()).equations(), self.response().kernel.felt.spared.clone())

@@ -1,4 +1,4 @@
-//! Periodic orbits of any linear structure with stops: [`StructureOrbit`].
+//! Periodic orbits of any linear structure with stops: [`ContactOrbit`].
 //!
 //! ```text
 //! g_c(t) = Σ_j P_j K_c,j(t − t_j) + G_c(t+ψ) + g_c⁰ + Σ_ρ φ_ρ(c) y_ρ
@@ -9,13 +9,13 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `model` | [`StructureModel`]: a structure and a frequency |
+//! | `model` | [`LoadedStructure`]: a structure and a frequency |
 //! | `periodic_kernel` | K and its derivatives, regular modes and rigid ones |
 //! | `between` | K from one contact to another and back as functions of one time, with bounds |
 //! | `response` | what contacts do after impacts and under the loads, shared by all words of the same contacts |
 //! | `point` | what they are solved for: impacts, phase, offsets |
 //! | `equations` | rows and Jacobian of an orbit's impacts |
-//! | `orbit` | [`StructureOrbit`], and how far it can be trusted |
+//! | `orbit` | [`ContactOrbit`], and how far it can be trusted |
 //! | `linearised` | its linearised equations J(z) |
 //! | `reversible` | [`ReversibleOrbit`]: what multipliers of an orbit that is its own mirror image in time depend on |
 //! | `open_mode`, `open_modes` | modes next to a resonance, whose states are unknowns |
@@ -24,7 +24,7 @@
 //! | `condition` | [`crate::Condition`]: distances to where the equations lose their grip |
 //! | `newton` | from impacts nearby to an orbit |
 //! | `search` | all orbits of up to three impacts; of more, those that starts lead to |
-//! | `flight` | [`StructureMotion`]: every contact at any time |
+//! | `flight` | [`ContactMotion`]: every contact at any time |
 //! | `view` | what contacts see of flights |
 //! | `windows` | one flight as polynomials |
 //! | `admissible` | physical or what is in the way |

@@ -15,7 +15,7 @@ use crate::orbit::Hit;
 
 /// A linear structure with stops under loads of frequency ω; of an orbit without them, ω is its own.
 #[derive(Debug, Clone)]
-pub struct StructureModel {
+pub struct LoadedStructure {
     structure: Arc<ModalStructure>,
     omega: f64,
     fixed: Arc<Mutex<KnownParts>>,
@@ -31,13 +31,13 @@ type KnownParts = Vec<(Vec<usize>, Arc<FixedPart>)>;
 /// What contacts do after impacts at some of them, for each list of these and number of periods: words of one contact share it.
 type Responses = Vec<((Vec<usize>, u32), Arc<Response>)>;
 
-impl PartialEq for StructureModel {
+impl PartialEq for LoadedStructure {
     fn eq(&self, other: &Self) -> bool {
         (&self.structure, self.omega) == (&other.structure, other.omega)
     }
 }
 
-impl StructureModel {
+impl LoadedStructure {
     /// The structure at a frequency, in units of the user's.
     ///
     /// # Errors
@@ -221,7 +221,7 @@ impl StructureModel {
     /// Where a mass of a lattice has a barrier, as all its masses have; or, of any other structure, a contact.
     ///
     /// # Errors
-    /// As [`StructureModel::barrier`].
+    /// As [`LoadedStructure::barrier`].
     pub fn barrier_at(&self, site: usize, barrier: Barrier) -> Result<f64, BreatherError> {
         match self.masses() {
             Some(masses) if site < masses.lattice.chain().sites() => Ok(masses.lattice.barrier(barrier)),

@@ -7,8 +7,8 @@ use vibrochain_lattice::{FeltShapes, Model, Parameter, ParameterError, Stop};
 use super::branch::continuation::Branch;
 use super::branch::family::ModelFamily;
 use super::masses::Masses;
-use super::model::StructureModel;
-use super::orbit::StructureOrbit;
+use super::model::LoadedStructure;
+use super::orbit::ContactOrbit;
 use super::point::Strike;
 use crate::branch_error::BranchError;
 use crate::error::BreatherError;
@@ -17,7 +17,7 @@ use crate::orbit::{Family, Hit, Impact, LatticeOrbit, Of, Orbit};
 /// An impact is half a period after the first one where it misses that by no more than this part of it: rounding of what was solved for.
 const HALF: f64 = 1e-13;
 
-impl StructureModel {
+impl LoadedStructure {
     /// A lattice with contacts at these masses, and all others about them, between the same barriers.
     ///
     /// # Errors
@@ -64,7 +64,7 @@ impl StructureModel {
     #[must_use]
     pub fn like(&self, family: &ModelFamily, values: &[f64]) -> ModelFamily {
         let Some(Masses { sites, .. }) = self.masses() else { return family.clone() };
-        let is_like = |model: StructureModel| model.masses().is_some_and(|masses| masses.sites == *sites);
+        let is_like = |model: LoadedStructure| model.masses().is_some_and(|masses| masses.sites == *sites);
         if family(values).is_ok_and(is_like) {
             return family.clone();
         }
@@ -111,12 +111,12 @@ pub(crate) fn remembering(
     sites: Vec<usize>,
     stop: &Stop,
 ) -> ModelFamily {
-    let (stop, last) = (stop.clone(), Mutex::new(None::<StructureModel>));
+    let (stop, last) = (stop.clone(), Mutex::new(None::<LoadedStructure>));
     Arc::new(move |values: &[f64]| {
         let at = lattice(values)?;
         let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
         let new =
-            StructureModel::of_masses_from(last.as_ref(), &at, &sites, &stop).map_err(|error| error.to_string())?;
+            LoadedStructure::of_masses_from(last.as_ref(), &at, &sites, &stop).map_err(|error| error.to_string())?;
         // The first one stays: what is known of it serves all others.
         last.get_or_insert_with(|| new.clone());
         Ok(new)
@@ -157,8 +157,8 @@ impl Orbit {
     /// The orbit that Newton's method leads to from here. Times that symmetry fixes stay where they are.
     pub(crate) fn refined(&self, stop: &Stop) -> Result<Self, BreatherError> {
         let (lattice, hits) = (self.lattice()?.model(), self.hits());
-        let model = StructureModel::of_masses(lattice, &self.hit_sites(), stop)?;
-        let near = StructureOrbit::near(&model, self.force_periods(), self.psi_or_zero(), &hits)?;
+        let model = LoadedStructure::of_masses(lattice, &self.hit_sites(), stop)?;
+        let near = ContactOrbit::near(&model, self.force_periods(), self.psi_or_zero(), &hits)?;
         near.to_lattice_orbit(lattice, self.family())
     }
 
@@ -181,18 +181,18 @@ impl LatticeOrbit<'_> {
     }
 }
 
-impl StructureOrbit {
+impl ContactOrbit {
     /// A lattice's orbit as one of the lattice with contacts at the masses that hit.
     ///
     /// # Errors
     /// [`BreatherError`]
     pub fn of_orbit(orbit: &Orbit, stop: &Stop) -> Result<Self, BreatherError> {
         let orbit = orbit.lattice()?;
-        Self::of_orbit_in(&StructureModel::of_masses(orbit.model(), &orbit.hit_sites(), stop)?, orbit)
+        Self::of_orbit_in(&LoadedStructure::of_masses(orbit.model(), &orbit.hit_sites(), stop)?, orbit)
     }
 
     /// The same, of the lattice as a structure whose contacts are the masses that hit, rising.
-    pub(crate) fn of_orbit_in(model: &StructureModel, orbit: LatticeOrbit<'_>) -> Result<Self, BreatherError> {
+    pub(crate) fn of_orbit_in(model: &LoadedStructure, orbit: LatticeOrbit<'_>) -> Result<Self, BreatherError> {
         let (sites, impacts) = (orbit.hit_sites(), orbit.impacts());
         let first = impacts.first().map_or(0.0, |impact| impact.time);
         let strike = |impact: &Impact| Strike {
@@ -214,7 +214,7 @@ impl StructureOrbit {
                 sites.push(hit.site);
             }
         }
-        let model = StructureModel::of_masses(lattice, &sites, self.model().stop())?;
+        let model = LoadedStructure::of_masses(lattice, &sites, self.model().stop())?;
         // Contacts that were there keep their numbers.
         Self::given(&model, (self.force_periods(), self.psi().unwrap_or(0.0)), self.strikes().collect())
     }
@@ -237,12 +237,12 @@ impl StructureOrbit {
     /// Which of its impacts orbits of a family begin with: a doubled one of the paper with that before the longer flight.
     ///
     /// ```
-    /// use vibrochain_breather::{Family, StructureOrbit, breathers};
+    /// use vibrochain_breather::{Family, ContactOrbit, breathers};
     /// use vibrochain_lattice::{Point, Stop};
     /// let ring = Point::ring(21).gamma1(0.2).gamma2(0.1);
     /// let model = ring.omega(1.07).asymmetry(0.8).amplitude(0.1582).restitution(0.25).model()?;
     /// let found = breathers(&model, Family::PeriodDoubled)?;
-    /// let doubled = StructureOrbit::of_orbit(&found.orbits[0], &Stop::default())?;
+    /// let doubled = ContactOrbit::of_orbit(&found.orbits[0], &Stop::default())?;
     /// assert_eq!(doubled.first_of(Family::PeriodDoubled), 0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -267,7 +267,7 @@ impl StructureOrbit {
     /// The same, which keeps what contacts know of it.
     ///
     /// # Errors
-    /// As [`StructureOrbit::to_orbit`].
+    /// As [`ContactOrbit::to_orbit`].
     pub fn into_orbit(self, family: Family) -> Result<Orbit, BreatherError> {
         match self.model().masses() {
             Some(Masses { lattice, .. }) => {
@@ -304,7 +304,7 @@ impl StructureOrbit {
 
 impl Orbit {
     /// The orbit of a structure that contacts know.
-    pub(crate) fn of_structure(at_contacts: Arc<StructureOrbit>) -> Self {
+    pub(crate) fn of_structure(at_contacts: Arc<ContactOrbit>) -> Self {
         Self {
             family: Family::Word,
             force_periods: at_contacts.force_periods(),
@@ -319,10 +319,10 @@ impl Orbit {
     ///
     /// # Errors
     /// [`BreatherError`] at a resonance.
-    pub fn followed(&self, stop: &Stop) -> Result<Arc<StructureOrbit>, BreatherError> {
+    pub fn followed(&self, stop: &Stop) -> Result<Arc<ContactOrbit>, BreatherError> {
         match self.model() {
             // Among contacts at masses, so that what is told of it is told of all masses.
-            Some(_) => Ok(Arc::new(StructureOrbit::of_orbit(self, stop)?)),
+            Some(_) => Ok(Arc::new(ContactOrbit::of_orbit(self, stop)?)),
             None => self.at_contacts(stop),
         }
     }

@@ -279,15 +279,15 @@ mod tests {
 
     use vibrochain_lattice::{Chain, Model};
 
-    use crate::structures::model::StructureModel;
+    use crate::structures::model::LoadedStructure;
 
     /// A lattice with contacts at two of its masses, next to the resonance of its softest mode with the third harmonic of the load or its first.
-    fn near(distance: f64, harmonic: f64, coupling: f64) -> StructureModel {
+    fn near(distance: f64, harmonic: f64, coupling: f64) -> LoadedStructure {
         let chain = Chain::new(5, 0.3, coupling).unwrap();
         let omega = 0.3f64.sqrt() / harmonic * (1.0 + distance);
         let model: Model = chain.point().omega(omega).asymmetry(0.2).amplitude(0.4).restitution(0.7).model().unwrap();
         let structure = model.structure(&[vec![0], vec![1]]).unwrap();
-        StructureModel::new(Arc::new(structure), omega).unwrap()
+        LoadedStructure::new(Arc::new(structure), omega).unwrap()
     }
 
     /// Words of contacts 0 and 1 that these lattices have orbits of.

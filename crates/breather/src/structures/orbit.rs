@@ -7,7 +7,7 @@ use vibrochain_lattice::{Barrier, Stop};
 
 use super::equations::{Equations, System};
 use super::errors::{ImpactError, OrbitErrors, Together};
-use super::model::StructureModel;
+use super::model::LoadedStructure;
 use super::point::{Point, Strike};
 use super::response::Response;
 use crate::error::BreatherError;
@@ -18,8 +18,8 @@ use crate::worse;
 
 /// A periodic orbit of a structure.
 #[derive(Debug, Clone, PartialEq)]
-pub struct StructureOrbit {
-    model: StructureModel,
+pub struct ContactOrbit {
+    model: LoadedStructure,
     response: Arc<Response>,
     force_periods: u32,
     psi: Option<f64>,
@@ -39,7 +39,7 @@ pub struct StructureOrbit {
     origins: Vec<Together>,
 }
 
-impl StructureOrbit {
+impl ContactOrbit {
     pub(super) fn new(
         equations: &Equations<'_>,
         force_periods: u32,
@@ -165,7 +165,7 @@ impl StructureOrbit {
 
     /// The orbit as it is given by its impacts, in order of time from 0 on, and where rigid modes put them on their barriers.
     pub(super) fn given(
-        model: &StructureModel,
+        model: &LoadedStructure,
         (force_periods, psi): (u32, f64),
         strikes: SmallVec<[Strike; 4]>,
     ) -> Result<Self, BreatherError> {
@@ -193,7 +193,7 @@ impl StructureOrbit {
     ///
     /// # Errors
     /// [`BreatherError`]: a contact or barrier that is not there, a resonance, or no orbit near enough.
-    pub fn near(model: &StructureModel, force_periods: u32, psi: f64, impacts: &[Hit]) -> Result<Self, BreatherError> {
+    pub fn near(model: &LoadedStructure, force_periods: u32, psi: f64, impacts: &[Hit]) -> Result<Self, BreatherError> {
         if impacts.len() > MAX_IMPACTS {
             return Err(BreatherError::TooManyImpacts { impacts: impacts.len() });
         }
@@ -244,7 +244,7 @@ impl StructureOrbit {
     }
 
     /// The model.
-    pub fn model(&self) -> &StructureModel {
+    pub fn model(&self) -> &LoadedStructure {
         &self.model
     }
 

@@ -3,7 +3,7 @@
 
 use vibrochain_lattice::ContactMode;
 
-use super::orbit::StructureOrbit;
+use super::orbit::ContactOrbit;
 
 /// Instants are half a period apart where they miss it by no more than this part of the period: rounding, unless the orbit is next to others of
 /// its word that are no mirror images of themselves.
@@ -20,19 +20,19 @@ pub struct ReversibleOrbit<'a> {
     pub ratio: Option<(f64, f64)>,
 }
 
-impl StructureOrbit {
+impl ContactOrbit {
     /// What the multipliers of an orbit depend on that is its own mirror image in time and has all impacts at one contact; `None` of others,
     /// and where the impulses have no bound of their errors.
     ///
     /// ```
     /// use std::sync::Arc;
-    /// use vibrochain_breather::StructureModel;
+    /// use vibrochain_breather::LoadedStructure;
     /// use vibrochain_lattice::{Contact, LinearMode, ModalStructure, ModeShape};
     /// let shape = ModeShape { contacts: vec![1.0], coordinates: vec![1.0], still: 0.0 };
     /// let mode = LinearMode::oscillator(0.0, 1.0, &shape, &[]);
     /// let stop = Contact { lower: Some(-1.0), upper: Some(0.7), restitution: 1.0 };
     /// let structure = Arc::new(ModalStructure::new(vec![stop], vec![], vec![mode])?);
-    /// let found = StructureModel::new(structure, 1.5)?.orbits(&"0+,0-".parse()?, 1)?;
+    /// let found = LoadedStructure::new(structure, 1.5)?.orbits(&"0+,0-".parse()?, 1)?;
     /// let (ratio, error) = found.orbits[0].contacts().unwrap().reversible().unwrap().ratio.unwrap();
     /// assert!(ratio < 0.0 && error < 1e-13);
     /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -5,7 +5,7 @@ use vibrochain_lattice::Turn;
 use vibrochain_lattice::simd::lanes::{LANES, Lane, all, combine, combine_each, four};
 use wide::f64x4;
 
-use super::flight::{StructureMotion, reach};
+use super::flight::{ContactMotion, reach};
 use super::periodic_kernel::length;
 use super::view::{Flow, Lanes, Node, Sights, View};
 use crate::motion::polynomial::{ORDER, Polynomial};
@@ -43,7 +43,7 @@ pub(super) struct Windows<'v> {
 
 impl<'v> Windows<'v> {
     /// Of the flight after impact `i`, as far as `whole`. `None` where there would be too many.
-    pub(super) fn new(view: &'v View, motion: &StructureMotion<'_>, i: usize, whole: f64) -> Option<Self> {
+    pub(super) fn new(view: &'v View, motion: &ContactMotion<'_>, i: usize, whole: f64) -> Option<Self> {
         let windows = (whole * view.fastest / WINDOW).ceil().max(1.0);
         if windows > MOST_WINDOWS {
             return None;

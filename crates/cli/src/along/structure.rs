@@ -1,7 +1,7 @@
 //! Orbits of a structure as its numbers vary.
 
 use serde_json::{Map, Value, json};
-use vibrochain_breather::{Finder, Orbit, StructureModel};
+use vibrochain_breather::{Finder, LoadedStructure, Orbit};
 use vibrochain_floquet::{BranchRequest, Diagram, Event, EventCurve, Located, Rectangle, Tolerance, branches};
 use vibrochain_lattice::Stop;
 use vibrochain_maps::caption::in_words;
@@ -20,7 +20,7 @@ use vibrochain_maps::manifest::object;
 /// An orbit of a scene's structure.
 pub(crate) struct StructureAlong {
     scene: StructureScene,
-    model: StructureModel,
+    model: LoadedStructure,
     start: Start,
     word: String,
 }

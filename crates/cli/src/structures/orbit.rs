@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 use vibrochain_breather::{
-    BreatherError, Family, Hit, Orbit, OrbitList, StructureModel, StructureMotion, StructureOrbit, Word,
+    BreatherError, ContactMotion, ContactOrbit, Family, Hit, LoadedStructure, Orbit, OrbitList, Word,
 };
 use vibrochain_lattice::Barrier;
 use vibrochain_maps::scene::tolerance_from;
@@ -65,7 +65,7 @@ pub(crate) fn run(args: &OrbitArgs, scene: &StructureScene, console: &mut Consol
     if let Some(mut table) = trajectory {
         for (one, number) in answered.iter().zip(1..) {
             let Some(contacts) = one.orbit.contacts() else { continue };
-            let motion = StructureMotion::new(contacts)?;
+            let motion = ContactMotion::new(contacts)?;
             table.period(number, contacts.period(), |time| state(&motion, contacts, time))?;
         }
         table.finish()?;
@@ -79,7 +79,7 @@ pub(crate) fn run(args: &OrbitArgs, scene: &StructureScene, console: &mut Consol
 }
 
 /// `time,contact_0,…,contact_velocity_0,…,displacement_0,…,velocity_0,…`: coordinates where the structure has them.
-pub(super) fn columns(model: &StructureModel) -> impl Iterator<Item = String> + use<> {
+pub(super) fn columns(model: &LoadedStructure) -> impl Iterator<Item = String> + use<> {
     let structure = model.structure();
     let (contacts, coordinates) = (structure.contacts().len(), structure.coordinates());
     let columns = |name: &'static str, count: usize| (0..count).map(move |n| format!("{name}_{n}"));
@@ -89,7 +89,7 @@ pub(super) fn columns(model: &StructureModel) -> impl Iterator<Item = String> + 
 }
 
 /// These columns after the time, at a time within a period of an orbit or at its end.
-fn state(motion: &StructureMotion<'_>, orbit: &StructureOrbit, time: f64) -> Result<Vec<f64>, CliError> {
+fn state(motion: &ContactMotion<'_>, orbit: &ContactOrbit, time: f64) -> Result<Vec<f64>, CliError> {
     let impacts = orbit.impacts();
     let i = impacts.partition_point(|impact| impact.time <= time).saturating_sub(1);
     let s = time - impacts[i].time;
@@ -110,7 +110,7 @@ pub(crate) struct OfWord {
 }
 
 /// The orbits that flags or the scene ask for.
-pub(crate) fn found(which: &WhichArgs, scene: &StructureScene, model: &StructureModel) -> Result<OfWord, CliError> {
+pub(crate) fn found(which: &WhichArgs, scene: &StructureScene, model: &LoadedStructure) -> Result<OfWord, CliError> {
     if let Some(path) = &which.near {
         let orbit = near(path, model)?;
         let (word, periods) = (Word::of(&orbit).to_string(), orbit.force_periods());
@@ -152,7 +152,7 @@ struct NearImpact {
 }
 
 /// The orbit next to that of a file: what --json has printed, an object with `impacts`, or the table of a run that has settled on one.
-fn near(path: &Path, model: &StructureModel) -> Result<Orbit, CliError> {
+fn near(path: &Path, model: &LoadedStructure) -> Result<Orbit, CliError> {
     let text = read_text("the orbit", path, MOST_BYTES)?;
     let wrong = |what: &dyn std::fmt::Display| CliError::Request(format!("{}: {what}", path.display()));
     if impact_table::is_one(&text) {

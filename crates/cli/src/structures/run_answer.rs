@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use crate::common::schemas::STRUCTURE_RUN;
 use crate::simulate::name_of;
 use serde_json::{Value, json};
-use vibrochain_breather::{Hit, StructureModel};
+use vibrochain_breather::{Hit, LoadedStructure};
 use vibrochain_eventsim::{EnergyBalance, Event, EventKind, Outcome, Report, State, Time};
 use vibrochain_floquet::{Tolerance, Verdict, stability};
 use vibrochain_lattice::{Barrier, Short, Stop, Stopped};
@@ -94,7 +94,7 @@ fn quiet(times: impl Iterator<Item = f64>) -> f64 {
 impl Settled {
     /// The verdict on the orbit that holds these impacts: Newton's method finds it from here. Differences from one repetition to the next
     /// tell less: rounding makes them shrink or grow, and on a torus they may shrink for long.
-    fn verdict(&self, model: &StructureModel) -> Option<Verdict> {
+    fn verdict(&self, model: &LoadedStructure) -> Option<Verdict> {
         let forced = self.force_periods > 0;
         let own = if forced { model.clone() } else { model.at(TAU / self.period).ok()? };
         let count = self.force_periods.max(1) as u32;
@@ -116,7 +116,7 @@ impl Settled {
 /// # Errors
 /// [`Stopped`].
 pub(super) fn settled(
-    model: &StructureModel,
+    model: &LoadedStructure,
     psi: f64,
     events: &[Event],
     (end, rests): (Time, bool),
@@ -177,7 +177,7 @@ pub(super) fn settled(
 }
 
 /// The same without a load, which gives no period: by the order of the impacts.
-fn of_own_period(model: &StructureModel, events: &[Event]) -> End {
+fn of_own_period(model: &LoadedStructure, events: &[Event]) -> End {
     let after = |event: &Event, begin: &Event| {
         let periods = event.time.periods() as f64 - begin.time.periods() as f64;
         periods * model.period() + (event.time.offset() - begin.time.offset())
@@ -240,7 +240,7 @@ fn outcome(outcome: &Outcome) -> String {
 }
 
 pub(super) fn text(
-    (model, has_period): (&StructureModel, bool),
+    (model, has_period): (&LoadedStructure, bool),
     from: &str,
     report: &Report,
     [impacts, sticks, releases]: [usize; 3],
@@ -314,7 +314,7 @@ pub(super) fn energy_text([before, after]: [f64; 2], balance: &EnergyBalance) ->
 
 pub(super) fn answer(
     scene: &StructureScene,
-    (model, has_period): (&StructureModel, bool),
+    (model, has_period): (&LoadedStructure, bool),
     psi: f64,
     report: &Report,
     state: &State,

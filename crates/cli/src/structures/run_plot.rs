@@ -1,6 +1,6 @@
 //! The picture of a structure's run: a contact at its end, over the orbit it began on, and the velocities of all impacts.
 
-use vibrochain_breather::{Orbit, StructureModel, StructureMotion};
+use vibrochain_breather::{ContactMotion, LoadedStructure, Orbit};
 use vibrochain_eventsim::{Event, EventKind, Simulation};
 use vibrochain_lattice::Contact;
 use vibrochain_maps::structure::StructureScene;
@@ -62,7 +62,7 @@ impl RunPlot {
     pub(super) fn open(
         args: &SimulateArgs,
         scene: &StructureScene,
-        (model, has_period): (&StructureModel, bool),
+        (model, has_period): (&LoadedStructure, bool),
         (from, home): (&str, usize),
         orbit: Option<(Orbit, f64)>,
     ) -> Result<Option<Self>, CliError> {
@@ -151,7 +151,7 @@ impl Recorder for RunPlot {
         let Some(contacts) = orbit.contacts() else { return Ok(()) };
         let rounds = time.periods() % u64::from(orbit.force_periods());
         let now = rounds as f64 * orbit.force_period() + time.offset() + start;
-        let (motion, now) = (StructureMotion::new(contacts)?, now.rem_euclid(orbit.period()));
+        let (motion, now) = (ContactMotion::new(contacts)?, now.rem_euclid(orbit.period()));
         let i = orbit.impacts().partition_point(|impact| impact.time <= now).saturating_sub(1);
         let [place, ..] = motion.contact(self.home, i, now - orbit.impacts()[i].time);
         self.trace.analytic.push((periods, place));

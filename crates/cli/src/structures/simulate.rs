@@ -1,6 +1,6 @@
 //! `mapgen simulate` of a structure: every impact from a state or an orbit on, and what the run settles on.
 
-use vibrochain_breather::{Orbit, StructureModel, StructureMotion, admissibility};
+use vibrochain_breather::{ContactMotion, LoadedStructure, Orbit, admissibility};
 use vibrochain_eventsim::{Event, Simulation};
 use vibrochain_maps::structure::{Setting, StructureScene};
 
@@ -111,7 +111,7 @@ pub(crate) fn run(args: &SimulateArgs, scene: &StructureScene, console: &mut Con
 const PARTS: f64 = 8.0;
 
 /// The model, and whether anything has a period: without a load and a frequency the run is divided into parts instead.
-fn model(args: &SimulateArgs, scene: &StructureScene) -> Result<(StructureModel, bool), CliError> {
+fn model(args: &SimulateArgs, scene: &StructureScene) -> Result<(LoadedStructure, bool), CliError> {
     let which = &args.which;
     let on_orbit = which.family.is_some() || which.word.is_some() || which.near.is_some() || scene.word.is_some();
     let from_orbit = on_orbit && args.state.is_none();
@@ -140,7 +140,7 @@ struct Start {
 }
 
 /// The phase of the loads, the modes' coordinates, and from where the run begins.
-fn start(args: &SimulateArgs, scene: &StructureScene, model: &StructureModel) -> Result<Start, CliError> {
+fn start(args: &SimulateArgs, scene: &StructureScene, model: &LoadedStructure) -> Result<Start, CliError> {
     let of_no_orbit = |psi, modes, from| Ok(Start { psi, modes, from, orbit: None });
     if let Some(path) = &args.state {
         let Given { displacement, velocity, psi, .. } = read(path, STRUCTURE_RUN, args.psi)?;
@@ -167,7 +167,7 @@ fn start(args: &SimulateArgs, scene: &StructureScene, model: &StructureModel) ->
     };
     // In the flight before the first impact.
     let contacts = orbit.at_contacts(model.stop())?;
-    let motion = StructureMotion::new(&contacts)?;
+    let motion = ContactMotion::new(&contacts)?;
     let last = orbit.impacts().len() - 1;
     let lapse = 0.5 * motion.until_next(last);
     let time = orbit.impacts()[last].time + lapse;

@@ -3,7 +3,7 @@
 use vibrochain_breather::line::foreseen;
 use vibrochain_breather::system::{Vector, dot};
 use vibrochain_breather::{
-    Admissibility, BranchError, BreatherError, Family, Obstruction, SolutionCurve, SolutionPoint, StructureOrbit,
+    Admissibility, BranchError, BreatherError, ContactOrbit, Family, Obstruction, SolutionCurve, SolutionPoint,
 };
 
 use super::answer::CurvePoint;
@@ -70,7 +70,7 @@ impl CurveRequest<'_> {
 }
 
 /// Whether an orbit is physical, touches aside.
-pub(super) fn is_physical(told: &Admissibility, orbit: &StructureOrbit) -> bool {
+pub(super) fn is_physical(told: &Admissibility, orbit: &ContactOrbit) -> bool {
     match told.obstruction {
         None => true,
         Some(Obstruction::Crossing { excess, .. }) => excess <= TOUCHES * orbit.speed() / orbit.model().omega(),

@@ -4,7 +4,7 @@
 use crate::events::FAINT;
 use vibrochain_breather::line::{Line, Side, Step, chord_error, joined, side_ahead, trace};
 use vibrochain_breather::system::{System, Vector, unit};
-use vibrochain_breather::{BranchError, Continuation, Pace, SolutionCurve, StructureOrbit};
+use vibrochain_breather::{BranchError, ContactOrbit, Continuation, Pace, SolutionCurve};
 
 use super::answer::{CurveEnd, CurveError, EventCurve, Special, SpecialPoint};
 use super::monitors::{GROWTH, Seen};
@@ -28,7 +28,7 @@ const MOST_HALVED: usize = 6;
 const CLOSEST: f64 = 1e-14;
 
 /// What vanishes at an event, and its mark there.
-fn test_of(event: Event, evidence: Evidence, orbit: &StructureOrbit) -> Option<(Test, Option<f64>)> {
+fn test_of(event: Event, evidence: Evidence, orbit: &ContactOrbit) -> Option<(Test, Option<f64>)> {
     Some(match (event, evidence) {
         (Event::Pitchfork, _) if orbit.is_conservative() => (Test::AnotherOne, None),
         (Event::Pitchfork, _) => (Test::One, None),
@@ -49,7 +49,7 @@ fn test_of(event: Event, evidence: Evidence, orbit: &StructureOrbit) -> Option<(
 
 /// Follows an event at `orbit`, one of the orbits of `base` at its origin, both ways through a window.
 pub(crate) fn followed(
-    (base, orbit): (Continuation, &StructureOrbit),
+    (base, orbit): (Continuation, &ContactOrbit),
     watcher: Watcher,
     asked: &CurveRequest<'_>,
 ) -> Result<EventCurve, CurveError> {
@@ -324,7 +324,7 @@ impl Line for Way<'_, '_> {
         }
         let spectral = matches!(self.tracer.test, Test::Collision | Test::MinusOne | Test::AnotherOne);
         match self.why.clone() {
-            BranchError::NoConvergence if spectral && orbit.is_some_and(StructureOrbit::is_lossless) => CurveEnd::Thin,
+            BranchError::NoConvergence if spectral && orbit.is_some_and(ContactOrbit::is_lossless) => CurveEnd::Thin,
             why => CurveEnd::Lost(why),
         }
     }

@@ -7,7 +7,7 @@
 //! ν = 1 as ω(f, x), ω the canonical form that M keeps.
 
 use nalgebra::{Complex, DMatrix, DVector};
-use vibrochain_breather::{BlochEquations, LinearImpact, StructureOrbit};
+use vibrochain_breather::{BlochEquations, ContactOrbit, LinearImpact};
 use vibrochain_lattice::BlochMode;
 
 use super::by_matrix::{State, fly, strike};
@@ -29,7 +29,7 @@ struct Mirrored<'a> {
 
 /// The ν of the modes that an orbit's impacts feel, without that of its own shift in time; `None` where it is no mirror image of itself in time, or
 /// contacts that are hit at one instant feel each other then.
-pub(crate) fn half_sums(orbit: &StructureOrbit) -> Option<Vec<Complex<f64>>> {
+pub(crate) fn half_sums(orbit: &ContactOrbit) -> Option<Vec<Complex<f64>>> {
     if !orbit.is_conservative() || orbit.impacts().len() < 2 {
         return None;
     }
@@ -167,7 +167,7 @@ fn repeating(mode: &BlochMode, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
 mod tests {
     use std::sync::Arc;
 
-    use vibrochain_breather::StructureModel;
+    use vibrochain_breather::LoadedStructure;
     use vibrochain_lattice::{Contact, Structure};
     use vibrochain_testkit::Random;
 
@@ -198,7 +198,7 @@ mod tests {
         let (mut orbits, mut all, mut off_circle) = (0, 0, 0);
         for _ in 0..150 {
             let modal = structure(&mut random).modal().unwrap();
-            let model = StructureModel::new(Arc::new(modal), random.log(0.3, 3.0)).unwrap();
+            let model = LoadedStructure::new(Arc::new(modal), random.log(0.3, 3.0)).unwrap();
             for word in ["0+1+", "0+1-,0-1+", "0+,1+", "0+1+,0-", "0+,0-"] {
                 let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
                 for orbit in found.orbits.iter().filter_map(vibrochain_breather::Orbit::contacts) {

@@ -2,7 +2,7 @@
 
 use nalgebra::Complex;
 use smallvec::SmallVec;
-use vibrochain_breather::StructureOrbit;
+use vibrochain_breather::ContactOrbit;
 use vibrochain_lattice::Resonance;
 
 /// What is lost this near to the resonance of a mode, as a part of its frequency, ends there.
@@ -12,12 +12,12 @@ const NEAR: f64 = 1e-3;
 const BESIDE: f64 = 0.1;
 
 /// Of each mode the pole λ of its motion, the upper of two.
-fn rates(orbit: &StructureOrbit) -> impl Iterator<Item = Complex<f64>> + '_ {
+fn rates(orbit: &ContactOrbit) -> impl Iterator<Item = Complex<f64>> + '_ {
     orbit.model().structure().modes().iter().map(|mode| mode.rates()[0])
 }
 
 /// The resonance that an orbit stands next to, of a mode that nothing damps.
-pub(crate) fn resonance_beside(orbit: &StructureOrbit) -> Option<Resonance> {
+pub(crate) fn resonance_beside(orbit: &ContactOrbit) -> Option<Resonance> {
     let omega = std::f64::consts::TAU / orbit.period();
     let told = |(mode, rate): (usize, Complex<f64>)| {
         let (frequency, harmonic) = (rate.im, (rate.im / omega).round());
@@ -30,7 +30,7 @@ pub(crate) fn resonance_beside(orbit: &StructureOrbit) -> Option<Resonance> {
 }
 
 /// How far e^{iθ} and 1 are from the nearest pole that is not always there; 1 at most.
-pub(crate) fn room(orbit: &StructureOrbit, theta: f64) -> f64 {
+pub(crate) fn room(orbit: &ContactOrbit, theta: f64) -> f64 {
     let at = [Complex::new(1.0, 0.0), Complex::from_polar(1.0, theta), Complex::from_polar(1.0, -theta)];
     let poles = rates(orbit).filter(|rate| rate.norm() > 0.0).map(|rate| (rate * orbit.period()).exp());
     let apart = poles.flat_map(|pole| at.map(|at| (pole - at).norm()));
@@ -38,7 +38,7 @@ pub(crate) fn room(orbit: &StructureOrbit, theta: f64) -> f64 {
 }
 
 /// What the equations are multiplied by to have no pole: Π|1−e^{λT}|² over some modes, or over those of which it is small. Those.
-pub(crate) fn without_poles(orbit: &StructureOrbit, modes: Option<&[usize]>) -> (f64, SmallVec<[usize; 4]>) {
+pub(crate) fn without_poles(orbit: &ContactOrbit, modes: Option<&[usize]>) -> (f64, SmallVec<[usize; 4]>) {
     let (rates, period) = (rates(orbit).collect::<Vec<_>>(), orbit.period());
     let apart = |rate: Complex<f64>| {
         let left = (rate.re * period).exp();

@@ -4,7 +4,7 @@
 //! small pivots, so that an absolute bound tells nothing.
 
 use smallvec::smallvec;
-use vibrochain_breather::StructureOrbit;
+use vibrochain_breather::ContactOrbit;
 use vibrochain_breather::linear::cofactors;
 use vibrochain_breather::system::{Evaluation, Matrix};
 
@@ -18,11 +18,11 @@ pub(super) const ROUNDING: f64 = 64.0 * f64::EPSILON;
 const ENTRY: f64 = 8.0 * f64::EPSILON;
 
 /// Of each value of a test function.
-pub(super) fn rounding<K>(test: Test, here: &Evaluation<StructureOrbit, K>, mark: Option<f64>) -> Values {
+pub(super) fn rounding<K>(test: Test, here: &Evaluation<ContactOrbit, K>, mark: Option<f64>) -> Values {
     told(test, here, mark).unwrap_or_else(|| smallvec![ROUNDING; 2])
 }
 
-fn told<K>(test: Test, here: &Evaluation<StructureOrbit, K>, mark: Option<f64>) -> Option<Values> {
+fn told<K>(test: Test, here: &Evaluation<ContactOrbit, K>, mark: Option<f64>) -> Option<Values> {
     let orbit = &here.orbit;
     let regular = |theta: f64| Some(Regular::of(&orbit.bloch_equations().0, theta).rounding(None));
     Some(match test {

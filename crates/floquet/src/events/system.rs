@@ -5,7 +5,7 @@
 
 use smallvec::SmallVec;
 use vibrochain_breather::system::{Evaluation, Matrix, System, Vector, unit};
-use vibrochain_breather::{BranchError, Continuation, SolutionPoint, StructureOrbit};
+use vibrochain_breather::{BranchError, ContactOrbit, Continuation, SolutionPoint};
 
 use super::poles::{room, without_poles};
 use super::rounding::{ROUNDING, rounding};
@@ -42,7 +42,7 @@ pub(crate) struct EventSystem {
 #[derive(Debug, Clone)]
 pub(crate) struct AtEvent {
     /// The orbit.
-    pub orbit: StructureOrbit,
+    pub orbit: ContactOrbit,
     /// θ of its multiplier on the circle, or the part of the period at which a contact touches; μ where symmetry is lost.
     pub mark: Option<f64>,
     /// Of the orbit's own equations.
@@ -95,7 +95,7 @@ impl EventSystem {
         (z[..size].iter().chain(&z[size + marks..]).copied().collect(), z[size..size + marks].first().copied())
     }
 
-    fn tested(&self, here: &Evaluation<StructureOrbit, Vector>, mark: Option<f64>) -> Result<Vector, BranchError> {
+    fn tested(&self, here: &Evaluation<ContactOrbit, Vector>, mark: Option<f64>) -> Result<Vector, BranchError> {
         let mut values = self.test.values(here, mark)?;
         values.extend(self.unfolding.iter().map(|unfolding| unfolding.value(&here.orbit)));
         if values.iter().all(|value| value.is_finite()) {
@@ -110,7 +110,7 @@ impl EventSystem {
     fn differentiate(
         &mut self,
         own: &[f64],
-        (here, mark): (&Evaluation<StructureOrbit, Vector>, Option<f64>),
+        (here, mark): (&Evaluation<ContactOrbit, Vector>, Option<f64>),
         rows: &[f64],
         matrix: &mut Matrix,
     ) -> Result<(), BranchError> {
@@ -160,7 +160,7 @@ impl EventSystem {
         (z, at): (&[f64], usize),
         place: usize,
         here: &[f64],
-        mut rows: impl FnMut(&mut Self, &[f64]) -> Result<(Vector, StructureOrbit), BranchError>,
+        mut rows: impl FnMut(&mut Self, &[f64]) -> Result<(Vector, ContactOrbit), BranchError>,
     ) -> Result<Vector, BranchError> {
         let unit = self.units[place];
         let (factor, modes) = self.poles.clone();
@@ -184,7 +184,7 @@ impl EventSystem {
         Ok(slopes)
     }
 
-    fn all_rows(&mut self, own: &[f64], mark: Option<f64>) -> Result<(Vector, StructureOrbit), BranchError> {
+    fn all_rows(&mut self, own: &[f64], mark: Option<f64>) -> Result<(Vector, ContactOrbit), BranchError> {
         let here = self.base.evaluate(own)?;
         let mut rows = self.own_rows(&here.rows, mark);
         rows.extend(self.tested(&here, mark)?);

@@ -6,7 +6,7 @@
 use nalgebra::Complex;
 use smallvec::{SmallVec, smallvec};
 use vibrochain_breather::system::Evaluation;
-use vibrochain_breather::{Approach, BlochEquations, BranchError, Hit, StructureOrbit};
+use vibrochain_breather::{Approach, BlochEquations, BranchError, ContactOrbit, Hit};
 use vibrochain_lattice::Barrier;
 
 use super::regular::Regular;
@@ -52,7 +52,7 @@ const TOGETHER: f64 = 1e-9;
 
 impl Test {
     /// What vanishes where a contact touches at the instant of another one's impact, if it does not stand still there.
-    pub(crate) fn corner(touch: &Approach, orbit: &StructureOrbit) -> Option<Self> {
+    pub(crate) fn corner(touch: &Approach, orbit: &ContactOrbit) -> Option<Self> {
         let period = orbit.period();
         let is_there =
             |hit: &Hit| hit.site != touch.site && time_between(hit.time, touch.time, period) <= TOGETHER * period;
@@ -91,7 +91,7 @@ impl Test {
     /// Its values at an orbit, each over a size of its own.
     pub(crate) fn values<K>(
         self,
-        here: &Evaluation<StructureOrbit, K>,
+        here: &Evaluation<ContactOrbit, K>,
         mark: Option<f64>,
     ) -> Result<Values, BranchError> {
         let (orbit, mark) = (&here.orbit, mark.unwrap_or(0.0));
@@ -134,12 +134,12 @@ impl Test {
 }
 
 /// det J(−1), which is real, made regular.
-pub(crate) fn minus_one(orbit: &StructureOrbit) -> Result<f64, BranchError> {
+pub(crate) fn minus_one(orbit: &ContactOrbit) -> Result<f64, BranchError> {
     Ok(at(&orbit.bloch_equations().0, std::f64::consts::PI)[0].re)
 }
 
 /// det J(1) without the orbit's own derivative; `None` of orbits that have a phase, and where a mode's pole is 1.
-pub(crate) fn another_one(orbit: &StructureOrbit) -> Option<f64> {
+pub(crate) fn another_one(orbit: &ContactOrbit) -> Option<f64> {
     if !orbit.is_conservative() {
         return None;
     }

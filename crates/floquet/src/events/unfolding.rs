@@ -6,7 +6,7 @@
 
 use nalgebra::{Complex, DMatrix};
 use vibrochain_breather::system::{Matrix, System, Vector};
-use vibrochain_breather::{Continuation, StructureOrbit};
+use vibrochain_breather::{ContactOrbit, Continuation};
 
 use crate::singular::Singular;
 
@@ -47,7 +47,7 @@ impl Unfolding {
     }
 
     /// How uneven an orbit is.
-    pub(super) fn value(&self, orbit: &StructureOrbit) -> f64 {
+    pub(super) fn value(&self, orbit: &ContactOrbit) -> f64 {
         self.weights.iter().zip(orbit.unevenness()).map(|(weight, part)| weight * part).sum()
     }
 }

@@ -1,7 +1,7 @@
 //! Who looks at orbits along a branch or a curve.
 
 use nalgebra::Complex;
-use vibrochain_breather::{Admissibility, BranchError, BreatherError, Finder, Orbit, StructureOrbit};
+use vibrochain_breather::{Admissibility, BranchError, BreatherError, ContactOrbit, Finder, Orbit};
 
 use super::by_matrix;
 use super::half_sums::half_sums;
@@ -10,7 +10,7 @@ use crate::analyser::Analyser;
 use crate::error::FloquetError;
 use crate::locate::Evidence;
 use crate::locate::LocateError;
-use crate::structures::{StructureMultipliers, participating_multipliers};
+use crate::structures::{BlochProblem, participating_multipliers};
 use crate::verdict::{Mechanism, Tolerance, Verdict};
 use crate::zeros::Nu;
 
@@ -30,12 +30,12 @@ const POLE: f64 = 1e-4;
 pub(crate) type Spectrum = (Vec<Complex<f64>>, Option<Verdict>);
 
 /// The largest impulse of an orbit.
-pub(crate) fn strongest(orbit: &StructureOrbit) -> f64 {
+pub(crate) fn strongest(orbit: &ContactOrbit) -> f64 {
     orbit.impacts().iter().map(|impact| impact.impulse.abs()).fold(0.0, f64::max)
 }
 
 /// An orbit of a branch with all bounds of its errors that are known.
-pub(crate) fn bounded(orbit: &StructureOrbit) -> StructureOrbit {
+pub(crate) fn bounded(orbit: &ContactOrbit) -> ContactOrbit {
     orbit.clone().with_bounds().unwrap_or_else(|_| orbit.clone())
 }
 
@@ -49,12 +49,12 @@ pub(crate) struct Watcher {
 
 impl Watcher {
     /// Whether an orbit is physical, and what is nearest to a barrier.
-    pub(crate) fn admissibility(&mut self, orbit: &StructureOrbit) -> Result<Admissibility, LocateError> {
+    pub(crate) fn admissibility(&mut self, orbit: &ContactOrbit) -> Result<Admissibility, LocateError> {
         Ok(orbit.admissibility().map_err(BranchError::from)?)
     }
 
     /// Multipliers of the modes that feel the impacts; without losses ν = ½(μ + 1/μ) of each pair.
-    pub(crate) fn spectrum(&mut self, orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Spectrum, LocateError> {
+    pub(crate) fn spectrum(&mut self, orbit: &ContactOrbit, tolerance: Tolerance) -> Result<Spectrum, LocateError> {
         self.spectra += 1;
         let reversible = orbit.reversible().filter(|_| orbit.is_lossless());
         if let Some(values) = reversible.and_then(|orbit| self.analyser.structure_half_sums(&orbit)) {
@@ -77,7 +77,7 @@ impl Watcher {
     /// The multiplier of an orbit that is at `goal`, if there is one.
     pub(crate) fn multiplier_at(
         &mut self,
-        orbit: &StructureOrbit,
+        orbit: &ContactOrbit,
         goal: Complex<f64>,
         tolerance: Tolerance,
     ) -> Option<Evidence> {
@@ -91,7 +91,7 @@ impl Watcher {
     }
 
     /// The verdict.
-    pub(crate) fn verdict(&mut self, orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Verdict, LocateError> {
+    pub(crate) fn verdict(&mut self, orbit: &ContactOrbit, tolerance: Tolerance) -> Result<Verdict, LocateError> {
         // A matrix of half the size is quicker than J(z) of several impacts.
         if orbit.is_conservative()
             && orbit.impacts().len() > 2
@@ -99,19 +99,19 @@ impl Watcher {
         {
             return verdict;
         }
-        let verdict = StructureMultipliers::of(&bounded(orbit)).verdict(&mut self.analyser, tolerance)?;
+        let verdict = BlochProblem::of(&bounded(orbit)).verdict(&mut self.analyser, tolerance)?;
         Ok(self.named(orbit, verdict, tolerance))
     }
 
     /// A verdict with what the symmetry of a lattice says of a multiplier beyond +1.
-    pub(crate) fn named(&mut self, orbit: &StructureOrbit, verdict: Verdict, tolerance: Tolerance) -> Verdict {
+    pub(crate) fn named(&mut self, orbit: &ContactOrbit, verdict: Verdict, tolerance: Tolerance) -> Verdict {
         let known = (verdict.mechanism == Some(Mechanism::PlusOne)).then(|| self.verdict_of_lattice(orbit, tolerance));
         known.flatten().and_then(Result::ok).unwrap_or(verdict)
     }
 
     fn verdict_of_lattice(
         &mut self,
-        orbit: &StructureOrbit,
+        orbit: &ContactOrbit,
         tolerance: Tolerance,
     ) -> Option<Result<Verdict, LocateError>> {
         let told = |orbit: Result<Orbit, BreatherError>| {

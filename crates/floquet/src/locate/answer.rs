@@ -4,7 +4,7 @@ use std::fmt;
 
 use nalgebra::Complex;
 use thiserror::Error;
-use vibrochain_breather::{Approach, BranchError, BreatherError, Orbit, StructureOrbit};
+use vibrochain_breather::{Approach, BranchError, BreatherError, ContactOrbit, Orbit};
 use vibrochain_lattice::{Parameter, Resonance, Short, Stopped};
 
 use crate::error::FloquetError;
@@ -85,7 +85,7 @@ pub enum Evidence {
 
 impl Evidence {
     /// The same of the orbit begun with another one of its impacts.
-    pub(super) fn begun_with(self, first: usize, orbit: &StructureOrbit) -> Self {
+    pub(super) fn begun_with(self, first: usize, orbit: &ContactOrbit) -> Self {
         let impacts = orbit.impacts();
         let since = impacts.get(first).map_or(0.0, |impact| impact.time);
         match self {

@@ -5,7 +5,7 @@
 
 use crate::events::bounded;
 use vibrochain_breather::system::System;
-use vibrochain_breather::{BranchPoint, Pace, SolutionCurve, SolutionPoint, StructureOrbit};
+use vibrochain_breather::{BranchPoint, ContactOrbit, Pace, SolutionCurve, SolutionPoint};
 
 use super::answer::{BranchedOrbit, Branching, Event};
 use super::ends::BranchEnds;
@@ -31,7 +31,7 @@ const AWAY: f64 = 1e-4;
 impl BranchEnds {
     /// The orbits that branch off from one at a value, if it is known how they do: a small step away in the parameter where they reach that far,
     /// otherwise as near as they do.
-    pub(super) fn branch_off(&mut self, event: Event, (orbit, value): (&StructureOrbit, f64)) -> Option<Branching> {
+    pub(super) fn branch_off(&mut self, event: Event, (orbit, value): (&ContactOrbit, f64)) -> Option<Branching> {
         let distance = AWAY * value.abs().max(1e-2 * self.range);
         let pair = event == Event::Pitchfork;
         let (mut branch, start) = self.leaving((orbit, value), &bifurcation(event, orbit)?).ok()?;

@@ -1,6 +1,6 @@
 //! A branch of orbits, followed both ways as one number of its structure varies, with the events on it, and the branches that leave it.
 
-use vibrochain_breather::{Branch, BranchError, BranchPoint, Departure, Family, ModelFamily, Orbit, StructureOrbit};
+use vibrochain_breather::{Branch, BranchError, BranchPoint, ContactOrbit, Departure, Family, ModelFamily, Orbit};
 use vibrochain_lattice::Stop;
 
 use super::answer::{Answer, End, Event, LocateError, Located};
@@ -107,7 +107,7 @@ impl Tracing<'_> {
         self.course.to - self.course.from
     }
 
-    fn branch(&self, orbit: &StructureOrbit, value: f64) -> Result<Branch, BranchError> {
+    fn branch(&self, orbit: &ContactOrbit, value: f64) -> Result<Branch, BranchError> {
         Branch::through(orbit, self.family.clone(), value, self.range(), self.stop)
     }
 
@@ -175,11 +175,11 @@ struct Leaving {
 }
 
 impl Leaving {
-    fn of(tracing: &Tracing<'_>, place: (&StructureOrbit, f64), departure: &Departure) -> Option<Self> {
+    fn of(tracing: &Tracing<'_>, place: (&ContactOrbit, f64), departure: &Departure) -> Option<Self> {
         let (branch, start) = tracing.ends().leaving(place, departure).ok()?;
         let mut follower = tracing.follower(branch);
         let watcher = &mut follower.watcher;
-        let is_physical = |orbit: &StructureOrbit| watcher.admissibility(orbit).is_ok_and(|told| told.is_physical());
+        let is_physical = |orbit: &ContactOrbit| watcher.admissibility(orbit).is_ok_and(|told| told.is_physical());
         let first = first_step(&mut follower.branch, &start, departure, is_physical)?;
         Some(Self { branch: follower.branch, start, first })
     }

@@ -4,7 +4,7 @@
 use nalgebra::Complex;
 use vibrochain_breather::system::System;
 use vibrochain_breather::{
-    Branch, BranchError, BranchPoint, Continuation, Departure, Family, ModelFamily, StructureOrbit,
+    Branch, BranchError, BranchPoint, ContactOrbit, Continuation, Departure, Family, ModelFamily,
 };
 use vibrochain_lattice::{Resonance, Stop};
 
@@ -97,7 +97,7 @@ impl BranchEnds {
     /// The branch that leaves an orbit at a value, and the point where it does.
     pub(super) fn leaving(
         &self,
-        (orbit, value): (&StructureOrbit, f64),
+        (orbit, value): (&ContactOrbit, f64),
         departure: &Departure,
     ) -> Result<Begun, BranchError> {
         let place = (value, value.abs().max(self.range));
@@ -131,7 +131,7 @@ impl BranchEnds {
         self.told(event, evidence, solved, point)
     }
 
-    fn solved(&self, simpler: &StructureOrbit, test: Test, value: f64) -> Option<Solved> {
+    fn solved(&self, simpler: &ContactOrbit, test: Test, value: f64) -> Option<Solved> {
         let through = || -> Result<Solved, BranchError> {
             let family = self.family.clone();
             let mut base = Continuation::through(simpler, family, &[value], &[self.range], &self.stop)?;
@@ -142,7 +142,7 @@ impl BranchEnds {
     }
 
     fn told(&mut self, event: Event, evidence: Evidence, solved: Solved, point: &BranchPoint) -> Option<Located> {
-        let physical = |orbit: &StructureOrbit| orbit.first_obstruction().ok().map(|told| told.is_physical());
+        let physical = |orbit: &ContactOrbit| orbit.first_obstruction().ok().map(|told| told.is_physical());
         let beside = self.others.verdict(point.orbit(), self.tolerance).into_iter();
         let side = |stability| EventSide { value: point.value(), stability, physical: physical(point.orbit()) };
         let Solved { at: AtEvent { orbit, .. }, value, error, .. } = solved;

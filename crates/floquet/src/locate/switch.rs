@@ -1,7 +1,7 @@
 //! At which events branches leave another, and the first step along one.
 
 use vibrochain_breather::system::System;
-use vibrochain_breather::{Approach, Departure, Hit, SolutionCurve, SolutionPoint, StructureOrbit};
+use vibrochain_breather::{Approach, ContactOrbit, Departure, Hit, SolutionCurve, SolutionPoint};
 use vibrochain_lattice::Barrier;
 
 use super::answer::{Event, Evidence, Located};
@@ -25,7 +25,7 @@ pub(super) fn shrinking(longest: f64, tries: i32) -> impl Iterator<Item = f64> {
 }
 
 /// How orbits of less symmetry leave one at a bifurcation, if they do.
-pub(super) fn bifurcation(event: Event, orbit: &StructureOrbit) -> Option<Departure> {
+pub(super) fn bifurcation(event: Event, orbit: &ContactOrbit) -> Option<Departure> {
     match event {
         Event::PeriodDoubling if !orbit.is_conservative() => Some(Departure::PeriodDoubling),
         Event::Pitchfork => Some(Departure::Pitchfork),
@@ -34,7 +34,7 @@ pub(super) fn bifurcation(event: Event, orbit: &StructureOrbit) -> Option<Depart
 }
 
 /// How orbits of another kind leave a branch at an event, if they do.
-pub(super) fn departure(located: &Located, orbit: &StructureOrbit) -> Option<Departure> {
+pub(super) fn departure(located: &Located, orbit: &ContactOrbit) -> Option<Departure> {
     match (located.event, located.evidence) {
         (Event::Grazing, Evidence::Touch(touch)) => Some(Departure::Touching(touching(orbit, &touch)?)),
         (Event::Grazing, Evidence::Impact(lost)) => {
@@ -49,7 +49,7 @@ pub(super) fn departure(located: &Located, orbit: &StructureOrbit) -> Option<Dep
 
 /// All contacts that touch a barrier where one does: symmetry may have several do it at once, half a period later, or at the mirror image of its
 /// time.
-fn touching(orbit: &StructureOrbit, touch: &Approach) -> Option<Vec<Hit>> {
+fn touching(orbit: &ContactOrbit, touch: &Approach) -> Option<Vec<Hit>> {
     let (period, speed, own) = (orbit.period(), orbit.speed(), orbit.hits());
     let mut hits: Vec<Hit> = Vec::new();
     for time in [touch.time, period - touch.time, touch.time + 0.5 * period, 1.5 * period - touch.time] {

@@ -1,7 +1,7 @@
 //! Where all impulses of a branch vanish together: the motion that the loads drive alone touches a barrier there, the impacts merge, and the equations
 //! have no other orbit next to them.
 
-use vibrochain_breather::{BranchPoint, StructureModel, StructureOrbit};
+use vibrochain_breather::{BranchPoint, ContactOrbit, LoadedStructure};
 use vibrochain_lattice::Barrier;
 
 use super::answer::End;
@@ -19,7 +19,7 @@ const FAINT: f64 = 1e-2;
 const PEAK_STEPS: usize = 6;
 
 /// How far beyond a barrier the driven motion of a contact is at its peak next to a time.
-fn beyond(model: &StructureModel, (contact, barrier): (usize, Barrier), mut t: f64) -> Option<f64> {
+fn beyond(model: &LoadedStructure, (contact, barrier): (usize, Barrier), mut t: f64) -> Option<f64> {
     for _ in 0..PEAK_STEPS {
         let [_, velocity, acceleration, _] = model.driven(contact, t).ok()?;
         t -= velocity / acceleration;
@@ -40,7 +40,7 @@ impl BranchEnds {
     }
 
     /// The value next to one at which the driven motion alone touches the barrier of an orbit's first impact.
-    pub(super) fn touch_beside(&self, orbit: &StructureOrbit, value: f64) -> Option<f64> {
+    pub(super) fn touch_beside(&self, orbit: &ContactOrbit, value: f64) -> Option<f64> {
         let (impact, psi) = (orbit.impacts().first()?, orbit.psi()?);
         let family = orbit.model().like(&self.family, &[value]);
         let touch = |value: f64| {

@@ -174,19 +174,19 @@ impl Analyser {
         self.secular.all_nu().ok()
     }
 
-    /// The verdict on a [`MapOrbit`], as [`crate::structure_verdict`] has it of the orbit; `None` where only the orbit can tell: where residues leave it
+    /// The verdict on a [`MapOrbit`], as [`Analyser::verdict`] has it of the orbit; `None` where only the orbit can tell: where residues leave it
     /// open, and next to the border of stability.
     ///
     /// ```
     /// use std::sync::Arc;
-    /// use vibrochain_breather::{Finder, MapSearch, StructureModel};
+    /// use vibrochain_breather::{Finder, MapSearch, LoadedStructure};
     /// use vibrochain_floquet::{Analyser, Tolerance};
     /// use vibrochain_lattice::{Contact, LinearMode, ModalStructure, ModeShape};
     /// let shape = ModeShape { contacts: vec![1.0], coordinates: vec![1.0], still: 0.0 };
     /// let mode = LinearMode::oscillator(0.0, 1.0, &shape, &[]);
     /// let stop = Contact { lower: Some(-1.0), upper: Some(0.7), restitution: 1.0 };
     /// let structure = Arc::new(ModalStructure::new(vec![stop], vec![], vec![mode])?);
-    /// let model = StructureModel::new(structure, 1.5)?;
+    /// let model = LoadedStructure::new(structure, 1.5)?;
     /// let MapSearch::One(orbit) = Finder::default().map_orbit(&model, &"0+,0-".parse()?, 1) else { panic!() };
     /// // The pair 1, 1 is all there is.
     /// assert!(Analyser::default().map_orbit_verdict(&orbit, Tolerance::Rounding).unwrap().stable);

@@ -5,7 +5,7 @@
 //! border's own unknown.
 
 use nalgebra::Complex;
-use vibrochain_breather::StructureOrbit;
+use vibrochain_breather::ContactOrbit;
 use vibrochain_lattice::{BlochMode, Chain, Shapes};
 
 use super::function::SpectralFunction;
@@ -52,7 +52,7 @@ impl ModalShape {
     /// assert!(ModalShape::new(&*finder.at_contacts(&found.orbits[0])?, Complex::new(2.0, 0.0)).is_err());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn new(orbit: &StructureOrbit, multiplier: C) -> Result<Self, SecularError> {
+    pub fn new(orbit: &ContactOrbit, multiplier: C) -> Result<Self, SecularError> {
         let (equations, _) = orbit.bloch_equations();
         if equations.kernel().contacts() > 1 {
             return Err(SecularError::NotReversible);

@@ -26,7 +26,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::OnceLock;
 
 use nalgebra::Complex;
-use vibrochain_breather::{Prepared, StructureOrbit};
+use vibrochain_breather::{ContactOrbit, Prepared};
 
 use super::form::{C, Form};
 use super::internal::{InternalMode, internal_mode};
@@ -184,7 +184,7 @@ impl DressedModes {
     /// the mode's own has left the circle, or is too far from the place where it would be without meetings to be told apart.
     ///
     /// `roots` are those of the orbit taken over, ν = ½(μ + 1/μ), as [`crate::Secular::roots`] has them. O(M) for each.
-    pub fn signatures(&self, orbit: &StructureOrbit, roots: &[Complex<f64>]) -> Vec<Option<Signature>> {
+    pub fn signatures(&self, orbit: &ContactOrbit, roots: &[Complex<f64>]) -> Vec<Option<Signature>> {
         // In turns of the circle, from −½ to ½: where the form is positive. It is negative at the mirror images.
         let (equations, _) = orbit.bloch_equations();
         let forms = KreinForms::without_parts(&equations);

@@ -3,5 +3,5 @@
 pub(crate) mod multipliers;
 mod stability;
 
-pub use multipliers::StructureMultipliers;
+pub use multipliers::BlochProblem;
 pub(crate) use stability::{multipliers, participating_multipliers};

@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 
 use nalgebra::Complex;
-use vibrochain_breather::{BlochEquations, StructureOrbit};
+use vibrochain_breather::{BlochEquations, ContactOrbit};
 
 use crate::error::FloquetError;
 use crate::spectrum::{BEYOND, Origin, is_surely_beyond, origins, told, told_of_cycle, verdict};
@@ -19,16 +19,16 @@ const STRAIGHT: f64 = 1.5;
 
 /// An orbit with its equations J(z), which are set up once they are asked for.
 #[derive(Debug)]
-pub struct StructureMultipliers<'a> {
-    pub(super) orbit: &'a StructureOrbit,
+pub struct BlochProblem<'a> {
+    pub(super) orbit: &'a ContactOrbit,
     /// With the rates of the modes that they leave out.
     equations: OnceCell<(BlochEquations, Vec<[Complex<f64>; 2]>)>,
 }
 
-impl<'a> StructureMultipliers<'a> {
+impl<'a> BlochProblem<'a> {
     /// Of an orbit.
     #[must_use]
-    pub fn of(orbit: &'a StructureOrbit) -> Self {
+    pub fn of(orbit: &'a ContactOrbit) -> Self {
         Self { orbit, equations: OnceCell::new() }
     }
 

@@ -2,21 +2,21 @@
 //! time, with impacts at one contact, come from the modes as that contact feels them, unless these leave something open.
 
 use nalgebra::Complex;
-use vibrochain_breather::{BreatherError, StructureOrbit};
+use vibrochain_breather::{BreatherError, ContactOrbit};
 use vibrochain_lattice::aside;
 
 use crate::all_multipliers::{Multipliers, Spared};
 use crate::analyser::Analyser;
 use crate::error::FloquetError;
-use crate::structures::multipliers::StructureMultipliers;
+use crate::structures::multipliers::BlochProblem;
 use crate::verdict::{Tolerance, Verdict};
 
 /// All multipliers of an orbit, and what they say. A conservative orbit's trivial pair 1, 1 is among them, and the 1 of a self-excited one. Where
 /// the orbit's own errors have no bound, as next to a fold, or are too large for the multipliers' to have one, the verdict is undecided and its
 /// [`Verdict::resolution`] not finite.
-pub(crate) fn multipliers(orbit: &StructureOrbit, tolerance: Tolerance) -> Result<Multipliers, FloquetError> {
+pub(crate) fn multipliers(orbit: &ContactOrbit, tolerance: Tolerance) -> Result<Multipliers, FloquetError> {
     heard(orbit, move |orbit| {
-        let known = StructureMultipliers::of(orbit);
+        let known = BlochProblem::of(orbit);
         let (verdict, mut found) = known.all(tolerance)?;
         found.extend(known.spared().iter().flatten().map(|rate| known.multiplier(*rate)));
         let trivial = if orbit.is_conservative() { 2 } else { usize::from(orbit.is_self_excited()) };
@@ -27,14 +27,14 @@ pub(crate) fn multipliers(orbit: &StructureOrbit, tolerance: Tolerance) -> Resul
 /// Modes times impacts from which on the work on multipliers, which does not look at a request to stop, may take longer than whoever stops waits.
 const LONG: usize = 128;
 
-fn is_long(orbit: &StructureOrbit) -> bool {
+fn is_long(orbit: &ContactOrbit) -> bool {
     orbit.model().structure().modes().len() * orbit.impacts().len() >= LONG
 }
 
 /// Does work on an orbit's multipliers: no longer than until its model's request to stop is raised.
 fn heard<T: Send + 'static>(
-    orbit: &StructureOrbit,
-    work: impl FnOnce(&StructureOrbit) -> Result<T, FloquetError> + Send + 'static,
+    orbit: &ContactOrbit,
+    work: impl FnOnce(&ContactOrbit) -> Result<T, FloquetError> + Send + 'static,
 ) -> Result<T, FloquetError> {
     if !is_long(orbit) {
         return work(orbit);
@@ -45,16 +45,16 @@ fn heard<T: Send + 'static>(
 
 /// The multipliers of the modes that the orbit's impacts feel, and the verdict on all; none where no bound of its error is known, as along folds.
 pub(crate) fn participating_multipliers(
-    orbit: &StructureOrbit,
+    orbit: &ContactOrbit,
     tolerance: Tolerance,
 ) -> Result<(Vec<Complex<f64>>, Option<Verdict>), FloquetError> {
     heard(orbit, move |orbit| {
-        let (verdict, multipliers) = StructureMultipliers::of(orbit).all(tolerance)?;
+        let (verdict, multipliers) = BlochProblem::of(orbit).all(tolerance)?;
         Ok((multipliers, verdict.resolution.is_finite().then_some(verdict)))
     })
 }
 
-impl StructureMultipliers<'_> {
+impl BlochProblem<'_> {
     /// The verdict, in the work space of an analyser.
     ///
     /// # Errors
@@ -77,7 +77,7 @@ impl StructureMultipliers<'_> {
             return Ok(verdict);
         }
         if is_long(self.orbit) {
-            return heard(self.orbit, move |orbit| StructureMultipliers::of(orbit).worked_out(tolerance, quick));
+            return heard(self.orbit, move |orbit| BlochProblem::of(orbit).worked_out(tolerance, quick));
         }
         self.worked_out(tolerance, quick)
     }

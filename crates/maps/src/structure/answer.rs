@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json as value};
 use vibrochain_breather::{
-    Admissibility, BreatherError, Completeness, Impact, ImpactError, Obstruction, Orbit, OrbitList, StructureModel,
+    Admissibility, BreatherError, Completeness, Impact, ImpactError, LoadedStructure, Obstruction, Orbit, OrbitList,
     admissibility,
 };
 use vibrochain_floquet::{self as floquet, FloquetError, Stability, Tolerance, Verdict};
@@ -62,7 +62,7 @@ pub fn told(obstruction: &Obstruction) -> String {
 #[must_use]
 pub fn json(
     scene: &StructureScene,
-    model: &StructureModel,
+    model: &LoadedStructure,
     heading: &str,
     found: &OrbitList,
     answered: &[Answered<'_>],
@@ -110,7 +110,7 @@ pub fn kept(scene: &StructureScene) -> String {
 
 /// The structure as it was asked about.
 #[must_use]
-pub fn structure(scene: &StructureScene, model: &StructureModel) -> Value {
+pub fn structure(scene: &StructureScene, model: &LoadedStructure) -> Value {
     let structure = model.structure();
     let whole = scene.whole();
     let contacts = structure.contacts().iter().enumerate().map(|(number, contact)| {

@@ -4,8 +4,8 @@ use std::ops::Range;
 use std::path::Path;
 
 use serde_json::{Map, Value as Json};
-use vibrochain_breather::{Admissibility, Finder, MapSearch, StructureModel, StructureOrbit, Word};
-use vibrochain_floquet::{Analyser, StructureMultipliers, Tolerance};
+use vibrochain_breather::{Admissibility, ContactOrbit, Finder, LoadedStructure, MapSearch, Word};
+use vibrochain_floquet::{Analyser, BlochProblem, Tolerance};
 use vibrochain_lattice::Stop;
 
 use super::answer;
@@ -41,7 +41,7 @@ pub struct RowOfModels {
     /// With the slow axes where they are.
     scene: Option<Result<StructureScene, String>>,
     /// Along a row of frequencies the structure is the same: its model at one of them.
-    base: Option<StructureModel>,
+    base: Option<LoadedStructure>,
     finder: Finder,
     analyser: Analyser,
     stop: Stop,
@@ -52,7 +52,7 @@ impl RowOfModels {
     ///
     /// # Errors
     /// Why there is none.
-    pub fn model(&mut self, whole: &StructureScene, cell: u64) -> Result<StructureModel, String> {
+    pub fn model(&mut self, whole: &StructureScene, cell: u64) -> Result<LoadedStructure, String> {
         let fast = whole.axes.first();
         let points = fast.map_or(1, |axis| axis.points() as u64);
         let (column, row) = ((cell % points) as usize, cell / points);
@@ -89,7 +89,7 @@ struct Candidate<'a> {
     /// The number of its word.
     word: usize,
     margin: Option<f64>,
-    orbit: &'a StructureOrbit,
+    orbit: &'a ContactOrbit,
 }
 
 /// The best of these, and how it stands; into `trouble` why the verdict of one is not known.
@@ -107,7 +107,7 @@ fn best_of<'a>(
     // Those that are surely unstable come last: where another one is stable, they need no verdict.
     let (surely, open): (Vec<_>, Vec<_>) = candidates
         .iter()
-        .map(|candidate| (candidate, StructureMultipliers::of(candidate.orbit)))
+        .map(|candidate| (candidate, BlochProblem::of(candidate.orbit)))
         .partition(|(_, multipliers)| multipliers.surely_exceeds(least));
     let mut best: Option<(&Candidate<'_>, Standing)> = None;
     for (candidate, multipliers) in open.into_iter().chain(surely) {
@@ -129,7 +129,7 @@ fn best_of<'a>(
 /// One point.
 fn cell_of(
     scene: &StructureScene,
-    model: &StructureModel,
+    model: &LoadedStructure,
     finder: &mut Finder,
     analyser: &mut Analyser,
 ) -> StructureCell {
@@ -140,7 +140,7 @@ fn cell_of(
 /// [`by_search`], which this is held against, always can.
 fn in_closed_form(
     scene: &StructureScene,
-    model: &StructureModel,
+    model: &LoadedStructure,
     finder: &mut Finder,
     analyser: &mut Analyser,
 ) -> Option<StructureCell> {
@@ -180,7 +180,7 @@ fn in_closed_form(
 
 fn by_search(
     scene: &StructureScene,
-    model: &StructureModel,
+    model: &LoadedStructure,
     finder: &mut Finder,
     analyser: &mut Analyser,
 ) -> StructureCell {

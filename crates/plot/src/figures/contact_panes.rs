@@ -1,6 +1,6 @@
 //! Panels of a structure's orbit: contacts over a period between their barriers, and phase portraits.
 
-use vibrochain_breather::{BreatherError, Obstruction, StructureMotion, StructureOrbit};
+use vibrochain_breather::{BreatherError, ContactMotion, ContactOrbit, Obstruction};
 use vibrochain_lattice::{Barrier, Contact};
 
 use crate::panels::curves::Pane;
@@ -47,15 +47,12 @@ impl Group {
 ///
 /// # Errors
 /// [`BreatherError`] at a resonance.
-pub fn contact_panes(
-    orbit: &StructureOrbit,
-    obstruction: Option<&Obstruction>,
-) -> Result<Vec<[Pane; 2]>, BreatherError> {
+pub fn contact_panes(orbit: &ContactOrbit, obstruction: Option<&Obstruction>) -> Result<Vec<[Pane; 2]>, BreatherError> {
     Ok(groups(orbit, obstruction)?.iter().map(|group| [group.trace(), group.portrait()]).collect())
 }
 
 /// Those that are hit, and the one that is in the way.
-fn groups(orbit: &StructureOrbit, obstruction: Option<&Obstruction>) -> Result<Vec<Group>, BreatherError> {
+fn groups(orbit: &ContactOrbit, obstruction: Option<&Obstruction>) -> Result<Vec<Group>, BreatherError> {
     let mut shown: Vec<usize> = orbit.impacts().iter().map(|impact| impact.site).collect();
     shown.extend(obstruction.map(Obstruction::site));
     let mut seen = Vec::new();
@@ -65,7 +62,7 @@ fn groups(orbit: &StructureOrbit, obstruction: Option<&Obstruction>) -> Result<V
             true
         }
     });
-    let motion = StructureMotion::new(orbit)?;
+    let motion = ContactMotion::new(orbit)?;
     let mut groups: Vec<Group> = Vec::new();
     for number in shown {
         let contact = orbit.model().structure().contacts()[number];
@@ -79,7 +76,7 @@ fn groups(orbit: &StructureOrbit, obstruction: Option<&Obstruction>) -> Result<V
     Ok(groups)
 }
 
-fn trace(orbit: &StructureOrbit, motion: &StructureMotion<'_>, number: usize, contact: Contact) -> Trace {
+fn trace(orbit: &ContactOrbit, motion: &ContactMotion<'_>, number: usize, contact: Contact) -> Trace {
     let (impacts, period) = (orbit.impacts(), orbit.period());
     let flight = |i: usize| {
         let length = motion.until_next(i);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use ode_solvers::System;
-use vibrochain_breather::{Hit, Orbit, StructureModel, Word, admissibility};
+use vibrochain_breather::{Hit, LoadedStructure, Orbit, Word, admissibility};
 use vibrochain_lattice::{Barrier, Complex, Contact, Structure};
 use vibrochain_truth::{DEFAULT_BITS, Real, StructureStart, TrueStructureImpact, TrueStructureOrbit};
 
@@ -253,8 +253,8 @@ impl Shooting {
     }
 }
 
-fn model(structure: &Structure) -> Result<StructureModel, CliError> {
-    StructureModel::new(Arc::new(structure.modal().map_err(computation)?), OMEGA).map_err(computation)
+fn model(structure: &Structure) -> Result<LoadedStructure, CliError> {
+    LoadedStructure::new(Arc::new(structure.modal().map_err(computation)?), OMEGA).map_err(computation)
 }
 
 /// The physical orbit of a word.

@@ -46,7 +46,7 @@ pub struct StructureErrors {
 /// ```
 /// use std::sync::Arc;
 /// use nalgebra::{DMatrix, DVector};
-/// use vibrochain_breather::StructureModel;
+/// use vibrochain_breather::LoadedStructure;
 /// use vibrochain_lattice::{Complex, Contact, Structure};
 /// use vibrochain_truth::{DEFAULT_BITS, TrueStructureOrbit};
 /// // q″ + 0.1 q′ + q = cos ωt, a stop at 0.1.
@@ -58,7 +58,7 @@ pub struct StructureErrors {
 ///     loads: vec![(1, DVector::from_element(1, Complex::new(1.0, 0.0)))],
 ///     ..Structure::default()
 /// };
-/// let model = StructureModel::new(Arc::new(structure.modal()?), 2.325)?;
+/// let model = LoadedStructure::new(Arc::new(structure.modal()?), 2.325)?;
 /// let orbits = model.orbits(&"0+".parse()?, 1)?.orbits;
 /// let orbit = orbits.iter().max_by(|a, b| b.impacts()[0].impulse.total_cmp(&a.impacts()[0].impulse)).unwrap();
 /// let truth = TrueStructureOrbit::refine(&structure, orbit, DEFAULT_BITS)?;

@@ -13,7 +13,7 @@ use crate::search::completeness::{Partial, Searched};
 use crate::search::finder::{Finder, Scope};
 use crate::search::orbit_list::OrbitList;
 use crate::search::words::superpose::list;
-use crate::structures::orbit::StructureOrbit;
+use crate::structures::orbit::ContactOrbit;
 use crate::structures::search::Listed;
 use crate::word::{Letter, Word};
 
@@ -109,7 +109,7 @@ impl<'a> Together<'a> {
     }
 
     /// The chain's orbit of these impacts, if rounding has left one.
-    fn orbit(&self, model: &Model, periods: u32, orbit: &StructureOrbit) -> Result<Option<Orbit>, BreatherError> {
+    fn orbit(&self, model: &Model, periods: u32, orbit: &ContactOrbit) -> Result<Option<Orbit>, BreatherError> {
         let hits = |one: &Impact| {
             let (masses, Impact { barrier, time, impulse, .. }) = (&self.contacts[one.site], *one);
             let each = impulse / (masses.len() as f64).sqrt();

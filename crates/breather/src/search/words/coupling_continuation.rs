@@ -13,7 +13,7 @@ use crate::roots::bracket::zero;
 use crate::search::words::ended::{End, Ended};
 use crate::structures::branch::continuation::{Branch, BranchPoint};
 use crate::structures::of_orbit::remembering;
-use crate::structures::orbit::StructureOrbit;
+use crate::structures::orbit::ContactOrbit;
 use crate::tracer::pace::Pace;
 use crate::tracer::solution_curve::SolutionPoint;
 use crate::tracer::walk::{Stride, Walk, walk};
@@ -130,7 +130,7 @@ impl Way {
         let of = *orbit.model();
         let lattice = move |values: &[f64]| self.model(&of, values[0]).map_err(|error| error.to_string());
         let family = remembering(lattice, orbit.hit_sites(), stop);
-        let start = StructureOrbit::of_orbit(&orbit, stop)?;
+        let start = ContactOrbit::of_orbit(&orbit, stop)?;
         Branch::among_symmetric(&start, &symmetries(orbit), family, (of.get(self.coupling), self.target), stop)
     }
 

@@ -8,7 +8,7 @@ use vibrochain_lattice::Barrier;
 use super::Search;
 use crate::error::BreatherError;
 use crate::roots::bracket::zero;
-use crate::structures::flight::StructureMotion;
+use crate::structures::flight::ContactMotion;
 
 /// Distances below this part of a contact's reach are a touch.
 const TOUCH: f64 = 1e-13;
@@ -18,7 +18,7 @@ const MOST_STEPS: usize = 2_000_000;
 
 /// One contact and one barrier in one flight.
 struct Watch<'a> {
-    motion: &'a StructureMotion<'a>,
+    motion: &'a ContactMotion<'a>,
     contact: usize,
     barrier: Barrier,
     stop: f64,

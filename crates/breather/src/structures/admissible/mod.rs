@@ -12,8 +12,8 @@ use smallvec::SmallVec;
 use vibrochain_lattice::Barrier;
 use vibrochain_lattice::simd::lanes::Lane;
 
-use super::flight::StructureMotion;
-use super::orbit::StructureOrbit;
+use super::flight::ContactMotion;
+use super::orbit::ContactOrbit;
 use super::windows::Windows;
 use crate::admissible::answer::{Admissibility, Approach, Obstruction};
 use crate::admissible::check::check as check_masses;
@@ -22,7 +22,7 @@ use crate::error::BreatherError;
 use crate::orbit::{Impact, time_between};
 use release::{Release, TOGETHER};
 
-impl StructureOrbit {
+impl ContactOrbit {
     /// Whether the orbit is physical, with the least distance at a turning point or what is in the way, where it is farthest out: of a lattice among
     /// all its masses; of any other structure contacts stand in place of sites.
     ///
@@ -32,10 +32,10 @@ impl StructureOrbit {
         self.checked(Depth::Worst)
     }
 
-    /// As [`StructureOrbit::admissibility`], to the first thing that is in the way: what a map asks.
+    /// As [`ContactOrbit::admissibility`], to the first thing that is in the way: what a map asks.
     ///
     /// # Errors
-    /// As [`StructureOrbit::admissibility`].
+    /// As [`ContactOrbit::admissibility`].
     pub fn first_obstruction(&self) -> Result<Admissibility, BreatherError> {
         self.checked(Depth::First)
     }
@@ -45,7 +45,7 @@ impl StructureOrbit {
     }
 }
 
-fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, BreatherError> {
+fn check(orbit: &ContactOrbit, depth: Depth) -> Result<Admissibility, BreatherError> {
     if let Some(orbit) = orbit.of_all_masses() {
         return check_masses(&orbit?, depth);
     }
@@ -61,7 +61,7 @@ fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, Breather
             return Ok(Admissibility { margin: None, obstruction: Some(obstruction), closest: None });
         }
     }
-    let motion = StructureMotion::new(orbit)?;
+    let motion = ContactMotion::new(orbit)?;
     let mut clear = SmallVec::new();
     for (number, impact) in impacts.iter().enumerate() {
         match Release::after(orbit, &motion, number)? {
@@ -107,8 +107,8 @@ fn check(orbit: &StructureOrbit, depth: Depth) -> Result<Admissibility, Breather
 }
 
 struct Search<'a> {
-    orbit: &'a StructureOrbit,
-    motion: &'a StructureMotion<'a>,
+    orbit: &'a ContactOrbit,
+    motion: &'a ContactMotion<'a>,
     /// For how long after each impact its contact is surely off its barrier.
     clear: SmallVec<[f64; 4]>,
     closest: Option<(f64, Approach)>,
@@ -154,7 +154,7 @@ mod tests {
     use vibrochain_testkit::Random;
 
     use super::*;
-    use crate::structures::model::StructureModel;
+    use crate::structures::model::LoadedStructure;
 
     /// A few modes with two contacts, one on one side and one between two barriers.
     fn structure(random: &mut Random) -> ModalStructure {
@@ -180,13 +180,13 @@ mod tests {
         let (mut physical, mut crossing, mut first) = (0, 0, 0);
         for _ in 0..300 {
             let structure = Arc::new(structure(&mut random));
-            let model = StructureModel::new(structure, random.between(0.5, 3.0)).unwrap();
+            let model = LoadedStructure::new(structure, random.between(0.5, 3.0)).unwrap();
             let word = random.of(&["0+", "0+,0+", "1-,1+", "0+,1-"]).parse().unwrap();
             let Ok(found) = model.orbits(&word, 1) else { continue };
             for orbit in found.contacts() {
                 let answer = orbit.admissibility().unwrap();
                 let Some(margin) = answer.margin else { continue };
-                let motion = StructureMotion::new(orbit).unwrap();
+                let motion = ContactMotion::new(orbit).unwrap();
                 let clear = smallvec::smallvec![0.0; orbit.impacts().len()];
                 let (pending, rows, depth) = (Vec::new(), Vec::new(), Depth::Worst);
                 let mut search = Search { orbit, motion: &motion, clear, closest: None, pending, rows, depth };

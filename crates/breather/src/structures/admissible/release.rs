@@ -2,8 +2,8 @@
 //! error decides whether it leaves or begins to rest. After a plastic impact the velocity is 0, and the sign of a distance nearby is rounding.
 
 use crate::error::BreatherError;
-use crate::structures::flight::StructureMotion;
-use crate::structures::orbit::StructureOrbit;
+use crate::structures::flight::ContactMotion;
+use crate::structures::orbit::ContactOrbit;
 
 /// Impacts closer than this part of the period are at one instant.
 pub(super) const TOGETHER: f64 = 1e-12;
@@ -40,8 +40,8 @@ impl Release {
     /// # Errors
     /// [`BreatherError::Undecided`] where all three are below their errors.
     pub(super) fn after(
-        orbit: &StructureOrbit,
-        motion: &StructureMotion<'_>,
+        orbit: &ContactOrbit,
+        motion: &ContactMotion<'_>,
         number: usize,
     ) -> Result<Self, BreatherError> {
         let impact = &orbit.impacts()[number];
@@ -79,7 +79,7 @@ fn convex(acceleration: f64, jerk: f64, bound: f64) -> f64 {
 }
 
 /// The last impact at the same instant: the flight after it is where the contact moves.
-fn last_at_once(orbit: &StructureOrbit, motion: &StructureMotion<'_>, number: usize) -> usize {
+fn last_at_once(orbit: &ContactOrbit, motion: &ContactMotion<'_>, number: usize) -> usize {
     let count = orbit.impacts().len();
     let together = |i: usize| motion.until_next(i) <= TOGETHER * orbit.period();
     let later = (0..count).map(|more| (number + more) % count).find(|&i| !together(i));
@@ -87,7 +87,7 @@ fn last_at_once(orbit: &StructureOrbit, motion: &StructureMotion<'_>, number: us
 }
 
 /// −e g′⁻, and what impacts of others at the same instant give to it.
-fn velocity(orbit: &StructureOrbit, number: usize, last: usize) -> Estimate {
+fn velocity(orbit: &ContactOrbit, number: usize, last: usize) -> Estimate {
     let (impacts, structure) = (orbit.impacts(), orbit.model().structure());
     let impact = &impacts[number];
     let restitution = structure.contacts()[impact.site].restitution;
@@ -107,14 +107,14 @@ fn velocity(orbit: &StructureOrbit, number: usize, last: usize) -> Estimate {
 }
 
 /// That of g″⁺: the one before, and of what dashpots make the impact change.
-fn acceleration_error(orbit: &StructureOrbit, number: usize, after: f64) -> f64 {
+fn acceleration_error(orbit: &ContactOrbit, number: usize, after: f64) -> f64 {
     let impact = &orbit.impacts()[number];
     let jump = (after - impact.acceleration).abs();
     let part = orbit.estimate(number).impulse / impact.impulse.abs().max(f64::MIN_POSITIVE);
     orbit.estimate(number).acceleration + jump * (part + ROUNDING) + ROUNDING * after.abs()
 }
 
-impl StructureOrbit {
+impl ContactOrbit {
     /// The acceleration after an impact that takes all velocity, where it turns the contact begins to rest; with its error. `None` of others.
     ///
     /// # Errors
@@ -124,7 +124,7 @@ impl StructureOrbit {
         if self.model().structure().contacts()[impact.site].restitution != 0.0 {
             return Ok(None);
         }
-        let motion = StructureMotion::new(self)?;
+        let motion = ContactMotion::new(self)?;
         let last = last_at_once(self, &motion, number);
         let [_, _, acceleration, _] = motion.jet(impact.site, last, 0.0);
         Ok(Some([acceleration, acceleration_error(self, number, acceleration)]))

@@ -14,8 +14,8 @@ use crate::equations::linear::{USUAL, Vector, unit};
 use crate::error::BreatherError;
 use crate::orbit::symmetries::Symmetry;
 use crate::structures::equations::{Equations, System as Rows};
-use crate::structures::model::StructureModel;
-use crate::structures::orbit::StructureOrbit;
+use crate::structures::model::LoadedStructure;
+use crate::structures::orbit::ContactOrbit;
 use crate::structures::point::{Point, Strike};
 use crate::tracer::solution_curve::{SolutionCurve, SolutionPoint, normed};
 use crate::tracer::system::{Evaluation, System};
@@ -30,7 +30,7 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 const APART: f64 = 1e-24;
 
 /// A point of a structure's branch.
-pub type BranchPoint = SolutionPoint<StructureOrbit>;
+pub type BranchPoint = SolutionPoint<ContactOrbit>;
 
 /// The orbits of one word of a structure as one number of it varies.
 pub type Branch = SolutionCurve<Continuation>;
@@ -74,7 +74,7 @@ impl Continuation {
     /// # Errors
     /// [`BranchError::Model`] where there is no such model.
     pub fn through(
-        orbit: &StructureOrbit,
+        orbit: &ContactOrbit,
         family: ModelFamily,
         values: &[f64],
         units: &[f64],
@@ -86,9 +86,9 @@ impl Continuation {
     /// The same, kept to the first of these symmetries of the orbit that are those of the structure, too.
     fn kept_to(
         mut self,
-        orbit: &StructureOrbit,
+        orbit: &ContactOrbit,
         values: &[f64],
-        symmetries: impl Fn(&StructureOrbit, &Equations<'_>) -> Vec<Reduction>,
+        symmetries: impl Fn(&ContactOrbit, &Equations<'_>) -> Vec<Reduction>,
     ) -> Result<Self, BranchError> {
         let mut equations = Equations::new(orbit.model(), self.force_periods, self.contacts.iter().map(|one| one.0))?;
         equations.left_out = self.strongest;
@@ -130,7 +130,7 @@ impl Continuation {
     /// # Errors
     /// As [`Continuation::through`].
     pub(super) fn among_all(
-        orbit: &StructureOrbit,
+        orbit: &ContactOrbit,
         family: ModelFamily,
         values: &[f64],
         units: &[f64],
@@ -218,12 +218,12 @@ impl Continuation {
     }
 
     /// The model at a value of the one number that is free.
-    pub(super) fn model_at(&self, value: f64) -> Option<StructureModel> {
+    pub(super) fn model_at(&self, value: f64) -> Option<LoadedStructure> {
         (self.family)(&[value]).ok()
     }
 
     /// The model at `z`.
-    fn model(&mut self, z: &[f64]) -> Result<StructureModel, BranchError> {
+    fn model(&mut self, z: &[f64]) -> Result<LoadedStructure, BranchError> {
         self.stop.heard().map_err(BreatherError::from)?;
         self.evaluations += 1;
         Ok((self.family)(&z[self.size..]).map_err(BranchError::Model)?.until(&self.stop))
@@ -284,7 +284,7 @@ impl Continuation {
 }
 
 impl System for Continuation {
-    type Orbit = StructureOrbit;
+    type Orbit = ContactOrbit;
     /// Sizes of the rows' terms.
     type Kept = Vector;
 
@@ -309,7 +309,7 @@ impl System for Continuation {
         })
     }
 
-    fn evaluate(&mut self, z: &[f64]) -> Result<Evaluation<StructureOrbit, Vector>, BranchError> {
+    fn evaluate(&mut self, z: &[f64]) -> Result<Evaluation<ContactOrbit, Vector>, BranchError> {
         let (units, periods, weight) = (self.full_units.clone(), self.force_periods, self.weight_of_places());
         let reduction = self.reduction.clone();
         self.assembled(z, |equations, point, here| {
@@ -322,8 +322,8 @@ impl System for Continuation {
                 matrix.row_mut(i).iter_mut().zip(&units).for_each(|(entry, unit)| *entry *= unit);
             }
             let orbit = match point.in_time() {
-                None => StructureOrbit::on_the_way(equations, periods, (&point, &here))?,
-                Some(point) => StructureOrbit::on_the_way(equations, periods, (&point, &equations.system(&point)?))?,
+                None => ContactOrbit::on_the_way(equations, periods, (&point, &here))?,
+                Some(point) => ContactOrbit::on_the_way(equations, periods, (&point, &equations.system(&point)?))?,
             };
             Ok(match reduction {
                 None => Evaluation { orbit, rows, matrix, full: None, kept },
@@ -338,7 +338,7 @@ impl System for Continuation {
         })
     }
 
-    fn row_errors(&self, here: &Evaluation<StructureOrbit, Vector>) -> Vector {
+    fn row_errors(&self, here: &Evaluation<ContactOrbit, Vector>) -> Vector {
         here.kept.iter().map(|size| ROUNDING * size).collect()
     }
 
@@ -360,8 +360,8 @@ impl System for Continuation {
 
     /// At the resonance of a mode that nothing damps the equations have a pole; where an orbit is its own mirror image others branch off, and where
     /// these come to one they go on as their own mirror images.
-    fn may_turn(&self, (from, _): (&StructureOrbit, f64), (to, _): (&StructureOrbit, f64)) -> bool {
-        let turns = |orbit: &StructureOrbit| -> Vec<f64> {
+    fn may_turn(&self, (from, _): (&ContactOrbit, f64), (to, _): (&ContactOrbit, f64)) -> bool {
+        let turns = |orbit: &ContactOrbit| -> Vec<f64> {
             let period = orbit.period() / std::f64::consts::TAU;
             let undamped = orbit.model().structure().modes().iter().filter_map(LinearMode::resonant_frequency);
             undamped.map(|frequency| (frequency * period).floor()).collect()
@@ -377,7 +377,7 @@ impl Branch {
     /// # Errors
     /// [`BranchError::Model`] where there is no such model.
     pub fn through(
-        orbit: &StructureOrbit,
+        orbit: &ContactOrbit,
         family: ModelFamily,
         value: f64,
         unit: f64,
@@ -388,13 +388,13 @@ impl Branch {
 
     /// The same among orbits with these symmetries of the orbit: it passes the points where others branch off that lack one.
     pub(crate) fn among_symmetric(
-        orbit: &StructureOrbit,
+        orbit: &ContactOrbit,
         symmetries: &[Symmetry],
         family: ModelFamily,
         (value, unit): (f64, f64),
         stop: &Stop,
     ) -> Result<Self, BranchError> {
-        let among = |orbit: &StructureOrbit, equations: &Equations<'_>| {
+        let among = |orbit: &ContactOrbit, equations: &Equations<'_>| {
             Reduction::among(orbit, equations, symmetries.iter().cloned()).into_iter().collect()
         };
         let whole = Continuation::among_all(orbit, family, &[value], &[unit], stop)?;

@@ -22,8 +22,8 @@ use crate::branch_error::BranchError;
 use crate::equations::linear::{Vector, unit};
 use crate::error::BreatherError;
 use crate::orbit::{Hit, Impact, SIMULTANEOUS};
-use crate::structures::model::StructureModel;
-use crate::structures::orbit::StructureOrbit;
+use crate::structures::model::LoadedStructure;
+use crate::structures::orbit::ContactOrbit;
 use crate::structures::point::Strike;
 use crate::tracer::solution_curve::{SolutionCurve, SolutionPoint, normed};
 use crate::tracer::system::{Matrix, System};
@@ -90,13 +90,13 @@ impl Branch {
     /// # Errors
     /// [`BranchError::Family`] where none is known to branch off, or the equations are regular; otherwise as [`Branch::step`].
     pub fn leaving(
-        orbit: &StructureOrbit,
+        orbit: &ContactOrbit,
         departure: &Departure,
         family: ModelFamily,
         (value, unit): (f64, f64),
         stop: &Stop,
     ) -> Result<(Self, BranchPoint), BranchError> {
-        let through = |orbit: &StructureOrbit| -> Result<Self, BranchError> {
+        let through = |orbit: &ContactOrbit| -> Result<Self, BranchError> {
             Ok(Self::of(Continuation::through(orbit, family.clone(), &[value], &[unit], stop)?))
         };
         let exchanged = |lost, touching: &[_]| -> Result<(Self, BranchPoint), BranchError> {
@@ -127,10 +127,10 @@ fn is_null_vector(matrix: &Matrix, vector: &[f64]) -> bool {
     })
 }
 
-impl StructureOrbit {
+impl ContactOrbit {
     /// An orbit of these impacts as they are, in order of time from 0 on.
     fn assembled(
-        model: &StructureModel,
+        model: &LoadedStructure,
         force_periods: u32,
         psi: f64,
         strikes: Vec<Strike>,
@@ -195,7 +195,7 @@ impl StructureOrbit {
         }
         let psi = self.psi().unwrap_or(0.0) + 0.5 * (shift - lapse);
         let (periods, own) = (self.force_periods(), self.is_self_excited());
-        let of = |model: &StructureModel, periods| Self::assembled(model, periods, psi, strikes);
+        let of = |model: &LoadedStructure, periods| Self::assembled(model, periods, psi, strikes);
         Some(match (repeats, own) {
             (true, true) => self.model().at(2.0 * self.model().omega()).and_then(|model| of(&model, periods)),
             (true, false) => of(self.model(), periods / 2),

@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use crate::structures::model::StructureModel;
+use crate::structures::model::LoadedStructure;
 
 /// How far a number is moved, relative, to see whether it brings losses, changes nothing at all, or breaks a symmetry.
 pub(super) const MOVED: f64 = 1e-3;
 
 /// Models by the values of the numbers that are free; what is wrong with values that have none.
-pub type ModelFamily = Arc<dyn Fn(&[f64]) -> Result<StructureModel, String> + Send + Sync>;
+pub type ModelFamily = Arc<dyn Fn(&[f64]) -> Result<LoadedStructure, String> + Send + Sync>;
 
 /// The models on both sides of these values of the numbers, in one of them.
-fn aside(family: &ModelFamily, values: &[f64], which: usize) -> [Result<StructureModel, String>; 2] {
+fn aside(family: &ModelFamily, values: &[f64], which: usize) -> [Result<LoadedStructure, String>; 2] {
     [1.0, -1.0].map(|sign| {
         let mut moved = values.to_vec();
         moved[which] += sign * MOVED * values[which].abs().max(1.0);

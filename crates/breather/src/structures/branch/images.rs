@@ -3,9 +3,9 @@
 use super::reduction::IMAGE;
 use crate::equations::linear::dot;
 use crate::orbit::{Impact, time_between};
-use crate::structures::orbit::StructureOrbit;
+use crate::structures::orbit::ContactOrbit;
 
-impl StructureOrbit {
+impl ContactOrbit {
     /// Whether what happens half a period later differs from what happens now the other way round than along `other`: between the two is an orbit
     /// that repeats or mirrors itself, if they are neighbours on one branch.
     pub fn is_across(&self, other: &Self) -> bool {
@@ -38,7 +38,7 @@ impl StructureOrbit {
 
 /// Whether an orbit is its own mirror image: half a period later it hits the opposite barriers with opposite impulses, or, without loads and losses,
 /// it is the same backwards in time.
-pub(super) fn is_own_image(orbit: &StructureOrbit) -> bool {
+pub(super) fn is_own_image(orbit: &ContactOrbit) -> bool {
     let (impacts, period) = (orbit.impacts(), orbit.period());
     let alike = |one: &Impact, other: &Impact, sign: f64, time: f64| {
         one.site == other.site

@@ -10,7 +10,7 @@ use crate::equations::linear::{Matrix, USUAL, Vector, zeros};
 use crate::orbit::symmetries::Symmetry;
 use crate::orbit::{Impact, time_between};
 use crate::structures::equations::{Equations, System};
-use crate::structures::orbit::StructureOrbit;
+use crate::structures::orbit::ContactOrbit;
 
 /// Times and impulses that agree to this part are images of each other.
 pub(super) const IMAGE: f64 = 1e-8;
@@ -46,7 +46,7 @@ pub(super) struct Reduction {
 
 impl Reduction {
     /// Those of an orbit, as far as its impacts show, the fewest unknowns first: none where no mirror, of space or time, spares one.
-    pub(super) fn of(orbit: &StructureOrbit, equations: &Equations<'_>) -> Vec<Self> {
+    pub(super) fn of(orbit: &ContactOrbit, equations: &Equations<'_>) -> Vec<Self> {
         let n = orbit.impacts().len();
         let halves = equations.are_halves(orbit.impacts().iter().map(|impact| impact.time));
         let reversal = halves.map(|_| Symmetry { images: (0..n).collect(), reversed: true });
@@ -62,7 +62,7 @@ impl Reduction {
 
     /// Orbits with these symmetries of an orbit, which hold with each other; `None` where they spare no unknown.
     pub(super) fn among(
-        orbit: &StructureOrbit,
+        orbit: &ContactOrbit,
         equations: &Equations<'_>,
         symmetries: impl Iterator<Item = Symmetry>,
     ) -> Option<Self> {
@@ -99,7 +99,7 @@ impl Reduction {
     }
 
     /// Columns of the times that symmetry leaves free: those of t_σ(i) = t_σ(0) ± t_i for all symmetries σ, by elimination.
-    fn tie_times(&mut self, orbit: &StructureOrbit, equations: &Equations<'_>) {
+    fn tie_times(&mut self, orbit: &ContactOrbit, equations: &Equations<'_>) {
         let n = orbit.impacts().len();
         // Rows in which one time, the pivot, is 1 and no other row's pivot is there; the first impact's time is 0.
         let mut ties: Vec<(usize, Vec<f64>)> = Vec::new();
@@ -204,7 +204,7 @@ fn is_held_in(group: &[Symmetry], i: usize) -> bool {
 }
 
 /// The impact of another contact that is the image of each one, or at once the impact itself; `None` where one has none, or each is its own.
-fn images(orbit: &StructureOrbit, later: bool) -> Option<Vec<usize>> {
+fn images(orbit: &ContactOrbit, later: bool) -> Option<Vec<usize>> {
     let (impacts, period) = (orbit.impacts(), orbit.period());
     let lapse = if later { 0.5 * period } else { 0.0 };
     let alike = |one: &Impact, other: &Impact| {
@@ -237,7 +237,7 @@ mod tests {
     use crate::search::orbit_list::OrbitList;
     use crate::structures::branch::continuation::{Branch, Continuation};
     use crate::structures::branch::family::ModelFamily;
-    use crate::structures::model::StructureModel;
+    use crate::structures::model::LoadedStructure;
     use crate::tracer::system::System;
 
     /// Two masses that hit together, and later: half of the unknowns are left, unless what varies tells the two from each other, by however little.
@@ -255,11 +255,11 @@ mod tests {
                     let structure = model.structure(&masses).unwrap();
                     let mut stops = structure.contacts().to_vec();
                     stops[0].upper = stops[0].upper.map(|upper| upper + wider * values[0]);
-                    Ok(StructureModel::new(Arc::new(structure.with_contacts(stops).unwrap()), 1.5).unwrap())
+                    Ok(LoadedStructure::new(Arc::new(structure.with_contacts(stops).unwrap()), 1.5).unwrap())
                 });
                 let at = family(&[0.0]).unwrap();
                 let strikes = hits.iter().map(|hit| at.strike(hit).unwrap()).collect();
-                let start = StructureOrbit::given(&at, (1, 0.0), strikes).unwrap();
+                let start = ContactOrbit::given(&at, (1, 0.0), strikes).unwrap();
                 let stop = Stop::default();
                 Continuation::through(&start, family, &[0.0], &[1.0], &stop).unwrap().size()
             };
@@ -292,7 +292,7 @@ mod tests {
             let orbit = Orbit::from_impulses(&model, 1, 0.3, &hits).unwrap();
             let (stop, lattice) = (Stop::default(), orbit.lattice().unwrap());
             let family = lattice.models(&[Parameter::Gamma2], &stop);
-            let start = StructureOrbit::of_orbit(&orbit, &stop).unwrap();
+            let start = ContactOrbit::of_orbit(&orbit, &stop).unwrap();
             let mut branch =
                 Branch::among_symmetric(&start, &symmetries(lattice), family, (0.05, 0.05), &stop).unwrap();
             let origin = branch.system().origin().unwrap();

@@ -4,14 +4,14 @@ use vibrochain_lattice::{LinearMode, Resonance};
 
 use super::continuation::{Branch, BranchPoint};
 use crate::roots::bracket::zero;
-use crate::structures::model::StructureModel;
-use crate::structures::orbit::StructureOrbit;
+use crate::structures::model::LoadedStructure;
+use crate::structures::orbit::ContactOrbit;
 
 /// A harmonic of which symmetry leaves no more than this part moves no mode: some roundings of its terms. Next to a resonance that
 /// does move its mode the impulses, too, conspire against it, but by the square of the distance.
 pub(crate) const STILL: f64 = 64.0 * f64::EPSILON;
 
-impl StructureOrbit {
+impl ContactOrbit {
     /// Whether a harmonic of the impulses pushes a mode.
     fn pushes(&self, mode: &LinearMode, harmonic: f64) -> bool {
         let rate = harmonic * std::f64::consts::TAU / self.period();
@@ -44,7 +44,7 @@ impl Branch {
     }
 
     /// The same up to the model at a value, and the orbit's base frequency there.
-    fn first_resonance(&self, from: &BranchPoint, to: (f64, f64), model: &StructureModel) -> Option<(f64, Resonance)> {
+    fn first_resonance(&self, from: &BranchPoint, to: (f64, f64), model: &LoadedStructure) -> Option<(f64, Resonance)> {
         let (first, last) = (from.orbit().model().structure().modes(), model.structure().modes());
         let both = first.iter().zip(last).enumerate();
         let frequencies = both.filter_map(|(number, (mode, end))| {

@@ -1,8 +1,8 @@
 //! What a map asks of an orbit without loads and losses, all of whose impacts are of one contact: one a period, or two on both barriers. Is it
 //! physical, by what margin, with which impulses?
 //!
-//! A fast path: a cell of a map of such orbits takes a tenth of the time. The general one is [`StructureModel::candidates`] and
-//! [`StructureOrbit::first_obstruction`](super::orbit::StructureOrbit::first_obstruction); what needs more than closed forms is left to it
+//! A fast path: a cell of a map of such orbits takes a tenth of the time. The general one is [`LoadedStructure::candidates`] and
+//! [`ContactOrbit::first_obstruction`](super::orbit::ContactOrbit::first_obstruction); what needs more than closed forms is left to it
 //! ([`MapSearch::Open`]). With frequencies Ω and shapes φ of the modes, φ₀ at the contact that is hit, contact c does after impulses P, Q at 0, T/2 + s
 //!
 //! ```text
@@ -20,7 +20,7 @@ use std::sync::Arc;
 use smallvec::SmallVec;
 use vibrochain_lattice::{Barrier, Contact};
 
-use super::model::StructureModel;
+use super::model::LoadedStructure;
 use super::response::FixedPart;
 use super::reversible::ReversibleOrbit;
 use super::search::half_period::other_lapses;
@@ -64,13 +64,13 @@ fn pulls(barriers: [Option<Barrier>; 2], impulses: [f64; 2]) -> impl Iterator<It
 ///
 /// ```
 /// use std::sync::Arc;
-/// use vibrochain_breather::{Finder, MapSearch, StructureModel};
+/// use vibrochain_breather::{Finder, MapSearch, LoadedStructure};
 /// use vibrochain_lattice::{Contact, LinearMode, ModalStructure, ModeShape};
 /// let shape = ModeShape { contacts: vec![1.0], coordinates: vec![1.0], still: 0.0 };
 /// let mode = LinearMode::oscillator(0.0, 1.0, &shape, &[]);
 /// let stop = Contact { lower: Some(-1.0), upper: Some(0.7), restitution: 1.0 };
 /// let structure = Arc::new(ModalStructure::new(vec![stop], vec![], vec![mode])?);
-/// let model = StructureModel::new(structure, 1.5)?;
+/// let model = LoadedStructure::new(structure, 1.5)?;
 /// let word = "0+,0-".parse()?;
 /// let MapSearch::One(orbit) = Finder::default().map_orbit(&model, &word, 1) else { panic!() };
 /// let impulse = model.orbits(&word, 1)?.orbits[0].impacts()[0].impulse;
@@ -146,13 +146,13 @@ impl Finder {
     /// What lives at a point of a word of one impact, or of two of one contact on both barriers, where closed forms tell it: without loads and losses,
     /// away from resonances, and where no orbit is physical whose two impacts are not half a period apart. Where none is physical, the first candidate
     /// of the word tells what is in its way.
-    pub fn map_orbit(&mut self, model: &StructureModel, word: &Word, force_periods: u32) -> MapSearch<MapOrbit> {
+    pub fn map_orbit(&mut self, model: &LoadedStructure, word: &Word, force_periods: u32) -> MapSearch<MapOrbit> {
         self.find_map_orbit(model, word, force_periods).unwrap_or(MapSearch::Open)
     }
 
     fn find_map_orbit(
         &mut self,
-        model: &StructureModel,
+        model: &LoadedStructure,
         word: &Word,
         force_periods: u32,
     ) -> Option<MapSearch<MapOrbit>> {

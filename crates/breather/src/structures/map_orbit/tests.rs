@@ -7,7 +7,7 @@ use vibrochain_testkit::Random;
 
 use super::*;
 use crate::admissible::answer::Admissibility;
-use crate::structures::orbit::StructureOrbit;
+use crate::structures::orbit::ContactOrbit;
 
 /// Some modes of a structure of up to three contacts, with and without a static load, or a ring with a contact at each mass, or a row.
 fn structure(random: &mut Random) -> ModalStructure {
@@ -56,7 +56,7 @@ fn closed_forms_say_what_orbits_say() {
     let mut finder = Finder::default();
     let (mut seen, mut crossing, mut alike, mut aside) = ([[0; 3]; 2], 0, 0, 0);
     for _ in 0..1500 {
-        let model = StructureModel::new(Arc::new(structure(&mut random)), random.log(0.2, 4.0)).unwrap();
+        let model = LoadedStructure::new(Arc::new(structure(&mut random)), random.log(0.2, 4.0)).unwrap();
         for (two, word) in ["0-", "0+,0-"].into_iter().enumerate() {
             let word = word.parse().unwrap();
             let searched = finder.map_orbit(&model, &word, 1);
@@ -66,7 +66,7 @@ fn closed_forms_say_what_orbits_say() {
             }
             let list = model.candidates(&word, 1).unwrap();
             assert!(list.completeness.is_established(), "{:?}", list.completeness);
-            let margin = |orbit: &StructureOrbit| orbit.first_obstruction().unwrap();
+            let margin = |orbit: &ContactOrbit| orbit.first_obstruction().unwrap();
             let physical: Vec<_> = list.contacts().filter(|orbit| margin(orbit).is_physical()).collect();
             let MapSearch::One(found) = searched else {
                 assert!(physical.is_empty(), "{word} {physical:?}");
@@ -130,9 +130,9 @@ fn what_is_no_closed_form_is_left_open() {
         let mode = LinearMode::oscillator(decay, square, &shape, &[]);
         let contacts = vec![Contact { restitution, ..stop }, stop];
         let structure = ModalStructure::new(contacts, Vec::new(), vec![mode]).unwrap();
-        StructureModel::new(Arc::new(structure), 1.5).unwrap()
+        LoadedStructure::new(Arc::new(structure), 1.5).unwrap()
     };
-    let found = |model: &StructureModel, word: &str, periods: u32| {
+    let found = |model: &LoadedStructure, word: &str, periods: u32| {
         Finder::default().map_orbit(model, &word.parse().unwrap(), periods)
     };
     let plain = model(0.0, 1.0, 1.0);

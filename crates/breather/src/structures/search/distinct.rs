@@ -2,12 +2,12 @@
 //! which are there where no bound is known, too.
 
 use crate::orbit::{Impact, time_between};
-use crate::structures::orbit::StructureOrbit;
+use crate::structures::orbit::ContactOrbit;
 
 /// Rounding of a number that is not solved for, as the time from an impact to itself: sums and differences of a few times.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-impl StructureOrbit {
+impl ContactOrbit {
     /// The impact of another orbit from which on it is this one: nothing of them differs by more than their errors. `None` of two orbits.
     pub(in crate::structures) fn begun_at(&self, other: &Self) -> Option<usize> {
         (0..other.impacts().len()).find(|turn| self.is_same_from(other, *turn))

@@ -78,11 +78,11 @@ mod tests {
 
     use super::*;
     use crate::structures::equations::Equations;
-    use crate::structures::model::StructureModel;
-    use crate::structures::orbit::StructureOrbit;
+    use crate::structures::model::LoadedStructure;
+    use crate::structures::orbit::ContactOrbit;
 
     /// Modes without losses under a load in phase; of two contacts that are each other's mirror image, or of any two.
-    fn model(random: &mut Random, mirrored: bool) -> StructureModel {
+    fn model(random: &mut Random, mirrored: bool) -> LoadedStructure {
         let odd = random.chance(0.5);
         let modes = (0..1 + random.below(4)).map(|number| {
             let (one, other) = (random.between(-1.0, 1.0), random.between(-1.0, 1.0));
@@ -103,7 +103,7 @@ mod tests {
         let lost = if random.chance(0.5) { 0.0 } else { random.log(1e-14, 1e-9) };
         let stops = Contact { lower: Some(lower), upper: Some(upper), restitution: 1.0 - lost };
         let structure = Arc::new(ModalStructure::new(vec![stops; 2], vec![1], modes).unwrap());
-        StructureModel::new(structure, random.between(0.5, 3.0)).unwrap()
+        LoadedStructure::new(structure, random.between(0.5, 3.0)).unwrap()
     }
 
     /// Where a load moves the contacts by less than the motion is rounded, the list stays open: that no orbit was found does not show that there is none.
@@ -115,7 +115,7 @@ mod tests {
             let mode = LinearMode::oscillator(0.0, 0.2, &shape, &[Complex::new(force, 0.0)]);
             let stops = Contact { lower: Some(-0.92), upper: Some(1.08), restitution: 1.0 };
             let structure = Arc::new(ModalStructure::new(vec![stops], vec![1], vec![mode]).unwrap());
-            let model = StructureModel::new(structure, 0.42).unwrap();
+            let model = LoadedStructure::new(structure, 0.42).unwrap();
             for word in ["0-", "0+,0-"] {
                 let found = model.orbits(&word.parse().unwrap(), 1).unwrap();
                 assert!(force > 1e-10 || !found.completeness.is_established(), "{force} {word} {found:?}");
@@ -150,7 +150,7 @@ mod tests {
                 let impacts = Impacts { equations: &equations, letters };
                 for start in impacts.starts().unwrap().0.into_iter().step_by(10) {
                     let orbit = equations.solve(start.point);
-                    let Ok(orbit) = orbit.and_then(|point| StructureOrbit::new(&equations, periods, point)) else {
+                    let Ok(orbit) = orbit.and_then(|point| ContactOrbit::new(&equations, periods, point)) else {
                         continue;
                     };
                     let apart = orbit.impacts()[1].time.min(orbit.period() - orbit.impacts()[1].time);

@@ -2,7 +2,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `orbits` | [`StructureModel::orbits`](crate::StructureModel::orbits): which search a word takes, and the list that comes of it |
+//! | `orbits` | [`LoadedStructure::orbits`](crate::LoadedStructure::orbits): which search a word takes, and the list that comes of it |
 //! | `at_times` | impulses, offsets and phase at given times |
 //! | `distinct` | which orbits of a list are one, and which are orbits of its word |
 //! | `half_period` | the same of one contact between two barriers, without loads and losses |

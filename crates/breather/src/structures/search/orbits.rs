@@ -23,8 +23,8 @@ use crate::search::completeness::{Completeness, Partial, Searched};
 use crate::search::finder::Scope;
 use crate::search::orbit_list::OrbitList;
 use crate::structures::equations::Equations;
-use crate::structures::model::StructureModel;
-use crate::structures::orbit::StructureOrbit;
+use crate::structures::model::LoadedStructure;
+use crate::structures::orbit::ContactOrbit;
 use crate::structures::point::Point;
 use crate::word::Word;
 
@@ -38,7 +38,7 @@ const OPEN: f64 = 0.01;
 /// Orbits of a word as a search has them.
 pub(crate) struct Listed {
     /// In order of φ, those of one φ by ψ.
-    pub(crate) orbits: Vec<StructureOrbit>,
+    pub(crate) orbits: Vec<ContactOrbit>,
     pub(crate) searched: Searched,
     periods: Option<[f64; 2]>,
 }
@@ -52,7 +52,7 @@ impl Listed {
     }
 }
 
-impl StructureModel {
+impl LoadedStructure {
     /// All orbits of a word that are found: contacts stand in place of sites. Those of one impact or two are listed with their signs as they are,
     /// pulled or not; of longer words only those whose barriers push. An orbit is listed once, whichever impact it begins with, and not where it
     /// repeats itself sooner. Of three impacts a list takes some hundredths of a second, and up to two seconds.
@@ -69,20 +69,20 @@ impl StructureModel {
     /// The same without those whose barriers pull: what a map asks for.
     ///
     /// # Errors
-    /// As [`StructureModel::orbits`].
+    /// As [`LoadedStructure::orbits`].
     pub fn candidates(&self, word: &Word, force_periods: u32) -> Result<OrbitList, BreatherError> {
         self.listed(Request::new(word, force_periods, Scope::Candidates))?.told()
     }
 
-    /// The orbit that Newton's method leads to from impacts nearby, as [`StructureOrbit::near`] has it.
+    /// The orbit that Newton's method leads to from impacts nearby, as [`ContactOrbit::near`] has it.
     ///
     /// # Errors
-    /// As [`StructureOrbit::near`].
+    /// As [`ContactOrbit::near`].
     pub fn orbit_near(&self, force_periods: u32, psi: f64, impacts: &[Hit]) -> Result<Orbit, BreatherError> {
-        StructureOrbit::near(self, force_periods, psi, impacts)?.into_orbit(Family::Word)
+        ContactOrbit::near(self, force_periods, psi, impacts)?.into_orbit(Family::Word)
     }
 
-    /// As [`StructureModel::orbits`] or [`StructureModel::candidates`], with what the search has done.
+    /// As [`LoadedStructure::orbits`] or [`LoadedStructure::candidates`], with what the search has done.
     pub(crate) fn listed(&self, request: Request<'_>) -> Result<Listed, BreatherError> {
         let Request { word, force_periods, scope, .. } = request;
         let mut letters: SmallVec<[(usize, Barrier); 4]> = SmallVec::new();
@@ -106,7 +106,7 @@ impl StructureModel {
         let periods = equations.self_excited.then(|| impacts.periods());
         if let Some(periods) = periods {
             let list = impacts.list(request, impacts.of_own_period(periods)?)?;
-            let searched = |orbit: &StructureOrbit| (periods[0]..=periods[1]).contains(&orbit.period());
+            let searched = |orbit: &ContactOrbit| (periods[0]..=periods[1]).contains(&orbit.period());
             return Ok(Listed {
                 orbits: list.orbits.into_iter().filter(searched).collect(),
                 periods: Some(periods),
@@ -140,8 +140,8 @@ pub(super) fn boxes(scope: Scope) -> usize {
 }
 
 /// Puts a list in order of φ, orbits of one φ by ψ.
-fn sort(orbits: &mut [StructureOrbit]) {
-    order::sort(orbits, |orbit| (orbit.period(), orbit.psi()), StructureOrbit::impacts, |impact| impact.time);
+fn sort(orbits: &mut [ContactOrbit]) {
+    order::sort(orbits, |orbit| (orbit.period(), orbit.psi()), ContactOrbit::impacts, |impact| impact.time);
 }
 
 /// What is asked of a list.
@@ -210,7 +210,7 @@ impl Impacts<'_> {
         let (equations, model) = (self.equations, self.equations.model);
         let pushing = self.letters.len() > 2;
         let pulls =
-            |orbit: &StructureOrbit| orbit.impacts().iter().any(|impact| impact.barrier.sign() * impact.impulse >= 0.0);
+            |orbit: &ContactOrbit| orbit.impacts().iter().any(|impact| impact.barrier.sign() * impact.impulse >= 0.0);
         let (mut solutions, mut lost): (Vec<Solution>, usize) = (Vec::new(), 0);
         for Start { point, is_zero } in starts {
             model.heard()?;
@@ -222,10 +222,10 @@ impl Impacts<'_> {
             let point = Point { psi: model.phase(point.psi), ..point };
             let begin = point.clone();
             let solved = if is_zero { equations.solve_exact(point) } else { equations.solve(point) };
-            let orbit = solved.and_then(|solved| StructureOrbit::new(equations, force_periods, solved));
+            let orbit = solved.and_then(|solved| ContactOrbit::new(equations, force_periods, solved));
             // A zero whose orbit is not reached, or is none as far as its errors tell, is told, not dropped.
             let is_whole =
-                |orbit: &StructureOrbit| (letters_at_once(word) || orbit.has_its_instants()) && orbit.has_impulses();
+                |orbit: &ContactOrbit| (letters_at_once(word) || orbit.has_its_instants()) && orbit.has_impulses();
             let sound = orbit.ok().filter(|orbit| is_whole(orbit) || is_zero && orbit.is_singular());
             let Some(orbit) = sound else {
                 lost += usize::from(is_zero);
@@ -256,7 +256,7 @@ impl Impacts<'_> {
         model.heard()?;
         searched.unresolved += lost;
         let (repeating, orbits): (Vec<_>, Vec<_>) =
-            solutions.into_iter().map(|solution| solution.orbit).partition(StructureOrbit::repeats_sooner);
+            solutions.into_iter().map(|solution| solution.orbit).partition(ContactOrbit::repeats_sooner);
         let (pulled, mut orbits): (Vec<_>, Vec<_>) = orbits.into_iter().partition(|orbit| pushing && pulls(orbit));
         searched.refused += pulled.len();
         searched.reason = searched.reason.or(Some(match (repeating.is_empty(), equations.forced) {
@@ -271,7 +271,7 @@ impl Impacts<'_> {
 
 /// An orbit, and at which of its impacts those begin that zeros have led to.
 struct Solution {
-    orbit: StructureOrbit,
+    orbit: ContactOrbit,
     zeros: Vec<usize>,
     /// How far it is from its start.
     moved: f64,
@@ -281,7 +281,7 @@ struct Solution {
 const STAYED: f64 = 1e3;
 
 /// How far times of impacts and the phase of the load are from those of an orbit at most; 8 roundings of the period at least.
-fn farthest(point: &Point, orbit: &StructureOrbit) -> f64 {
+fn farthest(point: &Point, orbit: &ContactOrbit) -> f64 {
     let repeat = orbit.model().loads_repeat();
     let of_phase = orbit.psi().map_or(0.0, |psi| time_between(point.psi, psi, repeat));
     let apart = point.strikes.iter().zip(orbit.impacts()).map(|(strike, impact)| (strike.time - impact.time).abs());

@@ -223,9 +223,9 @@ mod tests {
 
     use super::*;
     use crate::structures::equations::Equations;
-    use crate::structures::model::StructureModel;
+    use crate::structures::model::LoadedStructure;
 
-    fn model(random: &mut Random, modes: usize) -> StructureModel {
+    fn model(random: &mut Random, modes: usize) -> LoadedStructure {
         let mode = |k: usize| {
             let (frequency, ratio) = (random.log(0.3, 6.0), random.log(1e-3, 0.4));
             let ratio = if k == 0 { -ratio } else { ratio * [1.0, 0.0, 4.0][random.below(3)] };
@@ -235,7 +235,7 @@ mod tests {
         let modes = (0..modes).map(mode).collect();
         let stop = Contact { lower: Some(-1.0), upper: None, restitution: random.between(0.2, 1.0) };
         let structure = ModalStructure::new(vec![stop], Vec::new(), modes).unwrap();
-        StructureModel::new(Arc::new(structure), 1.0).unwrap()
+        LoadedStructure::new(Arc::new(structure), 1.0).unwrap()
     }
 
     /// The slope of F is that of its values, and bounds of its second derivative hold all over an interval.

@@ -321,7 +321,7 @@ mod tests {
 
     use super::*;
     use crate::roots::assert_enclosed::assert_enclosed;
-    use crate::structures::model::StructureModel;
+    use crate::structures::model::LoadedStructure;
     use crate::structures::search::at_times::Impacts;
 
     /// F has the sign that elimination gives, its slope is that of its values, and enclosures hold what they enclose.
@@ -346,7 +346,7 @@ mod tests {
             let modes = (0..4).map(|_| mode()).collect();
             let contact = Contact { lower: Some(-0.7), upper: Some(0.4), restitution: random.between(0.3, 1.0) };
             let structure = ModalStructure::new(vec![contact; 2], vec![1], modes).unwrap();
-            let model = StructureModel::new(Arc::new(structure), random.between(0.5, 3.0)).unwrap();
+            let model = LoadedStructure::new(Arc::new(structure), random.between(0.5, 3.0)).unwrap();
             let letters = [(0, Barrier::Upper), (round % 2, Barrier::Lower)];
             let equations = Equations::new(&model, 1, letters.iter().map(|letter| letter.0)).unwrap();
             let places = letters.map(|(c, barrier)| model.barrier(c, barrier).unwrap() - equations.still(c));

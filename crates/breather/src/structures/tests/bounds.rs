@@ -4,7 +4,7 @@ use vibrochain_lattice::{ModeFlow, Turn, Turned};
 use vibrochain_testkit::Random;
 
 use super::orbits;
-use crate::structures::flight::{StructureMotion, reach};
+use crate::structures::flight::{ContactMotion, reach};
 use crate::structures::periodic_kernel::length;
 use crate::structures::windows::Windows;
 
@@ -44,7 +44,7 @@ fn accelerations_stay_within_their_bound() {
     let mut random = Random(43);
     let (mut checked, mut near) = (0, 0);
     orbits(&mut random, 200, |orbit, random| {
-        let motion = StructureMotion::new(orbit).unwrap();
+        let motion = ContactMotion::new(orbit).unwrap();
         for i in 0..orbit.impacts().len() {
             let whole = motion.until_next(i);
             for contact in 0..2 {
@@ -69,7 +69,7 @@ fn windows_hold_the_motion_and_bound_it() {
     let mut random = Random(47);
     let (mut flights, mut near, mut rows) = (0, [0, 0], Vec::new());
     orbits(&mut random, 150, |orbit, random| {
-        let motion = StructureMotion::new(orbit).unwrap();
+        let motion = ContactMotion::new(orbit).unwrap();
         let order = if random.chance(0.5) { vec![0, 1] } else { vec![1, 0] };
         let Some(view) = &motion.response().view_of(&order) else { return };
         for i in 0..orbit.impacts().len() {
@@ -126,7 +126,7 @@ fn contacts_that_are_kept_are_seen_as_before() {
     let mut random = Random(53);
     let mut compared = 0;
     orbits(&mut random, 60, |orbit, _| {
-        let motion = StructureMotion::new(orbit).unwrap();
+        let motion = ContactMotion::new(orbit).unwrap();
         // Eight places in the lists: two groups of four.
         let order = [0, 1, 0, 0, 0, 0, 1, 0];
         let Some(view) = &motion.response().view_of(&order) else { return };

@@ -9,7 +9,7 @@ use vibrochain_testkit::Random;
 use super::model;
 use crate::structures::between::Between;
 use crate::structures::equations::Equations;
-use crate::structures::model::StructureModel;
+use crate::structures::model::LoadedStructure;
 
 /// Kernels there and back are those of the sums over modes, and their fourth derivatives within the radius are below their bounds, and near
 /// them on small radii where one mode is all there is.
@@ -79,7 +79,7 @@ fn doubts_of_kernels_cover_what_rounding_does() {
                 let frequency = (1.0 + away) * (1.0 + step);
                 let mode = LinearMode::oscillator(decay, frequency * frequency, &shape, &[]);
                 let structure = ModalStructure::new(vec![stop], Vec::new(), vec![mode]).unwrap();
-                StructureModel::new(Arc::new(structure), 1.0).unwrap()
+                LoadedStructure::new(Arc::new(structure), 1.0).unwrap()
             };
             let step = 1e-9;
             let models = [kernels(0.0), kernels(step)];
@@ -119,7 +119,7 @@ fn kernels_next_to_a_resonance_are_those_of_a_mode_nearby() {
             let mode = LinearMode::oscillator(decay, frequency * frequency, &contacts, &[]);
             let rate = mode.rate;
             let structure = ModalStructure::new(vec![stop], Vec::new(), vec![mode]).unwrap();
-            let model = StructureModel::new(Arc::new(structure), 1.0).unwrap();
+            let model = LoadedStructure::new(Arc::new(structure), 1.0).unwrap();
             let equations = Equations::new(&model, 1, [0, 0].into_iter()).unwrap();
             let between = Between::new(equations.kernel(), 0, 0).unwrap();
             // 1 − e^z of z = λT, whose angle is small but for a turn: rate − 1 is exact.

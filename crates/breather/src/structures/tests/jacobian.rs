@@ -6,14 +6,14 @@ use vibrochain_testkit::Random;
 
 use super::{model, next_to_a_resonance};
 use crate::structures::equations::Equations;
-use crate::structures::model::StructureModel;
+use crate::structures::model::LoadedStructure;
 use crate::structures::point::{Point, Strike};
 
 /// How far an unknown is moved, as a part of its size.
 const STEP: f64 = 1e-6;
 
 /// Masses of a ring or of a row with free ends, under a force or none.
-fn lattice(random: &mut Random) -> StructureModel {
+fn lattice(random: &mut Random) -> LoadedStructure {
     let sites = 2 + random.below(6);
     let chain = Chain::new(sites, random.between(0.1, 1.1), random.between(0.01, 0.3)).unwrap();
     let point = chain.point().omega(random.between(0.4, 2.4)).asymmetry(random.between(0.0, 0.5));
@@ -21,7 +21,7 @@ fn lattice(random: &mut Random) -> StructureModel {
         true => point,
         false => point.amplitude(random.between(0.1, 1.1)).restitution(random.between(0.3, 1.0)),
     };
-    StructureModel::of_masses(&point.model().unwrap(), &[0, 1], &Stop::default()).unwrap()
+    LoadedStructure::of_masses(&point.model().unwrap(), &[0, 1], &Stop::default()).unwrap()
 }
 
 /// Impacts at any times, not orbits at all.

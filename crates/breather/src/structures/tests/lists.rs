@@ -8,16 +8,16 @@ use vibrochain_testkit::Random;
 use super::{model, orbits};
 use crate::error::NoBreather;
 use crate::search::completeness::{Completeness, Proof};
-use crate::structures::flight::StructureMotion;
-use crate::structures::model::StructureModel;
-use crate::structures::orbit::StructureOrbit;
+use crate::structures::flight::ContactMotion;
+use crate::structures::model::LoadedStructure;
+use crate::structures::orbit::ContactOrbit;
 
 /// Times of a period at which motions are compared.
 const TIMES: usize = 24;
 
 /// Places of both contacts at so many times of the load, begun at phase 0: the same for one orbit, however its impacts are numbered.
-fn track(orbit: &StructureOrbit) -> Vec<f64> {
-    let motion = StructureMotion::new(orbit).unwrap();
+fn track(orbit: &ContactOrbit) -> Vec<f64> {
+    let motion = ContactMotion::new(orbit).unwrap();
     let place = |k: usize, contact: usize| {
         let time = orbit.period() * k as f64 / TIMES as f64 - orbit.psi().unwrap_or(0.0);
         let time = time.rem_euclid(orbit.period());
@@ -96,7 +96,7 @@ fn an_empty_list_says_why() {
         let mode = LinearMode::oscillator(0.0, 1.0, &shape, &loads);
         let stop = Contact { lower: Some(-1.0), upper: Some(0.7), restitution };
         let structure = ModalStructure::new(vec![stop], harmonics, vec![mode]).unwrap();
-        StructureModel::new(Arc::new(structure), omega).unwrap()
+        LoadedStructure::new(Arc::new(structure), omega).unwrap()
     };
     let (word, twice) = ("0+".parse().unwrap(), "0+,0+".parse().unwrap());
     let proved = Completeness::All(Proof::ClosedForm);
@@ -121,8 +121,8 @@ fn an_empty_list_says_why() {
 fn what_is_listed_are_orbits() {
     let mut random = Random(89);
     let (mut impacts, mut pulled) = (0, 0);
-    let check = |orbit: &StructureOrbit| {
-        let motion = StructureMotion::new(orbit).unwrap();
+    let check = |orbit: &ContactOrbit| {
+        let motion = ContactMotion::new(orbit).unwrap();
         let n = orbit.impacts().len();
         for i in 0..n {
             let (before, impact) = ((i + n - 1) % n, orbit.impacts()[i]);
@@ -143,7 +143,7 @@ fn what_is_listed_are_orbits() {
             let word = word.parse().unwrap();
             let Ok(found) = model.orbits(&word, 1) else { continue };
             impacts += found.contacts().map(check).sum::<usize>();
-            let pushes = |orbit: &&StructureOrbit| {
+            let pushes = |orbit: &&ContactOrbit| {
                 orbit.impacts().iter().all(|impact| impact.barrier.sign() * impact.impulse < 0.0)
             };
             let candidates = model.candidates(&word, 1).unwrap();
@@ -170,15 +170,15 @@ fn half_periods_are_listed_without_loads() {
         let modes = modes.collect();
         let stops = Contact { lower: Some(-random.log(0.1, 1.0)), upper: Some(random.log(0.1, 1.0)), restitution: 1.0 };
         let structure = Arc::new(ModalStructure::new(vec![stops; 2], Vec::new(), modes).unwrap());
-        let model = StructureModel::new(structure, random.between(0.5, 3.0)).unwrap();
+        let model = LoadedStructure::new(structure, random.between(0.5, 3.0)).unwrap();
         for word in ["0-,0+", "0+,1-"] {
             let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
             let half = 0.5 * model.period();
-            let is_half = |orbit: &&StructureOrbit| (orbit.impacts()[1].time - half).abs() < 1e-9 * half;
+            let is_half = |orbit: &&ContactOrbit| (orbit.impacts()[1].time - half).abs() < 1e-9 * half;
             assert_eq!(found.contacts().filter(is_half).count(), 1, "{word} {found:?}");
             halves += 1;
             for orbit in found.contacts() {
-                let motion = StructureMotion::new(orbit).unwrap();
+                let motion = ContactMotion::new(orbit).unwrap();
                 // Reversed in time about its impacts it is the same motion.
                 let whole = motion.until_next(0);
                 for (contact, part) in [(0, 0.2), (1, 0.2), (0, 0.7), (1, 0.7)] {
@@ -245,7 +245,7 @@ fn between_two_stops_without_losses_every_zero_of_the_kernel_has_an_orbit() {
         let modes = modes.into_iter().map(|frequency| mode(&mut random, frequency)).collect();
         let stop = Contact { lower: Some(-random.log(0.3, 2.0)), upper: Some(random.log(0.3, 2.0)), restitution: 1.0 };
         let structure = Arc::new(ModalStructure::new(vec![stop], Vec::new(), modes).unwrap());
-        let model = StructureModel::new(structure.clone(), random.log(0.3, 3.0)).unwrap();
+        let model = LoadedStructure::new(structure.clone(), random.log(0.3, 3.0)).unwrap();
         let Ok(found) = model.orbits(&"0+,0-".parse().unwrap(), 1) else { continue };
         if !found.completeness.is_established() {
             continue;
@@ -259,14 +259,14 @@ fn between_two_stops_without_losses_every_zero_of_the_kernel_has_an_orbit() {
         let mut changes = 0;
         for (i, pair) in values.windows(2).enumerate() {
             if pair[0] * pair[1] < 0.0 {
-                let here = |orbit: &&StructureOrbit| (at(i)..at(i + 1)).contains(&orbit.phi().unwrap());
+                let here = |orbit: &&ContactOrbit| (at(i)..at(i + 1)).contains(&orbit.phi().unwrap());
                 assert_eq!(found.contacts().filter(here).count(), 1, "{i} {found:?}");
                 changes += 1;
             }
         }
         // Two zeros between two samples may be missed here.
         assert!(found.orbits.len() == changes || found.orbits.len() == changes + 2, "{changes} {found:?}");
-        let is_half = |orbit: &&StructureOrbit| (orbit.phi().unwrap() - 0.5 * period).abs() < 1e-12 * period;
+        let is_half = |orbit: &&ContactOrbit| (orbit.phi().unwrap() - 0.5 * period).abs() < 1e-12 * period;
         assert_eq!(found.contacts().filter(is_half).count(), 1);
         halves += 1;
         others += changes - 1;

@@ -10,8 +10,8 @@ use std::sync::Arc;
 use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape};
 use vibrochain_testkit::Random;
 
-use super::model::StructureModel;
-use super::orbit::StructureOrbit;
+use super::model::LoadedStructure;
+use super::orbit::ContactOrbit;
 use crate::roots::patch::Patch;
 
 /// A mode of real shape below, at or above critical damping, as two contacts see it.
@@ -40,7 +40,7 @@ fn poles(random: &mut Random) -> [LinearMode; 2] {
 }
 
 /// A few modes of all kinds under a load of one harmonic, with a stop above one contact and two about the other; at a frequency.
-pub(in crate::structures) fn model(random: &mut Random) -> StructureModel {
+pub(in crate::structures) fn model(random: &mut Random) -> LoadedStructure {
     let count = 1 + random.below(5);
     let ratios = [random.log(1e-3, 0.9), random.log(1e-3, 0.9), 1.0, 1.5];
     let mut modes: Vec<LinearMode> = (0..count)
@@ -57,18 +57,18 @@ pub(in crate::structures) fn model(random: &mut Random) -> StructureModel {
         Contact { lower: Some(-random.log(0.1, 1.0)), upper: Some(random.log(0.1, 1.0)), restitution: 0.8 },
     ];
     let structure = ModalStructure::new(contacts, vec![1], modes).unwrap();
-    StructureModel::new(Arc::new(structure), random.between(0.5, 3.0)).unwrap()
+    LoadedStructure::new(Arc::new(structure), random.between(0.5, 3.0)).unwrap()
 }
 
 /// The same with one more mode next to a resonance, its frequency off by so much, with hardly a dashpot.
-pub(in crate::structures) fn next_to_a_resonance(random: &mut Random, off: f64) -> StructureModel {
+pub(in crate::structures) fn next_to_a_resonance(random: &mut Random, off: f64) -> LoadedStructure {
     let model = model(random);
     let (structure, harmonic) = (model.structure(), random.below(3) + 1);
     let mut modes = structure.modes().to_vec();
     let ratio = random.log(1e-3, 1e-1) * off.abs();
     modes.push(mode(random, model.omega() * harmonic as f64 * (1.0 + off), ratio));
     let structure = ModalStructure::new(structure.contacts().to_vec(), vec![1], modes).unwrap();
-    StructureModel::new(Arc::new(structure), model.omega()).unwrap()
+    LoadedStructure::new(Arc::new(structure), model.omega()).unwrap()
 }
 
 /// Whether a number of a table of enclosures, and its slopes, are at a point so far off what is told of the rectangle; how much of that it takes.
@@ -85,7 +85,7 @@ pub(in crate::structures) fn strays(own: &Patch, at: &Patch, off: [f64; 2]) -> f
 }
 
 /// Orbits of one impact and of two of random structures, so many structures long.
-fn orbits(random: &mut Random, structures: usize, mut visit: impl FnMut(&StructureOrbit, &mut Random)) {
+fn orbits(random: &mut Random, structures: usize, mut visit: impl FnMut(&ContactOrbit, &mut Random)) {
     for _ in 0..structures {
         let model = model(random);
         let word = random.of(&["0+", "0+,0+", "1-,1+", "0+,1-"]).parse().unwrap();

@@ -1,7 +1,7 @@
 //! Along a branch, one way: steps, folds, and what ends the way.
 
 use vibrochain_breather::walk::{Stride, Walk, walk};
-use vibrochain_breather::{BranchError, BranchPoint, Pace, StructureOrbit};
+use vibrochain_breather::{BranchError, BranchPoint, ContactOrbit, Pace};
 
 use super::confirm::{Confirmed, HALVINGS, LEAST_LENGTH};
 use super::{At, Follower, Seen};
@@ -249,7 +249,7 @@ pub(crate) fn upwards(point: BranchPoint) -> BranchPoint {
 
 /// Whether the second half of an orbit hits the same places as its first, in the same order. Where its branch ends on more symmetric orbits, these then
 /// repeat after half its period; where it does not, they are their own mirror images.
-fn is_hit_again(orbit: &StructureOrbit) -> bool {
+fn is_hit_again(orbit: &ContactOrbit) -> bool {
     let (one, other) = orbit.impacts().split_at(orbit.impacts().len() / 2);
     let mut pairs = one.iter().zip(other);
     one.len() == other.len() && pairs.all(|(a, b)| (a.site, a.barrier) == (b.site, b.barrier))

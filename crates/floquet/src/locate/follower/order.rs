@@ -1,7 +1,7 @@
 //! Without loss: pairs of multipliers along the circle, with their Krein signatures, each part of the orbit's symmetries by itself.
 
 use nalgebra::Complex;
-use vibrochain_breather::{BlochEquations, StructureOrbit};
+use vibrochain_breather::{BlochEquations, ContactOrbit};
 
 use crate::events::half_sums::SPLIT;
 use crate::spectrum::KreinForms;
@@ -45,7 +45,7 @@ impl PartialEq for Order {
 
 impl Order {
     /// Of an orbit by the half-sums ν of its pairs.
-    pub(super) fn of_orbit(orbit: &StructureOrbit, half_sums: &[Complex<f64>]) -> Option<Self> {
+    pub(super) fn of_orbit(orbit: &ContactOrbit, half_sums: &[Complex<f64>]) -> Option<Self> {
         Self::of(&orbit.bloch_equations().0, half_sums)
     }
 

@@ -1,6 +1,6 @@
 //! What is seen at a point of a branch, and what that tells of the step to the next one.
 
-use vibrochain_breather::{Admissibility, BranchPoint, Hit, StructureOrbit};
+use vibrochain_breather::{Admissibility, BranchPoint, ContactOrbit, Hit};
 
 use super::order::Order;
 use super::{At, Follower, Seen};
@@ -56,12 +56,12 @@ impl Follower {
 }
 
 /// The velocity before each impact, towards its barrier.
-pub(super) fn velocities(orbit: &StructureOrbit) -> Vec<f64> {
+pub(super) fn velocities(orbit: &ContactOrbit) -> Vec<f64> {
     orbit.impacts().iter().map(|impact| impact.barrier.sign() * impact.velocity_before).collect()
 }
 
 /// The acceleration after each plastic impact, away from its barrier; `None` of others.
-pub(super) fn releases(orbit: &StructureOrbit) -> Vec<Option<f64>> {
+pub(super) fn releases(orbit: &ContactOrbit) -> Vec<Option<f64>> {
     let of = |(i, hit): (usize, Hit)| {
         let [acceleration, _] = orbit.acceleration_after(i).ok()??;
         Some(-hit.barrier.sign() * acceleration)

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
-use vibrochain_breather::{Family, Finder, Orbit, StructureModel, breathers};
+use vibrochain_breather::{Family, Finder, LoadedStructure, Orbit, breathers};
 use vibrochain_lattice::{Chain, Contact, LinearMode, ModalStructure, ModeShape, Model, Structure};
 use vibrochain_testkit::{Random, stiffness};
 
@@ -72,7 +72,7 @@ fn modes_of_one_contact_say_what_the_equations_say() {
     let (mut rigid, mut leading, mut all, mut asked) = (0, [0; 3], 0, 0);
     for round in 0..1500 {
         let structure = Arc::new([dense, given, row][round % 3](&mut random));
-        let model = StructureModel::new(structure, random.log(0.3, 3.0)).unwrap();
+        let model = LoadedStructure::new(structure, random.log(0.3, 3.0)).unwrap();
         for (instants, word) in ["0+", "0+,0-"].into_iter().enumerate() {
             let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
             for orbit in found.orbits.iter().filter_map(Orbit::contacts) {
@@ -84,7 +84,7 @@ fn modes_of_one_contact_say_what_the_equations_say() {
                 assert_eq!(told.method, Method::Secular);
                 answers[instants] += 1;
                 if let Some((verdict, list)) = analyser.structure_multipliers(&reversible, Tolerance::Rounding)
-                    && let Ok((_, mut right)) = StructureMultipliers::of(orbit).all_worked_out(Tolerance::Rounding)
+                    && let Ok((_, mut right)) = BlochProblem::of(orbit).all_worked_out(Tolerance::Rounding)
                 {
                     assert_eq!((verdict.stable, list.len()), (told.stable, right.len()), "{round} {word}");
                     for z in list {
@@ -99,7 +99,7 @@ fn modes_of_one_contact_say_what_the_equations_say() {
                     }
                 }
                 rigid += usize::from(reversible.modes.iter().any(|mode| mode.frequency == 0.0));
-                let Ok(right) = StructureMultipliers::of(orbit).worked_out(Tolerance::Rounding, false) else {
+                let Ok(right) = BlochProblem::of(orbit).worked_out(Tolerance::Rounding, false) else {
                     continue;
                 };
                 let error = told.resolution + right.resolution + 1e-10 * (1.0 + told.spectral_radius);
@@ -146,7 +146,7 @@ fn matrices_of_a_chain_have_its_verdicts() {
             contacts: vec![(weights, contact)],
             ..Structure::default()
         };
-        let structure = StructureModel::new(Arc::new(matrices.modal().unwrap()), model.omega()).unwrap();
+        let structure = LoadedStructure::new(Arc::new(matrices.modal().unwrap()), model.omega()).unwrap();
         for (family, word) in [(Family::DoubleSided, "0+,0-"), (Family::SingleSided, "0-")] {
             let (Ok(own), Ok(found)) = (breathers(&model, family), structure.orbits(&word.parse().unwrap(), 1)) else {
                 continue;
@@ -178,11 +178,11 @@ fn the_matrix_of_a_period_has_the_multipliers_of_the_equations() {
     let (mut random, mut checked, mut off) = (Random(43), 0, 0);
     for round in 0..300 {
         let structure = Arc::new([dense, row][round % 2](&mut random));
-        let model = StructureModel::new(structure, random.log(0.3, 3.0)).unwrap();
+        let model = LoadedStructure::new(structure, random.log(0.3, 3.0)).unwrap();
         for word in ["0+", "0+,0-"] {
             let Ok(found) = model.orbits(&word.parse().unwrap(), 1) else { continue };
             for orbit in found.orbits.iter().filter_map(Orbit::contacts) {
-                let Ok((_, expected)) = StructureMultipliers::of(orbit).all(Tolerance::Rounding) else { continue };
+                let Ok((_, expected)) = BlochProblem::of(orbit).all(Tolerance::Rounding) else { continue };
                 let found = crate::events::by_matrix::multipliers(&orbit.bloch_equations().0, true).unwrap();
                 assert_eq!(found.len(), expected.len());
                 for mu in &expected {

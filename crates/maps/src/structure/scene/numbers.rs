@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::StructureModel;
+use vibrochain_breather::LoadedStructure;
 use vibrochain_lattice::{Contact, DampedChain, EnergyForm, ModalStructure};
 
 use super::StructureScene;
@@ -108,7 +108,7 @@ impl StructureScene {
     ///
     /// # Errors
     /// As [`StructureScene::model`].
-    pub(crate) fn into_model(mut self) -> Result<StructureModel, String> {
+    pub(crate) fn into_model(mut self) -> Result<LoadedStructure, String> {
         self.modal = Arc::new(Arc::unwrap_or_clone(self.modal).into_loads_times(self.load, self.still));
         (self.load, self.still) = (1.0, 1.0);
         self.model()
@@ -118,12 +118,12 @@ impl StructureScene {
     ///
     /// # Errors
     /// As [`StructureScene::structure`]; a frequency that is missing.
-    pub fn model(&self) -> Result<StructureModel, String> {
+    pub fn model(&self) -> Result<LoadedStructure, String> {
         let structure = self.structure()?;
         // Any frequency serves where nothing has it.
         let omega = self.omega.or(structure.has_own_period().then_some(1.0));
         let omega = omega.ok_or("omega is missing: give omega = … in the scene, or --omega")?;
-        let model = StructureModel::new(structure, omega).map_err(|error| error.to_string())?;
+        let model = LoadedStructure::new(structure, omega).map_err(|error| error.to_string())?;
         Ok(model.until(&self.stop))
     }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vibrochain_breather::{Orbit, StructureModel};
+use vibrochain_breather::{LoadedStructure, Orbit};
 use vibrochain_floquet::{Tolerance, Verdict, stability};
 use vibrochain_truth::{TrueStructureOrbit, TruthError};
 
@@ -26,7 +26,7 @@ const KNOWN: f64 = 1e-6;
 pub fn check_structure(case: &str, draw: &StructureDraw) -> Vec<Row> {
     let none = |outcome: String| vec![Row::new(case, "orbits").told(outcome)];
     let model = draw.structure.modal().map_err(|error| error.to_string());
-    let model = model.and_then(|modal| StructureModel::new(Arc::new(modal), draw.omega).map_err(|e| e.to_string()));
+    let model = model.and_then(|modal| LoadedStructure::new(Arc::new(modal), draw.omega).map_err(|e| e.to_string()));
     let found = match (model, draw.word.parse()) {
         (Ok(model), Ok(word)) => model.orbits(&word, draw.force_periods),
         (Err(error), _) => return none(error),

@@ -6,10 +6,10 @@ use vibrochain_lattice::{Barrier, Complex, Contact, LinearMode, ModalStructure, 
 use vibrochain_testkit::Random;
 
 use super::*;
-use crate::structures::flight::StructureMotion;
+use crate::structures::flight::ContactMotion;
 
 /// Two oscillators that nothing couples, each with a stop of its own, under one load.
-fn apart(random: &mut Random) -> StructureModel {
+fn apart(random: &mut Random) -> LoadedStructure {
     let mode = |random: &mut Random, k: usize| {
         let contacts = (0..2).map(|contact| f64::from(u8::from(contact == k))).collect();
         let shape = ModeShape { contacts, coordinates: Vec::new(), still: 0.0 };
@@ -19,14 +19,14 @@ fn apart(random: &mut Random) -> StructureModel {
     let modes = (0..2).map(|k| mode(random, k)).collect();
     let contact = Contact { lower: None, upper: Some(random.between(0.0, 0.3)), restitution: 0.7 };
     let structure = ModalStructure::new(vec![contact; 2], vec![1], modes).unwrap();
-    StructureModel::new(Arc::new(structure), random.between(1.7, 3.0)).unwrap()
+    LoadedStructure::new(Arc::new(structure), random.between(1.7, 3.0)).unwrap()
 }
 
 /// What one contact does at a time since the first impact.
-fn at(orbit: &StructureOrbit, contact: usize, time: f64) -> [f64; 3] {
+fn at(orbit: &ContactOrbit, contact: usize, time: f64) -> [f64; 3] {
     let time = time.rem_euclid(orbit.period());
     let i = orbit.impacts().partition_point(|impact| impact.time <= time) - 1;
-    StructureMotion::new(orbit).unwrap().contact(contact, i, time - orbit.impacts()[i].time)
+    ContactMotion::new(orbit).unwrap().contact(contact, i, time - orbit.impacts()[i].time)
 }
 
 /// Whichever impact is lost, the contact that keeps its own goes on as before, at the same phase of the load.
@@ -106,7 +106,7 @@ fn the_means_of_two_halves_are_the_orbit_between_them() {
                 let begins = strikes[0].time;
                 let strikes = strikes.iter().map(|one| Strike { time: one.time - begins, ..*one }).collect();
                 let psi = orbit.psi().unwrap() + begins;
-                let moved = StructureOrbit::assembled(&model, 2, psi, strikes).unwrap();
+                let moved = ContactOrbit::assembled(&model, 2, psi, strikes).unwrap();
                 let even = moved.evened().unwrap().unwrap();
                 assert_eq!(even.force_periods(), 1);
                 let lapse = crate::orbit::time_between(even.psi().unwrap(), orbit.psi().unwrap(), model.period());

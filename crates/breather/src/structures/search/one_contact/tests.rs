@@ -9,7 +9,7 @@ use vibrochain_testkit::Random;
 use super::*;
 use crate::roots::assert_enclosed::assert_enclosed;
 use crate::structures::equations::Equations;
-use crate::structures::model::StructureModel;
+use crate::structures::model::LoadedStructure;
 
 /// F has the sign that elimination gives, its slope is that of its values, enclosures hold what they enclose, and numbers at its zeros solve the
 /// linear equations; of both barriers and of one, any harmonic and number of periods, with what nothing holds and without.
@@ -29,7 +29,7 @@ fn the_symmetric_form_is_that_of_elimination() {
         };
         let modes = (0..1 + rounds % 5).map(&mut mode).collect();
         let structure = ModalStructure::new(vec![contact], vec![1 + random.below(2) as u32], modes).unwrap();
-        let model = StructureModel::new(Arc::new(structure), random.between(0.5, 3.0)).unwrap();
+        let model = LoadedStructure::new(Arc::new(structure), random.between(0.5, 3.0)).unwrap();
         let periods = 1 + random.below(3) as u32;
         let second = random.of(&[Barrier::Lower, Barrier::Upper]);
         let equations = Equations::new(&model, periods, [0, 0].into_iter()).unwrap();

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use vibrochain_lattice::{Complex, Contact, LinearMode, ModalStructure, ModeShape};
 
 use crate::search::orbit_list::OrbitList;
-use crate::structures::model::StructureModel;
+use crate::structures::model::LoadedStructure;
 
 /// A mass on a spring of stiffness 1 between two stops.
-fn mass(omega: f64, load: f64) -> StructureModel {
+fn mass(omega: f64, load: f64) -> LoadedStructure {
     let shape = ModeShape { contacts: vec![1.0], coordinates: Vec::new(), still: 0.0 };
     let mode = LinearMode::oscillator(0.0, 1.0, &shape, &[Complex::new(load, 0.0)]);
     let stops = Contact { lower: Some(-0.6), upper: Some(0.5), restitution: 0.8 };
-    StructureModel::new(Arc::new(ModalStructure::new(vec![stops], vec![1], vec![mode]).unwrap()), omega).unwrap()
+    LoadedStructure::new(Arc::new(ModalStructure::new(vec![stops], vec![1], vec![mode]).unwrap()), omega).unwrap()
 }
 
 /// Parts of the period of φ and ψ.

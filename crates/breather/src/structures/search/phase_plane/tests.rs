@@ -7,12 +7,12 @@ use vibrochain_testkit::Random;
 
 use super::*;
 use crate::structures::equations::Equations;
-use crate::structures::model::StructureModel;
-use crate::structures::orbit::StructureOrbit;
+use crate::structures::model::LoadedStructure;
+use crate::structures::orbit::ContactOrbit;
 use crate::structures::tests::{next_to_a_resonance, strays};
 
 /// Two contacts of a few modes under two or three harmonics, even ones among them; at times nothing holds it, and a static load pushes it.
-fn model(random: &mut Random, harmonics: &[u32]) -> StructureModel {
+fn model(random: &mut Random, harmonics: &[u32]) -> LoadedStructure {
     let rigid = random.chance(0.3);
     let modes = (0..1 + usize::from(rigid) + random.below(3)).map(|number| {
         let contacts = vec![random.between(0.2, 1.0), random.between(-1.0, 1.0)];
@@ -31,7 +31,7 @@ fn model(random: &mut Random, harmonics: &[u32]) -> StructureModel {
         restitution: random.between(0.4, 1.0),
     };
     let structure = Arc::new(ModalStructure::new(vec![stops; 2], harmonics.to_vec(), modes).unwrap());
-    StructureModel::new(structure, random.between(0.5, 3.0)).unwrap()
+    LoadedStructure::new(structure, random.between(0.5, 3.0)).unwrap()
 }
 
 #[test]
@@ -61,7 +61,7 @@ fn lists_under_several_harmonics_and_next_to_resonances_are_complete() {
             let impacts = Impacts { equations: &equations, letters };
             for start in impacts.starts().unwrap().0.into_iter().step_by(10) {
                 let orbit = equations.solve(start.point);
-                let Ok(orbit) = orbit.and_then(|point| StructureOrbit::new(&equations, periods, point)) else {
+                let Ok(orbit) = orbit.and_then(|point| ContactOrbit::new(&equations, periods, point)) else {
                     continue;
                 };
                 let apart = orbit.phi().map_or(orbit.period(), |phi| phi.min(orbit.period() - phi));
