@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use smallvec::SmallVec;
-use vibrochain_lattice::{Barrier, Stop};
+use vibrochain_lattice::Stop;
 
 use super::equations::{Equations, System};
 use super::errors::{ImpactError, OrbitErrors, Together};
@@ -380,20 +380,6 @@ impl ContactOrbit {
         let site = |impact: &Impact| self.model.site(impact.site);
         let of = |impact: &Impact| Hit::new(site(impact), impact.barrier, impact.time, impact.impulse);
         self.impacts.iter().map(of).collect()
-    }
-
-    /// Its word: `0+,1-`.
-    pub fn word(&self) -> String {
-        let letter = |impact: &Impact| {
-            format!("{}{}", self.model.site(impact.site), if impact.barrier == Barrier::Upper { '+' } else { '-' })
-        };
-        self.impacts.iter().map(letter).collect::<Vec<_>>().join(",")
-    }
-
-    /// Its word, with its periods of the load where these are several: `0+,0+/2`, as scenes have it.
-    pub fn name(&self) -> String {
-        let word = self.word();
-        if self.force_periods == 1 { word } else { format!("{word}/{}", self.force_periods) }
     }
 }
 

@@ -18,8 +18,7 @@ use vibrochain_lattice::Spectrum;
 use crate::error::FloquetError;
 use crate::map_paths::Modes;
 use crate::reference::eigen::eigenvalues_until;
-use crate::reference::half_sum::HalfSum;
-use crate::reference::mirrors::Mirrors;
+use crate::reference::half_sum::{Basis, HalfSum};
 use crate::reference::monodromy::{EvenCoordinates, check_dimension, flow_before_first_impact, full_monodromy_until};
 use crate::reference::reflector::Reflector;
 use crate::zeros::Nu;
@@ -60,14 +59,14 @@ impl Dense {
             return Ok(0.0);
         }
         if orbit.is_reversible() {
-            let centred = orbit.centre().is_some();
-            check_dimension(if centred { chain.even_modes() } else { chain.sites() })?;
-            // Modes odd about the one site of a ring feel nothing, and coincide nearly with even ones.
-            let mirrors = if centred { Mirrors::of(orbit) } else { Mirrors::default() };
+            let centre = orbit.centre();
+            check_dimension(if centre.is_some() { chain.even_modes() } else { chain.sites() })?;
             let half_sum = HalfSum::new(orbit, &mut self.spectrum)?;
-            let basis = mirrors.basis(chain.sites(), 0);
+            // Modes odd about the one site of a ring feel nothing, and coincide nearly with even ones.
+            let even = |site: usize| Basis::even_about(site, chain.sites());
+            let basis = centre.map_or_else(|| Basis::of_masses(chain.sites()), even);
             HalfSum::set_flow(&orbit, &basis, finder, &mut self.left)?;
-            self.matrix = Reflector::of(&self.left).deflated(half_sum.on(&basis).matrix);
+            self.matrix = Reflector::of(&self.left).deflated(half_sum.on(&basis));
             eigenvalues_until(&self.matrix, &mut self.values, finder.stop())?;
             return Ok(self.matrix.norm());
         }

@@ -1,22 +1,19 @@
-//! Conservative orbits that are their own mirror image in time, mass by mass: half the dimension, and Krein's form.
+//! Conservative orbits that are their own mirror image in time, mass by mass: half the dimension.
 //!
 //! Impacts are at 0 and half a period later. The reversal of time Q = diag(1, −1)·S₀, S₀ the saltations at 0, turns M into M⁻¹.
 //! N = ½(M + M⁻¹) keeps the space Qx = x; its coordinates are displacements of the masses that S₀ spares and velocities of the
-//! masses that it hits. Its eigenvalues are ν = ½(μ + 1/μ), each pair of multipliers once. An eigenvector N x = x cos θ belongs to the
-//! multiplier e^{iθ} with x + y, y = −i(M − M⁻¹)x/(2 sin θ), and Krein's form is xᵀGx/sin θ there. The rows of G are the rows of M that
-//! N leaves over: −(velocity) of a spared mass, displacement of a hit one.
+//! masses that it hits. Its eigenvalues are ν = ½(μ + 1/μ), each pair of multipliers once.
 //!
 //! The trivial pair μ = 1, a defective double eigenvalue of M that dense solvers split by 1e-7, is the simple eigenvalue ν = 1 of N. The
 //! orbit's own flow gives its left eigenvector: −v̈ of each spared mass, v⁻ of each one that is hit.
 //!
-//! Reflections of the lattice that keep the orbit split N and G into parts, each on its own basis.
+//! The reflection of a ring about the one site that is hit leaves the even part of N.
 
 use nalgebra::DMatrix;
 use vibrochain_breather::{Finder, LatticeOrbit, Orbit};
 use vibrochain_lattice::{Propagator, Spectrum};
 
 use crate::error::FloquetError;
-use crate::reference::mirrors::Basis;
 use crate::saltation::saltations;
 
 /// (displacement, velocity) of one mass from those of another.
@@ -34,14 +31,26 @@ struct Later {
     flights: Vec<Block>,
 }
 
-/// N and G on the space of a basis.
+/// Masses that move together, with their shares, for each vector of an orthonormal basis.
 #[derive(Debug)]
-pub(crate) struct Part {
-    pub(crate) matrix: DMatrix<f64>,
-    pub(crate) form: DMatrix<f64>,
+pub(crate) struct Basis(Vec<Vec<(usize, f64)>>);
+
+impl Basis {
+    /// Each mass by itself.
+    pub(crate) fn of_masses(sites: usize) -> Self {
+        Self((0..sites).map(|n| vec![(n, 1.0)]).collect())
+    }
+
+    /// What is even about one site of a ring.
+    pub(crate) fn even_about(site: usize, sites: usize) -> Self {
+        let image = |n: usize| (2 * site + sites - n) % sites;
+        let share = 1.0 / 2f64.sqrt();
+        let vector = |n: usize| if image(n) == n { vec![(n, 1.0)] } else { vec![(n, share), (image(n), share)] };
+        Self((0..sites).filter(|n| image(*n) >= *n).map(vector).collect())
+    }
 }
 
-/// What N and G of an orbit are made of.
+/// What N of an orbit is made of.
 #[derive(Debug)]
 pub(crate) struct HalfSum {
     omega: f64,
@@ -70,17 +79,17 @@ impl HalfSum {
         Ok(Self { omega: orbit.frequency(), whole: Propagator::new(spectrum, period), kappas, later })
     }
 
-    /// N and G on the space of a basis.
-    pub(crate) fn on(&self, basis: &Basis) -> Part {
-        let size = basis.vectors.len();
-        let (mut matrix, mut form) = (DMatrix::zeros(size, size), DMatrix::zeros(size, size));
-        for (j, vector) in basis.vectors.iter().enumerate() {
+    /// N on the space of a basis.
+    pub(crate) fn on(&self, Basis(vectors): &Basis) -> DMatrix<f64> {
+        let size = vectors.len();
+        let mut matrix = DMatrix::zeros(size, size);
+        for (j, vector) in vectors.iter().enumerate() {
             let kick = |later: &Later| {
                 let [u, v] = self.carried(vector, |m| later.flights[m]);
                 [-2.0 * u, later.kappa * u - 2.0 * v]
             };
             let kicks: Vec<_> = self.later.iter().map(kick).collect();
-            for (i, image) in basis.vectors.iter().enumerate() {
+            for (i, image) in vectors.iter().enumerate() {
                 // What a vector of the space has at the first mass of another, it has of that as a whole.
                 let (n, share) = image[0];
                 let [mut u, mut v] = self.carried(vector, |m| self.whole.block(n, m));
@@ -88,14 +97,10 @@ impl HalfSum {
                     let [du, dv] = flown(later.flights[n], *kick);
                     (u, v) = (u + du, v + dv);
                 }
-                let (of_matrix, of_form) = match self.kappas[n] {
-                    Some(kappa) => ((v - 0.5 * kappa * u) / self.omega, u * self.omega),
-                    None => (u, -v),
-                };
-                (matrix[(i, j)], form[(i, j)]) = (of_matrix / share, of_form / share);
+                matrix[(i, j)] = self.kappas[n].map_or(u, |kappa| (v - 0.5 * kappa * u) / self.omega) / share;
             }
         }
-        Part { matrix, form }
+        matrix
     }
 
     /// What flights from its masses make of a vector, just after the impacts at 0.
@@ -111,14 +116,14 @@ impl HalfSum {
     /// The left eigenvector of ν = 1 in the coordinates of a basis, which the orbit's own motion must lie in.
     pub(crate) fn set_flow(
         orbit: &Orbit,
-        basis: &Basis,
+        Basis(vectors): &Basis,
         finder: &mut Finder,
         left: &mut Vec<f64>,
     ) -> Result<(), FloquetError> {
         let motion = finder.motion(orbit)?;
         motion.at(0, 0.0);
         left.clear();
-        left.extend(basis.vectors.iter().map(|vector| {
+        left.extend(vectors.iter().map(|vector| {
             let (n, share) = vector[0];
             let hit = orbit.impacts().iter().find(|impact| impact.time == 0.0 && impact.site == n);
             let flow =

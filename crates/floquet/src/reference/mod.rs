@@ -4,8 +4,8 @@
 //! | module | holds |
 //! |---|---|
 //! | `monodromy`, `eigen` | the monodromy matrix and its eigenvalues |
+//! | `half_sum` | a matrix of half the size for reversible orbits |
 //! | `reflector` | known eigenvectors are taken out |
-//! | `half_sum`, `mirrors` | a matrix of half the size for reversible orbits, and reflections that split it |
 //! | `dense` | the smallest matrix that an orbit's structure leaves |
 //! | `judge`, `certainty` | from eigenvalues to a verdict that knows its error |
 
@@ -14,6 +14,5 @@ pub(crate) mod dense;
 pub(crate) mod eigen;
 pub(crate) mod half_sum;
 pub(crate) mod judge;
-pub(crate) mod mirrors;
 pub(crate) mod monodromy;
 pub(crate) mod reflector;

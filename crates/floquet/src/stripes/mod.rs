@@ -40,7 +40,7 @@ mod pencil;
 mod place;
 mod reversal;
 mod row;
-mod signature;
+pub(crate) mod signature;
 mod stripe;
 
 pub use collision::Collision;

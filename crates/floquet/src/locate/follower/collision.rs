@@ -12,8 +12,8 @@ use nalgebra::Complex;
 use vibrochain_breather::BranchPoint;
 
 use super::confirm::{Found, Part};
-use super::order::Order;
 use super::{At, Follower, Seen};
+use crate::events::Order;
 use crate::events::half_sums::{SPLIT, collided, complex_count};
 use crate::events::{Solved, Test};
 use crate::locate::answer::{Event, Evidence, LocateError};

@@ -6,7 +6,7 @@
 //! | `seen`, `between` | what is seen at a point; steps so short that no pair of events hides |
 //! | `confirm`, `beside_resonance` | events where a test function changes its sign |
 //! | `crossings`, `paths`, `cubic` | pairs of multipliers that cross the circle, by their slopes |
-//! | `collision`, `order` | without losses, pairs that meet on it, and their Krein signatures |
+//! | `collision` | without losses, pairs that meet on it |
 
 mod beside_resonance;
 mod between;
@@ -15,7 +15,6 @@ pub(crate) mod confirm;
 mod crossings;
 mod cubic;
 pub(crate) mod follow;
-mod order;
 mod paths;
 mod seen;
 
@@ -23,7 +22,7 @@ use nalgebra::Complex;
 use vibrochain_breather::{Admissibility, Branch, BranchPoint, BreatherError};
 use vibrochain_lattice::Stop;
 
-use crate::events::{Watcher, bounded};
+use crate::events::{Order, Watcher, bounded};
 use crate::locate::answer::{Event, Unresolved};
 use crate::locate::course::{DiagramPoint, Station};
 use crate::locate::ends::BranchEnds;
@@ -46,7 +45,7 @@ pub(crate) struct Seen {
     /// Without loss, (Im ν)² of the pairs off the circle, by Re ν.
     pub(super) openings: Vec<f64>,
     /// Of an orbit without losses its pairs of multipliers in their order along the circle, with their Krein signatures.
-    order: Option<order::Order>,
+    order: Option<Order>,
     /// Where it comes with the multipliers.
     pub(super) verdict: Option<Verdict>,
 }

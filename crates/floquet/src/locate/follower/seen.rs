@@ -2,8 +2,8 @@
 
 use vibrochain_breather::{Admissibility, BranchPoint, ContactOrbit, Hit};
 
-use super::order::Order;
 use super::{At, Follower, Seen};
+use crate::events::Order;
 use crate::events::half_sums::upper_half;
 use crate::events::{Test, another_one, minus_one};
 use crate::locate::answer::{Event, LocateError};

@@ -1,16 +1,18 @@
 //! Without loss: pairs of multipliers along the circle, with their Krein signatures, each part of the orbit's symmetries by itself.
 
+use std::hash::{Hash, Hasher};
+
 use nalgebra::Complex;
 use vibrochain_breather::{BlochEquations, ContactOrbit};
 
-use crate::events::half_sums::SPLIT;
+use super::half_sums::SPLIT;
 use crate::spectrum::KreinForms;
-use crate::stripes::Signature;
+use crate::stripes::signature::Signature;
 
 /// ν as near to each other as this are asked for together: an eigenvector of one alone mixes with the other's.
 const TOGETHER: f64 = 1e-10;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum State {
     Signed(Signature),
     /// On the circle, too near to another one for its signature.
@@ -30,7 +32,7 @@ struct Pair {
 
 /// All pairs that feel the impacts but real ones, part by part, by rising place.
 #[derive(Debug, Clone)]
-pub(super) struct Order {
+pub(crate) struct Order {
     reflections: usize,
     pairs: Vec<Pair>,
 }
@@ -38,19 +40,25 @@ pub(super) struct Order {
 /// Alike in all but places.
 impl PartialEq for Order {
     fn eq(&self, other: &Self) -> bool {
-        let kinds = |order: &Self| order.pairs.iter().map(|pair| (pair.part, pair.state)).collect::<Vec<_>>();
-        self.reflections == other.reflections && kinds(self) == kinds(other)
+        self.reflections == other.reflections && self.states().eq(other.states())
+    }
+}
+
+impl Hash for Order {
+    fn hash<H: Hasher>(&self, hasher: &mut H) {
+        self.reflections.hash(hasher);
+        self.states().for_each(|state| state.hash(hasher));
     }
 }
 
 impl Order {
     /// Of an orbit by the half-sums ν of its pairs.
-    pub(super) fn of_orbit(orbit: &ContactOrbit, half_sums: &[Complex<f64>]) -> Option<Self> {
+    pub(crate) fn of_orbit(orbit: &ContactOrbit, half_sums: &[Complex<f64>]) -> Option<Self> {
         Self::of(&orbit.bloch_equations().0, half_sums)
     }
 
     /// Of an orbit by its equations and the half-sums ν of its pairs; `None` where parts cannot be told.
-    pub(super) fn of(equations: &BlochEquations, half_sums: &[Complex<f64>]) -> Option<Self> {
+    pub(crate) fn of(equations: &BlochEquations, half_sums: &[Complex<f64>]) -> Option<Self> {
         let forms = KreinForms::new(equations);
         let reflections = forms.reflections();
         let is_on = |nu: &Complex<f64>| nu.im.abs() <= SPLIT;
@@ -86,13 +94,17 @@ impl Order {
     }
 
     /// Whether every signature is told.
-    pub(super) fn is_told(&self) -> bool {
+    pub(crate) fn is_told(&self) -> bool {
         self.pairs.iter().all(|pair| pair.state != State::Open)
     }
 
     /// Numbers of reflections, and of pairs.
-    pub(super) fn size(&self) -> [usize; 2] {
+    pub(crate) fn size(&self) -> [usize; 2] {
         [self.reflections, self.pairs.len()]
+    }
+
+    fn states(&self) -> impl Iterator<Item = (u32, State)> + '_ {
+        self.pairs.iter().map(|pair| (pair.part, pair.state))
     }
 
     fn on_circle(&self) -> impl Iterator<Item = &Pair> + '_ {
@@ -100,7 +112,7 @@ impl Order {
     }
 
     /// Parts of the pairs on the circle with their signatures, as often as there is one.
-    pub(super) fn kinds(&self) -> Vec<(u32, Option<i8>)> {
+    pub(crate) fn kinds(&self) -> Vec<(u32, Option<i8>)> {
         let kind = |pair: &Pair| {
             let State::Signed(signature) = pair.state else { return (pair.part, None) };
             (pair.part, Some(signature.value()))
@@ -112,7 +124,7 @@ impl Order {
 
     /// The first two on the circle that have changed places in another order of as many of each kind, so that a stripe must lie between: their
     /// part, and how many of it come before them.
-    pub(super) fn swapped(&self, other: &Self) -> Option<(u32, usize)> {
+    pub(crate) fn swapped(&self, other: &Self) -> Option<(u32, usize)> {
         if self.reflections != other.reflections || self.kinds() != other.kinds() {
             return None;
         }
@@ -122,7 +134,7 @@ impl Order {
     }
 
     /// The square of the distance between two neighbours on the circle, as [`swapped`](Self::swapped) has them.
-    pub(super) fn gap(&self, (part, first): (u32, usize)) -> Option<f64> {
+    pub(crate) fn gap(&self, (part, first): (u32, usize)) -> Option<f64> {
         let mut own = self.on_circle().filter(|pair| pair.part == part).skip(first);
         let (one, next) = (own.next()?, own.next()?);
         Some((next.place - one.place).powi(2))
