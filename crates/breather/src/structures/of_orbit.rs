@@ -270,25 +270,20 @@ impl ContactOrbit {
     /// As [`ContactOrbit::to_orbit`].
     pub fn into_orbit(self, family: Family) -> Result<Orbit, BreatherError> {
         match self.model().masses() {
-            Some(Masses { lattice, .. }) => {
-                let begun = self.begun_as(family)?;
-                Ok(begun.to_lattice_orbit(lattice, family)?.known_as(Some(Arc::new(begun))))
-            }
+            Some(Masses { lattice, .. }) => match self.first_of(family) {
+                0 => Ok(self.to_lattice_orbit(lattice, family)?.known_as(Some(Arc::new(self)))),
+                first => self.begun_with(first)?.into_orbit(family),
+            },
             None => Ok(Orbit::of_structure(Arc::new(self))),
-        }
-    }
-
-    /// The same orbit begun as those of a family are.
-    fn begun_as(&self, family: Family) -> Result<Self, BreatherError> {
-        match self.first_of(family) {
-            0 => Ok(self.clone()),
-            first => self.begun_with(first),
         }
     }
 
     /// The same as an orbit of a lattice, of this family as long as its impacts are those of the family.
     pub(crate) fn to_lattice_orbit(&self, lattice: &Model, family: Family) -> Result<Orbit, BreatherError> {
-        let mut orbit = self.begun_as(family)?.in_lattice(lattice)?;
+        let mut orbit = match self.first_of(family) {
+            0 => self.in_lattice(lattice)?,
+            first => self.begun_with(first)?.in_lattice(lattice)?,
+        };
         orbit.family = match (family, orbit.impacts().len(), self.force_periods(), orbit.impact_site()) {
             (_, _, _, None) => Family::Word,
             (Family::SingleSided, 2, 2, _) => Family::PeriodDoubled,
