@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use vibrochain_breather::{BreatherError, Family, Motion, Orbit, breathers};
 use vibrochain_floquet::{
-    Answer, Course, End, Event, EventSide, Evidence, LocateError, Located, Mechanism, Search, Unresolved,
-    diagram, diagram_until, eigenvalues, full_monodromy, locate, locate_until,
+    Answer, Course, End, Event, EventSide, Evidence, LocateError, Located, Mechanism, Search, Unresolved, diagram,
+    diagram_until, eigenvalues, full_monodromy, locate, locate_until,
 };
 use vibrochain_lattice::{Barrier, Chain, Force, Harmonic, ImpulseResponse, Model, Parameter, Point, Spectrum, Stop};
 use vibrochain_testkit::Values::{Is, Log};
