@@ -233,7 +233,7 @@ impl Diagram {
 fn switch(diagram: &mut Diagram, tracing: &Tracing<'_>, origin: Origin) -> Result<(), LocateError> {
     let parent = &diagram.branches[origin.branch];
     let Station::Event(located) = &parent.stations[origin.station] else { return Ok(()) };
-    let orbit = located.orbit.at_contacts(tracing.stop)?;
+    let Ok(orbit) = located.orbit.at_contacts(tracing.stop) else { return Ok(()) };
     let departure = departure(located, &orbit).filter(|_| parent.is_physical_about(origin.station));
     let Some(departure) = departure else { return Ok(()) };
     let generation = parent.generation + 1;
