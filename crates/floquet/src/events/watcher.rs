@@ -44,7 +44,7 @@ pub(crate) fn bounded(orbit: &ContactOrbit) -> ContactOrbit {
 pub(crate) struct Watcher {
     spectra: usize,
     analyser: Analyser,
-    finder: Option<Finder>,
+    finder: Finder,
 }
 
 impl Watcher {
@@ -116,8 +116,7 @@ impl Watcher {
     ) -> Option<Result<Verdict, LocateError>> {
         let told = |orbit: Result<Orbit, BreatherError>| {
             let orbit = orbit.map_err(BranchError::from)?;
-            let finder = self.finder.get_or_insert_default();
-            Ok(self.analyser.verdict(&orbit, finder, tolerance)?)
+            Ok(self.analyser.verdict(&orbit, &mut self.finder, tolerance)?)
         };
         orbit.of_all_masses().map(told)
     }
