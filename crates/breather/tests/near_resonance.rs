@@ -178,7 +178,8 @@ fn next_to_a_resonance_one_mass_has_the_orbits_of_its_flights() {
 #[ignore = "minutes"]
 fn slow_one_mass_has_the_orbits_of_its_flights() {
     let [compared, complete, orbits] = compare_with_flights(3000, 32);
-    assert!(compared > 2000 && complete > 1000 && orbits > 5000, "{compared} {complete} {orbits}");
+    // The other half is proved to have none: the force is too weak.
+    assert!(compared > 1500 && complete == compared && orbits > 10_000, "{compared} {complete} {orbits}");
 }
 
 #[test]
