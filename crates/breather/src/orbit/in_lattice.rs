@@ -92,7 +92,7 @@ impl Deref for LatticeOrbit<'_> {
 }
 
 impl Orbit {
-    /// The same, of which contacts know this already.
+    /// This orbit, with its description in terms of contacts, where that has been worked out already.
     pub(crate) fn known_as(mut self, known: Option<Arc<ContactOrbit>>) -> Self {
         if let Of::Lattice(part) = &mut self.of {
             part.at_contacts = known.into();

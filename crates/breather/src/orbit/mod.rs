@@ -70,7 +70,7 @@ impl Orbit {
         }
     }
 
-    /// As contacts know it, if it is of a structure; `None` of a lattice, whose contacts [`Orbit::at_contacts`] has to work out.
+    /// The orbit in terms of contacts, if it is one of a structure; `None` for a lattice, where [`Orbit::at_contacts`] works that out.
     pub fn contacts(&self) -> Option<&Arc<ContactOrbit>> {
         match &self.of {
             Of::Lattice(_) => None,

@@ -234,7 +234,7 @@ impl ContactOrbit {
         Orbit::from_impulses(lattice, self.force_periods(), self.psi().unwrap_or(0.0), &hits)
     }
 
-    /// Which of its impacts orbits of a family begin with: a doubled one of the paper with that before the longer flight.
+    /// The number of the impact that an orbit of this family begins with: of a doubled orbit of the paper, the impact before the longer flight.
     ///
     /// ```
     /// use vibrochain_breather::{Family, ContactOrbit, breathers};

@@ -32,7 +32,7 @@ impl ContactOrbit {
         self.checked(Depth::Worst)
     }
 
-    /// As [`ContactOrbit::admissibility`], to the first thing that is in the way: what a map asks.
+    /// The same check as [`ContactOrbit::admissibility`], which ends at the first obstruction that it finds: enough for a cell of a map.
     ///
     /// # Errors
     /// As [`ContactOrbit::admissibility`].
